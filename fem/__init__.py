@@ -1,0 +1,1 @@
+"""Finite elements for legs and robots: beams, solids, and their couplings."""

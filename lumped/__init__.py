@@ -1,0 +1,1 @@
+"""Lumped models of a parallel robot: virtual joints, rigid segments, and the data they share."""

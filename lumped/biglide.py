@@ -1,0 +1,139 @@
+"""The PRRRP biglide: its data and its postures (paper §2.1, Figs 1 and 2).
+
+A slides along y on the line x = 0, C along y on the line x = a; leg 1 = AB, leg 2 = CB, both on
+the same side; B = (x, y). Nothing depends on y, so B is the origin of y.
+"""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from lumped.arrays import Array
+from lumped.errors import InputError
+from lumped.legs import EquivalentBy, Leg, equivalent_leg
+from lumped.screws import rotation_z
+
+# Relative slack for a posture at the very end of the stroke, where x − end is rounding noise.
+_ROUNDING = 1e-12
+
+
+@dataclass(frozen=True)
+class Posture:
+    """Where the joints are when B is at `x` (m, base axes, B as origin of y and z).
+
+    `root1` = A, `root2` = C, `tip` = B; `rotation1`, `rotation2` are 3×3 with the axes of leg 1
+    and leg 2 as columns; `s1`, `s2` (m) are the legs' extents along y.
+    """
+
+    x: float
+    root1: Array
+    root2: Array
+    tip: Array
+    rotation1: Array
+    rotation2: Array
+    s1: float
+    s2: float
+
+
+@dataclass(frozen=True)
+class Biglide:
+    """A biglide robot, SI units.
+
+    Distance `a` (m) between the slides; `tool_offset` (m, base axes) from B to the loaded point P
+    where the platform's mass (kg) sits; `actuator_stiffness` (N/m) of the simplified model;
+    `foot_compliance` 6×6 at the revolute joint in robot axes, None for rigid feet;
+    `tool_compliance` 6×6 in robot axes, a spring in series at P, None for a rigid platform.
+    """
+
+    name: str
+    a: float
+    platform_mass: float
+    actuator_stiffness: float
+    leg1: Leg
+    leg2: Leg
+    tool_offset: Array = field(default_factory=lambda: np.zeros(3))
+    foot_compliance: Array | None = None
+    tool_compliance: Array | None = None
+
+    @property
+    def stroke(self) -> tuple[float, float]:
+        """First and last x of B (m): leg 2 horizontal, leg 1 horizontal (type 1 singularities)."""
+        return self.a - self.leg2.length, self.leg1.length
+
+    @property
+    def stroke_length(self) -> float:
+        """Length d = L1 + L2 − a (m)."""
+        return self.leg1.length + self.leg2.length - self.a
+
+    def posture(self, x: float) -> Posture:
+        """Posture with B at `x` (m); raises InputError outside the stroke."""
+        first, last = self.stroke
+        slack = _ROUNDING * self.a
+        if not first - slack <= x <= last + slack:
+            raise InputError(
+                f"{self.name}: x = {x:g} m is outside the stroke {first:g} m to {last:g} m"
+            )
+        s1 = float(np.sqrt(max(self.leg1.length**2 - x**2, 0.0)))
+        s2 = float(np.sqrt(max(self.leg2.length**2 - (self.a - x) ** 2, 0.0)))
+        return Posture(
+            x=x,
+            root1=np.array([0.0, -s1, 0.0]),
+            root2=np.array([self.a, -s2, 0.0]),
+            tip=np.array([x, 0.0, 0.0]),
+            rotation1=rotation_z(float(np.arctan2(s1, x))),
+            rotation2=rotation_z(float(np.arctan2(s2, x - self.a))),
+            s1=s1,
+            s2=s2,
+        )
+
+    def stations(self, count: int) -> Array:
+        """`count` x positions (m), evenly spread over the stroke, both ends included."""
+        return np.linspace(*self.stroke, count)
+
+    @property
+    def centre(self) -> float:
+        """Middle of the stroke (m)."""
+        return 0.5 * sum(self.stroke)
+
+
+def with_equivalent_legs(robot: Biglide, by: EquivalentBy = "stiffness") -> Biglide:
+    """The same robot with constant-section legs (paper §2.3)."""
+    return replace(robot, leg1=equivalent_leg(robot.leg1, by), leg2=equivalent_leg(robot.leg2, by))
+
+
+def scaled(robot: Biglide, alpha: float, by: EquivalentBy = "stiffness") -> Biglide:
+    """Member `alpha` of the family of eqs (10), (11): legs α times as long, the same stroke d.
+
+    The legs keep their (equivalent) constant section; a = α (L10 + L20) − d. Raises InputError
+    for an α at which the legs cannot meet.
+    """
+    leg1, leg2 = equivalent_leg(robot.leg1, by), equivalent_leg(robot.leg2, by)
+    a = alpha * (leg1.length + leg2.length) - robot.stroke_length
+    member = replace(
+        robot,
+        name=f"{robot.name}, α = {alpha:g}",
+        a=a,
+        leg1=replace(leg1, length=alpha * leg1.length),
+        leg2=replace(leg2, length=alpha * leg2.length),
+    )
+    if faults := geometry_faults(member):
+        raise InputError(f"α = {alpha:g}: {fault}" for fault in faults)
+    return member
+
+
+def geometry_faults(robot: Biglide) -> list[str]:
+    """Why the legs cannot meet or pass their singular postures; empty if the geometry is sound."""
+    l1, l2, a = robot.leg1.length, robot.leg2.length, robot.a
+    faults = []
+    if not a > 0.0:
+        faults.append(f"a = {a:g} m: the slides must be apart, a > 0")
+    if l1 + l2 <= a:
+        faults.append(
+            f"leg lengths {l1:g} m + {l2:g} m do not reach over a = {a:g} m: the legs cannot meet"
+        )
+    if a > 0.0 and (l1 >= l2 + a or l2 >= l1 + a):
+        faults.append(
+            f"leg lengths {l1:g} m and {l2:g} m differ by a = {a:g} m or more: "
+            "the shorter leg never becomes horizontal, so the stroke has no end"
+        )
+    return faults

@@ -1,0 +1,270 @@
+"""What the matrices of a leg, foot or tool say about themselves: checks on data, printed or used.
+
+Every check returns the findings on one part, none where the data are sound.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from lumped.arrays import Array
+from lumped.finding import Finding, Severity
+from lumped.matrix_faults import asymmetries, is_positive_definite, smallest_eigenvalue
+
+# Moments of inertia are printed with three to four digits.
+_TRIANGLE_ROUNDING = 1e-3
+# Of √(k_ii k_jj), where a straight beam has √3/2: below it a coupling is an accident of the shape.
+_COUPLING_THRESHOLD = 0.1
+# A leg's end may give way locally and turn more than a beam's; ten times more is not a beam.
+_LARGEST_TIP_ROTATION = 10.0
+
+
+@dataclass(frozen=True)
+class Part:
+    """A part of the robot as a file describes it, SI; None where it does not.
+
+    `compliance` 6×6, `inertia` 3×3 at the mass centre, `length` and `mass_centre` (m from the
+    root, along x) of a leg.
+    """
+
+    name: str
+    compliance: Array | None = None
+    inertia: Array | None = None
+    length: float | None = None
+    mass_centre: float | None = None
+
+
+def parts(tables: Mapping[str, Any]) -> tuple[Part, ...]:
+    """Foot, legs and tool of a robot file's tables."""
+    return tuple(
+        Part(
+            name=name,
+            compliance=_matrix(tables[name], "compliance"),
+            inertia=_matrix(tables[name], "inertia"),
+            length=tables[name].get("length"),
+            mass_centre=tables[name].get("mass_centre"),
+        )
+        for name in ("foot", "leg1", "leg2", "tool")
+        if name in tables
+    )
+
+
+def data_findings(part: Part) -> tuple[Finding, ...]:
+    """All findings on one part."""
+    return tuple(finding for check in CHECKS for finding in check(part))
+
+
+def symmetry(part: Part) -> tuple[Finding, ...]:
+    """Compliance and inertia must be symmetric (Maxwell and Betti; a definition)."""
+    matrices = {"compliance": part.compliance, "inertia": part.inertia}
+    return tuple(
+        _finding(
+            f"{part.name}.{key}",
+            "symmetry",
+            printed=f"({a.row},{a.column}) = {a.lower:g}, ({a.column},{a.row}) = {a.upper:g}",
+            wrong="the matrix is not symmetric",
+            evidence=f"the two entries differ by {abs(a.lower - a.upper):.3g}",
+            severity="error",
+            numbers={"difference": abs(a.lower - a.upper)},
+        )
+        for key, matrix in matrices.items()
+        if matrix is not None
+        for a in asymmetries(matrix)
+    )
+
+
+def definiteness(part: Part) -> tuple[Finding, ...]:
+    """A compliance must be positive definite: every load does positive work."""
+    if part.compliance is None or is_positive_definite(part.compliance):
+        return ()
+    smallest = smallest_eigenvalue(part.compliance)
+    diagonal = ", ".join(f"{entry:.3g}" for entry in np.diag(part.compliance))
+    return (
+        _finding(
+            f"{part.name}.compliance",
+            "definiteness",
+            printed=f"diagonal {diagonal}",
+            wrong="the compliance matrix is indefinite: some load would gain energy",
+            evidence=f"smallest eigenvalue {smallest:.2g}",
+            severity="error",
+            numbers={"smallest eigenvalue": smallest},
+        ),
+    )
+
+
+def triangle_inequality(part: Part) -> tuple[Finding, ...]:
+    """Of a body's principal moments of inertia none exceeds the sum of the other two."""
+    if part.inertia is None:
+        return ()
+    moments = np.linalg.eigvalsh(0.5 * (part.inertia + part.inertia.T))
+    excess = float(moments[2] - moments[0] - moments[1])
+    if excess <= _TRIANGLE_ROUNDING * abs(moments[2]):
+        return ()
+    shown = ", ".join(f"{moment:.3f}" for moment in moments)
+    return (
+        _finding(
+            f"{part.name}.inertia",
+            "triangle inequality",
+            printed=_off_diagonal(part.inertia),
+            wrong="no body has this inertia: the largest principal moment exceeds the sum of the "
+            "others",
+            evidence=f"principal moments {shown} kg m²; {excess:.3f} kg m² too much",
+            severity="error",
+            numbers={f"moment {i + 1}": float(moment) for i, moment in enumerate(moments)},
+        ),
+    )
+
+
+def slender_axis(part: Part) -> tuple[Finding, ...]:
+    """A leg is longest along its x axis, so its moment of inertia is smallest about x."""
+    if part.inertia is None or part.length is None:
+        return ()
+    moments, axes = np.linalg.eigh(0.5 * (part.inertia + part.inertia.T))
+    axis = int(np.argmax(np.abs(axes[:, 0])))
+    if axis == 0:
+        return ()
+    diagonal = np.diag(part.inertia)
+    return (
+        _finding(
+            f"{part.name}.inertia",
+            "slender axis",
+            printed="diagonal " + ", ".join(f"{moment:g}" for moment in diagonal),
+            wrong=f"smallest moment of inertia about {'xyz'[axis]}, but x is the leg's direction; "
+            "likely the axes of the drawing",
+            evidence=f"smallest principal moment {moments[0]:.3f} kg m² about {'xyz'[axis]}, "
+            f"against {diagonal[0]:.3f} kg m² about x",
+            severity="warning",
+            numbers={"smallest moment": float(moments[0]), "about x": float(diagonal[0])},
+        ),
+    )
+
+
+def couplings(part: Part) -> tuple[Finding, ...]:
+    """Signs of k26 (y with φz) and k35 (z with φy).
+
+    Both come from the arm between the loaded point and the place that bends: k26 = arm · k66,
+    k35 = −arm · k55. A leg clamped at its root has a positive arm; for a foot only the two
+    arms must point the same way.
+    """
+    if part.compliance is None or part.name == "tool":
+        return ()
+    k = part.compliance
+    k26, k35 = float(k[1, 5]), float(k[2, 4])
+    matters26 = abs(k26) > _COUPLING_THRESHOLD * np.sqrt(abs(k[1, 1] * k[5, 5]))
+    matters35 = abs(k35) > _COUPLING_THRESHOLD * np.sqrt(abs(k[2, 2] * k[4, 4]))
+    if part.length is None:
+        sound = not (matters26 and matters35 and k26 * k35 > 0.0)
+    else:
+        sound = not ((matters26 and k26 < 0.0) or (matters35 and k35 > 0.0))
+    if sound:
+        return ()
+    numbers = {"k26": k26, "k35": k35}
+    evidence = f"arms k26/k66 = {k26 / k[5, 5]:.3g} m and −k35/k55 = {-k35 / k[4, 4]:.3g} m"
+    if part.length is not None:
+        numbers["k26 of a beam"] = float(1.5 * k[1, 1] / part.length)
+        numbers["k35 of a beam"] = float(-1.5 * k[2, 2] / part.length)
+        evidence += (
+            f"; a beam of the same k22 and k33 has k26 = {numbers['k26 of a beam']:+.3g}, "
+            f"k35 = {numbers['k35 of a beam']:+.3g} rad/N"
+        )
+    return (
+        _finding(
+            f"{part.name}.compliance",
+            "couplings",
+            printed=f"k26 = {k26:.3g}, k35 = {k35:.3g} rad/N",
+            wrong="a straight right-handed cantilever has k26 > 0 and k35 < 0"
+            if part.length is not None
+            else "k26 and k35 of one arm have opposite signs",
+            evidence=evidence,
+            severity="warning",
+            numbers=numbers,
+        ),
+    )
+
+
+def tip_rotation(part: Part) -> tuple[Finding, ...]:
+    """A leg's tip turns about as much as that of a beam with the same deflection: 3k/L²."""
+    if part.compliance is None or part.length is None:
+        return ()
+    findings = []
+    for along, about in ((2, 6), (3, 5)):
+        deflection = part.compliance[along - 1, along - 1]
+        rotation = part.compliance[about - 1, about - 1]
+        ratio = float(rotation * part.length**2 / (3.0 * deflection))
+        if 0.0 < ratio <= _LARGEST_TIP_ROTATION:
+            continue
+        findings.append(
+            _finding(
+                f"{part.name}.compliance",
+                f"tip rotation k{about}{about}",
+                printed=f"k{along}{along} = {deflection:.3g} m/N, "
+                f"k{about}{about} = {rotation:.3g} rad/(N m)",
+                wrong="the tip turns far more than a beam with the same deflection; likely the "
+                "local give of the interface, which no constant-section leg has",
+                evidence=f"{ratio:.3g} times a beam's 3 k{along}{along}/L²",
+                severity="note",
+                numbers={"ratio": ratio},
+            )
+        )
+    return tuple(findings)
+
+
+def mass_centre(part: Part) -> tuple[Finding, ...]:
+    """A leg's mass centre lies between root and tip."""
+    if part.mass_centre is None or part.length is None or 0.0 < part.mass_centre < part.length:
+        return ()
+    return (
+        _finding(
+            f"{part.name}.mass_centre",
+            "mass centre",
+            printed=f"{part.mass_centre:g} m",
+            wrong="the mass centre lies outside the leg",
+            evidence=f"the leg reaches from 0 to {part.length:g} m",
+            severity="warning",
+            numbers={"mass centre": part.mass_centre, "length": part.length},
+        ),
+    )
+
+
+CHECKS: tuple[Callable[[Part], tuple[Finding, ...]], ...] = (
+    symmetry,
+    definiteness,
+    triangle_inequality,
+    slender_axis,
+    couplings,
+    tip_rotation,
+    mass_centre,
+)
+
+
+def _matrix(table: Mapping[str, Any], key: str) -> Array | None:
+    return np.array(table[key], dtype=float) if key in table else None
+
+
+def _off_diagonal(inertia: Array) -> str:
+    return f"Jxy = {inertia[0, 1]:g}, Jxz = {inertia[0, 2]:g}, Jyz = {inertia[1, 2]:g} kg m²"
+
+
+def _finding(
+    where: str,
+    check: str,
+    *,
+    printed: str,
+    wrong: str,
+    evidence: str,
+    severity: Severity,
+    numbers: Mapping[str, float],
+) -> Finding:
+    return Finding(
+        where=where,
+        check=check,
+        printed=printed,
+        wrong=wrong,
+        evidence=evidence,
+        used="as given",
+        kind="computed",
+        severity=severity,
+        numbers=numbers,
+    )

@@ -1,0 +1,189 @@
+"""Legs of a robot: as a section and a material, or as a compliance matrix and a mass.
+
+A leg's local x axis runs from its root to its tip, its local z axis is the robot's z axis.
+"""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Literal, TypeAlias
+
+import numpy as np
+
+from lumped.arrays import Array
+from lumped.errors import InputError
+from lumped.screws import move_compliance
+from lumped.sections import Rectangle, Section
+
+Theory: TypeAlias = Literal["euler-bernoulli", "timoshenko"]
+EquivalentBy: TypeAlias = Literal["stiffness", "compliance"]
+
+
+@dataclass(frozen=True)
+class Material:
+    """Linear elastic material with cubic symmetry along the leg's axes; isotropic if G = E/2(1+ν).
+
+    E, G in Pa, density `rho` in kg/m³.
+    """
+
+    E: float
+    G: float
+    nu: float
+    rho: float
+
+    @classmethod
+    def isotropic(cls, E: float, nu: float, rho: float) -> "Material":
+        """Isotropic material of Young's modulus E (Pa), Poisson's ratio ν, density ρ (kg/m³)."""
+        return cls(E=E, G=E / (2.0 * (1.0 + nu)), nu=nu, rho=rho)
+
+
+@dataclass(frozen=True)
+class BeamProperties:
+    """What a beam model knows of a prismatic leg.
+
+    EA, GAy, GAz (N; κGA for shear along y and z, infinite without shear deformation), EIy, EIz,
+    GJ (N m²), mass per length `mu` (kg/m), rotary inertia per length `rho_J` about x, `rho_Iy`
+    and `rho_Iz` (kg m; the latter two zero in Euler–Bernoulli theory).
+    """
+
+    EA: float
+    EIy: float
+    EIz: float
+    GJ: float
+    GAy: float
+    GAz: float
+    mu: float
+    rho_J: float
+    rho_Iy: float
+    rho_Iz: float
+
+    def as_euler_bernoulli(self) -> "BeamProperties":
+        """The same beam without shear deformation and without rotary inertia of bending."""
+        return replace(self, GAy=np.inf, GAz=np.inf, rho_Iy=0.0, rho_Iz=0.0)
+
+    def piece_compliance(self, length: float) -> Array:
+        """6×6 compliance of a piece of `length` (m), referred to its middle: diagonal, leg axes.
+
+        (l/EA, l³/12EIz + l/κGA, l³/12EIy + l/κGA, l/GJ, l/EIy, l/EIz): the spring between two
+        rigid elements that makes a chain of them exact in statics for any number of elements.
+        """
+        return np.diag(
+            [
+                length / self.EA,
+                length**3 / (12.0 * self.EIz) + length / self.GAy,
+                length**3 / (12.0 * self.EIy) + length / self.GAz,
+                length / self.GJ,
+                length / self.EIy,
+                length / self.EIz,
+            ]
+        )
+
+
+@dataclass(frozen=True)
+class ConstantLeg:
+    """Prismatic leg of `length` (m) with one section and one material."""
+
+    length: float
+    section: Section
+    material: Material
+
+    @property
+    def mass(self) -> float:
+        """Mass (kg)."""
+        return self.material.rho * self.section.area * self.length
+
+    @cached_property
+    def timoshenko(self) -> BeamProperties:
+        """Beam properties with shear deformation and rotary inertia, textbook section constants."""
+        section, material = self.section, self.material
+        kappa_y, kappa_z = section.shear_coefficients(material.nu)
+        area, iy, iz = section.area, section.second_moment_y, section.second_moment_z
+        return BeamProperties(
+            EA=material.E * area,
+            EIy=material.E * iy,
+            EIz=material.E * iz,
+            GJ=material.G * section.torsion_constant,
+            GAy=kappa_y * material.G * area,
+            GAz=kappa_z * material.G * area,
+            mu=material.rho * area,
+            rho_J=material.rho * (iy + iz),
+            rho_Iy=material.rho * iy,
+            rho_Iz=material.rho * iz,
+        )
+
+    def properties(self, theory: Theory) -> BeamProperties:
+        """Beam properties in the given beam theory."""
+        full = self.timoshenko
+        return full.as_euler_bernoulli() if theory == "euler-bernoulli" else full
+
+
+@dataclass(frozen=True)
+class GivenLeg:
+    """Leg known by its 6×6 tip compliance (root clamped, leg axes, SI) and its mass (kg).
+
+    `inertia` (3×3, kg m²) and `mass_centre` (m from the root) are data for the audit alone.
+    """
+
+    length: float
+    mass: float
+    compliance: Array
+    inertia: Array | None = None
+    mass_centre: float | None = None
+
+
+Leg: TypeAlias = GivenLeg | ConstantLeg
+
+
+def tip_compliance(properties: BeamProperties, length: float) -> Array:
+    """6×6 compliance (SI, leg axes) at the tip of a prismatic cantilever of `length` (m).
+
+    The compliance of the whole piece, diagonal at its middle, moved to its end: c22 = L³/3EIz +
+    L/κGA, c26 = L²/2EIz, c35 = −L²/2EIy.
+    """
+    return move_compliance(properties.piece_compliance(length), np.array([length / 2.0, 0.0, 0.0]))
+
+
+def constant_leg(
+    length: float, EA: float, EIy: float, EIz: float, GJ: float, mass: float
+) -> ConstantLeg:
+    """Solid rectangular leg with four given stiffnesses (N, N m²) and mass (kg).
+
+    h = √(12 EIy/EA) along z, b = √(12 EIz/EA) along y, E = EA/(bh), G = GJ/J(b, h), ν = 0: a
+    cubic material, since no isotropic section has four arbitrary terms.
+    """
+    section = Rectangle(width=np.sqrt(12.0 * EIz / EA), height=np.sqrt(12.0 * EIy / EA))
+    material = Material(
+        E=EA / section.area,
+        G=GJ / section.torsion_constant,
+        nu=0.0,
+        rho=mass / (section.area * length),
+    )
+    return ConstantLeg(length, section, material)
+
+
+def equivalent_leg(leg: Leg, by: EquivalentBy = "stiffness") -> ConstantLeg:
+    """Constant-section leg with the same first four diagonal terms (paper §2.3).
+
+    Of the stiffness matrix K = k⁻¹: EA = K11 L, EIz = K22 L³/12, EIy = K33 L³/12, GJ = K44 L; or
+    of the compliance k: EA = L/k11, EIz = L³/3k22, EIy = L³/3k33, GJ = L/k44. A leg of constant
+    section is its own equivalent. Raises InputError where k is not positive definite.
+    """
+    if isinstance(leg, ConstantLeg):
+        return leg
+    length = leg.length
+    if np.linalg.eigvalsh(leg.compliance)[0] <= 0.0:
+        raise InputError("leg compliance is not positive definite: it has no equivalent leg")
+    if by == "stiffness":
+        k11, k22, k33, k44 = np.diag(np.linalg.inv(leg.compliance))[:4]
+        stiffnesses = (k11 * length, k33 * length**3 / 12.0, k22 * length**3 / 12.0, k44 * length)
+    else:
+        c11, c22, c33, c44 = np.diag(leg.compliance)[:4]
+        stiffnesses = (length / c11, length**3 / (3.0 * c33), length**3 / (3.0 * c22), length / c44)
+    EA, EIy, EIz, GJ = (float(value) for value in stiffnesses)
+    return constant_leg(length, EA=EA, EIy=EIy, EIz=EIz, GJ=GJ, mass=leg.mass)
+
+
+def given_compliance(leg: Leg) -> Array:
+    """6×6 tip compliance (SI, leg axes) of a leg as described: its own, or Timoshenko's."""
+    if isinstance(leg, GivenLeg):
+        return leg.compliance
+    return tip_compliance(leg.timoshenko, leg.length)

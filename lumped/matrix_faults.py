@@ -1,0 +1,122 @@
+"""What is wrong with a compliance or inertia matrix, told by entries and numbers.
+
+The loader of robot files and the audit ask the same questions here.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import TypeGuard
+
+import numpy as np
+
+from lumped.arrays import Array
+from lumped.schema import SquareMatrix
+
+# Relative to √(k_ii k_jj): finite element programs print seven digits, so symmetric entries may
+# differ in the last; a lost sign or exponent differs by far more.
+SYMMETRY_TOLERANCE = 1e-6
+# Of the matrix scaled to unit diagonal; below it rounding alone decides the sign.
+DEFINITENESS_TOLERANCE = 1e-12
+# 1 N or 1 N m that moves a part by 1 m or 1 rad: a stiffness (1e5 and more) was given.
+LARGEST_COMPLIANCE = 1.0
+
+
+@dataclass(frozen=True)
+class Asymmetry:
+    """Entries (row, column), row > column, counted from 1, and their two values."""
+
+    row: int
+    column: int
+    lower: float
+    upper: float
+
+
+def asymmetries(matrix: Array) -> tuple[Asymmetry, ...]:
+    """Entries of a square matrix that differ from their mirror image beyond rounding."""
+    size = np.sqrt(np.abs(np.diag(matrix)))
+    scale = np.maximum(np.outer(size, size), np.maximum(np.abs(matrix), np.abs(matrix.T)))
+    wrong = np.tril(np.abs(matrix - matrix.T) > SYMMETRY_TOLERANCE * scale)
+    return tuple(
+        Asymmetry(int(i) + 1, int(j) + 1, float(matrix[i, j]), float(matrix[j, i]))
+        for i, j in zip(*np.nonzero(wrong), strict=True)
+    )
+
+
+def smallest_eigenvalue(matrix: Array) -> float:
+    """Smallest eigenvalue of the symmetric part of a square matrix, in its own (mixed) units."""
+    return float(np.linalg.eigvalsh(0.5 * (matrix + matrix.T))[0])
+
+
+def is_positive_definite(matrix: Array) -> bool:
+    """Whether the symmetric part is positive definite, whatever the units of its rows."""
+    diagonal = np.diag(matrix)
+    if np.any(diagonal <= 0.0):
+        return False
+    scale = 1.0 / np.sqrt(diagonal)
+    return smallest_eigenvalue(matrix * np.outer(scale, scale)) > DEFINITENESS_TOLERANCE
+
+
+def matrix_faults(value: object, kind: SquareMatrix) -> list[str]:
+    """Faults of a matrix as read from a file, each to be put behind its key: "[1,2] = …"."""
+    faults = _shape_faults(value, kind)
+    if faults:
+        return faults
+    matrix = np.array(value, dtype=float)
+    faults = [
+        f"[{a.row},{a.column}] = {a.lower!r}, [{a.column},{a.row}] = {a.upper!r}: must be equal, "
+        f"the matrix is symmetric (to {SYMMETRY_TOLERANCE:g} of the diagonal, what rounding to "
+        "seven digits leaves)"
+        for a in asymmetries(matrix)
+    ]
+    faults += _diagonal_faults(matrix, kind)
+    if not faults and kind.compliance and not is_positive_definite(matrix):
+        faults.append(
+            f": smallest eigenvalue {smallest_eigenvalue(matrix):.3g}: the matrix must be positive "
+            "definite, or some load would gain energy"
+        )
+    return faults
+
+
+def _shape_faults(value: object, kind: SquareMatrix) -> list[str]:
+    n = kind.size
+    wanted = f"must be {n} rows of {n} numbers in {kind.unit}"
+    if not isinstance(value, list) or not all(isinstance(row, list) for row in value):
+        return [f": not a matrix; {wanted}"]
+    lengths = [len(row) for row in value]
+    if len(set(lengths)) > 1:
+        return [f": rows of {', '.join(map(str, lengths))} entries; {wanted}"]
+    if lengths != [n] * n:
+        return [f": {len(lengths)}×{lengths[0] if lengths else 0} entries; {wanted}"]
+    return [
+        f"[{i},{j}] = {entry!r}: must be a finite number in {kind.unit}"
+        for i, row in enumerate(value, start=1)
+        for j, entry in enumerate(row, start=1)
+        if not is_finite_number(entry)
+    ]
+
+
+def is_finite_number(entry: object) -> TypeGuard[float]:
+    """Whether a value of a TOML file is a number that a float can hold; true and false are not."""
+    if isinstance(entry, bool) or not isinstance(entry, int | float):
+        return False
+    try:
+        return math.isfinite(entry)
+    except OverflowError:
+        return False
+
+
+def _diagonal_faults(matrix: Array, kind: SquareMatrix) -> list[str]:
+    faults = []
+    for i, entry in enumerate(np.diag(matrix).tolist(), start=1):
+        if entry <= 0.0:
+            faults.append(f"[{i},{i}] = {entry!r}: must be above 0, it stands on the diagonal")
+        elif kind.compliance and entry > LARGEST_COMPLIANCE:
+            faults.append(
+                f"[{i},{i}] = {entry!r}: must be at most {LARGEST_COMPLIANCE:g} "
+                f"{_compliance_unit(i)}; is this a stiffness?"
+            )
+    return faults
+
+
+def _compliance_unit(index: int) -> str:
+    return "m/N" if index <= 3 else "rad/(N m)"

@@ -1,0 +1,59 @@
+"""Natural frequencies and modes of small undamped models, dense and exact."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import LinAlgError, eigh
+from scipy.sparse import issparse
+
+from lumped.arrays import Array, SparseMatrix
+from lumped.errors import ComputationError
+
+
+@dataclass(frozen=True)
+class Modes:
+    """Frequencies (Hz, ascending, m values) and mass-normalised shapes (n×m, columns)."""
+
+    frequencies: Array
+    shapes: Array
+
+
+def dense(matrix: SparseMatrix) -> Array:
+    """The matrix as a dense array."""
+    return np.asarray(matrix.toarray() if issparse(matrix) else matrix)
+
+
+def solve_modes(
+    stiffness: SparseMatrix | Array, mass: SparseMatrix | Array, count: int, part: str
+) -> Modes:
+    """The lowest `count` modes of det(K − ω²M) = 0, eq. (24).
+
+    Solved as M v = (1/ω²) K v, so that massless unknowns (M singular) are allowed and the lowest
+    frequencies are the most accurate. Signs are fixed: the largest entry of a shape is positive.
+    Raises ComputationError, naming `part`, where K is not positive definite or M has no `count`
+    modes.
+    """
+    k, m = dense(stiffness), dense(mass)
+    n = k.shape[0]
+    scale = 1.0 / np.sqrt(np.maximum(np.diag(k), np.finfo(float).tiny))
+    k = k * scale[:, None] * scale
+    m = m * scale[:, None] * scale
+    try:
+        values, vectors = eigh(m, k, subset_by_index=[max(n - count, 0), n - 1])
+    except LinAlgError as error:
+        raise ComputationError(
+            f"{part}: the stiffness matrix is not positive definite; "
+            "a part is free to move or a stiffness is negative"
+        ) from error
+    values, vectors = values[::-1], vectors[:, ::-1] * scale[:, None]
+    if len(values) < count or values[-1] <= np.finfo(float).eps * n * values[0]:
+        raise ComputationError(f"{part}: {count} modes asked for, but fewer have mass")
+    shapes = fix_signs(vectors / np.sqrt(values))
+    return Modes(frequencies=1.0 / (2.0 * np.pi * np.sqrt(values)), shapes=shapes)
+
+
+def fix_signs(shapes: Array) -> Array:
+    """Shapes (n×m) with each column's largest entry made positive, so that runs repeat."""
+    largest = np.argmax(np.abs(shapes), axis=0)
+    signed: Array = shapes * np.sign(shapes[largest, np.arange(shapes.shape[1])])
+    return signed

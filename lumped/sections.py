@@ -1,0 +1,326 @@
+"""Cross-sections of constant-section legs and their textbook constants.
+
+A section lies in the leg's y–z plane, width along y, height along z, centroid at the origin.
+Iy = ∫z² dA bends the leg in its x–z plane, Iz = ∫y² dA in its x–y plane.
+Torsion constants and shear coefficients are closed forms: exact for rectangle (series), circle
+and tube; thin-wall formulas for hollow rectangle and I (`fem.section_constants` computes those
+without that assumption). Shear coefficients: Cowper, J. Appl. Mech. 33 (1966) 335.
+"""
+
+from dataclasses import dataclass, fields
+from math import pi, tanh
+from typing import ClassVar, Protocol
+
+
+class Section(Protocol):
+    """What every section shape offers; lengths in m."""
+
+    shape: ClassVar[str]
+
+    @property
+    def area(self) -> float:
+        """Area A (m²)."""
+        ...
+
+    @property
+    def second_moment_y(self) -> float:
+        """Iy = ∫z² dA (m⁴)."""
+        ...
+
+    @property
+    def second_moment_z(self) -> float:
+        """Iz = ∫y² dA (m⁴)."""
+        ...
+
+    @property
+    def torsion_constant(self) -> float:
+        """Saint-Venant's torsion constant J (m⁴)."""
+        ...
+
+    @property
+    def extent(self) -> tuple[float, float]:
+        """Size of the bounding box along y and along z (m)."""
+        ...
+
+    def shear_coefficients(self, nu: float) -> tuple[float, float]:
+        """Cowper's κ for shear along y and along z, Poisson's ratio `nu`."""
+        ...
+
+    def faults(self) -> list[str]:
+        """What makes the shape impossible, one line each; empty if it is sound."""
+        ...
+
+
+def rectangle_torsion_constant(width: float, height: float) -> float:
+    """Saint-Venant's J (m⁴) of a solid rectangle (Timoshenko & Goodier, Elasticity, §109).
+
+    J = a b³ [1/3 − (64/π⁵)(b/a) Σ_odd tanh(kπa/2b)/k⁵], b the smaller side.
+    """
+    b, a = sorted((width, height))
+    series = sum(tanh(k * pi * a / (2.0 * b)) / k**5 for k in range(1, 200, 2))
+    return a * b**3 * (1.0 / 3.0 - 64.0 / pi**5 * (b / a) * series)
+
+
+def _not_positive(section: object) -> list[str]:
+    sizes = {f.name: getattr(section, f.name) for f in fields(section)}  # type: ignore[arg-type]
+    return [
+        f"{name} = {value!r}: must be above 0 m" for name, value in sizes.items() if not value > 0
+    ]
+
+
+@dataclass(frozen=True)
+class Rectangle:
+    """Solid rectangle, `width` along y, `height` along z (m)."""
+
+    width: float
+    height: float
+    shape: ClassVar[str] = "rectangle"
+
+    @property
+    def area(self) -> float:
+        return self.width * self.height
+
+    @property
+    def second_moment_y(self) -> float:
+        return self.width * self.height**3 / 12.0
+
+    @property
+    def second_moment_z(self) -> float:
+        return self.height * self.width**3 / 12.0
+
+    @property
+    def torsion_constant(self) -> float:
+        return rectangle_torsion_constant(self.width, self.height)
+
+    @property
+    def extent(self) -> tuple[float, float]:
+        return self.width, self.height
+
+    def shear_coefficients(self, nu: float) -> tuple[float, float]:
+        kappa = 10.0 * (1.0 + nu) / (12.0 + 11.0 * nu)
+        return kappa, kappa
+
+    def faults(self) -> list[str]:
+        return _not_positive(self)
+
+
+@dataclass(frozen=True)
+class HollowRectangle:
+    """Rectangular tube of outer `width` (y), `height` (z) and wall `thickness` (m)."""
+
+    width: float
+    height: float
+    thickness: float
+    shape: ClassVar[str] = "hollow-rectangle"
+
+    @property
+    def inner(self) -> Rectangle:
+        """The hole."""
+        return Rectangle(self.width - 2.0 * self.thickness, self.height - 2.0 * self.thickness)
+
+    @property
+    def outer(self) -> Rectangle:
+        """The rectangle without its hole."""
+        return Rectangle(self.width, self.height)
+
+    @property
+    def area(self) -> float:
+        return self.outer.area - self.inner.area
+
+    @property
+    def second_moment_y(self) -> float:
+        return self.outer.second_moment_y - self.inner.second_moment_y
+
+    @property
+    def second_moment_z(self) -> float:
+        return self.outer.second_moment_z - self.inner.second_moment_z
+
+    @property
+    def torsion_constant(self) -> float:
+        """Bredt's closed thin wall, 4 A_m² t / perimeter, on the wall's middle line."""
+        b, h = self.width - self.thickness, self.height - self.thickness
+        return 2.0 * (b * h) ** 2 * self.thickness / (b + h)
+
+    @property
+    def extent(self) -> tuple[float, float]:
+        return self.width, self.height
+
+    def shear_coefficients(self, nu: float) -> tuple[float, float]:
+        b, h = self.width - self.thickness, self.height - self.thickness
+        return _box_shear(h, b, nu), _box_shear(b, h, nu)
+
+    def faults(self) -> list[str]:
+        faults = _not_positive(self)
+        if not faults and 2.0 * self.thickness >= min(self.width, self.height):
+            faults.append(
+                f"thickness = {self.thickness!r}: closes the hollow; must be below half the "
+                f"smaller side, {min(self.width, self.height) / 2.0:g} m"
+            )
+        return faults
+
+
+def _box_shear(flange: float, web: float, nu: float) -> float:
+    """Cowper's thin-walled box of uniform wall, shear along the webs (n = flange/web, m = n)."""
+    n = m = flange / web
+    numerator = 10.0 * (1.0 + nu) * (1.0 + 3.0 * m) ** 2
+    free_of_nu = 12.0 + 72.0 * m + 150.0 * m**2 + 90.0 * m**3
+    with_nu = 11.0 + 66.0 * m + 135.0 * m**2 + 90.0 * m**3
+    return numerator / (free_of_nu + nu * with_nu + 10.0 * n**2 * ((3.0 + nu) * m + 3.0 * m**2))
+
+
+@dataclass(frozen=True)
+class Circle:
+    """Solid circle of `diameter` (m)."""
+
+    diameter: float
+    shape: ClassVar[str] = "circle"
+
+    @property
+    def area(self) -> float:
+        return pi * self.diameter**2 / 4.0
+
+    @property
+    def second_moment_y(self) -> float:
+        return pi * self.diameter**4 / 64.0
+
+    @property
+    def second_moment_z(self) -> float:
+        return self.second_moment_y
+
+    @property
+    def torsion_constant(self) -> float:
+        return 2.0 * self.second_moment_y
+
+    @property
+    def extent(self) -> tuple[float, float]:
+        return self.diameter, self.diameter
+
+    def shear_coefficients(self, nu: float) -> tuple[float, float]:
+        kappa = 6.0 * (1.0 + nu) / (7.0 + 6.0 * nu)
+        return kappa, kappa
+
+    def faults(self) -> list[str]:
+        return _not_positive(self)
+
+
+@dataclass(frozen=True)
+class Tube:
+    """Circular tube of outer `diameter` with wall `thickness` (m)."""
+
+    diameter: float
+    thickness: float
+    shape: ClassVar[str] = "tube"
+
+    @property
+    def inner_diameter(self) -> float:
+        """Diameter of the bore (m)."""
+        return self.diameter - 2.0 * self.thickness
+
+    @property
+    def area(self) -> float:
+        return pi * (self.diameter**2 - self.inner_diameter**2) / 4.0
+
+    @property
+    def second_moment_y(self) -> float:
+        return pi * (self.diameter**4 - self.inner_diameter**4) / 64.0
+
+    @property
+    def second_moment_z(self) -> float:
+        return self.second_moment_y
+
+    @property
+    def torsion_constant(self) -> float:
+        return 2.0 * self.second_moment_y
+
+    @property
+    def extent(self) -> tuple[float, float]:
+        return self.diameter, self.diameter
+
+    def shear_coefficients(self, nu: float) -> tuple[float, float]:
+        ratio = (self.inner_diameter / self.diameter) ** 2
+        whole = (1.0 + ratio) ** 2
+        kappa = 6.0 * (1.0 + nu) * whole / ((7.0 + 6.0 * nu) * whole + (20.0 + 12.0 * nu) * ratio)
+        return kappa, kappa
+
+    def faults(self) -> list[str]:
+        faults = _not_positive(self)
+        if not faults and 2.0 * self.thickness >= self.diameter:
+            faults.append(
+                f"thickness = {self.thickness!r}: closes the bore; must be below half the "
+                f"diameter, {self.diameter / 2.0:g} m"
+            )
+        return faults
+
+
+@dataclass(frozen=True)
+class ISection:
+    """Doubly symmetric I: flanges `width` (y) by `flange`, a `web` thick, `height` along z (m)."""
+
+    width: float
+    height: float
+    flange: float
+    web: float
+    shape: ClassVar[str] = "i-section"
+
+    @property
+    def area(self) -> float:
+        return 2.0 * self.width * self.flange + self._web_height * self.web
+
+    @property
+    def _web_height(self) -> float:
+        return self.height - 2.0 * self.flange
+
+    @property
+    def second_moment_y(self) -> float:
+        gap = self.width - self.web
+        return (self.width * self.height**3 - gap * self._web_height**3) / 12.0
+
+    @property
+    def second_moment_z(self) -> float:
+        return (2.0 * self.flange * self.width**3 + self._web_height * self.web**3) / 12.0
+
+    @property
+    def torsion_constant(self) -> float:
+        """Open thin wall, Σ b t³/3, the web on the flanges' middle lines."""
+        return (2.0 * self.width * self.flange**3 + (self.height - self.flange) * self.web**3) / 3.0
+
+    @property
+    def extent(self) -> tuple[float, float]:
+        return self.width, self.height
+
+    def shear_coefficients(self, nu: float) -> tuple[float, float]:
+        return self._shear_along_flanges(nu), self._shear_along_web(nu)
+
+    def _shear_along_web(self, nu: float) -> float:
+        """Cowper's thin-walled I."""
+        h = self.height - self.flange
+        n = self.width / h
+        m = 2.0 * self.width * self.flange / (h * self.web)
+        numerator = 10.0 * (1.0 + nu) * (1.0 + 3.0 * m) ** 2
+        free_of_nu = 12.0 + 72.0 * m + 150.0 * m**2 + 90.0 * m**3
+        with_nu = 11.0 + 66.0 * m + 135.0 * m**2 + 90.0 * m**3
+        flanges = 30.0 * n**2 * (m + m**2) + 5.0 * nu * n**2 * (8.0 * m + 9.0 * m**2)
+        return numerator / (free_of_nu + nu * with_nu + flanges)
+
+    def _shear_along_flanges(self, nu: float) -> float:
+        """The two flanges as rectangles of their own; the web carries no shear across itself."""
+        kappa = 10.0 * (1.0 + nu) / (12.0 + 11.0 * nu)
+        return kappa * 2.0 * self.width * self.flange / self.area
+
+    def faults(self) -> list[str]:
+        faults = _not_positive(self)
+        if faults:
+            return faults
+        if 2.0 * self.flange >= self.height:
+            faults.append(
+                f"flange = {self.flange!r}: leaves no web; must be below half the height, "
+                f"{self.height / 2.0:g} m"
+            )
+        if self.web >= self.width:
+            faults.append(f"web = {self.web!r}: must be below the width, {self.width:g} m")
+        return faults
+
+
+SHAPES: dict[str, type[Section]] = {
+    cls.shape: cls for cls in (Rectangle, HollowRectangle, Circle, Tube, ISection)
+}

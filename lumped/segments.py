@@ -1,0 +1,216 @@
+"""Rigid segments joined by 6-DOF springs, eqs (13)–(23), as one free leg.
+
+A spring between two rigid elements stands for the beam piece between their centres; referred to
+the middle of that piece its compliance is diagonal. Two layouts of n equal elements:
+
+half     full springs (length L/n) between elements and springs of length L/2n at both ends:
+         second order in 1/n in the frequencies, exact in statics for every n;
+literal  as §3.2 reads: springs between elements only, the end elements rigid with the ends, so
+         that a length L/n of the leg is rigid: first order in 1/n.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Literal, TypeAlias
+
+import numpy as np
+from scipy.sparse import coo_matrix, csr_matrix
+
+from lumped.arrays import Array, SparseMatrix
+from lumped.errors import InputError
+from lumped.leg_matrices import LegMatrices
+from lumped.legs import BeamProperties
+from lumped.screws import shift
+
+Layout: TypeAlias = Literal["half", "literal"]
+
+# Twist components that each kind of deformation uses in a spring referred to its piece's middle.
+KINDS = {"tension": (0,), "torsion": (3,), "bending y": (2, 4), "bending z": (1, 5)}
+
+
+@dataclass(frozen=True)
+class Body:
+    """Node of the chain: a rigid element, or a massless end.
+
+    `position` (m from the root) is its reference point, `mass` its 6×6 mass matrix there (leg
+    axes, SI).
+    """
+
+    position: float
+    mass: Array
+
+
+@dataclass(frozen=True)
+class Spring:
+    """6-DOF spring between bodies `first` and `second`.
+
+    `stiffness` (6×6, leg axes, SI) acts on the relative twist at `position` (m from the root).
+    """
+
+    first: int
+    second: int
+    position: float
+    stiffness: Array
+
+
+@dataclass(frozen=True)
+class Chain:
+    """Bodies from root to tip, and the springs between neighbours."""
+
+    length: float
+    bodies: tuple[Body, ...]
+    springs: tuple[Spring, ...]
+
+
+def segment_chain(
+    properties: BeamProperties, length: float, elements: int, layout: Layout = "half"
+) -> Chain:
+    """Chain of `elements` equal rigid elements for a leg of `length` (m).
+
+    Raises InputError for fewer elements than the layout needs (half 1, literal 2).
+    """
+    least = 1 if layout == "half" else 2
+    if elements < least:
+        raise InputError(f"elements = {elements}: the {layout} layout needs {least} or more")
+    piece = length / elements
+    centres = (np.arange(elements) + 0.5) * piece
+    element_mass = _element_mass(properties, piece)
+    if layout == "half":
+        massless = np.zeros((6, 6))
+        inner = [Body(centre, element_mass) for centre in centres]
+        bodies = [Body(0.0, massless), *inner, Body(length, massless)]
+        pieces = [piece / 2.0] + [piece] * (elements - 1) + [piece / 2.0]
+        middles = [piece / 4.0, *(centres[:-1] + piece / 2.0), length - piece / 4.0]
+    else:
+        # The end elements are referred to the leg's ends, where the robot takes hold of them.
+        ends = [0.0, length]
+        first, last = (
+            _at(element_mass, c - end) for c, end in zip(centres[[0, -1]], ends, strict=True)
+        )
+        inner = [Body(centre, element_mass) for centre in centres[1:-1]]
+        bodies = [Body(0.0, first), *inner, Body(length, last)]
+        pieces = [piece] * (elements - 1)
+        middles = list(centres[:-1] + piece / 2.0)
+    springs = tuple(
+        Spring(k, k + 1, middle, np.diag(1.0 / np.diag(properties.piece_compliance(part))))
+        for k, (part, middle) in enumerate(zip(pieces, middles, strict=True))
+    )
+    return Chain(length, tuple(bodies), springs)
+
+
+def _element_mass(properties: BeamProperties, piece: float) -> Array:
+    """6×6 mass of a rigid element about its centre: a prism with the section's rotary inertia."""
+    mass = properties.mu * piece
+    slender = mass * piece**2 / 12.0
+    return np.diag(
+        [
+            mass,
+            mass,
+            mass,
+            properties.rho_J * piece,
+            properties.rho_Iy * piece + slender,
+            properties.rho_Iz * piece + slender,
+        ]
+    )
+
+
+def _at(mass: Array, centre: float) -> Array:
+    """Mass matrix referred to a point that lies `centre` (m, along x) before the mass centre."""
+    adjoint = shift(np.array([centre, 0.0, 0.0]))
+    moved: Array = adjoint.T @ mass @ adjoint
+    return moved
+
+
+def with_printed_tip_joint(chain: Chain) -> Chain:
+    """The chain with a revolute joint about z at its tip as eq. (25) prints it.
+
+    Row and column of φz of the last spring, referred to the tip, are zeroed. That is no joint
+    where φz is coupled to y: the spring becomes too stiff along y (errata).
+    """
+    *others, last = chain.springs
+    lever = shift(np.array([last.position - chain.length, 0.0, 0.0]))
+    at_tip = lever.T @ last.stiffness @ lever
+    printed = replace(last, position=chain.length, stiffness=printed_release(at_tip))
+    return replace(chain, springs=(*others, printed))
+
+
+def printed_release(stiffness: Array) -> Array:
+    """Eq. (25): K_R = I₅ K_S I₅, row and column of φz zeroed (6×6)."""
+    keep = np.array([1.0, 1.0, 1.0, 1.0, 1.0, 0.0])
+    released: Array = stiffness * keep[:, None] * keep
+    return released
+
+
+def condensed_release(stiffness: Array) -> Array:
+    """Revolute joint about z in series with a spring: K_S − K_S e₆ e₆ᵀ K_S / k₆₆ (6×6)."""
+    column = stiffness[:, 5]
+    released: Array = stiffness - np.outer(column, column) / stiffness[5, 5]
+    return released
+
+
+def segment_leg(chain: Chain) -> LegMatrices:
+    """Stiffness and mass of the chain, eqs (13)–(23), unknowns (root 6, tip 6, inner bodies)."""
+    count = len(chain.bodies)
+    # Chain order root, inner, tip becomes root, tip, inner.
+    block = np.concatenate([[0], np.arange(2, count), [1]]) if count > 2 else np.array([0, 1])
+    size = 6 * count
+    mass = _scatter([(block[[k]], body.mass) for k, body in enumerate(chain.bodies)], size)
+    full = _spring_matrix(chain, block, tuple(range(6)))
+    parts = {kind: _spring_matrix(chain, block, rows) for kind, rows in KINDS.items()}
+    # A printed joint couples the kinds: then the springs do not split into parts.
+    splits = all(np.array_equal(s.stiffness, np.diag(np.diag(s.stiffness))) for s in chain.springs)
+
+    def centreline(stations: Array) -> SparseMatrix:
+        return _interpolate(chain, block, np.asarray(stations, dtype=float))
+
+    return LegMatrices(
+        model="segments",
+        length=chain.length,
+        stiffness=full,
+        mass=mass,
+        centreline=centreline,
+        parts=parts if splits else {},
+    )
+
+
+def _spring_matrix(chain: Chain, block: Array, rows: Sequence[int]) -> SparseMatrix:
+    """Σ [C₂ C₁]ᵀ K [C₂ C₁] of eq. (21), with the rows of the springs' deflection given."""
+    chosen = list(rows)
+    terms = []
+    for spring in chain.springs:
+        deflection = np.hstack(
+            [
+                -shift(np.array([spring.position - chain.bodies[spring.first].position, 0, 0])),
+                shift(np.array([spring.position - chain.bodies[spring.second].position, 0, 0])),
+            ]
+        )[chosen]
+        stiffness = spring.stiffness[np.ix_(chosen, chosen)]
+        terms.append((block[[spring.first, spring.second]], deflection.T @ stiffness @ deflection))
+    return _scatter(terms, 6 * len(chain.bodies))
+
+
+def _scatter(terms: Sequence[tuple[Array, Array]], size: int) -> SparseMatrix:
+    """Sum of dense matrices placed at 6×6 blocks, as CSR."""
+    rows, columns, values = [], [], []
+    for blocks, matrix in terms:
+        unknowns = (6 * np.asarray(blocks, dtype=int)[:, None] + np.arange(6)).ravel()
+        rows.append(np.repeat(unknowns, len(unknowns)))
+        columns.append(np.tile(unknowns, len(unknowns)))
+        values.append(matrix.ravel())
+    place = (np.concatenate(rows), np.concatenate(columns))
+    return csr_matrix(coo_matrix((np.concatenate(values), place), shape=(size, size)))
+
+
+def _interpolate(chain: Chain, block: Array, stations: Array) -> SparseMatrix:
+    """6m × n matrix of twists at `stations`, linear between the bodies' reference points."""
+    positions = np.array([body.position for body in chain.bodies])
+    left = np.clip(np.searchsorted(positions, stations, side="right") - 1, 0, len(positions) - 2)
+    weight = (stations - positions[left]) / (positions[left + 1] - positions[left])
+    component = np.arange(6)
+    rows = (6 * np.arange(len(stations))[:, None] + component).ravel()
+    columns = [(6 * block[body][:, None] + component).ravel() for body in (left, left + 1)]
+    values = [np.repeat(w, 6) for w in (1.0 - weight, weight)]
+    return csr_matrix(
+        (np.concatenate(values), (np.tile(rows, 2), np.concatenate(columns))),
+        shape=(6 * len(stations), 6 * len(chain.bodies)),
+    )

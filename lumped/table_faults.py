@@ -1,0 +1,175 @@
+"""Every fault of a robot file's tables, one line each: key, value, unit, what is allowed."""
+
+import json
+import math
+import types
+from collections.abc import Iterable, Mapping
+from difflib import get_close_matches
+from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
+
+import msgspec
+from msgspec import Meta
+
+from lumped.matrix_faults import matrix_faults
+from lumped.schema import Bounds, SquareMatrix, Table
+from lumped.section_table import section_faults
+
+_LONGEST_VALUE = 60
+
+
+def shown(value: object) -> str:
+    """A value as the user typed it, near enough, cut to one short line."""
+    if isinstance(value, float):
+        text = repr(value)
+    else:
+        text = json.dumps(value, ensure_ascii=False, default=str)
+    return text if len(text) <= _LONGEST_VALUE else text[: _LONGEST_VALUE - 1] + "…"
+
+
+def unknown_key(path: str, key: str, known: Iterable[str]) -> str:
+    """The fault of a key that means nothing, with the closest one that does."""
+    by_lower_case = {name.lower(): name for name in known}
+    close = get_close_matches(key.lower(), by_lower_case, n=1)
+    names = ", ".join(by_lower_case.values())
+    advice = f'did you mean "{by_lower_case[close[0]]}"?' if close else f"known here: {names}"
+    return f"{path + key}: unknown key; {advice}"
+
+
+def table_faults(kind: type[Table], table: Mapping[str, object], path: str = "") -> list[str]:
+    """Faults of `table` against the fields of `kind`; `path` ("leg1.") goes before each key."""
+    hints = get_type_hints(kind, include_extras=True)
+    required = {field.encode_name: field.required for field in msgspec.structs.fields(kind)}
+    faults = [unknown_key(path, key, hints) for key in table if key not in hints]
+    for key, hint in hints.items():
+        if key in table:
+            faults += _value_faults(_without_none(hint), table[key], path + key)
+        elif required[key]:
+            allowed = _described(_without_none(hint))
+            faults.append(f"{path + key}: missing; must be {allowed}")
+    return faults
+
+
+def _without_none(hint: Any) -> Any:
+    if get_origin(hint) in {Union, types.UnionType}:
+        return next(arg for arg in get_args(hint) if arg is not type(None))
+    return hint
+
+
+def _meta(hint: Any) -> Meta:
+    return get_args(hint)[1] if get_origin(hint) is Annotated else Meta()
+
+
+def _extra(hint: Any) -> Mapping[str, Any]:
+    return _meta(hint).extra or {}
+
+
+def _value_faults(hint: Any, value: object, key: str) -> list[str]:  # noqa: PLR0911
+    extra = _extra(hint)
+    if isinstance(hint, type) and issubclass(hint, Table):
+        if not isinstance(value, dict):
+            return [f"{key} = {shown(value)}: must be a table"]
+        return table_faults(hint, value, f"{key}.")
+    if "matrix" in extra:
+        return [f"{key}{fault}" for fault in matrix_faults(value, extra["matrix"])]
+    if "section" in extra:
+        return section_faults(value, key)
+    if get_origin(hint) is tuple:
+        return _tuple_faults(hint, value, key)
+    if get_origin(hint) is list:
+        return _list_of_tables_faults(get_args(hint)[0], value, key)
+    fault = _leaf_fault(hint, value)
+    return [f"{key} = {shown(value)}: {fault}"] if fault else []
+
+
+def _tuple_faults(hint: Any, value: object, key: str) -> list[str]:
+    entries = get_args(hint)
+    if not isinstance(value, list) or len(value) != len(entries):
+        return [f"{key} = {shown(value)}: must be {_described(hint)}"]
+    faults = ((i, _leaf_fault(entries[i], entry)) for i, entry in enumerate(value))
+    return [f"{key}[{i + 1}] = {shown(value[i])}: {fault}" for i, fault in faults if fault]
+
+
+def _list_of_tables_faults(kind: type[Table], value: object, key: str) -> list[str]:
+    if not isinstance(value, list):
+        return [f"{key} = {shown(value)}: must be an array of tables, [[{key}]]"]
+    faults = []
+    for i, entry in enumerate(value, start=1):
+        if isinstance(entry, dict):
+            faults += table_faults(kind, entry, f"{key}[{i}].")
+        else:
+            faults.append(f"{key}[{i}] = {shown(entry)}: must be a table")
+    return faults
+
+
+def _leaf_fault(hint: Any, value: object) -> str | None:
+    """Why `value` is not what `hint` allows; None if it is."""
+    if isinstance(value, float) and not math.isfinite(value):
+        return f"not finite; must be {_described(hint)}"
+    try:
+        msgspec.convert(value, hint)
+    except msgspec.ValidationError:
+        number = isinstance(value, int | float) and not isinstance(value, bool)
+        return (_bound_fault(hint, value) if number else None) or f"must be {_described(hint)}"
+    return None
+
+
+def _bound_fault(hint: Any, value: Any) -> str | None:
+    meta, bounds = _meta(hint), _extra(hint).get("bounds", Bounds(""))
+    unit = _unit(hint)
+    low = (meta.gt is not None and value <= meta.gt) or (meta.ge is not None and value < meta.ge)
+    high = (meta.lt is not None and value >= meta.lt) or (meta.le is not None and value > meta.le)
+    if low:
+        limit = f"above {meta.gt:g}" if meta.gt is not None else f"at least {meta.ge:g}"
+        # A negative modulus is no question of units.
+        same_side = meta.ge is not None and (value > 0.0) == (meta.ge > 0.0)
+        return _asked(f"must be {limit}{unit}", bounds.too_low if same_side else "")
+    if high:
+        limit = f"below {meta.lt:g}" if meta.lt is not None else f"at most {meta.le:g}"
+        return _asked(f"must be {limit}{unit}", bounds.too_high)
+    return None
+
+
+def _asked(fault: str, question: str) -> str:
+    return f"{fault}; {question}" if question else fault
+
+
+def _unit(hint: Any) -> str:
+    bounds = _extra(hint).get("bounds")
+    return f" {bounds.unit}" if bounds and bounds.unit else ""
+
+
+def _described(hint: Any) -> str:  # noqa: PLR0911
+    """What a value may be, for "must be …"."""
+    extra, meta = _extra(hint), _meta(hint)
+    if "matrix" in extra:
+        return described_matrix(extra["matrix"])
+    if "section" in extra:
+        return "a table with a shape and its sizes"
+    if "allowed" in extra:
+        return str(extra["allowed"])
+    if isinstance(hint, type) and issubclass(hint, Table):
+        return "a table"
+    if get_origin(hint) is Literal:
+        return " or ".join(shown(value) for value in get_args(hint))
+    if get_origin(hint) is tuple:
+        return f"{len(get_args(hint))} numbers{_unit(get_args(hint)[0])}"
+    if hint is bool:
+        return "true or false"
+    unit = _unit(hint)
+    if meta.ge is not None and meta.le is not None:
+        return f"a number from {meta.ge:g} to {meta.le:g}{unit}"
+    limits = [
+        f"{word} {limit:g}{unit}"
+        for word, limit in (
+            ("above", meta.gt),
+            ("below", meta.lt),
+            ("at most", meta.le),
+        )
+        if limit is not None
+    ]
+    return " ".join(["a number", " and ".join(limits)]).strip()
+
+
+def described_matrix(matrix: SquareMatrix) -> str:
+    """What a matrix may be, for "must be …"."""
+    return f"a symmetric {matrix.size}×{matrix.size} matrix in {matrix.unit}"

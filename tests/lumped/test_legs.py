@@ -1,0 +1,139 @@
+"""Legs: the paper's equivalents, and cantilevers from any textbook of strength of materials."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from lumped.errors import InputError
+from lumped.legs import (
+    ConstantLeg,
+    GivenLeg,
+    Material,
+    constant_leg,
+    equivalent_leg,
+    given_compliance,
+    tip_compliance,
+)
+from lumped.screws import move_compliance
+from lumped.sections import Rectangle, Tube
+
+STEEL = Material.isotropic(E=2.1e11, nu=0.3, rho=7850.0)
+BEAM = ConstantLeg(1.2, Rectangle(width=0.05, height=0.10), STEEL)
+
+
+@pytest.mark.parametrize(
+    ("leg", "expected"),
+    [
+        ("leg1", (8.613e8, 1.832e6, 4.771e6, 9.212e6)),
+        ("leg2", (4.316e9, 4.182e6, 5.980e7, 6.478e6)),
+    ],
+)
+def test_equivalent_legs_by_stiffness(demonstrator, leg, expected):
+    """Physics notes §3, EA, EIz, EIy, GJ to the four printed digits."""
+    beam = equivalent_leg(getattr(demonstrator, leg)).timoshenko
+    assert_allclose((beam.EA, beam.EIz, beam.EIy, beam.GJ), expected, rtol=5e-4)
+
+
+def test_equivalent_leg_by_compliance(demonstrator):
+    """Physics notes §3, leg 1, to the four printed digits."""
+    beam = equivalent_leg(demonstrator.leg1, "compliance").timoshenko
+    expected = (3.025e8, 1.157e6, 6.417e6, 4.913e6)
+    assert_allclose((beam.EA, beam.EIz, beam.EIy, beam.GJ), expected, rtol=5e-4)
+
+
+def test_equivalent_solid(demonstrator):
+    """Physics notes §3: h along z, b along y, ν = 0, G/E ≈ 2.05 for leg 1, the leg's mass."""
+    leg1, leg2 = equivalent_leg(demonstrator.leg1), equivalent_leg(demonstrator.leg2)
+    # The notes compute the sides from EA and EI rounded to four digits: up to 1e-4 m.
+    assert_allclose((leg1.section.height, leg1.section.width), (0.2578, 0.1598), atol=1e-4)
+    assert_allclose((leg2.section.height, leg2.section.width), (0.4078, 0.1078), atol=1e-4)
+    shear_ratio = leg1.material.G / leg1.material.E
+    assert shear_ratio == pytest.approx(2.05, abs=0.005)
+    assert leg1.material.nu == 0.0
+    assert leg1.mass == pytest.approx(69.705, rel=1e-14)
+    assert leg1.timoshenko.mu == pytest.approx(69.705 / 0.85, rel=1e-14)
+
+
+def test_clamped_free_frequency_of_leg_1(demonstrator):
+    """Physics notes §3: 186.8 Hz, the paper's "about 180 Hz"; f = 1.8751²/2πL² √(EIy/μ)."""
+    leg = equivalent_leg(demonstrator.leg1)
+    beam = leg.timoshenko
+    hertz = 1.87510407**2 / (2.0 * np.pi * leg.length**2) * np.sqrt(beam.EIy / beam.mu)
+    assert hertz == pytest.approx(186.8, abs=0.05)
+
+
+def test_a_constant_leg_is_its_own_equivalent():
+    assert equivalent_leg(BEAM) is BEAM
+    assert equivalent_leg(BEAM, "compliance") is BEAM
+
+
+def test_a_compliance_of_euler_bernoulli_gives_its_beam_back():
+    """EI = L³/3k22 undoes k22 = L³/3EI; K22 L³/12 undoes the clamped-clamped 12EI/L³."""
+    beam = BEAM.timoshenko
+    given = GivenLeg(1.2, 47.1, tip_compliance(beam.as_euler_bernoulli(), 1.2))
+    for by in ("stiffness", "compliance"):
+        found = equivalent_leg(given, by).timoshenko
+        for name in ("EA", "EIy", "EIz", "GJ"):
+            # inverting a leg of slenderness 12 costs four of sixteen digits
+            assert getattr(found, name) == pytest.approx(getattr(beam, name), rel=1e-11)
+
+
+def test_an_indefinite_compliance_has_no_equivalent():
+    with pytest.raises(InputError, match="not positive definite"):
+        equivalent_leg(GivenLeg(1.0, 10.0, np.diag([1.0, 1.0, 1.0, 1.0, 1.0, -1e-3])))
+
+
+def test_cantilever_by_textbook():
+    """50×100 mm steel, 1.2 m: PL³/3EI + PL/κGA, ML²/2EI, ML/EI, TL/GJ, NL/EA; signs of c26, c35."""
+    length, E, G = 1.2, 2.1e11, 2.1e11 / 2.6
+    A, Iy, Iz = 0.005, 0.05 * 0.1**3 / 12.0, 0.1 * 0.05**3 / 12.0
+    J = 0.229 * 0.1 * 0.05**3  # Timoshenko & Goodier §109, side ratio 2, three digits
+    shear = length / (13.0 / 15.3 * G * A)  # Cowper 10(1+ν)/(12+11ν)
+    C = tip_compliance(BEAM.timoshenko, length)
+    expected = np.zeros((6, 6))
+    expected[0, 0] = length / (E * A)
+    expected[1, 1] = length**3 / (3.0 * E * Iz) + shear
+    expected[2, 2] = length**3 / (3.0 * E * Iy) + shear
+    expected[1, 5] = expected[5, 1] = length**2 / (2.0 * E * Iz)
+    expected[2, 4] = expected[4, 2] = -(length**2) / (2.0 * E * Iy)
+    expected[4, 4], expected[5, 5] = length / (E * Iy), length / (E * Iz)
+    expected[3, 3] = C[3, 3]
+    assert_allclose(C, expected, rtol=1e-12, atol=1e-22)
+    assert C[3, 3] == pytest.approx(length / (G * J), rel=2e-3)
+    bending = tip_compliance(BEAM.properties("euler-bernoulli"), length)
+    assert bending[1, 1] == pytest.approx(length**3 / (3.0 * E * Iz), rel=1e-12)
+
+
+def test_two_pieces_in_series_are_the_whole():
+    """Static exactness of the piece's spring: two half cantilevers end to end."""
+    beam, length = BEAM.timoshenko, 1.2
+    half = tip_compliance(beam, length / 2.0)
+    whole = move_compliance(half, np.array([length / 2.0, 0.0, 0.0])) + half
+    assert_allclose(whole, tip_compliance(beam, length), rtol=1e-12, atol=1e-22)
+
+
+def test_euler_bernoulli_drops_shear_and_rotary_inertia_of_bending():
+    full, slender = BEAM.timoshenko, BEAM.properties("euler-bernoulli")
+    assert full.rho_Iz == pytest.approx(7850.0 * 0.1 * 0.05**3 / 12.0)
+    assert (slender.GAy, slender.GAz, slender.rho_Iy, slender.rho_Iz) == (np.inf, np.inf, 0.0, 0.0)
+    assert slender.rho_J == pytest.approx(7850.0 * 0.05 * 0.1 * (0.05**2 + 0.1**2) / 12.0)
+    assert BEAM.properties("timoshenko") == full
+
+
+def test_constant_leg_keeps_what_was_asked():
+    leg = constant_leg(0.5, EA=1e9, EIy=2e6, EIz=7e5, GJ=9e5, mass=12.0)
+    beam = leg.timoshenko
+    assert_allclose((beam.EA, beam.EIy, beam.EIz, beam.GJ), (1e9, 2e6, 7e5, 9e5), rtol=1e-13)
+    assert leg.mass == pytest.approx(12.0, rel=1e-14)
+
+
+def test_isotropic_material():
+    """G = E/2(1+ν): 80.77 GPa for steel."""
+    assert pytest.approx(80.77e9, rel=1e-4) == STEEL.G
+
+
+def test_given_compliance_is_the_legs_own_or_timoshenkos(demonstrator):
+    assert given_compliance(demonstrator.leg1) is demonstrator.leg1.compliance
+    tube = ConstantLeg(0.8, Tube(0.1, 0.01), STEEL)
+    I = np.pi / 64.0 * (0.1**4 - 0.08**4)
+    assert given_compliance(tube)[5, 5] == pytest.approx(0.8 / (2.1e11 * I), rel=1e-12)

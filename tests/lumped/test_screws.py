@@ -1,0 +1,77 @@
+"""Twists and wrenches: rigid-body kinematics by hand, and the work that must not change."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+from numpy.testing import assert_allclose
+from scipy.spatial.transform import Rotation
+
+from lumped.screws import move_compliance, rotation_z, shift, skew, turn, turn_matrix
+
+X, Y, Z = np.eye(3)
+numbers = st.floats(-10.0, 10.0, allow_subnormal=False)
+vectors = arrays(float, 3, elements=numbers)
+screws = arrays(float, 6, elements=numbers)
+
+
+@given(vectors, vectors)
+def test_skew_is_the_cross_product(u, v):
+    assert_allclose(skew(u) @ v, np.cross(u, v), rtol=0, atol=1e-13)  # products up to 100
+
+
+@pytest.mark.parametrize(("rotation", "velocity"), [(Z, 2.0 * Y), (Y, -2.0 * Z), (X, np.zeros(3))])
+def test_a_turning_body_moves_the_point_in_front(rotation, velocity):
+    """B lies 2 m along x of A: about z it goes to +y, about y to −z, about x nowhere."""
+    moved = shift(2.0 * X) @ np.concatenate([np.zeros(3), rotation])
+    assert_allclose(moved, np.concatenate([velocity, rotation]), atol=1e-15)
+
+
+def test_a_force_in_front_makes_a_moment_behind():
+    """Fy at 2 m along x has the moment +2 about z at the origin, Fz has −2 about y."""
+    assert_allclose(shift(2.0 * X).T @ [0, 1, 0, 0, 0, 0], [0, 1, 0, 0, 0, 2], atol=1e-15)
+    assert_allclose(shift(2.0 * X).T @ [0, 0, 1, 0, 0, 0], [0, 0, 1, 0, -2, 0], atol=1e-15)
+
+
+@given(vectors, vectors, screws, screws)
+def test_shifts_compose_and_keep_the_work(first, second, twist, wrench):
+    both = shift(first + second)
+    assert_allclose(both, shift(second) @ shift(first), rtol=0, atol=1e-12)
+    moved = shift(first) @ twist
+    assert wrench @ moved == pytest.approx((shift(first).T @ wrench) @ twist, abs=1e-9)
+
+
+def test_rotation_z_is_right_handed():
+    assert_allclose(rotation_z(np.pi / 2.0) @ X, Y, atol=1e-15)
+    assert_allclose(rotation_z(0.3), Rotation.from_rotvec(0.3 * Z).as_matrix(), atol=1e-15)
+
+
+def test_turn_takes_local_to_base_axes():
+    """A motion along local x of a leg along base y is one along base y; rotations alike."""
+    leg = turn(rotation_z(np.pi / 2.0))
+    assert_allclose(leg @ [1, 0, 0, 0, 0, 0], [0, 1, 0, 0, 0, 0], atol=1e-15)
+    assert_allclose(leg @ [0, 0, 0, 0, 1, 0], [0, 0, 0, -1, 0, 0], atol=1e-15)
+
+
+@given(st.integers(0, 2**32 - 1), vectors)
+def test_turned_and_moved_compliance_keeps_the_energy(seed, offset):
+    """The energy f·C·f is that of the same load carried back to the first point and axes."""
+    rng = np.random.default_rng(seed)
+    factor = rng.normal(size=(6, 6))
+    compliance, wrench = factor @ factor.T, rng.normal(size=6)
+    R = Rotation.random(random_state=rng).as_matrix()
+    moved = move_compliance(turn_matrix(compliance, R), offset)
+    at_first = wrench.copy()
+    at_first[3:] += np.cross(offset, wrench[:3])
+    local = np.concatenate([R.T @ at_first[:3], R.T @ at_first[3:]])
+    assert wrench @ moved @ wrench == pytest.approx(local @ compliance @ local, rel=1e-10)
+
+
+def test_moved_compliance_by_hand():
+    """A hinge of compliance c about z, 2 m behind: c22 = 4c, c26 = +2c; about y c35 = −2c."""
+    moved = move_compliance(np.diag([0, 0, 0, 0, 3.0, 5.0]), 2.0 * X)
+    expected = np.zeros((6, 6))
+    expected[1, 1], expected[1, 5], expected[5, 1], expected[5, 5] = 20.0, 10.0, 10.0, 5.0
+    expected[2, 2], expected[2, 4], expected[4, 2], expected[4, 4] = 12.0, -6.0, -6.0, 3.0
+    assert_allclose(moved, expected, atol=1e-14)

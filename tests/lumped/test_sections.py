@@ -1,0 +1,176 @@
+"""Section constants against textbook tables, steel tables and limits that must coincide."""
+
+from math import pi
+
+import pytest
+
+from lumped.sections import (
+    SHAPES,
+    Circle,
+    HollowRectangle,
+    ISection,
+    Rectangle,
+    Tube,
+    rectangle_torsion_constant,
+)
+
+
+@pytest.mark.parametrize(
+    ("ratio", "factor"),
+    [
+        (1.0, 0.1406),
+        (1.2, 0.166),
+        (1.5, 0.196),
+        (2.0, 0.229),
+        (2.5, 0.249),
+        (3.0, 0.263),
+        (4.0, 0.281),
+        (5.0, 0.291),
+        (10.0, 0.312),
+    ],
+)
+def test_torsion_constant_of_rectangles(ratio, factor):
+    """Timoshenko & Goodier, Theory of Elasticity, §109, table of k1 in J = k1 a b³."""
+    digits = 5e-5 if factor == 0.1406 else 5e-4
+    assert rectangle_torsion_constant(ratio, 1.0) / ratio == pytest.approx(factor, abs=digits)
+    assert rectangle_torsion_constant(1.0, ratio) == rectangle_torsion_constant(ratio, 1.0)
+
+
+def test_torsion_constant_of_a_narrow_strip():
+    """a b³/3 (1 − 0.630 b/a), Timoshenko & Goodier §109."""
+    expected = 100.0 / 3.0 * (1.0 - 0.630 / 100.0)
+    assert rectangle_torsion_constant(100.0, 1.0) == pytest.approx(expected, rel=1e-5)
+
+
+def test_rectangle():
+    """Width along y, height along z: Iy = b h³/12 bends about y, Iz = h b³/12."""
+    section = Rectangle(width=0.05, height=0.10)
+    assert section.area == pytest.approx(0.005)
+    assert section.second_moment_y == pytest.approx(0.05 * 0.1**3 / 12.0)
+    assert section.second_moment_z == pytest.approx(0.1 * 0.05**3 / 12.0)
+    assert section.extent == (0.05, 0.10)
+
+
+def test_square_hollow_section_of_the_steel_tables():
+    """EN 10210-2, SHS 100×100×5: 18.7 cm², 279 cm⁴, It 439 cm⁴; its corners are round."""
+    section = HollowRectangle(width=0.1, height=0.1, thickness=0.005)
+    assert section.area == pytest.approx(18.7e-4, rel=0.03)
+    assert section.second_moment_y == pytest.approx(279e-8, rel=0.03)
+    assert section.torsion_constant == pytest.approx(439e-8, rel=0.03)
+    assert section.area == pytest.approx(19.0e-4, rel=1e-12)
+
+
+def test_hollow_rectangle_by_its_four_walls():
+    """Parallel-axis theorem on two flanges and two webs; Bredt 4 Am² t / s."""
+    b, h, t = 0.10, 0.16, 0.008
+    section = HollowRectangle(b, h, t)
+    flange_arm, web = (h - t) / 2.0, h - 2.0 * t
+    iy = 2.0 * (b * t**3 / 12.0 + b * t * flange_arm**2) + 2.0 * t * web**3 / 12.0
+    iz = 2.0 * t * b**3 / 12.0 + 2.0 * (web * t**3 / 12.0 + web * t * ((b - t) / 2.0) ** 2)
+    assert section.area == pytest.approx(2.0 * b * t + 2.0 * web * t, rel=1e-12)
+    assert section.second_moment_y == pytest.approx(iy, rel=1e-12)
+    assert section.second_moment_z == pytest.approx(iz, rel=1e-12)
+    perimeter = 2.0 * (b - t + h - t)
+    assert section.torsion_constant == pytest.approx(
+        4.0 * ((b - t) * (h - t)) ** 2 * t / perimeter, rel=1e-12
+    )
+
+
+def test_circle_and_tube():
+    circle, tube = Circle(0.1), Tube(0.1, 0.01)
+    assert circle.area == pytest.approx(pi * 0.05**2)
+    assert circle.second_moment_y == pytest.approx(pi * 0.05**4 / 4.0)
+    assert circle.torsion_constant == pytest.approx(pi * 0.05**4 / 2.0)
+    assert tube.area == pytest.approx(pi * (0.05**2 - 0.04**2))
+    assert tube.second_moment_z == pytest.approx(pi * (0.05**4 - 0.04**4) / 4.0)
+    assert tube.torsion_constant == pytest.approx(pi * (0.05**4 - 0.04**4) / 2.0)
+
+
+def test_i_section_by_its_three_plates():
+    """IPE 300 without its fillets: h 300, b 150, tf 10.7, tw 7.1 mm; plates by parallel axes."""
+    b, h, tf, tw = 0.150, 0.300, 0.0107, 0.0071
+    section = ISection(width=b, height=h, flange=tf, web=tw)
+    web = h - 2.0 * tf
+    iy = tw * web**3 / 12.0 + 2.0 * (b * tf**3 / 12.0 + b * tf * ((h - tf) / 2.0) ** 2)
+    iz = web * tw**3 / 12.0 + 2.0 * tf * b**3 / 12.0
+    assert section.area == pytest.approx(2.0 * b * tf + web * tw, rel=1e-12)
+    assert section.second_moment_y == pytest.approx(iy, rel=1e-12)
+    assert section.second_moment_z == pytest.approx(iz, rel=1e-12)
+    assert section.torsion_constant == pytest.approx(
+        (2.0 * b * tf**3 + (h - tf) * tw**3) / 3.0, rel=1e-12
+    )
+    # EN 10365 IPE 300: 53.81 cm², 8356 cm⁴, 603.8 cm⁴; the fillets are 4 % of the area
+    assert section.area == pytest.approx(53.81e-4, rel=0.045)
+    assert section.second_moment_y == pytest.approx(8356e-8, rel=0.045)
+    assert section.second_moment_z == pytest.approx(603.8e-8, rel=0.005)
+
+
+@pytest.mark.parametrize("nu", [0.0, 0.3, 0.5])
+def test_cowper_shear_coefficients(nu):
+    """Cowper 1966: rectangle, circle, thin round and thin square tube in their own formulas."""
+    assert Rectangle(0.1, 0.2).shear_coefficients(nu) == pytest.approx(
+        [10.0 * (1.0 + nu) / (12.0 + 11.0 * nu)] * 2
+    )
+    assert Circle(0.1).shear_coefficients(nu) == pytest.approx(
+        [6.0 * (1.0 + nu) / (7.0 + 6.0 * nu)] * 2
+    )
+    # a wall of 1e-4 diameters: the hollow circle's formula meets the thin tube's
+    assert Tube(1.0, 1e-4).shear_coefficients(nu) == pytest.approx(
+        [2.0 * (1.0 + nu) / (4.0 + 3.0 * nu)] * 2, rel=1e-6
+    )
+    assert HollowRectangle(0.1, 0.1, 0.002).shear_coefficients(nu) == pytest.approx(
+        [20.0 * (1.0 + nu) / (48.0 + 39.0 * nu)] * 2
+    )
+
+
+def test_shear_coefficient_of_a_solid_tube_is_the_circles():
+    thick = Tube(0.1, 0.05 * (1.0 - 1e-6))
+    assert thick.shear_coefficients(0.3) == pytest.approx(Circle(0.1).shear_coefficients(0.3))
+
+
+def test_shear_without_poisson_is_five_sixths_in_a_rectangle():
+    assert Rectangle(0.1, 0.3).shear_coefficients(0.0) == pytest.approx([5.0 / 6.0] * 2)
+
+
+def test_shear_of_sections_that_are_almost_their_webs():
+    """Flanges of vanishing width leave a rectangle (κ of the web on the whole area)."""
+    nu, rectangle = 0.3, 10.0 * 1.3 / (12.0 + 11.0 * 0.3)
+    narrow = ISection(width=1.0001e-3, height=1.0, flange=1e-3, web=1e-3)
+    assert narrow.shear_coefficients(nu)[1] == pytest.approx(rectangle, rel=0.01)
+    tall = HollowRectangle(width=2e-3, height=1.0, thickness=1e-5)
+    assert tall.shear_coefficients(nu)[1] == pytest.approx(rectangle, rel=0.01)
+
+
+def test_strong_shear_of_an_i_section_is_near_its_web():
+    """κA ≈ web area for a slender web: engineering practice, Gere & Goodno; within 10 %."""
+    section = ISection(width=0.150, height=0.300, flange=0.0107, web=0.0071)
+    kappa_y, kappa_z = section.shear_coefficients(0.3)
+    assert kappa_z * section.area == pytest.approx(0.0071 * (0.300 - 0.0107), rel=0.1)
+    flanges = 2.0 * 0.150 * 0.0107
+    assert kappa_y * section.area == pytest.approx(13.0 / 15.3 * flanges, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("section", "words"),
+    [
+        (Rectangle(0.0, 0.1), "width = 0.0: must be above 0 m"),
+        (Rectangle(float("nan"), 0.1), "width = nan: must be above 0 m"),
+        (Circle(-0.1), "diameter = -0.1"),
+        (HollowRectangle(0.1, 0.2, 0.05), "closes the hollow"),
+        (Tube(0.1, 0.05), "closes the bore"),
+        (ISection(0.1, 0.2, 0.1, 0.01), "leaves no web"),
+        (ISection(0.1, 0.2, 0.01, 0.1), "web = 0.1: must be below the width"),
+    ],
+)
+def test_impossible_shapes_say_why(section, words):
+    assert any(words in fault for fault in section.faults())
+
+
+def test_sound_shapes_have_no_faults():
+    assert Rectangle(0.1, 0.2).faults() == []
+    assert HollowRectangle(0.1, 0.2, 0.049).faults() == []
+    assert ISection(0.1, 0.2, 0.01, 0.006).faults() == []
+
+
+def test_shapes_go_by_their_names_in_the_robot_file():
+    assert set(SHAPES) == {"rectangle", "hollow-rectangle", "circle", "tube", "i-section"}

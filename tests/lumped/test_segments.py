@@ -1,0 +1,185 @@
+"""Rigid segments on springs, eqs (13)–(25), as a cantilever."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.testing import assert_allclose
+
+from lumped.errors import InputError
+from lumped.legs import BeamProperties, constant_leg, tip_compliance
+from lumped.modes import dense, solve_modes
+from lumped.screws import shift
+from lumped.segments import (
+    Chain,
+    condensed_release,
+    printed_release,
+    segment_chain,
+    segment_leg,
+    with_printed_tip_joint,
+)
+
+# Leg 1 of the IFW demonstrator as a constant section (paper §2.3 applied to its appendix).
+LENGTH = 0.85
+LEG = constant_leg(LENGTH, EA=8.613e8, EIy=4.771e6, EIz=1.832e6, GJ=9.212e6, mass=69.705)
+SLENDER = LEG.properties("euler-bernoulli")
+# Roots of cos x cosh x = −1 (any text on vibration of beams).
+CLAMPED_FREE_ROOTS = np.array([1.875104068711961, 4.694091132974175, 7.854757438237613])
+
+
+def exact_bending_z() -> np.ndarray:
+    """First three Euler–Bernoulli frequencies (Hz) of the clamped-free leg, deflection along y."""
+    return (CLAMPED_FREE_ROOTS / LENGTH) ** 2 * np.sqrt(SLENDER.EIz / SLENDER.mu) / (2.0 * np.pi)
+
+
+def cantilever_compliance(chain: Chain) -> np.ndarray:
+    stiffness = dense(segment_leg(chain).stiffness)[6:, 6:]
+    return np.linalg.solve(stiffness, np.eye(len(stiffness)))[:6, :6]
+
+
+def bending_z(chain: Chain, count: int = 3) -> np.ndarray:
+    """Frequencies (Hz) of the clamped chain that deflects along y alone."""
+    leg = segment_leg(chain)
+    plane = [i for i in range(6, leg.size) if i % 6 in (1, 5)]
+    pick = np.ix_(plane, plane)
+    return solve_modes(dense(leg.stiffness)[pick], dense(leg.mass)[pick], count, "leg").frequencies
+
+
+@pytest.mark.parametrize("theory", ["euler-bernoulli", "timoshenko"])
+@pytest.mark.parametrize("elements", [1, 2, 7, 160])
+def test_static_tip_compliance_is_exact_for_any_number_of_elements(theory, elements):
+    properties = LEG.properties(theory)
+    expected = tip_compliance(properties, LENGTH)
+    scale = np.sqrt(np.outer(np.diag(expected), np.diag(expected)))
+    found = cantilever_compliance(segment_chain(properties, LENGTH, elements))
+    # Rounding grows with the condition number, about n⁴: 1e-16 · 160⁴ / 10.
+    assert_allclose(found / scale, expected / scale, atol=1e-9)
+
+
+def test_half_layout_is_second_order_and_within_one_percent_at_twenty():
+    counts = np.array([10, 20, 40, 80])
+    exact = exact_bending_z()
+    errors = np.array([bending_z(segment_chain(SLENDER, LENGTH, n)) / exact - 1 for n in counts])
+    orders = -np.polyfit(np.log(counts), np.log(np.abs(errors)), 1)[0]
+    assert_allclose(orders, 2.0, atol=0.05)
+    assert np.all(np.abs(errors[1]) < 0.01)
+    assert abs(errors[1, 0]) < 0.002
+
+
+def test_end_springs_at_the_very_ends_cost_static_exactness():
+    """A half-length spring that is diagonal at the end instead of at its piece's middle.
+
+    Hand calculation: the moment at the root acts through l/2 of beam with a lever too long by
+    l/4: tip compliance +3/4n², first frequency −0.65/n² (physics notes, §2).
+    """
+    n = 40
+    chain = segment_chain(SLENDER, LENGTH, n)
+    first, *inner, last = chain.springs
+    moved = replace(
+        chain, springs=(replace(first, position=0.0), *inner, replace(last, position=LENGTH))
+    )
+    static = cantilever_compliance(moved)[1, 1] * 3.0 * SLENDER.EIz / LENGTH**3 - 1.0
+    assert_allclose(static * n**2, 0.75, rtol=0.02)
+    dynamic = bending_z(moved, 1)[0] / exact_bending_z()[0] - 1.0
+    assert_allclose(dynamic * n**2, -0.65, rtol=0.02)
+
+
+def test_literal_layout_is_first_order_and_five_percent_off_at_twenty():
+    counts = np.array([20, 40, 80, 160])
+    exact = exact_bending_z()[0]
+    errors = np.array(
+        [bending_z(segment_chain(SLENDER, LENGTH, n, "literal"), 1)[0] / exact - 1 for n in counts]
+    )
+    order = -np.polyfit(np.log(counts), np.log(errors), 1)[0]
+    assert_allclose(order, 1.0, atol=0.05)
+    assert_allclose(errors[0], 0.052, atol=0.0005)  # physics notes, §2: +5.2 % at n = 20
+
+
+def test_literal_layout_leaves_one_element_length_rigid():
+    n = 8
+    found = cantilever_compliance(segment_chain(SLENDER, LENGTH, n, "literal"))
+    # Elastic length L(1 − 1/n) between two rigid ends of L/2n.
+    elastic = tip_compliance(SLENDER, LENGTH * (1.0 - 1.0 / n))
+    lever = shift(np.array([LENGTH / (2.0 * n), 0.0, 0.0]))
+    assert_allclose(found, lever @ elastic @ lever.T, rtol=1e-10, atol=1e-20)
+
+
+@pytest.mark.parametrize("layout", ["half", "literal"])
+def test_free_leg_has_six_rigid_motions_and_its_whole_mass(layout):
+    leg = segment_leg(segment_chain(LEG.timoshenko, LENGTH, 6, layout))
+    values = np.linalg.eigvalsh(dense(leg.stiffness) / dense(leg.stiffness).max())
+    assert np.all(np.abs(values[:6]) < 1e-12) and values[6] > 1e-7
+    centres = (np.arange(6) + 0.5) * LENGTH / 6
+    inner = centres if layout == "half" else centres[1:-1]
+    rigid = np.vstack([shift(np.array([s, 0.0, 0.0])) for s in (0.0, LENGTH, *inner)])
+    assert_allclose(dense(leg.stiffness) @ rigid / dense(leg.stiffness).max(), 0.0, atol=1e-15)
+    mass = rigid.T @ dense(leg.mass) @ rigid
+    properties = LEG.timoshenko
+    assert_allclose(np.diag(mass)[:3], 69.705)
+    assert_allclose(mass[3, 3], properties.rho_J * LENGTH)
+    # Slender prism about its end: m L²/3 and the section's own inertia.
+    assert_allclose(mass[5, 5], 69.705 * LENGTH**2 / 3.0 + properties.rho_Iz * LENGTH)
+
+
+def test_parts_sum_to_the_stiffness():
+    leg = segment_leg(segment_chain(LEG.timoshenko, LENGTH, 5))
+    assert set(leg.parts) == {"tension", "torsion", "bending y", "bending z"}
+    total = sum(dense(part) for part in leg.parts.values())
+    assert_allclose(total, dense(leg.stiffness), rtol=1e-12, atol=1e-6)
+
+
+@given(seed=st.integers(0, 10_000))
+def test_released_spring_carries_no_moment_about_z_and_keeps_the_other_compliances(seed):
+    random = np.random.default_rng(seed)
+    factor = random.normal(size=(6, 6))
+    compliance = factor @ factor.T + 0.1 * np.eye(6)
+    released = condensed_release(np.linalg.inv(compliance))
+    assert_allclose(released[5], 0.0, atol=1e-9 * np.abs(released).max())
+    # Condensation keeps what the joint cannot touch: the inverse of the first five is unchanged.
+    kept = np.linalg.inv(released[:5, :5])
+    assert_allclose(kept, compliance[:5, :5], rtol=1e-6, atol=1e-9)
+
+
+def test_printed_release_stiffens_the_foot_along_y():
+    """Paper eq. (25) against condensation for the foot (errata): 1.06e9 against 1.7e8 N/m."""
+    foot = np.array([[5.87e-9, 3.94e-8], [3.94e-8, 3.16e-7]])  # y, φz of the appendix, corrected
+    stiffness = np.zeros((6, 6))
+    stiffness[np.ix_([1, 5], [1, 5])] = np.linalg.inv(foot)
+    assert_allclose(printed_release(stiffness)[1, 1], 1.06e9, rtol=0.02)
+    assert_allclose(condensed_release(stiffness)[1, 1], 1.7e8, rtol=0.01)
+
+
+def test_printed_tip_joint_has_no_moment_but_is_too_stiff():
+    chain = with_printed_tip_joint(segment_chain(LEG.timoshenko, LENGTH, 4))
+    tip = chain.springs[-1]
+    assert tip.position == LENGTH
+    assert_allclose(tip.stiffness[5], 0.0)
+    piece = LENGTH / 8.0
+    # The half-length piece held at both ends against rotation resists y with 12EI/l³, not 3EI/l³.
+    shear = piece / LEG.timoshenko.GAy
+    expected = 1.0 / (piece**3 / (12.0 * LEG.timoshenko.EIz) + shear)
+    assert_allclose(tip.stiffness[1, 1], expected, rtol=1e-12)
+
+
+def test_centreline_follows_a_uniform_twist_and_a_rigid_rotation():
+    leg = segment_leg(segment_chain(LEG.timoshenko, LENGTH, 3))
+    nodes = [0.0, LENGTH, *((np.arange(3) + 0.5) * LENGTH / 3)]
+    rigid = np.vstack([shift(np.array([s, 0.0, 0.0])) for s in nodes])
+    stations = np.array([0.0, 0.1, 0.4, LENGTH])
+    expected = np.vstack([shift(np.array([s, 0.0, 0.0])) for s in stations])
+    assert_allclose(leg.centreline(stations) @ rigid, expected, atol=1e-14)
+
+
+@pytest.mark.parametrize(("elements", "layout"), [(0, "half"), (-3, "half"), (1, "literal")])
+def test_too_few_elements_are_refused(elements, layout):
+    with pytest.raises(InputError, match=f"elements = {elements}"):
+        segment_chain(LEG.timoshenko, LENGTH, elements, layout)
+
+
+def test_euler_bernoulli_properties_have_no_shear_and_no_rotary_inertia():
+    assert isinstance(SLENDER, BeamProperties)
+    assert np.isinf(SLENDER.GAy) and np.isinf(SLENDER.GAz)
+    assert SLENDER.rho_Iy == SLENDER.rho_Iz == 0.0
+    assert SLENDER.rho_J > 0.0

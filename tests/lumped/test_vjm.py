@@ -1,0 +1,427 @@
+"""Virtual joints: hand-computed limits, the invariants of eq. (3), and the paper's demonstrator."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+from numpy.testing import assert_allclose
+from scipy.spatial.transform import Rotation
+
+from lumped import simplified, vjm
+from lumped.biglide import Biglide, scaled
+from lumped.chains import Fixed, Joint, Spring, chain_jacobians
+from lumped.errors import ComputationError, InputError
+from lumped.legs import GivenLeg, constant_leg, given_compliance
+from lumped.screws import move_compliance, rotation_z
+
+X, Y, Z = np.eye(3)
+MICROMETRE_PER_KILONEWTON = 1e-9
+
+
+def passive(axis, kind="revolute", coordinate=0.0):
+    return Joint(kind, axis, coordinate)
+
+
+def deflections(compliance):
+    """|planar| under fx, |planar| under fy, z under fz, in µm at 1000 N."""
+    planar = np.linalg.norm(compliance[:2, :2], axis=0)
+    return np.array([*planar, compliance[2, 2]]) / MICROMETRE_PER_KILONEWTON
+
+
+@pytest.mark.parametrize(
+    ("x", "fx", "fy", "fz"),
+    [(0.145, 0.42, 8.76, 26.1), (0.4975, 8.81, 4.19, 27.2), (0.850, 2.97, 6.15, 27.6)],
+)
+def test_demonstrator_with_the_appendix_matrices(demonstrator, x, fx, fy, fz):
+    """Physics notes §5, to half a unit of the last printed digit; 27.145 is printed as 27.2."""
+    found = deflections(vjm.compliance(demonstrator, x, vjm.given_leg_springs(demonstrator)))
+    assert np.all(np.abs(found - [fx, fy, fz]) <= [0.005, 0.005, 0.06])
+
+
+@pytest.mark.parametrize(("alpha", "fx", "fz"), [(1.0, 7.3, 23.0), (2.0, 3.0, 85.0)])
+def test_longer_legs_are_stiffer_in_the_plane_and_softer_along_z(demonstrator, alpha, fx, fz):
+    """Physics notes §5, equivalent legs at the centre, to half a unit of the last digit."""
+    robot = scaled(demonstrator, alpha)
+    springs = vjm.equivalent_leg_springs(robot, "euler-bernoulli")
+    found = deflections(vjm.compliance(robot, robot.centre, springs))
+    assert found[0] == pytest.approx(fx, abs=0.05)
+    assert found[2] == pytest.approx(fz, abs=0.5)
+
+
+def test_leg_compliances_alone_do_not_depend_on_the_theory_in_the_plane(demonstrator):
+    """Pin-ended legs carry no planar shear or bending: only their tension and the feet yield."""
+    results = [
+        deflections(
+            vjm.compliance(demonstrator, 0.4975, vjm.equivalent_leg_springs(demonstrator, theory))
+        )
+        for theory in ("euler-bernoulli", "timoshenko")
+    ]
+    # leg 1 carries the platform, so only the small moment that bent feet send through it remains
+    assert_allclose(results[0][:2], results[1][:2], rtol=1e-8)
+    assert results[1][2] > 1.005 * results[0][2]
+
+
+def test_equivalent_springs_follow_the_chosen_diagonal(demonstrator):
+    """By compliance the tip keeps L³/3EI = k22 (Euler–Bernoulli), by stiffness EA/L = K11."""
+    leg = demonstrator.leg1.compliance
+    by_compliance, _ = vjm.equivalent_leg_springs(demonstrator, "euler-bernoulli", "compliance")
+    assert_allclose(np.diag(by_compliance)[:4], np.diag(leg)[:4], rtol=1e-12)
+    by_stiffness, _ = vjm.equivalent_leg_springs(demonstrator, "euler-bernoulli")
+    assert_allclose(np.diag(np.linalg.inv(by_stiffness))[:4], np.diag(np.linalg.inv(leg))[:4])
+
+
+def test_spring_at_the_root_of_a_lever():
+    """δ = c + L² cφ across the lever; L cφ couples y and φz with +, z and φy with −."""
+    compliance = np.diag([1.0, 2.0, 3.0, 40.0, 50.0, 60.0]) * 1e-9
+    lever = 0.3
+    stiffness = vjm.chain_stiffness((Spring(compliance), Fixed(lever * X)))
+    expected = compliance.copy()
+    expected[1, 1] += lever**2 * 60e-9
+    expected[2, 2] += lever**2 * 50e-9
+    expected[1, 5] = expected[5, 1] = lever * 60e-9
+    expected[2, 4] = expected[4, 2] = -lever * 50e-9
+    assert_allclose(np.linalg.inv(stiffness), expected, rtol=1e-12, atol=1e-22)
+
+
+def test_turned_springs_in_series_add_their_compliances():
+    quarter = Fixed(rotation=rotation_z(np.pi / 2.0))
+    c1, c2 = np.diag([1.0, 2.0, 3.0, 4.0, 5.0, 6.0]), np.diag([7.0, 8.0, 9.0, 1.0, 2.0, 3.0])
+    stiffness = vjm.chain_stiffness((Spring(c1), quarter, Spring(c2)))
+    expected = np.diag([9.0, 9.0, 12.0, 6.0, 6.0, 9.0])
+    assert_allclose(np.linalg.inv(stiffness), expected, rtol=1e-13, atol=1e-14)
+
+
+def pinned_bar(root, tip, spring):
+    """A bar with a pin about z at both ends and its spring at the tip."""
+    direction = tip - root
+    angle = float(np.arctan2(direction[1], direction[0]))
+    length = float(np.linalg.norm(direction))
+    return (
+        Fixed(root),
+        passive(Z, coordinate=angle),
+        Fixed(length * X),
+        Spring(spring),
+        passive(Z, coordinate=-angle),
+    )
+
+
+def test_two_bar_truss():
+    """Planar truss: K = Σ (EA/L) u uᵀ and no moment about z, whatever the bars' bending."""
+    tip = np.array([0.4, 0.0, 0.0])
+    roots = [np.array([0.0, -0.5, 0.0]), np.array([0.9, -0.3, 0.0])]
+    rng = np.random.default_rng(1)
+    K = np.zeros((6, 6))
+    expected = np.zeros((2, 2))
+    for root, axial in zip(roots, (2e8, 5e8), strict=True):
+        other = rng.normal(size=(5, 5))
+        spring = np.zeros((6, 6))
+        spring[0, 0], spring[1:, 1:] = 1.0 / axial, 1e-8 * other @ other.T
+        K += vjm.chain_stiffness(pinned_bar(root, tip, spring))
+        u = (tip - root)[:2] / np.linalg.norm(tip - root)
+        expected += axial * np.outer(u, u)
+    assert_allclose(K[:2, :2], expected, rtol=1e-11)  # condition of the bordered system, 1e4
+    assert_allclose(K[:, 5], 0.0, atol=1e-6)
+    with pytest.raises(ComputationError, match="free to turn about z through the loaded point:"):
+        vjm.platform_compliance(K)
+
+
+KINDS = ["fixed", "prismatic", "revolute", "spring"]
+SOFTEST = 1e7  # N/m and N m/rad, the softest stiffness that a random spring has
+
+
+def independent_columns(Jq):
+    """Rank of Jq, skipping the edge of a singular posture, where it is a matter of tolerance."""
+    sizes = np.linalg.svd(Jq, compute_uv=False)
+    assume(np.all((sizes > 1e-3) | (sizes < 1e-9)))
+    return int(np.sum(sizes > 1e-6))
+
+
+def random_chain(kinds, seed):
+    """Chains whose springs' principal compliances span two decades, an own reach of metres."""
+    rng = np.random.default_rng(seed)
+    chain = []
+    for kind in ["spring", *kinds, "fixed"]:
+        chain.append(Fixed(rng.normal(size=3), Rotation.random(random_state=rng).as_matrix()))
+        if kind == "spring":
+            axes = np.linalg.qr(rng.normal(size=(6, 6)))[0]
+            chain.append(Spring(axes @ np.diag(10.0 ** rng.uniform(-9, -7, 6)) @ axes.T))
+        elif kind != "fixed":
+            chain.append(Joint(kind, rng.normal(size=3), rng.normal()))
+    return tuple(chain)
+
+
+chains = st.builds(
+    random_chain, st.lists(st.sampled_from(KINDS), max_size=8), st.integers(0, 2**32 - 1)
+)
+
+
+@given(chains)
+def test_invariants_on_random_chains(chain):
+    """K = Kᵀ, K·Jq = 0, no negative eigenvalue, rank 6 − independent passive joints."""
+    K = vjm.chain_stiffness(chain)
+    Jq = chain_jacobians(chain).passive
+    independent = independent_columns(Jq)
+    largest = max(float(np.abs(K).max()), SOFTEST)
+    assert np.array_equal(K, K.T)
+    # 1e-12: rounding times a reach of ten metres, squared
+    assert np.abs(K @ Jq).max(initial=0.0) <= 1e-12 * largest * np.abs(Jq).max(initial=1.0)
+    values = np.linalg.eigvalsh(K)
+    assert values[0] >= -1e-12 * largest
+    # two decades of springs times a reach of some metres leave six decades to the zeros
+    assert np.sum(values > 1e-9 * largest) == 6 - independent
+
+
+@given(chains)
+def test_stiffness_is_the_springs_seen_by_loads_that_no_joint_yields_to(chain):
+    """Independent formulation: f = Zλ with JqᵀZ = 0 gives K = Z (ZᵀSθZ)⁻¹ Zᵀ."""
+    jacobians = chain_jacobians(chain)
+    S = jacobians.springs @ jacobians.compliance @ jacobians.springs.T
+    independent = independent_columns(jacobians.passive)
+    Z = np.linalg.svd(jacobians.passive)[0][:, independent:] if independent else np.eye(6)
+    expected = Z @ np.linalg.solve(Z.T @ S @ Z, Z.T)
+    found = vjm.chain_stiffness(chain)
+    # condition of ZᵀSθZ: two decades of springs, a reach of ten metres squared
+    assert np.abs(found - expected).max() <= 1e-8 * max(np.abs(found).max(), SOFTEST)
+
+
+@given(chains, st.sampled_from([1e-6, 1e-3, 1e3, 1e6]))
+def test_units_do_not_matter(chain, metre):
+    """Lengths from µm to Mm: the same K after conversion, by the same decisions."""
+
+    def convert(element):
+        match element:
+            case Fixed():
+                return replace(element, translation=element.translation / metre)
+            case Joint(kind="prismatic"):
+                return replace(element, coordinate=element.coordinate / metre)
+            case Spring():
+                unit = np.array([1.0 / metre] * 3 + [1.0] * 3)
+                # N m per rad becomes N (unit) per rad
+                return Spring(element.compliance * np.outer(unit, unit) * metre)
+        return element
+
+    independent_columns(chain_jacobians(chain).passive)
+    unit = np.array([metre] * 3 + [1.0] * 3)
+    converted = vjm.chain_stiffness(tuple(convert(element) for element in chain))
+    found, expected = converted / np.outer(unit, unit) * metre, vjm.chain_stiffness(chain)
+    # tolerance as in the test above
+    assert np.abs(found - expected).max() <= 1e-8 * max(np.abs(expected).max(), SOFTEST)
+
+
+def test_a_doubled_joint_changes_nothing():
+    """Singular posture: two revolute joints on one axis release what one does."""
+    spring = Spring(np.diag([1.0, 2.0, 3.0, 4.0, 5.0, 6.0]) * 1e-8)
+    arm = Fixed(0.7 * X)
+    once = vjm.chain_stiffness((passive(Z), spring, arm))
+    twice = vjm.chain_stiffness((passive(Z), spring, passive(Z), arm))
+    assert_allclose(twice, once, rtol=1e-12, atol=1e-12 * once.max())
+
+
+def test_stretched_arm_of_three_parallel_joints():
+    """In line, three parallel axes release two motions; a bent arm releases all three."""
+
+    def arm(bend):
+        spring = Spring(np.eye(6) * 1e-8)
+        link = (Fixed(0.5 * X), spring)
+        return (passive(Z), *link, passive(Z, coordinate=bend), *link, passive(Z), Fixed(0.2 * X))
+
+    stretched, bent = vjm.chain_stiffness(arm(0.0)), vjm.chain_stiffness(arm(1e-3))
+    assert np.linalg.matrix_rank(stretched, tol=1e-6 * stretched.max()) == 4
+    assert np.linalg.matrix_rank(bent, tol=1e-6 * bent.max()) == 3
+    # along x two springs in series; their rotation about z does not yield to a force along x
+    assert stretched[0, 0] == pytest.approx(1e8 / 2.0, rel=1e-12)
+
+
+def test_overconstrained_platform():
+    """Three clamped chains on one platform: stiffness three times that of one."""
+    chain = (Spring(np.diag([1.0, 2.0, 3.0, 40.0, 50.0, 60.0]) * 1e-9), Fixed(0.4 * X + 0.1 * Z))
+    one = np.linalg.inv(vjm.chain_stiffness(chain))
+    three = vjm.platform_compliance(vjm.robot_stiffness([chain, chain, chain]))
+    assert_allclose(three, one / 3.0, rtol=1e-12, atol=1e-12 * one.max())
+
+
+def test_singular_spring_whose_rigid_direction_a_joint_releases():
+    """Sθ = diag(c, c, c, c, c, 0) alone is singular; with a revolute joint about z K exists."""
+    compliance = np.diag([1.0, 2.0, 3.0, 4.0, 5.0, 0.0]) * 1e-9
+    K = vjm.chain_stiffness((passive(Z), Spring(compliance)))
+    expected = np.diag([1.0, 1 / 2, 1 / 3, 1 / 4, 1 / 5, 0.0]) * 1e9
+    assert_allclose(K, expected, rtol=1e-12, atol=1e-3)
+
+
+def test_joints_alone_hold_nothing():
+    """Six independent passive joints and no spring: K = 0."""
+    axes = (X, Y, Z)
+    joints = [Joint(kind, axis) for kind in ("prismatic", "revolute") for axis in axes]
+    assert_allclose(vjm.chain_stiffness(joints), 0.0, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("chain", "words"),
+    [
+        (
+            (Fixed(X), passive(X, "prismatic"), passive(Z), passive(Y, "prismatic")),
+            "a force along z",
+        ),
+        ((Spring(np.diag([1.0, 0.0, 1.0, 1.0, 1.0, 1.0]) * 1e-9),), "a force along y"),
+        (
+            (Spring(np.diag([1.0, 1.0, 1.0, 1.0, 1.0, 0.0]) * 1e-9), Fixed(0.4 * X)),
+            "a moment about z",
+        ),
+        ((Fixed(), Joint("prismatic", Y, drive="actuated")), "a force along x"),
+        (
+            (
+                Fixed(X, rotation_z(np.arctan2(4.0, 3.0))),
+                Spring(np.diag([0.0, 1.0, 1.0, 1.0, 1.0, 1.0]) * 1e-9),
+                passive(Z),
+                Fixed(Y),
+            ),
+            r"a force along \(0.6, 0.8, 0\) through \(0.8, -0.6, 0\) m",
+        ),
+    ],
+)
+def test_a_rigid_chain_is_named_with_its_direction(chain, words):
+    with pytest.raises(ComputationError, match=rf"arm is rigid against {words}"):
+        vjm.chain_stiffness(chain, "arm")
+
+
+@pytest.mark.parametrize(
+    ("chain", "words"),
+    [
+        ((passive(Z), Fixed(0.5 * X)), r"turn about z through \(-0.5, 0, 0\) m from the loaded"),
+        ((passive(Y, "prismatic"),), "translate along y"),
+        ((passive(3.0 * X + 4.0 * Y, "prismatic"),), r"translate along \(0.6, 0.8, 0\)"),
+        ((passive(X), passive(Y)), "turn about x .* and turn about y through the loaded point"),
+    ],
+)
+def test_a_free_platform_is_named_with_its_direction(chain, words):
+    spring = Spring(np.diag([1.0, 2.0, 3.0, 40.0, 50.0, 60.0]) * 1e-9)
+    K = vjm.robot_stiffness([(spring, *chain)])
+    with pytest.raises(ComputationError, match=f"free to {words}"):
+        vjm.platform_compliance(K)
+
+
+def test_a_platform_without_chains_and_one_on_a_negative_spring():
+    with pytest.raises(ComputationError, match="translate along x and translate along y"):
+        vjm.platform_compliance(np.zeros((6, 6)))
+    with pytest.raises(ComputationError, match="negative eigenvalue"):
+        vjm.platform_compliance(np.diag([1e9, 1e9, -1e3, 1e7, 1e7, 1e7]))
+
+
+def test_aligned_legs_leave_the_biglide_free(demonstrator):
+    """A = (0, −√3), C = (½, −√3/2), B = (1, 0) in line: the platform turns about A."""
+    robot = replace(
+        demonstrator,
+        a=0.5,
+        leg1=replace(demonstrator.leg1, length=2.0),
+        leg2=replace(demonstrator.leg2, length=1.0),
+    )
+    words = r"x = 1 m: the platform is free to turn about z through \(-1, -1.73, 0\) m"
+    with pytest.raises(ComputationError, match=words):
+        vjm.compliance(robot, 1.0, vjm.given_leg_springs(robot))
+
+
+@pytest.mark.parametrize("side", [0.1, 0.01, 0.002])
+def test_a_free_platform_on_slender_legs_is_not_taken_for_a_soft_one(side):
+    """A bar of slenderness 10 to 500 pinned at its root: EA L²/EI up to 3e6, still named free."""
+    section = {"EA": side**2, "EIy": side**4 / 12.0, "EIz": side**4 / 12.0, "GJ": side**4 / 7.0}
+    leg = constant_leg(1.0, **{name: 2e11 * value for name, value in section.items()}, mass=1.0)
+    spring = Spring(given_compliance(leg))
+    for angle in np.linspace(0.1, 3.0, 20):
+        chain = (passive(Z, coordinate=angle), Fixed(X), spring)
+        with pytest.raises(ComputationError, match=r"free to turn about z through \("):
+            vjm.platform_compliance(vjm.chain_stiffness(chain))
+
+
+def test_both_chains_end_in_the_same_frame(demonstrator):
+    """Closure of eq. (6): the loaded point at B + tool offset, the platform along leg 1."""
+    robot = replace(demonstrator, tool_offset=np.array([0.03, -0.02, 0.155]))
+    for x in robot.stations(5):
+        ends = [
+            chain_jacobians(chain)
+            for chain in vjm.biglide_chains(robot, x, vjm.given_leg_springs(robot))
+        ]
+        for end in ends:
+            assert_allclose(end.end, [x + 0.03, -0.02, 0.155], atol=1e-15)
+            assert_allclose(end.end_rotation, robot.posture(x).rotation1, atol=1e-15)
+
+
+def test_number_of_springs_and_joints(demonstrator):
+    """Eq. (3) is 7×7 for leg 1, 8×8 for leg 2; the springs are the foot's and the leg's."""
+    springs = vjm.given_leg_springs(demonstrator)
+    first, second = map(chain_jacobians, vjm.biglide_chains(demonstrator, 0.4, springs))
+    assert (first.passive.shape, second.passive.shape) == ((6, 1), (6, 2))
+    assert first.springs.shape == second.springs.shape == (6, 12)
+    rigid_feet = replace(demonstrator, foot_compliance=None)
+    for chain in map(chain_jacobians, vjm.biglide_chains(rigid_feet, 0.4, springs)):
+        assert chain.springs.shape == (6, 6)
+
+
+def test_tool_offset_moves_the_loaded_point_and_tool_compliance_adds(demonstrator):
+    """A rigid offset is C_P = X C_B Xᵀ; planar deflection grows to about 13.6 µm (notes §1).
+
+    The sign of the offset is not printed; 13.6 µm is reached with the tool on the −z side.
+    """
+    offset = np.array([0.0, 0.0, -0.155])
+    springs = vjm.given_leg_springs(demonstrator)
+    at_b = vjm.compliance(demonstrator, 0.4975, springs)
+    robot = replace(demonstrator, tool_offset=offset)
+    at_p = vjm.compliance(robot, 0.4975, springs)
+    assert_allclose(at_p, move_compliance(at_b, offset), rtol=1e-11, atol=1e-20)
+    largest = max(
+        deflections(vjm.compliance(robot, x, springs))[:2].max() for x in robot.stations(41)
+    )
+    assert largest == pytest.approx(13.6, abs=0.05)  # digits printed
+    tool = np.diag([1.0, 2.0, 3.0, 4.0, 5.0, 6.0]) * 1e-9
+    with_tool = vjm.compliance(replace(robot, tool_compliance=tool), 0.4975, springs)
+    assert_allclose(with_tool, at_p + tool, rtol=1e-14)
+
+
+def test_rigid_legs_on_feet_that_yield_along_y_are_the_simplified_model(demonstrator):
+    """δt = J K⁻¹ Jᵀ f, eq. (1): nothing but the feet's y yields."""
+    foot = np.diag([0.0, 1e-9, 0.0, 0.0, 0.0, 0.0])
+    robot = replace(demonstrator, foot_compliance=foot)
+    stiff = np.diag([1e-15] * 6)
+    for x in robot.stations(5):
+        found = vjm.compliance(robot, x, (stiff, stiff))[:2, :2]
+        # the legs are a million times stiffer than the feet
+        assert_allclose(found, simplified.compliance(robot, x), rtol=1e-5, atol=2e-15)
+
+
+@given(
+    st.floats(0.3, 3.0),
+    st.floats(0.3, 3.0),
+    st.floats(0.05, 0.95),
+    st.floats(0.0, 1.0),
+    st.integers(0, 2**32 - 1),
+)
+def test_random_biglides_with_rigid_feet(l1, l2, share, place, seed):
+    """Pinned legs: planar compliance is the truss of EA/L, whatever their bending and torsion."""
+    rng = np.random.default_rng(seed)
+    legs = [
+        constant_leg(length, *(10.0 ** rng.uniform([8, 6, 6, 6], [9, 7, 7, 7])), mass=10.0)
+        for length in (l1, l2)
+    ]
+    shortest = abs(l1 - l2)
+    robot = Biglide("random", shortest + share * (l1 + l2 - shortest), 10.0, 1e9, *legs)
+    x = robot.stroke[0] + place * robot.stroke_length
+    posture = robot.posture(x)
+    directions = np.column_stack([posture.rotation1[:2, 0], posture.rotation2[:2, 0]])
+    assume(abs(np.linalg.det(directions)) > 0.05)  # away from aligned legs
+    axial = np.diag([leg.timoshenko.EA / leg.length for leg in legs])
+    expected = np.linalg.inv(directions @ axial @ directions.T)
+    for theory in ("euler-bernoulli", "timoshenko"):
+        springs = vjm.equivalent_leg_springs(robot, theory)
+        found = vjm.compliance(robot, x, springs)[:2, :2]
+        # condition of the legs (1e4) and of the truss (1e3) times rounding, with margin
+        assert np.abs(found - expected).max() <= 1e-9 * np.abs(expected).max()
+
+
+def test_wrong_input(demonstrator):
+    springs = vjm.given_leg_springs(demonstrator)
+    with pytest.raises(InputError, match="outside the stroke"):
+        vjm.compliance(demonstrator, 0.86, springs)
+    broken = replace(demonstrator, leg2=GivenLeg(0.775, 49.366, -np.eye(6)))
+    with pytest.raises(InputError, match="spring of leg 2: compliance has a negative eigenvalue"):
+        vjm.compliance(broken, 0.4, vjm.given_leg_springs(broken))
