@@ -1,0 +1,1 @@
+"""Meshes of cross-sections and of legs: gmsh in, numpy arrays out."""

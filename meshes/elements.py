@@ -1,0 +1,105 @@
+"""The element kinds of sections and solids: their nodes, and how other programs number them.
+
+Reference cells are the unit square, unit cube and unit simplex. Quadrilaterals and simplices are
+numbered as in scikit-fem: corners counter-clockwise, then edge midpoints, then the centre. A
+hexahedron is a quadrilateral times a line: the quadrilateral's nodes at ζ = 0, (½,) 1. An extruded
+leg has its ξ, η in the section (y, z) and its ζ along x, which is right-handed.
+"""
+
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+import numpy as np
+
+from lumped.arrays import Array
+
+SectionElement: TypeAlias = Literal["quad4", "quad9", "tri3", "tri6"]
+SolidElement: TypeAlias = Literal["hex8", "hex27", "tet4", "tet10"]
+ElementName: TypeAlias = SectionElement | SolidElement
+
+
+@dataclass(frozen=True, eq=False)
+class ElementKind:
+    """One kind of element.
+
+    `nodes` (k×d) are the reference coordinates in our node order, `corner_nodes` the local
+    numbers of the cell's vertices. `vtk_order` lists our local numbers in VTK's order, so that
+    `cells[:, vtk_order]` is VTK's connectivity; `abaqus_order` alike for the element that Abaqus
+    and CalculiX call `abaqus`, None where they have none. `end` is the section element that a
+    solid element shows on the end faces x = 0 and x = L.
+    """
+
+    name: ElementName
+    order: int
+    nodes: Array
+    corner_nodes: tuple[int, ...]
+    vtk_type: int
+    vtk_order: tuple[int, ...]
+    abaqus: str | None = None
+    abaqus_order: tuple[int, ...] | None = None
+    end: SectionElement | None = None
+
+    @property
+    def dimension(self) -> int:
+        """2 for sections, 3 for solids."""
+        return int(self.nodes.shape[1])
+
+    @property
+    def node_count(self) -> int:
+        """Nodes per element k."""
+        return int(self.nodes.shape[0])
+
+
+def _with_edges(corners: Array, edges: list[tuple[int, int]]) -> Array:
+    midpoints = [(corners[i] + corners[j]) / 2.0 for i, j in edges]
+    return np.vstack([corners, *midpoints])
+
+
+def _times_line(face: Array, zetas: tuple[float, ...]) -> Array:
+    return np.vstack([np.column_stack([face, np.full(len(face), zeta)]) for zeta in zetas])
+
+
+def _same(count: int) -> tuple[int, ...]:
+    return tuple(range(count))
+
+
+_SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+_SQUARE_9 = np.vstack([_with_edges(_SQUARE, [(0, 1), (1, 2), (2, 3), (3, 0)]), [[0.5, 0.5]]])
+_TRIANGLE = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
+_TRIANGLE_6 = _with_edges(_TRIANGLE, [(0, 1), (1, 2), (0, 2)])
+_TETRAHEDRON = np.vstack([np.zeros(3), np.eye(3)])
+_TETRAHEDRON_10 = _with_edges(_TETRAHEDRON, [(0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3)])
+# VTK's triquadratic hexahedron: corners, edges of the faces ζ = 0 and ζ = 1, edges along ζ,
+# centres of the faces ξ = 0, ξ = 1, η = 0, η = 1, ζ = 0, ζ = 1, centre.
+# fmt: off
+_VTK_HEX_27 = (
+    0, 1, 2, 3, 18, 19, 20, 21,
+    4, 5, 6, 7, 22, 23, 24, 25, 9, 10, 11, 12,
+    16, 14, 13, 15, 8, 26, 17,
+)
+# fmt: on
+
+quad4 = ElementKind("quad4", 1, _SQUARE, _same(4), 9, _same(4))
+quad9 = ElementKind("quad9", 2, _SQUARE_9, _same(4), 28, _same(9))
+tri3 = ElementKind("tri3", 1, _TRIANGLE, _same(3), 5, _same(3))
+tri6 = ElementKind("tri6", 2, _TRIANGLE_6, _same(3), 22, _same(6))
+hex8 = ElementKind(
+    "hex8", 1, _times_line(_SQUARE, (0.0, 1.0)), _same(8), 12, _same(8), "C3D8", _same(8), "quad4"
+)
+hex27 = ElementKind(
+    "hex27",
+    2,
+    _times_line(_SQUARE_9, (0.0, 0.5, 1.0)),
+    (0, 1, 2, 3, 18, 19, 20, 21),
+    29,
+    _VTK_HEX_27,
+    end="quad9",
+)
+tet4 = ElementKind("tet4", 1, _TETRAHEDRON, _same(4), 10, _same(4), "C3D4", _same(4), "tri3")
+tet10 = ElementKind(
+    "tet10", 2, _TETRAHEDRON_10, _same(4), 24, _same(10), "C3D10", _same(10), "tri6"
+)
+
+ELEMENTS: dict[str, ElementKind] = {
+    kind.name: kind for kind in (quad4, quad9, tri3, tri6, hex8, hex27, tet4, tet10)
+}

@@ -1,0 +1,113 @@
+"""Element quality of section and solid meshes, and the bounds beyond which a mesh is refused.
+
+Scaled Jacobian: determinant of the unit vectors along the sides that meet in a point, 1 for a
+square, a cube and the regular simplices, at most 0 for an inverted cell (Knupp, SIAM J. Sci.
+Comput. 23 (2001) 193); here the least over an element's nodes and quadrature points, so that
+curved sides count. Aspect ratio: longest by shortest distance between neighbouring vertices.
+"""
+
+from dataclasses import dataclass
+from math import sqrt
+
+import numpy as np
+
+from lumped.arrays import Array
+from lumped.errors import ComputationError
+from meshes.elements import ELEMENTS, ElementName
+from meshes.section_mesh import SectionMesh
+from meshes.shape_functions import gradients, quadrature
+from meshes.solid_mesh import SolidMesh
+
+# Interpolation errors grow as the inverse of the scaled Jacobian: at 0.05 a cell is twenty times
+# worse than a square one and spoils the answer long before the matrices notice.
+LEAST_SCALED_JACOBIAN = 0.05
+# Slender cells are accurate where the solution varies slowly along them; beyond 100 the stiffness
+# ratios, which grow with the square, eat four of the digits that the factorisation has.
+LARGEST_ASPECT = 100.0
+
+_CELLS_AT_ONCE = 20_000
+# Sides that meet in each corner, as combinations of the reference directions; and the factor that
+# makes the regular cell 1.
+_TRIANGLE_CORNERS = np.array([[[1, 0], [0, 1]], [[-1, 1], [-1, 0]], [[0, -1], [1, -1]]], float)
+_TETRAHEDRON_CORNERS = np.array(
+    [
+        [[1, 0, 0], [0, 1, 0], [0, 0, 1]],
+        [[-1, 0, 0], [-1, 0, 1], [-1, 1, 0]],
+        [[0, -1, 0], [1, -1, 0], [0, -1, 1]],
+        [[0, 0, -1], [0, 1, -1], [1, 0, -1]],
+    ],
+    float,
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Quality:
+    """Quality of each of M elements: `scaled_jacobian` (M) and `aspect` (M)."""
+
+    scaled_jacobian: Array
+    aspect: Array
+
+
+def quality(mesh: SectionMesh | SolidMesh) -> Quality:
+    """Scaled Jacobian and aspect ratio of every element."""
+    points, _ = quadrature(mesh.element, 2 * ELEMENTS[mesh.element].order)
+    samples = np.hstack([ELEMENTS[mesh.element].nodes.T, points])
+    slopes = gradients(mesh.element, samples)
+    blocks = [
+        mesh.nodes[mesh.cells[first : first + _CELLS_AT_ONCE]]
+        for first in range(0, len(mesh.cells), _CELLS_AT_ONCE)
+    ]
+    return Quality(
+        np.concatenate([_scaled_jacobian(mesh.element, block, slopes) for block in blocks]),
+        np.concatenate([_aspect(mesh.element, block) for block in blocks]),
+    )
+
+
+def check(mesh: SectionMesh | SolidMesh, part: str) -> Quality:
+    """The quality of a mesh; raises ComputationError naming `part` where a bound is broken."""
+    found = quality(mesh)
+    worst, longest = found.scaled_jacobian.min(), found.aspect.max()
+    if worst < LEAST_SCALED_JACOBIAN:
+        raise ComputationError(
+            f"{part}: the mesh has {mesh.element} elements of scaled Jacobian {worst:.2g}, below "
+            f"{LEAST_SCALED_JACOBIAN:g}: distorted or inverted; more divisions help on curved walls"
+        )
+    if longest > LARGEST_ASPECT:
+        raise ComputationError(
+            f"{part}: the mesh has {mesh.element} elements {longest:.3g} times as long as wide, "
+            f"above {LARGEST_ASPECT:g}: take more slices or divisions, or fewer across the wall"
+        )
+    return found
+
+
+def _scaled_jacobian(element: ElementName, corners: Array, slopes: Array) -> Array:
+    """Least value (M) for elements with nodes `corners` (M×k×d); `slopes` (k×d×Q)."""
+    count, dimension, points = slopes.shape
+    jacobian = np.swapaxes(corners, 1, 2) @ slopes.reshape(count, dimension * points)
+    jacobian = jacobian.reshape(-1, dimension, dimension, points)
+    directions, regular = _corner_sides(element)
+    sides = np.einsum("mijq,csj->mqcsi", jacobian, directions, optimize=True)
+    largest = np.linalg.norm(sides, axis=-1).prod(axis=-1).max(axis=-1)
+    determinant = np.linalg.det(np.moveaxis(jacobian, -1, 1))
+    return np.asarray((regular * determinant / largest).min(axis=1))
+
+
+def _corner_sides(element: ElementName) -> tuple[Array, float]:
+    if element.startswith("tri"):
+        return _TRIANGLE_CORNERS, 2.0 / sqrt(3.0)
+    if element.startswith("tet"):
+        return _TETRAHEDRON_CORNERS, sqrt(2.0)
+    return np.eye(ELEMENTS[element].dimension)[None], 1.0
+
+
+def _aspect(element: ElementName, nodes: Array) -> Array:
+    kind = ELEMENTS[element]
+    vertices = list(kind.corner_nodes)
+    reference = kind.nodes[vertices]
+    steps = np.abs(reference[:, None] - reference[None]).sum(axis=2)
+    # In a simplex all vertices are neighbours; in squares and cubes those one step apart.
+    reach = 2 if element.startswith("t") else 1
+    first, second = np.nonzero(np.triu((steps > 0) & (steps <= reach)))
+    corners = nodes[:, vertices]
+    lengths = np.linalg.norm(corners[:, first] - corners[:, second], axis=2)
+    return np.asarray(lengths.max(axis=1) / lengths.min(axis=1))

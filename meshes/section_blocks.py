@@ -1,0 +1,209 @@
+"""How each section shape is cut into four-sided blocks for a structured mesh.
+
+The meaning of `divisions`, the number of elements across the smaller side of the section's
+bounding box:
+
+- rectangle: that number across the smaller side, along the larger as many as makes them nearly
+  square; or two numbers, along y and along z;
+- circle: across a diameter, at least three (a curved core and a ring of four blocks around it);
+- walls (hollow rectangle, tube, I): one element across the thickness per four divisions, as many
+  more as a thick wall needs (`_across`); along the wall, elements of the size of smaller
+  side / divisions, but never longer than `WALL_ASPECT` times their thickness.
+
+So divisions of 4, 8, 16, … are uniform refinements of each other, for every shape.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from math import ceil, inf, pi, radians, sqrt, tan
+from typing import TypeAlias
+
+import numpy as np
+
+from lumped.arrays import Array
+from lumped.errors import InputError
+from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Section, Tube
+
+Divisions: TypeAlias = int | tuple[int, int]
+Edge: TypeAlias = tuple[int, int]
+
+# Stresses vary along a wall over lengths of the section's size, not of the wall's thickness.
+WALL_ASPECT = 8.0
+# The core of a circle: share of the diameter that it covers along the axes, and the half opening
+# of its bulged sides, chosen so that three blocks meet at 120° each.
+_CORE_SHARE = 0.5
+_CORE_BULGE = radians(15.0)
+# Keeps ratios such as 0.3 / 0.1 from being rounded up past the whole number that is meant.
+_ROUND_OFF = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Blocks:
+    """Four-sided blocks that fill a section.
+
+    `points` (P×2, y and z in m); `corners`: four point numbers per block, counter-clockwise;
+    `counts`: elements along each edge; `arc_centres`: for the edges that are circular arcs.
+    An edge is a pair of point numbers and appears in one direction only.
+    """
+
+    points: Array
+    corners: tuple[tuple[int, int, int, int], ...]
+    counts: dict[Edge, int]
+    arc_centres: dict[Edge, tuple[float, float]]
+
+
+def section_blocks(section: Section, divisions: Divisions) -> Blocks:
+    """The blocks of a sound `section`; raises InputError where the divisions do not suit it."""
+    match section, divisions:
+        case Rectangle() as rectangle, _:
+            return _rectangle(rectangle, divisions)
+        case HollowRectangle() as hollow, int() as count:
+            return _hollow_rectangle(hollow, count)
+        case Circle() as circle, int() as count:
+            return _circle(circle, count)
+        case Tube() as tube, int() as count:
+            return _tube(tube, count)
+        case ISection() as i_section, int() as count:
+            return _i_section(i_section, count)
+    raise InputError(f"{section.shape}: divisions = {divisions} do not suit it")
+
+
+def _across(thickness: float, side: float, divisions: int) -> int:
+    """Elements across a wall of a section with the smaller side `side`."""
+    return ceil(divisions / 4) * _fitting(thickness, side / 4.0)
+
+
+def _along(length: float, thickness: float, side: float, divisions: int) -> int:
+    """Elements along a wall: those of four divisions times divisions / 4, bounded in aspect."""
+    longest = WALL_ASPECT * thickness / _across(thickness, side, 4)
+    of_four = _fitting(length, min(side / 4.0, longest))
+    bounded = _fitting(length, WALL_ASPECT * thickness / _across(thickness, side, divisions))
+    return max(ceil(divisions * of_four / 4), bounded)
+
+
+def _fitting(length: float, size: float) -> int:
+    return max(1, ceil(length / size - _ROUND_OFF))
+
+
+def thinnest_layer(section: Section, divisions: int) -> float:
+    """Thickness (m) of one element across the thinnest wall; infinite for solid shapes."""
+    side = min(section.extent)
+    match section:
+        case HollowRectangle(thickness=thickness) | Tube(thickness=thickness):
+            walls = [thickness]
+        case ISection():
+            walls = [section.flange, section.web]
+        case _:
+            walls = []
+    layers = [thickness / _across(thickness, side, divisions) for thickness in walls]
+    return min(layers, default=inf)
+
+
+def _rectangle(section: Rectangle, divisions: Divisions) -> Blocks:
+    if isinstance(divisions, tuple):
+        along_y, along_z = divisions
+    else:
+        smaller = min(section.extent)
+        along_y, along_z = (
+            ceil(divisions * round(4.0 * side / smaller) / 4) for side in section.extent
+        )
+    return _grid(
+        _mirrored(section.width), _mirrored(section.height), [along_y], [along_z], [[True]]
+    )
+
+
+def _hollow_rectangle(section: HollowRectangle, divisions: int) -> Blocks:
+    inner, thickness, side = section.inner, section.thickness, min(section.extent)
+    across = _across(thickness, side, divisions)
+    along_y, along_z = (_along(clear, thickness, side, divisions) for clear in inner.extent)
+    return _grid(
+        _mirrored(section.width, inner.width),
+        _mirrored(section.height, inner.height),
+        [across, along_y, across],
+        [across, along_z, across],
+        [[True, True, True], [True, False, True], [True, True, True]],
+    )
+
+
+def _i_section(section: ISection, divisions: int) -> Blocks:
+    side = min(section.extent)
+    across_flange = _across(section.flange, side, divisions)
+    across_web = _across(section.web, side, divisions)
+    clear_height = section.height - 2.0 * section.flange
+    overhang = _along((section.width - section.web) / 2.0, section.flange, side, divisions)
+    along_web = _along(clear_height, section.web, side, divisions)
+    return _grid(
+        _mirrored(section.width, section.web),
+        _mirrored(section.height, clear_height),
+        [overhang, across_web, overhang],
+        [across_flange, along_web, across_flange],
+        [[True, True, True], [False, True, False], [True, True, True]],
+    )
+
+
+def _mirrored(*sizes: float) -> list[float]:
+    """Coordinates of the sides of concentric strips, the widest first."""
+    return [-size / 2.0 for size in sizes] + [size / 2.0 for size in reversed(sizes)]
+
+
+def _grid(
+    ys: list[float],
+    zs: list[float],
+    counts_y: list[int],
+    counts_z: list[int],
+    filled: Sequence[Sequence[bool]],
+) -> Blocks:
+    """Rectangular blocks between the lines `ys` and `zs`, where `filled` (rows along z) says so."""
+    numbers: dict[tuple[int, int], int] = {}
+    counts: dict[Edge, int] = {}
+    corners = []
+    for row, strip in enumerate(filled):
+        for column, is_filled in enumerate(strip):
+            if not is_filled:
+                continue
+            places = [(0, 0), (1, 0), (1, 1), (0, 1)]
+            a, b, c, d = (
+                numbers.setdefault((column + i, row + j), len(numbers)) for i, j in places
+            )
+            counts |= {(a, b): counts_y[column], (d, c): counts_y[column]}
+            counts |= {(b, c): counts_z[row], (a, d): counts_z[row]}
+            corners.append((a, b, c, d))
+    points = np.array([(ys[column], zs[row]) for column, row in numbers])
+    return Blocks(points, tuple(corners), counts, {})
+
+
+def _circle(section: Circle, divisions: int) -> Blocks:
+    across_ring = max(1, divisions // 4)
+    across_core = max(1, divisions - 2 * across_ring)
+    radius = section.diameter / 2.0
+    half_core = _CORE_SHARE * radius / (1.0 + tan(_CORE_BULGE / 2.0))
+    square = np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
+    sides = [(0, 1), (1, 2), (2, 3), (3, 0)]
+    counts: dict[Edge, int] = {}
+    centres: dict[Edge, tuple[float, float]] = {}
+    corners = [(0, 1, 2, 3)]
+    for a, b in sides:
+        counts |= {(a, b): across_core, (a + 4, b + 4): across_core, (a, a + 4): across_ring}
+        y, z = (square[a] + square[b]) / 2.0 * half_core * (1.0 - 1.0 / tan(_CORE_BULGE))
+        centres |= {(a, b): (float(y), float(z)), (a + 4, b + 4): (0.0, 0.0)}
+        corners.append((a + 4, b + 4, b, a))
+    points = np.vstack([square * half_core, square * radius / sqrt(2.0)])
+    return Blocks(points, tuple(corners), counts, centres)
+
+
+def _tube(section: Tube, divisions: int) -> Blocks:
+    across = _across(section.thickness, section.diameter, divisions)
+    arc = pi / 4.0 * (section.diameter - section.thickness)
+    # Two elements per quarter at least: a parabola is no good arc over 90°.
+    quarter = max(2, _along(arc, section.thickness, section.diameter, divisions))
+    axes = np.array([(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)])
+    points = np.vstack([axes * section.diameter / 2.0, axes * section.inner_diameter / 2.0])
+    counts: dict[Edge, int] = {}
+    centres: dict[Edge, tuple[float, float]] = {}
+    corners = []
+    for a, b in pairwise([0, 1, 2, 3, 0]):
+        counts |= {(a, b): quarter, (a + 4, b + 4): quarter, (a, a + 4): across}
+        centres |= {(a, b): (0.0, 0.0), (a + 4, b + 4): (0.0, 0.0)}
+        corners.append((a, b, b + 4, a + 4))
+    return Blocks(points, tuple(corners), counts, centres)

@@ -1,0 +1,37 @@
+"""A meshed leg: a solid between two named end faces, both meshes of the section themselves."""
+
+from dataclasses import dataclass
+
+from lumped.arrays import Array, IntArray
+from meshes.elements import SolidElement
+from meshes.section_mesh import SectionMesh
+
+
+@dataclass(frozen=True, eq=False)
+class EndFace:
+    """End of a leg: its `nodes` (n) in the solid, its `mesh` with nodes in the same order."""
+
+    nodes: IntArray
+    mesh: SectionMesh
+
+
+@dataclass(frozen=True, eq=False)
+class SolidMesh:
+    """Mesh of a prismatic leg in leg axes, section centroids on the x axis.
+
+    `nodes` (N×3, m); `cells` (M×k) node numbers in the order of `meshes.elements`, right-handed;
+    `root` and `tip` the faces exactly at x = 0 and x = L. An extruded mesh of `slices` slices
+    numbers nodes and cells slice by slice from the root; `slices` is None for any other mesh.
+    """
+
+    nodes: Array
+    cells: IntArray
+    element: SolidElement
+    root: EndFace
+    tip: EndFace
+    slices: int | None
+
+    @property
+    def length(self) -> float:
+        """Distance from root to tip (m)."""
+        return float(self.nodes[self.tip.nodes[0], 0])

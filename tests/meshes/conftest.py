@@ -1,0 +1,119 @@
+"""Sections of every shape, and what the tests ask of any mesh: integrals, facets, outlines."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from lumped.arrays import Array, IntArray
+from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Section, Tube
+from meshes.elements import ELEMENTS
+from meshes.section_mesh import SectionMesh
+from meshes.shape_functions import gradients, quadrature, values
+from meshes.solid_mesh import SolidMesh
+
+SECTIONS: list[Section] = [
+    Rectangle(0.16, 0.26),
+    HollowRectangle(0.10, 0.16, 0.008),
+    Circle(0.10),
+    Tube(0.10, 0.006),
+    ISection(0.10, 0.16, 0.012, 0.008),
+]
+
+Mesh = SectionMesh | SolidMesh
+
+
+@pytest.fixture(params=SECTIONS, ids=lambda section: section.shape)
+def section(request: pytest.FixtureRequest) -> Section:
+    return request.param
+
+
+@pytest.fixture(
+    params=[section for section in SECTIONS if not isinstance(section, Circle | Tube)],
+    ids=lambda section: section.shape,
+)
+def straight_section(request: pytest.FixtureRequest) -> Section:
+    return request.param
+
+
+def _jacobians(mesh: Mesh) -> tuple[Array, Array, Array]:
+    points, weights = quadrature(mesh.element, 6)
+    slopes = gradients(mesh.element, points)
+    shapes = values(mesh.element, points)
+    corners = mesh.nodes[mesh.cells]
+    jacobian = np.einsum("mki,kjq->mqij", corners, slopes)
+    return np.linalg.det(jacobian), np.einsum("mki,kq->mqi", corners, shapes), weights
+
+
+@pytest.fixture
+def determinants() -> Callable[[Mesh], Array]:
+    return lambda mesh: _jacobians(mesh)[0]
+
+
+@pytest.fixture
+def integral() -> Callable[[Mesh, Callable[[Array], Array]], float]:
+    """∫ f over a mesh; f takes the coordinates (…×d)."""
+
+    def integrate(mesh: Mesh, f: Callable[[Array], Array]) -> float:
+        determinant, at, weights = _jacobians(mesh)
+        return float(((determinant * f(at)) @ weights).sum())
+
+    return integrate
+
+
+def _facets_of_reference_cell(nodes: Array) -> list[IntArray]:
+    """Local nodes on each side of a reference cell, found from the planes that bound it."""
+    sides = [nodes[:, i] == 0.0 for i in range(nodes.shape[1])]
+    if np.any(nodes.sum(axis=1) > 1.0):
+        sides += [nodes[:, i] == 1.0 for i in range(nodes.shape[1])]
+    else:
+        sides.append(nodes.sum(axis=1) == 1.0)
+    return [np.flatnonzero(side) for side in sides]
+
+
+@pytest.fixture
+def facets() -> Callable[[Mesh], tuple[IntArray, IntArray]]:
+    """Distinct facets (F×n node numbers, sorted) and how many cells own each."""
+
+    def find(mesh: Mesh) -> tuple[IntArray, IntArray]:
+        sides = _facets_of_reference_cell(ELEMENTS[mesh.element].nodes)
+        every = np.vstack([mesh.cells[:, side] for side in sides])
+        return np.unique(np.sort(every, axis=1), axis=0, return_counts=True)
+
+    return find
+
+
+def _on_rectangle(y: Array, z: Array, width: float, height: float) -> Array:
+    return np.maximum(y - width / 2, z - height / 2)
+
+
+@pytest.fixture
+def off_outline(section: Section) -> Callable[[Array], Array]:
+    """Distance (to first order) of points (n×2) of the section from its true outline."""
+
+    def distance(points: Array) -> Array:
+        y, z = np.abs(points).T
+        radius = np.hypot(y, z)
+        match section:
+            case Rectangle():
+                return np.abs(_on_rectangle(y, z, section.width, section.height))
+            case HollowRectangle():
+                t = section.thickness
+                outer = _on_rectangle(y, z, section.width, section.height)
+                inner = _on_rectangle(y, z, section.width - 2 * t, section.height - 2 * t)
+                return np.minimum(np.abs(outer), np.abs(inner))
+            case Circle():
+                return np.abs(radius - section.diameter / 2)
+            case Tube():
+                outer, t = section.diameter / 2, section.thickness
+                return np.minimum(np.abs(radius - outer), np.abs(radius - outer + t))
+            case ISection():
+                root = section.height / 2 - section.flange
+                top = np.abs(z - section.height / 2)
+                edge = np.where(z > root - 1e-9, np.abs(y - section.width / 2), np.inf)
+                under = np.where(y > section.web / 2 - 1e-9, np.abs(z - root), np.inf)
+                web = np.where(z < root + 1e-9, np.abs(y - section.web / 2), np.inf)
+                return np.minimum.reduce([top, edge, under, web])
+        raise AssertionError(section)
+
+    return distance

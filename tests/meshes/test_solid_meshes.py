@@ -1,0 +1,164 @@
+"""Extruded hexahedra and tetrahedra: named ends, exact integrals, conforming neighbours."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+from scipy.spatial import cKDTree
+
+from lumped.errors import InputError
+from lumped.sections import Circle, Rectangle, Section, Tube
+from meshes.extrude import extrude, stations
+from meshes.hexahedra import hexahedra, slice_count
+from meshes.section_mesh import section_mesh
+from meshes.solid_mesh import SolidMesh
+from meshes.tetrahedra import tetrahedra
+
+LENGTH = 0.3
+every_solid = pytest.mark.parametrize("element", ["hex8", "hex27", "tet4", "tet10"])
+
+
+@cache
+def _leg(section: Section, element: str, divisions: int = 4) -> SolidMesh:
+    if element.startswith("hex"):
+        return hexahedra(section, LENGTH, divisions, element)
+    return tetrahedra(section, LENGTH, divisions, 2 if element == "tet10" else 1)
+
+
+@every_solid
+def test_all_cells_are_right_handed(section, element, determinants) -> None:
+    mesh = _leg(section, element)
+    assert determinants(mesh).min() > 0.0
+    assert determinants(mesh.root.mesh).min() > 0.0
+    assert determinants(mesh.tip.mesh).min() > 0.0
+
+
+@every_solid
+def test_ends_hold_all_nodes_at_their_plane_and_no_other(section, element) -> None:
+    mesh = _leg(section, element)
+    for end, x in ((mesh.root, 0.0), (mesh.tip, LENGTH)):
+        assert np.array_equal(end.nodes, np.flatnonzero(mesh.nodes[:, 0] == x))
+        assert np.array_equal(mesh.nodes[end.nodes, 1:], end.mesh.nodes)
+    assert mesh.nodes[:, 0].min() == 0.0
+    assert mesh.nodes[:, 0].max() == LENGTH == mesh.length
+
+
+@every_solid
+def test_neighbours_share_their_sides_and_free_sides_lie_on_the_surface(
+    section, element, facets, off_outline
+) -> None:
+    mesh = _leg(section, element)
+    sides, owners = facets(mesh)
+    assert owners.max() == 2
+    free = sides[owners == 1]
+    at_end = np.zeros(len(free), dtype=bool)
+    for end in (mesh.root, mesh.tip):
+        in_face = np.isin(free, end.nodes).all(axis=1)
+        assert in_face.sum() == len(end.mesh.cells)
+        at_end |= in_face
+    # 1e-10: gmsh's OpenCASCADE kernel places nodes on its surfaces to about 1e-12 of the size.
+    assert off_outline(mesh.nodes[np.unique(free[~at_end]), 1:]).max() < 1e-10
+
+
+@every_solid
+def test_no_node_is_double_or_idle(section, element) -> None:
+    mesh = _leg(section, element)
+    assert not cKDTree(mesh.nodes).query_pairs(1e-6)
+    assert np.array_equal(np.unique(mesh.cells), np.arange(len(mesh.nodes)))
+
+
+@every_solid
+def test_integrals_of_straight_legs_are_exact(straight_section, element, integral) -> None:
+    section = straight_section
+    mesh = _leg(section, element)
+    powers = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (0, 2, 0), (0, 0, 2), (0, 1, 1)]
+    found = [integral(mesh, lambda x, p=p: np.prod(x ** np.array(p), axis=-1)) for p in powers]
+    volume, iy, iz = section.area * LENGTH, section.second_moment_y, section.second_moment_z
+    exact = [volume, volume * LENGTH / 2, 0.0, 0.0, iz * LENGTH, iy * LENGTH, 0.0]
+    # Rounding of some ten thousand terms of the largest size; first and mixed moments cancel.
+    assert found == pytest.approx(exact, rel=1e-11, abs=1e-15)
+    for end in (mesh.root, mesh.tip):
+        area = integral(end.mesh, lambda x: x[..., 0] ** 0)
+        assert area == pytest.approx(section.area, rel=1e-12)  # rounding
+
+
+@pytest.mark.parametrize(("element", "order"), [("hex8", 2), ("tet4", 2), ("hex27", 4)])
+def test_volume_of_a_round_leg_converges(element, order, integral) -> None:
+    circle = Circle(0.1)
+    exact = circle.area * LENGTH
+    errors = [
+        1 - integral(_leg(circle, element, divisions), lambda x: x[..., 0] ** 0) / exact
+        for divisions in (4, 8)
+    ]
+    # 0.4: coarse arcs have terms of the next order, unstructured sides do not halve exactly.
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(order, abs=0.4)
+
+
+def test_volume_of_a_round_leg_of_curved_tetrahedra_is_nearly_exact(integral) -> None:
+    # Chords of 16 sides (size 0.1/5) leave 2.6 %; parabolas over them 16 sides: 4.9e-5.
+    circle = Circle(0.1)
+    volume = integral(_leg(circle, "tet10", 5), lambda x: x[..., 0] ** 0)
+    assert volume == pytest.approx(circle.area * LENGTH, rel=1e-4)
+
+
+@every_solid
+def test_numbering_is_the_same_every_time(element) -> None:
+    first, second = (_leg.__wrapped__(Rectangle(0.1, 0.2), element) for _ in range(2))
+    assert np.array_equal(first.nodes, second.nodes)
+    assert np.array_equal(first.cells, second.cells)
+
+
+@pytest.mark.parametrize(("flat", "planes"), [("quad4", 4), ("quad9", 7)])
+def test_extrusion_numbers_nodes_and_cells_slice_by_slice(flat, planes) -> None:
+    section = section_mesh(Rectangle(0.1, 0.2), 2, flat)
+    mesh = extrude(section, np.array([0.0, 0.1, 0.15, 0.3]))
+    assert mesh.slices == 3
+    by_plane = mesh.nodes.reshape(planes, len(section.nodes), 3)
+    assert np.all(np.ptp(by_plane[:, :, 0], axis=1) == 0.0)
+    assert np.all(np.diff(by_plane[:, 0, 0]) > 0.0)
+    assert np.all(by_plane[:, :, 1:] == section.nodes)
+    per_slice = mesh.cells.reshape(3, len(section.cells), -1)
+    step = len(section.nodes) * (1 if flat == "quad4" else 2)
+    assert np.array_equal(per_slice[1] - per_slice[0], np.full_like(per_slice[0], step))
+
+
+def test_even_stations_are_evenly_spaced_and_end_exactly() -> None:
+    assert stations(0.7, 7) == pytest.approx(np.arange(8) / 10, abs=2e-16)
+    assert stations(0.7, 7)[-1] == 0.7
+
+
+def test_graded_stations_are_symmetric_and_nested() -> None:
+    coarse, fine = stations(2.0, 10, grading=4.0), stations(2.0, 20, grading=4.0)
+    assert coarse + coarse[::-1] == pytest.approx(2.0)
+    assert fine[::2] == pytest.approx(coarse)
+
+
+def test_grading_is_the_ratio_of_slices_in_the_middle_and_at_the_ends() -> None:
+    lengths = np.diff(stations(1.0, 2000, grading=4.0))
+    # Slices are finite samples of the map: half a slice of geometric growth at each end.
+    assert lengths[1000] / lengths[0] == pytest.approx(4.0, rel=2e-3)
+
+
+def test_slices_are_as_long_as_elements_are_wide() -> None:
+    assert slice_count(Rectangle(0.1, 0.2), 1.0, 4) == 40
+
+
+def test_slices_of_a_very_thin_wall_stay_within_the_aspect_that_is_accepted() -> None:
+    # Fifty times the thickness of 0.1 mm: 5 mm.
+    assert slice_count(Tube(0.1, 0.0001), 1.0, 4) == 200
+
+
+@pytest.mark.parametrize(
+    ("call", "reason"),
+    [
+        (lambda: stations(1.0, 0), "slices = 0"),
+        (lambda: stations(1.0, 4, grading=0.0), "grading"),
+        (lambda: extrude(section_mesh(Circle(0.1), 4, "tri6"), stations(1.0, 2)), "tri6"),
+        (lambda: extrude(section_mesh(Circle(0.1), 4), np.array([0.1, 0.2])), "ascend"),
+        (lambda: hexahedra(Circle(0.1), 0.05, 4), "shorter than its circle section"),
+        (lambda: tetrahedra(Circle(0.1), 0.05, 4), "shorter than its circle section"),
+    ],
+)
+def test_impossible_requests_are_refused(call, reason) -> None:
+    with pytest.raises(InputError, match=reason):
+        call()

@@ -1,0 +1,36 @@
+"""VTK's own measures of our meshes."""
+
+import numpy as np
+import pytest
+
+from lumped.sections import Rectangle
+from meshes.hexahedra import hexahedra
+from meshes.section_mesh import section_mesh
+from meshes.tetrahedra import tetrahedra
+from meshes.vtk_grid import grid
+
+SECTION = Rectangle(0.1, 0.2)
+
+
+@pytest.mark.parametrize(
+    "leg",
+    [
+        lambda: hexahedra(SECTION, 0.5, 2, "hex8"),
+        lambda: hexahedra(SECTION, 0.5, 2, "hex27"),
+        lambda: tetrahedra(SECTION, 0.5, 2, 1),
+        lambda: tetrahedra(SECTION, 0.5, 2, 2),
+    ],
+    ids=["hex8", "hex27", "tet4", "tet10"],
+)
+def test_vtk_finds_the_volume(leg) -> None:
+    volumes = grid(leg()).compute_cell_sizes()["Volume"]
+    assert volumes.min() > 0.0
+    assert volumes.sum() == pytest.approx(0.1 * 0.2 * 0.5, rel=1e-6)  # VTK works in float32 parts
+
+
+def test_a_section_lies_in_the_plane_of_the_root() -> None:
+    flat = section_mesh(SECTION, 2)
+    drawn = grid(flat)
+    assert np.array_equal(drawn.points[:, 1:], flat.nodes)
+    assert np.all(drawn.points[:, 0] == 0.0)
+    assert drawn.compute_cell_sizes()["Area"].sum() == pytest.approx(0.1 * 0.2, rel=1e-6)
