@@ -5,6 +5,7 @@ A leg's local x axis runs from its root to its tip, its local z axis is the robo
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from math import sqrt
 from typing import Literal, TypeAlias
 
 import numpy as np
@@ -150,7 +151,7 @@ def constant_leg(
     h = √(12 EIy/EA) along z, b = √(12 EIz/EA) along y, E = EA/(bh), G = GJ/J(b, h), ν = 0: a
     cubic material, since no isotropic section has four arbitrary terms.
     """
-    section = Rectangle(width=np.sqrt(12.0 * EIz / EA), height=np.sqrt(12.0 * EIy / EA))
+    section = Rectangle(width=sqrt(12.0 * EIz / EA), height=sqrt(12.0 * EIy / EA))
     material = Material(
         E=EA / section.area,
         G=GJ / section.torsion_constant,

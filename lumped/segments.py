@@ -20,7 +20,7 @@ from lumped.arrays import Array, SparseMatrix
 from lumped.errors import InputError
 from lumped.leg_matrices import LegMatrices
 from lumped.legs import BeamProperties
-from lumped.screws import shift
+from lumped.screws import move_compliance, shift
 
 Layout: TypeAlias = Literal["half", "literal"]
 
@@ -171,6 +171,36 @@ def segment_leg(chain: Chain) -> LegMatrices:
         centreline=centreline,
         parts=parts if splits else {},
     )
+
+
+def static_leg(chain: Chain) -> LegMatrices:
+    """The chain condensed to its two ends, unknowns (root 6, tip 6), without mass.
+
+    Springs in series: compliances add at the tip, C = Σ X Cₖ Xᵀ. The assembled matrix of
+    `segment_leg` gives the same, but loses n³ · 1e-15 to rounding, since the springs of a fine
+    chain are n³ times stiffer than the leg; this form keeps 1e-11 up to thousands of elements.
+    """
+    *others, last = chain.springs
+    rest = sum((_tip_compliance(chain, spring) for spring in others), np.zeros((6, 6)))
+    # The last spring may be released (singular stiffness), so it is joined as a stiffness.
+    lever = shift(np.array([last.position - chain.length, 0.0, 0.0]))
+    at_tip = lever.T @ last.stiffness @ lever
+    tip = np.linalg.solve(np.eye(6) + at_tip @ rest, at_tip)
+    deflection = np.hstack([-shift(np.array([chain.length, 0.0, 0.0])), np.eye(6)])
+    ends = replace(chain, bodies=(chain.bodies[0], chain.bodies[-1]))
+    return LegMatrices(
+        model="segments",
+        length=chain.length,
+        stiffness=csr_matrix(deflection.T @ (0.5 * (tip + tip.T)) @ deflection),
+        mass=csr_matrix((12, 12)),
+        centreline=lambda stations: _interpolate(ends, np.array([0, 1]), np.asarray(stations)),
+    )
+
+
+def _tip_compliance(chain: Chain, spring: Spring) -> Array:
+    """What one spring (not released) adds to the compliance at the tip (6×6)."""
+    offset = np.array([chain.length - spring.position, 0.0, 0.0])
+    return move_compliance(np.linalg.inv(spring.stiffness), offset)
 
 
 def _spring_matrix(chain: Chain, block: Array, rows: Sequence[int]) -> SparseMatrix:

@@ -37,7 +37,9 @@ ROBOT = Biglide(
 
 
 def build(robot: Biglide, x: float, elements: int = 20, release: str = "condensed") -> Mechanism:
-    chains = [segment_chain(leg.timoshenko, leg.length, elements) for leg in (robot.leg1, robot.leg2)]
+    chains = [
+        segment_chain(leg.timoshenko, leg.length, elements) for leg in (robot.leg1, robot.leg2)
+    ]
     if release == "printed":
         chains[1] = with_printed_tip_joint(chains[1])
     return assemble(robot, x, *(segment_leg(chain) for chain in chains), release)

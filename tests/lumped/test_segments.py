@@ -18,6 +18,7 @@ from lumped.segments import (
     printed_release,
     segment_chain,
     segment_leg,
+    static_leg,
     with_printed_tip_joint,
 )
 
@@ -140,6 +141,30 @@ def test_released_spring_carries_no_moment_about_z_and_keeps_the_other_complianc
     # Condensation keeps what the joint cannot touch: the inverse of the first five is unchanged.
     kept = np.linalg.inv(released[:5, :5])
     assert_allclose(kept, compliance[:5, :5], rtol=1e-6, atol=1e-9)
+
+
+@pytest.mark.parametrize("layout", ["half", "literal"])
+@pytest.mark.parametrize("printed", [False, True])
+def test_condensed_chain_is_the_schur_complement_of_the_assembled_one(layout, printed):
+    chain = segment_chain(LEG.timoshenko, LENGTH, 6, layout)
+    if printed:
+        chain = with_printed_tip_joint(chain)
+    full = dense(segment_leg(chain).stiffness)
+    ends, inner = full[:12, :12], full[12:, 12:]
+    expected = ends - full[:12, 12:] @ np.linalg.solve(inner, full[12:, :12])
+    found = dense(static_leg(chain).stiffness)
+    assert_allclose(found / found.max(), expected / found.max(), atol=1e-12)
+
+
+@pytest.mark.parametrize("theory", ["euler-bernoulli", "timoshenko"])
+@pytest.mark.parametrize("elements", [1, 3, 160, 2000])
+def test_condensed_chain_loses_nothing_for_any_number_of_elements(theory, elements):
+    properties = LEG.properties(theory)
+    chain = segment_chain(properties, LENGTH, elements)
+    tip = np.linalg.inv(dense(static_leg(chain).stiffness)[6:, 6:])
+    expected = tip_compliance(properties, LENGTH)
+    # Rounding of the sum and of joining the stiff last spring grows with n, not with n³.
+    assert_allclose(tip, expected, rtol=1e-11, atol=1e-20)
 
 
 def test_printed_release_stiffens_the_foot_along_y():

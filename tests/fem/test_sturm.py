@@ -1,0 +1,97 @@
+import importlib.util
+
+import numpy as np
+import pytest
+from scipy.linalg import eigh, eigvalsh
+from scipy.sparse import csr_array, eye_array, kron
+
+from fem.elasticity import stiffness_and_mass
+from fem.ordering import block_graph
+from fem.sturm import Inertia, count_below, dissect, inertia
+from lumped.legs import Material
+from lumped.sections import Rectangle
+from meshes.extrude import extrude, stations
+from meshes.section_mesh import section_mesh
+
+BACKENDS = [
+    "cholmod",
+    pytest.param(
+        "mkl",
+        marks=pytest.mark.skipif(
+            importlib.util.find_spec("pypardiso") is None, reason="the extra mkl is not installed"
+        ),
+    ),
+]
+
+
+@pytest.fixture(scope="module")
+def leg():
+    """Stiffness and mass of a clamped leg, and its eigenvalues by LAPACK."""
+    mesh = extrude(section_mesh(Rectangle(0.04, 0.06), 2, "quad9"), stations(0.4, 8))
+    K, M = stiffness_and_mass(mesh, Material.isotropic(E=2.1e11, nu=0.3, rho=7850.0))
+    free = np.setdiff1d(np.arange(len(mesh.nodes)), mesh.root.nodes)
+    unknowns = (3 * free[:, None] + np.arange(3)).ravel()
+    M = csr_array(kron(M, eye_array(3), format="csr"))
+    K, M = K[unknowns][:, unknowns], M[unknowns][:, unknowns]
+    return K, M, eigh(K.toarray(), M.toarray(), eigvals_only=True)
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize("below", [0, 1, 2, 7, 20, 300])
+def test_count_below_is_that_of_dense_eigenvalues(leg, backend, below):
+    K, M, eigenvalues = leg
+    sigma = 0.5 * (eigenvalues[below] + (eigenvalues[below - 1] if below else 0.0))
+    found = count_below(K, M, sigma, backend=backend)
+    assert found == Inertia(below, 0, len(eigenvalues) - below)
+
+
+def test_fronts_reused_for_another_shift(leg):
+    K, M, eigenvalues = leg
+    fronts = dissect(block_graph(K))
+    assert len(fronts) > 3
+    assert (np.sort(np.concatenate([f.unknowns for f in fronts])) == np.arange(K.shape[0])).all()
+    for below in (3, 40):
+        sigma = 0.5 * (eigenvalues[below] + eigenvalues[below - 1])
+        assert inertia(csr_array(K - sigma * M), fronts).negative == below
+
+
+def test_separators_separate(leg):
+    """No entry of the matrix joins two halves that a separator keeps apart."""
+    K, _, _ = leg
+    fronts = dissect(block_graph(K))
+    descendants = []
+    for number, front in enumerate(fronts):
+        below = {number}.union(*(descendants[child] for child in front.children))
+        descendants.append(below)
+    for front in fronts:
+        if len(front.children) == 2:
+            first, second = (
+                np.concatenate([fronts[i].unknowns for i in descendants[child]])
+                for child in front.children
+            )
+            assert K[first][:, second].nnz == 0
+
+
+def test_matrix_whose_pivots_must_be_paired():
+    """Zero diagonal: only 2×2 pivots exist; eigenvalues ± singular values of B."""
+    B = np.random.default_rng(5).standard_normal((6, 6))
+    matrix = np.block([[np.zeros((6, 6)), B], [B.T, np.zeros((6, 6))]])
+    signs = eigvalsh(matrix)
+    found = inertia(csr_array(matrix), dissect(block_graph(csr_array(matrix))))
+    assert found == Inertia((signs < 0).sum(), 0, (signs > 0).sum()) == Inertia(6, 0, 6)
+
+
+def test_leading_blocks_of_rigid_ends():
+    rng = np.random.default_rng(6)
+    dense = rng.standard_normal((42, 42))
+    dense = dense + dense.T
+    dense[:6, 6:12] = dense[6:12, :6] = 0.0
+    signs = eigvalsh(dense)
+    found = inertia(csr_array(dense), dissect(block_graph(csr_array(dense), leading=(6, 6))))
+    assert found.negative == (signs < 0).sum()
+
+
+def test_singular_matrix_has_no_sign():
+    matrix = csr_array(np.diag([1.0, 0.0, -1.0]))
+    found = inertia(matrix, dissect(block_graph(matrix)))
+    assert found.zero == 1

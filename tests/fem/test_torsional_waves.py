@@ -1,0 +1,79 @@
+"""Torsion beyond Saint-Venant: limits, and two formulations against each other."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from fem.nonuniform_torsion import cantilever_frequencies, wave_frequency
+from fem.section_constants import section_constants
+from fem.waveguide import torsion_wave
+from lumped.legs import Material
+from lumped.sections import Circle, ISection, Rectangle
+from meshes.section_mesh import section_mesh
+
+STEEL = Material.isotropic(E=2.1e11, nu=0.3, rho=7850.0)
+
+
+def saint_venant_frequency(constants, wave_number):
+    polar = constants.second_moment_y + constants.second_moment_z
+    speed = np.sqrt(STEEL.G * constants.torsion_constant / (STEEL.rho * polar))
+    return wave_number * speed / (2.0 * np.pi)
+
+
+@pytest.mark.parametrize("section", [Rectangle(0.1, 0.3), ISection(0.1, 0.16, 0.012, 0.008)])
+def test_long_waves_are_saint_venants(section):
+    mesh = section_mesh(section, 4)
+    constants = section_constants(mesh, STEEL.nu)
+    k = 0.02  # rad/m: (k · side)² is below 4e-5
+    expected = saint_venant_frequency(constants, k)
+    assert_allclose(wave_frequency(constants, STEEL, k), expected, rtol=1e-3)
+    assert_allclose(torsion_wave(mesh, STEEL, k) / (2.0 * np.pi), expected, rtol=1e-3)
+
+
+def test_circle_does_not_warp_so_its_torsional_waves_have_no_dispersion():
+    """Pochhammer: the lowest torsional wave of a round bar runs at √(G/ρ) at any wave number."""
+    mesh = section_mesh(Circle(0.1), 6)
+    for k in (1.0, 10.0, 30.0):
+        expected = k * np.sqrt(STEEL.G / STEEL.rho)
+        # quad9 meshes of the circle: area to 1e-5
+        assert_allclose(torsion_wave(mesh, STEEL, k), expected, rtol=1e-4)
+
+
+def test_thin_i_section_is_vlasovs_rod():
+    """Open thin walls: ω² = (GJ k² + EΓ k⁴)/(ρI_p + ρΓ k²) (Vlasov), shear of the walls small."""
+    section = ISection(0.1, 0.2, 0.004, 0.003)
+    mesh = section_mesh(section, 4)
+    constants = section_constants(mesh, 0.0)
+    material = Material.isotropic(E=2.1e11, nu=0.0, rho=7850.0)
+    k = np.pi / 4.0
+    polar = constants.second_moment_y + constants.second_moment_z
+    stiffness = (
+        material.G * constants.torsion_constant + material.E * constants.warping_constant * k**2
+    )
+    vlasov = k * np.sqrt(stiffness / (material.rho * (polar + constants.warping_constant * k**2)))
+    saint_venant = k * np.sqrt(material.G * constants.torsion_constant / (material.rho * polar))
+    assert vlasov > 1.5 * saint_venant
+    assert_allclose(2.0 * np.pi * wave_frequency(constants, material, k), vlasov, rtol=0.01)
+    assert_allclose(torsion_wave(mesh, material, k), vlasov, rtol=0.02)
+
+
+def test_excess_over_saint_venant_is_second_order_in_the_wave_number():
+    mesh = section_mesh(Rectangle(0.1, 0.3), (3, 9))
+    constants = section_constants(mesh, STEEL.nu)
+    waves = np.array([0.5, 1.0, 2.0])
+    excess = [
+        torsion_wave(mesh, STEEL, k) / (2.0 * np.pi) / saint_venant_frequency(constants, k) - 1.0
+        for k in waves
+    ]
+    order = np.polyfit(np.log(waves), np.log(excess), 1)[0]
+    assert_allclose(order, 2.0, atol=0.1)
+
+
+def test_slender_cantilever_in_torsion_has_quarter_waves():
+    mesh = section_mesh(Rectangle(0.1, 0.3), (2, 6))
+    constants = section_constants(mesh, STEEL.nu)
+    length = 30.0
+    found = cantilever_frequencies(constants, STEEL, length, 3)
+    waves = (2.0 * np.arange(3) + 1.0) * np.pi / (2.0 * length)
+    expected = [saint_venant_frequency(constants, k) for k in waves]
+    assert_allclose(found, expected, rtol=1e-3)
