@@ -1,0 +1,188 @@
+"""Verdicts: when a case agrees, and that every case is able to fail."""
+
+from dataclasses import replace
+from math import inf, nan
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from validation.case import (
+    Absolute,
+    Allowance,
+    Case,
+    Measurement,
+    Outcome,
+    Relation,
+    Relative,
+    judge,
+    perturbed,
+    result_record,
+    verdict,
+)
+
+# Keys that interface.md fixes for an entry of "cases" in results.json.
+INTERFACE = {
+    "id",
+    "title",
+    "quantity",
+    "unit",
+    "value",
+    "reference",
+    "reference_kind",
+    "citation",
+    "error",
+    "numerical_uncertainty",
+    "tolerance",
+    "tolerance_reason",
+    "verdict",
+    "seconds",
+}
+EQUAL = Case(
+    id="toy.equal[x=1]",
+    title="Toy",
+    quantity="length",
+    unit="m",
+    reference_kind="closed-form",
+    citation="none: made up",
+    tolerance=Absolute(0.1),
+    tolerance_reason="made up",
+    compute=lambda _context: Measurement(1.0, 1.0),
+)
+AT_MOST = replace(EQUAL, relation=Relation.AT_MOST)
+AT_LEAST = replace(EQUAL, relation=Relation.AT_LEAST)
+
+
+@pytest.mark.parametrize(
+    ("case", "value", "expected"),
+    [
+        (EQUAL, 10.09, "agree"),
+        (EQUAL, 9.91, "agree"),
+        (EQUAL, 10.11, "disagree"),
+        (EQUAL, 9.89, "disagree"),
+        (AT_MOST, -50.0, "agree"),
+        (AT_MOST, 10.09, "agree"),
+        (AT_MOST, 10.11, "disagree"),
+        (AT_LEAST, 500.0, "agree"),
+        (AT_LEAST, 9.91, "agree"),
+        (AT_LEAST, 9.89, "disagree"),
+    ],
+)
+def test_the_relation_and_the_tolerance_decide(case, value, expected):
+    assert judge(case, Measurement(value, 10.0), 0.0).verdict == expected
+
+
+@pytest.mark.parametrize("relation", list(Relation))
+@pytest.mark.parametrize(("value", "reference"), [(nan, 1.0), (1.0, nan), (inf, 1.0), (-inf, 1.0)])
+def test_what_is_no_finite_number_never_agrees(relation, value, reference):
+    outcome = judge(replace(EQUAL, relation=relation), Measurement(value, reference), 0.0)
+    assert outcome.verdict == "disagree"
+    assert "no finite number" in outcome.message
+
+
+def test_a_relative_tolerance_goes_by_the_size_of_the_reference():
+    case = replace(EQUAL, tolerance=Relative(0.01))
+    assert judge(case, Measurement(-99.1, -100.0), 0.0).verdict == "agree"
+    assert judge(case, Measurement(-98.9, -100.0), 0.0).verdict == "disagree"
+
+
+def test_a_relative_tolerance_about_zero_is_refused():
+    with pytest.raises(ValueError, match="other than zero"):
+        judge(replace(EQUAL, tolerance=Relative(0.01)), Measurement(0.0, 0.0), 0.0)
+
+
+@pytest.mark.parametrize("amount", [0.0, -1.0, nan, inf])
+@pytest.mark.parametrize("kind", [Absolute, Relative])
+def test_a_tolerance_that_cannot_judge_is_refused(kind, amount):
+    with pytest.raises(ValueError, match="positive and finite"):
+        kind(amount)
+
+
+def test_a_case_without_a_source_is_refused():
+    with pytest.raises(ValueError, match="citation is empty"):
+        replace(EQUAL, citation=" ")
+
+
+def test_allowances_explain_a_part_of_the_error_with_its_sign():
+    explained = Measurement(10.5, 10.0, allowances=(Allowance("shear", 0.45),))
+    opposite = Measurement(10.5, 10.0, allowances=(Allowance("shear", -0.45),))
+    assert explained.unexplained == pytest.approx(0.05)
+    assert judge(EQUAL, explained, 0.0).verdict == "agree"
+    assert judge(EQUAL, opposite, 0.0).verdict == "disagree"
+
+
+def test_both_uncertainties_add_as_root_sum_of_squares():
+    assert Measurement(1.0, 1.0, 0.3, 0.4).numerical_uncertainty == pytest.approx(0.5)
+    assert Measurement(1.0, 1.0, None, 0.4).numerical_uncertainty == pytest.approx(0.4)
+    assert Measurement(1.0, 1.0).numerical_uncertainty is None
+
+
+@pytest.mark.parametrize("uncertainty", [0.11, inf, nan])
+def test_a_comparison_less_certain_than_its_tolerance_cannot_agree(uncertainty):
+    outcome = judge(EQUAL, Measurement(10.0, 10.0, value_uncertainty=uncertainty), 0.0)
+    assert outcome.verdict == "disagree"
+    assert "cannot decide" in outcome.message
+
+
+def test_an_error_beyond_all_uncertainty_is_decided():
+    # 1.0 m off with ±0.2 m: no value within the uncertainty comes within 0.1 m.
+    outcome = judge(EQUAL, Measurement(11.0, 10.0, value_uncertainty=0.2), 0.0)
+    assert outcome.verdict == "disagree"
+    assert outcome.message == ""
+
+
+# Within ±0.1 for EQUAL and up to one tolerance inside the bound for the others: there a move of
+# the reference by three tolerances leaves at least one of excess.
+@given(st.sampled_from([EQUAL, AT_MOST, AT_LEAST]), st.floats(-0.099, 0.099))
+def test_every_agreement_near_the_reference_turns_at_three_tolerances(case, difference):
+    outcome = judge(case, Measurement(10.0 + difference, 10.0), 0.0)
+    assert outcome.verdict == "agree"
+    assert perturbed(outcome, 3.0) == "disagree"
+    assert perturbed(outcome, 0.0) == "agree"
+
+
+def test_a_bound_far_away_is_told_from_a_sharp_one():
+    far = judge(AT_MOST, Measurement(5.0, 10.0), 0.0)
+    assert perturbed(far, 3.0) == "agree"
+
+
+def test_the_tolerance_keeps_its_amount_when_the_reference_moves():
+    # value 1.0, reference 1.0, ±50 %: moved to −1.0 + ... a growing tolerance would never turn.
+    outcome = judge(replace(EQUAL, tolerance=Relative(0.5)), Measurement(1.0, 1.0), 0.0)
+    assert perturbed(outcome, 1.1) == "disagree"
+
+
+def test_what_was_not_measured_keeps_its_verdict():
+    assert perturbed(Outcome(EQUAL, "failed", 0.0, message="singular"), 3.0) == "failed"
+
+
+def test_the_share_of_the_tolerance_is_the_excess_over_it():
+    assert judge(EQUAL, Measurement(9.95, 10.0), 0.0).share == pytest.approx(0.5)
+    assert judge(AT_MOST, Measurement(9.95, 10.0), 0.0).share == pytest.approx(-0.5)
+    assert judge(AT_LEAST, Measurement(9.8, 10.0), 0.0).share == pytest.approx(2.0)
+
+
+def test_the_verdict_is_a_pure_function_of_difference_relation_and_tolerance():
+    assert verdict(0.1, Relation.EQUAL, 0.1) == "agree"
+    assert verdict(0.1, Relation.EQUAL, 0.1, uncertainty=0.1) == "agree"
+    assert verdict(nan, Relation.AT_MOST, 0.1) == "disagree"
+
+
+def test_the_record_has_the_keys_of_the_interface():
+    measured = result_record(judge(EQUAL, Measurement(10.05, 10.0, 0.01), 1.5))
+    failed = result_record(Outcome(EQUAL, "failed", 0.5, message="singular"))
+    assert set(measured) >= INTERFACE
+    assert set(failed) >= INTERFACE
+    assert measured["error"] == pytest.approx(0.05)
+    assert measured["tolerance"] == pytest.approx(0.1)
+    assert failed["value"] is None
+    assert failed["message"] == "singular"
+
+
+def test_the_record_has_no_numbers_that_json_cannot_carry():
+    measurement = Measurement(nan, 10.0, inf, table={"x": (nan, 1.0), "name": ("a", "b")})
+    record = result_record(judge(EQUAL, measurement, 0.0))
+    assert record["table"] == {"x": [None, 1.0], "name": ["a", "b"]}
+    assert record["value"] is None
+    assert record["error"] is None
+    assert record["numerical_uncertainty"] is None

@@ -1,0 +1,28 @@
+"""All cases on the paper's robot: their verdicts, and that each of them can fail."""
+
+import pytest
+
+from lumped.robot_file import load_robot
+from validation.case import Case, judge, perturbed
+from validation.cases import catalogue
+from validation.context import Context
+
+ROBOT_FILE = load_robot("ifw")
+# The cheapest preset: what a case claims and how it judges is the same in all of them.
+CONTEXT = Context(ROBOT_FILE, "quick")
+CASES = [
+    task for task in catalogue(ROBOT_FILE) if isinstance(task, Case) and "quick" in task.presets
+]
+
+
+def test_ids_are_unique_and_every_case_names_its_source():
+    ids = [task.id for task in catalogue(ROBOT_FILE)]
+    assert len(set(ids)) == len(ids)
+    assert all(case.citation and case.tolerance_reason for case in CASES)
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case.id)
+def test_case_agrees_and_turns_when_its_reference_moves_by_three_tolerances(case):
+    outcome = judge(case, case.compute(CONTEXT), 0.0)
+    assert outcome.verdict == "agree", (outcome.measurement, outcome.message)
+    assert perturbed(outcome, 3.0) == "disagree"

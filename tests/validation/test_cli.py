@@ -1,0 +1,174 @@
+"""The command line: exit codes, one clear line per fault, results on stdout, nothing else."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+from validation import cli, store
+from validation.store import open_folder
+
+ROOT = Path(__file__).parents[2]
+HEAVY = ("gmsh", "pyvista", "vtk", "skfem", "matplotlib", "scipy", "numpy", "jinja2")
+
+
+@pytest.fixture
+def toys(monkeypatch):
+    monkeypatch.syspath_prepend(str(Path(__file__).parent))
+    import toy_catalogue  # noqa: PLC0415  found only on the path set above
+
+    return toy_catalogue
+
+
+@pytest.fixture
+def with_catalogue(monkeypatch):
+    def use(catalogue):
+        cases = ModuleType("validation.cases")
+        cases.catalogue = catalogue
+        monkeypatch.setitem(sys.modules, "validation.cases", cases)
+
+    return use
+
+
+def test_a_run_prints_its_verdict_and_where_the_report_is(toys, with_catalogue, tmp_path, capsys):
+    with_catalogue(toys.sound)
+    assert cli.main(["run", "--out", str(tmp_path / "out"), "--jobs", "2"]) == 0
+    printed = capsys.readouterr()
+    assert "All 3 comparisons agree, 1 skipped." in printed.out
+    assert printed.out.rstrip().endswith(str(tmp_path / "out" / "report.html"))
+    assert printed.err == "flexproof: figure toy.undrawn left out: no OpenGL\n"
+
+
+def test_a_disagreement_is_named_with_its_numbers(toys, with_catalogue, tmp_path, capsys):
+    with_catalogue(toys.disagreeing)
+    arguments = ["run", "--only", "toy.disagrees", "--out", str(tmp_path / "out")]
+    assert cli.main(arguments) == 1
+    out = capsys.readouterr().out
+    assert "disagree  toy.disagrees: length 2 m, should be 1 m (tolerance 0.1 m)" in out
+
+
+def test_cases_are_listed_as_text_and_as_json(toys, with_catalogue, capsys):
+    with_catalogue(toys.sound)
+    assert cli.main(["cases"]) == 0
+    assert "closed-form: made up" in capsys.readouterr().out
+    assert cli.main(["cases", "--json"]) == 0
+    listed = json.loads(capsys.readouterr().out)
+    assert [entry["id"] for entry in listed][:2] == ["toy.agrees", "toy.first[x=1]"]
+    assert listed[0]["tolerance"] == 0.1
+
+
+def test_a_new_robot_file_is_sound_and_no_file_is_overwritten(tmp_path, capsys):
+    path = tmp_path / "robot.toml"
+    assert cli.main(["new", str(path)]) == 0
+    content = path.read_bytes()
+    assert cli.main(["check", str(path)]) == 0
+    capsys.readouterr()
+    assert cli.main(["new", str(path)]) == 2
+    assert "exists already" in capsys.readouterr().err
+    assert path.read_bytes() == content
+
+
+def test_the_audit_of_the_built_in_robot_is_shown(capsys):
+    assert cli.main(["check", "ifw"]) == 0
+    assert "foot.compliance" in capsys.readouterr().out
+
+
+def test_every_fault_of_a_robot_file_has_its_line(tmp_path, capsys):
+    path = tmp_path / "robot.toml"
+    cli.main(["new", str(path)])
+    capsys.readouterr()
+    lines = [
+        "a = -1.0"
+        if line.startswith("a =")
+        else "weight = 3"
+        if line.startswith("mass =")
+        else line
+        for line in path.read_text().splitlines()
+    ]
+    path.write_text("\n".join(lines))
+    assert cli.main(["check", str(path)]) == 2
+    printed = capsys.readouterr()
+    assert printed.out == ""
+    assert len(printed.err.splitlines()) >= 2
+    assert all(line.startswith("flexproof: ") for line in printed.err.splitlines())
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["run", "--preset", "quik"], 'Did you mean "quick"'),
+        (["run", "--presett", "quick"], "Did you mean --preset"),
+        (["run", "--preset"], "requires an argument"),
+        (["run", "--jobs", "0"], "Must be a whole number"),
+        (["run", "--jobs", "two"], "Must be a whole number"),
+        (["run", "--jobs", "1.5"], "Must be a whole number"),
+        (["run", "ifw", "extra"], "not understood: extra"),
+        (["run", "no-such-robot"], "no-such-robot"),
+        (["run", "--only", "toy.agree"], 'did you mean "toy.agrees"'),
+        (["run", "--only", "nonsense"], "'flexproof cases' lists them"),
+        (["run", "--out", "/dev/null"], "cannot write there"),
+        (["run", "--out", "/dev/null/report"], "cannot write there"),
+        (["run", "--out", "/proc/report"], "cannot write there"),
+        (["run", "--resume"], "no run to go on with"),
+        (["rum"], 'Did you mean "run"'),
+        (["check"], "requires an argument"),
+        (["check", "/nonexistent.toml"], "/nonexistent.toml"),
+        (["check", "/"], "/"),
+        (["new"], "requires an argument"),
+        (["new", "/nonexistent/robot.toml"], "cannot be written"),
+        (["cases", "--jason"], "Unknown option"),
+    ],
+)
+def test_wrong_input_ends_with_2_and_one_line(
+    arguments, said, toys, with_catalogue, tmp_path, monkeypatch, capsys
+):
+    with_catalogue(toys.sound)
+    monkeypatch.chdir(tmp_path)
+    assert cli.main(arguments) == 2
+    printed = capsys.readouterr()
+    assert printed.out == ""
+    assert len(printed.err.splitlines()) == 1
+    assert printed.err.startswith("flexproof: ")
+    assert said in printed.err
+    assert "Traceback" not in printed.err
+    left = {entry.name for entry in tmp_path.rglob("*")}
+    assert left <= {"report", ".lock"}
+
+
+def test_a_folder_in_use_is_refused(toys, with_catalogue, tmp_path, capsys):
+    with_catalogue(toys.sound)
+    with open_folder(tmp_path, {}, "afresh"):
+        assert cli.main(["run", "--out", str(tmp_path)]) == 2
+    assert "another run" in capsys.readouterr().err
+
+
+def test_a_full_disk_ends_with_3_and_says_how_to_go_on(
+    toys, with_catalogue, tmp_path, monkeypatch, capsys
+):
+    def full(path, _content):
+        if path.name.startswith("toy."):
+            raise store.StoreError(f"cannot write {path}: No space left on device")
+
+    with_catalogue(toys.sound)
+    monkeypatch.setattr(store, "write_atomically", full)
+    assert cli.main(["run", "--out", str(tmp_path)]) == 3
+    printed = capsys.readouterr().err
+    assert "No space left" in printed
+    assert f"flexproof run ifw --preset standard --out {tmp_path} --resume" in printed
+
+
+def test_help_imports_nothing_heavy():
+    program = (
+        "import sys; from validation.cli import main; code = main(['--help']);"
+        f"loaded = [name for name in {HEAVY!r} if name in sys.modules];"
+        "sys.stderr.write(' '.join(loaded)); sys.exit(code)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0
+    assert done.stderr == ""
+    assert "run" in done.stdout

@@ -1,0 +1,166 @@
+"""Observed orders, extrapolation and uncertainty, against published and constructed sequences."""
+
+from math import isnan
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from validation.convergence import (
+    analyse,
+    asymptotic_ratio,
+    classify,
+    fit_order,
+    grid_convergence_index,
+    order_of_errors,
+    pairwise_orders,
+    richardson,
+    safety_factor,
+    three_grid_order,
+)
+
+# NASA Glenn, NPARC Alliance verification tutorial, "Examining spatial (grid) convergence":
+# pressure recovery on three grids, ratio 2.
+FINE, MIDDLE, COARSE = 0.97050, 0.96854, 0.96178
+HALVING = 0.4 / 2.0 ** np.arange(6)
+
+
+def sequence(sizes, limit=3.0, coefficient=0.7, order=2.0):
+    return limit + coefficient * np.asarray(sizes) ** order
+
+
+def test_nasa_triple():
+    order = three_grid_order(COARSE, MIDDLE, FINE, 2.0, 2.0)
+    fine = grid_convergence_index(MIDDLE, FINE, 2.0, order, 1.25)
+    coarse = grid_convergence_index(COARSE, MIDDLE, 2.0, order, 1.25)
+    # The printed order differs from that of the printed values in its last digit: 1.78617.
+    assert order == pytest.approx(1.78618, abs=2e-5)
+    # Half a unit of the last published digit each.
+    assert richardson(MIDDLE, FINE, 2.0, order) == pytest.approx(0.971300, abs=5e-7)
+    assert 100.0 * fine == pytest.approx(0.10308, abs=5e-6)
+    assert 100.0 * coarse == pytest.approx(0.35625, abs=5e-6)
+    assert asymptotic_ratio(coarse, fine, 2.0, order) == pytest.approx(0.99798, abs=5e-6)
+
+
+@given(st.floats(0.5, 8.0), st.floats(1.2, 3.0), st.floats(1.2, 3.0), st.floats(-5.0, 5.0))
+def test_the_order_of_a_pure_power_is_found_on_unequal_grids(order, first, second, limit):
+    sizes = np.array([first * second, second, 1.0])
+    coarse, middle, fine = sequence(sizes, limit, 0.7, order)
+    found = three_grid_order(coarse, middle, fine, first, second)
+    # Differences lose digits where the coarse value is large beside them: 1e-6 is far above that.
+    assert found == pytest.approx(order, rel=1e-6)
+
+
+@pytest.mark.parametrize("values", [(1.0, 2.0, 1.5), (1.0, 1.0, 1.0), (1.0, 2.0, 4.0)])
+def test_no_order_where_differences_do_not_shrink_on_one_side(values):
+    assert isnan(three_grid_order(*values, 2.0, 2.0))
+    assert isnan(three_grid_order(*values, 2.0, 1.5))
+
+
+def test_pairwise_orders_on_a_study_of_unequal_ratios():
+    sizes = 1.0 / np.array([5.0, 8.0, 16.0, 24.0, 40.0])
+    # Bracketing stops at 2e-12 in p; rounding of the differences dominates.
+    np.testing.assert_allclose(pairwise_orders(sizes, sequence(sizes)), 2.0, rtol=1e-8)
+
+
+def test_the_fit_recovers_limit_coefficient_and_order():
+    fit = fit_order(HALVING, sequence(HALVING, order=3.3))
+    # The bounded search ends within 1e-10 of p; the others follow from p.
+    assert fit.order == pytest.approx(3.3, rel=1e-6)
+    assert fit.limit == pytest.approx(3.0, rel=1e-9)
+    assert fit.coefficient == pytest.approx(0.7, rel=1e-5)
+    assert fit.residual < 1e-9
+
+
+def test_errors_against_a_known_solution_give_the_slope():
+    assert order_of_errors(HALVING, -5.0 * HALVING**4) == pytest.approx(4.0, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("values", "behaviour"),
+    [
+        (1.0 + HALVING**2, "monotone"),
+        (1.0 - HALVING**2, "monotone"),
+        (1.0 + HALVING**2 * (-1.0) ** np.arange(6), "oscillating"),
+        (1.0 + (-2.0) ** np.arange(6), "diverging"),
+        (1.0 + 2.0 ** np.arange(6), "diverging"),
+        (np.log(HALVING), "diverging"),
+        (np.array([1.2, 1.1, 1.05, 1.0, 1.0, 1.0]), "round-off plateau"),
+        (np.array([1.2, 1.1, 1.05, 1.0, 1.0 + 1e-14, 1.0 - 1e-14]), "round-off plateau"),
+    ],
+)
+def test_behaviours_are_told_apart(values, behaviour):
+    assert classify(HALVING, values, 1e-12) == behaviour
+
+
+@pytest.mark.parametrize(("order", "safety"), [(2.0, 1.25), (1.85, 1.25), (1.7, 3.0), (2.4, 3.0)])
+def test_the_safety_factor_goes_by_the_formal_order(order, safety):
+    assert safety_factor(order, 2.0) == safety
+    study = analyse(HALVING, sequence(HALVING, order=order), formal_order=2.0)
+    assert study.safety == safety
+    # The true error of the finest value, 0.7 hᵖ, times the safety factor.
+    assert study.uncertainty == pytest.approx(safety * 0.7 * HALVING[-1] ** order, rel=1e-5)
+
+
+def test_a_clean_study_is_extrapolated_to_its_limit():
+    study = analyse(HALVING, sequence(HALVING), formal_order=2.0)
+    assert study.behaviour == "monotone"
+    assert study.observed_order == pytest.approx(2.0, rel=1e-6)
+    assert study.extrapolated == pytest.approx(3.0, rel=1e-9)
+    assert study.refusal == ""
+
+
+def test_coarse_grids_outside_the_asymptotic_range_do_not_spoil_the_order():
+    spoiled = sequence(HALVING)
+    spoiled[0] += 0.5
+    study = analyse(HALVING, spoiled, formal_order=2.0)
+    assert study.observed_order == pytest.approx(2.0, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("values", "reason"),
+    [
+        (1.0 + HALVING**2 * (-1.0) ** np.arange(6), "oscillating"),
+        (1.0 + 2.0 ** np.arange(6), "diverging"),
+        # The difference pattern 1, 1/2, 1/4, 1/8, 1/64 has orders 1, 1, 1, 3.
+        (np.cumsum([0.0, 1.0, 0.5, 0.25, 0.125, 0.125 / 8.0]), "outside the asymptotic range"),
+    ],
+)
+def test_no_uncertainty_outside_the_asymptotic_range(values, reason):
+    study = analyse(HALVING, values, formal_order=2.0)
+    assert study.uncertainty is None
+    assert study.extrapolated is None
+    assert study.observed_order is None
+    assert reason in study.refusal
+
+
+def test_on_a_plateau_the_uncertainty_is_the_round_off():
+    sizes = 0.4 / 2.0 ** np.arange(8)
+    values = sequence(sizes, order=8.0)
+    study = analyse(sizes, values, formal_order=8.0, round_off=1e-10)
+    assert study.behaviour == "round-off plateau"
+    assert study.uncertainty == pytest.approx(3e-10, rel=1e-6)
+    assert study.extrapolated == values[-1]
+
+
+def test_a_plateau_still_tells_the_order_of_the_grids_before_it():
+    sizes = 0.4 / 2.0 ** np.arange(10)
+    study = analyse(sizes, sequence(sizes, order=4.0), formal_order=4.0, round_off=1e-9)
+    assert study.behaviour == "round-off plateau"
+    assert study.observed_order == pytest.approx(4.0, abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("sizes", "values", "reason"),
+    [
+        ([0.4, 0.2, 0.1], [1.0, 1.1, 1.2], "four grids"),
+        ([0.4, 0.2, 0.1, 0.05], [1.0, 1.1, 1.2], "four grids"),
+        ([0.1, 0.2, 0.4, 0.8], [1.0, 1.1, 1.2, 1.3], "must decrease"),
+        ([0.4, 0.2, 0.1, 0.0], [1.0, 1.1, 1.2, 1.3], "must decrease"),
+        ([0.4, 0.2, 0.1, 0.05], [1.0, 1.1, np.nan, 1.3], "finite"),
+    ],
+)
+def test_what_is_no_study_is_refused(sizes, values, reason):
+    with pytest.raises(ValueError, match=reason):
+        analyse(np.array(sizes), np.array(values), formal_order=2.0)

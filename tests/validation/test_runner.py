@@ -1,0 +1,229 @@
+"""The runner: verdicts from whatever happens, the same numbers for any number of processes."""
+
+import json
+import os
+import signal
+import threading
+import time
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+import pytest
+
+from lumped.errors import ComputationError, InputError
+from lumped.robot_file import load_robot
+from validation import provenance, runner
+from validation.case import Outcome
+from validation.junit import junit_xml
+from validation.progress import Progress, Quiet
+from validation.session import Request, validate
+from validation.worker import Job
+
+
+@pytest.fixture(scope="module")
+def toys():
+    patch = pytest.MonkeyPatch()
+    patch.syspath_prepend(str(Path(__file__).parent))
+    # Editing a source file while the tests run must not make a resumed run another one.
+    patch.setattr(provenance, "suite_digest", lambda: "0")
+    import toy_catalogue  # noqa: PLC0415  found only on the path set above
+
+    yield toy_catalogue
+    patch.undo()
+
+
+@pytest.fixture(scope="module")
+def robot_file():
+    return load_robot("ifw")
+
+
+def asked(robot_file, out, jobs=2, **changes):
+    return Request(robot_file, "quick", out, jobs, **changes)
+
+
+@pytest.fixture(scope="module")
+def sound_run(toys, robot_file, tmp_path_factory):
+    path = tmp_path_factory.mktemp("sound")
+    return validate(asked(robot_file, path), toys.sound), path
+
+
+@pytest.fixture(scope="module")
+def troubled_run(toys, robot_file, tmp_path_factory):
+    path = tmp_path_factory.mktemp("troubled")
+    return validate(asked(robot_file, path), toys.troubled), path
+
+
+def numbers(path):
+    results = json.loads((path / "results.json").read_text())
+    for entry in results["cases"]:
+        del entry["seconds"]
+        # The toy notes carry process numbers.
+        del entry["notes"]
+    return results["cases"], results["studies"]
+
+
+def test_results_do_not_depend_on_the_number_of_processes(toys, robot_file, sound_run, tmp_path):
+    validate(asked(robot_file, tmp_path, jobs=1), toys.sound)
+    assert numbers(tmp_path) == numbers(sound_run[1])
+
+
+def test_a_sound_run_leaves_everything_in_its_folder(sound_run):
+    gathered, path = sound_run
+    assert gathered.exit_code() == 0
+    assert {entry.name for entry in path.iterdir() if entry.name[0] != "."} == {
+        "figures",
+        "junit.xml",
+        "log.txt",
+        "records",
+        "report.html",
+        "results.json",
+        "run.json",
+    }
+    assert {entry.name for entry in (path / "figures").iterdir()} == {
+        "toy.figure.svg",
+        "toy.figure.csv",
+        "toy.study.svg",
+        "toy.study.csv",
+    }
+    results = json.loads((path / "results.json").read_text())
+    assert results["schema"] == 1
+    assert {"started", "seconds", "robot", "robot_sha256", "versions", "preset"} <= set(
+        results["run"]
+    )
+    assert [entry["verdict"] for entry in results["cases"]] == ["agree"] * 3 + ["skipped"]
+    assert results["studies"][0]["series"] == {"beam": [1.0, 2.0]}
+
+
+def test_a_group_shares_what_is_expensive(sound_run):
+    gathered, _ = sound_run
+    notes = [
+        gathered.outcomes[name].measurement.notes for name in ("toy.first[x=1]", "toy.second[x=2]")
+    ]
+    assert notes[0] == notes[1]
+
+
+def test_a_disagreement_ends_with_exit_code_1(toys, robot_file, tmp_path):
+    gathered = validate(asked(robot_file, tmp_path, only="toy.disagrees"), toys.disagreeing)
+    assert gathered.exit_code() == 1
+
+
+def test_whatever_happens_in_a_case_is_its_verdict(troubled_run):
+    gathered, path = troubled_run
+    messages = {name: outcome.message for name, outcome in gathered.outcomes.items()}
+    assert gathered.exit_code() == 3
+    assert messages["toy.singular"] == "leg 2: the stiffness matrix is singular"
+    assert messages["toy.bug"] == "IndexError: pop from empty list (traceback in log.txt)"
+    assert "SIGSEGV" in messages["toy.crash"]
+    assert gathered.outcomes["toy.after-the-crash"].verdict == "agree"
+    log = (path / "log.txt").read_text()
+    assert "Traceback" in log
+    assert "this belongs into the log" in log
+
+
+def test_nothing_is_printed_where_the_user_looks(toys, robot_file, tmp_path, capfd):
+    validate(asked(robot_file, tmp_path, only="toy.bug"), toys.troubled)
+    assert capfd.readouterr() == ("", "")
+
+
+def test_junit_tells_disagreement_failure_and_skip(troubled_run):
+    text = (troubled_run[1] / "junit.xml").read_text()
+    suite = ET.fromstring(text).find("testsuite")  # noqa: S314  written by this program
+    counts = {key: int(suite.get(key)) for key in ("tests", "failures", "errors", "skipped")}
+    assert counts == {"tests": 9, "failures": 1, "errors": 3, "skipped": 1}
+    inner = {entry.get("name"): [child.tag for child in entry] for entry in suite}
+    assert inner["toy.agrees"] == []
+    assert inner["toy.disagrees"] == ["failure"]
+    assert inner["toy.crash"] == ["error"]
+    assert inner["toy.skipped"] == ["skipped"]
+
+
+def test_an_interrupted_run_keeps_what_was_finished_and_goes_on(toys, robot_file, tmp_path):
+    def interrupt_when_one_is_finished():
+        while not list((tmp_path / "records").glob("*.json")):
+            time.sleep(0.01)
+        os.kill(os.getpid(), signal.SIGINT)
+
+    threading.Thread(target=interrupt_when_one_is_finished).start()
+    before = signal.getsignal(signal.SIGINT)
+    gathered = validate(asked(robot_file, tmp_path, 1), toys.endless)
+    assert signal.getsignal(signal.SIGINT) is before
+    assert gathered.exit_code() == 3
+    assert list(gathered.outcomes) == ["toy.agrees"]
+    assert gathered.unfinished == 1
+    cases = json.loads((tmp_path / "results.json").read_text())["cases"]
+    assert [entry["id"] for entry in cases] == ["toy.agrees"]
+    assert "1 not computed" in (tmp_path / "report.html").read_text()
+
+
+def test_a_resumed_run_computes_only_what_is_missing(toys, robot_file, troubled_run):
+    first, path = troubled_run
+    again = validate(asked(robot_file, path, start="resumed"), toys.troubled)
+    kept = "toy.first[x=1]"
+    assert again.outcomes[kept].measurement.notes == first.outcomes[kept].measurement.notes
+    assert again.outcomes["toy.agrees"].seconds == first.outcomes["toy.agrees"].seconds
+    # What failed is tried again.
+    assert again.outcomes["toy.singular"].seconds != first.outcomes["toy.singular"].seconds
+    assert again.exit_code() == 3
+
+
+def test_workers_that_cannot_start_end_the_run(toys, robot_file, tmp_path):
+    with pytest.raises(ComputationError, match="before it began"):
+        validate(asked(robot_file, tmp_path), toys.unloadable)
+    assert "only workers come here" in (tmp_path / "log.txt").read_text()
+
+
+def test_nothing_is_lost_when_keeping_fails(toys, robot_file, tmp_path):
+    tasks = toys.sound(robot_file)
+
+    def refuse(_record):
+        raise OSError("disk full")
+
+    with pytest.raises(OSError, match="disk full"):
+        runner.run(
+            Job(toys.sound, robot_file),
+            tasks,
+            jobs=2,
+            log=tmp_path / "log.txt",
+            keep=refuse,
+            observer=Quiet(),
+        )
+
+
+@pytest.mark.parametrize(
+    ("pattern", "chosen"),
+    [
+        ("toy.first*", ["toy.first[x=1]"]),
+        ("toy.first[x=1]", ["toy.first[x=1]"]),
+        ("*[x=?]", ["toy.first[x=1]", "toy.second[x=2]"]),
+    ],
+)
+def test_patterns_choose_cases_with_brackets_taken_literally(toys, robot_file, pattern, chosen):
+    tasks = runner.select(toys.sound(robot_file), "quick", pattern)
+    assert [task.id for task in tasks] == chosen
+
+
+def test_two_cases_of_one_id_are_refused(toys, robot_file):
+    with pytest.raises(ValueError, match="same id"):
+        runner.select((*toys.sound(robot_file), toys.case("toy.agrees", toys.agrees)), "quick")
+
+
+def test_messages_with_control_characters_are_still_xml(toys):
+    case = toys.case("toy.escape", toys.agrees)
+    text = junit_xml([Outcome(case, "failed", 0.0, message="\x1b[31mred\x00 <&>")], "toys")
+    error = ET.fromstring(text).find("testsuite/testcase/error")  # noqa: S314  our own
+    assert error.get("message") == "?[31mred? <&>"
+
+
+def test_an_unknown_case_is_refused_with_a_suggestion(toys, robot_file):
+    with pytest.raises(InputError, match=r'did you mean "toy\.agrees"'):
+        runner.select(toys.sound(robot_file), "quick", "toy.agree")
+
+
+def test_the_expected_time_goes_by_effort(toys, robot_file):
+    tasks = toys.sound(robot_file)[:4]
+    progress = Progress(tasks)
+    assert progress.expected(10.0) is None
+    progress.started(tasks[0])
+    progress.finished(tasks[0], {"verdict": "agree"})
+    # One of four equal pieces took 10 s: three more take 30 s.
+    assert progress.expected(10.0) == pytest.approx(30.0)

@@ -1,0 +1,127 @@
+"""Made-up cases for the tests of runner and command line; workers import this module by name."""
+
+import os
+import signal
+import time
+from collections.abc import Callable, Sequence
+from multiprocessing import parent_process
+
+from lumped.errors import ComputationError
+from lumped.robot_file import RobotFile
+from validation.case import Absolute, Case, Measurement, Skip
+from validation.context import Context
+from validation.exhibits import Drawing, Figure, Study
+from validation.records import Task
+
+
+def case(identifier: str, compute: Callable[[Context], Measurement], group: str = "") -> Case:
+    return Case(
+        id=identifier,
+        title=f"Toy {identifier}",
+        quantity="length",
+        unit="m",
+        reference_kind="closed-form",
+        citation="made up",
+        tolerance=Absolute(0.1),
+        tolerance_reason="made up",
+        compute=compute,
+        section="Toys",
+        group=group,
+    )
+
+
+def agrees(_context: Context) -> Measurement:
+    study = Study(
+        id="toy.study",
+        kind="sweep",
+        title="Toy sweep",
+        x_label="x (m)",
+        y_label="y",
+        unit="m",
+        x=(0.0, 1.0),
+        series={"beam": (1.0, 2.0)},
+    )
+    return Measurement(1.0 / 3.0, 0.34, studies=(study,))
+
+
+def disagrees(_context: Context) -> Measurement:
+    return Measurement(2.0, 1.0)
+
+
+def expensive(length: float) -> tuple[float, int]:
+    return 2.0 * length, time.perf_counter_ns()
+
+
+def shares(context: Context) -> Measurement:
+    value, moment = context.get(expensive, context.robot.a)
+    return Measurement(value, 1.84, notes=(f"{os.getpid()} {moment}",))
+
+
+def is_singular(_context: Context) -> Measurement:
+    raise ComputationError("leg 2: the stiffness matrix is singular")
+
+
+def has_a_bug(_context: Context) -> Measurement:
+    print("this belongs into the log")  # noqa: T201
+    empty: list[float] = []
+    return Measurement(empty.pop(), 1.0)
+
+
+def crashes(_context: Context) -> Measurement:
+    os.kill(os.getpid(), signal.SIGSEGV)
+    raise AssertionError
+
+
+def needs_a_program(_context: Context) -> Measurement:
+    raise Skip("CalculiX is not installed")
+
+
+def sleeps(_context: Context) -> Measurement:
+    time.sleep(60.0)
+    return Measurement(1.0, 1.0)
+
+
+def draws(_context: Context) -> Figure:
+    return Figure("toy.figure", "Toy", "A caption.", "Toys", svg="<svg ></svg>", data="x\n1\n")
+
+
+def cannot_draw(_context: Context) -> Figure:
+    raise Skip("no OpenGL")
+
+
+def sound(_robot_file: RobotFile) -> Sequence[Task]:
+    return (
+        case("toy.agrees", agrees),
+        case("toy.first[x=1]", shares, group="shared"),
+        case("toy.second[x=2]", shares, group="shared"),
+        case("toy.skipped", needs_a_program),
+        Drawing("toy.figure", "Toy figure", draws),
+        Drawing("toy.undrawn", "Toy figure that cannot be drawn", cannot_draw),
+    )
+
+
+def disagreeing(robot_file: RobotFile) -> Sequence[Task]:
+    return (*sound(robot_file), case("toy.disagrees", disagrees))
+
+
+def troubled(robot_file: RobotFile) -> Sequence[Task]:
+    return (
+        *disagreeing(robot_file),
+        case("toy.singular", is_singular),
+        case("toy.bug", has_a_bug),
+        case("toy.crash", crashes, group="crash"),
+        case("toy.after-the-crash", agrees, group="crash"),
+    )
+
+
+def endless(_robot_file: RobotFile) -> Sequence[Task]:
+    return (
+        case("toy.agrees", agrees, group="one"),
+        case("toy.sleeps", sleeps, group="one"),
+    )
+
+
+def unloadable(_robot_file: RobotFile) -> Sequence[Task]:
+    if parent_process() is not None:
+        raise RuntimeError("only workers come here")
+    return (case("toy.agrees", agrees),)

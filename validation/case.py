@@ -1,0 +1,311 @@
+"""A validation case as a typed record, and the judgement of what it measured.
+
+The error of a comparison is E = value − reference. Named differences between the two models may
+be allowed for; what is left, E less the allowances, is held against the tolerance (vocabulary of
+ASME V&V 10 and 20). The numerical uncertainty of both sides never widens the tolerance: where it
+exceeds it, the comparison cannot decide and does not count as agreement.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from enum import Enum
+from math import hypot, isfinite, nan
+from typing import Any, Literal, TypeAlias
+
+from validation.context import PRESETS, Context, Preset
+from validation.exhibits import Study
+
+ReferenceKind: TypeAlias = Literal[
+    "closed-form", "published", "paper-statement", "finer-model", "independent-solver"
+]
+Verdict: TypeAlias = Literal["agree", "disagree", "failed", "skipped"]
+
+
+class Relation(Enum):
+    """What the case claims of the value: equal to the reference, at most, or at least as large."""
+
+    EQUAL = "equal"
+    AT_MOST = "at most"
+    AT_LEAST = "at least"
+
+    def excess(self, difference: float) -> float:
+        """How far `difference` (value − reference) lies on the wrong side; negative: right side."""
+        match self:
+            case Relation.EQUAL:
+                return abs(difference)
+            case Relation.AT_MOST:
+                return difference
+            case Relation.AT_LEAST:
+                return -difference
+
+    def adverse(self, difference: float) -> float:
+        """Sign of the move of the reference that makes `difference` worse."""
+        match self:
+            case Relation.EQUAL:
+                return -1.0 if difference >= 0.0 else 1.0
+            case Relation.AT_MOST:
+                return -1.0
+            case Relation.AT_LEAST:
+                return 1.0
+
+
+@dataclass(frozen=True)
+class Absolute:
+    """Tolerance as an amount in the unit of the case."""
+
+    amount: float
+
+    def __post_init__(self) -> None:
+        _require_positive(self.amount)
+
+    def at(self, reference: float) -> float:  # noqa: ARG002  the same whatever the reference
+        """Amount in the unit of the case."""
+        return self.amount
+
+
+@dataclass(frozen=True)
+class Relative:
+    """Tolerance as a fraction of the reference."""
+
+    fraction: float
+
+    def __post_init__(self) -> None:
+        _require_positive(self.fraction)
+
+    def at(self, reference: float) -> float:
+        """Amount in the unit of the case. Raises ValueError for a reference of zero."""
+        if reference == 0.0:
+            raise ValueError("a relative tolerance needs a reference other than zero")
+        return self.fraction * abs(reference)
+
+
+Tolerance: TypeAlias = Absolute | Relative
+
+
+@dataclass(frozen=True)
+class Allowance:
+    """A named cause and the part of value − reference that it explains (signed, unit of the case).
+
+    `source` says how the amount was found (section, equation, or function).
+    """
+
+    cause: str
+    amount: float
+    source: str = ""
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """What a case computed, in the unit of the case.
+
+    `value_uncertainty` and `reference_uncertainty` are the numerical uncertainties of both sides
+    (half-widths of a 95 % interval, None where not known). `table` maps column headings to equally
+    long columns; `studies` are convergence studies and sweeps to be shown with the case.
+    """
+
+    value: float
+    reference: float
+    value_uncertainty: float | None = None
+    reference_uncertainty: float | None = None
+    allowances: tuple[Allowance, ...] = ()
+    notes: tuple[str, ...] = ()
+    table: Mapping[str, tuple[float | str, ...]] = field(default_factory=dict)
+    studies: tuple[Study, ...] = ()
+
+    @property
+    def difference(self) -> float:
+        """E = value − reference."""
+        return self.value - self.reference
+
+    @property
+    def unexplained(self) -> float:
+        """E less the allowances for named causes."""
+        return self.difference - sum(allowance.amount for allowance in self.allowances)
+
+    @property
+    def numerical_uncertainty(self) -> float | None:
+        """Uncertainties of both sides, root sum of squares; None where neither is known."""
+        known = [u for u in (self.value_uncertainty, self.reference_uncertainty) if u is not None]
+        return hypot(*known) if known else None
+
+
+class Skip(Exception):  # noqa: N818  not an error: the case says why it cannot be run here
+    """Raised by a case that cannot be run on this machine or for this robot, with the reason."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """One comparison: what is claimed, from which source, how closely, and how to compute it.
+
+    `id` is dotted, with parameters in brackets: "robot.beam-vjm.planar[x=0.4975]". `quantity` and
+    `unit` name the value ("largest planar deflection", "µm"; "1" for ratios). `section` is the
+    heading under which the report shows the case. `group` names what
+    expensive results the case shares: cases of one group run in the same process, one after the
+    other. `effort` is the expected time in seconds, for the order of work and the time left.
+    `compute` may raise ComputationError (the case has failed) or Skip.
+    """
+
+    id: str
+    title: str
+    quantity: str
+    unit: str
+    reference_kind: ReferenceKind
+    citation: str
+    tolerance: Tolerance
+    tolerance_reason: str
+    compute: Callable[[Context], Measurement]
+    relation: Relation = Relation.EQUAL
+    presets: tuple[Preset, ...] = PRESETS
+    section: str = ""
+    group: str = ""
+    effort: float = 0.1
+
+    def __post_init__(self) -> None:
+        for name in ("id", "title", "quantity", "unit", "citation", "tolerance_reason"):
+            if not getattr(self, name).strip():
+                raise ValueError(f"case {self.id!r}: {name} is empty")
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """A case with what it measured and the verdict on it; `message` says why it failed or not."""
+
+    case: Case
+    verdict: Verdict
+    seconds: float
+    measurement: Measurement | None = None
+    message: str = ""
+
+    @property
+    def tolerance(self) -> float:
+        """Tolerance in the unit of the case, NaN where nothing was measured."""
+        if self.measurement is None:
+            return nan
+        return self.case.tolerance.at(self.measurement.reference)
+
+    @property
+    def share(self) -> float:
+        """Unexplained error on the wrong side over tolerance: above 1 the case disagrees."""
+        if self.measurement is None:
+            return nan
+        return self.case.relation.excess(self.measurement.unexplained) / self.tolerance
+
+
+def verdict(
+    unexplained: float, relation: Relation, tolerance: float, uncertainty: float | None = None
+) -> Literal["agree", "disagree"]:
+    """Agree if the unexplained difference keeps the relation within `tolerance` (same unit).
+
+    NaN never agrees, nor does a numerical `uncertainty` above the tolerance.
+    """
+    decidable = uncertainty is None or uncertainty <= tolerance
+    within = isfinite(unexplained) and relation.excess(unexplained) <= tolerance
+    return "agree" if within and decidable else "disagree"
+
+
+def judge(case: Case, measurement: Measurement, seconds: float) -> Outcome:
+    """The outcome of a case that was computed.
+
+    Raises ValueError for a relative tolerance about a reference of zero.
+    """
+    tolerance = case.tolerance.at(measurement.reference)
+    uncertainty = measurement.numerical_uncertainty
+    return Outcome(
+        case=case,
+        verdict=verdict(measurement.unexplained, case.relation, tolerance, uncertainty),
+        seconds=seconds,
+        measurement=measurement,
+        message=_remark(case, measurement, tolerance),
+    )
+
+
+def perturbed(outcome: Outcome, factor: float) -> Verdict:
+    """The verdict if the reference lay `factor` tolerances further on the adverse side.
+
+    The tolerance keeps its amount. A sound case turns for a factor of three.
+    """
+    measurement = outcome.measurement
+    if measurement is None:
+        return outcome.verdict
+    tolerance = outcome.tolerance
+    direction = outcome.case.relation.adverse(measurement.unexplained)
+    moved = replace(measurement, reference=measurement.reference + direction * factor * tolerance)
+    return verdict(
+        moved.unexplained, outcome.case.relation, tolerance, measurement.numerical_uncertainty
+    )
+
+
+def result_record(outcome: Outcome) -> dict[str, Any]:
+    """The case's entry in results.json; numbers in the unit of the case, null where not finite."""
+    case, measurement = outcome.case, outcome.measurement
+    record: dict[str, Any] = {
+        "id": case.id,
+        "title": case.title,
+        "quantity": case.quantity,
+        "unit": case.unit,
+        "value": None,
+        "reference": None,
+        "reference_kind": case.reference_kind,
+        "citation": case.citation,
+        "relation": case.relation.value,
+        "error": None,
+        "unexplained": None,
+        "numerical_uncertainty": None,
+        "value_uncertainty": None,
+        "reference_uncertainty": None,
+        "allowances": [],
+        "tolerance": None,
+        "tolerance_reason": case.tolerance_reason,
+        "verdict": outcome.verdict,
+        "seconds": outcome.seconds,
+        "message": outcome.message,
+        "notes": [],
+        "table": {},
+    }
+    if measurement is not None:
+        record |= {
+            "value": finite(measurement.value),
+            "reference": finite(measurement.reference),
+            "error": finite(measurement.difference),
+            "unexplained": finite(measurement.unexplained),
+            "numerical_uncertainty": finite(measurement.numerical_uncertainty),
+            "value_uncertainty": finite(measurement.value_uncertainty),
+            "reference_uncertainty": finite(measurement.reference_uncertainty),
+            "allowances": [
+                {"cause": a.cause, "amount": finite(a.amount), "source": a.source}
+                for a in measurement.allowances
+            ],
+            "tolerance": finite(outcome.tolerance),
+            "notes": list(measurement.notes),
+            "table": {
+                heading: [entry if isinstance(entry, str) else finite(entry) for entry in column]
+                for heading, column in measurement.table.items()
+            },
+        }
+    return record
+
+
+def finite(number: float | None) -> float | None:
+    """The number as JSON can carry it: None for NaN and infinities."""
+    return float(number) if number is not None and isfinite(number) else None
+
+
+def _remark(case: Case, measurement: Measurement, tolerance: float) -> str:
+    if not (isfinite(measurement.value) and isfinite(measurement.reference)):
+        return "the computation gave no finite number"
+    uncertainty = measurement.numerical_uncertainty
+    if uncertainty is None or uncertainty <= tolerance:
+        return ""
+    beyond = case.relation.excess(measurement.unexplained) - tolerance
+    # An error that even its uncertainty cannot bring back within the tolerance is decided.
+    if not beyond > uncertainty:
+        return (
+            f"numerical uncertainty {uncertainty:.3g} {case.unit} exceeds the tolerance "
+            f"{tolerance:.3g} {case.unit}: refine the models, the comparison cannot decide"
+        )
+    return ""
+
+
+def _require_positive(number: float) -> None:
+    if not (isfinite(number) and number > 0.0):
+        raise ValueError(f"a tolerance must be positive and finite, not {number}")

@@ -1,0 +1,221 @@
+"""Published benchmarks by solids: MacNeal–Harder's straight cantilever and NAFEMS FV5.
+
+Solids are held and loaded as Saint-Venant's theory has it, by means over their end faces, so that
+beam theory's own approximation is all that keeps the two apart. Statics have none; a simply
+supported mode is made of half waves, and there it is the prism's exact wave less the beam's.
+"""
+
+from dataclasses import dataclass, replace
+from functools import partial
+from math import log2, pi
+
+import numpy as np
+
+from fem import solid
+from fem.cholesky import analyse as analyse_pattern
+from fem.cholesky import factorise
+from fem.end_coupling import free_ends
+from lumped.arrays import Array
+from lumped.legs import ConstantLeg
+from meshes.extrude import extrude, stations
+from meshes.section_mesh import section_mesh
+from validation.case import Allowance, Case, Measurement
+from validation.cases.benchmarks import (
+    DEEP,
+    FV5,
+    FV5_CLUSTERS,
+    MACNEAL_HARDER,
+    MACNEAL_TARGETS,
+    SECTION,
+    STRAIGHT,
+    TOLERANCE,
+    TWIST_NOTE,
+    Cluster,
+    cluster_study,
+    refinement_study,
+)
+from validation.context import Context, Preset
+from validation.convergence import analyse, uncertainty_of
+from validation.leg_solids import FORMAL_ORDER
+from validation.prism_waves import WaveKind, beam_wave_frequency, prism_wave_frequency
+
+FV5_DIVISIONS = (2, 3, 4, 6)
+STRAIGHT_DIVISIONS = (2, 3, 4, 5)
+# Slices along the whole beam per division of the section: errors of both directions alike.
+_DEEP_SLICES, _STRAIGHT_SLICES = 3, 5
+_SOLID_PRESETS: tuple[Preset, ...] = ("standard", "fine")
+_SOLID_REASON = (
+    "0.1 % of the theory column, which has four digits; the mesh's own uncertainty is stated and "
+    "must stay below it"
+)
+
+
+@dataclass(frozen=True)
+class Wave:
+    """Wave of a kind with the wavenumber `halves`·π/L: so many half waves along the beam."""
+
+    kind: WaveKind
+    halves: float
+
+
+FV5_WAVES = dict(
+    zip(
+        FV5_CLUSTERS,
+        (
+            Wave("bending", 1.0),
+            Wave("torsion", 0.5),
+            Wave("tension", 0.5),
+            Wave("bending", 2.0),
+            Wave("torsion", 1.5),
+            Wave("bending", 3.0),
+        ),
+        strict=True,
+    )
+)
+
+
+def cases() -> tuple[Case, ...]:
+    """Both solids, from the standard preset on."""
+    return (
+        *(_macneal_case(name) for name in MACNEAL_TARGETS),
+        *(_fv5_case(cluster) for cluster in FV5_CLUSTERS),
+    )
+
+
+def _macneal_case(name: str) -> Case:
+    return Case(
+        id=f"benchmark.macneal-harder.solid[{name}]",
+        title=f"MacNeal–Harder cantilever as a solid: {name}",
+        quantity=MACNEAL_TARGETS[name][2],
+        unit="rad" if name == "twist" else "m",
+        reference_kind="closed-form" if name == "twist" else "published",
+        citation=MACNEAL_HARDER,
+        tolerance=TOLERANCE,
+        tolerance_reason=_SOLID_REASON,
+        compute=partial(_macneal, name=name),
+        presets=_SOLID_PRESETS,
+        section=SECTION,
+        group="benchmark.macneal-harder.solid",
+        effort=1.2,
+    )
+
+
+def _macneal(context: Context, name: str) -> Measurement:
+    component, target, quantity = MACNEAL_TARGETS[name]
+    found = context.get(straight_solid_compliances, STRAIGHT_DIVISIONS)[:, component]
+    sizes = 1.0 / np.array(STRAIGHT_DIVISIONS, dtype=float)
+    convergence = analyse(sizes, found, FORMAL_ORDER, round_off=1e-9)
+    return Measurement(
+        float(found[-1]),
+        target,
+        value_uncertainty=uncertainty_of(convergence),
+        notes=("ends free to warp and contract", *((TWIST_NOTE,) if name == "twist" else ())),
+        studies=(
+            refinement_study(
+                f"macneal-harder.solid.{name}",
+                name,
+                quantity,
+                "rad" if name == "twist" else "m",
+                convergence,
+                "divisions of the section",
+            ),
+        ),
+    )
+
+
+def straight_solid_compliances(divisions: tuple[int, ...]) -> Array:
+    """Diagonal of the tip compliance (m×6, SI) of MacNeal–Harder's beam, free ends."""
+    found = []
+    for number in divisions:
+        beam = extruded(STRAIGHT, number, _STRAIGHT_SLICES * number)
+        found.append(np.diag(solid.tip_compliance(solid.clamped_leg(beam, "free"))))
+    return np.array(found)
+
+
+def extruded(leg: ConstantLeg, divisions: int, slices: int) -> solid.SolidLeg:
+    """The beam as a solid, `divisions` elements across its smaller side, `slices` along it."""
+    section = section_mesh(leg.section, divisions)
+    return solid.solid_leg(leg, extrude(section, stations(leg.length, slices)))
+
+
+def _fv5_case(cluster: Cluster) -> Case:
+    return Case(
+        id=f"benchmark.fv5.solid[{cluster.label}]",
+        title=f"NAFEMS FV5 as a solid: {cluster.meaning}",
+        quantity=f"natural frequency {cluster.label}, worst of the cluster",
+        unit="Hz",
+        reference_kind="published",
+        citation=FV5,
+        tolerance=TOLERANCE,
+        tolerance_reason=_SOLID_REASON,
+        compute=partial(_fv5, cluster=cluster),
+        presets=_SOLID_PRESETS,
+        section=SECTION,
+        group="benchmark.fv5.solid",
+        effort=0.5,
+    )
+
+
+def _fv5(context: Context, cluster: Cluster) -> Measurement:
+    found = cluster.of(context.get(deep_solid_frequencies, FV5_DIVISIONS))
+    values = found[:, cluster.worst(found[-1])]
+    sizes = 1.0 / np.array(FV5_DIVISIONS, dtype=float)
+    convergence = analyse(sizes, values, FORMAL_ORDER, round_off=1e-9)
+    return Measurement(
+        float(values[-1]),
+        cluster.target,
+        value_uncertainty=uncertainty_of(convergence),
+        allowances=(_beam_theory_error(FV5_WAVES[cluster]),),
+        table=cluster.table(found[-1]),
+        studies=(cluster_study("fv5.solid", cluster, convergence, "divisions of the section"),),
+    )
+
+
+def _beam_theory_error(wave: Wave) -> Allowance:
+    wavenumber = wave.halves * pi / DEEP.length
+    error, longer = (_wave_error(wave.kind, k) for k in (wavenumber, wavenumber / 2.0))
+    return Allowance(
+        cause=f"beam theory of {wave.kind} is approximate for short waves",
+        amount=error * beam_wave_frequency(DEEP.timoshenko, wave.kind, wavenumber),
+        source="exact wave of the prism (prism_wave_frequency) less the beam's: "
+        f"{100.0 * error:+.3g} %, with exponent {-log2(error / longer):.2f} in the slenderness",
+    )
+
+
+def _wave_error(kind: WaveKind, wavenumber: float) -> float:
+    prism = prism_wave_frequency(DEEP.section, DEEP.material, kind, wavenumber)
+    return prism / beam_wave_frequency(DEEP.timoshenko, kind, wavenumber) - 1.0
+
+
+def deep_solid_frequencies(divisions: tuple[int, ...]) -> Array:
+    """The lowest nine frequencies (m×9, Hz) of FV5's beam as a solid."""
+    return np.array(
+        [
+            solid.modes(
+                simply_supported(extruded(DEEP, number, _DEEP_SLICES * number)),
+                FV5_CLUSTERS[-1].last,
+            ).frequencies
+            for number in divisions
+        ]
+    )
+
+
+def simply_supported(beam: solid.SolidLeg) -> solid.ClampedLeg:
+    """The beam held in x, y, z, φx at its root and in y, z at its tip, on average over the faces.
+
+    The averages C are the conjugates of Saint-Venant's tractions, so warping, contraction and both
+    bending rotations are free. The six are statically determinate: L = C (RᵀC)⁻¹ takes the place
+    of the root's six loads in `fem.end_coupling.FreeEnds`, with LᵀR = I for the rigid motions R.
+    """
+    ends = free_ends(beam.mesh, beam.leg.material)
+    averages = np.hstack([ends.root_loads[:, :4], ends.free_tip_loads[:, 1:3]])
+    held = replace(ends, root_loads=averages @ np.linalg.inv(ends.motions.T @ averages))
+    stiffness = held.clamped_stiffness(beam.stiffness)
+    pattern = analyse_pattern(stiffness, held.leading_blocks)
+    return solid.ClampedLeg(
+        solid=beam,
+        ends=held,
+        stiffness=stiffness,
+        mass=held.clamped_mass(beam.mass),
+        factor=factorise(pattern, stiffness, "NAFEMS FV5 as a solid"),
+    )

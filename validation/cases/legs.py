@@ -1,0 +1,140 @@
+"""Each leg alone, root clamped: segments and beams against closed forms."""
+
+from functools import partial
+
+import numpy as np
+
+from fem.beam_theory import CantileverFrequency, cantilever_frequencies
+from lumped.arrays import Array
+from lumped.legs import ConstantLeg, equivalent_leg, tip_compliance
+from lumped.modes import dense, solve_modes
+from validation.case import Case, Measurement, Relative
+from validation.context import Context
+from validation.models import ModelName, ModelOptions, leg_compliance, leg_matrices
+
+MODES = 6
+# Row, column (from 0) and meaning of the entries that a straight leg's compliance has.
+ENTRIES = {
+    "c11": (0, 0, "tension"),
+    "c22": (1, 1, "deflection along y"),
+    "c33": (2, 2, "deflection along z"),
+    "c44": (3, 3, "torsion"),
+    "c55": (4, 4, "rotation about y"),
+    "c66": (5, 5, "rotation about z"),
+    "c26": (1, 5, "deflection along y under a moment about z"),
+    "c35": (2, 4, "deflection along z under a moment about y"),
+}
+UNITS = {(False, False): "m/N", (True, True): "rad/(N m)", (False, True): "m/(N m)"}
+TIMOSHENKO = "S. P. Timoshenko, Phil. Mag. 41 (1921) 744; c = ∫ of unit resultants over EA … κGA"
+HUANG = "T. C. Huang, J. Appl. Mech. 28 (1961) 579, exact Timoshenko cantilever, solved here"
+LUMPED: tuple[ModelName, ...] = ("segments", "beam")
+_FREQUENCY_TOLERANCE = {
+    "segments": (
+        0.02,
+        "second order in 1/n: mode k with 20 elements is off by k²/n², below 2 % up to the third "
+        "of its kind",
+    ),
+    "beam": (
+        1e-4,
+        "fourth order in 1/n: below 1e-5 with 20 elements for the third of its kind, ten times "
+        "that for rounding and roots",
+    ),
+}
+
+
+def cases() -> tuple[Case, ...]:
+    """Cases of both legs in segments and beams."""
+    return tuple(
+        case
+        for number in (1, 2)
+        for model in LUMPED
+        for case in (*_compliances(number, model), *_frequencies(number, model))
+    )
+
+
+def constant_leg_of(context: Context, number: int) -> ConstantLeg:
+    """The equivalent constant-section leg 1 or 2 of the run's robot."""
+    robot = context.robot
+    return context.get(equivalent_leg, robot.leg1 if number == 1 else robot.leg2)
+
+
+def exact_compliance(leg: ConstantLeg) -> Array:
+    """Tip compliance (6×6, SI) of the Timoshenko cantilever with textbook section constants."""
+    return tip_compliance(leg.timoshenko, leg.length)
+
+
+def exact_modes(leg: ConstantLeg) -> tuple[CantileverFrequency, ...]:
+    """Its first frequencies, ascending."""
+    return cantilever_frequencies(leg.timoshenko, leg.length, MODES)
+
+
+def _compliances(number: int, model: ModelName) -> list[Case]:
+    return [
+        Case(
+            id=f"leg{number}.compliance.{model}[{name}]",
+            title=f"Leg {number}: {name} of the {model} model is the cantilever's",
+            quantity=f"compliance {name}, {meaning}",
+            unit=UNITS[(i > 2, j > 2)],
+            reference_kind="closed-form",
+            citation=TIMOSHENKO,
+            tolerance=Relative(1e-9),
+            tolerance_reason="both are exact in statics: rounding alone, grown by n⁴",
+            compute=partial(_entry, number=number, model=model, entry=(i, j)),
+            section=f"Leg {number}",
+            group=f"leg{number}.lumped",
+        )
+        for name, (i, j, meaning) in ENTRIES.items()
+    ]
+
+
+def _frequencies(number: int, model: ModelName) -> list[Case]:
+    fraction, reason = _FREQUENCY_TOLERANCE[model]
+    return [
+        Case(
+            id=f"leg{number}.frequency.{model}[{index + 1}]",
+            title=f"Leg {number}: frequency {index + 1} of the {model} model is exact",
+            quantity=f"natural frequency {index + 1}, clamped-free",
+            unit="Hz",
+            reference_kind="closed-form",
+            citation=HUANG,
+            tolerance=Relative(fraction),
+            tolerance_reason=reason,
+            compute=partial(_mode, number=number, model=model, index=index),
+            section=f"Leg {number}",
+            group=f"leg{number}.lumped",
+        )
+        for index in range(MODES)
+    ]
+
+
+def _entry(context: Context, number: int, model: ModelName, entry: tuple[int, int]) -> Measurement:
+    leg = constant_leg_of(context, number)
+    found = context.get(leg_compliance, model, leg, ModelOptions())
+    return Measurement(float(found[entry]), float(context.get(exact_compliance, leg)[entry]))
+
+
+def kind_frequencies(
+    leg: ConstantLeg, model: ModelName, kind: str, count: int, options: ModelOptions
+) -> Array:
+    """First frequencies (Hz) of one kind of deformation of the clamped leg.
+
+    The kinds of a straight leg do not couple, so that each is solved on its own unknowns: modes
+    of two kinds at one frequency stay apart.
+    """
+    matrices = leg_matrices(model, leg, options)
+    stiffness = dense(matrices.parts[kind])
+    own = np.flatnonzero(np.diag(stiffness) > 0.0)
+    own = own[own >= 6]
+    pick = np.ix_(own, own)
+    return solve_modes(stiffness[pick], dense(matrices.mass)[pick], count, kind).frequencies
+
+
+def _mode(context: Context, number: int, model: ModelName, index: int) -> Measurement:
+    leg = constant_leg_of(context, number)
+    exact = context.get(exact_modes, leg)[index]
+    found = context.get(kind_frequencies, leg, model, exact.part, exact.order, ModelOptions())
+    return Measurement(
+        float(found[exact.order - 1]),
+        float(exact.frequency),
+        notes=(f"{exact.part}, number {exact.order} of its kind",),
+    )

@@ -1,0 +1,155 @@
+"""Convergence on element count, with observed orders held against theory."""
+
+from functools import partial
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem.beam_theory import bending_frequencies
+from lumped.arrays import Array
+from lumped.legs import ConstantLeg
+from validation.case import Absolute, Case, Measurement
+from validation.cases.legs import constant_leg_of, kind_frequencies
+from validation.context import Context, Preset
+from validation.convergence import order_of_errors
+from validation.exhibits import Study
+from validation.models import ModelName, ModelOptions
+
+if TYPE_CHECKING:
+    from lumped.segments import Layout
+
+SECTION = "Refinement"
+COUNTS: dict[Preset, tuple[int, ...]] = {
+    "quick": (5, 10, 20, 40, 80),
+    "standard": (5, 10, 20, 40, 80, 160),
+    "fine": (5, 10, 20, 40, 80, 160),
+}
+MODES = 3
+# Elements between which the orders are fitted.
+_RANGES = {"half": (10, 160), "literal": (20, 160), "beam": (10, 40)}
+EXACT = "T. C. Huang, J. Appl. Mech. 28 (1961) 579, exact Timoshenko cantilever"
+
+
+def cases() -> tuple[Case, ...]:
+    """Element-count studies of both legs."""
+    built: list[Case] = []
+    for number in (1, 2):
+        for name, (order, slack, reason) in _FORMAL.items():
+            built += [
+                Case(
+                    id=f"refinement.leg{number}.{name}.order[{mode + 1}]",
+                    title=f"Leg {number}, {name}: bending frequency {mode + 1} converges with "
+                    f"order {order:g}",
+                    quantity="fitted order in the number of elements",
+                    unit="1",
+                    reference_kind="closed-form",
+                    citation=EXACT,
+                    tolerance=Absolute(slack),
+                    tolerance_reason=reason,
+                    compute=partial(_order, number=number, name=name, mode=mode),
+                    section=SECTION,
+                    group=f"refinement.{number}.{name}",
+                    effort=2.0,
+                )
+                for mode in range(MODES)
+            ]
+        built.append(
+            Case(
+                id=f"refinement.leg{number}.literal.coefficient",
+                title=f"Leg {number}: without springs at its ends a length L/n of the leg is rigid",
+                quantity="limit of n · relative error of the first bending frequency",
+                unit="1",
+                reference_kind="closed-form",
+                citation="half an element rigid at the root: −(L/2f) df/dL, 1 for a slender beam",
+                tolerance=Absolute(1e-3),
+                tolerance_reason="extrapolated to 1/n = 0 from the two finest: 1/n² remains",
+                compute=partial(_literal_coefficient, number=number),
+                section=SECTION,
+                group=f"refinement.{number}.literal",
+            )
+        )
+    return tuple(built)
+
+
+_FORMAL: dict[str, tuple[float, float, str]] = {
+    "half": (2.0, 0.05, "fit from ten elements on, where the next term is below 1 %"),
+    "literal": (1.0, 0.1, "fit from 20 elements on, where 1/n² terms still count a few per cent"),
+    "beam": (4.0, 0.1, "fit from 10 to 40 elements; beyond, rounding takes over"),
+}
+
+
+def element_frequencies(leg: ConstantLeg, name: str, counts: tuple[int, ...]) -> Array:
+    """First bending frequencies along z (len(counts) × 3, Hz) for each number of elements."""
+    model: ModelName = "beam" if name == "beam" else "segments"
+    layout: Layout = "literal" if name == "literal" else "half"
+    return np.array(
+        [
+            kind_frequencies(
+                leg, model, "bending y", MODES, ModelOptions(elements=elements, layout=layout)
+            )
+            for elements in counts
+        ]
+    )
+
+
+def exact_frequencies(leg: ConstantLeg) -> Array:
+    """The same frequencies (3, Hz) of the exact Timoshenko cantilever."""
+    return bending_frequencies(leg.timoshenko, leg.length, "y", MODES)
+
+
+def _errors(context: Context, number: int, name: str) -> tuple[Array, Array]:
+    leg = constant_leg_of(context, number)
+    counts = COUNTS[context.preset]
+    found = context.get(element_frequencies, leg, name, counts)
+    return np.array(counts), found / context.get(exact_frequencies, leg) - 1.0
+
+
+def _order(context: Context, number: int, name: str, mode: int) -> Measurement:
+    counts, errors = _errors(context, number, name)
+    first, last = _RANGES[name]
+    used = (counts >= first) & (counts <= last)
+    order = order_of_errors(1.0 / counts[used], errors[used, mode])
+    at_twenty = 100.0 * float(errors[counts == 20, mode][0])
+    study = Study(
+        id=f"refinement.leg{number}.{name}.{mode + 1}",
+        kind="convergence",
+        title=f"Leg {number}, {name}: bending frequency {mode + 1}",
+        x_label="elements per leg",
+        y_label="relative error of the frequency",
+        unit="1",
+        x=tuple(counts.tolist()),
+        series={name: tuple(np.abs(errors[:, mode]).tolist())},
+        formal_order=_FORMAL[name][0],
+        orders={name: order},
+        limits={name: 0.0},
+    )
+    return Measurement(
+        order,
+        _FORMAL[name][0],
+        notes=(f"error with 20 elements {at_twenty:+.3g} %",),
+        studies=(study,),
+    )
+
+
+def _literal_coefficient(context: Context, number: int) -> Measurement:
+    counts, errors = _errors(context, number, "literal")
+    coarse, fine = (counts * errors[:, 0])[-2:]
+    leg = constant_leg_of(context, number)
+    with_shear = _rigid_root_effect(leg)
+    return Measurement(
+        float(2.0 * fine - coarse),
+        with_shear,
+        notes=(f"error with 20 elements {100.0 * float(errors[counts == 20, 0][0]):+.2f} %",),
+    )
+
+
+def _rigid_root_effect(leg: ConstantLeg) -> float:
+    """−(L/2) d ln f/dL at fixed total length: what a rigid piece L/2n at the root does, times n.
+
+    A rigid root piece raises the frequency by the strain energy it takes away; that energy
+    density at the root over the mean is −(L/2f) df/dL for a beam whose tip moves with its length.
+    """
+    step = 1e-4
+    lengths = (leg.length * (1.0 - step), leg.length * (1.0 + step))
+    low, high = (float(bending_frequencies(leg.timoshenko, l, "y", 1)[0]) for l in lengths)
+    return float(-(np.log(high) - np.log(low)) / (4.0 * step))

@@ -1,0 +1,167 @@
+"""The whole robot over its stroke: virtual joints, segments and beams against each other."""
+
+from functools import partial
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lumped.legs import Theory
+from validation.case import Absolute, Case, Measurement, Relative
+from validation.context import Context
+from validation.exhibits import Study
+from validation.models import ModelName, ModelOptions
+from validation.quantities import (
+    Deflections,
+    deflections_of,
+    stroke_compliances,
+    stroke_deflections,
+    stroke_frequencies,
+)
+
+if TYPE_CHECKING:
+    from lumped.arrays import Array
+
+POSTURES = 9
+FREQUENCIES = 4
+SECTION = "The robot over its stroke"
+CURVES = {
+    "planar-x": ("planar_x", "planar deflection under 1000 N along x"),
+    "planar-y": ("planar_y", "planar deflection under 1000 N along y"),
+    "along-z": ("along_z", "deflection along z under 1000 N along z"),
+}
+THEORIES: tuple[Theory, ...] = ("euler-bernoulli", "timoshenko")
+# A finer beam model for the discretisation error of the frequencies.
+_FINE, _COARSE = 40, 20
+
+
+def cases() -> tuple[Case, ...]:
+    """Statics of three formulations, and frequencies of two, over the stroke."""
+    return (*_statics(), *_frequencies(), _given_legs())
+
+
+def _statics() -> list[Case]:
+    return [
+        Case(
+            id=f"robot.statics.{model}-vjm.{curve}[{theory}]",
+            title=f"The {model} model gives the virtual joints' {meaning} ({theory} legs)",
+            quantity=f"{meaning}, posture of the largest difference",
+            unit="µm",
+            reference_kind="independent-solver",
+            citation="virtual joint method, eqs (3) to (9), same equivalent legs",
+            tolerance=Relative(1e-9),
+            tolerance_reason="three formulations of one statics: rounding alone may differ",
+            compute=partial(_static, model=model, theory=theory, curve=attribute),
+            section=SECTION,
+            group="robot.statics",
+        )
+        for model in ("segments", "beam")
+        for theory in THEORIES
+        for curve, (attribute, meaning) in CURVES.items()
+    ]
+
+
+def _frequencies() -> list[Case]:
+    return [
+        Case(
+            id=f"robot.frequency.segments-beam[{index + 1}]",
+            title=f"Frequency {index + 1} of the robot in segments is that of the beam model",
+            quantity=f"natural frequency {index + 1}, posture of the largest difference",
+            unit="Hz",
+            reference_kind="finer-model",
+            citation=f"Timoshenko beams, {_FINE} elements per leg, consistent mass",
+            tolerance=Relative(0.01),
+            tolerance_reason="the paper's 1 % for 20 elements (§3.2)",
+            compute=partial(_frequency, index=index),
+            section=SECTION,
+            group="robot.frequencies",
+            effort=1.0,
+        )
+        for index in range(FREQUENCIES)
+    ]
+
+
+def _given_legs() -> Case:
+    return Case(
+        id="robot.statics.vjm-symmetric",
+        title="The virtual joints' compliance with the legs as given is symmetric and positive",
+        quantity="asymmetry of the 6×6 in units of √(c_ii c_jj), or the negative eigenvalue",
+        unit="1",
+        reference_kind="closed-form",
+        citation="Maxwell and Betti: the work of two loads does not depend on their order",
+        tolerance=Absolute(1e-9),
+        tolerance_reason="rounding alone",
+        compute=_symmetry,
+        section=SECTION,
+        group="robot.statics",
+    )
+
+
+def _deflections(context: Context, model: ModelName, theory: Theory) -> Deflections:
+    options = ModelOptions(legs="equivalent", theory=theory)
+    return context.get(stroke_deflections, model, context.robot, POSTURES, options)
+
+
+def _static(context: Context, model: ModelName, theory: Theory, curve: str) -> Measurement:
+    found: Array = getattr(_deflections(context, model, theory), curve)
+    reference: Array = getattr(_deflections(context, "vjm", theory), curve)
+    stations = tuple(context.robot.stations(POSTURES).tolist())
+    worst = int(np.argmax(np.abs(found / reference - 1.0)))
+    sweep = Study(
+        id=f"robot.statics.{curve}.{model}.{theory}",
+        kind="sweep",
+        title=f"{curve.replace('_', ' ')}: {model} and virtual joints ({theory})",
+        x_label="x (m)",
+        y_label="deflection (µm)",
+        unit="µm",
+        x=stations,
+        series={"vjm": tuple(reference.tolist()), model: tuple(found.tolist())},
+    )
+    return Measurement(
+        float(found[worst]),
+        float(reference[worst]),
+        notes=(f"largest difference at x = {stations[worst]:.4g} m",),
+        studies=(sweep,),
+    )
+
+
+def _frequency(context: Context, index: int) -> Measurement:
+    found = context.get(stroke_frequencies, "segments", context.robot, POSTURES, FREQUENCIES)
+    fine, coarse = (
+        context.get(
+            stroke_frequencies,
+            "beam",
+            context.robot,
+            POSTURES,
+            FREQUENCIES,
+            ModelOptions(elements=elements),
+        )
+        for elements in (_FINE, _COARSE)
+    )
+    worst = int(np.argmax(np.abs(found[:, index] / fine[:, index] - 1.0)))
+    x = context.robot.stations(POSTURES)[worst]
+    return Measurement(
+        float(found[worst, index]),
+        float(fine[worst, index]),
+        # Fourth order: the difference to the coarser model is 15 times the finer one's error.
+        reference_uncertainty=float(abs(fine - coarse)[worst, index]),
+        notes=(f"largest difference at x = {x:.4g} m",),
+    )
+
+
+def _symmetry(context: Context) -> Measurement:
+    compliances = context.get(stroke_compliances, "vjm", context.robot, POSTURES)
+    worst = 0.0
+    for compliance in compliances:
+        scale = 1.0 / np.sqrt(np.diag(compliance))
+        scaled = compliance * scale[:, None] * scale
+        lowest = float(np.linalg.eigvalsh(0.5 * (scaled + scaled.T))[0])
+        worst = max(worst, float(np.abs(scaled - scaled.T).max()), 0.0, -lowest)
+    largest = deflections_of(compliances)
+    return Measurement(
+        worst,
+        reference=0.0,
+        notes=(
+            f"largest planar deflection {largest.largest_planar:.3g} µm, along z "
+            f"{largest.along_z.max():.3g} µm at 1000 N",
+        ),
+    )

@@ -1,0 +1,281 @@
+"""The command `flexproof`.
+
+Exit codes: 0 all agree · 1 some case disagrees · 2 the input is wrong · 3 a computation failed or
+was interrupted. Results go to stdout, everything else to stderr. Packages that are slow to import
+are imported by the commands that need them, so that help and messages come at once.
+"""
+
+import sys
+from collections.abc import Sequence
+from os import devnull, dup2
+from pathlib import Path
+from shlex import join
+from typing import TYPE_CHECKING, Annotated, Literal
+
+from cyclopts import App, CycloptsError, Parameter, Token, UnusedCliTokensError
+
+from lumped.errors import ComputationError, InputError
+
+if TYPE_CHECKING:
+    from validation.session import Request, Results
+    from validation.store import Start
+
+app = App(
+    name="flexproof",
+    help="Holds lumped stiffness models of parallel robots against beam and solid finite elements.",
+    version="",
+    result_action="return_value",
+)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line (default: sys.argv) and return the exit code."""
+    app.version = _version
+    try:
+        code = app(
+            list(sys.argv[1:] if arguments is None else arguments),
+            exit_on_error=False,
+            print_error=False,
+        )
+        sys.stdout.flush()
+    except CycloptsError as error:
+        return _complain([_one_line(error)], 2)
+    except InputError as error:
+        return _complain(error.faults, 2)
+    except ComputationError as error:
+        return _complain([str(error)], 3)
+    except KeyboardInterrupt:
+        return _complain(["interrupted"], 3)
+    except BrokenPipeError:
+        # The reader of a pipe has left; Python would complain again when it flushes at the end.
+        with Path(devnull).open("w") as nowhere:
+            dup2(nowhere.fileno(), sys.stdout.fileno())
+        return 0
+    return code if isinstance(code, int) else 0
+
+
+def _process_count(_type: object, tokens: Sequence[Token]) -> int:
+    text = tokens[0].value
+    if not (text.isdecimal() and 1 <= int(text) <= 1024):
+        raise ValueError(f'Invalid value "{text}" for --jobs. Must be a whole number, 1 to 1024.')
+    return int(text)
+
+
+@app.command
+def run(
+    robot: str = "ifw",
+    *,
+    preset: Literal["quick", "standard", "fine"] = "standard",
+    only: str | None = None,
+    out: Path = Path("report"),
+    jobs: Annotated[int | None, Parameter(converter=_process_count)] = None,
+    resume: Annotated[bool, Parameter(negative="")] = False,
+) -> int:
+    """Validate a robot's lumped models and write a report.
+
+    Parameters
+    ----------
+    robot
+        A built-in robot or a robot file.
+    preset
+        How much to compute: quick takes seconds, standard a minute or two, fine longer.
+    only
+        Run only the cases whose id matches, with * and ? as in a shell.
+    out
+        Folder for report.html, results.json, junit.xml and figures/.
+    jobs
+        Number of processes; as many as there are cores if left out.
+    resume
+        Go on with an interrupted run of the same input in the same folder.
+    """
+    from lumped.robot_file import load_robot  # noqa: PLC0415
+    from validation.cases import catalogue  # noqa: PLC0415
+    from validation.session import Request, default_jobs, validate  # noqa: PLC0415
+    from validation.store import StoreError  # noqa: PLC0415
+
+    start: Start = "resumed" if resume else "afresh"
+    request = Request(load_robot(robot), preset, out, jobs or default_jobs(), only, start)
+    try:
+        gathered = validate(request, catalogue)
+    except StoreError as error:
+        return _complain([str(error), _how_to_go_on(request)], 3)
+    _summarise(gathered, out)
+    if gathered.unfinished:
+        _complain(["interrupted", _how_to_go_on(request)], 3)
+    return gathered.exit_code()
+
+
+@app.command
+def solve(
+    robot: str,
+    *,
+    model: Literal["simplified", "vjm", "segments", "beam", "solid"],
+    x: tuple[float, ...] = (),
+    leg: int | None = None,
+    modes: int | None = None,
+    legs: Literal["given", "equivalent"] | None = None,
+    theory: Literal["euler-bernoulli", "timoshenko"] | None = None,
+    elements: int | None = None,
+    release: Literal["condensed", "printed"] | None = None,
+    layout: Literal["half", "literal"] | None = None,
+    ends: Literal["rigid", "free"] | None = None,
+    divisions: int | None = None,
+    equivalent: Literal["stiffness", "compliance"] | None = None,
+    json: Annotated[bool, Parameter(negative="")] = False,
+) -> int:
+    """Solve one model of the robot, or of one leg: compliance and natural frequencies.
+
+    Parameters
+    ----------
+    robot
+        A built-in robot or a robot file.
+    model
+        Which model.
+    x
+        Position of B (m); may be given several times; the middle of the stroke if left out.
+    leg
+        One leg alone, its root clamped: 1 or 2.
+    modes
+        Number of natural frequencies, 6 if left out.
+    legs
+        vjm: each leg's own compliance, or that of its equivalent constant-section leg.
+    theory
+        Beam theory of segments, beam, and vjm with equivalent legs.
+    elements
+        Segments or beam elements per leg.
+    release
+        segments: revolute joints that turn freely, or eq. (25) as printed.
+    layout
+        segments: springs of half length at both ends, or the paper's text taken literally.
+    ends
+        solid: end faces kept plane and rigid, or free to warp.
+    divisions
+        solid: quadratic elements across the smaller side of the section.
+    equivalent
+        Which diagonal the constant-section leg shares with a leg's 6×6.
+    json
+        Print JSON for programs.
+    """
+    from lumped.robot_file import load_robot  # noqa: PLC0415
+    from validation import solve as solving  # noqa: PLC0415
+
+    robot_file = load_robot(robot)
+    choices = {
+        "legs": legs,
+        "theory": theory,
+        "elements": elements,
+        "release": release,
+        "layout": layout,
+        "ends": ends,
+        "divisions": divisions,
+        "equivalent": equivalent,
+    }
+    given = {name: value for name, value in choices.items() if value is not None}
+    options, answers = solving.solve(robot_file, model, x, leg, modes, given)
+    show = solving.as_json if json else solving.as_text
+    _say(show(robot_file, model, options, answers))
+    return 0
+
+
+@app.command
+def check(robot: str) -> int:
+    """Say everything that is wrong with a robot file.
+
+    Parameters
+    ----------
+    robot
+        A built-in robot or a robot file.
+    """
+    from lumped.audit import audit  # noqa: PLC0415
+    from lumped.robot_file import load_robot  # noqa: PLC0415
+
+    robot_file = load_robot(robot)
+    first, last = robot_file.robot.stroke
+    _say(f"{robot}: sound; {robot_file.robot.name}, stroke of B from {first:g} to {last:g} m")
+    for finding in audit(robot_file):
+        _say(f"  {finding.severity}: {finding.where}: {finding.wrong} ({finding.evidence})")
+        _say(f"    printed: {finding.printed}; used: {finding.used}")
+    return 0
+
+
+@app.command
+def new(file: Path) -> int:
+    """Write a commented robot file to start from.
+
+    Parameters
+    ----------
+    file
+        Name of the new file; an existing one is left alone.
+    """
+    from lumped.robot_file import write_template  # noqa: PLC0415
+
+    write_template(file)
+    _say(f"{file} written; describe your robot in it, then: flexproof check {file}")
+    return 0
+
+
+@app.command
+def cases(*, json: Annotated[bool, Parameter(negative="")] = False) -> int:
+    """List the validation cases with their sources and tolerances.
+
+    Parameters
+    ----------
+    json
+        Print a JSON array for programs.
+    """
+    from lumped.robot_file import load_robot  # noqa: PLC0415
+    from validation.cases import catalogue  # noqa: PLC0415
+    from validation.listing import as_json, as_text  # noqa: PLC0415
+
+    tasks = catalogue(load_robot("ifw"))
+    _say(as_json(tasks) if json else as_text(tasks))
+    return 0
+
+
+def _summarise(gathered: "Results", out: Path) -> None:
+    from validation.listing import outcome_line, summary  # noqa: PLC0415
+
+    outcomes = gathered.in_order()
+    for outcome in outcomes:
+        if outcome.verdict in {"disagree", "failed"}:
+            _say(outcome_line(outcome))
+    for drawn in gathered.missing_figures():
+        _complain([f"figure {drawn.drawing.id} left out: {drawn.message}"], 0)
+    _say(summary(outcomes, gathered.unfinished))
+    _say(f"report: {out / 'report.html'}")
+
+
+def _how_to_go_on(request: "Request") -> str:
+    command = ["flexproof", "run", request.robot_file.source, "--preset", request.preset]
+    command += ["--only", request.only] if request.only else []
+    return f"go on with: {join([*command, '--out', str(request.out), '--resume'])}"
+
+
+def _one_line(error: CycloptsError) -> str:
+    if isinstance(error, UnusedCliTokensError):
+        tokens = " ".join(error.unused_tokens or ())
+        return f"not understood: {tokens}; see flexproof --help"
+    return " ".join(str(error).split())
+
+
+def _say(text: str) -> None:
+    sys.stdout.write(text + "\n")
+
+
+def _complain(lines: Sequence[str], code: int) -> int:
+    for line in lines:
+        sys.stderr.write(f"flexproof: {line}\n")
+    return code
+
+
+def _version() -> str:
+    from importlib.metadata import PackageNotFoundError, version  # noqa: PLC0415
+
+    try:
+        return version("flexproof")
+    except PackageNotFoundError:
+        return "not installed"
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,126 @@
+"""Two runs side by side: verdicts that changed, values that drifted, cases that came and went."""
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from validation.case import Verdict
+from validation.drift import Drift, Frozen, drift
+from validation.saved_run import SavedCase, SavedRun
+
+# From good to bad; a case that is skipped no longer protects anything.
+_RANK: dict[Verdict, int] = {"agree": 0, "skipped": 1, "disagree": 2, "failed": 3}
+# What should be the same in two runs whose numbers are compared.
+_CIRCUMSTANCES = ("robot", "robot_sha256", "preset", "options", "versions", "machine")
+
+
+@dataclass(frozen=True)
+class VerdictChange:
+    """A case whose verdict is another one than before."""
+
+    id: str
+    before: Verdict
+    after: Verdict
+
+    @property
+    def worse(self) -> bool:
+        """Whether the verdict worsened (agree, skipped, disagree, failed: from good to bad)."""
+        return _RANK[self.after] > _RANK[self.before]
+
+
+@dataclass(frozen=True)
+class Drifted:
+    """A value or a reference that moved by more than its uncertainty."""
+
+    id: str
+    what: str
+    unit: str
+    drift: Drift
+
+
+@dataclass(frozen=True)
+class Timing:
+    """Seconds that a case took before and after."""
+
+    id: str
+    before: float
+    after: float
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """What changed from one run to the other; `circumstances` names what else differs."""
+
+    verdicts: tuple[VerdictChange, ...]
+    drifted: tuple[Drifted, ...]
+    new: tuple[str, ...]
+    removed: tuple[str, ...]
+    times: tuple[Timing, ...]
+    circumstances: tuple[str, ...]
+
+    @property
+    def worsened(self) -> bool:
+        """Whether any verdict worsened."""
+        return any(change.worse for change in self.verdicts)
+
+
+def compare(before: SavedRun, after: SavedRun) -> Comparison:
+    """What changed from `before` to `after`."""
+    old, new = before.by_id, after.by_id
+    both = [(old[identifier], case) for identifier, case in new.items() if identifier in old]
+    return Comparison(
+        verdicts=tuple(
+            VerdictChange(b.id, a.verdict, b.verdict) for a, b in both if a.verdict != b.verdict
+        ),
+        drifted=tuple(entry for a, b in both for entry in _drifted(a, b)),
+        new=tuple(identifier for identifier in new if identifier not in old),
+        removed=tuple(identifier for identifier in old if identifier not in new),
+        times=tuple(Timing(b.id, a.seconds, b.seconds) for a, b in both),
+        circumstances=tuple(
+            name
+            for name in _CIRCUMSTANCES
+            if before.run.get(name) != after.run.get(name)
+        ),
+    )
+
+
+def as_dict(comparison: Comparison) -> dict[str, Any]:
+    """The comparison as plain data for JSON."""
+    return {
+        "schema": 1,
+        "worsened": comparison.worsened,
+        "verdicts": [asdict(change) | {"worse": change.worse} for change in comparison.verdicts],
+        "drifted": [
+            {
+                "id": entry.id,
+                "what": entry.what,
+                "unit": entry.unit,
+                "before": entry.drift.frozen,
+                "after": entry.drift.value,
+                "drift": entry.drift.amount,
+                "allowed": entry.drift.allowed,
+            }
+            for entry in comparison.drifted
+        ],
+        "new": list(comparison.new),
+        "removed": list(comparison.removed),
+        "seconds": [asdict(timing) for timing in comparison.times],
+        "differs": list(comparison.circumstances),
+    }
+
+
+def _drifted(before: SavedCase, after: SavedCase) -> list[Drifted]:
+    found = []
+    for what in ("value", "reference"):
+        old, new = getattr(before, what), getattr(after, what)
+        if old is None or new is None:
+            continue
+        moved = drift(
+            Frozen(old, before.numerical_uncertainty),
+            new,
+            uncertainty=after.numerical_uncertainty,
+            reference=after.reference,
+            tolerance=after.tolerance,
+        )
+        if moved.beyond:
+            found.append(Drifted(after.id, what, after.unit, moved))
+    return found

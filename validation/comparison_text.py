@@ -1,0 +1,109 @@
+"""A comparison of two runs as text: plain tables that any terminal, pager and mail can show."""
+
+from collections.abc import Sequence
+
+from validation.compare import Comparison, Timing
+from validation.saved_run import SavedRun
+
+# How many cases the text lists by the change of their time; --json has all of them.
+_SLOWEST = 10
+
+
+def as_text(before: SavedRun, after: SavedRun, comparison: Comparison) -> str:
+    """What changed, the gravest first."""
+    blocks = [_heads(before, after, comparison), _sentence(comparison)]
+    worst_first = sorted(comparison.verdicts, key=lambda change: not change.worse)
+    blocks += _block(
+        "Verdicts that changed",
+        ["", "before", "after", "case"],
+        [["worse" if c.worse else "", c.before, c.after, c.id] for c in worst_first],
+    )
+    blocks += _block(
+        "Drifted beyond their uncertainty",
+        ["before", "after", "drift", "allowed", "unit", "", "case"],
+        [
+            [
+                f"{entry.drift.frozen:.10g}",
+                f"{entry.drift.value:.10g}",
+                f"{entry.drift.amount:+.2g}",
+                f"{entry.drift.allowed:.2g}",
+                entry.unit,
+                entry.what,
+                entry.id,
+            ]
+            for entry in comparison.drifted
+        ],
+    )
+    blocks += _block("New cases", ["case"], [[identifier] for identifier in comparison.new])
+    blocks += _block("Removed cases", ["case"], [[identifier] for identifier in comparison.removed])
+    if comparison.times:
+        blocks.append(_times(comparison.times))
+    return "\n\n".join(blocks)
+
+
+def _heads(before: SavedRun, after: SavedRun, comparison: Comparison) -> str:
+    rows = [
+        [
+            name,
+            str(run.run.get("robot", run.run.get("robot_file", "?"))),
+            str(run.run.get("preset", "?")),
+            str(run.run.get("started", "frozen values")),
+            f"{len(run.cases)} cases",
+        ]
+        for name, run in (("before", before), ("after", after))
+    ]
+    differs = [name.replace("_", " ") for name in comparison.circumstances]
+    note = f"\nThe runs differ in {', '.join(differs)}." if differs else ""
+    return table(["", "robot", "preset", "started", ""], rows) + note
+
+
+def _sentence(comparison: Comparison) -> str:
+    worse = sum(change.worse for change in comparison.verdicts)
+    parts = [
+        f"{worse} verdicts worse" if worse != 1 else "1 verdict worse",
+        f"{len(comparison.verdicts) - worse} better",
+        f"{len({entry.id for entry in comparison.drifted})} cases drifted",
+        f"{len(comparison.new)} new",
+        f"{len(comparison.removed)} removed",
+    ]
+    return ", ".join(parts) + "."
+
+
+def _times(times: Sequence[Timing]) -> str:
+    foremost = sorted(times, key=lambda timing: -abs(timing.after - timing.before))[:_SLOWEST]
+    rows = [
+        [f"{t.before:.2f}", f"{t.after:.2f}", f"{t.after - t.before:+.2f}", t.id] for t in foremost
+    ]
+    total = [sum(timing.before for timing in times), sum(timing.after for timing in times)]
+    rows.append([f"{total[0]:.2f}", f"{total[1]:.2f}", f"{total[1] - total[0]:+.2f}", "all"])
+    heading = "Time per case (s)"
+    if len(times) > len(foremost):
+        heading += f", the {len(foremost)} of {len(times)} that changed most"
+    return "\n".join(_block(heading, ["before", "after", "change", "case"], rows))
+
+
+def _block(heading: str, columns: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
+    return [f"{heading}\n{table(columns, rows)}"] if rows else []
+
+
+def table(columns: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """Columns set off by two blanks; numbers to the right, texts to the left."""
+    lines = [list(columns), *[list(row) for row in rows]]
+    widths = [max(len(line[k]) for line in lines) for k in range(len(columns))]
+    numeric = [all(_is_number(row[k]) for row in rows) for k in range(len(columns))]
+    return "\n".join(
+        "  "
+        + "  ".join(
+            entry.rjust(width) if right else entry.ljust(width)
+            for entry, width, right in zip(line, widths, numeric, strict=True)
+        ).rstrip()
+        for line in lines
+    )
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True

@@ -1,0 +1,258 @@
+"""Observed order, extrapolation and numerical uncertainty of a result under refinement.
+
+Values f belong to mesh sizes h, coarse to fine; f = f∞ + C hᵖ in the asymptotic range.
+Roache, J. Fluids Eng. 116 (1994) 405 (grid convergence index, GCI); Celik et al., J. Fluids Eng.
+130 (2008) 078001 (order on grids of unequal ratio); ASME V&V 20-2009 §2 (safety factors).
+Differences are d_k = f_{k+1} − f_k, ratios r_k = h_k / h_{k+1} > 1.
+"""
+
+from dataclasses import dataclass
+from math import isfinite, log
+from typing import Literal, TypeAlias
+
+import numpy as np
+from scipy.optimize import brentq, minimize_scalar
+
+from lumped.arrays import Array
+
+Behaviour: TypeAlias = Literal["monotone", "oscillating", "diverging", "round-off plateau"]
+
+# Orders are sought up to 12: p-elements aside no method in use has a higher one.
+LARGEST_ORDER = 12.0
+# Pairwise orders closer than this fraction of the finest one count as settled: GCI is then right
+# within its own safety factor (Roache 1994 asks for "constant p" without a number).
+SETTLED = 0.25
+# ASME V&V 20: the smaller safety factor where the observed order is within 10 % of the formal one.
+CLOSE_TO_FORMAL = 0.10
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Least-squares fit f = limit + coefficient · h^order; `residual` is the largest deviation."""
+
+    limit: float
+    coefficient: float
+    order: float
+    residual: float
+
+
+@dataclass(frozen=True)
+class Convergence:
+    """What a refinement study shows.
+
+    `orders` are the pairwise observed orders (one per three neighbouring grids, NaN where the
+    differences do not shrink monotonically). `fit`, `extrapolated` (Richardson) and `uncertainty`
+    (GCI times |f|, in the unit of f) are None outside the asymptotic range, and `refusal` says
+    why. On a round-off plateau the uncertainty is the round-off level itself.
+    """
+
+    sizes: Array
+    values: Array
+    formal_order: float
+    behaviour: Behaviour
+    orders: Array
+    fit: Fit | None
+    extrapolated: float | None
+    safety: float | None
+    uncertainty: float | None
+    refusal: str = ""
+
+    @property
+    def observed_order(self) -> float | None:
+        """Fitted order over the asymptotic tail."""
+        return self.fit.order if self.fit else None
+
+
+def three_grid_order(
+    coarse: float, middle: float, fine: float, ratio_coarse: float, ratio_fine: float
+) -> float:
+    """Observed order p from three grids; `ratio_coarse` = h1/h2, `ratio_fine` = h2/h3.
+
+    Solves (f2 − f1)/(f3 − f2) = r2ᵖ (r1ᵖ − 1)/(r2ᵖ − 1) (Celik et al. 2008); NaN where the
+    differences change sign, vanish, or no order between 0 and 12 fits.
+    """
+    first, second = middle - coarse, fine - middle
+    if first * second <= 0.0 or not isfinite(first * second):
+        return float("nan")
+    quotient = first / second
+    if ratio_coarse == ratio_fine:
+        order = log(quotient) / log(ratio_fine)
+        return order if 0.0 < order <= LARGEST_ORDER else float("nan")
+
+    def misfit(p: float) -> float:
+        return log(quotient) - log(ratio_fine**p * (ratio_coarse**p - 1.0) / (ratio_fine**p - 1.0))
+
+    if misfit(1e-6) * misfit(LARGEST_ORDER) > 0.0:
+        return float("nan")
+    return float(brentq(misfit, 1e-6, LARGEST_ORDER))
+
+
+def richardson(middle: float, fine: float, ratio: float, order: float) -> float:
+    """Value at h → 0 from the two finest grids, `ratio` = h_middle/h_fine."""
+    return fine + (fine - middle) / float(ratio**order - 1.0)
+
+
+def grid_convergence_index(
+    coarse: float, fine: float, ratio: float, order: float, safety: float
+) -> float:
+    """Relative uncertainty of `fine`: safety · |(f_coarse − f_fine)/f_fine| / (ratioᵖ − 1)."""
+    return safety * abs((coarse - fine) / fine) / float(ratio**order - 1.0)
+
+
+def asymptotic_ratio(gci_coarse: float, gci_fine: float, ratio: float, order: float) -> float:
+    """ratioᵖ · GCI_fine / GCI_coarse: 1 in the asymptotic range."""
+    return float(ratio**order) * gci_fine / gci_coarse
+
+
+def safety_factor(observed: float, formal: float) -> float:
+    """1.25 where the observed order is within 10 % of the formal one, else 3."""
+    return 1.25 if abs(observed - formal) <= CLOSE_TO_FORMAL * formal else 3.0
+
+
+def pairwise_orders(sizes: Array, values: Array) -> Array:
+    """Observed order of every three neighbouring grids (n − 2 values, NaN where there is none)."""
+    ratios = sizes[:-1] / sizes[1:]
+    return np.array(
+        [
+            three_grid_order(values[k], values[k + 1], values[k + 2], ratios[k], ratios[k + 1])
+            for k in range(len(values) - 2)
+        ]
+    )
+
+
+def fit_order(sizes: Array, values: Array) -> Fit:
+    """Least-squares f∞, C and p over all given grids (at least three), weights 1/h.
+
+    Weights as in Eça and Hoekstra, J. Comput. Phys. 262 (2014) 104: the fine grids count more.
+    For a given p the fit is linear; p in (0, 12] then minimises its residual.
+    """
+    shape = sizes / sizes[-1]
+    weight = 1.0 / np.sqrt(shape)
+
+    def solve(order: float) -> tuple[Array, Array]:
+        basis = np.column_stack([np.ones_like(shape), shape**order])
+        solution = np.linalg.lstsq(basis * weight[:, None], values * weight, rcond=None)[0]
+        return solution, basis @ solution - values
+
+    def cost(order: float) -> float:
+        return float(np.linalg.norm(solve(order)[1] * weight))
+
+    candidates = np.linspace(0.05, LARGEST_ORDER, 240)
+    best = int(np.argmin([cost(order) for order in candidates]))
+    bounds = (candidates[max(best - 1, 0)], candidates[min(best + 1, len(candidates) - 1)])
+    found = minimize_scalar(cost, bounds=bounds, method="bounded", options={"xatol": 1e-10})
+    order = float(found.x)
+    (limit, scaled), residual = solve(order)
+    return Fit(
+        limit=float(limit),
+        coefficient=float(scaled) / float(sizes[-1]) ** order,
+        order=order,
+        residual=float(np.max(np.abs(residual))),
+    )
+
+
+def order_of_errors(sizes: Array, errors: Array) -> float:
+    """Slope of log|error| over log h (least squares), for errors against a known solution."""
+    return float(np.polyfit(np.log(sizes), np.log(np.abs(errors)), 1)[0])
+
+
+def classify(sizes: Array, values: Array, round_off: float) -> Behaviour:
+    """How the four finest values behave.
+
+    `round_off` is the relative accuracy that arithmetic leaves to the values. Diverging: the
+    finest difference is not smaller, per logarithm of h, than the one before.
+    """
+    differences = np.diff(values[-4:])
+    if abs(differences[-1]) <= round_off * abs(values[-1]):
+        return "round-off plateau"
+    if np.any(differences[:-1] * differences[1:] < 0.0):
+        shrinking = abs(differences[-1]) < abs(differences[0])
+        return "oscillating" if shrinking else "diverging"
+    per_octave = np.abs(differences) / np.log(sizes[-4:-1] / sizes[-3:])
+    # Equal steps, but for rounding, are the logarithm's: order zero.
+    return "monotone" if per_octave[-1] < (1.0 - 1e-9) * per_octave[-2] else "diverging"
+
+
+def analyse(
+    sizes: Array, values: Array, formal_order: float, round_off: float = 1e-12
+) -> Convergence:
+    """Judge a study of at least four refinements, sizes strictly decreasing.
+
+    Raises ValueError for fewer grids, sizes that do not decrease, or values that are not finite.
+    """
+    sizes, values = np.asarray(sizes, dtype=float), np.asarray(values, dtype=float)
+    if len(sizes) != len(values) or len(sizes) < 4:
+        raise ValueError(f"a convergence study needs four grids or more, not {len(values)}")
+    if not (np.all(np.diff(sizes) < 0.0) and sizes[-1] > 0.0 and np.all(np.isfinite(values))):
+        raise ValueError("mesh sizes must decrease, stay positive, and every value be finite")
+    behaviour = classify(sizes, values, round_off)
+    if behaviour == "round-off plateau":
+        return _plateau(sizes, values, formal_order, round_off)
+    orders = pairwise_orders(sizes, values)
+    refusal = _refusal(behaviour, orders)
+    if refusal:
+        return Convergence(
+            sizes, values, formal_order, behaviour, orders, None, None, None, None, refusal
+        )
+    tail = _asymptotic_tail(orders)
+    fit = fit_order(sizes[tail:], values[tail:])
+    safety = safety_factor(fit.order, formal_order)
+    ratio = float(sizes[-2] / sizes[-1])
+    extrapolated = richardson(values[-2], values[-1], ratio, fit.order)
+    uncertainty = safety * abs(extrapolated - values[-1])
+    return Convergence(
+        sizes, values, formal_order, behaviour, orders, fit, extrapolated, safety, uncertainty
+    )
+
+
+def uncertainty_of(convergence: Convergence) -> float:
+    """Numerical uncertainty of the finest value, in its unit.
+
+    GCI where the study is asymptotic; where it is not, three times the spread of the last three
+    grids, the safety factor of unproven convergence.
+    """
+    if convergence.uncertainty is not None:
+        return convergence.uncertainty
+    return 3.0 * float(np.ptp(convergence.values[-3:]))
+
+
+def _plateau(sizes: Array, values: Array, formal_order: float, round_off: float) -> Convergence:
+    level = round_off * abs(values[-1])
+    scatter = float(np.ptp(values[-2:]))
+    above = int(np.sum(np.abs(np.diff(values)) > level)) + 1
+    orders = pairwise_orders(sizes[:above], values[:above])
+    usable = above >= 4 and not _refusal("monotone", orders)
+    tail = _asymptotic_tail(orders) if usable else 0
+    return Convergence(
+        sizes=sizes,
+        values=values,
+        formal_order=formal_order,
+        behaviour="round-off plateau",
+        orders=orders,
+        fit=fit_order(sizes[tail:above], values[tail:above]) if usable else None,
+        extrapolated=float(values[-1]),
+        safety=None,
+        uncertainty=max(level, scatter),
+    )
+
+
+def _refusal(behaviour: Behaviour, orders: Array) -> str:
+    if behaviour != "monotone":
+        return f"no uncertainty can be stated: the values are {behaviour}"
+    last, before = orders[-1], orders[-2]
+    if not (isfinite(last) and isfinite(before)):
+        return "no uncertainty can be stated: no order fits the finest four grids"
+    if abs(last - before) > SETTLED * last:
+        return (
+            "no uncertainty can be stated: outside the asymptotic range, the observed order "
+            f"still moves from {before:.2f} to {last:.2f}"
+        )
+    return ""
+
+
+def _asymptotic_tail(orders: Array) -> int:
+    """Index of the coarsest grid from which all pairwise orders are settled."""
+    tail = len(orders) - 2
+    while tail > 0 and abs(orders[tail - 1] - orders[-1]) <= SETTLED * orders[-1]:
+        tail -= 1
+    return tail

@@ -1,0 +1,221 @@
+"""Each leg as a solid: its mesh in its first modes, the lumped model's shape drawn over it."""
+
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from fem import solid
+from lumped.arrays import Array, IntArray
+from lumped.cantilever import clamped_modes
+from lumped.legs import ConstantLeg
+from meshes.elements import ELEMENTS
+from meshes.solid_mesh import SolidMesh
+from validation.cases.legs import constant_leg_of
+from validation.context import Context
+from validation.drawings.opengl import require_opengl
+from validation.drawings.prisms import Surface, edges, outline, prism_points
+from validation.drawings.rendering import (
+    Body,
+    Scene,
+    Wire,
+    colour_bar,
+    panel_pixels,
+    png_of,
+    render,
+    show,
+    squares,
+    triad,
+)
+from validation.drawings.robot_pictures import GROUP
+from validation.drawings.view import fitted_view
+from validation.exhibits import Drawing, Figure
+from validation.mode_pairing import centreline_samples, centreline_weights, pair_modes
+from validation.models import DEFAULT_OPTIONS, leg_matrices, solid_modes
+from validation.report.style import MODELS, canvas, csv_of, plot_style
+
+MODES = 4
+# Enough for a picture: the numbers of the report come from finer meshes.
+DIVISIONS = 2
+_SPARE_MODES = 6
+_STATIONS = 24
+_DRAWN = 0.14
+_HEIGHT = 2.1
+_TOWARD, _UP = np.array([0.55, -1.0, 0.65]), np.array([0.0, 0.0, 1.0])
+_KINDS = {
+    "tension": (0,),
+    "bending along y": (1, 5),
+    "bending along z": (2, 4),
+    "torsion": (3,),
+}
+
+
+@dataclass(frozen=True)
+class LegModes:
+    """Modes of a clamped leg as a solid beside those of its segments.
+
+    `shapes` 3N×m on the mesh; `twists` and `lumped` (6s×m) of both models at the same s `stations`
+    (m from the root), `lumped` in the solid's sense; `kinds` name the deformation.
+    """
+
+    mesh: SolidMesh
+    frequencies: Array
+    shapes: Array
+    stations: Array
+    twists: Array
+    lumped: Array
+    lumped_frequencies: Array
+    mac: Array
+    kinds: tuple[str, ...]
+
+
+def drawings() -> tuple[Drawing, ...]:
+    """One picture for each leg."""
+    return tuple(
+        Drawing(
+            f"leg{number}.solid-modes",
+            f"Leg {number} as a solid: first modes",
+            partial(leg_mode_shapes, number=number),
+            section=f"Leg {number}",
+            group=GROUP,
+            effort=2.0,
+        )
+        for number in (1, 2)
+    )
+
+
+_REPEATED = (
+    " Two modes at one frequency can be combined at will, so that their MAC may lie below 1 for "
+    "the same shapes."
+)
+
+
+def leg_mode_shapes(context: Context, number: int) -> Figure:
+    """Four panels: the first modes of leg 1 or 2, root clamped."""
+    require_opengl()
+    leg = constant_leg_of(context, number)
+    found = context.get(leg_modes, leg, MODES)
+    faces = boundary_faces(found.mesh)
+    said = []
+    with plot_style():
+        picture, panels = canvas(rows=2, columns=2, height=2.0 * _HEIGHT + 1.3)
+        for mode, (axes, letter) in enumerate(zip(panels, "abcd", strict=True)):
+            moved = found.shapes[:, mode].reshape(-1, 3)
+            sizes = np.linalg.norm(moved, axis=1)
+            factor = _DRAWN * leg.length / float(sizes.max())
+            deformed = found.mesh.nodes + factor * moved
+            view = fitted_view(
+                np.vstack([found.mesh.nodes, deformed]),
+                _TOWARD,
+                _UP,
+                panel_pixels(2, _HEIGHT),
+                margin=0.07,
+            )
+            surface = Surface(deformed, faces, sizes / sizes.max())
+            body = Body(surface, edge="#30343a")
+            show(axes, render(Scene(view, [body], (0.0, 1.0), [at_rest(leg)])))
+            lumped = found.lumped[:, mode].reshape(-1, 6)[:, :3]
+            straight = np.column_stack([found.stations, np.zeros((len(found.stations), 2))])
+            squares(axes, view, straight + factor * lumped, MODELS["segments"].colour)
+            triad(axes, view, place=(0.07, 0.95))
+            axes.set_title(
+                f"({letter}) mode {mode + 1}: {found.frequencies[mode]:.1f} Hz, {found.kinds[mode]}"
+            )
+            said.append(
+                f"{found.lumped_frequencies[mode]:.1f} Hz (MAC {found.mac[mode]:.3f}, {letter})"
+            )
+        colour_bar(picture, panels, (0.0, 1.0), "displacement, largest = 1", aspect=50.0)
+        png = png_of(picture)
+    return Figure(
+        id=f"leg{number}.solid-modes",
+        title=f"Leg {number} as a solid: first modes",
+        caption=(
+            "Equivalent constant-section leg, root end face clamped (left), thin lines: at rest; "
+            f"quadratic hexahedra, coarse mesh of {len(found.mesh.cells)} elements. Orange "
+            f"squares: centreline of the same mode of the segments, at {', '.join(said)}. A MAC of "
+            "1 means the same shape; "
+            "where torsion of the solid lies higher, the cause is the warping that the rigid end "
+            "faces restrain."
+            + (
+                _REPEATED
+                if np.any(np.diff(found.frequencies) < 1e-3 * found.frequencies[1:])
+                else ""
+            )
+        ),
+        section=f"Leg {number}",
+        png=png,
+        data=_table(found),
+    )
+
+
+def at_rest(leg: ConstantLeg) -> Wire:
+    """Edges of the undeformed leg."""
+    corners = outline(leg.section)
+    return Wire(prism_points(corners, np.array([0.0, leg.length])), edges(len(corners), 2))
+
+
+def leg_modes(leg: ConstantLeg, count: int) -> LegModes:
+    """The first `count` modes of the solid, each with the segments' mode of largest MAC."""
+    modes = solid_modes(leg, DIVISIONS, "rigid", count)
+    mesh = solid.solid_mesh(leg, DIVISIONS)
+    stations, lengths = centreline_samples(leg.length, _STATIONS)
+    weights = centreline_weights(leg.timoshenko, lengths)
+    segments = leg_matrices("segments", leg, DEFAULT_OPTIONS)
+    lumped = clamped_modes(segments, count + _SPARE_MODES)
+    twists = solid.section_twists(mesh, stations) @ modes.shapes
+    candidates = segments.centreline(stations) @ lumped.shapes
+    pairing = pair_modes(twists, candidates, weights)
+    partners = candidates[:, pairing.partner]
+    sense = np.sign(np.sum(weights[:, None] * twists * partners, axis=0))
+    energies = (weights[:, None] * np.square(twists)).reshape(_STATIONS, 6, count).sum(axis=0)
+    return LegModes(
+        mesh=mesh,
+        frequencies=modes.frequencies,
+        shapes=modes.shapes,
+        stations=stations,
+        twists=twists,
+        lumped=partners * sense,
+        lumped_frequencies=lumped.frequencies[pairing.partner],
+        mac=pairing.mac,
+        kinds=tuple(kind_of(energies[:, mode]) for mode in range(count)),
+    )
+
+
+def kind_of(energies: Array) -> str:
+    """The deformation with the largest share of kinetic energy (6 components of the twist)."""
+    return max(_KINDS, key=lambda kind: float(energies[list(_KINDS[kind])].sum()))
+
+
+def boundary_faces(mesh: SolidMesh) -> IntArray:
+    """Quadrangles (q×4 node numbers) on the surface of a mesh of hexahedra, through its corners."""
+    corners = mesh.cells[:, list(ELEMENTS[mesh.element].vtk_order)][:, :8]
+    faces = np.concatenate([corners[:, list(face)] for face in _HEXAHEDRON])
+    _, first, count = np.unique(
+        np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True
+    )
+    outer: IntArray = faces[first[count == 1]]
+    return outer
+
+
+# Faces of VTK's hexahedron, normals outwards.
+_HEXAHEDRON = (
+    (0, 4, 7, 3),
+    (1, 2, 6, 5),
+    (0, 1, 5, 4),
+    (3, 7, 6, 2),
+    (0, 3, 2, 1),
+    (4, 5, 6, 7),
+)
+
+
+def _table(found: LegModes) -> str:
+    columns = {"distance from the root (m)": found.stations.tolist()}
+    for mode in range(MODES):
+        largest = float(np.abs(found.twists[:, mode].reshape(-1, 6)[:, :3]).max())
+        for model, twists in (("solid FE", found.twists), ("segments", found.lumped)):
+            moved = twists[:, mode].reshape(-1, 6)[:, :3] / largest
+            columns |= {
+                f"{model}: mode {mode + 1} along {axis} (largest of the solid = 1)": c.tolist()
+                for axis, c in zip("xyz", moved.T, strict=True)
+            }
+    return csv_of(columns)

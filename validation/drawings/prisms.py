@@ -1,0 +1,111 @@
+"""Legs as surfaces of points and quadrangles, straight and deformed: arrays in, arrays out."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from lumped.arrays import Array, IntArray
+from lumped.sections import Circle, Section, Tube
+
+_SIDES = 32
+
+
+@dataclass(frozen=True)
+class Surface:
+    """Points (n×3, m, robot axes), quadrangles (q×4 point numbers), one value per point or none."""
+
+    points: Array
+    faces: IntArray
+    values: Array | None = None
+
+
+def outline(section: Section) -> Array:
+    """Outer corners (k×2, m, along y and z): a polygon for circles, else the rectangle around."""
+    if isinstance(section, Circle | Tube):
+        angles = 2.0 * np.pi * np.arange(_SIDES) / _SIDES
+        return 0.5 * section.diameter * np.column_stack([np.cos(angles), np.sin(angles)])
+    width, height = section.extent
+    return np.array([[-width, -height], [width, -height], [width, height], [-width, height]]) / 2.0
+
+
+def prism_points(corners: Array, stations: Array) -> Array:
+    """Points (m·k × 3, leg axes) of k `corners` (k×2) at m `stations` (m from the root)."""
+    along = np.repeat(stations, len(corners))
+    return np.column_stack([along, np.tile(corners, (len(stations), 1))])
+
+
+def prism_faces(corners: int, stations: int) -> IntArray:
+    """Quadrangles (q×4) of the side of a prism of `prism_points`, normals outwards; ends open."""
+    ring = np.arange(corners)
+    following = np.roll(ring, -1)
+    first = np.column_stack([ring, following, following + corners, ring + corners])
+    return (first + corners * np.arange(stations - 1)[:, None, None]).reshape(-1, 4)
+
+
+def end_faces(corners: int, stations: int) -> IntArray:
+    """Quadrangles (2(k/2 − 1) × 4) that close both ends; k even."""
+    strips = [
+        [start, start + 1, corners - 2 - start, corners - 1 - start]
+        for start in range(corners // 2 - 1)
+    ]
+    tip = np.array(strips) + corners * (stations - 1)
+    root = np.array(strips)[:, ::-1]
+    return np.vstack([root, tip])
+
+
+def section_displacements(points: Array, twists: Array) -> Array:
+    """Displacements (n×3) of points (n×3, leg axes) that turn with their sections.
+
+    `twists` (n×6) is the twist of each point's section on the centreline: u = t + φ × (0, y, z).
+    """
+    levers = points * np.array([0.0, 1.0, 1.0])
+    moved: Array = twists[:, :3] + np.cross(twists[:, 3:], levers)
+    return moved
+
+
+def in_robot_axes(vectors: Array, rotation: Array) -> Array:
+    """Vectors (n×3) from leg axes to robot axes, the columns of `rotation` being the leg's axes."""
+    turned: Array = vectors @ rotation.T
+    return turned
+
+
+def edges(corners: int, stations: int) -> IntArray:
+    """Pairs (e×2) of point numbers along the long edges and both rims; a circle has rims alone."""
+    ring = np.arange(corners)
+    rim = np.column_stack([ring, np.roll(ring, -1)])
+    kept = ring if corners <= 4 else ring[:: corners // 4]
+    steps = corners * np.arange(stations - 1)[:, None] + kept
+    long = np.column_stack([steps.ravel(), steps.ravel() + corners])
+    return np.vstack([rim, rim + corners * (stations - 1), long])
+
+
+def box(low: Array, high: Array) -> Surface:
+    """Rectangular box between two opposite corners (3, m)."""
+    ring = [(0, 0), (1, 0), (1, 1), (0, 1)]
+    corners = np.array([(x, y, z) for z in (0, 1) for x, y in ring])
+    faces = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]]
+    return Surface(np.where(corners == 1, high, low).astype(float), np.array(faces))
+
+
+def pin(centre: Array, radius: float, height: float) -> Surface:
+    """Cylinder (m) about an axis along z through `centre`."""
+    angles = 2.0 * np.pi * np.arange(_SIDES) / _SIDES
+    ring = radius * np.column_stack([np.cos(angles), np.sin(angles)])
+    levels = np.repeat([-height / 2.0, height / 2.0], _SIDES)
+    points = np.column_stack([np.tile(ring, (2, 1)), levels]) + centre
+    faces = np.vstack([prism_faces(_SIDES, 2), end_faces(_SIDES, 2)])
+    return Surface(points, faces)
+
+
+def readable_factor(largest: float, wanted: float) -> float:
+    """Factor 1, 2 or 5 · 10ᵏ that brings `largest` closest below `wanted` (same unit).
+
+    1 where nothing moves.
+    """
+    if not largest > 0.0:
+        return 1.0
+    exact = wanted / largest
+    decade = 10.0 ** np.floor(np.log10(exact))
+    steps = np.array([1.0, 2.0, 5.0])
+    # Rounding must not turn an exact 5 into 2.
+    return float(steps[steps * decade <= exact * (1.0 + 1e-12)][-1] * decade)

@@ -1,0 +1,288 @@
+"""Pictures of the whole robot: its first two modes, and its shape under three loads."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from lumped.arrays import Array
+from lumped.biglide import Biglide
+from validation.cases.robot import SECTION
+from validation.context import Context
+from validation.drawings.opengl import require_opengl
+from validation.drawings.prisms import readable_factor
+from validation.drawings.rendering import (
+    Body,
+    Scene,
+    arrow,
+    colour_bar,
+    panel_pixels,
+    png_of,
+    render,
+    show,
+    squares,
+    triad,
+    write,
+)
+from validation.drawings.robot_shape import (
+    LegShape,
+    centreline_points,
+    leg_shapes,
+    load_displacement,
+    slide_places,
+    surroundings,
+    top_of_joint,
+)
+from validation.drawings.view import View, fitted_view
+from validation.exhibits import Drawing, Figure
+from validation.models import DEFAULT_OPTIONS
+from validation.quantities import LOAD, MICRO, RobotModes, robot_modes
+from validation.report.style import MODELS, VERMILLION, canvas, csv_of, plot_style
+
+GROUP = "pictures"
+# Largest displacement in a picture, as a share of the legs' mean length.
+_DRAWN = 0.14
+_MODES = 6
+_HEIGHT, _SMALL_HEIGHT = 2.9, 2.5  # in, of a panel in two and in three columns
+_ABOVE = (np.array([0.0, -0.3, 1.0]), np.array([0.0, 1.0, 0.0]))
+_ASIDE = (np.array([0.25, -1.0, 0.5]), np.array([0.0, 0.0, 1.0]))
+
+
+def drawings() -> tuple[Drawing, ...]:
+    """Mode shapes, and the robot under loads."""
+    return (
+        Drawing(
+            "robot.mode-shapes",
+            "First two mode shapes of the robot (paper Fig. 11)",
+            mode_shapes,
+            section=SECTION,
+            group=GROUP,
+            effort=3.0,
+        ),
+        Drawing(
+            "robot.deformed",
+            f"The robot under {LOAD:g} N along x, y and z",
+            deformed_robot,
+            section=SECTION,
+            group=GROUP,
+            effort=2.0,
+        ),
+    )
+
+
+def mode_shapes(context: Context) -> Figure:
+    """A panel for each mode: beams coloured by displacement, the segments' centres over them."""
+    require_opengl()
+    robot, x = context.robot, context.robot.centre
+    beam, segments = (
+        context.get(robot_modes, model, robot, x, _MODES) for model in ("beam", "segments")
+    )
+    columns: dict[str, Array] = {}
+    said = []
+    with plot_style():
+        picture, panels = canvas(columns=2, height=_HEIGHT + 0.85)
+        for mode, (axes, letter) in enumerate(zip(panels, "ab", strict=True)):
+            shapes = _leg_shapes(robot, x, beam, mode)
+            largest = max(float(shape.sizes.max()) for shape in shapes)
+            factor = _DRAWN * _mean_length(robot) / largest
+            along_z = float(beam.kinetic["z"][mode])
+            moved = (beam.mechanism.loaded @ beam.modes.shapes[:, mode])[:3]
+            direction = _ASIDE if along_z > 0.5 else _ABOVE
+            bodies = surroundings(robot, x, factor * moved)
+            bodies += [Body(shape.deformed(factor, largest)) for shape in shapes]
+            scene = _scene(bodies, shapes, direction, panel_pixels(2, _HEIGHT), 1.0)
+            show(axes, render(scene))
+            points, lumped = _segments_like(robot, x, segments, beam, mode)
+            squares(axes, scene.view, points + factor * lumped, MODELS["segments"].colour)
+            _annotate(axes, scene.view, robot, x, factor * moved)
+            sense = "along z" if along_z > 0.5 else "in the plane"
+            axes.set_title(
+                f"({letter}) mode {mode + 1}, {sense}: {beam.modes.frequencies[mode]:.1f} Hz"
+            )
+            colour_bar(picture, axes, (0.0, 1.0), "displacement, largest = 1")
+            columns |= _shape_columns(robot, x, beam, segments, mode, largest)
+            said.append(
+                f"Mode {mode + 1}: {100.0 * along_z:.0f} % of the kinetic energy of translation "
+                f"is along z; {beam.modes.frequencies[mode]:.1f} Hz with beams, "
+                f"{segments.modes.frequencies[mode]:.1f} Hz with segments."
+            )
+        png = png_of(picture)
+    return Figure(
+        id="robot.mode-shapes",
+        title="First two mode shapes of the robot (paper Fig. 11)",
+        caption=" ".join(
+            [
+                f"Beam model at x = {x:.4g} m, legs drawn with their equivalent sections and "
+                "coloured by displacement, thin lines: the robot at rest. Orange squares: the "
+                "segments of the lumped model in the same mode.",
+                *said,
+            ]
+        ),
+        section=SECTION,
+        png=png,
+        data=csv_of({heading: column.tolist() for heading, column in columns.items()}),
+    )
+
+
+def deformed_robot(context: Context) -> Figure:
+    """A panel for each load, each with its own scale."""
+    require_opengl()
+    robot, x = context.robot, context.robot.centre
+    beam = context.get(robot_modes, "beam", robot, x, _MODES, DEFAULT_OPTIONS)
+    columns: dict[str, Array] = {}
+    said = []
+    with plot_style():
+        picture, panels = canvas(columns=3, height=_SMALL_HEIGHT + 0.8)
+        for axes, letter, direction in zip(panels, "abc", np.eye(3), strict=True):
+            name = "xyz"["abc".index(letter)]
+            unknowns = load_displacement(beam.mechanism, LOAD * direction)
+            shapes = leg_shapes(robot, x, beam.mechanism, beam.legs, unknowns)
+            loaded = beam.mechanism.loaded @ unknowns
+            largest = max(float(shape.sizes.max()) for shape in shapes)
+            factor = readable_factor(largest, _DRAWN * _mean_length(robot))
+            moved = factor * loaded[:3]
+            bodies = surroundings(robot, x, moved)
+            bodies += [Body(shape.deformed(factor, 1.0 / MICRO)) for shape in shapes]
+            tail, head = _load_arrow(robot, x, moved, direction)
+            scene = _scene(
+                bodies,
+                shapes,
+                _ASIDE if name == "z" else _ABOVE,
+                panel_pixels(3, _SMALL_HEIGHT),
+                largest * MICRO,
+                np.array([tail, head]),
+            )
+            show(axes, render(scene))
+            _annotate(axes, scene.view, robot, x, moved)
+            arrow(axes, scene.view, tail, head, VERMILLION)
+            axes.set_title(
+                f"({letter}) {LOAD:g} N along {name}, drawn × {_grouped(factor)}", fontsize=9.0
+            )
+            colour_bar(picture, axes, scene.limits, "displacement (µm)")
+            columns |= _load_columns(robot, x, beam, unknowns, name)
+            said.append(f"{np.linalg.norm(loaded[:3]) * MICRO:.1f} µm under the load along {name}")
+        png = png_of(picture)
+    return Figure(
+        id="robot.deformed",
+        title=f"The robot under {LOAD:g} N along x, y and z",
+        caption=(
+            f"Beam model at x = {x:.4g} m, each picture with the enlargement named above it. The "
+            f"loaded point moves {', '.join(said)}. The red arrow is the load."
+        ),
+        section=SECTION,
+        png=png,
+        data=csv_of({heading: column.tolist() for heading, column in columns.items()}),
+    )
+
+
+def _leg_shapes(
+    robot: Biglide, x: float, found: RobotModes, mode: int
+) -> tuple[LegShape, LegShape]:
+    return leg_shapes(robot, x, found.mechanism, found.legs, found.modes.shapes[:, mode])
+
+
+def _mean_length(robot: Biglide) -> float:
+    return (robot.leg1.length + robot.leg2.length) / 2.0
+
+
+def _scene(
+    bodies: Sequence[Body],
+    shapes: Sequence[LegShape],
+    direction: tuple[Array, Array],
+    size: tuple[int, int],
+    top: float,
+    further: Array | None = None,
+) -> Scene:
+    """Bodies and the edges of the robot at rest, colours from 0 to `top`.
+
+    `further` points (n×3) are kept inside the picture too.
+    """
+    points = [body.surface.points for body in bodies] + [shape.points for shape in shapes]
+    points += [] if further is None else [further]
+    toward, up = direction
+    view = fitted_view(np.vstack(points), toward, up, size, margin=0.09)
+    return Scene(view, bodies, (0.0, top), tuple(shape.wire() for shape in shapes))
+
+
+def _grouped(number: float) -> str:
+    """A factor with its thousands set apart."""
+    if number < 1.0:
+        return f"{number:g}"
+    return f"{number:,.0f}".replace(",", "\N{THIN SPACE}")
+
+
+def _load_arrow(robot: Biglide, x: float, moved: Array, direction: Array) -> tuple[Array, Array]:
+    """Tail and head (3, m) of a load that pushes the displaced joint at B."""
+    point = robot.posture(x).tip + moved
+    start = 0.1 * _mean_length(robot) * direction
+    if direction[2]:
+        start = start + np.array([0.0, 0.0, 0.2 * _mean_length(robot)])
+    return point + start, point + start + 0.3 * _mean_length(robot) * direction
+
+
+def _annotate(axes: Axes, view: View, robot: Biglide, x: float, moved: Array) -> None:
+    """Names of the parts, and the directions of the axes; `moved` (3, m) is what B is drawn off."""
+    posture = robot.posture(x)
+    first, second = slide_places(robot, x)
+    middle1, middle2 = ((posture.tip + root) / 2.0 for root in (posture.root1, posture.root2))
+    for point, name, away in (
+        (top_of_joint(robot, x) + moved, "B", (-16.0, 4.0)),
+        (first, "slide A", (0.0, -12.0)),
+        (second, "slide C", (0.0, -12.0)),
+        (middle1, "leg 1", (-24.0, 10.0)),
+        (middle2, "leg 2", (24.0, 10.0)),
+    ):
+        write(axes, view, point, name, away)
+    triad(axes, view)
+
+
+def _segments_like(
+    robot: Biglide, x: float, segments: RobotModes, beam: RobotModes, mode: int
+) -> tuple[Array, Array]:
+    """Middles of the segments (m) and their displacements in the sense of the beam's mode."""
+    points, lumped = _centrelines(robot, x, segments, mode)
+    _, fine = _centrelines(robot, x, beam, mode)
+    return points, lumped * (1.0 if np.sum(lumped * fine) >= 0.0 else -1.0)
+
+
+def _centrelines(robot: Biglide, x: float, found: RobotModes, mode: int) -> tuple[Array, Array]:
+    return centreline_points(
+        robot,
+        x,
+        found.mechanism,
+        found.legs,
+        found.modes.shapes[:, mode],
+        DEFAULT_OPTIONS.elements,
+    )
+
+
+def _shape_columns(
+    robot: Biglide,
+    x: float,
+    beam: RobotModes,
+    segments: RobotModes,
+    mode: int,
+    largest: float,
+) -> Mapping[str, Array]:
+    points, fine = _centrelines(robot, x, beam, mode)
+    _, lumped = _segments_like(robot, x, segments, beam, mode)
+    columns = {f"{axis} (m)": points[:, i] for i, axis in enumerate("xyz")}
+    for model, moved in (("beam FE", fine), ("segments", lumped)):
+        columns |= {
+            f"{model}: mode {mode + 1} along {axis} (largest of the beam model = 1)": column
+            for axis, column in zip("xyz", moved.T / largest, strict=True)
+        }
+    return columns
+
+
+def _load_columns(
+    robot: Biglide, x: float, beam: RobotModes, unknowns: Array, load: str
+) -> Mapping[str, Array]:
+    points, moved = centreline_points(
+        robot, x, beam.mechanism, beam.legs, unknowns, DEFAULT_OPTIONS.elements
+    )
+    columns = {f"{axis} (m)": points[:, i] for i, axis in enumerate("xyz")}
+    return columns | {
+        f"load along {load}: displacement along {axis} (µm)": column
+        for axis, column in zip("xyz", moved.T * MICRO, strict=True)
+    }

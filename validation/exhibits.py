@@ -1,0 +1,109 @@
+"""What a run shows beside its verdicts: studies and figures."""
+
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from math import isfinite
+from typing import Any, Literal, TypeAlias
+
+from validation.context import PRESETS, Context, Preset
+
+StudyKind: TypeAlias = Literal["convergence", "sweep"]
+
+
+@dataclass(frozen=True)
+class Study:
+    """Curves over one parameter: values under refinement, or a sweep.
+
+    `x` are the parameter's values, `series` maps a curve's name to as many values in `unit`. In a
+    convergence study x is the number of elements or divisions, or a mesh size. `orders` maps
+    curves to observed orders and `uncertainties` to the numerical uncertainty of the finest value
+    (unit of the study); a curve without one is outside its asymptotic range, and `notes` say so.
+    `limits` maps curves to the value they tend to (exact or extrapolated; zero for curves that are
+    relative errors). Cases may share a study by giving equal ones: it is shown once.
+    """
+
+    id: str
+    kind: StudyKind
+    title: str
+    x_label: str
+    y_label: str
+    unit: str
+    x: tuple[float, ...]
+    series: Mapping[str, tuple[float, ...]]
+    formal_order: float | None = None
+    orders: Mapping[str, float] = field(default_factory=dict)
+    uncertainties: Mapping[str, float] = field(default_factory=dict)
+    limits: Mapping[str, float] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        _require_file_name(self.id)
+        for name, values in self.series.items():
+            if len(values) != len(self.x):
+                raise ValueError(f"study {self.id}: {name} has {len(values)} of {len(self.x)} x")
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A picture with its caption and data; `svg` (markup) or `png` (bytes), and `data` as CSV.
+
+    `id` also names its files; `section` is the part of the report it belongs to.
+    """
+
+    id: str
+    title: str
+    caption: str
+    section: str
+    svg: str = ""
+    png: bytes = b""
+    data: str = ""
+
+    def __post_init__(self) -> None:
+        _require_file_name(self.id)
+        if bool(self.svg) == bool(self.png):
+            raise ValueError(f"figure {self.id}: either svg or png")
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """A figure to be computed in a run, scheduled like a case (see `Case` for the fields)."""
+
+    id: str
+    title: str
+    draw: Callable[[Context], Figure]
+    presets: tuple[Preset, ...] = PRESETS
+    section: str = ""
+    group: str = ""
+    effort: float = 1.0
+
+
+def study_record(study: Study) -> dict[str, Any]:
+    """The study's entry in results.json; null where a number is not finite."""
+
+    def clean(values: Mapping[str, float]) -> dict[str, float | None]:
+        return {name: value if isfinite(value) else None for name, value in values.items()}
+
+    return {
+        "id": study.id,
+        "kind": study.kind,
+        "title": study.title,
+        "x_label": study.x_label,
+        "y_label": study.y_label,
+        "unit": study.unit,
+        "x": list(study.x),
+        "series": {
+            name: [value if isfinite(value) else None for value in values]
+            for name, values in study.series.items()
+        },
+        "formal_order": study.formal_order,
+        "order": clean(study.orders),
+        "uncertainty": clean(study.uncertainties),
+        "limit": clean(study.limits),
+        "notes": list(study.notes),
+    }
+
+
+def _require_file_name(identifier: str) -> None:
+    if not re.fullmatch(r"\w[\w.+=-]*", identifier):
+        raise ValueError(f"{identifier!r} names files: letters, digits and . _ + = - only")

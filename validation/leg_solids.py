@@ -1,0 +1,148 @@
+"""A leg as a solid on a series of similar meshes, with the uncertainty of what it says."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import ceil
+
+import numpy as np
+
+from fem import doubling, solid
+from fem.beam import beam_leg
+from fem.solid import Ends
+from lumped.arrays import Array
+from lumped.cantilever import clamped_modes
+from lumped.legs import ConstantLeg
+from lumped.sections import Rectangle
+from meshes.hexahedra import hexahedra
+from meshes.section_blocks import Divisions
+from meshes.section_mesh import section_mesh
+from meshes.solid_mesh import SolidMesh
+from validation.convergence import Convergence, analyse, uncertainty_of
+from validation.mode_pairing import centreline_samples, centreline_weights, pair_modes
+
+# Quadratic elements: energies, and with them compliances and frequencies, converge with h⁴.
+FORMAL_ORDER = 4.0
+# Relative rounding of compliances and frequencies: below it a refinement shows nothing.
+_ROUND_OFF = 1e-9
+_BEAM_ELEMENTS = 20
+_GRIDS_FOR_ORDER, _FEWEST_GRIDS = 4, 3
+# Curved and thin-walled sections keep their proportions only under doubling, from four on.
+_RECTANGLE_LADDER = (1, 2, 3, 4, 6, 8, 12)
+_DOUBLING_LADDER = (4, 8, 16, 32)
+# Twice the modes asked for, so that no partner is missing where two models order them differently.
+_SPARE_MODES = 6
+_STATIONS = 24
+
+
+@dataclass(frozen=True)
+class Refinement:
+    """Values (m×…) on m similar meshes with `divisions` across the section, coarse to fine."""
+
+    divisions: tuple[int, ...]
+    values: Array
+
+    def at(self, *index: int) -> Convergence:
+        """Convergence of one of the values; raises ValueError for fewer than four meshes."""
+        sizes = 1.0 / np.array(self.divisions, dtype=float)
+        return analyse(sizes, self.values[(slice(None), *index)], FORMAL_ORDER, _ROUND_OFF)
+
+    def uncertainty(self, *index: int) -> float:
+        """Numerical uncertainty of one of the finest values (its unit).
+
+        With fewer than four meshes, which show no order, the whole step between the two finest.
+        """
+        values = self.values[(slice(None), *index)]
+        if len(values) < _GRIDS_FOR_ORDER:
+            return float(abs(values[-1] - values[-2]))
+        return uncertainty_of(self.at(*index))
+
+
+@dataclass(frozen=True)
+class SolidModes:
+    """Frequencies (Hz, m×k) in the order of the beam's first k modes, and MAC with those (m×k)."""
+
+    frequencies: Refinement
+    mac: Array
+
+
+def static_ladder(leg: ConstantLeg, most: int) -> tuple[int, ...]:
+    """Divisions whose section mesh has at most `most` unknowns, for studies by doubling."""
+    return _ladder(leg, lambda face, _slices: face <= most)
+
+
+def dynamic_ladder(leg: ConstantLeg, most: int) -> tuple[int, ...]:
+    """Divisions whose solid mesh has at most `most` unknowns, for studies of modes."""
+    return _ladder(leg, lambda face, count: face * (2 * count + 1) <= most)
+
+
+def _ladder(leg: ConstantLeg, affordable: Callable[[int, int], bool]) -> tuple[int, ...]:
+    """The affordable divisions, three at least."""
+    steps = _RECTANGLE_LADDER if isinstance(leg.section, Rectangle) else _DOUBLING_LADDER
+    chosen: list[int] = []
+    for step in steps:
+        face = 3 * len(section_mesh(leg.section, section_counts(leg, step)).nodes)
+        if len(chosen) >= _FEWEST_GRIDS and not affordable(face, slices(leg, step)):
+            break
+        chosen.append(step)
+    return tuple(chosen)
+
+
+def section_counts(leg: ConstantLeg, divisions: int) -> Divisions:
+    """Elements of the section mesh, all inversely proportional to the mesh size.
+
+    Only meshes that are similar to each other show an order. For a rectangle both counts are
+    multiples of `divisions`; the other shapes keep their proportions under doubling.
+    """
+    section = leg.section
+    if not isinstance(section, Rectangle):
+        return divisions
+    smaller, larger = sorted(section.extent)
+    along = divisions * max(1, round(larger / smaller))
+    return (divisions, along) if section.width <= section.height else (along, divisions)
+
+
+def slices(leg: ConstantLeg, divisions: int) -> int:
+    """Slices along the leg, about as long as the section's elements."""
+    return divisions * max(2, ceil(leg.length / min(leg.section.extent)))
+
+
+def similar_mesh(leg: ConstantLeg, divisions: int) -> SolidMesh:
+    """Quadratic hexahedra, every size inversely proportional to `divisions`."""
+    counts = section_counts(leg, divisions)
+    return hexahedra(leg.section, leg.length, counts, slices=slices(leg, divisions))
+
+
+def solid_compliances(leg: ConstantLeg, divisions: tuple[int, ...]) -> dict[Ends, Refinement]:
+    """Tip compliances (m×6×6, SI, leg axes) with rigid and with free ends, by doubling."""
+    condensed = [
+        doubling.condensed_leg(
+            leg, section_mesh(leg.section, section_counts(leg, number)), slices(leg, number)
+        )
+        for number in divisions
+    ]
+    both: tuple[Ends, ...] = ("rigid", "free")
+    return {
+        ends: Refinement(
+            divisions, np.array([doubling.tip_compliance(mesh, ends) for mesh in condensed])
+        )
+        for ends in both
+    }
+
+
+def solid_frequencies(
+    leg: ConstantLeg, divisions: tuple[int, ...], ends: Ends, count: int
+) -> SolidModes:
+    """First `count` frequencies of the clamped leg, paired with the beam's."""
+    beam = beam_leg(leg.timoshenko, leg.length, _BEAM_ELEMENTS)
+    stations, lengths = centreline_samples(leg.length, _STATIONS)
+    weights = centreline_weights(leg.timoshenko, lengths)
+    target = beam.centreline(stations) @ clamped_modes(beam, count).shapes
+    frequencies, mac = [], []
+    for number in divisions:
+        mesh = similar_mesh(leg, number)
+        clamped = solid.clamped_leg(solid.solid_leg(leg, mesh), ends)
+        modes = solid.modes(clamped, count + _SPARE_MODES)
+        pairing = pair_modes(target, solid.section_twists(mesh, stations) @ modes.shapes, weights)
+        frequencies.append(modes.frequencies[pairing.partner])
+        mac.append(pairing.mac)
+    return SolidModes(Refinement(divisions, np.array(frequencies)), np.array(mac))

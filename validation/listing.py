@@ -1,0 +1,102 @@
+"""Cases and outcomes as lines of text and as JSON, for terminals and programs."""
+
+import json
+from collections.abc import Sequence
+
+from validation.case import Absolute, Case, Outcome, Tolerance
+from validation.records import Task
+
+
+def as_text(tasks: Sequence[Task]) -> str:
+    """The cases as indented text, one paragraph each."""
+    return "\n".join(
+        f"{case.id}\n"
+        f"    {case.title}\n"
+        f"    {case.quantity}: {case.relation.value} reference, "
+        f"tolerance {tolerance_text(case.tolerance, case.unit)} ({case.tolerance_reason})\n"
+        f"    {case.reference_kind}: {case.citation}\n"
+        f"    presets: {', '.join(case.presets)}"
+        for case in tasks
+        if isinstance(case, Case)
+    )
+
+
+def as_json(tasks: Sequence[Task]) -> str:
+    """The cases as a JSON array."""
+    return json.dumps(
+        [
+            {
+                "id": case.id,
+                "title": case.title,
+                "section": case.section,
+                "quantity": case.quantity,
+                "unit": case.unit,
+                "relation": case.relation.value,
+                "reference_kind": case.reference_kind,
+                "citation": case.citation,
+                "tolerance": _amount(case.tolerance),
+                "tolerance_kind": _kind(case.tolerance),
+                "tolerance_reason": case.tolerance_reason,
+                "presets": list(case.presets),
+            }
+            for case in tasks
+            if isinstance(case, Case)
+        ],
+        indent=1,
+        ensure_ascii=False,
+    )
+
+
+def tolerance_text(tolerance: Tolerance, unit: str) -> str:
+    """The tolerance as "±0.5 µm" or "±1 %"."""
+    if isinstance(tolerance, Absolute):
+        return f"±{tolerance.amount:.3g} {unit}".removesuffix(" 1")
+    return f"±{100.0 * tolerance.fraction:.3g} %"
+
+
+def outcome_line(outcome: Outcome) -> str:
+    """One line on an outcome: verdict, id, numbers or the reason why there are none."""
+    case, measurement = outcome.case, outcome.measurement
+    if measurement is None:
+        return f"{outcome.verdict:9} {case.id}: {outcome.message}"
+    unit = "" if case.unit == "1" else f" {case.unit}"
+    numbers = (
+        f"{case.quantity} {measurement.value:.6g}{unit}, should be {_claim(case)}"
+        f"{measurement.reference:.6g}{unit} (tolerance {outcome.tolerance:.2g}{unit})"
+    )
+    remark = f"; {outcome.message}" if outcome.message else ""
+    return f"{outcome.verdict:9} {case.id}: {numbers}{remark}"
+
+
+def summary(outcomes: Sequence[Outcome], unfinished: int = 0) -> str:
+    """The verdict on the whole run in one sentence."""
+    total = len(outcomes)
+    counts = {
+        verdict: sum(outcome.verdict == verdict for outcome in outcomes)
+        for verdict in ("agree", "disagree", "failed", "skipped")
+    }
+    judged = total - counts["skipped"]
+    if judged == 0:
+        sentence = "No comparison was made"
+    elif counts["agree"] == judged:
+        sentence = f"All {judged} comparisons agree" if judged > 1 else "The comparison agrees"
+    else:
+        sentence = f"{counts['agree']} of {judged} comparisons agree"
+    parts = [sentence]
+    parts += [f"{counts['disagree']} disagree"] if counts["disagree"] else []
+    parts += [f"{counts['failed']} failed"] if counts["failed"] else []
+    parts += [f"{counts['skipped']} skipped"] if counts["skipped"] else []
+    parts += [f"{unfinished} not computed"] if unfinished else []
+    return ", ".join(parts) + "."
+
+
+def _claim(case: Case) -> str:
+    return "" if case.relation.value == "equal" else f"{case.relation.value} "
+
+
+def _kind(tolerance: Tolerance) -> str:
+    return "absolute" if isinstance(tolerance, Absolute) else "relative"
+
+
+def _amount(tolerance: Tolerance) -> float:
+    return tolerance.amount if isinstance(tolerance, Absolute) else tolerance.fraction

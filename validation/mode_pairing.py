@@ -1,0 +1,55 @@
+"""Which mode of one model is which of another: modal assurance criterion and optimal pairing.
+
+MAC = (aᵀWb)² / (aᵀWa · bᵀWb) with a mass-weighted product W (Allemang & Brown, IMAC 1982).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import subspace_angles
+from scipy.optimize import linear_sum_assignment
+
+from lumped.arrays import Array, IntArray
+from lumped.legs import BeamProperties
+
+
+@dataclass(frozen=True)
+class Pairing:
+    """`partner[i]` is the mode of the second model that belongs to mode i; `mac` their MAC."""
+
+    partner: IntArray
+    mac: Array
+
+
+def mac_matrix(first: Array, second: Array, weights: Array) -> Array:
+    """MAC (m×n) between two sets of shapes (k×m, k×n) sampled alike, `weights` (k) ≥ 0."""
+    a, b = (np.sqrt(weights)[:, None] * np.asarray(shapes) for shapes in (first, second))
+    a, b = (shapes / np.linalg.norm(shapes, axis=0) for shapes in (a, b))
+    mac: Array = np.square(a.T @ b)
+    return mac
+
+
+def pair_modes(first: Array, second: Array, weights: Array) -> Pairing:
+    """Optimal pairing (Hungarian method) of shapes k×m with shapes k×n, n ≥ m, by largest MAC."""
+    mac = mac_matrix(first, second, weights)
+    rows, columns = linear_sum_assignment(mac, maximize=True)
+    return Pairing(partner=columns, mac=mac[rows, columns])
+
+
+def largest_angle(first: Array, second: Array, weights: Array) -> float:
+    """Largest principal angle (rad) between the spans of two sets of shapes, for close modes."""
+    root = np.sqrt(weights)[:, None]
+    return float(subspace_angles(root * first, root * second)[0])
+
+
+def centreline_samples(length: float, count: int) -> tuple[Array, Array]:
+    """Gauss–Legendre stations (m) along a leg and the share of its length that each stands for."""
+    points, weights = np.polynomial.legendre.leggauss(count)
+    return 0.5 * length * (1.0 + points), 0.5 * length * weights
+
+
+def centreline_weights(properties: BeamProperties, lengths: Array) -> Array:
+    """Mass weights (6m) of twists sampled on a centreline: mass and rotary inertia per station."""
+    p = properties
+    per_length = np.array([p.mu, p.mu, p.mu, p.rho_J, p.rho_Iy, p.rho_Iz])
+    return np.outer(lengths, per_length).ravel()

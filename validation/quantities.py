@@ -1,0 +1,199 @@
+"""What designers read off a stiffness model: deflections under 1000 N and first frequencies."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from lumped.arrays import Array
+from lumped.biglide import Biglide, scaled, with_equivalent_legs
+from lumped.leg_matrices import LegMatrices
+from lumped.mechanism import Mechanism, modes
+from lumped.modes import Modes
+from validation.models import (
+    DEFAULT_OPTIONS,
+    ModelName,
+    ModelOptions,
+    robot_compliance,
+    robot_frequencies,
+    robot_legs,
+    robot_mechanism,
+)
+
+LOAD = 1000.0  # N, the paper's loads (§2.1, §2.2)
+MICRO = 1e6
+
+
+@dataclass(frozen=True)
+class Deflections:
+    """Deflections (µm) under 1000 N along a curve of m robots or postures.
+
+    `planar_x`, `planar_y`: norm of the displacement in the plane under a force along x or y;
+    `along_z`: displacement along z under a force along z (NaN for the simplified model).
+    """
+
+    planar_x: Array
+    planar_y: Array
+    along_z: Array
+
+    @property
+    def largest_planar(self) -> float:
+        """Largest planar deflection (µm) under either planar load."""
+        return float(max(self.planar_x.max(), self.planar_y.max()))
+
+
+def deflections_of(compliances: Array) -> Deflections:
+    """Deflections from compliances (m×6×6 or m×2×2, SI, robot axes)."""
+    scale = LOAD * MICRO
+    planar = np.linalg.norm(compliances[:, :2, :2], axis=1) * scale
+    m, n = compliances.shape[:2]
+    along_z = compliances[:, 2, 2] * scale if n == 6 else np.full(m, np.nan)
+    return Deflections(planar[:, 0], planar[:, 1], along_z)
+
+
+def stroke_compliances(
+    model: ModelName, robot: Biglide, count: int, options: ModelOptions = DEFAULT_OPTIONS
+) -> Array:
+    """Compliances at `count` postures evenly over the stroke, both ends included."""
+    return np.array([robot_compliance(model, robot, x, options) for x in robot.stations(count)])
+
+
+def stroke_deflections(
+    model: ModelName, robot: Biglide, count: int, options: ModelOptions = DEFAULT_OPTIONS
+) -> Deflections:
+    """Deflections at `count` postures evenly over the stroke."""
+    return deflections_of(stroke_compliances(model, robot, count, options))
+
+
+def stroke_frequencies(
+    model: ModelName,
+    robot: Biglide,
+    count: int,
+    modes_count: int,
+    options: ModelOptions = DEFAULT_OPTIONS,
+) -> Array:
+    """First frequencies (count × modes, Hz) at `count` postures evenly over the stroke."""
+    return np.array(
+        [robot_frequencies(model, robot, x, modes_count, options) for x in robot.stations(count)]
+    )
+
+
+def family_deflections(
+    model: ModelName,
+    robot: Biglide,
+    alphas: tuple[float, ...],
+    fraction: float,
+    options: ModelOptions = DEFAULT_OPTIONS,
+) -> Deflections:
+    """Deflections of the family of eqs (10), (11) at `fraction` of the stroke (0 left, 1 right)."""
+    members = [_member(robot, alpha, fraction, options) for alpha in alphas]
+    return deflections_of(
+        np.array([robot_compliance(model, member, x, options) for member, x in members])
+    )
+
+
+def family_frequencies(
+    model: ModelName,
+    robot: Biglide,
+    alphas: tuple[float, ...],
+    fraction: float,
+    modes_count: int,
+    options: ModelOptions = DEFAULT_OPTIONS,
+) -> Array:
+    """First frequencies (len(alphas) × modes, Hz) of the same family."""
+    members = [_member(robot, alpha, fraction, options) for alpha in alphas]
+    return np.array(
+        [robot_frequencies(model, member, x, modes_count, options) for member, x in members]
+    )
+
+
+def _member(
+    robot: Biglide, alpha: float, fraction: float, options: ModelOptions
+) -> tuple[Biglide, float]:
+    member = scaled(robot, alpha, options.equivalent)
+    first, last = member.stroke
+    return member, first + fraction * (last - first)
+
+
+@dataclass(frozen=True)
+class RobotModes:
+    """Modes of the robot in one posture with the energy of every part.
+
+    `strain` maps a part ("foot 1", "leg 1 bending z", …) to its share of each mode's strain
+    energy; `kinetic` maps "x", "y", "z" to the share of kinetic energy in that direction,
+    rotations left out (m values each).
+    """
+
+    mechanism: Mechanism
+    legs: tuple[LegMatrices, LegMatrices]
+    modes: Modes
+    strain: Mapping[str, Array]
+    kinetic: Mapping[str, Array]
+
+
+def robot_modes(
+    model: ModelName,
+    robot: Biglide,
+    x: float,
+    count: int,
+    options: ModelOptions = DEFAULT_OPTIONS,
+) -> RobotModes:
+    """The lowest `count` modes of the robot by `segments` or `beam`, with shares of energy."""
+    mechanism = robot_mechanism(model, robot, x, options)
+    legs = robot_legs(model, robot, options)
+    found = modes(mechanism, count)
+    return RobotModes(
+        mechanism=mechanism,
+        legs=legs,
+        modes=found,
+        strain=strain_shares(mechanism, legs, found.shapes),
+        kinetic=kinetic_shares(mechanism, found.shapes, robot, x, legs),
+    )
+
+
+def strain_shares(
+    mechanism: Mechanism, legs: tuple[LegMatrices, LegMatrices], shapes: Array
+) -> dict[str, Array]:
+    """Share of strain energy of each part in each shape (n×m): feet, tool, and kinds of each leg."""
+    energies = {name: _energy(stiffness, shapes) for name, stiffness in mechanism.springs.items()}
+    for number, (to_leg, leg) in enumerate(zip(mechanism.legs, legs, strict=True), start=1):
+        own = to_leg @ shapes
+        parts = leg.parts or {"all": leg.stiffness}
+        energies |= {f"leg {number} {kind}": _energy(part, own) for kind, part in parts.items()}
+    total = sum(energies.values())
+    return {name: energy / total for name, energy in energies.items()}
+
+
+def kinetic_shares(
+    mechanism: Mechanism,
+    shapes: Array,
+    robot: Biglide,
+    x: float,
+    legs: tuple[LegMatrices, LegMatrices],
+) -> dict[str, Array]:
+    """Share of kinetic energy along x, y and z (robot axes) in each shape (n×m).
+
+    Translations of the platform's mass and of both centrelines, weighted with the legs' mass.
+    """
+    posture = robot.posture(x)
+    energy = robot.platform_mass * np.square((mechanism.loaded @ shapes)[:3])
+    rotations = (posture.rotation1, posture.rotation2)
+    equivalent = with_equivalent_legs(robot)
+    masses = (equivalent.leg1.mass, equivalent.leg2.mass)
+    for to_leg, leg, rotation, mass in zip(mechanism.legs, legs, rotations, masses, strict=True):
+        points, weights = np.polynomial.legendre.leggauss(_CENTRELINE_POINTS)
+        stations = 0.5 * leg.length * (1.0 + points)
+        twists = (leg.centreline(stations) @ (to_leg @ shapes)).reshape(len(stations), 6, -1)
+        velocities = np.einsum("ij,sjm->sim", rotation, twists[:, :3])
+        energy = energy + mass * np.einsum("s,sim->im", 0.5 * weights, np.square(velocities))
+    shares = energy / energy.sum(axis=0)
+    return dict(zip("xyz", shares, strict=True))
+
+
+# The centreline's modes up to the tenth half wave are integrated to better than 1e-3.
+_CENTRELINE_POINTS = 24
+
+
+def _energy(matrix: Array, shapes: Array) -> Array:
+    energy: Array = np.sum(shapes * (matrix @ shapes), axis=0)
+    return energy

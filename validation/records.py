@@ -1,0 +1,111 @@
+"""Finished work as plain data: what workers send, the journal keeps, and results.json shows."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+import msgspec
+import numpy as np
+
+from validation.case import Case, Measurement, Outcome, result_record
+from validation.exhibits import Drawing, Figure, Study, study_record
+
+Task: TypeAlias = Case | Drawing
+Record: TypeAlias = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """A figure that was asked for; where there is none, `message` says why.
+
+    `failed` tells a computation that failed from a figure that this machine cannot draw.
+    """
+
+    drawing: Drawing
+    seconds: float
+    figure: Figure | None = None
+    message: str = ""
+    failed: bool = False
+
+
+def outcome_to_record(outcome: Outcome, figures: Sequence[Figure] = ()) -> Record:
+    """An outcome, with the plots of its studies, as plain data."""
+    return {
+        "id": outcome.case.id,
+        "verdict": outcome.verdict,
+        "seconds": outcome.seconds,
+        "message": outcome.message,
+        "measurement": _plain(outcome.measurement),
+        "figures": _plain(list(figures)),
+    }
+
+
+def drawn_to_record(drawn: Drawn) -> Record:
+    """A drawn figure as plain data."""
+    return {
+        "id": drawn.drawing.id,
+        "seconds": drawn.seconds,
+        "message": drawn.message,
+        "failed": drawn.failed,
+        "figures": _plain([drawn.figure] if drawn.figure else []),
+    }
+
+
+def outcome_from_record(case: Case, record: Mapping[str, Any]) -> Outcome:
+    """The outcome of `case` from its record."""
+    measurement = record["measurement"]
+    return Outcome(
+        case=case,
+        verdict=record["verdict"],
+        seconds=record["seconds"],
+        measurement=msgspec.convert(measurement, Measurement) if measurement else None,
+        message=record["message"],
+    )
+
+
+def drawn_from_record(drawing: Drawing, record: Mapping[str, Any]) -> Drawn:
+    """The drawn figure from its record."""
+    figures = figures_from_record(record)
+    return Drawn(
+        drawing=drawing,
+        seconds=record["seconds"],
+        figure=figures[0] if figures else None,
+        message=record["message"],
+        failed=record["failed"],
+    )
+
+
+def figures_from_record(record: Mapping[str, Any]) -> tuple[Figure, ...]:
+    """The figures in a record."""
+    return tuple(msgspec.convert(figure, Figure) for figure in record["figures"])
+
+
+def succeeded(record: Mapping[str, Any]) -> bool:
+    """Whether the work need not be done again when a run goes on."""
+    return record.get("verdict") != "failed" and not record.get("failed", False)
+
+
+def results(header: Mapping[str, Any], outcomes: Sequence[Outcome]) -> dict[str, Any]:
+    """The content of results.json."""
+    return {
+        "schema": 1,
+        "run": dict(header),
+        "cases": [result_record(outcome) for outcome in outcomes],
+        "studies": [study_record(study) for study in studies_of(outcomes)],
+    }
+
+
+def studies_of(outcomes: Sequence[Outcome]) -> list[Study]:
+    """The studies that came with the outcomes, each id once."""
+    measured = [outcome.measurement for outcome in outcomes if outcome.measurement]
+    return list({study.id: study for m in measured for study in m.studies}.values())
+
+
+def _plain(value: object) -> Any:
+    return msgspec.to_builtins(value, enc_hook=_numpy_to_builtin)
+
+
+def _numpy_to_builtin(value: object) -> object:
+    if isinstance(value, np.generic | np.ndarray):
+        return value.tolist()
+    raise NotImplementedError(f"{type(value).__name__} cannot be stored")

@@ -1,0 +1,80 @@
+"""Numbers, names and files as the page shows them."""
+
+import re
+from base64 import b64encode
+from collections.abc import Callable
+from functools import partial
+from math import isfinite
+from typing import Any
+
+from validation.exhibits import Figure
+
+_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+_MINUS = "−"
+
+
+def number(value: Any, digits: int = 5) -> str:
+    """A number with `digits` significant ones: "1.06 × 10⁻⁶", "0.4975"; texts stay as they are."""
+    if value is None:
+        return "–"
+    if isinstance(value, str):
+        return value
+    if not isfinite(value):
+        return "not a number" if value != value else f"{value:g}".replace("inf", "∞")  # noqa: PLR0124
+    mantissa, _, exponent = f"{value:.{digits}g}".partition("e")
+    mantissa = mantissa.replace("-", _MINUS)
+    if not exponent:
+        return mantissa
+    if 0 < int(exponent) < 6:
+        return f"{float(f'{value:.{digits}g}'):.0f}".replace("-", _MINUS)
+    # No-break spaces: a number is never torn apart.
+    return f"{mantissa}\u00a0×\u00a010{str(int(exponent)).translate(_SUPERSCRIPTS)}"
+
+
+def percent(fraction: float) -> str:
+    """A ratio as signed percentage with two significant digits."""
+    if not isfinite(fraction):
+        return ""
+    return f"{100.0 * fraction:+.2g} %".replace("-", _MINUS) if fraction else "0 %"
+
+
+def share_text(share: float) -> str:
+    """How much of the tolerance an error uses."""
+    if share < 0.0:
+        return "inside the bound"
+    return f"{share:.2g} times" if share > 1.0 else f"{100.0 * share:.2g} %"
+
+
+def seconds(time: float) -> str:
+    """A time in s or min."""
+    if time < 0.05:
+        return f"{1000.0 * time:.0f} ms"
+    return f"{time:.1f} s" if time < 100.0 else f"{time / 60.0:.1f} min"
+
+
+def anchor(identifier: str) -> str:
+    """An id as it may stand in a link."""
+    return re.sub(r"[^\w.+-]+", "_", identifier).rstrip("_")
+
+
+def function_name(function: Callable[..., object]) -> str:
+    """Where a function is found: module and name, for a closure those of the outer function."""
+    while isinstance(function, partial):
+        function = function.func
+    module = getattr(function, "__module__", type(function).__module__)
+    name: str = getattr(function, "__qualname__", type(function).__qualname__)
+    return f"{module}.{name.partition('.<locals>')[0]}"
+
+
+def data_uri(content: str | bytes, kind: str) -> str:
+    """Content as a link that needs no file; `kind` as "text/csv;charset=utf-8"."""
+    data = content.encode("utf-8") if isinstance(content, str) else content
+    return f"data:{kind};base64,{b64encode(data).decode('ascii')}"
+
+
+def inline_svg(figure: Figure) -> str:
+    """The figure's SVG with ids of its own, so that plots on one page do not mix them up."""
+    own = f"{anchor(figure.id)}--"
+    markup = re.sub(r'\bid="', f'id="{own}', figure.svg)
+    markup = re.sub(r'(href="#|url\(#)', rf"\g<1>{own}", markup)
+    return markup.replace("<svg ", '<svg role="img" ', 1)

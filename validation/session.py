@@ -1,0 +1,160 @@
+"""A run from start to end: choose the cases, compute them, keep and publish what comes out."""
+
+import json
+import os
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+from lumped.audit import audit
+from lumped.finding import Finding
+from lumped.robot_file import RobotFile
+from validation import progress, provenance, runner
+from validation.case import Case, Outcome
+from validation.context import Preset
+from validation.exhibits import Figure
+from validation.junit import junit_xml
+from validation.records import (
+    Drawn,
+    Record,
+    Task,
+    drawn_from_record,
+    figures_from_record,
+    outcome_from_record,
+    results,
+    succeeded,
+)
+from validation.report.page import Report, render
+from validation.store import RunFolder, Start, open_folder
+from validation.worker import Job
+
+Catalogue = Callable[[RobotFile], Sequence[Task]]
+
+
+@dataclass(frozen=True)
+class Request:
+    """What the user asks for; `only` is a shell-style pattern of ids."""
+
+    robot_file: RobotFile
+    preset: Preset
+    out: Path
+    jobs: int
+    only: str | None = None
+    start: Start = "afresh"
+
+
+@dataclass
+class Results:
+    """What has been finished so far, by id, in the order of the catalogue."""
+
+    header: Mapping[str, Any]
+    tasks: Sequence[Task]
+    outcomes: dict[str, Outcome] = field(default_factory=dict)
+    drawn: dict[str, Drawn] = field(default_factory=dict)
+    figures: dict[str, tuple[Figure, ...]] = field(default_factory=dict)
+
+    def add(self, record: Record) -> None:
+        """Take in a finished piece of work."""
+        task = next(task for task in self.tasks if task.id == record["id"])
+        self.figures[task.id] = figures_from_record(record)
+        if isinstance(task, Case):
+            self.outcomes[task.id] = outcome_from_record(task, record)
+        else:
+            self.drawn[task.id] = drawn_from_record(task, record)
+
+    def in_order(self) -> list[Outcome]:
+        """The outcomes in the order of the catalogue."""
+        return [self.outcomes[task.id] for task in self.tasks if task.id in self.outcomes]
+
+    def all_figures(self) -> list[Figure]:
+        """The figures, plots of studies included, in the order of the catalogue."""
+        drawn = [figure for task in self.tasks for figure in self.figures.get(task.id, ())]
+        return list({figure.id: figure for figure in drawn}.values())
+
+    def missing_figures(self) -> list[Drawn]:
+        """The figures that were asked for and could not be drawn."""
+        return [drawn for drawn in self.drawn.values() if drawn.figure is None]
+
+    @property
+    def unfinished(self) -> int:
+        """How many tasks have not been computed."""
+        return len(self.tasks) - len(self.outcomes) - len(self.drawn)
+
+    def exit_code(self) -> int:
+        """0 all agree, 1 some case disagrees, 3 a computation failed or was interrupted."""
+        verdicts = {outcome.verdict for outcome in self.outcomes.values()}
+        failed = "failed" in verdicts or any(drawn.failed for drawn in self.drawn.values())
+        if failed or self.unfinished:
+            return 3
+        return 1 if "disagree" in verdicts else 0
+
+    def as_json(self) -> str:
+        """The text of results.json."""
+        content = results(self.header, self.in_order())
+        return json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def validate(request: Request, catalogue: Catalogue) -> Results:
+    """Run the chosen cases and write the run folder.
+
+    Raises InputError before anything is written, StoreError where the disk refuses.
+    """
+    robot_file = request.robot_file
+    tasks = runner.select(catalogue(robot_file), request.preset, request.only)
+    options = {"only": request.only} if request.only else {}
+    header = provenance.header(robot_file, request.preset, options)
+    # Before the run, so that after Ctrl-C only the page is left to be written.
+    findings = audit(robot_file)
+    job = Job(catalogue, robot_file, request.preset, options)
+    with open_folder(request.out, header, request.start) as folder:
+        gathered = Results(header | {"seconds": 0.0, "planned": len(tasks)}, tasks)
+        for record in folder.records().values():
+            if succeeded(record) and any(task.id == record["id"] for task in tasks):
+                gathered.add(record)
+        _compute(job, gathered, folder, request.jobs)
+        publish(gathered, folder, findings)
+    return gathered
+
+
+def default_jobs() -> int:
+    """As many processes as this one may use cores."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def publish(gathered: Results, folder: RunFolder, findings: Sequence[Finding]) -> None:
+    """Write junit.xml, figures/ and report.html beside results.json."""
+    outcomes, figures = gathered.in_order(), gathered.all_figures()
+    folder.write("results.json", gathered.as_json())
+    folder.write("junit.xml", junit_xml(outcomes, f"flexproof {gathered.header['robot']}"))
+    (folder.path / "figures").mkdir(exist_ok=True)
+    for figure in figures:
+        stem = f"figures/{figure.id}"
+        folder.write(f"{stem}.svg" if figure.svg else f"{stem}.png", figure.svg or figure.png)
+        if figure.data:
+            folder.write(f"{stem}.csv", figure.data)
+    report = Report(
+        outcomes=tuple(outcomes),
+        figures=tuple(figures),
+        missing_figures=tuple(gathered.missing_figures()),
+        findings=tuple(findings),
+        provenance=gathered.header,
+        unfinished=gathered.unfinished,
+    )
+    folder.write("report.html", render(report))
+
+
+def _compute(job: Job, gathered: Results, folder: RunFolder, jobs: int) -> None:
+    begun = perf_counter()
+
+    def keep(record: Record) -> None:
+        folder.keep(record)
+        gathered.add(record)
+        gathered.header = dict(gathered.header) | {"seconds": perf_counter() - begun}
+        folder.write("results.json", gathered.as_json())
+
+    finished = gathered.outcomes.keys() | gathered.drawn.keys()
+    waiting = [task for task in gathered.tasks if task.id not in finished]
+    with progress.showing(waiting) as observer:
+        runner.run(job, waiting, jobs=jobs, log=folder.log, keep=keep, observer=observer)

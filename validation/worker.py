@@ -1,0 +1,137 @@
+"""A worker process: computes one case or figure after the other and sends back plain data.
+
+Whatever the computations print goes to the run's log, never to the terminal. Ctrl-C does not
+reach a worker (its parent ends it); it ends by itself when its parent is gone.
+"""
+
+import faulthandler
+import os
+import sys
+import threading
+import traceback
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field
+from multiprocessing import parent_process
+from multiprocessing.connection import Connection
+from pathlib import Path
+from time import perf_counter
+
+from lumped.errors import ComputationError, InputError
+from lumped.robot_file import RobotFile
+from validation.case import Case, Outcome, Skip, judge
+from validation.context import Context, Preset
+from validation.exhibits import Drawing, Figure, Study
+from validation.records import Drawn, Record, Task, drawn_to_record, outcome_to_record
+
+# One thread per worker: the numbers then do not depend on how many workers there are.
+SINGLE_THREADED = dict.fromkeys(
+    ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "BLIS_NUM_THREADS"), "1"
+)
+
+
+@dataclass(frozen=True)
+class Job:
+    """What is to be run, as it is sent to workers.
+
+    `catalogue` (a function at the top of a module) lists the cases and figures for a robot; it
+    must be quick and give the same list in every process.
+    """
+
+    catalogue: Callable[[RobotFile], Sequence[Task]]
+    robot_file: RobotFile
+    preset: Preset = "standard"
+    options: Mapping[str, str] = field(default_factory=dict)
+
+
+def serve(connection: Connection, job: Job, log: Path) -> None:
+    """Work through the lists of ids that arrive, until None does.
+
+    Sends ("started", id) and ("finished", record) for each.
+    """
+    _print_to(log)
+    _end_with_parent()
+    tasks = {task.id: task for task in job.catalogue(job.robot_file)}
+    context = Context(job.robot_file, job.preset, job.options)
+    with suppress(EOFError, BrokenPipeError):
+        while (identifiers := connection.recv()) is not None:
+            for identifier in identifiers:
+                connection.send(("started", identifier))
+                connection.send(("finished", execute(tasks[identifier], context)))
+
+
+def execute(task: Task, context: Context) -> Record:
+    """The record of one case or figure; errors become verdicts, tracebacks go to stderr."""
+    if isinstance(task, Drawing):
+        return drawn_to_record(_draw(task, context))
+    outcome = _compute(task, context)
+    studies = outcome.measurement.studies if outcome.measurement else ()
+    return outcome_to_record(
+        outcome, [plot for study in studies for plot in _plots(study, context)]
+    )
+
+
+def _compute(case: Case, context: Context) -> Outcome:
+    start = perf_counter()
+    try:
+        measurement = case.compute(context)
+        return judge(case, measurement, perf_counter() - start)
+    except Skip as reason:
+        return Outcome(case, "skipped", perf_counter() - start, message=str(reason))
+    except Exception as error:  # noqa: BLE001  whatever happens in a case is its verdict
+        return Outcome(case, "failed", perf_counter() - start, message=_explain(case.id, error))
+
+
+def _draw(drawing: Drawing, context: Context) -> Drawn:
+    start = perf_counter()
+    try:
+        figure = drawing.draw(context)
+        return Drawn(drawing, perf_counter() - start, figure)
+    except Skip as reason:
+        return Drawn(drawing, perf_counter() - start, message=str(reason))
+    except Exception as error:  # noqa: BLE001  the report says which figure is missing and why
+        return Drawn(
+            drawing, perf_counter() - start, message=_explain(drawing.id, error), failed=True
+        )
+
+
+def _plots(study: Study, context: Context) -> list[Figure]:
+    from validation.report.style import study_plot  # noqa: PLC0415  only studies need matplotlib
+
+    try:
+        return [context.get(study_plot, study)]
+    except Exception as error:  # noqa: BLE001  a plot that fails must not change a verdict
+        _explain(study.id, error)
+        return []
+
+
+def _explain(identifier: str, error: Exception) -> str:
+    if isinstance(error, ComputationError | InputError):
+        message = str(error)
+    elif isinstance(error, MemoryError):
+        message = "ran out of memory; choose a smaller preset or fewer --jobs"
+    else:
+        message = f"{type(error).__name__}: {error} (traceback in log.txt)"
+    sys.stderr.write(f"\n== {identifier}: {message}\n")
+    traceback.print_exception(error)
+    sys.stderr.flush()
+    return " ".join(message.split())
+
+
+def _print_to(log: Path) -> None:
+    descriptor = os.open(log, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o644)
+    for stream in (1, 2):
+        os.dup2(descriptor, stream)
+    faulthandler.enable()
+
+
+def _end_with_parent() -> None:
+    parent = parent_process()
+    if parent is None:
+        return
+
+    def wait_and_leave() -> None:
+        parent.join()
+        os._exit(1)
+
+    threading.Thread(target=wait_and_leave, daemon=True).start()
