@@ -48,7 +48,6 @@ class Mechanism:
     springs: Mapping[str, SparseMatrix]
 
 
-
 def assemble(
     robot: Biglide, x: float, leg1: LegMatrices, leg2: LegMatrices, release: Release = "condensed"
 ) -> Mechanism:

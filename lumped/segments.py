@@ -200,7 +200,8 @@ def static_leg(chain: Chain) -> LegMatrices:
 def _tip_compliance(chain: Chain, spring: Spring) -> Array:
     """What one spring (not released) adds to the compliance at the tip (6×6)."""
     offset = np.array([chain.length - spring.position, 0.0, 0.0])
-    return move_compliance(np.linalg.inv(spring.stiffness), offset)
+    own: Array = np.linalg.inv(spring.stiffness).astype(float)
+    return move_compliance(own, offset)
 
 
 def _spring_matrix(chain: Chain, block: Array, rows: Sequence[int]) -> SparseMatrix:

@@ -44,17 +44,20 @@ class Refinement:
     def at(self, *index: int) -> Convergence:
         """Convergence of one of the values; raises ValueError for fewer than four meshes."""
         sizes = 1.0 / np.array(self.divisions, dtype=float)
-        return analyse(sizes, self.values[(slice(None), *index)], FORMAL_ORDER, _ROUND_OFF)
+        return analyse(sizes, self._curve(index), FORMAL_ORDER, _ROUND_OFF)
 
     def uncertainty(self, *index: int) -> float:
         """Numerical uncertainty of one of the finest values (its unit).
 
         With fewer than four meshes, which show no order, the whole step between the two finest.
         """
-        values = self.values[(slice(None), *index)]
+        values = self._curve(index)
         if len(values) < _GRIDS_FOR_ORDER:
             return float(abs(values[-1] - values[-2]))
         return uncertainty_of(self.at(*index))
+
+    def _curve(self, index: tuple[int, ...]) -> Array:
+        return np.array([value[index] for value in self.values])
 
 
 @dataclass(frozen=True)

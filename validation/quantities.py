@@ -154,7 +154,7 @@ def robot_modes(
 def strain_shares(
     mechanism: Mechanism, legs: tuple[LegMatrices, LegMatrices], shapes: Array
 ) -> dict[str, Array]:
-    """Share of strain energy of each part in each shape (n×m): feet, tool, and kinds of each leg."""
+    """Share of strain energy of feet, tool, and each leg's kinds in each shape (n×m)."""
     energies = {name: _energy(stiffness, shapes) for name, stiffness in mechanism.springs.items()}
     for number, (to_leg, leg) in enumerate(zip(mechanism.legs, legs, strict=True), start=1):
         own = to_leg @ shapes

@@ -43,10 +43,12 @@ class Answer:
 def option_faults(model: ModelName, given: dict[str, Any], leg: int | None) -> list[str]:
     """Options that this model does not listen to, or values outside what is allowed."""
     faults = []
-    for name in given:
-        if name not in _OPTIONS[model]:
-            allowed = ", ".join(f"--{option}" for option in _OPTIONS[model]) or "none"
-            faults.append(f"--{name}: not an option of the {model} model; it takes {allowed}")
+    allowed = ", ".join(f"--{option}" for option in _OPTIONS[model]) or "none"
+    faults += [
+        f"--{name}: not an option of the {model} model; it takes {allowed}"
+        for name in given
+        if name not in _OPTIONS[model]
+    ]
     for name in ("elements", "divisions"):
         if given.get(name, 1) < 1:
             faults.append(f"--{name} = {given[name]}: must be 1 or more")

@@ -27,7 +27,7 @@ STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 CUBIC = Material(E=2.1e11, G=1.2e11, nu=0.0, rho=7850.0)
 SECTIONS = [
     (Rectangle(0.10, 0.16), 2),
-    (Tube(0.12, 0.008), 8),
+    (Tube(0.12, 0.012), 4),
     (ISection(0.10, 0.16, 0.012, 0.008), 3),
 ]
 
@@ -44,7 +44,7 @@ def beam_compliance(leg, section):
     return beam_tip_compliance(beam_properties(constants, material), leg.length)
 
 
-@pytest.mark.parametrize("slices", [1, 2, 3, 7, 16, 23])
+@pytest.mark.parametrize("slices", [1, 2, 7, 12])
 @pytest.mark.parametrize("element", ["quad4", "quad9"])
 @pytest.mark.parametrize("material", [STEEL, CUBIC], ids=["isotropic", "cubic"])
 @pytest.mark.parametrize(
@@ -105,19 +105,22 @@ def eliminated(matrix, count):
 @pytest.mark.skipif(
     np.finfo(np.longdouble).eps > 1e-18, reason="needs floats of 80 bits or more (numpy longdouble)"
 )
-@pytest.mark.parametrize("length", [0.8, 8.0])
+@pytest.mark.parametrize("length", [0.8, 4.0])
 def test_512_slices_keep_their_digits(length):
-    """Elimination plane by plane in extended precision: double precision would keep eight digits.
+    """Elimination plane by plane in extended precision.
 
-    For L/h = 50 the direct solve is wrong by 1e-7, from rounding in the entries of K alone.
+    In double precision it is wrong by 4e-10 and 9e-8: rounding in the entries of K holds a leg
+    that should be free to turn, with an effect that grows as n⁴.
     """
     width, height, slices = 0.16, 0.08, 512
     one = block_stiffness((np.longdouble(length) / slices, width, height), STEEL)
-    onto_plane = eliminated(one[27:, 27:], 27)
+    middle_first = np.r_[27:54, 0:27, 54:81]
+    one = eliminated(one[np.ix_(middle_first, middle_first)], 27)
+    onto_plane = one[27:, 27:]
     for _ in range(slices - 1):
         longer = one.copy()
         longer[:27, :27] += onto_plane
-        onto_plane = eliminated(longer, 54)
+        onto_plane = eliminated(longer, 27)
     places = np.array([0.0, 0.5, 1.0]) - 0.5
     points = [np.array([0.0, y * width, z * height]) for y in places for z in places]
     rigid = np.vstack([shift(point)[:3] for point in points])
@@ -127,7 +130,7 @@ def test_512_slices_keep_their_digits(length):
 
     leg = ConstantLeg(length, Rectangle(width, height), STEEL)
     condensed = condensed_leg(leg, section_mesh(leg.section, (1, 1)), slices)
-    # The issue's limit; the reference itself has the 1e-19 of its rounding times 1e8.
+    # The issue's limit; the reference's own error is 2e-10 in the longer leg (it grows as n⁴).
     assert scaled_difference(tip_compliance(condensed), reference) < 1e-9
 
 

@@ -111,7 +111,8 @@ def test_literal_layout_leaves_one_element_length_rigid():
 def test_free_leg_has_six_rigid_motions_and_its_whole_mass(layout):
     leg = segment_leg(segment_chain(LEG.timoshenko, LENGTH, 6, layout))
     values = np.linalg.eigvalsh(dense(leg.stiffness) / dense(leg.stiffness).max())
-    assert np.all(np.abs(values[:6]) < 1e-12) and values[6] > 1e-7
+    assert np.all(np.abs(values[:6]) < 1e-12)
+    assert values[6] > 1e-7
     centres = (np.arange(6) + 0.5) * LENGTH / 6
     inner = centres if layout == "half" else centres[1:-1]
     rigid = np.vstack([shift(np.array([s, 0.0, 0.0])) for s in (0.0, LENGTH, *inner)])
@@ -205,6 +206,7 @@ def test_too_few_elements_are_refused(elements, layout):
 
 def test_euler_bernoulli_properties_have_no_shear_and_no_rotary_inertia():
     assert isinstance(SLENDER, BeamProperties)
-    assert np.isinf(SLENDER.GAy) and np.isinf(SLENDER.GAz)
+    assert np.isinf(SLENDER.GAy)
+    assert np.isinf(SLENDER.GAz)
     assert SLENDER.rho_Iy == SLENDER.rho_Iz == 0.0
     assert SLENDER.rho_J > 0.0

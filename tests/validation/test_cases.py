@@ -4,7 +4,7 @@ import pytest
 
 from lumped.robot_file import load_robot
 from validation.case import Case, judge, perturbed
-from validation.cases import catalogue
+from validation.catalogue import catalogue
 from validation.context import Context
 
 ROBOT_FILE = load_robot("ifw")

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from lumped.arrays import Array
-from validation.cases.paper import ALPHAS, FIGURE_POINTS
+from validation.cases.paper_family import ALPHAS, FIGURE_POINTS
 from validation.cases.robot import SECTION
 from validation.context import Context
 from validation.drawings.lines import (

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from lumped.arrays import Array
-from validation.cases.paper import ALPHAS, FIGURE_POINTS
+from validation.cases.paper_family import ALPHAS, FIGURE_POINTS
 from validation.cases.robot import SECTION
 from validation.context import Context
 from validation.drawings.lines import (

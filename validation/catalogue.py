@@ -1,0 +1,40 @@
+"""Everything a run can compute for a robot: cases and figures."""
+
+from collections.abc import Sequence
+
+from lumped.robot_file import RobotFile
+from validation.cases import (
+    benchmarks,
+    benchmarks_cross,
+    benchmarks_huang,
+    benchmarks_sections,
+    benchmarks_solid,
+    legs,
+    paper,
+    refinement,
+    robot,
+    solids,
+)
+from validation.drawings import drawings
+from validation.records import Task
+
+# The robot whose numbers the paper prints.
+PAPER_ROBOT = "ifw"
+
+
+def catalogue(robot_file: RobotFile) -> Sequence[Task]:
+    """Every case and figure for a robot; the paper's statements for the paper's robot alone."""
+    from_paper = robot_file.built_in and robot_file.source == PAPER_ROBOT
+    return (
+        *(paper.cases() if from_paper else ()),
+        *legs.cases(),
+        *solids.cases(),
+        *robot.cases(),
+        *refinement.cases(),
+        *benchmarks.cases(),
+        *benchmarks_cross.cases(),
+        *benchmarks_huang.cases(),
+        *benchmarks_sections.cases(),
+        *benchmarks_solid.cases(),
+        *drawings(),
+    )
