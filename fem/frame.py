@@ -11,16 +11,16 @@ from operator import add
 from typing import Literal, TypeAlias, get_args
 
 import numpy as np
-from scipy.linalg import LinAlgError, cho_factor, cho_solve
 from scipy.sparse import block_diag, csr_matrix, identity, vstack
 
 from fem.beam import beam_leg
 from lumped.arrays import Array, IntArray, SparseMatrix
-from lumped.errors import ComputationError, InputError
+from lumped.errors import InputError
 from lumped.leg_matrices import LegMatrices
 from lumped.legs import BeamProperties
-from lumped.modes import Modes, dense, solve_modes
+from lumped.modes import Modes, solve_modes
 from lumped.screws import shift, skew, turn
+from lumped.statics import solve_statics
 
 Kind: TypeAlias = Literal["tension", "torsion", "bending y", "bending z"]
 Component: TypeAlias = Literal["x", "y", "z", "φx", "φy", "φz"]
@@ -29,8 +29,6 @@ Vector: TypeAlias = tuple[float, float, float]
 KINDS: tuple[Kind, ...] = get_args(Kind)
 COMPONENTS: tuple[Component, ...] = get_args(Component)
 _ORIGIN: Vector = (0.0, 0.0, 0.0)
-# Pivots of a stiffness scaled to a unit diagonal: rounding of a singular matrix leaves about 1e-16.
-_SMALLEST_PIVOT = 1e-13
 
 
 @dataclass(frozen=True)
@@ -157,18 +155,7 @@ def displacements(frame: AssembledFrame, wrenches: Array) -> Array:
 
     Raises ComputationError where a part of the frame is free to move.
     """
-    k = dense(frame.stiffness)
-    scale = 1.0 / np.sqrt(np.maximum(np.diag(k), np.finfo(float).tiny))
-    try:
-        factor = cho_factor(k * scale[:, None] * scale)
-    except LinAlgError:
-        factor = None
-    if factor is None or np.min(np.diag(factor[0])) ** 2 < _SMALLEST_PIVOT:
-        raise ComputationError(
-            f"{frame.name}: the stiffness matrix is singular; a part is free to move"
-        )
-    loads = frame.twists.T @ wrenches
-    unknowns = (scale * cho_solve(factor, (scale * loads.T).T).T).T
+    unknowns = solve_statics(frame.stiffness, frame.twists.T @ wrenches, frame.name)
     return np.asarray(frame.twists @ unknowns)
 
 

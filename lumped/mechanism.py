@@ -12,23 +12,17 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 import numpy as np
-from scipy.linalg import LinAlgError, cho_factor, cho_solve
 from scipy.sparse import block_diag, coo_matrix, csr_matrix, identity
 
 from lumped.arrays import Array, IntArray, SparseMatrix
 from lumped.biglide import Biglide
-from lumped.errors import ComputationError
 from lumped.leg_matrices import LegMatrices
-from lumped.modes import Modes, dense, solve_modes
+from lumped.modes import Modes, solve_modes
 from lumped.screws import shift, turn
 from lumped.segments import printed_release
+from lumped.statics import flexibility
 
 Release: TypeAlias = Literal["condensed", "printed"]
-
-
-# Pivots of the stiffness with unit diagonal: a chain of n elements has them down to about 1/8n³
-# (3e-8 for 160), rounding of a singular matrix leaves about 1e-16 to 1e-15.
-_SMALLEST_PIVOT = 1e-13
 
 
 @dataclass(frozen=True)
@@ -86,18 +80,7 @@ def compliance(mechanism: Mechanism) -> Array:
     Raises ComputationError where a part of the robot is free to move.
     """
     wrenches = mechanism.loaded.toarray().T
-    k = dense(mechanism.stiffness)
-    scale = 1.0 / np.sqrt(np.maximum(np.diag(k), np.finfo(float).tiny))
-    try:
-        factor = cho_factor(k * scale[:, None] * scale)
-    except LinAlgError:
-        factor = None
-    if factor is None or np.min(np.diag(factor[0])) ** 2 < _SMALLEST_PIVOT:
-        raise ComputationError(
-            f"{mechanism.name}: the stiffness matrix is singular; a part is free to move"
-        )
-    result: Array = wrenches.T @ (scale[:, None] * cho_solve(factor, scale[:, None] * wrenches))
-    return 0.5 * (result + result.T)
+    return flexibility(mechanism.stiffness, wrenches, mechanism.name)
 
 
 def modes(mechanism: Mechanism, count: int) -> Modes:
