@@ -70,6 +70,8 @@ def run(
     out: Path = Path("report"),
     jobs: Annotated[int | None, Parameter(converter=_process_count)] = None,
     resume: Annotated[bool, Parameter(negative="")] = False,
+    baseline: Path | None = None,
+    export: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
     """Validate a robot's lumped models and write a report.
 
@@ -87,14 +89,24 @@ def run(
         Number of processes; as many as there are cores if left out.
     resume
         Go on with an interrupted run of the same input in the same folder.
+    baseline
+        Compare with this earlier run (folder or results.json): a verdict that worsened ends with
+        exit code 1, values that moved are shown as drift.
+    export
+        Also write export/: meshes, displacements and modes for ParaView, matrices as .npz and
+        Matrix Market.
     """
     from lumped.robot_file import load_robot  # noqa: PLC0415
-    from validation.cases import catalogue  # noqa: PLC0415
+    from validation.catalogue import catalogue  # noqa: PLC0415
+    from validation.saved_run import load_run  # noqa: PLC0415
     from validation.session import Request, default_jobs, validate  # noqa: PLC0415
     from validation.store import StoreError  # noqa: PLC0415
 
     start: Start = "resumed" if resume else "afresh"
-    request = Request(load_robot(robot), preset, out, jobs or default_jobs(), only, start)
+    earlier = load_run(baseline) if baseline else None
+    request = Request(
+        load_robot(robot), preset, out, jobs or default_jobs(), only, start, earlier, export
+    )
     try:
         gathered = validate(request, catalogue)
     except StoreError as error:
@@ -102,7 +114,41 @@ def run(
     _summarise(gathered, out)
     if gathered.unfinished:
         _complain(["interrupted", _how_to_go_on(request)], 3)
-    return gathered.exit_code()
+    code = gathered.exit_code()
+    if earlier and gathered.compared_with(earlier).worsened and code == 0:
+        return 1
+    return code
+
+
+@app.command
+def compare(
+    before: Path, after: Path, *, json: Annotated[bool, Parameter(negative="")] = False
+) -> int:
+    """Say what changed between two runs; exit code 1 if a verdict worsened.
+
+    Parameters
+    ----------
+    before
+        Run folder or results.json of the earlier run.
+    after
+        The same of the later one.
+    json
+        Print JSON for programs.
+    """
+    from json import dumps  # noqa: PLC0415
+
+    from validation import comparison_text  # noqa: PLC0415
+    from validation.compare import as_dict  # noqa: PLC0415
+    from validation.compare import compare as compare_runs  # noqa: PLC0415
+    from validation.saved_run import load_run  # noqa: PLC0415
+
+    runs = load_run(before), load_run(after)
+    comparison = compare_runs(*runs)
+    if json:
+        _say(dumps(as_dict(comparison), indent=1, ensure_ascii=False))
+    else:
+        _say(comparison_text.as_text(*runs, comparison))
+    return 1 if comparison.worsened else 0
 
 
 @app.command
@@ -224,7 +270,7 @@ def cases(*, json: Annotated[bool, Parameter(negative="")] = False) -> int:
         Print a JSON array for programs.
     """
     from lumped.robot_file import load_robot  # noqa: PLC0415
-    from validation.cases import catalogue  # noqa: PLC0415
+    from validation.catalogue import catalogue  # noqa: PLC0415
     from validation.listing import as_json, as_text  # noqa: PLC0415
 
     tasks = catalogue(load_robot("ifw"))

@@ -76,9 +76,7 @@ def compare(before: SavedRun, after: SavedRun) -> Comparison:
         removed=tuple(identifier for identifier in old if identifier not in new),
         times=tuple(Timing(b.id, a.seconds, b.seconds) for a, b in both),
         circumstances=tuple(
-            name
-            for name in _CIRCUMSTANCES
-            if before.run.get(name) != after.run.get(name)
+            name for name in _CIRCUMSTANCES if before.run.get(name) != after.run.get(name)
         ),
     )
 

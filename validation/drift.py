@@ -74,7 +74,5 @@ def drifts(outcomes: Sequence[Outcome], frozen: Mapping[str, Frozen]) -> dict[st
             tolerance=outcome.tolerance,
         )
         for outcome in outcomes
-        if outcome.measurement
-        and outcome.case.id in frozen
-        and isfinite(outcome.measurement.value)
+        if outcome.measurement and outcome.case.id in frozen and isfinite(outcome.measurement.value)
     }

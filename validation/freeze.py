@@ -53,7 +53,8 @@ def frozen_text(run: SavedRun) -> str:
         )
         for case in sorted(run.cases, key=lambda case: case.id)
     ]
-    return f'{{"schema": 1, "run": {json.dumps(kept)}, "cases": [\n{",\n".join(lines)}\n]}}\n'
+    cases = ",\n".join(lines)
+    return f'{{"schema": 1, "run": {json.dumps(kept)}, "cases": [\n{cases}\n]}}\n'
 
 
 def freeze(path: Path, folder: Path = FOLDER) -> Path:

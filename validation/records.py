@@ -7,7 +7,8 @@ from typing import Any, TypeAlias
 import msgspec
 import numpy as np
 
-from validation.case import Case, Measurement, Outcome, result_record
+from validation.case import Case, Measurement, Outcome, finite, result_record
+from validation.drift import Drift
 from validation.exhibits import Drawing, Figure, Study, study_record
 
 Task: TypeAlias = Case | Drawing
@@ -85,12 +86,17 @@ def succeeded(record: Mapping[str, Any]) -> bool:
     return record.get("verdict") != "failed" and not record.get("failed", False)
 
 
-def results(header: Mapping[str, Any], outcomes: Sequence[Outcome]) -> dict[str, Any]:
-    """The content of results.json."""
+def results(
+    header: Mapping[str, Any], outcomes: Sequence[Outcome], drifts: Mapping[str, Drift]
+) -> dict[str, Any]:
+    """The content of results.json; `drifts` by case id."""
     return {
         "schema": 1,
         "run": dict(header),
-        "cases": [result_record(outcome) for outcome in outcomes],
+        "cases": [
+            result_record(outcome) | _drift_record(drifts.get(outcome.case.id))
+            for outcome in outcomes
+        ],
         "studies": [study_record(study) for study in studies_of(outcomes)],
     }
 
@@ -99,6 +105,18 @@ def studies_of(outcomes: Sequence[Outcome]) -> list[Study]:
     """The studies that came with the outcomes, each id once."""
     measured = [outcome.measurement for outcome in outcomes if outcome.measurement]
     return list({study.id: study for m in measured for study in m.studies}.values())
+
+
+def _drift_record(drift: Drift | None) -> dict[str, float | bool | None]:
+    """Truth and frozen apart: beside the reference stands what this project found earlier."""
+    if drift is None:
+        return {"frozen": None, "drift": None, "drift_allowed": None, "drifted": None}
+    return {
+        "frozen": drift.frozen,
+        "drift": finite(drift.amount),
+        "drift_allowed": finite(drift.allowed),
+        "drifted": drift.beyond,
+    }
 
 
 def _plain(value: object) -> Any:

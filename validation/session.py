@@ -3,7 +3,7 @@
 import json
 import os
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -13,8 +13,12 @@ from lumped.finding import Finding
 from lumped.robot_file import RobotFile
 from validation import progress, provenance, runner
 from validation.case import Case, Outcome
+from validation.compare import Comparison, compare
 from validation.context import Preset
+from validation.drift import Drift, drifts
 from validation.exhibits import Figure
+from validation.export import export
+from validation.freeze import built_in_frozen, frozen_values
 from validation.junit import junit_xml
 from validation.records import (
     Drawn,
@@ -27,6 +31,7 @@ from validation.records import (
     succeeded,
 )
 from validation.report.page import Report, render
+from validation.saved_run import SavedRun, parse_run
 from validation.store import RunFolder, Start, open_folder
 from validation.worker import Job
 
@@ -35,7 +40,12 @@ Catalogue = Callable[[RobotFile], Sequence[Task]]
 
 @dataclass(frozen=True)
 class Request:
-    """What the user asks for; `only` is a shell-style pattern of ids."""
+    """What the user asks for.
+
+    `only` is a shell-style pattern of ids. `baseline` is an earlier run to be compared with; where
+    there is none, drift is shown against the frozen values of a built-in robot. `exports`: whether
+    meshes, fields and matrices are wanted as files.
+    """
 
     robot_file: RobotFile
     preset: Preset
@@ -43,14 +53,20 @@ class Request:
     jobs: int
     only: str | None = None
     start: Start = "afresh"
+    baseline: SavedRun | None = None
+    exports: bool = False
 
 
 @dataclass
 class Results:
-    """What has been finished so far, by id, in the order of the catalogue."""
+    """What has been finished so far, by id, in the order of the catalogue.
+
+    `frozen` is the earlier run that drift is counted from.
+    """
 
     header: Mapping[str, Any]
     tasks: Sequence[Task]
+    frozen: SavedRun | None = None
     outcomes: dict[str, Outcome] = field(default_factory=dict)
     drawn: dict[str, Drawn] = field(default_factory=dict)
     figures: dict[str, tuple[Figure, ...]] = field(default_factory=dict)
@@ -82,6 +98,22 @@ class Results:
         """How many tasks have not been computed."""
         return len(self.tasks) - len(self.outcomes) - len(self.drawn)
 
+    @property
+    def drifts(self) -> dict[str, Drift]:
+        """How far the values have moved from the frozen ones, by case id."""
+        return drifts(self.in_order(), frozen_values(self.frozen)) if self.frozen else {}
+
+    def compared_with(self, baseline: SavedRun) -> Comparison:
+        """What changed since `baseline`, as far as its cases were to be run this time."""
+        asked = {task.id for task in self.tasks}
+        part = "only" in self.header["options"]
+        before = tuple(
+            case
+            for case in baseline.cases
+            if case.id in self.outcomes or not (part or case.id in asked)
+        )
+        return compare(replace(baseline, cases=before), parse_run(self.as_json(), "results.json"))
+
     def exit_code(self) -> int:
         """0 all agree, 1 some case disagrees, 3 a computation failed or was interrupted."""
         verdicts = {outcome.verdict for outcome in self.outcomes.values()}
@@ -92,14 +124,16 @@ class Results:
 
     def as_json(self) -> str:
         """The text of results.json."""
-        content = results(self.header, self.in_order())
+        header = dict(self.header) | {"unfinished": self.unfinished}
+        content = results(header, self.in_order(), self.drifts)
         return json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
 
 
 def validate(request: Request, catalogue: Catalogue) -> Results:
     """Run the chosen cases and write the run folder.
 
-    Raises InputError before anything is written, StoreError where the disk refuses.
+    Raises InputError before anything is written, StoreError where the disk refuses, and
+    ComputationError where workers cannot start or the export fails.
     """
     robot_file = request.robot_file
     tasks = runner.select(catalogue(robot_file), request.preset, request.only)
@@ -108,13 +142,19 @@ def validate(request: Request, catalogue: Catalogue) -> Results:
     # Before the run, so that after Ctrl-C only the page is left to be written.
     findings = audit(robot_file)
     job = Job(catalogue, robot_file, request.preset, options)
+    frozen = request.baseline or built_in_frozen(robot_file, request.preset)
     with open_folder(request.out, header, request.start) as folder:
-        gathered = Results(header | {"seconds": 0.0, "planned": len(tasks)}, tasks)
+        header |= {"seconds": 0.0, "planned": len(tasks)} | folder.begun()
+        header |= {"frozen_from": _named(frozen)}
+        gathered = Results(header, tasks, frozen)
         for record in folder.records().values():
             if succeeded(record) and any(task.id == record["id"] for task in tasks):
                 gathered.add(record)
         _compute(job, gathered, folder, request.jobs)
         publish(gathered, folder, findings)
+        if request.exports and not gathered.unfinished:
+            with folder.replacing("export") as target:
+                export(robot_file.robot, request.preset, target)
     return gathered
 
 
@@ -128,7 +168,7 @@ def publish(gathered: Results, folder: RunFolder, findings: Sequence[Finding]) -
     outcomes, figures = gathered.in_order(), gathered.all_figures()
     folder.write("results.json", gathered.as_json())
     folder.write("junit.xml", junit_xml(outcomes, f"flexproof {gathered.header['robot']}"))
-    (folder.path / "figures").mkdir(exist_ok=True)
+    folder.make("figures")
     for figure in figures:
         stem = f"figures/{figure.id}"
         folder.write(f"{stem}.svg" if figure.svg else f"{stem}.png", figure.svg or figure.png)
@@ -141,12 +181,19 @@ def publish(gathered: Results, folder: RunFolder, findings: Sequence[Finding]) -
         findings=tuple(findings),
         provenance=gathered.header,
         unfinished=gathered.unfinished,
+        drifts=gathered.drifts,
     )
     folder.write("report.html", render(report))
 
 
+def _named(frozen: SavedRun | None) -> str | None:
+    if frozen is None:
+        return None
+    return f"run of {frozen.run['started']}" if "started" in frozen.run else "kept with the program"
+
+
 def _compute(job: Job, gathered: Results, folder: RunFolder, jobs: int) -> None:
-    begun = perf_counter()
+    begun = perf_counter() - gathered.header["seconds"]
 
     def keep(record: Record) -> None:
         folder.keep(record)

@@ -112,9 +112,11 @@ def _explain(identifier: str, error: Exception) -> str:
         message = "ran out of memory; choose a smaller preset or fewer --jobs"
     else:
         message = f"{type(error).__name__}: {error} (traceback in log.txt)"
-    sys.stderr.write(f"\n== {identifier}: {message}\n")
-    traceback.print_exception(error)
-    sys.stderr.flush()
+    # A disk that is too full for the log must not take the case with it.
+    with suppress(OSError):
+        sys.stderr.write(f"\n== {identifier}: {message}\n")
+        traceback.print_exception(error)
+        sys.stderr.flush()
     return " ".join(message.split())
 
 

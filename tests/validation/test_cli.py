@@ -26,9 +26,9 @@ def toys(monkeypatch):
 @pytest.fixture
 def with_catalogue(monkeypatch):
     def use(catalogue):
-        cases = ModuleType("validation.cases")
+        cases = ModuleType("validation.catalogue")
         cases.catalogue = catalogue
-        monkeypatch.setitem(sys.modules, "validation.cases", cases)
+        monkeypatch.setitem(sys.modules, "validation.catalogue", cases)
 
     return use
 

@@ -53,12 +53,20 @@ def test_a_second_run_in_the_same_folder_is_refused(tmp_path):
         pass
 
 
-@pytest.mark.parametrize("change", [{"preset": "fine"}, {"robot_sha256": "2"}, {"versions": {}}])
-def test_a_different_run_is_not_resumed(tmp_path, change):
+@pytest.mark.parametrize(
+    ("change", "named"),
+    [
+        ({"preset": "fine"}, "preset"),
+        ({"robot_sha256": "2"}, "robot file"),
+        ({"versions": {}}, "versions"),
+        ({"suite_sha256": "3"}, "source files of flexproof"),
+    ],
+)
+def test_a_different_run_is_not_resumed(tmp_path, change, named):
     with open_folder(tmp_path, HEADER, "afresh"):
         pass
     with (
-        pytest.raises(InputError, match=f"another run \\({next(iter(change))} differ"),
+        pytest.raises(InputError, match=f"another run \\({named} differ"),
         open_folder(tmp_path, HEADER | change, "resumed"),
     ):
         pass

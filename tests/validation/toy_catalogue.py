@@ -125,3 +125,25 @@ def unloadable(_robot_file: RobotFile) -> Sequence[Task]:
     if parent_process() is not None:
         raise RuntimeError("only workers come here")
     return (case("toy.agrees", agrees),)
+
+
+def slowly(_context: Context) -> Measurement:
+    time.sleep(0.05)
+    return Measurement(1.0 / 3.0, 0.34)
+
+
+def real(robot_file: RobotFile) -> Sequence[Task]:
+    """The paper's cases, which are quick, between others of a steady pace and a figure."""
+    from validation.cases import paper  # noqa: PLC0415  the other catalogues do not need it
+
+    steady = tuple(case(f"toy.steady[{k}]", slowly) for k in range(12))
+    return (*steady[:6], *paper.cases(), *steady[6:], *sound(robot_file))
+
+
+def chatty(_robot_file: RobotFile) -> Sequence[Task]:
+    """Fills a small disk within its first cases."""
+    return tuple(case(f"toy.chatty[{k}]", tells_much) for k in range(12))
+
+
+def tells_much(_context: Context) -> Measurement:
+    return Measurement(1.0 / 3.0, 0.34, notes=("tell" * 5000,))

@@ -1,7 +1,7 @@
 """report.html: one file that needs nothing else, from what a run found."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from math import isnan
 from typing import Any
@@ -11,6 +11,7 @@ from markupsafe import Markup
 
 from lumped.finding import Finding
 from validation.case import Outcome, Verdict
+from validation.drift import Drift
 from validation.exhibits import Figure, Study
 from validation.listing import summary, tolerance_text
 from validation.records import Drawn, studies_of
@@ -32,7 +33,11 @@ class Section:
 
 @dataclass(frozen=True)
 class Report:
-    """What the page shows. `unfinished` counts the pieces of work that were not computed."""
+    """What the page shows.
+
+    `unfinished` counts the pieces of work that were not computed; `drifts` (by case id) are the
+    moves from frozen values, which stand in a column of their own.
+    """
 
     outcomes: tuple[Outcome, ...]
     figures: tuple[Figure, ...]
@@ -40,6 +45,7 @@ class Report:
     provenance: Mapping[str, Any]
     missing_figures: tuple[Drawn, ...] = ()
     unfinished: int = 0
+    drifts: Mapping[str, Drift] = field(default_factory=dict)
 
     @property
     def sentence(self) -> str:

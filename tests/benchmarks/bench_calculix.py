@@ -1,0 +1,81 @@
+"""One leg of about 130k unknowns, six load cases and 20 modes: this package beside CalculiX.
+
+    python tests/benchmarks/bench_calculix.py
+
+From the mesh in memory to the numbers, each with two threads. CalculiX gets its deck, a step per
+load case and a frequency step; writing the deck counts, since that is how one gets to its numbers.
+"""
+
+# ruff: noqa: T201  a script that prints its figures
+
+import os
+
+THREADS = 2
+os.environ.setdefault("OMP_NUM_THREADS", str(THREADS))
+
+import sys  # noqa: E402
+from pathlib import Path  # noqa: E402
+from time import perf_counter  # noqa: E402
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
+
+import numpy as np  # noqa: E402
+
+from fem.calculix import compliance_and_frequencies  # noqa: E402
+from fem.calculix_run import CalculixMissing, calculix_program  # noqa: E402
+from fem.cholesky import default_backend  # noqa: E402
+from fem.solid import clamped_leg, modes, solid_leg, tip_compliance  # noqa: E402
+from lumped.legs import ConstantLeg, Material  # noqa: E402
+from lumped.sections import Rectangle  # noqa: E402
+from meshes.tetrahedra import tetrahedra  # noqa: E402
+
+MODES = 20
+TARGET = 10.0
+LEG = ConstantLeg(
+    0.85, Rectangle(width=0.16, height=0.26), Material.isotropic(E=2.1e11, nu=0.3, rho=7850.0)
+)
+DIVISIONS = 9
+
+
+def main() -> None:
+    try:
+        calculix_program()
+    except CalculixMissing as missing:
+        sys.exit(str(missing))
+    mesh = tetrahedra(LEG.section, LEG.length, DIVISIONS)
+    print(f"{3 * len(mesh.nodes)} unknowns, {len(mesh.cells)} tet10, {THREADS} threads")
+
+    start = perf_counter()
+    solid = solid_leg(LEG, mesh)
+    assembled = perf_counter()
+    clamped = clamped_leg(solid)
+    factorised = perf_counter()
+    compliance = tip_compliance(clamped)
+    solved = perf_counter()
+    frequencies = modes(clamped, MODES).frequencies
+    ours = perf_counter() - start
+    print(
+        f"flexproof ({default_backend()}): {ours:.1f} s = assembly {assembled - start:.1f}, "
+        f"ends and factor {factorised - assembled:.1f}, six load cases {solved - factorised:.1f}, "
+        f"{MODES} modes {start + ours - solved:.1f}"
+    )
+
+    start = perf_counter()
+    theirs, their_frequencies = compliance_and_frequencies(
+        mesh, LEG.material, MODES, threads=THREADS, timeout=1200.0
+    )
+    calculix = perf_counter() - start
+    print(f"CalculiX: {calculix:.1f} s")
+
+    scale = np.sqrt(np.diag(compliance))
+    off = np.abs((theirs - compliance) / np.outer(scale, scale)).max()
+    detuned = np.abs(their_frequencies / frequencies - 1.0).max()
+    print(
+        f"largest difference: compliance {off:.1e}, frequencies {detuned:.1e} "
+        "(CalculiX sums the mass over four points, ours is exact)"
+    )
+    print(f"ratio {calculix / ours:.1f} (target {TARGET:g})")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,255 @@
+"""Two runs side by side, and truth and frozen apart. The numbers are made up to be told apart."""
+
+import json
+from dataclasses import replace
+
+import pytest
+
+from lumped.errors import InputError
+from lumped.robot_file import load_robot
+from validation import cli
+from validation.case import Absolute, Case, Measurement, judge
+from validation.compare import as_dict, compare
+from validation.comparison_text import as_text, table
+from validation.drift import Frozen, drift, drifts
+from validation.freeze import FOLDER, built_in_frozen, freeze, frozen_text, frozen_values, main
+from validation.records import results
+from validation.saved_run import SavedCase, SavedRun, load_run, parse_run
+
+STEADY = SavedCase("steady", "agree", value=1.0, reference=1.0, tolerance=0.1, seconds=1.0)
+
+
+def run_of(*cases, **header):
+    return SavedRun(cases, run={"robot": "r", "preset": "quick"} | header)
+
+
+def saved(path, *cases, **header):
+    entries = [
+        {"id": c.id, "verdict": c.verdict, "value": c.value, "reference": c.reference,
+         "numerical_uncertainty": c.numerical_uncertainty, "tolerance": c.tolerance,
+         "unit": c.unit, "seconds": c.seconds, "title": c.title}
+        for c in cases
+    ]  # fmt: skip
+    header = {"robot": "r", "preset": "quick"} | header
+    path.write_text(json.dumps({"schema": 1, "run": header, "cases": entries, "studies": []}))
+    return path
+
+
+def test_two_equal_runs_show_no_change():
+    comparison = compare(run_of(STEADY), run_of(STEADY))
+    assert not comparison.worsened
+    assert as_dict(comparison) == {
+        "schema": 1,
+        "worsened": False,
+        "verdicts": [],
+        "drifted": [],
+        "new": [],
+        "removed": [],
+        "seconds": [{"id": "steady", "before": 1.0, "after": 1.0}],
+        "differs": [],
+    }
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "worse"),
+    [
+        ("agree", "skipped", True),
+        ("agree", "disagree", True),
+        ("agree", "failed", True),
+        ("skipped", "disagree", True),
+        ("disagree", "failed", True),
+        ("failed", "disagree", False),
+        ("disagree", "agree", False),
+        ("skipped", "agree", False),
+    ],
+)
+def test_verdicts_worsen_in_one_direction(before, after, worse):
+    comparison = compare(
+        run_of(replace(STEADY, verdict=before)), run_of(replace(STEADY, verdict=after))
+    )
+    assert [(c.before, c.after, c.worse) for c in comparison.verdicts] == [(before, after, worse)]
+    assert comparison.worsened is worse
+
+
+def test_new_and_removed_cases_are_named_and_worsen_nothing():
+    comparison = compare(
+        run_of(STEADY, replace(STEADY, id="old")), run_of(STEADY, replace(STEADY, id="new"))
+    )
+    assert (comparison.removed, comparison.new) == (("old",), ("new",))
+    assert not comparison.worsened
+
+
+@pytest.mark.parametrize(
+    ("value", "then", "now", "beyond"),
+    [
+        # Without an uncertainty 1e-9 of the value is allowed.
+        (1.0 + 0.9e-9, None, None, False),
+        (1.0 + 1.1e-9, None, None, True),
+        (1.0 - 1.1e-9, None, None, True),
+        # The larger of the two uncertainties counts.
+        (1.09, 0.1, 0.01, False),
+        (1.09, 0.01, 0.1, False),
+        (1.09, 0.01, None, True),
+        # An uncertainty of zero still rounds.
+        (1.0 + 0.9e-9, 0.0, 0.0, False),
+    ],
+)
+def test_drift_is_what_exceeds_the_uncertainty(value, then, now, beyond):
+    assert drift(Frozen(1.0, then), value, uncertainty=now, reference=1.0).beyond is beyond
+
+
+def test_rounding_about_zero_is_no_drift():
+    # 1e-16 held against zero within 1e-9: a value that is all rounding may double.
+    assert not drift(Frozen(1e-16), 2e-16, reference=0.0, tolerance=1e-9).beyond
+    assert drift(Frozen(1e-16), 2e-12, reference=0.0, tolerance=1e-9).beyond
+
+
+def test_a_reference_that_moves_is_drift_too():
+    comparison = compare(run_of(STEADY), run_of(replace(STEADY, value=1.01, reference=0.99)))
+    assert [(entry.what, round(entry.drift.amount, 12)) for entry in comparison.drifted] == [
+        ("value", 0.01),
+        ("reference", -0.01),
+    ]
+    assert not comparison.worsened
+
+
+def test_the_text_names_everything_that_changed():
+    before = run_of(STEADY, replace(STEADY, id="worse"), replace(STEADY, id="gone"))
+    after = run_of(
+        replace(STEADY, value=1.25, seconds=3.5),
+        replace(STEADY, id="worse", verdict="disagree"),
+        replace(STEADY, id="came"),
+        preset="fine",
+    )
+    lines = as_text(before, after, compare(before, after)).splitlines()
+    assert "The runs differ in preset." in lines
+    assert "1 verdict worse, 0 better, 1 cases drifted, 1 new, 1 removed." in lines
+    assert "  worse  agree   disagree  worse" in lines
+    assert any(line.split()[:3] == ["1", "1.25", "+0.25"] for line in lines)
+    assert any(line.split() == ["1.00", "3.50", "+2.50", "steady"] for line in lines)
+    assert {"  came", "  gone"} <= set(lines)
+
+
+def test_tables_align_numbers_to_the_right():
+    assert table(["n", "name"], [["1", "a"], ["10", "b"]]) == "   n  name\n   1  a\n  10  b"
+
+
+def test_compare_ends_with_1_when_a_verdict_worsened(tmp_path, capsys):
+    good = saved(tmp_path / "good.json", STEADY)
+    (tmp_path / "bad").mkdir()
+    saved(tmp_path / "bad" / "results.json", replace(STEADY, verdict="failed", value=None))
+    assert cli.main(["compare", str(good), str(good)]) == 0
+    assert cli.main(["compare", str(good), str(tmp_path / "bad")]) == 1
+    assert "agree   failed  steady" in capsys.readouterr().out
+    assert cli.main(["compare", str(tmp_path / "bad"), str(good), "--json"]) == 0
+    printed = json.loads(capsys.readouterr().out)
+    assert printed["verdicts"] == [
+        {"id": "steady", "before": "failed", "after": "agree", "worse": False}
+    ]
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (None, "no such run folder or file"),
+        ("", "not a results.json"),
+        ("[]", "not a results.json"),
+        ('{"cases": [{"id": 3}]}', "not a results.json"),
+        ('{"schema": 2, "cases": []}', "only schema 1"),
+    ],
+)
+def test_what_is_no_run_ends_with_2_and_one_line(content, said, tmp_path, capsys):
+    path = tmp_path / "x.json"
+    if content is not None:
+        path.write_text(content)
+    assert cli.main(["compare", str(path), str(path)]) == 2
+    printed = capsys.readouterr()
+    assert printed.out == ""
+    assert len(printed.err.splitlines()) == 1
+    assert said in printed.err
+    with pytest.raises(InputError, match=r"holds no results\.json"):
+        load_run(tmp_path)
+
+
+def outcome(value):
+    case = Case(
+        id="toy",
+        title="Toy",
+        quantity="length",
+        unit="m",
+        reference_kind="closed-form",
+        citation="made up",
+        tolerance=Absolute(0.1),
+        tolerance_reason="made up",
+        compute=lambda _context: Measurement(value, 1.0),
+    )
+    return judge(case, Measurement(value, 1.0), 0.0)
+
+
+def test_drift_stands_beside_the_verdict_and_never_changes_it():
+    # 0.05 from the reference agrees within 0.1, though it is far from the earlier value.
+    moved = outcome(1.05)
+    entry = results({}, [moved], drifts([moved], {"toy": Frozen(0.5)}))["cases"][0]
+    assert entry["verdict"] == "agree"
+    assert (entry["reference"], entry["frozen"]) == (1.0, 0.5)
+    assert entry["drift"] == pytest.approx(0.55, rel=1e-12)
+    assert entry["drifted"] is True
+    # At its frozen value and 0.5 from the reference: no drift, and still it disagrees.
+    wrong = outcome(0.5)
+    entry = results({}, [wrong], drifts([wrong], {"toy": Frozen(0.5)}))["cases"][0]
+    assert (entry["verdict"], entry["drift"], entry["drifted"]) == ("disagree", 0.0, False)
+
+
+def test_a_case_without_a_frozen_value_has_no_drift():
+    entry = results({}, [outcome(1.0)], {})["cases"][0]
+    assert (entry["frozen"], entry["drift"], entry["drifted"]) == (None, None, None)
+
+
+def whole_run(tmp_path, *cases, **changes):
+    header = {
+        "robot_file": "ifw",
+        "robot_sha256": load_robot("ifw").sha256,
+        "options": {},
+        "unfinished": 0,
+    }
+    return saved(tmp_path / "results.json", *cases, **(header | changes))
+
+
+def test_a_run_is_frozen_with_all_digits(tmp_path):
+    third = replace(STEADY, id="third", value=1.0 / 3.0, numerical_uncertainty=1e-7 / 3.0)
+    path = freeze(whole_run(tmp_path, third, STEADY), tmp_path)
+    assert path.name == "ifw-quick.json"
+    frozen = frozen_values(parse_run(path.read_bytes(), "frozen"))
+    assert frozen == {"steady": Frozen(1.0, None), "third": Frozen(1.0 / 3.0, 1e-7 / 3.0)}
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"robot_file": "mine.toml"}, "only the values of built-in robots"),
+        ({"robot_sha256": "0"}, "has changed since"),
+        ({"options": {"only": "paper.*"}}, "only a part was run"),
+        ({"unfinished": 2}, "2 cases or figures were not computed"),
+    ],
+)
+def test_only_whole_runs_of_built_in_robots_are_frozen(changes, said, tmp_path, capsys):
+    path = whole_run(tmp_path, STEADY, **changes)
+    assert main([str(path)]) == 2
+    assert said in capsys.readouterr().err
+
+
+def test_a_failed_case_is_not_frozen(tmp_path):
+    path = whole_run(tmp_path, replace(STEADY, verdict="failed", value=None))
+    with pytest.raises(InputError, match="steady has failed"):
+        freeze(path, tmp_path)
+
+
+@pytest.mark.parametrize("path", sorted(FOLDER.glob("*.json")), ids=lambda path: path.stem)
+def test_kept_values_are_small_current_and_written_by_freeze(path):
+    run = parse_run(path.read_bytes(), str(path))
+    robot, _, preset = path.stem.rpartition("-")
+    assert (run.run["robot_file"], run.run["preset"]) == (robot, preset)
+    assert built_in_frozen(load_robot(robot), preset) == run
+    assert frozen_text(run) == path.read_text()
+    # A few hundred numbers, not a report.
+    assert path.stat().st_size < 200_000

@@ -1,0 +1,122 @@
+"""Exported files, read back by other readers, say what the models say."""
+
+import numpy as np
+import pytest
+import pyvista
+from scipy.io import mmread
+from scipy.sparse import load_npz
+
+from lumped.cantilever import clamped_modes, tip_compliance_of
+from lumped.legs import equivalent_leg, tip_compliance
+from lumped.robot_file import load_robot
+from validation.export import export
+from validation.models import leg_matrices, robot_compliance, robot_frequencies, solid_compliance
+
+ROBOT = load_robot("ifw").robot
+AXES = ("x", "y", "z")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    path = tmp_path_factory.mktemp("export")
+    export(ROBOT, "quick", path)
+    return path
+
+
+@pytest.mark.parametrize("number", [1, 2])
+def test_the_tip_of_the_solid_moves_by_its_compliance(folder, number):
+    leg = equivalent_leg((ROBOT.leg1, ROBOT.leg2)[number - 1])
+    mesh = pyvista.read(folder / f"leg{number}_solid.vtu")
+    assert mesh.bounds[1] == pytest.approx(leg.length, rel=1e-12)
+    assert mesh.volume == pytest.approx(leg.section.area * leg.length, rel=1e-9)
+    compliance = solid_compliance(leg, 2, "rigid")
+    tip = mesh.find_closest_point((leg.length, 0.0, 0.0))
+    assert mesh.points[tip] == pytest.approx([leg.length, 0.0, 0.0], abs=1e-12)
+    for column, wrench in enumerate(("Fx", "Fy", "Fz")):
+        # The end face is rigid: its midpoint moves with the tip.
+        assert mesh.point_data[f"displacement {wrench}"][tip] == pytest.approx(
+            compliance[:3, column], rel=1e-7, abs=1e-7 * compliance[column, column]
+        )
+    root = np.isclose(mesh.points[:, 0], 0.0)
+    assert root.sum() > 8
+    assert not mesh.point_data["displacement Mz"][root].any()
+    assert not mesh.point_data["mode 1"][root].any()
+
+
+@pytest.mark.parametrize("model", ["segments", "beam"])
+def test_centrelines_deflect_as_a_cantilever(folder, model):
+    leg = equivalent_leg(ROBOT.leg1)
+    line = pyvista.read(folder / f"leg1_{model}.vtp")
+    assert line.n_lines == 1
+    assert line.length == pytest.approx(leg.length)
+    # Closed form of the Timoshenko cantilever; both models are exact at the tip.
+    closed = tip_compliance(leg.properties("timoshenko"), leg.length)
+    tip = np.hstack(
+        [
+            [line.point_data[f"displacement {w}"][-1], line.point_data[f"rotation {w}"][-1]]
+            for w in ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
+        ]
+    )  # fmt: skip
+    assert tip.shape == (2, 18)
+    found = np.vstack([tip[:, 3 * k : 3 * k + 3].ravel() for k in range(6)]).T
+    # A dense solve of the assembled matrix loses five digits of sixteen to its condition.
+    assert found == pytest.approx(closed, rel=1e-8, abs=1e-8 * closed.diagonal().min())
+
+
+@pytest.mark.parametrize("model", ["segments", "beam", "solid"])
+@pytest.mark.parametrize("number", [1, 2])
+def test_both_formats_hold_the_same_symmetric_matrices(folder, model, number):
+    leg = equivalent_leg((ROBOT.leg1, ROBOT.leg2)[number - 1])
+    for letter in "KM":
+        path = folder / f"leg{number}_{model}_{letter}"
+        compressed, market = load_npz(f"{path}.npz"), mmread(f"{path}.mtx")
+        assert abs(compressed - compressed.T).max() == 0.0
+        # Matrix Market is text: all digits are there.
+        assert abs(compressed - market).max() <= 1e-15 * abs(compressed).max()
+    mass = load_npz(folder / f"leg{number}_{model}_M.npz")
+    along_x = np.zeros(mass.shape[0])
+    # A rigid translation carries the leg's mass; in the beam's inner unknowns it is none.
+    if model != "beam":
+        along_x[[0, 6]] = 1.0
+        along_x[12 :: 6 if model == "segments" else 3] = 1.0
+        assert along_x @ mass @ along_x == pytest.approx(leg.mass, rel=1e-9)
+
+
+def test_the_matrices_give_the_models_compliance_and_frequencies(folder):
+    leg = leg_matrices("beam", equivalent_leg(ROBOT.leg1))
+    K, M = (load_npz(folder / f"leg1_beam_{letter}.npz").toarray()[6:, 6:] for letter in "KM")
+    found = np.linalg.inv(K)[:6, :6]
+    assert found == pytest.approx(tip_compliance_of(leg), rel=1e-6, abs=1e-20)
+    values = np.linalg.eigvals(np.linalg.solve(K, M)).real
+    first = 1.0 / (2.0 * np.pi * np.sqrt(values.max()))
+    assert first == pytest.approx(clamped_modes(leg, 1).frequencies[0], rel=1e-6)
+    assert pyvista.read(folder / "leg1_beam.vtp").field_data["frequencies"][0] == pytest.approx(
+        first, rel=1e-6
+    )
+
+
+def test_the_robot_deflects_at_b_by_its_compliance(folder):
+    robot = pyvista.read(folder / "robot_beam.vtp")
+    assert robot.n_lines == 2
+    half = robot.n_points // 2
+    compliance = robot_compliance("beam", ROBOT, ROBOT.centre)
+    for tip in (half - 1, -1):
+        assert robot.points[tip] == pytest.approx([ROBOT.centre, 0.0, 0.0], abs=1e-12)
+        for column, wrench in enumerate(("Fx", "Fy", "Fz")):
+            # The revolute joint at B lets the legs turn; they share its displacement.
+            assert robot.point_data[f"displacement {wrench}"][tip] == pytest.approx(
+                compliance[:3, column], rel=1e-7, abs=1e-7 * compliance[2, 2]
+            )
+    assert robot.field_data["frequencies"] == pytest.approx(
+        robot_frequencies("beam", ROBOT, ROBOT.centre, 6), rel=1e-9
+    )
+
+
+def test_the_readme_names_every_file(folder):
+    text = (folder / "README.txt").read_text()
+    for path in folder.iterdir():
+        kind = path.name.replace("leg1", "legN").replace("leg2", "legN")
+        for model in ("segments", "beam", "solid"):
+            kind = kind.replace(f"_{model}_", "_MODEL_")
+        stem, _, suffix = kind.rpartition(".")
+        assert kind in text or f"{stem}.*" in text or suffix == "txt", path.name

@@ -1,0 +1,192 @@
+"""Runs that are killed, interrupted, or out of disk: nothing that was finished is lost."""
+
+import json
+import os
+import pty
+import random
+import select
+import signal
+import shutil
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+HERE = Path(__file__).parent
+ENVIRONMENT = os.environ | {"PYTHONPATH": os.pathsep.join([str(HERE.parents[1]), str(HERE)])}
+# How long (s) to wait for what should take two: the machine may be busy with other work. The
+# endless catalogue would take longer.
+PATIENCE = 30.0
+
+
+def command(catalogue, *arguments):
+    program = str(HERE / "command_line.py")
+    return [sys.executable, program, catalogue, *(str(argument) for argument in arguments)]
+
+
+def started(catalogue, *arguments, **options):
+    return subprocess.Popen(
+        command(catalogue, *arguments),
+        env=ENVIRONMENT,
+        start_new_session=True,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+        **options,
+    )
+
+
+def completed(catalogue, *arguments):
+    return subprocess.run(
+        command(catalogue, *arguments), env=ENVIRONMENT, capture_output=True, text=True, check=False
+    )
+
+
+def results(path):
+    """results.json without times and without what names processes."""
+    content = json.loads((path / "results.json").read_text())
+    for name in ("started", "seconds"):
+        del content["run"][name]
+    for entry in content["cases"]:
+        del entry["seconds"]
+        if entry["id"].startswith("toy."):
+            del entry["notes"]
+    return content
+
+
+@pytest.fixture(scope="module")
+def undisturbed(tmp_path_factory):
+    path = tmp_path_factory.mktemp("undisturbed") / "run"
+    begun = time.monotonic()
+    done = completed("real", "run", "--preset", "quick", "--out", path, "--jobs", "2")
+    assert done.returncode == 0, done.stderr
+    content = results(path)
+    assert len(content["cases"]) > 30
+    return content, time.monotonic() - begun
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(20))
+def test_a_killed_run_goes_on_to_the_same_results(undisturbed, tmp_path, seed):
+    expected, duration = undisturbed
+    path = tmp_path / "run"
+    asked = ("run", "--preset", "quick", "--out", path, "--jobs", "2")
+    run = started("real", *asked)
+    time.sleep(random.Random(seed).uniform(0.0, duration))  # noqa: S311  any moment will do
+    os.killpg(run.pid, signal.SIGKILL)
+    run.communicate()
+    kept = {entry.name: entry.read_bytes() for entry in (path / "records").glob("*.json")}
+    # Killed before it had even a folder, there is nothing to go on with.
+    resume = ["--resume"] if path.exists() else []
+    done = completed("real", *asked, *resume)
+    assert done.returncode == 0, done.stderr
+    assert results(path) == expected
+    # What was finished was not computed again.
+    for name, content in kept.items():
+        assert (path / "records" / name).read_bytes() == content
+    assert not [entry for entry in path.rglob(".*.tmp") if entry.name != ".lock"]
+
+
+def test_numbers_do_not_depend_on_the_number_of_processes(undisturbed, tmp_path):
+    done = completed("real", "run", "--preset", "quick", "--out", tmp_path / "run", "--jobs", "1")
+    assert done.returncode == 0, done.stderr
+    expected, found = undisturbed[0]["cases"], results(tmp_path / "run")["cases"]
+    assert [case["id"] for case in found] == [case["id"] for case in expected]
+    for one, two in zip(found, expected, strict=True):
+        # Two runs of the same input give the same numbers to 1e-10.
+        for name in ("value", "reference"):
+            if two[name] is not None:
+                assert one[name] == pytest.approx(two[name], rel=1e-10, abs=0.0), one["id"]
+
+
+def test_the_second_of_two_runs_in_one_folder_is_refused(tmp_path):
+    first = started("endless", "run", "--out", tmp_path / "run")
+    wait_for(lambda: list((tmp_path / "run" / "records").glob("*.json")))
+    for resume in ([], ["--resume"]):
+        second = completed("endless", "run", "--out", tmp_path / "run", *resume)
+        assert second.returncode == 2
+        assert f"another run (process {first.pid}) is writing there" in second.stderr
+        assert len(second.stderr.splitlines()) == 1
+    assert list((tmp_path / "run" / "records").glob("*.json"))
+    first.terminate()
+    _, said = first.communicate(timeout=PATIENCE)
+    assert first.returncode == 3
+    assert "go on with: flexproof run ifw" in said
+
+
+def test_workers_do_not_outlive_a_killed_run(tmp_path):
+    run = started("endless", "run", "--out", tmp_path / "run")
+    wait_for(lambda: list((tmp_path / "run" / "records").glob("*.json")))
+    run.kill()
+    # The pipe closes when the last process that holds it has ended; the worker sleeps for 60 s.
+    run.communicate(timeout=PATIENCE)
+
+
+def test_ctrl_c_on_a_terminal_ends_the_run(tmp_path):
+    # As under a shell, the terminal sends Ctrl-C to the processes in front.
+    process, terminal = pty.fork()
+    if process == 0:
+        arguments = command("endless", "run", "--out", tmp_path / "run")
+        os.execve(arguments[0], arguments, ENVIRONMENT | {"TERM": "xterm"})  # noqa: S606
+    screen = read_until(terminal, lambda: list((tmp_path / "run" / "records").glob("*.json")))
+    os.write(terminal, b"\x03")
+    screen += read_until(terminal, lambda: False)
+    os.close(terminal)
+    _, status = os.waitpid(process, 0)
+    assert os.waitstatus_to_exitcode(status) == 3
+    assert "1 not computed" in screen
+    assert "interrupted" in screen
+    assert "--resume" in screen
+    assert "Traceback" not in screen
+    assert json.loads((tmp_path / "run" / "results.json").read_text())["run"]["unfinished"] == 1
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason="only root can mount a small disk")
+def test_a_full_disk_ends_with_a_clear_message_and_keeps_what_was_done(tmp_path):
+    disk = tmp_path / "disk"
+    disk.mkdir()
+    mount = shutil.which("mount") or pytest.skip("no mount")
+    umount = shutil.which("umount") or pytest.skip("no umount")
+    small = [mount, "-t", "tmpfs", "-o", "size=256k", "none", str(disk)]
+    if subprocess.run(small, capture_output=True, check=False).returncode:
+        pytest.skip("mounting is not allowed here")
+    try:
+        done = completed("chatty", "run", "--out", disk / "run", "--jobs", "1")
+        assert done.returncode == 3
+        assert "No space left on device; what was finished before is kept" in done.stderr
+        assert "go on with: flexproof run ifw" in done.stderr
+        assert len(done.stderr.splitlines()) == 2
+        kept = list((disk / "run" / "records").glob("*.json"))
+        assert kept
+        cases = json.loads((disk / "run" / "results.json").read_text())["cases"]
+        assert {case["verdict"] for case in cases} == {"agree"}
+        larger = [mount, "-o", "remount,size=8m", str(disk)]
+        subprocess.run(larger, check=True)
+        done = completed("chatty", "run", "--out", disk / "run", "--jobs", "1", "--resume")
+        assert done.returncode == 0, done.stderr
+        assert "All 12 comparisons agree" in done.stdout
+    finally:
+        subprocess.run([umount, str(disk)], check=True)
+
+
+def wait_for(condition):
+    begun = time.monotonic()
+    while not condition():
+        assert time.monotonic() - begun < PATIENCE
+        time.sleep(0.02)
+
+
+def read_until(terminal, condition):
+    """What the terminal shows until the condition holds or nobody writes to it any more."""
+    seen = b""
+    begun = time.monotonic()
+    while not condition():
+        assert time.monotonic() - begun < PATIENCE, seen.decode()
+        if select.select([terminal], [], [], 0.05)[0]:
+            try:
+                seen += os.read(terminal, 65536)
+            except OSError:
+                break
+    return seen.decode()

@@ -1,0 +1,154 @@
+"""The models of a robot as files for other programs: VTU and VTP, npz and Matrix Market.
+
+What the files hold is written beside them, in README.txt.
+"""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+from scipy.io import mmwrite
+from scipy.sparse import coo_array, csc_array, save_npz
+
+from fem import solid
+from lumped import mechanism
+from lumped.arrays import Array, SparseMatrix
+from lumped.biglide import Biglide
+from lumped.cantilever import clamped_modes
+from lumped.leg_matrices import LegMatrices
+from lumped.legs import ConstantLeg, equivalent_leg
+from lumped.modes import dense
+from meshes.vtk_grid import grid
+from validation.context import Preset
+from validation.models import leg_matrices, robot_mechanism
+from validation.polylines import polyline, save
+
+WRENCHES = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
+MODES = 6
+# Quadratic elements across the smaller side of the section.
+_DIVISIONS: dict[Preset, int] = {"quick": 2, "standard": 4, "fine": 6}
+# The matrices are meant to be looked at and tried: one element across keeps them below 1000 rows.
+_MATRIX_DIVISIONS = 1
+_STATIONS = 41
+
+_README = """\
+Models of {name}, SI units (m, N, kg, s, rad).
+Leg axes: x from root to tip, z that of the robot. A leg given by a compliance alone is its
+equivalent leg of constant section. N is the leg's number.
+
+legN_solid.vtu
+    The mesh, {divisions} quadratic elements across the section; root clamped, end faces rigid.
+    Point data "displacement Fx" to "displacement Mz" (m per N or N m): unit wrenches at the tip.
+    "mode 1" and on: mass-normalised shapes; their frequencies (Hz) are field data.
+legN_beam.vtp, legN_segments.vtp
+    The centreline in beam elements (Timoshenko) and in rigid segments with springs between them:
+    the same data, and "rotation Fx" and on (rad) for each.
+robot_beam.vtp
+    Both legs in robot axes, y counted from B, which is in the middle of its stroke: unit wrenches
+    at the loaded point, modes of the robot. Cell data "leg".
+legN_MODEL_K.*, legN_MODEL_M.*
+    Stiffness and mass of the free leg, symmetric: .npz (scipy.sparse.load_npz), .mtx (Matrix
+    Market). Unknowns: twist of the root [x y z phi_x phi_y phi_z], twist of the tip, then the
+    model's own. The solid is meshed more coarsely, {matrix_divisions} element across, with three
+    displacements per inner node.
+"""
+
+
+def export(robot: Biglide, preset: Preset, folder: Path) -> None:
+    """Write both legs as solid, beam and segments, and the robot as beams, into `folder`.
+
+    Raises ComputationError where a model cannot be solved, OSError where the disk refuses.
+    """
+    divisions = _DIVISIONS[preset]
+    readme = _README.format(
+        name=robot.name, divisions=divisions, matrix_divisions=_MATRIX_DIVISIONS
+    )
+    (folder / "README.txt").write_text(readme, encoding="utf-8")
+    for number, described in enumerate((robot.leg1, robot.leg2), start=1):
+        leg, stem = equivalent_leg(described), f"leg{number}"
+        _write_solid(leg, divisions, folder / f"{stem}_solid.vtu")
+        coarse = solid.solid_leg(leg, solid.solid_mesh(leg, _MATRIX_DIVISIONS))
+        models = {
+            "segments": leg_matrices("segments", leg),
+            "beam": leg_matrices("beam", leg),
+            "solid": solid.solid_leg_matrices(coarse),
+        }
+        for name, matrices in models.items():
+            _write_matrix(matrices.stiffness, folder / f"{stem}_{name}_K")
+            _write_matrix(matrices.mass, folder / f"{stem}_{name}_M")
+        for name in ("segments", "beam"):
+            _write_centreline(models[name], folder / f"{stem}_{name}.vtp")
+    _write_robot(robot, folder / "robot_beam.vtp")
+
+
+def _write_solid(leg: ConstantLeg, divisions: int, path: Path) -> None:
+    mesh = solid.solid_mesh(leg, divisions)
+    clamped = solid.clamped_leg(solid.solid_leg(leg, mesh))
+    deflections = clamped.ends.expanded(clamped.factor.solve(clamped.ends.tip_loads()))
+    modes = solid.modes(clamped, MODES)
+    data = grid(mesh)
+    for name, field in _named(deflections, modes.shapes).items():
+        data.point_data[name] = field.reshape(-1, 3)
+    data.field_data["frequencies"] = modes.frequencies
+    save(data, path)
+
+
+def _write_centreline(leg: LegMatrices, path: Path) -> None:
+    stations = np.linspace(0.0, leg.length, _STATIONS)
+    twists = leg.centreline(stations)
+    held = dense(leg.stiffness)[6:, 6:]
+    deflections = np.zeros((leg.size, 6))
+    deflections[6:] = np.linalg.solve(held, np.eye(leg.size - 6, 6))
+    modes = clamped_modes(leg, MODES)
+    points = np.column_stack([stations, np.zeros((_STATIONS, 2))])
+    fields = _named(twists @ deflections, twists @ modes.shapes)
+    save(polyline([points], _vectors(fields), modes.frequencies), path)
+
+
+def _write_robot(robot: Biglide, path: Path) -> None:
+    posture = robot.posture(robot.centre)
+    beams = robot_mechanism("beam", robot, robot.centre)
+    modes = mechanism.modes(beams, MODES)
+    deflections = np.linalg.solve(dense(beams.stiffness), dense(beams.loaded).T)
+    lines, parts = [], []
+    places = zip(
+        (robot.leg1, robot.leg2),
+        beams.legs,
+        (posture.root1, posture.root2),
+        (posture.rotation1, posture.rotation2),
+        strict=True,
+    )
+    for described, from_robot, root, rotation in places:
+        leg = leg_matrices("beam", equivalent_leg(described))
+        stations = np.linspace(0.0, leg.length, _STATIONS)
+        twists = leg.centreline(stations) @ from_robot
+        fields = _vectors(_named(twists @ deflections, twists @ modes.shapes))
+        lines.append(root + np.outer(stations, rotation[:, 0]))
+        parts.append({name: field @ rotation.T for name, field in fields.items()})
+    joined = {name: np.vstack([part[name] for part in parts]) for name in parts[0]}
+    save(polyline(lines, joined, modes.frequencies), path)
+
+
+def _write_matrix(matrix: SparseMatrix, path: Path) -> None:
+    # Matrix Market's symmetric form keeps one triangle: the halves are made equal to the last bit.
+    full = csc_array((matrix + matrix.T) / 2.0)
+    full.eliminate_zeros()
+    full.sort_indices()
+    save_npz(path.with_name(f"{path.name}.npz"), full)
+    mmwrite(path.with_name(f"{path.name}.mtx"), coo_array(full), symmetry="symmetric")
+
+
+def _named(deflections: Array, shapes: Array) -> dict[str, Array]:
+    """Columns by name: deflections under unit wrenches, then mode shapes."""
+    named = {f"displacement {w}": u for w, u in zip(WRENCHES, deflections.T, strict=True)}
+    return named | {f"mode {k}": shape for k, shape in enumerate(shapes.T, start=1)}
+
+
+def _vectors(fields: Mapping[str, Array]) -> dict[str, Array]:
+    """Twists along a centreline, flattened (6m), as displacements and rotations (m×3 each)."""
+    vectors = {}
+    for name, field in fields.items():
+        twists = np.asarray(field).reshape(-1, 6)
+        vectors[name] = twists[:, :3]
+        vectors[f"rotation {name.removeprefix('displacement ')}"] = twists[:, 3:]
+    return vectors

@@ -1,0 +1,169 @@
+"""Comparisons as compact tables: one row for each quantity, one column for each model."""
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from math import isclose, isnan
+
+from validation.case import Outcome, Relation, Relative, Verdict
+
+# The part of a case's id that names the model, and the heading of its column.
+VARIANTS = {
+    "simplified": "simplified",
+    "vjm": "virtual joints",
+    "half": "segments, half springs at the ends",
+    "literal": "segments, springs as printed",
+    "segments": "segments",
+    "beam": "beam FE",
+    "solid": "solid FE",
+    "series": "series",
+    "mesh": "finite elements",
+}
+_VARIANT = re.compile(rf"(?<=\.)({'|'.join(VARIANTS)})(?=[-.\[]|$)")
+_RANK: dict[Verdict, int] = {"disagree": 0, "failed": 1, "agree": 2, "skipped": 3}
+
+
+@dataclass(frozen=True)
+class Row:
+    """One quantity by several models; `cells` follow the grid's models, None where none asked."""
+
+    quantity: str
+    cells: tuple[Outcome | None, ...]
+
+    @property
+    def known(self) -> tuple[Outcome, ...]:
+        """The cells that hold a comparison."""
+        return tuple(cell for cell in self.cells if cell is not None)
+
+    @property
+    def unit(self) -> str:
+        """Unit of the row."""
+        return self.known[0].case.unit
+
+    @property
+    def reference(self) -> float | None:
+        """The reference where all cells have the same one."""
+        measured = [cell.measurement for cell in self.known if cell.measurement]
+        if not measured:
+            return None
+        first = measured[0].reference
+        same = all(isclose(m.reference, first, rel_tol=1e-9) for m in measured)
+        return first if same else None
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Rows over the same models (keys of `VARIANTS`)."""
+
+    models: tuple[str, ...]
+    rows: tuple[Row, ...]
+
+    @property
+    def headings(self) -> tuple[str, ...]:
+        """Headings of the model columns."""
+        return tuple(VARIANTS[model] for model in self.models)
+
+    @property
+    def references(self) -> bool:
+        """Whether any row has one reference for all its cells."""
+        return any(row.reference is not None for row in self.rows)
+
+
+@dataclass(frozen=True)
+class Part:
+    """A section of the report in one line: how many comparisons, and the least explained one."""
+
+    title: str
+    outcomes: tuple[Outcome, ...]
+
+    def count(self, verdict: Verdict) -> int:
+        """How many comparisons have this verdict."""
+        return sum(outcome.verdict == verdict for outcome in self.outcomes)
+
+    @property
+    def verdict(self) -> Verdict:
+        """The worst verdict of the part."""
+        return min((outcome.verdict for outcome in self.outcomes), key=lambda v: _RANK[v])
+
+    @cached_property
+    def largest(self) -> Outcome | None:
+        """The comparison with the largest unexplained difference, see `unexplained_share`."""
+        return largest_unexplained(self.outcomes)
+
+
+def grids(outcomes: Sequence[Outcome]) -> tuple[tuple[Grid, ...], tuple[Outcome, ...]]:
+    """Tables of the quantities that several models compute, and the outcomes left over.
+
+    Cases that differ in nothing but the model named in their id share a row; rows that share a
+    model share a table. Order of appearance throughout.
+    """
+    by_key: dict[str, dict[str, Outcome]] = {}
+    for outcome in outcomes:
+        named = _VARIANT.search(outcome.case.id)
+        if named:
+            key = outcome.case.id[: named.start()] + "*" + outcome.case.id[named.end() :]
+            by_key.setdefault(key, {})[named[1]] = outcome
+    shared = {key: cells for key, cells in by_key.items() if len(cells) > 1}
+    placed = {outcome.case.id for cells in shared.values() for outcome in cells.values()}
+    tables: list[dict[str, dict[str, Outcome]]] = []
+    for key, cells in shared.items():
+        table = next((t for t in tables if any(cells.keys() & c.keys() for c in t.values())), None)
+        if table is None:
+            tables.append({key: cells})
+        else:
+            table[key] = cells
+    rest = tuple(outcome for outcome in outcomes if outcome.case.id not in placed)
+    return tuple(_grid(table) for table in tables), rest
+
+
+def unexplained_share(outcome: Outcome) -> float | None:
+    """|unexplained difference| over |reference|, None where that has no meaning.
+
+    It has one where the case claims equality of two numbers of a kind, within a relative
+    tolerance: orders, ranks, counts and bounds have amounts instead.
+    """
+    case, measurement = outcome.case, outcome.measurement
+    if measurement is None or not measurement.reference:
+        return None
+    if case.relation is not Relation.EQUAL or not isinstance(case.tolerance, Relative):
+        return None
+    share = abs(measurement.unexplained / measurement.reference)
+    return None if isnan(share) else share
+
+
+def largest_unexplained(outcomes: Sequence[Outcome]) -> Outcome | None:
+    """The comparison with the largest unexplained difference in % of its reference."""
+    relative = [o for o in outcomes if unexplained_share(o) is not None]
+    return max(relative, key=lambda o: unexplained_share(o) or 0.0, default=None)
+
+
+def _grid(table: dict[str, dict[str, Outcome]]) -> Grid:
+    models = tuple(name for name in VARIANTS if any(name in cells for cells in table.values()))
+    names = _row_names(table)
+    rows = tuple(
+        Row(names[key], tuple(cells.get(model) for model in models))
+        for key, cells in table.items()
+    )
+    return Grid(models, rows)
+
+
+def _row_names(table: dict[str, dict[str, Outcome]]) -> dict[str, str]:
+    """The quantity of each row; where two rows share it, with what tells their ids apart."""
+    quantities = {key: next(iter(cells.values())).case.quantity for key, cells in table.items()}
+    names = {}
+    for key, quantity in quantities.items():
+        alike = [other for other, name in quantities.items() if name == quantity]
+        words = [re.split(r"[.\[\]]", other) for other in alike]
+        own = re.split(r"[.\[\]]", key)
+        telling = [
+            word
+            for place, word in enumerate(own)
+            if any(place >= len(other) or other[place] != word for other in words)
+        ]
+        names[key] = f"{quantity} ({_spoken(telling)})" if telling else quantity
+    return names
+
+
+def _spoken(words: Sequence[str]) -> str:
+    return ", ".join(re.sub(r"^(leg)(\d)$", r"\1 \2", word) for word in words if word)
