@@ -6,17 +6,18 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 from scipy.sparse import csr_array, kron
-from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh
+from scipy.sparse.linalg import LinearOperator
 
 from fem.cholesky import Factor, analyse, factorise
 from fem.elasticity import mass, stiffness
 from fem.end_coupling import FreeEnds, RigidEnds, free_ends, rigid_ends, rigid_motions
+from fem.modes import CertifiedModes
+from fem.modes import modes as clamped_modes
 from fem.saint_venant import section_quadrature
 from lumped.arrays import Array, SparseMatrix
-from lumped.errors import ComputationError, InputError
+from lumped.errors import InputError
 from lumped.leg_matrices import LegMatrices
 from lumped.legs import ConstantLeg
-from lumped.modes import Modes, fix_signs
 from meshes.elements import ELEMENTS, SectionElement
 from meshes.extrude import extrude, stations
 from meshes.feasibility import require_leg
@@ -29,8 +30,6 @@ Ends: TypeAlias = Literal["rigid", "free"]
 # Length of a slice in elements of the section. Quadratic slices follow the cubic deflection of a
 # tip load with a relative error of 0.08 (slice²/(b L))²: 1e-5 at four divisions and L = 5b.
 _SLICE_ASPECT = 1.0
-
-_SEED = 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,33 +111,13 @@ def tip_compliance(clamped: ClampedLeg) -> Array:
     return np.asarray((compliance + compliance.T) / 2.0)
 
 
-def modes(clamped: ClampedLeg, count: int) -> Modes:
+def modes(clamped: ClampedLeg, count: int) -> CertifiedModes:
     """The lowest `count` frequencies (Hz) and mass-normalised shapes (3N×count, leg axes).
 
-    Shift-invert Lanczos about zero from a fixed start, signs fixed: runs repeat. Raises
-    ComputationError where it does not converge.
+    None is missing, and runs repeat: see `fem.modes`. Raises ComputationError where modes do not
+    converge or the certificate fails.
     """
-    solve = clamped.factor.solve
-    inverse = LinearOperator(clamped.stiffness.shape, matvec=solve, matmat=solve, dtype=np.float64)
-    # Noise has a share in the modes of every symmetry; Lanczos finds none that its start lacks.
-    noise = np.random.default_rng(_SEED).standard_normal(clamped.stiffness.shape[0])
-    try:
-        values, vectors = eigsh(
-            clamped.stiffness,
-            count,
-            M=clamped.mass,
-            sigma=0.0,
-            OPinv=inverse,
-            v0=solve(noise),
-        )
-    except ArpackNoConvergence as error:
-        raise ComputationError(
-            f"solid leg: {len(error.eigenvalues)} of {count} modes converged; "
-            "fewer modes or a finer mesh are needed"
-        ) from error
-    order = np.argsort(values)
-    shapes = fix_signs(clamped.ends.expanded(vectors[:, order]))
-    return Modes(frequencies=np.sqrt(values[order]) / (2.0 * np.pi), shapes=shapes)
+    return clamped_modes(clamped, count)
 
 
 def solid_leg_matrices(solid: SolidLeg) -> LegMatrices:

@@ -25,7 +25,7 @@ FORMAL_ORDER = 4.0
 # Relative rounding of compliances and frequencies: below it a refinement shows nothing.
 _ROUND_OFF = 1e-9
 _BEAM_ELEMENTS = 20
-_GRIDS_FOR_ORDER, _FEWEST_GRIDS = 4, 3
+_GRIDS_FOR_ORDER, _FEWEST_GRIDS = 4, 2
 # Curved and thin-walled sections keep their proportions only under doubling, from four on.
 _RECTANGLE_LADDER = (1, 2, 3, 4, 6, 8, 12)
 _DOUBLING_LADDER = (4, 8, 16, 32)
@@ -49,11 +49,13 @@ class Refinement:
     def uncertainty(self, *index: int) -> float:
         """Numerical uncertainty of one of the finest values (its unit).
 
-        With fewer than four meshes, which show no order, the whole step between the two finest.
+        With fewer than four meshes, which show no order, Roache's estimate for two: the step to
+        the finest over r⁴ − 1, with a safety factor of three.
         """
         values = self._curve(index)
         if len(values) < _GRIDS_FOR_ORDER:
-            return float(abs(values[-1] - values[-2]))
+            ratio = self.divisions[-1] / self.divisions[-2]
+            return float(3.0 * abs(values[-1] - values[-2]) / (ratio**FORMAL_ORDER - 1.0))
         return uncertainty_of(self.at(*index))
 
     def _curve(self, index: tuple[int, ...]) -> Array:
@@ -69,25 +71,27 @@ class SolidModes:
 
 
 def static_ladder(leg: ConstantLeg, most: int) -> tuple[int, ...]:
-    """Divisions whose section mesh has at most `most` unknowns, for studies by doubling."""
-    return _ladder(leg, lambda face, _slices: face <= most)
+    """Divisions whose section mesh has at most `most` unknowns, for studies by doubling.
+
+    Empty where not even two meshes are affordable.
+    """
+    return _ladder(leg, lambda face, _: face <= most)
 
 
 def dynamic_ladder(leg: ConstantLeg, most: int) -> tuple[int, ...]:
-    """Divisions whose solid mesh has at most `most` unknowns, for studies of modes."""
-    return _ladder(leg, lambda face, count: face * (2 * count + 1) <= most)
+    """Divisions whose solid mesh has at most `most` unknowns, for studies of modes; as above."""
+    return _ladder(leg, lambda face, step: face * (2 * slices(leg, step) + 1) <= most)
 
 
 def _ladder(leg: ConstantLeg, affordable: Callable[[int, int], bool]) -> tuple[int, ...]:
-    """The affordable divisions, three at least."""
     steps = _RECTANGLE_LADDER if isinstance(leg.section, Rectangle) else _DOUBLING_LADDER
     chosen: list[int] = []
     for step in steps:
         face = 3 * len(section_mesh(leg.section, section_counts(leg, step)).nodes)
-        if len(chosen) >= _FEWEST_GRIDS and not affordable(face, slices(leg, step)):
+        if not affordable(face, step):
             break
         chosen.append(step)
-    return tuple(chosen)
+    return tuple(chosen) if len(chosen) >= _FEWEST_GRIDS else ()
 
 
 def section_counts(leg: ConstantLeg, divisions: int) -> Divisions:
@@ -105,8 +109,13 @@ def section_counts(leg: ConstantLeg, divisions: int) -> Divisions:
 
 
 def slices(leg: ConstantLeg, divisions: int) -> int:
-    """Slices along the leg, about as long as the section's elements."""
-    return divisions * max(2, ceil(leg.length / min(leg.section.extent)))
+    """Slices along the leg, as long as a rectangle's elements are wide.
+
+    In the other shapes, which start at four divisions, four times as long: walls need their
+    divisions across, not along.
+    """
+    along = max(2, ceil(leg.length / min(leg.section.extent)))
+    return divisions * along if isinstance(leg.section, Rectangle) else divisions * along // 4
 
 
 def similar_mesh(leg: ConstantLeg, divisions: int) -> SolidMesh:

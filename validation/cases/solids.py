@@ -38,7 +38,7 @@ from validation.leg_solids import (
 
 # Unknowns of the largest section mesh for statics by doubling, and of the largest solid for modes.
 STATICS: dict[Preset, int] = {"quick": 1000, "standard": 2000, "fine": 4000}
-DYNAMICS: dict[Preset, int] = {"quick": 10_000, "standard": 60_000, "fine": 200_000}
+DYNAMICS: dict[Preset, int] = {"quick": 12_000, "standard": 60_000, "fine": 200_000}
 # Section constants are to be exact beside the solids' meshes, the waves need dense matrices.
 SECTION_DIVISIONS, WAVE_DIVISIONS = 16, 4
 # Wave length of the shortest mode, in section heights, that beam theory is held to.
@@ -122,6 +122,7 @@ def compliances(context: Context, number: int, ends: Ends) -> Refinement:
     """Tip compliances of leg 1 or 2 on the preset's meshes."""
     leg = constant_leg_of(context, number)
     divisions = context.get(static_ladder, leg, STATICS[context.preset])
+    _require(divisions, STATICS, context.preset, "section meshes")
     return context.get(solid_compliances, leg, divisions)[ends]
 
 
@@ -129,43 +130,66 @@ def frequencies(context: Context, number: int, ends: Ends) -> SolidModes:
     """Frequencies of leg 1 or 2 on the preset's meshes."""
     leg = constant_leg_of(context, number)
     divisions = context.get(dynamic_ladder, leg, DYNAMICS[context.preset])
+    _require(divisions, DYNAMICS, context.preset, "solid meshes")
     return context.get(solid_frequencies, leg, divisions, ends, MODES)
 
 
-def own_constants(leg: ConstantLeg) -> SectionConstants:
+def _require(
+    divisions: tuple[int, ...], limits: dict[Preset, int], preset: Preset, what: str
+) -> None:
+    if not divisions:
+        raise Skip(
+            f"two {what} of this section have more than {limits[preset]} unknowns, too many for "
+            f"preset {preset}; a larger preset may compute it"
+        )
+
+
+def own_constants(leg: ConstantLeg, divisions: int = SECTION_DIVISIONS) -> SectionConstants:
     """Section constants of a leg by finite elements, free of thin-wall assumptions."""
-    mesh = section_mesh(leg.section, section_counts(leg, SECTION_DIVISIONS))
+    mesh = section_mesh(leg.section, section_counts(leg, divisions))
     return section_constants(mesh, leg.material.nu, leg.material.G / leg.material.E)
 
 
-def own_beam(leg: ConstantLeg) -> BeamProperties:
+def own_beam(leg: ConstantLeg, divisions: int = SECTION_DIVISIONS) -> BeamProperties:
     """Timoshenko beam of the section's own constants."""
-    return beam_properties(own_constants(leg), leg.material)
+    return beam_properties(own_constants(leg, divisions), leg.material)
 
 
-def _own_compliance(leg: ConstantLeg) -> Array:
-    return tip_compliance(own_beam(leg), leg.length)
+def _own_compliances(leg: ConstantLeg, divisions: tuple[int, ...]) -> Array:
+    """Tip compliances (m×6×6) of the beam, section constants on each of the solids' meshes."""
+    return np.array([tip_compliance(own_beam(leg, number), leg.length) for number in divisions])
 
 
-def _own_modes(leg: ConstantLeg) -> tuple[CantileverFrequency, ...]:
-    return cantilever_frequencies(own_beam(leg), leg.length, 2 * MODES)
+def _own_modes(leg: ConstantLeg, divisions: int) -> tuple[CantileverFrequency, ...]:
+    return cantilever_frequencies(own_beam(leg, divisions), leg.length, 2 * MODES)
 
 
 def _entry(context: Context, number: int, entry: tuple[int, int]) -> Measurement:
     leg = constant_leg_of(context, number)
     rigid, free = (compliances(context, number, ends) for ends in ("rigid", "free"))
     textbook = float(context.get(exact_compliance, leg)[entry])
-    own = float(context.get(_own_compliance, leg)[entry])
+    own = context.get(_own_compliances, leg, rigid.divisions)
     value = float(rigid.values[-1][entry])
+    # Causes are measured on one mesh, so that its errors cancel: what is left, and what the
+    # numerical uncertainty is about, is the free solid less the beam of the same section mesh.
+    left = Refinement(rigid.divisions, free.values - own)
     return Measurement(
         value,
         textbook,
-        value_uncertainty=rigid.uncertainty(*entry),
+        value_uncertainty=left.uncertainty(*entry),
         allowances=(
-            _textbook(own - textbook),
+            _textbook(float(own[-1][entry]) - textbook),
             _restraint(value - float(free.values[-1][entry])),
         ),
+        notes=(
+            f"rigid end faces change it by {_percent(value, float(free.values[-1][entry]))}; "
+            f"mesh uncertainty with them {_percent(rigid.uncertainty(*entry) + value, value)}",
+        ),
     )
+
+
+def _percent(changed: float, base: float) -> str:
+    return f"{100.0 * (changed / base - 1.0):+.3g} %"
 
 
 def _mode(context: Context, number: int, index: int) -> Measurement:
@@ -182,7 +206,7 @@ def _mode(context: Context, number: int, index: int) -> Measurement:
     rigid, free = (frequencies(context, number, ends) for ends in ("rigid", "free"))
     own = next(
         float(mode.frequency)
-        for mode in context.get(_own_modes, leg)
+        for mode in context.get(_own_modes, leg, rigid.frequencies.divisions[-1])
         if (mode.part, mode.order) == (exact.part, exact.order)
     )
     value, textbook = float(rigid.frequencies.values[-1, index]), float(exact.frequency)
@@ -208,7 +232,7 @@ def _textbook(amount: float) -> Allowance:
     return Allowance(
         cause="textbook section constants (thin walls, Cowper's shear)",
         amount=amount,
-        source="fem.section_constants on the section's own mesh",
+        source="fem.section_constants on the solid's section mesh",
     )
 
 
