@@ -1,0 +1,211 @@
+"""End restraint, section shapes, CalculiX and mesh families: that they agree, and can fail."""
+
+import shutil
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fem import calculix_run, doubling
+from lumped.legs import ConstantLeg, Material
+from lumped.robot_file import load_robot
+from lumped.sections import Circle, HollowRectangle, ISection, Rectangle
+from meshes.section_mesh import section_mesh
+from validation.case import Skip, judge, perturbed
+from validation.cases import calculix, end_restraint, mesh_families, shapes
+from validation.cases.legs import constant_leg_of
+from validation.context import Context
+from validation.leg_solids import Refinement
+from validation.lengthened_legs import fundamental_ratio, lengthened, limit_exponent
+from validation.report.style import study_plot
+
+ROBOT_FILE = load_robot("ifw")
+STEEL = Material.isotropic(E=2.1e11, nu=0.3, rho=7850.0)
+CALCULIX_IS_MISSING = not any(map(shutil.which, calculix_run.PROGRAMS))
+
+
+@pytest.fixture(scope="module")
+def quick():
+    return Context(ROBOT_FILE, "quick")
+
+
+@pytest.fixture(scope="module")
+def standard():
+    return Context(ROBOT_FILE, "standard")
+
+
+@pytest.fixture(scope="module")
+def walls():
+    """Steel legs: a box, whose section distorts, and an open I, whose warping reaches far."""
+    robot = replace(
+        ROBOT_FILE.robot,
+        leg1=ConstantLeg(0.85, HollowRectangle(0.1, 0.16, 0.008), STEEL),
+        leg2=ConstantLeg(0.775, ISection(0.1, 0.16, 0.012, 0.008), STEEL),
+    )
+    return Context(replace(ROBOT_FILE, robot=robot), "quick")
+
+
+def named(case):
+    return case.id
+
+
+def agrees_and_can_fail(case, context):
+    outcome = judge(case, case.compute(context), 0.0)
+    assert outcome.verdict == "agree", (outcome.measurement, outcome.message)
+    assert perturbed(outcome, 3.0) == "disagree"
+    return outcome.measurement
+
+
+# The robot's own legs in the quick preset are the business of test_cases.
+@pytest.mark.parametrize("case", end_restraint.cases(), ids=named)
+def test_exponents_of_thin_walled_legs_agree_and_can_fail(case, walls):
+    agrees_and_can_fail(case, walls)
+
+
+@pytest.mark.parametrize("case", shapes.cases(), ids=named)
+def test_shapes_agree_and_can_fail(case, standard):
+    agrees_and_can_fail(case, standard)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("case", mesh_families.cases(), ids=named)
+def test_mesh_families_agree_and_can_fail(case, standard):
+    agrees_and_can_fail(case, standard)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("case", calculix.cases(), ids=named)
+def test_calculix_agrees_and_the_cases_can_fail(case, standard):
+    if CALCULIX_IS_MISSING and case.reference_kind == "independent-solver":
+        pytest.skip("CalculiX (ccx) is not installed")
+    agrees_and_can_fail(case, standard)
+
+
+def test_ids_are_unique_and_quick_runs_are_spared_the_costly_ones():
+    modules = (end_restraint, shapes, calculix, mesh_families)
+    found = [case for module in modules for case in module.cases()]
+    assert len({case.id for case in found}) == len(found)
+    in_quick = {case.id for case in found if "quick" in case.presets}
+    assert not any(name.startswith("mesh-families") for name in in_quick)
+    assert {name for name in in_quick if name.startswith("calculix")} == {
+        "calculix.rectangle.compliance",
+        "calculix.rectangle.frequencies",
+    }
+
+
+@pytest.mark.parametrize(
+    ("number", "torsion", "shear"),
+    # The extrapolated share of torsion and the shear share L/κGA ÷ L³/3EI, both in %: leg 1
+    # 1.44 and 1.35, leg 2 17.5 and 17.9 (the end restraint brings the latter to 17.5).
+    [(1, (1.40, 1.60), (1.33, 1.37)), (2, (17.4, 17.7), (17.8, 18.0))],
+)
+def test_differences_of_the_papers_legs_are_shown_with_their_causes(number, torsion, shear, quick):
+    by_id = {case.id: case for case in end_restraint.cases()}
+    for name, (low, high) in {"torsion": torsion, "shear": shear}.items():
+        found = by_id[f"restraint.leg{number}.exponent[{name}]"].compute(quick)
+        assert low < found.table["relative difference (%)"][0] < high
+        assert end_restraint.CAUSES[name].label in found.notes[0]
+
+
+def test_shear_left_out_is_what_beam_theory_says_of_it(quick):
+    # Rectangle, ν = 0: (L/κGA) / (L³/3EI) = 3 · 1.2 · E/G · h²/12 / L².
+    for number in (1, 2):
+        leg = constant_leg_of(quick, number)
+        amount = end_restraint.CAUSES["shear"].amounts(quick, number)[0]
+        ratio = leg.material.E / leg.material.G
+        exact = 3.0 * 1.2 * ratio * leg.section.height**2 / 12.0 / leg.length**2
+        # κ on a mesh of three divisions: 2e-3 of it.
+        assert amount == pytest.approx(exact, rel=5e-3)
+
+
+def test_rotary_inertia_takes_what_rayleigh_says():
+    # To first order f/f_R − 1 = ½ (r/L)² ∫φ′²/∫φ², with 4.6478 for the first clamped-free mode
+    # (R. D. Blevins, Formulas for Natural Frequency and Mode Shape, table 8-1: β = 1.8751).
+    leg = ConstantLeg(4.0, Rectangle(0.1, 0.1), STEEL)
+    radius = 0.1 / np.sqrt(12.0)
+    first_order = 0.5 * 4.6478 * (radius / 4.0) ** 2
+    found = fundamental_ratio(leg.timoshenko, leg.length) - 1.0
+    # The next order is (r/L)² = 5e-5 of it, the constant has five digits.
+    assert found == pytest.approx(first_order, rel=5e-4)
+
+
+@pytest.mark.parametrize(("power", "next_term"), [(1.0, 0.0), (1.0, 0.4), (3.0, -0.2)])
+def test_limit_exponent_of_a_power_with_a_second_term(power, next_term):
+    s = 8.0 * 2.0 ** np.arange(4)
+    amounts = 0.3 * s**-power * (1.0 + next_term / s)
+    # What is left is of the order (next/s)², s = 16 at the coarsest of the three used.
+    assert limit_exponent(s, amounts) == pytest.approx(-power, abs=2e-3)
+
+
+def test_a_constant_difference_has_no_exponent_of_a_named_cause():
+    # A wrong stiffness does not vanish with length: no cause's exponent lets it pass.
+    s = 8.0 * 2.0 ** np.arange(4)
+    found = limit_exponent(s, 0.01 + 0.3 / s)
+    assert all(abs(found - cause.exponent) > 0.15 for cause in end_restraint.CAUSES.values())
+
+
+def test_lengthened_leg_is_the_leg_of_that_length():
+    leg = ConstantLeg(0.4, Rectangle(0.1, 0.1), STEEL)
+    found = lengthened(leg, 2, 1)
+    mesh = section_mesh(leg.section, (2, 2))
+    direct = doubling.condensed_leg(replace(leg, length=0.8), mesh, 16)
+    # The same slices, joined in another order: rounding.
+    np.testing.assert_allclose(
+        found.rigid[1], np.diag(doubling.tip_compliance(direct, "rigid")), rtol=1e-10
+    )
+    assert found.lengths.tolist() == [0.4, 0.8]
+
+
+def test_round_legs_skip_the_torsion_that_does_not_warp():
+    round_leg = ConstantLeg(0.8, Circle(0.1), STEEL)
+    robot = replace(ROBOT_FILE.robot, leg1=round_leg)
+    context = Context(replace(ROBOT_FILE, robot=robot), "quick")
+    case = next(c for c in end_restraint.cases() if c.id == "restraint.leg1.exponent[torsion]")
+    with pytest.raises(Skip, match="do not warp"):
+        case.compute(context)
+
+
+def test_study_of_all_causes_is_drawn_with_its_orders(quick):
+    case = next(c for c in end_restraint.cases() if c.id == "restraint.leg1.exponent[torsion]")
+    (study,) = case.compute(quick).studies
+    assert len(study.series) == len(end_restraint.CAUSES)
+    # The exponents of the causes in the order of the catalogue, measured: 1 1 1 1 2 2 3.
+    assert [round(order) for order in study.orders.values()] == [1, 1, 1, 1, 2, 2, 3]
+    figure = study_plot(study)
+    assert figure.svg.startswith("<svg")
+    assert "c44, warping restrained 1.4" in figure.caption
+
+
+def test_absent_calculix_skips_its_cases(monkeypatch):
+    monkeypatch.setenv("PATH", "")
+    context = Context(ROBOT_FILE, "quick")
+    for case in calculix.cases()[:2]:
+        with pytest.raises(Skip, match="calculix-ccx"):
+            case.compute(context)
+
+
+@pytest.mark.skipif(CALCULIX_IS_MISSING, reason="CalculiX (ccx) is not installed")
+def test_a_wrong_poisson_ratio_is_caught_by_calculix(quick, monkeypatch):
+    specimen = calculix.SPECIMENS["rectangle"]
+    found = calculix.side_by_side(specimen.leg, specimen.divisions)
+    softer = replace(specimen.leg, material=Material.isotropic(E=2.1e11, nu=0.30001, rho=7850.0))
+    wrong = calculix.side_by_side(softer, specimen.divisions)
+    mixed = replace(found, compliance=wrong.compliance, same_mass=wrong.same_mass)
+    monkeypatch.setattr(calculix, "_solved", lambda _context, _name: mixed)
+    verdicts = [judge(c, c.compute(quick), 0.0).verdict for c in calculix.cases()[:2]]
+    assert verdicts == ["disagree", "disagree"]
+
+
+def test_uncertainty_is_never_below_the_last_step():
+    # Pairwise orders of 8 would make the GCI a hundredth of the last step.
+    sizes = np.array([1.0, 0.5, 0.25, 0.125])
+    values = (1.0 + sizes**8)[:, None]
+    found = Refinement((1, 2, 4, 8), values)
+    assert mesh_families.uncertainty(found, 0) == pytest.approx(abs(values[-1, 0] - values[-2, 0]))
+
+
+def test_legs_that_are_no_rectangles_skip_the_families_of_leg_1():
+    robot = replace(ROBOT_FILE.robot, leg1=ConstantLeg(0.8, Circle(0.1), STEEL))
+    context = Context(replace(ROBOT_FILE, robot=robot), "standard")
+    with pytest.raises(Skip, match="leg 1 is a circle"):
+        mesh_families.cases()[0].compute(context)

@@ -1,0 +1,277 @@
+"""Where beam and solid must differ, and how fast the difference vanishes as the leg grows longer.
+
+A leg is doubled in length again and again, its section kept. Each named cause then falls with a
+power of the slenderness s = length / larger side:
+
+torsion, warping restrained   a rigid face stops the warping of a constant torque over a depth of
+                              about one side: a fixed length of leg twists less, h of L: s⁻¹.
+contraction restrained        likewise σxx = N/A or My/I at a face that cannot contract (ν > 0): a
+                              fixed length stretches or bends less under the face's full load: s⁻¹.
+shear deformation left out    γ = V/κGA all along, L/κGA beside L³/3EI: s⁻².
+rotary inertia left out       ρI w′² beside ρA w² in the kinetic energy, (h/L)²: s⁻².
+shear, warping restrained     without contraction the faces of bending stay plane, M has no end
+                              effect. V has the same one at any length, h/GA beside L³/3EI: s⁻³.
+
+Local exponents approach these from the next power of s: with the full wrench (V, M = V L) at the
+root the restraint of bending is a L² + b L + c. They are therefore extrapolated in 1/s.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+
+from lumped.arrays import Array
+from lumped.legs import Material
+from lumped.sections import Circle, Tube
+from validation.case import Absolute, Case, Measurement, Skip
+from validation.cases.legs import ENTRIES, constant_leg_of
+from validation.context import Context
+from validation.exhibits import Study
+from validation.lengthened_legs import (
+    Lengthened,
+    affordable_divisions,
+    doublings_needed,
+    fundamental_ratio,
+    lengthened,
+    limit_exponent,
+)
+
+SECTION = "End restraint"
+THEORY = (
+    "Saint-Venant's principle: an end effect takes a fixed length of the leg; S. P. Timoshenko, "
+    "J. N. Goodier, Theory of Elasticity, §§19, 109, 119; Timoshenko, Phil. Mag. 41 (1921) 744"
+)
+# Relative differences below it are rounding.
+_ROUND_OFF = 1e-11
+_POISSON = 0.3
+_DIAGONALS = tuple(name for name, (i, j, _) in ENTRIES.items() if i == j)
+
+
+@dataclass(frozen=True)
+class Cause:
+    """A named difference of two models and its exponent in the slenderness.
+
+    `amounts` gives its relative size (m) at all lengths of leg 1 or 2.
+    """
+
+    label: str
+    claim: str
+    exponent: float
+    amounts: Callable[[Context, int], Array]
+
+
+def cases() -> tuple[Case, ...]:
+    """Exponents of every cause, and free ends against beam theory, for both legs."""
+    return tuple(
+        case
+        for number in (1, 2)
+        for case in (
+            *(_exponent_case(number, name, cause) for name, cause in CAUSES.items()),
+            _free_case(number),
+        )
+    )
+
+
+def _exponent_case(number: int, name: str, cause: Cause) -> Case:
+    return Case(
+        id=f"restraint.leg{number}.exponent[{name}]",
+        title=f"Leg {number}: {cause.claim} with the slenderness to the power {cause.exponent:g}",
+        quantity=f"exponent of the slenderness, {cause.label}",
+        unit="1",
+        reference_kind="closed-form",
+        citation=THEORY,
+        tolerance=Absolute(0.05),
+        tolerance_reason="local exponents of three lengths, extrapolated in 1/s: the term after "
+        "next leaves 0.02 at most; the nearest other cause is a whole power away",
+        compute=partial(_exponent, number=number, name=name),
+        section=SECTION,
+        group=f"restraint.leg{number}",
+        effort=0.5,
+    )
+
+
+def _free_case(number: int) -> Case:
+    return Case(
+        id=f"restraint.leg{number}.free",
+        title=f"Leg {number}: with ends free to warp and contract the solid is a Timoshenko beam",
+        quantity="largest relative difference of the six diagonal compliances, all lengths",
+        unit="1",
+        reference_kind="closed-form",
+        citation="Clapeyron's theorem on Saint-Venant's exact solution: C = ∫ of unit resultants "
+        "over EA … κGA, κ by strain energy",
+        tolerance=Absolute(1e-4),
+        tolerance_reason="no cause is left: the mesh alone, 0.003 % and less; 1e-4 is what the "
+        "project asks for",
+        compute=partial(_free, number=number),
+        section=SECTION,
+        group=f"restraint.leg{number}",
+        effort=0.5,
+    )
+
+
+def _study_of(context: Context, number: int, material: Material) -> Lengthened:
+    own = constant_leg_of(context, number)
+    divisions = affordable_divisions(own, context.preset)
+    leg = replace(own, material=material)
+    doublings = context.get(doublings_needed, own, divisions)
+    return context.get(lengthened, leg, divisions, doublings)
+
+
+def _own(context: Context, number: int) -> Lengthened:
+    return _study_of(context, number, constant_leg_of(context, number).material)
+
+
+def _without_contraction(context: Context, number: int) -> Lengthened:
+    return _study_of(context, number, replace(constant_leg_of(context, number).material, nu=0.0))
+
+
+def _isotropic(context: Context, number: int) -> Lengthened:
+    own = constant_leg_of(context, number).material
+    return _study_of(context, number, Material.isotropic(own.E, _POISSON, own.rho))
+
+
+def _torsion(context: Context, number: int) -> Array:
+    if isinstance(constant_leg_of(context, number).section, (Circle, Tube)):
+        return np.zeros_like(_own(context, number).lengths)
+    found = _without_contraction(context, number)
+    return np.asarray(1.0 - found.rigid[:, 3] / found.free[:, 3])
+
+
+def _shear_warping(context: Context, number: int) -> Array:
+    found = _without_contraction(context, number)
+    return np.asarray((found.free - found.rigid)[:, 2] / found.slender[:, 2])
+
+
+def _shear_left_out(context: Context, number: int) -> Array:
+    found = _own(context, number)
+    # L²/3 · c55 is L³/3EI with the EI of this very mesh: what the mesh lacks of it has no exponent.
+    slender = found.free[:, 4] * found.lengths**2 / 3.0
+    return np.asarray(found.free[:, 2] / slender - 1.0)
+
+
+def _rotary_inertia(context: Context, number: int) -> Array:
+    beam = constant_leg_of(context, number).timoshenko
+    lengths = _own(context, number).lengths
+    return np.array(
+        [context.get(fundamental_ratio, beam, float(length)) - 1.0 for length in lengths]
+    )
+
+
+def _contraction(context: Context, number: int, entry: int) -> Array:
+    found = _isotropic(context, number)
+    return np.asarray((found.free - found.rigid)[:, entry] / found.slender[:, entry])
+
+
+CAUSES: dict[str, Cause] = {
+    "torsion": Cause(
+        "c44, warping restrained",
+        "what rigid end faces take from torsion vanishes",
+        -1.0,
+        _torsion,
+    ),
+    "contraction.c11": Cause(
+        "c11, contraction restrained (ν = 0.3)",
+        "Poisson's contraction held at a rigid face, tension: vanishes",
+        -1.0,
+        partial(_contraction, entry=0),
+    ),
+    "contraction.c22": Cause(
+        "c22, contraction restrained (ν = 0.3)",
+        "Poisson's contraction held at a rigid face, bending along y: vanishes",
+        -1.0,
+        partial(_contraction, entry=1),
+    ),
+    "contraction.c33": Cause(
+        "c33, contraction restrained (ν = 0.3)",
+        "Poisson's contraction held at a rigid face, bending along z: vanishes",
+        -1.0,
+        partial(_contraction, entry=2),
+    ),
+    "shear": Cause(
+        "c33, shear deformation left out",
+        "Euler–Bernoulli's theory against the solid, bending along z: the difference vanishes",
+        -2.0,
+        _shear_left_out,
+    ),
+    "rotary-inertia": Cause(
+        "first frequency along z, rotary inertia left out",
+        "what rotary inertia takes from the first bending frequency vanishes",
+        -2.0,
+        _rotary_inertia,
+    ),
+    "shear-warping": Cause(
+        "c33, warping of shear restrained",
+        "warping of shear held at rigid faces (ν = 0), bending along z: vanishes",
+        -3.0,
+        _shear_warping,
+    ),
+}
+
+
+def _exponent(context: Context, number: int, name: str) -> Measurement:
+    cause = CAUSES[name]
+    lengths = _own(context, number).lengths
+    amounts = cause.amounts(context, number)
+    if amounts[-1] < _ROUND_OFF:
+        raise Skip(
+            f"leg {number}, {cause.label}: {amounts[-1]:.1g} of the value at {lengths[-1]:.3g} m, "
+            "no more than rounding (round sections do not warp)"
+        )
+    slenderness = _slenderness(context, number)
+    return Measurement(
+        limit_exponent(lengths, amounts),
+        cause.exponent,
+        notes=(
+            f"the leg as it is, length / larger side {slenderness[0]:.3g}: {cause.label}, "
+            f"{100.0 * amounts[0]:.3g} %",
+        ),
+        table={
+            "length (m)": tuple(lengths.tolist()),
+            "length / larger side": tuple(slenderness.tolist()),
+            "relative difference (%)": tuple((100.0 * amounts).tolist()),
+        },
+        studies=(_study(context, number),),
+    )
+
+
+def _slenderness(context: Context, number: int) -> Array:
+    side = max(constant_leg_of(context, number).section.extent)
+    return np.asarray(_own(context, number).lengths / side)
+
+
+def _study(context: Context, number: int) -> Study:
+    lengths = _own(context, number).lengths
+    found = {cause.label: cause.amounts(context, number) for cause in CAUSES.values()}
+    visible = {label: amounts for label, amounts in found.items() if amounts[-1] >= _ROUND_OFF}
+    shares = ", ".join(f"{label} {100.0 * amounts[0]:.3g} %" for label, amounts in visible.items())
+    return Study(
+        id=f"restraint.leg{number}",
+        kind="convergence",
+        title=f"Leg {number}: what sets beam and solid apart, and how it vanishes with length",
+        x_label="slenderness: length / larger side",
+        y_label="relative difference",
+        unit="1",
+        x=tuple(float(f"{s:.3g}") for s in _slenderness(context, number)),
+        series={label: tuple(amounts.tolist()) for label, amounts in visible.items()},
+        orders={label: -limit_exponent(lengths, amounts) for label, amounts in visible.items()},
+        limits=dict.fromkeys(visible, 0.0),
+        notes=(f"At the leg's own length: {shares}.",),
+    )
+
+
+def _free(context: Context, number: int) -> Measurement:
+    found = _own(context, number)
+    apart = found.free / found.beam - 1.0
+    held = found.rigid / found.beam - 1.0
+    return Measurement(
+        float(np.abs(apart).max()),
+        0.0,
+        table={
+            "compliance": _DIAGONALS,
+            "free ends, off beam theory (%)": tuple((100.0 * apart[0]).tolist()),
+            "rigid ends, off beam theory (%)": tuple((100.0 * held[0]).tolist()),
+        },
+        notes=(f"largest at the leg's own length: {np.abs(apart[0]).max():.2g}",),
+    )

@@ -1,0 +1,227 @@
+"""Guards of sections and solids: textbook constants, uniform strains, two ways through one mesh."""
+
+from functools import partial
+
+import numpy as np
+
+from fem import doubling, solid
+from fem.elasticity import mass, stiffness
+from fem.section_constants import SectionConstants, section_constants
+from fem.solid import Ends
+from lumped.arrays import Array
+from lumped.chains import axis_rotation
+from lumped.legs import ConstantLeg, Material
+from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Section, Tube
+from meshes.elements import SolidElement
+from meshes.hexahedra import hexahedra
+from meshes.section_mesh import section_mesh
+from meshes.solid_mesh import SolidMesh
+from meshes.tetrahedra import tetrahedra
+from validation.case import Absolute, Case, Measurement, Relative, Tolerance
+from validation.cases.guards import SECTION, scaled_difference
+from validation.cases.legs import constant_leg_of
+from validation.context import Context
+from validation.leg_solids import section_counts, similar_mesh, slices
+
+COWPER = "G. R. Cowper, J. Appl. Mech. 33 (1966) 335, against finite elements on the section"
+NU = 0.3
+# Solid shapes and a thick tube have exact textbook constants; the others are for thin walls.
+SECTIONS: dict[str, tuple[Section, int]] = {
+    "rectangle": (Rectangle(0.08, 0.14), 8),
+    "circle": (Circle(0.1), 8),
+    "tube": (Tube(0.1, 0.02), 4),
+    "hollow-rectangle": (HollowRectangle(0.1, 0.16, 0.001), 2),
+    "i-section": (ISection(0.12, 0.2, 0.002, 0.002), 1),
+}
+_EXACT = Relative(1e-3), "closed form; quadratic elements on arcs and in shear, order four"
+_THIN = Relative(0.015), "thin-wall formula: wall over side is 0.01, edges and corners count once"
+_FLANGES = (
+    Relative(0.15),
+    "the flanges as two rectangles of their own: what the web adds is left out",
+)
+QUANTITIES: dict[str, tuple[str, str]] = {
+    "area": ("area", "m²"),
+    "Iy": ("second moment of area about y", "m⁴"),
+    "Iz": ("second moment of area about z", "m⁴"),
+    "J": ("torsion constant", "m⁴"),
+    "κy": ("shear coefficient along y", "1"),
+    "κz": ("shear coefficient along z", "1"),
+}
+_CUBIC = Material(E=2.1e11, G=0.6e11, nu=0.3, rho=7850.0)
+_BLOCK = Rectangle(0.08, 0.14)
+_BLOCK_LENGTH = 0.3
+_GRADIENT = np.array([[1.0, 0.3, -0.2], [-0.5, 0.7, 0.4], [0.6, -0.1, -0.8]])
+ELEMENTS: tuple[SolidElement, ...] = ("hex8", "hex27", "tet4", "tet10")
+
+
+def cases() -> tuple[Case, ...]:
+    """All of them."""
+    return (
+        *(_constant_case(shape, name) for shape in SECTIONS for name in QUANTITIES),
+        *(_energy_case(element, kind) for element in ELEMENTS for kind in ("strain", "kinetic")),
+        *(_isotropy_case(axis) for axis in "xyz"),
+        *(_two_ways_case(number, ends) for number in (1, 2) for ends in ("rigid", "free")),
+    )
+
+
+def _constant_case(shape: str, name: str) -> Case:
+    tolerance, reason = _tolerance(shape, name)
+    meaning, unit = QUANTITIES[name]
+    return Case(
+        id=f"guard.section.{shape}[{name}]",
+        title=f"Textbook {meaning} of a section ({shape})",
+        quantity=meaning,
+        unit=unit,
+        reference_kind="independent-solver",
+        citation=COWPER if name in {"κy", "κz"} else "finite elements on the section's own mesh",
+        tolerance=tolerance,
+        tolerance_reason=reason,
+        compute=partial(_constant, shape=shape, name=name),
+        section=SECTION,
+        group="guard.sections",
+        effort=0.02,
+    )
+
+
+def _tolerance(shape: str, name: str) -> tuple[Tolerance, str]:
+    thin = shape in {"hollow-rectangle", "i-section"} and name in {"J", "κy", "κz"}
+    if (shape, name) == ("i-section", "κy"):
+        return _FLANGES
+    return _THIN if thin else _EXACT
+
+
+def constants_by_mesh(section: Section, divisions: int) -> SectionConstants:
+    """Constants of the section by finite elements, isotropic, ν = 0.3."""
+    return section_constants(section_mesh(section, divisions), NU)
+
+
+def _constant(context: Context, shape: str, name: str) -> Measurement:
+    section, divisions = SECTIONS[shape]
+    found = context.get(constants_by_mesh, section, divisions)
+    # The material of 1 Pa, 1 kg/m³ makes the beam's constants those of the section.
+    unit = Material(E=1.0, G=1.0, nu=NU, rho=1.0)
+    beam = ConstantLeg(1.0, section, unit).timoshenko
+    pairs = {
+        "area": (beam.EA, found.area),
+        "Iy": (beam.EIy, found.second_moment_y),
+        "Iz": (beam.EIz, found.second_moment_z),
+        "J": (beam.GJ, found.torsion_constant),
+        "κy": (beam.GAy / beam.EA, found.cowper_coefficients[0]),
+        "κz": (beam.GAz / beam.EA, found.cowper_coefficients[1]),
+    }
+    value, reference = pairs[name]
+    return Measurement(float(value), float(reference))
+
+
+def _energy_case(element: SolidElement, kind: str) -> Case:
+    return Case(
+        id=f"guard.element.{kind}[{element}]",
+        title=f"{element}: {kind} energy of a linear displacement is exact (cubic material)",
+        quantity=f"twice the {kind} energy",
+        unit="J" if kind == "strain" else "kg m²",
+        reference_kind="closed-form",
+        citation="V (C11 Σεii² + 2 C12 Σεii εjj + C44 Σγij²), ρ∫|Hx|² dV on a rectangular block",
+        tolerance=Relative(1e-9),
+        tolerance_reason="every element holds linear displacements exactly (patch test)",
+        compute=partial(_energy, element=element, kind=kind),
+        section=SECTION,
+        group="guard.elements",
+        effort=0.05,
+    )
+
+
+def block(element: SolidElement) -> SolidMesh:
+    """A rectangular block in one kind of element."""
+    match element:
+        case "hex8" | "hex27":
+            return hexahedra(_BLOCK, _BLOCK_LENGTH, 1, element, slices=3)
+        case "tet4":
+            return tetrahedra(_BLOCK, _BLOCK_LENGTH, 1, order=1)
+        case _:
+            return tetrahedra(_BLOCK, _BLOCK_LENGTH, 1, order=2)
+
+
+def _energy(context: Context, element: SolidElement, kind: str) -> Measurement:
+    mesh = context.get(block, element)
+    motion = (mesh.nodes @ _GRADIENT.T).ravel()
+    if kind == "strain":
+        found = motion @ (stiffness(mesh, _CUBIC) @ motion)
+        return Measurement(float(found), _exact_strain_energy())
+    found = motion @ (mass(mesh, _CUBIC.rho) @ motion)
+    return Measurement(float(found), _exact_kinetic_energy())
+
+
+def _exact_strain_energy() -> float:
+    E, G, nu = _CUBIC.E, _CUBIC.G, _CUBIC.nu
+    # Compliance of a cubic material: εii = (σii − ν(σjj + σkk))/E, γij = τij/G.
+    normal = np.linalg.inv((np.eye(3) * (1.0 + nu) - nu) / E)
+    strain = np.diag(_GRADIENT)
+    shears = (_GRADIENT + _GRADIENT.T)[np.triu_indices(3, 1)]
+    volume = _BLOCK.width * _BLOCK.height * _BLOCK_LENGTH
+    return float(volume * (strain @ normal @ strain + G * shears @ shears))
+
+
+def _exact_kinetic_energy() -> float:
+    b, h, l = _BLOCK.width, _BLOCK.height, _BLOCK_LENGTH
+    second_moments: Array = b * h * l * np.diag([l**2 / 3.0, b**2 / 12.0, h**2 / 12.0])
+    return float(_CUBIC.rho * np.trace(_GRADIENT @ second_moments @ _GRADIENT.T))
+
+
+def _isotropy_case(axis: str) -> Case:
+    return Case(
+        id=f"guard.material.isotropic[{axis}]",
+        title=f"A solid of isotropic material does not know its axes: strain turned about {axis}",
+        quantity="twice the strain energy of the strain turned by 45°",
+        unit="J",
+        reference_kind="closed-form",
+        citation="isotropy: the energy of a strain does not depend on its direction",
+        tolerance=Relative(1e-9),
+        tolerance_reason="linear displacements are exact in every element",
+        compute=partial(_isotropy, axis=axis),
+        section=SECTION,
+        group="guard.elements",
+        effort=0.05,
+    )
+
+
+def _isotropy(context: Context, axis: str) -> Measurement:
+    mesh = context.get(block, "hex8")
+    energies = stiffness(mesh, Material.isotropic(2.1e11, NU, 7850.0))
+    turned = axis_rotation(np.eye(3)["xyz".index(axis)], np.pi / 4.0)
+
+    def energy(gradient: Array) -> float:
+        motion = (mesh.nodes @ gradient.T).ravel()
+        return float(motion @ (energies @ motion))
+
+    return Measurement(energy(turned @ _GRADIENT @ turned.T), energy(_GRADIENT))
+
+
+def _two_ways_case(number: int, ends: Ends) -> Case:
+    return Case(
+        id=f"guard.leg{number}.two-ways[{ends}]",
+        title=f"Leg {number}: compliance by doubling and by one sparse system ({ends} ends)",
+        quantity="largest difference of the 6×6 in units of √(c_ii c_jj)",
+        unit="1",
+        reference_kind="independent-solver",
+        citation="sparse Cholesky of the whole mesh (fem.solid), the same elements",
+        tolerance=Absolute(1e-7),
+        tolerance_reason="one discrete model solved in two ways: rounding, by the condition of a "
+        "slender solid",
+        compute=partial(_two_ways, number=number, ends=ends),
+        section=SECTION,
+        group=f"guard.leg{number}.two-ways",
+        effort=0.5,
+    )
+
+
+def _two_ways(context: Context, number: int, ends: Ends) -> Measurement:
+    leg = constant_leg_of(context, number)
+    divisions = 1 if isinstance(leg.section, Rectangle) else 4
+    counts = section_counts(leg, divisions)
+    section = section_mesh(leg.section, counts)
+    condensed = doubling.condensed_leg(leg, section, slices(leg, divisions))
+    whole = solid.clamped_leg(solid.solid_leg(leg, similar_mesh(leg, divisions)), ends)
+    return Measurement(
+        scaled_difference(doubling.tip_compliance(condensed, ends), solid.tip_compliance(whole)),
+        0.0,
+    )
