@@ -9,7 +9,7 @@ import sys
 from collections.abc import Sequence
 from os import devnull, dup2
 from pathlib import Path
-from shlex import join
+from traceback import print_exc
 from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import App, CycloptsError, Parameter, Token, UnusedCliTokensError
@@ -17,7 +17,6 @@ from cyclopts import App, CycloptsError, Parameter, Token, UnusedCliTokensError
 from lumped.errors import ComputationError, InputError
 
 if TYPE_CHECKING:
-    from validation.session import Request, Results
     from validation.store import Start
 
 app = App(
@@ -42,15 +41,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _complain([_one_line(error)], 2)
     except InputError as error:
         return _complain(error.faults, 2)
-    except ComputationError as error:
-        return _complain([str(error)], 3)
-    except KeyboardInterrupt:
-        return _complain(["interrupted"], 3)
+    except (ComputationError, KeyboardInterrupt) as error:
+        return _complain([str(error) or "interrupted"], 3)
     except BrokenPipeError:
         # The reader of a pipe has left; Python would complain again when it flushes at the end.
         with Path(devnull).open("w") as nowhere:
             dup2(nowhere.fileno(), sys.stdout.fileno())
         return 0
+    except Exception:  # noqa: BLE001  whatever it is, exit code 1 would pass for a disagreement
+        print_exc()
+        return _complain(["this is a fault of flexproof itself; please report it"], 3)
     return code if isinstance(code, int) else 0
 
 
@@ -72,6 +72,7 @@ def run(
     resume: Annotated[bool, Parameter(negative="")] = False,
     baseline: Path | None = None,
     export: Annotated[bool, Parameter(negative="")] = False,
+    faults: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
     """Validate a robot's lumped models and write a report.
 
@@ -95,29 +96,42 @@ def run(
     export
         Also write export/: meshes, displacements and modes for ParaView, matrices as .npz and
         Matrix Market.
+    faults
+        Also inject the catalogue of faults one by one and report which case catches which; one
+        that none catches ends with exit code 1.
     """
     from lumped.robot_file import load_robot  # noqa: PLC0415
+    from validation import run_summary  # noqa: PLC0415
     from validation.catalogue import catalogue  # noqa: PLC0415
-    from validation.saved_run import load_run  # noqa: PLC0415
+    from validation.faults.detection import with_faults  # noqa: PLC0415
     from validation.session import Request, default_jobs, validate  # noqa: PLC0415
     from validation.store import StoreError  # noqa: PLC0415
 
     start: Start = "resumed" if resume else "afresh"
-    earlier = load_run(baseline) if baseline else None
     request = Request(
-        load_robot(robot), preset, out, jobs or default_jobs(), only, start, earlier, export
+        load_robot(robot),
+        preset,
+        out,
+        jobs or default_jobs(),
+        only,
+        start,
+        baseline,
+        export,
+        faults,
     )
     try:
-        gathered = validate(request, catalogue)
+        gathered = validate(request, with_faults if faults else catalogue)
     except StoreError as error:
-        return _complain([str(error), _how_to_go_on(request)], 3)
-    _summarise(gathered, out)
+        return _complain([str(error), run_summary.how_to_go_on(request)], 3)
+    except KeyboardInterrupt:
+        return _complain(["interrupted", run_summary.how_to_go_on(request)], 3)
+    _complain(run_summary.left_out(gathered), 0)
+    changes, worsened = run_summary.changes(gathered)
+    _say("\n".join([*run_summary.verdicts(gathered), *changes]))
+    _say(f"report: {out / 'report.html'}")
     if gathered.unfinished:
-        _complain(["interrupted", _how_to_go_on(request)], 3)
-    code = gathered.exit_code()
-    if earlier and gathered.compared_with(earlier).worsened and code == 0:
-        return 1
-    return code
+        _complain(["interrupted", run_summary.how_to_go_on(request)], 3)
+    return max(gathered.exit_code(), int(worsened))
 
 
 @app.command
@@ -276,25 +290,6 @@ def cases(*, json: Annotated[bool, Parameter(negative="")] = False) -> int:
     tasks = catalogue(load_robot("ifw"))
     _say(as_json(tasks) if json else as_text(tasks))
     return 0
-
-
-def _summarise(gathered: "Results", out: Path) -> None:
-    from validation.listing import outcome_line, summary  # noqa: PLC0415
-
-    outcomes = gathered.in_order()
-    for outcome in outcomes:
-        if outcome.verdict in {"disagree", "failed"}:
-            _say(outcome_line(outcome))
-    for drawn in gathered.missing_figures():
-        _complain([f"figure {drawn.drawing.id} left out: {drawn.message}"], 0)
-    _say(summary(outcomes, gathered.unfinished))
-    _say(f"report: {out / 'report.html'}")
-
-
-def _how_to_go_on(request: "Request") -> str:
-    command = ["flexproof", "run", request.robot_file.source, "--preset", request.preset]
-    command += ["--only", request.only] if request.only else []
-    return f"go on with: {join([*command, '--out', str(request.out), '--resume'])}"
 
 
 def _one_line(error: CycloptsError) -> str:

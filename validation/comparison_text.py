@@ -11,7 +11,7 @@ _SLOWEST = 10
 
 def as_text(before: SavedRun, after: SavedRun, comparison: Comparison) -> str:
     """What changed, the gravest first."""
-    blocks = [_heads(before, after, comparison), _sentence(comparison)]
+    blocks = [_heads(before, after, comparison), sentence(comparison)]
     worst_first = sorted(comparison.verdicts, key=lambda change: not change.worse)
     blocks += _block(
         "Verdicts that changed",
@@ -57,12 +57,14 @@ def _heads(before: SavedRun, after: SavedRun, comparison: Comparison) -> str:
     return table(["", "robot", "preset", "started", ""], rows) + note
 
 
-def _sentence(comparison: Comparison) -> str:
+def sentence(comparison: Comparison) -> str:
+    """What changed, counted."""
     worse = sum(change.worse for change in comparison.verdicts)
+    drifted = len({entry.id for entry in comparison.drifted})
     parts = [
         f"{worse} verdicts worse" if worse != 1 else "1 verdict worse",
         f"{len(comparison.verdicts) - worse} better",
-        f"{len({entry.id for entry in comparison.drifted})} cases drifted",
+        f"{drifted} cases drifted" if drifted != 1 else "1 case drifted",
         f"{len(comparison.new)} new",
         f"{len(comparison.removed)} removed",
     ]

@@ -5,7 +5,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from time import monotonic
 
-from rich.console import Console
+from rich.console import Console, Group
 from rich.live import Live
 from rich.text import Text
 
@@ -13,6 +13,8 @@ from validation.records import Record, Task
 from validation.runner import Observer
 
 _BAR = 24
+# How many running tasks are named.
+_SHOWN = 8
 
 
 class Quiet:
@@ -38,11 +40,11 @@ class Progress:
     done: int = 0
     effort_done: float = 0.0
     troubled: int = 0
-    running: dict[str, Task] = field(default_factory=dict)
+    running: dict[str, tuple[Task, float]] = field(default_factory=dict)
 
     def started(self, task: Task) -> None:
         """Show the task as running."""
-        self.running[task.id] = task
+        self.running[task.id] = task, monotonic()
 
     def finished(self, task: Task, record: Record) -> None:
         """Count the task as done."""
@@ -58,7 +60,13 @@ class Progress:
         total = sum(task.effort for task in self.tasks)
         return elapsed * (total - self.effort_done) / self.effort_done
 
-    def __rich__(self) -> Text:
+    def __rich__(self) -> Group:
+        lines = [self._line(), *self._running()]
+        for line in lines:
+            line.no_wrap, line.overflow = True, "ellipsis"
+        return Group(*lines)
+
+    def _line(self) -> Text:
         elapsed = monotonic() - self.begun
         total = len(self.tasks)
         filled = round(_BAR * self.done / total) if total else _BAR
@@ -68,9 +76,20 @@ class Progress:
             line += Text(f", about {_clock(left)} left")
         if self.troubled:
             line += Text(f", {self.troubled} not in agreement", style="bold red")
-        for task in self.running.values():
-            line += Text(f"\n  {task.title}", style="dim", overflow="ellipsis")
         return line
+
+    def _running(self) -> list[Text]:
+        if not self.running and not self.done:
+            return [Text("  starting the computing processes", style="dim")]
+        # The longest first: that is what a person waits for.
+        longest = sorted(self.running.values(), key=lambda entry: entry[1])
+        now = monotonic()
+        lines = [Text(f"  {_clock(now - at)}  {task.title}") for task, at in longest[:_SHOWN]]
+        if len(longest) > _SHOWN:
+            lines.append(Text(f"  and {len(longest) - _SHOWN} more"))
+        for line in lines:
+            line.stylize("dim")
+        return lines
 
 
 @contextmanager
@@ -83,6 +102,17 @@ def showing(tasks: Sequence[Task]) -> Iterator[Observer]:
     progress = Progress(tasks)
     with Live(progress, console=console, refresh_per_second=8, transient=True):
         yield progress
+
+
+@contextmanager
+def stage(doing: str) -> Iterator[None]:
+    """Say on stderr what is being done while the context lasts; quiet without a terminal."""
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        yield
+        return
+    with console.status(doing):
+        yield
 
 
 def _clock(seconds: float) -> str:

@@ -18,6 +18,7 @@ from validation.context import Preset
 from validation.drift import Drift, drifts
 from validation.exhibits import Figure
 from validation.export import export
+from validation.faults.detection import Power, comparisons, detection_power
 from validation.freeze import built_in_frozen, frozen_values
 from validation.junit import junit_xml
 from validation.records import (
@@ -31,7 +32,7 @@ from validation.records import (
     succeeded,
 )
 from validation.report.page import Report, render
-from validation.saved_run import SavedRun, parse_run
+from validation.saved_run import SavedRun, load_run, parse_run
 from validation.store import RunFolder, Start, open_folder
 from validation.worker import Job
 
@@ -42,9 +43,8 @@ Catalogue = Callable[[RobotFile], Sequence[Task]]
 class Request:
     """What the user asks for.
 
-    `only` is a shell-style pattern of ids. `baseline` is an earlier run to be compared with; where
-    there is none, drift is shown against the frozen values of a built-in robot. `exports`: whether
-    meshes, fields and matrices are wanted as files.
+    `only` is a shell-style pattern of ids. `baseline` is the folder or results.json of an earlier
+    run to be compared with. `exports`: whether meshes, fields and matrices are wanted as files.
     """
 
     robot_file: RobotFile
@@ -53,19 +53,22 @@ class Request:
     jobs: int
     only: str | None = None
     start: Start = "afresh"
-    baseline: SavedRun | None = None
+    baseline: Path | None = None
     exports: bool = False
+    faults: bool = False
 
 
 @dataclass
 class Results:
     """What has been finished so far, by id, in the order of the catalogue.
 
-    `frozen` is the earlier run that drift is counted from.
+    `baseline` is the earlier run that the user names, `frozen` the one that drift is counted from:
+    the baseline or, without one, what is kept of a built-in robot.
     """
 
     header: Mapping[str, Any]
     tasks: Sequence[Task]
+    baseline: SavedRun | None = None
     frozen: SavedRun | None = None
     outcomes: dict[str, Outcome] = field(default_factory=dict)
     drawn: dict[str, Drawn] = field(default_factory=dict)
@@ -103,6 +106,12 @@ class Results:
         """How far the values have moved from the frozen ones, by case id."""
         return drifts(self.in_order(), frozen_values(self.frozen)) if self.frozen else {}
 
+    @property
+    def power(self) -> Power | None:
+        """What became of the faults, where the run injects any."""
+        found = detection_power(self.in_order())
+        return found if found.detections else None
+
     def compared_with(self, baseline: SavedRun) -> Comparison:
         """What changed since `baseline`, as far as its cases were to be run this time."""
         asked = {task.id for task in self.tasks}
@@ -125,7 +134,9 @@ class Results:
     def as_json(self) -> str:
         """The text of results.json."""
         header = dict(self.header) | {"unfinished": self.unfinished}
-        content = results(header, self.in_order(), self.drifts)
+        content = results(header, comparisons(self.in_order()), self.drifts)
+        if self.power:
+            content["faults"] = self.power.records()
         return json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
 
 
@@ -142,18 +153,24 @@ def validate(request: Request, catalogue: Catalogue) -> Results:
     # Before the run, so that after Ctrl-C only the page is left to be written.
     findings = audit(robot_file)
     job = Job(catalogue, robot_file, request.preset, options)
-    frozen = request.baseline or built_in_frozen(robot_file, request.preset)
+    # Read before the folder is cleared, which may be the baseline's own.
+    baseline = load_run(request.baseline) if request.baseline else None
+    frozen = baseline or built_in_frozen(robot_file, request.preset)
     with open_folder(request.out, header, request.start) as folder:
         header |= {"seconds": 0.0, "planned": len(tasks)} | folder.begun()
         header |= {"frozen_from": _named(frozen)}
-        gathered = Results(header, tasks, frozen)
+        gathered = Results(header, tasks, baseline, frozen)
         for record in folder.records().values():
             if succeeded(record) and any(task.id == record["id"] for task in tasks):
                 gathered.add(record)
         _compute(job, gathered, folder, request.jobs)
-        publish(gathered, folder, findings)
+        with progress.stage("writing the report"):
+            publish(gathered, folder, findings)
         if request.exports and not gathered.unfinished:
-            with folder.replacing("export") as target:
+            with (
+                progress.stage("exporting meshes, modes and matrices"),
+                folder.replacing("export") as target,
+            ):
                 export(robot_file.robot, request.preset, target)
     return gathered
 
@@ -175,13 +192,14 @@ def publish(gathered: Results, folder: RunFolder, findings: Sequence[Finding]) -
         if figure.data:
             folder.write(f"{stem}.csv", figure.data)
     report = Report(
-        outcomes=tuple(outcomes),
+        outcomes=tuple(comparisons(outcomes)),
         figures=tuple(figures),
         missing_figures=tuple(gathered.missing_figures()),
         findings=tuple(findings),
         provenance=gathered.header,
         unfinished=gathered.unfinished,
         drifts=gathered.drifts,
+        power=gathered.power,
     )
     folder.write("report.html", render(report))
 

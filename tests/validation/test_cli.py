@@ -172,3 +172,63 @@ def test_help_imports_nothing_heavy():
     assert done.returncode == 0
     assert done.stderr == ""
     assert "run" in done.stdout
+
+
+def test_a_verdict_worse_than_in_the_baseline_ends_with_1(toys, with_catalogue, tmp_path, capsys):
+    with_catalogue(toys.sound)
+    first = tmp_path / "first"
+    assert cli.main(["run", "--out", str(first)]) == 0
+    # The earlier run knew a case that agreed and is now skipped, another value, and a case that
+    # is gone.
+    earlier = json.loads((first / "results.json").read_text())
+    by_id = {case["id"]: case for case in earlier["cases"]}
+    by_id["toy.skipped"]["verdict"] = "agree"
+    by_id["toy.agrees"]["value"] = 0.25
+    earlier["cases"].append(by_id["toy.agrees"] | {"id": "toy.gone"})
+    baseline = tmp_path / "baseline.json"
+    baseline.write_text(json.dumps(earlier))
+    capsys.readouterr()
+    out = tmp_path / "second"
+    assert cli.main(["run", "--out", str(out), "--baseline", str(baseline)]) == 1
+    said = capsys.readouterr().out.splitlines()
+    assert "worse     toy.skipped: agree in the baseline, now skipped" in said
+    assert (
+        "against the baseline: 1 verdict worse, 0 better, 1 case drifted, 0 new, 1 removed." in said
+    )
+    entries = {
+        entry["id"]: entry for entry in json.loads((out / "results.json").read_text())["cases"]
+    }
+    assert entries["toy.agrees"]["verdict"] == "agree"
+    assert entries["toy.agrees"]["frozen"] == 0.25
+    assert entries["toy.agrees"]["drift"] == pytest.approx(1.0 / 3.0 - 0.25, rel=1e-12)
+    assert entries["toy.first[x=1]"]["drifted"] is False
+    # A part of the run is compared with that part of the baseline.
+    arguments = ["run", "--only", "toy.agrees", "--out", str(out), "--baseline", str(baseline)]
+    assert cli.main(arguments) == 0
+    assert "0 new, 0 removed." in capsys.readouterr().out
+
+
+def test_export_takes_its_place_in_the_run_folder(toys, with_catalogue, tmp_path):
+    with_catalogue(toys.sound)
+    arguments = ["run", "--only", "toy.agrees", "--preset", "quick", "--out", str(tmp_path)]
+    assert cli.main([*arguments, "--export"]) == 0
+    assert (tmp_path / "export" / "leg2_solid.vtu").exists()
+    assert not (tmp_path / ".export.tmp").exists()
+    # A run without it leaves no export of an earlier one behind.
+    assert cli.main(arguments) == 0
+    assert not (tmp_path / "export").exists()
+
+
+def test_a_fault_of_the_program_is_no_disagreement(
+    toys, with_catalogue, tmp_path, monkeypatch, capsys
+):
+    def broken(*_arguments):
+        raise RuntimeError("no template")
+
+    with_catalogue(toys.sound)
+    monkeypatch.setattr("validation.session.render", broken)
+    assert cli.main(["run", "--only", "toy.agrees", "--out", str(tmp_path)]) == 3
+    printed = capsys.readouterr().err
+    assert "no template" in printed
+    assert printed.splitlines()[-1].startswith("flexproof: this is a fault of flexproof itself")
+    assert (tmp_path / "results.json").exists()

@@ -123,7 +123,7 @@ def test_the_text_names_everything_that_changed():
     )
     lines = as_text(before, after, compare(before, after)).splitlines()
     assert "The runs differ in preset." in lines
-    assert "1 verdict worse, 0 better, 1 cases drifted, 1 new, 1 removed." in lines
+    assert "1 verdict worse, 0 better, 1 case drifted, 1 new, 1 removed." in lines
     assert "  worse  agree   disagree  worse" in lines
     assert any(line.split()[:3] == ["1", "1.25", "+0.25"] for line in lines)
     assert any(line.split() == ["1.00", "3.50", "+2.50", "steady"] for line in lines)

@@ -5,8 +5,8 @@ import os
 import pty
 import random
 import select
-import signal
 import shutil
+import signal
 import subprocess
 import sys
 import time
@@ -63,30 +63,37 @@ def undisturbed(tmp_path_factory):
     done = completed("real", "run", "--preset", "quick", "--out", path, "--jobs", "2")
     assert done.returncode == 0, done.stderr
     content = results(path)
-    assert len(content["cases"]) > 30
+    assert len(content["cases"]) > 25
     return content, time.monotonic() - begun
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(20))
-def test_a_killed_run_goes_on_to_the_same_results(undisturbed, tmp_path, seed):
+@pytest.mark.parametrize("seed", range(5))
+def test_a_run_killed_four_times_goes_on_to_the_same_results(undisturbed, tmp_path, seed):
     expected, duration = undisturbed
     path = tmp_path / "run"
     asked = ("run", "--preset", "quick", "--out", path, "--jobs", "2")
-    run = started("real", *asked)
-    time.sleep(random.Random(seed).uniform(0.0, duration))  # noqa: S311  any moment will do
-    os.killpg(run.pid, signal.SIGKILL)
-    run.communicate()
-    kept = {entry.name: entry.read_bytes() for entry in (path / "records").glob("*.json")}
-    # Killed before it had even a folder, there is nothing to go on with.
-    resume = ["--resume"] if path.exists() else []
-    done = completed("real", *asked, *resume)
+    moments = random.Random(seed)  # noqa: S311  any moments will do
+    kept = {}
+    for _ in range(4):
+        run = started("real", *asked, *resumed(path))
+        time.sleep(moments.uniform(0.0, duration))
+        os.killpg(run.pid, signal.SIGKILL)
+        run.communicate()
+        now = {entry.name: entry.read_bytes() for entry in (path / "records").glob("*.json")}
+        # What was finished was not computed again: the times in it are the same.
+        assert now | kept == now
+        kept = now
+    done = completed("real", *asked, *resumed(path))
     assert done.returncode == 0, done.stderr
     assert results(path) == expected
-    # What was finished was not computed again.
-    for name, content in kept.items():
-        assert (path / "records" / name).read_bytes() == content
-    assert not [entry for entry in path.rglob(".*.tmp") if entry.name != ".lock"]
+    assert all((path / "records" / name).read_bytes() == kept[name] for name in kept)
+    assert not list(path.rglob(".*.tmp"))
+
+
+def resumed(path):
+    """Killed before it had even a folder, a run has nothing to go on with."""
+    return ["--resume"] if path.exists() else []
 
 
 def test_numbers_do_not_depend_on_the_number_of_processes(undisturbed, tmp_path):

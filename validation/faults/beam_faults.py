@@ -1,0 +1,197 @@
+"""Mistakes in beam elements, frames and the closed forms of beams."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from scipy.sparse import csr_matrix, diags
+
+from fem.beam_elements import ElementLineBeam
+from lumped.arrays import Array
+from lumped.leg_matrices import LegMatrices
+from validation.faults.fault import Fault, Faulty, around, instead, result
+
+
+def _with_signs(first: float, second: float) -> Faulty:
+    def bending(sound: Faulty, mesh: Any, **data: Any) -> Any:
+        return sound(mesh, **data | {"signs": (first, second)})
+
+    return bending
+
+
+def _without(**data: float) -> Faulty:
+    def bending(sound: Faulty, mesh: Any, **given: Any) -> Any:
+        return sound(mesh, **given | data)
+
+    return bending
+
+
+def _hermite(sound: Faulty, mesh: Any, **data: Any) -> Any:
+    return sound(mesh, **data | {"EI": data["EI"] / 3.0})
+
+
+def _row_sums(leg: LegMatrices) -> LegMatrices:
+    sums = np.asarray(np.abs(leg.mass).sum(axis=1)).ravel()
+    return replace(leg, mass=csr_matrix(diags(sums)))
+
+
+def _few_points(sound: Faulty, *args: Any, **kwargs: Any) -> Any:
+    return sound(*args, **kwargs | {"intorder": 2})
+
+
+def _turned_functions(sound: Faulty, self: Any, mapping: Any, X: Array, i: int, tind: Any) -> Any:
+    # Rotations at both ends with the opposite sign.
+    w, theta = sound(self, mapping, X, i, tind)
+    if i not in {1, 3}:
+        return w, theta
+    return type(w)(-np.asarray(w), grad=-w.grad), theta
+
+
+def _one_element_less(sound: Faulty, properties: Any, length: float, elements: int) -> Any:
+    return sound(properties, length * (1.0 - 1.0 / (elements + 1)), elements)
+
+
+def _crossed_planes(sound: Faulty, properties: Any, *rest: Any) -> Any:
+    p = properties
+    return sound(replace(p, GAy=0.5 * p.GAz), *rest)
+
+
+def _even_waves(speed_squared: float, length: float, count: int) -> Array:
+    orders = np.arange(1, count + 1)
+    return np.asarray(orders * np.sqrt(speed_squared) / (2.0 * length))
+
+
+def _without_rotation(sound: Faulty, beam: Any, l: float, omega: float) -> Array:
+    found: Array = sound(replace(beam, rho_I=0.0), l, omega)
+    return found
+
+
+def _left_handed(axes: Array) -> Array:
+    return axes[:, [0, 2, 1]]
+
+
+def _arm_without(body: Any) -> Array:
+    return np.diag([body.mass] * 6).astype(float)
+
+
+FAULTS = (
+    Fault(
+        "beam.rotation-sign",
+        "Beam elements: φy = +w′ where deflection is along z",
+        "fem.beam:_bending",
+        "physics",
+        around(_with_signs(1.0, 1.0)),
+    ),
+    Fault(
+        "beam.deflection-sign",
+        "Beam elements: deflection with the opposite sign of the twist's",
+        "fem.beam:_bending",
+        "physics",
+        around(_with_signs(-1.0, 1.0)),
+    ),
+    Fault(
+        "beam.shear-left-out",
+        "Beam elements: shear deformation left out",
+        "fem.beam:_bending",
+        "physics",
+        around(_without(GA=np.inf)),
+    ),
+    Fault(
+        "beam.rotary-inertia-left-out",
+        "Beam elements: rotary inertia left out",
+        "fem.beam:_bending",
+        "physics",
+        around(_without(rho_I=0.0)),
+    ),
+    Fault(
+        "beam.three-for-twelve",
+        "Beam elements: a third of EI",
+        "fem.beam:_bending",
+        "physics",
+        around(_hermite),
+    ),
+    Fault(
+        "beam.hermite-sign",
+        "Hermite functions of the rotations with the wrong sign",
+        "fem.beam_elements:ElementLineBeam.gbasis",
+        "numerics",
+        around(_turned_functions),
+    ),
+    Fault(
+        "beam.inner-unknowns-left-out",
+        "Timoshenko elements without unknowns of their own inside: second order",
+        "fem.beam:ElementLineShearBeam",
+        "numerics",
+        instead(ElementLineBeam),
+    ),
+    Fault(
+        "beam.shear-length",
+        "Λ = κGA/EI·l² forgotten: shear functions of a slender beam",
+        "fem.beam:ElementLineShearBeam",
+        "numerics",
+        instead(lambda square: ElementLineBeam(0.0 * square)),
+    ),
+    Fault(
+        "beam.quadrature",
+        "Beam elements: two points of integration",
+        "fem.beam:Basis",
+        "numerics",
+        around(_few_points),
+    ),
+    Fault(
+        "beam.lumped-mass",
+        "Beam elements: row sums for the consistent mass",
+        "fem.beam:beam_leg",
+        "numerics",
+        result(_row_sums),
+    ),
+    Fault(
+        "beam.element-missing",
+        "Beam one element too short",
+        "fem.beam:beam_leg",
+        "numerics",
+        around(_one_element_less),
+    ),
+    Fault(
+        "beam.shear-of-other-plane",
+        "Beam elements: half the shear stiffness along y",
+        "fem.beam:beam_leg",
+        "physics",
+        around(_crossed_planes),
+    ),
+    Fault(
+        "frame.left-handed",
+        "Frame members in left-handed axes: y and z exchanged",
+        "fem.frame:_member_axes",
+        "physics",
+        result(_left_handed),
+    ),
+    Fault(
+        "frame.mass-in-rotations",
+        "Frame: mass of a body entered for its rotations as well",
+        "fem.frame:_inertia",
+        "physics",
+        instead(_arm_without),
+    ),
+    Fault(
+        "closed-form.free-free-waves",
+        "Closed form: half waves of a free bar for quarter waves",
+        "fem.beam_theory:_quarter_waves",
+        "physics",
+        instead(_even_waves),
+    ),
+    Fault(
+        "closed-form.roots-shifted",
+        "Closed form: roots of clamped–free bending without the first",
+        "fem.beam_theory:euler_bernoulli_roots",
+        "physics",
+        around(lambda sound, count: sound(count + 1)[1:]),
+    ),
+    Fault(
+        "closed-form.rotary-inertia",
+        "Closed form: rotary inertia left out of Huang's equation",
+        "fem.beam_theory:_piece_stiffness",
+        "physics",
+        around(_without_rotation),
+    ),
+)

@@ -1,0 +1,11 @@
+"""All faults."""
+
+from validation.faults import beam_faults, leg_faults, lumped_faults, solid_faults
+from validation.faults.fault import Fault
+
+FAULTS: tuple[Fault, ...] = (
+    *leg_faults.FAULTS,
+    *lumped_faults.FAULTS,
+    *beam_faults.FAULTS,
+    *solid_faults.FAULTS,
+)

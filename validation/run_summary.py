@@ -1,0 +1,53 @@
+"""What a run says at its end on the terminal."""
+
+from shlex import join
+
+from validation.comparison_text import sentence
+from validation.faults.detection import comparisons
+from validation.listing import outcome_line, summary
+from validation.session import Request, Results
+
+
+def verdicts(gathered: Results) -> list[str]:
+    """Lines on what does not agree, and the verdict on the whole."""
+    outcomes = gathered.in_order()
+    worst = [o for o in outcomes if o.verdict in {"disagree", "failed"}]
+    return [
+        *(outcome_line(outcome) for outcome in worst),
+        summary(comparisons(outcomes), gathered.unfinished),
+        *([gathered.power.sentence] if gathered.power else []),
+    ]
+
+
+def left_out(gathered: Results) -> list[str]:
+    """Lines on the figures that could not be drawn."""
+    missing = gathered.missing_figures()
+    return [f"figure {drawn.drawing.id} left out: {drawn.message}" for drawn in missing]
+
+
+def changes(gathered: Results) -> tuple[list[str], bool]:
+    """Lines on what moved since the baseline, and whether a verdict worsened.
+
+    Without a baseline, the drift from the frozen values, which worsens nothing.
+    """
+    if gathered.baseline is None:
+        drifted = [name for name, drift in gathered.drifts.items() if drift.beyond]
+        line = f"drifted from the frozen values (see the report): {', '.join(drifted)}"
+        return [line] if drifted else [], False
+    comparison = gathered.compared_with(gathered.baseline)
+    worse = [
+        f"worse     {change.id}: {change.before} in the baseline, now {change.after}"
+        for change in comparison.verdicts
+        if change.worse
+    ]
+    return [*worse, f"against the baseline: {sentence(comparison)}"], comparison.worsened
+
+
+def how_to_go_on(request: Request) -> str:
+    """The command that goes on with an interrupted run."""
+    command = ["flexproof", "run", request.robot_file.source, "--preset", request.preset]
+    command += ["--only", request.only] if request.only else []
+    command += ["--baseline", str(request.baseline)] if request.baseline else []
+    command += ["--export"] if request.exports else []
+    command += ["--faults"] if request.faults else []
+    return f"go on with: {join([*command, '--out', str(request.out), '--resume'])}"
