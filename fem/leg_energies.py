@@ -4,9 +4,9 @@ Between two planes of nodes a distance l apart let σ be Saint-Venant's stresses
 resultants w. They are in equilibrium, so the work of the actual strains on them is that of their
 tractions on the planes, ∫ε:σ dV = wᵀΔq with q = Bᵀu, the work-conjugate twists of the planes, and
 Δq their difference, both moved to the middle. There the resultants do not couple and have the
-energy ½wᵀCw with the compliance C of the piece of beam, diagonal. So ½ΣΔqᵢ²/Cᵢᵢ is the energy of the
-projection of the actual stresses on beam theory's: never more than all of it (Bessel's inequality).
-What is left is warping and distortion of the section beyond beam theory.
+energy ½wᵀCw with the compliance C of that piece of beam, diagonal. So ½ΣΔqᵢ²/Cᵢᵢ is the energy of
+the projection of the actual stresses on beam theory's: never more than all of it (Bessel's
+inequality). What is left is warping and distortion of the section beyond beam theory.
 """
 
 import numpy as np

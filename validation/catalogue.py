@@ -10,10 +10,12 @@ from validation.cases import (
     benchmarks_sections,
     benchmarks_solid,
     calculix,
+    decision,
     end_restraint,
     guards,
     guards_solids,
     legs,
+    longer_legs,
     mesh_families,
     paper,
     refinement,
@@ -32,11 +34,13 @@ def catalogue(robot_file: RobotFile) -> Sequence[Task]:
     """Every case and figure for a robot; the paper's statements for the paper's robot alone."""
     from_paper = robot_file.built_in and robot_file.source == PAPER_ROBOT
     return (
-        *(paper.cases() if from_paper else ()),
+        *(_paper() if from_paper else ()),
         *legs.cases(),
         *solids.cases(),
         *robot.cases(),
         *refinement.cases(),
+        *decision.cases(),
+        *longer_legs.cases(),
         *end_restraint.cases(),
         *shapes.cases(),
         *mesh_families.cases(),
@@ -50,3 +54,7 @@ def catalogue(robot_file: RobotFile) -> Sequence[Task]:
         *guards_solids.cases(),
         *drawings(),
     )
+
+
+def _paper() -> Sequence[Task]:
+    return (*paper.cases(), *decision.paper_cases(), *longer_legs.paper_cases())

@@ -73,6 +73,7 @@ def run(
     baseline: Path | None = None,
     export: Annotated[bool, Parameter(negative="")] = False,
     faults: Annotated[bool, Parameter(negative="")] = False,
+    cluster: str | None = None,
 ) -> int:
     """Validate a robot's lumped models and write a report.
 
@@ -99,6 +100,9 @@ def run(
     faults
         Also inject the catalogue of faults one by one and report which case catches which; one
         that none catches ends with exit code 1.
+    cluster
+        Address of a Dask scheduler (tcp://host:port) that computes the sweeps over α, leg lengths
+        and postures; needs the extra "cluster".
     """
     from lumped.robot_file import load_robot  # noqa: PLC0415
     from validation import run_summary  # noqa: PLC0415
@@ -118,6 +122,7 @@ def run(
         baseline,
         export,
         faults,
+        cluster,
     )
     try:
         gathered = validate(request, with_faults if faults else catalogue)

@@ -45,10 +45,19 @@ class Study:
 
 
 @dataclass(frozen=True)
+class InteractiveScene:
+    """A 3-D scene that can be turned; `state` is a ZIP archive as vtk.js's viewer reads it."""
+
+    title: str
+    state: bytes
+
+
+@dataclass(frozen=True)
 class Figure:
     """A picture with its caption and data; `svg` (markup) or `png` (bytes), and `data` as CSV.
 
-    `id` also names its files; `section` is the part of the report it belongs to.
+    `id` also names its files; `section` is the part of the report it belongs to; `scenes` show the
+    panels of the picture in three dimensions.
     """
 
     id: str
@@ -58,6 +67,7 @@ class Figure:
     svg: str = ""
     png: bytes = b""
     data: str = ""
+    scenes: tuple[InteractiveScene, ...] = ()
 
     def __post_init__(self) -> None:
         _require_file_name(self.id)

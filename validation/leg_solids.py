@@ -25,7 +25,7 @@ FORMAL_ORDER = 4.0
 # Relative rounding of compliances and frequencies: below it a refinement shows nothing.
 _ROUND_OFF = 1e-9
 _BEAM_ELEMENTS = 20
-_GRIDS_FOR_ORDER, _FEWEST_GRIDS = 4, 2
+GRIDS_FOR_ORDER, _FEWEST_GRIDS = 4, 2
 # Curved and thin-walled sections keep their proportions only under doubling, from four on.
 _RECTANGLE_LADDER = (1, 2, 3, 4, 6, 8, 12)
 _DOUBLING_LADDER = (4, 8, 16, 32)
@@ -53,7 +53,7 @@ class Refinement:
         the finest over r⁴ − 1, with a safety factor of three.
         """
         values = self._curve(index)
-        if len(values) < _GRIDS_FOR_ORDER:
+        if len(values) < GRIDS_FOR_ORDER:
             ratio = self.divisions[-1] / self.divisions[-2]
             return float(3.0 * abs(values[-1] - values[-2]) / (ratio**FORMAL_ORDER - 1.0))
         return uncertainty_of(self.at(*index))

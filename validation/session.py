@@ -13,6 +13,7 @@ from lumped.finding import Finding
 from lumped.robot_file import RobotFile
 from validation import progress, provenance, runner
 from validation.case import Case, Outcome
+from validation.cases.sweep_results import FOLDER_OPTION, GROUP
 from validation.compare import Comparison, compare
 from validation.context import Preset
 from validation.drift import Drift, drifts
@@ -34,6 +35,8 @@ from validation.records import (
 from validation.report.page import Report, render
 from validation.saved_run import SavedRun, load_run, parse_run
 from validation.store import RunFolder, Start, open_folder
+from validation.sweeps.cluster import on_cluster
+from validation.sweeps.studies import precompute
 from validation.worker import Job
 
 Catalogue = Callable[[RobotFile], Sequence[Task]]
@@ -45,6 +48,7 @@ class Request:
 
     `only` is a shell-style pattern of ids. `baseline` is the folder or results.json of an earlier
     run to be compared with. `exports`: whether meshes, fields and matrices are wanted as files.
+    `cluster` is the address of a Dask scheduler that computes the sweeps.
     """
 
     robot_file: RobotFile
@@ -56,6 +60,7 @@ class Request:
     baseline: Path | None = None
     exports: bool = False
     faults: bool = False
+    cluster: str | None = None
 
 
 @dataclass
@@ -152,7 +157,8 @@ def validate(request: Request, catalogue: Catalogue) -> Results:
     header = provenance.header(robot_file, request.preset, options)
     # Before the run, so that after Ctrl-C only the page is left to be written.
     findings = audit(robot_file)
-    job = Job(catalogue, robot_file, request.preset, options)
+    swept = {FOLDER_OPTION: str(request.out / "sweeps")}
+    job = Job(catalogue, robot_file, request.preset, options | swept)
     # Read before the folder is cleared, which may be the baseline's own.
     baseline = load_run(request.baseline) if request.baseline else None
     frozen = baseline or built_in_frozen(robot_file, request.preset)
@@ -163,6 +169,9 @@ def validate(request: Request, catalogue: Catalogue) -> Results:
         for record in folder.records().values():
             if succeeded(record) and any(task.id == record["id"] for task in tasks):
                 gathered.add(record)
+        if request.cluster and any(task.group == GROUP for task in tasks):
+            with progress.stage("sweeps on the cluster"), on_cluster(request.cluster) as executor:
+                precompute(robot_file.robot, request.preset, request.out / "sweeps", executor)
         _compute(job, gathered, folder, request.jobs)
         with progress.stage("writing the report"):
             publish(gathered, folder, findings)

@@ -38,6 +38,7 @@ _OWN = (
     "records",
     "figures",
     "export",
+    "sweeps",
 )
 
 

@@ -1,166 +1,34 @@
 """The report from made-up outcomes: complete, self-contained, worst first."""
 
 import base64
+import gzip
 import re
+import sys
 import warnings
+from dataclasses import replace
 from html.parser import HTMLParser
+from importlib.util import find_spec
 from math import nan
+from pathlib import Path
 
 import pytest
 
-from lumped.finding import Finding
-from validation.case import (
-    Absolute,
-    Allowance,
-    Case,
-    Measurement,
-    Outcome,
-    Relation,
-    Relative,
-    judge,
-)
-from validation.exhibits import Drawing, Figure, Study
-from validation.records import Drawn
-from validation.report import text
-from validation.report.page import Report, render
+sys.path.insert(0, str(Path(__file__).parent))
+
+from report_sample import CONVERGENCE, PIXEL, SWEEP, case, sample_report
+
+from validation.case import Absolute, Allowance, Measurement, Relation, judge
+from validation.exhibits import Figure, InteractiveScene, Study
+from validation.report import sections, text
+from validation.report.budgets import budget_figure, budgeted
+from validation.report.families import families
+from validation.report.page import render
+from validation.report.second_ways import HEADLINES
+from validation.report.sections import sections_of
 from validation.report.style import canvas, csv_of, plot_style, study_plot, svg_of
+from validation.report.tables import grids, unexplained_share
 
-PIXEL = base64.b64decode(
-    "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg=="
-)
 VOID = {"meta", "link", "img", "br", "hr", "input"}
-
-
-def never(_context):
-    raise AssertionError("the report computes nothing")
-
-
-def case(identifier="legs.a", **changes):
-    fields = {
-        "id": identifier,
-        "title": "Tip deflection of leg 1 along y",
-        "quantity": "c22",
-        "unit": "m/N",
-        "reference_kind": "closed-form",
-        "citation": "Timoshenko & Gere, Table 1",
-        "tolerance": Relative(0.01),
-        "tolerance_reason": "shear is in both models",
-        "compute": never,
-        "section": "The legs",
-    }
-    return Case(**(fields | changes))
-
-
-CONVERGENCE = Study(
-    id="study.elements",
-    kind="convergence",
-    title="Frequencies of leg 1 against the number of segments",
-    x_label="elements per leg",
-    y_label="bending frequencies",
-    unit="Hz",
-    x=(5.0, 10.0, 20.0, 40.0, 80.0, 160.0),
-    series={
-        f"mode {mode}": tuple(f * (1.0 - 0.65 * mode / n**2) for n in (5, 10, 20, 40, 80, 160))
-        for mode, f in ((1, 186.8), (2, 1170.0), (3, 3278.0))
-    },
-    formal_order=2.0,
-    orders={"mode 1": 2.0, "mode 2": 2.0, "mode 3": 1.99},
-    uncertainties={"mode 1": 0.006, "mode 2": 0.07, "mode 3": 0.3},
-    limits={"mode 1": 186.8, "mode 2": 1170.0, "mode 3": 3278.0},
-)
-SWEEP = Study(
-    id="study.stroke",
-    kind="sweep",
-    title="Deflection over the stroke, 1000 N along z",
-    x_label="x (m)",
-    y_label="deflection along z",
-    unit="µm",
-    x=(0.145, 0.32, 0.4975, 0.67, 0.85),
-    series={
-        "vjm": (26.1, 26.6, 27.2, 27.4, 27.6),
-        "segments": (26.2, 26.7, 27.3, 27.5, 27.7),
-        "beam": (26.3, 26.8, 27.4, 27.6, 27.8),
-        "solid": (25.9, 26.3, 26.9, 27.1, 27.2),
-    },
-)
-FINDING = Finding(
-    where="foot.compliance",
-    check="definiteness",
-    printed="3.16e-09",
-    wrong="the matrix is indefinite",
-    evidence="smallest eigenvalue −3.5e-08",
-    used="3.16e-07",
-    kind="computed",
-    severity="error",
-)
-
-
-def sample_report(**changes):
-    agreeing = judge(
-        case("legs.agrees", title="Agrees easily"),
-        Measurement(1.001e-8, 1.0e-8, 1e-12, 2e-12, studies=(CONVERGENCE, SWEEP)),
-        0.8,
-    )
-    tight = judge(case("legs.tight", title="Agrees barely"), Measurement(1.0095e-8, 1.0e-8), 0.1)
-    disagreeing = judge(
-        case(
-            "robot.beam-vjm.planar[x=0.4975]",
-            title="Planar deflection at the centre under fx, beam against VJM",
-            quantity="planar deflection",
-            unit="µm",
-            tolerance=Absolute(0.05),
-            section="The robot over its stroke",
-        ),
-        Measurement(
-            8.97,
-            8.81,
-            allowances=(Allowance("shear deformation", 0.02, "physics of the beam"),),
-            notes=("A note.",),
-            table={"x (m)": (0.145, 0.4975), "planar (µm)": (0.42, 8.81)},
-        ),
-        2.0,
-    )
-    bound = judge(
-        case(
-            "paper.deflection-bound",
-            title="Simplified deflections stay below 1.1 µm",
-            unit="µm",
-            relation=Relation.AT_MOST,
-            tolerance=Absolute(0.05),
-            section="The paper's statements",
-        ),
-        Measurement(1.063, 1.1),
-        0.01,
-    )
-    failed = Outcome(case("legs.failed"), "failed", 0.2, message="leg 2: matrix is <singular>")
-    skipped = Outcome(case("legs.skipped"), "skipped", 0.0, message="CalculiX is not installed")
-    fields = {
-        "outcomes": (bound, agreeing, tight, failed, skipped, disagreeing),
-        "figures": (
-            study_plot(CONVERGENCE),
-            study_plot(SWEEP),
-            Figure(
-                "fig5", "Fig. 5", "Made up.", "The paper's statements", png=PIXEL, data="x\n1\n"
-            ),
-        ),
-        "findings": (FINDING,),
-        "provenance": {
-            "robot": "IFW demonstrator",
-            "robot_file": "ifw",
-            "robot_sha256": "ab" * 32,
-            "suite_sha256": "cd" * 32,
-            "preset": "standard",
-            "options": {},
-            "started": "2026-01-02T03:04:05+00:00",
-            "seconds": 75.2,
-            "machine": "Linux x86_64, 2 cores",
-            "versions": {"python": "3.11.7", "numpy": "2.4.6"},
-        },
-        "missing_figures": (
-            Drawn(Drawing("fig7", "Fig. 7, mode shapes", never), 0.0, message="no OpenGL"),
-        ),
-    }
-    return Report(**(fields | changes))
 
 
 class Page(HTMLParser):
@@ -200,7 +68,7 @@ def test_the_page_is_well_formed_and_its_links_lead_somewhere(markup):
     assert len(page.ids) == len(set(page.ids))
     inner = {link[1:] for link in page.links if link.startswith("#")}
     assert inner <= set(page.ids)
-    assert {"verdict", "foremost", "studies", "audit", "provenance"} <= set(page.ids)
+    assert {"verdict", "foremost", "closest", "audit", "provenance"} <= set(page.ids)
 
 
 def test_the_page_needs_nothing_else(markup):
@@ -209,8 +77,9 @@ def test_the_page_needs_nothing_else(markup):
     assert all(source.startswith("data:image/") for source in page.sources)
     references = set(re.findall(r"url\(([^)]*)\)", markup))
     assert all(reference.startswith(("#", "data:")) for reference in references)
-    assert "<script" not in markup
+    assert "<script src" not in markup
     assert "@import" not in markup
+    assert "fetch(" not in markup
 
 
 def test_the_verdict_stands_at_the_top_in_one_sentence(markup):
@@ -265,9 +134,176 @@ def test_a_study_shared_by_several_cases_is_shown_once():
         judge(case(f"legs.{n}"), Measurement(1.0, 1.0, studies=(CONVERGENCE,)), 0.1) for n in "ab"
     ]
     report = sample_report(outcomes=tuple(outcomes), figures=(study_plot(CONVERGENCE),))
-    assert report.studies == (CONVERGENCE,)
+    (section,) = report.sections
+    assert [plot.family.studies for plot in section.plots] == [(CONVERGENCE,)]
+    assert section.figures == ()
     page = Page(render(report))
     assert len(page.ids) == len(set(page.ids))
+
+
+def test_the_first_table_says_where_the_largest_unexplained_difference_is(markup):
+    # Of the relative comparisons "Agrees barely" leaves most: (1.0095 − 1)/1 = 0.95 %.
+    first = markup[markup.index("<table") : markup.index("</table>")]
+    cells = re.findall(r"<strong>([^<]*)</strong></td>\s*<td><a href=\"#([^\"]*)\">", first)
+    assert cells[0] == ("0.95\u00a0%", "legs.tight")
+
+
+def model_case(model, name, value, reference=2.0, allowances=(), studies=()):
+    return judge(
+        case(f"leg1.compliance.{model}[{name}]", quantity=f"compliance {name}"),
+        Measurement(value, reference, 1e-4, allowances=allowances, studies=studies),
+        0.1,
+    )
+
+
+def test_quantities_of_several_models_share_a_row():
+    outcomes = [
+        model_case("segments", "c22", 2.001),
+        model_case("segments", "c33", 2.002),
+        model_case("solid", "c22", 2.003),
+        model_case("solid", "c33", 2.004),
+        model_case("solid", "c44", 2.005),
+        judge(case("leg1.other"), Measurement(1.0, 1.0), 0.1),
+    ]
+    (grid,), rest = grids(outcomes)
+    assert grid.models == ("segments", "solid")
+    assert [row.quantity for row in grid.rows] == ["compliance c22", "compliance c33"]
+    assert [[cell.measurement.value for cell in row.cells] for row in grid.rows] == [
+        [2.001, 2.003],
+        [2.002, 2.004],
+    ]
+    assert [row.reference for row in grid.rows] == [2.0, 2.0]
+    assert [outcome.case.id for outcome in rest] == ["leg1.compliance.solid[c44]", "leg1.other"]
+
+
+def test_rows_of_one_quantity_are_told_apart_by_their_ids():
+    outcomes = [
+        judge(
+            case(f"refinement.leg{leg}.{way}.order[2]", quantity="order"),
+            Measurement(1.0, 1.0),
+            0.1,
+        )
+        for leg in (1, 2)
+        for way in ("half", "beam")
+    ]
+    (grid,), _ = grids(outcomes)
+    assert [row.quantity for row in grid.rows] == ["order (leg 1)", "order (leg 2)"]
+
+
+@pytest.mark.parametrize(
+    ("changes", "reference", "share"),
+    [
+        ({}, 2.0, 0.005),
+        ({"tolerance": Absolute(0.1)}, 2.0, None),
+        ({"relation": Relation.AT_MOST}, 2.0, None),
+    ],
+)
+def test_only_equal_numbers_have_an_unexplained_difference_in_per_cent(changes, reference, share):
+    outcome = judge(case(**changes), Measurement(1.01 * reference, reference, allowances=HALF), 0.1)
+    assert unexplained_share(outcome) == (None if share is None else pytest.approx(share))
+
+
+# Explains 0.01 of a difference of 0.02: half of it.
+HALF = (Allowance("warping", 0.01),)
+
+
+def test_a_budget_shows_what_is_measured_explained_and_left():
+    outcome = model_case("solid", "c44", 1.9, allowances=(Allowance("warping", -0.096),))
+    figure = budget_figure("budget.leg1", "Leg 1", budgeted([outcome]))
+    heading, row = figure.data.splitlines()
+    # In % of the reference 2: E = −0.1, explained −0.096, left −0.004, uncertainty 1e-4.
+    shown = dict(zip(heading.split(","), row.split(","), strict=True))
+    assert shown.pop("case") == "leg1.compliance.solid[c44]"
+    assert {name: float(value) for name, value in shown.items()} == pytest.approx(
+        {
+            "difference (% of the reference)": -5.0,
+            "warping (% of the reference)": -4.8,
+            "unexplained (% of the reference)": -0.2,
+            "numerical uncertainty (% of the reference)": 0.005,
+            "tolerance (% of the reference)": 1.0,
+        }
+    )
+
+
+def test_refinements_that_differ_in_their_last_part_share_their_axes():
+    members = [
+        replace(CONVERGENCE, id=f"benchmark.cross.{n}", series={f"bending {n}": SERIES}, orders={})
+        for n in (1, 2)
+    ]
+    other = replace(CONVERGENCE, id="benchmark.beam.1")
+    found = families([model_case("solid", "c22", 2.0, studies=(*members, other))])
+    assert [family.id for family in found] == ["benchmark.cross", "benchmark.beam.1"]
+    assert [curve.label for curve in found[0].curves] == ["bending 1", "bending 2"]
+
+
+SERIES = next(iter(CONVERGENCE.series.values()))
+
+
+def test_families_with_different_abscissas_have_ids_of_their_own():
+    short = replace(CONVERGENCE, id="benchmark.cross.9", x=CONVERGENCE.x[1:], series={})
+    members = [replace(CONVERGENCE, id=f"benchmark.cross.{n}") for n in (1, 2)]
+    found = families([model_case("solid", "c22", 2.0, studies=(*members, short))])
+    assert [family.id for family in found] == ["benchmark.cross.1", "benchmark.cross.9"]
+
+
+def test_a_plot_that_fails_costs_nothing_but_itself(monkeypatch):
+    def fail(*_):
+        raise ZeroDivisionError
+
+    monkeypatch.setattr(sections, "family_plot", fail)
+    assert "Agrees barely" in render(sample_report())
+
+
+def test_sweeps_of_several_models_share_their_axes_and_draw_the_common_curve_once():
+    sweeps = [
+        replace(SWEEP, id=f"robot.{model}", series={"vjm": VJM, model: VJM})
+        for model in ("segments", "beam")
+    ]
+    (family,) = families([model_case("solid", "c22", 2.0, studies=tuple(sweeps))])
+    assert [curve.label for curve in family.curves] == ["vjm", "segments", "beam"]
+
+
+VJM = SWEEP.series["vjm"]
+
+
+def test_the_paper_s_figures_stand_together_in_the_paper_s_order():
+    figures = [
+        Figure(f"f{number}", f"A curve (paper Fig. {number})", "", "Robot", png=PIXEL)
+        for number in (10, 3)
+    ] + [Figure("own", "Of our own", "", "Robot", png=PIXEL)]
+    statement = judge(
+        case(reference_kind="paper-statement", section="The paper"), Measurement(1.0, 1.0), 0.1
+    )
+    paper, robot = sections_of([statement], figures, plotted=False)
+    assert [figure.id for figure in paper.figures] == ["f3", "f10"]
+    assert [figure.id for figure in robot.figures] == ["own"]
+
+
+def test_every_second_way_is_a_module_of_this_project():
+    for headline in HEADLINES:
+        assert len(headline.ways) > 1
+        for way in headline.ways:
+            assert find_spec(way.module) is not None, way.module
+
+
+def test_scenes_are_in_the_page_and_the_viewer_is_there_once():
+    scene = InteractiveScene("(a) mode 1", b"PK state")
+    figures = [
+        Figure(name, name, "", "The legs", png=PIXEL, scenes=(scene,)) for name in ("one", "two")
+    ]
+    shown = render(sample_report(figures=tuple(figures)))
+    assert shown.count(base64.b64encode(scene.state).decode()) == 2
+    assert shown.count('id="scene-viewer"') == 1
+    packed = re.search(r'id="scene-viewer">([^<]*)<', shown)[1]
+    viewer = gzip.decompress(base64.b64decode(packed)).decode()
+    assert "OfflineLocalView" in viewer
+    assert "https://kitware.github.io/vtk-js/icon" not in viewer
+
+
+def test_an_interrupted_run_waits_for_no_plot():
+    assert not any(
+        plot.figure for section in sample_report(unfinished=1).sections for plot in section.plots
+    )
 
 
 def test_curves_that_are_errors_tend_to_zero():

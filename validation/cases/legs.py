@@ -82,6 +82,7 @@ def _compliances(number: int, model: ModelName) -> list[Case]:
             compute=partial(_entry, number=number, model=model, entry=(i, j)),
             section=f"Leg {number}",
             group=f"leg{number}.lumped",
+            effort=0.01,
         )
         for name, (i, j, meaning) in ENTRIES.items()
     ]
@@ -102,6 +103,7 @@ def _frequencies(number: int, model: ModelName) -> list[Case]:
             compute=partial(_mode, number=number, model=model, index=index),
             section=f"Leg {number}",
             group=f"leg{number}.lumped",
+            effort=0.01,
         )
         for index in range(MODES)
     ]

@@ -49,7 +49,6 @@ def cases() -> tuple[Case, ...]:
                     compute=partial(_order, number=number, name=name, mode=mode),
                     section=SECTION,
                     group=f"refinement.{number}.{name}",
-                    effort=2.0,
                 )
                 for mode in range(MODES)
             ]

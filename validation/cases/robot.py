@@ -74,7 +74,7 @@ def _frequencies() -> list[Case]:
             compute=partial(_frequency, index=index),
             section=SECTION,
             group="robot.frequencies",
-            effort=1.0,
+            effort=0.3,
         )
         for index in range(FREQUENCIES)
     ]

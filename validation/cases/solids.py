@@ -27,6 +27,7 @@ from validation.context import Context, Preset
 from validation.exhibits import Study
 from validation.leg_solids import (
     FORMAL_ORDER,
+    GRIDS_FOR_ORDER,
     Refinement,
     SolidModes,
     dynamic_ladder,
@@ -270,6 +271,11 @@ def _warping_waves(leg: ConstantLeg, order: int, saint_venant: float) -> list[Al
 
 def _order(context: Context, number: int, name: str) -> Measurement:
     found = compliances(context, number, "rigid")
+    if len(found.divisions) < GRIDS_FOR_ORDER:
+        raise Skip(
+            f"{len(found.divisions)} meshes of this section are affordable in preset "
+            f"{context.preset}, an order takes {GRIDS_FOR_ORDER}"
+        )
     i, j, meaning = ENTRIES[name]
     convergence = found.at(i, j)
     order = convergence.observed_order

@@ -7,11 +7,13 @@ def drawings() -> tuple[Drawing, ...]:
     """All figures of a robot, in the order of the report."""
     # The figures share results with the cases, whose package lists cases and figures together.
     from validation.drawings import (  # noqa: PLC0415
+        decision,
         dynamics,
         energy,
         leg_pictures,
         refinement,
         robot_pictures,
+        sixty_modes,
         statics,
     )
 
@@ -19,7 +21,9 @@ def drawings() -> tuple[Drawing, ...]:
         *statics.drawings(),
         *dynamics.drawings(),
         *energy.drawings(),
+        *sixty_modes.drawings(),
         *robot_pictures.drawings(),
         *leg_pictures.drawings(),
         *refinement.drawings(),
+        *decision.drawings(),
     )

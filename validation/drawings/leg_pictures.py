@@ -14,7 +14,14 @@ from meshes.solid_mesh import SolidMesh
 from validation.cases.legs import constant_leg_of
 from validation.context import Context
 from validation.drawings.opengl import require_opengl
-from validation.drawings.prisms import Surface, edges, outline, prism_points
+from validation.drawings.prisms import (
+    Surface,
+    edges,
+    frames,
+    outline,
+    prism_points,
+    section_displacements,
+)
 from validation.drawings.rendering import (
     Body,
     Scene,
@@ -28,11 +35,13 @@ from validation.drawings.rendering import (
     triad,
 )
 from validation.drawings.robot_pictures import GROUP
+from validation.drawings.robot_shape import OUTSET
 from validation.drawings.view import fitted_view
 from validation.exhibits import Drawing, Figure
 from validation.mode_pairing import centreline_samples, centreline_weights, pair_modes
 from validation.models import DEFAULT_OPTIONS, leg_matrices, solid_modes
 from validation.report.style import MODELS, canvas, csv_of, plot_style
+from validation.scenes import interactive
 
 MODES = 4
 # Enough for a picture: the numbers of the report come from finer meshes.
@@ -96,7 +105,7 @@ def leg_mode_shapes(context: Context, number: int) -> Figure:
     leg = constant_leg_of(context, number)
     found = context.get(leg_modes, leg, MODES)
     faces = boundary_faces(found.mesh)
-    said = []
+    said, scenes = [], []
     with plot_style():
         picture, panels = canvas(rows=2, columns=2, height=2.0 * _HEIGHT + 1.3)
         for mode, (axes, letter) in enumerate(zip(panels, "abcd", strict=True)):
@@ -113,14 +122,18 @@ def leg_mode_shapes(context: Context, number: int) -> Figure:
             )
             surface = Surface(deformed, faces, sizes / sizes.max())
             body = Body(surface, edge="#30343a")
-            show(axes, render(Scene(view, [body], (0.0, 1.0), [at_rest(leg)])))
+            scene = Scene(view, [body], (0.0, 1.0), [at_rest(leg)])
+            show(axes, render(scene))
             lumped = found.lumped[:, mode].reshape(-1, 6)[:, :3]
             straight = np.column_stack([found.stations, np.zeros((len(found.stations), 2))])
             squares(axes, view, straight + factor * lumped, MODELS["segments"].colour)
             triad(axes, view, place=(0.07, 0.95))
-            axes.set_title(
+            title = (
                 f"({letter}) mode {mode + 1}: {found.frequencies[mode]:.1f} Hz, {found.kinds[mode]}"
             )
+            axes.set_title(title)
+            twists = factor * found.lumped[:, mode].reshape(-1, 6)
+            scenes.append(interactive(title, scene, [segments_over(leg, found.stations, twists)]))
             said.append(
                 f"{found.lumped_frequencies[mode]:.1f} Hz (MAC {found.mac[mode]:.3f}, {letter})"
             )
@@ -132,8 +145,8 @@ def leg_mode_shapes(context: Context, number: int) -> Figure:
         caption=(
             "Equivalent constant-section leg, root end face clamped (left), thin lines: at rest; "
             f"quadratic hexahedra, coarse mesh of {len(found.mesh.cells)} elements. Orange "
-            f"squares: centreline of the same mode of the segments, at {', '.join(said)}. A MAC of "
-            "1 means the same shape; "
+            "squares, and frames in three dimensions: the same mode of the segments, at "
+            f"{', '.join(said)}. A MAC of 1 means the same shape; "
             "where torsion of the solid lies higher, the cause is the warping that the rigid end "
             "faces restrain."
             + (
@@ -145,7 +158,17 @@ def leg_mode_shapes(context: Context, number: int) -> Figure:
         section=f"Leg {number}",
         png=png,
         data=_table(found),
+        scenes=tuple(scenes),
     )
+
+
+def segments_over(leg: ConstantLeg, stations: Array, twists: Array) -> Wire:
+    """Outlines of the lumped model at s `stations` (m), moved by `twists` (s×6), around the leg."""
+    corners = OUTSET * outline(leg.section)
+    points = prism_points(corners, stations)
+    moved = section_displacements(points, np.repeat(twists, len(corners), axis=0))
+    pairs = frames(len(corners), len(stations))
+    return Wire(points + moved, pairs, MODELS["segments"].colour, 2.5)
 
 
 def at_rest(leg: ConstantLeg) -> Wire:

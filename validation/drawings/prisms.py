@@ -79,6 +79,14 @@ def edges(corners: int, stations: int) -> IntArray:
     return np.vstack([rim, rim + corners * (stations - 1), long])
 
 
+def frames(corners: int, stations: int) -> IntArray:
+    """Pairs (e×2) of point numbers along the rim of every station and the long edges."""
+    ring = np.arange(corners)
+    rim = np.column_stack([ring, np.roll(ring, -1)])
+    rims = (rim + corners * np.arange(stations)[:, None, None]).reshape(-1, 2)
+    return np.vstack([rims, edges(corners, stations)])
+
+
 def box(low: Array, high: Array) -> Surface:
     """Rectangular box between two opposite corners (3, m)."""
     ring = [(0, 0), (1, 0), (1, 1), (0, 1)]

@@ -64,12 +64,7 @@ def render(scene: Scene) -> NDArray[np.uint8]:
     view = scene.view
     plotter = pyvista.Plotter(off_screen=True, window_size=list(view.size))
     plotter.background_color = pyvista.Color("white")
-    for body in scene.bodies:
-        plotter.add_mesh(_poly_data(pyvista, body.surface), **_appearance(body, scene.limits))
-    for wire in scene.wires:
-        count = np.full((len(wire.pairs), 1), 2)
-        lines = pyvista.PolyData(wire.points, lines=np.hstack([count, wire.pairs]).ravel())
-        plotter.add_mesh(lines, color=wire.colour, line_width=wire.width, lighting=False)
+    add_to(plotter, scene)
     camera = plotter.camera
     camera.parallel_projection = True
     camera.focal_point = view.centre
@@ -81,6 +76,19 @@ def render(scene: Scene) -> NDArray[np.uint8]:
     image: NDArray[np.uint8] = np.asarray(plotter.screenshot(return_img=True))
     plotter.close()
     return image
+
+
+def add_to(plotter: Any, scene: Scene, overlay: Sequence[Body | Wire] = ()) -> None:
+    """Put the scene, and what is drawn over it, into a pyvista plotter."""
+    import pyvista  # noqa: PLC0415  VTK must not be loaded where it cannot draw
+
+    for part in (*scene.bodies, *scene.wires, *overlay):
+        if isinstance(part, Body):
+            plotter.add_mesh(_poly_data(pyvista, part.surface), **_appearance(part, scene.limits))
+        else:
+            count = np.full((len(part.pairs), 1), 2)
+            lines = pyvista.PolyData(part.points, lines=np.hstack([count, part.pairs]).ravel())
+            plotter.add_mesh(lines, color=part.colour, line_width=part.width, lighting=False)
 
 
 def _poly_data(pyvista: Any, surface: Surface) -> Any:

@@ -1,6 +1,6 @@
 """Pictures of the whole robot: its first two modes, and its shape under three loads."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -9,6 +9,12 @@ from lumped.arrays import Array
 from lumped.biglide import Biglide
 from validation.cases.robot import SECTION
 from validation.context import Context
+from validation.drawings.element_columns import (
+    load_columns,
+    segments_like,
+    sense,
+    shape_columns,
+)
 from validation.drawings.opengl import require_opengl
 from validation.drawings.prisms import readable_factor
 from validation.drawings.rendering import (
@@ -26,18 +32,19 @@ from validation.drawings.rendering import (
 )
 from validation.drawings.robot_shape import (
     LegShape,
-    centreline_points,
     leg_shapes,
     load_displacement,
+    segment_frames,
     slide_places,
     surroundings,
     top_of_joint,
 )
 from validation.drawings.view import View, fitted_view
-from validation.exhibits import Drawing, Figure
+from validation.exhibits import Drawing, Figure, InteractiveScene
 from validation.models import DEFAULT_OPTIONS
 from validation.quantities import LOAD, MICRO, RobotModes, robot_modes
 from validation.report.style import MODELS, VERMILLION, canvas, csv_of, plot_style
+from validation.scenes import interactive
 
 GROUP = "pictures"
 # Largest displacement in a picture, as a share of the legs' mean length.
@@ -78,7 +85,7 @@ def mode_shapes(context: Context) -> Figure:
         context.get(robot_modes, model, robot, x, _MODES) for model in ("beam", "segments")
     )
     columns: dict[str, Array] = {}
-    said = []
+    said, scenes = [], []
     with plot_style():
         picture, panels = canvas(columns=2, height=_HEIGHT + 0.85)
         for mode, (axes, letter) in enumerate(zip(panels, "ab", strict=True)):
@@ -92,15 +99,18 @@ def mode_shapes(context: Context) -> Figure:
             bodies += [Body(shape.deformed(factor, largest)) for shape in shapes]
             scene = _scene(bodies, shapes, direction, panel_pixels(2, _HEIGHT), 1.0)
             show(axes, render(scene))
-            points, lumped = _segments_like(robot, x, segments, beam, mode)
+            points, lumped = segments_like(robot, x, segments, beam, mode)
             squares(axes, scene.view, points + factor * lumped, MODELS["segments"].colour)
             _annotate(axes, scene.view, robot, x, factor * moved)
-            sense = "along z" if along_z > 0.5 else "in the plane"
-            axes.set_title(
-                f"({letter}) mode {mode + 1}, {sense}: {beam.modes.frequencies[mode]:.1f} Hz"
+            plane = "along z" if along_z > 0.5 else "in the plane"
+            title = f"({letter}) mode {mode + 1}, {plane}: {beam.modes.frequencies[mode]:.1f} Hz"
+            axes.set_title(title)
+            displaced = (
+                factor * sense(robot, x, segments, beam, mode) * (segments.modes.shapes[:, mode])
             )
+            scenes.append(_scene_of(title, scene, robot, x, segments, displaced))
             colour_bar(picture, axes, (0.0, 1.0), "displacement, largest = 1")
-            columns |= _shape_columns(robot, x, beam, segments, mode, largest)
+            columns |= shape_columns(robot, x, beam, segments, mode, largest)
             said.append(
                 f"Mode {mode + 1}: {100.0 * along_z:.0f} % of the kinetic energy of translation "
                 f"is along z; {beam.modes.frequencies[mode]:.1f} Hz with beams, "
@@ -114,13 +124,14 @@ def mode_shapes(context: Context) -> Figure:
             [
                 f"Beam model at x = {x:.4g} m, legs drawn with their equivalent sections and "
                 "coloured by displacement, thin lines: the robot at rest. Orange squares: the "
-                "segments of the lumped model in the same mode.",
+                "segments of the lumped model in the same mode; orange frames in three dimensions.",
                 *said,
             ]
         ),
         section=SECTION,
         png=png,
         data=csv_of({heading: column.tolist() for heading, column in columns.items()}),
+        scenes=tuple(scenes),
     )
 
 
@@ -130,7 +141,8 @@ def deformed_robot(context: Context) -> Figure:
     robot, x = context.robot, context.robot.centre
     beam = context.get(robot_modes, "beam", robot, x, _MODES, DEFAULT_OPTIONS)
     columns: dict[str, Array] = {}
-    said = []
+    segments = context.get(robot_modes, "segments", robot, x, _MODES)
+    said, scenes = [], []
     with plot_style():
         picture, panels = canvas(columns=3, height=_SMALL_HEIGHT + 0.8)
         for axes, letter, direction in zip(panels, "abc", np.eye(3), strict=True):
@@ -155,11 +167,12 @@ def deformed_robot(context: Context) -> Figure:
             show(axes, render(scene))
             _annotate(axes, scene.view, robot, x, moved)
             arrow(axes, scene.view, tail, head, VERMILLION)
-            axes.set_title(
-                f"({letter}) {LOAD:g} N along {name}, drawn × {_grouped(factor)}", fontsize=9.0
-            )
+            title = f"({letter}) {LOAD:g} N along {name}, drawn × {_grouped(factor)}"
+            axes.set_title(title, fontsize=9.0)
+            lumped = load_displacement(segments.mechanism, LOAD * direction)
+            scenes.append(_scene_of(title, scene, robot, x, segments, factor * lumped))
             colour_bar(picture, axes, scene.limits, "displacement (µm)")
-            columns |= _load_columns(robot, x, beam, unknowns, name)
+            columns |= load_columns(robot, x, beam, unknowns, name)
             said.append(f"{np.linalg.norm(loaded[:3]) * MICRO:.1f} µm under the load along {name}")
         png = png_of(picture)
     return Figure(
@@ -167,12 +180,24 @@ def deformed_robot(context: Context) -> Figure:
         title=f"The robot under {LOAD:g} N along x, y and z",
         caption=(
             f"Beam model at x = {x:.4g} m, each picture with the enlargement named above it. The "
-            f"loaded point moves {', '.join(said)}. The red arrow is the load."
+            f"loaded point moves {', '.join(said)}. The red arrow is the load; "
+            "orange frames in three dimensions: the segments of the lumped model."
         ),
         section=SECTION,
         png=png,
         data=csv_of({heading: column.tolist() for heading, column in columns.items()}),
+        scenes=tuple(scenes),
     )
+
+
+def _scene_of(
+    title: str, scene: Scene, robot: Biglide, x: float, segments: RobotModes, displaced: Array
+) -> InteractiveScene:
+    """The picture in three dimensions, the segments drawn over the beams."""
+    overlay = segment_frames(
+        robot, x, segments.mechanism, segments.legs, displaced, DEFAULT_OPTIONS.elements
+    )
+    return interactive(title, scene, [overlay])
 
 
 def _leg_shapes(
@@ -234,55 +259,3 @@ def _annotate(axes: Axes, view: View, robot: Biglide, x: float, moved: Array) ->
     ):
         write(axes, view, point, name, away)
     triad(axes, view)
-
-
-def _segments_like(
-    robot: Biglide, x: float, segments: RobotModes, beam: RobotModes, mode: int
-) -> tuple[Array, Array]:
-    """Middles of the segments (m) and their displacements in the sense of the beam's mode."""
-    points, lumped = _centrelines(robot, x, segments, mode)
-    _, fine = _centrelines(robot, x, beam, mode)
-    return points, lumped * (1.0 if np.sum(lumped * fine) >= 0.0 else -1.0)
-
-
-def _centrelines(robot: Biglide, x: float, found: RobotModes, mode: int) -> tuple[Array, Array]:
-    return centreline_points(
-        robot,
-        x,
-        found.mechanism,
-        found.legs,
-        found.modes.shapes[:, mode],
-        DEFAULT_OPTIONS.elements,
-    )
-
-
-def _shape_columns(
-    robot: Biglide,
-    x: float,
-    beam: RobotModes,
-    segments: RobotModes,
-    mode: int,
-    largest: float,
-) -> Mapping[str, Array]:
-    points, fine = _centrelines(robot, x, beam, mode)
-    _, lumped = _segments_like(robot, x, segments, beam, mode)
-    columns = {f"{axis} (m)": points[:, i] for i, axis in enumerate("xyz")}
-    for model, moved in (("beam FE", fine), ("segments", lumped)):
-        columns |= {
-            f"{model}: mode {mode + 1} along {axis} (largest of the beam model = 1)": column
-            for axis, column in zip("xyz", moved.T / largest, strict=True)
-        }
-    return columns
-
-
-def _load_columns(
-    robot: Biglide, x: float, beam: RobotModes, unknowns: Array, load: str
-) -> Mapping[str, Array]:
-    points, moved = centreline_points(
-        robot, x, beam.mechanism, beam.legs, unknowns, DEFAULT_OPTIONS.elements
-    )
-    columns = {f"{axis} (m)": points[:, i] for i, axis in enumerate("xyz")}
-    return columns | {
-        f"load along {load}: displacement along {axis} (µm)": column
-        for axis, column in zip("xyz", moved.T * MICRO, strict=True)
-    }

@@ -17,6 +17,7 @@ from validation.drawings.prisms import (
     box,
     edges,
     end_faces,
+    frames,
     in_robot_axes,
     outline,
     pin,
@@ -25,8 +26,11 @@ from validation.drawings.prisms import (
     section_displacements,
 )
 from validation.drawings.rendering import DARK, Body, Wire
+from validation.report.style import MODELS
 
 _STATIONS = 41
+# How much larger than the leg the lumped model's outlines are drawn, to be seen on its surface.
+OUTSET = 1.04
 
 
 @dataclass(frozen=True)
@@ -105,6 +109,33 @@ def centreline_points(
         points.append(root + in_robot_axes(straight, rotation))
         displacements.append(in_robot_axes(twists[:, :3], rotation))
     return np.vstack(points), np.vstack(displacements)
+
+
+def segment_frames(
+    robot: Biglide,
+    x: float,
+    mechanism: Mechanism,
+    legs: Sequence[LegMatrices],
+    displaced: Array,
+    count: int,
+) -> Wire:
+    """Outlines of `count` segments of each leg, slightly larger than it.
+
+    `displaced` (n) are the robot's unknowns, times the factor they are drawn with.
+    """
+    points, pairs, begun = [], [], 0
+    for leg, matrices, to_leg, (rotation, root) in zip(
+        _constant_legs(robot), legs, mechanism.legs, _frames(robot.posture(x)), strict=True
+    ):
+        stations = (np.arange(count) + 0.5) * leg.length / count
+        corners = OUTSET * outline(leg.section)
+        straight = prism_points(corners, stations)
+        twists = (matrices.centreline(stations) @ (to_leg @ displaced)).reshape(-1, 6)
+        moved = section_displacements(straight, np.repeat(twists, len(corners), axis=0))
+        points.append(root + in_robot_axes(straight + moved, rotation))
+        pairs.append(frames(len(corners), count) + begun)
+        begun += len(straight)
+    return Wire(np.vstack(points), np.vstack(pairs), MODELS["segments"].colour, 2.5)
 
 
 def surroundings(robot: Biglide, x: float, moved: Array) -> list[Body]:

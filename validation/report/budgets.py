@@ -117,7 +117,13 @@ def _causes(axes: Axes, rows: Array, outcomes: Sequence[Outcome]) -> list[Patch 
     handles.append(Patch(facecolor=VERMILLION, label="unexplained"))
     differences = [_percent(_measured(o), _measured(o).difference) for o in outcomes]
     axes.plot(
-        differences, rows, linestyle="", marker="D", color="black", markerfacecolor="white", zorder=5
+        differences,
+        rows,
+        linestyle="",
+        marker="D",
+        color="black",
+        markerfacecolor="white",
+        zorder=5,
     )
     handles.append(
         Line2D([], [], linestyle="", marker="D", color="black", label="measured difference E")
@@ -169,7 +175,7 @@ def _name(outcome: Outcome) -> str:
     """The quantity, cut to what fits beside a bar."""
     name = outcome.case.quantity.partition(", worst")[0].removeprefix("compliance ")
     name = name.replace("natural frequency", "frequency").replace(", clamped-free", "")
-    return name if len(name) <= 34 else f"{name[:33]}…"  # noqa: PLR2004
+    return name if len(name) <= 34 else f"{name[:33]}…"
 
 
 def _table(outcomes: Sequence[Outcome]) -> str:

@@ -1,6 +1,5 @@
 """Studies that belong together, in the same axes: refinement with its order, sweeps of models."""
 
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import cycle
@@ -28,6 +27,7 @@ _NAMING = {
     *("simplified", "vjm", "segments", "beam", "solid"),
     *("euler-bernoulli", "timoshenko"),
 }
+
 
 @dataclass(frozen=True)
 class Curve:
@@ -105,10 +105,20 @@ def families(outcomes: Sequence[Outcome]) -> tuple[Family, ...]:
             key = (stem, study.kind, study.x_label, repr(study.x))
             gathered.setdefault(key, {})[study.id] = study
             titles.setdefault(stem, []).append(outcome.case.title)
+    stems = [key[0] for key in gathered]
     return tuple(
-        _family(key[0], tuple(members.values()), titles[key[0]])
-        for key, members in gathered.items()
+        _family(
+            stem if len(members) > 1 and stems.count(stem) == 1 else next(iter(members)),
+            tuple(members.values()),
+            titles[stem],
+        )
+        for (stem, *_), members in gathered.items()
     )
+
+
+def alone(study: Study) -> Family:
+    """A family of one study."""
+    return Family(study.id, study.title, tuple(Curve(n, n, study) for n in study.series))
 
 
 def family_plot(family: Family) -> Figure:
@@ -130,28 +140,27 @@ def family_plot(family: Family) -> Figure:
 def _stem(study: Study) -> str:
     parts = study.id.split(".")
     if study.kind == "convergence":
-        return ".".join(parts[:-1]) if len(parts) > 2 else study.id  # noqa: PLR2004
+        return ".".join(parts[:-1]) if len(parts) > 2 else study.id
     kept = [part for part in parts if part not in _NAMING]
     return ".".join(kept) or study.id
 
 
-def _family(stem: str, members: Sequence[Study], case_titles: Sequence[str]) -> Family:
+def _family(identifier: str, members: Sequence[Study], case_titles: Sequence[str]) -> Family:
     if len(members) == 1:
-        study = members[0]
-        return Family(study.id, study.title, tuple(Curve(n, n, study) for n in study.series))
+        return alone(members[0])
     curves: dict[str, Curve] = {}
     for study in members:
         for name in study.series:
             curve = Curve(_label(name, study, members), name, study)
             # Equal curves (the reference of several comparisons) are drawn once.
             curves.setdefault(f"{curve.label} {curve.values!r}", curve)
-    title = _common([study.title for study in members]) or _common(case_titles) or stem
-    return Family(stem, title[0].upper() + title[1:], tuple(curves.values()))
+    title = _common([study.title for study in members]) or _common(case_titles) or identifier
+    return Family(identifier, title[0].upper() + title[1:], tuple(curves.values()))
 
 
 def _common(titles: Sequence[str]) -> str:
     """What the titles begin with, cut at a word."""
-    shared = commonprefix(list(titles))
+    shared = commonprefix(list(titles))  # noqa: RUF071  titles, no paths
     return (shared if shared.endswith((" ", ":")) else shared.rpartition(" ")[0]).rstrip(" :,")
 
 
@@ -188,7 +197,7 @@ def _sweep(family: Family) -> Canvas:
     unit = "" if first.unit in first.y_label else f" ({first.unit})"
     axes.set(xlabel=first.x_label, ylabel=f"{first.y_label}{unit}")
     axes.set_ylim(0.0, None) if axes.get_ylim()[0] > 0.0 else None
-    axes.legend(ncols=2 if len(family.curves) > 4 else 1)  # noqa: PLR2004
+    axes.legend(ncols=2 if len(family.curves) > 4 else 1)
     return picture
 
 
@@ -235,7 +244,7 @@ def _draw_curve(plain: Axes, decay: Axes, x: Array, curve: Curve, look: Look) ->
         return
     bar = 100.0 * curve.uncertainty / scale
     plain.errorbar(x[-1], deviation[-1], bar, color=look.colour, capsize=4)
-    if 0.0 < bar and deviation[-1] != 0.0:
+    if bar > 0.0 and deviation[-1] != 0.0:
         size = abs(deviation[-1])
         # An uncertainty beyond the deviation itself would reach below any logarithmic axis.
         down = min(bar, 0.9 * size)

@@ -12,10 +12,14 @@ from markupsafe import Markup
 from lumped.finding import Finding
 from validation.case import Outcome, Verdict
 from validation.drift import Drift
-from validation.exhibits import Figure, Study
-from validation.listing import summary, tolerance_text
+from validation.exhibits import Figure
+from validation.faults.detection import Power
+from validation.listing import summary
 from validation.records import Drawn, studies_of
-from validation.report import text
+from validation.report import scene_viewer, text
+from validation.report.second_ways import Agreement, agreements
+from validation.report.sections import Section, sections_of
+from validation.report.tables import Part, explained, largest_unexplained, unexplained_share
 
 # How many comparisons the first table shows beside those that do not agree.
 _FOREMOST = 10
@@ -23,20 +27,12 @@ _RANK: Mapping[Verdict, int] = {"disagree": 0, "failed": 1, "agree": 2, "skipped
 
 
 @dataclass(frozen=True)
-class Section:
-    """A group of cases with the figures that belong to it."""
-
-    title: str
-    outcomes: tuple[Outcome, ...]
-    figures: tuple[Figure, ...]
-
-
-@dataclass(frozen=True)
 class Report:
     """What the page shows.
 
     `unfinished` counts the pieces of work that were not computed; `drifts` (by case id) are the
-    moves from frozen values, which stand in a column of their own.
+    moves from frozen values, which stand in a column of their own; `power` what became of the
+    faults, if any were injected.
     """
 
     outcomes: tuple[Outcome, ...]
@@ -46,26 +42,50 @@ class Report:
     missing_figures: tuple[Drawn, ...] = ()
     unfinished: int = 0
     drifts: Mapping[str, Drift] = field(default_factory=dict)
+    power: Power | None = None
 
     @property
     def sentence(self) -> str:
-        """The verdict in one sentence."""
-        return summary(self.outcomes, self.unfinished)
+        """The verdict in one sentence, and one on the faults."""
+        said = summary(self.outcomes, self.unfinished)
+        return f"{said} {self.power.sentence}" if self.power else said
 
     @property
     def headline(self) -> str:
-        """Where the comparisons are tightest, or which one is worst."""
-        if not self.worst_first or isnan(self.worst_first[0].share):
-            return ""
-        worst = self.worst_first[0]
-        how = "Largest disagreement" if worst.verdict == "disagree" else "Closest to its limit"
-        return f"{how}: {worst.case.title} ({_of_tolerance(worst.share)})."
+        """Where the largest unexplained difference is, and which comparison is tightest."""
+        said = []
+        if self.largest is not None:
+            share = text.percent(unexplained_share(self.largest) or 0.0, signed=False)
+            said.append(
+                f"Largest unexplained difference: {share} of the reference, in "
+                f"“{self.largest.case.title}”."
+            )
+        if self.worst_first and not isnan(self.worst_first[0].share):
+            worst = self.worst_first[0]
+            how = "Largest disagreement" if worst.verdict == "disagree" else "Closest to its limit"
+            said.append(f"{how}: “{worst.case.title}” ({_of_tolerance(worst.share)}).")
+        return " ".join(said)
+
+    @cached_property
+    def largest(self) -> Outcome | None:
+        """The comparison with the largest unexplained difference, in % of its reference."""
+        return largest_unexplained(self.outcomes)
+
+    @property
+    def parts(self) -> tuple[Part, ...]:
+        """The sections in one line each, the largest unexplained difference first."""
+
+        def size(part: Part) -> float:
+            return (unexplained_share(part.largest) or 0.0) if part.largest else -1.0
+
+        parts = [section.part for section in self.sections if section.outcomes]
+        return tuple(sorted(parts, key=lambda part: -size(part)))
 
     @property
     def verdict(self) -> Verdict:
         """The verdict on the run: the worst of its cases; unfinished work has failed."""
         verdicts = {outcome.verdict for outcome in self.outcomes}
-        if "disagree" in verdicts:
+        if "disagree" in verdicts or (self.power and self.power.survivors):
             return "disagree"
         if "failed" in verdicts or self.unfinished:
             return "failed"
@@ -84,29 +104,26 @@ class Report:
         return tuple(tried[: bad + _FOREMOST])
 
     @cached_property
-    def studies(self) -> tuple[Study, ...]:
-        """The studies that came with the cases."""
-        return tuple(studies_of(self.outcomes))
+    def sections(self) -> tuple[Section, ...]:
+        """The sections in the order in which they appear.
 
-    def study_figure(self, study: Study) -> Figure | None:
-        """The plot of a study."""
-        return next((figure for figure in self.figures if figure.id == study.id), None)
+        An interrupted run goes without the plots of studies and budgets: whoever presses Ctrl-C
+        waits for nothing.
+        """
+        studies = {study.id for study in studies_of(self.outcomes)}
+        figures = [figure for figure in self.figures if figure.id not in studies]
+        return sections_of(self.outcomes, figures, plotted=not self.unfinished)
+
+    @cached_property
+    def second_ways(self) -> tuple[Agreement, ...]:
+        """The headline numbers and the ways in which they were obtained."""
+        return agreements(self.outcomes)
 
     @property
-    def sections(self) -> tuple[Section, ...]:
-        """The groups in the order in which they appear, worst cases first in each."""
-        plots = {study.id for study in self.studies}
-        figures = [figure for figure in self.figures if figure.id not in plots]
-        names = [outcome.case.section for outcome in self.outcomes]
-        names += [figure.section for figure in figures]
-        return tuple(
-            Section(
-                title=name or "Further comparisons",
-                outcomes=tuple(o for o in self.worst_first if o.case.section == name),
-                figures=tuple(figure for figure in figures if figure.section == name),
-            )
-            for name in dict.fromkeys(names)
-        )
+    def viewer(self) -> str:
+        """The viewer of the 3-D scenes, packed for the page; empty where there are none."""
+        shown = any(figure.scenes for figure in self.figures)
+        return scene_viewer.packed() if shown else ""
 
     @property
     def slowest_first(self) -> tuple[Outcome, ...]:
@@ -126,15 +143,19 @@ def render(report: Report) -> str:
     environment.filters |= {
         "number": text.number,
         "percent": text.percent,
+        "unexplained_share": unexplained_share,
         "share_text": text.share_text,
         "seconds": text.seconds,
         "anchor": text.anchor,
         "function_name": text.function_name,
         "data_uri": text.data_uri,
+        "base64": text.base64,
         "inline_svg": lambda figure: Markup(text.inline_svg(figure)),  # noqa: S704  our own plots
-        "amount": tolerance_text,
+        "amount": text.tolerance,
         "rows": lambda columns: zip(*columns.values(), strict=True),
     }
+    environment.globals["explained"] = explained
+    environment.globals["mark"] = {"agree": "✓", "disagree": "✗", "failed": "!", "skipped": "–"}
     environment.tests["nan"] = lambda value: isinstance(value, float) and isnan(value)
     return environment.get_template("report.html.j2").render(report=report)
 

@@ -1,9 +1,10 @@
 """The parts of the report: which comparisons, plots and pictures stand together, in which order."""
 
+import logging
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
 from validation.case import Outcome
 from validation.exhibits import Figure
@@ -73,15 +74,21 @@ class Section:
         drawn = budgeted(self.outcomes) if self.plotted else ()
         if not drawn:
             return None
-        return budget_figure(f"budget.{self.anchor}", f"{self.title}: error budget", drawn)
+        title = f"{self.title}: error budget"
+        return _attempted(lambda: budget_figure(f"budget.{self.anchor}", title, drawn))
 
     @cached_property
     def plots(self) -> tuple[Plot, ...]:
         """The studies behind the comparisons, by family."""
         return tuple(
-            Plot(family, family_plot(family) if self.plotted else None)
+            Plot(family, _attempted(partial(family_plot, family)) if self.plotted else None)
             for family in families(self.outcomes)
         )
+
+    @cached_property
+    def homes(self) -> Mapping[str, str]:
+        """The family in which a study is shown, by the study's id."""
+        return {study.id: plot.family.id for plot in self.plots for study in plot.family.studies}
 
     @property
     def entries(self) -> Iterator[Entry]:
@@ -124,6 +131,15 @@ def sections_of(
 _PAPER = "paper-statement"
 
 
+def _attempted(draw: Callable[[], Figure]) -> Figure | None:
+    """The figure, or none: a plot that fails must not cost the report."""
+    try:
+        return draw()
+    except Exception as error:  # noqa: BLE001  whatever it is, the numbers stand in the tables
+        logging.getLogger(__name__).warning("a plot could not be drawn: %s", error)
+        return None
+
+
 def _home(figure: Figure, paper: str | None) -> str:
     return paper if paper and _FROM_PAPER.search(figure.title) else figure.section
 
@@ -137,5 +153,5 @@ def _brief(title: str) -> str:
     """A title short enough for the table of contents: the paper's figure first."""
     named = re.search(r"\(paper (Figs?\.[^)]*)\)", title)
     plain = re.sub(r"\s*\(paper [^)]*\)", "", title)
-    words = plain if len(plain) <= 46 else f"{plain[:45].rpartition(' ')[0]} …"  # noqa: PLR2004
+    words = plain if len(plain) <= 46 else f"{plain[:45].rpartition(' ')[0]} …"
     return f"{named[1]}: {words}" if named else words

@@ -11,15 +11,12 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from itertools import cycle
 from typing import Any
 
 import matplotlib as mpl
-import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as Canvas
 
-from lumped.arrays import Array
 from validation.exhibits import Figure, Study
 
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
@@ -121,75 +118,8 @@ def csv_of(columns: Mapping[str, Sequence[float | str]]) -> str:
 
 
 def study_plot(study: Study) -> Figure:
-    """The plot of a study with its data."""
-    with plot_style():
-        picture = _convergence(study) if study.kind == "convergence" else _sweep(study)
-        svg = svg_of(picture)
-    heading = {f"{name} ({study.unit})": values for name, values in study.series.items()}
-    return Figure(
-        id=study.id,
-        title=study.title,
-        caption=" ".join(study.notes),
-        section="studies",
-        svg=svg,
-        data=csv_of({study.x_label: study.x} | heading),
-    )
+    """The plot of a study alone, with its data."""
+    # Families of studies are drawn in this style, so that they import this module.
+    from validation.report.families import alone, family_plot  # noqa: PLC0415
 
-
-def _sweep(study: Study) -> Canvas:
-    picture, (axes,) = canvas()
-    others = cycle(OTHERS)
-    for name, values in study.series.items():
-        axes.plot(study.x, values, label=name, **look_of(name, others).options())
-    axes.set(xlabel=study.x_label, ylabel=f"{study.y_label} ({study.unit})")
-    axes.legend()
-    return picture
-
-
-def _convergence(study: Study) -> Canvas:
-    """Left the deviation from the limit with its uncertainty, right its decay.
-
-    Where no limit is known, the finest value stands in for it. A limit of zero means that the
-    values are relative errors themselves.
-    """
-    picture, (plain, decay) = canvas(columns=2)
-    others = cycle(OTHERS)
-    x = np.asarray(study.x)
-    for name, values in study.series.items():
-        limit = study.limits.get(name, values[-1])
-        scale = abs(limit) or 1.0
-        deviation = 100.0 * (np.asarray(values) - limit) / scale
-        look = look_of(name, others)
-        plain.plot(x, deviation, label=name, **look.options())
-        if (uncertainty := study.uncertainties.get(name)) is not None:
-            bar = 100.0 * uncertainty / scale
-            plain.errorbar(x[-1], deviation[-1], bar, color=look.colour, capsize=4)
-        apart = deviation != 0.0
-        order = study.orders.get(name)
-        label = f"order {order:.2f}" if order is not None else "no order"
-        decay.loglog(x[apart], np.abs(deviation[apart]), label=label, **look.options())
-    if study.formal_order is not None:
-        _slope(decay, x, study.formal_order)
-    plain.set(xscale="log", xlabel=study.x_label, ylabel="deviation from the limit (%)")
-    decay.set(xlabel=study.x_label, ylabel="|deviation| (%)")
-    for axes in (plain, decay):
-        axes.set_xticks(x, [f"{value:g}" for value in x])
-        axes.minorticks_off()
-        axes.legend()
-    plain.set_title(study.y_label)
-    decay.set_title("observed order")
-    return picture
-
-
-def _slope(axes: Axes, x: Array, order: float) -> None:
-    """A grey line of the formal order below the curves."""
-    curves = [np.asarray(line.get_ydata(), dtype=float) for line in axes.get_lines()]
-    drawn = [curve for curve in curves if curve.size]
-    if not drawn:
-        return
-    # Refinement goes with rising x for element counts, with falling x for mesh sizes.
-    exponent = -order if x[-1] > x[0] else order
-    start = 0.5 * min(curve[0] for curve in drawn)
-    axes.loglog(
-        x, start * (x / x[0]) ** exponent, color="#999999", linewidth=1.0, label=f"slope {order:g}"
-    )
+    return family_plot(alone(study))

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from math import isclose, isnan
 
-from validation.case import Outcome, Relation, Relative, Verdict
+from validation.case import Measurement, Outcome, Relation, Relative, Verdict
 
 # The part of a case's id that names the model, and the heading of its column.
 VARIANTS = {
@@ -21,6 +21,8 @@ VARIANTS = {
     "mesh": "finite elements",
 }
 _VARIANT = re.compile(rf"(?<=\.)({'|'.join(VARIANTS)})(?=[-.\[]|$)")
+# Explained differences below this share of the reference are not told apart in a table.
+_WORTH_SAYING = 1e-6
 _RANK: dict[Verdict, int] = {"disagree": 0, "failed": 1, "agree": 2, "skipped": 3}
 
 
@@ -132,6 +134,14 @@ def unexplained_share(outcome: Outcome) -> float | None:
     return None if isnan(share) else share
 
 
+def explained(measurement: Measurement) -> bool:
+    """Whether named causes account for a part of the difference that is worth saying."""
+    if not (measurement.allowances and measurement.reference):
+        return False
+    part = abs(measurement.difference - measurement.unexplained)
+    return part > _WORTH_SAYING * abs(measurement.reference)
+
+
 def largest_unexplained(outcomes: Sequence[Outcome]) -> Outcome | None:
     """The comparison with the largest unexplained difference in % of its reference."""
     relative = [o for o in outcomes if unexplained_share(o) is not None]
@@ -142,8 +152,7 @@ def _grid(table: dict[str, dict[str, Outcome]]) -> Grid:
     models = tuple(name for name in VARIANTS if any(name in cells for cells in table.values()))
     names = _row_names(table)
     rows = tuple(
-        Row(names[key], tuple(cells.get(model) for model in models))
-        for key, cells in table.items()
+        Row(names[key], tuple(cells.get(model) for model in models)) for key, cells in table.items()
     )
     return Grid(models, rows)
 
@@ -166,4 +175,6 @@ def _row_names(table: dict[str, dict[str, Outcome]]) -> dict[str, str]:
 
 
 def _spoken(words: Sequence[str]) -> str:
-    return ", ".join(re.sub(r"^(leg)(\d)$", r"\1 \2", word) for word in words if word)
+    """Parts of an id as words: "leg1" is "leg 1", a number alone that of a mode."""
+    spaced = (re.sub(r"^leg(\d)$", r"leg \1", word) for word in words if word)
+    return ", ".join(re.sub(r"^(\d+)$", r"number \1", word) for word in spaced)

@@ -7,10 +7,15 @@ from functools import partial
 from math import isfinite
 from typing import Any
 
+from markupsafe import escape
+
+from validation.case import Absolute, Tolerance
 from validation.exhibits import Figure
 
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _MINUS = "−"
+# Ratios below this are rounding: their digits say nothing.
+_ROUNDING = 1e-8
 
 
 def number(value: Any, digits: int = 5) -> str:
@@ -31,18 +36,30 @@ def number(value: Any, digits: int = 5) -> str:
     return f"{mantissa}\u00a0×\u00a010{str(int(exponent)).translate(_SUPERSCRIPTS)}"
 
 
-def percent(fraction: float) -> str:
-    """A ratio as signed percentage with two significant digits."""
+def percent(fraction: float, *, signed: bool = True) -> str:
+    """A ratio as percentage with two significant digits: "+1.3 %", "−2 × 10⁻⁷ %", "120 %"."""
     if not isfinite(fraction):
         return ""
-    return f"{100.0 * fraction:+.2g} %".replace("-", _MINUS) if fraction else "0 %"
+    if abs(fraction) < _ROUNDING:
+        return "0\u00a0%" if not fraction else f"<\u00a0{number(100.0 * _ROUNDING)}\u00a0%"
+    sign = "+" if signed and fraction > 0.0 else ""
+    return f"{sign}{number(100.0 * fraction, 2)}\u00a0%"
 
 
 def share_text(share: float) -> str:
     """How much of the tolerance an error uses."""
     if share < 0.0:
         return "inside the bound"
-    return f"{share:.2g} times" if share > 1.0 else f"{100.0 * share:.2g} %"
+    if share > 1.0:
+        return f"{number(share, 2)} times"
+    return f"{100.0 * share:.2g}\u00a0%" if share >= 1e-4 or not share else "<\u00a00.01\u00a0%"
+
+
+def tolerance(allowed: Tolerance, unit: str) -> str:
+    """The tolerance as "±0.5 µm" or "±1 %"."""
+    if isinstance(allowed, Absolute):
+        return f"±{number(allowed.amount, 3)}\u00a0{unit}".removesuffix("\u00a01")
+    return f"±{number(100.0 * allowed.fraction, 3)}\u00a0%"
 
 
 def seconds(time: float) -> str:
@@ -66,10 +83,15 @@ def function_name(function: Callable[..., object]) -> str:
     return f"{module}.{name.partition('.<locals>')[0]}"
 
 
+def base64(content: bytes) -> str:
+    """Bytes as text that a page can carry."""
+    return b64encode(content).decode("ascii")
+
+
 def data_uri(content: str | bytes, kind: str) -> str:
     """Content as a link that needs no file; `kind` as "text/csv;charset=utf-8"."""
     data = content.encode("utf-8") if isinstance(content, str) else content
-    return f"data:{kind};base64,{b64encode(data).decode('ascii')}"
+    return f"data:{kind};base64,{base64(data)}"
 
 
 def inline_svg(figure: Figure) -> str:
@@ -77,4 +99,4 @@ def inline_svg(figure: Figure) -> str:
     own = f"{anchor(figure.id)}--"
     markup = re.sub(r'\bid="', f'id="{own}', figure.svg)
     markup = re.sub(r'(href="#|url\(#)', rf"\g<1>{own}", markup)
-    return markup.replace("<svg ", '<svg role="img" ', 1)
+    return markup.replace("<svg ", f'<svg role="img" aria-label="{escape(figure.title)}" ', 1)

@@ -1,0 +1,115 @@
+"""Every example of README.md and docs/guide is run here, in the order of the page.
+
+A fenced block says by its first word what it is:
+
+    ```console         `$ command` and, below it, lines that it prints (… stands for others)
+    ```toml name.toml  a file of that name, which later commands of the page use
+    ```python          executed; all blocks of a page share one namespace
+
+`flexproof run` is run at the quick preset on a handful of comparisons; `flexproof test` is this.
+"""
+
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+
+from lumped import sections
+from meshes import section_mesh
+from validation import cli
+
+ROOT = Path(__file__).resolve().parents[1]
+PAGES = (ROOT / "README.md", *sorted((ROOT / "docs" / "guide").glob("*.md")))
+BLOCK = re.compile(r"^```(\w+)[ ]?([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+LINK = re.compile(r"\]\(([^)#\s]+)(?:#[^)\s]*)?\)")
+# What a page may show without its being run: formulas and excerpts of files.
+INERT = {"text"}
+FEW = ["--only", "robot.statics.beam-vjm.*", "--jobs", "1"]
+# Longest example, so that adding a case, a shape or a robot stays a matter of minutes.
+LONGEST = 30
+
+
+def blocks(page: Path) -> list[tuple[str, str, str]]:
+    return BLOCK.findall(page.read_text(encoding="utf-8"))
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_the_examples_of_the_page_work(page, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    # What the guide puts in place from outside is taken back when the page has been read.
+    monkeypatch.setattr(sections, "SHAPES", dict(sections.SHAPES))
+    monkeypatch.setattr(section_mesh, "section_blocks", section_mesh.section_blocks)
+    namespace = {"__name__": "example"}
+    for language, argument, text in blocks(page):
+        if language == "console":
+            run_console(text, capsys)
+        elif language == "toml":
+            assert argument, "a robot file needs a name"
+            Path(argument).write_text(text, encoding="utf-8")
+        elif language == "python":
+            exec(compile(text, f"{page.name}", "exec"), namespace)  # noqa: S102  our own pages
+        else:
+            assert language in INERT, f"```{language} is not known to this test"
+
+
+def run_console(text: str, capsys: pytest.CaptureFixture[str]) -> None:
+    for example in re.split(r"^\$ ", text, flags=re.MULTILINE)[1:]:
+        command, *expected = example.rstrip().splitlines()
+        program, *arguments = shlex.split(command.split(";")[0], comments=True)
+        assert program in {"flexproof", "./flexproof"}
+        if arguments == ["test"]:
+            continue
+        code = cli.main(quickly(arguments))
+        printed = capsys.readouterr()
+        actual = (printed.err + printed.out).splitlines()
+        if command.endswith("; echo $?"):
+            actual.append(str(code))
+        else:
+            assert code == 0, f"{command}\n{printed.err}"
+        if arguments[0] != "run":
+            assert_printed(expected, actual, command)
+
+
+def quickly(arguments: list[str]) -> list[str]:
+    """A run restricted to a few comparisons, whatever the page asks for."""
+    if arguments[0] != "run":
+        return arguments
+    kept = list(arguments)
+    for option in ("--preset", "--only"):
+        if option in kept:
+            place = kept.index(option)
+            del kept[place : place + 2]
+    return [*kept, "--preset", "quick", *FEW]
+
+
+def assert_printed(expected: list[str], actual: list[str], command: str) -> None:
+    """The expected lines are there, in their order."""
+    rest = iter(line.strip() for line in actual)
+    for line in expected:
+        if line.strip() != "…":
+            assert line.strip() in rest, f"{command} did not print {line!r} but\n{actual}"
+
+
+def test_every_block_and_link_of_the_pages_is_understood():
+    for page in PAGES:
+        text = page.read_text(encoding="utf-8")
+        assert text.count("\n```") == 2 * len(blocks(page)), f"{page.name}: an open code block"
+        for target in LINK.findall(text):
+            if not target.startswith("https://"):
+                assert (page.parent / target).exists(), f"{page.name}: {target} does not exist"
+
+
+def test_extending_takes_less_than_thirty_lines():
+    examples = blocks(ROOT / "docs" / "guide" / "extending.md")
+    lengths = [len(text.splitlines()) for language, _, text in examples if language != "console"]
+    assert lengths
+    assert max(lengths) < LONGEST
+
+
+def test_the_assertion_of_printed_lines_can_fail():
+    printed = ["a 1", "b 2", "c 3"]
+    assert_printed(["a 1", "…", "c 3"], printed, "good")
+    for wrong in (["a 2"], ["c 3", "a 1"]):
+        with pytest.raises(AssertionError, match="did not print"):
+            assert_printed(wrong, printed, "wrong")

@@ -1,0 +1,100 @@
+"""The house keeps its rules: arrows downwards, small rooms, nothing of the builder's machine."""
+
+import ast
+import re
+import subprocess
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+FLOORS = ("lumped", "meshes", "fem", "validation")
+MODULES = [path for floor in FLOORS for path in sorted((ROOT / floor).rglob("*.py"))]
+# About 300 lines fit on a few screens; the command line and the shapes need a little more.
+LARGEST = 330
+HOME = re.compile(r"(?<![\w./])/(?:home|Users|root|work|tmp)/[A-Za-z0-9_.-]|[A-Z]:\\\\Users")
+# What a lock or a script may name by host: the homes of projects, never an index of packages.
+INDEX = re.compile(r"https?://(?!pypi\.org/)[^\s/\"')]*(?:pypi|simple|artifactory|nexus|devpi)")
+
+
+def imports(module: Path) -> set[str]:
+    """Top-level packages that a module imports, wherever in it."""
+    found = set()
+    for node in ast.walk(ast.parse(module.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            found |= {alias.name.split(".")[0] for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{module}: relative import"
+            found.add(str(node.module).split(".")[0])
+    return found
+
+
+def tracked() -> list[Path]:
+    try:
+        listed = subprocess.run(
+            ["git", "ls-files", "-z"],  # noqa: S607  whichever git the developer uses
+            cwd=ROOT,
+            capture_output=True,
+            check=True,
+            text=True,
+        ).stdout.split("\0")
+    except (OSError, subprocess.CalledProcessError):
+        pytest.skip("not a git clone")
+    return [ROOT / name for name in listed if name and (ROOT / name).is_file()]
+
+
+@pytest.mark.parametrize("floor", FLOORS)
+def test_imports_go_one_way(floor):
+    above = set(FLOORS[FLOORS.index(floor) + 1 :]) | {"tests"}
+    wrong = {
+        f"{module.relative_to(ROOT)} imports {', '.join(sorted(upwards))}"
+        for module in MODULES
+        if module.relative_to(ROOT).parts[0] == floor and (upwards := imports(module) & above)
+    }
+    assert not wrong
+
+
+def test_modules_fit_on_a_few_screens():
+    sizes = {str(m.relative_to(ROOT)): len(m.read_text("utf-8").splitlines()) for m in MODULES}
+    assert {name: size for name, size in sizes.items() if size > LARGEST} == {}
+
+
+def test_every_module_and_public_name_is_documented():
+    wanting = []
+    for module in MODULES:
+        tree = ast.parse(module.read_text(encoding="utf-8"))
+        public = [
+            node
+            for node in tree.body
+            if isinstance(node, ast.FunctionDef | ast.ClassDef) and not node.name.startswith("_")
+        ]
+        wanting += [
+            f"{module.relative_to(ROOT)}: {getattr(node, 'name', 'the module')}"
+            for node in [tree, *public]
+            if not ast.get_docstring(node)
+        ]
+    assert wanting == []
+
+
+def test_no_path_of_a_machine_and_no_package_index_is_committed():
+    found = []
+    for path in tracked():
+        try:
+            text = path.read_text(encoding="utf-8")
+        except UnicodeDecodeError:
+            continue
+        if path == Path(__file__).resolve():
+            continue
+        found += [
+            f"{path.relative_to(ROOT)}: {match.group()}"
+            for pattern in (HOME, INDEX)
+            for match in pattern.finditer(text)
+        ]
+    assert found == []
+
+
+def test_the_patterns_catch_what_they_are_meant_to():
+    assert HOME.search("see /home/someone/x")
+    assert INDEX.search("--index-url https://pypi.example.org/simple")
+    assert not INDEX.search("https://pypi.org/project/gmsh")
+    assert not HOME.search("#!/bin/sh and /usr/bin/python and docs/home/page")

@@ -1,0 +1,155 @@
+"""A report from made-up outcomes, with everything that a report can show."""
+
+import base64
+
+from lumped.finding import Finding
+from validation.case import (
+    Absolute,
+    Allowance,
+    Case,
+    Measurement,
+    Outcome,
+    Relation,
+    Relative,
+    judge,
+)
+from validation.exhibits import Drawing, Figure, Study
+from validation.records import Drawn
+from validation.report.page import Report
+from validation.report.style import study_plot
+
+PIXEL = base64.b64decode(
+    "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg=="
+)
+
+
+def never(_context):
+    raise AssertionError("the report computes nothing")
+
+
+def case(identifier="legs.a", **changes):
+    fields = {
+        "id": identifier,
+        "title": "Tip deflection of leg 1 along y",
+        "quantity": "c22",
+        "unit": "m/N",
+        "reference_kind": "closed-form",
+        "citation": "Timoshenko & Gere, Table 1",
+        "tolerance": Relative(0.01),
+        "tolerance_reason": "shear is in both models",
+        "compute": never,
+        "section": "The legs",
+    }
+    return Case(**(fields | changes))
+
+
+CONVERGENCE = Study(
+    id="study.elements",
+    kind="convergence",
+    title="Frequencies of leg 1 against the number of segments",
+    x_label="elements per leg",
+    y_label="bending frequencies",
+    unit="Hz",
+    x=(5.0, 10.0, 20.0, 40.0, 80.0, 160.0),
+    series={
+        f"mode {mode}": tuple(f * (1.0 - 0.65 * mode / n**2) for n in (5, 10, 20, 40, 80, 160))
+        for mode, f in ((1, 186.8), (2, 1170.0), (3, 3278.0))
+    },
+    formal_order=2.0,
+    orders={"mode 1": 2.0, "mode 2": 2.0, "mode 3": 1.99},
+    uncertainties={"mode 1": 0.006, "mode 2": 0.07, "mode 3": 0.3},
+    limits={"mode 1": 186.8, "mode 2": 1170.0, "mode 3": 3278.0},
+)
+SWEEP = Study(
+    id="study.stroke",
+    kind="sweep",
+    title="Deflection over the stroke, 1000 N along z",
+    x_label="x (m)",
+    y_label="deflection along z",
+    unit="µm",
+    x=(0.145, 0.32, 0.4975, 0.67, 0.85),
+    series={
+        "vjm": (26.1, 26.6, 27.2, 27.4, 27.6),
+        "segments": (26.2, 26.7, 27.3, 27.5, 27.7),
+        "beam": (26.3, 26.8, 27.4, 27.6, 27.8),
+        "solid": (25.9, 26.3, 26.9, 27.1, 27.2),
+    },
+)
+FINDING = Finding(
+    where="foot.compliance",
+    check="definiteness",
+    printed="3.16e-09",
+    wrong="the matrix is indefinite",
+    evidence="smallest eigenvalue −3.5e-08",
+    used="3.16e-07",
+    kind="computed",
+    severity="error",
+)
+
+
+def sample_report(**changes):
+    agreeing = judge(
+        case("legs.agrees", title="Agrees easily"),
+        Measurement(1.001e-8, 1.0e-8, 1e-12, 2e-12, studies=(CONVERGENCE, SWEEP)),
+        0.8,
+    )
+    tight = judge(case("legs.tight", title="Agrees barely"), Measurement(1.0095e-8, 1.0e-8), 0.1)
+    disagreeing = judge(
+        case(
+            "robot.beam-vjm.planar[x=0.4975]",
+            title="Planar deflection at the centre under fx, beam against VJM",
+            quantity="planar deflection",
+            unit="µm",
+            tolerance=Absolute(0.05),
+            section="The robot over its stroke",
+        ),
+        Measurement(
+            8.97,
+            8.81,
+            allowances=(Allowance("shear deformation", 0.02, "physics of the beam"),),
+            notes=("A note.",),
+            table={"x (m)": (0.145, 0.4975), "planar (µm)": (0.42, 8.81)},
+        ),
+        2.0,
+    )
+    bound = judge(
+        case(
+            "paper.deflection-bound",
+            title="Simplified deflections stay below 1.1 µm",
+            unit="µm",
+            relation=Relation.AT_MOST,
+            tolerance=Absolute(0.05),
+            section="The paper's statements",
+        ),
+        Measurement(1.063, 1.1),
+        0.01,
+    )
+    failed = Outcome(case("legs.failed"), "failed", 0.2, message="leg 2: matrix is <singular>")
+    skipped = Outcome(case("legs.skipped"), "skipped", 0.0, message="CalculiX is not installed")
+    fields = {
+        "outcomes": (bound, agreeing, tight, failed, skipped, disagreeing),
+        "figures": (
+            study_plot(CONVERGENCE),
+            study_plot(SWEEP),
+            Figure(
+                "fig5", "Fig. 5", "Made up.", "The paper's statements", png=PIXEL, data="x\n1\n"
+            ),
+        ),
+        "findings": (FINDING,),
+        "provenance": {
+            "robot": "IFW demonstrator",
+            "robot_file": "ifw",
+            "robot_sha256": "ab" * 32,
+            "suite_sha256": "cd" * 32,
+            "preset": "standard",
+            "options": {},
+            "started": "2026-01-02T03:04:05+00:00",
+            "seconds": 75.2,
+            "machine": "Linux x86_64, 2 cores",
+            "versions": {"python": "3.11.7", "numpy": "2.4.6"},
+        },
+        "missing_figures": (
+            Drawn(Drawing("fig7", "Fig. 7, mode shapes", never), 0.0, message="no OpenGL"),
+        ),
+    }
+    return Report(**(fields | changes))

@@ -1,0 +1,119 @@
+"""The report as a reader opens it: from a file, without a network, in a real browser."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+from chromium import EXECUTABLE, browser
+from report_sample import PIXEL, sample_report
+
+from validation.drawings.prisms import box
+from validation.drawings.rendering import Body, Scene
+from validation.drawings.view import fitted_view
+from validation.exhibits import Figure
+from validation.report.page import render
+from validation.scenes import interactive
+
+pytestmark = pytest.mark.skipif(EXECUTABLE is None, reason="no Chromium (Debian: chromium)")
+
+BUTTON, FRAME = "button[data-scene]", ".scene iframe"
+DRAWN = (
+    "(f => f && f.contentDocument && f.contentDocument.querySelector('canvas') !== null)"
+    f"(document.querySelector('{FRAME}'))"
+)
+
+
+def scene(title):
+    """A red box, three times as long as high."""
+    body = Body(box(np.array([-1.5, -0.5, -0.5]), np.array([1.5, 0.5, 0.5])), "#cc2200")
+    view = fitted_view(
+        body.surface.points, np.array([0.3, -1.0, 0.4]), np.array([0.0, 0.0, 1.0]), (400, 300)
+    )
+    return interactive(title, Scene(view, [body], (0.0, 1.0)))
+
+
+@pytest.fixture(scope="module")
+def report(tmp_path_factory):
+    plain = sample_report()
+    turnable = Figure(
+        "turnable",
+        "A box",
+        "Made up.",
+        "The legs",
+        png=PIXEL,
+        scenes=(scene("(a) a box"), scene("(b) the same box")),
+    )
+    path = tmp_path_factory.mktemp("report") / "report.html"
+    path.write_text(render(sample_report(figures=(*plain.figures, turnable))), encoding="utf-8")
+    return path.as_uri()
+
+
+@pytest.fixture(scope="module")
+def page(report, tmp_path_factory):
+    with browser(tmp_path_factory.mktemp("profile")) as opened:
+        opened.open(report)
+        yield opened
+
+
+def red(pixels):
+    """Where the box is drawn: its red is far above the other colours, whatever the light."""
+    return pixels[..., 0] > pixels[..., 1:].max(axis=2) + 60
+
+
+def test_every_image_is_loaded(page):
+    assert page.value("document.images.length") > 0
+    assert page.value("[...document.images].every(i => i.complete && i.naturalWidth > 0)")
+
+
+def test_nothing_overflows_a_desktop_and_a_phone(page, report):
+    for width in (1280, 390):
+        page.open(report, width)
+        assert page.value("document.documentElement.scrollWidth") <= width
+    page.open(report)
+
+
+def test_a_link_to_a_comparison_opens_its_sheet(page):
+    page.value("document.querySelector('main table a[href^=\"#legs\"]').click()")
+    page.until("document.querySelector(location.hash.replaceAll('.', '\\\\.')).checkVisibility()")
+
+
+def test_a_scene_is_drawn_and_turned_by_the_mouse(page):
+    assert page.value(f"document.querySelector('{FRAME}')") is None
+    page.value(f"document.querySelector('{BUTTON}').click()")
+    page.until(DRAWN)
+    page.until(f"document.querySelector('{BUTTON}').ariaPressed === 'true'")
+    before = settled(page)
+    # Three times as long as high, the box covers at least a twentieth of the picture.
+    assert red(before).mean() > 0.05
+    page.drag(FRAME, 120, 60)
+    after = settled(page)
+    assert red(after).mean() > 0.02
+    assert (red(before) != red(after)).mean() > 0.02
+
+
+def test_one_scene_gives_way_to_the_next_and_is_put_away(page):
+    second = f"document.querySelectorAll('{BUTTON}')[1]"
+    page.value(f"{second}.click()")
+    page.until(f"{DRAWN} && document.querySelector('{FRAME}').title.startsWith('(b)')")
+    page.value(f"{second}.click()")
+    page.until(f"document.querySelector('{FRAME}') === null")
+
+
+def test_the_console_is_silent_and_nothing_is_asked_of_the_network(page):
+    assert page.complaints() == []
+
+
+def settled(page):
+    """The scene once two pictures of it in a row are the same, and not blank."""
+    former = page.shot(FRAME)
+    for _ in range(100):
+        page.value("new Promise(done => setTimeout(done, 100))")
+        latest = page.shot(FRAME)
+        if np.array_equal(former, latest) and red(latest).any():
+            break
+        former = latest
+    return latest

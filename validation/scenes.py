@@ -1,0 +1,86 @@
+"""3-D scenes that can be turned: what trame exports, one compact and reproducible file each.
+
+trame's serializer turns VTK's objects into the state of vtk.js; no OpenGL and no server is needed
+for that, so that scenes exist where pictures cannot be drawn.
+"""
+
+import io
+import json
+import re
+import zipfile
+from collections.abc import Sequence
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+
+from validation.drawings.rendering import Body, Scene, Wire, add_to
+from validation.exhibits import InteractiveScene
+
+_ADDRESS = re.compile(r"(?<=[\"{])[0-9a-f]{16}(?=[\"}-])")
+# The earliest date that a ZIP archive can carry.
+_NO_DATE = (1980, 1, 1, 0, 0, 0)
+
+
+def interactive(title: str, scene: Scene, overlay: Sequence[Body | Wire] = ()) -> InteractiveScene:
+    """The scene with what is drawn over it (m), as vtk.js reads it; the camera starts as its view.
+
+    Equal scenes give equal bytes.
+    """
+    import pyvista  # noqa: PLC0415  VTK takes seconds to load
+
+    plotter = pyvista.Plotter(off_screen=True)
+    try:
+        plotter.background_color = pyvista.Color("white")
+        add_to(plotter, scene, overlay)
+        plotter.camera.parallel_projection = False
+        _place_camera(plotter, scene)
+        state = _state(plotter.render_window)
+    finally:
+        plotter.close()
+    return InteractiveScene(title, _archive(_with_plain_names(json.dumps(state))))
+
+
+def _place_camera(plotter: Any, scene: Scene) -> None:
+    """A perspective view of what the parallel projection shows."""
+    view, camera = scene.view, plotter.camera
+    camera.view_angle = 30.0
+    camera.focal_point = view.centre
+    # Perspective enlarges what is near: a little farther off, nothing is cut at the edges.
+    distance = 1.2 * view.half_height / np.tan(np.radians(15.0))
+    camera.position = view.centre + distance * view.toward
+    camera.up = view.up
+    plotter.reset_camera_clipping_range()
+
+
+def _state(window: Any) -> dict[str, Any]:
+    serializers = import_module("trame_vtk.modules.vtk.serializers")  # loads VTK
+    serializers.initialize_serializers()
+    context = serializers.SynchronizationContext()
+    context.set_ignore_last_dependencies(True)
+    state = serializers.serialize(None, window, serializers.reference_id(window), context, 1)
+    camera = window.GetRenderers().GetFirstRenderer().GetActiveCamera()
+    state["extra"] = {
+        "vtkRefId": serializers.reference_id(window),
+        "centerOfRotation": camera.GetFocalPoint(),
+        "camera": serializers.reference_id(camera),
+    }
+    hashes = {
+        entry["hash"]: entry
+        | {"content": context.get_cached_data_array(entry["hash"], binary=False)}
+        for entry in serializers.extract_array_hash(state)
+    }
+    return {"hashes": hashes, "scene": state}
+
+
+def _with_plain_names(text: str) -> str:
+    """The state with numbers in place of the addresses in memory that name VTK's objects."""
+    names: dict[str, str] = {}
+    return _ADDRESS.sub(lambda found: names.setdefault(found[0], f"{len(names) + 1:016x}"), text)
+
+
+def _archive(text: str) -> bytes:
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
+        archive.writestr(zipfile.ZipInfo("index.json", _NO_DATE), text, zipfile.ZIP_DEFLATED)
+    return buffer.getvalue()

@@ -1,0 +1,63 @@
+"""What a sweep has finished, kept in memory and, with a folder, on the disk.
+
+One file per unit, written whole or not at all, named by the unit's content and the program's own
+sources: another robot, mesh or version never meets an old result. Several processes may share a
+folder.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, fields
+from functools import cache
+from io import BytesIO
+from pathlib import Path
+from typing import Any, TypeVar
+from zipfile import BadZipFile
+
+import numpy as np
+
+from validation.context import fingerprint
+from validation.provenance import suite_digest
+from validation.store import write_atomically
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class Journal:
+    """Finished results by key; without a `folder` they last as long as the process."""
+
+    folder: Path | None = None
+    _memory: dict[str, Any] = field(default_factory=dict, repr=False, compare=False)
+
+    def find(self, key: str, kind: Callable[..., T]) -> T | None:
+        """The result of type `kind` kept under `key`; None if there is none or it is damaged."""
+        if key not in self._memory and self.folder is not None:
+            try:
+                with np.load(self.folder / f"{key}.npz", allow_pickle=False) as file:
+                    # Numbers come back as arrays of no dimension.
+                    entries = {name: file[name][()] for name in file.files}
+                self._memory[key] = kind(**entries)
+            except (OSError, ValueError, TypeError, BadZipFile, EOFError):
+                return None
+        found: T | None = self._memory.get(key)
+        return found
+
+    def keep(self, key: str, result: Any) -> None:
+        """Keep a dataclass of numbers and arrays. Raises StoreError if the disk refuses."""
+        self._memory[key] = result
+        if self.folder is None:
+            return
+        self.folder.mkdir(parents=True, exist_ok=True)
+        buffer = BytesIO()
+        np.savez(buffer, **{entry.name: getattr(result, entry.name) for entry in fields(result)})
+        write_atomically(self.folder / f"{key}.npz", buffer.getvalue())
+
+
+def key_of(unit: object) -> str:
+    """Name of a unit's result: equal for equal units computed by equal sources."""
+    return fingerprint((_sources(), unit))
+
+
+@cache
+def _sources() -> str:
+    return suite_digest()

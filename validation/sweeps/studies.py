@@ -1,0 +1,165 @@
+"""The three sweeps of a run: over the stroke, over the family at three points, and the decision.
+
+The cases and figures read them; with a cluster they are computed beforehand. What is finished is
+in a journal, so that it does not matter who computes what first.
+"""
+
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+
+from lumped.arrays import Array
+from lumped.biglide import Biglide
+from lumped.errors import InputError
+from validation.context import Preset
+from validation.decision import Brief, Decision, decide
+from validation.quantities import Deflections, deflections_of
+from validation.sweeps.journal import Journal
+from validation.sweeps.plans import (
+    COARSE,
+    FREE,
+    RIGID,
+    SweptModel,
+    feasible_alphas,
+    lumped_models,
+    member_units,
+    solid_model,
+    stroke_stations,
+    stroke_units,
+)
+from validation.sweeps.runner import Executor, in_turn, sweep
+from validation.sweeps.units import SolvedPostures
+
+STROKE_FREQUENCIES = 4
+# Where Figs 6, 12 and 13 are drawn, as a fraction of the stroke.
+POINTS: Mapping[str, float] = {"left": 0.0, "centre": 0.5, "right": 1.0}
+# The family of Figs 6 and 13.
+PAPER_RANGE = (1.0, 2.0)
+
+
+@dataclass(frozen=True)
+class Plan:
+    """How finely a preset looks: the decision's brief, divisions of the solids, segments of a leg.
+
+    `coarse` divisions show the solids' own error, None where there is no time for it.
+    """
+
+    brief: Brief
+    divisions: int
+    coarse: int | None
+    segments: int
+    stations: int
+
+    def judges(self) -> tuple[SweptModel, ...]:
+        """The solid with rigid end faces and, to show its error, a coarser one."""
+        coarse = () if self.coarse is None else (solid_model(COARSE, "rigid", self.coarse),)
+        return (solid_model(RIGID, "rigid", self.divisions), *coarse)
+
+
+_FINE_ALPHAS = (
+    *np.linspace(0.45, 0.95, 11).round(2).tolist(),
+    *np.linspace(1.0, 2.0, 9).tolist(),
+)
+PLANS: Mapping[Preset, Plan] = {
+    "quick": Plan(Brief((0.4, 0.5, 0.6, 0.7, 0.75, 0.8, 1.0, 1.4, 2.0), 11, 5), 1, None, 6, 11),
+    "standard": Plan(
+        Brief((0.4, 0.5, 0.55, 0.6, 0.7, 0.8, 0.9, 1.0, 1.25, 1.5, 2.0), 21, 6),
+        divisions=2,
+        coarse=1,
+        segments=20,
+        stations=41,
+    ),
+    "fine": Plan(
+        Brief((0.4, *_FINE_ALPHAS), 41, 7),
+        divisions=3,
+        coarse=2,
+        segments=20,
+        stations=81,
+    ),
+}
+
+
+@dataclass(frozen=True)
+class Curves:
+    """What one model says along x or along α: deflections (µm) and frequencies (Hz, m×k)."""
+
+    deflections: Deflections
+    frequencies: Array
+
+
+def stroke_study(
+    robot: Biglide, preset: Preset, journal: Journal, executor: Executor = in_turn
+) -> dict[str, Curves]:
+    """All models over the stroke of the robot, at `stroke_stations(robot, plan.stations)`."""
+    plan = PLANS[preset]
+    x = stroke_stations(robot, plan.stations)
+    free = solid_model(FREE, "free", plan.divisions)
+    models = (*lumped_models(plan.segments), free, *plan.judges()[:1])
+    units = {model.label: stroke_units(model, robot, x, STROKE_FREQUENCIES) for model in models}
+    flat = [unit for of_model in units.values() for unit in of_model]
+    solved = iter(sweep(flat, executor, journal))
+    return {label: _curves([next(solved) for _ in of]) for label, of in units.items()}
+
+
+def alpha_study(
+    robot: Biglide, preset: Preset, journal: Journal, executor: Executor = in_turn
+) -> tuple[tuple[float, ...], dict[tuple[str, str], Curves]]:
+    """α of the paper's range, and all models along it at each of `POINTS`, by (label, point).
+
+    Raises InputError where no α of the range is possible.
+    """
+    plan = PLANS[preset]
+    low, high = PAPER_RANGE
+    asked = [alpha for alpha in plan.brief.alphas if low <= alpha <= high]
+    alphas, _ = feasible_alphas(robot, asked)
+    models = (*lumped_models(plan.segments), plan.judges()[0])
+    fractions = tuple(POINTS.values())
+    units = [unit for alpha in alphas for unit in member_units(models, robot, alpha, fractions)]
+    solved = sweep(units, executor, journal)
+    curves = {}
+    for number, model in enumerate(models):
+        of_model = solved[number :: len(models)]
+        for place, point in enumerate(POINTS):
+            curves[model.label, point] = Curves(
+                deflections_of(np.array([found.compliances[place] for found in of_model])),
+                np.array([found.frequencies[place] for found in of_model]),
+            )
+    return alphas, curves
+
+
+def decision_study(
+    robot: Biglide, preset: Preset, journal: Journal, executor: Executor = in_turn
+) -> Decision:
+    """The best α by every model; raises InputError where no α of the preset is possible."""
+    plan = PLANS[preset]
+    models = (*lumped_models(plan.segments), *plan.judges())
+    return decide(robot, models, plan.brief, executor, journal)
+
+
+def precompute(robot: Biglide, preset: Preset, folder: Path, executor: Executor) -> None:
+    """Compute all three beforehand, with `executor`, into the journal in `folder`.
+
+    What is impossible for this robot is left to the cases, which say why. Raises ComputationError
+    where a unit or the executor fails; what was finished before is kept.
+    """
+    journal = journal_in(str(folder))
+    for study in (decision_study, alpha_study, stroke_study):
+        with suppress(InputError):
+            study(robot, preset, journal, executor)
+
+
+@cache
+def journal_in(folder: str) -> Journal:
+    """The journal of a folder, one per process; "" for one in memory."""
+    return Journal(Path(folder) if folder else None)
+
+
+def _curves(parts: list[SolvedPostures]) -> Curves:
+    return Curves(
+        deflections_of(np.concatenate([part.compliances for part in parts])),
+        np.concatenate([part.frequencies for part in parts]),
+    )

@@ -1,0 +1,212 @@
+"""Units of work of a sweep: one leg reduced to its ends, and one robot in some postures.
+
+A leg only turns from posture to posture. So each leg of each model is condensed once, as a unit
+of its own; what is left of it is small, and a posture then costs a few hundred microseconds.
+Units and what they yield are plain data that can be sent to other processes and machines.
+"""
+
+from dataclasses import dataclass, replace
+from math import floor, log10
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from fem import solid
+from fem.craig_bampton import craig_bampton
+from fem.free_superelement import held_free_leg
+from fem.superelement import HeldLeg, held_leg
+from fem.sweep import posture_model, solve_posture
+from lumped.arrays import Array, SparseMatrix
+from lumped.biglide import Biglide
+from lumped.errors import ComputationError, InputError
+from lumped.leg_matrices import LegMatrices
+from lumped.legs import ConstantLeg, equivalent_leg
+from validation.models import (
+    DEFAULT_OPTIONS,
+    ModelName,
+    ModelOptions,
+    leg_matrices,
+    robot_compliance,
+    robot_frequencies,
+)
+
+# Few segments are some percent off, and frequencies between the postures may be higher.
+_MARGIN = 1.5
+_ESTIMATE_ELEMENTS = 4
+_ESTIMATE_POSTURES = 3
+_WITH_LEGS = ("segments", "beam", "solid")
+
+
+@dataclass(frozen=True)
+class ReducedLeg:
+    """A leg on r unknowns: both ends (12) and modal amplitudes; `stiffness`, `mass` r×r, SI."""
+
+    length: float
+    stiffness: Array
+    mass: Array
+
+    def matrices(self) -> LegMatrices:
+        """The leg as whoever assembles the robot takes it, without its field of displacement."""
+        return LegMatrices(
+            model="reduced",
+            length=self.length,
+            stiffness=csr_array(self.stiffness),
+            mass=csr_array(self.mass),
+            centreline=_no_field,
+        )
+
+
+@dataclass(frozen=True)
+class SolvedPostures:
+    """What a unit of m postures yields.
+
+    `compliances` (m×6×6, or m×2×2 for `simplified`; SI, robot axes) at the loaded point and
+    `frequencies` (m×k, Hz; none for `vjm`).
+    """
+
+    compliances: Array
+    frequencies: Array
+
+
+@dataclass(frozen=True)
+class LegUnit:
+    """One leg by `segments`, `beam` or `solid`, to be reduced to its ends.
+
+    Right for frequencies up to `highest` (Hz); `cutoff` (Hz) of the modes that are kept, None for
+    the reduction's own choice.
+    """
+
+    model: ModelName
+    leg: ConstantLeg
+    options: ModelOptions
+    highest: float
+    cutoff: float | None = None
+
+    def compute(self) -> ReducedLeg:
+        """Condense the leg: for a solid this is the work of the sweep."""
+        reduced = craig_bampton(self._held(), self.highest, self.cutoff).matrices
+        return ReducedLeg(self.leg.length, reduced.stiffness.toarray(), reduced.mass.toarray())
+
+    def _held(self) -> HeldLeg:
+        if self.model != "solid":
+            return held_leg(leg_matrices(self.model, self.leg, self.options))
+        mesh = solid.solid_mesh(self.leg, self.options.divisions)
+        leg = solid.solid_leg(self.leg, mesh)
+        if self.options.ends == "free":
+            return held_free_leg(solid.clamped_leg(leg, "free"))
+        return held_leg(solid.solid_leg_matrices(leg))
+
+
+@dataclass(frozen=True)
+class PostureUnit:
+    """One robot by one model with B at each of `x` (m): compliance and first frequencies.
+
+    `legs` are those that `compute` needs reduced, none for `simplified` and `vjm`.
+    """
+
+    model: ModelName
+    robot: Biglide
+    options: ModelOptions
+    x: tuple[float, ...]
+    frequencies: int
+    legs: tuple[LegUnit, ...]
+
+    def compute(self, legs: tuple[ReducedLeg, ...]) -> SolvedPostures:
+        """Solve the postures one after the other.
+
+        Raises InputError where a frequency lies above those for which the legs were reduced.
+        """
+        if not self.legs:
+            return self._lumped()
+        leg1, leg2 = legs
+        model = posture_model(self.robot, leg1.matrices(), leg2.matrices())
+        solved = [solve_posture(model, x, self.frequencies) for x in self.x]
+        frequencies = np.array([posture.modes.frequencies for posture in solved])
+        self._refuse_beyond_reduction(frequencies)
+        return SolvedPostures(np.array([posture.compliance for posture in solved]), frequencies)
+
+    def _lumped(self) -> SolvedPostures:
+        model, robot, options = self.model, self.robot, self.options
+        frequencies = np.empty((len(self.x), 0))
+        if model == "simplified":
+            frequencies = np.array(
+                [robot_frequencies(model, robot, x, self.frequencies, options) for x in self.x]
+            )
+        compliances = [robot_compliance(model, robot, x, options) for x in self.x]
+        return SolvedPostures(np.array(compliances), frequencies)
+
+    def _refuse_beyond_reduction(self, frequencies: Array) -> None:
+        allowed = min(leg.highest for leg in self.legs)
+        worst = int(np.argmax(frequencies[:, -1]))
+        if frequencies[worst, -1] > allowed:
+            raise InputError(
+                f"{self.robot.name}, {self.model}: frequency {self.frequencies} is "
+                f"{frequencies[worst, -1]:.4g} Hz at x = {self.x[worst]:g} m, above the "
+                f"{allowed:g} Hz for which the legs were reduced: raise the cut-off or ask for "
+                "fewer frequencies"
+            )
+
+
+def posture_unit(
+    model: ModelName,
+    robot: Biglide,
+    x: tuple[float, ...],
+    frequencies: int,
+    options: ModelOptions = DEFAULT_OPTIONS,
+    highest: float | None = None,
+    cutoff: float | None = None,
+) -> PostureUnit:
+    """A unit with the legs it needs; `highest` None takes it from a coarse beam model.
+
+    `robot` may have legs of any kind: other models than `vjm` take the equivalent ones. Raises
+    InputError, naming all of them, for postures outside the stroke, for fewer than one frequency,
+    and for the printed release, whose legs cannot be reduced to two ends.
+    """
+    faults = _posture_faults(robot, x)
+    if frequencies < 1:
+        faults.append(f"frequencies = {frequencies}: at least 1")
+    if options.release == "printed":
+        faults.append("release = printed: sweeps know the condensed release alone")
+    if faults:
+        raise InputError(faults)
+    legs: tuple[LegUnit, ...] = ()
+    if model in _WITH_LEGS:
+        allowed = expected_highest(robot, frequencies, options) if highest is None else highest
+        constant = (equivalent_leg(leg, options.equivalent) for leg in (robot.leg1, robot.leg2))
+        legs = tuple(LegUnit(model, leg, options, allowed, cutoff) for leg in constant)
+    return PostureUnit(model, robot, options, x, frequencies, legs)
+
+
+def chunks(unit: PostureUnit, size: int) -> tuple[PostureUnit, ...]:
+    """The unit cut into units of at most `size` postures, in order, with the same legs."""
+    starts = range(0, len(unit.x), size)
+    return tuple(replace(unit, x=unit.x[start : start + size]) for start in starts)
+
+
+def expected_highest(robot: Biglide, count: int, options: ModelOptions = DEFAULT_OPTIONS) -> float:
+    """Upper estimate (Hz, two digits) of frequency `count` over the stroke, few segments."""
+    coarse = ModelOptions(elements=max(_ESTIMATE_ELEMENTS, count), equivalent=options.equivalent)
+    found = [
+        robot_frequencies("segments", robot, x, count, coarse)[-1]
+        for x in robot.stations(_ESTIMATE_POSTURES)
+    ]
+    estimate = _MARGIN * max(found)
+    digit = 10.0 ** (floor(log10(estimate)) - 1)
+    # Rounded, so that a last bit that differs between machines makes no other unit of it.
+    return float(np.ceil(estimate / digit) * digit)
+
+
+def _posture_faults(robot: Biglide, x: tuple[float, ...]) -> list[str]:
+    faults: list[str] = []
+    for value in x:
+        try:
+            robot.posture(value)
+        except InputError as error:
+            faults += error.faults
+    return faults
+
+
+def _no_field(stations: Array) -> SparseMatrix:
+    raise ComputationError(
+        f"a swept leg keeps no displacements of its sections ({len(stations)} asked for)"
+    )
