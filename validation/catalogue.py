@@ -20,6 +20,11 @@ from validation.cases import (
     paper,
     refinement,
     robot,
+    robot_calculix,
+    robot_modes,
+    robot_reduction,
+    robot_sixty,
+    robot_solid,
     shapes,
     solids,
 )
@@ -38,6 +43,11 @@ def catalogue(robot_file: RobotFile) -> Sequence[Task]:
         *legs.cases(),
         *solids.cases(),
         *robot.cases(),
+        *robot_solid.cases(),
+        *robot_modes.cases(),
+        *robot_reduction.cases(),
+        *robot_sixty.cases(),
+        *robot_calculix.cases(),
         *refinement.cases(),
         *decision.cases(),
         *longer_legs.cases(),
@@ -57,4 +67,10 @@ def catalogue(robot_file: RobotFile) -> Sequence[Task]:
 
 
 def _paper() -> Sequence[Task]:
-    return (*paper.cases(), *decision.paper_cases(), *longer_legs.paper_cases())
+    return (
+        *paper.cases(),
+        *robot_solid.paper_cases(),
+        *robot_sixty.paper_cases(),
+        *decision.paper_cases(),
+        *longer_legs.paper_cases(),
+    )

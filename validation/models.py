@@ -2,11 +2,14 @@
 
 from dataclasses import dataclass
 from functools import lru_cache
+from math import ceil, log2
 from typing import Literal, TypeAlias
 
 from fem import solid
 from fem.beam import beam_leg
+from fem.craig_bampton import craig_bampton
 from fem.solid import ClampedLeg
+from fem.superelement import HeldLeg, static_superelement
 from lumped import mechanism, simplified, vjm
 from lumped.arrays import Array
 from lumped.biglide import Biglide
@@ -32,6 +35,7 @@ from lumped.segments import (
     static_leg,
     with_printed_tip_joint,
 )
+from validation.robot_solids import held_solid
 
 ModelName: TypeAlias = Literal["simplified", "vjm", "segments", "beam", "solid"]
 LegSprings: TypeAlias = Literal["given", "equivalent"]
@@ -58,14 +62,21 @@ class ModelOptions:
 
 
 DEFAULT_OPTIONS = ModelOptions()
+# No solid robot is stiffer than its beams by more, not even where end faces restrain torsion.
+_STIFFER_THAN_BEAMS = 1.2
 
 
 def leg_matrices(
     model: ModelName, leg: ConstantLeg, options: ModelOptions = DEFAULT_OPTIONS
 ) -> LegMatrices:
-    """Matrices of one free leg by `segments` or `beam`."""
+    """Matrices of one free leg by `segments` or `beam`.
+
+    Raises InputError for any other model.
+    """
     if model == "segments":
         return segment_leg(_chain(leg, options))
+    if model != "beam":
+        raise InputError(f"the {model} model has no leg matrices that suit every frequency")
     return beam_leg(leg.properties(options.theory), leg.length, options.elements)
 
 
@@ -74,20 +85,26 @@ def robot_legs(
 ) -> tuple[LegMatrices, LegMatrices]:
     """Both equivalent legs as the robot by `segments` or `beam` uses them.
 
-    With `release="printed"` leg 2 carries the joint at its tip as eq. (25) prints it.
+    With `release="printed"` leg 2 carries the joint at its tip as eq. (25) prints it. Raises
+    InputError for any other model.
     """
-    leg1, leg2 = (equivalent_leg(leg, options.equivalent) for leg in (robot.leg1, robot.leg2))
+    leg1, leg2 = _equivalent_legs(robot, options)
     if model == "segments" and options.release == "printed":
         released = with_printed_tip_joint(_chain(leg2, options))
         return _cached_leg(model, leg1, options), segment_leg(released)
     return _cached_leg(model, leg1, options), _cached_leg(model, leg2, options)
 
 
+def _equivalent_legs(robot: Biglide, options: ModelOptions) -> tuple[ConstantLeg, ConstantLeg]:
+    return (
+        equivalent_leg(robot.leg1, options.equivalent),
+        equivalent_leg(robot.leg2, options.equivalent),
+    )
+
+
 def _static_legs(robot: Biglide, options: ModelOptions) -> tuple[LegMatrices, LegMatrices]:
     """Both legs in segments, condensed to their ends."""
-    chain1, chain2 = (
-        _chain(equivalent_leg(leg, options.equivalent), options) for leg in (robot.leg1, robot.leg2)
-    )
+    chain1, chain2 = (_chain(leg, options) for leg in _equivalent_legs(robot, options))
     if options.release == "printed":
         chain2 = with_printed_tip_joint(chain2)
     return static_leg(chain1), static_leg(chain2)
@@ -128,6 +145,12 @@ def robot_compliance(
     if model == "segments":
         legs = _static_legs(robot, options)
         return mechanism.compliance(mechanism.assemble(robot, x, *legs, options.release))
+    if model == "solid":
+        leg1, leg2 = (
+            _static_solid(leg, options.divisions, options.ends)
+            for leg in _equivalent_legs(robot, options)
+        )
+        return mechanism.compliance(mechanism.assemble(robot, x, leg1, leg2))
     return mechanism.compliance(robot_mechanism(model, robot, x, options))
 
 
@@ -142,7 +165,43 @@ def robot_frequencies(
         raise InputError("--modes: the vjm model is static and has no frequencies")
     if model == "simplified":
         return simplified.frequencies(robot, x)[:count]
+    if model == "solid":
+        highest = highest_frequency(robot, x, count, options)
+        leg1, leg2 = (
+            _reduced_solid(leg, options.divisions, options.ends, highest)
+            for leg in _equivalent_legs(robot, options)
+        )
+        whole = mechanism.assemble(robot, x, leg1, leg2)
+        return mechanism.modes(whole, count).frequencies
     return mechanism.modes(robot_mechanism(model, robot, x, options), count).frequencies
+
+
+def highest_frequency(
+    robot: Biglide, x: float, count: int, options: ModelOptions = DEFAULT_OPTIONS
+) -> float:
+    """Frequency (Hz) up to which solid legs must be good for the first `count` of the robot.
+
+    The beam model's with a margin, rounded up in steps of half an octave, so that postures share
+    their reduced legs.
+    """
+    beam = robot_frequencies("beam", robot, x, count, options)[-1]
+    return float(2.0 ** (0.5 * ceil(2.0 * log2(_STIFFER_THAN_BEAMS * beam))))
+
+
+@lru_cache(maxsize=2)
+def _held_solid(leg: ConstantLeg, divisions: int, ends: Ends) -> HeldLeg:
+    """The factorised legs of one robot."""
+    return held_solid(leg, divisions, ends)
+
+
+@lru_cache(maxsize=16)
+def _static_solid(leg: ConstantLeg, divisions: int, ends: Ends) -> LegMatrices:
+    return static_superelement(_held_solid(leg, divisions, ends)).matrices
+
+
+@lru_cache(maxsize=16)
+def _reduced_solid(leg: ConstantLeg, divisions: int, ends: Ends, highest: float) -> LegMatrices:
+    return craig_bampton(_held_solid(leg, divisions, ends), highest).matrices
 
 
 def solid_compliance(leg: ConstantLeg, divisions: int, ends: Ends) -> Array:

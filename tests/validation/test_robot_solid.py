@@ -1,0 +1,131 @@
+"""The robot with solid legs: its cases turn, and `solve` gives the unreduced robot's numbers."""
+
+import csv
+import io
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from lumped.biglide import with_equivalent_legs
+from lumped.errors import InputError
+from lumped.robot_file import load_robot
+from validation.case import Skip, judge, perturbed
+from validation.cases import (
+    robot_calculix,
+    robot_modes,
+    robot_reduction,
+    robot_sixty,
+    robot_solid,
+)
+from validation.context import Context
+from validation.drawings import sixty_modes
+from validation.models import ModelOptions, robot_compliance, robot_frequencies, robot_legs
+from validation.robot_solids import full_mac, unreduced_robot
+
+ROBOT_FILE = load_robot("ifw")
+ROBOT = with_equivalent_legs(ROBOT_FILE.robot)
+CASES = (
+    *robot_solid.cases(),
+    *robot_solid.paper_cases(),
+    *robot_modes.cases(),
+    *robot_reduction.cases(),
+    *robot_sixty.cases(),
+    *robot_sixty.paper_cases(),
+)
+
+
+@pytest.fixture(scope="module")
+def context():
+    return Context(ROBOT_FILE, "quick")
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case.id)
+def test_case_agrees_and_turns(case, context):
+    outcome = judge(case, case.compute(context), 0.0)
+    assert outcome.verdict == "agree", (outcome.measurement, outcome.message)
+    assert perturbed(outcome, 3.0) == "disagree"
+
+
+@pytest.mark.parametrize("case", robot_calculix.cases(), ids=lambda case: case.id)
+def test_calculix_agrees_and_turns(case, context):
+    try:
+        outcome = judge(case, case.compute(context), 0.0)
+    except Skip as reason:
+        pytest.skip(str(reason))
+    assert outcome.verdict == "agree", (outcome.measurement, outcome.message)
+    assert perturbed(outcome, 3.0) == "disagree"
+
+
+def test_absent_calculix_is_a_skipped_case(monkeypatch):
+    monkeypatch.setenv("PATH", "")
+    case = robot_calculix.cases()[0]
+    with pytest.raises(Skip, match="calculix-ccx"):
+        case.compute(Context(ROBOT_FILE, "standard"))
+
+
+@pytest.mark.parametrize("x", [ROBOT.stroke[0], ROBOT.centre])
+def test_solve_with_solid_legs_is_the_unreduced_robot(x):
+    options = ModelOptions(divisions=1)
+    (whole,) = unreduced_robot(ROBOT, (x,), 1, 6)
+    found = robot_compliance("solid", ROBOT_FILE.robot, x, options)
+    scale = np.sqrt(np.diag(whole.compliance))
+    # Issue 4: statics 1e-9, frequencies 1e-4.
+    assert np.abs((found - whole.compliance) / np.outer(scale, scale)).max() < 1e-9
+    frequencies = robot_frequencies("solid", ROBOT_FILE.robot, x, 6, options)
+    assert_allclose(frequencies, whole.modes.frequencies, rtol=1e-4)
+
+
+def test_free_ends_are_softer_against_torsion_alone():
+    """Physics notes §4: warping restrained at rigid faces; planar loads cause no torsion."""
+    rigid, free = (
+        robot_compliance("solid", ROBOT, ROBOT.centre, ModelOptions(divisions=2, ends=ends))
+        for ends in ("rigid", "free")
+    )
+    assert_allclose(free[:2, :2], rigid[:2, :2], rtol=1e-6)
+    assert 0.005 < free[2, 2] / rigid[2, 2] - 1.0 < 0.021
+
+
+def test_solid_legs_are_never_silently_beams():
+    with pytest.raises(InputError, match="solid"):
+        robot_legs("solid", ROBOT)
+
+
+def test_full_mac_pairs_shapes_in_any_order_and_sees_a_wrong_one():
+    mass = np.diag([1.0, 2.0, 3.0, 4.0])
+    shapes = np.eye(4)[:, :3]
+    assert_allclose(full_mac(mass, shapes, -2.0 * shapes[:, [2, 0, 1]]), 1.0)
+    wrong = shapes.copy()
+    wrong[:, 0] = [1.0, 0.0, 0.0, 0.5]
+    # (1·1·1)² / (1 · (1 + 4/4)) = 1/2.
+    assert_allclose(full_mac(mass, shapes, wrong), [0.5, 1.0, 1.0])
+
+
+def test_close_modes_are_marked_and_compared_as_spaces():
+    """At the right end modes 6 and 7 are 713 Hz and 733 Hz, 2.8 % apart (segments)."""
+    found = robot_modes.paired_modes(ROBOT, 1, "rigid", 3)
+    assert found.close[-1].tolist() == [False] * 5 + [True]
+    assert not found.close[:-1].any()
+
+
+def test_energies_of_sixty_modes_sum_to_all_of_it_and_name_every_part(context):
+    found = robot_sixty.sixty(context)
+    assert len(found.frequencies) == 60
+    assert_allclose(sum(found.shares.values()), 1.0, rtol=1e-12)
+    # Mode 4 at the centre, 353 Hz, is planar bending of leg 1 (physics notes §5 and beams).
+    assert found.shares["leg 1 bending z"][3] > 0.75
+    # Without elastic feet no energy can be in them.
+    rigid = replace(ROBOT, foot_compliance=None)
+    assert robot_sixty.in_the_feet(robot_sixty.sixty_modes(rigid, 1)).max() == 0.0
+
+
+def test_picture_and_table_of_sixty_modes(context):
+    figure = sixty_modes.energies(context)
+    rows = list(csv.DictReader(io.StringIO(figure.data)))
+    assert len(rows) == 60
+    shares = [name for name in rows[0] if name.endswith("(%)")]
+    assert len(shares) == 2 + 2 * 5
+    for row in rows:
+        assert sum(float(row[name]) for name in shares) == pytest.approx(100.0, abs=1e-9)
+    assert "none of these modes is due to the feet" in figure.caption

@@ -1,0 +1,212 @@
+"""The robot of reduced solid legs against the same robot without reduction."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from fem.craig_bampton import craig_bampton, frequency_bounds
+from fem.superelement import held_leg
+from lumped import mechanism
+from lumped.arrays import Array
+from lumped.biglide import Biglide, with_equivalent_legs
+from validation.case import Absolute, Case, Measurement, Relative
+from validation.cases.robot_solid import SECTION
+from validation.context import Context, Preset
+from validation.models import highest_frequency
+from validation.robot_solids import full_mac, recovered, unreduced_robot
+
+MODES = 20
+DIVISIONS: dict[Preset, int] = {"quick": 1, "standard": 2, "fine": 3}
+# A cut-off just above the highest frequency leaves an error that is worth a bound.
+CLOSE_CUTOFF = 1.1
+# Bounds below this are lost in the rounding of the frequencies.
+_ROUNDING = 1e-9
+_UNREDUCED = "the same meshes without reduction, sparse Cholesky and Lanczos"
+
+
+def cases() -> tuple[Case, ...]:
+    """Statics, frequencies, shapes and the stated error of the reduction at two postures."""
+    return (
+        _case(
+            "statics",
+            "Reduced legs give the statics of the unreduced robot",
+            "largest difference of the 6×6 in units of √(c_ii c_jj)",
+            "1",
+            "exact in theory: rounding of the factor of the whole robot alone",
+            Absolute(1e-9),
+            _statics,
+        ),
+        _case(
+            "frequencies",
+            f"Reduced legs give the first {MODES} frequencies of the unreduced robot",
+            "natural frequency of the largest difference",
+            "Hz",
+            "the cut-off is chosen for 1e-4 at the highest frequency asked for",
+            Relative(1e-4),
+            _frequency,
+        ),
+        _case(
+            "mac",
+            f"Reduced legs give the first {MODES} shapes, recovered on all unknowns of the mesh",
+            "smallest mass-weighted MAC",
+            "1",
+            "shapes are right to the root of the frequencies' 1e-4",
+            Absolute(1e-4),
+            _mac,
+        ),
+        _case(
+            "bound",
+            "The stated error of the reduction bounds the true one",
+            "largest true error as a share of its bound, legs cut off at "
+            f"{CLOSE_CUTOFF:g} times the highest frequency",
+            "1",
+            "between 0 (Rayleigh: the reduced robot is never too soft) and 1 (the bound)",
+            Absolute(0.5),
+            _bound,
+        ),
+    )
+
+
+def _case(
+    name: str,
+    title: str,
+    quantity: str,
+    unit: str,
+    reason: str,
+    tolerance: Absolute | Relative,
+    compute: Callable[[Context], Measurement],
+) -> Case:
+    return Case(
+        id=f"robot.solid.reduction.{name}",
+        title=title,
+        quantity=quantity,
+        unit=unit,
+        reference_kind="finer-model",
+        citation=_UNREDUCED,
+        tolerance=tolerance,
+        tolerance_reason=reason,
+        compute=partial(compute),
+        section=SECTION,
+        group="robot.solid.reduction",
+        effort=2.0,
+    )
+
+
+@dataclass(frozen=True)
+class Reduction:
+    """What the reduction does to the robot with B at `x` (m).
+
+    `statics`: largest difference of the compliance in units of √(c_ii c_jj). `unreduced` and
+    `reduced` frequencies (Hz), `mac` of their shapes on all unknowns. `error` and `bound` (relative
+    to the frequencies) with the close cut-off.
+    """
+
+    x: float
+    statics: float
+    unreduced: Array
+    reduced: Array
+    mac: Array
+    error: Array
+    bound: Array
+
+
+def reductions(
+    robot: Biglide, positions: tuple[float, ...], divisions: int, highest: float
+) -> tuple[Reduction, ...]:
+    """The reduction for frequencies up to `highest` (Hz) at every position (m)."""
+    member = with_equivalent_legs(robot)
+    exact = unreduced_robot(member, positions, divisions, MODES)
+    held = [held_leg(leg) for leg in exact[0].legs]
+    legs = [craig_bampton(leg, highest) for leg in held]
+    top = max(float(one.modes.frequencies[-1]) for one in exact)
+    cut = [craig_bampton(leg, top, CLOSE_CUTOFF * top) for leg in held]
+    found = []
+    for x, whole in zip(positions, exact, strict=True):
+        robot_of = partial(mechanism.assemble, member, x)
+        reduced = robot_of(legs[0].matrices, legs[1].matrices)
+        modes = mechanism.modes(reduced, MODES)
+        scale = np.sqrt(np.diag(whole.compliance))
+        difference = mechanism.compliance(reduced) - whole.compliance
+        bounds = frequency_bounds(robot_of(cut[0].matrices, cut[1].matrices), cut, MODES)
+        found.append(
+            Reduction(
+                x=x,
+                statics=float(np.abs(difference / np.outer(scale, scale)).max()),
+                unreduced=whole.modes.frequencies,
+                reduced=modes.frequencies,
+                mac=full_mac(
+                    whole.mechanism.mass,
+                    whole.modes.shapes,
+                    recovered(reduced, legs, modes.shapes),
+                ),
+                error=1.0 - whole.modes.frequencies / bounds.upper,
+                bound=bounds.relative_width,
+            )
+        )
+    return tuple(found)
+
+
+def _found(context: Context) -> tuple[Reduction, ...]:
+    robot = context.robot
+    positions = (robot.stroke[0], robot.centre)
+    highest = max(highest_frequency(robot, x, MODES) for x in positions)
+    return context.get(reductions, robot, positions, DIVISIONS[context.preset], highest)
+
+
+def _statics(context: Context) -> Measurement:
+    worst = max(_found(context), key=lambda one: one.statics)
+    return Measurement(worst.statics, 0.0, notes=(_place(worst),))
+
+
+def _frequency(context: Context) -> Measurement:
+    found = _found(context)
+    errors = np.array([np.abs(one.reduced / one.unreduced - 1.0) for one in found])
+    posture, mode = np.unravel_index(int(np.argmax(errors)), errors.shape)
+    worst = found[int(posture)]
+    return Measurement(
+        float(worst.reduced[mode]),
+        float(worst.unreduced[mode]),
+        notes=(f"mode {int(mode) + 1}, {_place(worst)}",),
+        table={"mode": tuple(float(k) for k in range(1, MODES + 1))}
+        | {
+            f"{model}, x = {one.x:.4g} m (Hz)": tuple(values.tolist())
+            for one in found
+            for model, values in (("unreduced", one.unreduced), ("reduced", one.reduced))
+        },
+    )
+
+
+def _mac(context: Context) -> Measurement:
+    worst = min(_found(context), key=lambda one: float(one.mac.min()))
+    mode = int(np.argmin(worst.mac))
+    return Measurement(float(worst.mac[mode]), 1.0, notes=(f"mode {mode + 1}, {_place(worst)}",))
+
+
+def _bound(context: Context) -> Measurement:
+    found = _found(context)
+    shares = np.array(
+        [np.where(one.bound > _ROUNDING, one.error / one.bound, -np.inf) for one in found]
+    )
+    posture, mode = np.unravel_index(int(np.argmax(shares)), shares.shape)
+    worst = found[int(posture)]
+    return Measurement(
+        float(shares[posture, mode]),
+        0.5,
+        notes=(
+            f"mode {int(mode) + 1}, {_place(worst)}: error {worst.error[mode]:.2g}, bound "
+            f"{worst.bound[mode]:.2g} of the frequency",
+            "the reference is the middle of what the theory allows",
+        ),
+        table={"mode": tuple(float(k) for k in range(1, MODES + 1))}
+        | {
+            f"{name}, x = {one.x:.4g} m": tuple(values.tolist())
+            for one in found
+            for name, values in (("error", one.error), ("bound", one.bound))
+        },
+    )
+
+
+def _place(one: Reduction) -> str:
+    return f"x = {one.x:.4g} m"

@@ -1,0 +1,193 @@
+"""Both legs of a robot as solids: meshed, reduced to their ends, and the whole robot of them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import linear_sum_assignment
+from scipy.sparse import csr_array
+
+from fem import doubling, robot_solid
+from fem.craig_bampton import CraigBampton, craig_bampton
+from fem.end_coupling import rigid_ends
+from fem.free_superelement import held_free_leg
+from fem.leg_energies import kind_energies
+from fem.solid import (
+    Ends,
+    SolidLeg,
+    clamped_leg,
+    solid_leg,
+    solid_leg_matrices,
+    solid_mesh,
+)
+from fem.superelement import ENDS, HeldLeg, Superelement, ends_stiffness, held_leg
+from lumped.arrays import Array, SparseMatrix
+from lumped.biglide import Biglide, with_equivalent_legs
+from lumped.leg_matrices import LegMatrices
+from lumped.legs import ConstantLeg, equivalent_leg
+from lumped.mechanism import Mechanism, assemble
+from lumped.modes import Modes
+from meshes.section_mesh import section_mesh
+from validation.leg_solids import section_counts, slices, static_ladder
+
+
+def meshed_leg(leg: ConstantLeg, divisions: int) -> SolidLeg:
+    """A leg as a solid, `divisions` quadratic elements across the smaller side of its section."""
+    return solid_leg(leg, solid_mesh(leg, divisions))
+
+
+def held_solid(leg: ConstantLeg, divisions: int, ends: Ends) -> HeldLeg:
+    """The solid leg with the twists of both ends given; `ends` as in `fem.end_coupling`."""
+    solid = meshed_leg(leg, divisions)
+    if ends == "free":
+        return held_free_leg(clamped_leg(solid, "free"))
+    return held_leg(solid_leg_matrices(solid))
+
+
+def reduced_solid(leg: ConstantLeg, divisions: int, ends: Ends, highest: float) -> CraigBampton:
+    """The solid leg reduced for frequencies of the robot up to `highest` (Hz)."""
+    return craig_bampton(held_solid(leg, divisions, ends), highest)
+
+
+def static_solid(leg: ConstantLeg, compliance: Array, ends: Ends) -> LegMatrices:
+    """A leg of given tip compliance (6×6, SI, leg axes, root clamped) condensed to its ends.
+
+    Without mass. Between its ends it is drawn as a straight line.
+    """
+
+    def centreline(at: Array) -> SparseMatrix:
+        share = np.asarray(at, dtype=float) / leg.length
+        return csr_array(np.kron(np.column_stack([1.0 - share, share]), np.eye(6)))
+
+    return LegMatrices(
+        model=f"solid, {ends} ends",
+        length=leg.length,
+        stiffness=csr_array(ends_stiffness(np.linalg.inv(compliance).astype(float), leg.length)),
+        mass=csr_array((ENDS, ENDS)),
+        centreline=centreline,
+    )
+
+
+@dataclass(frozen=True)
+class TipCompliances:
+    """6×6 tip compliances (SI, leg axes) with `rigid` and with `free` ends on one mesh."""
+
+    rigid: Array
+    free: Array
+
+
+def two_meshes(
+    legs: Sequence[ConstantLeg], most: int
+) -> tuple[tuple[TipCompliances, TipCompliances], ...]:
+    """Tip compliances of each leg on two similar meshes, the finer one last.
+
+    The finest section meshes with at most `most` unknowns, equally far up the ladder for all legs.
+    Static condensation of a leg of equal slices by doubling.
+    """
+    ladders = [static_ladder(leg, most) for leg in legs]
+    steps = min(map(len, ladders))
+    pairs = []
+    for leg, ladder in zip(legs, ladders, strict=True):
+        coarse, fine = (
+            doubling.condensed_leg(
+                leg,
+                section_mesh(leg.section, section_counts(leg, divisions)),
+                slices(leg, divisions),
+            )
+            for divisions in ladder[steps - 2 : steps]
+        )
+        pairs.append((_compliances(coarse), _compliances(fine)))
+    return tuple(pairs)
+
+
+def _compliances(condensed: doubling.CondensedLeg) -> TipCompliances:
+    return TipCompliances(
+        rigid=doubling.tip_compliance(condensed, "rigid"),
+        free=doubling.tip_compliance(condensed, "free"),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class UnreducedRobot:
+    """A robot with both legs meshed and no reduction, in one posture.
+
+    `compliance` (6×6, SI, robot axes) at the loaded point; `modes` with shapes on the unknowns of
+    `mechanism`; `solids` are the legs, rigid end faces, `legs` their matrices.
+    """
+
+    mechanism: Mechanism
+    compliance: Array
+    modes: Modes
+    solids: tuple[SolidLeg, SolidLeg]
+    legs: tuple[LegMatrices, LegMatrices]
+
+
+def unreduced_robot(
+    robot: Biglide, positions: Sequence[float], divisions: int, count: int
+) -> tuple[UnreducedRobot, ...]:
+    """The whole robot in 3-D with B at each of `positions` (m), `count` modes each."""
+    member = with_equivalent_legs(robot)
+    solids = tuple(meshed_leg(equivalent_leg(leg), divisions) for leg in (member.leg1, member.leg2))
+    pair = solids[0], solids[1]
+    return tuple(solved_robot(member, x, pair, count) for x in positions)
+
+
+def solved_robot(
+    robot: Biglide, x: float, solids: tuple[SolidLeg, SolidLeg], count: int
+) -> UnreducedRobot:
+    """The whole robot with B at `x` (m) from two meshed legs with rigid end faces."""
+    legs = solid_leg_matrices(solids[0]), solid_leg_matrices(solids[1])
+    factorised = robot_solid.factorised_robot(assemble(robot, x, *legs))
+    return UnreducedRobot(
+        mechanism=factorised.mechanism,
+        compliance=robot_solid.compliance(factorised),
+        modes=robot_solid.modes(factorised, count),
+        solids=solids,
+        legs=legs,
+    )
+
+
+def recovered(reduced: Mechanism, legs: Sequence[Superelement], shapes: Array) -> Array:
+    """Shapes of the robot of reduced `legs` on the unknowns of the unreduced robot (n×m).
+
+    Both number the bodies of the robot first and alike, then the insides of the legs.
+    """
+    bodies = reduced.stiffness.shape[0] - sum(leg.matrices.size - ENDS for leg in legs)
+    inner = [
+        leg.recover(to_leg @ shapes)[ENDS:] for to_leg, leg in zip(reduced.legs, legs, strict=True)
+    ]
+    return np.vstack([shapes[:bodies], *inner])
+
+
+def full_mac(mass: SparseMatrix, first: Array, second: Array) -> Array:
+    """MAC of each of the shapes `first` (n×m) with its partner in `second` (n×m), optimal pairing.
+
+    Weighted with the full `mass` (n×n): every unknown of the mesh counts.
+    """
+    momenta = mass @ second
+    sizes = np.einsum("ij,ij->j", first, mass @ first)[:, None] * np.einsum(
+        "ij,ij->j", second, momenta
+    )
+    mac = np.square(first.T @ momenta) / sizes
+    rows, columns = linear_sum_assignment(mac, maximize=True)
+    return np.asarray(mac[rows, columns])
+
+
+def strain_energy_shares(robot: UnreducedRobot) -> dict[str, Array]:
+    """Share of the strain energy of each mode in feet, tool, and each leg's kinds.
+
+    "foot 1", …, "leg 1 bending z", …, "leg 2 section distortion" (m values each), which sum to 1.
+    """
+    shapes, mechanism = robot.modes.shapes, robot.mechanism
+    energies = {
+        name: 0.5 * np.einsum("ij,ij->j", shapes, stiffness @ shapes)
+        for name, stiffness in mechanism.springs.items()
+    }
+    for number, (to_leg, solid) in enumerate(
+        zip(mechanism.legs, robot.solids, strict=True), start=1
+    ):
+        field = rigid_ends(solid.mesh).transformation @ (to_leg @ shapes)
+        kinds = kind_energies(solid, np.asarray(field))
+        energies |= {f"leg {number} {kind}": energy for kind, energy in kinds.items()}
+    total = sum(energies.values())
+    return {name: energy / total for name, energy in energies.items()}
