@@ -66,7 +66,7 @@ def unreduced_robot(legs):
 
 
 def test_robot_of_reduced_legs_is_the_unreduced_one(legs, unreduced_robot):
-    """Issue 4: statics 1e-9, twenty frequencies 1e-4, mass-weighted MAC 0.9999."""
+    """Required: statics 1e-9, twenty frequencies 1e-4, mass-weighted MAC 0.9999."""
     unreduced, held = legs
     reduced = [craig_bampton(leg, HIGHEST) for leg in held]
     for x, (whole, exact) in zip(POSTURES, unreduced_robot, strict=True):

@@ -152,7 +152,7 @@ def test_free_ends_reach_beam_theory(length, material):
 
 
 def test_rigid_ends_of_a_slender_leg_tend_to_beam_theory():
-    """Plane end faces stiffen by a share h/L (physics notes, §4): ten times longer, a tenth."""
+    """Plane end faces stiffen by a share h/L (known values): ten times longer, a tenth."""
     section = Rectangle(0.16, 0.08)
     face = section_mesh(section, (2, 1))
     differences = []

@@ -42,7 +42,7 @@ def test_sparse_solutions_equal_dense_ones(legs, x):
 
 
 def test_first_frequencies_at_the_centre():
-    """Physics notes §5: 113.0, 184.0, 212.5, 353 Hz with both legs as solids, rigid end faces."""
+    """Known values: 113.0, 184.0, 212.5, 353 Hz with both legs as solids, rigid end faces."""
     whole = mechanism.assemble(ROBOT, ROBOT.centre, meshed(ROBOT.leg1, 12), meshed(ROBOT.leg2, 12))
     found = modes(factorised_robot(whole), 4).frequencies
     # One element across the section: torsion, a part of the first mode, is a little too stiff.

@@ -1,4 +1,4 @@
-"""One leg as a solid, held against beam theory, thin-wall theory and the physics notes."""
+"""One leg as a solid, held against beam theory, thin-wall theory and the known values."""
 
 from dataclasses import replace
 
@@ -27,7 +27,7 @@ from meshes.tetrahedra import tetrahedra
 
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 CUBIC = Material(E=2.1e11, G=1.2e11, nu=0.25, rho=7850.0)
-# The equivalent legs of the physics notes, §3.
+# The equivalent legs of the known values.
 LEG_1 = constant_leg(0.85, EA=8.613e8, EIy=4.771e6, EIz=1.832e6, GJ=9.212e6, mass=69.705)
 LEG_2 = constant_leg(0.775, EA=4.316e9, EIy=5.980e7, EIz=4.182e6, GJ=6.478e6, mass=49.366)
 
@@ -119,19 +119,19 @@ def test_rigid_ends_leg_1_is_timoshenko_in_tension_and_bending(clamped_leg_1):
     beam = beam_tip_compliance(LEG_1.timoshenko, LEG_1.length)
     difference = scaled_difference(compliance, beam)
     difference[3, 3] = 0.0
-    # Physics notes §4 after mesh convergence; 5e-5 is the warping of shear, restrained.
+    # Known values after mesh convergence; 5e-5 is the warping of shear, restrained.
     assert np.abs(difference).max() < 2e-4
 
 
 def test_rigid_ends_stiffen_torsion_of_leg_1(clamped_leg_1):
-    """Physics notes §4: 1.6 %."""
+    """Known values: 1.6 %."""
     compliance = tip_compliance(clamped_leg_1)
     beam = beam_tip_compliance(LEG_1.timoshenko, LEG_1.length)
     assert 1.0 - compliance[3, 3] / beam[3, 3] == pytest.approx(0.016, abs=0.0015)
 
 
 def test_rigid_ends_stiffen_torsion_of_leg_2():
-    """Physics notes §4: 18 %; and 0.26 % along z, where shear carries a sixth of the deflection."""
+    """Known values: 18 %; and 0.26 % along z, where shear carries a sixth of the deflection."""
     solid = on_mesh(LEG_2, (3, 9), 16)
     compliance = tip_compliance(clamped_leg(solid))
     beam = beam_tip_compliance(LEG_2.timoshenko, LEG_2.length)
@@ -144,7 +144,7 @@ def test_rigid_ends_stiffen_torsion_of_leg_2():
 def test_difference_of_rigid_ends_falls_with_slenderness():
     """Restrained warping is lost over a length of the section's size at either end.
 
-    In torsion it is a share h/L of L/GJ: exponent −1 (physics notes §4). In bending, a share h/L
+    In torsion it is a share h/L of L/GJ: exponent −1 (known values). In bending, a share h/L
     of the shear part of the deflection alone, which itself is (h/L)² of the whole: −3.
     """
     differences = []
@@ -191,7 +191,7 @@ def test_compliance_equals_condensation_of_the_leg_matrices():
 
 
 def test_first_frequencies_of_leg_1(clamped_leg_1):
-    """Physics notes §3: z-bending of leg 1 at 181.8 Hz in the 3-D solid."""
+    """Known values: z-bending of leg 1 at 181.8 Hz in the 3-D solid."""
     found = modes(clamped_leg_1, 4)
     # One unit in the last digit given.
     assert found.frequencies[1] == pytest.approx(181.8, abs=0.1)

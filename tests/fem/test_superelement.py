@@ -167,7 +167,7 @@ def free_leg_2():
 
 
 def test_free_ends_have_the_compliance_of_timoshenko(free_leg_2):
-    """Saint-Venant ends, ν = 0: the beam of the section's own constants (issue 3: 1e-4)."""
+    """Saint-Venant ends, ν = 0: the beam of the section's own constants (required: 1e-4)."""
     solid, clamped = free_leg_2
     reduced = static_superelement(held_free_leg(clamped)).matrices
     constants = section_constants(solid.mesh.root.mesh, 0.0, LEG_2.material.G / LEG_2.material.E)
@@ -199,7 +199,7 @@ def test_free_constraint_modes_have_the_twists_they_are_named_for(free_leg_2):
 
 
 def test_robot_with_free_ends_is_the_vjm_with_timoshenko_legs(free_leg_2):
-    """Issue 4: all three loads within 1e-3 over the stroke."""
+    """Required: all three loads within 1e-3 over the stroke."""
     first = clamped_leg(meshed(LEG_1, (3, 5), 14), "free")
     legs = [static_superelement(held_free_leg(c)).matrices for c in (first, free_leg_2[1])]
     springs = equivalent_leg_springs(ROBOT, "timoshenko")

@@ -11,7 +11,7 @@ from lumped.errors import InputError
 
 
 def test_stroke_of_the_demonstrator(demonstrator):
-    """Physics notes §1: from a − L2 = 0.145 m to L1 = 0.85 m; d = L1 + L2 − a = 0.705 m."""
+    """Known values: from a − L2 = 0.145 m to L1 = 0.85 m; d = L1 + L2 − a = 0.705 m."""
     assert demonstrator.stroke == pytest.approx((0.145, 0.85), rel=1e-14)
     assert demonstrator.stroke_length == pytest.approx(0.705, rel=1e-14)
     assert demonstrator.centre == pytest.approx(0.4975, rel=1e-14)

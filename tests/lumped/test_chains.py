@@ -126,7 +126,7 @@ def test_springs_that_no_body_has_are_refused():
 
 
 def test_the_printed_foot_of_the_paper_is_refused(demonstrator):
-    """k_Foot(6,6) = 3.16e-9 as printed: λmin = −3.5e-8 (physics notes §2)."""
+    """k_Foot(6,6) = 3.16e-9 as printed: λmin = −3.5e-8 (known values)."""
     printed = demonstrator.foot_compliance.copy()
     printed[5, 5] = 3.16e-9
     with pytest.raises(InputError, match="negative eigenvalue"):

@@ -29,20 +29,20 @@ BEAM = ConstantLeg(1.2, Rectangle(width=0.05, height=0.10), STEEL)
     ],
 )
 def test_equivalent_legs_by_stiffness(demonstrator, leg, expected):
-    """Physics notes §3, EA, EIz, EIy, GJ to the four printed digits."""
+    """Known values, EA, EIz, EIy, GJ to the four printed digits."""
     beam = equivalent_leg(getattr(demonstrator, leg)).timoshenko
     assert_allclose((beam.EA, beam.EIz, beam.EIy, beam.GJ), expected, rtol=5e-4)
 
 
 def test_equivalent_leg_by_compliance(demonstrator):
-    """Physics notes §3, leg 1, to the four printed digits."""
+    """Known values, leg 1, to the four printed digits."""
     beam = equivalent_leg(demonstrator.leg1, "compliance").timoshenko
     expected = (3.025e8, 1.157e6, 6.417e6, 4.913e6)
     assert_allclose((beam.EA, beam.EIz, beam.EIy, beam.GJ), expected, rtol=5e-4)
 
 
 def test_equivalent_solid(demonstrator):
-    """Physics notes §3: h along z, b along y, ν = 0, G/E ≈ 2.05 for leg 1, the leg's mass."""
+    """Known values: h along z, b along y, ν = 0, G/E ≈ 2.05 for leg 1, the leg's mass."""
     leg1, leg2 = equivalent_leg(demonstrator.leg1), equivalent_leg(demonstrator.leg2)
     # The notes compute the sides from EA and EI rounded to four digits: up to 1e-4 m.
     assert_allclose((leg1.section.height, leg1.section.width), (0.2578, 0.1598), atol=1e-4)
@@ -55,7 +55,7 @@ def test_equivalent_solid(demonstrator):
 
 
 def test_clamped_free_frequency_of_leg_1(demonstrator):
-    """Physics notes §3: 186.8 Hz, the paper's "about 180 Hz"; f = 1.8751²/2πL² √(EIy/μ)."""
+    """Known values: 186.8 Hz, the paper's "about 180 Hz"; f = 1.8751²/2πL² √(EIy/μ)."""
     leg = equivalent_leg(demonstrator.leg1)
     beam = leg.timoshenko
     hertz = 1.87510407**2 / (2.0 * np.pi * leg.length**2) * np.sqrt(beam.EIy / beam.mu)

@@ -13,7 +13,7 @@ from lumped.mechanism import Mechanism, assemble, compliance, modes
 from lumped.screws import move_compliance
 from lumped.segments import segment_chain, segment_leg, with_printed_tip_joint
 
-# Equivalent legs of the IFW demonstrator (physics notes, §3) and its foot's compliance, the
+# Equivalent legs of the IFW demonstrator (known values) and its foot's compliance, the
 # appendix's k_Foot with (6,6) corrected.
 FOOT = np.array(
     [
@@ -67,20 +67,20 @@ def test_stiff_massless_legs_on_y_springs_are_the_simplified_model():
 
 
 def test_first_frequencies_at_the_centre():
-    """Physics notes, §5: 113, 184, 213, 355 Hz; with Timoshenko's springs within 1 % of those."""
+    """Known values: 113, 184, 213, 355 Hz; with Timoshenko's springs within 1 % of those."""
     frequencies = modes(build(ROBOT, ROBOT.centre), 4).frequencies
     assert_allclose(frequencies, [113.0, 184.0, 213.0, 355.0], rtol=0.01)
 
 
 def test_deflections_at_the_centre_with_equivalent_legs():
-    """Physics notes, §5, α = 1: 7.3 µm planar under fx, 23 µm along z, at 1000 N."""
+    """Known values, α = 1: 7.3 µm planar under fx, 23 µm along z, at 1000 N."""
     result = compliance(build(ROBOT, ROBOT.centre, 3)) * 1e9
     assert_allclose(np.linalg.norm(result[:2, 0]), 7.3, atol=0.05)
     assert_allclose(result[2, 2], 23.0, atol=0.5)
 
 
 def test_printed_joints_move_the_second_frequency_to_300_hz():
-    """Physics notes, §2, eq. (25): about 300 Hz as printed instead of about 184 Hz."""
+    """Known values, eq. (25): about 300 Hz as printed instead of about 184 Hz."""
     frequencies = modes(build(ROBOT, ROBOT.centre, release="printed"), 2).frequencies
     assert_allclose(frequencies[1], 300.0, rtol=0.01)
 

@@ -73,7 +73,7 @@ def test_end_springs_at_the_very_ends_cost_static_exactness():
     """A half-length spring that is diagonal at the end instead of at its piece's middle.
 
     Hand calculation: the moment at the root acts through l/2 of beam with a lever too long by
-    l/4: tip compliance +3/4n², first frequency −0.65/n² (physics notes, §2).
+    l/4: tip compliance +3/4n², first frequency −0.65/n² (known values).
     """
     n = 40
     chain = segment_chain(SLENDER, LENGTH, n)
@@ -95,7 +95,7 @@ def test_literal_layout_is_first_order_and_five_percent_off_at_twenty():
     )
     order = -np.polyfit(np.log(counts), np.log(errors), 1)[0]
     assert_allclose(order, 1.0, atol=0.05)
-    assert_allclose(errors[0], 0.052, atol=0.0005)  # physics notes, §2: +5.2 % at n = 20
+    assert_allclose(errors[0], 0.052, atol=0.0005)  # Known values: +5.2 % at n = 20
 
 
 def test_literal_layout_leaves_one_element_length_rigid():

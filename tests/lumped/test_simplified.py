@@ -29,7 +29,7 @@ def test_compliance_is_the_drives_energy_under_the_leg_forces(demonstrator, x):
 
 
 def test_deflection_under_fx_stays_below_the_papers_bound(demonstrator):
-    """Physics notes §5 (1.063 µm near x = 0.497); paper §2.1: inferior to 1.1 µm."""
+    """Known values (1.063 µm near x = 0.497); paper §2.1: inferior to 1.1 µm."""
     x = demonstrator.stations(2001)
     deflections = planar(demonstrator, x, FX)
     assert deflections.max() == pytest.approx(1.063, abs=0.0005)  # digits printed
@@ -44,14 +44,14 @@ def test_no_deflection_under_fx_at_both_ends(demonstrator):
 
 
 def test_deflection_under_fy_is_largest_at_the_ends(demonstrator):
-    """Physics notes §5: 0.503 µm at the centre, 1.0 µm at the ends, F/K for a single drive."""
+    """Known values: 0.503 µm at the centre, 1.0 µm at the ends, F/K for a single drive."""
     assert planar(demonstrator, demonstrator.centre, FY) == pytest.approx(0.503, abs=0.0005)
     assert_allclose(planar(demonstrator, np.array(demonstrator.stroke), FY), 1.0, rtol=1e-7)
     assert planar(demonstrator, demonstrator.stations(501), FY).argmax() in (0, 500)
 
 
 def test_first_frequency_over_the_stroke(demonstrator):
-    """Physics notes §5: 713.4 to 756.2 Hz; paper §3.1: superior to 710 Hz."""
+    """Known values: 713.4 to 756.2 Hz; paper §3.1: superior to 710 Hz."""
     first = simplified.frequencies(demonstrator, demonstrator.stations(2001))[:, 0]
     assert first.min() == pytest.approx(713.4, abs=0.05)
     assert first.max() == pytest.approx(756.2, abs=0.05)

@@ -35,14 +35,14 @@ def deflections(compliance):
     [(0.145, 0.42, 8.76, 26.1), (0.4975, 8.81, 4.19, 27.2), (0.850, 2.97, 6.15, 27.6)],
 )
 def test_demonstrator_with_the_appendix_matrices(demonstrator, x, fx, fy, fz):
-    """Physics notes §5, to half a unit of the last printed digit; 27.145 is printed as 27.2."""
+    """Known values, to half a unit of the last printed digit; 27.145 is printed as 27.2."""
     found = deflections(vjm.compliance(demonstrator, x, vjm.given_leg_springs(demonstrator)))
     assert np.all(np.abs(found - [fx, fy, fz]) <= [0.005, 0.005, 0.06])
 
 
 @pytest.mark.parametrize(("alpha", "fx", "fz"), [(1.0, 7.3, 23.0), (2.0, 3.0, 85.0)])
 def test_longer_legs_are_stiffer_in_the_plane_and_softer_along_z(demonstrator, alpha, fx, fz):
-    """Physics notes §5, equivalent legs at the centre, to half a unit of the last digit."""
+    """Known values, equivalent legs at the centre, to half a unit of the last digit."""
     robot = scaled(demonstrator, alpha)
     springs = vjm.equivalent_leg_springs(robot, "euler-bernoulli")
     found = deflections(vjm.compliance(robot, robot.centre, springs))

@@ -70,7 +70,7 @@ def test_ids_are_unique_and_quick_runs_have_no_solids():
 
 
 def test_no_beam_of_the_published_benchmarks_is_judged_more_kindly_than_asked():
-    # Issue 5: within 0.1 % for beams.
+    # Required: within 0.1 % for beams.
     judged = [c for c in QUICK if c.reference_kind == "published" and "torsion" not in c.id]
     assert judged
     assert all(case.tolerance == Relative(1e-3) for case in judged)

@@ -100,7 +100,7 @@ def test_a_killed_worker_loses_nothing_and_changes_no_number(cluster, tmp_path):
     legs = {id(unit.legs) for unit in asked if unit.legs}
     assert len(finished) == 2 * len(legs) + len(asked)
     for there, here in zip(found, sweep(asked), strict=True):
-        # Issue 4: the same numbers to 1e-12 on a cluster.
+        # Required: the same numbers to 1e-12 on a cluster.
         assert_allclose(there.compliances, here.compliances, rtol=1e-12, atol=1e-18)
         assert_allclose(there.frequencies, here.frequencies, rtol=1e-12)
 

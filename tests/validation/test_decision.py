@@ -40,7 +40,7 @@ def test_simplified_model_is_indifferent_to_long_legs(found):
     assert by_deflection.value == pytest.approx(1.0, rel=1e-9)
     assert by_frequency.value == pytest.approx(sqrt(1e9 / 46.0) / (2.0 * pi), rel=1e-9)
     for choice in (by_deflection, by_frequency):
-        # At α = 1 planar x reaches 1.063 µm and f1 713.4 Hz (physics notes, section 5).
+        # At α = 1 planar x reaches 1.063 µm and f1 713.4 Hz (known values).
         assert 1.0 < choice.best < 1.1
         assert choice.indifferent == (choice.best, 2.0)
 
@@ -82,7 +82,7 @@ def test_impossible_robots_are_named_and_left_out(found):
 def test_solid_legs_contradict_the_simplified_model():
     models = (SIMPLIFIED, VJM, SEGMENTS, solid_model(RIGID, "rigid", 1))
     found = decide(IFW, models, replace(BRIEF, halvings=2))
-    # Physics notes, section 5: 26 µm along z at α = 1 and 85 µm at α = 2 (planar 1 µm, simplified);
+    # Known values: 26 µm along z at α = 1 and 85 µm at α = 2 (planar 1 µm, simplified);
     # the first frequency falls from 113 to 48 Hz, one element across the section being 1 % off.
     at = {alpha: found.values[RIGID][alpha] for alpha in (1.0, 2.0)}
     assert at[2.0].deflection == pytest.approx(85.0, rel=0.02)

@@ -141,7 +141,7 @@ def test_the_legs_meet_at_the_loaded_point_and_move_with_it(context, loaded):
         assert leg.points[root].mean(axis=0)[0] == pytest.approx(
             0.0 if leg is leg1 else robot.a, abs=ROUNDING
         )
-    # The paper's appendix gives 27 µm with the legs as given, physics notes 23 µm with these.
+    # The paper's appendix gives 27 µm with the legs as given, known values 23 µm with these.
     assert at_b[2] == pytest.approx(23.4e-6, rel=0.01)
 
 

@@ -71,14 +71,14 @@ def test_solve_with_solid_legs_is_the_unreduced_robot(x):
     (whole,) = unreduced_robot(ROBOT, (x,), 1, 6)
     found = robot_compliance("solid", ROBOT_FILE.robot, x, options)
     scale = np.sqrt(np.diag(whole.compliance))
-    # Issue 4: statics 1e-9, frequencies 1e-4.
+    # Required: statics 1e-9, frequencies 1e-4.
     assert np.abs((found - whole.compliance) / np.outer(scale, scale)).max() < 1e-9
     frequencies = robot_frequencies("solid", ROBOT_FILE.robot, x, 6, options)
     assert_allclose(frequencies, whole.modes.frequencies, rtol=1e-4)
 
 
 def test_free_ends_are_softer_against_torsion_alone():
-    """Physics notes §4: warping restrained at rigid faces; planar loads cause no torsion."""
+    """Known values: warping restrained at rigid faces; planar loads cause no torsion."""
     rigid, free = (
         robot_compliance("solid", ROBOT, ROBOT.centre, ModelOptions(divisions=2, ends=ends))
         for ends in ("rigid", "free")
@@ -113,7 +113,7 @@ def test_energies_of_sixty_modes_sum_to_all_of_it_and_name_every_part(context):
     found = robot_sixty.sixty(context)
     assert len(found.frequencies) == 60
     assert_allclose(sum(found.shares.values()), 1.0, rtol=1e-12)
-    # Mode 4 at the centre, 353 Hz, is planar bending of leg 1 (physics notes §5 and beams).
+    # Mode 4 at the centre, 353 Hz, is planar bending of leg 1 (known values and beams).
     assert found.shares["leg 1 bending z"][3] > 0.75
     # Without elastic feet no energy can be in them.
     rigid = replace(ROBOT, foot_compliance=None)

@@ -52,7 +52,7 @@ def test_lumped_models_are_those_of_solve(swept):
         assert found.frequencies.shape == (4, 0)
         return
     expected = [robot_frequencies(swept.model, ROBOT, x, 2, swept.options) for x in X]
-    # Issue 4 allows the reduction 1e-4 for the first 20 frequencies.
+    # Required is the reduction 1e-4 for the first 20 frequencies.
     assert_allclose(found.frequencies, expected, rtol=1e-5)
 
 
@@ -64,7 +64,7 @@ def test_solid_legs_are_near_beams_in_every_posture(ends):
     for compliance, frequencies, x in zip(found.compliances, found.frequencies, X, strict=True):
         robot = mechanism.assemble(ROBOT, x, *beams)
         expected = mechanism.compliance(robot)
-        # Issue 4: planar within 1e-4; along z 2.1 % for rigid ends. Two elements across the
+        # Required: planar within 1e-4; along z 2.1 % for rigid ends. Two elements across the
         # section are 0.15 % off in torsion, which is what is left with free ends.
         assert_allclose(compliance[:2, :2], expected[:2, :2], rtol=1e-4, atol=1e-13)
         assert_allclose(compliance[2, 2], expected[2, 2], rtol=0.021 if ends == "rigid" else 2e-3)
@@ -223,7 +223,7 @@ def test_alphas_at_which_the_legs_cannot_meet_are_named():
 
 
 def test_cut_off_below_the_frequencies_is_refused():
-    # The fourth frequency near the centre is 353 Hz (physics notes, section 5).
+    # The fourth frequency near the centre is 353 Hz (known values).
     unit = posture_unit("beam", ROBOT, (0.5,), 4, ModelOptions(elements=6), highest=300.0)
     with pytest.raises(InputError, match=r"frequency 4 is 35\d.*above the 300 Hz.*cut-off"):
         sweep([unit])
