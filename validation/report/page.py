@@ -26,6 +26,9 @@ _FOREMOST = 10
 _RANK: Mapping[Verdict, int] = {"disagree": 0, "failed": 1, "agree": 2, "skipped": 3}
 
 
+_GUARDS = "Guards"
+
+
 @dataclass(frozen=True)
 class Report:
     """What the page shows.
@@ -68,15 +71,20 @@ class Report:
 
     @cached_property
     def largest(self) -> Outcome | None:
-        """The comparison with the largest unexplained difference, in % of its reference."""
-        return largest_unexplained(self.outcomes)
+        """The comparison with the largest unexplained difference, in % of its reference.
+
+        Guards are left out: they hold textbook formulas against sections of their own, and say
+        nothing of this robot.
+        """
+        return largest_unexplained([o for o in self.outcomes if o.case.section != _GUARDS])
 
     @property
     def parts(self) -> tuple[Part, ...]:
         """The sections in one line each, the largest unexplained difference first."""
 
         def size(part: Part) -> float:
-            return (unexplained_share(part.largest) or 0.0) if part.largest else -1.0
+            of_robot = part.largest is not None and part.largest.case.section != _GUARDS
+            return (unexplained_share(part.largest) or 0.0) if of_robot and part.largest else -1.0
 
         parts = [section.part for section in self.sections if section.outcomes]
         return tuple(sorted(parts, key=lambda part: -size(part)))
