@@ -13,6 +13,7 @@ from validation.cases import (
     decision,
     end_restraint,
     guards,
+    guards_legs,
     guards_solids,
     legs,
     longer_legs,
@@ -61,6 +62,7 @@ def catalogue(robot_file: RobotFile) -> Sequence[Task]:
         *benchmarks_sections.cases(),
         *benchmarks_solid.cases(),
         *guards.cases(),
+        *guards_legs.cases(),
         *guards_solids.cases(),
         *drawings(),
     )

@@ -1,11 +1,20 @@
 """All faults."""
 
-from validation.faults import beam_faults, leg_faults, lumped_faults, solid_faults
+from validation.faults import (
+    beam_faults,
+    element_faults,
+    joint_faults,
+    leg_faults,
+    lumped_faults,
+    solid_faults,
+)
 from validation.faults.fault import Fault
 
 FAULTS: tuple[Fault, ...] = (
     *leg_faults.FAULTS,
+    *joint_faults.FAULTS,
     *lumped_faults.FAULTS,
     *beam_faults.FAULTS,
+    *element_faults.FAULTS,
     *solid_faults.FAULTS,
 )

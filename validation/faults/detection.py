@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
+from lumped.biglide import Biglide
 from lumped.robot_file import RobotFile
 from validation.case import Absolute, Case, Measurement, Outcome, Relation
 from validation.catalogue import catalogue
@@ -134,8 +135,9 @@ def _detection(fault: Fault, outcome: Outcome) -> Detection:
 
 
 def _detect(context: Context, fault: Fault) -> Measurement:
-    sound = context.get(sound_groups, context.robot_file, context.preset)
-    trial = tried(fault, sound, context.robot_file, context.preset)
+    file = context.robot_file
+    sound = context.get(sound_groups, file.robot, file.source, file.built_in, context.preset)
+    trial = tried(fault, sound)
     rows = [
         (case, group, verdict)
         for group, caught in trial.items()
@@ -153,8 +155,9 @@ def _detect(context: Context, fault: Fault) -> Measurement:
     )
 
 
-def sound_groups(robot_file: RobotFile, preset: Preset) -> SoundGroups:
+def sound_groups(robot: Biglide, source: str, built_in: bool, preset: Preset) -> SoundGroups:  # noqa: FBT001
     """The run's groups of cases, to be computed without a fault where they are needed."""
+    robot_file = RobotFile(robot, source, built_in, text="", sha256="", corrections=())
     cases = [
         task for task in catalogue(robot_file) if isinstance(task, Case) and preset in task.presets
     ]

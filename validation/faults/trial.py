@@ -20,7 +20,7 @@ from validation.faults.fault import Change, Fault, Faulty, around, replaced
 
 # Catchers after which expensive groups are spared, and the effort (s) from which a group is that.
 ENOUGH = 2
-CHEAP = 2.5
+CHEAP = 1.9
 # A faulty model may never come to an end: this many times the sound one's time, in s.
 _PATIENCE, _LEAST_PATIENCE = 10.0, 20.0
 
@@ -97,9 +97,7 @@ class SoundGroups:
         return self.known[name]
 
 
-def tried(
-    fault: Fault, sound: SoundGroups, robot_file: RobotFile, preset: Preset
-) -> dict[str, dict[str, Verdict]]:
+def tried(fault: Fault, sound: SoundGroups) -> dict[str, dict[str, Verdict]]:
     """Cases that catch the fault, by group that was asked.
 
     Asked are the groups that use the fault's place, expensive ones while few cases have caught it.
@@ -112,7 +110,7 @@ def tried(
         reference = sound.of(name)
         if fault.where in reference.used:
             with fault.inject():
-                asked[name] = caught(cases, reference, Context(robot_file, preset))
+                asked[name] = caught(cases, reference, Context(sound.robot_file, sound.preset))
     return asked
 
 

@@ -1,0 +1,245 @@
+"""Faults: each changes what its function says, goes without a trace, and is noticed."""
+
+from dataclasses import fields, is_dataclass, replace
+from functools import cache
+
+import numpy as np
+import pytest
+from scipy.sparse import issparse
+
+from fem import beam_theory, doubling, solid
+from fem.frame import Frame, Member, PointMass, assemble
+from fem.section_constants import section_constants
+from lumped import biglide, simplified
+from lumped.errors import ComputationError
+from lumped.legs import ConstantLeg, Material, equivalent_leg
+from lumped.robot_file import load_robot
+from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Tube
+from meshes.hexahedra import hexahedra
+from meshes.section_mesh import section_mesh
+from validation.case import Absolute, Case, Measurement, judge
+from validation.cases import guards, guards_legs, guards_solids
+from validation.context import Context
+from validation.faults import detection
+from validation.faults.catalogue import FAULTS
+from validation.faults.detection import detection_power, fault_cases
+from validation.faults.fault import around, replaced, result, sound_function
+from validation.faults.trial import SoundGroups, caught, groups_of, sound_group, tried
+from validation.models import ModelOptions, leg_matrices, robot_compliance, robot_frequencies
+
+IFW = load_robot("ifw")
+TOOL = np.diag([2e-9, 3e-9, 1e-9, 4e-7, 3e-7, 5e-7])
+# The groups without a fault are computed once for all tests.
+SHARED = Context(IFW, "quick")
+BY_ID = {fault.id: fault for fault in FAULTS}
+
+
+def workout() -> None:
+    """Every function that has a fault is used at least once, on small models."""
+    robot = replace(IFW.robot, tool_offset=np.array([0.05, -0.08, 0.155]), tool_compliance=TOOL)
+    steel = Material.isotropic(2.1e11, 0.3, 7850.0)
+    cubic = replace(steel, G=0.7 * steel.G)
+    shapes = (
+        Rectangle(0.08, 0.14),
+        HollowRectangle(0.1, 0.16, 0.01),
+        Circle(0.1),
+        Tube(0.1, 0.01),
+        ISection(0.12, 0.2, 0.01, 0.008),
+    )
+    for shape in shapes:
+        leg = ConstantLeg(0.85, shape, steel)
+        leg_matrices("beam", leg, ModelOptions(elements=3))
+    equivalent_leg(robot.leg1)
+    slender = ConstantLeg(0.85, shapes[4], cubic)
+    beam_theory.cantilever_frequencies(slender.timoshenko, 0.85, 4)
+    for options in (ModelOptions("equivalent", elements=4), ModelOptions(theory="euler-bernoulli")):
+        for model in ("vjm", "segments", "beam"):
+            robot_compliance(model, replace(robot, leg1=slender), 0.4, options)
+    for model in ("segments", "beam"):
+        robot_frequencies(
+            model, replace(robot, tool_compliance=None), 0.4, 3, ModelOptions(elements=4)
+        )
+    robot_compliance("simplified", robot, 0.4)
+    simplified.frequencies(robot, 0.4)
+    member = biglide.scaled(robot, 1.5)
+    robot_compliance("vjm", member, member.centre)
+    ends = np.array([[0.0, 0.0, 0.0], [0.0, 0.85, 0.0]])
+    beam = Member(0, 1, slender.timoshenko, (0.0, 0.0, 1.0), 2)
+    assemble(Frame("beam", ends, (beam,), masses=(PointMass(1, 5.0),)))
+    short = ConstantLeg(0.4, HollowRectangle(0.08, 0.14, 0.02), cubic)
+    section = section_mesh(short.section, 1)
+    section_constants(section, 0.3)
+    for kind in ("rigid", "free"):
+        doubling.tip_compliance(doubling.condensed_leg(short, section, 5), kind)
+        mesh = hexahedra(short.section, short.length, 1, slices=4)
+        clamped = solid.clamped_leg(solid.solid_leg(short, mesh), kind)
+        solid.tip_compliance(clamped)
+        solid.modes(clamped, 2)
+
+
+@cache
+def recorded() -> dict[str, list[tuple]]:
+    """Arguments with which the workout calls each place that has a fault."""
+    calls: dict[str, list[tuple]] = {}
+
+    def listening(where):
+        def listen(sound, *args, **kwargs):
+            calls.setdefault(where, []).append((args, kwargs))
+            return sound(*args, **kwargs)
+
+        return around(listen)
+
+    with replaced({fault.where: listening(fault.where) for fault in FAULTS}):
+        workout()
+    return calls
+
+
+def numbers(value: object) -> list[np.ndarray]:  # noqa: PLR0911  one line for each kind
+    """All numbers in a result, in order."""
+    if issparse(value):
+        return [value.toarray().ravel()]
+    if isinstance(value, np.ndarray | float | int | complex):
+        return [np.atleast_1d(np.asarray(value, dtype=complex)).ravel()]
+    if isinstance(value, str):
+        return [np.array([ord(letter) for letter in value], dtype=complex)]
+    if isinstance(value, dict):
+        return [part for item in value.values() for part in numbers(item)]
+    if isinstance(value, tuple | list):
+        return [part for item in value for part in numbers(item)]
+    if is_dataclass(value):
+        return [part for f in fields(value) for part in numbers(getattr(value, f.name))]
+    return []
+
+
+def differ(first: object, second: object) -> bool:
+    pairs = list(zip(numbers(first), numbers(second), strict=False))
+    if len(numbers(first)) != len(numbers(second)) or any(a.shape != b.shape for a, b in pairs):
+        return True
+    # Each part against its own size: a robot holds stiffnesses beside compliances.
+    return any(
+        not np.allclose(a, b, rtol=1e-9, atol=1e-12 * np.abs(a[np.isfinite(a)]).max(initial=0.0))
+        for a, b in pairs
+        if np.isfinite(a).all() or not np.array_equal(a, b)
+    )
+
+
+def test_catalogue_has_more_than_forty_faults_of_all_kinds():
+    assert len(BY_ID) == len(FAULTS) >= 40
+    assert {fault.kind for fault in FAULTS} == {"physics", "numerics", "data"}
+
+
+# These take the place of objects of other libraries or of elements, which carry no numbers.
+OPAQUE = {"beam.inner-unknowns-left-out", "beam.shear-length", "beam.quadrature"}
+# The unknown numbering changes a list of numbers inside its object.
+OPAQUE |= {"robot.joint-forgotten"}
+
+
+@pytest.mark.parametrize("identifier", sorted(BY_ID.keys() - OPAQUE))
+def test_faulty_function_says_something_else(identifier):
+    fault = BY_ID[identifier]
+    sound = sound_function(fault.where)
+    faulty = fault.change(sound)
+    for args, kwargs in recorded()[fault.where]:
+        expected = sound(*args, **kwargs)
+        try:
+            found = faulty(*args, **kwargs)
+        except Exception:  # noqa: BLE001  a fault that raises does say something else
+            return
+        if differ(expected, found):
+            return
+    pytest.fail(f"{identifier} changed nothing in {len(recorded()[fault.where])} calls")
+
+
+@pytest.mark.parametrize("identifier", sorted(OPAQUE))
+def test_faulty_class_or_numbering_changes_frequencies(identifier):
+    options = ModelOptions(elements=4)
+    sound = robot_frequencies("beam", IFW.robot, 0.4, 3, options)
+    with BY_ID[identifier].inject():
+        try:
+            faulty = robot_frequencies("beam", IFW.robot, 0.4, 3, options)
+        except ComputationError:
+            faulty = np.full(3, np.nan)
+    assert not np.allclose(sound, faulty, rtol=1e-12)
+    assert np.array_equal(robot_frequencies("beam", IFW.robot, 0.4, 3, options), sound)
+
+
+def test_function_imported_by_name_is_replaced_where_it_is_used_and_put_back():
+    before = robot_compliance("vjm", IFW.robot, 0.4, ModelOptions(legs="equivalent"))
+    with BY_ID["leg.three-for-twelve"].inject():
+        during = robot_compliance("vjm", IFW.robot, 0.4, ModelOptions(legs="equivalent"))
+    after = robot_compliance("vjm", IFW.robot, 0.4, ModelOptions(legs="equivalent"))
+    assert not np.allclose(before, during, rtol=1e-3)
+    assert np.array_equal(before, after)
+
+
+def test_cached_properties_do_not_outlive_a_fault():
+    leg = ConstantLeg(1.0, Rectangle(0.1, 0.2), Material.isotropic(2e11, 0.3, 7800.0))
+    sound = leg.timoshenko.EIy
+    with BY_ID["section.moments-swapped"].inject():
+        assert leg.timoshenko.EIy == pytest.approx(sound / 4.0)
+    assert leg.timoshenko.EIy == sound
+
+
+def length_case(identifier: str, tolerance: float) -> Case:
+    def compute(context: Context) -> Measurement:
+        return Measurement(equivalent_leg(context.robot.leg1).mass, 69.705)
+
+    return Case(
+        id=identifier,
+        title="Mass of leg 1",
+        quantity="mass",
+        unit="kg",
+        reference_kind="published",
+        citation="paper, appendix",
+        tolerance=Absolute(tolerance),
+        tolerance_reason="made up: one that notices and one that does not",
+        compute=compute,
+        group="mass",
+    )
+
+
+def test_trial_names_the_cases_that_turn_and_asks_only_groups_that_use_the_place():
+    groups = groups_of([length_case("close", 0.001), length_case("loose", 1000.0)])
+    sound = SoundGroups(groups, IFW, "quick")
+    found = tried(BY_ID["equivalent.mass-per-length"], sound)
+    assert found == {"mass": {"close": "disagree"}}
+    assert tried(BY_ID["solid.angular-frequency"], sound) == {}
+
+
+def test_case_that_disagrees_without_a_fault_catches_none():
+    wrong = replace(length_case("wrong", 0.001), compute=lambda _: Measurement(1.0, 2.0))
+    sound = sound_group([wrong], Context(IFW, "quick"))
+    assert sound.verdicts == {"wrong": "disagree"}
+    assert caught([wrong], sound, Context(IFW, "quick")) == {}
+
+
+def test_result_and_around_leave_the_sound_function_alone():
+    assert result(lambda value: 2 * value)(lambda x: x + 1)(3) == 8
+    assert around(lambda sound, x: sound(-x))(lambda x: x + 1)(3) == -2
+
+
+FEW_FAULTS = [
+    "section.moments-swapped",
+    "leg.three-for-twelve",
+    "vjm.tip-joint-forgotten",
+    "robot.printed-release",
+    "element.lame-slip",
+    "ends.node-left-out",
+]
+
+
+@pytest.mark.parametrize("identifier", FEW_FAULTS)
+def test_fault_case_of_the_run_counts_its_catchers(identifier, monkeypatch):
+    # The guards alone: whatever they catch is caught by the whole catalogue too.
+    monkeypatch.setattr(
+        detection,
+        "catalogue",
+        lambda _: (*guards.cases(), *guards_legs.cases(), *guards_solids.cases()),
+    )
+    case = next(case for case in fault_cases() if case.id == f"fault.{identifier}")
+    outcome = judge(case, case.compute(SHARED), 0.0)
+    assert outcome.verdict == "agree"
+    power = detection_power([outcome])
+    assert not power.survivors
+    assert len(power.records()[0]["caught_by"]) == outcome.measurement.value
+    assert sum(power.detections[0].asked.values()) == outcome.measurement.value

@@ -1,0 +1,220 @@
+"""Guards of single legs and of the simplified model, against what the robot file says."""
+
+from dataclasses import replace
+from functools import partial
+from math import pi
+
+import numpy as np
+
+from fem.beam_theory import Plane, bending_frequencies
+from lumped import vjm
+from lumped.arrays import Array
+from lumped.biglide import Biglide
+from lumped.legs import GivenLeg, Leg
+from lumped.modes import dense
+from validation.case import Absolute, Case, Measurement
+from validation.cases.guards import ELEMENTS, SECTION, guarded_posture
+from validation.cases.legs import constant_leg_of, kind_frequencies
+from validation.context import Context
+from validation.models import (
+    ModelName,
+    ModelOptions,
+    leg_matrices,
+    robot_compliance,
+    robot_frequencies,
+)
+
+_LUMPED: tuple[ModelName, ...] = ("segments", "beam")
+_PLANES: tuple[Plane, ...] = ("y", "z")
+_ROOTS = 3
+
+
+def cases() -> tuple[Case, ...]:
+    """The simplified model, and both legs."""
+    return (
+        *_simplified_cases(),
+        *(_mass_case(number, model) for number in (1, 2) for model in _LUMPED),
+        *(_equivalent_case(number) for number in (1, 2)),
+        *(_slender_case(number, plane) for number in (1, 2) for plane in _PLANES),
+    )
+
+
+def _simplified_cases() -> tuple[Case, ...]:
+    citation = "virtual joints with legs a million times stiffer than the drives, feet along y"
+    return (
+        Case(
+            id="guard.simplified.compliance",
+            title="The simplified model is the robot whose feet yield along y alone",
+            quantity="largest difference of the 2×2 in units of its largest entry",
+            unit="1",
+            reference_kind="independent-solver",
+            citation=citation,
+            tolerance=Absolute(1e-4),
+            tolerance_reason="the legs' own compliance, a millionth, by the square of lever arms",
+            compute=_simplified_compliance,
+            section=SECTION,
+            group="guard.simplified",
+        ),
+        Case(
+            id="guard.simplified.frequency",
+            title="The simplified frequencies are those of the mass on that compliance",
+            quantity="largest relative difference of both frequencies",
+            unit="1",
+            reference_kind="closed-form",
+            citation=f"ω² = 1/(m c) for both principal compliances c; {citation}",
+            tolerance=Absolute(1e-4),
+            tolerance_reason="as for the compliance",
+            compute=_simplified_frequencies,
+            section=SECTION,
+            group="guard.simplified",
+        ),
+    )
+
+
+def drive_compliance_by_joints(robot: Biglide) -> Array:
+    """2×2 compliance (m/N) at B by virtual joints: drives yield, all else a millionth of that."""
+    drive = 1.0 / robot.actuator_stiffness
+    stiff = 1e-6 * drive * np.diag([1.0, 1.0, 1.0, *[1.0 / robot.a**2] * 3])
+    foot = stiff.copy()
+    foot[1, 1] = drive
+    plain = replace(robot, foot_compliance=foot, tool_compliance=None, tool_offset=np.zeros(3))
+    return vjm.compliance(plain, guarded_posture(robot), (stiff, stiff))[:2, :2]
+
+
+def _simplified_compliance(context: Context) -> Measurement:
+    robot = context.robot
+    reference = context.get(drive_compliance_by_joints, robot)
+    found = robot_compliance("simplified", robot, guarded_posture(robot))
+    return Measurement(float(np.abs(found - reference).max() / np.abs(reference).max()), 0.0)
+
+
+def _simplified_frequencies(context: Context) -> Measurement:
+    robot = context.robot
+    principal = np.linalg.eigvalsh(context.get(drive_compliance_by_joints, robot))
+    reference = 1.0 / (2.0 * pi * np.sqrt(robot.platform_mass * principal[::-1]))
+    found = robot_frequencies("simplified", robot, guarded_posture(robot), 2)
+    return Measurement(float(np.abs(found / reference - 1.0).max()), 0.0)
+
+
+def _mass_case(number: int, model: ModelName) -> Case:
+    return Case(
+        id=f"guard.leg{number}.mass[{model}]",
+        title=f"Leg {number} by {model} weighs what the robot file says, about its middle",
+        quantity="largest difference of mass, m L/2 and m L²/3 + ρI L in units of m, m L, m L²",
+        unit="1",
+        reference_kind="closed-form",
+        citation="kinetic energy of a prism in its rigid motions, from mass, length, section",
+        tolerance=Absolute(1e-9),
+        tolerance_reason="consistent masses and rigid elements carry rigid motions exactly",
+        compute=partial(_mass, number=number, model=model),
+        section=SECTION,
+        group="guard.legs",
+    )
+
+
+def _mass(context: Context, number: int, model: ModelName) -> Measurement:
+    robot = context.robot
+    given: Leg = robot.leg1 if number == 1 else robot.leg2
+    leg = constant_leg_of(context, number)
+    matrices = leg_matrices(model, leg, ModelOptions(elements=ELEMENTS))
+    length = given.length
+    mass = given.mass
+    rigid = _rigid_motions(dense(matrices.stiffness), length)
+    found = rigid.T @ dense(matrices.mass) @ rigid
+    # The equivalent leg of a given matrix is a solid rectangle.
+    gyration = (
+        leg.section.extent[1] ** 2 / 12.0
+        if isinstance(given, GivenLeg)
+        else given.section.second_moment_y / given.section.area
+    )
+    wanted = {
+        (0, 0): mass,
+        (2, 4): -mass * length / 2.0,
+        (1, 5): mass * length / 2.0,
+        (4, 4): mass * (length**2 / 3.0 + gyration),
+    }
+    worst = max(
+        abs(found[i, j] - value) / (mass * length ** ((i > 2) + (j > 2)))
+        for (i, j), value in wanted.items()
+    )
+    return Measurement(float(worst), 0.0)
+
+
+def _rigid_motions(stiffness: Array, length: float) -> Array:
+    """Unknowns (n×6) of a free leg that moves rigidly with the twist of its root.
+
+    The ends are prescribed, the inside follows without load.
+    """
+    motions = np.zeros((len(stiffness), 6))
+    motions[:6] = np.eye(6)
+    motions[6:12] = np.eye(6)
+    motions[7, 5], motions[8, 4] = length, -length
+    motions[12:] = -np.linalg.solve(stiffness[12:, 12:], stiffness[12:, :12] @ motions[:12])
+    return motions
+
+
+def _equivalent_case(number: int) -> Case:
+    return Case(
+        id=f"guard.leg{number}.equivalent",
+        title=f"The equivalent leg {number} has the first four stiffnesses of the given one",
+        quantity="largest relative difference of K11, K22, K33, K44 with the root clamped",
+        unit="1",
+        reference_kind="closed-form",
+        citation="paper §2.3: the same first four diagonal terms of the stiffness matrix; "
+        "one Euler–Bernoulli element",
+        tolerance=Absolute(1e-9),
+        tolerance_reason="rounding",
+        compute=partial(_equivalent, number=number),
+        section=SECTION,
+        group="guard.legs",
+    )
+
+
+def _equivalent(context: Context, number: int) -> Measurement:
+    robot = context.robot
+    given: Leg = robot.leg1 if number == 1 else robot.leg2
+    leg = constant_leg_of(context, number)
+    if isinstance(given, GivenLeg):
+        wanted = np.diag(np.linalg.inv(given.compliance))[:4]
+    else:
+        E, G, s, l = given.material.E, given.material.G, given.section, given.length
+        bending = 12.0 * E / l**3
+        wanted = np.array(
+            [
+                E * s.area / l,
+                bending * s.second_moment_z,
+                bending * s.second_moment_y,
+                G * s.torsion_constant / l,
+            ]
+        )
+    options = ModelOptions(elements=1, theory="euler-bernoulli")
+    matrices = leg_matrices("beam", leg, options)
+    stiffness = dense(matrices.stiffness)
+    condensed = stiffness[6:12, 6:12] - stiffness[6:12, 12:] @ np.linalg.solve(
+        stiffness[12:, 12:], stiffness[12:, 6:12]
+    )
+    return Measurement(float(np.abs(np.diag(condensed)[:4] / wanted - 1.0).max()), 0.0)
+
+
+def _slender_case(number: int, plane: Plane) -> Case:
+    return Case(
+        id=f"guard.leg{number}.euler-bernoulli[{plane}]",
+        title=f"Leg {number} without shear: bending {plane} of Hermite beams is the closed form's",
+        quantity=f"largest relative difference of the first {_ROOTS} frequencies",
+        unit="1",
+        reference_kind="closed-form",
+        citation="(βL)² √(EI/μ)/L² with the roots of cos βL cosh βL = −1",
+        tolerance=Absolute(1e-4),
+        tolerance_reason="fourth order in 1/n: 2e-5 for the third frequency with 20 elements",
+        compute=partial(_slender, number=number, plane=plane),
+        section=SECTION,
+        group="guard.legs",
+    )
+
+
+def _slender(context: Context, number: int, plane: Plane) -> Measurement:
+    leg = constant_leg_of(context, number)
+    theory = ModelOptions(elements=20, theory="euler-bernoulli")
+    found = kind_frequencies(leg, "beam", f"bending {plane}", _ROOTS, theory)
+    exact = bending_frequencies(leg.properties("euler-bernoulli"), leg.length, plane, _ROOTS)
+    return Measurement(float(np.abs(found / exact - 1.0).max()), 0.0)

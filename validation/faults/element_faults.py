@@ -1,0 +1,175 @@
+"""Mistakes in meshes and solid elements."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from scipy.sparse import csr_array, diags_array
+
+from lumped.arrays import Array, SparseMatrix
+from lumped.legs import Material
+from meshes.section_mesh import SectionMesh
+from meshes.solid_mesh import SolidMesh
+from validation.faults.fault import Fault, Faulty, around, instead, result
+
+
+def _turned_section(mesh: SectionMesh) -> SectionMesh:
+    y, z = mesh.nodes.T
+    return replace(mesh, nodes=np.column_stack([-z, y]))
+
+
+def _layer_missing(sound: Faulty, section: Any, at: Array) -> SolidMesh:
+    kept = at[:-1] if len(at) > 2 else at * (1.0, 0.5)
+    found: SolidMesh = sound(section, kept)
+    return found
+
+
+def _cells_missing(mesh: SolidMesh) -> SolidMesh:
+    return replace(mesh, cells=mesh.cells[1:])
+
+
+def _other_node_order(mesh: SolidMesh) -> SolidMesh:
+    """The middle nodes of opposite edges of the first face exchanged."""
+    order = np.arange(mesh.cells.shape[1])
+    if len(order) == 27:
+        order[[4, 6]] = order[[6, 4]]
+    else:
+        order[[0, 1]] = order[[1, 0]]
+    return replace(mesh, cells=mesh.cells[:, order])
+
+
+def _stale_order(sound: Faulty, element: str, points: Array) -> Array:
+    found: Array = sound(element, points)
+    return found[::-1]
+
+
+def _lower_degree(sound: Faulty, element: Any, degree: int) -> Any:
+    return sound(element, max(1, degree - 2))
+
+
+def _with_material(change: Any) -> Any:
+    def changed(sound: Faulty, products: Array, material: Material) -> Array:
+        found: Array = sound(products, change(material))
+        return found
+
+    return around(changed)
+
+
+def _lame_slip(products: Array, material: Material) -> Array:
+    """(1 − ν) for (1 − 2ν) in the denominator of Lamé's constants."""
+    nu = material.nu
+    C12 = material.E * nu / ((1.0 + nu) * (1.0 - nu))
+    C11 = C12 + material.E / (1.0 + nu)
+    blocks = C12 * products + material.G * products.transpose(0, 2, 1)
+    trace = np.einsum("pii->p", products)
+    for i in range(3):
+        blocks[:, i, i] = (C11 - material.G) * products[:, i, i] + material.G * trace
+    return np.asarray(blocks)
+
+
+def _untransposed(sound: Faulty, products: Array, material: Material) -> Array:
+    found: Array = sound(products.transpose(0, 2, 1), material)
+    return found
+
+
+def _row_sums(mass: SparseMatrix) -> SparseMatrix:
+    return csr_array(diags_array(np.asarray(mass.sum(axis=1)).ravel()))
+
+
+def _half_density(sound: Faulty, mesh: Any, rho: float, *rest: Any) -> SparseMatrix:
+    return sound(mesh, 0.5 * rho, *rest)
+
+
+FAULTS = (
+    Fault(
+        "mesh.section-rotated",
+        "Section mesh turned by 90°",
+        "meshes.section_mesh:section_mesh",
+        "data",
+        result(_turned_section),
+    ),
+    Fault(
+        "mesh.layer-missing",
+        "One layer of elements missing at the tip",
+        "meshes.extrude:extrude",
+        "numerics",
+        around(_layer_missing),
+    ),
+    Fault(
+        "mesh.element-missing",
+        "One element missing",
+        "meshes.extrude:extrude",
+        "numerics",
+        result(_cells_missing),
+    ),
+    Fault(
+        "mesh.node-order",
+        "Wrong node order of the solid element: two nodes exchanged",
+        "meshes.extrude:extrude",
+        "numerics",
+        result(_other_node_order),
+    ),
+    Fault(
+        "element.gradient-order",
+        "Shape-function gradients in another node order than the mesh",
+        "meshes.shape_functions:gradients",
+        "numerics",
+        around(_stale_order),
+    ),
+    Fault(
+        "element.quadrature",
+        "Solid elements: integration two degrees too low",
+        "fem.elasticity:_cubature",
+        "numerics",
+        around(_lower_degree),
+    ),
+    Fault(
+        "element.lame-slip",
+        "(1 − ν) for (1 − 2ν) in Lamé's constants",
+        "fem.elasticity:_node_blocks",
+        "physics",
+        instead(_lame_slip),
+    ),
+    Fault(
+        "element.isotropic",
+        "Solid: G = E/2(1+ν) for a cubic material",
+        "fem.elasticity:_node_blocks",
+        "physics",
+        _with_material(lambda m: Material.isotropic(m.E, m.nu, m.rho)),
+    ),
+    Fault(
+        "element.young-for-shear-modulus",
+        "Solid: E for G",
+        "fem.elasticity:_node_blocks",
+        "physics",
+        _with_material(lambda m: replace(m, G=m.E)),
+    ),
+    Fault(
+        "element.poisson-zero",
+        "Solid: Poisson's ratio left out of the normal stresses",
+        "fem.elasticity:_node_blocks",
+        "physics",
+        _with_material(lambda m: replace(m, nu=0.0)),
+    ),
+    Fault(
+        "element.transposed",
+        "Solid: C12 and C44 terms of the node blocks exchanged by a transpose",
+        "fem.elasticity:_node_blocks",
+        "numerics",
+        around(_untransposed),
+    ),
+    Fault(
+        "element.lumped-mass",
+        "Solid: row sums for the consistent mass",
+        "fem.elasticity:scalar_mass",
+        "numerics",
+        result(_row_sums),
+    ),
+    Fault(
+        "element.half-density",
+        "Solid: half the density",
+        "fem.elasticity:_scalar_mass",
+        "physics",
+        around(_half_density),
+    ),
+)
