@@ -48,8 +48,9 @@ def _statics() -> list[Case]:
             unit="µm",
             reference_kind="independent-solver",
             citation="virtual joint method, eqs (3) to (9), same equivalent legs",
-            tolerance=Relative(1e-9),
-            tolerance_reason="three formulations of one statics: rounding alone may differ",
+            tolerance=Relative(1e-7),
+            tolerance_reason="three formulations of one statics: rounding alone may differ, grown "
+            "by the robot's condition, 1e8 with slender open legs (EA L² over GJ) or legs in line",
             compute=partial(_static, model=model, theory=theory, curve=attribute),
             section=SECTION,
             group="robot.statics",
