@@ -1,5 +1,7 @@
 """One way into gmsh, which is a single library-wide state: silent, repeatable, always closed."""
 
+import ctypes
+import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
 from threading import RLock
@@ -40,6 +42,7 @@ def gmsh_model(part: str) -> Iterator[ModuleType]:
         if outermost:
             # gmsh's signal handler can only be set in the main thread, and is not wanted there.
             gmsh.initialize(["gmsh", "-v", "0"], readConfigFiles=False, interruptible=False)
+            _ignore_broken_pipes_again()
         outer = gmsh.model.getCurrent()
         try:
             for option, value in _OPTIONS.items():
@@ -57,3 +60,10 @@ def gmsh_model(part: str) -> Iterator[ModuleType]:
             else:
                 gmsh.model.remove()
                 gmsh.model.setCurrent(outer)
+
+
+def _ignore_broken_pipes_again() -> None:
+    # gmsh gives SIGPIPE back its default action, and writing to another process that has just
+    # ended then ends this one without a word. Python's own setter works in the main thread alone.
+    if signal.getsignal(signal.SIGPIPE) is signal.SIG_IGN:
+        ctypes.CDLL(None).signal(signal.SIGPIPE, ctypes.c_void_p(int(signal.SIG_IGN)))

@@ -74,3 +74,31 @@ print(sha256(mesh.nodes.tobytes() + mesh.cells.tobytes()).hexdigest())
     ]
     assert runs[0].stdout == runs[1].stdout
     assert len(runs[0].stdout.strip()) == 64
+
+
+@pytest.mark.parametrize("call", ["use()", "Thread(target=use).start()"])
+def test_a_broken_pipe_stays_an_error_and_does_not_end_the_process(call: str) -> None:
+    # gmsh sets SIGPIPE back to its default; a run would end with the first worker that dies.
+    script = f"""
+import os
+from threading import Thread, enumerate
+from meshes.gmsh_session import gmsh_model
+
+def use():
+    with gmsh_model("part"):
+        pass
+
+{call}
+for thread in enumerate()[1:]:
+    thread.join()
+reading, writing = os.pipe()
+os.close(reading)
+try:
+    os.write(writing, b"x")
+except BrokenPipeError:
+    print("an error")
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=False
+    )
+    assert (done.returncode, done.stdout) == (0, "an error\n"), done.stderr
