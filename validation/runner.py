@@ -6,7 +6,6 @@ whatever the number of jobs, a crash of a library ends a case and not the run, a
 have to wait for a factorisation.
 """
 
-import os
 import signal
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -23,9 +22,10 @@ from typing import Protocol
 from lumped.errors import ComputationError, InputError
 from validation.case import Case, Outcome
 from validation.context import Preset
+from validation.processes import children_undisturbed, single_threaded
 from validation.records import Drawn, Record, Task, drawn_to_record, outcome_to_record
 from validation.suggestion import did_you_mean
-from validation.worker import SINGLE_THREADED, Job, serve
+from validation.worker import Job, serve
 
 # How long (s) the scheduler sleeps before it looks whether Ctrl-C was pressed.
 _HEARTBEAT = 0.1
@@ -84,7 +84,7 @@ def run(
     """
     scheduler = _Scheduler(job, {task.id: task for task in tasks}, log, keep, observer)
     scheduler.queue.extend(_groups(tasks))
-    with _interruptible() as interrupted, _single_threaded():
+    with _interruptible() as interrupted, single_threaded():
         try:
             for _ in range(min(jobs, len(scheduler.queue))):
                 scheduler.start_worker()
@@ -127,10 +127,8 @@ class _Scheduler:
         spawn = get_context("spawn")
         ours, theirs = spawn.Pipe()
         process = spawn.Process(target=serve, args=(theirs, self.job, self.log), daemon=True)
-        # A new process inherits the mask: Ctrl-C reaches no worker, not even one that is starting.
-        signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-        process.start()
-        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+        with children_undisturbed():
+            process.start()
         theirs.close()
         worker = _Worker(process, ours)
         self.workers.append(worker)
@@ -232,18 +230,3 @@ def _interruptible() -> Iterator[Callable[[], bool]]:
     finally:
         for number, handler in former.items():
             signal.signal(number, handler)
-
-
-@contextmanager
-def _single_threaded() -> Iterator[None]:
-    """Environment in which new processes compute with one thread each."""
-    former = {name: os.environ.get(name) for name in SINGLE_THREADED}
-    os.environ.update(SINGLE_THREADED)
-    try:
-        yield
-    finally:
-        for name, value in former.items():
-            if value is None:
-                del os.environ[name]
-            else:
-                os.environ[name] = value
