@@ -65,7 +65,7 @@ _FINE_ALPHAS = (
     *np.linspace(1.0, 2.0, 9).tolist(),
 )
 PLANS: Mapping[Preset, Plan] = {
-    "quick": Plan(Brief((0.4, 0.5, 0.6, 0.7, 0.75, 0.8, 1.0, 1.4, 2.0), 11, 5), 1, None, 6, 11),
+    "quick": Plan(Brief((0.4, 0.5, 0.6, 0.7, 0.8, 1.0, 1.4, 2.0), 11, 3), 1, None, 6, 11),
     "standard": Plan(
         Brief((0.4, 0.5, 0.55, 0.6, 0.7, 0.8, 0.9, 1.0, 1.25, 1.5, 2.0), 21, 6),
         divisions=2,

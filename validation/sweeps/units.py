@@ -28,6 +28,7 @@ from validation.models import (
     leg_matrices,
     robot_compliance,
     robot_frequencies,
+    robot_legs,
 )
 
 # Few segments are some percent off, and frequencies between the postures may be higher.
@@ -186,8 +187,9 @@ def chunks(unit: PostureUnit, size: int) -> tuple[PostureUnit, ...]:
 def expected_highest(robot: Biglide, count: int, options: ModelOptions = DEFAULT_OPTIONS) -> float:
     """Upper estimate (Hz, two digits) of frequency `count` over the stroke, few segments."""
     coarse = ModelOptions(elements=max(_ESTIMATE_ELEMENTS, count), equivalent=options.equivalent)
+    model = posture_model(robot, *robot_legs("segments", robot, coarse))
     found = [
-        robot_frequencies("segments", robot, x, count, coarse)[-1]
+        solve_posture(model, x, count).modes.frequencies[-1]
         for x in robot.stations(_ESTIMATE_POSTURES)
     ]
     estimate = _MARGIN * max(found)
