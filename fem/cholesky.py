@@ -201,6 +201,11 @@ def _peak_bytes(counts: FactorStatistics, matrix_entries: int) -> int:
     return 8 * factor + _MATRIX_COPIES * 16 * matrix_entries
 
 
+def cvxopt_triangle(triangle: SparseMatrix) -> Any:
+    """Cvxopt's matrix whose lower triangle is the transpose of an upper `triangle` (csr)."""
+    return _cvxopt_matrix(triangle.indptr, triangle.indices, triangle.data)
+
+
 def _cvxopt_matrix(pointers: IntArray, columns: IntArray, values: Array) -> Any:
     """Cvxopt's matrix whose lower triangle is the transpose of the given upper one."""
     n = len(pointers) - 1

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from cvxopt import cholmod
 from cvxopt import matrix as cvxopt_matrix
+from scipy.linalg import solve_triangular
 
 from lumped.arrays import Array, IntArray
 
@@ -43,6 +44,11 @@ class _FactorHead(ctypes.Structure):
         ("index_entries", ctypes.c_size_t),
         ("stored_entries", ctypes.c_size_t),
         ("update_entries", ctypes.c_size_t),
+        ("largest_index_block", ctypes.c_size_t),
+        ("super", ctypes.c_void_p),
+        ("index_pointers", ctypes.c_void_p),
+        ("value_pointers", ctypes.c_void_p),
+        ("indices", ctypes.c_void_p),
     )
 
 
@@ -89,8 +95,10 @@ def _head(factor: Any) -> _FactorHead:
 
 
 def _long_array(address: int, count: int) -> IntArray:
-    view = (ctypes.c_int64 * count).from_address(address)
-    return np.array(np.ctypeslib.as_array(view), dtype=np.int64)
+    # A copy into a new array has numpy's own int64, which cvxopt takes; ctypes' long long has not.
+    copy = np.empty(count, dtype=np.int64)
+    copy[:] = np.ctypeslib.as_array((ctypes.c_int64 * count).from_address(address))
+    return copy
 
 
 def statistics(factor: Any) -> FactorStatistics:
@@ -110,6 +118,52 @@ def elimination_order(factor: Any) -> IntArray:
     """Order (n) in which a factor eliminates the unknowns, after CHOLMOD's postordering."""
     head = _head(factor)
     return _long_array(head.perm, head.n)
+
+
+def supernodes(factor: Any) -> IntArray:
+    """First places of the supernodes in the order of elimination, and n: dense columns of L."""
+    head = _head(factor)
+    return _long_array(head.super, head.supernodes + 1)
+
+
+@dataclass(frozen=True, eq=False)
+class Elimination:
+    """The `order` (n) in which a factor eliminates unknowns, and its supernodes' `starts` (s+1)."""
+
+    order: IntArray
+    starts: IntArray
+
+
+def elimination(factor: Any) -> Elimination:
+    """Order and supernodes of a symbolic or numeric supernodal factor."""
+    return Elimination(elimination_order(factor), supernodes(factor))
+
+
+def solve_lower_end(factor: Any, first: int, columns: Array) -> Array:
+    """L₂₂⁻¹ times `columns` (m×k, in the order of elimination), L₂₂ the supernodes from `first` on.
+
+    Columns of zeros above make it the end of L⁻¹ times them, without reading the rest of L. A
+    column costs nothing before its first entry that is not zero; give these in ascending order.
+    """
+    head = _head(factor)
+    starts = supernodes(factor)
+    rows_from = _long_array(head.index_pointers, head.supernodes + 1)
+    values_from = _long_array(head.value_pointers, head.supernodes + 1)
+    solution = np.array(columns, dtype=np.float64, order="C")
+    reached = np.searchsorted((columns != 0.0).argmax(axis=0), starts - starts[first])
+    offset = starts[first]
+    for k in range(first, head.supernodes):
+        height, width = rows_from[k + 1] - rows_from[k], starts[k + 1] - starts[k]
+        rows = _long_array(head.indices + 8 * int(rows_from[k]), int(height))[width:] - offset
+        values = (ctypes.c_double * int(height * width)).from_address(
+            head.x + 8 * int(values_from[k])
+        )
+        L = np.ctypeslib.as_array(values).reshape(width, height).T
+        own, active = slice(starts[k] - offset, starts[k + 1] - offset), slice(reached[k + 1])
+        solved = solve_triangular(L[:width], solution[own, active], lower=True, check_finite=False)
+        solution[own, active] = solved
+        solution[rows, active] -= L[width:] @ solved
+    return solution
 
 
 @cache

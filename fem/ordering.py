@@ -8,6 +8,11 @@ from scipy.sparse import csr_array
 
 from lumped.arrays import IntArray, SparseMatrix
 
+# Measured on 290k blocks: more separators tried and refined cost 9 s of ordering and save 3 to 4 %
+# of the factor's memory and 6 % of its flops; on a small graph they are not worth their time.
+_LARGE = 150_000
+_THOROUGH = {"nseps": 4, "niter": 20}
+
 
 @dataclass(frozen=True, eq=False)
 class BlockGraph:
@@ -65,5 +70,6 @@ def nested_dissection(graph: BlockGraph) -> IntArray:
     """
     if not graph.couplings.nnz:
         return np.arange(graph.sizes.sum())
-    blocks, _ = pymetis.nested_dissection(adjacency(graph.couplings))
+    options = pymetis.Options(**(_THOROUGH if len(graph.sizes) > _LARGE else {}))
+    blocks, _ = pymetis.nested_dissection(adjacency(graph.couplings), options=options)
     return graph.unknowns(np.asarray(blocks, dtype=np.int64))

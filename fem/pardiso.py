@@ -19,6 +19,8 @@ _NOT_POSITIVE_DEFINITE = -4
 _PEAK_OF_ANALYSIS, _KEPT_BY_ANALYSIS, _NUMERIC_MEMORY = 15, 16, 17
 _ENTRIES, _MEGAFLOPS = 18, 19
 _POSITIVE, _NEGATIVE, _FAILED_AT = 22, 23, 30
+# An eigenvalue of a small dense matrix below this part of its largest has no sign.
+_ZERO = 1e-12
 
 
 def _solver(kind: int) -> Any:
@@ -105,9 +107,26 @@ def factorise(symbolic: Symbolic, values: Array, part: str) -> PardisoFactor:
     return PardisoFactor(triangle, solver)
 
 
-def inertia(triangle: SparseMatrix) -> tuple[int, int, int]:
-    """Negative, zero and positive eigenvalues of a symmetric matrix, from its upper triangle."""
+def inertia(triangle: SparseMatrix, constraints: Array | None = None) -> tuple[int, int, int]:
+    """Negative, zero and positive eigenvalues of a symmetric matrix A, from its upper triangle.
+
+    With `constraints` B (n×c) those of A on Bᵀx = 0: A has them and, by Haynsworth's theorem on
+    [A B; Bᵀ 0], the c of −BᵀA⁻¹B less c of either sign.
+    """
     solver = _solver(_INDEFINITE)
-    _call(solver, _ANALYSIS + 1, triangle, np.zeros((triangle.shape[0], 1)))
+    n = triangle.shape[0]
+    _call(solver, _ANALYSIS + 1, triangle, np.zeros((n, 1)))
     negative, positive = int(solver.get_iparm(_NEGATIVE)), int(solver.get_iparm(_POSITIVE))
-    return negative, triangle.shape[0] - negative - positive, positive
+    zero = n - negative - positive
+    if constraints is None or zero:
+        return negative, zero, positive
+    columns = np.asfortranarray(constraints, dtype=np.float64)
+    border = -constraints.T @ _call(solver, _SOLVE, triangle, columns)
+    values = np.linalg.eigvalsh((border + border.T) / 2.0)
+    small = np.abs(values) <= _ZERO * np.abs(values).max()
+    c = constraints.shape[1]
+    return (
+        negative + int((values[~small] < 0.0).sum()) - c,
+        int(small.sum()),
+        positive + int((values[~small] > 0.0).sum()) - c,
+    )

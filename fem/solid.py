@@ -5,14 +5,15 @@ from math import ceil
 from typing import Literal, TypeAlias
 
 import numpy as np
-from scipy.sparse import csr_array, kron
+from scipy.sparse import csr_array, eye_array, kron
 from scipy.sparse.linalg import LinearOperator
 
-from fem.cholesky import Factor, analyse, factorise
-from fem.elasticity import mass, stiffness
+from fem.cholesky import analyse
+from fem.elasticity import stiffness_and_mass
 from fem.end_coupling import FreeEnds, RigidEnds, free_ends, rigid_ends, rigid_motions
 from fem.modes import CertifiedModes
 from fem.modes import modes as clamped_modes
+from fem.renewable_factor import RenewableFactor
 from fem.saint_venant import section_quadrature
 from lumped.arrays import Array, SparseMatrix
 from lumped.errors import InputError
@@ -63,7 +64,8 @@ def solid_mesh(
 
 def solid_leg(leg: ConstantLeg, mesh: SolidMesh) -> SolidLeg:
     """Stiffness and mass of `leg` on `mesh`; raises ComputationError for folded elements."""
-    return SolidLeg(leg, mesh, stiffness(mesh, leg.material), mass(mesh, leg.material.rho))
+    K, scalar_mass = stiffness_and_mass(mesh, leg.material)
+    return SolidLeg(leg, mesh, K, csr_array(kron(scalar_mass, eye_array(3), format="csr")))
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +80,7 @@ class ClampedLeg:
     ends: RigidEnds | FreeEnds
     stiffness: SparseMatrix
     mass: SparseMatrix | LinearOperator
-    factor: Factor
+    factor: RenewableFactor
 
 
 def clamped_leg(solid: SolidLeg, ends: Ends = "rigid") -> ClampedLeg:
@@ -90,15 +92,11 @@ def clamped_leg(solid: SolidLeg, ends: Ends = "rigid") -> ClampedLeg:
         rigid_ends(solid.mesh) if ends == "rigid" else free_ends(solid.mesh, solid.leg.material)
     )
     clamped = coupling.clamped_stiffness(solid.stiffness)
-    return ClampedLeg(
-        solid=solid,
-        ends=coupling,
-        stiffness=clamped,
-        mass=coupling.clamped_mass(solid.mass),
-        factor=factorise(
-            analyse(clamped, coupling.leading_blocks), clamped, f"solid leg, {ends} ends"
-        ),
-    )
+    symbolic = analyse(clamped, coupling.leading_blocks)
+    factor = RenewableFactor(symbolic, clamped, f"solid leg, {ends} ends")
+    # At once, so that a leg which cannot be held is refused here.
+    _ = factor.numeric
+    return ClampedLeg(solid, coupling, clamped, coupling.clamped_mass(solid.mass), factor)
 
 
 def tip_compliance(clamped: ClampedLeg) -> Array:

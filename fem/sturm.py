@@ -14,7 +14,7 @@ import pymetis
 from numpy.typing import NDArray
 from scipy.linalg import LinAlgError, cholesky, ldl, solve_banded, solve_triangular
 from scipy.linalg.blas import dsyrk
-from scipy.sparse import csr_array
+from scipy.sparse import block_array, csr_array
 from scipy.sparse.csgraph import maximum_bipartite_matching
 
 from fem.cholesky import Backend, default_backend, upper_triangle
@@ -174,22 +174,46 @@ def inertia(matrix: SparseMatrix, fronts: list[Front]) -> Inertia:
     return Inertia(*(int(count) for count in total))
 
 
+def with_constraints(
+    matrix: SparseMatrix, fronts: list[Front], constraints: Array
+) -> tuple[SparseMatrix, list[Front]]:
+    """The matrix [A B; Bᵀ 0] of a matrix A (csr n×n) with `constraints` B (n×c), and its fronts.
+
+    Its inertia is that of A on Bᵀx = 0 and c eigenvalues of either sign (Gould, Math. Prog. 32
+    (1985) 90), B of full rank. The constraints come last, when their pivots are no longer zero.
+    """
+    n, c = constraints.shape
+    columns = csr_array(constraints)
+    bordered = csr_array(block_array([[matrix, columns], [columns.T, None]], format="csr"))
+    last = Front(np.arange(n, n + c), (len(fronts) - 1,))
+    return bordered, [*fronts, last]
+
+
 def count_below(
     K: SparseMatrix,
     M: SparseMatrix,
     sigma: float,
     leading: tuple[int, ...] = (),
     backend: Backend | None = None,
+    constraints: Array | None = None,
 ) -> Inertia:
     """Inertia of K − σM (csr n×n, K and M symmetric, M positive definite, σ in rad²/s²).
 
     `negative` eigenvalues of K x = λ M x lie below σ: the certificate of a set of modes. `zero`
     above zero means that σ is too near an eigenvalue, of the whole or of a part eliminated
-    first; move it. `leading` as in fem.ordering. With `backend` "mkl" PARDISO counts.
+    first; move it. `leading` as in fem.ordering. With `constraints` B (n×c, of full rank) only
+    vectors with Bᵀx = 0 count. With `backend` "mkl" PARDISO counts.
     """
-    shifted = csr_array(K - sigma * M)
     if (backend or default_backend()) == "mkl":
         from fem import pardiso  # noqa: PLC0415  the extra is optional
 
-        return Inertia(*pardiso.inertia(upper_triangle(shifted)))
-    return inertia(shifted, dissect(block_graph(shifted, leading)))
+        # Only the triangle is left when PARDISO needs the memory.
+        return Inertia(*pardiso.inertia(upper_triangle(csr_array(K - sigma * M)), constraints))
+    shifted = csr_array(K - sigma * M)
+    fronts = dissect(block_graph(shifted, leading))
+    if constraints is None:
+        return inertia(shifted, fronts)
+    bordered, fronts = with_constraints(shifted, fronts, constraints)
+    c = constraints.shape[1]
+    found = inertia(bordered, fronts)
+    return Inertia(found.negative - c, found.zero, found.positive - c)

@@ -186,6 +186,16 @@ def test_order_is_a_permutation_that_saves_fill(clamped):
         block_graph(matrix, leading=(6, 6, 1))
 
 
+def test_thorough_order_is_a_permutation_with_no_more_fill(clamped, monkeypatch):
+    """What large graphs get; 5 % is room for chance on a graph as small as this."""
+    K, _ = clamped
+    usual = analyse(K, backend="cholmod")
+    monkeypatch.setattr("fem.ordering._LARGE", 0)
+    thorough = analyse(K, backend="cholmod")
+    assert (np.sort(thorough.order) == np.arange(K.shape[0])).all()
+    assert thorough.factor_entries <= 1.05 * usual.factor_entries
+
+
 def test_upper_triangle_sorts_and_keeps_zeros():
     rows, columns = np.array([0, 0, 1, 2, 2, 0]), np.array([2, 0, 1, 2, 0, 2])
     matrix = csr_array((np.array([2.0, 5.0, 0.0, 4.0, 3.0, 1.0]), (rows, columns)), shape=(3, 3))

@@ -2,7 +2,7 @@ import importlib.util
 
 import numpy as np
 import pytest
-from scipy.linalg import eigh, eigvalsh
+from scipy.linalg import eigh, eigvalsh, null_space
 from scipy.sparse import csr_array, eye_array, kron
 
 from fem.elasticity import stiffness_and_mass
@@ -43,6 +43,20 @@ def test_count_below_is_that_of_dense_eigenvalues(leg, backend, below):
     sigma = 0.5 * (eigenvalues[below] + (eigenvalues[below - 1] if below else 0.0))
     found = count_below(K, M, sigma, backend=backend)
     assert found == Inertia(below, 0, len(eigenvalues) - below)
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize("below", [0, 1, 7, 20])
+def test_count_on_constrained_vectors(leg, backend, below):
+    K, M, _ = leg
+    B = np.zeros((K.shape[0], 5))
+    B[-5:] = np.random.default_rng(4).standard_normal((5, 5))
+    B[:50, 2] = 1.0
+    allowed = null_space(B.T)
+    values = eigvalsh(allowed.T @ (K @ allowed), allowed.T @ (M @ allowed))
+    sigma = 0.5 * (values[below] + (values[below - 1] if below else 0.0))
+    found = count_below(K, M, sigma, backend=backend, constraints=B)
+    assert found == Inertia(below, 0, len(values) - below)
 
 
 def test_fronts_reused_for_another_shift(leg):

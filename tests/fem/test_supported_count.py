@@ -1,0 +1,137 @@
+import numpy as np
+import pytest
+from scipy.linalg import eigvalsh, null_space
+from scipy.sparse import csr_array
+
+import fem.clamped_count
+from fem.cholmod_library import elimination, solve_columns, solve_lower_end
+from fem.clamped_count import clamped_count
+from fem.modes import MissedModesError, certify
+from fem.solid import clamped_leg, solid_leg
+from fem.supported_count import separator_supports, supported_count
+from lumped.legs import ConstantLeg, Material
+from lumped.sections import ISection, Rectangle
+from meshes.extrude import extrude, stations
+from meshes.section_mesh import section_mesh
+
+STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
+
+
+def held(section, ends):
+    one = ConstantLeg(0.6, section, STEEL)
+    return clamped_leg(
+        solid_leg(one, extrude(section_mesh(section, 2), stations(one.length, 8))), ends
+    )
+
+
+@pytest.fixture(scope="module", params=["rigid", "free"])
+def leg(request):
+    """A clamped leg, its factor's points and constraints, and its eigenvalues by LAPACK."""
+    clamped = held(Rectangle(0.08, 0.12), request.param)
+    if request.param == "rigid":
+        theta = eigvalsh(clamped.mass.toarray(), clamped.stiffness.toarray())
+        points = clamped.solid.mesh.nodes[clamped.ends.interior]
+        return clamped, clamped.stiffness, clamped.mass, points, None, 1.0 / theta[::-1]
+    K, M, B = clamped.solid.stiffness, clamped.solid.mass, clamped.ends.root_loads
+    allowed = null_space(B.T)
+    theta = eigvalsh(allowed.T @ (M @ allowed), allowed.T @ (K @ allowed))
+    return clamped, K, M, clamped.solid.mesh.nodes, B, 1.0 / theta[::-1]
+
+
+@pytest.mark.parametrize("below", [0, 1, 2, 5, 12, 20])
+def test_count_is_that_of_dense_eigenvalues(leg, below):
+    clamped, K, M, points, B, values = leg
+    lower = values[below - 1] if below else 0.0
+    # Near either of the two eigenvalues as well: 1e-3 is a tenth of fem.modes' usual distance.
+    for sigma in (0.5 * (lower + values[below]), lower * 1.001, values[below] * 0.999):
+        found = supported_count(
+            elimination(clamped.factor.numeric.handle), csr_array(K - sigma * M), points, B
+        )
+        assert found == (below, 0, len(values) - below)
+
+
+def test_a_set_with_one_mode_missing_is_refused(leg):
+    clamped, values = leg[0], leg[-1]
+    count = clamped_count(clamped, "cholmod")
+    assert values[9] < certify(values[:10], values[10], count, "leg") < values[10]
+    with pytest.raises(MissedModesError) as refused:
+        certify(np.delete(values[:10], 4), values[10], count, "leg")
+    assert refused.value.missing == 1
+
+
+def test_shift_on_an_eigenvalue_has_no_sign_or_moves_the_count_by_one(leg):
+    clamped, K, M, points, B, values = leg
+    found = supported_count(
+        elimination(clamped.factor.numeric.handle), csr_array(K - values[5] * M), points, B
+    )
+    assert found.negative in {5, 6}
+    assert found.zero <= 1
+
+
+def test_too_few_supports_prove_nothing_and_fronts_count(leg, monkeypatch):
+    clamped, K, M, points, B, values = leg
+    below = 200
+    sigma = 0.5 * (values[below] + values[below - 1])
+    assert (
+        supported_count(
+            elimination(clamped.factor.numeric.handle), csr_array(K - sigma * M), points, B
+        )
+        is None
+    )
+    answers = []
+
+    def spied(*arguments):
+        answers.append(supported_count(*arguments))
+        return answers[-1]
+
+    monkeypatch.setattr(fem.clamped_count, "supported_count", spied)
+    assert clamped_count(clamped, "cholmod")(sigma).negative == below
+    assert answers == [None]
+
+
+def test_count_without_room_for_two_factors(leg, monkeypatch):
+    """The factor of K gives its memory to that of the count, and comes again for a solve."""
+    clamped, values = leg[0], leg[-1]
+    loads = clamped.ends.tip_loads()
+    before, first = clamped.factor.solve(loads), clamped.factor.numeric
+    count = clamped_count(clamped, "cholmod")
+    needed = clamped.factor.symbolic.peak_bytes
+    monkeypatch.setattr("fem.renewable_factor.available_memory", lambda: needed)
+    assert count(0.5 * (values[5] + values[6])).negative == 6
+    assert clamped.factor.numeric is first
+    monkeypatch.setattr("fem.renewable_factor.available_memory", lambda: needed - 1)
+    assert count(0.5 * (values[5] + values[6])).negative == 6
+    assert clamped.factor.numeric is not first
+    np.testing.assert_array_equal(clamped.factor.solve(loads), before)
+
+
+def test_supports_are_orthonormal_on_distinct_nodes():
+    clamped = held(ISection(0.1, 0.16, 0.012, 0.008), "rigid")
+    points = clamped.solid.mesh.nodes[clamped.ends.interior]
+    supports = separator_supports(elimination(clamped.factor.numeric.handle), points, 15)
+    unknowns = np.concatenate([s.unknowns for s in supports])
+    assert len(np.unique(unknowns)) == len(unknowns)
+    # The tip's six motions come first and are never supported.
+    assert unknowns.min() >= 6
+    for s in supports:
+        gram = s.shapes.T @ s.shapes
+        np.testing.assert_allclose(gram, np.eye(len(gram)), atol=1e-12)
+
+
+@pytest.mark.parametrize("share", [0.0, 0.5, 0.9])
+def test_end_of_a_triangular_solve(leg, share):
+    """‖L⁻¹b‖² = bᵀK⁻¹b; for b that is zero before supernode `first` the rest of L is not needed."""
+    clamped = leg[0]
+    handle = clamped.factor.numeric.handle
+    starts, order = elimination(handle).starts, elimination(handle).order
+    first = int(share * (len(starts) - 1))
+    rng = np.random.default_rng(7)
+    end = np.triu(rng.standard_normal((len(order) - starts[first], 9))[:, ::-1].copy(), -40)
+    end = end[::-1, ::-1]
+    end = end[:, np.argsort((end != 0.0).argmax(axis=0), kind="stable")]
+    whole = np.zeros((len(order), 9), order="F")
+    whole[order[starts[first] :]] = end
+    reduced = solve_lower_end(handle, first, end)
+    gram = whole.T @ solve_columns(handle, whole)
+    # Rounding: eps times the condition of K, some 1e5.
+    np.testing.assert_allclose(reduced.T @ reduced, gram, atol=1e-10 * np.abs(gram).max())
