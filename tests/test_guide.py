@@ -11,13 +11,17 @@ A fenced block says by its first word what it is:
 
 import re
 import shlex
+from fnmatch import fnmatchcase
 from pathlib import Path
 
 import pytest
 
 from lumped import sections
+from lumped.robot_file import load_robot
 from meshes import section_mesh
 from validation import cli
+from validation.case import Case
+from validation.faults.detection import with_faults
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = (ROOT / "README.md", *sorted((ROOT / "docs" / "guide").glob("*.md")))
@@ -105,6 +109,17 @@ def test_extending_takes_less_than_thirty_lines():
     lengths = [len(text.splitlines()) for language, _, text in examples if language != "console"]
     assert lengths
     assert max(lengths) < LONGEST
+
+
+def test_the_guide_to_the_cases_covers_the_catalogue_and_nothing_else():
+    page = (ROOT / "docs" / "guide" / "cases.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| (`.*?) \|", page, re.MULTILINE)
+    patterns = [pattern for row in rows for pattern in re.findall(r"`([^`]+)`", row)]
+    tasks = with_faults(load_robot("ifw"))
+    ids = [task.id.replace("leg2", "leg1") for task in tasks if isinstance(task, Case)]
+    unsaid = [one for one in ids if not any(fnmatchcase(one, pattern) for pattern in patterns)]
+    assert unsaid == []
+    assert [one for one in patterns if not any(fnmatchcase(i, one) for i in ids)] == []
 
 
 def test_the_assertion_of_printed_lines_can_fail():

@@ -14,7 +14,11 @@ from validation.cases import (
     end_restraint,
     guards,
     guards_legs,
+    guards_pairing,
+    guards_reduction,
     guards_solids,
+    guards_sweep,
+    guards_waves,
     legs,
     longer_legs,
     mesh_families,
@@ -51,7 +55,6 @@ def catalogue(robot_file: RobotFile) -> Sequence[Task]:
         *robot_calculix.cases(),
         *refinement.cases(),
         *decision.cases(),
-        *longer_legs.cases(),
         *end_restraint.cases(),
         *shapes.cases(),
         *mesh_families.cases(),
@@ -64,6 +67,10 @@ def catalogue(robot_file: RobotFile) -> Sequence[Task]:
         *guards.cases(),
         *guards_legs.cases(),
         *guards_solids.cases(),
+        *guards_reduction.cases(),
+        *guards_sweep.cases(),
+        *guards_waves.cases(),
+        *guards_pairing.cases(),
         *drawings(),
     )
 
@@ -72,6 +79,7 @@ def _paper() -> Sequence[Task]:
     return (
         *paper.cases(),
         *robot_solid.paper_cases(),
+        *robot_modes.paper_cases(),
         *robot_sixty.paper_cases(),
         *decision.paper_cases(),
         *longer_legs.paper_cases(),

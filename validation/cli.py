@@ -99,7 +99,7 @@ def run(
         Matrix Market.
     faults
         Also inject the catalogue of faults one by one and report which case catches which; one
-        that none catches ends with exit code 1.
+        that none catches ends with exit code 1. --only 'fault.*' injects them and nothing else.
     cluster
         Address of a Dask scheduler (tcp://host:port) that computes the sweeps over α, leg lengths
         and postures; needs the extra "cluster".
@@ -107,11 +107,13 @@ def run(
     from lumped.robot_file import load_robot  # noqa: PLC0415
     from validation import run_summary  # noqa: PLC0415
     from validation.catalogue import catalogue  # noqa: PLC0415
-    from validation.faults.detection import with_faults  # noqa: PLC0415
+    from validation.faults.detection import is_fault, with_faults  # noqa: PLC0415
     from validation.session import Request, default_jobs, validate  # noqa: PLC0415
     from validation.store import StoreError  # noqa: PLC0415
 
     start: Start = "resumed" if resume else "afresh"
+    # Whoever names faults alone wants them injected.
+    faults = faults or bool(only and is_fault(only))
     request = Request(
         load_robot(robot),
         preset,
@@ -253,13 +255,10 @@ def check(robot: str) -> int:
     """
     from lumped.audit import audit  # noqa: PLC0415
     from lumped.robot_file import load_robot  # noqa: PLC0415
+    from validation.listing import audit_text  # noqa: PLC0415
 
     robot_file = load_robot(robot)
-    first, last = robot_file.robot.stroke
-    _say(f"{robot}: sound; {robot_file.robot.name}, stroke of B from {first:g} to {last:g} m")
-    for finding in audit(robot_file):
-        _say(f"  {finding.severity}: {finding.where}: {finding.wrong} ({finding.evidence})")
-        _say(f"    printed: {finding.printed}; used: {finding.used}")
+    _say(audit_text(robot, robot_file.robot, audit(robot_file)))
     return 0
 
 

@@ -56,8 +56,11 @@ class InteractiveScene:
 class Figure:
     """A picture with its caption and data; `svg` (markup) or `png` (bytes), and `data` as CSV.
 
+    Where this machine cannot draw it, `left_out` says why; data and scenes are there nevertheless.
+
     `id` also names its files; `section` is the part of the report it belongs to; `scenes` show the
-    panels of the picture in three dimensions.
+    panels of the picture in three dimensions; `computed_by` names the functions its numbers are
+    from.
     """
 
     id: str
@@ -67,12 +70,20 @@ class Figure:
     svg: str = ""
     png: bytes = b""
     data: str = ""
+    left_out: str = ""
     scenes: tuple[InteractiveScene, ...] = ()
+    computed_by: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         _require_file_name(self.id)
-        if bool(self.svg) == bool(self.png):
-            raise ValueError(f"figure {self.id}: either svg or png")
+        if [bool(self.svg), bool(self.png), bool(self.left_out)].count(True) != 1:
+            raise ValueError(f"figure {self.id}: either svg or png, or why there is neither")
+
+    @property
+    def files(self) -> Mapping[str, str | bytes]:
+        """What a folder of figures holds of it, by file name."""
+        named: dict[str, str | bytes] = {"svg": self.svg, "png": self.png, "csv": self.data}
+        return {f"{self.id}.{ending}": content for ending, content in named.items() if content}
 
 
 @dataclass(frozen=True)

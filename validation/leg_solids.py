@@ -28,7 +28,8 @@ _BEAM_ELEMENTS = 20
 GRIDS_FOR_ORDER, _FEWEST_GRIDS = 4, 2
 # Curved and thin-walled sections keep their proportions only under doubling, from four on.
 _RECTANGLE_LADDER = (1, 2, 3, 4, 6, 8, 12)
-_DOUBLING_LADDER = (4, 8, 16, 32)
+COARSEST_WALLS = 4
+_DOUBLING_LADDER = (COARSEST_WALLS, 8, 16, 32)
 # Twice the modes asked for, so that no partner is missing where two models order them differently.
 _SPARE_MODES = 6
 _STATIONS = 24
@@ -55,7 +56,7 @@ class Refinement:
         values = self._curve(index)
         if len(values) < GRIDS_FOR_ORDER:
             ratio = self.divisions[-1] / self.divisions[-2]
-            return float(3.0 * abs(values[-1] - values[-2]) / (ratio**FORMAL_ORDER - 1.0))
+            return float(abs(values[-1] - values[-2])) * step_factor(ratio)
         return uncertainty_of(self.at(*index))
 
     def _curve(self, index: tuple[int, ...]) -> Array:
@@ -68,6 +69,11 @@ class SolidModes:
 
     frequencies: Refinement
     mac: Array
+
+
+def step_factor(ratio: float) -> float:
+    """Uncertainty of the finer of two meshes over the step to it: F/(rᵖ − 1), F = 3 (Roache)."""
+    return float(3.0 / (ratio**FORMAL_ORDER - 1.0))
 
 
 def static_ladder(leg: ConstantLeg, most: int) -> tuple[int, ...]:

@@ -3,6 +3,8 @@
 import json
 from collections.abc import Sequence
 
+from lumped.biglide import Biglide
+from lumped.finding import Finding
 from validation.case import Absolute, Case, Outcome, Tolerance
 from validation.records import Task
 
@@ -45,6 +47,44 @@ def as_json(tasks: Sequence[Task]) -> str:
         indent=1,
         ensure_ascii=False,
     )
+
+
+def audit_text(source: str, robot: Biglide, findings: Sequence[Finding]) -> str:
+    """What an audit found, first whether the data that are used are sound.
+
+    Faults of a printed source that its corrections remove stand apart from doubts that remain.
+    """
+    remaining = [finding for finding in findings if finding.used in _UNCHANGED]
+    removed = [finding for finding in findings if finding.used not in _UNCHANGED]
+    wrong = sum(finding.severity == "error" for finding in remaining)
+    sound = f"usable, but {wrong} of its data are wrong, see below" if wrong else "sound"
+    first, last = robot.stroke
+    lines = [f"{source}: {sound}; {robot.name}, stroke of B from {first:g} to {last:g} m"]
+    if remaining:
+        lines += [
+            "",
+            f"doubts about the data that are used ({len(remaining)}):",
+            *_finding_lines(remaining),
+        ]
+    if removed:
+        heading = "misprints and errors of the source, none of them in what is used"
+        lines += ["", f"{heading} ({len(removed)}):", *_finding_lines(removed)]
+    return "\n".join(lines)
+
+
+_UNCHANGED = frozenset({"as printed", "as given"})
+
+
+def _finding_lines(findings: Sequence[Finding]) -> list[str]:
+    return [
+        line
+        for one in findings
+        for line in (
+            f"  {one.where} ({one.severity}, {one.check}): {one.wrong} ({one.evidence})",
+            f"    {'given' if one.used == 'as given' else 'printed'}: {one.printed}",
+            f"    used: {one.used}",
+        )
+    ]
 
 
 def tolerance_text(tolerance: Tolerance, unit: str) -> str:

@@ -5,7 +5,7 @@ import signal
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
-from multiprocessing import parent_process
+from multiprocessing import parent_process, resource_tracker
 
 # One thread per process: the numbers then do not depend on how many processes there are.
 SINGLE_THREADED = dict.fromkeys(
@@ -34,6 +34,8 @@ def children_undisturbed() -> Iterator[None]:
     if threading.current_thread() is not threading.main_thread():
         yield
         return
+    # Started with the first child, the tracker would lift the mask before that child inherits it.
+    resource_tracker.ensure_running()
     former = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield

@@ -25,6 +25,7 @@ _LIBRARIES = (
     "matplotlib",
 )
 _PACKAGES = ("lumped", "meshes", "fem", "validation")
+_SOURCES = frozenset({".py", ".toml", ".j2", ".css", ".js"})
 
 
 def header(robot_file: RobotFile, preset: Preset, options: Mapping[str, str]) -> dict[str, Any]:
@@ -65,7 +66,7 @@ def suite_digest() -> str:
     digest = sha256()
     for package in _PACKAGES:
         for path in sorted((root / package).rglob("*")):
-            if path.suffix in {".py", ".toml", ".j2", ".css"}:
+            if path.suffix in _SOURCES:
                 digest.update(str(path.relative_to(root)).encode())
                 digest.update(path.read_bytes())
     return digest.hexdigest()

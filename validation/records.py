@@ -17,7 +17,7 @@ Record: TypeAlias = dict[str, Any]
 
 @dataclass(frozen=True)
 class Drawn:
-    """A figure that was asked for; where there is none, `message` says why.
+    """A figure that was asked for; where there is none, or no picture, `message` says why.
 
     `failed` tells a computation that failed from a figure that this machine cannot draw.
     """
@@ -29,15 +29,14 @@ class Drawn:
     failed: bool = False
 
 
-def outcome_to_record(outcome: Outcome, figures: Sequence[Figure] = ()) -> Record:
-    """An outcome, with the plots of its studies, as plain data."""
+def outcome_to_record(outcome: Outcome) -> Record:
+    """An outcome as plain data."""
     return {
         "id": outcome.case.id,
         "verdict": outcome.verdict,
         "seconds": outcome.seconds,
         "message": outcome.message,
         "measurement": _plain(outcome.measurement),
-        "figures": _plain(list(figures)),
     }
 
 
@@ -48,7 +47,7 @@ def drawn_to_record(drawn: Drawn) -> Record:
         "seconds": drawn.seconds,
         "message": drawn.message,
         "failed": drawn.failed,
-        "figures": _plain([drawn.figure] if drawn.figure else []),
+        "figure": _plain(drawn.figure),
     }
 
 
@@ -66,19 +65,14 @@ def outcome_from_record(case: Case, record: Mapping[str, Any]) -> Outcome:
 
 def drawn_from_record(drawing: Drawing, record: Mapping[str, Any]) -> Drawn:
     """The drawn figure from its record."""
-    figures = figures_from_record(record)
+    figure = record["figure"]
     return Drawn(
         drawing=drawing,
         seconds=record["seconds"],
-        figure=figures[0] if figures else None,
+        figure=msgspec.convert(figure, Figure) if figure else None,
         message=record["message"],
         failed=record["failed"],
     )
-
-
-def figures_from_record(record: Mapping[str, Any]) -> tuple[Figure, ...]:
-    """The figures in a record."""
-    return tuple(msgspec.convert(figure, Figure) for figure in record["figures"])
 
 
 def succeeded(record: Mapping[str, Any]) -> bool:

@@ -12,6 +12,7 @@ from fem.craig_bampton import CraigBampton, craig_bampton
 from fem.end_coupling import rigid_ends
 from fem.free_superelement import held_free_leg
 from fem.leg_energies import kind_energies
+from fem.section_constants import beam_properties, section_constants
 from fem.solid import (
     Ends,
     SolidLeg,
@@ -23,12 +24,13 @@ from fem.solid import (
 from fem.superelement import ENDS, HeldLeg, Superelement, ends_stiffness, held_leg
 from lumped.arrays import Array, SparseMatrix
 from lumped.biglide import Biglide, with_equivalent_legs
+from lumped.errors import InputError
 from lumped.leg_matrices import LegMatrices
-from lumped.legs import ConstantLeg, equivalent_leg
+from lumped.legs import ConstantLeg, equivalent_leg, tip_compliance
 from lumped.mechanism import Mechanism, assemble
 from lumped.modes import Modes
 from meshes.section_mesh import section_mesh
-from validation.leg_solids import section_counts, slices, static_ladder
+from validation.leg_solids import COARSEST_WALLS, section_counts, slices, static_ladder
 
 
 def meshed_leg(leg: ConstantLeg, divisions: int) -> SolidLeg:
@@ -70,40 +72,67 @@ def static_solid(leg: ConstantLeg, compliance: Array, ends: Ends) -> LegMatrices
 
 @dataclass(frozen=True)
 class TipCompliances:
-    """6×6 tip compliances (SI, leg axes) with `rigid` and with `free` ends on one mesh."""
+    """6×6 tip compliances (SI, leg axes) of one mesh of a leg and of its section.
+
+    The solid's with `rigid` and with `free` ends, and `own`: the Timoshenko cantilever's with the
+    constants of the same section mesh.
+    """
 
     rigid: Array
     free: Array
+    own: Array
 
 
-def two_meshes(
-    legs: Sequence[ConstantLeg], most: int
-) -> tuple[tuple[TipCompliances, TipCompliances], ...]:
-    """Tip compliances of each leg on two similar meshes, the finer one last.
+@dataclass(frozen=True)
+class TwoMeshes:
+    """A leg on two similar meshes; sizes of the `coarse` one are `ratio` times the `fine` one's."""
 
-    The finest section meshes with at most `most` unknowns, equally far up the ladder for all legs.
-    Static condensation of a leg of equal slices by doubling.
+    coarse: TipCompliances
+    fine: TipCompliances
+    ratio: float
+
+
+def two_meshes(leg: ConstantLeg, most: int) -> TwoMeshes:
+    """Tip compliances of a leg by doubling, on its two finest meshes.
+
+    Their section meshes have at most `most` unknowns. Where one alone of thin walls can have so
+    few, both share it and the coarser one is half as fine along the leg: what the section mesh
+    leaves out of a solid it leaves out of the constants alike. Raises InputError where not even
+    that one is small enough.
     """
-    ladders = [static_ladder(leg, most) for leg in legs]
-    steps = min(map(len, ladders))
-    pairs = []
-    for leg, ladder in zip(legs, ladders, strict=True):
-        coarse, fine = (
-            doubling.condensed_leg(
-                leg,
-                section_mesh(leg.section, section_counts(leg, divisions)),
-                slices(leg, divisions),
-            )
-            for divisions in ladder[steps - 2 : steps]
+    ladder = static_ladder(leg, most)
+    if ladder:
+        coarse, fine = ladder[-2:]
+        along = slices(leg, coarse), slices(leg, fine)
+    else:
+        coarse = fine = COARSEST_WALLS
+        _require_affordable(leg, fine, most)
+        # Short elements here, for of the two sizes only this one is refined.
+        along = slices(leg, fine), 2 * slices(leg, fine)
+    return TwoMeshes(
+        coarse=_compliances(leg, coarse, along[0]),
+        fine=_compliances(leg, fine, along[1]),
+        ratio=along[1] / along[0],
+    )
+
+
+def _require_affordable(leg: ConstantLeg, divisions: int, most: int) -> None:
+    unknowns = 3 * len(section_mesh(leg.section, section_counts(leg, divisions)).nodes)
+    if unknowns > most:
+        raise InputError(
+            f"{leg.section.shape}: its coarsest section mesh has {unknowns} unknowns, more than "
+            f"{most}"
         )
-        pairs.append((_compliances(coarse), _compliances(fine)))
-    return tuple(pairs)
 
 
-def _compliances(condensed: doubling.CondensedLeg) -> TipCompliances:
+def _compliances(leg: ConstantLeg, divisions: int, along: int) -> TipCompliances:
+    mesh, material = section_mesh(leg.section, section_counts(leg, divisions)), leg.material
+    condensed = doubling.condensed_leg(leg, mesh, along)
+    constants = section_constants(mesh, material.nu, material.G / material.E)
     return TipCompliances(
         rigid=doubling.tip_compliance(condensed, "rigid"),
         free=doubling.tip_compliance(condensed, "free"),
+        own=tip_compliance(beam_properties(constants, material), leg.length),
     )
 
 

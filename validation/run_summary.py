@@ -12,10 +12,13 @@ def verdicts(gathered: Results) -> list[str]:
     """Lines on what does not agree, and the verdict on the whole."""
     outcomes = gathered.in_order()
     worst = [o for o in outcomes if o.verdict in {"disagree", "failed"}]
+    compared, power = comparisons(outcomes), gathered.power
+    # A run of faults alone makes no comparison of its own that could be summed up.
+    said = [summary(compared, gathered.unfinished)] if compared or not power else []
     return [
         *(outcome_line(outcome) for outcome in worst),
-        summary(comparisons(outcomes), gathered.unfinished),
-        *([gathered.power.sentence] if gathered.power else []),
+        *said,
+        *([power.sentence] if power else []),
     ]
 
 

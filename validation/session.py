@@ -27,7 +27,6 @@ from validation.records import (
     Record,
     Task,
     drawn_from_record,
-    figures_from_record,
     outcome_from_record,
     results,
     succeeded,
@@ -77,12 +76,10 @@ class Results:
     frozen: SavedRun | None = None
     outcomes: dict[str, Outcome] = field(default_factory=dict)
     drawn: dict[str, Drawn] = field(default_factory=dict)
-    figures: dict[str, tuple[Figure, ...]] = field(default_factory=dict)
 
     def add(self, record: Record) -> None:
         """Take in a finished piece of work."""
         task = next(task for task in self.tasks if task.id == record["id"])
-        self.figures[task.id] = figures_from_record(record)
         if isinstance(task, Case):
             self.outcomes[task.id] = outcome_from_record(task, record)
         else:
@@ -93,13 +90,13 @@ class Results:
         return [self.outcomes[task.id] for task in self.tasks if task.id in self.outcomes]
 
     def all_figures(self) -> list[Figure]:
-        """The figures, plots of studies included, in the order of the catalogue."""
-        drawn = [figure for task in self.tasks for figure in self.figures.get(task.id, ())]
-        return list({figure.id: figure for figure in drawn}.values())
+        """The figures that were drawn, in the order of the catalogue."""
+        drawn = [self.drawn[task.id] for task in self.tasks if task.id in self.drawn]
+        return [one.figure for one in drawn if one.figure]
 
     def missing_figures(self) -> list[Drawn]:
-        """The figures that were asked for and could not be drawn."""
-        return [drawn for drawn in self.drawn.values() if drawn.figure is None]
+        """The figures that were asked for and could not be drawn, or not as a picture."""
+        return [drawn for drawn in self.drawn.values() if drawn.message]
 
     @property
     def unfinished(self) -> int:
@@ -190,19 +187,13 @@ def default_jobs() -> int:
 
 
 def publish(gathered: Results, folder: RunFolder, findings: Sequence[Finding]) -> None:
-    """Write junit.xml, figures/ and report.html beside results.json."""
-    outcomes, figures = gathered.in_order(), gathered.all_figures()
+    """Write junit.xml, figures/ (all that the report shows) and report.html."""
+    outcomes = gathered.in_order()
     folder.write("results.json", gathered.as_json())
     folder.write("junit.xml", junit_xml(outcomes, f"flexproof {gathered.header['robot']}"))
-    folder.make("figures")
-    for figure in figures:
-        stem = f"figures/{figure.id}"
-        folder.write(f"{stem}.svg" if figure.svg else f"{stem}.png", figure.svg or figure.png)
-        if figure.data:
-            folder.write(f"{stem}.csv", figure.data)
     report = Report(
         outcomes=tuple(comparisons(outcomes)),
-        figures=tuple(figures),
+        figures=tuple(gathered.all_figures()),
         missing_figures=tuple(gathered.missing_figures()),
         findings=tuple(findings),
         provenance=gathered.header,
@@ -210,6 +201,10 @@ def publish(gathered: Results, folder: RunFolder, findings: Sequence[Finding]) -
         drifts=gathered.drifts,
         power=gathered.power,
     )
+    folder.make("figures")
+    for figure in report.shown:
+        for name, content in figure.files.items():
+            folder.write(f"figures/{name}", content)
     folder.write("report.html", render(report))
 
 

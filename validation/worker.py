@@ -7,12 +7,10 @@ reach a worker (its parent ends it); it ends by itself when its parent is gone.
 import faulthandler
 import os
 import sys
-import threading
 import traceback
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
-from multiprocessing import parent_process
+from dataclasses import dataclass, field, replace
 from multiprocessing.connection import Connection
 from pathlib import Path
 from time import perf_counter
@@ -21,13 +19,10 @@ from lumped.errors import ComputationError, InputError
 from lumped.robot_file import RobotFile
 from validation.case import Case, Outcome, Skip, judge
 from validation.context import Context, Preset
-from validation.exhibits import Drawing, Figure, Study
+from validation.exhibits import Drawing
+from validation.processes import end_with_parent
 from validation.records import Drawn, Record, Task, drawn_to_record, outcome_to_record
-
-# One thread per worker: the numbers then do not depend on how many workers there are.
-SINGLE_THREADED = dict.fromkeys(
-    ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "BLIS_NUM_THREADS"), "1"
-)
+from validation.report.text import function_name
 
 
 @dataclass(frozen=True)
@@ -50,7 +45,7 @@ def serve(connection: Connection, job: Job, log: Path) -> None:
     Sends ("started", id) and ("finished", record) for each.
     """
     _print_to(log)
-    _end_with_parent()
+    end_with_parent()
     tasks = {task.id: task for task in job.catalogue(job.robot_file)}
     context = Context(job.robot_file, job.preset, job.options)
     with suppress(EOFError, BrokenPipeError):
@@ -64,11 +59,7 @@ def execute(task: Task, context: Context) -> Record:
     """The record of one case or figure; errors become verdicts, tracebacks go to stderr."""
     if isinstance(task, Drawing):
         return drawn_to_record(_draw(task, context))
-    outcome = _compute(task, context)
-    studies = outcome.measurement.studies if outcome.measurement else ()
-    return outcome_to_record(
-        outcome, [plot for study in studies for plot in _plots(study, context)]
-    )
+    return outcome_to_record(_compute(task, context))
 
 
 def _compute(case: Case, context: Context) -> Outcome:
@@ -85,24 +76,14 @@ def _compute(case: Case, context: Context) -> Outcome:
 def _draw(drawing: Drawing, context: Context) -> Drawn:
     start = perf_counter()
     try:
-        figure = drawing.draw(context)
-        return Drawn(drawing, perf_counter() - start, figure)
+        figure = replace(drawing.draw(context), computed_by=(function_name(drawing.draw),))
+        return Drawn(drawing, perf_counter() - start, figure, figure.left_out)
     except Skip as reason:
         return Drawn(drawing, perf_counter() - start, message=str(reason))
     except Exception as error:  # noqa: BLE001  the report says which figure is missing and why
         return Drawn(
             drawing, perf_counter() - start, message=_explain(drawing.id, error), failed=True
         )
-
-
-def _plots(study: Study, context: Context) -> list[Figure]:
-    from validation.report.style import study_plot  # noqa: PLC0415  only studies need matplotlib
-
-    try:
-        return [context.get(study_plot, study)]
-    except Exception as error:  # noqa: BLE001  a plot that fails must not change a verdict
-        _explain(study.id, error)
-        return []
 
 
 def _explain(identifier: str, error: Exception) -> str:
@@ -125,15 +106,3 @@ def _print_to(log: Path) -> None:
     for stream in (1, 2):
         os.dup2(descriptor, stream)
     faulthandler.enable()
-
-
-def _end_with_parent() -> None:
-    parent = parent_process()
-    if parent is None:
-        return
-
-    def wait_and_leave() -> None:
-        parent.join()
-        os._exit(1)
-
-    threading.Thread(target=wait_and_leave, daemon=True).start()

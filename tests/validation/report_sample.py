@@ -15,8 +15,8 @@ from validation.case import (
 )
 from validation.exhibits import Drawing, Figure, Study
 from validation.records import Drawn
+from validation.report.family_plots import study_plot
 from validation.report.page import Report
-from validation.report.style import study_plot
 
 PIXEL = base64.b64decode(
     "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg=="

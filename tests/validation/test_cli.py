@@ -8,7 +8,10 @@ from types import ModuleType
 
 import pytest
 
+from lumped.finding import Finding
+from lumped.robot_file import load_robot
 from validation import cli, store
+from validation.listing import audit_text
 from validation.store import open_folder
 
 ROOT = Path(__file__).parents[2]
@@ -73,7 +76,28 @@ def test_a_new_robot_file_is_sound_and_no_file_is_overwritten(tmp_path, capsys):
 
 def test_the_audit_of_the_built_in_robot_is_shown(capsys):
     assert cli.main(["check", "ifw"]) == 0
-    assert "foot.compliance" in capsys.readouterr().out
+    used, errata = capsys.readouterr().out.split("misprints and errors of the source")
+    assert used.startswith("ifw: sound; IFW demonstrator")
+    # The signs of the couplings are used as printed, the foot's rotation is not.
+    assert "leg1.compliance (warning, couplings)" in used
+    assert "foot.compliance" not in used
+    assert "foot.compliance (error" in errata
+
+
+def test_data_that_are_wrong_and_used_are_not_called_sound():
+    wrong = Finding(
+        where="leg1.inertia",
+        check="triangle inequality",
+        printed="2",
+        wrong="no body has it",
+        evidence="3 > 1 + 1",
+        used="as given",
+        kind="computed",
+        severity="error",
+    )
+    first, *rest = audit_text("mine.toml", load_robot("ifw").robot, [wrong]).splitlines()
+    assert first.startswith("mine.toml: usable, but 1 of its data are wrong")
+    assert "    given: 2" in rest
 
 
 def test_every_fault_of_a_robot_file_has_its_line(tmp_path, capsys):

@@ -282,8 +282,18 @@ def test_drawings_can_be_sent_to_another_process():
     ]
 
 
-def test_without_opengl_a_picture_is_skipped_and_the_package_named(context, monkeypatch):
+def test_without_opengl_the_package_is_named_and_scenes_and_data_remain(context, monkeypatch):
     monkeypatch.setenv(opengl.SWITCH, "off")
+    figure = deformed_robot(context)
+    assert figure.png == b""
+    assert "libegl1 and libgl1" in figure.left_out
+    assert len(figure.scenes) == 3
+    assert rows(figure.data)
+
+
+def test_without_vtk_the_figure_is_skipped(context, monkeypatch):
+    monkeypatch.setenv(opengl.SWITCH, "off")
+    monkeypatch.setattr(opengl, "describes", lambda: False)
     with pytest.raises(Skip, match="libegl1 and libgl1"):
         deformed_robot(context)
 

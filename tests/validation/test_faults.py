@@ -1,5 +1,6 @@
 """Faults: each changes what its function says, goes without a trace, and is noticed."""
 
+from collections.abc import Iterator
 from dataclasses import fields, is_dataclass, replace
 from functools import cache
 
@@ -7,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.sparse import issparse
 
-from fem import beam_theory, doubling, solid
+from fem import beam_theory, calculix, calculix_deck, doubling, robot_calculix, solid
 from fem.frame import Frame, Member, PointMass, assemble
 from fem.section_constants import section_constants
 from lumped import biglide, simplified
@@ -17,15 +18,26 @@ from lumped.robot_file import load_robot
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Tube
 from meshes.hexahedra import hexahedra
 from meshes.section_mesh import section_mesh
-from validation.case import Absolute, Case, Measurement, judge
-from validation.cases import guards, guards_legs, guards_solids
+from meshes.tetrahedra import tetrahedra
+from validation import run_summary
+from validation.case import Absolute, Case, Measurement, Outcome, Skip, judge
+from validation.cases import (
+    guards,
+    guards_legs,
+    guards_pairing,
+    guards_reduction,
+    guards_solids,
+    guards_sweep,
+    guards_waves,
+)
 from validation.context import Context
 from validation.faults import detection
 from validation.faults.catalogue import FAULTS
-from validation.faults.detection import detection_power, fault_cases
+from validation.faults.detection import detection_power, fault_cases, is_fault
 from validation.faults.fault import around, replaced, result, sound_function
 from validation.faults.trial import SoundGroups, caught, groups_of, sound_group, tried
 from validation.models import ModelOptions, leg_matrices, robot_compliance, robot_frequencies
+from validation.session import Results
 
 IFW = load_robot("ifw")
 TOOL = np.diag([2e-9, 3e-9, 1e-9, 4e-7, 3e-7, 5e-7])
@@ -77,6 +89,22 @@ def workout() -> None:
         solid.modes(clamped, 2)
 
 
+def reduction_workout() -> None:
+    """The same of reduced legs, of sweeps, of what models are compared by, and of decks."""
+    context = Context(IFW, "quick")
+    for guard in (guards_reduction, guards_sweep, guards_waves, guards_pairing):
+        for case in guard.cases():
+            case.compute(context)
+    cubic = Material(2.1e11, 0.6e11, 0.2, 7850.0)
+    leg = ConstantLeg(0.3, Rectangle(0.08, 0.14), cubic)
+    mesh = tetrahedra(leg.section, leg.length, 1)
+    calculix_deck.deck_text(calculix.leg_deck(mesh, cubic))
+    calculix.mass_at_stiffness_points(mesh, cubic.rho)
+    whole = solid.solid_leg(leg, mesh)
+    rigid = replace(IFW.robot, foot_compliance=None)
+    robot_calculix.robot_deck(rigid, rigid.centre, (whole, whole), 4)
+
+
 @cache
 def recorded() -> dict[str, list[tuple]]:
     """Arguments with which the workout calls each place that has a fault."""
@@ -91,6 +119,7 @@ def recorded() -> dict[str, list[tuple]]:
 
     with replaced({fault.where: listening(fault.where) for fault in FAULTS}):
         workout()
+        reduction_workout()
     return calls
 
 
@@ -106,6 +135,8 @@ def numbers(value: object) -> list[np.ndarray]:  # noqa: PLR0911  one line for e
         return [part for item in value.values() for part in numbers(item)]
     if isinstance(value, tuple | list):
         return [part for item in value for part in numbers(item)]
+    if isinstance(value, Iterator):
+        return numbers(list(value))
     if is_dataclass(value):
         return [part for f in fields(value) for part in numbers(getattr(value, f.name))]
     return []
@@ -132,9 +163,12 @@ def test_catalogue_has_more_than_forty_faults_of_all_kinds():
 OPAQUE = {"beam.inner-unknowns-left-out", "beam.shear-length", "beam.quadrature"}
 # The unknown numbering changes a list of numbers inside its object.
 OPAQUE |= {"robot.joint-forgotten"}
+# These add to matrices in place, or change what a function does and no number.
+SWEPT = {"sweep.rotation-transposed", "sweep.coupling-not-turned"}
+HELD = {"free-superelement.tip-loose"}
 
 
-@pytest.mark.parametrize("identifier", sorted(BY_ID.keys() - OPAQUE))
+@pytest.mark.parametrize("identifier", sorted(BY_ID.keys() - OPAQUE - SWEPT - HELD))
 def test_faulty_function_says_something_else(identifier):
     fault = BY_ID[identifier]
     sound = sound_function(fault.where)
@@ -161,6 +195,22 @@ def test_faulty_class_or_numbering_changes_frequencies(identifier):
             faulty = np.full(3, np.nan)
     assert not np.allclose(sound, faulty, rtol=1e-12)
     assert np.array_equal(robot_frequencies("beam", IFW.robot, 0.4, 3, options), sound)
+
+
+@pytest.mark.parametrize("identifier", sorted(SWEPT))
+def test_fault_in_place_changes_a_posture(identifier):
+    sound = guards_sweep.swept(IFW.robot)
+    with BY_ID[identifier].inject():
+        faulty = guards_sweep.swept(IFW.robot)
+    assert not np.allclose(sound[1], faulty[1], rtol=1e-6)
+
+
+@pytest.mark.parametrize("identifier", sorted(HELD))
+def test_fault_in_what_a_held_leg_does_changes_its_frequencies(identifier):
+    sound = guards_reduction.reduced_solid_leg("free").frequencies
+    with BY_ID[identifier].inject():
+        faulty = guards_reduction.reduced_solid_leg("free").frequencies
+    assert not np.allclose(sound, faulty, rtol=1e-6)
 
 
 def test_function_imported_by_name_is_replaced_where_it_is_used_and_put_back():
@@ -206,6 +256,28 @@ def test_trial_names_the_cases_that_turn_and_asks_only_groups_that_use_the_place
     assert tried(BY_ID["solid.angular-frequency"], sound) == {}
 
 
+def test_fault_that_no_case_of_quick_uses_is_skipped_and_no_survivor(monkeypatch):
+    monkeypatch.setattr(detection, "catalogue", lambda _: guards_pairing.cases())
+    case = next(case for case in fault_cases() if case.id == "fault.vjm.tip-joint-forgotten")
+    with pytest.raises(Skip, match=r"no comparison of preset quick uses lumped\.vjm"):
+        case.compute(Context(IFW, "quick"))
+    skipped = Outcome(case, "skipped", 0.0)
+    assert detection_power([skipped]).detections == ()
+    # In the standard preset there is nothing else to ask: it has survived.
+    assert case.compute(Context(IFW, "standard")).value == 0.0
+
+
+def test_run_of_faults_alone_sums_up_the_faults_and_no_comparisons():
+    case = next(case for case in fault_cases() if case.id == "fault.leg.three-for-twelve")
+    table = {"caught by": ("leg1", "leg2"), "group": ("legs", "legs"), "verdict": ("disagree",) * 2}
+    outcome = judge(case, Measurement(2.0, 1.0, table=table), 0.0)
+    gathered = Results({}, [case], outcomes={case.id: outcome})
+    expected = "1 faults injected, all caught, 0 by a single comparison."
+    assert run_summary.verdicts(gathered) == [expected]
+    assert is_fault("fault.*")
+    assert not is_fault("leg1.*")
+
+
 def test_case_that_disagrees_without_a_fault_catches_none():
     wrong = replace(length_case("wrong", 0.001), compute=lambda _: Measurement(1.0, 2.0))
     sound = sound_group([wrong], Context(IFW, "quick"))
@@ -225,6 +297,10 @@ FEW_FAULTS = [
     "robot.printed-release",
     "element.lame-slip",
     "ends.node-left-out",
+    "reduction.coupling-mass",
+    "sweep.not-turned",
+    "pairing.unweighted",
+    "waveguide.mass",
 ]
 
 
@@ -234,7 +310,15 @@ def test_fault_case_of_the_run_counts_its_catchers(identifier, monkeypatch):
     monkeypatch.setattr(
         detection,
         "catalogue",
-        lambda _: (*guards.cases(), *guards_legs.cases(), *guards_solids.cases()),
+        lambda _: (
+            *guards.cases(),
+            *guards_legs.cases(),
+            *guards_solids.cases(),
+            *guards_reduction.cases(),
+            *guards_sweep.cases(),
+            *guards_waves.cases(),
+            *guards_pairing.cases(),
+        ),
     )
     case = next(case for case in fault_cases() if case.id == f"fault.{identifier}")
     outcome = judge(case, case.compute(SHARED), 0.0)

@@ -17,7 +17,7 @@ from validation.cases.legs import constant_leg_of
 from validation.context import Context
 from validation.leg_solids import Refinement
 from validation.lengthened_legs import fundamental_ratio, lengthened, limit_exponent
-from validation.report.style import study_plot
+from validation.report.family_plots import study_plot
 
 ROBOT_FILE = load_robot("ifw")
 STEEL = Material.isotropic(E=2.1e11, nu=0.3, rho=7850.0)
@@ -88,8 +88,9 @@ def test_ids_are_unique_and_quick_runs_are_spared_the_costly_ones():
     in_quick = {case.id for case in found if "quick" in case.presets}
     assert not any(name.startswith("mesh-families") for name in in_quick)
     assert {name for name in in_quick if name.startswith("calculix")} == {
-        "calculix.rectangle.compliance",
-        "calculix.rectangle.frequencies",
+        f"calculix.{specimen}.{quantity}"
+        for specimen in ("rectangle", "cubic")
+        for quantity in ("compliance", "frequencies")
     }
 
 

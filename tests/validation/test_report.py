@@ -15,17 +15,18 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from report_sample import CONVERGENCE, PIXEL, SWEEP, case, sample_report
+from report_sample import CONVERGENCE, PIXEL, SWEEP, case, never, sample_report
 
-from validation.case import Absolute, Allowance, Measurement, Relation, judge
+from validation.case import Absolute, Allowance, Measurement, Outcome, Relation, judge
 from validation.exhibits import Figure, InteractiveScene, Study
 from validation.report import sections, text
 from validation.report.budgets import budget_figure, budgeted
 from validation.report.families import families
+from validation.report.family_plots import study_plot
 from validation.report.page import render
 from validation.report.second_ways import HEADLINES
 from validation.report.sections import sections_of
-from validation.report.style import canvas, csv_of, plot_style, study_plot, svg_of
+from validation.report.style import canvas, csv_of, plot_style, power_ticks, svg_of
 from validation.report.tables import grids, unexplained_share
 
 VOID = {"meta", "link", "img", "br", "hr", "input"}
@@ -144,7 +145,9 @@ def test_a_study_shared_by_several_cases_is_shown_once():
 def test_the_first_table_says_where_the_largest_unexplained_difference_is(markup):
     # Of the relative comparisons "Agrees barely" leaves most: (1.0095 − 1)/1 = 0.95 %.
     first = markup[markup.index("<table") : markup.index("</table>")]
-    cells = re.findall(r"<strong>([^<]*)</strong></td>\s*<td><a href=\"#([^\"]*)\">", first)
+    cells = re.findall(
+        r'<strong>([^<]*)</strong></td>\s*<td class="where"[^>]*><a href="#([^"]*)"', first
+    )
     assert cells[0] == ("0.95\u00a0%", "legs.tight")
 
 
@@ -246,6 +249,89 @@ def test_families_with_different_abscissas_have_ids_of_their_own():
     assert [family.id for family in found] == ["benchmark.cross.1", "benchmark.cross.9"]
 
 
+def test_every_figure_names_the_function_it_is_from():
+    outcomes = [
+        judge(case("legs.a", compute=never), Measurement(1.0, 1.0, studies=(CONVERGENCE,)), 0.1),
+        judge(case("legs.b", compute=other), Measurement(1.0, 1.0, studies=(CONVERGENCE,)), 0.1),
+        model_case("solid", "c44", 1.9, allowances=HALF),
+    ]
+    drawn = replace(study_plot(SWEEP), computed_by=("validation.drawings.made_up",))
+    report = sample_report(outcomes=tuple(outcomes), figures=(drawn,))
+    made = {figure.id: figure.computed_by for figure in report.shown}
+    names = (f"{never.__module__}.never", f"{other.__module__}.other")
+    assert made["study.elements"] == names
+    assert made["budget.The_legs"] == names[:1]
+    page = render(report)
+    assert all(f"<code>{name}</code>" in page for name in (*names, *drawn.computed_by))
+
+
+def other(_context):
+    raise AssertionError("the report computes nothing")
+
+
+def test_the_figures_of_the_page_are_all_there_to_be_written(markup):
+    shown = sample_report().shown
+    in_page = set(re.findall(r'<figure id="([^"]+)"', markup))
+    assert {text.anchor(figure.id) for figure in shown} == in_page
+    names = [name for figure in shown for name in figure.files]
+    assert len(names) == len(set(names))
+    assert {"fig5.png", "fig5.csv", "study.stroke.svg", "study.stroke.csv"} <= set(names)
+
+
+def test_agreeing_guards_do_not_stand_among_what_matters_first():
+    guard = case("guard.a", section="Guards", title="A formula of the textbooks")
+    close = judge(guard, Measurement(1.009, 1.0), 0.1)
+    report = sample_report(outcomes=(close, judge(case(), Measurement(1.001, 1.0), 0.1)))
+    assert [outcome.case.id for outcome in report.foremost] == ["legs.a"]
+    assert guard.title not in report.headline
+    wrong = judge(guard, Measurement(1.02, 1.0), 0.1)
+    assert wrong in sample_report(outcomes=(wrong,)).foremost
+
+
+def test_what_was_skipped_stands_together_by_its_reason():
+    reasons = ("no CalculiX", "too large", "no CalculiX")
+    outcomes = [
+        Outcome(case(f"legs.{n}"), "skipped", 0.0, message=reason)
+        for n, reason in enumerate(reasons)
+    ]
+    report = sample_report(outcomes=tuple(outcomes))
+    by_reason = {reason: [o.case.id for o in found] for reason, found in report.skipped.items()}
+    assert by_reason == {"no CalculiX": ["legs.0", "legs.2"], "too large": ["legs.1"]}
+
+
+def test_a_picture_that_could_not_be_drawn_leaves_its_scenes_and_data():
+    figure = Figure(
+        "robot.modes",
+        "Modes",
+        "",
+        "The legs",
+        data="x\n1\n",
+        left_out="no usable OpenGL",
+        scenes=(InteractiveScene("(a) mode 1", b"PK state"),),
+    )
+    assert set(figure.files) == {"robot.modes.csv"}
+    page = render(sample_report(figures=(figure,)))
+    assert "Picture left out: no usable OpenGL" in page
+    assert page.count("data-scene=") == 1
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "shown"),
+    [
+        (2e-7, 3e-2, ["10⁻⁶", "10⁻⁵", "10⁻⁴", "0.001", "0.01"]),
+        (0.8, 7.0, ["1", "2", "5"]),
+    ],
+)
+def test_logarithmic_axes_have_plain_labels(low, high, shown):
+    with plot_style():
+        picture, (axes,) = canvas()
+        axes.set(yscale="log", ylim=(low, high))
+        power_ticks(axes.yaxis)
+        picture.draw_without_rendering()
+    ticks = zip(axes.get_yticks(), axes.yaxis.get_ticklabels(), strict=True)
+    assert [label.get_text() for value, label in ticks if low <= value <= high] == shown
+
+
 def test_a_plot_that_fails_costs_nothing_but_itself(monkeypatch):
     def fail(*_):
         raise ZeroDivisionError
@@ -260,7 +346,7 @@ def test_sweeps_of_several_models_share_their_axes_and_draw_the_common_curve_onc
         for model in ("segments", "beam")
     ]
     (family,) = families([model_case("solid", "c22", 2.0, studies=tuple(sweeps))])
-    assert [curve.label for curve in family.curves] == ["vjm", "segments", "beam"]
+    assert [curve.label for curve in family.curves] == ["VJM", "segments", "beam"]
 
 
 VJM = SWEEP.series["vjm"]
@@ -268,7 +354,7 @@ VJM = SWEEP.series["vjm"]
 
 def test_the_paper_s_figures_stand_together_in_the_paper_s_order():
     figures = [
-        Figure(f"f{number}", f"A curve (paper Fig. {number})", "", "Robot", png=PIXEL)
+        Figure(f"f{number}", f"A curve (as the paper's Fig. {number})", "", "Robot", png=PIXEL)
         for number in (10, 3)
     ] + [Figure("own", "Of our own", "", "Robot", png=PIXEL)]
     statement = judge(

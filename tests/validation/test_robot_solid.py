@@ -22,6 +22,7 @@ from validation.cases import (
 from validation.context import Context
 from validation.drawings import sixty_modes
 from validation.models import ModelOptions, robot_compliance, robot_frequencies, robot_legs
+from validation.paired_robot_modes import paired_modes
 from validation.robot_solids import full_mac, unreduced_robot
 
 ROBOT_FILE = load_robot("ifw")
@@ -30,6 +31,7 @@ CASES = (
     *robot_solid.cases(),
     *robot_solid.paper_cases(),
     *robot_modes.cases(),
+    *robot_modes.paper_cases(),
     *robot_reduction.cases(),
     *robot_sixty.cases(),
     *robot_sixty.paper_cases(),
@@ -104,7 +106,7 @@ def test_full_mac_pairs_shapes_in_any_order_and_sees_a_wrong_one():
 
 def test_close_modes_are_marked_and_compared_as_spaces():
     """At the right end modes 6 and 7 are 713 Hz and 733 Hz, 2.8 % apart (segments)."""
-    found = robot_modes.paired_modes(ROBOT, 1, "rigid", 3)
+    found = paired_modes(ROBOT, (1, 1), "rigid", 3)
     assert found.close[-1].tolist() == [False] * 5 + [True]
     assert not found.close[:-1].any()
 

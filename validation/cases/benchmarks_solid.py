@@ -13,8 +13,8 @@ import numpy as np
 
 from fem import solid
 from fem.cholesky import analyse as analyse_pattern
-from fem.cholesky import factorise
 from fem.end_coupling import free_ends
+from fem.renewable_factor import RenewableFactor
 from lumped.arrays import Array
 from lumped.legs import ConstantLeg
 from meshes.extrude import extrude, stations
@@ -217,5 +217,5 @@ def simply_supported(beam: solid.SolidLeg) -> solid.ClampedLeg:
         ends=held,
         stiffness=stiffness,
         mass=held.clamped_mass(beam.mass),
-        factor=factorise(pattern, stiffness, "NAFEMS FV5 as a solid"),
+        factor=RenewableFactor(pattern, stiffness, "NAFEMS FV5 as a solid"),
     )

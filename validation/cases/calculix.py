@@ -30,6 +30,8 @@ MODES = 20
 # Relative rounding of seven printed digits; frequencies are roots of the printed eigenvalues.
 PRINTED, PRINTED_ROOT = 5e-7, 2.5e-7
 _STEEL = Material.isotropic(E=2.1e11, nu=0.3, rho=7850.0)
+# Neither shear modulus nor contraction of an isotropic material.
+_CUBIC = Material(E=2.1e11, G=0.6e11, nu=0.2, rho=7850.0)
 _LATER: tuple[Preset, ...] = ("standard", "fine")
 
 
@@ -45,6 +47,7 @@ class Specimen:
 # Short legs with thick walls: few elements, every kind of surface.
 SPECIMENS = {
     "rectangle": Specimen(ConstantLeg(0.4, Rectangle(width=0.08, height=0.12), _STEEL), 1, PRESETS),
+    "cubic": Specimen(ConstantLeg(0.3, Rectangle(width=0.08, height=0.12), _CUBIC), 1, PRESETS),
     "tube": Specimen(ConstantLeg(0.1, Tube(diameter=0.1, thickness=0.02), _STEEL), 1, _LATER),
     "i-section": Specimen(
         ConstantLeg(0.15, ISection(width=0.08, height=0.1, flange=0.025, web=0.03), _STEEL),

@@ -1,11 +1,12 @@
 """Each leg alone, root clamped: segments and beams against closed forms."""
 
-from functools import partial
+from functools import lru_cache, partial
 
 import numpy as np
 
 from fem.beam_theory import CantileverFrequency, cantilever_frequencies
 from lumped.arrays import Array
+from lumped.leg_matrices import LegMatrices
 from lumped.legs import ConstantLeg, equivalent_leg, tip_compliance
 from lumped.modes import dense, solve_modes
 from validation.case import Case, Measurement, Relative
@@ -123,7 +124,7 @@ def kind_frequencies(
     The kinds of a straight leg do not couple, so that each is solved on its own unknowns: modes
     of two kinds at one frequency stay apart.
     """
-    matrices = leg_matrices(model, leg, options)
+    matrices = _matrices(leg, model, options)
     stiffness = dense(matrices.parts[kind])
     own = np.flatnonzero(np.diag(stiffness) > 0.0)
     own = own[own >= 6]
@@ -131,10 +132,16 @@ def kind_frequencies(
     return solve_modes(stiffness[pick], dense(matrices.mass)[pick], count, kind).frequencies
 
 
+@lru_cache(maxsize=8)
+def _matrices(leg: ConstantLeg, model: ModelName, options: ModelOptions) -> LegMatrices:
+    """All kinds and modes of a leg come from one set of matrices."""
+    return leg_matrices(model, leg, options)
+
+
 def _mode(context: Context, number: int, model: ModelName, index: int) -> Measurement:
     leg = constant_leg_of(context, number)
     exact = context.get(exact_modes, leg)[index]
-    found = context.get(kind_frequencies, leg, model, exact.part, exact.order, ModelOptions())
+    found = context.get(kind_frequencies, leg, model, exact.part, MODES, ModelOptions())
     return Measurement(
         float(found[exact.order - 1]),
         float(exact.frequency),

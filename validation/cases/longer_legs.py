@@ -21,14 +21,15 @@ CURVES = {
 _REFINED_PRESETS: tuple[Preset, ...] = ("standard", "fine")
 
 
-def cases() -> tuple[Case, ...]:
-    """Statics and frequencies of the family with solid legs against the lumped models."""
-    return (*_family_statics(), *_family_frequencies())
-
-
 def paper_cases() -> tuple[Case, ...]:
-    """The paper's contradiction, with solid legs; for the paper's robot alone."""
+    """What the paper's family shows with solid legs; for the paper's robot alone.
+
+    That rigid faces change next to nothing but torsion is true of its legs, rectangles of ν = 0.
+    For any other robot `robot.solid.statics-…` judges every cause by its own size.
+    """
     return (
+        *_family_statics(),
+        *_family_frequencies(),
         *(
             Case(
                 id=f"paper.decision.contradiction[{objective}]",

@@ -187,7 +187,12 @@ def _mac(context: Context) -> Measurement:
 def _bound(context: Context) -> Measurement:
     found = _found(context)
     shares = np.array(
-        [np.where(one.bound > _ROUNDING, one.error / one.bound, -np.inf) for one in found]
+        [
+            np.divide(
+                one.error, one.bound, out=np.full(MODES, -np.inf), where=one.bound > _ROUNDING
+            )
+            for one in found
+        ]
     )
     posture, mode = np.unravel_index(int(np.argmax(shares)), shares.shape)
     worst = found[int(posture)]

@@ -14,13 +14,13 @@ from validation.decision import OBJECTIVES, UNITS, Decision, Objective
 from validation.drawings.lines import (
     ALPHA_LABEL,
     PLACES,
+    as_in_paper,
     from_zero,
     legend_above,
-    marked,
     plain_log,
 )
 from validation.exhibits import Drawing, Figure
-from validation.report.style import MODELS, PURPLE, Look, canvas, csv_of, plot_style, svg_of
+from validation.report.style import MODELS, PURPLE, Look, canvas, csv_of, marked, plot_style, svg_of
 from validation.sweeps.plans import FREE, RIGID, stroke_stations
 from validation.sweeps.studies import PLANS, POINTS, STROKE_FREQUENCIES, Curves
 
@@ -38,7 +38,7 @@ _LOADS = {
     "planar_y": "planar, force along y",
     "along_z": "along z",
 }
-_FAMILY_TITLE = "Robots with longer legs, solid legs beside the lumped models (paper Figs 6 and 13)"
+_FAMILY_TITLE = f"Robots with longer legs, solid legs beside the lumped models {as_in_paper(6, 13)}"
 _STROKE_TITLE = "Deflections and frequencies over the stroke, all models with solid legs"
 _DECISION_TITLE = "What each model chooses: objective against leg length, optima marked"
 

@@ -1,40 +1,52 @@
 """Natural frequencies over the stroke and along the family of robots with longer legs."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
-import numpy as np
 from matplotlib.axes import Axes
 
 from lumped.arrays import Array
-from validation.cases.paper_family import ALPHAS, FIGURE_POINTS
+from validation.cases.paper_family import ALPHAS
 from validation.cases.robot import SECTION
 from validation.context import Context
 from validation.drawings.lines import (
-    ALPHA_LABEL,
     BEAM,
     DYNAMIC_LINES,
-    PLACES,
-    POSTURES,
     SEGMENTS,
     SEGMENTS_PRINTED,
     SIMPLIFIED,
     Line,
     accuracy,
+    as_in_paper,
     course,
-    draw_lines,
-    from_zero,
-    gather,
-    legend_above,
     plain_log,
     spread,
 )
+from validation.drawings.panels import (
+    STROKE_LABEL,
+    Panel,
+    all_from_zero,
+    along_the_family,
+    common_top,
+    family_panels,
+    family_svg,
+    family_table,
+    over_the_stroke,
+    panels_svg,
+    stroke_table,
+)
 from validation.drawings.statics import FAMILY_SECTION
-from validation.drawings.sweeps import frequencies_at, stations
+from validation.drawings.sweeps import frequencies_at
 from validation.exhibits import Drawing, Figure
 from validation.quantities import family_frequencies
-from validation.report.style import canvas, csv_of, plot_style, svg_of
 
 MODES = 2
+_SIMPLIFIED_TITLE = f"First natural frequency, simplified model against beams {as_in_paper(7)}"
+_STROKE_TITLE = f"First two natural frequencies over the stroke {as_in_paper(10)}"
+_FAMILY_SIMPLIFIED_TITLE = (
+    "First natural frequency of robots with longer legs, simplified model against beams "
+    f"{as_in_paper(12)}"
+)
+_FAMILY_TITLE = f"First two natural frequencies of robots with longer legs {as_in_paper(13)}"
 _GROUP = "drawings.dynamics"
 
 
@@ -43,14 +55,14 @@ def drawings() -> tuple[Drawing, ...]:
     return (
         Drawing(
             "frequency.simplified",
-            "First natural frequency, simplified model against beams (paper Fig. 7)",
+            _SIMPLIFIED_TITLE,
             simplified_frequency,
             section=SECTION,
             group=_GROUP,
         ),
         Drawing(
             "frequency.stroke",
-            "First two natural frequencies over the stroke (paper Fig. 10)",
+            _STROKE_TITLE,
             refined_frequencies,
             section=SECTION,
             group=_GROUP,
@@ -58,15 +70,14 @@ def drawings() -> tuple[Drawing, ...]:
         ),
         Drawing(
             "frequency.family-simplified",
-            "First natural frequency of robots with longer legs, simplified model against beams "
-            "(paper Fig. 12)",
+            _FAMILY_SIMPLIFIED_TITLE,
             simplified_family,
             section=FAMILY_SECTION,
             group=_GROUP,
         ),
         Drawing(
             "frequency.family",
-            "First two natural frequencies of robots with longer legs (paper Fig. 13)",
+            _FAMILY_TITLE,
             refined_family,
             section=FAMILY_SECTION,
             group=_GROUP,
@@ -76,20 +87,13 @@ def drawings() -> tuple[Drawing, ...]:
 
 def simplified_frequency(context: Context) -> Figure:
     """Left all models on a logarithmic axis, right the simplified one alone."""
-    x, gathered, notes = _over_the_stroke(context, DYNAMIC_LINES)
+    x, (gathered, notes) = _over_the_stroke(context, DYNAMIC_LINES)
     first = {line: values[:, 0] for line, values in gathered.items()}
-    with plot_style():
-        picture, (together, alone) = canvas(columns=2)
-        draw_lines(together, x, first)
-        _hertz(together, list(first.values()))
-        together.set(xlabel="x of B (m)", ylabel="first natural frequency (Hz)")
-        together.set_title("(a) all models")
-        if SIMPLIFIED in first:
-            draw_lines(alone, x, {SIMPLIFIED: first[SIMPLIFIED]})
-        alone.set(xlabel="x of B (m)")
-        alone.set_title("(b) the simplified model alone")
-        legend_above(picture)
-        svg = svg_of(picture)
+    alone = {SIMPLIFIED: first[SIMPLIFIED]} if SIMPLIFIED in first else {}
+    panels = [
+        Panel("all models", [first], "first natural frequency (Hz)"),
+        Panel("the simplified model alone", [alone]),
+    ]
     caption = ["The lowest frequency of the platform's mass on the drives, and of the whole robot."]
     if SIMPLIFIED in first and BEAM in first:
         simple, beam = first[SIMPLIFIED], first[BEAM]
@@ -101,26 +105,28 @@ def simplified_frequency(context: Context) -> Figure:
         )
     return Figure(
         id="frequency.simplified",
-        title="First natural frequency, simplified model against beams (paper Fig. 7)",
+        title=_SIMPLIFIED_TITLE,
         caption=" ".join([*caption, *notes]),
         section=SECTION,
-        svg=svg,
-        data=csv_of({"x (m)": x.tolist()} | _columns({k: v[:, :1] for k, v in gathered.items()})),
+        svg=panels_svg(
+            x,
+            STROKE_LABEL,
+            panels,
+            lambda drawn: _hertz(drawn[:1], list(first.values())),
+            columns=2,
+        ),
+        data=stroke_table(x, _columns({k: v[:, :1] for k, v in gathered.items()})),
     )
 
 
 def refined_frequencies(context: Context) -> Figure:
     """Both frequencies of segments and beams in one pair of axes, with the printed eq. (25)."""
-    x, gathered, notes = _over_the_stroke(context, (SEGMENTS, SEGMENTS_PRINTED, BEAM))
-    with plot_style():
-        picture, (axes,) = canvas(height=3.9)
-        for mode in range(MODES):
-            draw_lines(axes, x, {line: values[:, mode] for line, values in gathered.items()})
-        from_zero(axes)
-        _name_modes(axes, x, gathered)
-        axes.set(xlabel="x of B (m)", ylabel="natural frequency (Hz)")
-        legend_above(picture)
-        svg = svg_of(picture)
+    x, (gathered, notes) = _over_the_stroke(context, (SEGMENTS, SEGMENTS_PRINTED, BEAM))
+
+    def named(drawn: Sequence[Axes]) -> None:
+        all_from_zero(drawn)
+        _name_modes(drawn[0], x, gathered)
+
     caption = ["First and second natural frequency of the whole robot, 20 elements in each leg."]
     if SEGMENTS in gathered and BEAM in gathered:
         apart = spread([gathered[SEGMENTS], gathered[BEAM]])
@@ -136,30 +142,21 @@ def refined_frequencies(context: Context) -> Figure:
             "locks whatever motion is coupled to φz: with it the second frequency is "
             f"{printed[1]:.0f} Hz. Static condensation is the right release of a joint."
         )
+    panels = [Panel("", _stacks(gathered), "natural frequency (Hz)")]
     return Figure(
         id="frequency.stroke",
-        title="First two natural frequencies over the stroke (paper Fig. 10)",
+        title=_STROKE_TITLE,
         caption=" ".join([*caption, *notes]),
         section=SECTION,
-        svg=svg,
-        data=csv_of({"x (m)": x.tolist()} | _columns(gathered)),
+        svg=panels_svg(x, STROKE_LABEL, panels, named, columns=1, height=3.9),
+        data=stroke_table(x, _columns(gathered)),
     )
 
 
 def simplified_family(context: Context) -> Figure:
     """First frequency against α at three points, logarithmic axes."""
-    found, notes = _families(context, DYNAMIC_LINES)
+    found, notes = _along_the_family(context, DYNAMIC_LINES)
     everything = [v[:, 0] for gathered in found.values() for v in gathered.values()]
-    with plot_style():
-        picture, panels = canvas(columns=3)
-        for axes, letter, (point, gathered) in zip(panels, "abc", found.items(), strict=True):
-            draw_lines(axes, np.array(ALPHAS), {k: v[:, 0] for k, v in gathered.items()})
-            _hertz(axes, everything)
-            axes.set(xlabel=ALPHA_LABEL)
-            axes.set_title(f"({letter}) {PLACES[point]}")
-        panels[0].set_ylabel("first natural frequency (Hz)")
-        legend_above(picture)
-        svg = svg_of(picture)
     caption = ["Legs α times as long, stroke and sections unchanged."]
     centre = found["centre"]
     if SIMPLIFIED in centre and BEAM in centre:
@@ -173,40 +170,32 @@ def simplified_family(context: Context) -> Figure:
             caption.append("The two models ask for opposite changes of the design.")
     return Figure(
         id="frequency.family-simplified",
-        title="First natural frequency of robots with longer legs, simplified model against "
-        "beams (paper Fig. 12)",
+        title=_FAMILY_SIMPLIFIED_TITLE,
         caption=" ".join([*caption, *notes]),
         section=FAMILY_SECTION,
-        svg=svg,
-        data=_family_table({p: {k: v[:, :1] for k, v in g.items()} for p, g in found.items()}),
+        svg=family_svg(
+            family_panels(
+                found, lambda gathered: _stacks(gathered)[:1], "first natural frequency (Hz)"
+            ),
+            lambda drawn: _hertz(drawn, everything),
+        ),
+        data=family_table(
+            {p: _columns({k: v[:, :1] for k, v in g.items()}) for p, g in found.items()}
+        ),
     )
 
 
 def refined_family(context: Context) -> Figure:
     """Both frequencies against α at three points."""
-    found, notes = _families(context, (SEGMENTS, BEAM))
-    alphas = np.array(ALPHAS)
-    with plot_style():
-        picture, panels = canvas(columns=3)
-        for axes, letter, (point, gathered) in zip(panels, "abc", found.items(), strict=True):
-            for mode in range(MODES):
-                draw_lines(axes, alphas, {k: v[:, mode] for k, v in gathered.items()})
-                start = max(float(v[:4, mode].max()) for v in gathered.values())
-                axes.annotate(
-                    f"mode {mode + 1}",
-                    (alphas[0], start),
-                    xytext=(0.0, 6.0),
-                    textcoords="offset points",
-                    fontsize=8.5,
-                )
-            axes.set(xlabel=ALPHA_LABEL)
-            axes.set_title(f"({letter}) {PLACES[point]}")
-        top = max(axes.get_ylim()[1] for axes in panels)
-        for axes in panels:
-            axes.set_ylim(0.0, 1.1 * top)
-        panels[0].set_ylabel("natural frequency (Hz)")
-        legend_above(picture)
-        svg = svg_of(picture)
+    found, notes = _along_the_family(context, (SEGMENTS, BEAM))
+
+    def named(drawn: Sequence[Axes]) -> None:
+        for axes, gathered in zip(drawn, found.values(), strict=True):
+            for mode, stack in enumerate(_stacks(gathered)):
+                highest = max(float(curve[:4].max()) for curve in stack.values())
+                _write(axes, f"mode {mode + 1}", ALPHAS[0], highest, (0.0, 6.0))
+        common_top(drawn)
+
     reference = list(found["centre"].values())[-1]
     first, second = reference[:, 0], reference[:, 1]
     caption = [
@@ -220,46 +209,41 @@ def refined_family(context: Context) -> Figure:
         caption.append(f"Segments and beam elements agree to {accuracy(apart)}.")
     return Figure(
         id="frequency.family",
-        title="First two natural frequencies of robots with longer legs (paper Fig. 13)",
+        title=_FAMILY_TITLE,
         caption=" ".join([*caption, *notes]),
         section=FAMILY_SECTION,
-        svg=svg,
-        data=_family_table(found),
+        svg=family_svg(family_panels(found, _stacks, "natural frequency (Hz)"), named),
+        data=family_table({point: _columns(gathered) for point, gathered in found.items()}),
     )
 
 
 def _over_the_stroke(
-    context: Context, lines: tuple[Line, ...]
-) -> tuple[Array, Mapping[Line, Array], tuple[str, ...]]:
-    x = stations(context.robot, POSTURES[context.preset])
-    gathered = gather(
+    context: Context, lines: Sequence[Line]
+) -> tuple[Array, tuple[Mapping[Line, Array], tuple[str, ...]]]:
+    x, gathered = over_the_stroke(
+        context,
         lines,
-        lambda line: context.get(frequencies_at, line.model, context.robot, x, MODES, line.options),
+        lambda line, x: context.get(
+            frequencies_at, line.model, context.robot, x, MODES, line.options
+        ),
     )
-    return x, gathered.values, gathered.notes
+    return x, (gathered.values, gathered.notes)
 
 
-def _families(
-    context: Context, lines: tuple[Line, ...]
-) -> tuple[dict[str, Mapping[Line, Array]], tuple[str, ...]]:
-    found: dict[str, Mapping[Line, Array]] = {}
-    notes: dict[str, None] = {}
-    for point, fraction in FIGURE_POINTS.items():
-        gathered = gather(
-            lines,
-            lambda line, fraction=fraction: context.get(  # type: ignore[misc]
-                family_frequencies,
-                line.model,
-                context.robot,
-                ALPHAS,
-                fraction,
-                MODES,
-                line.options,
-            ),
-        )
-        found[point] = gathered.values
-        notes |= dict.fromkeys(gathered.notes)
-    return found, tuple(notes)
+def _along_the_family(
+    context: Context, lines: Sequence[Line]
+) -> tuple[Mapping[str, Mapping[Line, Array]], tuple[str, ...]]:
+    return along_the_family(
+        lines,
+        lambda line, fraction: context.get(
+            family_frequencies, line.model, context.robot, ALPHAS, fraction, MODES, line.options
+        ),
+    )
+
+
+def _stacks(gathered: Mapping[Line, Array]) -> list[Mapping[Line, Array]]:
+    """A stack of curves for each mode."""
+    return [{line: values[:, mode] for line, values in gathered.items()} for mode in range(MODES)]
 
 
 def _columns(gathered: Mapping[Line, Array]) -> dict[str, list[float]]:
@@ -270,40 +254,30 @@ def _columns(gathered: Mapping[Line, Array]) -> dict[str, list[float]]:
     }
 
 
-def _family_table(found: Mapping[str, Mapping[Line, Array]]) -> str:
-    columns: dict[str, list[float]] = {"alpha": list(ALPHAS)}
-    for point, gathered in found.items():
-        columns |= {f"{point}: {heading}": column for heading, column in _columns(gathered).items()}
-    return csv_of(columns)
-
-
-def _hertz(axes: Axes, curves: list[Array]) -> None:
-    """Logarithmic frequency axis around the curves."""
-    plain_log(
-        axes,
-        0.8 * min(float(curve.min()) for curve in curves),
-        1.25 * max(float(curve.max()) for curve in curves),
-    )
+def _hertz(panels: Sequence[Axes], curves: Sequence[Array]) -> None:
+    """Logarithmic frequency axes around the curves."""
+    low = 0.8 * min(float(curve.min()) for curve in curves)
+    high = 1.25 * max(float(curve.max()) for curve in curves)
+    for axes in panels:
+        plain_log(axes, low, high)
 
 
 def _name_modes(axes: Axes, x: Array, gathered: Mapping[Line, Array]) -> None:
     """The number of the mode at the right end of its curves, eq. (25)'s where it lies apart."""
     exact = [values for line, values in gathered.items() if line is not SEGMENTS_PRINTED]
-    names = {f"mode {mode + 1}": exact[-1][-1, mode] for mode in range(MODES)} if exact else {}
-    for text, height in names.items():
-        axes.annotate(
-            text, (x[-1], height), xytext=(6.0, -3.0), textcoords="offset points", fontsize=8.5
-        )
+    heights = [float(exact[-1][-1, mode]) for mode in range(MODES)] if exact else []
+    for mode, height in enumerate(heights):
+        _write(axes, f"mode {mode + 1}", float(x[-1]), height, (6.0, -3.0))
     printed = gathered.get(SEGMENTS_PRINTED)
-    highest = axes.get_ylim()[1]
-    if printed is not None:
-        for mode in range(MODES):
-            height = printed[-1, mode]
-            if all(abs(height - other) > 0.07 * highest for other in names.values()):
-                axes.annotate(
-                    f"mode {mode + 1},\neq. (25)",
-                    (x[-1], height),
-                    xytext=(6.0, -8.0),
-                    textcoords="offset points",
-                    fontsize=8.5,
-                )
+    if printed is None:
+        return
+    least = 0.07 * axes.get_ylim()[1]
+    for mode, height in enumerate(printed[-1]):
+        if all(abs(height - other) > least for other in heights):
+            text = f"mode {mode + 1},\neq. (25)"
+            _write(axes, text, float(x[-1]), float(height), (6.0, -8.0))
+
+
+def _write(axes: Axes, text: str, x: float, y: float, away: tuple[float, float]) -> None:
+    """A small text `away` (pt) from a point of the axes."""
+    axes.annotate(text, (x, y), xytext=away, textcoords="offset points", fontsize=8.5)

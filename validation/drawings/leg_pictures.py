@@ -13,7 +13,7 @@ from meshes.elements import ELEMENTS
 from meshes.solid_mesh import SolidMesh
 from validation.cases.legs import constant_leg_of
 from validation.context import Context
-from validation.drawings.opengl import require_opengl
+from validation.drawings.opengl import require_vtk
 from validation.drawings.prisms import (
     Surface,
     edges,
@@ -28,8 +28,7 @@ from validation.drawings.rendering import (
     Wire,
     colour_bar,
     panel_pixels,
-    png_of,
-    render,
+    picture_of,
     show,
     squares,
     triad,
@@ -101,7 +100,7 @@ _REPEATED = (
 
 def leg_mode_shapes(context: Context, number: int) -> Figure:
     """Four panels: the first modes of leg 1 or 2, root clamped."""
-    require_opengl()
+    require_vtk()
     leg = constant_leg_of(context, number)
     found = context.get(leg_modes, leg, MODES)
     faces = boundary_faces(found.mesh)
@@ -123,7 +122,7 @@ def leg_mode_shapes(context: Context, number: int) -> Figure:
             surface = Surface(deformed, faces, sizes / sizes.max())
             body = Body(surface, edge="#30343a")
             scene = Scene(view, [body], (0.0, 1.0), [at_rest(leg)])
-            show(axes, render(scene))
+            show(axes, scene)
             lumped = found.lumped[:, mode].reshape(-1, 6)[:, :3]
             straight = np.column_stack([found.stations, np.zeros((len(found.stations), 2))])
             squares(axes, view, straight + factor * lumped, MODELS["segments"].colour)
@@ -138,7 +137,7 @@ def leg_mode_shapes(context: Context, number: int) -> Figure:
                 f"{found.lumped_frequencies[mode]:.1f} Hz (MAC {found.mac[mode]:.3f}, {letter})"
             )
         colour_bar(picture, panels, (0.0, 1.0), "displacement, largest = 1", aspect=50.0)
-        png = png_of(picture)
+        drawn = picture_of(picture)
     return Figure(
         id=f"leg{number}.solid-modes",
         title=f"Leg {number} as a solid: first modes",
@@ -156,7 +155,8 @@ def leg_mode_shapes(context: Context, number: int) -> Figure:
             )
         ),
         section=f"Leg {number}",
-        png=png,
+        png=drawn.png,
+        left_out=drawn.left_out,
         data=_table(found),
         scenes=tuple(scenes),
     )

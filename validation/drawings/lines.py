@@ -16,7 +16,7 @@ from lumped.arrays import Array
 from lumped.errors import ComputationError
 from validation.context import Preset
 from validation.models import DEFAULT_OPTIONS, ModelName, ModelOptions
-from validation.report.style import BLUE, MODELS, PURPLE, Look
+from validation.report.style import BLUE, MODELS, PURPLE, Look, marked
 
 ALPHA_LABEL = "relative leg length α"
 PLACES = {"centre": "centre of the stroke", "left": "left end", "right": "right end"}
@@ -83,17 +83,6 @@ def gather(lines: Sequence[Line], compute: Callable[[Line], T]) -> Gathered[T]:
     return Gathered(values, tuple(notes))
 
 
-def marked(points: int, rank: int, ranks: int) -> list[int]:
-    """Which of `points` points carry a marker of line `rank` of `ranks`.
-
-    About four per line, evenly spread, and no point has markers of two lines while there are
-    points enough.
-    """
-    spacing = max(ranks, (points - 1) // 4)
-    offset = round(rank * spacing / ranks)
-    return list(range(offset, points, spacing))
-
-
 def draw_lines(axes: Axes, x: Array, curves: Mapping[Line, Array]) -> None:
     """Draw the curves in order, markers staggered, lines from wide below to thin above.
 
@@ -127,6 +116,12 @@ def legend_above(picture: Canvas, columns: int = 0) -> None:
         ncols=columns or len(found),
         **options,
     )
+
+
+def as_in_paper(*numbers: int) -> str:
+    """The end of a title: the curves of this robot that the paper draws of its own."""
+    figures = " and ".join(str(number) for number in numbers)
+    return f"(as the paper's {'Fig.' if len(numbers) == 1 else 'Figs'} {figures})"
 
 
 def from_zero(axes: Axes) -> None:

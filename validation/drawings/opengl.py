@@ -1,6 +1,7 @@
 """Whether this machine can draw 3-D pictures: asked in a subprocess, since VTK dies without OpenGL.
 
 VTK ends the whole process where no usable OpenGL is found, so that it must not be tried here.
+Scenes that can be turned in the report need VTK, but no OpenGL.
 """
 
 import os
@@ -13,10 +14,9 @@ from validation.case import Skip
 # "off": no pictures, whatever the machine can do.
 SWITCH = "FLEXPROOF_OPENGL"
 WINDOW = "VTK_DEFAULT_OPENGL_WINDOW"
-MESSAGE = (
-    "no usable OpenGL, 3-D pictures are left out; on Debian and Ubuntu the packages libegl1 and "
-    "libgl1 bring it"
-)
+PACKAGES = "on Debian and Ubuntu the packages libegl1 and libgl1 bring it"
+MESSAGE = f"no usable OpenGL, 3-D pictures are left out; {PACKAGES}"
+NOTHING = f"no usable OpenGL, 3-D pictures and scenes are left out; {PACKAGES}"
 _TIME_LIMIT = 60.0  # s: importing VTK from a cold disk takes up to ten
 _PROBE = """
 import sys
@@ -41,17 +41,19 @@ sys.exit(0 if high > low else 1)
 """
 
 
-def require_opengl() -> None:
-    """Make VTK draw off-screen in this process; raises Skip where it cannot.
+def require_vtk() -> None:
+    """Make VTK work off-screen in this process; raises Skip where not even scenes can be made.
 
     Call it before pyvista is imported.
     """
     window = usable_window()
-    if window is None:
-        raise Skip(MESSAGE)
+    if window is None and not describes():
+        raise Skip(NOTHING)
     if window:
         os.environ[WINDOW] = window
     os.environ["PYVISTA_OFF_SCREEN"] = "true"
+    # What can be drawn has been found out here; pyvista would ask again for every picture.
+    os.environ["ALLOW_PLOTTING"] = "true"
 
 
 def usable_window() -> str | None:
@@ -64,6 +66,21 @@ def usable_window() -> str | None:
 @lru_cache(maxsize=1)
 def _first_usable() -> str | None:
     return next((window for window in _windows() if renders(window)), None)
+
+
+@lru_cache(maxsize=1)
+def describes() -> bool:
+    """Whether VTK can describe a scene without drawing it, tried in a process of its own."""
+    return _succeeds(_DESCRIBED, dict(os.environ))
+
+
+_DESCRIBED = """
+import os
+os.environ["ALLOW_PLOTTING"] = "true"
+import pyvista
+import trame_vtk.modules.vtk.serializers
+pyvista.Plotter(off_screen=True).add_mesh(pyvista.Sphere())
+"""
 
 
 def _windows() -> tuple[str, ...]:
@@ -81,9 +98,13 @@ def renders(window: str) -> bool:
     environment = dict(os.environ)
     if window:
         environment[WINDOW] = window
+    return _succeeds(_PROBE, environment)
+
+
+def _succeeds(text: str, environment: dict[str, str]) -> bool:
     try:
         done = subprocess.run(  # noqa: S603  our own interpreter and text
-            [sys.executable, "-c", _PROBE],
+            [sys.executable, "-c", text],
             env=environment,
             stdin=subprocess.DEVNULL,
             capture_output=True,

@@ -15,7 +15,16 @@ from validation.context import Context
 from validation.convergence import order_of_errors
 from validation.drawings.lines import legend_above
 from validation.exhibits import Drawing, Figure
-from validation.report.style import MODELS, PURPLE, Look, canvas, csv_of, plot_style, svg_of
+from validation.report.style import (
+    MODELS,
+    PURPLE,
+    Look,
+    canvas,
+    csv_of,
+    plot_style,
+    power_ticks,
+    svg_of,
+)
 
 # The element counts between which the order shows: below, higher terms count; above, rounding.
 FITTED = {"literal": (10, 160), "half": (10, 160), "beam": (10, 40)}
@@ -67,6 +76,7 @@ def convergence_on_elements(context: Context) -> Figure:
                         textcoords="offset points",
                         color=_LOOKS[name].colour,
                         fontsize=8.0,
+                        bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6},
                     )
                     columns[f"leg {number}, {label}: error of frequency {mode + 1} (%)"] = (
                         100.0 * errors[:, mode]
@@ -75,6 +85,7 @@ def convergence_on_elements(context: Context) -> Figure:
                 axes.axhline(1.0, color="#999999", linewidth=1.0)
                 axes.set_title(f"leg {number}, bending mode {mode + 1}")
                 axes.set_xticks(counts, [f"{count}" for count in counts])
+                power_ticks(axes.yaxis)
                 axes.minorticks_off()
                 axes.set_xlim(counts[0] / 1.15, counts[-1] * 2.6)
             row[0].set_ylabel("|error of the frequency| (%)")

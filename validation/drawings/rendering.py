@@ -8,20 +8,20 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure as Canvas
 from numpy.typing import NDArray
 
 from lumped.arrays import Array, IntArray
-from validation.drawings.opengl import require_opengl
+from validation.drawings.opengl import MESSAGE, usable_window
 from validation.drawings.prisms import Surface
 from validation.drawings.view import View, pixels
+from validation.report.style import WIDTH
 
 # Told apart by colour-blind readers, and light against dark when printed in grey.
 COLOUR_MAP = "viridis"
 GREY, DARK = "#b8bcc2", "#4a4f57"
 DOTS_PER_INCH = 180
-# Width of a whole picture in inches, as that of the plots.
-WIDTH = 7.4
 
 
 @dataclass(frozen=True)
@@ -54,11 +54,7 @@ class Scene:
 
 
 def render(scene: Scene) -> NDArray[np.uint8]:
-    """The scene as pixels (height × width × 3) on white.
-
-    Raises Skip where this machine cannot draw.
-    """
-    require_opengl()
+    """The scene as pixels (height × width × 3) on white, where this machine can draw."""
     import pyvista  # noqa: PLC0415  VTK must not be loaded where it cannot draw
 
     view = scene.view
@@ -119,9 +115,10 @@ def panel_pixels(columns: int, height: float) -> tuple[int, int]:
     return round(WIDTH / columns * DOTS_PER_INCH), round(height * DOTS_PER_INCH)
 
 
-def show(axes: Axes, image: NDArray[np.uint8]) -> None:
-    """Fill the axes with a rendered picture, without frame and ticks."""
-    axes.imshow(image, interpolation="antialiased")
+def show(axes: Axes, scene: Scene) -> None:
+    """Fill the axes with the scene, without frame and ticks; leave them empty without OpenGL."""
+    if usable_window() is not None:
+        axes.imshow(render(scene), interpolation="antialiased")
     axes.set_axis_off()
 
 
@@ -209,14 +206,29 @@ def colour_bar(
     bar.outline.set_visible(False)
 
 
+@dataclass(frozen=True)
+class Picture:
+    """A picture as PNG, or why there is none."""
+
+    png: bytes = b""
+    left_out: str = ""
+
+
+def picture_of(picture: Canvas) -> Picture:
+    """The picture, where this machine can draw what it shows."""
+    return Picture(left_out=MESSAGE) if usable_window() is None else Picture(png_of(picture))
+
+
 def png_of(picture: Canvas) -> bytes:
     """The picture as PNG in 256 dithered colours, half the size of full colour; no date in it."""
     from PIL import Image  # noqa: PLC0415  comes with matplotlib, needed for pictures alone
 
-    full = io.BytesIO()
-    picture.savefig(full, format="png", dpi=DOTS_PER_INCH)
-    colours = Image.open(full).convert("RGB")
-    reduced = colours.quantize(256)
+    picture.set_dpi(DOTS_PER_INCH)
+    drawn: Any = FigureCanvasAgg(picture)  # untyped in matplotlib
+    drawn.draw()
+    colours = Image.fromarray(np.asarray(drawn.buffer_rgba())).convert("RGB")
+    # A sixteenth of the pixels has the same colours: choosing 256 of them is the slow part.
+    reduced = colours.resize((colours.width // 4, colours.height // 4)).quantize(256)
     reduced = colours.quantize(palette=reduced, dither=Image.Dither.FLOYDSTEINBERG)
     reduced.putpalette(_with_pure_white(reduced.getpalette() or []))
     small = io.BytesIO()

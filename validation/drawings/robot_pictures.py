@@ -15,7 +15,8 @@ from validation.drawings.element_columns import (
     sense,
     shape_columns,
 )
-from validation.drawings.opengl import require_opengl
+from validation.drawings.lines import as_in_paper
+from validation.drawings.opengl import require_vtk
 from validation.drawings.prisms import readable_factor
 from validation.drawings.rendering import (
     Body,
@@ -23,8 +24,7 @@ from validation.drawings.rendering import (
     arrow,
     colour_bar,
     panel_pixels,
-    png_of,
-    render,
+    picture_of,
     show,
     squares,
     triad,
@@ -47,6 +47,7 @@ from validation.report.style import MODELS, VERMILLION, canvas, csv_of, plot_sty
 from validation.scenes import interactive
 
 GROUP = "pictures"
+_MODES_TITLE = f"First two mode shapes of the robot {as_in_paper(11)}"
 # Largest displacement in a picture, as a share of the legs' mean length.
 _DRAWN = 0.14
 _MODES = 6
@@ -60,7 +61,7 @@ def drawings() -> tuple[Drawing, ...]:
     return (
         Drawing(
             "robot.mode-shapes",
-            "First two mode shapes of the robot (paper Fig. 11)",
+            _MODES_TITLE,
             mode_shapes,
             section=SECTION,
             group=GROUP,
@@ -79,7 +80,7 @@ def drawings() -> tuple[Drawing, ...]:
 
 def mode_shapes(context: Context) -> Figure:
     """A panel for each mode: beams coloured by displacement, the segments' centres over them."""
-    require_opengl()
+    require_vtk()
     robot, x = context.robot, context.robot.centre
     beam, segments = (
         context.get(robot_modes, model, robot, x, _MODES) for model in ("beam", "segments")
@@ -98,7 +99,7 @@ def mode_shapes(context: Context) -> Figure:
             bodies = surroundings(robot, x, factor * moved)
             bodies += [Body(shape.deformed(factor, largest)) for shape in shapes]
             scene = _scene(bodies, shapes, direction, panel_pixels(2, _HEIGHT), 1.0)
-            show(axes, render(scene))
+            show(axes, scene)
             points, lumped = segments_like(robot, x, segments, beam, mode)
             squares(axes, scene.view, points + factor * lumped, MODELS["segments"].colour)
             _annotate(axes, scene.view, robot, x, factor * moved)
@@ -116,10 +117,10 @@ def mode_shapes(context: Context) -> Figure:
                 f"is along z; {beam.modes.frequencies[mode]:.1f} Hz with beams, "
                 f"{segments.modes.frequencies[mode]:.1f} Hz with segments."
             )
-        png = png_of(picture)
+        drawn = picture_of(picture)
     return Figure(
         id="robot.mode-shapes",
-        title="First two mode shapes of the robot (paper Fig. 11)",
+        title=_MODES_TITLE,
         caption=" ".join(
             [
                 f"Beam model at x = {x:.4g} m, legs drawn with their equivalent sections and "
@@ -129,7 +130,8 @@ def mode_shapes(context: Context) -> Figure:
             ]
         ),
         section=SECTION,
-        png=png,
+        png=drawn.png,
+        left_out=drawn.left_out,
         data=csv_of({heading: column.tolist() for heading, column in columns.items()}),
         scenes=tuple(scenes),
     )
@@ -137,7 +139,7 @@ def mode_shapes(context: Context) -> Figure:
 
 def deformed_robot(context: Context) -> Figure:
     """A panel for each load, each with its own scale."""
-    require_opengl()
+    require_vtk()
     robot, x = context.robot, context.robot.centre
     beam = context.get(robot_modes, "beam", robot, x, _MODES, DEFAULT_OPTIONS)
     columns: dict[str, Array] = {}
@@ -164,7 +166,7 @@ def deformed_robot(context: Context) -> Figure:
                 largest * MICRO,
                 np.array([tail, head]),
             )
-            show(axes, render(scene))
+            show(axes, scene)
             _annotate(axes, scene.view, robot, x, moved)
             arrow(axes, scene.view, tail, head, VERMILLION)
             title = f"({letter}) {LOAD:g} N along {name}, drawn × {_grouped(factor)}"
@@ -174,7 +176,7 @@ def deformed_robot(context: Context) -> Figure:
             colour_bar(picture, axes, scene.limits, "displacement (µm)")
             columns |= load_columns(robot, x, beam, unknowns, name)
             said.append(f"{np.linalg.norm(loaded[:3]) * MICRO:.1f} µm under the load along {name}")
-        png = png_of(picture)
+        drawn = picture_of(picture)
     return Figure(
         id="robot.deformed",
         title=f"The robot under {LOAD:g} N along x, y and z",
@@ -184,7 +186,8 @@ def deformed_robot(context: Context) -> Figure:
             "orange frames in three dimensions: the segments of the lumped model."
         ),
         section=SECTION,
-        png=png,
+        png=drawn.png,
+        left_out=drawn.left_out,
         data=csv_of({heading: column.tolist() for heading, column in columns.items()}),
         scenes=tuple(scenes),
     )

@@ -1,18 +1,16 @@
 """Deflections over the stroke and along the family of robots with longer legs."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
+from matplotlib.axes import Axes
 
 from lumped.arrays import Array
-from validation.cases.paper_family import ALPHAS, FIGURE_POINTS
+from validation.cases.paper_family import ALPHAS
 from validation.cases.robot import SECTION
 from validation.context import Context
 from validation.drawings.lines import (
-    ALPHA_LABEL,
     BEAM,
-    PLACES,
-    POSTURES,
     SEGMENTS,
     SIMPLIFIED,
     STATIC_LINES,
@@ -20,18 +18,27 @@ from validation.drawings.lines import (
     VJM_GIVEN,
     Line,
     accuracy,
+    as_in_paper,
     course,
-    draw_lines,
-    from_zero,
-    gather,
-    legend_above,
     plain_log,
     spread,
 )
-from validation.drawings.sweeps import deflections_at, stations
+from validation.drawings.panels import (
+    STROKE_LABEL,
+    Panel,
+    all_from_zero,
+    along_the_family,
+    common_top,
+    family_panels,
+    family_svg,
+    family_table,
+    over_the_stroke,
+    panels_svg,
+    stroke_table,
+)
+from validation.drawings.sweeps import deflections_at
 from validation.exhibits import Drawing, Figure
 from validation.quantities import LOAD, Deflections, family_deflections
-from validation.report.style import canvas, csv_of, plot_style, svg_of
 
 FAMILY_SECTION = "Robots with longer legs"
 LOADS = {
@@ -39,6 +46,9 @@ LOADS = {
     "planar_y": ("y", "planar"),
     "along_z": ("z", "along z"),
 }
+_SIMPLIFIED_TITLE = f"Planar deflections, simplified model against beams {as_in_paper(3)}"
+_STROKE_TITLE = f"Deflections over the stroke, all models {as_in_paper(5)}"
+_FAMILY_TITLE = f"Deflections of robots with longer legs {as_in_paper(6)}"
 _GROUP = "drawings.statics"
 # Relative difference of two models of the same legs: a thousand times rounding.
 _SAME = 1e-6
@@ -50,21 +60,21 @@ def drawings() -> tuple[Drawing, ...]:
     return (
         Drawing(
             "deflection.simplified",
-            "Planar deflections, simplified model against beams (paper Fig. 3)",
+            _SIMPLIFIED_TITLE,
             simplified_deflections,
             section=SECTION,
             group=_GROUP,
         ),
         Drawing(
             "deflection.stroke",
-            "Deflections over the stroke, all models (paper Fig. 5)",
+            _STROKE_TITLE,
             all_deflections,
             section=SECTION,
             group=_GROUP,
         ),
         Drawing(
             "deflection.family",
-            "Deflections of robots with longer legs (paper Fig. 6)",
+            _FAMILY_TITLE,
             deflections_of_the_family,
             section=FAMILY_SECTION,
             group=_GROUP,
@@ -74,22 +84,23 @@ def drawings() -> tuple[Drawing, ...]:
 
 def simplified_deflections(context: Context) -> Figure:
     """Two panels on logarithmic axes: a force along x and one along y."""
-    x, gathered, notes = _over_the_stroke(context, (SIMPLIFIED, BEAM))
+    x, (gathered, notes) = _over_the_stroke(context, (SIMPLIFIED, BEAM))
     names = ("planar_x", "planar_y")
-    finite = [getattr(d, name) for d in gathered.values() for name in names]
-    high = max(float(curve.max()) for curve in finite)
-    with plot_style():
-        picture, panels = canvas(columns=2)
-        for axes, letter, name in zip(panels, "ab", names, strict=True):
-            # Zero has no place on a logarithmic axis: such a curve leaves it downwards.
-            curves = {line: getattr(d, name) for line, d in gathered.items()}
-            draw_lines(axes, x, {line: np.maximum(c, 1e-9) for line, c in curves.items()})
+    high = max(float(getattr(d, name).max()) for d in gathered.values() for name in names)
+    panels = [
+        # Zero has no place on a logarithmic axis: such a curve leaves it downwards.
+        Panel(
+            f"planar, force along {LOADS[name][0]}",
+            [{line: np.maximum(getattr(d, name), 1e-9) for line, d in gathered.items()}],
+            "" if place else f"deflection under {LOAD:g} N (µm)",
+        )
+        for place, name in enumerate(names)
+    ]
+
+    def logarithmic(drawn: Sequence[Axes]) -> None:
+        for axes in drawn:
             plain_log(axes, high / 100.0, 1.6 * high)
-            axes.set(xlabel="x of B (m)", ylabel=f"deflection under {LOAD:g} N (µm)")
-            axes.set_title(f"({letter}) planar, force along {LOADS[name][0]}")
-        panels[1].set_ylabel("")
-        legend_above(picture)
-        svg = svg_of(picture)
+
     caption = [
         "Norm of the planar deflection of B: drives alone elastic (simplified), and the legs as "
         "beams with their feet (finite elements)."
@@ -107,97 +118,78 @@ def simplified_deflections(context: Context) -> Figure:
             caption.append("The simplified model is no estimate of the deflection.")
     return Figure(
         id="deflection.simplified",
-        title="Planar deflections, simplified model against beams (paper Fig. 3)",
+        title=_SIMPLIFIED_TITLE,
         caption=" ".join([*caption, *notes]),
         section=SECTION,
-        svg=svg,
-        data=_stroke_table(x, gathered),
+        svg=panels_svg(x, STROKE_LABEL, panels, logarithmic, columns=2),
+        data=stroke_table(x, _columns(gathered)),
     )
 
 
 def all_deflections(context: Context) -> Figure:
     """Three panels: planar under a force along x, along y, and out of the plane."""
-    x, gathered, notes = _over_the_stroke(context, STATIC_LINES)
-    with plot_style():
-        picture, panels = canvas(columns=3)
-        for axes, letter, (name, (load, meaning)) in zip(panels, "abc", LOADS.items(), strict=True):
-            draw_lines(axes, x, {line: getattr(d, name) for line, d in gathered.items()})
-            from_zero(axes)
-            axes.set(xlabel="x of B (m)", ylabel="deflection (µm)" if letter == "a" else "")
-            axes.set_title(f"({letter}) {meaning}, {LOAD:g} N along {load}")
-        legend_above(picture, columns=3)
-        svg = svg_of(picture)
+    x, (gathered, notes) = _over_the_stroke(context, STATIC_LINES)
+    panels = [
+        Panel(
+            f"{meaning}, {LOAD:g} N along {load}",
+            [{line: getattr(d, name) for line, d in gathered.items()}],
+            "" if place else "deflection (µm)",
+        )
+        for place, (name, (load, meaning)) in enumerate(LOADS.items())
+    ]
     return Figure(
         id="deflection.stroke",
-        title="Deflections over the stroke, all models (paper Fig. 5)",
+        title=_STROKE_TITLE,
         caption=" ".join(["Deflections of the loaded point.", *_reading(gathered), *notes]),
         section=SECTION,
-        svg=svg,
-        data=_stroke_table(x, gathered),
+        svg=panels_svg(x, STROKE_LABEL, panels, all_from_zero, columns=3, legend_columns=3),
+        data=stroke_table(x, _columns(gathered)),
     )
 
 
 def deflections_of_the_family(context: Context) -> Figure:
     """A column of panels for each point of the stroke, a row for each load."""
-    lines = (SIMPLIFIED, *_ONE_FORMULATION)
-    alphas = np.array(ALPHAS)
-    found: dict[str, Mapping[Line, Deflections]] = {}
-    notes: tuple[str, ...] = ()
-    for point, fraction in FIGURE_POINTS.items():
-        found[point], new = _family(context, lines, fraction)
-        notes += tuple(note for note in new if note not in notes)
-    with plot_style():
-        picture, panels = canvas(rows=3, columns=3, height=6.6)
-        grid = np.array(panels).reshape(3, 3)
-        for row, (name, (load, meaning)) in zip(grid, LOADS.items(), strict=True):
-            for axes, gathered in zip(row, found.values(), strict=True):
-                draw_lines(axes, alphas, {line: getattr(d, name) for line, d in gathered.items()})
-            top = max(axes.get_ylim()[1] for axes in row)
-            for axes in row:
-                axes.set_ylim(0.0, 1.08 * top)
-            row[0].set_ylabel(f"{meaning}, {LOAD:g} N along {load}\n(µm)")
-        for axes, letter, point in zip(grid[0], "abc", found, strict=True):
-            axes.set_title(f"({letter}) {PLACES[point]}")
-        for axes in grid[-1]:
-            axes.set_xlabel(ALPHA_LABEL)
-        legend_above(picture)
-        svg = svg_of(picture)
-    data = {"alpha": list(ALPHAS)} | {
-        f"{point}: {heading}": column
-        for point, gathered in found.items()
-        for heading, column in _columns(gathered).items()
-    }
+    found, notes = along_the_family(
+        (SIMPLIFIED, *_ONE_FORMULATION),
+        lambda line, fraction: context.get(
+            family_deflections, line.model, context.robot, ALPHAS, fraction, line.options
+        ),
+    )
+    panels = [
+        panel
+        for name, (load, meaning) in LOADS.items()
+        for panel in family_panels(
+            found,
+            lambda gathered, name=name: [  # type: ignore[misc]
+                {line: getattr(d, name) for line, d in gathered.items()}
+            ],
+            f"{meaning}, {LOAD:g} N along {load}\n(µm)",
+        )
+    ]
+
+    def rows_alike(drawn: Sequence[Axes]) -> None:
+        for start in range(0, len(drawn), len(found)):
+            common_top(drawn[start : start + len(found)])
+
     return Figure(
         id="deflection.family",
-        title="Deflections of robots with longer legs (paper Fig. 6)",
+        title=_FAMILY_TITLE,
         caption=" ".join([*_family_reading(found), *notes]),
         section=FAMILY_SECTION,
-        svg=svg,
-        data=csv_of(data),
+        svg=family_svg(panels, rows_alike, height=6.6),
+        data=family_table({point: _columns(gathered) for point, gathered in found.items()}),
     )
 
 
 def _over_the_stroke(
-    context: Context, lines: tuple[Line, ...]
-) -> tuple[Array, Mapping[Line, Deflections], tuple[str, ...]]:
-    x = stations(context.robot, POSTURES[context.preset])
-    gathered = gather(
+    context: Context, lines: Sequence[Line]
+) -> tuple[Array, tuple[Mapping[Line, Deflections], tuple[str, ...]]]:
+    x, gathered = over_the_stroke(
+        context,
         lines,
-        lambda line: context.get(deflections_at, line.model, context.robot, x, line.options),
+        lambda line, x: context.get(deflections_at, line.model, context.robot, x, line.options),
     )
-    return x, gathered.values, gathered.notes
-
-
-def _family(
-    context: Context, lines: tuple[Line, ...], fraction: float
-) -> tuple[Mapping[Line, Deflections], tuple[str, ...]]:
-    gathered = gather(
-        lines,
-        lambda line: context.get(
-            family_deflections, line.model, context.robot, ALPHAS, fraction, line.options
-        ),
-    )
-    return gathered.values, gathered.notes
+    return x, (gathered.values, gathered.notes)
 
 
 def _columns(gathered: Mapping[Line, Deflections]) -> dict[str, list[float]]:
@@ -207,10 +199,6 @@ def _columns(gathered: Mapping[Line, Deflections]) -> dict[str, list[float]]:
         for name, (load, meaning) in LOADS.items()
         if np.any(np.isfinite(values := getattr(deflections, name)))
     }
-
-
-def _stroke_table(x: Array, gathered: Mapping[Line, Deflections]) -> str:
-    return csv_of({"x (m)": x.tolist()} | _columns(gathered))
 
 
 def _reading(gathered: Mapping[Line, Deflections]) -> list[str]:

@@ -2,10 +2,12 @@
 
 from validation.faults import (
     beam_faults,
+    comparison_faults,
     element_faults,
     joint_faults,
     leg_faults,
     lumped_faults,
+    reduction_faults,
     solid_faults,
 )
 from validation.faults.fault import Fault
@@ -17,4 +19,6 @@ FAULTS: tuple[Fault, ...] = (
     *beam_faults.FAULTS,
     *element_faults.FAULTS,
     *solid_faults.FAULTS,
+    *reduction_faults.FAULTS,
+    *comparison_faults.FAULTS,
 )

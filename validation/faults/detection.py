@@ -5,9 +5,10 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
+from fem.calculix_run import CalculixMissing, calculix_program
 from lumped.biglide import Biglide
 from lumped.robot_file import RobotFile
-from validation.case import Absolute, Case, Measurement, Outcome, Relation
+from validation.case import Absolute, Case, Measurement, Outcome, Relation, Skip
 from validation.catalogue import catalogue
 from validation.context import Context, Preset
 from validation.faults.catalogue import FAULTS
@@ -108,13 +109,16 @@ class Power:
 
 
 def detection_power(outcomes: Iterable[Outcome]) -> Power:
-    """What the outcomes of fault cases say, in their order; other outcomes are passed over."""
+    """What the outcomes of fault cases say, in their order.
+
+    Other outcomes are passed over, and faults that this run had nothing to notice them with.
+    """
     by_id = {f"{_PREFIX}{fault.id}": fault for fault in FAULTS}
     return Power(
         tuple(
             _detection(by_id[outcome.case.id], outcome)
             for outcome in outcomes
-            if outcome.case.id in by_id
+            if outcome.case.id in by_id and outcome.verdict != "skipped"
         )
     )
 
@@ -138,6 +142,8 @@ def _detect(context: Context, fault: Fault) -> Measurement:
     file = context.robot_file
     sound = context.get(sound_groups, file.robot, file.source, file.built_in, context.preset)
     trial = tried(fault, sound)
+    if not trial:
+        _excuse(fault, context.preset)
     rows = [
         (case, group, verdict)
         for group, caught in trial.items()
@@ -153,6 +159,21 @@ def _detect(context: Context, fault: Fault) -> Measurement:
             for column, heading in enumerate((_CASES, _GROUPS, _VERDICTS))
         },
     )
+
+
+def _excuse(fault: Fault, preset: Preset) -> None:
+    """Raise Skip for a fault in what this run does not use, with a good reason not to.
+
+    Without one the fault has survived.
+    """
+    module = fault.where.partition(":")[0]
+    if "calculix" in module:
+        try:
+            calculix_program()
+        except CalculixMissing as missing:
+            raise Skip(str(missing)) from None
+    if preset == "quick":
+        raise Skip(f"no comparison of preset quick uses {fault.where}; preset standard does")
 
 
 def sound_groups(robot: Biglide, source: str, built_in: bool, preset: Preset) -> SoundGroups:  # noqa: FBT001

@@ -161,7 +161,7 @@ FAULTS = (
     Fault(
         "element.lumped-mass",
         "Solid: row sums for the consistent mass",
-        "fem.elasticity:scalar_mass",
+        "fem.elasticity:_scalar_mass",
         "numerics",
         result(_row_sums),
     ),

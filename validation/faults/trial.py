@@ -102,15 +102,19 @@ def tried(fault: Fault, sound: SoundGroups) -> dict[str, dict[str, Verdict]]:
 
     Asked are the groups that use the fault's place, expensive ones while few cases have caught it.
     """
+    cheap = [name for name, cases in sound.groups.items() if effort(cases) <= CHEAP]
     asked: dict[str, dict[str, Verdict]] = {}
-    for name, cases in sound.groups.items():
-        caught_so_far = sum(len(found) for found in asked.values())
-        if caught_so_far >= ENOUGH and effort(cases) > CHEAP:
+    # One injection for all that is cheap: it looks for cached values among all objects.
+    for names in (cheap, *([name] for name in sound.groups if name not in cheap)):
+        if sum(len(found) for found in asked.values()) >= ENOUGH:
+            break
+        using = {name: sound.of(name) for name in names if fault.where in sound.of(name).used}
+        if not using:
             continue
-        reference = sound.of(name)
-        if fault.where in reference.used:
-            with fault.inject():
-                asked[name] = caught(cases, reference, Context(sound.robot_file, sound.preset))
+        with fault.inject():
+            for name, reference in using.items():
+                context = Context(sound.robot_file, sound.preset)
+                asked[name] = caught(sound.groups[name], reference, context)
     return asked
 
 

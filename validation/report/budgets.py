@@ -4,8 +4,9 @@ Vocabulary of ASME V&V 20: comparison error E = value − reference; allowances 
 differences; the rest is unexplained and stands against numerical uncertainty and tolerance.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import cycle
+from textwrap import fill
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -13,7 +14,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from lumped.arrays import Array
-from validation.case import Measurement, Outcome
+from validation.case import Allowance, Measurement, Outcome
 from validation.exhibits import Figure
 from validation.report.style import (
     BLUE,
@@ -22,11 +23,15 @@ from validation.report.style import (
     PURPLE,
     SKY,
     VERMILLION,
-    canvas,
+    YELLOW,
+    Frame,
     csv_of,
+    framed_canvas,
+    framed_legend,
     plot_style,
     svg_of,
 )
+from validation.report.text import function_name
 
 # Colour and hatch of the causes: the hatch tells them apart in black and white.
 _LOOKS = (
@@ -35,10 +40,17 @@ _LOOKS = (
     (GREEN, ".."),
     (PURPLE, "\\\\"),
     (SKY, "xx"),
+    ("#666666", "++"),
+    (YELLOW, "--"),
 )
 _BAND = "#d9dde2"
-_LINE_HEIGHT, _FRAME_HEIGHT = 0.21, 1.25  # in
-_CAUSE_WIDTH = 62
+_ROW_HEIGHT, _CHARACTER = 0.23, 0.066  # in, the mean width of a character in a row's name
+# What the legend explains beside the causes.
+_UNEXPLAINED, _MEASURED = "unexplained", "measured difference E"
+_UNCERTAINTY, _TOLERANCE = "numerical uncertainty of both sides", "tolerance"
+_FURTHER = (_UNEXPLAINED, _MEASURED, _UNCERTAINTY, _TOLERANCE)
+# How many characters a row's name, and an entry of the legend, have room for in one line.
+_NAME_WIDTH, _CAUSE_WIDTH = 38, 56
 
 
 def budgeted(outcomes: Sequence[Outcome]) -> tuple[Outcome, ...]:
@@ -58,23 +70,38 @@ def budget_figure(identifier: str, title: str, outcomes: Sequence[Outcome]) -> F
 
     `outcomes` are `budgeted`, at least one.
     """
-    names = [_name(outcome) for outcome in outcomes]
-    rows = np.arange(len(outcomes), dtype=float)
+    names = [fill(name, _NAME_WIDTH) for name in _names(outcomes)]
+    # A row is as high as its name: one unit, more from the second line on.
+    heights = np.array([max(1.0, 0.2 + 0.55 * (name.count("\n") + 1)) for name in names])
+    bottom = float(heights.sum())
+    rows = np.cumsum(heights) - 0.5 * heights
+    causes = {a.cause: fill(a.cause, _CAUSE_WIDTH) for o in outcomes for a in _allowances(o)}
+    entries = [*causes.values(), *_FURTHER]
+    first = entries[: -(-len(entries) // 2)]
+    longest = max(len(line) for name in names for line in name.split("\n"))
+    frame = Frame(
+        left=0.25 + _CHARACTER * longest,
+        between=0.25,
+        bottom=0.7,
+        entries=sum(text.count("\n") + 1 for text in first),
+    )
     with plot_style():
-        picture, (whole, rest) = canvas(
-            columns=2, height=_FRAME_HEIGHT + _LINE_HEIGHT * len(outcomes)
-        )
-        handles = _causes(whole, rows, outcomes)
+        picture, (whole, rest) = framed_canvas(frame, columns=2, height=_ROW_HEIGHT * bottom)
+        handles = _causes(whole, rows, outcomes, causes)
         handles += _rest(rest, rows, outcomes)
-        whole.set_yticks(rows, names, fontsize=8.5)
+        # Markers at the longest bars keep clear of the edge.
+        whole.use_sticky_edges = False
+        whole.margins(x=0.06)
+        whole.set_yticks(rows, names, fontsize=8.5, linespacing=0.95)
         rest.set_yticks(rows, [])
         for axes in (whole, rest):
-            axes.set_ylim(len(outcomes) - 0.4, -0.6)
+            axes.set_ylim(bottom + 0.1, -0.1)
             axes.axvline(0.0, color="#666666", linewidth=0.8)
             axes.grid(visible=False, axis="y")
-        whole.set_xlabel("value − reference (% of the reference)")
-        rest.set_xlabel("unexplained (% of the tolerance)")
-        picture.legend(handles=handles, loc="outside upper left", ncols=2, fontsize=8.0)
+        whole.set_xlabel("value − reference\n(% of the reference)")
+        rest.set_xlabel("unexplained\n(% of the tolerance)")
+        labels = [str(handle.get_label()) for handle in handles]
+        framed_legend(picture, frame, handles, labels, columns=2)
         svg = svg_of(picture)
     return Figure(
         id=identifier,
@@ -87,16 +114,19 @@ def budget_figure(identifier: str, title: str, outcomes: Sequence[Outcome]) -> F
         section="budgets",
         svg=svg,
         data=_table(outcomes),
+        computed_by=tuple(dict.fromkeys(function_name(o.case.compute) for o in outcomes)),
     )
 
 
-def _causes(axes: Axes, rows: Array, outcomes: Sequence[Outcome]) -> list[Patch | Line2D]:
-    causes = dict.fromkeys(a.cause for o in outcomes for a in _measured(o).allowances)
+def _causes(
+    axes: Axes, rows: Array, outcomes: Sequence[Outcome], causes: Mapping[str, str]
+) -> list[Patch | Line2D]:
+    """Stacked bars; `causes` by the text of their entry in the legend."""
     # Positive parts to the right of zero, negative ones to its left.
     right, left = np.zeros(len(rows)), np.zeros(len(rows))
     handles: list[Patch | Line2D] = []
     looks = cycle(_LOOKS)
-    for cause in causes:
+    for cause, label in causes.items():
         colour, hatch = next(looks)
         amounts = np.array([_amount(outcome, cause) for outcome in outcomes])
         start = np.where(amounts >= 0.0, right, left)
@@ -104,7 +134,6 @@ def _causes(axes: Axes, rows: Array, outcomes: Sequence[Outcome]) -> list[Patch 
             rows, amounts, left=start, height=0.62, color=colour, hatch=hatch, edgecolor="white"
         )
         right, left = right + np.maximum(amounts, 0.0), left + np.minimum(amounts, 0.0)
-        label = cause if len(cause) <= _CAUSE_WIDTH else f"{cause[: _CAUSE_WIDTH - 1]}…"
         handles.append(Patch(facecolor=colour, hatch=hatch, edgecolor="white", label=label))
     unexplained = np.array([_percent(_measured(o), _measured(o).unexplained) for o in outcomes])
     axes.barh(
@@ -114,7 +143,7 @@ def _causes(axes: Axes, rows: Array, outcomes: Sequence[Outcome]) -> list[Patch 
         height=0.62,
         color=VERMILLION,
     )
-    handles.append(Patch(facecolor=VERMILLION, label="unexplained"))
+    handles.append(Patch(facecolor=VERMILLION, label=_UNEXPLAINED))
     differences = [_percent(_measured(o), _measured(o).difference) for o in outcomes]
     axes.plot(
         differences,
@@ -125,9 +154,7 @@ def _causes(axes: Axes, rows: Array, outcomes: Sequence[Outcome]) -> list[Patch 
         markerfacecolor="white",
         zorder=5,
     )
-    handles.append(
-        Line2D([], [], linestyle="", marker="D", color="black", label="measured difference E")
-    )
+    handles.append(Line2D([], [], linestyle="", marker="D", color="black", label=_MEASURED))
     return handles
 
 
@@ -151,9 +178,13 @@ def _rest(axes: Axes, rows: Array, outcomes: Sequence[Outcome]) -> list[Patch | 
     limit = max(115.0, 1.1 * float(np.max(np.abs(values))))
     axes.set_xlim(-limit, limit)
     return [
-        Line2D([], [], color="black", marker="|", label="numerical uncertainty of both sides"),
-        Patch(facecolor=_BAND, label="tolerance"),
+        Line2D([], [], color="black", marker="|", label=_UNCERTAINTY),
+        Patch(facecolor=_BAND, label=_TOLERANCE),
     ]
+
+
+def _allowances(outcome: Outcome) -> Sequence[Allowance]:
+    return _measured(outcome).allowances
 
 
 def _measured(outcome: Outcome) -> Measurement:
@@ -171,11 +202,20 @@ def _percent(measurement: Measurement, amount: float) -> float:
     return 100.0 * amount / abs(measurement.reference)
 
 
+def _names(outcomes: Sequence[Outcome]) -> list[str]:
+    """A name for each row: its quantity, or its title where two rows share a quantity."""
+    names = [_name(outcome) for outcome in outcomes]
+    return [
+        outcome.case.title if names.count(name) > 1 else name
+        for outcome, name in zip(outcomes, names, strict=True)
+    ]
+
+
 def _name(outcome: Outcome) -> str:
-    """The quantity, cut to what fits beside a bar."""
+    """The quantity, without what all rows share."""
     name = outcome.case.quantity.partition(", worst")[0].removeprefix("compliance ")
     name = name.replace("natural frequency", "frequency").replace(", clamped-free", "")
-    return name if len(name) <= 34 else f"{name[:33]}…"
+    return name.partition(", posture of the larg")[0]
 
 
 def _table(outcomes: Sequence[Outcome]) -> str:

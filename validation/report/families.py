@@ -1,26 +1,13 @@
 """Studies that belong together, in the same axes: refinement with its order, sweeps of models."""
 
+import re
 from collections.abc import Sequence
-from dataclasses import dataclass
-from itertools import cycle
+from dataclasses import dataclass, replace
 from os.path import commonprefix
 
-import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure as Canvas
-
-from lumped.arrays import Array
 from validation.case import Outcome
-from validation.exhibits import Figure, Study
-from validation.report.style import (
-    OTHERS,
-    Look,
-    canvas,
-    csv_of,
-    look_of,
-    plot_style,
-    svg_of,
-)
+from validation.exhibits import Study
+from validation.report.text import function_name
 
 # Parts of a sweep's id that name a model or a variant of it, not what is swept.
 _NAMING = {
@@ -60,11 +47,12 @@ class Curve:
 
 @dataclass(frozen=True)
 class Family:
-    """Studies with the same abscissa, drawn together."""
+    """Studies with the same abscissa, drawn together; `computed_by` names their functions."""
 
     id: str
     title: str
     curves: tuple[Curve, ...]
+    computed_by: tuple[str, ...] = ()
 
     @property
     def first(self) -> Study:
@@ -83,12 +71,17 @@ class Family:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What the studies remark, each remark once, with the studies it belongs to."""
+        """What the studies remark, each remark once, with the curves it is about if not all."""
         remarks: dict[str, list[str]] = {}
         for curve in self.curves:
             for note in curve.study.notes:
-                remarks.setdefault(note, []).append(curve.label)
-        return tuple(f"{', '.join(labels)}: {note}." for note, labels in remarks.items())
+                remarks.setdefault(note.rstrip("."), []).append(curve.label)
+        return tuple(
+            f"{note}."
+            if len(labels) == len(self.curves)
+            else f"{note} ({', '.join(dict.fromkeys(labels))})."
+            for note, labels in remarks.items()
+        )
 
 
 def families(outcomes: Sequence[Outcome]) -> tuple[Family, ...]:
@@ -99,18 +92,23 @@ def families(outcomes: Sequence[Outcome]) -> tuple[Family, ...]:
     """
     gathered: dict[tuple[str, ...], dict[str, Study]] = {}
     titles: dict[str, list[str]] = {}
+    makers: dict[str, list[str]] = {}
     for outcome in outcomes:
         for study in outcome.measurement.studies if outcome.measurement else ():
             stem = _stem(study)
             key = (stem, study.kind, study.x_label, repr(study.x))
             gathered.setdefault(key, {})[study.id] = study
             titles.setdefault(stem, []).append(outcome.case.title)
+            makers.setdefault(study.id, []).append(function_name(outcome.case.compute))
     stems = [key[0] for key in gathered]
     return tuple(
-        _family(
-            stem if len(members) > 1 and stems.count(stem) == 1 else next(iter(members)),
-            tuple(members.values()),
-            titles[stem],
+        replace(
+            _family(
+                stem if len(members) > 1 and stems.count(stem) == 1 else next(iter(members)),
+                tuple(members.values()),
+                titles[stem],
+            ),
+            computed_by=tuple(dict.fromkeys(name for one in members for name in makers[one])),
         )
         for (stem, *_), members in gathered.items()
     )
@@ -118,23 +116,8 @@ def families(outcomes: Sequence[Outcome]) -> tuple[Family, ...]:
 
 def alone(study: Study) -> Family:
     """A family of one study."""
-    return Family(study.id, study.title, tuple(Curve(n, n, study) for n in study.series))
-
-
-def family_plot(family: Family) -> Figure:
-    """The plot of a family with its data."""
-    with plot_style():
-        picture = _convergence(family) if family.kind == "convergence" else _sweep(family)
-        svg = svg_of(picture)
-    columns = {f"{curve.label} ({curve.study.unit})": curve.values for curve in family.curves}
-    return Figure(
-        id=family.id,
-        title=family.title,
-        caption=" ".join([*_reading(family), *family.notes]),
-        section="studies",
-        svg=svg,
-        data=csv_of({family.first.x_label: family.first.x} | columns),
-    )
+    curves = tuple(Curve(_spoken(name), name, study) for name in study.series)
+    return Family(study.id, _capitalised(study.title), curves)
 
 
 def _stem(study: Study) -> str:
@@ -155,111 +138,38 @@ def _family(identifier: str, members: Sequence[Study], case_titles: Sequence[str
             # Equal curves (the reference of several comparisons) are drawn once.
             curves.setdefault(f"{curve.label} {curve.values!r}", curve)
     title = _common([study.title for study in members]) or _common(case_titles) or identifier
-    return Family(identifier, title[0].upper() + title[1:], tuple(curves.values()))
+    measured = members[0].y_label.partition(" (")[0]
+    if members[0].kind == "sweep" and measured not in title:
+        title = f"{title}: {measured}"
+    return Family(identifier, _capitalised(title), tuple(curves.values()))
+
+
+def _capitalised(title: str) -> str:
+    return title[0].upper() + title[1:]
+
+
+def _spoken(name: str) -> str:
+    return re.sub(r"^vjm\b", "VJM", name)
 
 
 def _common(titles: Sequence[str]) -> str:
-    """What the titles begin with, cut at a word."""
+    """What the titles begin with, cut at a word, and what all of them end with after a colon."""
     shared = commonprefix(list(titles))  # noqa: RUF071  titles, no paths
-    return (shared if shared.endswith((" ", ":")) else shared.rpartition(" ")[0]).rstrip(" :,")
+    words = (shared if shared.endswith((" ", ":")) else shared.rpartition(" ")[0]).rstrip(" :,")
+    start = words.removesuffix(" in")
+    endings = {title.rpartition(": ")[2] for title in titles}
+    return f"{start}: {endings.pop()}" if start and len(endings) == 1 else start
 
 
 def _label(name: str, study: Study, members: Sequence[Study]) -> str:
     if sum(name in other.series for other in members) == 1:
-        return name
+        return _spoken(name)
     if study.kind == "convergence":
         return study.title.rpartition(": ")[2] or name
     variants = {part for other in members for part in other.id.split(".") if part in _THEORIES}
     own = next((part for part in study.id.split(".") if part in variants), "")
-    return f"{name} ({own})" if len(variants) > 1 and own else name
+    said = _spoken(name)
+    return f"{said}, {_THEORIES[own]}" if len(variants) > 1 and own else said
 
 
-_THEORIES = {"euler-bernoulli", "timoshenko"}
-
-
-def _reading(family: Family) -> list[str]:
-    if family.kind != "convergence":
-        return []
-    said = ["Left the deviation from the limit, right its decay; the order stands in the legend."]
-    if any(curve.uncertainty is not None for curve in family.curves):
-        said.append("The bar at the finest value is its numerical uncertainty.")
-    return said
-
-
-def _sweep(family: Family) -> Canvas:
-    picture, (axes,) = canvas(height=2.9)
-    others = cycle(OTHERS)
-    for curve in family.curves:
-        look = look_of(curve.label, others)
-        dashed = Look(look.colour, look.marker, ":") if "euler" in curve.label else look
-        axes.plot(curve.study.x, curve.values, label=curve.label, **dashed.options())
-    first = family.first
-    unit = "" if first.unit in first.y_label else f" ({first.unit})"
-    axes.set(xlabel=first.x_label, ylabel=f"{first.y_label}{unit}")
-    axes.set_ylim(0.0, None) if axes.get_ylim()[0] > 0.0 else None
-    axes.legend(ncols=2 if len(family.curves) > 4 else 1)
-    return picture
-
-
-def _convergence(family: Family) -> Canvas:
-    """Left the deviation from the limit with its uncertainty, right its decay.
-
-    Where no limit is known, the finest value stands in for it. A limit of zero means that the
-    values are relative errors themselves.
-    """
-    picture, (plain, decay) = canvas(columns=2, height=3.4)
-    others = cycle(OTHERS)
-    x = np.asarray(family.first.x)
-    lone = len(family.curves) == 1
-    for curve in family.curves:
-        look = look_of(curve.label, others) if lone else next(others)
-        _draw_curve(plain, decay, x, curve, look)
-    orders = {curve.study.formal_order for curve in family.curves}
-    for order in sorted(order for order in orders if order is not None):
-        _slope(decay, x, order)
-    plain.axhline(0.0, color="#999999", linewidth=0.8)
-    plain.set(xscale="log", xlabel=family.first.x_label, ylabel="deviation from the limit (%)")
-    decay.set(xlabel=family.first.x_label, ylabel="|deviation| (%)")
-    for axes in (plain, decay):
-        axes.set_xticks(x, [f"{value:g}" for value in x])
-        axes.minorticks_off()
-    picture.legend(
-        *decay.get_legend_handles_labels(), loc="outside upper left", ncols=2, fontsize=8.0
-    )
-    return picture
-
-
-def _draw_curve(plain: Axes, decay: Axes, x: Array, curve: Curve, look: Look) -> None:
-    values = np.asarray(curve.values)
-    limit = values[-1] if curve.limit is None else curve.limit
-    scale = abs(limit) or 1.0
-    deviation = 100.0 * (values - limit) / scale
-    plain.plot(x, deviation, **look.options())
-    order = f"order {curve.order:.2f}" if curve.order is not None else "no order"
-    apart = deviation != 0.0
-    decay.loglog(
-        x[apart], np.abs(deviation[apart]), label=f"{curve.label}: {order}", **look.options()
-    )
-    if curve.uncertainty is None:
-        return
-    bar = 100.0 * curve.uncertainty / scale
-    plain.errorbar(x[-1], deviation[-1], bar, color=look.colour, capsize=4)
-    if bar > 0.0 and deviation[-1] != 0.0:
-        size = abs(deviation[-1])
-        # An uncertainty beyond the deviation itself would reach below any logarithmic axis.
-        down = min(bar, 0.9 * size)
-        decay.errorbar(x[-1], size, [[down], [bar]], color=look.colour, capsize=4)
-
-
-def _slope(axes: Axes, x: Array, order: float) -> None:
-    """A grey line of the formal order below the curves."""
-    curves = [np.asarray(line.get_ydata(), dtype=float) for line in axes.get_lines()]
-    drawn = [curve for curve in curves if curve.size > 1]
-    if not drawn:
-        return
-    # Refinement goes with rising x for element counts, with falling x for mesh sizes.
-    exponent = -order if x[-1] > x[0] else order
-    start = 0.5 * min(curve[0] for curve in drawn)
-    axes.loglog(
-        x, start * (x / x[0]) ** exponent, color="#999999", linewidth=1.0, label=f"slope {order:g}"
-    )
+_THEORIES = {"euler-bernoulli": "Euler–Bernoulli", "timoshenko": "Timoshenko"}

@@ -11,6 +11,7 @@ from markupsafe import Markup
 
 from lumped.finding import Finding
 from validation.case import Outcome, Verdict
+from validation.cases.guards import SECTION as GUARDS
 from validation.drift import Drift
 from validation.exhibits import Figure
 from validation.faults.detection import Power
@@ -24,9 +25,6 @@ from validation.report.tables import Part, explained, largest_unexplained, unexp
 # How many comparisons the first table shows beside those that do not agree.
 _FOREMOST = 10
 _RANK: Mapping[Verdict, int] = {"disagree": 0, "failed": 1, "agree": 2, "skipped": 3}
-
-
-_GUARDS = "Guards"
 
 
 @dataclass(frozen=True)
@@ -63,8 +61,8 @@ class Report:
                 f"Largest unexplained difference: {share} of the reference, in "
                 f"“{self.largest.case.title}”."
             )
-        if self.worst_first and not isnan(self.worst_first[0].share):
-            worst = self.worst_first[0]
+        worst = next(iter(self.foremost), None)
+        if worst is not None and not isnan(worst.share):
             how = "Largest disagreement" if worst.verdict == "disagree" else "Closest to its limit"
             said.append(f"{how}: “{worst.case.title}” ({_of_tolerance(worst.share)}).")
         return " ".join(said)
@@ -76,14 +74,14 @@ class Report:
         Guards are left out: they hold textbook formulas against sections of their own, and say
         nothing of this robot.
         """
-        return largest_unexplained([o for o in self.outcomes if o.case.section != _GUARDS])
+        return largest_unexplained([o for o in self.outcomes if o.case.section != GUARDS])
 
     @property
     def parts(self) -> tuple[Part, ...]:
         """The sections in one line each, the largest unexplained difference first."""
 
         def size(part: Part) -> float:
-            of_robot = part.largest is not None and part.largest.case.section != _GUARDS
+            of_robot = part.largest is not None and part.largest.case.section != GUARDS
             return (unexplained_share(part.largest) or 0.0) if of_robot and part.largest else -1.0
 
         parts = [section.part for section in self.sections if section.outcomes]
@@ -106,10 +104,23 @@ class Report:
 
     @property
     def foremost(self) -> tuple[Outcome, ...]:
-        """The comparisons that matter first."""
+        """The comparisons that matter first: what does not agree, then what nearly does not.
+
+        Guards that agree are left out: they say nothing of this robot.
+        """
         tried = [outcome for outcome in self.worst_first if outcome.verdict != "skipped"]
-        bad = sum(outcome.verdict != "agree" for outcome in tried)
-        return tuple(tried[: bad + _FOREMOST])
+        bad = [outcome for outcome in tried if outcome.verdict != "agree"]
+        others = [outcome for outcome in tried[len(bad) :] if outcome.case.section != GUARDS]
+        return (*bad, *others[:_FOREMOST])
+
+    @property
+    def skipped(self) -> Mapping[str, tuple[Outcome, ...]]:
+        """What was skipped, by the reason."""
+        skipped = [outcome for outcome in self.outcomes if outcome.verdict == "skipped"]
+        return {
+            reason: tuple(outcome for outcome in skipped if outcome.message == reason)
+            for reason in dict.fromkeys(outcome.message for outcome in skipped)
+        }
 
     @cached_property
     def sections(self) -> tuple[Section, ...]:
@@ -121,6 +132,20 @@ class Report:
         studies = {study.id for study in studies_of(self.outcomes)}
         figures = [figure for figure in self.figures if figure.id not in studies]
         return sections_of(self.outcomes, figures, plotted=not self.unfinished)
+
+    @property
+    def shown(self) -> tuple[Figure, ...]:
+        """Every figure of the page in its order, those drawn from the outcomes among them."""
+        figures = [
+            figure
+            for section in self.sections
+            for figure in (
+                section.budget,
+                *section.figures,
+                *(plot.figure for plot in section.plots),
+            )
+        ]
+        return tuple(figure for figure in figures if figure is not None)
 
     @cached_property
     def second_ways(self) -> tuple[Agreement, ...]:

@@ -9,11 +9,13 @@ from functools import cached_property, partial
 from validation.case import Outcome
 from validation.exhibits import Figure
 from validation.report.budgets import budget_figure, budgeted
-from validation.report.families import Family, families, family_plot
+from validation.report.families import Family, families
+from validation.report.family_plots import family_plot
 from validation.report.tables import Grid, Part, grids
 from validation.report.text import anchor
 
-_FROM_PAPER = re.compile(r"\(paper Fig\. (\d+)")
+_FROM_PAPER = re.compile(r"\(as the paper's Fig\. (\d+)")
+_NAMED_AFTER = re.compile(r"\s*\(as the paper's (Figs?\.? [^)]*)\)")
 
 
 @dataclass(frozen=True)
@@ -95,8 +97,11 @@ class Section:
         """Lines of the table of contents below the section's own."""
         if self.budget:
             yield Entry(anchor(self.budget.id), "Error budget")
+        # Numbers of the paper's figures mean something where its statements stand.
+        from_paper = any(o.case.reference_kind == _PAPER for o in self.outcomes)
+        brief = _numbered if from_paper else _brief
         for figure in self.figures:
-            yield Entry(anchor(figure.id), _brief(figure.title))
+            yield Entry(anchor(figure.id), brief(figure.title))
         if len(self.plots) == 1:
             yield Entry(anchor(self.plots[0].family.id), self.plots[0].family.title)
         elif self.plots:
@@ -150,8 +155,12 @@ def _number_in_paper(figure: Figure) -> int:
 
 
 def _brief(title: str) -> str:
-    """A title short enough for the table of contents: the paper's figure first."""
-    named = re.search(r"\(paper (Figs?\.[^)]*)\)", title)
-    plain = re.sub(r"\s*\(paper [^)]*\)", "", title)
-    words = plain if len(plain) <= 46 else f"{plain[:45].rpartition(' ')[0]} …"
-    return f"{named[1]}: {words}" if named else words
+    """A title short enough for the table of contents."""
+    plain = _NAMED_AFTER.sub("", title)
+    return plain if len(plain) <= 46 else f"{plain[:45].rpartition(' ')[0]} …"
+
+
+def _numbered(title: str) -> str:
+    """The same with the number of the paper's figure first."""
+    named = _NAMED_AFTER.search(title)
+    return f"{named[1]}: {_brief(title)}" if named else _brief(title)

@@ -14,11 +14,15 @@ from dataclasses import dataclass
 from typing import Any
 
 import matplotlib as mpl
+import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure as Canvas
 
-from validation.exhibits import Figure, Study
-
+WIDTH = 7.4  # in, of every plot
+LINE_HEIGHT = 0.165  # in, of a line in a legend
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
 YELLOW, BLUE, VERMILLION, PURPLE = "#F0E442", "#0072B2", "#D55E00", "#CC79A7"
 
@@ -59,7 +63,6 @@ OTHERS: tuple[Look, ...] = (
 _SETTINGS: Any = {
     "svg.fonttype": "path",
     "svg.hashsalt": "flexproof",
-    "figure.constrained_layout.use": True,
     "font.size": 9.5,
     "axes.titlesize": 10.5,
     "axes.titlelocation": "left",
@@ -87,9 +90,66 @@ def plot_style() -> Iterator[None]:
 
 
 def canvas(rows: int = 1, columns: int = 1, height: float = 3.3) -> tuple[Canvas, list[Axes]]:
-    """An empty picture as wide as the page (7.4 in) and its axes, row by row."""
-    picture = Canvas(figsize=(7.4, height))
+    """An empty picture as wide as the page and its axes, row by row; they make room for texts."""
+    picture = Canvas(figsize=(WIDTH, height), layout="constrained")
     return picture, list(picture.subplots(rows, columns, squeeze=False).flat)
+
+
+@dataclass(frozen=True)
+class Frame:
+    """Room (in) around and between the axes of a plot; `entries` are the lines of its legend."""
+
+    left: float
+    between: float
+    entries: int
+    bottom: float = 0.55
+    right: float = 0.2
+
+    @property
+    def top(self) -> float:
+        """Room for the legend."""
+        return 0.2 + LINE_HEIGHT * self.entries
+
+
+def framed_canvas(frame: Frame, columns: int, height: float) -> tuple[Canvas, list[Axes]]:
+    """A picture with axes `height` inches high, side by side, and a fixed frame around them.
+
+    Unlike those of `canvas`, its axes need not be fitted, which is half the time of a plot: the
+    report draws dozens of these when all else is finished.
+    """
+    whole = frame.bottom + height + frame.top
+    picture = Canvas(figsize=(WIDTH, whole))
+    left, right = frame.left / WIDTH, 1.0 - frame.right / WIDTH
+    width = (WIDTH - frame.left - frame.right - frame.between * (columns - 1)) / columns
+    axes = picture.subplots(
+        1,
+        columns,
+        squeeze=False,
+        gridspec_kw={
+            "left": left,
+            "right": right,
+            "bottom": frame.bottom / whole,
+            "top": 1.0 - frame.top / whole,
+            "wspace": frame.between / width,
+        },
+    )
+    return picture, list(axes.flat)
+
+
+def framed_legend(
+    picture: Canvas, frame: Frame, handles: Sequence[Any], labels: Sequence[str], columns: int
+) -> None:
+    """The legend above the axes of a framed canvas."""
+    picture.legend(
+        handles,
+        labels,
+        loc="upper left",
+        bbox_to_anchor=(0.4 * frame.left / WIDTH, 1.0),
+        ncols=columns,
+        fontsize=8.0,
+        handlelength=3.2,
+        borderaxespad=0.3,
+    )
 
 
 def look_of(name: str, others: Iterator[Look]) -> Look:
@@ -102,10 +162,56 @@ def look_of(name: str, others: Iterator[Look]) -> Look:
 
 def svg_of(picture: Canvas) -> str:
     """The picture as SVG markup, without date and document header."""
+    # A page has dozens of plots: laying them out by Agg's metrics of text and drawing them once
+    # takes a third of the time of `savefig`, which measures by outlines and draws twice.
+    engine = picture.get_layout_engine()
+    if engine is not None:
+        FigureCanvasAgg(picture)
+        engine.execute(picture)
+        picture.set_layout_engine("none")
     buffer = io.StringIO()
-    picture.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
+    drawing: Any = FigureCanvasSVG(picture)  # untyped in matplotlib
+    drawing.print_svg(buffer, metadata={"Date": None, "Creator": None})
     text = buffer.getvalue()
     return text[text.index("<svg") :]
+
+
+def power_ticks(axis: Axis) -> None:
+    """Ticks of a logarithmic axis: powers of ten, or 1, 2 and 5 where there are few of these.
+
+    Call it once the curves are drawn. Labels are plain text: parsing formulas takes longer than
+    all the rest of a plot.
+    """
+    low, high = axis.get_view_interval()
+    decades = np.log10(high / low) if 0.0 < low < high else 0.0
+    parts = (1.0, 2.0, 5.0) if decades < _FEW_DECADES else (1.0,)
+    axis.set_major_locator(mpl.ticker.LogLocator(10.0, subs=parts, numticks=8))
+    axis.set_major_formatter(mpl.ticker.FuncFormatter(lambda value, _: _power_text(value)))
+    axis.set_minor_locator(mpl.ticker.NullLocator())
+
+
+_FEW_DECADES = 1.5
+_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def _power_text(value: float) -> str:
+    """A tick as in print: "0.02", "500", "10⁻⁶", "2 × 10⁻⁶"."""
+    if 1e-3 <= value < 1e4:
+        return f"{value:.3g}"
+    mantissa, _, exponent = f"{value:.0e}".partition("e")
+    power = f"10{str(int(exponent)).translate(_SUPERSCRIPTS)}"
+    return power if mantissa == "1" else f"{mantissa} × {power}"
+
+
+def marked(points: int, rank: int, ranks: int) -> list[int]:
+    """Which of `points` points carry a marker of line `rank` of `ranks`.
+
+    About four per line, evenly spread, and no point has markers of two lines while there are
+    points enough.
+    """
+    spacing = max(ranks, (points - 1) // 4)
+    offset = round(rank * spacing / ranks)
+    return list(range(offset, points, spacing))
 
 
 def csv_of(columns: Mapping[str, Sequence[float | str]]) -> str:
@@ -115,11 +221,3 @@ def csv_of(columns: Mapping[str, Sequence[float | str]]) -> str:
     writer.writerow(columns)
     writer.writerows(zip(*columns.values(), strict=True))
     return buffer.getvalue()
-
-
-def study_plot(study: Study) -> Figure:
-    """The plot of a study alone, with its data."""
-    # Families of studies are drawn in this style, so that they import this module.
-    from validation.report.families import alone, family_plot  # noqa: PLC0415
-
-    return family_plot(alone(study))

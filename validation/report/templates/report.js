@@ -38,5 +38,9 @@
     target?.scrollIntoView();
   };
   addEventListener("hashchange", reveal);
-  if (location.hash) reveal();
+  const finish = () => {
+    document.documentElement.classList.add("whole");
+    if (location.hash) reveal();
+  };
+  addEventListener("load", () => (self.requestIdleCallback ?? setTimeout)(finish));
 })();

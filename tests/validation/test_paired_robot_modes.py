@@ -1,0 +1,104 @@
+"""Solids and beams of one robot: their meshes, and what warping leaves to beams."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from fem.section_constants import section_constants
+from lumped.errors import InputError
+from lumped.legs import ConstantLeg, Material
+from lumped.robot_file import load_robot
+from lumped.sections import Circle, HollowRectangle, ISection, Rectangle
+from meshes.section_mesh import section_mesh
+from validation.case import Skip
+from validation.cases import robot_solid
+from validation.context import Context
+from validation.paired_robot_modes import (
+    beam_modes,
+    divisions_of,
+    paired,
+    torsional_stiffening,
+    warping_depth,
+)
+from validation.robot_solids import two_meshes
+
+STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
+IFW = load_robot("ifw")
+
+
+def leg(section, length=0.85):
+    return ConstantLeg(length, section, STEEL)
+
+
+def test_walls_have_finer_meshes_than_rectangles_and_half_of_them_to_compare():
+    legs = [leg(Rectangle(0.1, 0.16)), leg(HollowRectangle(0.1, 0.16, 0.01))]
+    assert divisions_of(legs, "standard") == ((2, 2), (3, 4))
+
+
+def test_warping_depth_of_a_thin_i_section_is_vlasovs():
+    """Γ = I_z h²/4 with h between the flanges' middles, J = Σ b t³/3 (thin walls)."""
+    section = ISection(width=0.1, height=0.204, flange=0.004, web=0.003)
+    constants = section_constants(section_mesh(section, 4), STEEL.nu)
+    flange = 0.004 * 0.1**3 / 12.0
+    warping = 2.0 * flange * 0.1**2
+    torsion = (2.0 * 0.1 * 0.004**3 + 0.196 * 0.003**3) / 3.0
+    expected = np.sqrt(STEEL.E * warping / (STEEL.G * torsion))
+    # Thin walls: fillets and the web count for a few percent of J.
+    assert warping_depth(leg(section), constants) == pytest.approx(expected, rel=0.03)
+
+
+def test_round_legs_do_not_warp_and_stiffening_goes_with_the_square_of_the_depth():
+    circle = leg(Circle(0.1))
+    constants = section_constants(section_mesh(circle.section, 8), STEEL.nu)
+    assert warping_depth(circle, constants) < 1e-3 * circle.length
+    # Half a wave on the leg's length, all energy in torsion: (π/10)²/2.
+    assert_allclose(
+        torsional_stiffening(0.1, 1.0, np.array([1.0, 0.5])), [0.0493480, 0.0246740], rtol=1e-5
+    )
+
+
+def test_close_modes_are_in_the_order_of_frequencies():
+    """At the right end of the stroke modes 6 and 7 are 2.8 % apart (segments)."""
+    segments = beam_modes(IFW.robot, "segments", (1, 1), 3)
+    swapped = replace(
+        segments,
+        frequencies=segments.frequencies[:, [0, 1, 2, 3, 4, 6, 5, *range(7, 12)]],
+    )
+    found = paired(IFW.robot, segments, swapped)
+    # Partners by shape, so that the wrong frequencies are seen where modes are alone …
+    assert found.found[0, 5] == pytest.approx(segments.frequencies[0, 6])
+    # … and put in order where they are close, whichever shape is whose.
+    assert found.close[-1, 5]
+    assert found.found[-1, 5] == pytest.approx(segments.frequencies[-1, 5])
+
+
+@pytest.mark.parametrize(
+    "section", [Circle(0.1), HollowRectangle(0.1, 0.16, 0.01), ISection(0.12, 0.2, 0.01, 0.008)]
+)
+def test_two_meshes_of_any_shape_with_free_ends_are_the_beam_of_their_constants(section):
+    found = two_meshes(leg(section), 900)
+    assert found.ratio == 2.0
+    assert_allclose(np.diag(found.fine.free), np.diag(found.fine.own), rtol=3e-4)
+    # Held faces take from torsion and bending, never add.
+    assert np.all(np.diag(found.fine.rigid) <= np.diag(found.fine.free) * (1.0 + 1e-9))
+
+
+def test_one_mesh_of_walls_is_refined_along_the_leg():
+    """A hollow rectangle of four divisions has 432 unknowns, of eight 1440."""
+    hollow = leg(HollowRectangle(0.1, 0.16, 0.01))
+    found = two_meshes(hollow, 900)
+    assert_allclose(found.coarse.own, found.fine.own, rtol=1e-12)
+    assert not np.array_equal(found.coarse.free, found.fine.free)
+    with pytest.raises(InputError, match="432 unknowns, more than 400"):
+        two_meshes(hollow, 400)
+
+
+def test_statics_of_walls_too_thin_for_the_preset_are_skipped_with_the_reason():
+    """2 mm walls of a 0.3 m side: elements of eight times their thickness at most."""
+    thin = leg(HollowRectangle(0.2, 0.3, 0.002))
+    robot_file = replace(IFW, robot=replace(IFW.robot, leg1=thin))
+    case = next(case for case in robot_solid.cases() if case.id.endswith("free.planar-x"))
+    with pytest.raises(Skip, match=r"hollow-rectangle: its coarsest section mesh has \d+ unknowns"):
+        case.compute(Context(robot_file, "quick"))

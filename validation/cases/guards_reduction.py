@@ -1,0 +1,252 @@
+"""Guards of legs reduced to their ends, on a short solid leg with both kinds of ends.
+
+It is small: what is guarded here is otherwise seen in expensive comparisons alone.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from fem import solid
+from fem.craig_bampton import craig_bampton
+from fem.end_coupling import rigid_ends
+from fem.free_superelement import held_free_leg
+from fem.leg_energies import DISTORTION, kind_energies
+from fem.solid import Ends
+from fem.superelement import held_leg
+from fem.superelement_checks import mass_properties, rigid_motions
+from lumped.arrays import Array
+from lumped.leg_matrices import LegMatrices
+from lumped.legs import ConstantLeg, Material
+from lumped.modes import dense, solve_modes
+from lumped.sections import Rectangle
+from lumped.segments import KINDS
+from meshes.hexahedra import hexahedra
+from validation.case import Absolute, Case, Measurement, Tolerance
+from validation.cases.guards import (
+    MODES,
+    SECTION,
+    scaled_difference,
+)
+from validation.context import Context
+from validation.robot_solids import full_mac
+
+# Unlike in both planes, contracting, with a shear modulus of its own: more than 400 unknowns, so
+# that modes are found by Lanczos, in a few hundredths of a second.
+_LEG = ConstantLeg(
+    0.6, Rectangle(0.08, 0.14), Material(E=2.1e11, G=0.7 * 2.1e11 / 2.6, nu=0.3, rho=7850.0)
+)
+_SLICES = 6
+_BOTH: tuple[Ends, ...] = ("rigid", "free")
+_REDUCED = "the same mesh without reduction (fem.solid)"
+
+
+@dataclass(frozen=True, eq=False)
+class ReducedSolid:
+    """The guards' leg before and after its reduction: `stiffness`, `mass` (r×r), root free.
+
+    Root clamped: `compliance` (6×6, SI), `frequencies` (Hz) and `mac` of their shapes on all
+    unknowns of the mesh; `full_…` without reduction. `moved` (3N×6) are the
+    displacements by the six rigid motions about the root, less these motions.
+    """
+
+    matrices: LegMatrices
+    compliance: Array
+    full_compliance: Array
+    frequencies: Array
+    full_frequencies: Array
+    mac: Array
+    moved: Array
+
+
+def cases() -> tuple[Case, ...]:
+    """All of them."""
+    return (
+        *(case for ends in _BOTH for case in _solid_cases(ends)),
+        _energies_case(),
+    )
+
+
+def guard_case(
+    identifier: str,
+    title: str,
+    quantity: str,
+    citation: str,
+    tolerance: Tolerance,
+    reason: str,
+    compute: Callable[[Context], Measurement],
+    unit: str = "1",
+) -> Case:
+    """A guard of the group that is the first word of its identifier."""
+    return Case(
+        id=f"guard.{identifier}",
+        title=title,
+        quantity=quantity,
+        unit=unit,
+        reference_kind="closed-form",
+        citation=citation,
+        tolerance=tolerance,
+        tolerance_reason=reason,
+        compute=compute,
+        section=SECTION,
+        group=f"guard.{identifier.partition('.')[0]}",
+        effort=0.05,
+    )
+
+
+def _solid_cases(ends: Ends) -> tuple[Case, ...]:
+    return (
+        guard_case(
+            f"reduction.compliance[{ends}]",
+            f"A reduced solid leg has the tip compliance of its mesh ({ends} ends)",
+            "largest difference of the 6×6 in units of √(c_ii c_jj)",
+            _REDUCED,
+            Absolute(1e-7),
+            "exact in theory: rounding, by the condition of a solid",
+            partial(_compliance, ends=ends),
+        ),
+        guard_case(
+            f"reduction.frequency[{ends}]",
+            f"A reduced solid leg, clamped at its root, has the frequencies of its mesh ({ends} "
+            "ends)",
+            f"largest relative difference of the first {MODES}",
+            _REDUCED,
+            Absolute(1e-4),
+            "the cut-off is chosen for 1e-4 at the highest frequency asked for",
+            partial(_frequencies, ends=ends),
+        ),
+        guard_case(
+            f"reduction.mac[{ends}]",
+            f"… and its shapes, recovered on all unknowns of the mesh ({ends} ends)",
+            f"smallest mass-weighted MAC of the first {MODES}",
+            _REDUCED,
+            Absolute(1e-4),
+            "shapes are right to the root of the frequencies' 1e-4",
+            partial(_mac, ends=ends),
+        ),
+        guard_case(
+            f"reduction.mass[{ends}]",
+            f"A reduced solid leg weighs what it did, about the same point ({ends} ends)",
+            "largest relative difference of mass, centre and moments of inertia",
+            "a homogeneous block: m, L/2, m (b² + h²)/12 …",
+            Absolute(1e-9),
+            "rigid motions are among those of the ends: rounding alone",
+            partial(_mass, ends=ends),
+        ),
+        guard_case(
+            f"reduction.rigid-motion[{ends}]",
+            f"A reduced solid leg whose ends move as one body moves as that body ({ends} ends)",
+            "largest difference of displacements on the mesh, rotations about the root by 1/L",
+            "u + φ × r",
+            Absolute(1e-7),
+            "constraint modes hold rigid motions exactly: rounding, by the condition of a solid",
+            partial(_rigid_motion, ends=ends),
+        ),
+    )
+
+
+def reduced_solid_leg(ends: Ends) -> ReducedSolid:
+    """The guards' leg, reduced and not."""
+    mesh = hexahedra(_LEG.section, _LEG.length, (1, 2), slices=_SLICES)
+    whole = solid.solid_leg(_LEG, mesh)
+    clamped = solid.clamped_leg(whole, ends)
+    held = held_free_leg(clamped) if ends == "free" else held_leg(solid.solid_leg_matrices(whole))
+    full = solid.modes(clamped, MODES)
+    reduced = craig_bampton(held, float(full.frequencies[-1]))
+    # Without the root's six unknowns the leg is clamped.
+    stiffness, mass = (
+        dense(matrix)[6:, 6:] for matrix in (reduced.matrices.stiffness, reduced.matrices.mass)
+    )
+    modes = solve_modes(stiffness, mass, MODES, "reduced leg")
+    unknowns = np.vstack([np.zeros((6, MODES)), modes.shapes])
+    rigid = reduced.recover(rigid_motions(reduced.matrices))
+    field = reduced.recover(unknowns)
+    if ends == "rigid":
+        onto_mesh = rigid_ends(mesh).transformation
+        rigid, field = np.asarray(onto_mesh @ rigid), np.asarray(onto_mesh @ field)
+    return ReducedSolid(
+        matrices=reduced.matrices,
+        compliance=np.asarray(np.linalg.inv(stiffness[:6, :6])),
+        full_compliance=solid.tip_compliance(clamped),
+        frequencies=modes.frequencies,
+        full_frequencies=full.frequencies,
+        mac=full_mac(whole.mass, full.shapes, field),
+        moved=rigid - _rigid_fields(mesh.nodes),
+    )
+
+
+def _rigid_fields(points: Array) -> Array:
+    """Displacements (3N×6) of points (N×3, m) by unit translations and rotations about 0."""
+    units = np.eye(3)
+    shifted = [np.tile(unit, len(points)) for unit in units]
+    turned = [np.cross(unit, points).ravel() for unit in units]
+    return np.column_stack([*shifted, *turned])
+
+
+def _compliance(context: Context, ends: Ends) -> Measurement:
+    found = context.get(reduced_solid_leg, ends)
+    return Measurement(scaled_difference(found.compliance, found.full_compliance), 0.0)
+
+
+def _frequencies(context: Context, ends: Ends) -> Measurement:
+    found = context.get(reduced_solid_leg, ends)
+    return Measurement(float(np.abs(found.frequencies / found.full_frequencies - 1.0).max()), 0.0)
+
+
+def _mac(context: Context, ends: Ends) -> Measurement:
+    return Measurement(float(context.get(reduced_solid_leg, ends).mac.min()), 1.0)
+
+
+def _mass(context: Context, ends: Ends) -> Measurement:
+    leg = context.get(reduced_solid_leg, ends).matrices
+    found = mass_properties(leg, rigid_motions(leg))
+    b, h, l = _LEG.section.extent[0], _LEG.section.extent[1], _LEG.length
+    mass = _LEG.material.rho * b * h * l
+    inertia = mass / 12.0 * np.diag([b**2 + h**2, l**2 + h**2, l**2 + b**2])
+    worst = max(
+        abs(found.mass / mass - 1.0),
+        float(np.abs(found.centre / l - np.array([0.5, 0.0, 0.0])).max()),
+        float(np.abs(found.inertia - inertia).max() / inertia.max()),
+    )
+    return Measurement(worst, 0.0)
+
+
+def _rigid_motion(context: Context, ends: Ends) -> Measurement:
+    moved = context.get(reduced_solid_leg, ends).moved
+    scale = np.array([1.0, 1.0, 1.0, *[1.0 / _LEG.length] * 3])
+    return Measurement(float(np.abs(moved * scale).max()), 0.0)
+
+
+def _energies_case() -> Case:
+    return guard_case(
+        "reduction.energies",
+        "A solid leg under one resultant has the energy of that kind alone",
+        "largest part of the strain energy that is in another kind",
+        "Clapeyron: Saint-Venant's exact solution is tension, torsion or bending and no more",
+        Absolute(0.005),
+        "so coarse a mesh leaves 5e-4 to the distortion of the section: ten times that",
+        _energies,
+    )
+
+
+def loaded_solid_energies() -> dict[str, Array]:
+    """Strain energies (J, six values) by kind under unit wrenches at the tip, free ends."""
+    mesh = hexahedra(_LEG.section, _LEG.length, (2, 4), slices=_SLICES)
+    whole = solid.solid_leg(_LEG, mesh)
+    clamped = solid.clamped_leg(whole, "free")
+    fields = clamped.ends.expanded(clamped.factor.solve(clamped.ends.tip_loads()))
+    return kind_energies(whole, np.asarray(fields))
+
+
+def _energies(context: Context) -> Measurement:
+    found = context.get(loaded_solid_energies)
+    total = np.sum(list(found.values()), axis=0)
+    own = {load: kind for kind, loads in KINDS.items() for load in loads}
+    shares = [found[own[load]][load] / total[load] for load in range(6)]
+    return Measurement(
+        float(1.0 - min(shares)),
+        0.0,
+        notes=(f"distortion of the section {np.max(found[DISTORTION] / total):.2g} at most",),
+    )

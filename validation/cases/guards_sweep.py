@@ -1,0 +1,118 @@
+"""Guards of sweeps and of the sparse robot: with beams for legs both are the frame of beams."""
+
+from functools import partial
+
+import numpy as np
+
+from fem import robot_solid
+from fem.craig_bampton import craig_bampton
+from fem.frame import modes as frame_modes
+from fem.superelement import held_leg
+from fem.sweep import posture_model, solve_posture
+from lumped import mechanism
+from lumped.arrays import Array
+from lumped.biglide import Biglide
+from lumped.leg_matrices import LegMatrices
+from lumped.legs import equivalent_leg
+from validation.case import Absolute, Case, Measurement, Tolerance
+from validation.cases.guards import (
+    ELEMENTS,
+    MODES,
+    VARIANTS,
+    frame_compliance,
+    guarded_posture,
+    robot_frame,
+    scaled_difference,
+)
+from validation.cases.guards_reduction import guard_case
+from validation.context import Context
+from validation.models import ModelOptions, leg_matrices
+
+_SWEPT_VARIANTS = ("as it is", "tool offset")
+
+
+def cases() -> tuple[Case, ...]:
+    """Compliance and frequencies by both ways, with and without a tool offset."""
+    frame = "the same robot as a frame of Timoshenko beams, placed by coordinates (fem.frame)"
+    reduced = (
+        f"largest relative difference of the first {MODES}",
+        frame,
+        Absolute(1e-4),
+        "the cut-off of the reduced legs is chosen for 1e-4; the same elements otherwise",
+    )
+    rounding = (
+        "largest difference of the 6×6 in units of √(c_ii c_jj)",
+        frame,
+        Absolute(1e-7),
+        "one statics and one set of elements: rounding, grown by the condition of slender legs",
+    )
+    ways: dict[str, tuple[str, Tolerance, str]] = {
+        "swept": ("A posture of a sweep", *reduced[2:]),
+        "sparse": (
+            "The sparse solution of the unreduced robot",
+            Absolute(1e-7),
+            "the same elements: rounding and the convergence of Lanczos",
+        ),
+    }
+    return tuple(
+        case
+        for way, (title, tolerance, reason) in ways.items()
+        for name in _SWEPT_VARIANTS
+        for case in (
+            guard_case(
+                f"sweep.{way}.compliance[{name}]",
+                f"{title} has the compliance of a frame of beams ({name})",
+                *rounding,
+                partial(_robot_compliance, way=way, name=name),
+            ),
+            guard_case(
+                f"sweep.{way}.frequency[{name}]",
+                f"{title} has the first frequencies of a frame of beams ({name})",
+                reduced[0],
+                frame,
+                tolerance,
+                reason,
+                partial(_robot_frequencies, way=way, name=name),
+            ),
+        )
+    )
+
+
+def _beam_legs(robot: Biglide) -> tuple[LegMatrices, LegMatrices]:
+    leg1, leg2 = (
+        leg_matrices("beam", equivalent_leg(leg), ModelOptions(elements=ELEMENTS))
+        for leg in (robot.leg1, robot.leg2)
+    )
+    return leg1, leg2
+
+
+def swept(robot: Biglide) -> tuple[Array, Array]:
+    """Compliance (6×6, SI) and frequencies (Hz) in the guards' posture, by a sweep."""
+    highest = float(frame_modes(robot_frame(robot), MODES).frequencies[-1])
+    leg1, leg2 = (craig_bampton(held_leg(leg), highest).matrices for leg in _beam_legs(robot))
+    solved = solve_posture(posture_model(robot, leg1, leg2), guarded_posture(robot), MODES)
+    return solved.compliance, solved.modes.frequencies
+
+
+def sparse(robot: Biglide) -> tuple[Array, Array]:
+    """The same of the unreduced robot by its sparse factor."""
+    whole = mechanism.assemble(robot, guarded_posture(robot), *_beam_legs(robot))
+    factorised = robot_solid.factorised_robot(whole)
+    return robot_solid.compliance(factorised), robot_solid.modes(factorised, MODES).frequencies
+
+
+_WAYS = {"swept": swept, "sparse": sparse}
+
+
+def _robot_compliance(context: Context, way: str, name: str) -> Measurement:
+    robot = VARIANTS[name](context.robot)
+    found, _ = context.get(_WAYS[way], robot)
+    frame = context.get(robot_frame, robot)
+    return Measurement(scaled_difference(found, frame_compliance(frame)), 0.0)
+
+
+def _robot_frequencies(context: Context, way: str, name: str) -> Measurement:
+    robot = VARIANTS[name](context.robot)
+    _, found = context.get(_WAYS[way], robot)
+    reference = frame_modes(context.get(robot_frame, robot), MODES).frequencies
+    return Measurement(float(np.abs(found / reference - 1.0).max()), 0.0)

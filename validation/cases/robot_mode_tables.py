@@ -1,0 +1,52 @@
+"""Tables and curves of the modes of solid robots beside those of segments or beams."""
+
+from validation.exhibits import Study
+from validation.paired_robot_modes import PAIRED, PairedModes
+
+
+def mac_table(found: PairedModes, reference: str) -> dict[str, tuple[float | str, ...]]:
+    """Every mode at every posture with its partner."""
+    pairs = [(p, k) for p in range(len(found.x)) for k in range(PAIRED)]
+    return {
+        "x (m)": tuple(float(found.x[p]) for p, _ in pairs),
+        "mode": tuple(float(k + 1) for _, k in pairs),
+        f"{reference} (Hz)": tuple(float(found.reference[pair]) for pair in pairs),
+        "partner": tuple(float(found.partner[pair] + 1) for pair in pairs),
+        "solid (Hz)": tuple(float(found.found[pair]) for pair in pairs),
+        "MAC": tuple(float(found.mac[pair]) for pair in pairs),
+        "crossing": tuple("yes" if found.close[pair] else "" for pair in pairs),
+        "MAC as a space": tuple(float(found.shared[pair]) for pair in pairs),
+    }
+
+
+def mac_study(found: PairedModes, reference: str) -> Study:
+    """MAC of paired modes over the stroke."""
+    return Study(
+        id="robot.solid.mac",
+        kind="sweep",
+        title=f"Shapes of the solid robot and of {reference}",
+        x_label="x (m)",
+        y_label="MAC of paired modes",
+        unit="1",
+        x=tuple(found.x.tolist()),
+        series={f"mode {k + 1}": tuple(found.mac[:, k].tolist()) for k in range(PAIRED)},
+        notes=("At a crossing two close modes mix: there only the space they span compares.",),
+    )
+
+
+def frequency_study(found: PairedModes, count: int) -> Study:
+    """The first `count` frequencies over the stroke."""
+    return Study(
+        id="robot.solid.frequencies",
+        kind="sweep",
+        title="First frequencies of the solid robot and of segments, paired by shape",
+        x_label="x (m)",
+        y_label="natural frequency",
+        unit="Hz",
+        x=tuple(found.x.tolist()),
+        series={
+            f"{model}, mode {k + 1}": tuple(values[:, k].tolist())
+            for k in range(count)
+            for model, values in (("segments", found.reference), ("solid", found.found))
+        },
+    )

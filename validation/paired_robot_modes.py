@@ -1,0 +1,240 @@
+"""Modes of one robot by several models of its legs, and which of them belong together.
+
+The shapes of all models are sampled alike, on the platform and on section points of both legs.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+import numpy as np
+
+from fem.beam import beam_leg
+from fem.section_constants import SectionConstants, beam_properties, section_constants
+from fem.solid import Ends
+from lumped import mechanism
+from lumped.arrays import Array, IntArray
+from lumped.biglide import Biglide, with_equivalent_legs
+from lumped.leg_matrices import LegMatrices
+from lumped.legs import BeamProperties, ConstantLeg, equivalent_leg
+from lumped.mechanism import Mechanism
+from lumped.sections import Rectangle
+from lumped.segments import segment_chain, segment_leg
+from meshes.section_mesh import section_mesh
+from validation.context import Preset
+from validation.mode_pairing import (
+    centreline_samples,
+    centreline_weights,
+    largest_angle,
+    pair_modes,
+)
+from validation.models import highest_frequency
+from validation.quantities import strain_shares
+from validation.robot_solids import reduced_solid
+
+BeamKind: TypeAlias = Literal["segments", "beam", "own beam"]
+# Divisions of the section of leg 1 and of leg 2.
+LegDivisions: TypeAlias = tuple[int, int]
+
+# Divisions of rectangles; the next coarser ones give the numerical uncertainty. Up to four, walls
+# have one element across: half of that shows what the length of elements does, and what the section
+# mesh leaves out it leaves out of the constants alike.
+DIVISIONS: dict[Preset, int] = {"quick": 2, "standard": 3, "fine": 4}
+WALL_DIVISIONS: dict[Preset, int] = {"quick": 2, "standard": 4, "fine": 8}
+# Twice as many modes are offered as partners, so that none is missing where orders differ.
+PAIRED, OFFERED = 6, 12
+# Modes of one model closer than this (relative) are compared as a space: the models' difference of
+# up to 1 % turns shapes that are 5 % apart by up to a fifth of a radian, 0.96 in MAC.
+CLOSE = 0.05
+ELEMENTS = 20
+_STATIONS = 24
+
+
+@dataclass(frozen=True)
+class SampledModes:
+    """The first `OFFERED` modes (m) of one model at p positions `x` (m).
+
+    `frequencies` (Hz, p×m) and `samples` (p×k×m, SI) of the shapes: displacement of the platform's
+    mass and twists of both legs' sections at common points. `torsion` (p×m×2): share of the strain
+    energy in the torsion of each leg, zero for solids.
+    """
+
+    x: Array
+    frequencies: Array
+    samples: Array
+    torsion: Array
+
+
+@dataclass(frozen=True)
+class PairedModes:
+    """The first modes (k) of a reference at p positions `x` (m) with partners in another model.
+
+    Frequencies (Hz) `reference` and `found`, `partner` (number from 0) and `mac`, all p×k. `close`
+    tells which modes have a neighbour within `CLOSE`, `shared` is cos² of the largest angle between
+    the spaces of a mode and its close neighbours in both models. Which of two close modes is whose
+    partner is an accident of how they mix: there `found` is in the order of frequencies.
+    """
+
+    x: Array
+    reference: Array
+    found: Array
+    partner: IntArray
+    mac: Array
+    close: Array
+    shared: Array
+
+
+def divisions_of(legs: Sequence[ConstantLeg], preset: Preset) -> tuple[LegDivisions, LegDivisions]:
+    """Coarser and finer divisions of both legs."""
+    fine = [
+        (DIVISIONS if isinstance(leg.section, Rectangle) else WALL_DIVISIONS)[preset]
+        for leg in legs
+    ]
+    coarse = [
+        number - 1 if isinstance(leg.section, Rectangle) else number // 2
+        for leg, number in zip(legs, fine, strict=True)
+    ]
+    return (coarse[0], coarse[1]), (fine[0], fine[1])
+
+
+def paired_modes(robot: Biglide, divisions: LegDivisions, ends: Ends, postures: int) -> PairedModes:
+    """Segments with their partners among solids, paired by shape."""
+    return paired(
+        robot,
+        beam_modes(robot, "segments", divisions, postures),
+        solid_modes(robot, divisions, ends, postures),
+    )
+
+
+def beam_modes(
+    robot: Biglide, kind: BeamKind, divisions: LegDivisions, postures: int
+) -> SampledModes:
+    """Modes of the robot in segments or beams of textbook constants, or in beams of its own.
+
+    The own constants are those of the solids' section meshes with `divisions`.
+    """
+    leg1, leg2 = (
+        _beam(leg, kind, number)
+        for leg, number in zip(_constant_legs(robot), divisions, strict=True)
+    )
+    return _sampled_modes(robot, (leg1, leg2), postures)
+
+
+def solid_modes(robot: Biglide, divisions: LegDivisions, ends: Ends, postures: int) -> SampledModes:
+    """Modes of the robot with solid legs of so many divisions, reduced to their ends."""
+    member = with_equivalent_legs(robot)
+    places = (member.stroke[0], member.centre, member.stroke[1])
+    highest = max(highest_frequency(member, at, OFFERED) for at in places)
+    leg1, leg2 = (
+        reduced_solid(leg, number, ends, highest).matrices
+        for leg, number in zip(_constant_legs(robot), divisions, strict=True)
+    )
+    return _sampled_modes(robot, (leg1, leg2), postures)
+
+
+def _constant_legs(robot: Biglide) -> tuple[ConstantLeg, ConstantLeg]:
+    return equivalent_leg(robot.leg1), equivalent_leg(robot.leg2)
+
+
+def _beam(leg: ConstantLeg, kind: BeamKind, divisions: int) -> LegMatrices:
+    if kind == "segments":
+        return segment_leg(segment_chain(leg.timoshenko, leg.length, ELEMENTS))
+    properties = _own_beam(leg, divisions) if kind == "own beam" else leg.timoshenko
+    return beam_leg(properties, leg.length, ELEMENTS)
+
+
+def _own_beam(leg: ConstantLeg, divisions: int) -> BeamProperties:
+    """Timoshenko beam of the constants of the very section mesh that the solid has."""
+    material = leg.material
+    mesh = section_mesh(leg.section, divisions)
+    return beam_properties(section_constants(mesh, material.nu, material.G / material.E), material)
+
+
+def _sampled_modes(
+    robot: Biglide, legs: tuple[LegMatrices, LegMatrices], postures: int
+) -> SampledModes:
+    member = with_equivalent_legs(robot)
+    x = member.stations(postures)
+    frequencies, samples, torsion = [], [], []
+    for at in x.tolist():
+        whole = mechanism.assemble(member, at, *legs)
+        modes = mechanism.modes(whole, OFFERED)
+        shares = strain_shares(whole, legs, modes.shapes)
+        nothing = np.zeros(OFFERED)
+        frequencies.append(modes.frequencies)
+        samples.append(_sampled(whole, legs, modes.shapes))
+        torsion.append(np.column_stack([shares.get(f"leg {n} torsion", nothing) for n in (1, 2)]))
+    return SampledModes(x, np.array(frequencies), np.array(samples), np.array(torsion))
+
+
+def paired(robot: Biglide, reference: SampledModes, other: SampledModes) -> PairedModes:
+    """Each mode of the reference with its partner by shape in another model of the robot."""
+    weights = _weights(robot)
+    rows = [
+        _pair(weights, *of_posture)
+        for of_posture in zip(
+            reference.frequencies, reference.samples, other.frequencies, other.samples, strict=True
+        )
+    ]
+    found, partner, mac, close, shared = (np.array(column) for column in zip(*rows, strict=True))
+    return PairedModes(
+        reference.x, reference.frequencies[:, :PAIRED], found, partner, mac, close, shared
+    )
+
+
+def _pair(
+    weights: Array, frequencies: Array, samples: Array, others: Array, other_samples: Array
+) -> tuple[Array, IntArray, Array, Array, Array]:
+    pairing = pair_modes(samples, other_samples, weights)
+    found = others[pairing.partner]
+    close, shared = np.zeros(PAIRED, dtype=bool), pairing.mac[:PAIRED].copy()
+    for mode in range(PAIRED):
+        family = _neighbours(frequencies, mode)
+        if len(family) > 1:
+            close[mode] = True
+            partners = pairing.partner[family]
+            angle = largest_angle(samples[:, family], other_samples[:, partners], weights)
+            shared[mode] = np.cos(angle) ** 2
+            found[family] = np.sort(others[partners])
+    return found[:PAIRED], pairing.partner[:PAIRED], pairing.mac[:PAIRED], close, shared
+
+
+def _neighbours(frequencies: Array, mode: int) -> IntArray:
+    """Modes that follow on each other within `CLOSE`, among them `mode`."""
+    apart = np.diff(frequencies) > CLOSE * frequencies[:-1]
+    family = np.concatenate([[0], np.cumsum(apart)])
+    return np.flatnonzero(family == family[mode])
+
+
+def _sampled(whole: Mechanism, legs: tuple[LegMatrices, LegMatrices], shapes: Array) -> Array:
+    """Displacement of the platform's mass, and twists of both legs' sections (k×m, SI)."""
+    rows = [(whole.loaded @ shapes)[:3]]
+    for to_leg, leg in zip(whole.legs, legs, strict=True):
+        stations, _ = centreline_samples(leg.length, _STATIONS)
+        rows.append(leg.centreline(stations) @ (to_leg @ shapes))
+    return np.vstack(rows)
+
+
+def _weights(robot: Biglide) -> Array:
+    """Masses (k) of what `_sampled` gives."""
+    masses = [np.full(3, robot.platform_mass)]
+    for leg in (equivalent_leg(robot.leg1), equivalent_leg(robot.leg2)):
+        _, lengths = centreline_samples(leg.length, _STATIONS)
+        masses.append(centreline_weights(leg.timoshenko, lengths))
+    return np.concatenate(masses)
+
+
+def warping_depth(leg: ConstantLeg, constants: SectionConstants) -> float:
+    """√(EΓ/GJ) (m), over which warping decays along a leg that is held against it (Vlasov)."""
+    torsion = leg.material.G * constants.torsion_constant
+    return float(np.sqrt(leg.material.E * constants.warping_constant / torsion))
+
+
+def torsional_stiffening(depth: float, length: float, shares: Array) -> Array:
+    """Relative rise of frequencies by warping along a leg, ends free to warp.
+
+    A twist θ ~ sin kx of at most half a wave per leg, k = π/`length`, has the stiffness EΓk² of
+    warping beside GJ (Vlasov), (k · `depth`)². It counts by the `shares` that the leg's torsion has
+    in the strain energies, and for half in the frequency.
+    """
+    return np.asarray(0.5 * shares * (np.pi * depth / length) ** 2)

@@ -1,0 +1,92 @@
+"""The robot's deflections over its stroke by solid legs, and by virtual joints of those legs."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem.solid import Ends
+from lumped import mechanism, vjm
+from lumped.arrays import Array
+from lumped.biglide import Biglide, with_equivalent_legs
+from lumped.legs import ConstantLeg, equivalent_leg, tip_compliance
+from validation.leg_solids import step_factor
+from validation.quantities import Deflections, deflections_of
+from validation.robot_solids import TipCompliances, static_solid, two_meshes
+
+POSTURES = 9
+
+
+@dataclass(frozen=True)
+class StrokeStatics:
+    """Deflections (µm) at the positions `x` (m) over the stroke.
+
+    `rigid`, `free`: solid legs by their ends, `own`: virtual joints with legs of the constants of
+    their section meshes, each on the coarser and on the finer mesh. `textbook`: virtual joints with
+    legs of textbook constants; `torsion`: these but for c44, which is that of the rigid-faced
+    solid. `factor`: uncertainty over the step between both meshes.
+    """
+
+    x: Array
+    rigid: tuple[Deflections, Deflections]
+    free: tuple[Deflections, Deflections]
+    own: tuple[Deflections, Deflections]
+    textbook: Deflections
+    torsion: Deflections
+    factor: float
+
+
+def stroke_statics(robot: Biglide, most: int) -> StrokeStatics:
+    """All curves; section meshes have at most `most` unknowns, InputError where they cannot."""
+    member = with_equivalent_legs(robot)
+    legs = equivalent_leg(member.leg1), equivalent_leg(member.leg2)
+    meshes = two_meshes(legs[0], most), two_meshes(legs[1], most)
+    both = [(meshes[0].coarse, meshes[1].coarse), (meshes[0].fine, meshes[1].fine)]
+    textbook = [tip_compliance(leg.timoshenko, leg.length) for leg in legs]
+    torsion = [
+        _with_torsion(springs, mesh.fine.rigid)
+        for springs, mesh in zip(textbook, meshes, strict=True)
+    ]
+    x = member.stations(POSTURES)
+    rigid, free = (
+        [_solid_deflections(member, x, legs, pair, ends) for pair in both]
+        for ends in ("rigid", "free")
+    )
+    own = [_vjm_deflections(member, x, (first.own, second.own)) for first, second in both]
+    return StrokeStatics(
+        x=x,
+        rigid=(rigid[0], rigid[1]),
+        free=(free[0], free[1]),
+        own=(own[0], own[1]),
+        textbook=_vjm_deflections(member, x, (textbook[0], textbook[1])),
+        torsion=_vjm_deflections(member, x, (torsion[0], torsion[1])),
+        # One of the legs may be refined by less than the other: its factor holds for both.
+        factor=max(step_factor(mesh.ratio) for mesh in meshes),
+    )
+
+
+def _with_torsion(springs: Array, source: Array) -> Array:
+    changed = springs.copy()
+    changed[3, 3] = source[3, 3]
+    return changed
+
+
+def _solid_deflections(
+    robot: Biglide,
+    x: Array,
+    legs: tuple[ConstantLeg, ConstantLeg],
+    compliances: tuple[TipCompliances, TipCompliances],
+    ends: Ends,
+) -> Deflections:
+    leg1, leg2 = (
+        static_solid(leg, found.rigid if ends == "rigid" else found.free, ends)
+        for leg, found in zip(legs, compliances, strict=True)
+    )
+    return deflections_of(
+        np.array(
+            [mechanism.compliance(mechanism.assemble(robot, at, leg1, leg2)) for at in x.tolist()]
+        )
+    )
+
+
+def _vjm_deflections(robot: Biglide, x: Array, springs: tuple[Array, Array]) -> Deflections:
+    return deflections_of(np.array([vjm.compliance(robot, at, springs) for at in x.tolist()]))
