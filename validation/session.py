@@ -1,12 +1,13 @@
 """A run from start to end: choose the cases, compute them, keep and publish what comes out."""
 
-import json
 import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from time import perf_counter
 from typing import Any
+
+import msgspec
 
 from lumped.audit import audit
 from lumped.finding import Finding
@@ -139,7 +140,8 @@ class Results:
         content = results(header, comparisons(self.in_order()), self.drifts)
         if self.power:
             content["faults"] = self.power.records()
-        return json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+        # Written after every case: Python's own encoder would take longer than the cases.
+        return msgspec.json.format(msgspec.json.encode(content), indent=1).decode() + "\n"
 
 
 def validate(request: Request, catalogue: Catalogue) -> Results:
