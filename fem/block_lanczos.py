@@ -27,6 +27,8 @@ _RESIDUAL_BEYOND = 1e-2
 CLUSTER = 1e-4
 # A direction that loses this part of its squared length to those before it is rounding error.
 _DEPENDENT = 1e-20
+# Squared lengths this near to one: what the pass removed was below the square root of rounding.
+_ORTHONORMAL = 1e-8
 
 
 @dataclass(frozen=True)
@@ -68,18 +70,28 @@ def merged(first: Ritz, second: Ritz) -> Ritz:
     )
 
 
-def _orthonormal(block: Array, basis: Array, M: SparseMatrix | LinearOperator) -> Array:
-    """The part of `block` M-orthogonal to `basis`, M-orthonormal; dependent directions dropped."""
-    size = np.einsum("ij,ij->j", block, M @ block)
-    block = block[:, size > 0.0] / np.sqrt(size[size > 0.0])
-    # Once more: the first pass leaves rounding errors of the size of what it removed.
+def _orthonormal(
+    block: Array, weighted: Array, basis: Array, M: SparseMatrix | LinearOperator
+) -> tuple[Array, Array]:
+    """The part of `block` M-orthogonal to `basis`, M-orthonormal, and M times it.
+
+    `weighted` is M times `block`. Dependent directions are dropped.
+    """
+    size = np.einsum("ij,ij->j", block, weighted)
+    block, weighted = (a[:, size > 0.0] / np.sqrt(size[size > 0.0]) for a in (block, weighted))
+    # Again: a pass leaves rounding errors of the size of what it removed. Where it found the block
+    # orthonormal, it had nothing to remove.
     for _ in range(3):
-        block = block - basis @ (basis.T @ (M @ block))
-        gram = block.T @ (M @ block)
+        block = block - basis @ (basis.T @ weighted)
+        weighted = M @ block
+        gram = block.T @ weighted
         squares, directions = eigh((gram + gram.T) / 2.0)
         kept = squares > _DEPENDENT
-        block = block @ (directions[:, kept] / np.sqrt(squares[kept]))
-    return np.asarray(block)
+        scaled = directions[:, kept] / np.sqrt(squares[kept])
+        block, weighted = block @ scaled, weighted @ scaled
+        if np.all(np.abs(squares - 1.0) < _ORTHONORMAL):
+            break
+    return np.asarray(block), np.asarray(weighted)
 
 
 def _last_wanted(values: Array, count: int) -> int:
@@ -107,14 +119,15 @@ def block_lanczos(
     first = told.shape[1]
     everything = np.empty((len(start), first + limit), order="F")
     everything[:, :first] = told
-    block = _orthonormal(factor.solve(M @ start), told, M)
+    block = factor.solve(M @ start)
+    block, weighted_block = _orthonormal(block, M @ block, told, M)
     width = block.shape[1]
     everything[:, first : first + width] = block
     solves, projected = start.shape[1], np.zeros((0, 0))
     leak = np.zeros((told.shape[1], 0))
     while True:
         basis = everything[:, first : first + width]
-        image = factor.solve(M @ block)
+        image = factor.solve(weighted_block)
         weighted = M @ image
         solves += block.shape[1]
         column = basis.T @ weighted
@@ -123,7 +136,9 @@ def block_lanczos(
         projected = np.block(
             [[projected, column[:previous]], [column[:previous].T, column[previous:]]]
         )
-        following = _orthonormal(image, everything[:, : first + width], M)
+        following, weighted_following = _orthonormal(
+            image, weighted, everything[:, : first + width], M
+        )
         coefficients = following.T @ weighted
         theta, s = eigh((projected + projected.T) / 2.0)
         theta, s = theta[::-1], s[:, ::-1]
@@ -157,5 +172,6 @@ def block_lanczos(
                 f"{part}: {converged} of {count} modes converged in {solves} solves; "
                 "fewer modes or a finer mesh are needed"
             )
-        block, width = following, width + following.shape[1]
+        block, weighted_block = following, weighted_following
+        width += block.shape[1]
         everything[:, first + width - block.shape[1] : first + width] = block

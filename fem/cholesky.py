@@ -74,7 +74,7 @@ class Symbolic:
     factor_entries: int
     flops: float
     peak_bytes: int
-    # The analysed factor: taken by the first factorisation, made anew for every later one.
+    # The analysed factor and its matrix: taken by the first factorisation, made anew by later ones.
     unused: deque[Any] = field(repr=False)
 
 
@@ -245,7 +245,7 @@ def analyse(
         factor_entries=counts.entries,
         flops=counts.flops,
         peak_bytes=_peak_bytes(counts, triangle.nnz),
-        unused=deque([factor]),
+        unused=deque([(factor, template)]),
     )
 
 
@@ -263,11 +263,13 @@ def factorise(symbolic: Symbolic, matrix: SparseMatrix, part: str = "stiffness m
         from fem import pardiso  # noqa: PLC0415  the extra is optional
 
         return pardiso.factorise(symbolic, values, part)
-    template = _cvxopt_matrix(symbolic.pointers, symbolic.columns, values)
     try:
-        handle = symbolic.unused.pop()
+        handle, template = symbolic.unused.pop()
     except IndexError:
+        template = _cvxopt_matrix(symbolic.pointers, symbolic.columns, values)
         handle = cholmod.symbolic(template, cvxopt_matrix(symbolic.order))
+    else:
+        template.V = cvxopt_matrix(np.ascontiguousarray(values))
     diagonal = triangle.diagonal()
     del triangle, values
     cause = (

@@ -93,7 +93,7 @@ class RigidEnds:
     def _reduced(self, matrix: SparseMatrix, ends: SparseMatrix) -> SparseMatrix:
         # Only the few columns of the ends are multiplied; the interior, nearly all of the matrix,
         # is copied once.
-        inner = unknowns(self.interior)
+        inner = unknowns(self.interior).astype(matrix.indices.dtype)
         product = csr_array(matrix @ ends)
         own = ends.T @ product
         coupling = product[inner]
@@ -110,7 +110,9 @@ class RigidEnds:
         motion[: len(self.root_motion), :6] = self.root_motion
         motion[len(self.root_motion) :, 6:] = self.tip_motion
         row, column = np.nonzero(motion)
-        return csc_array((motion[row, column], (rows[row], column)), shape=(size, 12))
+        # Indices as narrow as the matrices': scipy widens what they are multiplied with.
+        places = rows[row].astype(np.int32), column.astype(np.int32)
+        return csc_array((motion[row, column], places), shape=(size, 12))
 
     def _interior_transformation(self) -> SparseMatrix:
         inner = unknowns(self.interior)
