@@ -8,12 +8,13 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fem.beam import beam_leg
-from fem.section_constants import SectionConstants, beam_properties, section_constants
+from fem.section_constants import beam_properties, section_constants
 from fem.solid import Ends
 from lumped import mechanism
-from lumped.arrays import Array, IntArray
+from lumped.arrays import Array, IntArray, SparseMatrix
 from lumped.biglide import Biglide, with_equivalent_legs
 from lumped.leg_matrices import LegMatrices
 from lumped.legs import BeamProperties, ConstantLeg, equivalent_leg
@@ -29,9 +30,9 @@ from validation.mode_pairing import (
     pair_modes,
 )
 from validation.models import highest_frequency
-from validation.quantities import strain_shares
 from validation.robot_solids import reduced_solid
 
+BoolArray: TypeAlias = NDArray[np.bool_]
 BeamKind: TypeAlias = Literal["segments", "beam", "own beam"]
 # Divisions of the section of leg 1 and of leg 2.
 LegDivisions: TypeAlias = tuple[int, int]
@@ -55,8 +56,9 @@ class SampledModes:
     """The first `OFFERED` modes (m) of one model at p positions `x` (m).
 
     `frequencies` (Hz, p×m) and `samples` (p×k×m, SI) of the shapes: displacement of the platform's
-    mass and twists of both legs' sections at common points. `torsion` (p×m×2): share of the strain
-    energy in the torsion of each leg, zero for solids.
+    mass and twists of both legs' sections at common points. `torsion` (p×2×m×m, rad²/s²): share of
+    each leg's torsion in the modal stiffness, coupling included, zero for solids and for segments
+    whose joint couples torsion with bending.
     """
 
     x: Array
@@ -72,7 +74,8 @@ class PairedModes:
     Frequencies (Hz) `reference` and `found`, `partner` (number from 0) and `mac`, all p×k. `close`
     tells which modes have a neighbour within `CLOSE`, `shared` is cos² of the largest angle between
     the spaces of a mode and its close neighbours in both models. Which of two close modes is whose
-    partner is an accident of how they mix: there `found` is in the order of frequencies.
+    partner is an accident of how they mix: there `found` is in the order of frequencies, and
+    `difference`, relative to `reference`, is the largest among the neighbours.
     """
 
     x: Array
@@ -80,8 +83,9 @@ class PairedModes:
     found: Array
     partner: IntArray
     mac: Array
-    close: Array
+    close: BoolArray
     shared: Array
+    difference: Array
 
 
 def divisions_of(legs: Sequence[ConstantLeg], preset: Preset) -> tuple[LegDivisions, LegDivisions]:
@@ -159,12 +163,19 @@ def _sampled_modes(
     for at in x.tolist():
         whole = mechanism.assemble(member, at, *legs)
         modes = mechanism.modes(whole, OFFERED)
-        shares = strain_shares(whole, legs, modes.shapes)
-        nothing = np.zeros(OFFERED)
         frequencies.append(modes.frequencies)
         samples.append(_sampled(whole, legs, modes.shapes))
-        torsion.append(np.column_stack([shares.get(f"leg {n} torsion", nothing) for n in (1, 2)]))
+        torsion.append(
+            [_in_torsion(*of_leg, modes.shapes) for of_leg in zip(whole.legs, legs, strict=True)]
+        )
     return SampledModes(x, np.array(frequencies), np.array(samples), np.array(torsion))
+
+
+def _in_torsion(to_leg: SparseMatrix, leg: LegMatrices, shapes: Array) -> Array:
+    own = to_leg @ shapes
+    part = leg.parts.get("torsion")
+    size = shapes.shape[1]
+    return np.zeros((size, size)) if part is None else np.asarray(own.T @ (part @ own))
 
 
 def paired(robot: Biglide, reference: SampledModes, other: SampledModes) -> PairedModes:
@@ -176,18 +187,20 @@ def paired(robot: Biglide, reference: SampledModes, other: SampledModes) -> Pair
             reference.frequencies, reference.samples, other.frequencies, other.samples, strict=True
         )
     ]
-    found, partner, mac, close, shared = (np.array(column) for column in zip(*rows, strict=True))
-    return PairedModes(
-        reference.x, reference.frequencies[:, :PAIRED], found, partner, mac, close, shared
+    found, partner, mac, close, shared, difference = (
+        np.array(column) for column in zip(*rows, strict=True)
     )
+    first = reference.frequencies[:, :PAIRED]
+    return PairedModes(reference.x, first, found, partner, mac, close, shared, difference)
 
 
 def _pair(
     weights: Array, frequencies: Array, samples: Array, others: Array, other_samples: Array
-) -> tuple[Array, IntArray, Array, Array, Array]:
+) -> tuple[Array, IntArray, Array, BoolArray, Array, Array]:
     pairing = pair_modes(samples, other_samples, weights)
-    found = others[pairing.partner]
-    close, shared = np.zeros(PAIRED, dtype=bool), pairing.mac[:PAIRED].copy()
+    found, first = others[pairing.partner], slice(PAIRED)
+    close, shared = np.zeros(PAIRED, dtype=bool), pairing.mac[first].copy()
+    difference = np.zeros(PAIRED)
     for mode in range(PAIRED):
         family = _neighbours(frequencies, mode)
         if len(family) > 1:
@@ -196,7 +209,8 @@ def _pair(
             angle = largest_angle(samples[:, family], other_samples[:, partners], weights)
             shared[mode] = np.cos(angle) ** 2
             found[family] = np.sort(others[partners])
-    return found[:PAIRED], pairing.partner[:PAIRED], pairing.mac[:PAIRED], close, shared
+        difference[mode] = np.abs(found[family] / frequencies[family] - 1.0).max()
+    return found[first], pairing.partner[first], pairing.mac[first], close, shared, difference
 
 
 def _neighbours(frequencies: Array, mode: int) -> IntArray:
@@ -222,19 +236,3 @@ def _weights(robot: Biglide) -> Array:
         _, lengths = centreline_samples(leg.length, _STATIONS)
         masses.append(centreline_weights(leg.timoshenko, lengths))
     return np.concatenate(masses)
-
-
-def warping_depth(leg: ConstantLeg, constants: SectionConstants) -> float:
-    """√(EΓ/GJ) (m), over which warping decays along a leg that is held against it (Vlasov)."""
-    torsion = leg.material.G * constants.torsion_constant
-    return float(np.sqrt(leg.material.E * constants.warping_constant / torsion))
-
-
-def torsional_stiffening(depth: float, length: float, shares: Array) -> Array:
-    """Relative rise of frequencies by warping along a leg, ends free to warp.
-
-    A twist θ ~ sin kx of at most half a wave per leg, k = π/`length`, has the stiffness EΓk² of
-    warping beside GJ (Vlasov), (k · `depth`)². It counts by the `shares` that the leg's torsion has
-    in the strain energies, and for half in the frequency.
-    """
-    return np.asarray(0.5 * shares * (np.pi * depth / length) ** 2)

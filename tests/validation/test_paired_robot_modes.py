@@ -1,4 +1,4 @@
-"""Solids and beams of one robot: their meshes, and what warping leaves to beams."""
+"""Solids and beams of one robot: their meshes, and modes that are close."""
 
 from dataclasses import replace
 
@@ -6,12 +6,10 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem.section_constants import section_constants
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, Material
 from lumped.robot_file import load_robot
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle
-from meshes.section_mesh import section_mesh
 from validation.case import Skip
 from validation.cases import robot_solid
 from validation.context import Context
@@ -19,8 +17,6 @@ from validation.paired_robot_modes import (
     beam_modes,
     divisions_of,
     paired,
-    torsional_stiffening,
-    warping_depth,
 )
 from validation.robot_solids import two_meshes
 
@@ -35,28 +31,6 @@ def leg(section, length=0.85):
 def test_walls_have_finer_meshes_than_rectangles_and_half_of_them_to_compare():
     legs = [leg(Rectangle(0.1, 0.16)), leg(HollowRectangle(0.1, 0.16, 0.01))]
     assert divisions_of(legs, "standard") == ((2, 2), (3, 4))
-
-
-def test_warping_depth_of_a_thin_i_section_is_vlasovs():
-    """Γ = I_z h²/4 with h between the flanges' middles, J = Σ b t³/3 (thin walls)."""
-    section = ISection(width=0.1, height=0.204, flange=0.004, web=0.003)
-    constants = section_constants(section_mesh(section, 4), STEEL.nu)
-    flange = 0.004 * 0.1**3 / 12.0
-    warping = 2.0 * flange * 0.1**2
-    torsion = (2.0 * 0.1 * 0.004**3 + 0.196 * 0.003**3) / 3.0
-    expected = np.sqrt(STEEL.E * warping / (STEEL.G * torsion))
-    # Thin walls: fillets and the web count for a few percent of J.
-    assert warping_depth(leg(section), constants) == pytest.approx(expected, rel=0.03)
-
-
-def test_round_legs_do_not_warp_and_stiffening_goes_with_the_square_of_the_depth():
-    circle = leg(Circle(0.1))
-    constants = section_constants(section_mesh(circle.section, 8), STEEL.nu)
-    assert warping_depth(circle, constants) < 1e-3 * circle.length
-    # Half a wave on the leg's length, all energy in torsion: (π/10)²/2.
-    assert_allclose(
-        torsional_stiffening(0.1, 1.0, np.array([1.0, 0.5])), [0.0493480, 0.0246740], rtol=1e-5
-    )
 
 
 def test_close_modes_are_in_the_order_of_frequencies():

@@ -16,21 +16,21 @@ from validation.case import Absolute, Allowance, Case, Measurement, Relative, Sk
 from validation.cases.legs import constant_leg_of
 from validation.cases.robot_mode_tables import frequency_study, mac_study, mac_table
 from validation.cases.robot_solid import SECTION
-from validation.cases.solids import own_constants
 from validation.context import Context
 from validation.leg_solids import step_factor
+from validation.legs_in_torsion import torsion_effects, wave_error
 from validation.paired_robot_modes import (
     CLOSE,
     ELEMENTS,
     PAIRED,
+    BeamKind,
+    BoolArray,
     LegDivisions,
     PairedModes,
     beam_modes,
     divisions_of,
     paired,
     solid_modes,
-    torsional_stiffening,
-    warping_depth,
 )
 from validation.stroke_statics import POSTURES
 
@@ -39,6 +39,8 @@ _SEGMENTS = "20 segments per leg, Timoshenko springs, rotary inertia"
 _OWN = "20 Timoshenko beam elements per leg, constants of the solids' own section meshes"
 # Relative tolerance of frequencies.
 _DYNAMICS = 0.01
+# Absolute tolerance of MAC.
+_SHAPE = 0.01
 
 
 def cases() -> tuple[Case, ...]:
@@ -112,7 +114,7 @@ def _mac_case(
         unit="1",
         reference_kind="independent-solver",
         citation=citation,
-        tolerance=Absolute(0.01),
+        tolerance=Absolute(_SHAPE),
         tolerance_reason="0.99 is the project's measure of one and the same mode",
         compute=compute,
         section=SECTION,
@@ -131,7 +133,7 @@ def _spaces_case(
         unit="1",
         reference_kind="independent-solver",
         citation=citation,
-        tolerance=Absolute(0.01),
+        tolerance=Absolute(_SHAPE),
         tolerance_reason="the same measure as for single modes, cos² of an angle",
         compute=compute,
         section=SECTION,
@@ -181,7 +183,7 @@ def _beyond_beams(context: Context, divisions: LegDivisions) -> tuple[Array, Arr
 
 
 def _frequency(context: Context, index: int) -> Measurement:
-    held = _held_to_beams(context, [index])
+    held = _held_to_beams(context, "segments", [index])[:, 0]
     coarse, fine = _meshes(context)
     paired = _segments_and_solids(context)
     free, own, textbook = _beyond_beams(context, fine)
@@ -218,44 +220,47 @@ def _frequency(context: Context, index: int) -> Measurement:
     )
 
 
-def _held_to_beams(context: Context, modes: Sequence[int]) -> Array:
-    """Postures (p values) at which beams without warping are meant to hold for all of `modes`.
+def _held_to_beams(context: Context, kind: BeamKind, modes: Sequence[int]) -> BoolArray:
+    """For which of `modes` (k) and postures Saint-Venant's torsion is meant to hold (p×k).
 
-    Raises Skip where there is none: warping along an open leg stiffens it by more than beams may
-    leave out.
+    Raises Skip where for none: how legs warp, and how their walls bend, along their length changes
+    modes, or mixes them with others, by more than beams may leave out.
     """
     robot, (_, fine) = context.robot, _meshes(context)
-    beams = context.get(beam_modes, robot, "beam", fine, POSTURES)
-    held = np.ones(len(beams.x), dtype=bool)
-    why = []
-    for number in (1, 2):
-        leg = constant_leg_of(context, number)
-        depth = warping_depth(leg, context.get(own_constants, leg, fine[number - 1]))
-        shares = beams.torsion[:, modes, number - 1].max(axis=1)
-        effects = torsional_stiffening(depth, leg.length, shares)
-        held &= effects <= 0.5 * _DYNAMICS
-        why.append(
-            f"leg {number} over √(EΓ/GJ) = {depth:.2g} m of its {leg.length:.2g} m, up to "
-            f"{100.0 * effects.max():.2g} % of a frequency"
-        )
+    beams = context.get(beam_modes, robot, kind, fine, POSTURES)
+    highest = float(beams.frequencies[:, modes].max())
+    legs = [constant_leg_of(context, number) for number in (1, 2)]
+    errors = [context.get(wave_error, leg, highest) for leg in legs]
+    effects = context.get(torsion_effects, robot, beams, np.array(errors))
+    frequency, mac = effects.frequency[:, modes], effects.mac[:, modes]
+    held: BoolArray = (frequency <= 0.5 * _DYNAMICS) & (mac >= 1.0 - 0.5 * _SHAPE)
     if not held.any():
-        raise Skip(f"beams leave out how legs warp along their length: {'; '.join(why)}")
+        raise Skip(
+            "beams leave out how legs warp and their walls bend along torsional waves: "
+            f"{100.0 * errors[0]:+.3g} % of the torsional stiffness of leg 1 and "
+            f"{100.0 * errors[1]:+.3g} % of leg 2, up to {100.0 * frequency.max():.3g} % of a "
+            f"frequency, MAC of a mode with itself {mac.min():.3f}"
+        )
     return held
 
 
 def _mac(context: Context) -> Measurement:
-    return _smallest_mac(_segments_and_solids(context), "segments")
+    found = _segments_and_solids(context)
+    return _smallest_mac(found, "segments", np.ones_like(found.close))
 
 
 def _mac_of_free(context: Context) -> Measurement:
-    held = _held_to_beams(context, range(PAIRED))
-    return _smallest_mac(_at(_own_beams_and_solids(context), held), "beams")
+    held = _held_to_beams(context, "own beam", range(PAIRED))
+    return _smallest_mac(_own_beams_and_solids(context), "beams", held)
 
 
-def _smallest_mac(found: PairedModes, reference: str) -> Measurement:
-    if found.close.all():
-        raise Skip(f"all of the first {PAIRED} modes have close neighbours at every posture")
-    single = np.where(found.close, np.inf, found.mac)
+def _smallest_mac(found: PairedModes, reference: str, held: BoolArray) -> Measurement:
+    alone = held & ~found.close
+    if not alone.any():
+        raise Skip(
+            "; ".join(("all modes have close neighbours at every posture", *_left_out(held)))
+        )
+    single = np.where(alone, found.mac, np.inf)
     posture, mode = np.unravel_index(int(np.argmin(single)), single.shape)
     crossings = tuple(
         f"crossing: mode {int(k) + 1} at x = {found.x[p]:.4g} m has a neighbour within "
@@ -270,6 +275,7 @@ def _smallest_mac(found: PairedModes, reference: str) -> Measurement:
         notes=(
             f"mode {int(mode) + 1} at x = {found.x[posture]:.4g} m",
             f"{swapped} modes have another number in the solid robot",
+            *_left_out(held),
             *crossings,
         ),
         table=mac_table(found, reference),
@@ -277,27 +283,28 @@ def _smallest_mac(found: PairedModes, reference: str) -> Measurement:
     )
 
 
+def _left_out(held: BoolArray) -> tuple[str, ...]:
+    count = int(np.sum(~held))
+    why = "which torsional waves of the legs, beyond Saint-Venant's, would change"
+    return (f"{count} of {held.size} modes left out, {why}",) if count else ()
+
+
 def _close_modes(context: Context) -> Measurement:
-    return _smallest_shared(_segments_and_solids(context))
+    found = _segments_and_solids(context)
+    return _smallest_shared(found, np.ones_like(found.close))
 
 
 def _spaces_of_free(context: Context) -> Measurement:
-    held = _held_to_beams(context, range(PAIRED))
-    return _smallest_shared(_at(_own_beams_and_solids(context), held))
+    held = _held_to_beams(context, "own beam", range(PAIRED))
+    return _smallest_shared(_own_beams_and_solids(context), held)
 
 
-def _at(found: PairedModes, postures: Array) -> PairedModes:
-    kept = {name: values[postures] for name, values in vars(found).items()}
-    return PairedModes(**kept)
-
-
-def _smallest_shared(found: PairedModes) -> Measurement:
-    if not found.close.any():
-        return Measurement(1.0, 1.0, notes=("no two modes are close at any posture",))
-    spaces = np.where(found.close, found.shared, np.inf)
+def _smallest_shared(found: PairedModes, held: BoolArray) -> Measurement:
+    close = held & found.close
+    if not close.any():
+        note = "no two modes are close at any posture"
+        return Measurement(1.0, 1.0, notes=(note, *_left_out(held)))
+    spaces = np.where(close, found.shared, np.inf)
     posture, mode = np.unravel_index(int(np.argmin(spaces)), spaces.shape)
-    return Measurement(
-        float(spaces[posture, mode]),
-        1.0,
-        notes=(f"mode {int(mode) + 1} and its neighbours at x = {found.x[posture]:.4g} m",),
-    )
+    where = f"mode {int(mode) + 1} and its neighbours at x = {found.x[posture]:.4g} m"
+    return Measurement(float(spaces[posture, mode]), 1.0, notes=(where, *_left_out(held)))
