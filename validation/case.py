@@ -9,6 +9,7 @@ exceeds it, the comparison cannot decide and does not count as agreement.
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from enum import Enum
+from functools import cached_property
 from math import hypot, isfinite, nan
 from typing import Any, Literal, TypeAlias
 
@@ -182,6 +183,11 @@ class Outcome:
         if self.measurement is None:
             return nan
         return self.case.tolerance.at(self.measurement.reference)
+
+    @cached_property
+    def entry(self) -> dict[str, Any]:
+        """The case's entry in results.json, made once: that file is written after every case."""
+        return result_record(self)
 
     @property
     def share(self) -> float:

@@ -5,14 +5,14 @@ must be right, and its best design must be good. So each model chooses α over t
 the solid legs say what the choice is worth.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal, TypeAlias
+from typing import Literal, TypeAlias
 
 import numpy as np
-from scipy.stats import kendalltau, spearmanr
 
 from lumped.biglide import Biglide
+from validation import ranks
 from validation.quantities import deflections_of
 from validation.sweeps.journal import Journal
 from validation.sweeps.plans import SweptModel, feasible_alphas, member_units
@@ -119,11 +119,11 @@ class Decision:
 
     def spearman(self, label: str, objective: Objective, judge: str) -> float:
         """Rank correlation (Spearman's ρ) of the designs between a model and the judge."""
-        return _correlation(spearmanr, self.curve(label, objective), self.curve(judge, objective))
+        return ranks.spearman(self.curve(label, objective), self.curve(judge, objective))
 
     def kendall(self, label: str, objective: Objective, judge: str) -> float:
         """Rank correlation (Kendall's τ-b) of the designs between a model and the judge."""
-        return _correlation(kendalltau, self.curve(label, objective), self.curve(judge, objective))
+        return ranks.kendall(self.curve(label, objective), self.curve(judge, objective))
 
 
 def decide(
@@ -266,9 +266,3 @@ def _choice(
         neighbours=(bracket.left, bracket.right),
         value=values[good[0]].of(objective),
     )
-
-
-def _correlation(
-    measure: Callable[..., Any], one: Sequence[float], other: Sequence[float]
-) -> float:
-    return float(measure(one, other).statistic)

@@ -7,7 +7,7 @@ from typing import Any, TypeAlias
 import msgspec
 import numpy as np
 
-from validation.case import Case, Measurement, Outcome, finite, result_record
+from validation.case import Case, Measurement, Outcome, finite
 from validation.drift import Drift
 from validation.exhibits import Drawing, Figure, Study, study_record
 
@@ -88,8 +88,7 @@ def results(
         "schema": 1,
         "run": dict(header),
         "cases": [
-            result_record(outcome) | _drift_record(drifts.get(outcome.case.id))
-            for outcome in outcomes
+            outcome.entry | _drift_record(drifts.get(outcome.case.id)) for outcome in outcomes
         ],
         "studies": [study_record(study) for study in studies_of(outcomes)],
     }

@@ -11,7 +11,7 @@ from lumped.arrays import Array
 from lumped.biglide import Biglide, scaled
 from lumped.legs import equivalent_leg, tip_compliance
 from validation.case import Absolute, Allowance, Case, Measurement, Relation, Relative
-from validation.cases.sweep_results import GROUP, PAPER, SECTION, decision_of
+from validation.cases.sweep_results import DECIDED, GROUP, PAPER, SECTION, decision_of
 from validation.context import Context
 from validation.decision import OBJECTIVES, UNITS, Decision, Objective
 from validation.exhibits import Study
@@ -61,6 +61,7 @@ def paper_cases() -> tuple[Case, ...]:
             compute=_longest,
             section=SECTION,
             group=GROUP,
+            presets=DECIDED,
             effort=0.1,
         ),
     )
@@ -81,6 +82,7 @@ def _search(objective: Objective) -> Case:
         relation=Relation.AT_LEAST,
         section=SECTION,
         group=GROUP,
+        presets=DECIDED,
         effort=0.1,
     )
 
@@ -99,6 +101,7 @@ def _costs() -> list[Case]:
             compute=partial(_cost, label=label, objective=objective),
             section=SECTION,
             group=GROUP,
+            presets=DECIDED,
             effort=1.0,
         )
         for objective in OBJECTIVES
@@ -120,6 +123,7 @@ def _ranks() -> list[Case]:
             compute=partial(_rank, label=label, objective=objective),
             section=SECTION,
             group=GROUP,
+            presets=DECIDED,
             effort=0.1,
         )
         for objective in OBJECTIVES
@@ -142,6 +146,7 @@ def _prices() -> list[Case]:
             compute=partial(_price, objective=objective),
             section=SECTION,
             group=GROUP,
+            presets=DECIDED,
             effort=0.1,
         )
         for objective in OBJECTIVES

@@ -3,13 +3,13 @@
 from functools import partial
 
 import numpy as np
-from scipy.stats import spearmanr
 
 from lumped.arrays import Array
 from validation.case import Absolute, Case, Measurement, Relation
 from validation.cases.sweep_results import GROUP, PAPER, SECTION, family_of
 from validation.context import Context, Preset
 from validation.decision import OBJECTIVES, Objective
+from validation.ranks import spearman
 from validation.sweeps.plans import RIGID
 from validation.sweeps.studies import POINTS
 
@@ -114,7 +114,7 @@ def _contradiction(context: Context, objective: Objective) -> Measurement:
         pair = simple.frequencies[:, 0], solid.frequencies[:, 0]
         what = "first frequency (Hz)"
     return Measurement(
-        float(spearmanr(*pair).statistic),
+        spearman(*pair),
         reference=-1.0,
         table={
             "α": alphas,

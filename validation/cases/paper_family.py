@@ -3,7 +3,6 @@
 from collections.abc import Callable
 
 import numpy as np
-from scipy.stats import spearmanr
 
 from lumped.arrays import Array
 from validation.case import Absolute, Measurement
@@ -11,6 +10,7 @@ from validation.cases.paper_statement import Statement
 from validation.context import Context
 from validation.models import ModelName, ModelOptions
 from validation.quantities import Deflections, family_deflections, family_frequencies
+from validation.ranks import spearman
 
 ALPHAS = tuple(np.linspace(1.0, 2.0, 11).tolist())
 # Where Figs 6, 12 and 13 are drawn, as a fraction of the stroke.
@@ -20,7 +20,7 @@ EQUIVALENT = ModelOptions(legs="equivalent")
 
 def _trend(curve: Array) -> float:
     """Spearman's rank correlation with α: +1 rises throughout, −1 falls throughout."""
-    return float(spearmanr(ALPHAS, curve).statistic)
+    return spearman(ALPHAS, curve)
 
 
 def _family(context: Context, model: ModelName, point: str) -> Deflections:

@@ -39,7 +39,7 @@ from validation.leg_solids import (
 
 # Unknowns of the largest section mesh for statics by doubling, and of the largest solid for modes.
 STATICS: dict[Preset, int] = {"quick": 1000, "standard": 2000, "fine": 4000}
-DYNAMICS: dict[Preset, int] = {"quick": 12_000, "standard": 30_000, "fine": 100_000}
+DYNAMICS: dict[Preset, int] = {"quick": 9_000, "standard": 30_000, "fine": 100_000}
 # Section constants are to be exact beside the solids' meshes, the waves need dense matrices.
 SECTION_DIVISIONS, WAVE_DIVISIONS = 16, 4
 # Relative tolerances of compliances: what the meshes leave.

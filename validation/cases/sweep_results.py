@@ -19,6 +19,8 @@ from validation.sweeps.studies import (
 # Cases and figures of one group share the sweeps in one process.
 SECTION = "Choosing the length of the legs"
 GROUP = "decision"
+# Some sixty robots with solid legs are looked at: too many for a quick answer.
+DECIDED: tuple[Preset, ...] = ("standard", "fine")
 PAPER = "Briot, Pashkevich, Chablat, §2.3, §3.3 and conclusions"
 # The run's folder of finished units, if its session names one.
 FOLDER_OPTION = "sweeps"

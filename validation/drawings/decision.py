@@ -8,7 +8,14 @@ from matplotlib.axes import Axes
 
 from lumped.arrays import Array
 from validation.cases.decision import MEANING
-from validation.cases.sweep_results import GROUP, SECTION, decision_of, family_of, stroke_of
+from validation.cases.sweep_results import (
+    DECIDED,
+    GROUP,
+    SECTION,
+    decision_of,
+    family_of,
+    stroke_of,
+)
 from validation.context import Context
 from validation.decision import OBJECTIVES, UNITS, Decision, Objective
 from validation.drawings.lines import (
@@ -46,7 +53,14 @@ _DECISION_TITLE = "What each model chooses: objective against leg length, optima
 def drawings() -> tuple[Drawing, ...]:
     """Decision, family and stroke; they share the sweeps of the cases."""
     return (
-        Drawing("decision.objectives", _DECISION_TITLE, objectives, section=SECTION, group=GROUP),
+        Drawing(
+            "decision.objectives",
+            _DECISION_TITLE,
+            objectives,
+            section=SECTION,
+            group=GROUP,
+            presets=DECIDED,
+        ),
         Drawing("decision.family", _FAMILY_TITLE, longer_legs, section=SECTION, group=GROUP),
         Drawing("decision.stroke", _STROKE_TITLE, over_the_stroke, section=SECTION, group=GROUP),
     )
