@@ -233,7 +233,7 @@ def analyse(
 
         return pardiso.analyse(triangle)
     order = nested_dissection(block_graph(csr_array(matrix), leading))
-    template = _cvxopt_matrix(triangle.indptr, triangle.indices, triangle.data)
+    template = cvxopt_triangle(triangle)
     factor = cholmod.symbolic(template, cvxopt_matrix(order))
     counts = statistics(factor)
     return Symbolic(

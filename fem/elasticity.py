@@ -160,4 +160,9 @@ def stiffness_and_mass(mesh: SolidMesh, material: Material) -> tuple[SparseMatri
 
 def mass(mesh: SolidMesh, rho: float) -> SparseMatrix:
     """Consistent mass matrix (csr 3N×3N, kg), unknown 3·node + component: scalar_mass ⊗ I₃."""
-    return csr_array(kron(scalar_mass(mesh, rho), eye_array(3), format="csr"))
+    return on_three_components(scalar_mass(mesh, rho))
+
+
+def on_three_components(scalar: SparseMatrix) -> SparseMatrix:
+    """A scalar matrix (csr N×N) for each of x, y, z (csr 3N×3N): scalar ⊗ I₃."""
+    return csr_array(kron(scalar, eye_array(3), format="csr"))

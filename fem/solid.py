@@ -5,11 +5,11 @@ from math import ceil
 from typing import Literal, TypeAlias
 
 import numpy as np
-from scipy.sparse import csr_array, eye_array, kron
+from scipy.sparse import csr_array, kron
 from scipy.sparse.linalg import LinearOperator
 
 from fem.cholesky import analyse
-from fem.elasticity import stiffness_and_mass
+from fem.elasticity import on_three_components, stiffness_and_mass
 from fem.end_coupling import FreeEnds, RigidEnds, free_ends, rigid_ends, rigid_motions
 from fem.modes import CertifiedModes
 from fem.modes import modes as clamped_modes
@@ -65,7 +65,7 @@ def solid_mesh(
 def solid_leg(leg: ConstantLeg, mesh: SolidMesh) -> SolidLeg:
     """Stiffness and mass of `leg` on `mesh`; raises ComputationError for folded elements."""
     K, scalar_mass = stiffness_and_mass(mesh, leg.material)
-    return SolidLeg(leg, mesh, K, csr_array(kron(scalar_mass, eye_array(3), format="csr")))
+    return SolidLeg(leg, mesh, K, on_three_components(scalar_mass))
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,7 +14,7 @@ from lumped.finding import Finding
 from lumped.robot_file import RobotFile
 from validation import progress, provenance, runner
 from validation.case import Case, Outcome
-from validation.cases.sweep_results import FOLDER_OPTION, GROUP
+from validation.cases.sweep_results import FOLDER_OPTION, GROUP, studies_read
 from validation.compare import Comparison, compare
 from validation.context import Preset
 from validation.drift import Drift, drifts
@@ -138,8 +138,8 @@ class Results:
         """The text of results.json."""
         header = dict(self.header) | {"unfinished": self.unfinished}
         content = results(header, comparisons(self.in_order()), self.drifts)
-        if self.power:
-            content["faults"] = self.power.records()
+        if power := self.power:
+            content["faults"] = power.records()
         # Written after every case: Python's own encoder would take longer than the cases.
         return msgspec.json.format(msgspec.json.encode(content), indent=1).decode() + "\n"
 
@@ -170,7 +170,13 @@ def validate(request: Request, catalogue: Catalogue) -> Results:
                 gathered.add(record)
         if request.cluster and any(task.group == GROUP for task in tasks):
             with progress.stage("sweeps on the cluster"), on_cluster(request.cluster) as executor:
-                precompute(robot_file.robot, request.preset, request.out / "sweeps", executor)
+                precompute(
+                    robot_file.robot,
+                    request.preset,
+                    request.out / "sweeps",
+                    executor,
+                    studies_read(request.preset),
+                )
         _compute(job, gathered, folder, request.jobs)
         with progress.stage("writing the report"):
             publish(gathered, folder, findings)

@@ -32,6 +32,7 @@ FOLLOWED: dict[Objective, tuple[str, ...]] = {
 _SECTION_UNKNOWNS = 600
 # The refined lumped model of the paper for each objective.
 REFINED: dict[Objective, str] = {"deflection": "VJM", "frequency": "segments"}
+_case = partial(Case, section=SECTION, group=GROUP, presets=DECIDED)
 
 
 def cases() -> tuple[Case, ...]:
@@ -49,7 +50,7 @@ def paper_cases() -> tuple[Case, ...]:
         *_costs(),
         *_ranks(),
         *_prices(),
-        Case(
+        _case(
             id="paper.decision.longest",
             title="The simplified model has nothing against the longest legs",
             quantity="largest α among its best by deflection",
@@ -59,16 +60,13 @@ def paper_cases() -> tuple[Case, ...]:
             tolerance=Absolute(0.1),
             tolerance_reason="a tenth of the paper's range of α",
             compute=_longest,
-            section=SECTION,
-            group=GROUP,
-            presets=DECIDED,
             effort=0.1,
         ),
     )
 
 
 def _search(objective: Objective) -> Case:
-    return Case(
+    return _case(
         id=f"decision.{objective}.search",
         title=f"No model's α by {objective} is better in the solid's terms than the solid's own",
         quantity=f"smallest loss in the solid's {MEANING[objective]} of all choices",
@@ -80,16 +78,13 @@ def _search(objective: Objective) -> Case:
         "the solid's search passed by: a design within 1 % of the best is a good one",
         compute=partial(_smallest_loss, objective=objective),
         relation=Relation.AT_LEAST,
-        section=SECTION,
-        group=GROUP,
-        presets=DECIDED,
         effort=0.1,
     )
 
 
 def _costs() -> list[Case]:
     return [
-        Case(
+        _case(
             id=f"decision.{objective}.cost[{label}]",
             title=f"The α that {label} chooses by {objective} is as good as the solid's own",
             quantity=f"loss in the solid's {MEANING[objective]}",
@@ -99,9 +94,6 @@ def _costs() -> list[Case]:
             tolerance=Absolute(1.0),
             tolerance_reason="a design within 1 % of the best is a good one",
             compute=partial(_cost, label=label, objective=objective),
-            section=SECTION,
-            group=GROUP,
-            presets=DECIDED,
             effort=1.0,
         )
         for objective in OBJECTIVES
@@ -111,7 +103,7 @@ def _costs() -> list[Case]:
 
 def _ranks() -> list[Case]:
     return [
-        Case(
+        _case(
             id=f"decision.{objective}.rank[{label}]",
             title=f"By {objective} {label} puts the designs into the solid's order",
             quantity="Spearman's rank correlation over the grid of α",
@@ -121,9 +113,6 @@ def _ranks() -> list[Case]:
             tolerance=Absolute(0.06),
             tolerance_reason="one exchange of neighbours among six designs, 12/n(n² − 1)",
             compute=partial(_rank, label=label, objective=objective),
-            section=SECTION,
-            group=GROUP,
-            presets=DECIDED,
             effort=0.1,
         )
         for objective in OBJECTIVES
@@ -133,7 +122,7 @@ def _ranks() -> list[Case]:
 
 def _prices() -> list[Case]:
     return [
-        Case(
+        _case(
             id=f"decision.{objective}.price",
             title=f"What the simplified model's α costs by {objective}: {REFINED[objective]} and "
             "solid agree",
@@ -144,9 +133,6 @@ def _prices() -> list[Case]:
             tolerance=Relative(0.02),
             tolerance_reason="1 % for each of the two values of the ratio",
             compute=partial(_price, objective=objective),
-            section=SECTION,
-            group=GROUP,
-            presets=DECIDED,
             effort=0.1,
         )
         for objective in OBJECTIVES

@@ -6,7 +6,7 @@ solid whose ends are free to warp, and those ends made rigid. All but the third 
 their own size; the third, beam theory in dynamics, is what a comparison is about.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import partial
 
 import numpy as np
@@ -42,23 +42,44 @@ _DYNAMICS = 0.01
 # Absolute tolerance of MAC.
 _SHAPE = 0.01
 
+_shape_case = partial(
+    Case,
+    unit="1",
+    reference_kind="independent-solver",
+    tolerance=Absolute(_SHAPE),
+    section=SECTION,
+    group="robot.solid.modes",
+    effort=3.0,
+)
+_mac_case = partial(
+    _shape_case,
+    quantity="smallest MAC outside mode crossings",
+    tolerance_reason="0.99 is the project's measure of one and the same mode",
+)
+_spaces_case = partial(
+    _shape_case,
+    quantity="smallest squared cosine of the largest angle between the spaces",
+    tolerance_reason="the same measure as for single modes, cos² of an angle",
+)
+
 
 def cases() -> tuple[Case, ...]:
     """Frequencies against segments, shapes against beams of the sections' own constants."""
     return (
         *_frequencies(),
         _mac_case(
-            "robot.solid.free.mac",
-            f"The first {PAIRED} modes of the robot with solid legs, ends free to warp, are those "
-            "of beams",
-            _OWN,
-            _mac_of_free,
+            id="robot.solid.free.mac",
+            title=f"The first {PAIRED} modes of the robot with solid legs, ends free to warp, are "
+            "those of beams",
+            citation=_OWN,
+            compute=_mac_of_free,
         ),
         _spaces_case(
-            "robot.solid.free.mac-of-close-modes",
-            f"Modes closer than {100.0 * CLOSE:g} % span the same space in both (free ends, beams)",
-            _OWN,
-            _spaces_of_free,
+            id="robot.solid.free.mac-of-close-modes",
+            title=f"Modes closer than {100.0 * CLOSE:g} % span the same space in both (free ends, "
+            "beams)",
+            citation=_OWN,
+            compute=_spaces_of_free,
         ),
     )
 
@@ -67,16 +88,16 @@ def paper_cases() -> tuple[Case, ...]:
     """Shapes of the paper's robot, whose rectangles of ν = 0 leave 1 % between all models."""
     return (
         _mac_case(
-            "robot.solid.mac",
-            f"The first {PAIRED} modes of the solid robot are those of segments",
-            _SEGMENTS,
-            _mac,
+            id="robot.solid.mac",
+            title=f"The first {PAIRED} modes of the solid robot are those of segments",
+            citation=_SEGMENTS,
+            compute=_mac,
         ),
         _spaces_case(
-            "robot.solid.mac-of-close-modes",
-            f"Modes closer than {100.0 * CLOSE:g} % span the same space in both models",
-            _SEGMENTS,
-            _close_modes,
+            id="robot.solid.mac-of-close-modes",
+            title=f"Modes closer than {100.0 * CLOSE:g} % span the same space in both models",
+            citation=_SEGMENTS,
+            compute=_close_modes,
         ),
     )
 
@@ -102,44 +123,6 @@ def _frequencies() -> list[Case]:
         )
         for index in range(FREQUENCIES)
     ]
-
-
-def _mac_case(
-    identifier: str, title: str, citation: str, compute: Callable[[Context], Measurement]
-) -> Case:
-    return Case(
-        id=identifier,
-        title=title,
-        quantity="smallest MAC outside mode crossings",
-        unit="1",
-        reference_kind="independent-solver",
-        citation=citation,
-        tolerance=Absolute(_SHAPE),
-        tolerance_reason="0.99 is the project's measure of one and the same mode",
-        compute=compute,
-        section=SECTION,
-        group="robot.solid.modes",
-        effort=3.0,
-    )
-
-
-def _spaces_case(
-    identifier: str, title: str, citation: str, compute: Callable[[Context], Measurement]
-) -> Case:
-    return Case(
-        id=identifier,
-        title=title,
-        quantity="smallest squared cosine of the largest angle between the spaces",
-        unit="1",
-        reference_kind="independent-solver",
-        citation=citation,
-        tolerance=Absolute(_SHAPE),
-        tolerance_reason="the same measure as for single modes, cos² of an angle",
-        compute=compute,
-        section=SECTION,
-        group="robot.solid.modes",
-        effort=3.0,
-    )
 
 
 def _meshes(context: Context) -> tuple[LegDivisions, LegDivisions]:

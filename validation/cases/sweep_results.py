@@ -10,6 +10,7 @@ from validation.context import Context, Preset
 from validation.decision import Decision
 from validation.sweeps.studies import (
     Curves,
+    Study,
     alpha_study,
     decision_study,
     journal_in,
@@ -25,6 +26,12 @@ PAPER = "Briot, Pashkevich, Chablat, §2.3, §3.3 and conclusions"
 # The run's folder of finished units, if its session names one.
 FOLDER_OPTION = "sweeps"
 T = TypeVar("T")
+
+
+def studies_read(preset: Preset) -> tuple[Study, ...]:
+    """The sweeps that cases and figures of a preset read."""
+    curves = alpha_study, stroke_study
+    return (decision_study, *curves) if preset in DECIDED else curves
 
 
 def decision_of(context: Context) -> Decision:

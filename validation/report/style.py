@@ -21,6 +21,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure as Canvas
 
+from validation.report.text import power_of_ten
+
 WIDTH = 7.4  # in, of every plot
 LINE_HEIGHT = 0.165  # in, of a line in a legend
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
@@ -191,7 +193,6 @@ def power_ticks(axis: Axis) -> None:
 
 
 _FEW_DECADES = 1.5
-_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def _power_text(value: float) -> str:
@@ -199,7 +200,7 @@ def _power_text(value: float) -> str:
     if 1e-3 <= value < 1e4:
         return f"{value:.3g}"
     mantissa, _, exponent = f"{value:.0e}".partition("e")
-    power = f"10{str(int(exponent)).translate(_SUPERSCRIPTS)}"
+    power = power_of_ten(int(exponent))
     return power if mantissa == "1" else f"{mantissa} × {power}"
 
 

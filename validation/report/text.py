@@ -33,7 +33,12 @@ def number(value: Any, digits: int = 5) -> str:
     if 0 < int(exponent) < 6:
         return f"{float(f'{value:.{digits}g}'):.0f}".replace("-", _MINUS)
     # No-break spaces: a number is never torn apart.
-    return f"{mantissa}\u00a0×\u00a010{str(int(exponent)).translate(_SUPERSCRIPTS)}"
+    return f"{mantissa}\u00a0×\u00a0{power_of_ten(int(exponent))}"
+
+
+def power_of_ten(exponent: int) -> str:
+    """As in print: "10⁻⁶"."""
+    return f"10{str(exponent).translate(_SUPERSCRIPTS)}"
 
 
 def percent(fraction: float, *, signed: bool = True) -> str:

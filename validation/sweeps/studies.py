@@ -4,11 +4,12 @@ The cases and figures read them; with a cluster they are computed beforehand. Wh
 in a journal, so that it does not matter who computes what first.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from typing import TypeAlias
 
 import numpy as np
 
@@ -34,6 +35,7 @@ from validation.sweeps.plans import (
 from validation.sweeps.runner import Executor, in_turn, sweep
 from validation.sweeps.units import SolvedPostures
 
+Study: TypeAlias = Callable[[Biglide, Preset, Journal, Executor], object]
 STROKE_FREQUENCIES = 4
 # Where Figs 6, 12 and 13 are drawn, as a fraction of the stroke.
 POINTS: Mapping[str, float] = {"left": 0.0, "centre": 0.5, "right": 1.0}
@@ -140,14 +142,20 @@ def decision_study(
     return decide(robot, models, plan.brief, executor, journal)
 
 
-def precompute(robot: Biglide, preset: Preset, folder: Path, executor: Executor) -> None:
-    """Compute all three beforehand, with `executor`, into the journal in `folder`.
+def precompute(
+    robot: Biglide,
+    preset: Preset,
+    folder: Path,
+    executor: Executor,
+    studies: Sequence[Study] = (decision_study, alpha_study, stroke_study),
+) -> None:
+    """Compute `studies` beforehand, with `executor`, into the journal in `folder`.
 
     What is impossible for this robot is left to the cases, which say why. Raises ComputationError
     where a unit or the executor fails; what was finished before is kept.
     """
     journal = journal_in(str(folder))
-    for study in (decision_study, alpha_study, stroke_study):
+    for study in studies:
         with suppress(InputError):
             study(robot, preset, journal, executor)
 
