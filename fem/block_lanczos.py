@@ -14,7 +14,7 @@ import numpy as np
 from scipy.linalg import eigh
 from scipy.sparse.linalg import LinearOperator
 
-from fem.cholesky import Factor
+from fem.factor import Factor
 from lumped.arrays import Array, SparseMatrix
 from lumped.errors import ComputationError
 

@@ -1,54 +1,46 @@
-"""What cvxopt's CHOLMOD knows and can do but does not pass on: statistics, block solves.
+"""What cvxopt's CHOLMOD can do but does not pass on: block solves, and threads.
 
-cvxopt hands a factor over as a capsule around CHOLMOD's `cholmod_factor`, whose leading members
-have kept their places since CHOLMOD 3.0. cvxopt solves several right-hand sides one by one, each
-reading the whole factor again; `cholmod_l_solve` of the same shared library reads it once. Where
-a build of cvxopt does not let that symbol be found, cvxopt's own solve is used.
+cvxopt solves several right-hand sides one by one, each reading the whole factor again;
+`cholmod_l_solve` of the same shared library reads it once. cvxopt keeps Python's lock while it
+computes; called from here, each in a workspace of its own, factorisations and solves run beside
+each other (the wheels' BLAS has one thread and locks its buffers). Where a build of cvxopt does not
+let these symbols be found, cvxopt's own functions are used.
 """
 
 import ctypes
-from dataclasses import dataclass
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import cache
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from cvxopt import cholmod
 from cvxopt import matrix as cvxopt_matrix
-from scipy.linalg import solve_triangular
 
+from fem.supernodes import factor_head
 from lumped.arrays import Array, IntArray
 
-_CAPSULE_NAME = b"CHOLMOD FACTOR D L"
-_SYSTEM_A = 0
+_SYSTEM_A, _SYSTEM_L, _SYSTEM_LT = 0, 4, 5
 _REAL, _DOUBLE = 1, 0
-# `cholmod_common` is some 3 kB; its members are never touched from here.
+_LOWER, _LONG = -1, 2
+# `cholmod_common` is some 3 kB.
 _COMMON_BYTES = 1 << 16
+_PRINTS_WARNINGS = 3
 
 
-class _FactorHead(ctypes.Structure):
+class _CommonHead(ctypes.Structure):
     _fields_ = (
-        ("n", ctypes.c_size_t),
-        ("minor", ctypes.c_size_t),
-        ("perm", ctypes.c_void_p),
-        ("column_counts", ctypes.c_void_p),
-        ("inverse_perm", ctypes.c_void_p),
-        ("nzmax", ctypes.c_size_t),
-        ("p", ctypes.c_void_p),
-        ("i", ctypes.c_void_p),
-        ("x", ctypes.c_void_p),
-        ("z", ctypes.c_void_p),
-        ("nz", ctypes.c_void_p),
-        ("next", ctypes.c_void_p),
-        ("prev", ctypes.c_void_p),
-        ("supernodes", ctypes.c_size_t),
-        ("index_entries", ctypes.c_size_t),
-        ("stored_entries", ctypes.c_size_t),
-        ("update_entries", ctypes.c_size_t),
-        ("largest_index_block", ctypes.c_size_t),
-        ("super", ctypes.c_void_p),
-        ("index_pointers", ctypes.c_void_p),
-        ("value_pointers", ctypes.c_void_p),
-        ("indices", ctypes.c_void_p),
+        ("dbound", ctypes.c_double),
+        ("grow", ctypes.c_double * 2),
+        ("grow2", ctypes.c_size_t),
+        ("maxrank", ctypes.c_size_t),
+        ("supernodal_switch", ctypes.c_double),
+        ("supernodal", ctypes.c_int),
+        ("final", ctypes.c_int * 6),
+        ("zrelax", ctypes.c_double * 3),
+        ("nrelax", ctypes.c_size_t * 3),
+        ("prefer", ctypes.c_int * 4),
+        ("print", ctypes.c_int),
     )
 
 
@@ -65,143 +57,122 @@ class _Dense(ctypes.Structure):
     )
 
 
-class _Library(NamedTuple):
-    """The shared library and CHOLMOD's own workspace, which must outlive every call."""
-
-    functions: Any
-    common: Any
-
-
-@dataclass(frozen=True)
-class FactorStatistics:
-    """Size of a supernodal factor, known before its numbers.
-
-    `entries` of L; `stored_entries` with the zeros that supernodes store; `index_entries`;
-    `update_entries`, the largest update block; `flops` of the factorisation.
-    """
-
-    entries: int
-    stored_entries: int
-    index_entries: int
-    update_entries: int
-    flops: float
-
-
-def _head(factor: Any) -> _FactorHead:
-    pointer_of = ctypes.pythonapi.PyCapsule_GetPointer
-    pointer_of.restype = ctypes.c_void_p
-    pointer_of.argtypes = [ctypes.py_object, ctypes.c_char_p]
-    return _FactorHead.from_address(pointer_of(factor, _CAPSULE_NAME))
-
-
-def _long_array(address: int, count: int) -> IntArray:
-    # A copy into a new array has numpy's own int64, which cvxopt takes; ctypes' long long has not.
-    copy = np.empty(count, dtype=np.int64)
-    copy[:] = np.ctypeslib.as_array((ctypes.c_int64 * count).from_address(address))
-    return copy
-
-
-def statistics(factor: Any) -> FactorStatistics:
-    """Statistics of a symbolic or numeric supernodal factor."""
-    head = _head(factor)
-    counts = _long_array(head.column_counts, head.n)
-    return FactorStatistics(
-        entries=int(counts.sum()),
-        stored_entries=head.stored_entries,
-        index_entries=head.index_entries,
-        update_entries=head.update_entries,
-        flops=float((counts.astype(np.float64) ** 2).sum()),
+class _Sparse(ctypes.Structure):
+    _fields_ = (
+        ("nrow", ctypes.c_size_t),
+        ("ncol", ctypes.c_size_t),
+        ("nzmax", ctypes.c_size_t),
+        ("p", ctypes.c_void_p),
+        ("i", ctypes.c_void_p),
+        ("nz", ctypes.c_void_p),
+        ("x", ctypes.c_void_p),
+        ("z", ctypes.c_void_p),
+        ("stype", ctypes.c_int),
+        ("itype", ctypes.c_int),
+        ("xtype", ctypes.c_int),
+        ("dtype", ctypes.c_int),
+        ("sorted", ctypes.c_int),
+        ("packed", ctypes.c_int),
     )
 
 
-def elimination_order(factor: Any) -> IntArray:
-    """Order (n) in which a factor eliminates the unknowns, after CHOLMOD's postordering."""
-    head = _head(factor)
-    return _long_array(head.perm, head.n)
-
-
-def supernodes(factor: Any) -> IntArray:
-    """First places of the supernodes in the order of elimination, and n: dense columns of L."""
-    head = _head(factor)
-    return _long_array(head.super, head.supernodes + 1)
-
-
-@dataclass(frozen=True, eq=False)
-class Elimination:
-    """The `order` (n) in which a factor eliminates unknowns, and its supernodes' `starts` (s+1)."""
-
-    order: IntArray
-    starts: IntArray
-
-
-def elimination(factor: Any) -> Elimination:
-    """Order and supernodes of a symbolic or numeric supernodal factor."""
-    return Elimination(elimination_order(factor), supernodes(factor))
-
-
-def solve_lower_end(factor: Any, first: int, columns: Array) -> Array:
-    """L₂₂⁻¹ times `columns` (m×k, in the order of elimination), L₂₂ the supernodes from `first` on.
-
-    Columns of zeros above make it the end of L⁻¹ times them, without reading the rest of L. A
-    column costs nothing before its first entry that is not zero; give these in ascending order.
-    """
-    head = _head(factor)
-    starts = supernodes(factor)
-    rows_from = _long_array(head.index_pointers, head.supernodes + 1)
-    values_from = _long_array(head.value_pointers, head.supernodes + 1)
-    solution = np.array(columns, dtype=np.float64, order="C")
-    reached = np.searchsorted((columns != 0.0).argmax(axis=0), starts - starts[first])
-    offset = starts[first]
-    for k in range(first, head.supernodes):
-        height, width = rows_from[k + 1] - rows_from[k], starts[k + 1] - starts[k]
-        rows = _long_array(head.indices + 8 * int(rows_from[k]), int(height))[width:] - offset
-        values = (ctypes.c_double * int(height * width)).from_address(
-            head.x + 8 * int(values_from[k])
-        )
-        L = np.ctypeslib.as_array(values).reshape(width, height).T
-        own, active = slice(starts[k] - offset, starts[k + 1] - offset), slice(reached[k + 1])
-        solved = solve_triangular(L[:width], solution[own, active], lower=True, check_finite=False)
-        solution[own, active] = solved
-        solution[rows, active] -= L[width:] @ solved
-    return solution
-
-
 @cache
-def _library() -> _Library | None:
+def _library() -> Any:
+    """The shared library, called without Python's lock; None where its symbols are hidden."""
     try:
-        # PyDLL keeps Python's lock, so that two threads never share the workspace.
-        functions = ctypes.PyDLL(cholmod.__file__)
-        solve, free, start = (
-            functions.cholmod_l_solve,
-            functions.cholmod_l_free_dense,
-            functions.cholmod_l_start,
-        )
+        functions = ctypes.CDLL(cholmod.__file__)
+        solve, free = functions.cholmod_l_solve, functions.cholmod_l_free_dense
+        factorise = functions.cholmod_l_factorize
+        start, finish = functions.cholmod_l_start, functions.cholmod_l_finish
     except (AttributeError, OSError):
         return None
-    dense = ctypes.POINTER(_Dense)
+    pointer, dense = ctypes.c_void_p, ctypes.POINTER(_Dense)
     solve.restype = dense
-    solve.argtypes = [ctypes.c_int, ctypes.c_void_p, dense, ctypes.c_void_p]
-    free.argtypes = [ctypes.POINTER(dense), ctypes.c_void_p]
+    solve.argtypes = [ctypes.c_int, pointer, dense, pointer]
+    free.argtypes = [ctypes.POINTER(dense), pointer]
+    factorise.argtypes = [ctypes.POINTER(_Sparse), pointer, pointer]
+    start.argtypes = finish.argtypes = [pointer]
+    return functions
+
+
+def runs_beside_python() -> bool:
+    """Whether factorisations and solves can run in threads beside each other."""
+    return _library() is not None
+
+
+@contextmanager
+def _workspace(functions: Any) -> Iterator[Any]:
+    """CHOLMOD's own `cholmod_common`, one for each call: two threads must not share it."""
     common = ctypes.create_string_buffer(_COMMON_BYTES)
-    start(common)
-    return _Library(functions, common)
+    functions.cholmod_l_start(common)
+    head = _CommonHead.from_buffer(common)
+    # Otherwise a matrix that is not positive definite is announced on the terminal.
+    if head.print == _PRINTS_WARNINGS:
+        head.print = 0
+    try:
+        yield common
+    finally:
+        functions.cholmod_l_finish(common)
+
+
+def factorise_beside(factor: Any, pointers: IntArray, rows: IntArray, values: Array) -> int:
+    """Fill an analysed `factor` with that of a lower triangle (csc), without Python's lock.
+
+    Returns the place in the order of elimination where a pivot was not positive, n where none
+    was. Raises MemoryError. Needs `runs_beside_python`.
+    """
+    functions, head = _library(), factor_head(factor)
+    lower = [np.ascontiguousarray(one, dtype=np.int64) for one in (pointers, rows)]
+    numbers = np.ascontiguousarray(values, dtype=np.float64)
+    matrix = _Sparse(
+        nrow=head.n,
+        ncol=head.n,
+        nzmax=len(numbers),
+        p=lower[0].ctypes.data,
+        i=lower[1].ctypes.data,
+        x=numbers.ctypes.data,
+        stype=_LOWER,
+        itype=_LONG,
+        xtype=_REAL,
+        dtype=_DOUBLE,
+        sorted=1,
+        packed=1,
+    )
+    with _workspace(functions) as common:
+        done = functions.cholmod_l_factorize(ctypes.byref(matrix), ctypes.addressof(head), common)
+    if not done:
+        raise MemoryError("no memory for a sparse factor")
+    return int(head.minor)
 
 
 def solve_columns(factor: Any, columns: Array) -> Array:
     """A⁻¹ times `columns` (n×k, Fortran order) with a numeric factor of A, all k at once."""
-    library = _library()
-    n, k = columns.shape
-    if library is None:
+    if _library() is None:
         solution = cvxopt_matrix(columns)
         cholmod.solve(factor, solution)
         return np.array(solution)
+    return _solve(_SYSTEM_A, factor, columns)
+
+
+def solve_triangular_columns(factor: Any, columns: Array, *, transposed: bool = False) -> Array:
+    """L⁻¹ or L⁻ᵀ times `columns` (n×k, Fortran order), rows in the order of elimination.
+
+    Needs `runs_beside_python`.
+    """
+    return _solve(_SYSTEM_LT if transposed else _SYSTEM_L, factor, columns)
+
+
+def _solve(system: int, factor: Any, columns: Array) -> Array:
+    functions = _library()
+    n, k = columns.shape
     right = _Dense(n, k, n * k, n, columns.ctypes.data, None, _REAL, _DOUBLE)
-    found = library.functions.cholmod_l_solve(
-        _SYSTEM_A, ctypes.addressof(_head(factor)), ctypes.byref(right), library.common
-    )
-    if not found:
-        raise MemoryError("no memory for the solution vectors of a sparse factor")
-    view = (ctypes.c_double * (n * k)).from_address(found.contents.x)
-    solution = np.array(np.ctypeslib.as_array(view)).reshape(k, n).T
-    library.functions.cholmod_l_free_dense(ctypes.byref(found), library.common)
+    with _workspace(functions) as common:
+        found = functions.cholmod_l_solve(
+            system, ctypes.addressof(factor_head(factor)), ctypes.byref(right), common
+        )
+        if not found:
+            raise MemoryError("no memory for the solution vectors of a sparse factor")
+        view = (ctypes.c_double * (n * k)).from_address(found.contents.x)
+        solution = np.array(np.ctypeslib.as_array(view)).reshape(k, n).T
+        functions.cholmod_l_free_dense(ctypes.byref(found), common)
     return solution

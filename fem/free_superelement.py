@@ -25,7 +25,7 @@ def held_free_leg(clamped: ClampedLeg) -> HeldLeg:
     differ from the ends' twists by the warping there. Raises InputError for rigid ends.
     """
     ends, solid = clamped.ends, clamped.solid
-    if not isinstance(ends, FreeEnds):
+    if not isinstance(ends, FreeEnds) or solid is None:
         raise InputError("the leg has rigid ends: its superelement is that of its leg matrices")
     free = ends
 

@@ -13,8 +13,8 @@ import numpy as np
 from scipy.sparse.linalg import LinearOperator
 
 from fem.block_lanczos import Ritz, block_lanczos, merged
-from fem.cholesky import Factor
-from fem.clamped_count import clamped_count, count_name, counting_backend
+from fem.clamped_count import clamped_count, count_name
+from fem.factor import Factor
 from fem.sturm import Inertia
 from lumped.arrays import Array, SparseMatrix
 from lumped.errors import ComputationError, InputError
@@ -155,7 +155,7 @@ def modes(clamped: "ClampedLeg", count: int, start: Array | None = None) -> Cert
 
     `start` as in `lowest_modes`, on the unknowns of the held leg. Raises as `lowest_modes` does.
     """
-    backend = counting_backend()
+    backend = clamped.factor.symbolic.backend
     found = lowest_modes(
         clamped.factor,
         clamped.mass,

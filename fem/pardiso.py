@@ -3,13 +3,14 @@
 import weakref
 from collections import deque
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import numpy as np
 from scipy.sparse import csr_array
 
-from fem.cholesky import NotPositiveDefiniteError, Symbolic
-from lumped.arrays import Array, SparseMatrix
+from fem.factor import NotPositiveDefiniteError, Symbolic
+from lumped.arrays import Array, IntArray, SparseMatrix
 from lumped.errors import ComputationError
 
 _POSITIVE_DEFINITE, _INDEFINITE = 2, -2
@@ -62,11 +63,11 @@ def analyse(triangle: SparseMatrix) -> Symbolic:
         size=n,
         pointers=triangle.indptr,
         columns=triangle.indices,
-        order=np.empty(0, dtype=np.int64),
+        elimination=None,
         factor_entries=int(solver.get_iparm(_ENTRIES)),
         flops=1e6 * float(solver.get_iparm(_MEGAFLOPS)),
         peak_bytes=1024 * int(kilobytes),
-        unused=deque([solver]),
+        numeric=partial(_numeric, triangle.indptr, triangle.indices, deque([solver])),
     )
 
 
@@ -85,13 +86,15 @@ class PardisoFactor:
         return _call(self.solver, _SOLVE, self.triangle, columns)
 
 
-def factorise(symbolic: Symbolic, values: Array, part: str) -> PardisoFactor:
-    """Factorise with the `values` of the analysed upper triangle; errors as fem.cholesky's."""
-    n = symbolic.size
-    triangle = csr_array((values, symbolic.columns, symbolic.pointers), shape=(n, n))
+def _numeric(
+    pointers: IntArray, columns: IntArray, unused: deque[Any], values: Array, part: str
+) -> PardisoFactor:
+    n = len(pointers) - 1
+    triangle = csr_array((values, columns, pointers), shape=(n, n))
     nothing = np.zeros((n, 1))
     try:
-        solver = symbolic.unused.pop()
+        # The analysed solver serves the first factorisation, later ones make their own.
+        solver = unused.pop()
     except IndexError:
         solver = _solver(_POSITIVE_DEFINITE)
         _call(solver, _ANALYSIS, triangle, nothing)
@@ -102,7 +105,7 @@ def factorise(symbolic: Symbolic, values: Array, part: str) -> PardisoFactor:
     except PyPardisoError as error:
         if error.value == _NOT_POSITIVE_DEFINITE:
             unknown = int(solver.get_iparm(_FAILED_AT)) - 1
-            raise NotPositiveDefiniteError(part, unknown, "not positive definite") from None
+            raise NotPositiveDefiniteError(part, unknown) from None
         raise ComputationError(f"{part}: MKL PARDISO failed with error {error.value}") from error
     return PardisoFactor(triangle, solver)
 

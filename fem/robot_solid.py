@@ -9,7 +9,8 @@ import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh
 
-from fem.cholesky import Factor, analyse, factorise
+from fem.cholesky import analyse, factorise
+from fem.factor import Factor
 from fem.superelement import ENDS
 from lumped.arrays import Array
 from lumped.errors import ComputationError

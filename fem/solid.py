@@ -11,6 +11,7 @@ from scipy.sparse.linalg import LinearOperator
 from fem.cholesky import analyse
 from fem.elasticity import on_three_components, stiffness_and_mass
 from fem.end_coupling import FreeEnds, RigidEnds, free_ends, rigid_ends, rigid_motions
+from fem.factor import upper_triangle
 from fem.modes import CertifiedModes
 from fem.modes import modes as clamped_modes
 from fem.renewable_factor import RenewableFactor
@@ -72,15 +73,16 @@ def solid_leg(leg: ConstantLeg, mesh: SolidMesh) -> SolidLeg:
 class ClampedLeg:
     """A solid leg held at its root, factorised.
 
-    Unknowns are those of `ends`: `stiffness` (n×n) is positive definite, `mass` (n×n) a sparse
-    matrix or an operator, `factor` that of the stiffness.
+    Unknowns are those of `ends`: `mass` (n×n) is a sparse matrix or an operator, `factor` that of
+    the stiffness (n×n), which is positive definite. `solid` is the leg before it was held; with
+    rigid ends nothing needs it any more, and it is None.
     """
 
-    solid: SolidLeg
+    mesh: SolidMesh
     ends: RigidEnds | FreeEnds
-    stiffness: SparseMatrix
     mass: SparseMatrix | LinearOperator
     factor: RenewableFactor
+    solid: SolidLeg | None
 
 
 def clamped_leg(solid: SolidLeg, ends: Ends = "rigid") -> ClampedLeg:
@@ -91,12 +93,16 @@ def clamped_leg(solid: SolidLeg, ends: Ends = "rigid") -> ClampedLeg:
     coupling = (
         rigid_ends(solid.mesh) if ends == "rigid" else free_ends(solid.mesh, solid.leg.material)
     )
-    clamped = coupling.clamped_stiffness(solid.stiffness)
-    symbolic = analyse(clamped, coupling.leading_blocks)
-    factor = RenewableFactor(symbolic, clamped, f"solid leg, {ends} ends")
+    mesh, mass = solid.mesh, coupling.clamped_mass(solid.mass)
+    stiffness = upper_triangle(coupling.clamped_stiffness(solid.stiffness))
+    kept = solid if ends == "free" else None
+    # A caller that keeps no reference of its own has this memory for the factor.
+    del solid
+    symbolic = analyse(stiffness, coupling.leading_blocks)
+    factor = RenewableFactor(symbolic, stiffness, f"solid leg, {ends} ends")
     # At once, so that a leg which cannot be held is refused here.
     _ = factor.numeric
-    return ClampedLeg(solid, coupling, clamped, coupling.clamped_mass(solid.mass), factor)
+    return ClampedLeg(mesh, coupling, mass, factor, kept)
 
 
 def tip_compliance(clamped: ClampedLeg) -> Array:

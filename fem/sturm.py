@@ -10,15 +10,13 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-import pymetis
-from numpy.typing import NDArray
 from scipy.linalg import LinAlgError, cholesky, ldl, solve_banded, solve_triangular
 from scipy.linalg.blas import dsyrk
 from scipy.sparse import block_array, csr_array
-from scipy.sparse.csgraph import maximum_bipartite_matching
 
-from fem.cholesky import Backend, default_backend, upper_triangle
-from fem.ordering import BlockGraph, adjacency, block_graph
+from fem.cholesky import default_backend
+from fem.factor import Backend, upper_triangle, whole_matrix
+from fem.ordering import BlockGraph, block_graph, separate
 from lumped.arrays import Array, IntArray, SparseMatrix
 
 # Blocks below which a part is one dense front: smaller fronts cost more in calls than in flops.
@@ -43,31 +41,6 @@ class Front:
     children: tuple[int, ...]
 
 
-def _vertex_cover(edges: SparseMatrix) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Smallest set of rows and columns that touches every entry of a pattern (König's theorem)."""
-    partner = maximum_bipartite_matching(edges, perm_type="column")
-    matched = np.flatnonzero(partner >= 0)
-    row_reached = partner < 0
-    transposed = edges.T.tocsr()
-    while True:
-        column_reached = (transposed @ row_reached.astype(np.int32)) > 0
-        grown = row_reached.copy()
-        grown[matched] |= column_reached[partner[matched]]
-        if (grown == row_reached).all():
-            return ~row_reached, column_reached
-        row_reached = grown
-
-
-def _separate(couplings: SparseMatrix) -> tuple[IntArray, IntArray, IntArray]:
-    """Split a graph into two halves and the blocks between them."""
-    _, membership = pymetis.part_graph(2, adjacency=adjacency(couplings))
-    side = np.asarray(membership)
-    left, right = np.flatnonzero(side == 0), np.flatnonzero(side == 1)
-    left_cut, right_cut = _vertex_cover(couplings[left][:, right].tocsr())
-    between = np.concatenate([left[left_cut], right[right_cut]])
-    return left[~left_cut], right[~right_cut], between
-
-
 def dissect(graph: BlockGraph) -> list[Front]:
     """Fronts of a recursive bisection of the graph, in order of elimination (children first)."""
     fronts: list[Front] = []
@@ -76,7 +49,7 @@ def dissect(graph: BlockGraph) -> list[Front]:
         """Append the fronts of a part and return the number of its last."""
         children: tuple[int, ...] = ()
         if len(blocks) > _LEAF_BLOCKS and couplings.nnz:
-            first, second, between = _separate(couplings)
+            first, second, between = separate(couplings)
             children = tuple(
                 add(couplings[half][:, half].tocsr(), blocks[half])
                 for half in (first, second)
@@ -199,17 +172,18 @@ def count_below(
 ) -> Inertia:
     """Inertia of K − σM (csr n×n, K and M symmetric, M positive definite, σ in rad²/s²).
 
+    Their upper triangles are enough.
     `negative` eigenvalues of K x = λ M x lie below σ: the certificate of a set of modes. `zero`
     above zero means that σ is too near an eigenvalue, of the whole or of a part eliminated
     first; move it. `leading` as in fem.ordering. With `constraints` B (n×c, of full rank) only
     vectors with Bᵀx = 0 count. With `backend` "mkl" PARDISO counts.
     """
+    triangle = upper_triangle(csr_array(K - sigma * M))
     if (backend or default_backend()) == "mkl":
         from fem import pardiso  # noqa: PLC0415  the extra is optional
 
-        # Only the triangle is left when PARDISO needs the memory.
-        return Inertia(*pardiso.inertia(upper_triangle(csr_array(K - sigma * M)), constraints))
-    shifted = csr_array(K - sigma * M)
+        return Inertia(*pardiso.inertia(triangle, constraints))
+    shifted = whole_matrix(triangle)
     fronts = dissect(block_graph(shifted, leading))
     if constraints is None:
         return inertia(shifted, fronts)

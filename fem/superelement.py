@@ -11,7 +11,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.sparse import csr_array
 
-from fem.cholesky import Factor, analyse, factorise
+from fem.cholesky import analyse, factorise
+from fem.factor import Factor
 from lumped.arrays import Array, SparseMatrix
 from lumped.errors import ComputationError
 from lumped.leg_matrices import LegMatrices

@@ -9,21 +9,17 @@ separators of the elimination order, which fill in anyway: the cost is that of f
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from cvxopt import cholmod
-from cvxopt import matrix as cvxopt_matrix
 from scipy.sparse import csr_array
 
-from fem.cholesky import cvxopt_triangle, upper_triangle
-from fem.cholmod_library import Elimination, solve_columns, solve_lower_end
-from fem.cholmod_library import elimination as elimination_of
+from fem.factor import NotPositiveDefiniteError, SeparatedFactor, upper_triangle
+from fem.renewable_factor import RenewableFactor
 from fem.sturm import Inertia
 from lumped.arrays import Array, IntArray, SparseMatrix
 
 # Separators that carry supports, one number after the other until Ã is positive definite.
-_SEPARATORS = (15, 31)
+_SEPARATORS = (31, 63)
 # Most nodes of a patch of a separator that has supports of its own, and of those that carry them.
 _PATCH, _NODES = 400, 75
 # Part of the largest that a shape of support must keep to count as independent of the others.
@@ -60,17 +56,14 @@ def _patches(points: Array, nodes: IntArray) -> Iterator[IntArray]:
         yield from _patches(points, nodes[half])
 
 
-def separator_supports(elimination: Elimination, points: Array, count: int) -> list[Supports]:
-    """Supports on the `count` largest separators of an elimination.
+def separator_supports(separators: list[IntArray], points: Array, n: int) -> list[Supports]:
+    """Supports on separators of the elimination of n unknowns.
 
     `points` (N×3) are the places of the nodes, to which the last 3N unknowns belong.
     """
-    order, starts = elimination.order, elimination.starts
-    leading = len(order) - 3 * len(points)
-    largest = np.argsort(-np.diff(starts), kind="stable")[:count]
+    leading = n - 3 * len(points)
     supports = []
-    for number in np.sort(largest):
-        own = order[starts[number] : starts[number + 1]]
+    for own in separators:
         nodes, components = np.unique((own[own >= leading] - leading) // 3, return_counts=True)
         for patch in _patches(points, nodes[components == 3]):
             chosen = patch[:: max(1, -(-len(patch) // _NODES))]
@@ -81,72 +74,62 @@ def separator_supports(elimination: Elimination, points: Array, count: int) -> l
 
 
 def supported_count(
-    elimination: Elimination,
-    shifted: SparseMatrix,
+    factor: RenewableFactor,
+    K: SparseMatrix,
+    M: SparseMatrix,
+    sigma: float,
     points: Array,
     constraints: Array | None = None,
 ) -> Inertia | None:
-    """Inertia of K − σM (`shifted`, csr n×n) with the `elimination` of the factor of K.
+    """Inertia of K − σM (upper triangles, csr n×n) on the separators of the `factor` of K.
 
     On the vectors with Bᵀx = 0 where `constraints` B (n×c) are given. `zero` above zero: move σ.
-    None where no supports made it positive definite, which says nothing about K − σM.
+    None where the factor has no separators or no supports on them made it positive definite, which
+    says nothing about K − σM.
     """
+    n = K.shape[0]
+    scale = np.sqrt(np.abs(K.diagonal() - sigma * M.diagonal()).mean())
     for count in _SEPARATORS:
-        supports = separator_supports(elimination, points, count)
+        supports = separator_supports(factor.separators(count), points, n)
         if not supports:
             return None
-        stiffness = float(np.abs(shifted.diagonal()).mean())
-        handle = _supported_factor(elimination.order, shifted, supports, stiffness)
-        if handle is not None:
-            return _without_supports(handle, supports, stiffness, shifted.shape[0], constraints)
+        W = _columns(supports, n) * scale
+        triangle = csr_array(csr_array(K - sigma * M) + upper_triangle(csr_array(W @ W.T)))
+        try:
+            supported = factor.on_its_separators(triangle, "supported leg")
+        except NotPositiveDefiniteError:
+            continue
+        if isinstance(supported, SeparatedFactor):
+            return _without_supports(supported, W, constraints)
     return None
 
 
-def _supported_factor(
-    order: IntArray, shifted: SparseMatrix, supports: list[Supports], stiffness: float
-) -> Any:
-    """CHOLMOD's factor of the supported matrix, None where it is not positive definite."""
-    blocks = [stiffness * (s.shapes @ s.shapes.T) for s in supports]
-    rows = np.concatenate([np.repeat(s.unknowns, len(s.unknowns)) for s in supports])
-    columns = np.concatenate([np.tile(s.unknowns, len(s.unknowns)) for s in supports])
-    values = np.concatenate([block.ravel() for block in blocks])
-    added = csr_array((values, (rows, columns)), shape=shifted.shape)
-    triangle = cvxopt_triangle(upper_triangle(csr_array(shifted + added)))
-    del blocks, rows, columns, values, added
-    handle = cholmod.symbolic(triangle, cvxopt_matrix(order))
-    try:
-        cholmod.numeric(triangle, handle)
-    except ArithmeticError:
-        return None
-    return handle
+def _columns(supports: list[Supports], n: int) -> SparseMatrix:
+    """The supports' shapes as columns W (csr n×r)."""
+    widths = [s.shapes.shape[1] for s in supports]
+    first = np.cumsum(widths) - widths
+    rows = [np.repeat(s.unknowns, width) for s, width in zip(supports, widths, strict=True)]
+    columns = [
+        np.tile(np.arange(start, start + width), len(s.unknowns))
+        for s, start, width in zip(supports, first, widths, strict=True)
+    ]
+    values = np.concatenate([s.shapes.ravel() for s in supports])
+    places = (np.concatenate(rows), np.concatenate(columns))
+    return csr_array((values, places), shape=(n, sum(widths)))
 
 
 def _without_supports(
-    handle: Any, supports: list[Supports], stiffness: float, n: int, constraints: Array | None
+    factor: SeparatedFactor, W: SparseMatrix, constraints: Array | None
 ) -> Inertia:
-    own_elimination = elimination_of(handle)
-    order, starts = own_elimination.order, own_elimination.starts
-    place = np.empty(n, dtype=np.int64)
-    place[order] = np.arange(n)
-    first_place = min(int(place[s.unknowns].min()) for s in supports)
-    first = int(np.searchsorted(starts, first_place, side="right")) - 1
-    rank = sum(s.shapes.shape[1] for s in supports)
-    W = np.zeros((n - int(starts[first]), rank), order="F")
-    column = 0
-    # In the order of elimination, so that a column of W is nothing but zeros until its turn.
-    for s in sorted(supports, key=lambda one: int(place[one.unknowns].min())):
-        rows = (place[s.unknowns] - starts[first])[:, None]
-        W[rows, np.arange(column, column + s.shapes.shape[1])] = np.sqrt(stiffness) * s.shapes
-        column += s.shapes.shape[1]
-    reduced = solve_lower_end(handle, first, W)
-    remaining = np.eye(rank) - reduced.T @ reduced
+    n, rank = W.shape
+    remaining = np.eye(rank) - factor.gram(W)
     c = 0
     if constraints is not None:
         c = constraints.shape[1]
-        solved = solve_columns(handle, np.asfortranarray(constraints))
+        solved = factor.solve(constraints)
         compliance = constraints.T @ solved
         scale = 1.0 / np.sqrt(np.diag(compliance))
-        across = -(W.T @ solved[order][starts[first] :]) * scale
+        across = -(W.T @ solved) * scale
         own = -compliance * scale * scale[:, None]
         remaining = np.block([[remaining, across], [across.T, (own + own.T) / 2.0]])
     values = np.linalg.eigvalsh(remaining)

@@ -3,7 +3,7 @@
     python tests/benchmarks/bench_calculix.py
 
 From the mesh in memory to the numbers, CalculiX with two threads, this package with two unless
-OMP_NUM_THREADS says otherwise (one is no slower on a busy machine). CalculiX gets its deck, a step
+OMP_NUM_THREADS says otherwise. CalculiX gets its deck, a step
 per load case and a frequency step; writing the deck counts, since that is how one gets to its
 numbers. It does not prove that no mode was missed, so the ratio is given without and with our
 certificate.

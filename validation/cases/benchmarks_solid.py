@@ -213,9 +213,9 @@ def simply_supported(beam: solid.SolidLeg) -> solid.ClampedLeg:
     stiffness = held.clamped_stiffness(beam.stiffness)
     pattern = analyse_pattern(stiffness, held.leading_blocks)
     return solid.ClampedLeg(
-        solid=beam,
+        mesh=beam.mesh,
         ends=held,
-        stiffness=stiffness,
         mass=held.clamped_mass(beam.mass),
         factor=RenewableFactor(pattern, stiffness, "NAFEMS FV5 as a solid"),
+        solid=beam,
     )

@@ -1,0 +1,273 @@
+"""CHOLMOD on two cores: both halves of a matrix are factorised at once, then their separator.
+
+With the separator S last, the matrix is [A₁ 0 B₁; 0 A₂ B₂; B₁ᵀ B₂ᵀ C]. One thread each factorises
+[A_i B_i; B_iᵀ C], half i with the other half held, which is positive definite as the whole is. The
+end of its factor gives S_i = C − B_iᵀA_i⁻¹B_i; that of the whole is S₁ + S₂ − C, a dense matrix.
+Solves run in two threads as well.
+"""
+
+from collections import deque
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from typing import Any, TypeVar
+
+import numpy as np
+from cvxopt import cholmod
+from scipy.linalg import cho_solve, solve_triangular
+from scipy.linalg.lapack import dpotrf
+from scipy.sparse import csc_array, csr_array
+
+from fem.cholmod_factor import COLUMNS_AT_ONCE, peak_bytes, symbolic_factor
+from fem.cholmod_library import factorise_beside, runs_beside_python, solve_triangular_columns
+from fem.factor import NotPositiveDefiniteError, Symbolic, refuse_lost_pivots
+from fem.ordering import Elimination
+from fem.supernodes import (
+    detach_end,
+    elimination_order,
+    largest_supernodes,
+    solve_paths,
+    statistics,
+)
+from lumped.arrays import Array, IntArray, SparseMatrix
+from lumped.errors import ComputationError
+
+_In = TypeVar("_In")
+_Out = TypeVar("_Out")
+
+
+def available() -> bool:
+    """Whether this build of cvxopt lets two factorisations run at once."""
+    return runs_beside_python()
+
+
+def _at_once(function: Callable[[_In], _Out], halves: tuple[_In, ...]) -> list[_Out]:
+    with ThreadPoolExecutor(len(halves)) as threads:
+        return list(threads.map(function, halves))
+
+
+@dataclass(frozen=True, eq=False)
+class _Pattern:
+    """Upper triangle (csr m×m) of a half and the separator, and where its values come from.
+
+    `unknowns` (m, ascending): numbers in the whole; `sources`: places in the values of the whole's
+    triangle, negative for zeros that are stored to have the separator last.
+    """
+
+    unknowns: IntArray
+    pointers: IntArray
+    columns: IntArray
+    sources: IntArray
+
+    def values(self, whole: Array) -> Array:
+        """Values on the pattern from those of the whole."""
+        own = whole[self.sources]
+        own[self.sources < 0] = 0.0
+        return own
+
+    def analysed(self, eliminated: IntArray) -> Any:
+        """CHOLMOD's symbolic factor, for one factorisation that eliminates in the given order."""
+        m = len(self.unknowns)
+        triangle = csr_array((np.ones(len(self.columns)), self.columns, self.pointers), (m, m))
+        return symbolic_factor(triangle, np.searchsorted(self.unknowns, eliminated))[0]
+
+
+@dataclass(frozen=True, eq=False)
+class _Half:
+    """A half's factor without its end.
+
+    `unknowns` (m): numbers in the whole of the factor's own; `order` (m): the same in the order of
+    elimination, the separator's s at the end; `separator` (s): the places of these in it.
+    """
+
+    handle: Any = field(repr=False)
+    unknowns: IntArray
+    order: IntArray
+    separator: IntArray
+
+    @property
+    def own(self) -> int:
+        """Number of unknowns before the separator's."""
+        return len(self.order) - len(self.separator)
+
+
+@dataclass(frozen=True, eq=False)
+class BisectedFactor:
+    """Factors of two halves and the dense Cholesky factor `lower` (s×s) of their `separator`."""
+
+    size: int
+    halves: tuple[_Half, ...]
+    separator: IntArray
+    lower: Array = field(repr=False)
+
+    def solve(self, right_hand_sides: Array) -> Array:
+        """A⁻¹ times one (n) or several (n×k) right-hand sides, in the same shape."""
+        columns = np.asarray(right_hand_sides, dtype=np.float64).reshape(self.size, -1)
+        solution = np.empty(columns.shape, order="F")
+        for start in range(0, columns.shape[1], COLUMNS_AT_ONCE):
+            some = slice(start, start + COLUMNS_AT_ONCE)
+            self._solve(columns[:, some], solution[:, some])
+        return solution.reshape(right_hand_sides.shape)
+
+    def _solve(self, columns: Array, solution: Array) -> None:
+        def forward(half: _Half) -> Array:
+            own = np.asfortranarray(columns[half.order])
+            own[half.own :] = 0.0
+            return solve_triangular_columns(half.handle, own)
+
+        def backward(both: tuple[_Half, Array]) -> None:
+            half, own = both
+            own[half.own :] = between[half.separator]
+            found = solve_triangular_columns(half.handle, own, transposed=True)
+            solution[half.order[: half.own]] = found[: half.own]
+
+        forwards = _at_once(forward, self.halves)
+        between = columns[self.separator]
+        for half, own in zip(self.halves, forwards, strict=True):
+            between[half.separator] += own[half.own :]
+        between = cho_solve((self.lower, True), between, check_finite=False)
+        solution[self.separator] = between
+        _at_once(backward, tuple(zip(self.halves, forwards, strict=True)))
+
+    def separators(self, count: int) -> list[IntArray]:
+        """Unknowns of the separator and of the halves' supernodes, the largest first."""
+        found = [self.separator]
+        for half in self.halves:
+            largest = largest_supernodes(half.handle, count, half.own)
+            found += [half.unknowns[own] for own in largest]
+        return sorted(found, key=len, reverse=True)[:count]
+
+    def gram(self, columns: SparseMatrix) -> Array:
+        """WᵀA⁻¹W (k×k) of `columns` W (csr n×k): see fem.factor."""
+        between = columns[self.separator].toarray()
+        gram = np.zeros((columns.shape[1], columns.shape[1]))
+        for half in self.halves:
+            own = columns[half.order[: half.own]]
+            own.resize((len(half.order), columns.shape[1]))
+            found = solve_paths(half.handle, csc_array(own))
+            inner = int(np.searchsorted(found.places, half.own))
+            gram += found.values[:inner].T @ found.values[:inner]
+            between[half.separator[found.places[inner:] - half.own]] += found.values[inner:]
+        last = solve_triangular(self.lower, between, lower=True, check_finite=False)
+        return np.asarray(gram + last.T @ last)
+
+    def renewed(self, triangle: SparseMatrix, part: str) -> "BisectedFactor":
+        """The factor of another matrix in the memory of this one: see fem.factor."""
+        patterns = [_part(triangle, half.unknowns) for half in self.halves]
+        handles = [half.handle for half in self.halves]
+        return _eliminated(triangle, patterns, handles, self.separator, part)
+
+
+def analyse(triangle: SparseMatrix, elimination: Elimination) -> Symbolic | None:
+    """Analyse an upper `triangle` (csr) for its elimination in halves.
+
+    None where a half falls to pieces in such a way that the separator does not come last.
+    """
+    n, sizes = triangle.shape[0], elimination.halves
+    pointers, columns = triangle.indptr, triangle.indices
+    first, second, last = np.split(elimination.order, np.cumsum(sizes))
+    separator = np.sort(last)
+    orders = [np.concatenate([own, separator]) for own in (first, second)]
+
+    def analysed() -> tuple[list[_Pattern], list[Any]]:
+        numbered = csr_array((np.empty(len(columns)), columns, pointers), shape=(n, n))
+        patterns = [
+            _separator_last(_part(numbered, np.sort(order)), order, len(separator))
+            for order in orders
+        ]
+        return patterns, [p.analysed(order) for p, order in zip(patterns, orders, strict=True)]
+
+    patterns, handles = analysed()
+    for pattern, handle, size in zip(patterns, handles, sizes, strict=True):
+        end = pattern.unknowns[elimination_order(handle)[size:]]
+        if not np.array_equal(np.sort(end), separator):
+            return None
+    counts = [statistics(handle) for handle in handles]
+    # They serve the first factorisation, later ones make their own.
+    unused = deque([(patterns, handles)])
+    del patterns, handles
+
+    def numeric(values: Array, part: str) -> BisectedFactor:
+        whole = csr_array((values, columns, pointers), shape=(n, n))
+        return _eliminated(whole, *(unused.pop() if unused else analysed()), separator, part)
+
+    # The ends of both factors and of the whole, as dense matrices.
+    dense = 3 * 8 * len(separator) ** 2
+    return Symbolic(
+        backend="cholmod",
+        size=n,
+        pointers=pointers,
+        columns=columns,
+        elimination=elimination,
+        factor_entries=sum(one.entries for one in counts),
+        flops=sum(one.flops for one in counts),
+        peak_bytes=dense + sum(peak_bytes(one, triangle.nnz // 2) for one in counts),
+        numeric=numeric,
+    )
+
+
+def _part(triangle: SparseMatrix, unknowns: IntArray) -> _Pattern:
+    """The part of an upper triangle on some `unknowns` (ascending)."""
+    places = np.arange(1, triangle.nnz + 1, dtype=triangle.indptr.dtype)
+    numbered = csr_array((places, triangle.indices, triangle.indptr), shape=triangle.shape)
+    part = csr_array(numbered[unknowns][:, unknowns])
+    part.sort_indices()
+    return _Pattern(unknowns, part.indptr, part.indices, part.data - 1)
+
+
+def _separator_last(pattern: _Pattern, order: IntArray, separator: int) -> _Pattern:
+    """The pattern with zeros that couple the half's last unknown to its `separator` last ones.
+
+    CHOLMOD reorders so that each unknown comes after those that it depends on. All of the separator
+    then depends on the half, so it stays at the end, where it is a dense block.
+    """
+    m = len(order)
+    local = np.searchsorted(pattern.unknowns, order)
+    part = csr_array((pattern.sources + 1, pattern.columns, pattern.pointers), shape=(m, m))
+    last = np.full(separator, local[m - separator - 1])
+    pairs = np.sort(np.column_stack([last, local[m - separator :]]), axis=1)
+    absent = pairs[np.asarray(part[pairs[:, 0], pairs[:, 1]]).ravel() == 0]
+    zeros = np.full(len(absent), -1, dtype=part.dtype)
+    part = csr_array(part + csr_array((zeros, (absent[:, 0], absent[:, 1])), shape=(m, m)))
+    part.sort_indices()
+    return _Pattern(pattern.unknowns, part.indptr, part.indices, part.data - 1)
+
+
+def _eliminated(
+    triangle: SparseMatrix,
+    patterns: list[_Pattern],
+    handles: list[Any],
+    separator: IntArray,
+    part: str,
+) -> BisectedFactor:
+    n, diagonal = triangle.shape[0], triangle.diagonal()
+
+    def eliminate(both: tuple[_Pattern, Any]) -> tuple[_Half, Array]:
+        pattern, handle = both
+        own = pattern.values(triangle.data)
+        place = factorise_beside(handle, pattern.pointers, pattern.columns, own)
+        order = pattern.unknowns[elimination_order(handle)]
+        if place < len(order):
+            raise NotPositiveDefiniteError(part, int(order[place]))
+        pivots = np.array(cholmod.diag(handle)).ravel() ** 2
+        refuse_lost_pivots(pivots, diagonal[order], order, part)
+        first = len(order) - len(separator)
+        lower = detach_end(handle, first)
+        at = np.searchsorted(separator, order[first:])
+        return _Half(handle, pattern.unknowns, order, at), lower @ lower.T
+
+    try:
+        halves = _at_once(eliminate, tuple(zip(patterns, handles, strict=True)))
+    except MemoryError:
+        raise ComputationError(
+            f"{part}: memory ran out in the factorisation of {n} unknowns"
+        ) from None
+    upper = triangle[separator][:, separator].toarray()
+    remaining = -np.asfortranarray(upper + np.triu(upper, 1).T)
+    for half, schur in halves:
+        remaining[np.ix_(half.separator, half.separator)] += schur
+    lower, failed = dpotrf(remaining, lower=1, overwrite_a=1)
+    if failed:
+        raise NotPositiveDefiniteError(part, int(separator[failed - 1]))
+    refuse_lost_pivots(np.diag(lower) ** 2, diagonal[separator], separator, part)
+    return BisectedFactor(n, tuple(half for half, _ in halves), separator, lower)
