@@ -1,15 +1,19 @@
 """Units of work on the cores of this machine: one process per core, one thread per process."""
 
 from collections.abc import Iterator, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor, as_completed
+from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from multiprocessing import active_children, get_context
+from queue import Empty, SimpleQueue
 from typing import Any
 
 from lumped.errors import ComputationError
 from validation.processes import children_undisturbed, end_with_parent, single_threaded
 from validation.sweeps.runner import Executor, Finished, Work
+
+# Seconds; see `_next`.
+_PATIENCE = 0.5
 
 
 @contextmanager
@@ -39,8 +43,12 @@ def on_cores(jobs: int) -> Iterator[Executor]:
 
 
 def _as_finished(numbers: dict[Future[Any], int]) -> Finished:
+    finished: SimpleQueue[Future[Any]] = SimpleQueue()
+    for future in numbers:
+        future.add_done_callback(finished.put)
     try:
-        for future in as_completed(numbers):
+        for _ in numbers:
+            future = _next(finished)
             yield numbers[future], future.result()
     except BrokenProcessPool as error:
         raise ComputationError(
@@ -50,3 +58,10 @@ def _as_finished(numbers: dict[Future[Any], int]) -> Finished:
     finally:
         for future in numbers:
             future.cancel()
+
+
+def _next(finished: SimpleQueue[Future[Any]]) -> Future[Any]:
+    # A Ctrl-C that comes just before Python's wait begins does not end it: none may last long.
+    while True:
+        with suppress(Empty):
+            return finished.get(timeout=_PATIENCE)
