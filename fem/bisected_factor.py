@@ -19,7 +19,7 @@ from scipy.linalg.lapack import dpotrf
 from scipy.sparse import csc_array, csr_array
 
 from fem.cholmod_factor import COLUMNS_AT_ONCE, peak_bytes, symbolic_factor
-from fem.cholmod_library import factorise_beside, runs_beside_python, solve_triangular_columns
+from fem.cholmod_library import factorise_beside, solve_triangular_columns
 from fem.factor import NotPositiveDefiniteError, Symbolic, refuse_lost_pivots
 from fem.ordering import Elimination
 from fem.supernodes import (
@@ -34,11 +34,6 @@ from lumped.errors import ComputationError
 
 _In = TypeVar("_In")
 _Out = TypeVar("_Out")
-
-
-def available() -> bool:
-    """Whether this build of cvxopt lets two factorisations run at once."""
-    return runs_beside_python()
 
 
 def _at_once(function: Callable[[_In], _Out], halves: tuple[_In, ...]) -> list[_Out]:
@@ -161,12 +156,15 @@ class BisectedFactor:
 def analyse(triangle: SparseMatrix, elimination: Elimination) -> Symbolic | None:
     """Analyse an upper `triangle` (csr) for its elimination in halves.
 
-    None where a half falls to pieces in such a way that the separator does not come last.
+    None where there is nothing between the halves, or where one of them falls to pieces in such a
+    way that the separator does not come last. Needs `runs_beside_python`.
     """
     n, sizes = triangle.shape[0], elimination.halves
     pointers, columns = triangle.indptr, triangle.indices
     first, second, last = np.split(elimination.order, np.cumsum(sizes))
     separator = np.sort(last)
+    if not (len(first) and len(second) and len(separator)):
+        return None
     orders = [np.concatenate([own, separator]) for own in (first, second)]
 
     def analysed() -> tuple[list[_Pattern], list[Any]]:

@@ -12,6 +12,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from fem import bisected_factor, cholmod_factor
+from fem.cholmod_library import runs_beside_python
 from fem.factor import Backend, Factor, Symbolic, refuse_beyond_memory, upper_triangle
 from fem.ordering import Elimination, bisection, block_graph, nested_dissection
 from lumped.arrays import Array, SparseMatrix
@@ -67,7 +68,7 @@ def analyse(
         return pardiso.analyse(triangle)
     if elimination is None:
         graph = block_graph(triangle, leading)
-        if matrix.shape[0] >= _BISECTED and threads() > 1 and bisected_factor.available():
+        if matrix.shape[0] >= _BISECTED and threads() > 1 and runs_beside_python():
             elimination = bisection(graph)
         else:
             elimination = nested_dissection(graph)
