@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scipy.sparse import block_diag, csr_array, diags_array, eye_array, kron
+from scipy.sparse import block_diag, csr_array, diags_array, eye_array
 from scipy.sparse.linalg import spsolve
 
 import fem.cholesky
@@ -20,17 +20,6 @@ STEEL = Material.isotropic(E=2.1e11, nu=0.3, rho=7850.0)
 # Solutions of one matrix by two eliminations differ by its condition number (here 1e6) times 1e-16.
 SOLVER_TOLERANCE = 1e-9
 KIND = {"whole": CholmodFactor, "halves": BisectedFactor}
-
-
-@pytest.fixture(scope="module")
-def leg():
-    """Stiffness and mass of a short hexahedral leg without the nodes of its root."""
-    mesh = extrude(section_mesh(Rectangle(0.04, 0.06), 2, "quad9"), stations(0.3, 6))
-    K, M = stiffness_and_mass(mesh, STEEL)
-    free = np.setdiff1d(np.arange(len(mesh.nodes)), mesh.root.nodes)
-    unknowns = (3 * free[:, None] + np.arange(3)).ravel()
-    M = csr_array(kron(M, eye_array(3), format="csr"))
-    return K[unknowns][:, unknowns], M[unknowns][:, unknowns]
 
 
 @pytest.fixture(params=["whole", "halves"])
@@ -72,8 +61,8 @@ def patches(factor, n, count=5, size=12):
     return csr_array(columns)
 
 
-def test_solutions_are_superlus(leg, way):
-    K, _ = leg
+def test_solutions_are_superlus(short_leg, way):
+    K, _ = short_leg
     factor = factor_of(K, way)
     assert_solves(factor, K)
     one = factor.solve(np.ones(K.shape[0]))
@@ -82,8 +71,8 @@ def test_solutions_are_superlus(leg, way):
     assert factor.solve(np.ones((K.shape[0], 0))).shape == (K.shape[0], 0)
 
 
-def test_one_analysis_serves_several_matrices_at_once(leg, way):
-    K, M = leg
+def test_one_analysis_serves_several_matrices_at_once(short_leg, way):
+    K, M = short_leg
     symbolic = analyse(K, backend="cholmod")
     first, second = factorise(symbolic, K), factorise(symbolic, K + 1e6 * M)
     third = factorise(symbolic, diags_array(K.diagonal(), format="csr"))
@@ -93,8 +82,8 @@ def test_one_analysis_serves_several_matrices_at_once(leg, way):
     assert isinstance(third, KIND[way])
 
 
-def test_the_upper_triangle_is_enough(leg, way):
-    K, _ = leg
+def test_the_upper_triangle_is_enough(short_leg, way):
+    K, _ = short_leg
     triangle = upper_triangle(K)
     assert abs(whole_matrix(triangle) - K).max() == 0.0
     whole, half = factor_of(K, way), factor_of(triangle, way)
@@ -102,8 +91,8 @@ def test_the_upper_triangle_is_enough(leg, way):
     np.testing.assert_array_equal(half.solve(load), whole.solve(load))
 
 
-def test_separators_are_disjoint_and_the_largest_first(leg, way):
-    K, _ = leg
+def test_separators_are_disjoint_and_the_largest_first(short_leg, way):
+    K, _ = short_leg
     separators = factor_of(K, way).separators(9)
     assert len(separators) == 9
     assert [len(s) for s in separators] == sorted((len(s) for s in separators), reverse=True)
@@ -119,9 +108,9 @@ def test_separators_are_disjoint_and_the_largest_first(leg, way):
 
 
 @pytest.mark.parametrize("spread", [False, True])
-def test_gram_is_that_of_solutions(leg, way, spread):
+def test_gram_is_that_of_solutions(short_leg, way, spread):
     """Columns on separators, and columns anywhere: then all of L is on their paths."""
-    K, _ = leg
+    K, _ = short_leg
     factor, n = factor_of(K, way), K.shape[0]
     W = patches(factor, n)
     if spread:
@@ -132,8 +121,8 @@ def test_gram_is_that_of_solutions(leg, way, spread):
     assert np.abs(found - expected).max() <= SOLVER_TOLERANCE * np.abs(expected).max()
 
 
-def test_renewed_in_place_with_couplings_within_separators(leg, way):
-    K, M = leg
+def test_renewed_in_place_with_couplings_within_separators(short_leg, way):
+    K, M = short_leg
     factor, n = factor_of(K, way), K.shape[0]
     load = np.ones(n)
     before = factor.solve(load)
@@ -146,8 +135,8 @@ def test_renewed_in_place_with_couplings_within_separators(leg, way):
     np.testing.assert_array_equal(again.solve(load), before)
 
 
-def test_renewed_after_a_matrix_that_was_not_positive_definite(leg, way):
-    K, M = leg
+def test_renewed_after_a_matrix_that_was_not_positive_definite(short_leg, way):
+    K, M = short_leg
     factor = factor_of(K, way)
     with pytest.raises(NotPositiveDefiniteError, match="too far"):
         factor.renewed(upper_triangle(csr_array(K - 1e12 * M)), "too far")
@@ -156,8 +145,8 @@ def test_renewed_after_a_matrix_that_was_not_positive_definite(leg, way):
 
 @pytest.mark.parametrize("place", ["half", "separator"])
 @pytest.mark.usefixtures("halves")
-def test_the_unknown_of_a_negative_pivot_is_named_and_nothing_printed(leg, place, capfd):
-    K, _ = leg
+def test_the_unknown_of_a_negative_pivot_is_named_and_nothing_printed(short_leg, place, capfd):
+    K, _ = short_leg
     factor = factor_of(K, "halves")
     unknown = {"half": factor.halves[1].order[7], "separator": factor.separator[4]}[place]
     # By its own diagonal entry alone: whatever is eliminated before makes it no larger.
@@ -194,18 +183,18 @@ def test_a_leg_free_to_move_is_refused():
 
 
 @pytest.mark.usefixtures("halves")
-def test_pieces_that_are_not_coupled(leg):
+def test_pieces_that_are_not_coupled(short_leg):
     """A half of several pieces may not keep its separator last, equal pieces need none."""
-    K, _ = leg
+    K, _ = short_leg
     for sizes in ((300, 90, 600, 60), (300, 300)):
         pieces = csr_array(block_diag([K[:size, :size] for size in sizes]))
         assert_solves(factorise(analyse(pieces, backend="cholmod"), pieces), pieces, 2)
 
 
 @pytest.mark.usefixtures("halves")
-def test_predicted_entries_are_those_of_both_parts(leg):
+def test_predicted_entries_are_those_of_both_parts(short_leg):
     """Dense Cholesky of each half with the separator, in the order of elimination."""
-    K, _ = leg
+    K, _ = short_leg
     symbolic = analyse(K, backend="cholmod")
     factor = factorise(symbolic, K)
     pattern = K.copy()
@@ -222,9 +211,9 @@ def test_predicted_entries_are_those_of_both_parts(leg):
 
 
 @pytest.mark.usefixtures("halves")
-def test_factorisations_at_once_do_not_disturb_each_other(leg):
+def test_factorisations_at_once_do_not_disturb_each_other(short_leg):
     """CHOLMOD's workspaces are apart and its BLAS locks its buffers: the same bits every time."""
-    K, _ = leg
+    K, _ = short_leg
     symbolic = analyse(K, backend="cholmod")
     loads = np.random.default_rng(5).standard_normal((K.shape[0], 8))
     first = factorise(symbolic, K).solve(loads)
@@ -232,8 +221,8 @@ def test_factorisations_at_once_do_not_disturb_each_other(leg):
         np.testing.assert_array_equal(factorise(symbolic, K).solve(loads), first)
 
 
-def test_halves_for_large_matrices_and_two_threads_alone(leg, monkeypatch):
-    K, _ = leg
+def test_halves_for_large_matrices_and_two_threads_alone(short_leg, monkeypatch):
+    K, _ = short_leg
     for told, size, kind in (("2", 0, "halves"), ("1", 0, "whole"), ("2", 10**6, "whole")):
         monkeypatch.setenv("OMP_NUM_THREADS", told)
         monkeypatch.setattr(fem.cholesky, "_BISECTED", size)

@@ -2,7 +2,7 @@ import importlib.util
 
 import numpy as np
 import pytest
-from scipy.sparse import block_diag, csr_array, diags_array, eye_array, kron
+from scipy.sparse import block_diag, csr_array, diags_array, eye_array
 from scipy.sparse.linalg import spsolve
 
 import fem.factor
@@ -30,20 +30,9 @@ STEEL = Material.isotropic(E=2.1e11, nu=0.3, rho=7850.0)
 SOLVER_TOLERANCE = 1e-9
 
 
-@pytest.fixture(scope="module")
-def clamped():
-    """Stiffness and mass of a short hexahedral leg without the nodes of its root."""
-    mesh = extrude(section_mesh(Rectangle(0.04, 0.06), 2, "quad9"), stations(0.3, 6))
-    K, M = stiffness_and_mass(mesh, STEEL)
-    free = np.setdiff1d(np.arange(len(mesh.nodes)), mesh.root.nodes)
-    unknowns = (3 * free[:, None] + np.arange(3)).ravel()
-    M = csr_array(kron(M, eye_array(3), format="csr"))
-    return K[unknowns][:, unknowns], M[unknowns][:, unknowns]
-
-
 @pytest.mark.parametrize("backend", BACKENDS)
-def test_solutions_are_superlus(clamped, backend):
-    K, _ = clamped
+def test_solutions_are_superlus(short_leg, backend):
+    K, _ = short_leg
     factor = factorise(analyse(K, backend=backend), K)
     loads = np.random.default_rng(1).standard_normal((K.shape[0], 40))
     expected = spsolve(K.tocsc(), loads)
@@ -57,8 +46,8 @@ def test_solutions_are_superlus(clamped, backend):
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
-def test_one_analysis_serves_several_matrices_at_once(clamped, backend):
-    K, M = clamped
+def test_one_analysis_serves_several_matrices_at_once(short_leg, backend):
+    K, M = short_leg
     symbolic = analyse(K, backend=backend)
     first, second = factorise(symbolic, K), factorise(symbolic, K + 1e6 * M)
     third = factorise(symbolic, diags_array(K.diagonal(), format="csr"))
@@ -73,8 +62,8 @@ def test_one_analysis_serves_several_matrices_at_once(clamped, backend):
         assert np.abs(found - expected).max() <= SOLVER_TOLERANCE * np.abs(expected).max()
 
 
-def test_block_solves_and_cvxopts_own_agree(clamped, monkeypatch):
-    K, _ = clamped
+def test_block_solves_and_cvxopts_own_agree(short_leg, monkeypatch):
+    K, _ = short_leg
     factor = factorise(analyse(K, backend="cholmod"), K)
     loads = np.random.default_rng(2).standard_normal((K.shape[0], 5))
     together = factor.solve(loads)
@@ -84,8 +73,8 @@ def test_block_solves_and_cvxopts_own_agree(clamped, monkeypatch):
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
-def test_a_matrix_outside_the_pattern_is_refused(clamped, backend):
-    K, _ = clamped
+def test_a_matrix_outside_the_pattern_is_refused(short_leg, backend):
+    K, _ = short_leg
     symbolic = analyse(diags_array(K.diagonal(), format="csr"), backend=backend)
     with pytest.raises(ComputationError, match="outside the pattern"):
         factorise(symbolic, K)
@@ -94,8 +83,8 @@ def test_a_matrix_outside_the_pattern_is_refused(clamped, backend):
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
-def test_indefinite_matrix_is_refused_by_name(clamped, backend):
-    K, M = clamped
+def test_indefinite_matrix_is_refused_by_name(short_leg, backend):
+    K, M = short_leg
     shift = 2.0 * (2.0 * np.pi * 1e4) ** 2
     with pytest.raises(NotPositiveDefiniteError, match=r"leg 1: .*not positive definite.*unknown"):
         factorise(analyse(K, backend=backend), K - shift * M, part="leg 1")
@@ -116,9 +105,9 @@ def test_a_leg_free_to_move_is_refused():
         factorise(analyse(K, backend="cholmod"), K)
 
 
-def test_predicted_size_is_the_factors(clamped):
+def test_predicted_size_is_the_factors(short_leg):
     """The factor's entries by a dense Cholesky of the pattern in the same order."""
-    K, _ = clamped
+    K, _ = short_leg
     symbolic = analyse(K, backend="cholmod")
     order = symbolic.elimination.order
     pattern = K.copy()
@@ -134,8 +123,8 @@ def test_predicted_size_is_the_factors(clamped):
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
-def test_too_little_memory_is_said_before_the_factorisation(clamped, backend, monkeypatch):
-    K, _ = clamped
+def test_too_little_memory_is_said_before_the_factorisation(short_leg, backend, monkeypatch):
+    K, _ = short_leg
     symbolic = analyse(K, backend=backend)
     monkeypatch.setattr(fem.factor, "available_memory", lambda: symbolic.peak_bytes - 1)
     with pytest.raises(ComputationError, match=r"leg 2: factorising \d+ unknowns needs about"):
@@ -157,14 +146,14 @@ def test_backend_from_the_environment(monkeypatch):
         default_backend()
 
 
-def test_missing_extra_is_said(clamped, monkeypatch):
+def test_missing_extra_is_said(short_leg, monkeypatch):
     monkeypatch.setitem(__import__("sys").modules, "pypardiso", None)
     with pytest.raises(ComputationError, match=r"flexproof\[mkl\]"):
-        analyse(clamped[0], backend="mkl")
+        analyse(short_leg[0], backend="mkl")
 
 
-def test_order_is_a_permutation_that_saves_fill(clamped):
-    K, _ = clamped
+def test_order_is_a_permutation_that_saves_fill(short_leg):
+    K, _ = short_leg
     ends = csr_array(np.ones((12, K.shape[0])))
     coupled = block_diag([eye_array(12), K], format="lil")
     coupled[:12, 12:600] = ends.toarray()[:, :588]
@@ -180,9 +169,9 @@ def test_order_is_a_permutation_that_saves_fill(clamped):
         block_graph(matrix, leading=(6, 6, 1))
 
 
-def test_thorough_order_is_a_permutation_with_no_more_fill(clamped, monkeypatch):
+def test_thorough_order_is_a_permutation_with_no_more_fill(short_leg, monkeypatch):
     """What large graphs get; 5 % is room for chance on a graph as small as this."""
-    K, _ = clamped
+    K, _ = short_leg
     usual = analyse(K, backend="cholmod")
     monkeypatch.setattr("fem.ordering._LARGE", 0)
     thorough = analyse(K, backend="cholmod")
