@@ -20,7 +20,13 @@ from scipy.sparse import csc_array, csr_array
 
 from fem.cholmod_factor import COLUMNS_AT_ONCE, peak_bytes, symbolic_factor
 from fem.cholmod_library import factorise_beside, solve_triangular_columns
-from fem.factor import NotPositiveDefiniteError, Symbolic, refuse_lost_pivots
+from fem.factor import (
+    NotPositiveDefiniteError,
+    Symbolic,
+    out_of_memory,
+    refuse_lost_pivots,
+    whole_matrix,
+)
 from fem.ordering import Elimination
 from fem.supernodes import (
     detach_end,
@@ -30,7 +36,6 @@ from fem.supernodes import (
     statistics,
 )
 from lumped.arrays import Array, IntArray, SparseMatrix
-from lumped.errors import ComputationError
 
 _In = TypeVar("_In")
 _Out = TypeVar("_Out")
@@ -148,7 +153,11 @@ class BisectedFactor:
 
     def renewed(self, triangle: SparseMatrix, part: str) -> "BisectedFactor":
         """The factor of another matrix in the memory of this one: see fem.factor."""
-        patterns = [_part(triangle, half.unknowns) for half in self.halves]
+        pointers, columns = triangle.indptr, triangle.indices
+        patterns = [
+            _pattern(half.unknowns, _places(pointers, columns, half.unknowns))
+            for half in self.halves
+        ]
         handles = [half.handle for half in self.halves]
         return _eliminated(triangle, patterns, handles, self.separator, part)
 
@@ -168,11 +177,12 @@ def analyse(triangle: SparseMatrix, elimination: Elimination) -> Symbolic | None
     orders = [np.concatenate([own, separator]) for own in (first, second)]
 
     def analysed() -> tuple[list[_Pattern], list[Any]]:
-        numbered = csr_array((np.empty(len(columns)), columns, pointers), shape=(n, n))
-        patterns = [
-            _separator_last(_part(numbered, np.sort(order)), order, len(separator))
-            for order in orders
-        ]
+        patterns = []
+        for order in orders:
+            unknowns = np.sort(order)
+            places = _places(pointers, columns, unknowns)
+            local = np.searchsorted(unknowns, order)
+            patterns.append(_pattern(unknowns, _separator_last(places, local, len(separator))))
         return patterns, [p.analysed(order) for p, order in zip(patterns, orders, strict=True)]
 
     patterns, handles = analysed()
@@ -204,31 +214,34 @@ def analyse(triangle: SparseMatrix, elimination: Elimination) -> Symbolic | None
     )
 
 
-def _part(triangle: SparseMatrix, unknowns: IntArray) -> _Pattern:
-    """The part of an upper triangle on some `unknowns` (ascending)."""
-    places = np.arange(1, triangle.nnz + 1, dtype=triangle.indptr.dtype)
-    numbered = csr_array((places, triangle.indices, triangle.indptr), shape=triangle.shape)
-    part = csr_array(numbered[unknowns][:, unknowns])
-    part.sort_indices()
-    return _Pattern(unknowns, part.indptr, part.indices, part.data - 1)
+def _places(pointers: IntArray, columns: IntArray, unknowns: IntArray) -> SparseMatrix:
+    """Places, from 1, in the values of an upper triangle (csr) of those on some `unknowns` (m×m).
+
+    `unknowns` ascend.
+    """
+    n = len(pointers) - 1
+    numbers = np.arange(1, len(columns) + 1, dtype=pointers.dtype)
+    places = csr_array((numbers, columns, pointers), shape=(n, n))[unknowns][:, unknowns]
+    return csr_array(places)
 
 
-def _separator_last(pattern: _Pattern, order: IntArray, separator: int) -> _Pattern:
-    """The pattern with zeros that couple the half's last unknown to its `separator` last ones.
+def _separator_last(places: SparseMatrix, order: IntArray, separator: int) -> SparseMatrix:
+    """The places with negative ones that couple a half's last unknown to its `separator` last ones.
 
     CHOLMOD reorders so that each unknown comes after those that it depends on. All of the separator
-    then depends on the half, so it stays at the end, where it is a dense block.
+    then depends on the half, so it stays at the end, where it is a dense block. `order` (m): own
+    numbers as they are to be eliminated.
     """
-    m = len(order)
-    local = np.searchsorted(pattern.unknowns, order)
-    part = csr_array((pattern.sources + 1, pattern.columns, pattern.pointers), shape=(m, m))
-    last = np.full(separator, local[m - separator - 1])
-    pairs = np.sort(np.column_stack([last, local[m - separator :]]), axis=1)
-    absent = pairs[np.asarray(part[pairs[:, 0], pairs[:, 1]]).ravel() == 0]
-    zeros = np.full(len(absent), -1, dtype=part.dtype)
-    part = csr_array(part + csr_array((zeros, (absent[:, 0], absent[:, 1])), shape=(m, m)))
-    part.sort_indices()
-    return _Pattern(pattern.unknowns, part.indptr, part.indices, part.data - 1)
+    own, between = order[:-separator], order[-separator:]
+    pairs = np.sort(np.column_stack([np.full(separator, own[-1]), between]), axis=1)
+    absent = pairs[np.asarray(places[pairs[:, 0], pairs[:, 1]]).ravel() == 0]
+    zeros = np.full(len(absent), -1, dtype=places.dtype)
+    return csr_array(places + csr_array((zeros, tuple(absent.T)), shape=places.shape))
+
+
+def _pattern(unknowns: IntArray, places: SparseMatrix) -> _Pattern:
+    places.sort_indices()
+    return _Pattern(unknowns, places.indptr, places.indices, places.data - 1)
 
 
 def _eliminated(
@@ -257,11 +270,9 @@ def _eliminated(
     try:
         halves = _at_once(eliminate, tuple(zip(patterns, handles, strict=True)))
     except MemoryError:
-        raise ComputationError(
-            f"{part}: memory ran out in the factorisation of {n} unknowns"
-        ) from None
-    upper = triangle[separator][:, separator].toarray()
-    remaining = -np.asfortranarray(upper + np.triu(upper, 1).T)
+        raise out_of_memory(part, n) from None
+    between = whole_matrix(csr_array(triangle[separator][:, separator]))
+    remaining = -between.toarray(order="F")
     for half, schur in halves:
         remaining[np.ix_(half.separator, half.separator)] += schur
     lower, failed = dpotrf(remaining, lower=1, overwrite_a=1)

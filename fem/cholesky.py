@@ -14,6 +14,7 @@ from scipy.sparse import csr_array
 from fem import bisected_factor, cholmod_factor
 from fem.cholmod_library import runs_beside_python
 from fem.factor import Backend, Factor, Symbolic, refuse_beyond_memory, upper_triangle
+from fem.machine import threads
 from fem.ordering import Elimination, bisection, block_graph, nested_dissection
 from lumped.arrays import Array, SparseMatrix
 from lumped.errors import ComputationError, InputError
@@ -38,14 +39,6 @@ def default_backend() -> Backend:
 def backend_name(backend: Backend) -> str:
     """What a report calls the backend."""
     return {"cholmod": "CHOLMOD (cvxopt) with METIS", "mkl": "MKL PARDISO"}[backend]
-
-
-def threads() -> int:
-    """Threads that a factorisation may use: OMP_NUM_THREADS, else the cores of this process."""
-    told = os.environ.get("OMP_NUM_THREADS", "")
-    if told.isdecimal() and int(told) > 0:
-        return int(told)
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def analyse(

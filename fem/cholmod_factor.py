@@ -11,7 +11,7 @@ from cvxopt import matrix as cvxopt_matrix
 from scipy.sparse import csc_array, csr_array
 
 from fem.cholmod_library import solve_columns
-from fem.factor import NotPositiveDefiniteError, Symbolic, refuse_lost_pivots
+from fem.factor import NotPositiveDefiniteError, Symbolic, out_of_memory, refuse_lost_pivots
 from fem.ordering import Elimination
 from fem.supernodes import (
     FactorStatistics,
@@ -21,7 +21,6 @@ from fem.supernodes import (
     statistics,
 )
 from lumped.arrays import Array, IntArray, SparseMatrix
-from lumped.errors import ComputationError
 
 # Right-hand sides solved together: beyond some thirty the time per solve no longer falls.
 COLUMNS_AT_ONCE = 32
@@ -142,9 +141,7 @@ def _eliminated(handle: Any, matrix: Any, diagonal: Array, part: str) -> Cholmod
         unknown = int(elimination_order(handle)[error.args[0]])
         raise NotPositiveDefiniteError(part, unknown) from None
     except MemoryError:
-        raise ComputationError(
-            f"{part}: memory ran out in the factorisation of {n} unknowns"
-        ) from None
+        raise out_of_memory(part, n) from None
     eliminated = elimination_order(handle)
     pivots = np.array(cholmod.diag(handle)).ravel() ** 2
     refuse_lost_pivots(pivots, diagonal[eliminated], eliminated, part)

@@ -1,14 +1,13 @@
-"""What the backends of fem.cholesky have in common: analysed patterns, factors, memory, errors."""
+"""What the backends of fem.cholesky have in common: analysed patterns, factors, errors."""
 
-import os
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Literal, Protocol, TypeAlias, runtime_checkable
 
 import numpy as np
 from scipy.sparse import csr_array, diags_array
 
+from fem.machine import available_memory
 from fem.ordering import Elimination
 from lumped.arrays import Array, IntArray, SparseMatrix
 from lumped.errors import ComputationError
@@ -29,6 +28,11 @@ class NotPositiveDefiniteError(ComputationError):
             f"negative material constant, or a shift above the first eigenvalue) at unknown "
             f"{unknown}"
         )
+
+
+def out_of_memory(part: str, unknowns: int) -> ComputationError:
+    """The error of a factorisation that was refused memory although it had been foretold."""
+    return ComputationError(f"{part}: memory ran out in the factorisation of {unknowns} unknowns")
 
 
 class Factor(Protocol):
@@ -125,24 +129,6 @@ def refuse_lost_pivots(pivots: Array, diagonal: Array, unknowns: IntArray, part:
     smallest = int(np.argmin(shares))
     if shares[smallest] < _SINGULAR_PIVOT:
         raise NotPositiveDefiniteError(part, int(unknowns[smallest]))
-
-
-def available_memory() -> int | None:
-    """Bytes that a new computation may take on this machine, None where it cannot be told."""
-    limits = []
-    meminfo = Path("/proc/meminfo")
-    if meminfo.exists():
-        fields = dict(line.split(":", 1) for line in meminfo.read_text().splitlines())
-        if "MemAvailable" in fields:
-            limits.append(1024 * int(fields["MemAvailable"].split()[0]))
-    group = Path("/sys/fs/cgroup")
-    if (group / "memory.max").exists() and (group / "memory.current").exists():
-        limit = (group / "memory.max").read_text().strip()
-        if limit != "max":
-            limits.append(int(limit) - int((group / "memory.current").read_text()))
-    if not limits and "SC_PHYS_PAGES" in os.sysconf_names:
-        limits.append(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
-    return min(limits) if limits else None
 
 
 def refuse_beyond_memory(symbolic: Symbolic, part: str) -> None:

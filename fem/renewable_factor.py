@@ -3,7 +3,8 @@
 from dataclasses import dataclass, field
 
 from fem.cholesky import analyse, factorise
-from fem.factor import Factor, SeparatedFactor, Symbolic, available_memory
+from fem.factor import Factor, SeparatedFactor, Symbolic
+from fem.machine import available_memory
 from lumped.arrays import Array, IntArray, SparseMatrix
 
 # Two factors at once where the memory that is left holds this many more; the machine is not ours.

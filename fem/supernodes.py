@@ -113,8 +113,9 @@ def supernodes(factor: Any) -> IntArray:
 def largest_supernodes(factor: Any, count: int, end: int | None = None) -> list[IntArray]:
     """Unknowns of the `count` largest supernodes, the largest first; places from `end` on apart."""
     order, starts = elimination_order(factor), supernodes(factor)
-    starts = starts[starts < (len(order) if end is None else end)]
-    stops = np.append(starts[1:], len(order) if end is None else end)
+    last = len(order) if end is None else end
+    starts = starts[starts < last]
+    stops = np.append(starts[1:], last)
     largest = np.argsort(starts - stops, kind="stable")[:count]
     return [order[starts[number] : stops[number]] for number in largest]
 

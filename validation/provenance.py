@@ -1,6 +1,5 @@
 """Where the numbers of a run come from: input, program, libraries, machine."""
 
-import os
 import platform
 from collections.abc import Mapping
 from datetime import UTC, datetime
@@ -9,6 +8,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
+from fem.machine import usable_cores
 from lumped.robot_file import RobotFile
 from validation.context import Preset
 
@@ -56,8 +56,7 @@ def versions() -> dict[str, str]:
 
 def machine() -> str:
     """The machine in one line, without its name."""
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
-    return f"{platform.system()} {platform.machine()}, {cores} cores, {_processor()}"
+    return f"{platform.system()} {platform.machine()}, {usable_cores()} cores, {_processor()}"
 
 
 def suite_digest() -> str:

@@ -1,6 +1,5 @@
 """A run from start to end: choose the cases, compute them, keep and publish what comes out."""
 
-import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -9,6 +8,7 @@ from typing import Any
 
 import msgspec
 
+from fem.machine import usable_cores
 from lumped.audit import audit
 from lumped.finding import Finding
 from lumped.robot_file import RobotFile
@@ -191,7 +191,7 @@ def validate(request: Request, catalogue: Catalogue) -> Results:
 
 def default_jobs() -> int:
     """As many processes as this one may use cores."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return usable_cores()
 
 
 def publish(gathered: Results, folder: RunFolder, findings: Sequence[Finding]) -> None:

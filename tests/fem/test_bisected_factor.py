@@ -7,10 +7,11 @@ from scipy.sparse.linalg import spsolve
 
 import fem.cholesky
 from fem.bisected_factor import BisectedFactor
-from fem.cholesky import analyse, factorise, threads
+from fem.cholesky import analyse, factorise
 from fem.cholmod_factor import CholmodFactor
 from fem.elasticity import stiffness_and_mass
 from fem.factor import NotPositiveDefiniteError, SeparatedFactor, upper_triangle, whole_matrix
+from fem.machine import threads
 from lumped.legs import Material
 from lumped.sections import Rectangle
 from meshes.extrude import extrude, stations

@@ -8,7 +8,8 @@ from scipy.sparse.linalg import spsolve
 import fem.factor
 from fem.cholesky import analyse, default_backend, factorise
 from fem.elasticity import stiffness_and_mass
-from fem.factor import NotPositiveDefiniteError, available_memory, upper_triangle
+from fem.factor import NotPositiveDefiniteError, upper_triangle
+from fem.machine import available_memory
 from fem.ordering import block_graph, nested_dissection
 from lumped.errors import ComputationError, InputError
 from lumped.legs import Material

@@ -3,15 +3,10 @@ import importlib.util
 import numpy as np
 import pytest
 from scipy.linalg import eigh, eigvalsh, null_space
-from scipy.sparse import csr_array, eye_array, kron
+from scipy.sparse import csr_array
 
-from fem.elasticity import stiffness_and_mass
 from fem.ordering import block_graph
 from fem.sturm import Inertia, count_below, dissect, inertia
-from lumped.legs import Material
-from lumped.sections import Rectangle
-from meshes.extrude import extrude, stations
-from meshes.section_mesh import section_mesh
 
 BACKENDS = [
     "cholmod",
@@ -25,14 +20,9 @@ BACKENDS = [
 
 
 @pytest.fixture(scope="module")
-def leg():
+def leg(held_leg):
     """Stiffness and mass of a clamped leg, and its eigenvalues by LAPACK."""
-    mesh = extrude(section_mesh(Rectangle(0.04, 0.06), 2, "quad9"), stations(0.4, 8))
-    K, M = stiffness_and_mass(mesh, Material.isotropic(E=2.1e11, nu=0.3, rho=7850.0))
-    free = np.setdiff1d(np.arange(len(mesh.nodes)), mesh.root.nodes)
-    unknowns = (3 * free[:, None] + np.arange(3)).ravel()
-    M = csr_array(kron(M, eye_array(3), format="csr"))
-    K, M = K[unknowns][:, unknowns], M[unknowns][:, unknowns]
+    K, M = held_leg(0.4, 8)
     return K, M, eigh(K.toarray(), M.toarray(), eigvals_only=True)
 
 
