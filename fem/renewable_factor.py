@@ -15,8 +15,8 @@ _ROOM = 4
 class RenewableFactor:
     """The factor of a positive definite matrix (csr n×n), made anew where it was given away.
 
-    `triangle` is the matrix, of which the upper triangle is enough. `part` names it in errors;
-    these are those of `fem.cholesky.factorise`.
+    `triangle` is the upper triangle of the matrix. `part` names it in errors; these are those of
+    `fem.cholesky.factorise`.
     """
 
     symbolic: Symbolic

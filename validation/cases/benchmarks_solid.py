@@ -14,6 +14,7 @@ import numpy as np
 from fem import solid
 from fem.cholesky import analyse as analyse_pattern
 from fem.end_coupling import free_ends
+from fem.factor import upper_triangle
 from fem.renewable_factor import RenewableFactor
 from lumped.arrays import Array
 from lumped.legs import ConstantLeg
@@ -210,7 +211,7 @@ def simply_supported(beam: solid.SolidLeg) -> solid.ClampedLeg:
     ends = free_ends(beam.mesh, beam.leg.material)
     averages = np.hstack([ends.root_loads[:, :4], ends.free_tip_loads[:, 1:3]])
     held = replace(ends, root_loads=averages @ np.linalg.inv(ends.motions.T @ averages))
-    stiffness = held.clamped_stiffness(beam.stiffness)
+    stiffness = upper_triangle(held.clamped_stiffness(beam.stiffness))
     pattern = analyse_pattern(stiffness, held.leading_blocks)
     return solid.ClampedLeg(
         mesh=beam.mesh,
