@@ -24,8 +24,8 @@ from scipy.sparse import csr_array
 from fem.interface_modes import interface_modes
 from fem.superelement import ENDS, HeldLeg, Superelement, reduced
 from lumped.arrays import Array
+from lumped.biglide_assembly import Mechanism
 from lumped.errors import InputError
-from lumped.mechanism import Mechanism
 from lumped.modes import Modes, dense, fix_signs, solve_modes
 
 # The error of a frequency f falls as (f/f_cut)⁷ in tension, faster in bending. For the first twenty

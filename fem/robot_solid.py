@@ -1,6 +1,6 @@
 """The whole robot with solid legs and no reduction: sparse statics and modes of a mechanism.
 
-The same as lumped.mechanism's dense solutions, for hundreds of thousands of unknowns.
+The same as lumped.biglide_assembly's dense solutions, for hundreds of thousands of unknowns.
 """
 
 from dataclasses import dataclass
@@ -13,8 +13,8 @@ from fem.cholesky import analyse, factorise
 from fem.factor import Factor
 from fem.superelement import ENDS
 from lumped.arrays import Array
+from lumped.biglide_assembly import Mechanism
 from lumped.errors import ComputationError
-from lumped.mechanism import Mechanism
 from lumped.modes import Modes, fix_signs
 
 _SEED = 1

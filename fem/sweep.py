@@ -1,6 +1,6 @@
 """Many postures of one robot: the legs are dense and fixed, only their ends turn.
 
-The fast path beside `lumped.mechanism.assemble`, for legs of up to some hundred unknowns
+The fast path beside `lumped.biglide_assembly.assemble`, for legs of up to some hundred unknowns
 (superelements, segments, beams). Everything that does not turn is summed once: feet, tool and
 platform, and the internal unknowns of the legs, which stay in leg axes. A posture turns the rows
 and columns of each leg's two ends.
@@ -16,9 +16,9 @@ from scipy.sparse import csr_array
 from fem.superelement import ENDS
 from lumped.arrays import Array, IntArray
 from lumped.biglide import Biglide, Posture
+from lumped.biglide_assembly import Release, assemble
 from lumped.errors import ComputationError
 from lumped.leg_matrices import LegMatrices
-from lumped.mechanism import Release, assemble
 from lumped.modes import Modes, dense, fix_signs
 from lumped.screws import turn
 
@@ -57,7 +57,7 @@ class _TurningLeg:
 
 @dataclass(frozen=True, eq=False)
 class PostureModel:
-    """A robot whose postures can be solved one after the other; unknowns as in lumped.mechanism.
+    """A robot whose postures can be solved one after the other; unknowns as there.
 
     `stiffness`, `mass` (n×n) are what does not turn, `loaded` (6×n) the twist of the loaded point.
     """
@@ -89,7 +89,7 @@ class SolvedPosture:
 def posture_model(
     robot: Biglide, leg1: LegMatrices, leg2: LegMatrices, release: Release = "condensed"
 ) -> PostureModel:
-    """Sum up what all postures of the robot share; `release` as in lumped.mechanism."""
+    """Sum up what all postures of the robot share; `release` as in lumped.biglide_assembly."""
     centre = robot.posture(robot.centre)
     whole = assemble(robot, robot.centre, leg1, leg2, release)
     stiffness = sum((dense(k) for k in whole.springs.values()), np.zeros(whole.stiffness.shape))

@@ -11,7 +11,7 @@ from scipy.io import mmwrite
 from scipy.sparse import coo_array, csc_array, save_npz
 
 from fem import solid
-from lumped import mechanism
+from lumped import biglide_assembly as mechanism
 from lumped.arrays import Array, SparseMatrix
 from lumped.biglide import Biglide
 from lumped.cantilever import clamped_modes

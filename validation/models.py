@@ -10,9 +10,11 @@ from fem.beam import beam_leg
 from fem.craig_bampton import craig_bampton
 from fem.solid import ClampedLeg
 from fem.superelement import HeldLeg, static_superelement
-from lumped import mechanism, simplified, vjm
+from lumped import biglide_assembly as mechanism
+from lumped import simplified, vjm
 from lumped.arrays import Array
 from lumped.biglide import Biglide
+from lumped.biglide_assembly import Mechanism, Release
 from lumped.cantilever import clamped_modes, tip_compliance_of
 from lumped.errors import InputError
 from lumped.leg_matrices import LegMatrices
@@ -25,7 +27,6 @@ from lumped.legs import (
     given_compliance,
     tip_compliance,
 )
-from lumped.mechanism import Mechanism, Release
 from lumped.modes import Modes
 from lumped.segments import (
     Chain,

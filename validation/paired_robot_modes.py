@@ -13,12 +13,12 @@ from numpy.typing import NDArray
 from fem.beam import beam_leg
 from fem.section_constants import beam_properties, section_constants
 from fem.solid import Ends
-from lumped import mechanism
+from lumped import biglide_assembly as mechanism
 from lumped.arrays import Array, IntArray, SparseMatrix
 from lumped.biglide import Biglide, with_equivalent_legs
+from lumped.biglide_assembly import Mechanism
 from lumped.leg_matrices import LegMatrices
 from lumped.legs import BeamProperties, ConstantLeg, equivalent_leg
-from lumped.mechanism import Mechanism
 from lumped.sections import Rectangle
 from lumped.segments import segment_chain, segment_leg
 from meshes.section_mesh import section_mesh

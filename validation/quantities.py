@@ -7,8 +7,8 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.biglide import Biglide, scaled, with_equivalent_legs
+from lumped.biglide_assembly import Mechanism, modes
 from lumped.leg_matrices import LegMatrices
-from lumped.mechanism import Mechanism, modes
 from lumped.modes import Modes
 from validation.models import (
     DEFAULT_OPTIONS,

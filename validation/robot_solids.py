@@ -24,10 +24,10 @@ from fem.solid import (
 from fem.superelement import ENDS, HeldLeg, Superelement, ends_stiffness, held_leg
 from lumped.arrays import Array, SparseMatrix
 from lumped.biglide import Biglide, with_equivalent_legs
+from lumped.biglide_assembly import Mechanism, assemble
 from lumped.errors import InputError
 from lumped.leg_matrices import LegMatrices
 from lumped.legs import ConstantLeg, equivalent_leg, tip_compliance
-from lumped.mechanism import Mechanism, assemble
 from lumped.modes import Modes
 from meshes.section_mesh import section_mesh
 from validation.leg_solids import COARSEST_WALLS, section_counts, slices, static_ladder

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem.solid import Ends
-from lumped import mechanism, vjm
+from lumped import biglide_assembly as mechanism
+from lumped import vjm
 from lumped.arrays import Array
 from lumped.biglide import Biglide, with_equivalent_legs
 from lumped.legs import ConstantLeg, equivalent_leg, tip_compliance

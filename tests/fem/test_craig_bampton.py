@@ -19,10 +19,10 @@ from fem.superelement_checks import (
     rigid_motions,
 )
 from lumped.biglide import with_equivalent_legs
+from lumped.biglide_assembly import assemble, compliance, modes
 from lumped.errors import InputError
 from lumped.leg_matrices import LegMatrices
 from lumped.legs import ConstantLeg, Material
-from lumped.mechanism import assemble, compliance, modes
 from lumped.robot_file import load_robot
 from lumped.sections import Rectangle
 from lumped.segments import segment_chain, segment_leg

@@ -11,8 +11,8 @@ from fem.calculix import mass_at_stiffness_points
 from fem.robot_calculix import compliance_and_frequencies, robot_deck
 from fem.solid import solid_leg, solid_leg_matrices
 from lumped.biglide import with_equivalent_legs
+from lumped.biglide_assembly import assemble
 from lumped.errors import InputError
-from lumped.mechanism import assemble
 from lumped.robot_file import load_robot
 from meshes.tetrahedra import tetrahedra
 

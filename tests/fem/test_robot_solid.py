@@ -6,7 +6,7 @@ from numpy.testing import assert_allclose
 
 from fem.robot_solid import compliance, factorised_robot, modes
 from fem.solid import solid_leg, solid_leg_matrices
-from lumped import mechanism
+from lumped import biglide_assembly as mechanism
 from lumped.biglide import with_equivalent_legs
 from lumped.errors import ComputationError
 from lumped.robot_file import load_robot

@@ -21,10 +21,10 @@ from fem.superelement_checks import (
 )
 from fem.superelement_checks import rigid_motions as reduced_rigid_motions
 from lumped.biglide import Biglide, with_equivalent_legs
+from lumped.biglide_assembly import assemble, compliance
 from lumped.errors import ComputationError, InputError
 from lumped.leg_matrices import LegMatrices
 from lumped.legs import ConstantLeg, tip_compliance
-from lumped.mechanism import assemble, compliance
 from lumped.robot_file import load_robot
 from lumped.segments import segment_chain, segment_leg
 from lumped.vjm import compliance as vjm_compliance

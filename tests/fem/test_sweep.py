@@ -10,7 +10,7 @@ from fem.beam import beam_leg
 from fem.craig_bampton import craig_bampton
 from fem.superelement import held_leg
 from fem.sweep import posture_model, solve_posture
-from lumped import mechanism
+from lumped import biglide_assembly as mechanism
 from lumped.biglide import with_equivalent_legs
 from lumped.errors import ComputationError, InputError
 from lumped.robot_file import load_robot

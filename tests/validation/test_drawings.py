@@ -9,9 +9,9 @@ import pytest
 from PIL import Image
 
 from fem.solid import solid_mesh
+from lumped.biglide_assembly import compliance
 from lumped.errors import ComputationError
 from lumped.legs import ConstantLeg, Material
-from lumped.mechanism import compliance
 from lumped.robot_file import load_robot
 from lumped.screws import rotation_z
 from lumped.sections import Circle, ISection, Rectangle

@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fem.section_constants import section_constants
-from lumped import mechanism
+from lumped import biglide_assembly as mechanism
 from lumped.arrays import Array
 from lumped.biglide import with_equivalent_legs
 from lumped.legs import ConstantLeg, Material

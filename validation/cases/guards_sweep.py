@@ -9,7 +9,7 @@ from fem.craig_bampton import craig_bampton
 from fem.frame import modes as frame_modes
 from fem.superelement import held_leg
 from fem.sweep import posture_model, solve_posture
-from lumped import mechanism
+from lumped import biglide_assembly as mechanism
 from lumped.arrays import Array
 from lumped.biglide import Biglide
 from lumped.leg_matrices import LegMatrices

@@ -3,8 +3,8 @@
 import numpy as np
 
 from fem.beam_theory import bending_frequencies
+from lumped.biglide_assembly import Release
 from lumped.legs import equivalent_leg
-from lumped.mechanism import Release
 from validation.case import Absolute, Measurement, Relation, Relative
 from validation.cases.paper_statement import POSTURES, Statement
 from validation.context import Context

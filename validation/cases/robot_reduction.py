@@ -8,7 +8,7 @@ import numpy as np
 
 from fem.craig_bampton import craig_bampton, frequency_bounds
 from fem.superelement import held_leg
-from lumped import mechanism
+from lumped import biglide_assembly as mechanism
 from lumped.arrays import Array
 from lumped.biglide import Biglide, with_equivalent_legs
 from validation.case import Absolute, Case, Measurement, Relative

@@ -8,9 +8,9 @@ from scipy.linalg import cho_factor, cho_solve
 
 from lumped.arrays import Array
 from lumped.biglide import Biglide, Posture
+from lumped.biglide_assembly import Mechanism
 from lumped.leg_matrices import LegMatrices
 from lumped.legs import ConstantLeg, equivalent_leg
-from lumped.mechanism import Mechanism
 from lumped.modes import dense
 from validation.drawings.prisms import (
     Surface,

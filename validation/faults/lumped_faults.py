@@ -8,8 +8,8 @@ from scipy.sparse import csr_matrix
 
 from lumped.arrays import Array, SparseMatrix
 from lumped.biglide import Biglide
+from lumped.biglide_assembly import Mechanism
 from lumped.leg_matrices import LegMatrices
-from lumped.mechanism import Mechanism
 from lumped.modes import Modes
 from validation.faults.fault import Fault, Faulty, around, result
 
@@ -127,77 +127,77 @@ FAULTS = (
     Fault(
         "robot.platform-twice",
         "Mass of the platform counted twice",
-        "lumped.mechanism:assemble",
+        "lumped.biglide_assembly:assemble",
         "physics",
         around(_mass_twice),
     ),
     Fault(
         "robot.platform-at-joint",
         "Mass of platform and tool at B instead of at the loaded point",
-        "lumped.mechanism:assemble",
+        "lumped.biglide_assembly:assemble",
         "physics",
         around(_mass_at_joint),
     ),
     Fault(
         "robot.offset-sign",
         "Tool offset in the opposite direction",
-        "lumped.mechanism:_loaded",
+        "lumped.biglide_assembly:_loaded",
         "physics",
         around(_offset_turned),
     ),
     Fault(
         "robot.printed-release",
         "Joints released as eq. (25) is printed: row and column of φz zeroed",
-        "lumped.mechanism:assemble",
+        "lumped.biglide_assembly:assemble",
         "physics",
         around(_printed),
     ),
     Fault(
         "robot.joint-forgotten",
         "Revolute joints forgotten: the leg's φz shared with its neighbour",
-        "lumped.mechanism:_Unknowns._released",
+        "lumped.biglide_assembly:_Unknowns._released",
         "physics",
         around(_held_joint),
     ),
     Fault(
         "robot.foot-in-leg-axes",
         "Feet's compliance in the axes of leg 1",
-        "lumped.mechanism:assemble",
+        "lumped.biglide_assembly:assemble",
         "physics",
         around(_foot_in_leg_axes),
     ),
     Fault(
         "robot.foot-diagonal",
         "Coupling terms of the foot's compliance left out",
-        "lumped.mechanism:_springs",
+        "lumped.biglide_assembly:_springs",
         "data",
         around(_foot_entrywise),
     ),
     Fault(
         "robot.foot-unsymmetrised",
         "Foot's matrix read from its upper triangle without symmetrising",
-        "lumped.mechanism:_springs",
+        "lumped.biglide_assembly:_springs",
         "data",
         around(_foot_half_coupled),
     ),
     Fault(
         "robot.one-foot-rigid",
         "Foot 2 a thousand thousand times too stiff (mm for m)",
-        "lumped.mechanism:_springs",
+        "lumped.biglide_assembly:_springs",
         "data",
         result(_one_foot),
     ),
     Fault(
         "robot.leg-turned-back",
         "Rotation of the legs transposed",
-        "lumped.mechanism:_leg_map",
+        "lumped.biglide_assembly:_leg_map",
         "physics",
         around(_turned_back),
     ),
     Fault(
         "robot.leg-one-twice",
         "Matrices of leg 1 used for leg 2",
-        "lumped.mechanism:assemble",
+        "lumped.biglide_assembly:assemble",
         "data",
         around(_first_leg_twice),
     ),

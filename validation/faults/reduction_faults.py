@@ -9,7 +9,7 @@ from scipy.sparse import csr_array
 from fem.superelement import ENDS, HeldLeg, Superelement
 from fem.sweep import PostureModel
 from lumped.arrays import Array
-from lumped.mechanism import Mechanism
+from lumped.biglide_assembly import Mechanism
 from lumped.modes import Modes
 from validation.faults.fault import Fault, Faulty, around, instead, result
 

@@ -58,7 +58,7 @@ HEADLINES = (
         "natural frequencies of the robot",
         (_SEGMENTS, _BEAM, Way("superelements of 3-D solids", "fem.robot_solid")),
         ("robot.frequency.*", "robot.solid.*"),
-        "the assembly of the robot (lumped.mechanism); the legs share nothing",
+        "the assembly of the robot (lumped.biglide_assembly); the legs share nothing",
     ),
     Headline(
         "tip compliance of a leg",

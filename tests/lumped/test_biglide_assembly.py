@@ -7,9 +7,9 @@ import pytest
 from numpy.testing import assert_allclose
 
 from lumped.biglide import Biglide
+from lumped.biglide_assembly import Mechanism, assemble, compliance, modes
 from lumped.errors import ComputationError, InputError
 from lumped.legs import constant_leg
-from lumped.mechanism import Mechanism, assemble, compliance, modes
 from lumped.screws import move_compliance
 from lumped.segments import segment_chain, segment_leg, with_printed_tip_joint
 

@@ -1,0 +1,65 @@
+"""Bodies of a mechanism: what they are made of and where others take hold of them."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal, TypeAlias
+
+import numpy as np
+
+from lumped.arrays import Array
+from lumped.legs import Material
+from lumped.mechanism.frame import Frame
+from lumped.sections import Section
+
+Ends: TypeAlias = Literal["rigid", "free"]
+
+
+@dataclass(frozen=True)
+class Prism:
+    """Constant section along the body's x axis over `length` (m), from its first interface.
+
+    `ends`: whether its end faces are kept plane by what they are bolted to or may warp; None where
+    nobody said so.
+    """
+
+    length: float
+    section: Section
+    material: Material
+    ends: Ends | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Given:
+    """Leg known by its 6×6 `compliance` at the second interface, the first clamped (SI, body axes).
+
+    `length` (m) along the body's x axis, `mass` (kg).
+    """
+
+    length: float
+    mass: float
+    compliance: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Rigid:
+    """Rigid body of `mass` (kg), `centre` (3, m) and `inertia` (3×3, kg m²) about it, body axes."""
+
+    mass: float = 0.0
+    centre: Array = field(default_factory=lambda: np.zeros(3))
+    inertia: Array = field(default_factory=lambda: np.zeros((3, 3)))
+
+
+Shape: TypeAlias = Prism | Given | Rigid
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """A body: its shape, and its interfaces by the name of their point, in body axes.
+
+    A prism and a given leg have two interfaces, the first at the origin of the body's axes, the
+    second at `length` along x; a rigid body has any number.
+    """
+
+    name: str
+    shape: Shape
+    interfaces: Mapping[str, Frame]

@@ -1,0 +1,44 @@
+"""Joints: which relative twists of two interfaces they leave free, and what gives way in them."""
+
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+from lumped.arrays import Array
+
+JointKind: TypeAlias = Literal[
+    "fixed", "revolute", "prismatic", "cylindrical", "universal", "spherical", "planar"
+]
+
+
+@dataclass(frozen=True)
+class Side:
+    """One side of a joint: a body (or "ground") and the name of its interface."""
+
+    body: str
+    point: str
+
+
+@dataclass(frozen=True)
+class Drive:
+    """What actuates a joint: `stiffness` on its free twist (N/m or N m/rad), None where rigid."""
+
+    stiffness: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Joint:
+    """A joint between two interfaces.
+
+    `axes` (n×3, unit vectors, base axes of the reference posture): one for revolute, prismatic,
+    cylindrical and planar (its normal) joints, two for a universal joint (the first fixed in the
+    first body, the second in the second), none for fixed and spherical ones. `compliance` (6×6, SI,
+    base axes of the reference posture, fixed to the first body) is the joint's own give, in series.
+    """
+
+    name: str
+    kind: JointKind
+    first: Side
+    second: Side
+    axes: Array
+    drive: Drive | None = None
+    compliance: Array | None = None

@@ -1,0 +1,56 @@
+"""A robot as data, from which every model follows."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from lumped.arrays import Array
+from lumped.mechanism.body import Body
+from lumped.mechanism.frame import Frame
+from lumped.mechanism.joint import Joint
+
+GROUND = "ground"
+
+
+@dataclass(frozen=True)
+class Tool:
+    """The loaded point: an interface of a body, what a pose prescribes of it, a mass (kg) there.
+
+    `moves` are components of the point's pose in base axes: x, y, z (m) its coordinates, phi_x,
+    phi_y, phi_z (rad) the rotation vector from the reference posture.
+    """
+
+    body: str
+    point: str
+    moves: tuple[str, ...] = ()
+    mass: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Mechanism:
+    """Bodies, the joints between them, the tool, and the poses in which the robot is looked at.
+
+    `reference` holds the frame of every body in base axes in the reference posture; ground is the
+    body of that name, whose frame is the base and whose interfaces are the points it is joined at.
+    `poses` (p×len(moves)) are in the order of the tool's `moves`.
+    """
+
+    name: str
+    bodies: Mapping[str, Body]
+    joints: Sequence[Joint]
+    tool: Tool
+    reference: Mapping[str, Frame]
+    poses: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Posture:
+    """Where everything is in one pose, loops closed.
+
+    `pose` in the order of the tool's moves, `frames` of all bodies in base axes, `coordinates` of
+    every joint, one for each of its free twists (m, rad; zero in the reference posture).
+    """
+
+    mechanism: Mechanism
+    pose: Array
+    frames: Mapping[str, Frame]
+    coordinates: Mapping[str, Array]
