@@ -253,7 +253,7 @@ def check(robot: str) -> int:
     robot
         A built-in robot or a robot file.
     """
-    from lumped.audit import audit  # noqa: PLC0415
+    from lumped.audit.robot_audit import audit  # noqa: PLC0415
     from lumped.robot_file import load_robot  # noqa: PLC0415
     from validation.listing import audit_text  # noqa: PLC0415
 

@@ -3,8 +3,8 @@
 import json
 from collections.abc import Sequence
 
+from lumped.audit.finding import Finding
 from lumped.biglide import Biglide
-from lumped.finding import Finding
 from validation.case import Absolute, Case, Outcome, Tolerance
 from validation.records import Task
 

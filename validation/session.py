@@ -9,8 +9,8 @@ from typing import Any
 import msgspec
 
 from fem.machine import usable_cores
-from lumped.audit import audit
-from lumped.finding import Finding
+from lumped.audit.finding import Finding
+from lumped.audit.robot_audit import audit
 from lumped.robot_file import RobotFile
 from validation import progress, provenance, runner
 from validation.case import Case, Outcome

@@ -2,7 +2,7 @@
 
 import base64
 
-from lumped.finding import Finding
+from lumped.audit.finding import Finding
 from validation.case import (
     Absolute,
     Allowance,

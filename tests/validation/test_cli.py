@@ -8,7 +8,7 @@ from types import ModuleType
 
 import pytest
 
-from lumped.finding import Finding
+from lumped.audit.finding import Finding
 from lumped.robot_file import load_robot
 from validation import cli, store
 from validation.listing import audit_text

@@ -9,7 +9,7 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 from markupsafe import Markup
 
-from lumped.finding import Finding
+from lumped.audit.finding import Finding
 from validation.case import Outcome, Verdict
 from validation.cases.guards import SECTION as GUARDS
 from validation.drift import Drift

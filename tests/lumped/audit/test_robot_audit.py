@@ -6,8 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from lumped.audit import audit
-from lumped.data_checks import (
+from lumped.audit.data_checks import (
     CHECKS,
     Part,
     couplings,
@@ -20,7 +19,8 @@ from lumped.data_checks import (
     tip_rotation,
     triangle_inequality,
 )
-from lumped.finding import Finding
+from lumped.audit.finding import Finding
+from lumped.audit.robot_audit import audit
 from lumped.legs import ConstantLeg, Material, tip_compliance
 from lumped.robot_file import as_printed, load_robot, write_template
 from lumped.sections import Rectangle

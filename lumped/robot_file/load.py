@@ -14,12 +14,12 @@ import msgspec
 import numpy as np
 
 from lumped.biglide import Biglide, geometry_faults
-from lumped.corrections import correction_faults, value_at, with_printed_values
 from lumped.errors import InputError
-from lumped.leg_table import leg_faults, leg_of, symmetric
 from lumped.legs import GivenLeg
-from lumped.schema import Correction, Length, RobotTables
-from lumped.table_faults import table_faults
+from lumped.robot_file.corrections import correction_faults, value_at, with_printed_values
+from lumped.robot_file.leg_table import leg_faults, leg_of, symmetric
+from lumped.robot_file.table_faults import table_faults
+from lumped.robot_file.tables import Correction, Length, RobotTables
 
 _SUFFIX = ".toml"
 

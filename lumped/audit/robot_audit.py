@@ -7,11 +7,11 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import Any
 
-from lumped.data_checks import data_findings, parts
-from lumped.erratum import paper_findings
-from lumped.finding import Finding
+from lumped.audit.data_checks import data_findings, parts
+from lumped.audit.erratum import paper_findings
+from lumped.audit.finding import Finding
 from lumped.robot_file import RobotFile, as_printed
-from lumped.schema import Correction
+from lumped.robot_file.tables import Correction
 
 _PAPER_ROBOT = "ifw"
 

@@ -10,7 +10,7 @@ from typing import TypeGuard
 import numpy as np
 
 from lumped.arrays import Array
-from lumped.schema import SquareMatrix
+from lumped.robot_file.tables import SquareMatrix
 
 # Relative to √(k_ii k_jj): finite element programs print seven digits, so symmetric entries may
 # differ in the last; a lost sign or exponent differs by far more.

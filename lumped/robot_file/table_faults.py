@@ -10,9 +10,9 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_typ
 import msgspec
 from msgspec import Meta
 
-from lumped.matrix_faults import matrix_faults
-from lumped.schema import Bounds, SquareMatrix, Table
-from lumped.section_table import section_faults
+from lumped.robot_file.matrix_faults import matrix_faults
+from lumped.robot_file.section_table import section_faults
+from lumped.robot_file.tables import Bounds, SquareMatrix, Table
 
 _LONGEST_VALUE = 60
 

@@ -5,8 +5,8 @@ from collections.abc import Iterable, Mapping
 from copy import deepcopy
 from typing import Any
 
-from lumped.matrix_faults import is_finite_number
-from lumped.schema import Correction
+from lumped.robot_file.matrix_faults import is_finite_number
+from lumped.robot_file.tables import Correction
 
 _KEY = re.compile(r"(?P<names>\w+(?:\.\w+)*)(?:\[(?P<indices>\d+(?:\s*,\s*\d+)?)\])?")
 

@@ -5,7 +5,7 @@ from dataclasses import fields
 from difflib import get_close_matches
 from typing import Any
 
-from lumped.matrix_faults import is_finite_number
+from lumped.robot_file.matrix_faults import is_finite_number
 from lumped.sections import SHAPES, Section
 
 

@@ -11,16 +11,16 @@ from typing import Any
 import numpy as np
 
 from lumped.arrays import Array
-from lumped.biglide import Biglide
-from lumped.cantilever import clamped_modes
-from lumped.finding import Finding
-from lumped.formula_errata import (
+from lumped.audit.finding import Finding
+from lumped.audit.formula_errata import (
     joint_release,
     lever_arms,
     neighbour_index,
     small_rotations,
     work_balance,
 )
+from lumped.biglide import Biglide
+from lumped.cantilever import clamped_modes
 from lumped.legs import ConstantLeg, equivalent_leg
 from lumped.segments import segment_chain, segment_leg
 

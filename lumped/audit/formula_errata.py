@@ -3,8 +3,8 @@
 import numpy as np
 
 from lumped.arrays import Array
+from lumped.audit.finding import Finding, Severity
 from lumped.biglide import Biglide
-from lumped.finding import Finding, Severity
 from lumped.legs import equivalent_leg
 from lumped.screws import shift, turn, turn_matrix
 from lumped.segments import condensed_release, printed_release

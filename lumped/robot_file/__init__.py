@@ -1,0 +1,14 @@
+"""Robot files: TOML in SI units, read into a robot or refused with every fault named.
+
+In: a path or the name of a built-in robot. Out: the robot, its tables, what they correct.
+"""
+
+from lumped.robot_file.load import (
+    RobotFile,
+    as_printed,
+    built_in_robots,
+    load_robot,
+    write_template,
+)
+
+__all__ = ["RobotFile", "as_printed", "built_in_robots", "load_robot", "write_template"]
