@@ -34,7 +34,7 @@ from validation.cases import (
     solids,
 )
 from validation.drawings import drawings
-from validation.records import Task
+from validation.results.records import Task
 
 # The robot whose numbers the paper prints.
 PAPER_ROBOT = "ifw"

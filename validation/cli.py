@@ -17,7 +17,7 @@ from cyclopts import App, CycloptsError, Parameter, Token, UnusedCliTokensError
 from lumped.errors import ComputationError, InputError
 
 if TYPE_CHECKING:
-    from validation.store import Start
+    from validation.store.run_folder import Start
 
 app = App(
     name="flexproof",
@@ -105,11 +105,11 @@ def run(
         and postures; needs the extra "cluster".
     """
     from lumped.robot_file import load_robot  # noqa: PLC0415
-    from validation import run_summary  # noqa: PLC0415
     from validation.catalogue import catalogue  # noqa: PLC0415
     from validation.faults.detection import is_fault, with_faults  # noqa: PLC0415
-    from validation.session import Request, default_jobs, validate  # noqa: PLC0415
-    from validation.store import StoreError  # noqa: PLC0415
+    from validation.run import summary  # noqa: PLC0415
+    from validation.run.session import Request, default_jobs, validate  # noqa: PLC0415
+    from validation.store.run_folder import StoreError  # noqa: PLC0415
 
     start: Start = "resumed" if resume else "afresh"
     # Whoever names faults alone wants them injected.
@@ -129,15 +129,15 @@ def run(
     try:
         gathered = validate(request, with_faults if faults else catalogue)
     except StoreError as error:
-        return _complain([str(error), run_summary.how_to_go_on(request)], 3)
+        return _complain([str(error), summary.how_to_go_on(request)], 3)
     except KeyboardInterrupt:
-        return _complain(["interrupted", run_summary.how_to_go_on(request)], 3)
-    _complain(run_summary.left_out(gathered), 0)
-    changes, worsened = run_summary.changes(gathered)
-    _say("\n".join([*run_summary.verdicts(gathered), *changes]))
+        return _complain(["interrupted", summary.how_to_go_on(request)], 3)
+    _complain(summary.left_out(gathered), 0)
+    changes, worsened = summary.changes(gathered)
+    _say("\n".join([*summary.verdicts(gathered), *changes]))
     _say(f"report: {out / 'report.html'}")
     if gathered.unfinished:
-        _complain(["interrupted", run_summary.how_to_go_on(request)], 3)
+        _complain(["interrupted", summary.how_to_go_on(request)], 3)
     return max(gathered.exit_code(), int(worsened))
 
 
@@ -158,10 +158,10 @@ def compare(
     """
     from json import dumps  # noqa: PLC0415
 
-    from validation import comparison_text  # noqa: PLC0415
-    from validation.compare import as_dict  # noqa: PLC0415
-    from validation.compare import compare as compare_runs  # noqa: PLC0415
-    from validation.saved_run import load_run  # noqa: PLC0415
+    from validation.results import comparison_text  # noqa: PLC0415
+    from validation.results.compare import as_dict  # noqa: PLC0415
+    from validation.results.compare import compare as compare_runs  # noqa: PLC0415
+    from validation.results.saved_run import load_run  # noqa: PLC0415
 
     runs = load_run(before), load_run(after)
     comparison = compare_runs(*runs)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from lumped.audit.finding import Finding
 from lumped.biglide import Biglide
 from validation.case import Absolute, Case, Outcome, Tolerance
-from validation.records import Task
+from validation.results.records import Task
 
 
 def as_text(tasks: Sequence[Task]) -> str:

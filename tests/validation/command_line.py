@@ -10,8 +10,8 @@ from types import ModuleType
 def main() -> int:
     import toy_catalogue  # noqa: PLC0415  the workers import this file too, and need none of it
 
-    from validation import provenance  # noqa: PLC0415
     from validation.cli import main as flexproof  # noqa: PLC0415
+    from validation.results import provenance  # noqa: PLC0415
 
     replacement = ModuleType("validation.catalogue")
     replacement.catalogue = getattr(toy_catalogue, sys.argv[1])  # type: ignore[attr-defined]

@@ -14,9 +14,9 @@ from validation.case import (
     judge,
 )
 from validation.exhibits import Drawing, Figure, Study
-from validation.records import Drawn
 from validation.report.family_plots import study_plot
 from validation.report.page import Report
+from validation.results.records import Drawn
 
 PIXEL = base64.b64decode(
     "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg=="

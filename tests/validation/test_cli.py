@@ -10,9 +10,10 @@ import pytest
 
 from lumped.audit.finding import Finding
 from lumped.robot_file import load_robot
-from validation import cli, store
+from validation import cli
 from validation.listing import audit_text
-from validation.store import open_folder
+from validation.store import run_folder as store
+from validation.store.run_folder import open_folder
 
 ROOT = Path(__file__).parents[2]
 HEAVY = ("gmsh", "pyvista", "vtk", "skfem", "matplotlib", "scipy", "numpy", "jinja2")
@@ -250,7 +251,7 @@ def test_a_fault_of_the_program_is_no_disagreement(
         raise RuntimeError("no template")
 
     with_catalogue(toys.sound)
-    monkeypatch.setattr("validation.session.render", broken)
+    monkeypatch.setattr("validation.run.session.render", broken)
     assert cli.main(["run", "--only", "toy.agrees", "--out", str(tmp_path)]) == 3
     printed = capsys.readouterr().err
     assert "no template" in printed

@@ -19,7 +19,6 @@ from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Tube
 from meshes.hexahedra import hexahedra
 from meshes.section_mesh import section_mesh
 from meshes.tetrahedra import tetrahedra
-from validation import run_summary
 from validation.case import Absolute, Case, Measurement, Outcome, Skip, judge
 from validation.cases import (
     guards,
@@ -37,7 +36,8 @@ from validation.faults.detection import detection_power, fault_cases, is_fault
 from validation.faults.fault import around, replaced, result, sound_function
 from validation.faults.trial import SoundGroups, caught, groups_of, sound_group, tried
 from validation.models import ModelOptions, leg_matrices, robot_compliance, robot_frequencies
-from validation.session import Results
+from validation.run import summary as run_summary
+from validation.run.session import Results
 
 IFW = load_robot("ifw")
 TOOL = np.diag([2e-9, 3e-9, 1e-9, 4e-7, 3e-7, 5e-7])

@@ -14,7 +14,7 @@ from validation.context import Context, Preset
 from validation.faults.catalogue import FAULTS
 from validation.faults.fault import Fault
 from validation.faults.trial import SoundGroups, groups_of, tried
-from validation.records import Task
+from validation.results.records import Task
 
 SECTION = "Detection power"
 _PREFIX = "fault."

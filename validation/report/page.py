@@ -12,15 +12,15 @@ from markupsafe import Markup
 from lumped.audit.finding import Finding
 from validation.case import Outcome, Verdict
 from validation.cases.guards import SECTION as GUARDS
-from validation.drift import Drift
 from validation.exhibits import Figure
 from validation.faults.detection import Power
 from validation.listing import summary
-from validation.records import Drawn, studies_of
 from validation.report import scene_viewer, text
 from validation.report.second_ways import Agreement, agreements
 from validation.report.sections import Section, sections_of
 from validation.report.tables import Part, explained, largest_unexplained, unexplained_share
+from validation.results.drift import Drift
+from validation.results.records import Drawn, studies_of
 
 # How many comparisons the first table shows beside those that do not agree.
 _FOREMOST = 10

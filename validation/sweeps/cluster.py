@@ -11,7 +11,7 @@ from types import ModuleType
 from typing import Any
 
 from lumped.errors import ComputationError, InputError
-from validation.provenance import suite_digest
+from validation.results.provenance import suite_digest
 from validation.sweeps.runner import Executor, Finished, Work
 
 # How long (s) to wait for the scheduler and for the first worker.

@@ -16,8 +16,8 @@ from zipfile import BadZipFile
 import numpy as np
 
 from validation.context import fingerprint
-from validation.provenance import suite_digest
-from validation.store import write_atomically
+from validation.results.provenance import suite_digest
+from validation.store.run_folder import write_atomically
 
 T = TypeVar("T")
 

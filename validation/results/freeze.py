@@ -1,8 +1,8 @@
 """Frozen values: the project's own earlier numbers for the robots that come with it.
 
 They are kept beside the program, one small file per robot and preset, so that every run shows how
-far the numbers have moved. `python -m validation.freeze RUN` renews the file from a run: do so
-when a change of the numbers is meant, and let the commit say why.
+far the numbers have moved. `python -m validation.results.freeze RUN` renews the file from a run: do
+so when a change of the numbers is meant, and let the commit say why.
 """
 
 import json
@@ -14,8 +14,8 @@ from pathlib import Path
 from lumped.errors import InputError
 from lumped.robot_file import RobotFile, built_in_robots, load_robot
 from validation.context import Preset
-from validation.drift import Frozen
-from validation.saved_run import SavedRun, load_run, parse_run
+from validation.results.drift import Frozen
+from validation.results.saved_run import SavedRun, load_run, parse_run
 
 FOLDER = Path(str(resources.files("validation"))) / "frozen"
 
@@ -90,7 +90,7 @@ def _faults(header: Mapping[str, object], run: SavedRun) -> list[str]:
 def main(arguments: Sequence[str]) -> int:
     """Freeze the run named on the command line; the exit code."""
     if len(arguments) != 1:
-        sys.stderr.write("usage: python -m validation.freeze RUN\n")
+        sys.stderr.write("usage: python -m validation.results.freeze RUN\n")
         return 2
     try:
         target = freeze(Path(arguments[0]))

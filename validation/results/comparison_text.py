@@ -2,8 +2,8 @@
 
 from collections.abc import Sequence
 
-from validation.compare import Comparison, Timing
-from validation.saved_run import SavedRun
+from validation.results.compare import Comparison, Timing
+from validation.results.saved_run import SavedRun
 
 # How many cases the text lists by the change of their time; --json has all of them.
 _SLOWEST = 10

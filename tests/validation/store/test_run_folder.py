@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from lumped.errors import InputError
-from validation.store import StoreError, open_folder, write_atomically
+from validation.store.run_folder import StoreError, open_folder, write_atomically
 
 HEADER = {"robot": "r", "robot_sha256": "1", "preset": "quick", "versions": {"numpy": "2"}}
 

@@ -2,10 +2,10 @@
 
 from shlex import join
 
-from validation.comparison_text import sentence
 from validation.faults.detection import comparisons
 from validation.listing import outcome_line, summary
-from validation.session import Request, Results
+from validation.results.comparison_text import sentence
+from validation.run.session import Request, Results
 
 
 def verdicts(gathered: Results) -> list[str]:

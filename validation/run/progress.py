@@ -9,8 +9,8 @@ from rich.console import Console, Group
 from rich.live import Live
 from rich.text import Text
 
-from validation.records import Record, Task
-from validation.runner import Observer
+from validation.results.records import Record, Task
+from validation.run.runner import Observer
 
 _BAR = 24
 # How many running tasks are named.

@@ -12,18 +12,19 @@ import pytest
 
 from lumped.errors import ComputationError, InputError
 from lumped.robot_file import load_robot
-from validation import provenance, runner
 from validation.case import Outcome
-from validation.junit import junit_xml
-from validation.progress import Progress, Quiet
-from validation.session import Request, validate
-from validation.worker import Job
+from validation.results import provenance
+from validation.results.junit import junit_xml
+from validation.run import runner
+from validation.run.progress import Progress, Quiet
+from validation.run.session import Request, validate
+from validation.run.worker import Job
 
 
 @pytest.fixture(scope="module")
 def toys():
     patch = pytest.MonkeyPatch()
-    patch.syspath_prepend(str(Path(__file__).parent))
+    patch.syspath_prepend(str(Path(__file__).parents[1]))
     # Editing a source file while the tests run must not make a resumed run another one.
     patch.setattr(provenance, "suite_digest", lambda: "0")
     import toy_catalogue  # noqa: PLC0415  found only on the path set above

@@ -23,9 +23,9 @@ from lumped.errors import ComputationError, InputError
 from validation.case import Case, Outcome
 from validation.context import Preset
 from validation.processes import children_undisturbed, single_threaded
-from validation.records import Drawn, Record, Task, drawn_to_record, outcome_to_record
+from validation.results.records import Drawn, Record, Task, drawn_to_record, outcome_to_record
+from validation.run.worker import Job, serve
 from validation.suggestion import did_you_mean
-from validation.worker import Job, serve
 
 # How long (s) the scheduler sleeps before it looks whether Ctrl-C was pressed.
 _HEARTBEAT = 0.1

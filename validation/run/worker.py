@@ -21,8 +21,8 @@ from validation.case import Case, Outcome, Skip, judge
 from validation.context import Context, Preset
 from validation.exhibits import Drawing
 from validation.processes import end_with_parent
-from validation.records import Drawn, Record, Task, drawn_to_record, outcome_to_record
 from validation.report.text import function_name
+from validation.results.records import Drawn, Record, Task, drawn_to_record, outcome_to_record
 
 
 @dataclass(frozen=True)

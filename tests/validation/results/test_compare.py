@@ -9,12 +9,19 @@ from lumped.errors import InputError
 from lumped.robot_file import load_robot
 from validation import cli
 from validation.case import Absolute, Case, Measurement, judge
-from validation.compare import as_dict, compare
-from validation.comparison_text import as_text, table
-from validation.drift import Frozen, drift, drifts
-from validation.freeze import FOLDER, built_in_frozen, freeze, frozen_text, frozen_values, main
-from validation.records import results
-from validation.saved_run import SavedCase, SavedRun, load_run, parse_run
+from validation.results.compare import as_dict, compare
+from validation.results.comparison_text import as_text, table
+from validation.results.drift import Frozen, drift, drifts
+from validation.results.freeze import (
+    FOLDER,
+    built_in_frozen,
+    freeze,
+    frozen_text,
+    frozen_values,
+    main,
+)
+from validation.results.records import results
+from validation.results.saved_run import SavedCase, SavedRun, load_run, parse_run
 
 STEADY = SavedCase("steady", "agree", value=1.0, reference=1.0, tolerance=0.1, seconds=1.0)
 

@@ -4,8 +4,8 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from validation.case import Verdict
-from validation.drift import Drift, Frozen, drift
-from validation.saved_run import SavedCase, SavedRun
+from validation.results.drift import Drift, Frozen, drift
+from validation.results.saved_run import SavedCase, SavedRun
 
 # From good to bad; a case that is skipped no longer protects anything.
 _RANK: dict[Verdict, int] = {"agree": 0, "skipped": 1, "disagree": 2, "failed": 3}

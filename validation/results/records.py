@@ -8,8 +8,8 @@ import msgspec
 import numpy as np
 
 from validation.case import Case, Measurement, Outcome, finite
-from validation.drift import Drift
 from validation.exhibits import Drawing, Figure, Study, study_record
+from validation.results.drift import Drift
 
 Task: TypeAlias = Case | Drawing
 Record: TypeAlias = dict[str, Any]

@@ -12,18 +12,19 @@ from fem.machine import usable_cores
 from lumped.audit.finding import Finding
 from lumped.audit.robot_audit import audit
 from lumped.robot_file import RobotFile
-from validation import progress, provenance, runner
 from validation.case import Case, Outcome
 from validation.cases.sweep_results import FOLDER_OPTION, GROUP, studies_read
-from validation.compare import Comparison, compare
 from validation.context import Preset
-from validation.drift import Drift, drifts
 from validation.exhibits import Figure
 from validation.export import export
 from validation.faults.detection import Power, comparisons, detection_power
-from validation.freeze import built_in_frozen, frozen_values
-from validation.junit import junit_xml
-from validation.records import (
+from validation.report.page import Report, render
+from validation.results import provenance
+from validation.results.compare import Comparison, compare
+from validation.results.drift import Drift, drifts
+from validation.results.freeze import built_in_frozen, frozen_values
+from validation.results.junit import junit_xml
+from validation.results.records import (
     Drawn,
     Record,
     Task,
@@ -32,12 +33,12 @@ from validation.records import (
     results,
     succeeded,
 )
-from validation.report.page import Report, render
-from validation.saved_run import SavedRun, load_run, parse_run
-from validation.store import RunFolder, Start, open_folder
+from validation.results.saved_run import SavedRun, load_run, parse_run
+from validation.run import progress, runner
+from validation.run.worker import Job
+from validation.store.run_folder import RunFolder, Start, open_folder
 from validation.sweeps.cluster import on_cluster
 from validation.sweeps.studies import precompute
-from validation.worker import Job
 
 Catalogue = Callable[[RobotFile], Sequence[Task]]
 

@@ -61,7 +61,7 @@ def machine() -> str:
 
 def suite_digest() -> str:
     """Digest of this program's own sources: results of different sources are not to be mixed."""
-    root = Path(__file__).resolve().parents[1]
+    root = Path(__file__).resolve().parents[2]
     digest = sha256()
     for package in _PACKAGES:
         for path in sorted((root / package).rglob("*")):
