@@ -1,0 +1,68 @@
+"""Which relative twists a joint leaves free in a posture, and where its two sides are."""
+
+import numpy as np
+
+from lumped.arrays import Array
+from lumped.mechanism.joint import Joint, Side
+from lumped.mechanism.mechanism import Posture
+
+
+def interface_position(posture: Posture, side: Side) -> Array:
+    """Where the interface of one side of a joint is (3, m, base axes)."""
+    frame = posture.frames[side.body]
+    interface = posture.mechanism.bodies[side.body].interfaces[side.point]
+    return frame.position + frame.rotation @ interface.position
+
+
+def turned_since_reference(posture: Posture, body: str) -> Array:
+    """Rotation (3×3) of `body` from the reference posture, base axes."""
+    rotation: Array = posture.frames[body].rotation @ posture.mechanism.reference[body].rotation.T
+    return rotation
+
+
+def free_twists(posture: Posture, joint: Joint) -> Array:
+    """Free twists of the second side relative to the first (6×k), at the first side's interface.
+
+    Base axes, unit rates of the joint's coordinates (m, rad), in their order: prismatic (a; 0),
+    revolute (0; a), cylindrical both, universal (0; a₁) and (0; a₂) with a₁ fixed in the first
+    body and a₂ in the second, spherical all rotations about the base axes, planar two translations
+    across the normal and the rotation about it.
+    """
+    axes = joint.axes @ turned_since_reference(posture, joint.first.body).T
+    twists = np.zeros((6, _FREEDOMS[joint.kind]))
+    match joint.kind:
+        case "prismatic":
+            twists[:3, 0] = axes[0]
+        case "revolute":
+            twists[3:, 0] = axes[0]
+        case "cylindrical":
+            twists[:3, 0] = twists[3:, 1] = axes[0]
+        case "universal":
+            twists[3:, 0] = axes[0]
+            twists[3:, 1] = turned_since_reference(posture, joint.second.body) @ joint.axes[1]
+        case "spherical":
+            twists[3:] = np.eye(3)
+        case "planar":
+            across = _across(joint.axes[0])
+            turned = across @ turned_since_reference(posture, joint.first.body).T
+            twists[:3, :2] = turned.T
+            twists[3:, 2] = axes[0]
+    return twists
+
+
+_FREEDOMS = {
+    "fixed": 0,
+    "revolute": 1,
+    "prismatic": 1,
+    "cylindrical": 2,
+    "universal": 2,
+    "spherical": 3,
+    "planar": 3,
+}
+
+
+def _across(normal: Array) -> Array:
+    """Two unit vectors (2×3) across `normal` and each other, right-handed with it."""
+    first = np.cross(normal, np.eye(3)[np.argmin(np.abs(normal))])
+    first /= np.linalg.norm(first)
+    return np.array([first, np.cross(normal, first)])
