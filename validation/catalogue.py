@@ -33,7 +33,7 @@ from validation.cases import (
     shapes,
     solids,
 )
-from validation.drawings import drawings
+from validation.report.figures import drawings
 from validation.results.records import Task
 
 # The robot whose numbers the paper prints.

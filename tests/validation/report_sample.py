@@ -14,7 +14,7 @@ from validation.case import (
     judge,
 )
 from validation.exhibits import Drawing, Figure, Study
-from validation.report.family_plots import study_plot
+from validation.report.figures.studies.family_plots import study_plot
 from validation.report.page import Report
 from validation.results.records import Drawn
 

@@ -17,11 +17,11 @@ from lumped.screws import rotation_z
 from lumped.sections import Circle, ISection, Rectangle
 from validation.case import Skip
 from validation.context import Context
-from validation.drawings import drawings, opengl
-from validation.drawings.dynamics import refined_frequencies
-from validation.drawings.energy import visible_parts
-from validation.drawings.leg_pictures import boundary_faces, kind_of
-from validation.drawings.lines import (
+from validation.models import robot_legs, robot_mechanism
+from validation.report.figures import drawings
+from validation.report.figures.curves.dynamics import refined_frequencies
+from validation.report.figures.curves.energy import visible_parts
+from validation.report.figures.curves.lines import (
     BEAM,
     SIMPLIFIED,
     accuracy,
@@ -30,7 +30,12 @@ from validation.drawings.lines import (
     marked,
     spread,
 )
-from validation.drawings.prisms import (
+from validation.report.figures.curves.refinement import fitted_order
+from validation.report.figures.curves.statics import simplified_deflections
+from validation.report.figures.curves.sweeps import stations
+from validation.report.figures.pictures import opengl
+from validation.report.figures.pictures.legs import boundary_faces, kind_of
+from validation.report.figures.pictures.prisms import (
     Surface,
     box,
     edges,
@@ -43,14 +48,10 @@ from validation.drawings.prisms import (
     readable_factor,
     section_displacements,
 )
-from validation.drawings.refinement import fitted_order
-from validation.drawings.rendering import Body, Scene, render
-from validation.drawings.robot_pictures import deformed_robot
-from validation.drawings.robot_shape import leg_shapes, load_displacement
-from validation.drawings.statics import simplified_deflections
-from validation.drawings.sweeps import stations
-from validation.drawings.view import fitted_view, pixels
-from validation.models import robot_legs, robot_mechanism
+from validation.report.figures.pictures.rendering import Body, Scene, render
+from validation.report.figures.pictures.robot import deformed_robot
+from validation.report.figures.pictures.robot_shape import leg_shapes, load_displacement
+from validation.report.figures.pictures.view import fitted_view, pixels
 
 needs_opengl = pytest.mark.skipif(opengl.usable_window() is None, reason=opengl.MESSAGE)
 ROUNDING = 1e-12  # lengths of about 1 m, a few operations each

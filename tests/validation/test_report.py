@@ -20,13 +20,13 @@ from report_sample import CONVERGENCE, PIXEL, SWEEP, case, never, sample_report
 from validation.case import Absolute, Allowance, Measurement, Outcome, Relation, judge
 from validation.exhibits import Figure, InteractiveScene, Study
 from validation.report import sections, text
-from validation.report.budgets import budget_figure, budgeted
-from validation.report.families import families
-from validation.report.family_plots import study_plot
+from validation.report.figures.studies.budgets import budget_figure, budgeted
+from validation.report.figures.studies.families import families
+from validation.report.figures.studies.family_plots import study_plot
+from validation.report.figures.style import canvas, csv_of, plot_style, power_ticks, svg_of
 from validation.report.page import render
 from validation.report.second_ways import HEADLINES
 from validation.report.sections import sections_of
-from validation.report.style import canvas, csv_of, plot_style, power_ticks, svg_of
 from validation.report.tables import grids, unexplained_share
 
 VOID = {"meta", "link", "img", "br", "hr", "input"}
@@ -255,7 +255,7 @@ def test_every_figure_names_the_function_it_is_from():
         judge(case("legs.b", compute=other), Measurement(1.0, 1.0, studies=(CONVERGENCE,)), 0.1),
         model_case("solid", "c44", 1.9, allowances=HALF),
     ]
-    drawn = replace(study_plot(SWEEP), computed_by=("validation.drawings.made_up",))
+    drawn = replace(study_plot(SWEEP), computed_by=("validation.report.figures.made_up",))
     report = sample_report(outcomes=tuple(outcomes), figures=(drawn,))
     made = {figure.id: figure.computed_by for figure in report.shown}
     names = (f"{never.__module__}.never", f"{other.__module__}.other")

@@ -11,12 +11,12 @@ sys.path.insert(0, str(Path(__file__).parent))
 from chromium import EXECUTABLE, browser
 from report_sample import PIXEL, sample_report
 
-from validation.drawings.prisms import box
-from validation.drawings.rendering import Body, Scene
-from validation.drawings.view import fitted_view
 from validation.exhibits import Figure
+from validation.report.figures.pictures.prisms import box
+from validation.report.figures.pictures.rendering import Body, Scene
+from validation.report.figures.pictures.scenes import interactive
+from validation.report.figures.pictures.view import fitted_view
 from validation.report.page import render
-from validation.scenes import interactive
 
 pytestmark = pytest.mark.skipif(EXECUTABLE is None, reason="no Chromium (Debian: chromium)")
 

@@ -8,9 +8,9 @@ from functools import cached_property, partial
 
 from validation.case import Outcome
 from validation.exhibits import Figure
-from validation.report.budgets import budget_figure, budgeted
-from validation.report.families import Family, families
-from validation.report.family_plots import family_plot
+from validation.report.figures.studies.budgets import budget_figure, budgeted
+from validation.report.figures.studies.families import Family, families
+from validation.report.figures.studies.family_plots import family_plot
 from validation.report.tables import Grid, Part, grids
 from validation.report.text import anchor
 

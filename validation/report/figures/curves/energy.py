@@ -11,7 +11,7 @@ from validation.cases.robot import SECTION
 from validation.context import Context
 from validation.exhibits import Drawing, Figure
 from validation.quantities import RobotModes, robot_modes
-from validation.report.style import (
+from validation.report.figures.style import (
     BLUE,
     GREEN,
     ORANGE,
@@ -55,7 +55,7 @@ _MEANINGS = {"bending y": "bending out of the plane", "bending z": "bending in t
 
 def drawings() -> tuple[Drawing, ...]:
     """The strain energy of the first modes at the centre of the stroke."""
-    return (Drawing(_ID, _TITLE, strain_energy, section=SECTION, group="drawings.dynamics"),)
+    return (Drawing(_ID, _TITLE, strain_energy, section=SECTION, group="figures.dynamics"),)
 
 
 def strain_energy(context: Context) -> Figure:

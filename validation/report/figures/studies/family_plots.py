@@ -12,8 +12,8 @@ from matplotlib.figure import Figure as Canvas
 
 from lumped.arrays import Array
 from validation.exhibits import Figure, Study
-from validation.report.families import Curve, Family, alone
-from validation.report.style import (
+from validation.report.figures.studies.families import Curve, Family, alone
+from validation.report.figures.style import (
     OTHERS,
     PURPLE,
     Frame,

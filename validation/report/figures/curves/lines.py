@@ -16,7 +16,7 @@ from lumped.arrays import Array
 from lumped.errors import ComputationError
 from validation.context import Preset
 from validation.models import DEFAULT_OPTIONS, ModelName, ModelOptions
-from validation.report.style import BLUE, MODELS, PURPLE, Look, marked
+from validation.report.figures.style import BLUE, MODELS, PURPLE, Look, marked
 
 ALPHA_LABEL = "relative leg length α"
 PLACES = {"centre": "centre of the stroke", "left": "left end", "right": "right end"}

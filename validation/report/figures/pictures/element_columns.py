@@ -6,9 +6,9 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.biglide import Biglide
-from validation.drawings.robot_shape import centreline_points
 from validation.models import DEFAULT_OPTIONS
 from validation.quantities import MICRO, RobotModes
+from validation.report.figures.pictures.robot_shape import centreline_points
 
 
 def segments_like(

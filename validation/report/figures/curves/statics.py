@@ -9,7 +9,9 @@ from lumped.arrays import Array
 from validation.cases.paper_family import ALPHAS
 from validation.cases.robot import SECTION
 from validation.context import Context
-from validation.drawings.lines import (
+from validation.exhibits import Drawing, Figure
+from validation.quantities import LOAD, Deflections, family_deflections
+from validation.report.figures.curves.lines import (
     BEAM,
     SEGMENTS,
     SIMPLIFIED,
@@ -23,7 +25,7 @@ from validation.drawings.lines import (
     plain_log,
     spread,
 )
-from validation.drawings.panels import (
+from validation.report.figures.curves.panels import (
     STROKE_LABEL,
     Panel,
     all_from_zero,
@@ -36,9 +38,7 @@ from validation.drawings.panels import (
     panels_svg,
     stroke_table,
 )
-from validation.drawings.sweeps import deflections_at
-from validation.exhibits import Drawing, Figure
-from validation.quantities import LOAD, Deflections, family_deflections
+from validation.report.figures.curves.sweeps import deflections_at
 
 FAMILY_SECTION = "Robots with longer legs"
 LOADS = {
@@ -49,7 +49,7 @@ LOADS = {
 _SIMPLIFIED_TITLE = f"Planar deflections, simplified model against beams {as_in_paper(3)}"
 _STROKE_TITLE = f"Deflections over the stroke, all models {as_in_paper(5)}"
 _FAMILY_TITLE = f"Deflections of robots with longer legs {as_in_paper(6)}"
-_GROUP = "drawings.statics"
+_GROUP = "figures.statics"
 # Relative difference of two models of the same legs: a thousand times rounding.
 _SAME = 1e-6
 _ONE_FORMULATION = (VJM_EQUIVALENT, SEGMENTS, BEAM)

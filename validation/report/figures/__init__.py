@@ -1,4 +1,8 @@
-"""The figures of a run: curves of all models in the same axes, and pictures of the robot."""
+"""The figures of a run: curves of all models in the same axes, pictures of the robot, studies.
+
+Curves and pictures are computed in the run like cases (`drawings`); plots of studies and budgets
+are drawn when the page is made, from what the cases brought.
+"""
 
 from validation.exhibits import Drawing
 
@@ -6,24 +10,23 @@ from validation.exhibits import Drawing
 def drawings() -> tuple[Drawing, ...]:
     """All figures of a robot, in the order of the report."""
     # The figures share results with the cases, whose package lists cases and figures together.
-    from validation.drawings import (  # noqa: PLC0415
+    from validation.report.figures.curves import (  # noqa: PLC0415
         decision,
         dynamics,
         energy,
-        leg_pictures,
         refinement,
-        robot_pictures,
         sixty_modes,
         statics,
     )
+    from validation.report.figures.pictures import legs, robot  # noqa: PLC0415
 
     return (
         *statics.drawings(),
         *dynamics.drawings(),
         *energy.drawings(),
         *sixty_modes.drawings(),
-        *robot_pictures.drawings(),
-        *leg_pictures.drawings(),
+        *robot.drawings(),
+        *legs.drawings(),
         *refinement.drawings(),
         *decision.drawings(),
     )

@@ -9,7 +9,7 @@ from validation.cases.robot_sixty import ALONE, SIXTY, SixtyModes, in_the_feet, 
 from validation.cases.robot_solid import SECTION
 from validation.context import Context
 from validation.exhibits import Drawing, Figure
-from validation.report.style import (
+from validation.report.figures.style import (
     BLUE,
     GREEN,
     ORANGE,

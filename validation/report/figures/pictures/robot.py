@@ -9,16 +9,19 @@ from lumped.arrays import Array
 from lumped.biglide import Biglide
 from validation.cases.robot import SECTION
 from validation.context import Context
-from validation.drawings.element_columns import (
+from validation.exhibits import Drawing, Figure, InteractiveScene
+from validation.models import DEFAULT_OPTIONS
+from validation.quantities import LOAD, MICRO, RobotModes, robot_modes
+from validation.report.figures.curves.lines import as_in_paper
+from validation.report.figures.pictures.element_columns import (
     load_columns,
     segments_like,
     sense,
     shape_columns,
 )
-from validation.drawings.lines import as_in_paper
-from validation.drawings.opengl import require_vtk
-from validation.drawings.prisms import readable_factor
-from validation.drawings.rendering import (
+from validation.report.figures.pictures.opengl import require_vtk
+from validation.report.figures.pictures.prisms import readable_factor
+from validation.report.figures.pictures.rendering import (
     Body,
     Scene,
     arrow,
@@ -30,7 +33,7 @@ from validation.drawings.rendering import (
     triad,
     write,
 )
-from validation.drawings.robot_shape import (
+from validation.report.figures.pictures.robot_shape import (
     LegShape,
     leg_shapes,
     load_displacement,
@@ -39,12 +42,9 @@ from validation.drawings.robot_shape import (
     surroundings,
     top_of_joint,
 )
-from validation.drawings.view import View, fitted_view
-from validation.exhibits import Drawing, Figure, InteractiveScene
-from validation.models import DEFAULT_OPTIONS
-from validation.quantities import LOAD, MICRO, RobotModes, robot_modes
-from validation.report.style import MODELS, VERMILLION, canvas, csv_of, plot_style
-from validation.scenes import interactive
+from validation.report.figures.pictures.scenes import interactive
+from validation.report.figures.pictures.view import View, fitted_view
+from validation.report.figures.style import MODELS, VERMILLION, canvas, csv_of, plot_style
 
 GROUP = "pictures"
 _MODES_TITLE = f"First two mode shapes of the robot {as_in_paper(11)}"

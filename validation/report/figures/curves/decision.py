@@ -18,7 +18,8 @@ from validation.cases.sweep_results import (
 )
 from validation.context import Context
 from validation.decision import OBJECTIVES, UNITS, Decision, Objective
-from validation.drawings.lines import (
+from validation.exhibits import Drawing, Figure
+from validation.report.figures.curves.lines import (
     ALPHA_LABEL,
     PLACES,
     as_in_paper,
@@ -26,8 +27,16 @@ from validation.drawings.lines import (
     legend_above,
     plain_log,
 )
-from validation.exhibits import Drawing, Figure
-from validation.report.style import MODELS, PURPLE, Look, canvas, csv_of, marked, plot_style, svg_of
+from validation.report.figures.style import (
+    MODELS,
+    PURPLE,
+    Look,
+    canvas,
+    csv_of,
+    marked,
+    plot_style,
+    svg_of,
+)
 from validation.sweeps.plans import FREE, RIGID, stroke_stations
 from validation.sweeps.studies import PLANS, POINTS, STROKE_FREQUENCIES, Curves
 

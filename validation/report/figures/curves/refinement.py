@@ -13,9 +13,9 @@ from validation.cases.refinement import (
 )
 from validation.context import Context
 from validation.convergence import order_of_errors
-from validation.drawings.lines import legend_above
 from validation.exhibits import Drawing, Figure
-from validation.report.style import (
+from validation.report.figures.curves.lines import legend_above
+from validation.report.figures.style import (
     MODELS,
     PURPLE,
     Look,
@@ -46,7 +46,7 @@ def drawings() -> tuple[Drawing, ...]:
             _TITLE,
             convergence_on_elements,
             section=SECTION,
-            group="drawings.refinement",
+            group="figures.refinement",
             effort=3.0,
         ),
     )

@@ -16,7 +16,7 @@ from matplotlib.patches import Patch
 from lumped.arrays import Array
 from validation.case import Allowance, Measurement, Outcome
 from validation.exhibits import Figure
-from validation.report.style import (
+from validation.report.figures.style import (
     BLUE,
     GREEN,
     ORANGE,

@@ -8,7 +8,9 @@ from lumped.arrays import Array
 from validation.cases.paper_family import ALPHAS
 from validation.cases.robot import SECTION
 from validation.context import Context
-from validation.drawings.lines import (
+from validation.exhibits import Drawing, Figure
+from validation.quantities import family_frequencies
+from validation.report.figures.curves.lines import (
     BEAM,
     DYNAMIC_LINES,
     SEGMENTS,
@@ -21,7 +23,7 @@ from validation.drawings.lines import (
     plain_log,
     spread,
 )
-from validation.drawings.panels import (
+from validation.report.figures.curves.panels import (
     STROKE_LABEL,
     Panel,
     all_from_zero,
@@ -34,10 +36,8 @@ from validation.drawings.panels import (
     panels_svg,
     stroke_table,
 )
-from validation.drawings.statics import FAMILY_SECTION
-from validation.drawings.sweeps import frequencies_at
-from validation.exhibits import Drawing, Figure
-from validation.quantities import family_frequencies
+from validation.report.figures.curves.statics import FAMILY_SECTION
+from validation.report.figures.curves.sweeps import frequencies_at
 
 MODES = 2
 _SIMPLIFIED_TITLE = f"First natural frequency, simplified model against beams {as_in_paper(7)}"
@@ -47,7 +47,7 @@ _FAMILY_SIMPLIFIED_TITLE = (
     f"{as_in_paper(12)}"
 )
 _FAMILY_TITLE = f"First two natural frequencies of robots with longer legs {as_in_paper(13)}"
-_GROUP = "drawings.dynamics"
+_GROUP = "figures.dynamics"
 
 
 def drawings() -> tuple[Drawing, ...]:

@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from validation.drawings.rendering import Body, Scene, Wire, add_to
 from validation.exhibits import InteractiveScene
+from validation.report.figures.pictures.rendering import Body, Scene, Wire, add_to
 
 _ADDRESS = re.compile(r"(?<=[\"{])[0-9a-f]{16}(?=[\"}-])")
 # The earliest date that a ZIP archive can carry.

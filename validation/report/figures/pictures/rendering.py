@@ -13,10 +13,10 @@ from matplotlib.figure import Figure as Canvas
 from numpy.typing import NDArray
 
 from lumped.arrays import Array, IntArray
-from validation.drawings.opengl import MESSAGE, usable_window
-from validation.drawings.prisms import Surface
-from validation.drawings.view import View, pixels
-from validation.report.style import WIDTH
+from validation.report.figures.pictures.opengl import MESSAGE, usable_window
+from validation.report.figures.pictures.prisms import Surface
+from validation.report.figures.pictures.view import View, pixels
+from validation.report.figures.style import WIDTH
 
 # Told apart by colour-blind readers, and light against dark when printed in grey.
 COLOUR_MAP = "viridis"

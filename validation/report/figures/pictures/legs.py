@@ -13,8 +13,11 @@ from meshes.elements import ELEMENTS
 from meshes.solid_mesh import SolidMesh
 from validation.cases.legs import constant_leg_of
 from validation.context import Context
-from validation.drawings.opengl import require_vtk
-from validation.drawings.prisms import (
+from validation.exhibits import Drawing, Figure
+from validation.mode_pairing import centreline_samples, centreline_weights, pair_modes
+from validation.models import DEFAULT_OPTIONS, leg_matrices, solid_modes
+from validation.report.figures.pictures.opengl import require_vtk
+from validation.report.figures.pictures.prisms import (
     Surface,
     edges,
     frames,
@@ -22,7 +25,7 @@ from validation.drawings.prisms import (
     prism_points,
     section_displacements,
 )
-from validation.drawings.rendering import (
+from validation.report.figures.pictures.rendering import (
     Body,
     Scene,
     Wire,
@@ -33,14 +36,11 @@ from validation.drawings.rendering import (
     squares,
     triad,
 )
-from validation.drawings.robot_pictures import GROUP
-from validation.drawings.robot_shape import OUTSET
-from validation.drawings.view import fitted_view
-from validation.exhibits import Drawing, Figure
-from validation.mode_pairing import centreline_samples, centreline_weights, pair_modes
-from validation.models import DEFAULT_OPTIONS, leg_matrices, solid_modes
-from validation.report.style import MODELS, canvas, csv_of, plot_style
-from validation.scenes import interactive
+from validation.report.figures.pictures.robot import GROUP
+from validation.report.figures.pictures.robot_shape import OUTSET
+from validation.report.figures.pictures.scenes import interactive
+from validation.report.figures.pictures.view import fitted_view
+from validation.report.figures.style import MODELS, canvas, csv_of, plot_style
 
 MODES = 4
 # Enough for a picture: the numbers of the report come from finer meshes.

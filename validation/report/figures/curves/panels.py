@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from lumped.arrays import Array
 from validation.cases.paper_family import ALPHAS, FIGURE_POINTS
 from validation.context import Context
-from validation.drawings.lines import (
+from validation.report.figures.curves.lines import (
     ALPHA_LABEL,
     PLACES,
     POSTURES,
@@ -21,8 +21,8 @@ from validation.drawings.lines import (
     gather,
     legend_above,
 )
-from validation.drawings.sweeps import stations
-from validation.report.style import canvas, csv_of, plot_style, svg_of
+from validation.report.figures.curves.sweeps import stations
+from validation.report.figures.style import canvas, csv_of, plot_style, svg_of
 
 T = TypeVar("T")
 Stack = Mapping[Line, Array]

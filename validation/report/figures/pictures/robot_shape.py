@@ -12,7 +12,7 @@ from lumped.biglide_assembly import Mechanism
 from lumped.leg_matrices import LegMatrices
 from lumped.legs import ConstantLeg, equivalent_leg
 from lumped.modes import dense
-from validation.drawings.prisms import (
+from validation.report.figures.pictures.prisms import (
     Surface,
     box,
     edges,
@@ -25,8 +25,8 @@ from validation.drawings.prisms import (
     prism_points,
     section_displacements,
 )
-from validation.drawings.rendering import DARK, Body, Wire
-from validation.report.style import MODELS
+from validation.report.figures.pictures.rendering import DARK, Body, Wire
+from validation.report.figures.style import MODELS
 
 _STATIONS = 41
 # How much larger than the leg the lumped model's outlines are drawn, to be seen on its surface.
