@@ -17,16 +17,16 @@ from lumped.errors import ComputationError
 from lumped.legs import Material
 from meshes.elements import ElementName
 from meshes.shape_functions import gradients, quadrature, values
-from meshes.solid_mesh import SolidMesh
+from meshes.solid_mesh import VolumeMesh
 
 # Stiffness: the fewest points that integrate ∇N_a·∇N_b exactly on a cell with straight, parallel
 # edges (degree 2 and 4 per coordinate on cubes, 0 and 2 on simplices). There the rank of an element
 # matrix is full (no hourglass modes), and on curved cells the error is of the order of the element.
 # These are also the points of C3D8, C3D4 and C3D10.
-_STIFFNESS_DEGREE = {"hex8": 3, "hex27": 5, "tet4": 1, "tet10": 2}
+_STIFFNESS_DEGREE = {"hex8": 3, "hex20": 5, "hex27": 5, "tet4": 1, "tet10": 2}
 # Mass: N_a N_b det J is a polynomial on every cell, curved ones included; integrated exactly.
 # Degree 2p in N_a N_b; det J adds 3p − 1 per coordinate on cubes, 3(p − 1) on simplices.
-_MASS_DEGREE = {"hex8": 4, "hex27": 9, "tet4": 2, "tet10": 7}
+_MASS_DEGREE = {"hex8": 4, "hex20": 9, "hex27": 9, "tet4": 2, "tet10": 7}
 
 _CHUNK_BYTES = 16_000_000
 
@@ -50,7 +50,7 @@ def _chunks(count: int, floats_per_element: int) -> Iterator[slice]:
     return (slice(start, min(start + size, count)) for start in range(0, count, size))
 
 
-def _jacobians(mesh: SolidMesh, chunk: slice, reference_gradients: Array) -> tuple[Array, Array]:
+def _jacobians(mesh: VolumeMesh, chunk: slice, reference_gradients: Array) -> tuple[Array, Array]:
     """∂x_i/∂ξ_j (e×Q×3×3) and its determinant (e×Q), refused where it is not positive."""
     k, _, points = reference_gradients.shape
     corners = mesh.nodes[mesh.cells[chunk]].transpose(0, 2, 1)
@@ -77,7 +77,7 @@ def _inverse(jacobian: Array, determinant: Array) -> Array:
     return np.stack(rows, axis=-2) / determinant[..., None, None]
 
 
-def _gradient_products(mesh: SolidMesh, pairs: NodePairs) -> Array:
+def _gradient_products(mesh: VolumeMesh, pairs: NodePairs) -> Array:
     """D_ab = ∫ ∂_j N_a ∂_l N_b dV (P×3×3, m) for the node pairs of a mesh."""
     cubature = _cubature(mesh.element, _STIFFNESS_DEGREE[mesh.element])
     k, _, points = cubature.gradients.shape
@@ -117,7 +117,7 @@ def _node_blocks(products: Array, material: Material) -> Array:
     return blocks
 
 
-def _scalar_mass(mesh: SolidMesh, rho: float, pairs: NodePairs) -> SparseMatrix:
+def _scalar_mass(mesh: VolumeMesh, rho: float, pairs: NodePairs) -> SparseMatrix:
     cubature = _cubature(mesh.element, _MASS_DEGREE[mesh.element])
     k, points = cubature.shapes.shape
     table = np.einsum("aq,bq,q->qab", cubature.shapes, cubature.shapes, rho * cubature.weights)
@@ -131,7 +131,7 @@ def _scalar_mass(mesh: SolidMesh, rho: float, pairs: NodePairs) -> SparseMatrix:
     return symmetric_matrix(pairs, (pairs.summation @ entries).reshape(-1, 1, 1))
 
 
-def stiffness(mesh: SolidMesh, material: Material) -> SparseMatrix:
+def stiffness(mesh: VolumeMesh, material: Material) -> SparseMatrix:
     """Stiffness matrix (csr 3N×3N, N/m) of a solid, unknown 3·node + component (x, y, z).
 
     Symmetric to the last bit; every node pair that shares an element has its nine entries, zeros
@@ -142,7 +142,7 @@ def stiffness(mesh: SolidMesh, material: Material) -> SparseMatrix:
     return symmetric_matrix(pairs, _node_blocks(_gradient_products(mesh, pairs), material))
 
 
-def scalar_mass(mesh: SolidMesh, rho: float) -> SparseMatrix:
+def scalar_mass(mesh: VolumeMesh, rho: float) -> SparseMatrix:
     """Consistent mass ∫ ρ N_a N_b dV (csr N×N, kg), the same for the three components.
 
     M x is `scalar_mass @ x.reshape(N, 3)`: a ninth of the stiffness matrix's entries to read.
@@ -151,14 +151,14 @@ def scalar_mass(mesh: SolidMesh, rho: float) -> SparseMatrix:
     return _scalar_mass(mesh, rho, node_pairs(mesh.cells, len(mesh.nodes)))
 
 
-def stiffness_and_mass(mesh: SolidMesh, material: Material) -> tuple[SparseMatrix, SparseMatrix]:
+def stiffness_and_mass(mesh: VolumeMesh, material: Material) -> tuple[SparseMatrix, SparseMatrix]:
     """`stiffness` and `scalar_mass` of one mesh, cheaper than one after the other."""
     pairs = node_pairs(mesh.cells, len(mesh.nodes))
     K = symmetric_matrix(pairs, _node_blocks(_gradient_products(mesh, pairs), material))
     return K, _scalar_mass(mesh, material.rho, pairs)
 
 
-def mass(mesh: SolidMesh, rho: float) -> SparseMatrix:
+def mass(mesh: VolumeMesh, rho: float) -> SparseMatrix:
     """Consistent mass matrix (csr 3N×3N, kg), unknown 3·node + component: scalar_mass ⊗ I₃."""
     return on_three_components(scalar_mass(mesh, rho))
 

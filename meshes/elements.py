@@ -2,7 +2,8 @@
 
 Reference cells are the unit square, unit cube and unit simplex. Quadrilaterals and simplices are
 numbered as in scikit-fem: corners counter-clockwise, then edge midpoints, then the centre. A
-hexahedron is a quadrilateral times a line: the quadrilateral's nodes at ζ = 0, (½,) 1. An extruded
+hexahedron is a quadrilateral times a line: the quadrilateral's nodes at ζ = 0, (½,) 1; that of 20
+nodes, which is no such product, has its corners and then the midpoints of its edges. An extruded
 leg has its ξ, η in the section (y, z) and its ζ along x, which is right-handed.
 """
 
@@ -13,8 +14,8 @@ import numpy as np
 
 from lumped.arrays import Array
 
-SectionElement: TypeAlias = Literal["quad4", "quad9", "tri3", "tri6"]
-SolidElement: TypeAlias = Literal["hex8", "hex27", "tet4", "tet10"]
+SectionElement: TypeAlias = Literal["quad4", "quad8", "quad9", "tri3", "tri6"]
+SolidElement: TypeAlias = Literal["hex8", "hex20", "hex27", "tet4", "tet10"]
 ElementName: TypeAlias = SectionElement | SolidElement
 
 
@@ -64,11 +65,19 @@ def _same(count: int) -> tuple[int, ...]:
 
 
 _SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
-_SQUARE_9 = np.vstack([_with_edges(_SQUARE, [(0, 1), (1, 2), (2, 3), (3, 0)]), [[0.5, 0.5]]])
+_SQUARE_8 = _with_edges(_SQUARE, [(0, 1), (1, 2), (2, 3), (3, 0)])
+_SQUARE_9 = np.vstack([_SQUARE_8, [[0.5, 0.5]]])
 _TRIANGLE = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
 _TRIANGLE_6 = _with_edges(_TRIANGLE, [(0, 1), (1, 2), (0, 2)])
 _TETRAHEDRON = np.vstack([np.zeros(3), np.eye(3)])
 _TETRAHEDRON_10 = _with_edges(_TETRAHEDRON, [(0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3)])
+_CUBE = _times_line(_SQUARE, (0.0, 1.0))
+# Edges of the faces ζ = 0 and ζ = 1, then those along ζ: VTK's and Abaqus's order.
+# fmt: off
+_CUBE_20 = _with_edges(_CUBE, [
+    (0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7),
+])
+# fmt: on
 # VTK's triquadratic hexahedron: corners, edges of the faces ζ = 0 and ζ = 1, edges along ζ,
 # centres of the faces ξ = 0, ξ = 1, η = 0, η = 1, ζ = 0, ζ = 1, centre.
 # fmt: off
@@ -80,12 +89,12 @@ _VTK_HEX_27 = (
 # fmt: on
 
 quad4 = ElementKind("quad4", 1, _SQUARE, _same(4), 9, _same(4))
+quad8 = ElementKind("quad8", 2, _SQUARE_8, _same(4), 23, _same(8))
 quad9 = ElementKind("quad9", 2, _SQUARE_9, _same(4), 28, _same(9))
 tri3 = ElementKind("tri3", 1, _TRIANGLE, _same(3), 5, _same(3))
 tri6 = ElementKind("tri6", 2, _TRIANGLE_6, _same(3), 22, _same(6))
-hex8 = ElementKind(
-    "hex8", 1, _times_line(_SQUARE, (0.0, 1.0)), _same(8), 12, _same(8), "C3D8", _same(8), "quad4"
-)
+hex8 = ElementKind("hex8", 1, _CUBE, _same(8), 12, _same(8), "C3D8", _same(8), "quad4")
+hex20 = ElementKind("hex20", 2, _CUBE_20, _same(8), 25, _same(20), "C3D20", _same(20), "quad8")
 hex27 = ElementKind(
     "hex27",
     2,
@@ -101,5 +110,5 @@ tet10 = ElementKind(
 )
 
 ELEMENTS: dict[str, ElementKind] = {
-    kind.name: kind for kind in (quad4, quad9, tri3, tri6, hex8, hex27, tet4, tet10)
+    kind.name: kind for kind in (quad4, quad8, quad9, tri3, tri6, hex8, hex20, hex27, tet4, tet10)
 }

@@ -16,7 +16,7 @@ from lumped.errors import ComputationError
 from meshes.elements import ELEMENTS, ElementName
 from meshes.section_mesh import SectionMesh
 from meshes.shape_functions import gradients, quadrature
-from meshes.solid_mesh import SolidMesh
+from meshes.solid_mesh import VolumeMesh
 
 # Interpolation errors grow as the inverse of the scaled Jacobian: at 0.05 a cell is twenty times
 # worse than a square one and spoils the answer long before the matrices notice.
@@ -48,7 +48,7 @@ class Quality:
     aspect: Array
 
 
-def quality(mesh: SectionMesh | SolidMesh) -> Quality:
+def quality(mesh: SectionMesh | VolumeMesh) -> Quality:
     """Scaled Jacobian and aspect ratio of every element."""
     points, _ = quadrature(mesh.element, 2 * ELEMENTS[mesh.element].order)
     samples = np.hstack([ELEMENTS[mesh.element].nodes.T, points])
@@ -63,7 +63,7 @@ def quality(mesh: SectionMesh | SolidMesh) -> Quality:
     )
 
 
-def check(mesh: SectionMesh | SolidMesh, part: str) -> Quality:
+def check(mesh: SectionMesh | VolumeMesh, part: str) -> Quality:
     """The quality of a mesh; raises ComputationError naming `part` where a bound is broken."""
     found = quality(mesh)
     worst, longest = found.scaled_jacobian.min(), found.aspect.max()

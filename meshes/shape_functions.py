@@ -4,8 +4,10 @@ import numpy as np
 from skfem import (
     ElementHex1,
     ElementHex2,
+    ElementHexS2,
     ElementQuad1,
     ElementQuad2,
+    ElementQuadS2,
     ElementTetP1,
     ElementTetP2,
     ElementTriP1,
@@ -18,10 +20,12 @@ from meshes.elements import ELEMENTS, ElementName
 
 _SKFEM = {
     "quad4": ElementQuad1(),
+    "quad8": ElementQuadS2(),
     "quad9": ElementQuad2(),
     "tri3": ElementTriP1(),
     "tri6": ElementTriP2(),
     "hex8": ElementHex1(),
+    "hex20": ElementHexS2(),
     "hex27": ElementHex2(),
     "tet4": ElementTetP1(),
     "tet10": ElementTetP2(),

@@ -1,4 +1,4 @@
-"""A meshed leg: a solid between two named end faces, both meshes of the section themselves."""
+"""Meshes of solids; a meshed leg is one between two named end faces, meshes of the section."""
 
 from dataclasses import dataclass
 
@@ -16,17 +16,25 @@ class EndFace:
 
 
 @dataclass(frozen=True, eq=False)
-class SolidMesh:
-    """Mesh of a prismatic leg in leg axes, section centroids on the x axis.
+class VolumeMesh:
+    """Mesh of a solid: `nodes` (N×3, m), `cells` (M×k) node numbers, right-handed.
 
-    `nodes` (N×3, m); `cells` (M×k) node numbers in the order of `meshes.elements`, right-handed;
-    `root` and `tip` the faces exactly at x = 0 and x = L. An extruded mesh of `slices` slices
-    numbers nodes and cells slice by slice from the root; `slices` is None for any other mesh.
+    The nodes of a cell are in the order of `meshes.elements`.
     """
 
     nodes: Array
     cells: IntArray
     element: SolidElement
+
+
+@dataclass(frozen=True, eq=False)
+class SolidMesh(VolumeMesh):
+    """Mesh of a prismatic leg in leg axes, section centroids on the x axis.
+
+    `root` and `tip` the faces exactly at x = 0 and x = L. An extruded mesh of `slices` slices
+    numbers nodes and cells slice by slice from the root; `slices` is None for any other mesh.
+    """
+
     root: EndFace
     tip: EndFace
     slices: int | None

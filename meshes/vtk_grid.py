@@ -6,13 +6,13 @@ import numpy as np
 
 from meshes.elements import ELEMENTS
 from meshes.section_mesh import SectionMesh
-from meshes.solid_mesh import SolidMesh
+from meshes.solid_mesh import VolumeMesh
 
 if TYPE_CHECKING:
     import pyvista
 
 
-def grid(mesh: SectionMesh | SolidMesh) -> "pyvista.UnstructuredGrid":
+def grid(mesh: SectionMesh | VolumeMesh) -> "pyvista.UnstructuredGrid":
     """The mesh as a VTK grid in leg axes (m), nodes and cells in the mesh's own numbering.
 
     A section lies in the plane x = 0. Data per node or cell can be attached as they are.

@@ -18,8 +18,13 @@ def _is_simplex(kind: ElementKind) -> bool:
 
 
 def _exponents(kind: ElementKind) -> np.ndarray:
-    powers = itertools.product(range(kind.order + 1), repeat=kind.dimension)
-    return np.array([p for p in powers if not _is_simplex(kind) or sum(p) <= kind.order])
+    powers = list(itertools.product(range(kind.order + 1), repeat=kind.dimension))
+    if _is_simplex(kind):
+        powers = [p for p in powers if sum(p) <= kind.order]
+    elif len(powers) > kind.node_count:
+        # Serendipity: at most one factor is squared (Arnold and Awanou, Found. Comput. Math. 11).
+        powers = [p for p in powers if p.count(2) <= 1]
+    return np.array(powers)
 
 
 def _points(kind: ElementKind) -> np.ndarray:
@@ -96,6 +101,15 @@ def test_vtk_maps_a_curved_element_as_we_do(kind: ElementKind) -> None:
         # Abaqus Theory Guide / CalculiX 2.20 manual, section "Ten-node tetrahedral element":
         # midside nodes 5…10 between 1-2, 2-3, 3-1, 1-4, 2-4, 3-4.
         ("tet10", [(0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)]),
+        # "Twenty-node brick element": 9…12 round the bottom, 13…16 round the top, 17…20 upwards.
+        (
+            "hex20",
+            [
+                *((0, 1), (1, 2), (2, 3), (3, 0)),
+                *((4, 5), (5, 6), (6, 7), (7, 4)),
+                *((0, 4), (1, 5), (2, 6), (3, 7)),
+            ],
+        ),
     ],
 )
 def test_abaqus_midside_nodes_lie_between_their_corners(
@@ -104,7 +118,8 @@ def test_abaqus_midside_nodes_lie_between_their_corners(
     kind = ELEMENTS[name]
     nodes = kind.nodes[list(kind.abaqus_order or ())]
     midside = [(nodes[i] + nodes[j]) / 2 for i, j in edges]
-    assert nodes[4:] == pytest.approx(np.array(midside), abs=0.0)
+    corners = len(kind.corner_nodes)
+    assert nodes[corners:] == pytest.approx(np.array(midside), abs=0.0)
 
 
 def test_abaqus_hexahedron_runs_round_the_bottom_then_the_top() -> None:
