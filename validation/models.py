@@ -1,8 +1,7 @@
 """The models of a leg and of the robot behind one name each, as `solve` and the cases use them."""
 
 from dataclasses import dataclass
-from functools import lru_cache
-from math import ceil, log2
+from functools import lru_cache, partial
 from typing import Literal, TypeAlias
 
 from fem import solid
@@ -36,7 +35,7 @@ from lumped.segments import (
     static_leg,
     with_printed_tip_joint,
 )
-from validation.robot_solids import held_solid
+from validation.robot_solids import half_octave_above, held_solid, renewed_where_needed
 
 ModelName: TypeAlias = Literal["simplified", "vjm", "segments", "beam", "solid"]
 LegSprings: TypeAlias = Literal["given", "equivalent"]
@@ -63,7 +62,7 @@ class ModelOptions:
 
 
 DEFAULT_OPTIONS = ModelOptions()
-# No solid robot is stiffer than its beams by more, not even where end faces restrain torsion.
+# Of closed sections: the faces of open ones may restrain torsion by far more.
 _STIFFER_THAN_BEAMS = 1.2
 
 
@@ -167,26 +166,33 @@ def robot_frequencies(
     if model == "simplified":
         return simplified.frequencies(robot, x)[:count]
     if model == "solid":
-        highest = highest_frequency(robot, x, count, options)
-        leg1, leg2 = (
-            _reduced_solid(leg, options.divisions, options.ends, highest)
-            for leg in _equivalent_legs(robot, options)
+        return renewed_where_needed(
+            highest_frequency(robot, x, count, options),
+            partial(_solid_frequencies, robot, x, count, options),
+            frequencies=lambda found: found,
         )
-        whole = mechanism.assemble(robot, x, leg1, leg2)
-        return mechanism.modes(whole, count).frequencies
     return mechanism.modes(robot_mechanism(model, robot, x, options), count).frequencies
+
+
+def _solid_frequencies(
+    robot: Biglide, x: float, count: int, options: ModelOptions, highest: float
+) -> Array:
+    leg1, leg2 = (
+        _reduced_solid(leg, options.divisions, options.ends, highest)
+        for leg in _equivalent_legs(robot, options)
+    )
+    return mechanism.modes(mechanism.assemble(robot, x, leg1, leg2), count).frequencies
 
 
 def highest_frequency(
     robot: Biglide, x: float, count: int, options: ModelOptions = DEFAULT_OPTIONS
 ) -> float:
-    """Frequency (Hz) up to which solid legs must be good for the first `count` of the robot.
+    """Frequency (Hz) up to which solid legs should be good for the first `count` of the robot.
 
-    The beam model's with a margin, rounded up in steps of half an octave, so that postures share
-    their reduced legs.
+    The beam model's with a margin, rounded up in steps of half an octave.
     """
     beam = robot_frequencies("beam", robot, x, count, options)[-1]
-    return float(2.0 ** (0.5 * ceil(2.0 * log2(_STIFFER_THAN_BEAMS * beam))))
+    return half_octave_above(_STIFFER_THAN_BEAMS * float(beam))
 
 
 @lru_cache(maxsize=2)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem.beam import beam_leg
+from fem.craig_bampton import craig_bampton
 from fem.section_constants import beam_properties, section_constants
 from fem.solid import Ends
 from lumped import biglide_assembly as mechanism
@@ -30,7 +31,7 @@ from validation.mode_pairing import (
     pair_modes,
 )
 from validation.models import highest_frequency
-from validation.robot_solids import reduced_solid
+from validation.robot_solids import held_solid, renewed_where_needed
 
 BoolArray: TypeAlias = NDArray[np.bool_]
 BeamKind: TypeAlias = Literal["segments", "beam", "own beam"]
@@ -128,12 +129,20 @@ def solid_modes(robot: Biglide, divisions: LegDivisions, ends: Ends, postures: i
     """Modes of the robot with solid legs of so many divisions, reduced to their ends."""
     member = with_equivalent_legs(robot)
     places = (member.stroke[0], member.centre, member.stroke[1])
-    highest = max(highest_frequency(member, at, OFFERED) for at in places)
-    leg1, leg2 = (
-        reduced_solid(leg, number, ends, highest).matrices
+    legs = [
+        held_solid(leg, number, ends)
         for leg, number in zip(_constant_legs(robot), divisions, strict=True)
+    ]
+
+    def sampled(highest: float) -> SampledModes:
+        leg1, leg2 = (craig_bampton(leg, highest).matrices for leg in legs)
+        return _sampled_modes(robot, (leg1, leg2), postures)
+
+    return renewed_where_needed(
+        max(highest_frequency(member, at, OFFERED) for at in places),
+        sampled,
+        frequencies=lambda modes: modes.frequencies,
     )
-    return _sampled_modes(robot, (leg1, leg2), postures)
 
 
 def _constant_legs(robot: Biglide) -> tuple[ConstantLeg, ConstantLeg]:

@@ -1,14 +1,15 @@
 """Both legs of a robot as solids: meshed, reduced to their ends, and the whole robot of them."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from math import ceil, log2
+from typing import TypeVar
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 from scipy.sparse import csr_array
 
 from fem import doubling, robot_solid
-from fem.craig_bampton import CraigBampton, craig_bampton
 from fem.end_coupling import rigid_ends
 from fem.free_superelement import held_free_leg
 from fem.leg_energies import kind_energies
@@ -32,6 +33,8 @@ from lumped.modes import Modes
 from meshes.section_mesh import section_mesh
 from validation.leg_solids import COARSEST_WALLS, section_counts, slices, static_ladder
 
+T = TypeVar("T")
+
 
 def meshed_leg(leg: ConstantLeg, divisions: int) -> SolidLeg:
     """A leg as a solid, `divisions` quadratic elements across the smaller side of its section."""
@@ -46,9 +49,23 @@ def held_solid(leg: ConstantLeg, divisions: int, ends: Ends) -> HeldLeg:
     return held_leg(solid_leg_matrices(solid))
 
 
-def reduced_solid(leg: ConstantLeg, divisions: int, ends: Ends, highest: float) -> CraigBampton:
-    """The solid leg reduced for frequencies of the robot up to `highest` (Hz)."""
-    return craig_bampton(held_solid(leg, divisions, ends), highest)
+def renewed_where_needed(
+    highest: float, solve: Callable[[float], T], frequencies: Callable[[T], Array]
+) -> T:
+    """`solve(highest)` with legs reduced for `highest` (Hz), again with more where that was low.
+
+    What beams lead to expect, end faces that hold warping in open sections may exceed by far: what
+    counts are the solid's own `frequencies` of the solution. More modes only lower them (Rayleigh),
+    so that the second reduction suffices but for rounding.
+    """
+    while (top := float(np.max(frequencies(solution := solve(highest))))) > highest:
+        highest = half_octave_above(top)
+    return solution
+
+
+def half_octave_above(frequency: float) -> float:
+    """The next frequency (Hz) in steps of half an octave, so that postures share reduced legs."""
+    return float(2.0 ** (0.5 * ceil(2.0 * log2(frequency))))
 
 
 def static_solid(leg: ConstantLeg, compliance: Array, ends: Ends) -> LegMatrices:

@@ -11,7 +11,7 @@ from lumped.legs import ConstantLeg, Material
 from lumped.robot_file import load_robot
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle
 from validation.case import Skip
-from validation.cases import robot_solid
+from validation.cases import robot_modes, robot_solid
 from validation.context import Context
 from validation.paired_robot_modes import (
     beam_modes,
@@ -76,3 +76,10 @@ def test_statics_of_walls_too_thin_for_the_preset_are_skipped_with_the_reason():
     case = next(case for case in robot_solid.cases() if case.id.endswith("free.planar-x"))
     with pytest.raises(Skip, match=r"hollow-rectangle: its coarsest section mesh has \d+ unknowns"):
         case.compute(Context(robot_file, "quick"))
+
+
+def test_where_no_modes_are_close_nothing_is_said_to_agree():
+    segments = beam_modes(IFW.robot, "segments", (1, 1), 3)
+    apart = replace(paired(IFW.robot, segments, segments), close=np.zeros((3, 6), dtype=bool))
+    with pytest.raises(Skip, match="no two modes are close at any posture"):
+        robot_modes.smallest_shared(apart, np.ones((3, 6), dtype=bool))

@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -16,7 +17,9 @@ from fem.beam import beam_leg
 from lumped import biglide_assembly as mechanism
 from lumped.biglide import with_equivalent_legs
 from lumped.errors import ComputationError, InputError
+from lumped.legs import Material
 from lumped.robot_file import load_robot
+from lumped.sections import ISection
 from validation.decision import Brief
 from validation.models import ModelOptions, robot_compliance, robot_frequencies
 from validation.sweeps.cores import on_cores
@@ -222,14 +225,44 @@ def test_alphas_at_which_the_legs_cannot_meet_are_named():
         member_units(lumped_models(4), IFW, 0.45, (0.5,))
 
 
-def test_cut_off_below_the_frequencies_is_refused():
+def test_legs_reduced_for_too_low_frequencies_are_reduced_again():
     # The fourth frequency near the centre is 353 Hz (known values).
-    unit = posture_unit("beam", ROBOT, (0.5,), 4, ModelOptions(elements=6), highest=300.0)
-    with pytest.raises(InputError, match=r"frequency 4 is 35\d.*above the 300 Hz.*cut-off"):
-        sweep([unit])
+    options = ModelOptions(elements=6)
+    low, ample = (
+        sweep([posture_unit("beam", ROBOT, (0.5,), 4, options, highest=highest)])[0]
+        for highest in (100.0, 1000.0)
+    )
+    assert low.frequencies[0, 3] == pytest.approx(353.0, rel=0.01)
+    # Required is the reduction 1e-4 for the first 20 frequencies.
+    assert_allclose(low.frequencies, ample.frequencies, rtol=1e-5)
     unit = posture_unit("beam", ROBOT, (0.5,), 4, highest=300.0, cutoff=250.0)
     with pytest.raises(InputError, match=r"cut-off = 250 Hz: must be above .* 300 Hz"):
         sweep([unit])
+    unit = posture_unit("beam", ROBOT, (0.5,), 4, highest=300.0, cutoff=320.0)
+    with pytest.raises(InputError, match=r"cut-off = 320 Hz: must be above .* 362"):
+        sweep([unit])
+
+
+def test_open_sections_held_at_their_faces_lie_above_what_beams_lead_to_expect():
+    section = ISection(width=0.1, height=0.2, flange=0.012, web=0.008)
+    legs = [
+        replace(leg, section=section, material=Material.isotropic(2.1e11, 0.3, 7850.0))
+        for leg in (ROBOT.leg1, ROBOT.leg2)
+    ]
+    robot = replace(ROBOT, leg1=legs[0], leg2=legs[1], foot_compliance=None)
+    options = ModelOptions(divisions=1)
+    unit = posture_unit("solid", robot, (robot.centre,), 4, options)
+    (found,) = sweep([unit])
+    top = found.frequencies[0, 3]
+    assert top > 1.2 * unit.legs[0].highest
+    (ample,) = sweep([replace_highest(unit, 2.0 * top)])
+    assert_allclose(found.frequencies, ample.frequencies, rtol=1e-6)
+    solved = robot_frequencies("solid", robot, robot.centre, 4, options)
+    assert_allclose(solved, ample.frequencies[0], rtol=1e-6)
+
+
+def replace_highest(unit, highest):
+    return replace(unit, legs=tuple(replace(leg, highest=highest) for leg in unit.legs))
 
 
 def test_other_requests_that_make_no_sense():

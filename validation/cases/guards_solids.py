@@ -32,8 +32,8 @@ SECTIONS: dict[str, tuple[Section, int]] = {
     "tube": (Tube(0.1, 0.02), 4),
     "hollow-rectangle": (HollowRectangle(0.1, 0.16, 0.001), 2),
     "hollow-square": (HollowRectangle(0.12, 0.12, 0.001), 2),
-    "i-section": (ISection(0.12, 0.2, 0.002, 0.002), 1),
-    "i-section-wide": (ISection(0.2, 0.16, 0.002, 0.002), 1),
+    "i-section": (ISection(0.12, 0.2, 0.002, 0.001), 1),
+    "i-section-wide": (ISection(0.2, 0.16, 0.001, 0.002), 1),
 }
 _EXACT = Relative(1e-3), "closed form; quadratic elements on arcs and in shear, order four"
 _THIN = Relative(0.015), "thin-wall formula: wall over side is 0.01, edges and corners count once"

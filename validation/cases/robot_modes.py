@@ -274,19 +274,19 @@ def _left_out(held: BoolArray) -> tuple[str, ...]:
 
 def _close_modes(context: Context) -> Measurement:
     found = _segments_and_solids(context)
-    return _smallest_shared(found, np.ones_like(found.close))
+    return smallest_shared(found, np.ones_like(found.close))
 
 
 def _spaces_of_free(context: Context) -> Measurement:
     held = _held_to_beams(context, "own beam", range(PAIRED))
-    return _smallest_shared(_own_beams_and_solids(context), held)
+    return smallest_shared(_own_beams_and_solids(context), held)
 
 
-def _smallest_shared(found: PairedModes, held: BoolArray) -> Measurement:
+def smallest_shared(found: PairedModes, held: BoolArray) -> Measurement:
+    """The least shared of the spaces of close modes that are held; Skip where there are none."""
     close = held & found.close
     if not close.any():
-        note = "no two modes are close at any posture"
-        return Measurement(1.0, 1.0, notes=(note, *_left_out(held)))
+        raise Skip("; ".join(("no two modes are close at any posture", *_left_out(held))))
     spaces = np.where(close, found.shared, np.inf)
     posture, mode = np.unravel_index(int(np.argmin(spaces)), spaces.shape)
     where = f"mode {int(mode) + 1} and its neighbours at x = {found.x[posture]:.4g} m"

@@ -119,8 +119,8 @@ def reductions(
     member = with_equivalent_legs(robot)
     exact = unreduced_robot(member, positions, divisions, MODES)
     held = [held_leg(leg) for leg in exact[0].legs]
-    legs = [craig_bampton(leg, highest) for leg in held]
     top = max(float(one.modes.frequencies[-1]) for one in exact)
+    legs = [craig_bampton(leg, max(highest, top)) for leg in held]
     cut = [craig_bampton(leg, top, CLOSE_CUTOFF * top) for leg in held]
     found = []
     for x, whole in zip(positions, exact, strict=True):

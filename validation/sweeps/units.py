@@ -6,6 +6,7 @@ Units and what they yield are plain data that can be sent to other processes and
 """
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from math import floor, log10
 
 import numpy as np
@@ -30,6 +31,7 @@ from validation.models import (
     robot_frequencies,
     robot_legs,
 )
+from validation.robot_solids import renewed_where_needed
 
 # Few segments are some percent off, and frequencies between the postures may be higher.
 _MARGIN = 1.5
@@ -115,16 +117,30 @@ class PostureUnit:
     def compute(self, legs: tuple[ReducedLeg, ...]) -> SolvedPostures:
         """Solve the postures one after the other.
 
-        Raises InputError where a frequency lies above those for which the legs were reduced.
+        Legs that were reduced for lower frequencies than the robot has are reduced again for its
+        own. Raises InputError for a cut-off that is not above these.
         """
         if not self.legs:
             return self._lumped()
+        planned = min(leg.highest for leg in self.legs)
+
+        def solved(highest: float) -> SolvedPostures:
+            return self._solved(
+                legs
+                if highest == planned
+                else tuple(_renewed(replace(leg, highest=highest)) for leg in self.legs)
+            )
+
+        return renewed_where_needed(planned, solved, lambda found: found.frequencies)
+
+    def _solved(self, legs: tuple[ReducedLeg, ...]) -> SolvedPostures:
         leg1, leg2 = legs
         model = posture_model(self.robot, leg1.matrices(), leg2.matrices())
         solved = [solve_posture(model, x, self.frequencies) for x in self.x]
-        frequencies = np.array([posture.modes.frequencies for posture in solved])
-        self._refuse_beyond_reduction(frequencies)
-        return SolvedPostures(np.array([posture.compliance for posture in solved]), frequencies)
+        return SolvedPostures(
+            np.array([posture.compliance for posture in solved]),
+            np.array([posture.modes.frequencies for posture in solved]),
+        )
 
     def _lumped(self) -> SolvedPostures:
         model, robot, options = self.model, self.robot, self.options
@@ -136,16 +152,11 @@ class PostureUnit:
         compliances = [robot_compliance(model, robot, x, options) for x in self.x]
         return SolvedPostures(np.array(compliances), frequencies)
 
-    def _refuse_beyond_reduction(self, frequencies: Array) -> None:
-        allowed = min(leg.highest for leg in self.legs)
-        worst = int(np.argmax(frequencies[:, -1]))
-        if frequencies[worst, -1] > allowed:
-            raise InputError(
-                f"{self.robot.name}, {self.model}: frequency {self.frequencies} is "
-                f"{frequencies[worst, -1]:.4g} Hz at x = {self.x[worst]:g} m, above the "
-                f"{allowed:g} Hz for which the legs were reduced: raise the cut-off or ask for "
-                "fewer frequencies"
-            )
+
+@lru_cache(maxsize=4)
+def _renewed(unit: LegUnit) -> ReducedLeg:
+    """Units of one robot come one after the other: each leg is reduced again once."""
+    return unit.compute()
 
 
 def posture_unit(
