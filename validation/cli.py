@@ -5,12 +5,13 @@ was interrupted. Results go to stdout, everything else to stderr. Packages that 
 are imported by the commands that need them, so that help and messages come at once.
 """
 
+import re
 import sys
 from collections.abc import Sequence
 from os import devnull, dup2
 from pathlib import Path
 from traceback import print_exc
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
 
 from cyclopts import App, CycloptsError, Parameter, Token, UnusedCliTokensError
 
@@ -54,11 +55,23 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return code if isinstance(code, int) else 0
 
 
-def _process_count(_type: object, tokens: Sequence[Token]) -> int:
+def _whole_number(_type: object, tokens: Sequence[Token]) -> int:
+    # int() of the parser's own cuts 1.5 down to 1.
     text = tokens[0].value
-    if not (text.isdecimal() and 1 <= int(text) <= 1024):
-        raise ValueError(f'Invalid value "{text}" for --jobs. Must be a whole number, 1 to 1024.')
+    if not re.fullmatch(r"[+-]?\d{1,15}", text, re.ASCII):
+        option = tokens[0].keyword
+        raise ValueError(f'Invalid value "{text[:40]}" for {option}. Must be a whole number.')
     return int(text)
+
+
+def _process_count(_type: object, tokens: Sequence[Token]) -> int:
+    count = _whole_number(_type, tokens)
+    if not 1 <= count <= 1024:
+        raise ValueError(f'Invalid value "{count}" for --jobs. Must be a whole number, 1 to 1024.')
+    return count
+
+
+WholeNumber: TypeAlias = Annotated[int, Parameter(converter=_whole_number)]
 
 
 @app.command
@@ -178,15 +191,15 @@ def solve(
     *,
     model: Literal["simplified", "vjm", "segments", "beam", "solid"],
     x: tuple[float, ...] = (),
-    leg: int | None = None,
-    modes: int | None = None,
+    leg: WholeNumber | None = None,
+    modes: WholeNumber | None = None,
     legs: Literal["given", "equivalent"] | None = None,
     theory: Literal["euler-bernoulli", "timoshenko"] | None = None,
-    elements: int | None = None,
+    elements: WholeNumber | None = None,
     release: Literal["condensed", "printed"] | None = None,
     layout: Literal["half", "literal"] | None = None,
     ends: Literal["rigid", "free"] | None = None,
-    divisions: int | None = None,
+    divisions: WholeNumber | None = None,
     equivalent: Literal["stiffness", "compliance"] | None = None,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
@@ -238,9 +251,8 @@ def solve(
         "equivalent": equivalent,
     }
     given = {name: value for name, value in choices.items() if value is not None}
-    options, answers = solving.solve(robot_file, model, x, leg, modes, given)
-    show = solving.as_json if json else solving.as_text
-    _say(show(robot_file, model, options, answers))
+    solution = solving.solve(robot_file, model, x, leg, modes, given)
+    _say(solving.as_json(solution) if json else solving.as_text(solution))
     return 0
 
 

@@ -1,13 +1,16 @@
 """`flexproof solve`: one model of a leg or of the robot, printed or as JSON."""
 
 import json
-from dataclasses import asdict, dataclass, fields
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 
 from lumped.arrays import Array
+from lumped.biglide import Biglide
 from lumped.errors import InputError
+from lumped.legs import ConstantLeg, Leg
 from lumped.robot_file import RobotFile
 from validation.models import (
     ModelName,
@@ -40,8 +43,23 @@ class Answer:
     frequencies: Array
 
 
-def option_faults(model: ModelName, given: dict[str, Any], leg: int | None) -> list[str]:
-    """Options that this model does not listen to, or values outside what is allowed."""
+@dataclass(frozen=True)
+class Solution:
+    """The answers of one model, and the options that had a say in them."""
+
+    robot: str
+    model: ModelName
+    options: dict[str, Any]
+    answers: tuple[Answer, ...]
+
+
+def option_faults(
+    model: ModelName, given: dict[str, Any], leg: int | None, legs: Sequence[Leg]
+) -> list[str]:
+    """Options that change nothing for this model and these `legs`, or values that are not allowed.
+
+    What is typed and would change nothing is refused: whoever typed it expects that it does.
+    """
     faults = []
     allowed = ", ".join(f"--{option}" for option in _OPTIONS[model]) or "none"
     faults += [
@@ -56,7 +74,29 @@ def option_faults(model: ModelName, given: dict[str, Any], leg: int | None) -> l
         faults.append(f"--leg = {leg}: must be 1 or 2")
     if leg is not None and model == "simplified":
         faults.append("--leg: the legs of the simplified model are rigid")
-    return faults
+    if faults:
+        return faults
+    unheard = _unheard(model, given.get("legs", ModelOptions.legs), leg, legs)
+    return [f"--{name}: {unheard[name]}" for name in given if name in unheard]
+
+
+def _unheard(
+    model: ModelName, springs: str, leg: int | None, legs: Sequence[Leg]
+) -> dict[str, str]:
+    """Options of the model that have nothing to act on here, and why."""
+    unheard = {}
+    if all(isinstance(one, ConstantLeg) for one in legs):
+        unheard["equivalent"] = (
+            "a leg given by section and material is its own equivalent; leave it out"
+        )
+    if leg is not None:
+        unheard["release"] = "a leg alone has no joint to release; leave it out, or --leg"
+    if model == "vjm" and springs == "given":
+        unheard |= dict.fromkeys(
+            ("theory", "equivalent"),
+            "the vjm model takes the legs as they are given; add --legs equivalent or leave it out",
+        )
+    return unheard
 
 
 def solve(
@@ -66,34 +106,53 @@ def solve(
     leg: int | None,
     modes: int | None,
     given: dict[str, Any],
-) -> tuple[ModelOptions, list[Answer]]:
+) -> Solution:
     """The model's answers at the positions x (m) of B, or for one leg.
 
     Raises InputError, all faults at once.
     """
-    faults = option_faults(model, given, leg)
+    robot = robot_file.robot
+    both = (robot.leg1, robot.leg2)
+    legs = both[leg - 1 : leg] if leg in (1, 2) else both
+    faults = option_faults(model, given, leg, legs)
     if modes is not None and modes < 0:
         faults.append(f"--modes = {modes}: must be 0 or more")
     if modes and (model in _STATIC):
         faults.append(f"--modes: the {model} model is static and has no frequencies")
     if leg is not None and positions:
         faults.append("--x: a leg alone has no position; leave out --x or --leg")
-    robot = robot_file.robot
     faults += _position_faults(robot_file, positions)
     if faults:
         raise InputError(faults)
     options = ModelOptions(**given)
+    unheard = _unheard(model, options.legs, leg, legs)
+    heard = {
+        name: value
+        for name, value in asdict(options).items()
+        if name in _OPTIONS[model] and name not in unheard
+    }
     count = 0 if model in _STATIC else _DEFAULT_MODES if modes is None else modes
     if leg is not None:
-        chosen = robot.leg1 if leg == 1 else robot.leg2
-        frequencies = leg_frequencies(model, chosen, count, options) if count else np.zeros(0)
-        answer = Answer({"leg": leg}, leg_compliance(model, chosen, options), frequencies)
-        return options, [answer]
-    answers = []
-    for x in positions or (robot.centre,):
-        frequencies = robot_frequencies(model, robot, x, count, options) if count else np.zeros(0)
-        answers.append(Answer({"x": x}, robot_compliance(model, robot, x, options), frequencies))
-    return options, answers
+        answers = [_leg_answer(model, leg, legs[0], count, options)]
+    else:
+        answers = [
+            _robot_answer(model, robot, x, count, options) for x in positions or (robot.centre,)
+        ]
+    return Solution(robot.name, model, heard, tuple(answers))
+
+
+def _leg_answer(
+    model: ModelName, number: int, leg: Leg, count: int, options: ModelOptions
+) -> Answer:
+    frequencies = leg_frequencies(model, leg, count, options) if count else np.zeros(0)
+    return Answer({"leg": number}, leg_compliance(model, leg, options), frequencies)
+
+
+def _robot_answer(
+    model: ModelName, robot: Biglide, x: float, count: int, options: ModelOptions
+) -> Answer:
+    frequencies = robot_frequencies(model, robot, x, count, options) if count else np.zeros(0)
+    return Answer({"x": x}, robot_compliance(model, robot, x, options), frequencies)
 
 
 def _position_faults(robot_file: RobotFile, positions: tuple[float, ...]) -> list[str]:
@@ -106,39 +165,30 @@ def _position_faults(robot_file: RobotFile, positions: tuple[float, ...]) -> lis
     return faults
 
 
-def as_json(
-    robot_file: RobotFile, model: ModelName, options: ModelOptions, answers: list[Answer]
-) -> str:
+def as_json(solution: Solution) -> str:
     """The answers as JSON (schema 1); an infinite frequency is null."""
-    heard = {name: value for name, value in asdict(options).items() if name in _OPTIONS[model]}
     document = {
         "schema": 1,
-        "robot": robot_file.robot.name,
-        "model": model,
-        "options": heard,
+        "robot": solution.robot,
+        "model": solution.model,
+        "options": solution.options,
         "results": [
             {
                 **answer.place,
                 "compliance": answer.compliance.tolist(),
                 "frequencies": [f if np.isfinite(f) else None for f in answer.frequencies.tolist()],
             }
-            for answer in answers
+            for answer in solution.answers
         ],
     }
-    return json.dumps(document, ensure_ascii=False, allow_nan=False)
+    return json.dumps(document, allow_nan=False)
 
 
-def as_text(
-    robot_file: RobotFile, model: ModelName, options: ModelOptions, answers: list[Answer]
-) -> str:
+def as_text(solution: Solution) -> str:
     """The answers for people: deflections at 1000 N, the compliance, the frequencies."""
-    heard = [
-        f"{entry.name} {getattr(options, entry.name)}"
-        for entry in fields(options)
-        if entry.name in _OPTIONS[model]
-    ]
-    lines = [f"{robot_file.robot.name}, {model}" + (f" ({', '.join(heard)})" if heard else "")]
-    for answer in answers:
+    heard = ", ".join(f"{name} {value}" for name, value in solution.options.items())
+    lines = [f"{solution.robot}, {solution.model}" + (f" ({heard})" if heard else "")]
+    for answer in solution.answers:
         lines += ["", *_answer_lines(answer)]
     return "\n".join(lines)
 

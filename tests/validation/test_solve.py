@@ -1,0 +1,91 @@
+"""`flexproof solve`: what is typed is heard or refused."""
+
+import json
+
+import pytest
+
+from validation import cli
+
+# Leg 1 by its 6×6, leg 2 by section and material.
+GIVEN_LEG1 = """
+schema = 1
+name = "one leg of each kind"
+type = "biglide"
+geometry = { a = 0.9 }
+platform = { mass = 46.0 }
+actuators = { stiffness = 1.0e9 }
+
+[leg1]
+length = 0.8
+mass = 49.0
+compliance = [
+    [3.0e-10, 0.0, 0.0, 0.0, 0.0, 0.0],
+    [0.0, 2.0e-8, 0.0, 0.0, 0.0, 3.0e-8],
+    [0.0, 0.0, 3.0e-8, 0.0, -5.0e-8, 0.0],
+    [0.0, 0.0, 0.0, 2.5e-7, 0.0, 0.0],
+    [0.0, 0.0, -5.0e-8, 0.0, 1.5e-7, 0.0],
+    [0.0, 3.0e-8, 0.0, 0.0, 0.0, 1.0e-7],
+]
+
+[leg2]
+length = 0.85
+section = { shape = "hollow-rectangle", width = 0.10, height = 0.16, thickness = 0.008 }
+material = { E = 2.1e11, nu = 0.3, rho = 7850.0 }
+"""
+
+
+@pytest.fixture
+def robot(tmp_path):
+    path = tmp_path / "robot.toml"
+    path.write_text(GIVEN_LEG1, encoding="utf-8")
+    return str(path)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["vjm", "--theory", "euler-bernoulli"], "--theory: the vjm model takes the legs as"),
+        (["vjm", "--equivalent", "compliance"], "--equivalent: the vjm model takes the legs as"),
+        (["vjm", "--legs", "given", "--theory", "timoshenko"], "--theory: the vjm model takes"),
+        (["beam", "--leg", "2", "--equivalent", "compliance"], "is its own equivalent"),
+        (["segments", "--leg", "1", "--release", "printed"], "--release: a leg alone has no joint"),
+        (["beam", "--modes", "1.5"], 'Invalid value "1.5" for --modes. Must be a whole number'),
+        (["beam", "--elements", "2.7"], 'Invalid value "2.7" for --elements. Must be a whole'),
+        (["beam", "--leg", "1.4"], 'Invalid value "1.4" for --leg. Must be a whole number'),
+        (["solid", "--divisions", "1e9"], 'Invalid value "1e9" for --divisions. Must be a whole'),
+        (["beam", "--elements", "9" * 5000], "for --elements. Must be a whole number"),
+    ],
+)
+def test_what_would_change_nothing_or_is_no_number_is_refused(robot, arguments, said, capsys):
+    assert cli.main(["solve", robot, "--model", *arguments]) == 2
+    printed = capsys.readouterr()
+    assert printed.out == ""
+    (line,) = printed.err.splitlines()
+    assert said in line
+    assert len(line) < 200
+
+
+def options_heard(capsys, *arguments):
+    assert cli.main(["solve", *arguments, "--json"]) == 0
+    return json.loads(capsys.readouterr().out)["options"]
+
+
+def test_the_answer_names_the_options_that_had_a_say(robot, capsys):
+    assert options_heard(capsys, robot, "--model", "vjm") == {"legs": "given"}
+    assert options_heard(capsys, robot, "--model", "vjm", "--legs", "equivalent") == {
+        "legs": "equivalent",
+        "theory": "timoshenko",
+        "equivalent": "stiffness",
+    }
+    alone = ("--model", "beam", "--leg", "2", "--elements", "2")
+    assert options_heard(capsys, robot, *alone) == {"theory": "timoshenko", "elements": 2}
+
+
+def test_what_is_heard_changes_the_answer(robot, capsys):
+    def compliance(*arguments):
+        assert cli.main(["solve", robot, "--model", "vjm", *arguments, "--json"]) == 0
+        return json.loads(capsys.readouterr().out)["results"][0]["compliance"]
+
+    usual = compliance("--legs", "equivalent")
+    assert compliance("--legs", "equivalent", "--theory", "euler-bernoulli") != usual
+    assert compliance("--legs", "equivalent", "--equivalent", "compliance") != usual
