@@ -1,7 +1,9 @@
 """The PRRRP biglide: its data and its postures (paper §2.1, Figs 1 and 2).
 
 A slides along y on the line x = 0, C along y on the line x = a; leg 1 = AB, leg 2 = CB, both on
-the same side; B = (x, y). Nothing depends on y, so B is the origin of y.
+the same side; B = (x, y). Nothing depends on y, so B is the origin of y. As a mechanism: slides on
+drives, feet as the give of the revolute joints between slides and legs, leg 2 hinged to leg 1 at B,
+the platform rigid with leg 1.
 """
 
 from dataclasses import dataclass, field, replace
@@ -10,11 +12,17 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.errors import InputError
-from lumped.legs import EquivalentBy, Leg, equivalent_leg
+from lumped.legs import ConstantLeg, EquivalentBy, Leg, equivalent_leg
+from lumped.mechanism.body import Given, Prism
+from lumped.mechanism.joint import Drive, Joint, JointKind, Side
+from lumped.mechanism.mechanism import GROUND, Mechanism, Tool
+from lumped.mechanism.placing import leg_on, rigid_on
 from lumped.screws import rotation_z
 
 # Relative slack for a posture at the very end of the stroke, where x − end is rounding noise.
 _ROUNDING = 1e-12
+_POSES = 9
+_, _Y, _Z = np.eye(3)
 
 
 @dataclass(frozen=True)
@@ -137,3 +145,70 @@ def geometry_faults(robot: Biglide) -> list[str]:
             "the shorter leg never becomes horizontal, so the stroke has no end"
         )
     return faults
+
+
+def mechanism(robot: Biglide, x: float | None = None) -> Mechanism:
+    """The biglide as a mechanism whose reference posture has B at `x` (m; mid-stroke if None).
+
+    Tool offset and tool spring turn with the platform from there; taken at each x anew they keep
+    base axes, as the paper has them. The drives are rigid but for the simplified model, where
+    their stiffness stands for all that gives way. Raises InputError for x outside the stroke.
+    """
+    at = robot.posture(robot.centre if x is None else x)
+    points = {"A": at.root1, "C": at.root2, "B": at.tip, "P": at.tip + robot.tool_offset}
+    loaded = "platform" if robot.tool_compliance is None else "tool"
+    placed = [
+        rigid_on(GROUND, ("A", "C"), points, origin=np.zeros(3)),
+        rigid_on("slide1", "A", points),
+        rigid_on("slide2", "C", points),
+        leg_on("leg1", _shape(robot.leg1), ("A", "B"), points),
+        leg_on("leg2", _shape(robot.leg2), ("C", "B"), points),
+        rigid_on("platform", ("B", "P"), points),
+    ]
+    drive, foot = Drive(simplified=robot.actuator_stiffness), robot.foot_compliance
+    joints = [
+        _joint("drive1", "prismatic", (GROUND, "slide1"), "A", _Y, drive=drive),
+        _joint("drive2", "prismatic", (GROUND, "slide2"), "C", _Y, drive=drive),
+        _joint("foot1", "revolute", ("slide1", "leg1"), "A", _Z, compliance=foot),
+        _joint("foot2", "revolute", ("slide2", "leg2"), "C", _Z, compliance=foot),
+        _joint("hinge", "revolute", ("leg1", "leg2"), "B", _Z),
+        _joint("seat", "fixed", ("leg1", "platform"), "B"),
+    ]
+    if robot.tool_compliance is not None:
+        placed.append(rigid_on("tool", "P", points))
+        spring = robot.tool_compliance
+        joints.append(_joint("spring", "fixed", ("platform", "tool"), "P", compliance=spring))
+    return Mechanism(
+        name=robot.name,
+        bodies={body.name: body for body, _ in placed},
+        joints=tuple(joints),
+        tool=Tool(loaded, "P", ("x", "y"), robot.platform_mass),
+        reference={body.name: frame for body, frame in placed},
+        poses=np.array([_loaded_point(robot, at, station) for station in robot.stations(_POSES)]),
+    )
+
+
+def _shape(leg: Leg) -> Prism | Given:
+    if isinstance(leg, ConstantLeg):
+        return Prism(leg.length, leg.section, leg.material)
+    return Given(leg.length, leg.mass, leg.compliance)
+
+
+def _joint(
+    name: str,
+    kind: JointKind,
+    between: tuple[str, str],
+    point: str,
+    *axes: Array,
+    drive: Drive | None = None,
+    compliance: Array | None = None,
+) -> Joint:
+    first, second = (Side(body, point) for body in between)
+    return Joint(name, kind, first, second, np.reshape(axes, (-1, 3)), drive, compliance)
+
+
+def _loaded_point(robot: Biglide, reference: Posture, x: float) -> Array:
+    """Coordinates x and y (m) of the loaded point with B at `x`; its offset turns with leg 1."""
+    at = robot.posture(x)
+    place = at.tip + at.rotation1 @ reference.rotation1.T @ robot.tool_offset
+    return place[:2]

@@ -3,7 +3,7 @@
 import numpy as np
 
 from lumped.arrays import Array
-from lumped.mechanism.joint import Joint, Side
+from lumped.mechanism.joint import FREEDOMS, Joint, Side
 from lumped.mechanism.mechanism import Posture
 
 
@@ -29,7 +29,7 @@ def free_twists(posture: Posture, joint: Joint) -> Array:
     across the normal and the rotation about it.
     """
     axes = joint.axes @ turned_since_reference(posture, joint.first.body).T
-    twists = np.zeros((6, _FREEDOMS[joint.kind]))
+    twists = np.zeros((6, FREEDOMS[joint.kind]))
     match joint.kind:
         case "prismatic":
             twists[:3, 0] = axes[0]
@@ -43,25 +43,14 @@ def free_twists(posture: Posture, joint: Joint) -> Array:
         case "spherical":
             twists[3:] = np.eye(3)
         case "planar":
-            across = _across(joint.axes[0])
+            across = across_axis(joint.axes[0])
             turned = across @ turned_since_reference(posture, joint.first.body).T
             twists[:3, :2] = turned.T
             twists[3:, 2] = axes[0]
     return twists
 
 
-_FREEDOMS = {
-    "fixed": 0,
-    "revolute": 1,
-    "prismatic": 1,
-    "cylindrical": 2,
-    "universal": 2,
-    "spherical": 3,
-    "planar": 3,
-}
-
-
-def _across(normal: Array) -> Array:
+def across_axis(normal: Array) -> Array:
     """Two unit vectors (2×3) across `normal` and each other, right-handed with it."""
     first = np.cross(normal, np.eye(3)[np.argmin(np.abs(normal))])
     first /= np.linalg.norm(first)

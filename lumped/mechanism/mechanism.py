@@ -3,12 +3,16 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from lumped.arrays import Array
 from lumped.mechanism.body import Body
 from lumped.mechanism.frame import Frame
 from lumped.mechanism.joint import Joint
 
 GROUND = "ground"
+# What a pose may prescribe of the loaded point, in the order of a twist.
+MOVES = ("x", "y", "z", "phi_x", "phi_y", "phi_z")
 
 
 @dataclass(frozen=True)
@@ -40,6 +44,28 @@ class Mechanism:
     tool: Tool
     reference: Mapping[str, Frame]
     poses: Array
+
+    @property
+    def reference_pose(self) -> Array:
+        """Pose of the tool in the reference posture, in the order of its moves."""
+        place = (
+            self.reference[self.tool.body] @ self.bodies[self.tool.body].interfaces[self.tool.point]
+        )
+        return np.append(place.position, np.zeros(3))[
+            [MOVES.index(move) for move in self.tool.moves]
+        ]
+
+    @property
+    def size(self) -> float:
+        """Length (m) that angles are weighed with: half the largest extent of all interfaces."""
+        places = np.array(
+            [
+                (self.reference[name] @ interface).position
+                for name, body in self.bodies.items()
+                for interface in body.interfaces.values()
+            ]
+        )
+        return float(0.5 * np.ptp(places, axis=0).max()) or 1.0
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,0 +1,223 @@
+"""Loop closure: how far the joints of a mechanism stand open, and the derivative by screws.
+
+All joints are looked at together, as arrays. Residuals are lengths (m): angles are weighed with
+the size of the mechanism. The unknowns are the small displacements of the bodies that can move,
+six for each in the order of the mechanism, in base axes at the origin of the body, rotations
+weighed likewise.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from lumped.arrays import Array, IntArray
+from lumped.mechanism.frame import Frame
+from lumped.mechanism.free_twists import turned_since_reference
+from lumped.mechanism.kinematics.constraints import axes_of_drive, constraints, coordinates
+from lumped.mechanism.mechanism import GROUND, MOVES, Mechanism, Posture
+from lumped.screws import skew
+
+# Angle (rad) below which θ²/720 of the series that follows is lost in rounding.
+_SMALL = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Placement:
+    """Where all bodies are: `origins` (n×3, m, base axes), `turns` (n×3×3) from the reference."""
+
+    origins: Array
+    turns: Array
+
+
+class Closure:
+    """The constraints of a mechanism's joints and the pose of its tool, ready to be evaluated."""
+
+    def __init__(self, mechanism: Mechanism) -> None:
+        self.mechanism = mechanism
+        self.size = mechanism.size
+        self.names = tuple(mechanism.bodies)
+        self._number = {name: i for i, name in enumerate(self.names)}
+        self._moving = np.array([name != GROUND for name in self.names])
+        joints = mechanism.joints
+        self._first = np.array([self._number[j.first.body] for j in joints], dtype=int)
+        self._second = np.array([self._number[j.second.body] for j in joints], dtype=int)
+        self._arm_first = np.array([self._arm(j.first.body, j.first.point) for j in joints])
+        self._arm_second = np.array([self._arm(j.second.body, j.second.point) for j in joints])
+        forbidden = [constraints(joint) for joint in joints]
+        self._normal = np.vstack([np.zeros((0, 3)), *(one.normals for one in forbidden)])
+        self._held = np.vstack([np.zeros((0, 3)), *(one.held for one in forbidden)])
+        self._turned = np.vstack([np.zeros((0, 3)), *(one.turned for one in forbidden)])
+        self._target = np.sum(self._held * self._turned, axis=1)
+        self._sliding = np.repeat(np.arange(len(joints)), [len(f.normals) for f in forbidden])
+        self._turning = np.repeat(np.arange(len(joints)), [len(f.held) for f in forbidden])
+        # Joint that each constraint belongs to, in the order of the rows.
+        self.joint_of = np.concatenate([self._sliding, self._turning])
+        self._driven = np.array([i for i, j in enumerate(joints) if j.drive is not None], dtype=int)
+        driven = [axes_of_drive(joint) for joint in joints if joint.drive is not None]
+        self._drive_axes = np.array(driven).reshape(-1, 2, 3).swapaxes(0, 1)
+        tool = mechanism.tool
+        self._tool_body = self._number[tool.body]
+        self._tool_arm = self._arm(tool.body, tool.point)
+        self.moves = [MOVES.index(move) for move in tool.moves]
+        self._weights = np.array([1.0] * 3 + [self.size] * 3)[self.moves]
+
+    def _arm(self, body: str, point: str) -> Array:
+        """From the origin of a body to an interface (3, m), base axes of the reference posture."""
+        interface = self.mechanism.bodies[body].interfaces[point]
+        arm: Array = self.mechanism.reference[body].rotation @ interface.position
+        return arm
+
+    def placement(self, posture: Posture) -> Placement:
+        """Where the bodies are in a posture."""
+        return Placement(
+            np.array([posture.frames[name].position for name in self.names]),
+            np.array([turned_since_reference(posture, name) for name in self.names]),
+        )
+
+    def frames(self, placement: Placement) -> dict[str, Frame]:
+        """The bodies' frames in base axes."""
+        reference = self.mechanism.reference
+        return {
+            name: Frame(origin, turn @ reference[name].rotation)
+            for name, origin, turn in zip(
+                self.names, placement.origins, placement.turns, strict=True
+            )
+        }
+
+    def coordinates(self, placement: Placement) -> Iterator[Array]:
+        """Coordinates of every joint, in their order, angles within half a turn."""
+        first = placement.turns[self._first]
+        p = np.einsum("jki,jk->ji", first, self._gaps(placement)[2])
+        R = np.einsum("jki,jkl->jil", first, placement.turns[self._second])
+        return (coordinates(*each) for each in zip(self.mechanism.joints, p, R, strict=True))
+
+    def _gaps(self, placement: Placement) -> tuple[Array, Array, Array]:
+        """Arms of first and second interfaces and the way between them (j×3 each, base axes)."""
+        first = np.einsum("jkl,jl->jk", placement.turns[self._first], self._arm_first)
+        second = np.einsum("jkl,jl->jk", placement.turns[self._second], self._arm_second)
+        origins = placement.origins
+        gap = origins[self._second] + second - origins[self._first] - first
+        return first, second, gap
+
+    def residual(self, placement: Placement) -> Array:
+        """How far each constraint is from being met (m)."""
+        turns = placement.turns
+        gap = self._gaps(placement)[2][self._sliding]
+        normal = np.einsum("tkl,tl->tk", turns[self._first[self._sliding]], self._normal)
+        held = np.einsum("rkl,rl->rk", turns[self._first[self._turning]], self._held)
+        turned = np.einsum("rkl,rl->rk", turns[self._second[self._turning]], self._turned)
+        slides, swings = (normal * gap).sum(axis=1), (held * turned).sum(axis=1)
+        return np.concatenate([slides, self.size * (swings - self._target)])
+
+    def jacobian(self, placement: Placement) -> Array:
+        """Derivative (constraints × unknowns, no unit) of the residual."""
+        turns = placement.turns
+        j = self._sliding
+        first, second, gap = (each[j] for each in self._gaps(placement))
+        normal = np.einsum("tkl,tl->tk", turns[self._first[j]], self._normal)
+        sliding = self._rows(
+            j, -normal, -np.cross(first + gap, normal), normal, np.cross(second, normal)
+        )
+        j = self._turning
+        held = np.einsum("rkl,rl->rk", turns[self._first[j]], self._held)
+        turned = np.einsum("rkl,rl->rk", turns[self._second[j]], self._turned)
+        axis = self.size * np.cross(turned, held)
+        nothing = np.zeros_like(axis)
+        turning = self._rows(j, nothing, -axis, nothing, axis)
+        return self._unknowns(np.concatenate([sliding, turning]))
+
+    def _rows(self, joints: IntArray, *blocks: Array) -> Array:
+        """Rows × bodies × 6 from their parts (rows × 3): first body along, about; the second's."""
+        rows = np.zeros((len(joints), len(self.names), 6))
+        each = np.arange(len(joints))
+        along1, about1, along2, about2 = blocks
+        rows[each, self._first[joints], :3] = along1
+        rows[each, self._first[joints], 3:] = about1
+        rows[each, self._second[joints], :3] = along2
+        rows[each, self._second[joints], 3:] = about2
+        return rows
+
+    def _unknowns(self, rows: Array) -> Array:
+        kept: Array = rows[:, self._moving]
+        kept[:, :, 3:] /= self.size
+        return kept.reshape(len(rows), -1)
+
+    def drives(self, placement: Placement) -> Array:
+        """Rates (drives × unknowns, rotations weighed with the size) of the driven joints."""
+        first = self._gaps(placement)[0][self._driven]
+        body1, body2 = self._first[self._driven], self._second[self._driven]
+        along, about = (
+            np.einsum("dkl,dl->dk", placement.turns[body1], axes) for axes in self._drive_axes
+        )
+        about = self.size * about
+        arm = placement.origins[body1] + first - placement.origins[body2]
+        rows = self._rows(
+            self._driven,
+            -along,
+            -np.cross(first, along) - about,
+            along,
+            np.cross(arm, along) + about,
+        )
+        return self._unknowns(rows)
+
+    def tool_twists(self, placement: Placement) -> Array:
+        """Twist (6 × unknowns, base axes, rotations weighed with the size) of the loaded point."""
+        rows = np.zeros((6, len(self.names), 6))
+        rows[:, self._tool_body] = np.eye(6)
+        rows[:3, self._tool_body, 3:] = -skew(self._tool_arm_in(placement))
+        rows[3:] *= self.size
+        return self._unknowns(rows)
+
+    def pose(self, placement: Placement) -> Array:
+        """Pose of the tool in the order of its moves (m, rad)."""
+        position = placement.origins[self._tool_body] + self._tool_arm_in(placement)
+        rotation = Rotation.from_matrix(placement.turns[self._tool_body]).as_rotvec()
+        values: Array = np.concatenate([position, rotation])[self.moves]
+        return values
+
+    def pose_jacobian(self, placement: Placement) -> Array:
+        """Derivative (moves × unknowns, rotations weighed with the size) of the pose."""
+        vector = Rotation.from_matrix(placement.turns[self._tool_body]).as_rotvec()
+        rates = np.eye(6)
+        rates[3:, 3:] = _rotation_vector_rates(vector)
+        derivative: Array = rates[self.moves] @ self.tool_twists(placement)
+        return derivative
+
+    def residual_at(self, placement: Placement, pose: Array) -> Array:
+        """Residual (m) of all constraints, then by how much the tool misses `pose`."""
+        missed = self._weights * (self.pose(placement) - pose)
+        return np.concatenate([self.residual(placement), missed])
+
+    def jacobian_at(self, placement: Placement) -> Array:
+        """Derivative (no unit) of `residual_at`."""
+        rates = self._weights[:, None] * self.pose_jacobian(placement)
+        return np.concatenate([self.jacobian(placement), rates])
+
+    def moved(self, placement: Placement, step: Array) -> Placement:
+        """The bodies after small displacements (unknowns)."""
+        along, about = step.reshape(-1, 2, 3).swapaxes(0, 1)
+        origins, turns = placement.origins.copy(), placement.turns.copy()
+        origins[self._moving] += along
+        turned = Rotation.from_rotvec(about / self.size).as_matrix() @ turns[self._moving]
+        # One step of Newton's towards the nearest rotation: rounding does not add up on a long way.
+        turns[self._moving] = 1.5 * turned - 0.5 * turned @ turned.swapaxes(1, 2) @ turned
+        return Placement(origins, turns)
+
+    def _tool_arm_in(self, placement: Placement) -> Array:
+        arm: Array = placement.turns[self._tool_body] @ self._tool_arm
+        return arm
+
+
+def _rotation_vector_rates(vector: Array) -> Array:
+    """3×3 matrix from the angular velocity (base axes) to the rate of the rotation vector.
+
+    The inverse of the left Jacobian of SO(3): I − [v]/2 + (1/θ² − (1 + cos θ)/(2θ sin θ)) [v]².
+    """
+    angle, cross = float(np.linalg.norm(vector)), skew(vector)
+    if angle < _SMALL:
+        share = 1.0 / 12.0
+    else:
+        share = 1.0 / angle**2 - (1.0 + np.cos(angle)) / (2.0 * angle * np.sin(angle))
+    return np.eye(3) - 0.5 * cross + share * cross @ cross

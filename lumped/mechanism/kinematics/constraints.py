@@ -1,0 +1,122 @@
+"""What a joint forbids, and its coordinates where it is closed.
+
+A joint compares its second interface with its first. Vectors fixed to a body are given in base
+axes of the reference posture; the body's *turn* (3×3) takes them to the posture at hand. With
+turns R₁, R₂ and interfaces at P₁, P₂ the second lies at p = R₁ᵀ(P₂ − P₁) and is turned by
+R = R₁ᵀR₂. Each constraint has one of two forms,
+
+    n·p = 0            n fixed in the first body,
+    b·R c = b·c        b fixed in the first body, c in the second,
+
+which hold where the joint closes, however far it has turned, and whose derivatives are screws.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from lumped.arrays import Array
+from lumped.errors import InputError
+from lumped.mechanism.free_twists import across_axis
+from lumped.mechanism.joint import FREEDOMS, Joint
+
+
+@dataclass(frozen=True, eq=False)
+class Constraints:
+    """What a joint forbids: `normals` n (t×3), `held` b and `turned` c (r×3 each)."""
+
+    normals: Array
+    held: Array
+    turned: Array
+
+
+def constraints(joint: Joint) -> Constraints:
+    """The 6 − f constraints of a joint with f free twists, unit vectors."""
+    x, y, z = everything = np.eye(3)
+    nothing = np.zeros((0, 3))
+    if joint.kind in {"fixed", "spherical"}:
+        turning = ((x, y, z), (y, z, x)) if joint.kind == "fixed" else (nothing, nothing)
+        return _constraints(everything, *turning)
+    axis = joint.axes[0]
+    across = across_axis(axis)
+    match joint.kind:
+        case "revolute":
+            return _constraints(everything, across, (axis, axis))
+        case "prismatic":
+            return _constraints(across, (x, y, z), (y, z, x))
+        case "cylindrical":
+            return _constraints(across, across, (axis, axis))
+        case "universal":
+            return _constraints(everything, (axis,), (joint.axes[1],))
+        case "planar":
+            return _constraints((axis,), across, (axis, axis))
+    raise AssertionError(joint.kind)
+
+
+def coordinates(joint: Joint, p: Array, R: Array) -> Array:
+    """Coordinates (f, m and rad) of a closed joint; angles within half a turn.
+
+    A spherical joint's are the rotation vector, a universal joint's the angles about its first
+    and then its second axis.
+    """
+    translations, rotations = _free_axes(joint)
+    match joint.kind:
+        case "spherical":
+            angles = Rotation.from_matrix(R).as_rotvec()
+        case "universal":
+            one, two = joint.axes
+            about_one = _angle(one, two, R @ two)
+            rest = Rotation.from_rotvec(-about_one * one).as_matrix() @ R
+            angles = np.array([about_one, _angle(two, one, rest @ one)])
+        case _:
+            across = [across_axis(axis)[0] for axis in rotations]
+            angles = np.array([_angle(a, u, R @ u) for a, u in zip(rotations, across, strict=True)])
+    return np.concatenate([translations @ p, angles])
+
+
+def turning(joint: Joint) -> Array:
+    """1.0 for each coordinate that counts whole turns, 0.0 for lengths and rotation vectors."""
+    translations, rotations = _free_axes(joint)
+    counted = 0.0 if joint.kind == "spherical" else 1.0
+    return np.repeat([0.0, counted], [len(translations), len(rotations)])
+
+
+def axes_of_drive(joint: Joint) -> tuple[Array, Array]:
+    """Unit vectors (3, one of them zero) along and about which the drive of a joint acts.
+
+    Raises InputError for a joint that leaves more or less than one twist free.
+    """
+    if FREEDOMS[joint.kind] != 1:
+        raise InputError(f"joint {joint.name}: a {joint.kind} joint has no one motion to drive")
+    translations, rotations = _free_axes(joint)
+    return translations.sum(axis=0), rotations.sum(axis=0)
+
+
+def _free_axes(joint: Joint) -> tuple[Array, Array]:
+    """Axes (n×3, base axes of the reference posture) of free translations and free rotations."""
+    none = np.zeros((0, 3))
+    match joint.kind:
+        case "fixed":
+            return none, none
+        case "spherical":
+            return none, np.eye(3)
+        case "prismatic":
+            return joint.axes, none
+        case "cylindrical":
+            return joint.axes, joint.axes
+        case "planar":
+            return np.array(across_axis(joint.axes[0])), joint.axes
+        case "revolute" | "universal":
+            return none, joint.axes
+
+
+def _constraints(normals: object, held: object, turned: object) -> Constraints:
+    rows = (np.array(vectors, dtype=float).reshape(-1, 3) for vectors in (normals, held, turned))
+    return Constraints(*rows)
+
+
+def _angle(axis: Array, start: Array, end: Array) -> float:
+    """Angle (rad) about the unit vector `axis` that turns `start` into `end`."""
+    across = np.cross(axis, start)
+    return float(np.arctan2(across @ end, (start - (axis @ start) * axis) @ end))

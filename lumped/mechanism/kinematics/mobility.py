@@ -1,0 +1,130 @@
+"""Mobility of a posture from the null space of its constraints: what moves, what idles.
+
+With J the derivative of the constraints, N a basis of its null space, D the rates of the drives, T
+the twist and M the pose of the tool: a motion in N that D does not see is left with the drives
+held. If T does not see it either it idles; otherwise the tool is loose.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import svd
+
+from lumped.arrays import Array
+from lumped.errors import InputError
+from lumped.mechanism.kinematics.closure import Closure, Placement
+from lumped.mechanism.mechanism import MOVES, Posture
+from lumped.screw_names import name_twists
+
+# Singular values of matrices without units. Geometry is typed with six digits or more.
+_NOTHING = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Mobility:
+    """What can move in a posture.
+
+    `mobility` of the whole mechanism; `redundant` constraints, without which it would move no more
+    (the overconstraint), of `constraints`; `idle` motions, which stir neither the tool nor a
+    drive. Twists of the loaded point (base axes, m and rad) span `loose` (k×6), what is left to
+    it with the drives held, and `unprescribed` (k×6), what it can do while its pose stands.
+    `barred` names the moves that some motion of the joints would be needed for and none exists,
+    `stirring` the drives that can move while the pose stands. In a posture where legs are
+    stretched or folded there are as many of one as of the other (`at_limit`).
+    """
+
+    mobility: int
+    constraints: int
+    redundant: int
+    idle: int
+    moves: int
+    loose: Array
+    unprescribed: Array
+    stirring: tuple[str, ...]
+    barred: tuple[str, ...]
+
+    @property
+    def spare(self) -> int:
+        """Motions beyond those that idle and those that the tool's moves prescribe."""
+        return self.mobility - self.idle - self.moves
+
+    @property
+    def at_limit(self) -> bool:
+        """Whether the tool is at the edge of what its legs reach (a type 1 singularity)."""
+        return self.spare == 0 and bool(self.stirring)
+
+
+def mobility(posture: Posture) -> Mobility:
+    """Mobility, idle motions, overconstraint and singularities of a posture."""
+    closure = Closure(posture.mechanism)
+    return mobility_at(closure, closure.placement(posture))
+
+
+def mobility_at(closure: Closure, placement: Placement) -> Mobility:
+    """As `mobility`, of a closed placement of the bodies."""
+    jacobian = closure.jacobian(placement)
+    free, rank = _null_space(jacobian)
+    drives = closure.drives(placement) @ free
+    tool = closure.tool_twists(placement) @ free
+    unit = np.array([1.0] * 3 + [closure.size] * 3)
+    moves = unit[closure.moves, None] * closure.pose_jacobian(placement) @ free
+    undriven = _null_space(drives)[0]
+    loose = _row_space((tool @ undriven).T)
+    unmoved = _null_space(moves)[0]
+    barred = _null_space(moves.T)[0]
+    names = (joint.name for joint in closure.mechanism.joints if joint.drive is not None)
+    return Mobility(
+        mobility=free.shape[1],
+        constraints=len(jacobian),
+        redundant=len(jacobian) - rank,
+        idle=undriven.shape[1] - len(loose),
+        moves=len(moves),
+        loose=loose / unit,
+        unprescribed=_row_space((tool @ unmoved).T) / unit,
+        stirring=_touched(names, drives @ unmoved),
+        barred=_touched((MOVES[move] for move in closure.moves), barred),
+    )
+
+
+def _touched(names: Iterable[str], shares: Array) -> tuple[str, ...]:
+    """The names whose row of `shares` is not zero."""
+    largest = np.abs(shares).max(axis=1, initial=0.0)
+    return tuple(name for name, most in zip(names, largest, strict=True) if most > _NOTHING)
+
+
+def refuse_undetermined(found: Mobility, size: float, place: str) -> None:
+    """Raise InputError where drives do not hold the tool or its moves do not determine it.
+
+    Each fault names the motion; `size` (m) is the scale of the mechanism, `place` says which
+    posture of which mechanism it is.
+    """
+    faults = []
+    if len(found.loose):
+        faults.append(
+            f"{place}: with all drives held the tool is free to {name_twists(found.loose, size)}; "
+            "the drives must hold it"
+        )
+    if found.spare > 0 and not faults:
+        left = (
+            f"the tool free to {name_twists(found.unprescribed, size)}"
+            if len(found.unprescribed)
+            else f"drives {', '.join(found.stirring)} free to move while the tool stands"
+        )
+        faults.append(f"{place}: the tool's moves leave {left}; they must prescribe all that moves")
+    if faults:
+        raise InputError(faults)
+
+
+def _null_space(matrix: Array) -> tuple[Array, int]:
+    """Orthonormal basis (columns) of the null space, and the rank."""
+    _, values, right = svd(matrix, check_finite=False)
+    rank = int(np.count_nonzero(values > _NOTHING))
+    return right[rank:].T, rank
+
+
+def _row_space(matrix: Array) -> Array:
+    """Orthonormal basis (rows) of the row space."""
+    _, values, right = svd(matrix, check_finite=False)
+    basis: Array = right[: np.count_nonzero(values > _NOTHING)]
+    return basis

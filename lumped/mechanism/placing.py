@@ -1,0 +1,70 @@
+"""Bodies on named points: how a leg or a rigid body stands in the reference posture."""
+
+from collections.abc import Iterable, Mapping
+
+import numpy as np
+
+from lumped.arrays import Array
+from lumped.errors import InputError
+from lumped.mechanism.body import Body, Given, Prism, Rigid
+from lumped.mechanism.frame import Frame
+
+_X, _, _Z = np.eye(3)
+# Sine of the angle below which two directions are one.
+_ALONG = 1e-6
+
+
+def leg_frame(start: Array, end: Array, up: Array | None = None) -> Frame:
+    """Frame at `start` (3, m) with x towards `end` and z as near to `up` (3) as it can be.
+
+    Without `up` it is the base's z axis, for a leg along that its x axis. Raises InputError where
+    the two points coincide or `up` lies along the leg.
+    """
+    length = float(np.linalg.norm(end - start))
+    if length == 0.0:
+        raise InputError("the two points of a leg must be apart")
+    x = (end - start) / length
+    if up is None:
+        up = _Z if np.linalg.norm(np.cross(x, _Z)) > _ALONG else _X
+    y = np.cross(up, x)
+    across = float(np.linalg.norm(y))
+    if across <= _ALONG * float(np.linalg.norm(up)):
+        raise InputError("up must not lie along the leg")
+    y /= across
+    return Frame(np.asarray(start, dtype=float), np.column_stack([x, y, np.cross(x, y)]))
+
+
+def leg_on(
+    name: str,
+    shape: Prism | Given,
+    ends: tuple[str, str],
+    points: Mapping[str, Array],
+    up: Array | None = None,
+) -> tuple[Body, Frame]:
+    """A leg from one of the `points` (3, m, base axes) to another, and its frame.
+
+    Its length is the shape's, which must be the distance of the points but for rounding. Raises
+    InputError as `leg_frame` does.
+    """
+    first, second = ends
+    tip = Frame(np.array([shape.length, 0.0, 0.0]))
+    body = Body(name, shape, {first: Frame(), second: tip})
+    return body, leg_frame(points[first], points[second], up)
+
+
+def rigid_on(
+    name: str,
+    interfaces: Iterable[str],
+    points: Mapping[str, Array],
+    shape: Rigid | None = None,
+    origin: Array | None = None,
+) -> tuple[Body, Frame]:
+    """A rigid body that holds some of the `points` (3, m, base axes), and its frame.
+
+    The frame has base axes; its origin is the first point unless given. `shape` is massless
+    unless given, its centre seen from that frame.
+    """
+    names = tuple(interfaces)
+    place = points[names[0]] if origin is None else origin
+    held = {point: Frame(points[point] - place) for point in names}
+    return Body(name, shape or Rigid(), held), Frame(place)
