@@ -176,15 +176,27 @@ class Page:
             "Input.dispatchMouseEvent", type="mouseReleased", x=x + right, y=y + down, **mouse
         )
 
+    def click(self, selector):
+        """Click in the middle of the element."""
+        self.drag(selector, 0, 0)
+
+    def wheel(self, selector, down):
+        """Turn the wheel over the element; `self.former` in the page is where it stood before."""
+        box = self.place(selector)
+        self.value("self.former = scrollY")
+        x, y = box["x"] + box["width"] / 2.0, box["y"] + box["height"] / 2.0
+        self.send("Input.dispatchMouseEvent", type="mouseMoved", x=x, y=y)
+        self.send("Input.dispatchMouseEvent", type="mouseWheel", x=x, y=y, deltaX=0, deltaY=down)
+
     def complaints(self):
-        """What the console said about errors, and what was asked of any network."""
+        """Whatever the console said, and what was asked of any network."""
         self.value("1")
         said = []
         for event in self.events:
             method, told = event.get("method"), event.get("params", {})
             if method == "Runtime.exceptionThrown":
                 said.append(json.dumps(told["exceptionDetails"]))
-            elif method == "Runtime.consoleAPICalled" and told["type"] in {"error", "assert"}:
+            elif method == "Runtime.consoleAPICalled":
                 said.append(json.dumps(told["args"]))
             elif method == "Log.entryAdded" and told["entry"]["level"] == "error":
                 said.append(told["entry"]["text"])

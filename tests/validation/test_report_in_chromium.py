@@ -1,6 +1,7 @@
 """The report as a reader opens it: from a file, without a network, in a real browser."""
 
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -20,16 +21,20 @@ from validation.report.page import render
 
 pytestmark = pytest.mark.skipif(EXECUTABLE is None, reason="no Chromium (Debian: chromium)")
 
-BUTTON, FRAME = "button[data-scene]", ".scene iframe"
+BUTTON, FRAME, VEIL = "button[data-scene]", ".scene iframe", ".scene .veil"
+PAUSE = ".scene .pause"
 DRAWN = (
     "(f => f && f.contentDocument && f.contentDocument.querySelector('canvas') !== null)"
     f"(document.querySelector('{FRAME}'))"
 )
 
 
-def scene(title):
-    """A red box, three times as long as high."""
-    body = Body(box(np.array([-1.5, -0.5, -0.5]), np.array([1.5, 0.5, 0.5])), "#cc2200")
+def scene(title, away=None):
+    """A red box, three times as long as high, drawn `away` (m) along z from its place at rest."""
+    shape = box(np.array([-1.5, -0.5, -0.5]), np.array([1.5, 0.5, 0.5]))
+    if away is not None:
+        shape = replace(shape, motion=np.tile([0.0, 0.0, away], (len(shape.points), 1)))
+    body = Body(shape, "#cc2200")
     view = fitted_view(
         body.surface.points, np.array([0.3, -1.0, 0.4]), np.array([0.0, 0.0, 1.0]), (400, 300)
     )
@@ -45,7 +50,7 @@ def report(tmp_path_factory):
         "Made up.",
         "The legs",
         png=PIXEL,
-        scenes=(scene("(a) a box"), scene("(b) the same box")),
+        scenes=(scene("(a) a box"), scene("(b) the same box"), scene("(c) it swings", 0.4)),
     )
     path = tmp_path_factory.mktemp("report") / "report.html"
     path.write_text(render(sample_report(figures=(*plain.figures, turnable))), encoding="utf-8")
@@ -89,10 +94,38 @@ def test_a_scene_is_drawn_and_turned_by_the_mouse(page):
     before = settled(page)
     # Three times as long as high, the box covers at least a twentieth of the picture.
     assert red(before).mean() > 0.05
+    page.click(VEIL)
     page.drag(FRAME, 120, 60)
     after = settled(page)
     assert red(after).mean() > 0.02
     assert (red(before) != red(after)).mean() > 0.02
+
+
+def test_the_wheel_scrolls_the_page_until_the_scene_is_clicked(page):
+    page.value(f"document.querySelector('{VEIL}').hidden = false")
+    page.wheel(FRAME, 200)
+    page.until("scrollY !== self.former")
+    page.click(VEIL)
+    assert page.value(f"document.querySelector('{VEIL}').hidden")
+    before = settled(page)
+    page.wheel(FRAME, 200)
+    page.value("new Promise(done => setTimeout(done, 300))")
+    assert page.value("scrollY === self.former")
+    # Zoomed: the box covers another part of the picture.
+    assert (red(before) != red(settled(page))).mean() > 0.02
+
+
+def test_what_is_displaced_moves_until_it_is_stopped(page):
+    page.value(f"[...document.querySelectorAll('{BUTTON}')].at(-1).click()")
+    page.until(f"document.querySelector('{PAUSE}') !== null")
+    pictures = [page.shot(FRAME) for _ in range(12)]
+    changed = [(red(one) != red(pictures[0])).mean() for one in pictures]
+    assert max(changed) > 0.02
+    page.click(PAUSE)
+    still = settled(page)
+    page.value("new Promise(done => setTimeout(done, 300))")
+    assert np.array_equal(still, page.shot(FRAME))
+    page.value(f"[...document.querySelectorAll('{BUTTON}')].at(-1).click()")
 
 
 def test_one_scene_gives_way_to_the_next_and_is_put_away(page):

@@ -119,7 +119,7 @@ def leg_mode_shapes(context: Context, number: int) -> Figure:
                 panel_pixels(2, _HEIGHT),
                 margin=0.07,
             )
-            surface = Surface(deformed, faces, sizes / sizes.max())
+            surface = Surface(deformed, faces, sizes / sizes.max(), factor * moved)
             body = Body(surface, edge="#30343a")
             scene = Scene(view, [body], (0.0, 1.0), [at_rest(leg)])
             show(axes, scene)
@@ -168,7 +168,7 @@ def segments_over(leg: ConstantLeg, stations: Array, twists: Array) -> Wire:
     points = prism_points(corners, stations)
     moved = section_displacements(points, np.repeat(twists, len(corners), axis=0))
     pairs = frames(len(corners), len(stations))
-    return Wire(points + moved, pairs, MODELS["segments"].colour, 2.5)
+    return Wire(points + moved, pairs, MODELS["segments"].colour, 2.5, moved)
 
 
 def at_rest(leg: ConstantLeg) -> Wire:

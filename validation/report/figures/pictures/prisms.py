@@ -12,11 +12,15 @@ _SIDES = 32
 
 @dataclass(frozen=True)
 class Surface:
-    """Points (n×3, m, robot axes), quadrangles (q×4 point numbers), one value per point or none."""
+    """Points (n×3, m, robot axes), quadrangles (q×4 point numbers), one value per point or none.
+
+    `motion` (n×3, m) is how far the points are drawn from where they are at rest, if they move.
+    """
 
     points: Array
     faces: IntArray
     values: Array | None = None
+    motion: Array | None = None
 
 
 def outline(section: Section) -> Array:

@@ -35,12 +35,13 @@ class Body:
 
 @dataclass(frozen=True)
 class Wire:
-    """Straight pieces between pairs (e×2) of points (n×3, m)."""
+    """Straight pieces between pairs (e×2) of points (n×3, m); `motion` as of a surface."""
 
     points: Array
     pairs: IntArray
     colour: str = DARK
     width: float = 1.5
+    motion: Array | None = None
 
 
 @dataclass(frozen=True)

@@ -42,7 +42,7 @@ from validation.report.figures.pictures.robot_shape import (
     surroundings,
     top_of_joint,
 )
-from validation.report.figures.pictures.scenes import interactive
+from validation.report.figures.pictures.scenes import Motion, interactive
 from validation.report.figures.pictures.view import View, fitted_view
 from validation.report.figures.style import MODELS, VERMILLION, canvas, csv_of, plot_style
 
@@ -172,7 +172,7 @@ def deformed_robot(context: Context) -> Figure:
             title = f"({letter}) {LOAD:g} N along {name}, drawn × {_grouped(factor)}"
             axes.set_title(title, fontsize=9.0)
             lumped = load_displacement(segments.mechanism, LOAD * direction)
-            scenes.append(_scene_of(title, scene, robot, x, segments, factor * lumped))
+            scenes.append(_scene_of(title, scene, robot, x, segments, factor * lumped, "push"))
             colour_bar(picture, axes, scene.limits, "displacement (µm)")
             columns |= load_columns(robot, x, beam, unknowns, name)
             said.append(f"{np.linalg.norm(loaded[:3]) * MICRO:.1f} µm under the load along {name}")
@@ -194,13 +194,19 @@ def deformed_robot(context: Context) -> Figure:
 
 
 def _scene_of(
-    title: str, scene: Scene, robot: Biglide, x: float, segments: RobotModes, displaced: Array
+    title: str,
+    scene: Scene,
+    robot: Biglide,
+    x: float,
+    segments: RobotModes,
+    displaced: Array,
+    motion: Motion = "swing",
 ) -> InteractiveScene:
     """The picture in three dimensions, the segments drawn over the beams."""
     overlay = segment_frames(
         robot, x, segments.mechanism, segments.legs, displaced, DEFAULT_OPTIONS.elements
     )
-    return interactive(title, scene, [overlay])
+    return interactive(title, scene, [overlay], motion)
 
 
 def _leg_shapes(

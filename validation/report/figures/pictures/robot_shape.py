@@ -1,7 +1,7 @@
 """Where the points of both legs go: displacements of the robot from its unknowns."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
@@ -53,9 +53,8 @@ class LegShape:
     def deformed(self, factor: float, unit: float) -> Surface:
         """The leg with `factor` times its displacements, coloured by their length over `unit`."""
         faces = [prism_faces(self.corners, self.stations), end_faces(self.corners, self.stations)]
-        return Surface(
-            self.points + factor * self.displacements, np.vstack(faces), self.sizes / unit
-        )
+        moved = factor * self.displacements
+        return Surface(self.points + moved, np.vstack(faces), self.sizes / unit, moved)
 
     def wire(self) -> Wire:
         """The edges of the leg as it was."""
@@ -123,7 +122,7 @@ def segment_frames(
 
     `displaced` (n) are the robot's unknowns, times the factor they are drawn with.
     """
-    points, pairs, begun = [], [], 0
+    points, motions, pairs, begun = [], [], [], 0
     for leg, matrices, to_leg, (rotation, root) in zip(
         _constant_legs(robot), legs, mechanism.legs, _frames(robot.posture(x)), strict=True
     ):
@@ -133,9 +132,11 @@ def segment_frames(
         twists = (matrices.centreline(stations) @ (to_leg @ displaced)).reshape(-1, 6)
         moved = section_displacements(straight, np.repeat(twists, len(corners), axis=0))
         points.append(root + in_robot_axes(straight + moved, rotation))
+        motions.append(in_robot_axes(moved, rotation))
         pairs.append(frames(len(corners), count) + begun)
         begun += len(straight)
-    return Wire(np.vstack(points), np.vstack(pairs), MODELS["segments"].colour, 2.5)
+    colour = MODELS["segments"].colour
+    return Wire(np.vstack(points), np.vstack(pairs), colour, 2.5, np.vstack(motions))
 
 
 def surroundings(robot: Biglide, x: float, moved: Array) -> list[Body]:
@@ -145,7 +146,8 @@ def surroundings(robot: Biglide, x: float, moved: Array) -> list[Body]:
     length = (legs[0].length + legs[1].length) / 2.0
     unit = 0.1 * length
     tall = _joint_height(robot)
-    bodies = [Body(pin(posture.tip + moved, 0.55 * unit, tall), DARK)]
+    joint = pin(posture.tip + moved, 0.55 * unit, tall)
+    bodies = [Body(replace(joint, motion=np.tile(moved, (len(joint.points), 1))), DARK)]
     for root, side in ((posture.root1, -1.0), (posture.root2, 1.0)):
         bodies.append(Body(pin(root, 0.5 * unit, tall), DARK))
         bodies.append(Body(_beside(root, side, (0.6, 2.0), 1.3, 0.5 * tall, unit)))

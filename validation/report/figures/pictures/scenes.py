@@ -10,19 +10,27 @@ import re
 import zipfile
 from collections.abc import Sequence
 from importlib import import_module
-from typing import Any
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
+from lumped.arrays import Array
 from validation.exhibits import InteractiveScene
 from validation.report.figures.pictures.rendering import Body, Scene, Wire, add_to
+from validation.report.text import base64
 
 _ADDRESS = re.compile(r"(?<=[\"{])[0-9a-f]{16}(?=[\"}-])")
 # The earliest date that a ZIP archive can carry.
 _NO_DATE = (1980, 1, 1, 0, 0, 0)
 
 
-def interactive(title: str, scene: Scene, overlay: Sequence[Body | Wire] = ()) -> InteractiveScene:
+# How what is displaced moves: a mode swings to both sides, a load pushes to one and lets go.
+Motion: TypeAlias = Literal["swing", "push"]
+
+
+def interactive(
+    title: str, scene: Scene, overlay: Sequence[Body | Wire] = (), motion: Motion = "swing"
+) -> InteractiveScene:
     """The scene with what is drawn over it (m), as vtk.js reads it; the camera starts as its view.
 
     Equal scenes give equal bytes.
@@ -35,7 +43,7 @@ def interactive(title: str, scene: Scene, overlay: Sequence[Body | Wire] = ()) -
         add_to(plotter, scene, overlay)
         plotter.camera.parallel_projection = False
         _place_camera(plotter, scene)
-        state = _state(plotter.render_window)
+        state = _state(plotter.render_window) | {"motion": _motion(scene, overlay, motion)}
     finally:
         plotter.close()
     return InteractiveScene(title, _archive(_with_plain_names(json.dumps(state))))
@@ -71,6 +79,24 @@ def _state(window: Any) -> dict[str, Any]:
         for entry in serializers.extract_array_hash(state)
     }
     return {"hashes": hashes, "scene": state}
+
+
+def _motion(scene: Scene, overlay: Sequence[Body | Wire], kind: Motion) -> dict[str, Any]:
+    """How the points of each part are displaced, in the order in which the parts were added."""
+    surfaces = [body.surface for body in scene.bodies]
+    added = [part.surface if isinstance(part, Body) else part for part in overlay]
+    parts = (*surfaces, *scene.wires, *added)
+    return {"kind": kind, "parts": [_packed(part.motion) for part in parts]}
+
+
+def _packed(motion: Array | None) -> dict[str, Any] | None:
+    """Displacements (n×3, m) as 16-bit multiples of a step: finer than a pixel, and small."""
+    largest = 0.0 if motion is None else float(np.abs(motion).max())
+    if motion is None or not largest > 0.0:
+        return None
+    step = largest / np.iinfo(np.int16).max
+    values = np.round(motion / step).astype("<i2")
+    return {"step": step, "values": base64(values.tobytes())}
 
 
 def _with_plain_names(text: str) -> str:
