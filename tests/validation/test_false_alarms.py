@@ -2,7 +2,7 @@
 
 Two hundred robots meet the cases of the lumped models and the guards on them, each in one of two
 theories and in two of the guards' variants by turns; the costlier groups (modes over the stroke,
-orders of convergence) meet every 25th. The exhaustive test shows 200 robots to all of them in
+orders of convergence) meet every 25th. The soak test shows 200 robots to all of them in
 the standard preset.
 """
 
@@ -46,7 +46,7 @@ def in_turn(number: int) -> list[Case]:
     ]
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("chunk", range(CHUNKS))
 def test_random_robots_raise_no_alarm(chunk):
     """Fifty robots in each of four chunks: 0.4 s each (measured)."""
@@ -56,7 +56,7 @@ def test_random_robots_raise_no_alarm(chunk):
         assert not alarms(robot, in_turn(number)), robot
 
 
-@pytest.mark.exhaustive
+@pytest.mark.soak
 @settings(max_examples=200, database=None, phases=UNSHRUNK, deadline=None)
 @given(robots())
 def test_random_robots_raise_no_alarm_in_any_lumped_group(chosen):

@@ -18,7 +18,7 @@ SOLIDS = (
 DECISION = ("decision",)
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("shape", SHAPES)
 def test_random_robot_of_each_shape_raises_no_alarm_with_solid_legs(shape):
     # The first example of a strategy is its simplest one.
@@ -26,7 +26,7 @@ def test_random_robot_of_each_shape_raises_no_alarm_with_solid_legs(shape):
     assert not alarms(robot, of_groups(SOLIDS)), robot
 
 
-@pytest.mark.exhaustive
+@pytest.mark.soak
 @pytest.mark.parametrize("shape", SHAPES)
 def test_random_robots_raise_no_alarm_with_solid_legs(shape):
     """Six robots of each of five shapes, a quarter of a minute each."""
