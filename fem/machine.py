@@ -1,7 +1,13 @@
 """What this machine leaves to a computation: memory, cores, threads."""
 
 import os
+import resource
 from pathlib import Path
+
+from lumped.errors import ComputationError
+
+# Stacks, heaps and buffers that libraries set aside for each of their threads.
+_ADDRESSES_PER_CORE = 150_000_000
 
 
 def available_memory() -> int | None:
@@ -17,9 +23,35 @@ def available_memory() -> int | None:
         limit = (group / "memory.max").read_text().strip()
         if limit != "max":
             limits.append(int(limit) - int((group / "memory.current").read_text()))
+    if (left := _address_space()) is not None:
+        limits.append(left)
     if not limits and "SC_PHYS_PAGES" in os.sysconf_names:
         limits.append(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
     return min(limits) if limits else None
+
+
+def require_address_space(needed: int) -> None:
+    """Raise ComputationError where a limit (ulimit -v) leaves less than `needed` bytes and threads.
+
+    Libraries that are refused memory while they start do not say so: they end the process.
+    """
+    needed += _ADDRESSES_PER_CORE * usable_cores()
+    left = _address_space()
+    if left is not None and left < needed:
+        raise ComputationError(
+            f"the limit of the address space (ulimit -v) leaves {left / 1e9:.2g} GB and the "
+            f"numerical libraries need {needed / 1e9:.2g} GB before they compute anything: raise it"
+        )
+
+
+def _address_space() -> int | None:
+    """Bytes that a limit leaves to this process beside what it has; None where there is none."""
+    limit, _ = resource.getrlimit(resource.RLIMIT_AS)
+    if limit == resource.RLIM_INFINITY:
+        return None
+    statm = Path("/proc/self/statm")
+    taken = int(statm.read_text().split()[0]) * resource.getpagesize() if statm.exists() else 0
+    return max(0, limit - taken)
 
 
 def usable_cores() -> int:

@@ -8,14 +8,16 @@ are imported by the commands that need them, so that help and messages come at o
 import re
 import sys
 from collections.abc import Sequence
-from os import devnull, dup2
 from pathlib import Path
-from traceback import print_exc
+from traceback import format_exception
 from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
 
 from cyclopts import App, CycloptsError, Parameter, Token, UnusedCliTokensError
 
+from fem.machine import require_address_space
 from lumped.errors import ComputationError, InputError
+from validation.console import streams
+from validation.console.streams import complain, say
 
 if TYPE_CHECKING:
     from validation.store.run_folder import Start
@@ -31,28 +33,43 @@ app = App(
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line (default: sys.argv) and return the exit code."""
     app.version = _version
+    streams.prepare()
     try:
-        code = app(
-            list(sys.argv[1:] if arguments is None else arguments),
-            exit_on_error=False,
-            print_error=False,
-        )
-        sys.stdout.flush()
+        return _run(list(sys.argv[1:] if arguments is None else arguments))
     except CycloptsError as error:
-        return _complain([_one_line(error)], 2)
+        return complain([_one_line(error)], 2)
     except InputError as error:
-        return _complain(error.faults, 2)
+        return complain(error.faults, 2)
     except (ComputationError, KeyboardInterrupt) as error:
-        return _complain([str(error) or "interrupted"], 3)
-    except BrokenPipeError:
-        # The reader of a pipe has left; Python would complain again when it flushes at the end.
-        with Path(devnull).open("w") as nowhere:
-            dup2(nowhere.fileno(), sys.stdout.fileno())
-        return 0
-    except Exception:  # noqa: BLE001  whatever it is, exit code 1 would pass for a disagreement
-        print_exc()
-        return _complain(["this is a fault of flexproof itself; please report it"], 3)
-    return code if isinstance(code, int) else 0
+        return complain([str(error) or "interrupted"], 3)
+    except MemoryError:
+        return complain(["memory ran out"], 3)
+    except Exception as error:  # noqa: BLE001  whatever it is, code 1 would pass for a disagreement
+        return complain(
+            [
+                *"".join(format_exception(error)).splitlines(),
+                "this is a fault of flexproof itself; please report it",
+            ],
+            3,
+        )
+
+
+def _run(arguments: list[str]) -> int:
+    require_address_space(_TO_READ)
+    command, bound, _ = app.parse_args(arguments, exit_on_error=False, print_error=False)
+    code = 0
+    try:
+        returned = command(*bound.args, **bound.kwargs)
+        code = returned if isinstance(returned, int) else 0
+    except SystemExit:
+        # Rich, which prints help, leaves like this when the reader of a pipe has left.
+        pass
+    except OSError as error:
+        if command.__module__ == __name__:
+            raise
+        streams.lost(error)
+    streams.flush()
+    return code
 
 
 def _whole_number(_type: object, tokens: Sequence[Token]) -> int:
@@ -70,6 +87,10 @@ def _process_count(_type: object, tokens: Sequence[Token]) -> int:
         raise ValueError(f'Invalid value "{count}" for --jobs. Must be a whole number, 1 to 1024.')
     return count
 
+
+# Address space that libraries take before the first computation: those that read and check files,
+# and those that mesh and solve. Short of it they end the process, hang or crash, each in its way.
+_TO_READ, _TO_COMPUTE = 250_000_000, 1_000_000_000
 
 WholeNumber: TypeAlias = Annotated[int, Parameter(converter=_whole_number)]
 
@@ -124,6 +145,7 @@ def run(
     from validation.run.session import Request, default_jobs, validate  # noqa: PLC0415
     from validation.store.run_folder import StoreError  # noqa: PLC0415
 
+    require_address_space(_TO_COMPUTE)
     start: Start = "resumed" if resume else "afresh"
     # Whoever names faults alone wants them injected.
     faults = faults or bool(only and is_fault(only))
@@ -142,15 +164,15 @@ def run(
     try:
         gathered = validate(request, with_faults if faults else catalogue)
     except StoreError as error:
-        return _complain([str(error), summary.how_to_go_on(request)], 3)
+        return complain([str(error), summary.how_to_go_on(request)], 3)
     except KeyboardInterrupt:
-        return _complain(["interrupted", summary.how_to_go_on(request)], 3)
-    _complain(summary.left_out(gathered), 0)
+        return complain(["interrupted", summary.how_to_go_on(request)], 3)
+    complain(summary.left_out(gathered), 0)
     changes, worsened = summary.changes(gathered)
-    _say("\n".join([*summary.verdicts(gathered), *changes]))
-    _say(f"report: {out / 'report.html'}")
+    say("\n".join([*summary.verdicts(gathered), *changes]))
+    say(f"report: {out / 'report.html'}")
     if gathered.unfinished:
-        _complain(["interrupted", summary.how_to_go_on(request)], 3)
+        complain(["interrupted", summary.how_to_go_on(request)], 3)
     return max(gathered.exit_code(), int(worsened))
 
 
@@ -179,9 +201,9 @@ def compare(
     runs = load_run(before), load_run(after)
     comparison = compare_runs(*runs)
     if json:
-        _say(dumps(as_dict(comparison), indent=1, ensure_ascii=False))
+        say(dumps(as_dict(comparison), indent=1))
     else:
-        _say(comparison_text.as_text(*runs, comparison))
+        say(comparison_text.as_text(*runs, comparison))
     return 1 if comparison.worsened else 0
 
 
@@ -239,6 +261,7 @@ def solve(
     from lumped.robot_file import load_robot  # noqa: PLC0415
     from validation import solve as solving  # noqa: PLC0415
 
+    require_address_space(_TO_COMPUTE)
     robot_file = load_robot(robot)
     choices = {
         "legs": legs,
@@ -252,7 +275,7 @@ def solve(
     }
     given = {name: value for name, value in choices.items() if value is not None}
     solution = solving.solve(robot_file, model, x, leg, modes, given)
-    _say(solving.as_json(solution) if json else solving.as_text(solution))
+    say(solving.as_json(solution) if json else solving.as_text(solution))
     return 0
 
 
@@ -270,7 +293,7 @@ def check(robot: str) -> int:
     from validation.listing import audit_text  # noqa: PLC0415
 
     robot_file = load_robot(robot)
-    _say(audit_text(robot, robot_file.robot, audit(robot_file)))
+    say(audit_text(robot, robot_file.robot, audit(robot_file)))
     return 0
 
 
@@ -286,7 +309,7 @@ def new(file: Path) -> int:
     from lumped.robot_file import write_template  # noqa: PLC0415
 
     write_template(file)
-    _say(f"{file} written; describe your robot in it, then: flexproof check {file}")
+    say(f"{file} written; describe your robot in it, then: flexproof check {file}")
     return 0
 
 
@@ -304,7 +327,7 @@ def cases(*, json: Annotated[bool, Parameter(negative="")] = False) -> int:
     from validation.listing import as_json, as_text  # noqa: PLC0415
 
     tasks = catalogue(load_robot("ifw"))
-    _say(as_json(tasks) if json else as_text(tasks))
+    say(as_json(tasks) if json else as_text(tasks))
     return 0
 
 
@@ -313,16 +336,6 @@ def _one_line(error: CycloptsError) -> str:
         tokens = " ".join(error.unused_tokens or ())
         return f"not understood: {tokens}; see flexproof --help"
     return " ".join(str(error).split())
-
-
-def _say(text: str) -> None:
-    sys.stdout.write(text + "\n")
-
-
-def _complain(lines: Sequence[str], code: int) -> int:
-    for line in lines:
-        sys.stderr.write(f"flexproof: {line}\n")
-    return code
 
 
 def _version() -> str:

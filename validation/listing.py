@@ -45,7 +45,6 @@ def as_json(tasks: Sequence[Task]) -> str:
             if isinstance(case, Case)
         ],
         indent=1,
-        ensure_ascii=False,
     )
 
 

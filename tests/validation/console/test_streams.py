@@ -1,0 +1,149 @@
+"""The command in a process of its own, with streams as shells and careless callers leave them."""
+
+import json
+import os
+import resource
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from lumped.text import visible
+from validation.console import streams
+
+ROOT = Path(__file__).parents[3]
+PROGRAM = "import sys; from validation.cli import main; sys.exit(main())"
+SHELL = f'flexproof() {{ "{sys.executable}" -c "{PROGRAM}" "$@"; }}\n'
+FULL = Path("/dev/full")
+
+needs_full = pytest.mark.skipif(not FULL.exists(), reason="no /dev/full here")
+
+
+def shell(line, **environment):
+    """What a line of bash gives: exit code, stdout, stderr; `flexproof` is this program."""
+    return subprocess.run(
+        ["bash", "-c", SHELL + line],  # noqa: S607  the shell that is there
+        cwd=ROOT,
+        env=os.environ | {"PYTHONDONTWRITEBYTECODE": "1"} | environment,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=120,
+    )
+
+
+@needs_full
+@pytest.mark.parametrize("command", ["check ifw", "cases --json", "--help", "--version", "--hlep"])
+@pytest.mark.parametrize(
+    ("streams_are", "reason"),
+    [
+        ("> /dev/full", "No space left on device"),
+        (">&-", "Bad file descriptor"),
+        ("2> /dev/full", ""),
+        ("2>&-", ""),
+        ("> /dev/full 2> /dev/full", ""),
+        (">&- 2>&- <&-", ""),
+    ],
+)
+def test_closed_and_full_streams_never_end_with_1_or_a_traceback(command, streams_are, reason):
+    done = shell(f"flexproof {command} {streams_are}")
+    wrong, results = command == "--hlep", "2>" not in streams_are[:2]
+    assert done.returncode == (2 if wrong else 3 if results else 0)
+    assert "Traceback" not in done.stdout + done.stderr
+    if reason and not wrong:
+        assert done.stderr == (f"flexproof: the results cannot be written to stdout: {reason}\n")
+
+
+@pytest.mark.parametrize("command", ["check ifw", "cases --json", "cases", "--help"])
+@pytest.mark.parametrize("reader", ["head -1", "true"])
+def test_a_reader_that_leaves_early_changes_nothing(command, reader):
+    done = shell(f"flexproof {command} | {reader}; exit ${{PIPESTATUS[0]}}")
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+@pytest.mark.parametrize(
+    "environment",
+    [
+        {"LC_ALL": "C"},
+        {"LC_ALL": "POSIX"},
+        {"PYTHONIOENCODING": "ascii"},
+    ],
+    ids=str,
+)
+def test_what_an_ascii_terminal_cannot_show_is_spelled_out(environment):
+    done = shell("flexproof solve ifw --model vjm", **environment)
+    assert done.returncode == 0, done.stderr
+    assert "deflection (um) along its own load of 1000 N:" in done.stdout
+    assert "compliance 6x6" in done.stdout
+    refused = shell("flexproof check no-such-robot-µ-é-中-α", **environment)
+    assert refused.returncode == 2
+    assert "no-such-robot-u-e-\\u4e2d-alpha: no such file" in refused.stderr
+
+
+def test_latin_1_keeps_what_it_has():
+    asked = "flexproof solve ifw --model vjm | od -An -c | tr -d ' \\n'"
+    done = shell(asked, PYTHONIOENCODING="latin-1")
+    assert "deflection(265m)along" in done.stdout
+
+
+def test_a_name_of_any_script_is_shown_where_the_terminal_can():
+    done = shell("flexproof check no-such-robot-µ-é-中-α", LC_ALL="C.UTF-8")
+    assert "no-such-robot-µ-é-中-α: no such file" in done.stderr
+
+
+def test_json_is_the_same_whatever_the_locale():
+    asked = "flexproof cases --json"
+    plain, full = shell(asked, LC_ALL="C"), shell(asked, LC_ALL="C.UTF-8")
+    assert json.loads(plain.stdout) == json.loads(full.stdout)
+
+
+@pytest.mark.parametrize("kilobytes", [200_000, 500_000])
+@pytest.mark.parametrize("command", ["check ifw", "solve ifw --model vjm"])
+def test_too_little_address_space_is_said_before_libraries_fail_for_want_of_it(kilobytes, command):
+    done = shell(f"ulimit -v {kilobytes}; flexproof {command}")
+    if done.returncode:
+        assert done.returncode == 3
+        (line,) = done.stderr.splitlines()
+        assert "the limit of the address space (ulimit -v) leaves" in line
+    else:
+        assert done.stdout
+        assert command.startswith("check")
+
+
+def test_a_limit_of_the_address_space_counts_as_available_memory():
+    limited = (
+        "import resource; from fem.machine import available_memory;"
+        "resource.setrlimit(resource.RLIMIT_AS, (10**9, 10**9)); print(available_memory())"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", limited], cwd=ROOT, capture_output=True, text=True, check=True
+    )
+    assert resource.getrlimit(resource.RLIMIT_AS)[0] != 10**9
+    assert 0 < int(done.stdout) < 10**9
+
+
+def test_control_and_bidirectional_characters_are_written_out(tmp_path):
+    name = "evil\x1b[2J\u202egnp.toml\n"
+    done = subprocess.run(
+        [sys.executable, "-c", PROGRAM, "check", name],
+        cwd=tmp_path,
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 2
+    (line,) = done.stderr.splitlines()
+    assert line.startswith("flexproof: evil\\x1b[2J\\u202egnp.toml\\x0a: no such file")
+
+
+def test_visible_text_is_left_alone():
+    assert visible("1 µm ≤ 3·10⁻⁶ m, Größe, 中") == "1 µm ≤ 3·10⁻⁶ m, Größe, 中"
+    assert visible("a\nb\tc\u2028d\udcffe", keep="\n") == "a\nb\\x09c\\u2028d\\udcffe"
+
+
+def test_every_sign_of_our_own_has_a_plain_spelling():
+    for sign, plain in streams._PLAIN.items():
+        assert len(sign) == 1
+        assert plain.isascii()
