@@ -9,9 +9,9 @@ import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh
 
-from fem.cholesky import analyse, factorise
-from fem.factor import Factor
-from fem.superelement import ENDS
+from fem.reduction.superelement import ENDS
+from fem.solvers.cholesky import analyse, factorise
+from fem.solvers.factor import Factor
 from lumped.arrays import Array
 from lumped.biglide_assembly import Mechanism
 from lumped.errors import ComputationError

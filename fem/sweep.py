@@ -13,7 +13,7 @@ from scipy.linalg import LinAlgError, cho_factor, cho_solve, eigh
 from scipy.linalg.blas import dtrsm
 from scipy.sparse import csr_array
 
-from fem.superelement import ENDS
+from fem.reduction.superelement import ENDS
 from lumped.arrays import Array, IntArray
 from lumped.biglide import Biglide, Posture
 from lumped.biglide_assembly import Release, assemble

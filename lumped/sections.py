@@ -3,8 +3,8 @@
 A section lies in the leg's y–z plane, width along y, height along z, centroid at the origin.
 Iy = ∫z² dA bends the leg in its x–z plane, Iz = ∫y² dA in its x–y plane.
 Torsion constants and shear coefficients are closed forms: exact for rectangle (series), circle
-and tube; thin-wall formulas for hollow rectangle and I (`fem.section_constants` computes those
-without that assumption). Shear coefficients: Cowper, J. Appl. Mech. 33 (1966) 335.
+and tube; thin-wall formulas for hollow rectangle and I (`fem.sections.section_constants` computes
+those without that assumption). Shear coefficients: Cowper, J. Appl. Mech. 33 (1966) 335.
 """
 
 from dataclasses import dataclass, fields

@@ -14,7 +14,7 @@ import numpy as np
 from lumped.arrays import Array
 from lumped.errors import ComputationError
 from meshes.elements import ELEMENTS, ElementName
-from meshes.section_mesh import SectionMesh
+from meshes.section.section_mesh import SectionMesh
 from meshes.shape_functions import gradients, quadrature
 from meshes.solid_mesh import VolumeMesh
 

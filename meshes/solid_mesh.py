@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from lumped.arrays import Array, IntArray
 from meshes.elements import SolidElement
-from meshes.section_mesh import SectionMesh
+from meshes.section.section_mesh import SectionMesh
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from meshes.elements import ELEMENTS
-from meshes.section_mesh import SectionMesh
+from meshes.section.section_mesh import SectionMesh
 from meshes.solid_mesh import VolumeMesh
 
 if TYPE_CHECKING:

@@ -18,7 +18,7 @@ import pytest
 
 from lumped import sections
 from lumped.robot_file import load_robot
-from meshes import section_mesh
+from meshes.section import section_mesh
 from validation import cli
 from validation.case import Case
 from validation.faults.detection import with_faults

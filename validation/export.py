@@ -10,7 +10,7 @@ import numpy as np
 from scipy.io import mmwrite
 from scipy.sparse import coo_array, csc_array, save_npz
 
-from fem import solid
+from fem.bodies import leg_modes, solid
 from lumped import biglide_assembly as mechanism
 from lumped.arrays import Array, SparseMatrix
 from lumped.biglide import Biglide
@@ -85,7 +85,7 @@ def _write_solid(leg: ConstantLeg, divisions: int, path: Path) -> None:
     mesh = solid.solid_mesh(leg, divisions)
     clamped = solid.clamped_leg(solid.solid_leg(leg, mesh))
     deflections = clamped.ends.expanded(clamped.factor.solve(clamped.ends.tip_loads()))
-    modes = solid.modes(clamped, MODES)
+    modes = leg_modes.modes(clamped, MODES)
     data = grid(mesh)
     for name, field in _named(deflections, modes.shapes).items():
         data.point_data[name] = field.reshape(-1, 3)

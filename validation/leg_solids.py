@@ -6,16 +6,16 @@ from math import ceil
 
 import numpy as np
 
-from fem import doubling, solid
-from fem.beam import beam_leg
-from fem.solid import Ends
+from fem.bodies import doubling, leg_modes, solid
+from fem.bodies.beam import beam_leg
+from fem.bodies.solid import Ends
 from lumped.arrays import Array
 from lumped.cantilever import clamped_modes
 from lumped.legs import ConstantLeg
 from lumped.sections import Rectangle
-from meshes.hexahedra import hexahedra
-from meshes.section_blocks import Divisions
-from meshes.section_mesh import section_mesh
+from meshes.prism.hexahedra import hexahedra
+from meshes.section.section_blocks import Divisions
+from meshes.section.section_mesh import section_mesh
 from meshes.solid_mesh import SolidMesh
 from validation.convergence import Convergence, analyse, uncertainty_of
 from validation.mode_pairing import centreline_samples, centreline_weights, pair_modes
@@ -159,7 +159,7 @@ def solid_frequencies(
     for number in divisions:
         mesh = similar_mesh(leg, number)
         clamped = solid.clamped_leg(solid.solid_leg(leg, mesh), ends)
-        modes = solid.modes(clamped, count + _SPARE_MODES)
+        modes = leg_modes.modes(clamped, count + _SPARE_MODES)
         pairing = pair_modes(target, solid.section_twists(mesh, stations) @ modes.shapes, weights)
         frequencies.append(modes.frequencies[pairing.partner])
         mac.append(pairing.mac)

@@ -12,12 +12,12 @@ from math import ceil
 import numpy as np
 from scipy.linalg import eigh
 
-from fem.section_constants import section_constants
-from fem.waveguide import torsion_wave
+from fem.sections.section_constants import section_constants
+from fem.sections.waveguide import torsion_wave
 from lumped.arrays import Array
 from lumped.biglide import Biglide
 from lumped.legs import ConstantLeg
-from meshes.section_mesh import section_mesh
+from meshes.section.section_mesh import section_mesh
 from validation.leg_solids import section_counts
 from validation.paired_robot_modes import CLOSE, SampledModes, paired
 

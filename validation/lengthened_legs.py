@@ -4,15 +4,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fem import doubling
-from fem.beam import beam_leg
-from fem.section_constants import SectionConstants, beam_properties, section_constants
+from fem.bodies import doubling
+from fem.bodies.beam import beam_leg
+from fem.sections.section_constants import SectionConstants, beam_properties, section_constants
 from lumped.arrays import Array
 from lumped.legs import BeamProperties, ConstantLeg, tip_compliance
 from lumped.modes import dense, solve_modes
 from lumped.sections import Circle, Rectangle, Tube
-from meshes.hexahedra import slice_count
-from meshes.section_mesh import section_mesh
+from meshes.prism.hexahedra import slice_count
+from meshes.section.section_mesh import section_mesh
 from validation.context import Preset
 from validation.leg_solids import section_counts
 

@@ -4,11 +4,11 @@ from dataclasses import dataclass
 from functools import lru_cache, partial
 from typing import Literal, TypeAlias
 
-from fem import solid
-from fem.beam import beam_leg
-from fem.craig_bampton import craig_bampton
-from fem.solid import ClampedLeg
-from fem.superelement import HeldLeg, static_superelement
+from fem.bodies import leg_modes, solid
+from fem.bodies.beam import beam_leg
+from fem.bodies.solid import ClampedLeg
+from fem.reduction.craig_bampton import craig_bampton
+from fem.reduction.superelement import HeldLeg, static_superelement
 from lumped import biglide_assembly as mechanism
 from lumped import simplified, vjm
 from lumped.arrays import Array
@@ -218,7 +218,7 @@ def solid_compliance(leg: ConstantLeg, divisions: int, ends: Ends) -> Array:
 
 def solid_modes(leg: ConstantLeg, divisions: int, ends: Ends, count: int) -> Modes:
     """Modes of a clamped leg as a solid: frequencies (Hz), shapes on its nodes (3N×count)."""
-    return solid.modes(_clamped_solid(leg, divisions, ends), count)
+    return leg_modes.modes(_clamped_solid(leg, divisions, ends), count)
 
 
 @lru_cache(maxsize=4)

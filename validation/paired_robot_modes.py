@@ -10,10 +10,10 @@ from typing import Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from fem.beam import beam_leg
-from fem.craig_bampton import craig_bampton
-from fem.section_constants import beam_properties, section_constants
-from fem.solid import Ends
+from fem.bodies.beam import beam_leg
+from fem.bodies.solid import Ends
+from fem.reduction.craig_bampton import craig_bampton
+from fem.sections.section_constants import beam_properties, section_constants
 from lumped import biglide_assembly as mechanism
 from lumped.arrays import Array, IntArray, SparseMatrix
 from lumped.biglide import Biglide, with_equivalent_legs
@@ -22,7 +22,7 @@ from lumped.leg_matrices import LegMatrices
 from lumped.legs import BeamProperties, ConstantLeg, equivalent_leg
 from lumped.sections import Rectangle
 from lumped.segments import segment_chain, segment_leg
-from meshes.section_mesh import section_mesh
+from meshes.section.section_mesh import section_mesh
 from validation.context import Preset
 from validation.mode_pairing import (
     centreline_samples,

@@ -9,12 +9,10 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 from scipy.sparse import csr_array
 
-from fem import doubling, robot_solid
-from fem.end_coupling import rigid_ends
-from fem.free_superelement import held_free_leg
-from fem.leg_energies import kind_energies
-from fem.section_constants import beam_properties, section_constants
-from fem.solid import (
+from fem import robot_solid
+from fem.bodies import doubling
+from fem.bodies.leg_energies import kind_energies
+from fem.bodies.solid import (
     Ends,
     SolidLeg,
     clamped_leg,
@@ -22,7 +20,10 @@ from fem.solid import (
     solid_leg_matrices,
     solid_mesh,
 )
-from fem.superelement import ENDS, HeldLeg, Superelement, ends_stiffness, held_leg
+from fem.couplings.end_coupling import rigid_ends
+from fem.reduction.free_superelement import held_free_leg
+from fem.reduction.superelement import ENDS, HeldLeg, Superelement, ends_stiffness, held_leg
+from fem.sections.section_constants import beam_properties, section_constants
 from lumped.arrays import Array, SparseMatrix
 from lumped.biglide import Biglide, with_equivalent_legs
 from lumped.biglide_assembly import Mechanism, assemble
@@ -30,7 +31,7 @@ from lumped.errors import InputError
 from lumped.leg_matrices import LegMatrices
 from lumped.legs import ConstantLeg, equivalent_leg, tip_compliance
 from lumped.modes import Modes
-from meshes.section_mesh import section_mesh
+from meshes.section.section_mesh import section_mesh
 from validation.leg_solids import COARSEST_WALLS, section_counts, slices, static_ladder
 
 T = TypeVar("T")
@@ -42,7 +43,7 @@ def meshed_leg(leg: ConstantLeg, divisions: int) -> SolidLeg:
 
 
 def held_solid(leg: ConstantLeg, divisions: int, ends: Ends) -> HeldLeg:
-    """The solid leg with the twists of both ends given; `ends` as in `fem.end_coupling`."""
+    """The solid leg with the twists of both ends given; `ends` as in its coupling."""
     solid = meshed_leg(leg, divisions)
     if ends == "free":
         return held_free_leg(clamped_leg(solid, "free"))

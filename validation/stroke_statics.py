@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.solid import Ends
+from fem.bodies.solid import Ends
 from lumped import biglide_assembly as mechanism
 from lumped import vjm
 from lumped.arrays import Array

@@ -24,16 +24,16 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 import numpy as np  # noqa: E402
 
-from fem.calculix import compliance_and_frequencies  # noqa: E402
-from fem.calculix_run import CalculixMissing, calculix_program  # noqa: E402
-from fem.cholesky import default_backend  # noqa: E402
-from fem.clamped_count import clamped_count, count_name  # noqa: E402
-from fem.modes import lowest_modes  # noqa: E402
-from fem.solid import clamped_leg, solid_leg, tip_compliance  # noqa: E402
-from fem.sturm import Inertia  # noqa: E402
+from fem.bodies.leg_modes import clamped_count, count_name  # noqa: E402
+from fem.bodies.solid import clamped_leg, solid_leg, tip_compliance  # noqa: E402
+from fem.calculix.leg import compliance_and_frequencies  # noqa: E402
+from fem.calculix.run import CalculixMissing, calculix_program  # noqa: E402
+from fem.solvers.cholesky import default_backend  # noqa: E402
+from fem.solvers.modes import lowest_modes  # noqa: E402
+from fem.solvers.sturm import Inertia  # noqa: E402
 from lumped.legs import ConstantLeg, Material  # noqa: E402
 from lumped.sections import Rectangle  # noqa: E402
-from meshes.tetrahedra import tetrahedra  # noqa: E402
+from meshes.prism.tetrahedra import tetrahedra  # noqa: E402
 
 MODES = 20
 TARGET = 10.0

@@ -29,10 +29,10 @@ mpl.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 
-from fem.doubling import condensed_leg, tip_compliance  # noqa: E402
+from fem.bodies.doubling import condensed_leg, tip_compliance  # noqa: E402
 from lumped.legs import ConstantLeg, Material  # noqa: E402
 from lumped.sections import Rectangle  # noqa: E402
-from meshes.section_mesh import section_mesh  # noqa: E402
+from meshes.section.section_mesh import section_mesh  # noqa: E402
 
 LEG = ConstantLeg(0.8, Rectangle(0.16, 0.08), Material.isotropic(E=2.1e11, nu=0.3, rho=7850.0))
 DIVISIONS = (8, 4)

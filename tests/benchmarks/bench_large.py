@@ -22,10 +22,11 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 import numpy as np  # noqa: E402
 
-from fem.solid import clamped_leg, modes, solid_leg, tip_compliance  # noqa: E402
+from fem.bodies.leg_modes import modes  # noqa: E402
+from fem.bodies.solid import clamped_leg, solid_leg, tip_compliance  # noqa: E402
 from lumped.legs import ConstantLeg, Material  # noqa: E402
 from lumped.sections import Rectangle  # noqa: E402
-from meshes.tetrahedra import tetrahedra  # noqa: E402
+from meshes.prism.tetrahedra import tetrahedra  # noqa: E402
 
 MODES = 20
 TARGET_SECONDS, TARGET_GIB = 240.0, 13.0

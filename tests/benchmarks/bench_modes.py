@@ -16,14 +16,14 @@ from time import perf_counter  # noqa: E402
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
-from fem.cholesky import default_backend  # noqa: E402
-from fem.clamped_count import clamped_count  # noqa: E402
-from fem.modes import CertifiedModes, modes  # noqa: E402
-from fem.solid import clamped_leg, solid_leg, solid_mesh  # noqa: E402
+from fem.bodies.leg_modes import clamped_count, modes  # noqa: E402
+from fem.bodies.solid import clamped_leg, solid_leg, solid_mesh  # noqa: E402
+from fem.solvers.cholesky import default_backend  # noqa: E402
+from fem.solvers.modes import CertifiedModes  # noqa: E402
 from lumped.legs import ConstantLeg, Material  # noqa: E402
 from lumped.sections import Rectangle  # noqa: E402
+from meshes.prism.tetrahedra import tetrahedra  # noqa: E402
 from meshes.solid_mesh import SolidMesh  # noqa: E402
-from meshes.tetrahedra import tetrahedra  # noqa: E402
 
 MODES = 20
 LEG = ConstantLeg(

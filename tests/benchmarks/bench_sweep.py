@@ -30,7 +30,7 @@ mpl.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
-from fem.solid import solid_mesh
+from fem.bodies.solid import solid_mesh
 from lumped.biglide import Biglide, with_equivalent_legs
 from lumped.robot_file import load_robot
 from validation.models import ModelOptions

@@ -1,12 +1,12 @@
 import numpy as np
 import pytest
 
-from fem.elasticity import mass, stiffness
-from fem.end_coupling import unknowns
+from fem.couplings.end_coupling import unknowns
+from fem.elements.elasticity import mass, stiffness
 from lumped.legs import Material
 from lumped.sections import Rectangle
-from meshes.extrude import extrude, stations
-from meshes.section_mesh import section_mesh
+from meshes.prism.extrude import extrude, stations
+from meshes.section.section_mesh import section_mesh
 
 
 @pytest.fixture(scope="session")

@@ -4,15 +4,15 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from fem.bodies.solid import solid_leg, solid_leg_matrices
 from fem.robot_solid import compliance, factorised_robot, modes
-from fem.solid import solid_leg, solid_leg_matrices
 from lumped import biglide_assembly as mechanism
 from lumped.biglide import with_equivalent_legs
 from lumped.errors import ComputationError
 from lumped.robot_file import load_robot
 from lumped.segments import segment_chain, static_leg
-from meshes.extrude import extrude, stations
-from meshes.section_mesh import section_mesh
+from meshes.prism.extrude import extrude, stations
+from meshes.section.section_mesh import section_mesh
 
 ROBOT = with_equivalent_legs(load_robot("ifw").robot)
 

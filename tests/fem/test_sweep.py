@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem.beam import beam_leg
-from fem.craig_bampton import craig_bampton
-from fem.superelement import held_leg
+from fem.bodies.beam import beam_leg
+from fem.reduction.craig_bampton import craig_bampton
+from fem.reduction.superelement import held_leg
 from fem.sweep import posture_model, solve_posture
 from lumped import biglide_assembly as mechanism
 from lumped.biglide import with_equivalent_legs

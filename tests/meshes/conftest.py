@@ -8,7 +8,7 @@ import pytest
 from lumped.arrays import Array, IntArray
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Section, Tube
 from meshes.elements import ELEMENTS
-from meshes.section_mesh import SectionMesh
+from meshes.section.section_mesh import SectionMesh
 from meshes.shape_functions import gradients, quadrature, values
 from meshes.solid_mesh import SolidMesh
 

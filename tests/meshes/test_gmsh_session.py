@@ -11,7 +11,7 @@ import pytest
 from lumped.errors import ComputationError, InputError
 from lumped.sections import Circle, Tube
 from meshes.gmsh_session import gmsh_model
-from meshes.tetrahedra import tetrahedra
+from meshes.prism.tetrahedra import tetrahedra
 
 
 def test_gmsh_is_closed_afterwards() -> None:
@@ -64,7 +64,7 @@ def test_another_process_numbers_the_same_mesh_alike() -> None:
     script = """
 from hashlib import sha256
 from lumped.sections import Tube
-from meshes.tetrahedra import tetrahedra
+from meshes.prism.tetrahedra import tetrahedra
 mesh = tetrahedra(Tube(0.1, 0.02), 0.2, 2)
 print(sha256(mesh.nodes.tobytes() + mesh.cells.tobytes()).hexdigest())
 """

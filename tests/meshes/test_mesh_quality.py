@@ -7,11 +7,11 @@ import pytest
 
 from lumped.errors import ComputationError
 from meshes.elements import ELEMENTS
-from meshes.hexahedra import hexahedra
+from meshes.prism.hexahedra import hexahedra
+from meshes.prism.tetrahedra import tetrahedra
 from meshes.quality import check, quality
-from meshes.section_mesh import SectionMesh, section_mesh
+from meshes.section.section_mesh import SectionMesh, section_mesh
 from meshes.solid_mesh import EndFace, SolidMesh
-from meshes.tetrahedra import tetrahedra
 
 NOWHERE = EndFace(
     np.empty(0, dtype=np.int64),

@@ -8,11 +8,11 @@ from scipy.spatial import cKDTree
 
 from lumped.errors import InputError
 from lumped.sections import Circle, Rectangle, Section, Tube
-from meshes.extrude import extrude, stations
-from meshes.hexahedra import hexahedra, slice_count
-from meshes.section_mesh import section_mesh
+from meshes.prism.extrude import extrude, stations
+from meshes.prism.hexahedra import hexahedra, slice_count
+from meshes.prism.tetrahedra import tetrahedra
+from meshes.section.section_mesh import section_mesh
 from meshes.solid_mesh import SolidMesh
-from meshes.tetrahedra import tetrahedra
 
 LENGTH = 0.3
 every_solid = pytest.mark.parametrize("element", ["hex8", "hex27", "tet4", "tet10"])

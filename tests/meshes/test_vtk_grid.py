@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from lumped.sections import Rectangle
-from meshes.hexahedra import hexahedra
-from meshes.section_mesh import section_mesh
-from meshes.tetrahedra import tetrahedra
+from meshes.prism.hexahedra import hexahedra
+from meshes.prism.tetrahedra import tetrahedra
+from meshes.section.section_mesh import section_mesh
 from meshes.vtk_grid import grid
 
 SECTION = Rectangle(0.1, 0.2)

@@ -6,9 +6,10 @@ from math import pi, sqrt
 import numpy as np
 import pytest
 
-from fem.beam_theory import bending_frequencies
-from fem.frame import Member
-from fem.solid import modes, section_twists
+from fem.bodies.beam_theory import bending_frequencies
+from fem.bodies.frame import Member
+from fem.bodies.leg_modes import modes
+from fem.bodies.solid import section_twists
 from lumped.legs import ConstantLeg, Material
 from lumped.robot_file import load_robot
 from lumped.sections import Rectangle

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from fem.solid import solid_mesh
+from fem.bodies.solid import solid_mesh
 from lumped.biglide_assembly import compliance
 from lumped.errors import ComputationError
 from lumped.legs import ConstantLeg, Material

@@ -8,17 +8,20 @@ import numpy as np
 import pytest
 from scipy.sparse import issparse
 
-from fem import beam_theory, calculix, calculix_deck, doubling, robot_calculix, solid
-from fem.frame import Frame, Member, PointMass, assemble
-from fem.section_constants import section_constants
+from fem.bodies import beam_theory, doubling, leg_modes, solid
+from fem.bodies.frame import Frame, Member, PointMass, assemble
+from fem.calculix import deck as calculix_deck
+from fem.calculix import leg as calculix
+from fem.calculix import robot as robot_calculix
+from fem.sections.section_constants import section_constants
 from lumped import biglide, simplified
 from lumped.errors import ComputationError
 from lumped.legs import ConstantLeg, Material, equivalent_leg
 from lumped.robot_file import load_robot
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Tube
-from meshes.hexahedra import hexahedra
-from meshes.section_mesh import section_mesh
-from meshes.tetrahedra import tetrahedra
+from meshes.prism.hexahedra import hexahedra
+from meshes.prism.tetrahedra import tetrahedra
+from meshes.section.section_mesh import section_mesh
 from validation.case import Absolute, Case, Measurement, Outcome, Skip, judge
 from validation.cases import (
     guards,
@@ -86,7 +89,7 @@ def workout() -> None:
         mesh = hexahedra(short.section, short.length, 1, slices=4)
         clamped = solid.clamped_leg(solid.solid_leg(short, mesh), kind)
         solid.tip_compliance(clamped)
-        solid.modes(clamped, 2)
+        leg_modes.modes(clamped, 2)
 
 
 def reduction_workout() -> None:

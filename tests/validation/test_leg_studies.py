@@ -6,11 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem import calculix_run, doubling
+from fem.bodies import doubling
+from fem.calculix import run as calculix_run
 from lumped.legs import ConstantLeg, Material
 from lumped.robot_file import load_robot
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle
-from meshes.section_mesh import section_mesh
+from meshes.section.section_mesh import section_mesh
 from validation.case import Skip, judge, perturbed
 from validation.cases import calculix, end_restraint, mesh_families, shapes
 from validation.cases.legs import constant_leg_of

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem.section_constants import section_constants
+from fem.sections.section_constants import section_constants
 from lumped import biglide_assembly as mechanism
 from lumped.arrays import Array
 from lumped.biglide import with_equivalent_legs
 from lumped.legs import ConstantLeg, Material
 from lumped.robot_file import load_robot
 from lumped.sections import Circle, HollowRectangle, ISection
-from meshes.section_mesh import section_mesh
+from meshes.section.section_mesh import section_mesh
 from validation.leg_solids import solid_frequencies
 from validation.legs_in_torsion import torsion_effects, wave_error, with_torsion
 from validation.models import robot_legs

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from fem.beam import beam_leg
+from fem.bodies.beam import beam_leg
 from lumped import biglide_assembly as mechanism
 from lumped.biglide import with_equivalent_legs
 from lumped.errors import ComputationError, InputError

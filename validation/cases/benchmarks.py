@@ -9,7 +9,7 @@ from functools import partial
 
 import numpy as np
 
-from fem.frame import Frame, Member, Support, assemble, displacements, modes
+from fem.bodies.frame import Frame, Member, Support, assemble, displacements, modes
 from lumped.arrays import Array
 from lumped.legs import ConstantLeg, Material
 from lumped.sections import Rectangle

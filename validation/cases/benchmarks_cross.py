@@ -7,7 +7,7 @@ import numpy as np
 from scipy.linalg import null_space, subspace_angles
 from scipy.optimize import brentq
 
-from fem.frame import Frame, Kind, Member, Support, assemble, modes
+from fem.bodies.frame import Frame, Kind, Member, Support, assemble, modes
 from lumped.arrays import Array
 from lumped.legs import ConstantLeg, Material
 from lumped.sections import Rectangle

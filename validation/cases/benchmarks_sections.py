@@ -4,10 +4,10 @@ from functools import partial
 
 import numpy as np
 
-from fem.section_constants import section_constants
+from fem.sections.section_constants import section_constants
 from lumped.arrays import Array
 from lumped.sections import Rectangle, rectangle_torsion_constant
-from meshes.section_mesh import section_mesh
+from meshes.section.section_mesh import section_mesh
 from validation.case import Absolute, Case, Measurement
 from validation.cases.benchmarks import SECTION
 from validation.context import Context

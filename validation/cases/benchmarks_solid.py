@@ -11,15 +11,15 @@ from math import log2, pi
 
 import numpy as np
 
-from fem import solid
-from fem.cholesky import analyse as analyse_pattern
-from fem.end_coupling import free_ends
-from fem.factor import upper_triangle
-from fem.renewable_factor import RenewableFactor
+from fem.bodies import leg_modes, solid
+from fem.couplings.end_coupling import free_ends
+from fem.solvers.cholesky import analyse as analyse_pattern
+from fem.solvers.factor import upper_triangle
+from fem.solvers.renewable_factor import RenewableFactor
 from lumped.arrays import Array
 from lumped.legs import ConstantLeg
-from meshes.extrude import extrude, stations
-from meshes.section_mesh import section_mesh
+from meshes.prism.extrude import extrude, stations
+from meshes.section.section_mesh import section_mesh
 from validation.case import Allowance, Case, Measurement
 from validation.cases.benchmarks import (
     DEEP,
@@ -192,7 +192,7 @@ def deep_solid_frequencies(divisions: tuple[int, ...]) -> Array:
     """The lowest nine frequencies (m×9, Hz) of FV5's beam as a solid."""
     return np.array(
         [
-            solid.modes(
+            leg_modes.modes(
                 simply_supported(extruded(DEEP, number, _DEEP_SLICES * number)),
                 FV5_CLUSTERS[-1].last,
             ).frequencies
@@ -206,7 +206,7 @@ def simply_supported(beam: solid.SolidLeg) -> solid.ClampedLeg:
 
     The averages C are the conjugates of Saint-Venant's tractions, so warping, contraction and both
     bending rotations are free. The six are statically determinate: L = C (RᵀC)⁻¹ takes the place
-    of the root's six loads in `fem.end_coupling.FreeEnds`, with LᵀR = I for the rigid motions R.
+    of the root's six loads in `end_coupling.FreeEnds`, with LᵀR = I for the rigid motions R.
     """
     ends = free_ends(beam.mesh, beam.leg.material)
     averages = np.hstack([ends.root_loads[:, :4], ends.free_tip_loads[:, 1:3]])

@@ -12,13 +12,14 @@ from functools import partial
 
 import numpy as np
 
-from fem.calculix import compliance_and_frequencies, mass_at_stiffness_points
-from fem.calculix_run import CalculixMissing
-from fem.solid import clamped_leg, modes, solid_leg, tip_compliance
+from fem.bodies.leg_modes import modes
+from fem.bodies.solid import clamped_leg, solid_leg, tip_compliance
+from fem.calculix.leg import compliance_and_frequencies, mass_at_stiffness_points
+from fem.calculix.run import CalculixMissing
 from lumped.arrays import Array
 from lumped.legs import ConstantLeg, Material
 from lumped.sections import ISection, Rectangle, Tube
-from meshes.tetrahedra import tetrahedra
+from meshes.prism.tetrahedra import tetrahedra
 from validation.case import Absolute, Allowance, Case, Measurement, Relation, Relative, Skip
 from validation.context import PRESETS, Context, Preset
 from validation.convergence import order_of_errors
@@ -232,7 +233,7 @@ def _frequency(context: Context, name: str) -> Measurement:
             Allowance(
                 cause="CalculiX sums the mass of C3D10 over four points, too few to be exact",
                 amount=float(found.frequencies[worst] - found.same_mass[worst]),
-                source="our modes with that rule (fem.calculix.mass_at_stiffness_points); "
+                source="our modes with that rule (fem.calculix.leg.mass_at_stiffness_points); "
                 "vanishes with order 3 in the mesh size (case calculix.mass-rule.order)",
             ),
         ),

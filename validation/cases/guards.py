@@ -13,8 +13,16 @@ from math import sqrt
 import numpy as np
 from scipy.sparse import csr_array
 
-from fem.frame import AssembledFrame, Frame, Member, PointMass, Spring, assemble, displacements
-from fem.frame import modes as frame_modes
+from fem.bodies.frame import (
+    AssembledFrame,
+    Frame,
+    Member,
+    PointMass,
+    Spring,
+    assemble,
+    displacements,
+)
+from fem.bodies.frame import modes as frame_modes
 from lumped.arrays import Array, SparseMatrix
 from lumped.biglide import Biglide, scaled
 from lumped.legs import ConstantLeg, Material, equivalent_leg
@@ -40,7 +48,7 @@ _SAME_REASON = (
 )
 _OFFSET = np.array([0.05, -0.08, 0.155])
 _TOOL = np.diag([2e-9, 3e-9, 1e-9, 4e-7, 3e-7, 5e-7])
-_FRAME = "the same robot as a frame of Timoshenko beams, placed by coordinates (fem.frame)"
+_FRAME = "the same robot as a frame of Timoshenko beams, placed by coordinates (fem.bodies.frame)"
 
 
 def with_offset(robot: Biglide) -> Biglide:

@@ -6,7 +6,7 @@ from math import pi
 
 import numpy as np
 
-from fem.beam_theory import Plane, bending_frequencies
+from fem.bodies.beam_theory import Plane, bending_frequencies
 from lumped import vjm
 from lumped.arrays import Array
 from lumped.biglide import Biglide

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from fem.beam import beam_leg
+from fem.bodies.beam import beam_leg
 from lumped.cantilever import clamped_modes
 from lumped.legs import BeamProperties, ConstantLeg, Material
 from lumped.sections import Rectangle

@@ -9,21 +9,21 @@ from functools import partial
 
 import numpy as np
 
-from fem import solid
-from fem.craig_bampton import craig_bampton
-from fem.end_coupling import rigid_ends
-from fem.free_superelement import held_free_leg
-from fem.leg_energies import DISTORTION, kind_energies
-from fem.solid import Ends
-from fem.superelement import held_leg
-from fem.superelement_checks import mass_properties, rigid_motions
+from fem.bodies import leg_modes, solid
+from fem.bodies.leg_energies import DISTORTION, kind_energies
+from fem.bodies.solid import Ends
+from fem.couplings.end_coupling import rigid_ends
+from fem.reduction.craig_bampton import craig_bampton
+from fem.reduction.free_superelement import held_free_leg
+from fem.reduction.superelement import held_leg
+from fem.reduction.superelement_checks import mass_properties, rigid_motions
 from lumped.arrays import Array
 from lumped.leg_matrices import LegMatrices
 from lumped.legs import ConstantLeg, Material
 from lumped.modes import dense, solve_modes
 from lumped.sections import Rectangle
 from lumped.segments import KINDS
-from meshes.hexahedra import hexahedra
+from meshes.prism.hexahedra import hexahedra
 from validation.case import Absolute, Case, Measurement, Tolerance
 from validation.cases.guards import (
     MODES,
@@ -40,7 +40,7 @@ _LEG = ConstantLeg(
 )
 _SLICES = 6
 _BOTH: tuple[Ends, ...] = ("rigid", "free")
-_REDUCED = "the same mesh without reduction (fem.solid)"
+_REDUCED = "the same mesh without reduction (fem.bodies.solid)"
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,7 +153,7 @@ def reduced_solid_leg(ends: Ends) -> ReducedSolid:
     whole = solid.solid_leg(_LEG, mesh)
     clamped = solid.clamped_leg(whole, ends)
     held = held_free_leg(clamped) if ends == "free" else held_leg(solid.solid_leg_matrices(whole))
-    full = solid.modes(clamped, MODES)
+    full = leg_modes.modes(clamped, MODES)
     reduced = craig_bampton(held, float(full.frequencies[-1]))
     # Without the root's six unknowns the leg is clamped.
     stiffness, mass = (

@@ -4,19 +4,19 @@ from functools import partial
 
 import numpy as np
 
-from fem import doubling, solid
-from fem.elasticity import mass, stiffness
-from fem.section_constants import SectionConstants, beam_properties, section_constants
-from fem.solid import Ends
+from fem.bodies import doubling, solid
+from fem.bodies.solid import Ends
+from fem.elements.elasticity import mass, stiffness
+from fem.sections.section_constants import SectionConstants, beam_properties, section_constants
 from lumped.arrays import Array
 from lumped.chains import axis_rotation
 from lumped.legs import ConstantLeg, Material, tip_compliance
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Section, Tube
 from meshes.elements import SolidElement
-from meshes.hexahedra import hexahedra
-from meshes.section_mesh import section_mesh
+from meshes.prism.hexahedra import hexahedra
+from meshes.prism.tetrahedra import tetrahedra
+from meshes.section.section_mesh import section_mesh
 from meshes.solid_mesh import SolidMesh
-from meshes.tetrahedra import tetrahedra
 from validation.case import Absolute, Case, Measurement, Relative, Tolerance
 from validation.cases.guards import SECTION, scaled_difference
 from validation.cases.legs import UNITS, constant_leg_of
@@ -243,7 +243,7 @@ def _two_ways_case(number: int, ends: Ends) -> Case:
         quantity="largest difference of the 6×6 in units of √(c_ii c_jj)",
         unit="1",
         reference_kind="independent-solver",
-        citation="sparse Cholesky of the whole mesh (fem.solid), the same elements",
+        citation="sparse Cholesky of the whole mesh (fem.bodies.solid), the same elements",
         tolerance=Absolute(1e-7),
         tolerance_reason="one discrete model solved in two ways: rounding, by the condition of a "
         "slender solid",

@@ -5,9 +5,9 @@ from functools import partial
 import numpy as np
 
 from fem import robot_solid
-from fem.craig_bampton import craig_bampton
-from fem.frame import modes as frame_modes
-from fem.superelement import held_leg
+from fem.bodies.frame import modes as frame_modes
+from fem.reduction.craig_bampton import craig_bampton
+from fem.reduction.superelement import held_leg
 from fem.sweep import posture_model, solve_posture
 from lumped import biglide_assembly as mechanism
 from lumped.arrays import Array
@@ -33,7 +33,9 @@ _SWEPT_VARIANTS = ("as it is", "tool offset")
 
 def cases() -> tuple[Case, ...]:
     """Compliance and frequencies by both ways, with and without a tool offset."""
-    frame = "the same robot as a frame of Timoshenko beams, placed by coordinates (fem.frame)"
+    frame = (
+        "the same robot as a frame of Timoshenko beams, placed by coordinates (fem.bodies.frame)"
+    )
     reduced = (
         f"largest relative difference of the first {MODES}",
         frame,

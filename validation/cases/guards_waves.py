@@ -4,12 +4,12 @@ from functools import partial
 
 import numpy as np
 
-from fem import nonuniform_torsion
-from fem.section_constants import section_constants
-from fem.waveguide import torsion_wave
+from fem.sections import nonuniform_torsion
+from fem.sections.section_constants import section_constants
+from fem.sections.waveguide import torsion_wave
 from lumped.legs import Material
 from lumped.sections import ISection
-from meshes.section_mesh import section_mesh
+from meshes.section.section_mesh import section_mesh
 from validation.case import Case, Measurement, Relative
 from validation.cases.guards_reduction import guard_case
 from validation.context import Context

@@ -4,7 +4,7 @@ from functools import lru_cache, partial
 
 import numpy as np
 
-from fem.beam_theory import CantileverFrequency, cantilever_frequencies
+from fem.bodies.beam_theory import CantileverFrequency, cantilever_frequencies
 from lumped.arrays import Array
 from lumped.leg_matrices import LegMatrices
 from lumped.legs import ConstantLeg, equivalent_leg, tip_compliance

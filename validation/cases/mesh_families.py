@@ -12,13 +12,14 @@ from math import hypot
 
 import numpy as np
 
-from fem.solid import clamped_leg, modes, solid_leg, tip_compliance
+from fem.bodies.leg_modes import modes
+from fem.bodies.solid import clamped_leg, solid_leg, tip_compliance
 from lumped.arrays import Array
 from lumped.legs import ConstantLeg, Material
 from lumped.sections import Circle, Rectangle
-from meshes.hexahedra import hexahedra
+from meshes.prism.hexahedra import hexahedra
+from meshes.prism.tetrahedra import tetrahedra
 from meshes.solid_mesh import SolidMesh
-from meshes.tetrahedra import tetrahedra
 from validation.case import Absolute, Case, Measurement, Skip
 from validation.cases.legs import UNITS, constant_leg_of
 from validation.context import Context, Preset

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fem.beam_theory import bending_frequencies
+from fem.bodies.beam_theory import bending_frequencies
 from lumped.biglide_assembly import Release
 from lumped.legs import equivalent_leg
 from validation.case import Absolute, Measurement, Relation, Relative

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem.beam_theory import bending_frequencies
+from fem.bodies.beam_theory import bending_frequencies
 from lumped.arrays import Array
 from lumped.legs import ConstantLeg
 from validation.case import Absolute, Case, Measurement

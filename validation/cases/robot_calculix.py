@@ -5,14 +5,14 @@ from functools import partial
 
 import numpy as np
 
-from fem.calculix import mass_at_stiffness_points
-from fem.calculix_run import CalculixMissing, calculix_program
-from fem.robot_calculix import compliance_and_frequencies
-from fem.solid import SolidLeg, solid_leg
+from fem.bodies.solid import SolidLeg, solid_leg
+from fem.calculix.leg import mass_at_stiffness_points
+from fem.calculix.robot import compliance_and_frequencies
+from fem.calculix.run import CalculixMissing, calculix_program
 from lumped.arrays import Array
 from lumped.biglide import Biglide, with_equivalent_legs
 from lumped.legs import equivalent_leg
-from meshes.tetrahedra import tetrahedra
+from meshes.prism.tetrahedra import tetrahedra
 from validation.case import Absolute, Allowance, Case, Measurement, Relative, Skip
 from validation.cases.robot_solid import SECTION
 from validation.context import Context, Preset
@@ -133,7 +133,7 @@ def _frequency(context: Context, place: str) -> Measurement:
             Allowance(
                 cause="CalculiX sums the mass of C3D10 over four points, too few for N_a N_b",
                 amount=float((found.exact - found.same_points)[worst]),
-                source="fem.calculix.mass_at_stiffness_points on the same mesh",
+                source="fem.calculix.leg.mass_at_stiffness_points on the same mesh",
             ),
         ),
         notes=(f"mode {worst + 1}",),

@@ -190,7 +190,7 @@ def _frequency(context: Context, index: int) -> Measurement:
             Allowance(
                 cause="textbook section constants (thin walls, Cowper's shear)",
                 amount=float((own - textbook)[at]),
-                source="fem.section_constants on the solids' section meshes",
+                source="fem.sections.section_constants on the solids' section meshes",
             ),
             Allowance(
                 cause="end faces kept plane and rigid: warping and contraction restrained",

@@ -6,8 +6,8 @@ from functools import partial
 
 import numpy as np
 
-from fem.craig_bampton import craig_bampton, frequency_bounds
-from fem.superelement import held_leg
+from fem.reduction.craig_bampton import craig_bampton, frequency_bounds
+from fem.reduction.superelement import held_leg
 from lumped import biglide_assembly as mechanism
 from lumped.arrays import Array
 from lumped.biglide import Biglide, with_equivalent_legs

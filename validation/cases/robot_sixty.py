@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.leg_energies import DISTORTION
+from fem.bodies.leg_energies import DISTORTION
 from lumped.arrays import Array
 from lumped.biglide import Biglide
 from validation.case import Absolute, Case, Measurement

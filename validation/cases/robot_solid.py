@@ -179,7 +179,7 @@ def _rigid_faces(context: Context, curve: str) -> Measurement:
             Allowance(
                 cause="textbook section constants (thin walls, Cowper's shear)",
                 amount=float(textbook[worst]),
-                source="fem.section_constants on the solids' section meshes",
+                source="fem.sections.section_constants on the solids' section meshes",
             ),
         ),
         notes=(

@@ -6,13 +6,13 @@ from functools import partial
 
 import numpy as np
 
-from fem import doubling
-from fem.section_constants import SectionConstants, beam_properties, section_constants
+from fem.bodies import doubling
+from fem.sections.section_constants import SectionConstants, beam_properties, section_constants
 from lumped.arrays import Array
 from lumped.legs import ConstantLeg, Material, tip_compliance
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Section, Tube
-from meshes.hexahedra import slice_count
-from meshes.section_mesh import section_mesh
+from meshes.prism.hexahedra import slice_count
+from meshes.section.section_mesh import section_mesh
 from validation.case import Absolute, Case, Measurement, Relative
 from validation.cases.legs import ENTRIES
 from validation.context import PRESETS, Context, Preset

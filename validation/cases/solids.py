@@ -4,14 +4,14 @@ from functools import partial
 
 import numpy as np
 
-from fem import nonuniform_torsion
-from fem.beam_theory import CantileverFrequency, cantilever_frequencies
-from fem.section_constants import SectionConstants, beam_properties, section_constants
-from fem.solid import Ends
-from fem.waveguide import torsion_wave
+from fem.bodies.beam_theory import CantileverFrequency, cantilever_frequencies
+from fem.bodies.solid import Ends
+from fem.sections import nonuniform_torsion
+from fem.sections.section_constants import SectionConstants, beam_properties, section_constants
+from fem.sections.waveguide import torsion_wave
 from lumped.arrays import Array
 from lumped.legs import BeamProperties, ConstantLeg, tip_compliance
-from meshes.section_mesh import section_mesh
+from meshes.section.section_mesh import section_mesh
 from validation.case import Absolute, Allowance, Case, Measurement, Relative, Skip
 from validation.cases.legs import (
     ENTRIES,
@@ -261,7 +261,7 @@ def _textbook(amount: float) -> Allowance:
     return Allowance(
         cause="textbook section constants (thin walls, Cowper's shear)",
         amount=amount,
-        source="fem.section_constants on the solid's section mesh",
+        source="fem.sections.section_constants on the solid's section mesh",
     )
 
 
@@ -287,12 +287,12 @@ def _warping_waves(leg: ConstantLeg, order: int, saint_venant: float) -> list[Al
         Allowance(
             cause="stiffness and inertia of warping along the torsional wave",
             amount=endless - saint_venant,
-            source="3-D wave of the same length in an endless leg (fem.waveguide)",
+            source="3-D wave of the same length in an endless leg (fem.sections.waveguide)",
         ),
         Allowance(
             cause="tip face free of the wave's normal stress",
             amount=endless * (relaxation - 1.0),
-            source="Reissner's torsion, cantilever over endless rod (fem.nonuniform_torsion)",
+            source="Reissner's torsion, cantilever over endless rod (nonuniform_torsion)",
         ),
     ]
 

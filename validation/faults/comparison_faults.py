@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from fem.calculix_deck import Deck, Equation, Part
-from fem.elasticity import mass
+from fem.calculix.deck import Deck, Equation, Part
+from fem.elements.elasticity import mass
 from lumped.arrays import Array, SparseMatrix
 from lumped.legs import BeamProperties, Material
 from meshes.solid_mesh import SolidMesh
@@ -194,119 +194,119 @@ FAULTS = (
     Fault(
         "torsion.bimoment",
         "Torsion with warping: a tenth of the warping stiffness EΓ",
-        "fem.nonuniform_torsion:_rod",
+        "fem.sections.nonuniform_torsion:_rod",
         "physics",
         _rod_with(bimoment=0.1),
     ),
     Fault(
         "torsion.shear",
         "Torsion with warping: a tenth of the shear stiffness G(Ip − J)",
-        "fem.nonuniform_torsion:_rod",
+        "fem.sections.nonuniform_torsion:_rod",
         "physics",
         _rod_with(shear=0.1),
     ),
     Fault(
         "torsion.wave-length",
         "Torsional wave of half the length",
-        "fem.nonuniform_torsion:wave_frequency",
+        "fem.sections.nonuniform_torsion:wave_frequency",
         "physics",
         around(_one_wave_more),
     ),
     Fault(
         "waveguide.mass",
         "Waves in a leg: inertia of motion along z left out",
-        "fem.waveguide:_mass",
+        "fem.sections.waveguide:_mass",
         "physics",
         result(_one_direction_massless),
     ),
     Fault(
         "waveguide.shear",
         "Waves in a leg: half the shear modulus (γ for ε)",
-        "fem.waveguide:_elasticity",
+        "fem.sections.waveguide:_elasticity",
         "physics",
         around(_weak_shear),
     ),
     Fault(
         "waveguide.strain-sign",
         "Waves in a leg: sign of the axial derivative in γxy and γxz",
-        "fem.waveguide:_strains",
+        "fem.sections.waveguide:_strains",
         "physics",
         result(_shear_sign),
     ),
     Fault(
         "energies.kinds-swapped",
         "Energies of solid legs: bending y for bending z",
-        "fem.leg_energies:kind_energies",
+        "fem.bodies.leg_energies:kind_energies",
         "physics",
         result(_kinds_swapped),
     ),
     Fault(
         "calculix.cubic-permuted",
         "CalculiX deck: cubic constants in the wrong order",
-        "fem.calculix_deck:_elastic",
+        "fem.calculix.deck:_elastic",
         "data",
         instead(_permuted),
     ),
     Fault(
         "calculix.isotropic",
         "CalculiX deck: shear modulus of its own ignored",
-        "fem.calculix_deck:_elastic",
+        "fem.calculix.deck:_elastic",
         "physics",
         around(_isotropic),
     ),
     Fault(
         "calculix.node-order",
         "CalculiX deck: two middle nodes of each element exchanged",
-        "fem.calculix_deck:_part",
+        "fem.calculix.deck:_part",
         "numerics",
         _part_with(_other_mid_nodes),
     ),
     Fault(
         "calculix.density",
         "CalculiX deck: density in a wrong unit, 2.4 % off",
-        "fem.calculix_deck:_part",
+        "fem.calculix.deck:_part",
         "data",
         _part_with(_lighter),
     ),
     Fault(
         "calculix.equation-cut",
         "CalculiX deck: equations cut off after two terms",
-        "fem.calculix_deck:_equation",
+        "fem.calculix.deck:_equation",
         "data",
         around(_two_terms_only),
     ),
     Fault(
         "calculix.rotation-sign",
         "CalculiX deck: rigid faces turn the other way",
-        "fem.calculix_deck:rigid_face",
+        "fem.calculix.deck:rigid_face",
         "physics",
         result(_turned_equations),
     ),
     Fault(
         "calculix.mass-rule",
         "CalculiX's mass rule taken for the exact one",
-        "fem.calculix:mass_at_stiffness_points",
+        "fem.calculix.leg:mass_at_stiffness_points",
         "numerics",
         instead(_exact_mass),
     ),
     Fault(
         "robot-calculix.no-platform",
         "CalculiX deck of the robot: platform without mass",
-        "fem.robot_calculix:robot_deck",
+        "fem.calculix.robot:robot_deck",
         "data",
         result(_without_platform),
     ),
     Fault(
         "robot-calculix.joints-held",
         "CalculiX deck of the robot: revolute joints at A and C forgotten",
-        "fem.robot_calculix:robot_deck",
+        "fem.calculix.robot:robot_deck",
         "physics",
         result(_roots_held),
     ),
     Fault(
         "robot-calculix.material-axes",
         "CalculiX deck of the robot: the legs' cubic material not turned with them",
-        "fem.robot_calculix:robot_deck",
+        "fem.calculix.robot:robot_deck",
         "physics",
         result(_axes_untouched),
     ),

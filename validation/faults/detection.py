@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
-from fem.calculix_run import CalculixMissing, calculix_program
+from fem.calculix.run import CalculixMissing, calculix_program
 from lumped.biglide import Biglide
 from lumped.robot_file import RobotFile
 from validation.case import Absolute, Case, Measurement, Outcome, Relation, Skip

@@ -8,7 +8,7 @@ from scipy.sparse import csr_array, diags_array
 
 from lumped.arrays import Array, SparseMatrix
 from lumped.legs import Material
-from meshes.section_mesh import SectionMesh
+from meshes.section.section_mesh import SectionMesh
 from meshes.solid_mesh import SolidMesh
 from validation.faults.fault import Fault, Faulty, around, instead, result
 
@@ -84,28 +84,28 @@ FAULTS = (
     Fault(
         "mesh.section-rotated",
         "Section mesh turned by 90°",
-        "meshes.section_mesh:section_mesh",
+        "meshes.section.section_mesh:section_mesh",
         "data",
         result(_turned_section),
     ),
     Fault(
         "mesh.layer-missing",
         "One layer of elements missing at the tip",
-        "meshes.extrude:extrude",
+        "meshes.prism.extrude:extrude",
         "numerics",
         around(_layer_missing),
     ),
     Fault(
         "mesh.element-missing",
         "One element missing",
-        "meshes.extrude:extrude",
+        "meshes.prism.extrude:extrude",
         "numerics",
         result(_cells_missing),
     ),
     Fault(
         "mesh.node-order",
         "Wrong node order of the solid element: two nodes exchanged",
-        "meshes.extrude:extrude",
+        "meshes.prism.extrude:extrude",
         "numerics",
         result(_other_node_order),
     ),
@@ -119,56 +119,56 @@ FAULTS = (
     Fault(
         "element.quadrature",
         "Solid elements: integration two degrees too low",
-        "fem.elasticity:_cubature",
+        "fem.elements.elasticity:_cubature",
         "numerics",
         around(_lower_degree),
     ),
     Fault(
         "element.lame-slip",
         "(1 − ν) for (1 − 2ν) in Lamé's constants",
-        "fem.elasticity:_node_blocks",
+        "fem.elements.elasticity:_node_blocks",
         "physics",
         instead(_lame_slip),
     ),
     Fault(
         "element.isotropic",
         "Solid: G = E/2(1+ν) for a cubic material",
-        "fem.elasticity:_node_blocks",
+        "fem.elements.elasticity:_node_blocks",
         "physics",
         _with_material(lambda m: Material.isotropic(m.E, m.nu, m.rho)),
     ),
     Fault(
         "element.young-for-shear-modulus",
         "Solid: E for G",
-        "fem.elasticity:_node_blocks",
+        "fem.elements.elasticity:_node_blocks",
         "physics",
         _with_material(lambda m: replace(m, G=m.E)),
     ),
     Fault(
         "element.poisson-zero",
         "Solid: Poisson's ratio left out of the normal stresses",
-        "fem.elasticity:_node_blocks",
+        "fem.elements.elasticity:_node_blocks",
         "physics",
         _with_material(lambda m: replace(m, nu=0.0)),
     ),
     Fault(
         "element.transposed",
         "Solid: C12 and C44 terms of the node blocks exchanged by a transpose",
-        "fem.elasticity:_node_blocks",
+        "fem.elements.elasticity:_node_blocks",
         "numerics",
         around(_untransposed),
     ),
     Fault(
         "element.lumped-mass",
         "Solid: row sums for the consistent mass",
-        "fem.elasticity:_scalar_mass",
+        "fem.elements.elasticity:_scalar_mass",
         "numerics",
         result(_row_sums),
     ),
     Fault(
         "element.half-density",
         "Solid: half the density",
-        "fem.elasticity:_scalar_mass",
+        "fem.elements.elasticity:_scalar_mass",
         "physics",
         around(_half_density),
     ),

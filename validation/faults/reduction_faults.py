@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from scipy.sparse import csr_array
 
-from fem.superelement import ENDS, HeldLeg, Superelement
+from fem.reduction.superelement import ENDS, HeldLeg, Superelement
 from fem.sweep import PostureModel
 from lumped.arrays import Array
 from lumped.biglide_assembly import Mechanism
@@ -151,98 +151,98 @@ FAULTS = (
     Fault(
         "superelement.inner-sign",
         "Constraint modes with the wrong sign inside: +K_ii⁻¹ K_ie",
-        "fem.superelement:held_leg",
+        "fem.reduction.superelement:held_leg",
         "physics",
         result(_other_sign_inside),
     ),
     Fault(
         "superelement.lever-arm",
         "Condensed leg: lever arm from tip to root with the wrong sign",
-        "fem.superelement:ends_stiffness",
+        "fem.reduction.superelement:ends_stiffness",
         "physics",
         around(_lever_to_root),
     ),
     Fault(
         "superelement.recovery",
         "Displacements recovered from the ends alone, modal amplitudes forgotten",
-        "fem.superelement:Superelement.recover",
+        "fem.reduction.superelement:Superelement.recover",
         "numerics",
         instead(_ends_alone),
     ),
     Fault(
         "reduction.coupling-mass",
         "Craig–Bampton: mass that couples the ends with the modes forgotten",
-        "fem.superelement:reduced",
+        "fem.reduction.superelement:reduced",
         "physics",
         _reduced_with(_uncoupled),
     ),
     Fault(
         "reduction.ends-uncoupled",
         "Craig–Bampton: mass that couples root and tip forgotten",
-        "fem.superelement:reduced",
+        "fem.reduction.superelement:reduced",
         "physics",
         _reduced_with(_ends_uncoupled),
     ),
     Fault(
         "reduction.squared-hertz",
         "Craig–Bampton: f² for ω² as stiffness of the modes",
-        "fem.superelement:reduced",
+        "fem.reduction.superelement:reduced",
         "physics",
         _reduced_with(_squared_hertz),
     ),
     Fault(
         "reduction.cutoff",
         "Fixed-interface modes cut off at a fifth of the frequency",
-        "fem.interface_modes:interface_modes",
+        "fem.reduction.interface_modes:interface_modes",
         "numerics",
         around(_cut_low),
     ),
     Fault(
         "reduction.modes-missing",
         "Every second fixed-interface mode left out (one of two alike planes)",
-        "fem.interface_modes:interface_modes",
+        "fem.reduction.interface_modes:interface_modes",
         "numerics",
         result(_every_second),
     ),
     Fault(
         "reduction.mode-norm",
         "Fixed-interface modes of unit displacement instead of unit mass",
-        "fem.interface_modes:interface_modes",
+        "fem.reduction.interface_modes:interface_modes",
         "numerics",
         result(_unit_displacement),
     ),
     Fault(
         "reduction.no-residual",
         "Static response of the dropped modes left out",
-        "fem.craig_bampton:_residual_modes",
+        "fem.reduction.craig_bampton:_residual_modes",
         "numerics",
         result(_none_residual),
     ),
     Fault(
         "reduction.bound",
         "Bound of the reduction's error without the dropped modes",
-        "fem.craig_bampton:_residual_modes",
+        "fem.reduction.craig_bampton:_residual_modes",
         "numerics",
         result(_nothing_dropped),
     ),
     Fault(
         "free-superelement.wrong-face",
         "Free ends: constraint modes of root and tip exchanged",
-        "fem.free_superelement:held_free_leg",
+        "fem.reduction.free_superelement:held_free_leg",
         "physics",
         result(_wrong_face),
     ),
     Fault(
         "free-superelement.root-rigid",
         "Free ends: the root moves, the tip goes along as a rigid body",
-        "fem.free_superelement:held_free_leg",
+        "fem.reduction.free_superelement:held_free_leg",
         "physics",
         result(_root_without_tip),
     ),
     Fault(
         "free-superelement.tip-loose",
         "Free ends: modes of the inside with the root held alone",
-        "fem.free_superelement:held_free_leg",
+        "fem.reduction.free_superelement:held_free_leg",
         "physics",
         result(_tip_loose),
     ),

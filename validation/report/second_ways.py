@@ -44,8 +44,8 @@ class Agreement:
 
 _VJM = Way("virtual joints, eqs (3) to (9)", "lumped.vjm")
 _SEGMENTS = Way("chain of rigid segments and springs", "lumped.segments")
-_BEAM = Way("beam finite elements", "fem.beam")
-_SOLID = Way("3-D solid finite elements", "fem.solid")
+_BEAM = Way("beam finite elements", "fem.bodies.beam")
+_SOLID = Way("3-D solid finite elements", "fem.bodies.solid")
 
 HEADLINES = (
     Headline(
@@ -67,14 +67,14 @@ HEADLINES = (
             _SEGMENTS,
             _BEAM,
             _SOLID,
-            Way("another solver, where it is installed", "fem.calculix"),
+            Way("another solver, where it is installed", "fem.calculix.leg"),
         ),
         ("leg?.compliance.*",),
     ),
     Headline(
         "natural frequencies of a leg",
         (
-            Way("roots of the transcendental equation", "fem.beam_theory"),
+            Way("roots of the transcendental equation", "fem.bodies.beam_theory"),
             Way("Ritz's method in Legendre polynomials", "validation.cases.benchmarks_huang"),
             _SEGMENTS,
             _BEAM,
@@ -86,7 +86,7 @@ HEADLINES = (
         "torsion constant of a section",
         (
             Way("Saint-Venant's series", "lumped.sections"),
-            Way("Poisson's equation on the section's mesh", "fem.section_constants"),
+            Way("Poisson's equation on the section's mesh", "fem.sections.section_constants"),
         ),
         ("benchmark.torsion.*",),
     ),

@@ -12,10 +12,10 @@ from math import floor, log10
 import numpy as np
 from scipy.sparse import csr_array
 
-from fem import solid
-from fem.craig_bampton import craig_bampton
-from fem.free_superelement import held_free_leg
-from fem.superelement import HeldLeg, held_leg
+from fem.bodies import solid
+from fem.reduction.craig_bampton import craig_bampton
+from fem.reduction.free_superelement import held_free_leg
+from fem.reduction.superelement import HeldLeg, held_leg
 from fem.sweep import posture_model, solve_posture
 from lumped.arrays import Array, SparseMatrix
 from lumped.biglide import Biglide

@@ -3,7 +3,7 @@
 import numpy as np
 from matplotlib.axes import Axes
 
-from fem.leg_energies import DISTORTION
+from fem.bodies.leg_energies import DISTORTION
 from lumped.arrays import Array
 from validation.cases.robot_sixty import ALONE, SIXTY, SixtyModes, in_the_feet, sixty
 from validation.cases.robot_solid import SECTION

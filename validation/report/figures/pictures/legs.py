@@ -5,7 +5,7 @@ from functools import partial
 
 import numpy as np
 
-from fem import solid
+from fem.bodies import solid
 from lumped.arrays import Array, IntArray
 from lumped.cantilever import clamped_modes
 from lumped.legs import ConstantLeg

@@ -1,0 +1,310 @@
+"""Statics of a leg of n equal slices in about log₂ n dense steps: condensation by doubling.
+
+Two equal pieces joined and their common face condensed make a piece twice as long (substructures:
+Przemieniecki, AIAA J. 1 (1963) 138; doubling of the interval: Zhong, J. Comput. Appl. Math. 163
+(2004) 59). Done on the stiffness of the end faces this loses digits with length: the stiffness
+EI/L³ that is looked for is the small difference of entries of the size of a node's. So the pieces
+are kept in a mixed form. Displacements of a face are split into its twist, the work conjugate of
+Saint-Venant's loads B, and the deformation v that is left, u = R Bᵀu + N v with BᵀN = 0. For the
+relative twist q of the ends, the wrench w that a piece carries and the loads g = Nᵀf of the faces
+
+    q =  C w + H v        v = (v_root, v_tip), all of w and q at the middle of the piece
+    g = −Hᵀw + S v
+
+The force method for the six resultants, which statics alone carries through every face; the
+displacement method for deformations, which decay along the piece (Saint-Venant's principle).
+A common face has g = 0, hence v = M⁻¹(…) with M the sum of the two pieces' S on it, and
+
+    C′ = X_a C_a X_aᵀ + X_b C_b X_bᵀ + H_m M⁻¹ H_mᵀ
+
+only adds positive terms: nothing cancels, rigid motions are exact, and M has the condition of a
+face's mesh for any length. C is the compliance with rigid ends (v = 0), C + H S⁻¹ Hᵀ with free
+ends (g = 0). Slices far thinner than the section's size h cost digits, since S holds shear between
+the faces, ~1/l, beside stretching in their planes, ~l: an error of at most (h/l)² roundings.
+
+A piece is its own mirror image: with s (−1 on the v that are axial, +1 on those that lie in the
+face) and Q = diag(−1, 1, 1, 1, −1, −1) for twists, S_tip,tip = s S_root,root s, S_root,tip s is
+symmetric, and H_tip = −Q H_root s. In the middle of two equal pieces axial and in-face deformations
+thus do not couple.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.linalg import LinAlgError, cholesky, qr, solve_triangular
+
+from fem.bodies.solid import Ends
+from fem.couplings.end_coupling import rigid_motions, saint_venant_loads
+from fem.elements.elasticity import stiffness
+from lumped.arrays import Array, IntArray
+from lumped.errors import ComputationError, InputError
+from lumped.legs import ConstantLeg
+from lumped.screws import shift
+from meshes.prism.extrude import extrude
+from meshes.prism.feasibility import require_leg
+from meshes.section.section_mesh import SectionMesh
+from meshes.solid_mesh import SolidMesh
+
+_TWIST_MIRROR = np.array([-1.0, 1.0, 1.0, 1.0, -1.0, -1.0])
+
+
+@dataclass(frozen=True, eq=False)
+class FaceMotions:
+    """Displacements u (m) of a face of m/3 nodes as twist and deformation, u = twist + N v.
+
+    `loads` B (m×6) are Saint-Venant's of unit wrenches at the face's centre, the twist is Bᵀu;
+    `rigid` R (m×6) the rigid motions about that centre; `deformations` N (m×k, k = m − 6) has
+    orthonormal columns, BᵀN = 0, the first `axial` of them along x, the others within the face.
+    """
+
+    loads: Array
+    rigid: Array
+    deformations: Array
+    axial: int
+
+    @cached_property
+    def mirror(self) -> Array:
+        """Signs s (k) of the deformations mirrored in a plane x = constant."""
+        signs = np.ones(self.deformations.shape[1])
+        signs[: self.axial] = -1.0
+        return signs
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """Piece of a leg in the mixed form q = C w + H v, g = −Hᵀw + S v, k deformations per face.
+
+    `compliance` C (6×6, SI), wrench and relative twist at the middle of the piece; `twists` the
+    root's half of H (6×k); `own` the block S_root,root (k×k, N/m) and `across` S_root,tip s (k×k,
+    symmetric). `mirror` s (k) gives the tip's from these.
+    """
+
+    length: float
+    compliance: Array
+    twists: Array
+    own: Array
+    across: Array
+    mirror: Array
+
+    @property
+    def tip_twists(self) -> Array:
+        """The tip's half of H (6×k)."""
+        return np.asarray(-_TWIST_MIRROR[:, None] * self.twists * self.mirror)
+
+    @property
+    def tip_own(self) -> Array:
+        """S_tip,tip (k×k)."""
+        return np.asarray(self.mirror[:, None] * self.own * self.mirror)
+
+    @property
+    def root_tip(self) -> Array:
+        """S_root,tip (k×k)."""
+        return np.asarray(self.across * self.mirror)
+
+
+@dataclass(frozen=True, eq=False)
+class CondensedLeg:
+    """A leg of `slices` equal slices condensed to its end faces (m unknowns each)."""
+
+    leg: ConstantLeg
+    section: SectionMesh
+    slices: int
+    face: FaceMotions
+    piece: Piece
+
+
+def condensed_leg(leg: ConstantLeg, section: SectionMesh, slices: int) -> CondensedLeg:
+    """`leg` as `slices` equal slices of hexahedra on `section` (quad4 or quad9), condensed.
+
+    The discrete model is that of `extrude(section, stations(length, slices))`. Raises InputError
+    for an impossible leg, triangles or fewer than one slice, ComputationError for elements that
+    are folded or a slice that is not stiff.
+    """
+    require_leg(leg.section, leg.length, 1)
+    if slices < 1:
+        raise InputError(f"slices = {slices}: must be at least 1")
+    mesh = extrude(section, np.array([0.0, leg.length / slices]))
+    face = _face_motions(mesh, leg)
+    one = _slice(mesh, leg, face)
+    piece = one
+    # The binary digits of n after the first: double, and add one slice where the digit is 1.
+    for digit in f"{slices:b}"[1:]:
+        piece = doubled(piece)
+        if digit == "1":
+            piece = joined(piece, one)
+    return CondensedLeg(leg, section, slices, face, piece)
+
+
+def tip_compliance(condensed: CondensedLeg, ends: Ends = "rigid") -> Array:
+    """6×6 compliance (SI, leg axes) at (L, 0, 0), root held.
+
+    `ends` as in `fem.couplings.end_coupling`.
+    """
+    piece = condensed.piece
+    compliance = piece.compliance
+    if ends == "free":
+        S, H = _deformation_stiffness(piece), np.hstack([piece.twists, piece.tip_twists])
+        relaxed = solve_triangular(_cholesky(S, "leg with free ends"), H.T, lower=True)
+        compliance = compliance + relaxed.T @ relaxed
+    to_tip = shift(np.array([piece.length / 2.0, 0.0, 0.0]))
+    moved = to_tip @ compliance @ to_tip.T
+    return np.asarray((moved + moved.T) / 2.0)
+
+
+def end_stiffness(condensed: CondensedLeg) -> Array:
+    """12×12 stiffness (SI, leg axes) of the leg with rigid ends on (root twist 6, tip twist 6).
+
+    K = Jᵀ C⁻¹ J with the relative twist q = J (root, tip): a superelement in statics.
+    """
+    half = condensed.piece.length / 2.0
+    relative = np.hstack([-shift(np.array([half, 0, 0])), shift(np.array([-half, 0, 0]))])
+    factor = _cholesky(condensed.piece.compliance, "leg with rigid ends")
+    root = solve_triangular(factor, relative, lower=True)
+    return np.asarray(root.T @ root)
+
+
+def face_stiffness(condensed: CondensedLeg) -> Array:
+    """Stiffness (2m×2m, N/m) of the leg on the nodes of its faces, root first, unknown 3·node + i.
+
+    Back from the mixed form: C⁻¹ for the relative twist, −C⁻¹H and S + HᵀC⁻¹H for deformations.
+    """
+    piece, face = condensed.piece, condensed.face
+    half = shift(np.array([piece.length / 2.0, 0.0, 0.0]))
+    deformation = face.deformations.T - face.deformations.T @ face.rigid @ face.loads.T
+    none = np.zeros_like(deformation)
+    to_deformations = np.block([[deformation, none], [none, deformation]])
+    relative = np.hstack([-half @ face.loads.T, np.linalg.inv(half) @ face.loads.T])
+    H = np.hstack([piece.twists, piece.tip_twists])
+    elastic = relative - H @ to_deformations
+    factor = _cholesky(piece.compliance, "leg with rigid ends")
+    root = solve_triangular(factor, elastic, lower=True)
+    S = to_deformations.T @ _deformation_stiffness(piece) @ to_deformations
+    return np.asarray(S + root.T @ root)
+
+
+def joined(first: Piece, second: Piece) -> Piece:
+    """The two pieces end to end, the tip of `first` on the root of `second`, of equal slices."""
+    length = first.length + second.length
+    from_first = shift(np.array([(length - first.length) / 2.0, 0.0, 0.0]))
+    from_second = shift(np.array([(second.length - length) / 2.0, 0.0, 0.0]))
+    middle_twists = from_first @ first.tip_twists + from_second @ second.twists
+    factor = _cholesky(first.tip_own + second.own, "face between slices")
+    k = len(first.own)
+    columns = np.hstack([first.root_tip.T, second.root_tip, middle_twists.T])
+    solved = solve_triangular(factor, columns, lower=True, overwrite_b=True)
+    to_root, to_tip, to_wrench = solved[:, :k], solved[:, k : 2 * k], solved[:, 2 * k :]
+    compliance = from_first @ first.compliance @ from_first.T + (
+        from_second @ second.compliance @ from_second.T + to_wrench.T @ to_wrench
+    )
+    across = (to_root.T @ to_tip) * -first.mirror
+    return Piece(
+        length=length,
+        compliance=(compliance + compliance.T) / 2.0,
+        twists=from_first @ first.twists - to_wrench.T @ to_root,
+        own=first.own - to_root.T @ to_root,
+        across=(across + across.T) / 2.0,
+        mirror=first.mirror,
+    )
+
+
+def doubled(piece: Piece) -> Piece:
+    """`joined(piece, piece)` by symmetry: the middle face's axial and in-face v do not couple.
+
+    With Y = L⁻¹ S_tip,root, M = LLᵀ: S_root,root loses Σ YᵢᵀYᵢ over both kinds of deformation, and
+    S_root,tip s is their difference.
+    """
+    to_middle = shift(np.array([piece.length / 2.0, 0.0, 0.0]))
+    from_middle = shift(np.array([-piece.length / 2.0, 0.0, 0.0]))
+    middle_twists = to_middle @ piece.tip_twists + from_middle @ piece.twists
+    compliance = to_middle @ piece.compliance @ to_middle.T
+    compliance += from_middle @ piece.compliance @ from_middle.T
+    twists = to_middle @ piece.twists
+    own = piece.own
+    across = np.zeros_like(own)
+    for sign in (-1.0, 1.0):
+        kind = np.flatnonzero(piece.mirror == sign)
+        factor = _cholesky(2.0 * piece.own[np.ix_(kind, kind)], "face between slices")
+        columns = np.hstack([sign * piece.across[kind], middle_twists[:, kind].T])
+        solved = solve_triangular(factor, columns, lower=True, overwrite_b=True)
+        to_root, to_wrench = solved[:, :-6], solved[:, -6:]
+        lost = to_root.T @ to_root
+        own = own - lost
+        across -= sign * lost
+        compliance += to_wrench.T @ to_wrench
+        twists -= to_wrench.T @ to_root
+    return Piece(2.0 * piece.length, compliance, twists, own, across, piece.mirror)
+
+
+def _face_motions(mesh: SolidMesh, leg: ConstantLeg) -> FaceMotions:
+    points = mesh.nodes[mesh.root.nodes]
+    loads = saint_venant_loads(mesh.root, points, np.zeros(3), leg.material)
+    along = np.arange(0, len(loads), 3)
+    within = np.setdiff1d(np.arange(len(loads)), along)
+    # Fx, My and Mz are axial tractions, Fy, Fz and Mx tractions within the face.
+    axial = _complement(loads, along, np.array([0, 4, 5]))
+    in_face = _complement(loads, within, np.array([1, 2, 3]))
+    return FaceMotions(
+        loads=loads,
+        rigid=rigid_motions(points, np.zeros(3)),
+        deformations=np.hstack([axial, in_face]),
+        axial=axial.shape[1],
+    )
+
+
+def _complement(loads: Array, rows: IntArray, wrenches: IntArray) -> Array:
+    """Orthonormal displacements (m×(rows − 3)) of the unknowns `rows` on which no load works."""
+    basis, _ = qr(loads[np.ix_(rows, wrenches)])
+    columns = np.zeros((len(loads), len(rows) - 3))
+    columns[rows] = basis[:, 3:]
+    return columns
+
+
+def _slice(mesh: SolidMesh, leg: ConstantLeg, face: FaceMotions) -> Piece:
+    """One slice in the mixed form, its nodes in between the faces condensed."""
+    K = stiffness(mesh, leg.material)
+    m, k = face.deformations.shape
+    size = K.shape[0]
+    middle = np.array([mesh.length / 2.0, 0.0, 0.0])
+    # Half the relative twist to either end: the slice stays its own mirror image.
+    motions = np.zeros((2 * m, 6 + 2 * k))
+    motions[:m, :6] = -0.5 * rigid_motions(mesh.nodes[mesh.root.nodes], middle)
+    motions[m:, :6] = 0.5 * rigid_motions(mesh.nodes[mesh.tip.nodes], middle)
+    motions[:m, 6 : 6 + k] = motions[m:, 6 + k :] = face.deformations
+    faces, inner = np.r_[0:m, size - m : size], np.arange(m, size - m)
+    product = K[:, faces] @ motions
+    reduced = motions.T @ product[faces]
+    if inner.size:
+        factor = _cholesky(K[inner][:, inner].toarray(), "slice, plane of nodes in its middle")
+        solved = solve_triangular(factor, product[inner], lower=True)
+        reduced -= solved.T @ solved
+    root_factor = _cholesky(reduced[:6, :6], "slice with rigid faces")
+    coupling = solve_triangular(root_factor, reduced[:6, 6:], lower=True)
+    S = reduced[6:, 6:] - coupling.T @ coupling
+    inverse = solve_triangular(root_factor, np.eye(6), lower=True)
+    mirror = face.mirror
+    own = (S[:k, :k] + mirror[:, None] * S[k:, k:] * mirror) / 2.0
+    across = S[:k, k:] * mirror
+    return Piece(
+        length=mesh.length,
+        compliance=inverse.T @ inverse,
+        twists=-(inverse.T @ coupling)[:, :k],
+        own=(own + own.T) / 2.0,
+        across=(across + across.T) / 2.0,
+        mirror=mirror,
+    )
+
+
+def _deformation_stiffness(piece: Piece) -> Array:
+    """S (2k×2k, N/m) of the deformations of root and tip, no wrench carried."""
+    across = piece.root_tip
+    return np.block([[piece.own, across], [across.T, piece.tip_own]])
+
+
+def _cholesky(matrix: Array, part: str) -> Array:
+    try:
+        return np.asarray(cholesky(matrix, lower=True))
+    except LinAlgError as error:
+        raise ComputationError(
+            f"{part}: not positive definite; the slices are too thin or too long for their section"
+        ) from error

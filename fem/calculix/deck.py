@@ -1,0 +1,193 @@
+"""Input decks for CalculiX (and Abaqus): a model as plain data, and its text.
+
+Rigid faces, joints and supports are linear equations between nodal displacements: exact in a
+linear step, which *RIGID BODY, made for finite rotations, need not be. A rotation is the
+displacement of a node of its own. Nodes count from 0 here and from 1 in the text; components 0, 1,
+2 are x, y, z. Units are SI, which CalculiX does not know of.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from math import isclose
+from typing import TypeAlias
+
+from fem.couplings.end_coupling import rigid_motions
+from lumped.arrays import Array, IntArray
+from lumped.errors import InputError
+from lumped.legs import Material
+from meshes.elements import ELEMENTS, SolidElement
+
+Freedom: TypeAlias = tuple[int, int]  # node, component
+
+# CalculiX reads the first twenty characters of a number and drops the rest, exponent included.
+_NUMBER_WIDTH = 20
+_TERMS_PER_LINE = 4
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """Elements of one kind and one material.
+
+    `cells` (M×k) are node numbers in the order of `meshes.elements`; the columns of `axes` (3×3)
+    are the material's axes in those of the deck, None where they are the same.
+    """
+
+    cells: IntArray
+    element: SolidElement
+    material: Material
+    axes: Array | None = None
+
+
+@dataclass(frozen=True)
+class Equation:
+    """u_dependent = Σ coefficient · u_freedom. A dependent freedom occurs in no other equation."""
+
+    dependent: Freedom
+    terms: tuple[tuple[Freedom, float], ...]
+
+
+@dataclass(frozen=True)
+class PointMass:
+    """A mass (kg) without rotary inertia at a node."""
+
+    node: int
+    mass: float
+
+
+@dataclass(frozen=True)
+class NodalForce:
+    """A force (N; N m on a node that stands for a rotation) on one freedom."""
+
+    freedom: Freedom
+    value: float
+
+
+@dataclass(frozen=True, eq=False)
+class Deck:
+    """A linear model, its load cases and the number of its modes wanted.
+
+    `nodes` (N×3, m); `held` are freedoms without displacement; `load_cases` one static step each;
+    `watched` the nodes whose displacements are reported; `modes` 0 leaves the frequencies out.
+    """
+
+    title: str
+    nodes: Array
+    parts: tuple[Part, ...]
+    equations: tuple[Equation, ...] = ()
+    held: tuple[Freedom, ...] = ()
+    masses: tuple[PointMass, ...] = ()
+    load_cases: tuple[tuple[NodalForce, ...], ...] = ()
+    watched: tuple[int, ...] = ()
+    modes: int = 0
+
+
+def rigid_face(
+    nodes: IntArray, points: Array, reference: Array, twist: Sequence[Freedom]
+) -> tuple[Equation, ...]:
+    """Equations u = u_ref + φ × r for the `nodes` (n) of a face at `points` (n×3, m).
+
+    `twist` are the six freedoms that carry the translations and rotations of the body at
+    `reference` (3, m); bodies that share some of them are joined: a revolute joint about z shares
+    all but the last.
+    """
+    motions = rigid_motions(points, reference).reshape(-1, 3, 6)
+    return tuple(
+        Equation(
+            dependent=(int(node), component),
+            terms=tuple((twist[k], float(row[k])) for k in range(6) if row[k] != 0.0),
+        )
+        for node, motion in zip(nodes, motions, strict=True)
+        for component, row in enumerate(motion)
+    )
+
+
+def deck_text(deck: Deck) -> str:
+    """The deck as text. Raises InputError for elements that CalculiX does not have."""
+    return "\n".join(_lines(deck)) + "\n"
+
+
+def _lines(deck: Deck) -> Iterator[str]:
+    yield from ("*HEADING", deck.title)
+    yield "*NODE, NSET=ALL"
+    for number, (x, y, z) in enumerate(deck.nodes.tolist(), start=1):
+        yield f"{number}, {_number(x)}, {_number(y)}, {_number(z)}"
+    first = 1
+    for index, part in enumerate(deck.parts, start=1):
+        yield from _part(part, f"PART{index}", first)
+        first += len(part.cells)
+    for index, point in enumerate(deck.masses, start=1):
+        name = f"MASS{index}"
+        yield f"*ELEMENT, TYPE=MASS, ELSET={name}"
+        yield f"{first}, {point.node + 1}"
+        yield from (f"*MASS, ELSET={name}", _number(point.mass))
+        first += 1
+    if deck.equations:
+        yield "*EQUATION"
+        for equation in deck.equations:
+            yield from _equation(equation)
+    if deck.held:
+        yield "*BOUNDARY"
+        yield from (f"{node + 1}, {component + 1}" for node, component in deck.held)
+    if deck.watched:
+        yield "*NSET, NSET=WATCHED"
+        yield from (f"{node + 1}," for node in deck.watched)
+    for forces in deck.load_cases:
+        # OP=NEW takes the loads of the step before away.
+        yield from ("*STEP", "*STATIC", "*CLOAD, OP=NEW")
+        for force in forces:
+            node, component = force.freedom
+            yield f"{node + 1}, {component + 1}, {_number(force.value)}"
+        yield from ("*NODE PRINT, NSET=WATCHED", "U", "*END STEP")
+    if deck.modes:
+        yield from ("*STEP", "*FREQUENCY", f"{deck.modes}", "*END STEP")
+
+
+def _part(part: Part, name: str, first: int) -> Iterator[str]:
+    kind = ELEMENTS[part.element]
+    if kind.abaqus is None or kind.abaqus_order is None:
+        raise InputError(
+            f"{part.element} elements cannot be exported: CalculiX has none with "
+            f"{kind.node_count} nodes; take tet10, tet4 or hex8"
+        )
+    yield f"*ELEMENT, TYPE={kind.abaqus}, ELSET={name}"
+    connectivity = part.cells[:, list(kind.abaqus_order)] + 1
+    for number, nodes in enumerate(connectivity.tolist(), start=first):
+        yield f"{number}, " + ", ".join(map(str, nodes))
+    yield f"*MATERIAL, NAME={name}"
+    yield from _elastic(part.material)
+    yield from ("*DENSITY", _number(part.material.rho))
+    section = f"*SOLID SECTION, ELSET={name}, MATERIAL={name}"
+    if part.axes is None:
+        yield section
+        return
+    yield f"*ORIENTATION, NAME={name}, SYSTEM=RECTANGULAR"
+    yield ", ".join(_number(x) for x in part.axes[:, :2].T.ravel())
+    yield f"{section}, ORIENTATION={name}"
+
+
+def _elastic(material: Material) -> Iterator[str]:
+    E, G, nu = material.E, material.G, material.nu
+    if isclose(G, E / (2.0 * (1.0 + nu)), rel_tol=1e-14):
+        yield from ("*ELASTIC", f"{_number(E)}, {_number(nu)}")
+        return
+    C11 = E * (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu))
+    C12 = E * nu / ((1.0 + nu) * (1.0 - 2.0 * nu))
+    yield "*ELASTIC, TYPE=ORTHO"
+    yield ", ".join(_number(c) for c in (C11, C12, C11, C12, C12, C11, G, G))
+    yield _number(G)
+
+
+def _equation(equation: Equation) -> Iterator[str]:
+    terms = [(equation.dependent, 1.0), *((f, -c) for f, c in equation.terms)]
+    yield f"{len(terms)}"
+    for start in range(0, len(terms), _TERMS_PER_LINE):
+        yield ", ".join(
+            f"{node + 1}, {component + 1}, {_number(coefficient)}"
+            for (node, component), coefficient in terms[start : start + _TERMS_PER_LINE]
+        )
+
+
+def _number(value: float) -> str:
+    """All digits where they fit into the width that is read, else fourteen."""
+    shortest = repr(float(value))
+    return shortest if len(shortest) <= _NUMBER_WIDTH else f"{value:.{_NUMBER_WIDTH - 7}e}"

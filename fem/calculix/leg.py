@@ -1,0 +1,86 @@
+"""A clamped leg solved by CalculiX: the independent judge of the solid model.
+
+The deck is the leg with rigid end faces of `fem.couplings.end_coupling`: root held, tip a rigid
+body under six unit wrenches. Both programs then solve the same equations, but for one integral:
+CalculiX sums the mass of C3D10 and C3D4 over the points of the stiffness (four and one), which is
+too few for N_a N_b. `mass_at_stiffness_points` is that mass; the difference to the exact one
+vanishes with the element size.
+"""
+
+import numpy as np
+from scipy.sparse import csr_array, diags_array, eye_array, kron
+
+from fem.calculix.deck import Deck, Freedom, NodalForce, Part, rigid_face
+from fem.calculix.run import run_calculix
+from lumped.arrays import Array, SparseMatrix
+from lumped.legs import Material
+from meshes.shape_functions import gradients, quadrature, values
+from meshes.solid_mesh import SolidMesh
+
+# Degrees for which the stiffness points of C3D8 (2×2×2), C3D4 (1) and C3D10 (4) are exact.
+_STIFFNESS_POINTS_DEGREE = {"hex8": 3, "tet4": 1, "tet10": 2}
+
+
+def leg_deck(
+    mesh: SolidMesh, material: Material, modes: int = 20, title: str = "clamped leg"
+) -> Deck:
+    """A leg with rigid end faces, root clamped, six unit wrenches at (L, 0, 0), then its modes.
+
+    The last two nodes are the tip's translation and rotation; both are watched.
+    """
+    point = np.array([mesh.length, 0.0, 0.0])
+    translation, rotation = len(mesh.nodes), len(mesh.nodes) + 1
+    twist: list[Freedom] = [(node, i) for node in (translation, rotation) for i in range(3)]
+    tip = mesh.tip.nodes
+    return Deck(
+        title=title,
+        nodes=np.vstack([mesh.nodes, point, point]),
+        parts=(Part(mesh.cells, mesh.element, material),),
+        equations=rigid_face(tip, mesh.nodes[tip], point, twist),
+        held=tuple((int(node), i) for node in mesh.root.nodes for i in range(3)),
+        load_cases=tuple((NodalForce(freedom, 1.0),) for freedom in twist),
+        watched=(translation, rotation),
+        modes=modes,
+    )
+
+
+def compliance_and_frequencies(
+    mesh: SolidMesh,
+    material: Material,
+    modes: int = 20,
+    threads: int = 1,
+    timeout: float = 600.0,
+    title: str = "clamped leg",
+) -> tuple[Array, Array]:
+    """CalculiX's 6×6 tip compliance (SI, leg axes, at (L, 0, 0)) and frequencies (Hz) of a leg.
+
+    Column j is the twist under unit wrench j, as printed: seven digits, not symmetrised. Raises
+    as `run_calculix` does.
+    """
+    results = run_calculix(leg_deck(mesh, material, modes, title), threads, timeout)
+    return results.displacements.reshape(6, 6).T, results.frequencies
+
+
+def mass_at_stiffness_points(mesh: SolidMesh, rho: float) -> SparseMatrix:
+    """Mass matrix (csr 3N×3N, kg) summed over the stiffness points, as CalculiX does.
+
+    M = Nᵀ diag(ρ w det J) N, with N (points × nodes) the shape functions at all points. Exact on
+    hexahedra with parallel edges, too coarse on tetrahedra: a comparison of frequencies to the
+    last digit needs it, a model of a leg should not use it.
+    """
+    points, weights = quadrature(mesh.element, _STIFFNESS_POINTS_DEGREE[mesh.element])
+    shapes, slopes = values(mesh.element, points), gradients(mesh.element, points)
+    jacobian = np.einsum("eai,ajq->eqij", mesh.nodes[mesh.cells], slopes, optimize=True)
+    volumes = np.linalg.det(jacobian) * weights
+    cells, per_cell = mesh.cells.shape
+    rows = cells * len(weights)
+    interpolation = csr_array(
+        (
+            np.tile(shapes.T, (cells, 1)).ravel(),
+            np.repeat(mesh.cells, len(weights), axis=0).ravel(),
+            np.arange(0, rows * per_cell + 1, per_cell),
+        ),
+        shape=(rows, len(mesh.nodes)),
+    )
+    scalar = interpolation.T @ diags_array(rho * volumes.ravel()) @ interpolation
+    return csr_array(kron(scalar, eye_array(3), format="csr"))

@@ -1,0 +1,160 @@
+"""Running CalculiX on a deck and reading back what it printed."""
+
+import os
+import re
+import shutil
+import subprocess
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+
+from fem.calculix.deck import Deck, deck_text
+from lumped.arrays import Array
+from lumped.errors import ComputationError
+
+PROGRAMS = ("ccx", "ccx_2.20")
+
+_JOB = "deck"
+# Fortran leaves the E out of exponents of three digits.
+_NUMBER = re.compile(r"([+-]?\d+\.\d+)E?([+-]\d+)")
+
+
+class CalculixMissing(Exception):  # noqa: N818  not an error: a comparison that cannot be made here
+    """CalculiX is not installed on this machine."""
+
+
+@dataclass(frozen=True, eq=False)
+class CalculixResults:
+    """`displacements` (load cases × watched nodes × 3, m or rad), `frequencies` (Hz, ascending).
+
+    As printed, with seven digits: displacements are rounded by up to 5e-7, frequencies, from the
+    printed eigenvalues, by up to 2.5e-7 of their value.
+    """
+
+    displacements: Array
+    frequencies: Array
+
+
+def calculix_program() -> str:
+    """Path of CalculiX; raises CalculixMissing where it is not installed."""
+    for name in PROGRAMS:
+        found = shutil.which(name)
+        if found is not None:
+            return found
+    raise CalculixMissing(
+        f"CalculiX ({' or '.join(PROGRAMS)}) is not installed; on Debian: package calculix-ccx"
+    )
+
+
+def run_calculix(deck: Deck, threads: int = 1, timeout: float = 600.0) -> CalculixResults:
+    """Solve a deck in a temporary folder, with `threads` threads, in at most `timeout` s.
+
+    Raises CalculixMissing where CalculiX is not installed, InputError for a deck that it cannot
+    express, ComputationError where it fails or takes too long.
+    """
+    program = calculix_program()
+    with TemporaryDirectory(prefix="calculix-") as folder:
+        job = Path(folder) / _JOB
+        job.with_suffix(".inp").write_text(deck_text(deck), encoding="ascii", errors="replace")
+        said = _run(program, job, deck.title, threads, timeout)
+        printed = job.with_suffix(".dat")
+        text = printed.read_text(encoding="ascii") if printed.exists() else ""
+    try:
+        return read_results(text, deck)
+    except ComputationError as error:
+        last = next((line for line in reversed(said.splitlines()) if line.strip()), "nothing")
+        raise ComputationError(f"{error}; its last words were: {last.strip()}") from None
+
+
+def _run(program: str, job: Path, title: str, threads: int, timeout: float) -> str:
+    """Runs the program; returns what it said, or raises ComputationError with its first error."""
+    environment = {
+        **os.environ,
+        "OMP_NUM_THREADS": str(threads),
+        "CCX_NPROC_EQUATION_SOLVER": str(threads),
+        "CCX_NPROC_STIFFNESS": str(threads),
+    }
+    try:
+        # The program is found on the path, and its arguments are ours.
+        done = subprocess.run(  # noqa: S603
+            [program, "-i", job.name],
+            cwd=job.parent,
+            env=environment,
+            timeout=timeout,
+            capture_output=True,
+            text=True,
+            errors="replace",
+            check=False,
+        )
+    except subprocess.TimeoutExpired:
+        raise ComputationError(f"{title}: CalculiX took more than {timeout:g} s") from None
+    except OSError as error:
+        raise ComputationError(f"{title}: CalculiX cannot be started: {error}") from error
+    complaint = first_error(done.stdout + done.stderr)
+    if complaint is not None:
+        raise ComputationError(f"{title}: CalculiX stopped with {complaint}")
+    if done.returncode != 0:
+        raise ComputationError(f"{title}: CalculiX ended with exit code {done.returncode}")
+    return done.stdout
+
+
+def first_error(said: str) -> str | None:
+    """The first *ERROR of CalculiX's output with its continuation lines, None without one."""
+    lines = said.splitlines()
+    for start, line in enumerate(lines):
+        if line.lstrip().startswith("*ERROR"):
+            message = [line.strip()]
+            for more in lines[start + 1 :]:
+                if not more.startswith("  ") or not more.strip():
+                    break
+                message.append(more.strip())
+            return " ".join(message)
+    return None
+
+
+def read_results(printed: str, deck: Deck) -> CalculixResults:
+    """The results of a deck from the text of its .dat file.
+
+    Raises ComputationError where results are missing or not finite.
+    """
+    displacements = _displacements(printed, deck)
+    frequencies = _frequencies(printed, deck)
+    if not (np.isfinite(displacements).all() and np.isfinite(frequencies).all()):
+        raise ComputationError(f"{deck.title}: CalculiX gave results that are not finite")
+    return CalculixResults(displacements, frequencies)
+
+
+def _numbers(line: str) -> list[float]:
+    return [float(f"{digits}e{exponent}") for digits, exponent in _NUMBER.findall(line)]
+
+
+def _displacements(printed: str, deck: Deck) -> Array:
+    blocks = re.split(r"^ displacements .*$", printed, flags=re.MULTILINE)[1:]
+    cases = len(deck.load_cases)
+    if len(blocks) < cases:
+        raise ComputationError(
+            f"{deck.title}: CalculiX printed {len(blocks)} of {cases} load cases"
+        )
+    rows = {node + 1: row for row, node in enumerate(deck.watched)}
+    found = np.full((cases, len(rows), 3), np.nan)
+    for case, block in enumerate(blocks[:cases]):
+        for line in block.splitlines():
+            number, values = line.split()[:1], _numbers(line)
+            if len(values) == 3 and number[0].isdigit() and int(number[0]) in rows:
+                found[case, rows[int(number[0])]] = values
+    return found
+
+
+def _frequencies(printed: str, deck: Deck) -> Array:
+    """Frequencies √λ / 2π: the root halves the rounding of what is printed."""
+    _, _, after = printed.partition("E I G E N V A L U E   O U T P U T")
+    table, _, _ = after.partition("P A R T I C I P A T I O N")
+    eigenvalues = [row[0] for row in map(_numbers, table.splitlines()) if len(row) == 4]
+    if len(eigenvalues) < deck.modes:
+        raise ComputationError(
+            f"{deck.title}: CalculiX printed {len(eigenvalues)} of {deck.modes} frequencies"
+        )
+    with np.errstate(invalid="ignore"):
+        return np.asarray(np.sqrt(eigenvalues[: deck.modes]) / (2.0 * np.pi))

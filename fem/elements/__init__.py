@@ -1,0 +1,4 @@
+"""Elements of beams and solids.
+
+In: meshes and materials. Out: stiffness and mass matrices.
+"""

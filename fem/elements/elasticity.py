@@ -1,0 +1,168 @@
+"""Stiffness and mass matrices of solids, batched over the elements.
+
+Per chunk of elements one batched matrix product gives D_ab = ∫ ∇N_a ⊗ ∇N_b dV (3×3 for each pair of
+nodes). The material is constant in a leg, so it enters only after summation, once per node pair:
+K_ab = C_ijkl D_ab,jl.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import csr_array, eye_array, kron
+
+from fem.elements.node_pairs import NodePairs, node_pairs, symmetric_matrix
+from lumped.arrays import Array, SparseMatrix
+from lumped.errors import ComputationError
+from lumped.legs import Material
+from meshes.elements import ElementName
+from meshes.shape_functions import gradients, quadrature, values
+from meshes.solid_mesh import VolumeMesh
+
+# Stiffness: the fewest points that integrate ∇N_a·∇N_b exactly on a cell with straight, parallel
+# edges (degree 2 and 4 per coordinate on cubes, 0 and 2 on simplices). There the rank of an element
+# matrix is full (no hourglass modes), and on curved cells the error is of the order of the element.
+# These are also the points of C3D8, C3D4 and C3D10.
+_STIFFNESS_DEGREE = {"hex8": 3, "hex20": 5, "hex27": 5, "tet4": 1, "tet10": 2}
+# Mass: N_a N_b det J is a polynomial on every cell, curved ones included; integrated exactly.
+# Degree 2p in N_a N_b; det J adds 3p − 1 per coordinate on cubes, 3(p − 1) on simplices.
+_MASS_DEGREE = {"hex8": 4, "hex20": 9, "hex27": 9, "tet4": 2, "tet10": 7}
+
+_CHUNK_BYTES = 16_000_000
+
+
+@dataclass(frozen=True, eq=False)
+class _Cubature:
+    """Shape functions N (k×Q), their reference gradients (k×3×Q) and the weights (Q)."""
+
+    shapes: Array
+    gradients: Array
+    weights: Array
+
+
+def _cubature(element: ElementName, degree: int) -> _Cubature:
+    points, weights = quadrature(element, degree)
+    return _Cubature(values(element, points), gradients(element, points), weights)
+
+
+def _chunks(count: int, floats_per_element: int) -> Iterator[slice]:
+    size = max(1, _CHUNK_BYTES // (8 * floats_per_element))
+    return (slice(start, min(start + size, count)) for start in range(0, count, size))
+
+
+def _jacobians(mesh: VolumeMesh, chunk: slice, reference_gradients: Array) -> tuple[Array, Array]:
+    """∂x_i/∂ξ_j (e×Q×3×3) and its determinant (e×Q), refused where it is not positive."""
+    k, _, points = reference_gradients.shape
+    corners = mesh.nodes[mesh.cells[chunk]].transpose(0, 2, 1)
+    jacobian = corners @ reference_gradients.transpose(0, 2, 1).reshape(k, points * 3)
+    jacobian = jacobian.reshape(-1, 3, points, 3).transpose(0, 2, 1, 3)
+    determinant = np.einsum(
+        "...i,...i->...", jacobian[..., 0], np.cross(jacobian[..., 1], jacobian[..., 2])
+    )
+    folded = np.flatnonzero(~(determinant > 0.0).all(axis=1))
+    if folded.size:
+        raise ComputationError(
+            f"solid mesh: {mesh.element} element {chunk.start + folded[0]} is folded or flat "
+            f"(Jacobian determinant {determinant[folded[0]].min():.3g} m³ at an integration "
+            "point): the mesh is too coarse for the curvature of the section, or its nodes are "
+            "numbered inside out"
+        )
+    return jacobian, determinant
+
+
+def _inverse(jacobian: Array, determinant: Array) -> Array:
+    """Inverse of a stack of 3×3 matrices by cofactors (LAPACK one by one is ten times slower)."""
+    first, second, third = jacobian[..., 0], jacobian[..., 1], jacobian[..., 2]
+    rows = [np.cross(second, third), np.cross(third, first), np.cross(first, second)]
+    return np.stack(rows, axis=-2) / determinant[..., None, None]
+
+
+def _gradient_products(mesh: VolumeMesh, pairs: NodePairs) -> Array:
+    """D_ab = ∫ ∂_j N_a ∂_l N_b dV (P×3×3, m) for the node pairs of a mesh."""
+    cubature = _cubature(mesh.element, _STIFFNESS_DEGREE[mesh.element])
+    k, _, points = cubature.gradients.shape
+    reference = cubature.gradients.transpose(2, 0, 1)
+    count, per_element = len(mesh.cells), k * (k + 1) // 2
+    products = np.empty((count * per_element, 3, 3))
+    for chunk in _chunks(count, 2 * (3 * k) ** 2 + 2 * points * 3 * k):
+        jacobian, determinant = _jacobians(mesh, chunk, cubature.gradients)
+        gradient = reference @ _inverse(jacobian, determinant)
+        gradient *= np.sqrt(cubature.weights * determinant)[:, :, None, None]
+        gradient = gradient.reshape(-1, points, 3 * k)
+        product = gradient.transpose(0, 2, 1) @ gradient
+        product = product.reshape(-1, k, 3, k, 3).transpose(0, 1, 3, 2, 4)
+        rows = slice(chunk.start * per_element, chunk.stop * per_element)
+        products[rows] = product[pairs.upper[chunk]]
+    summed: Array = (pairs.summation @ products.reshape(-1, 9)).reshape(-1, 3, 3)
+    diagonal = pairs.diagonal
+    summed[diagonal] = (summed[diagonal] + summed[diagonal].transpose(0, 2, 1)) / 2.0
+    return summed
+
+
+def _node_blocks(products: Array, material: Material) -> Array:
+    """K_ab (P×3×3) of a material of cubic symmetry along the leg's axes from D_ab.
+
+    K_ii = C11 D_ii + C44 (D_jj + D_kk), K_ij = C12 D_ij + C44 D_ji, with C11 = E(1−ν)/(1+ν)(1−2ν),
+    C12 = C11 ν/(1−ν), C44 = G.
+    """
+    nu = material.nu
+    C12 = material.E * nu / ((1.0 + nu) * (1.0 - 2.0 * nu))
+    C11 = material.E * (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu))
+    C44 = material.G
+    blocks = C12 * products
+    blocks += C44 * products.transpose(0, 2, 1)
+    trace = products[:, 0, 0] + products[:, 1, 1] + products[:, 2, 2]
+    for i in range(3):
+        blocks[:, i, i] = (C11 - C44) * products[:, i, i] + C44 * trace
+    return blocks
+
+
+def _scalar_mass(mesh: VolumeMesh, rho: float, pairs: NodePairs) -> SparseMatrix:
+    cubature = _cubature(mesh.element, _MASS_DEGREE[mesh.element])
+    k, points = cubature.shapes.shape
+    table = np.einsum("aq,bq,q->qab", cubature.shapes, cubature.shapes, rho * cubature.weights)
+    count, per_element = len(mesh.cells), k * (k + 1) // 2
+    entries = np.empty(count * per_element)
+    for chunk in _chunks(count, k * k + 16 * points):
+        _, determinant = _jacobians(mesh, chunk, cubature.gradients)
+        element_masses = (determinant @ table.reshape(points, k * k)).reshape(-1, k, k)
+        rows = slice(chunk.start * per_element, chunk.stop * per_element)
+        entries[rows] = element_masses[pairs.upper[chunk]]
+    return symmetric_matrix(pairs, (pairs.summation @ entries).reshape(-1, 1, 1))
+
+
+def stiffness(mesh: VolumeMesh, material: Material) -> SparseMatrix:
+    """Stiffness matrix (csr 3N×3N, N/m) of a solid, unknown 3·node + component (x, y, z).
+
+    Symmetric to the last bit; every node pair that shares an element has its nine entries, zeros
+    included, in sorted columns. Isotropic if material.G = E/2(1+ν), else cubic along the leg's
+    axes. Raises ComputationError naming the first element whose Jacobian is not positive.
+    """
+    pairs = node_pairs(mesh.cells, len(mesh.nodes))
+    return symmetric_matrix(pairs, _node_blocks(_gradient_products(mesh, pairs), material))
+
+
+def scalar_mass(mesh: VolumeMesh, rho: float) -> SparseMatrix:
+    """Consistent mass ∫ ρ N_a N_b dV (csr N×N, kg), the same for the three components.
+
+    M x is `scalar_mass @ x.reshape(N, 3)`: a ninth of the stiffness matrix's entries to read.
+    Raises ComputationError naming the first element whose Jacobian is not positive.
+    """
+    return _scalar_mass(mesh, rho, node_pairs(mesh.cells, len(mesh.nodes)))
+
+
+def stiffness_and_mass(mesh: VolumeMesh, material: Material) -> tuple[SparseMatrix, SparseMatrix]:
+    """`stiffness` and `scalar_mass` of one mesh, cheaper than one after the other."""
+    pairs = node_pairs(mesh.cells, len(mesh.nodes))
+    K = symmetric_matrix(pairs, _node_blocks(_gradient_products(mesh, pairs), material))
+    return K, _scalar_mass(mesh, material.rho, pairs)
+
+
+def mass(mesh: VolumeMesh, rho: float) -> SparseMatrix:
+    """Consistent mass matrix (csr 3N×3N, kg), unknown 3·node + component: scalar_mass ⊗ I₃."""
+    return on_three_components(scalar_mass(mesh, rho))
+
+
+def on_three_components(scalar: SparseMatrix) -> SparseMatrix:
+    """A scalar matrix (csr N×N) for each of x, y, z (csr 3N×3N): scalar ⊗ I₃."""
+    return csr_array(kron(scalar, eye_array(3), format="csr"))

@@ -1,0 +1,162 @@
+"""Craig–Bampton reduction: ends, fixed-interface modes, and the static response of the rest.
+
+u = Ψ q_ends + Φ a + Z b: constraint modes Ψ, modes K Φ = M Φ Λ with both ends held up to a cut-off
+(Craig and Bampton, AIAA J. 6, 1968), and Z = A M Ψ less its share of Φ, the response of the dropped
+modes to the inertia of the ends' motion (twelve residual modes; without them the error in tension
+falls with the third power of the cut-off alone).
+
+Bounds. Eliminating all amplitudes gives the dynamic stiffness of the ends, λ = ω²,
+D(λ) = K − λM − λ² Σ p pᵀ/(λ_k − λ), p = ΨᵀMφ_k. Let λ_c be the cut-off and sum over dropped modes.
+Z spans Σ φ_k pᵀ/λ_k, so that Galerkin's solution misses at most the energy of its distance from
+Σ φ_k pᵀ/(λ_k − λ): for λ < λ_c the reduced D is too large by at most λ⁴/(1 − λ/λ_c) W with
+W = Σ p pᵀ/λ_k³, and W = (MZ)ᵀ A (MZ) is known without the dropped modes. So below any λ ≤ λ_j the
+true robot has no more eigenvalues than the reduced one with a mass λ_j³/(1 − λ_j/λ_c) W added at
+the ends of each leg; and it has no fewer than the reduced one (Rayleigh).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import block_diag, eigh
+from scipy.sparse import csr_array
+
+from fem.reduction.interface_modes import interface_modes
+from fem.reduction.superelement import ENDS, HeldLeg, Superelement, reduced
+from lumped.arrays import Array
+from lumped.biglide_assembly import Mechanism
+from lumped.errors import InputError
+from lumped.modes import Modes, dense, fix_signs, solve_modes
+
+# The error of a frequency f falls as (f/f_cut)⁷ in tension, faster in bending. For the first twenty
+# frequencies of a robot 2.5 leaves 1e-5 at the highest (2: 3e-5, 1.5: 3e-4), and bounds it by 1e-4.
+CUTOFF_FACTOR = 2.5
+
+# Residual modes with less of the ends' momentum than this are rounding error.
+_NO_RESIDUAL = 1e-11
+
+
+@dataclass(frozen=True, eq=False)
+class CraigBampton(Superelement):
+    """Superelement with all fixed-interface modes up to `cutoff` (Hz).
+
+    Unknowns: ends 12, amplitudes of the fixed-interface modes, of the residual modes.
+    `frequencies` (Hz) of the former; `truncated` W (12×12, kg s⁶ for translations): the dropped
+    modes' Σ p pᵀ/ω_k⁶ on the twists of the ends.
+    """
+
+    cutoff: float
+    frequencies: Array
+    truncated: Array
+
+
+@dataclass(frozen=True)
+class FrequencyBounds:
+    """The unreduced robot's frequencies (Hz, ascending) lie between `lower` and `upper`."""
+
+    lower: Array
+    upper: Array
+
+    @property
+    def relative_width(self) -> Array:
+        """Bound on the relative error of each frequency of the reduced robot, `upper`."""
+        return np.asarray(1.0 - self.lower / self.upper)
+
+
+def craig_bampton(
+    held: HeldLeg, highest_frequency: float, cutoff: float | None = None
+) -> CraigBampton:
+    """A leg reduced for frequencies up to `highest_frequency` (Hz).
+
+    `cutoff` (Hz) of the fixed-interface modes; None means `CUTOFF_FACTOR` times the highest.
+    Raises InputError for a cut-off that is not above the highest frequency, ComputationError where
+    the modes do not converge.
+    """
+    if not highest_frequency > 0.0:
+        raise InputError(f"highest frequency = {highest_frequency!r} Hz: must be above 0 Hz")
+    chosen = CUTOFF_FACTOR * highest_frequency if cutoff is None else cutoff
+    if not chosen > highest_frequency:
+        raise InputError(
+            f"cut-off = {chosen:g} Hz: must be above the highest frequency asked for, "
+            f"{highest_frequency:g} Hz ({CUTOFF_FACTOR:g} times that is usual)"
+        )
+    modes = interface_modes(held, chosen)
+    constraint = held.constraint_modes
+    momenta = held.mass @ constraint
+    ends_mass = constraint.T @ momenta
+    residual, truncated = _residual_modes(held, momenta, modes)
+    shapes = np.hstack([modes.shapes, residual.shapes])
+    squared = (2.0 * np.pi * np.concatenate([modes.frequencies, residual.frequencies])) ** 2
+    participation = shapes.T @ momenta
+    superelement = reduced(
+        held,
+        recovery=np.hstack([constraint, shapes]),
+        stiffness=block_diag(held.stiffness, np.diag(squared)),
+        mass=np.block([[ends_mass, participation.T], [participation, np.eye(len(squared))]]),
+    )
+    return CraigBampton(
+        matrices=superelement.matrices,
+        recovery=superelement.recovery,
+        cutoff=chosen,
+        frequencies=modes.frequencies,
+        truncated=truncated,
+    )
+
+
+def _residual_modes(held: HeldLeg, momenta: Array, modes: Modes) -> tuple[Modes, Array]:
+    """Ritz modes of the dropped modes' static response to `momenta` MΨ (n×12), and W (12×12)."""
+    mass_shapes = held.mass @ modes.shapes
+    loads = momenta - mass_shapes @ (modes.shapes.T @ momenta)
+    response = _without(modes, mass_shapes, held.flexibility(loads))
+    inertia = held.mass @ response
+    truncated = inertia.T @ _without(modes, mass_shapes, held.flexibility(inertia))
+    stiffness, mass = loads.T @ response, response.T @ inertia
+    scale = 1.0 / np.sqrt(np.einsum("ij,ij->j", momenta, held.flexibility(momenta)))
+    values, vectors = eigh(_symmetric(stiffness) * scale[:, None] * scale)
+    kept = values > _NO_RESIDUAL
+    basis = scale[:, None] * vectors[:, kept] / np.sqrt(values[kept])
+    inverse_squares, amplitudes = eigh(basis.T @ _symmetric(mass) @ basis)
+    inverse_squares, amplitudes = inverse_squares[::-1], amplitudes[:, ::-1]
+    shapes = fix_signs(response @ (basis @ amplitudes) / np.sqrt(inverse_squares))
+    frequencies = 1.0 / (2.0 * np.pi * np.sqrt(inverse_squares))
+    return Modes(frequencies, shapes), _symmetric(truncated)
+
+
+def _without(modes: Modes, mass_shapes: Array, displacement: Array) -> Array:
+    rest: Array = displacement - modes.shapes @ (mass_shapes.T @ displacement)
+    return rest
+
+
+def _symmetric(matrix: Array) -> Array:
+    return np.asarray(0.5 * (matrix + matrix.T))
+
+
+def frequency_bounds(
+    mechanism: Mechanism, legs: Sequence[CraigBampton], count: int
+) -> FrequencyBounds:
+    """Bounds on the first `count` frequencies of the robot whose legs were reduced to `legs`.
+
+    `mechanism` is the reduced robot, assembled from the `matrices` of `legs` in their order.
+    Raises InputError where a frequency is not below the cut-off of a leg.
+    """
+    upper = solve_modes(mechanism.stiffness, mechanism.mass, count, mechanism.name).frequencies
+    cutoff = min(leg.cutoff for leg in legs)
+    if upper[-1] >= cutoff:
+        raise InputError(
+            f"{mechanism.name}: frequency {count} of the reduced robot is {upper[-1]:g} Hz, and "
+            f"the legs' modes are cut off at {cutoff:g} Hz: raise the cut-off or ask for fewer"
+        )
+    stiffness, mass = dense(mechanism.stiffness), dense(mechanism.mass)
+    ends = [dense(csr_array(to_leg)[:ENDS]) for to_leg in mechanism.legs]
+    dropped = [e.T @ leg.truncated @ e for e, leg in zip(ends, legs, strict=True)]
+    lower = np.empty(count)
+    for j, frequency in enumerate(upper):
+        squared = (2.0 * np.pi * frequency) ** 2
+        added = sum(
+            squared**3 / (1.0 - (frequency / leg.cutoff) ** 2) * matrix
+            for leg, matrix in zip(legs, dropped, strict=True)
+        )
+        lowered = solve_modes(stiffness, mass + added, j + 1, mechanism.name)
+        lower[j] = lowered.frequencies[j]
+    # Where nothing is dropped both are one number but for rounding.
+    return FrequencyBounds(lower=np.minimum(lower, upper), upper=upper)

@@ -1,0 +1,166 @@
+"""A leg reduced to its two 6-DOF ends: constraint modes, static condensation, recovery.
+
+A leg only turns from posture to posture, so it is reduced once, in its own axes. What a reduction
+needs of a leg is the same for every model and for both kinds of ends: displacements for unit
+twists of the ends (Ψ), the response to forces with both ends held (A), mass (M).
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from fem.solvers.cholesky import analyse, factorise
+from fem.solvers.factor import Factor
+from lumped.arrays import Array, SparseMatrix
+from lumped.errors import ComputationError
+from lumped.leg_matrices import LegMatrices
+from lumped.screws import shift
+
+ENDS = 12
+
+# Rounding leaves 1e-13 to 1e-10 of the stiffness in the forces of a rigid motion, by the fineness
+# of the mesh; a support worth the name leaves more than this.
+_GROUNDED = 1e-8
+
+
+@dataclass(frozen=True, eq=False)
+class HeldLeg:
+    """A leg of n unknowns u with the twists of both ends given.
+
+    `constraint_modes` Ψ (n×12): static displacement for unit twists (root 6, tip 6), leg axes;
+    `stiffness` (12×12, SI) the condensed stiffness ΨᵀKΨ; `flexibility` A: displacement (n×k) under
+    forces (n×k) with both ends held, symmetric and positive semidefinite; `mass` M (n×n).
+    `centreline` and `parts` as in LegMatrices, on u.
+    """
+
+    model: str
+    length: float
+    constraint_modes: Array
+    stiffness: Array
+    flexibility: Callable[[Array], Array]
+    mass: SparseMatrix
+    centreline: Callable[[Array], SparseMatrix]
+    parts: Mapping[str, SparseMatrix] = field(default_factory=dict)
+
+    @property
+    def size(self) -> int:
+        """Number of unknowns n."""
+        return int(self.constraint_modes.shape[0])
+
+
+@dataclass(frozen=True, eq=False)
+class Superelement:
+    """A reduced leg: `matrices` on unknowns q (root 6, tip 6, modal amplitudes), u = `recovery` q.
+
+    `recovery` is n×r, for the n unknowns of the leg before its reduction.
+    """
+
+    matrices: LegMatrices
+    recovery: Array
+
+    def recover(self, unknowns: Array) -> Array:
+        """Displacement (n or n×k) of the unreduced leg from q (r or r×k)."""
+        return np.asarray(self.recovery @ unknowns)
+
+
+def end_motions(length: float) -> Array:
+    """Twists of root and tip (12×6) in the six rigid motions about the root."""
+    return np.vstack([np.eye(6), shift(np.array([length, 0.0, 0.0]))])
+
+
+def ends_stiffness(tip_stiffness: Array, length: float) -> Array:
+    """12×12 stiffness of both ends from the 6×6 of the tip, root clamped: Bᵀ S B.
+
+    B = [−X I] takes the rigid motion of the root off the tip's twist, so that equilibrium and the
+    six rigid motions hold to rounding however fine the mesh.
+    """
+    relative = np.hstack([-shift(np.array([length, 0.0, 0.0])), np.eye(6)])
+    return _symmetric(relative.T @ tip_stiffness @ relative)
+
+
+def held_leg(leg: LegMatrices) -> HeldLeg:
+    """Any leg with both ends held; one sparse factorisation and twelve right-hand sides.
+
+    Raises ComputationError where a part of the leg is loose or the leg is supported (grounded).
+    """
+    stiffness, mass = csr_array(leg.stiffness), csr_array(leg.mass)
+    coupling = stiffness[ENDS:, :ENDS].toarray()
+    modes = np.vstack([np.eye(ENDS), np.zeros((leg.size - ENDS, ENDS))])
+    factor = _interior_factor(leg.model, stiffness[ENDS:, ENDS:])
+    if factor is not None:
+        modes[ENDS:] = -factor.solve(coupling)
+    condensed = stiffness[:ENDS, :ENDS].toarray() + coupling.T @ modes[ENDS:]
+    _refuse_grounded(leg, condensed)
+
+    def flexibility(forces: Array) -> Array:
+        displacement = np.zeros_like(forces)
+        if factor is not None:
+            displacement[ENDS:] = factor.solve(forces[ENDS:])
+        return displacement
+
+    return HeldLeg(
+        model=leg.model,
+        length=leg.length,
+        constraint_modes=modes,
+        stiffness=ends_stiffness(condensed[6:, 6:], leg.length),
+        flexibility=flexibility,
+        mass=mass,
+        centreline=leg.centreline,
+        parts=leg.parts,
+    )
+
+
+def static_superelement(held: HeldLeg) -> Superelement:
+    """Static condensation: exact in statics; mass by the same congruence ΨᵀMΨ (Guyan, 1965)."""
+    modes = held.constraint_modes
+    return reduced(held, modes, held.stiffness, modes.T @ (held.mass @ modes))
+
+
+def reduced(held: HeldLeg, recovery: Array, stiffness: Array, mass: Array) -> Superelement:
+    """Superelement with u = `recovery` q (n×r), its `stiffness` and `mass` (r×r) given."""
+
+    def centreline(stations: Array) -> SparseMatrix:
+        return csr_array(held.centreline(stations) @ recovery)
+
+    parts = {
+        kind: csr_array(_symmetric(recovery.T @ (part @ recovery)))
+        for kind, part in held.parts.items()
+    }
+    matrices = LegMatrices(
+        model=f"{held.model}, reduced",
+        length=held.length,
+        stiffness=csr_array(_symmetric(stiffness)),
+        mass=csr_array(_symmetric(mass)),
+        centreline=centreline,
+        parts=parts,
+    )
+    return Superelement(matrices, recovery)
+
+
+def _symmetric(matrix: Array) -> Array:
+    return np.asarray(0.5 * (matrix + matrix.T))
+
+
+def _interior_factor(model: str, stiffness: SparseMatrix) -> Factor | None:
+    size = stiffness.shape[0]
+    if size == 0:
+        return None
+    # The order of elimination works on nodes of three unknowns; what is over goes first.
+    over = size % 3
+    symbolic = analyse(stiffness, leading=(over,) if over else ())
+    return factorise(symbolic, stiffness, f"{model} leg, both ends held")
+
+
+def _refuse_grounded(leg: LegMatrices, condensed: Array) -> None:
+    # Rotations times the length of the leg: all entries are forces per displacement.
+    unit = np.array([1.0, 1.0, 1.0, *[1.0 / leg.length] * 3])
+    scale = np.tile(unit, 2)
+    forces = scale[:, None] * (condensed @ end_motions(leg.length)) * unit
+    stiffness = scale[:, None] * condensed * scale
+    if np.abs(forces).max() > _GROUNDED * np.abs(stiffness).max():
+        raise ComputationError(
+            f"{leg.model} leg: a rigid motion of the leg meets resistance; the leg is supported "
+            "somewhere beside its ends"
+        )

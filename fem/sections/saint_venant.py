@@ -1,0 +1,204 @@
+"""Saint-Venant's torsion and flexure of a prism, by finite elements on its section.
+
+A prism along x carries σxx, τxy and τxz alone; its section shrinks freely. With s = (y, z) from
+the centroid, Σ = ∫ s sᵀ dA and c = Σ⁻¹F for a transverse force F at the tip (x = L):
+
+    σxx = −(L − x) c·s        div τ = −c·s in the section,  τ·n = 0 on its rim
+    torsion   τ = Gθ′ (∇ω + (−z, y))
+    flexure   τ = ∇Ψ − (νG/E) (c₁ (½(y² − z²), yz) + c₂ (yz, ½(z² − y²)))
+
+The ν-term is the anticlastic bending that grows along x. A cubic material along the leg's axes
+needs no other equation: only the ratio νG/E enters, ν/2(1+ν) if isotropic (Timoshenko & Goodier,
+Theory of Elasticity, §§104–118; Love, ch. XV, for the flexure functions).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import coo_matrix, csc_matrix
+from scipy.sparse.csgraph import connected_components
+from scipy.sparse.linalg import splu
+
+from lumped.arrays import Array
+from lumped.errors import ComputationError
+from meshes.elements import ELEMENTS
+from meshes.section.section_mesh import SectionMesh
+from meshes.shape_functions import gradients, quadrature, values
+
+
+@dataclass(frozen=True, eq=False)
+class SectionQuadrature:
+    """Integration points of a section mesh: M cells, Q points each, k nodes per cell.
+
+    `shapes` (k×Q), `gradients` (M×k×2×Q, 1/m), `weights` (M×Q, m²: they sum to the area) and
+    `points` (2×M×Q, m, y and z from the section's centroid), `centroid` (2, m).
+    """
+
+    mesh: SectionMesh
+    shapes: Array
+    gradients: Array
+    weights: Array
+    points: Array
+    centroid: Array
+
+    def integral(self, field: Array) -> Array:
+        """∫ field dA over the last two axes (M×Q)."""
+        return np.asarray((field * self.weights).sum(axis=(-2, -1)))
+
+    def load(self, density: Array) -> Array:
+        """Consistent nodal values ∫ N_i f dA (N) of a density f (M×Q)."""
+        return self._gather(np.einsum("kq,mq->mk", self.shapes, density * self.weights))
+
+    def gradient_load(self, field: Array) -> Array:
+        """∫ ∇N_i·g dA (N) for a vector field g (2×M×Q)."""
+        return self._gather(
+            np.einsum("mkdq,dmq->mk", self.gradients, field * self.weights, optimize=True)
+        )
+
+    def value(self, nodal: Array) -> Array:
+        """Nodal values (N) interpolated at the points (M×Q)."""
+        return np.asarray(nodal[self.mesh.cells] @ self.shapes)
+
+    def gradient(self, nodal: Array) -> Array:
+        """Gradient (2×M×Q) of the interpolated nodal values (N)."""
+        by_cell = nodal[self.mesh.cells]
+        return np.asarray(np.einsum("mkdq,mk->dmq", self.gradients, by_cell, optimize=True))
+
+    def _gather(self, by_cell: Array) -> Array:
+        nodal = np.zeros(len(self.mesh.nodes))
+        np.add.at(nodal, self.mesh.cells, by_cell)
+        return nodal
+
+
+def section_quadrature(mesh: SectionMesh) -> SectionQuadrature:
+    """Integration points of `mesh`; raises ComputationError for cells turned inside out."""
+    # Exact for squared flexure stresses and warpings on straight-sided cells, with a reserve of
+    # two degrees where edges are curved.
+    degree = 2 * ELEMENTS[mesh.element].order + 2
+    reference, weights = quadrature(mesh.element, degree)
+    shapes = values(mesh.element, reference)
+    corners = mesh.nodes[mesh.cells]
+    local = gradients(mesh.element, reference)
+    jacobian = np.einsum("mki,kjq->mqij", corners, local, optimize=True)
+    area = np.linalg.det(jacobian)
+    if not np.all(area > 0.0):
+        raise ComputationError(
+            f"section mesh: {int(np.any(area <= 0.0, axis=1).sum())} cells are turned inside out "
+            "or flat; the section's walls are too thin for the mesh, or it is wrongly numbered"
+        )
+    dA = area * weights
+    at_points = np.einsum("mki,kq->imq", corners, shapes)
+    centroid = (at_points * dA).sum(axis=(1, 2)) / dA.sum()
+    return SectionQuadrature(
+        mesh=mesh,
+        shapes=shapes,
+        gradients=np.einsum("kjq,mqji->mkiq", local, np.linalg.inv(jacobian), optimize=True),
+        weights=dA,
+        points=at_points - centroid[:, None, None],
+        centroid=centroid,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class SaintVenant:
+    """Stress fields of a section under unit loads, at the points of `quadrature`.
+
+    `moments` (2×2, m⁴) is Σ = ∫ s sᵀ dA; `slopes` (2×2, m⁻⁴) has c = Σ⁻¹F of the unit forces Fy
+    and Fz as rows. `warping` (N, m²) is ω of the rotation about the centroid, of zero mean;
+    `twist_stress` (2×M×Q, m) is τ/Gθ′. `flexure` (2×N, m⁻¹) holds Ψ and `flexure_stress`
+    (2×2×M×Q, m⁻²; force, direction, …) τ of the unit forces through the shear centre, that is
+    orthogonal to the twist's stress: their work vanishes. `flexure_torque` (2, m) is the moment of
+    these stresses about the centroid.
+    """
+
+    quadrature: SectionQuadrature
+    area: float
+    moments: Array
+    slopes: Array
+    warping: Array
+    twist_stress: Array
+    torsion_constant: float
+    flexure: Array
+    flexure_stress: Array
+    flexure_torque: Array
+
+    def torsion_stress(self) -> Array:
+        """τ (2×M×Q, m⁻³) of a unit torque."""
+        return self.twist_stress / self.torsion_constant
+
+    def centroid_force_stress(self) -> Array:
+        """τ (2×2×M×Q, m⁻²) of unit forces Fy and Fz without moment about the centroid."""
+        return self.flexure_stress - np.multiply.outer(self.flexure_torque, self.torsion_stress())
+
+
+def saint_venant(mesh: SectionMesh, poisson_shear_ratio: float) -> SaintVenant:
+    """Torsion and flexure of the section `mesh`; `poisson_shear_ratio` is νG/E.
+
+    Raises ComputationError where the section is not in one piece.
+    """
+    quad = section_quadrature(mesh)
+    y, z = quad.points
+    area = float(quad.weights.sum())
+    moments = np.array([[quad.integral(a * b) for b in (y, z)] for a in (y, z)])
+    slopes = np.linalg.inv(moments)
+
+    turning = np.stack([-z, y])
+    anticlastic = np.stack(
+        [np.stack([(y**2 - z**2) / 2.0, y * z]), np.stack([y * z, (z**2 - y**2) / 2.0])]
+    )
+    anticlastic = poisson_shear_ratio * np.einsum("fc,cdmq->fdmq", slopes, anticlastic)
+    loads = [-quad.gradient_load(turning)]
+    for slope, extra in zip(slopes, anticlastic, strict=True):
+        loads.append(quad.load(slope[0] * y + slope[1] * z) + quad.gradient_load(extra))
+    warping, *flexure = _poisson(quad, np.column_stack(loads)).T
+
+    twist = quad.gradient(warping) + turning
+    torsion_constant = float(quad.integral(_torque(quad, twist)))
+    potentials, stresses = [], []
+    for potential, extra in zip(flexure, anticlastic, strict=True):
+        stress = quad.gradient(potential) - extra
+        share = quad.integral((stress * twist).sum(axis=0)) / torsion_constant
+        potentials.append(potential - share * warping)
+        stresses.append(stress - share * twist)
+    flexure_stress = np.stack(stresses)
+    return SaintVenant(
+        quadrature=quad,
+        area=area,
+        moments=moments,
+        slopes=slopes,
+        warping=warping,
+        twist_stress=twist,
+        torsion_constant=torsion_constant,
+        flexure=np.stack(potentials),
+        flexure_stress=flexure_stress,
+        flexure_torque=np.array([quad.integral(_torque(quad, s)) for s in flexure_stress]),
+    )
+
+
+def _torque(quad: SectionQuadrature, stress: Array) -> Array:
+    """Moment density y τxz − z τxy (M×Q) about the centroid."""
+    y, z = quad.points
+    return np.asarray(y * stress[1] - z * stress[0])
+
+
+def _poisson(quad: SectionQuadrature, loads: Array) -> Array:
+    """Solutions (N×m) of zero mean of ∫∇v·∇u dA = load, for loads (N×m) in equilibrium."""
+    cells = quad.mesh.cells
+    blocks = np.einsum(
+        "mkdq,mldq,mq->mkl", quad.gradients, quad.gradients, quad.weights, optimize=True
+    )
+    rows = np.repeat(cells, cells.shape[1], axis=1).ravel()
+    columns = np.tile(cells, cells.shape[1]).ravel()
+    count = len(quad.mesh.nodes)
+    laplacian = csc_matrix(coo_matrix((blocks.ravel(), (rows, columns)), shape=(count, count)))
+    if connected_components(laplacian, directed=False, return_labels=False) > 1:
+        raise ComputationError(
+            "section mesh: no warping function, the section is not in one piece or has nodes "
+            "without a cell"
+        )
+    # Two-dimensional and scalar, a few thousand unknowns: SuperLU is quick enough here.
+    factor = splu(laplacian[1:, 1:], permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
+    solution = np.zeros(loads.shape)
+    solution[1:] = factor.solve(np.ascontiguousarray(loads[1:]))
+    mean = quad.load(np.ones_like(quad.weights)) @ solution / quad.weights.sum()
+    return np.asarray(solution - mean)

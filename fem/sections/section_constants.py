@@ -1,0 +1,117 @@
+"""Constants of a section from finite elements on its mesh, without thin-wall assumptions."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem.sections.saint_venant import SaintVenant, saint_venant
+from lumped.legs import BeamProperties, Material
+from meshes.section.section_mesh import SectionMesh
+
+
+@dataclass(frozen=True)
+class SectionConstants:
+    """Constants of a section, SI units, axes y and z.
+
+    `centroid` and `shear_centre` are (y, z) in the mesh's coordinates (m); the moments of area
+    (m⁴) are about the centroid: `second_moment_y` = ∫z² dA, `second_moment_z` = ∫y² dA,
+    `product_moment` = ∫yz dA. `torsion_constant` is Saint-Venant's J (m⁴), `warping_constant`
+    Γ = ∫ω² dA (m⁶) about the shear centre. κ for shear along y and z, two definitions:
+
+    `shear_coefficients`  from strain energy, ∫τ²/G dA = V²/κGA (Renton, Int. J. Solids Struct. 27
+                          (1991) 1901; Pilkey, Analysis and Design of Elastic Beams, ch. 6). By
+                          Clapeyron's theorem this is the κ with which Timoshenko's beam has exactly
+                          the tip compliance of the solid whose ends carry Saint-Venant's tractions
+                          and whose tip displacement is the work conjugate of the load.
+    `cowper_coefficients` from the area's mean displacement and mean rotation, G(W′ − Φ) = V/κA
+                          (Cowper, J. Appl. Mech. 33 (1966) 335): the measure of dynamics. The two
+                          are equal for ν = 0.
+    """
+
+    area: float
+    centroid: tuple[float, float]
+    second_moment_y: float
+    second_moment_z: float
+    product_moment: float
+    torsion_constant: float
+    warping_constant: float
+    shear_centre: tuple[float, float]
+    shear_coefficients: tuple[float, float]
+    cowper_coefficients: tuple[float, float]
+
+
+def poisson_shear_ratio(nu: float, shear_to_young: float | None = None) -> float:
+    """νG/E, the material's part in Saint-Venant's flexure; isotropic without `shear_to_young`."""
+    ratio = 1.0 / (2.0 * (1.0 + nu)) if shear_to_young is None else shear_to_young
+    return nu * ratio
+
+
+def section_constants(
+    mesh: SectionMesh, nu: float, shear_to_young: float | None = None
+) -> SectionConstants:
+    """Constants of the section `mesh` for Poisson's ratio `nu`.
+
+    `shear_to_young` is G/E of a cubic material, left out for an isotropic one. Only the shear
+    coefficients depend on the material. Raises ComputationError for a mesh that is not in one
+    piece or turned inside out.
+    """
+    return constants_of(saint_venant(mesh, poisson_shear_ratio(nu, shear_to_young)))
+
+
+def constants_of(solution: SaintVenant) -> SectionConstants:
+    """Constants of the section whose torsion and flexure are solved."""
+    quad = solution.quadrature
+    kappa = [
+        1.0 / (solution.area * float(quad.integral((stress**2).sum(axis=0))))
+        for stress in solution.flexure_stress
+    ]
+    # A unit force through the shear centre has the moment −z_s (along y) or y_s (along z).
+    offset_z, offset_y = -solution.flexure_torque[0], solution.flexure_torque[1]
+    y, z = quad.points
+    about_shear_centre = quad.value(solution.warping) - y * offset_z + z * offset_y
+    return SectionConstants(
+        area=solution.area,
+        centroid=(float(quad.centroid[0]), float(quad.centroid[1])),
+        second_moment_y=float(solution.moments[1, 1]),
+        second_moment_z=float(solution.moments[0, 0]),
+        product_moment=float(solution.moments[0, 1]),
+        torsion_constant=solution.torsion_constant,
+        warping_constant=float(quad.integral(about_shear_centre**2)),
+        shear_centre=(float(quad.centroid[0] + offset_y), float(quad.centroid[1] + offset_z)),
+        shear_coefficients=(kappa[0], kappa[1]),
+        cowper_coefficients=(_cowper(solution, 0), _cowper(solution, 1)),
+    )
+
+
+def _cowper(solution: SaintVenant, axis: int) -> float:
+    """κ of the mean displacement along `axis`: 1/κA = G(W′ − Φ)/V.
+
+    G W′ is the area mean of G ∂u/∂x = τ − ∂Ψ/∂s, G Φ that of −Ψ over the linear field c·s.
+    """
+    quad = solution.quadrature
+    potential = solution.flexure[axis]
+    growth = solution.flexure_stress[axis, axis] - quad.gradient(potential)[axis]
+    linear = np.tensordot(solution.slopes[axis], quad.points, axes=1)
+    flexibility = quad.integral(growth) / solution.area + quad.integral(
+        linear * quad.value(potential)
+    )
+    return 1.0 / (solution.area * float(flexibility))
+
+
+def beam_properties(constants: SectionConstants, material: Material) -> BeamProperties:
+    """Timoshenko beam of a section symmetric about both axes, shear by strain energy."""
+    E, G, rho = material.E, material.G, material.rho
+    kappa_y, kappa_z = constants.shear_coefficients
+    iy, iz = constants.second_moment_y, constants.second_moment_z
+    return BeamProperties(
+        EA=E * constants.area,
+        EIy=E * iy,
+        EIz=E * iz,
+        GJ=G * constants.torsion_constant,
+        GAy=kappa_y * G * constants.area,
+        GAz=kappa_z * G * constants.area,
+        mu=rho * constants.area,
+        rho_J=rho * (iy + iz),
+        rho_Iy=rho * iy,
+        rho_Iz=rho * iz,
+    )

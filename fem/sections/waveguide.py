@@ -1,0 +1,85 @@
+"""Waves in an infinitely long leg: what 3-D elasticity makes of a beam's frequency.
+
+Standing waves u_x = a(y,z) cos kx, (u_y, u_z) = b(y,z) sin kx turn elasticity into a real
+symmetric eigenvalue problem on the section alone (semi-analytical finite elements; Gavrić, J. Sound
+Vib. 185 (1995) 531). The lowest torsional wave is Saint-Venant's, ω = k√(GJ/ρI_p), as k → 0; its
+excess at finite k is due to the stiffness and inertia of warping, relative order (k · side)².
+"""
+
+import numpy as np
+from scipy.linalg import eigh
+
+from fem.sections.saint_venant import SectionQuadrature, section_quadrature
+from lumped.arrays import Array
+from lumped.legs import Material
+from meshes.section.section_mesh import SectionMesh
+
+
+def torsion_wave(mesh: SectionMesh, material: Material, wave_number: float) -> float:
+    """Angular frequency (rad/s) of the torsional wave of `wave_number` k (rad/m).
+
+    The mode is told from bending and tension by its share of motion in a rotation of the section.
+    """
+    quad = section_quadrature(mesh)
+    stiffness = _stiffness(quad, material, wave_number)
+    mass = _mass(quad, material.rho)
+    # Two bendings, tension and torsion are the four lowest; two more in case higher ones cross.
+    values, shapes = eigh(stiffness, mass, subset_by_index=[0, 5])
+    rotation = _rotation(mesh, quad)
+    share = np.square(shapes.T @ mass @ rotation) / (rotation @ mass @ rotation)
+    return float(np.sqrt(values[np.argmax(share)]))
+
+
+def _rotation(mesh: SectionMesh, quad: SectionQuadrature) -> Array:
+    y, z = (mesh.nodes - quad.centroid).T
+    return np.column_stack([np.zeros_like(y), -z, y]).ravel()
+
+
+def _stiffness(quad: SectionQuadrature, material: Material, k: float) -> Array:
+    """3N×3N matrix of twice the mean strain energy per length, unknowns (a, b_y, b_z) per node."""
+    strains = _strains(quad, k)
+    elasticity = _elasticity(material)
+    local = np.einsum(
+        "mqsi,st,mqtj,mq->mij", strains, elasticity, strains, quad.weights, optimize=True
+    )
+    return _assemble(quad, local)
+
+
+def _strains(quad: SectionQuadrature, k: float) -> Array:
+    """Amplitudes of (εxx, εyy, εzz, γyz, γxz, γxy) per unknown: M×Q×6×3n for n nodes per cell."""
+    cells, points = quad.weights.shape
+    count = len(quad.shapes)
+    along_y, along_z = (quad.gradients[:, :, i].transpose(0, 2, 1) for i in (0, 1))
+    shape = np.broadcast_to(quad.shapes.T, (cells, points, count))
+    strains = np.zeros((cells, points, 6, count, 3))
+    strains[:, :, 0, :, 0] = -k * shape
+    strains[:, :, 1, :, 1] = along_y
+    strains[:, :, 2, :, 2] = along_z
+    strains[:, :, 3, :, 1], strains[:, :, 3, :, 2] = along_z, along_y
+    strains[:, :, 4, :, 0], strains[:, :, 4, :, 2] = along_z, k * shape
+    strains[:, :, 5, :, 0], strains[:, :, 5, :, 1] = along_y, k * shape
+    return strains.reshape(cells, points, 6, 3 * count)
+
+
+def _elasticity(material: Material) -> Array:
+    """6×6 elasticity matrix (Pa) with cubic symmetry."""
+    E, nu = material.E, material.nu
+    lame = E * nu / ((1.0 + nu) * (1.0 - 2.0 * nu))
+    matrix = np.zeros((6, 6))
+    matrix[:3, :3] = lame + E / (1.0 + nu) * np.eye(3)
+    matrix[3:, 3:] = material.G * np.eye(3)
+    return matrix
+
+
+def _mass(quad: SectionQuadrature, rho: float) -> Array:
+    scalar = np.einsum("iq,jq,mq->mij", quad.shapes, quad.shapes, rho * quad.weights)
+    cells, count, _ = scalar.shape
+    blocks = np.einsum("mij,ab->miajb", scalar, np.eye(3))
+    return _assemble(quad, blocks.reshape(cells, 3 * count, 3 * count))
+
+
+def _assemble(quad: SectionQuadrature, local: Array) -> Array:
+    unknowns = (3 * quad.mesh.cells[:, :, None] + np.arange(3)).reshape(len(local), -1)
+    matrix = np.zeros((3 * len(quad.mesh.nodes),) * 2)
+    np.add.at(matrix, (unknowns[:, :, None], unknowns[:, None, :]), local)
+    return matrix

@@ -1,0 +1,178 @@
+"""What cvxopt's CHOLMOD can do but does not pass on: block solves, and threads.
+
+cvxopt solves several right-hand sides one by one, each reading the whole factor again;
+`cholmod_l_solve` of the same shared library reads it once. cvxopt keeps Python's lock while it
+computes; called from here, each in a workspace of its own, factorisations and solves run beside
+each other (the wheels' BLAS has one thread and locks its buffers). Where a build of cvxopt does not
+let these symbols be found, cvxopt's own functions are used.
+"""
+
+import ctypes
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import cache
+from typing import Any
+
+import numpy as np
+from cvxopt import cholmod
+from cvxopt import matrix as cvxopt_matrix
+
+from fem.solvers.cholmod.supernodes import factor_head
+from lumped.arrays import Array, IntArray
+
+_SYSTEM_A, _SYSTEM_L, _SYSTEM_LT = 0, 4, 5
+_REAL, _DOUBLE = 1, 0
+_LOWER, _LONG = -1, 2
+# `cholmod_common` is some 3 kB.
+_COMMON_BYTES = 1 << 16
+_PRINTS_WARNINGS = 3
+
+
+class _CommonHead(ctypes.Structure):
+    _fields_ = (
+        ("dbound", ctypes.c_double),
+        ("grow", ctypes.c_double * 2),
+        ("grow2", ctypes.c_size_t),
+        ("maxrank", ctypes.c_size_t),
+        ("supernodal_switch", ctypes.c_double),
+        ("supernodal", ctypes.c_int),
+        ("final", ctypes.c_int * 6),
+        ("zrelax", ctypes.c_double * 3),
+        ("nrelax", ctypes.c_size_t * 3),
+        ("prefer", ctypes.c_int * 4),
+        ("print", ctypes.c_int),
+    )
+
+
+class _Dense(ctypes.Structure):
+    _fields_ = (
+        ("nrow", ctypes.c_size_t),
+        ("ncol", ctypes.c_size_t),
+        ("nzmax", ctypes.c_size_t),
+        ("d", ctypes.c_size_t),
+        ("x", ctypes.c_void_p),
+        ("z", ctypes.c_void_p),
+        ("xtype", ctypes.c_int),
+        ("dtype", ctypes.c_int),
+    )
+
+
+class _Sparse(ctypes.Structure):
+    _fields_ = (
+        ("nrow", ctypes.c_size_t),
+        ("ncol", ctypes.c_size_t),
+        ("nzmax", ctypes.c_size_t),
+        ("p", ctypes.c_void_p),
+        ("i", ctypes.c_void_p),
+        ("nz", ctypes.c_void_p),
+        ("x", ctypes.c_void_p),
+        ("z", ctypes.c_void_p),
+        ("stype", ctypes.c_int),
+        ("itype", ctypes.c_int),
+        ("xtype", ctypes.c_int),
+        ("dtype", ctypes.c_int),
+        ("sorted", ctypes.c_int),
+        ("packed", ctypes.c_int),
+    )
+
+
+@cache
+def _library() -> Any:
+    """The shared library, called without Python's lock; None where its symbols are hidden."""
+    try:
+        functions = ctypes.CDLL(cholmod.__file__)
+        solve, free = functions.cholmod_l_solve, functions.cholmod_l_free_dense
+        factorise = functions.cholmod_l_factorize
+        start, finish = functions.cholmod_l_start, functions.cholmod_l_finish
+    except (AttributeError, OSError):
+        return None
+    pointer, dense = ctypes.c_void_p, ctypes.POINTER(_Dense)
+    solve.restype = dense
+    solve.argtypes = [ctypes.c_int, pointer, dense, pointer]
+    free.argtypes = [ctypes.POINTER(dense), pointer]
+    factorise.argtypes = [ctypes.POINTER(_Sparse), pointer, pointer]
+    start.argtypes = finish.argtypes = [pointer]
+    return functions
+
+
+def runs_beside_python() -> bool:
+    """Whether factorisations and solves can run in threads beside each other."""
+    return _library() is not None
+
+
+@contextmanager
+def _workspace(functions: Any) -> Iterator[Any]:
+    """CHOLMOD's own `cholmod_common`, one for each call: two threads must not share it."""
+    common = ctypes.create_string_buffer(_COMMON_BYTES)
+    functions.cholmod_l_start(common)
+    head = _CommonHead.from_buffer(common)
+    # Otherwise a matrix that is not positive definite is announced on the terminal.
+    if head.print == _PRINTS_WARNINGS:
+        head.print = 0
+    try:
+        yield common
+    finally:
+        functions.cholmod_l_finish(common)
+
+
+def factorise_beside(factor: Any, pointers: IntArray, rows: IntArray, values: Array) -> int:
+    """Fill an analysed `factor` with that of a lower triangle (csc), without Python's lock.
+
+    Returns the place in the order of elimination where a pivot was not positive, n where none
+    was. Raises MemoryError. Needs `runs_beside_python`.
+    """
+    functions, head = _library(), factor_head(factor)
+    lower = [np.ascontiguousarray(one, dtype=np.int64) for one in (pointers, rows)]
+    numbers = np.ascontiguousarray(values, dtype=np.float64)
+    matrix = _Sparse(
+        nrow=head.n,
+        ncol=head.n,
+        nzmax=len(numbers),
+        p=lower[0].ctypes.data,
+        i=lower[1].ctypes.data,
+        x=numbers.ctypes.data,
+        stype=_LOWER,
+        itype=_LONG,
+        xtype=_REAL,
+        dtype=_DOUBLE,
+        sorted=1,
+        packed=1,
+    )
+    with _workspace(functions) as common:
+        done = functions.cholmod_l_factorize(ctypes.byref(matrix), ctypes.addressof(head), common)
+    if not done:
+        raise MemoryError("no memory for a sparse factor")
+    return int(head.minor)
+
+
+def solve_columns(factor: Any, columns: Array) -> Array:
+    """A⁻¹ times `columns` (n×k, Fortran order) with a numeric factor of A, all k at once."""
+    if _library() is None:
+        solution = cvxopt_matrix(columns)
+        cholmod.solve(factor, solution)
+        return np.array(solution)
+    return _solve(_SYSTEM_A, factor, columns)
+
+
+def solve_triangular_columns(factor: Any, columns: Array, *, transposed: bool = False) -> Array:
+    """L⁻¹ or L⁻ᵀ times `columns` (n×k, Fortran order), rows in the order of elimination.
+
+    Needs `runs_beside_python`.
+    """
+    return _solve(_SYSTEM_LT if transposed else _SYSTEM_L, factor, columns)
+
+
+def _solve(system: int, factor: Any, columns: Array) -> Array:
+    functions = _library()
+    n, k = columns.shape
+    right = _Dense(n, k, n * k, n, columns.ctypes.data, None, _REAL, _DOUBLE)
+    with _workspace(functions) as common:
+        found = functions.cholmod_l_solve(
+            system, ctypes.addressof(factor_head(factor)), ctypes.byref(right), common
+        )
+        if not found:
+            raise MemoryError("no memory for the solution vectors of a sparse factor")
+        view = (ctypes.c_double * (n * k)).from_address(found.contents.x)
+        solution = np.array(np.ctypeslib.as_array(view)).reshape(k, n).T
+        functions.cholmod_l_free_dense(ctypes.byref(found), common)
+    return solution

@@ -1,0 +1,142 @@
+"""What the backends of fem.solvers.cholesky have in common: analysed patterns, factors, errors."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Literal, Protocol, TypeAlias, runtime_checkable
+
+import numpy as np
+from scipy.sparse import csr_array, diags_array
+
+from fem.machine import available_memory
+from fem.solvers.ordering import Elimination
+from lumped.arrays import Array, IntArray, SparseMatrix
+from lumped.errors import ComputationError
+
+Backend: TypeAlias = Literal["cholmod", "mkl"]
+
+# A pivot that lost this part of its diagonal entry is rounding error: the matrix is singular.
+_SINGULAR_PIVOT = 100.0 * np.finfo(np.float64).eps
+
+
+class NotPositiveDefiniteError(ComputationError):
+    """A Cholesky factorisation met a pivot that is not positive; `unknown` is its number."""
+
+    def __init__(self, part: str, unknown: int) -> None:
+        self.unknown = unknown
+        super().__init__(
+            f"{part}: the matrix is not positive definite (a part free to move as a rigid body, a "
+            f"negative material constant, or a shift above the first eigenvalue) at unknown "
+            f"{unknown}"
+        )
+
+
+def out_of_memory(part: str, unknowns: int) -> ComputationError:
+    """The error of a factorisation that was refused memory although it had been foretold."""
+    return ComputationError(f"{part}: memory ran out in the factorisation of {unknowns} unknowns")
+
+
+class Factor(Protocol):
+    """A factorised symmetric positive definite matrix."""
+
+    def solve(self, right_hand_sides: Array) -> Array:
+        """A⁻¹ times one (n) or several (n×k) right-hand sides, in the same shape."""
+        ...
+
+
+@runtime_checkable
+class SeparatedFactor(Factor, Protocol):
+    """A factor A = L Lᵀ that shows its separators."""
+
+    def separators(self, count: int) -> list[IntArray]:
+        """Unknowns of the `count` largest separators, the largest first."""
+        ...
+
+    def gram(self, columns: SparseMatrix) -> Array:
+        """WᵀA⁻¹W (k×k) of `columns` W (csr n×k).
+
+        Little of L is read where W has entries on large separators only.
+        """
+        ...
+
+    def renewed(self, triangle: SparseMatrix, part: str) -> "SeparatedFactor":
+        """The factor of another matrix (upper triangle) in the memory of this, which is lost.
+
+        Besides the entries of this one's matrix it may couple unknowns of one separator. Raises
+        NotPositiveDefiniteError; this factor is lost then as well, and can still be renewed.
+        """
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class Symbolic:
+    """Pattern and elimination of a symmetric matrix, with what its factor will cost.
+
+    `pointers`, `columns`: the upper triangle (csr). `factor_entries` of L; `flops` of the
+    factorisation; `peak_bytes`, the memory it takes at its height. `elimination` is None for
+    backends that keep their own. `numeric` factorises the values on the pattern; its second
+    argument names the matrix in errors.
+    """
+
+    backend: Backend
+    size: int
+    pointers: IntArray
+    columns: IntArray
+    elimination: Elimination | None
+    factor_entries: int
+    flops: float
+    peak_bytes: int
+    numeric: Callable[[Array, str], Factor] = field(repr=False)
+
+
+def upper_triangle(matrix: SparseMatrix) -> SparseMatrix:
+    """Upper triangle of a symmetric matrix (csr, sorted columns, explicit zeros kept).
+
+    Read by columns, the same three arrays are the lower triangle.
+    """
+    matrix = csr_array(matrix)
+    if not matrix.has_canonical_format:
+        matrix = matrix.copy()
+        matrix.sum_duplicates()
+    n = matrix.shape[0]
+    rows = np.repeat(np.arange(n, dtype=matrix.indices.dtype), np.diff(matrix.indptr))
+    upper = matrix.indices >= rows
+    if upper.all():
+        return matrix.astype(np.float64, copy=False)
+    pointers = np.concatenate([[0], np.cumsum(np.bincount(rows[upper], minlength=n))])
+    triangle = csr_array(
+        (
+            matrix.data[upper].astype(np.float64, copy=False),
+            matrix.indices[upper],
+            pointers.astype(matrix.indptr.dtype),
+        ),
+        shape=(n, n),
+    )
+    triangle.has_canonical_format = True
+    return triangle
+
+
+def whole_matrix(triangle: SparseMatrix) -> SparseMatrix:
+    """The symmetric matrix (csr n×n) of an upper triangle."""
+    return csr_array(triangle + triangle.T - diags_array(triangle.diagonal(), format="csr"))
+
+
+def refuse_lost_pivots(pivots: Array, diagonal: Array, unknowns: IntArray, part: str) -> None:
+    """Raise NotPositiveDefiniteError where a pivot (m) is rounding error of its diagonal entry.
+
+    `unknowns` (m): to which the pivots belong.
+    """
+    shares = pivots / diagonal
+    smallest = int(np.argmin(shares))
+    if shares[smallest] < _SINGULAR_PIVOT:
+        raise NotPositiveDefiniteError(part, int(unknowns[smallest]))
+
+
+def refuse_beyond_memory(symbolic: Symbolic, part: str) -> None:
+    """Raise ComputationError where the factorisation would take more memory than there is."""
+    available = available_memory()
+    if available is not None and symbolic.peak_bytes > available:
+        raise ComputationError(
+            f"{part}: factorising {symbolic.size} unknowns needs about "
+            f"{symbolic.peak_bytes / 1e9:.1f} GB and {available / 1e9:.1f} GB are available: use "
+            "fewer divisions, a shorter leg, or condensation by doubling (statics)"
+        )

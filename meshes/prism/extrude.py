@@ -1,0 +1,67 @@
+"""Extrusion of a section mesh along the leg: hexahedra as the product of section and line."""
+
+from math import log
+
+import numpy as np
+
+from lumped.arrays import Array
+from lumped.errors import InputError
+from meshes.elements import ELEMENTS, SectionElement, SolidElement
+from meshes.section.section_mesh import SectionMesh
+from meshes.solid_mesh import EndFace, SolidMesh
+
+_SOLID: dict[SectionElement, SolidElement] = {"quad4": "hex8", "quad9": "hex27"}
+
+
+def stations(length: float, count: int, grading: float = 1.0) -> Array:
+    """Boundaries (count+1, in m) of `count` slices between x = 0 and `length`.
+
+    `grading` is the ratio of slice length in the middle to that at the ends (1: all equal), slices
+    growing geometrically from both ends. The stations are samples of one smooth map, so twice the
+    count halves every slice. Raises InputError for a count below 1 or a grading not above 0.
+    """
+    if count < 1:
+        raise InputError(f"slices = {count}: must be at least 1")
+    if not grading > 0.0:
+        raise InputError(f"grading = {grading!r}: must be above 0")
+    parameter = np.linspace(0.0, 1.0, count + 1)
+    from_nearer_end = np.minimum(parameter, 1.0 - parameter)
+    if grading != 1.0:
+        # x'(t) grows as grading^(2t) up to the middle, t = 1/2.
+        from_nearer_end = 0.5 * np.expm1(2.0 * from_nearer_end * log(grading)) / (grading - 1.0)
+    x = length * np.where(parameter <= 0.5, from_nearer_end, 1.0 - from_nearer_end)
+    x[-1] = length
+    return x
+
+
+def extrude(section: SectionMesh, at: Array) -> SolidMesh:
+    """The solid between the ascending stations `at` (S+1, x in m, from 0 at the root).
+
+    quad4 becomes hex8, quad9 hex27. Node p·N + n is node n of the section in plane p; second-order
+    meshes have a plane in the middle of each slice. Raises InputError for triangles.
+    """
+    if section.element not in _SOLID:
+        raise InputError(f"element = {section.element}: only quad4 and quad9 can be extruded")
+    if np.any(np.diff(at) <= 0.0) or at[0] != 0.0:
+        raise InputError("stations must ascend from 0 m at the root")
+    element = _SOLID[section.element]
+    order = ELEMENTS[element].order
+    slices = len(at) - 1
+    x = np.empty(order * slices + 1)
+    x[::order] = at
+    if order == 2:
+        x[1::2] = (at[:-1] + at[1:]) / 2.0
+    per_plane = len(section.nodes)
+    nodes = np.column_stack([np.repeat(x, per_plane), np.tile(section.nodes, (len(x), 1))])
+    one_slice = np.hstack([section.cells + plane * per_plane for plane in range(order + 1)])
+    offsets = order * per_plane * np.arange(slices)
+    cells = (one_slice[None, :, :] + offsets[:, None, None]).reshape(-1, one_slice.shape[1])
+    face = np.arange(per_plane)
+    return SolidMesh(
+        nodes=nodes,
+        cells=cells,
+        element=element,
+        root=EndFace(face, section),
+        tip=EndFace(face + (len(x) - 1) * per_plane, section),
+        slices=slices,
+    )

@@ -1,0 +1,100 @@
+"""Finite-element meshes of cross-sections, made by gmsh.
+
+Quadrilaterals are structured in blocks and symmetric about both axes; triangles are unstructured,
+a second family that shares nothing with the first but the shape.
+"""
+
+from dataclasses import dataclass
+from types import ModuleType
+
+import numpy as np
+
+from lumped.arrays import Array, IntArray
+from lumped.sections import Section
+from meshes.elements import ELEMENTS, SectionElement
+from meshes.gmsh_arrays import connectivity, numbered
+from meshes.gmsh_session import gmsh_model
+from meshes.prism.feasibility import require_section
+from meshes.section.section_blocks import Blocks, Divisions, section_blocks
+from meshes.section.section_outline import add_face, set_element_size
+from meshes.section.symmetry import symmetrised
+
+
+@dataclass(frozen=True, eq=False)
+class SectionMesh:
+    """Mesh of a section in the leg's y–z plane, cells counter-clockwise seen from +x.
+
+    `nodes` (N×2) are y and z in m, `cells` (M×k) their numbers in the order of `meshes.elements`.
+    """
+
+    nodes: Array
+    cells: IntArray
+    element: SectionElement
+
+
+def section_mesh(
+    section: Section, divisions: Divisions, element: SectionElement = "quad9"
+) -> SectionMesh:
+    """Mesh of `section`, `divisions` elements across its smaller side (see `section_blocks`).
+
+    Curved sides are met exactly by all nodes of second-order elements. Raises InputError where the
+    section is impossible or the divisions do not suit it, ComputationError where gmsh fails.
+    """
+    require_section(section, divisions)
+    part = f"section mesh ({section.shape})"
+    structured = element in {"quad4", "quad9"}
+    with gmsh_model(part) as gmsh:
+        if structured:
+            _add_blocks(gmsh, section_blocks(section, divisions))
+        else:
+            add_face(gmsh, section)
+            gmsh.model.occ.synchronize()
+            set_element_size(gmsh, section, divisions)
+        gmsh.model.mesh.generate(2)
+        gmsh.model.mesh.setOrder(ELEMENTS[element].order)
+        tagged = connectivity(gmsh, element)
+        tags, places = numbered(gmsh, tagged)
+    nodes = symmetrised(places[:, 1:], part) if structured else np.ascontiguousarray(places[:, 1:])
+    return SectionMesh(
+        nodes, counter_clockwise(nodes, np.searchsorted(tags, tagged), element), element
+    )
+
+
+def _add_blocks(gmsh: ModuleType, blocks: Blocks) -> None:
+    """The blocks as transfinite, recombined surfaces in the plane x = 0."""
+    geo = gmsh.model.geo
+    points = [geo.addPoint(0.0, y, z) for y, z in blocks.points]
+    curves: dict[tuple[int, int], int] = {}
+    for (start, end), count in blocks.counts.items():
+        if (start, end) in blocks.arc_centres:
+            centre = geo.addPoint(0.0, *blocks.arc_centres[start, end])
+            curve = geo.addCircleArc(points[start], centre, points[end])
+        else:
+            curve = geo.addLine(points[start], points[end])
+        geo.mesh.setTransfiniteCurve(curve, count + 1)
+        curves[start, end], curves[end, start] = curve, -curve
+    for corners in blocks.corners:
+        sides = zip(corners, (*corners[1:], corners[0]), strict=True)
+        loop = geo.addCurveLoop([curves[side] for side in sides])
+        surface = geo.addPlaneSurface([loop])
+        geo.mesh.setTransfiniteSurface(surface, cornerTags=[points[i] for i in corners])
+        geo.mesh.setRecombine(2, surface)
+    geo.synchronize()
+
+
+_REVERSED: dict[SectionElement, list[int]] = {
+    "quad4": [0, 3, 2, 1],
+    "quad9": [0, 3, 2, 1, 7, 6, 5, 4, 8],
+    "tri3": [0, 2, 1],
+    "tri6": [0, 2, 1, 5, 4, 3],
+}
+
+
+def counter_clockwise(nodes: Array, cells: IntArray, element: SectionElement) -> IntArray:
+    """The cells (M×k) with those reversed that run clockwise about +x; `nodes` (N×2) in y, z."""
+    origin, first, last = (
+        nodes[cells[:, i]] for i in (0, 1, len(ELEMENTS[element].corner_nodes) - 1)
+    )
+    (ay, az), (by, bz) = (first - origin).T, (last - origin).T
+    clockwise = ay * bz < az * by
+    return np.where(clockwise[:, None], cells[:, _REVERSED[element]], cells)

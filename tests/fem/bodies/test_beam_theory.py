@@ -1,0 +1,179 @@
+"""Closed-form frequencies of cantilevers against published roots and Huang's own equation."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.testing import assert_allclose
+
+from fem.bodies.beam_theory import (
+    bending_frequencies,
+    cantilever_frequencies,
+    euler_bernoulli_roots,
+    tension_frequencies,
+    torsion_frequencies,
+)
+from lumped.legs import BeamProperties, ConstantLeg, Material, constant_leg
+from lumped.sections import Rectangle
+
+# The equivalent legs of the IFW demonstrator (paper §2.3 applied to its appendix).
+LEG1 = constant_leg(0.85, EA=8.613e8, EIy=4.771e6, EIz=1.832e6, GJ=9.212e6, mass=69.705)
+LEG2 = constant_leg(0.775, EA=4.316e9, EIy=5.98e7, EIz=4.182e6, GJ=6.478e6, mass=49.366)
+
+
+def huang_function(p: BeamProperties, L: float, plane: str, omega):
+    """Huang's frequency equation of the clamped–free beam, J. Appl. Mech. 28 (1961) 579, Table 1.
+
+    Divided by (1 + cosh bα), which is positive, so that its size stays moderate. Complex α takes
+    care of frequencies above the cut-off, where cosh and sinh become cos and sin.
+    """
+    EI, GA, rho_I = (p.EIy, p.GAz, p.rho_Iy) if plane == "y" else (p.EIz, p.GAy, p.rho_Iz)
+    b = np.asarray(omega, dtype=complex) * np.sqrt(p.mu * L**4 / EI)
+    r2, s2 = rho_I / (p.mu * L**2), EI / (GA * L**2)
+    root = np.sqrt((r2 - s2) ** 2 + 4.0 / b**2)
+    alpha, beta = np.sqrt((root - r2 - s2) / 2.0), np.sqrt((root + r2 + s2) / 2.0)
+    value = (
+        2.0
+        + (b**2 * (r2 - s2) ** 2 + 2.0) * np.cosh(b * alpha) * np.cos(b * beta)
+        - b * (r2 + s2) / np.sqrt(1.0 - b**2 * r2 * s2) * np.sinh(b * alpha) * np.sin(b * beta)
+    )
+    return (value / (1.0 + np.abs(np.cosh(b * alpha)))).real
+
+
+def square_leg(slenderness: float) -> ConstantLeg:
+    steel = Material.isotropic(2.1e11, 0.3, 7850.0)
+    return ConstantLeg(slenderness * 0.1, Rectangle(0.1, 0.1), steel)
+
+
+def test_euler_bernoulli_roots_are_the_tabulated_ones():
+    # Young and Felgar, Tables of Characteristic Functions (1949): cos x cosh x = −1.
+    tabulated = [1.8751041, 4.6940911, 7.8547574, 10.9955407, 14.1371684]
+    assert_allclose(euler_bernoulli_roots(5), tabulated, atol=6e-8)
+
+
+def test_high_euler_bernoulli_roots_approach_odd_right_angles():
+    # 1/cosh x is below rounding from the twelfth root on; the 300th would overflow cosh itself.
+    roots = euler_bernoulli_roots(300)
+    odd = (2.0 * np.arange(12, 301) - 1.0) * np.pi / 2.0
+    assert_allclose(roots[11:], odd, rtol=1e-14)
+
+
+@pytest.mark.parametrize("plane", ["y", "z"])
+@pytest.mark.parametrize("leg", [LEG1, LEG2, square_leg(1.0), square_leg(3.0)])
+def test_timoshenko_frequencies_are_all_the_roots_of_huang_s_equation(leg, plane):
+    p, L = leg.timoshenko, leg.length
+    omega = 2.0 * np.pi * bending_frequencies(p, L, plane, 20)
+    # The cut-off of the second spectrum, √(κGA/ρI), lies below the 20th root of these legs.
+    cut_off = np.sqrt((p.GAz / p.rho_Iy) if plane == "y" else (p.GAy / p.rho_Iz))
+    assert omega[0] < cut_off < omega[-1]
+    # Each is a root: the sign changes within 1e-9 of it; and there are no others in between.
+    below = huang_function(p, L, plane, omega * (1.0 - 1e-9))
+    above = huang_function(p, L, plane, omega * (1.0 + 1e-9))
+    assert np.all(np.sign(below) == -np.sign(above))
+    scan = huang_function(p, L, plane, np.linspace(0.5 * omega[0], omega[-1] * 1.000001, 200_001))
+    assert np.count_nonzero(np.diff(np.sign(scan))) == 20
+
+
+@given(
+    slenderness=st.floats(1.0, 50.0),
+    shear_to_young=st.floats(0.05, 0.6),
+    gyration=st.floats(0.2, 2.0),
+)
+def test_random_timoshenko_frequencies_are_roots_of_huang_s_equation(
+    slenderness, shear_to_young, gyration
+):
+    leg = square_leg(slenderness)
+    p = leg.timoshenko
+    p = replace(p, GAz=shear_to_young * p.EA, rho_Iy=gyration * p.rho_Iy)
+    omega = 2.0 * np.pi * bending_frequencies(p, leg.length, "y", 8)
+    assert np.all(np.diff(omega) > 0.0)
+    below = huang_function(p, leg.length, "y", omega * (1.0 - 1e-7))
+    above = huang_function(p, leg.length, "y", omega * (1.0 + 1e-7))
+    assert np.all(np.sign(below) == -np.sign(above))
+
+
+def test_orientation_values_of_leg_1():
+    # Figures of an independent computation, to 0.1 Hz (the last a 3-D solid with rigid ends).
+    p = LEG1.timoshenko
+    rayleigh = replace(p, GAy=np.inf, GAz=np.inf)
+    found = [
+        bending_frequencies(q, LEG1.length, "y", 1)[0]
+        for q in (p.as_euler_bernoulli(), rayleigh, p)
+    ]
+    assert found == pytest.approx([186.8, 183.6, 181.8], abs=0.05)
+
+
+def test_rotary_inertia_takes_its_known_first_order_share():
+    # Rayleigh's quotient with the Euler–Bernoulli mode φ: ω² falls by (ρI/μ) ∫φ′²/∫φ², where
+    # ∫φ′²/∫φ² = βσ(2 + σβ)/L², σ = 0.734096 for the first clamped–free mode (Young and Felgar).
+    leg = square_leg(1e3)
+    p, L = leg.timoshenko, leg.length
+    beta, sigma = 1.875104068711961, 0.7340955137589128
+    share = (p.rho_Iy / (p.mu * L**2)) * beta * sigma * (2.0 + sigma * beta)
+    explicit = bending_frequencies(p.as_euler_bernoulli(), L, "y", 1)[0]
+    rotary = bending_frequencies(replace(p, GAz=np.inf), L, "y", 1)[0]
+    # The next order is the share itself, 4e-7; root finding leaves 1e-12/4e-7 = 3e-6.
+    assert 1.0 - (rotary / explicit) ** 2 == pytest.approx(share, rel=2e-5)
+
+
+def test_frequencies_fall_as_each_effect_is_added():
+    p = LEG2.timoshenko
+    slender = bending_frequencies(p.as_euler_bernoulli(), LEG2.length, "z", 6)
+    rotary = bending_frequencies(replace(p, GAy=np.inf), LEG2.length, "z", 6)
+    sheared = bending_frequencies(replace(p, rho_Iz=0.0), LEG2.length, "z", 6)
+    full = bending_frequencies(p, LEG2.length, "z", 6)
+    # By minimax: more inertia, or a constraint less.
+    assert np.all(full < rotary)
+    assert np.all(full < sheared)
+    assert np.all(rotary < slender)
+    assert np.all(sheared < slender)
+
+
+def test_sixty_frequencies_of_a_deep_leg_are_as_dense_as_its_two_waves():
+    p, L = LEG2.timoshenko, LEG2.length
+    omega = 2.0 * np.pi * bending_frequencies(p, L, "y", 60)
+    assert np.all(np.diff(omega) > 0.0)
+    # Far above the cut-off the cantilever is two bars, one of bending waves, √(EI/ρI), one of shear
+    # waves, √(κGA/μ), with the quarter waves ωL/πc = k − ½. At a root of either, the sum of both
+    # is the number of the root less something between 0 and 1; 0.05 is left for their coupling.
+    slowness = np.sqrt(p.rho_Iy / p.EIy) + np.sqrt(p.mu / p.GAz)
+    missing = np.arange(40, 61) - omega[39:] * L / np.pi * slowness
+    assert np.all((missing > -0.05) & (missing < 1.05))
+
+
+def test_tension_and_torsion_are_odd_quarter_waves():
+    # Steel bar of 1 m: √(E/ρ)/4L = 5172.2/4 Hz; torsion slower by √(GJ/E(Iy + Iz)).
+    leg = square_leg(10.0)
+    p = leg.timoshenko
+    tension = tension_frequencies(p, 1.0, 3)
+    assert_allclose(tension, 1293.05 * np.array([1.0, 3.0, 5.0]), rtol=1e-5)
+    # Square: J = 0.140577 b⁴ (Timoshenko and Goodier, §109), polar moment b⁴/6.
+    slower = np.sqrt(0.140577 * 6.0 / 2.6)
+    assert_allclose(torsion_frequencies(p, 1.0, 3), slower * tension, rtol=5e-6)
+
+
+def test_cantilever_frequencies_are_merged_ascending_with_their_names():
+    found = cantilever_frequencies(LEG1.timoshenko, LEG1.length, 8)
+    frequencies = [item.frequency for item in found]
+    assert frequencies == sorted(frequencies)
+    assert [(item.part, item.order) for item in found[:6]] == [
+        ("bending z", 1),
+        ("bending y", 1),
+        ("bending z", 2),
+        ("tension", 1),
+        ("bending y", 2),
+        ("torsion", 1),
+    ]
+    # Nothing below the eighth is left out.
+    p, L = LEG1.timoshenko, LEG1.length
+    everything = np.concatenate(
+        [
+            tension_frequencies(p, L, 8),
+            torsion_frequencies(p, L, 8),
+            bending_frequencies(p, L, "y", 8),
+            bending_frequencies(p, L, "z", 8),
+        ]
+    )
+    assert np.count_nonzero(everything <= frequencies[-1]) == 8

@@ -1,0 +1,220 @@
+"""Frames against closed forms: Castigliano's theorem, moved compliances, exact frequencies."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fem.bodies.frame import (
+    Frame,
+    Member,
+    PointMass,
+    Spring,
+    Support,
+    assemble,
+    displacements,
+    modes,
+)
+from lumped.errors import ComputationError, InputError
+from lumped.legs import ConstantLeg, Material, tip_compliance
+from lumped.screws import move_compliance, rotation_z, shift, turn_matrix
+from lumped.sections import Rectangle
+
+LEG = ConstantLeg(2.0, Rectangle(0.12, 0.2), Material.isotropic(2.1e11, 0.3, 7850.0))
+BEAM = LEG.timoshenko
+EULER_BERNOULLI = LEG.properties("euler-bernoulli")
+UP = (0.0, 0.0, 1.0)
+CLAMPED = (Support(0),)
+# Exact in statics: what is left is rounding, grown by the conditioning of a few elements.
+EXACT = 1e-9
+
+
+def direct(nodes, members, supports=CLAMPED, **more):
+    return Frame("test frame", np.array(nodes, dtype=float), tuple(members), supports, **more)
+
+
+def node_compliance(frame, node):
+    wrenches = np.zeros((6 * len(frame.nodes), 6))
+    wrenches[6 * node : 6 * node + 6] = np.eye(6)
+    return displacements(assemble(frame), wrenches)[6 * node : 6 * node + 6]
+
+
+def close(found, expected, rtol=EXACT):
+    # Entries that are zero by symmetry are held against their rows' and columns' size.
+    scale = np.sqrt(np.outer(np.diag(expected), np.diag(expected)))
+    np.testing.assert_allclose(found / scale, expected / scale, rtol=rtol, atol=rtol)
+
+
+def random_rotation(seed):
+    matrix, _ = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))
+    return matrix * np.sign(np.linalg.det(matrix))
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_member_in_any_direction_has_the_turned_cantilever_compliance(seed):
+    axes = random_rotation(seed)
+    frame = direct(
+        [np.zeros(3), LEG.length * axes[:, 0]],
+        # Any normal in the x–z plane will do, not only z itself.
+        [Member(0, 1, BEAM, tuple(axes[:, 2] + 0.7 * axes[:, 0]), 3)],
+    )
+    close(node_compliance(frame, 1), turn_matrix(tip_compliance(BEAM, LEG.length), axes))
+
+
+def test_a_bent_cantilever_under_a_load_out_of_its_plane():
+    first, second = 1.5, 0.8
+    frame = direct(
+        [[0, 0, 0], [first, 0, 0], [first, second, 0]],
+        [Member(0, 1, BEAM, UP, 2), Member(1, 2, BEAM, UP, 1)],
+    )
+    # Castigliano: bending and shear of both arms, the first arm twisted by the second.
+    expected = (
+        (first**3 + second**3) / (3.0 * BEAM.EIy)
+        + (first + second) / BEAM.GAz
+        + second**2 * first / BEAM.GJ
+    )
+    assert node_compliance(frame, 2)[2, 2] == pytest.approx(expected, rel=EXACT)
+
+
+def test_rigid_offsets_move_the_compliance():
+    root, tip = np.array([0.1, -0.2, 0.3]), np.array([-0.3, 0.2, 0.1])
+    frame = direct(
+        [-root, np.array([LEG.length, 0, 0]) - tip],
+        [Member(0, 1, BEAM, UP, 2, start_offset=tuple(root), end_offset=tuple(tip))],
+    )
+    close(node_compliance(frame, 1), move_compliance(tip_compliance(BEAM, LEG.length), -tip))
+
+
+def test_springs_add_their_compliance_where_they_act():
+    rng = np.random.default_rng(5)
+    compliances = [m @ m.T * 1e-8 for m in rng.normal(size=(2, 6, 6))]
+    ground, joint = (np.linalg.inv(c) for c in compliances)
+    tip, gap = np.array([LEG.length, 0.0, 0.0]), np.array([0.2, -0.1, 0.3])
+    frame = direct(
+        [np.zeros(3), tip, tip + gap],
+        [Member(0, 1, BEAM, UP, 2)],
+        supports=(),
+        springs=(Spring(0, ground), Spring(2, joint, other=1)),
+    )
+    at_tip = tip_compliance(BEAM, LEG.length) + move_compliance(compliances[0], tip)
+    # Six-digit springs in random axes condition the matrix worse than the beam does.
+    close(node_compliance(frame, 2), move_compliance(at_tip, gap) + compliances[1], rtol=1e-7)
+
+
+def test_a_support_in_axes_of_its_own():
+    # A bar whose end slides at 45°: without rotation held it only stretches, s cos 45° = F L/EA.
+    axes = rotation_z(np.pi / 4.0)
+    frame = direct(
+        [[0, 0, 0], [LEG.length, 0, 0]],
+        [Member(0, 1, BEAM, UP, 1)],
+        supports=(
+            Support(0, ("x", "y", "z", "φx")),
+            Support(1, ("y", "z"), axes),
+        ),
+    )
+    stretch = LEG.length / BEAM.EA
+    found = node_compliance(frame, 1)[:3, 0]
+    np.testing.assert_allclose(found, [stretch, stretch, 0.0], rtol=EXACT, atol=1e-9 * stretch)
+
+
+def test_a_pinned_end_props_a_cantilever():
+    # Propped cantilever under a load in its middle: the deflection
+    # there is 7 F L³/768 EI (Euler–Bernoulli).
+    half = LEG.length / 2.0
+    frame = direct(
+        [[0, 0, 0], [half, 0, 0], [LEG.length, 0, 0]],
+        [Member(n, n + 1, EULER_BERNOULLI, UP, 1) for n in (0, 1)],
+        supports=(Support(0), Support(2, ("x", "y", "z"))),
+    )
+    expected = 7.0 * LEG.length**3 / (768.0 * EULER_BERNOULLI.EIy)
+    assert node_compliance(frame, 1)[2, 2] == pytest.approx(expected, rel=EXACT)
+
+
+def test_clamped_at_both_ends_over_three_members():
+    # cos βL cosh βL = 1: βL = 4.730041, 7.853205.
+    stations = np.linspace(0.0, LEG.length, 4)
+    frame = direct(
+        [[x, 0, 0] for x in stations],
+        [Member(n, n + 1, EULER_BERNOULLI, UP, 8, kinds=("bending z",)) for n in range(3)],
+        supports=(
+            Support(0),
+            Support(1, ("x", "z", "φx", "φy")),
+            Support(2, ("x", "z", "φx", "φy")),
+            Support(3),
+        ),
+    )
+    speed = np.sqrt(EULER_BERNOULLI.EIz / EULER_BERNOULLI.mu) / (2.0 * np.pi * LEG.length**2)
+    expected = np.array([4.730041, 7.853205]) ** 2 * speed
+    # 24 cubic elements: (βL/24)⁴/720 = 2e-5 at most; the roots have seven digits.
+    np.testing.assert_allclose(modes(assemble(frame), 2).frequencies, expected, rtol=2e-5)
+
+
+def test_a_body_on_a_light_cantilever():
+    # With a beam of no mass to speak of, the six frequencies are those of C M at its tip.
+    light = replace(BEAM, mu=1e-9, rho_J=1e-9, rho_Iy=1e-9, rho_Iz=1e-9)
+    offset, inertia = np.array([0.1, 0.2, -0.15]), np.diag([3.0, 4.0, 5.0])
+    body = PointMass(1, 40.0, tuple(offset), inertia)
+    frame = direct([[0, 0, 0], [LEG.length, 0, 0]], [Member(0, 1, light, UP, 1)], masses=(body,))
+    at_centre = np.diag([40.0, 40.0, 40.0, 3.0, 4.0, 5.0])
+    mass = shift(offset).T @ at_centre @ shift(offset)
+    periods = np.linalg.eigvals(tip_compliance(BEAM, LEG.length) @ mass).real
+    expected = np.sort(1.0 / (2.0 * np.pi * np.sqrt(periods)))
+    # The beam's own mass is 1e-10 of the body's.
+    np.testing.assert_allclose(modes(assemble(frame), 6).frequencies, expected, rtol=1e-8)
+
+
+def test_a_member_without_a_kind_of_deformation_gives_no_stiffness_in_it():
+    nodes = [[0, 0, 0], [LEG.length, 0, 0]]
+    bending = assemble(direct(nodes, [Member(0, 1, BEAM, UP, 2, kinds=("bending z",))], ()))
+    ends = bending.stiffness.toarray()[:12, :12]
+    assert np.flatnonzero(np.diag(ends)).tolist() == [1, 5, 7, 11]
+
+
+def test_rigid_motions_are_free_and_weigh_what_the_members_weigh():
+    frame = assemble(
+        direct(
+            [[0, 0, 0], [1.0, 0.5, 0], [1.0, 0.5, 2.0]],
+            [Member(0, 1, BEAM, UP, 3), Member(1, 2, BEAM, (1.0, 0, 0), 2)],
+            (),
+        )
+    )
+    strain = np.linalg.eigvalsh(frame.stiffness.toarray())
+    # Six rigid motions: eigenvalues that are rounding beside the largest.
+    assert np.count_nonzero(strain < 1e-12 * strain[-1]) == 6
+    # ∫μ over both members: a translation of all nodes and insides by one metre along z.
+    motion = np.linalg.lstsq(
+        np.vstack([frame.twists.toarray(), 1e-3 * frame.stiffness.toarray() / strain[-1]]),
+        np.concatenate([np.tile([0, 0, 1.0, 0, 0, 0], 3), np.zeros(frame.stiffness.shape[0])]),
+        rcond=None,
+    )[0]
+    expected = BEAM.mu * (np.hypot(1.0, 0.5) + 2.0)
+    assert motion @ frame.mass @ motion == pytest.approx(expected, rel=1e-6)
+
+
+def test_a_loose_frame_is_named():
+    frame = assemble(
+        direct([[0, 0, 0], [1, 0, 0]], [Member(0, 1, BEAM, UP)], (Support(0, ("x", "y", "z")),))
+    )
+    with pytest.raises(ComputationError, match=r"test frame.*free to move"):
+        displacements(frame, np.zeros((12, 1)))
+    with pytest.raises(ComputationError, match="test frame"):
+        modes(frame, 2)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"members": (Member(0, 2, BEAM, UP),)}, "node 2: there are 2"),
+        ({"members": (Member(0, 1, BEAM, (2.0, 0.0, 0.0)),)}, "must not lie along"),
+        ({"members": (Member(0, 1, BEAM, (0.0, 0.0, 0.0)),)}, "must not lie along"),
+        ({"members": (Member(1, 1, BEAM, UP),)}, "at one place"),
+        ({"members": (Member(0, 1, BEAM, UP, kinds=()),)}, "kinds is empty"),
+        ({"supports": (Support(0), Support(0))}, "node 0: supported twice"),
+        ({"springs": (Spring(0, np.eye(6), other=-1),)}, "node -1"),
+        ({"masses": (PointMass(7, 1.0),)}, "node 7"),
+    ],
+)
+def test_impossible_frames_are_refused(change, message):
+    sound = direct([[0, 0, 0], [1, 0, 0]], [Member(0, 1, BEAM, UP)])
+    with pytest.raises(InputError, match=message):
+        assemble(replace(sound, **change))

@@ -1,0 +1,290 @@
+import numpy as np
+import pytest
+from scipy.linalg import eigh, null_space
+from scipy.sparse import csr_array, eye_array
+
+from fem.bodies.leg_modes import clamped_count, modes
+from fem.bodies.solid import clamped_leg, solid_leg, solid_mesh
+from fem.elements.elasticity import mass
+from fem.solvers.block_lanczos import block_lanczos
+from fem.solvers.cholesky import analyse, factorise
+from fem.solvers.factor import whole_matrix
+from fem.solvers.modes import MissedModesError, certify, lowest_modes
+from fem.solvers.sturm import Inertia, count_below
+from lumped.errors import ComputationError, InputError
+from lumped.legs import ConstantLeg, Material
+from lumped.sections import Circle, Rectangle, Tube
+from meshes.prism.extrude import extrude, stations
+from meshes.prism.tetrahedra import tetrahedra
+from meshes.section.section_mesh import section_mesh
+
+STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
+# Both solve one matrix pencil; what is left is rounding, eps times the condition of K (some 1e5).
+SAME = 1e-10
+
+
+def leg(section, length=0.6, slices=6, ends="rigid"):
+    one = ConstantLeg(length, section, STEEL)
+    return clamped_leg(
+        solid_leg(one, extrude(section_mesh(section, 1), stations(length, slices))), ends
+    )
+
+
+def dense_solution(clamped):
+    """Eigenvalues and vectors (on the leg's unknowns) by LAPACK, constraints eliminated.
+
+    As M φ = θ K φ: LAPACK's errors are relative to the largest eigenvalue, here the lowest mode's.
+    """
+    if hasattr(clamped.ends, "interior"):
+        theta, vectors = eigh(
+            clamped.mass.toarray(), whole_matrix(clamped.factor.triangle).toarray()
+        )
+    else:
+        allowed = null_space(clamped.ends.root_loads.T)
+        K, M = clamped.solid.stiffness, clamped.solid.mass
+        theta, vectors = eigh(allowed.T @ (M @ allowed), allowed.T @ (K @ allowed))
+        vectors = allowed @ vectors
+    return 1.0 / theta[::-1], vectors[:, ::-1] / np.sqrt(theta[::-1])
+
+
+def hertz(values):
+    return np.sqrt(values) / (2.0 * np.pi)
+
+
+@pytest.fixture(scope="module")
+def bar():
+    clamped = leg(Rectangle(0.08, 0.12))
+    return clamped, *dense_solution(clamped)
+
+
+@pytest.fixture(scope="module")
+def square():
+    """Every bending mode twice."""
+    clamped = leg(Rectangle(0.1, 0.1))
+    return clamped, *dense_solution(clamped)
+
+
+@pytest.mark.parametrize("ends", ["rigid", "free"])
+@pytest.mark.parametrize("section", [Rectangle(0.08, 0.12), Circle(0.1), Tube(0.1, 0.01)])
+def test_modes_equal_a_dense_solution(section, ends):
+    clamped = leg(section, slices=4, ends=ends)
+    values, _ = dense_solution(clamped)
+    found = modes(clamped, 8)
+    np.testing.assert_allclose(found.frequencies, hertz(values[:8]), rtol=SAME)
+    assert found.count == (values < found.shift).sum() >= 8
+    gram = found.shapes.T @ (mass(clamped.mesh, STEEL.rho) @ found.shapes)
+    np.testing.assert_allclose(gram, np.eye(8), atol=1e-12)
+
+
+def test_tetrahedra():
+    one = ConstantLeg(0.3, Rectangle(0.1, 0.1), STEEL)
+    clamped = clamped_leg(solid_leg(one, tetrahedra(one.section, one.length, 1)))
+    values, _ = dense_solution(clamped)
+    np.testing.assert_allclose(modes(clamped, 8).frequencies, hertz(values[:8]), rtol=SAME)
+
+
+def test_errors_bound_the_true_ones(bar):
+    clamped, values, _ = bar
+    found = modes(clamped, 20)
+    true = np.abs(found.frequencies / hertz(values[:20]) - 1.0)
+    # Beside the residual's share, rounding of LAPACK and of the factor.
+    assert np.all(true <= found.frequency_errors + SAME)
+    assert found.frequency_errors.max() <= 5e-7
+
+
+def test_few_solves(bar):
+    """88 measured here, in blocks of eight that read the factor once; room for one block more."""
+    assert modes(bar[0], 20).solves <= 96
+
+
+def test_two_runs_are_the_same(square):
+    first, second = modes(square[0], 10), modes(square[0], 10)
+    np.testing.assert_array_equal(first.frequencies, second.frequencies)
+    np.testing.assert_array_equal(first.shapes, second.shapes)
+
+
+def test_both_of_a_pair_when_the_start_has_one(square):
+    clamped, values, vectors = square
+    assert values[1] / values[0] - 1.0 < 1e-9
+    found = modes(clamped, 6, start=vectors[:, [0, 2, 3]])
+    np.testing.assert_allclose(found.frequencies, hertz(values[:6]), rtol=SAME)
+
+
+def test_a_pair_that_the_number_of_modes_would_cut_stays_whole(square):
+    clamped, values, _ = square
+    found = modes(clamped, 1)
+    assert (found.count, len(found.frequencies)) == (2, 1)
+    assert values[1] < found.shift < values[2]
+
+
+def test_start_without_a_wanted_mode(bar):
+    clamped, values, vectors = bar
+    found = modes(clamped, 6, start=vectors[:, [0, 1, 3, 4, 5, 6, 7]])
+    np.testing.assert_allclose(found.frequencies, hertz(values[:6]), rtol=SAME)
+
+
+@pytest.mark.parametrize("missing", [0, 3, 4])
+@pytest.mark.parametrize("ends", ["rigid", "free"])
+def test_a_missing_mode_fails_the_certificate(missing, ends):
+    clamped = leg(Rectangle(0.08, 0.12), slices=3, ends=ends)
+    values, _ = dense_solution(clamped)
+    count = clamped_count(clamped, "cholmod")
+    assert values[5] < certify(values[:6], values[6], count, "leg") < values[6]
+    with pytest.raises(
+        MissedModesError, match="leg: certificate of the modes failed: 6 lie"
+    ) as one:
+        certify(np.delete(values[:6], missing), values[6], count, "leg")
+    assert one.value.missing == 1
+    with pytest.raises(ComputationError, match="leg: certificate of the modes failed: 6 lie"):
+        certify(np.sort(np.append(values[:6], values[missing])), values[6], count, "leg")
+
+
+class Blind:
+    """A factor that loses one mode from every solution, as a faulty solver would."""
+
+    def __init__(self, factor, mass, lost):
+        self.factor, self.mass, self.lost = factor, mass, lost
+
+    def solve(self, right_hand_sides):
+        x = self.factor.solve(right_hand_sides)
+        return x - self.lost[:, None] * (self.lost @ (self.mass @ x))
+
+
+def test_a_mode_that_no_solve_shows_is_an_error(bar):
+    clamped, _, vectors = bar
+    blind = Blind(clamped.factor, clamped.mass, vectors[:, 2])
+    with pytest.raises(ComputationError, match="certificate of the modes failed"):
+        lowest_modes(blind, clamped.mass, 6, clamped_count(clamped, "cholmod"), "leg")
+
+
+class BlindAtFirst(Blind):
+    """A factor that loses a mode from the solutions of the first search only."""
+
+    def solve(self, right_hand_sides):
+        if not self.lost.any():
+            return self.factor.solve(right_hand_sides)
+        return super().solve(right_hand_sides)
+
+    def count(self, count):
+        def seeing_again(sigma):
+            found = count(sigma)
+            self.lost = np.zeros_like(self.lost)
+            return found
+
+        return seeing_again
+
+
+@pytest.mark.parametrize("lost", [0, 2, 5])
+def test_missed_mode_is_found_beside_the_others(bar, lost):
+    clamped, values, vectors = bar
+    blind = BlindAtFirst(clamped.factor, clamped.mass, vectors[:, lost])
+    count = blind.count(clamped_count(clamped, "cholmod"))
+    found = lowest_modes(blind, clamped.mass, 6, count, "leg")
+    np.testing.assert_allclose(found.frequencies, hertz(values[:6]), rtol=SAME)
+    gram = found.shapes.T @ (clamped.mass @ found.shapes)
+    np.testing.assert_allclose(gram, np.eye(6), atol=1e-12)
+    # Whatever the first search has found is not searched for again.
+    assert found.count == 7
+
+
+def test_search_beside_known_modes(square):
+    """One of a double mode is known: the other is found, and nothing twice."""
+    clamped, values, vectors = square
+    start = np.random.default_rng(3).standard_normal((len(values), 4))
+    known = vectors[:, [0, 2, 3, 5]]
+    ritz = block_lanczos(clamped.factor, clamped.mass, start, 2, "leg", known)
+    np.testing.assert_allclose(ritz.values, values[[1, 4]], rtol=2.0 * SAME)
+    assert np.abs(known.T @ (clamped.mass @ ritz.vectors)).max() < 1e-12
+
+
+def test_axial_mode_beside_a_bending_mode():
+    """Modes 12 and 13, 0.04 % apart, once counted together: the constraint was a finite spring."""
+    material = Material(E=3.16e9, nu=0.0, rho=1000.0, G=1.58e9)
+    one = ConstantLeg(0.3, Rectangle(0.075, 0.03), material)
+    clamped = clamped_leg(solid_leg(one, solid_mesh(one, 1)), "free")
+    values, _ = dense_solution(clamped)
+    assert values[12] / values[11] - 1.0 < 8e-4
+    for number in (11, 12, 13):
+        found = modes(clamped, number)
+        assert found.count == number
+        assert values[number - 1] < found.shift < values[number]
+        np.testing.assert_allclose(found.frequencies, hertz(values[:number]), rtol=SAME)
+
+
+@pytest.mark.parametrize("ends", ["rigid", "free"])
+@pytest.mark.parametrize("taller", [0.0, 1e-6, 1e-4, 1e-3])
+@pytest.mark.parametrize("slices", [3, 6])
+def test_double_and_nearly_double_modes(taller, slices, ends):
+    """Squares and near squares: bending modes in pairs from exact to 0.1 % apart."""
+    clamped = leg(Rectangle(0.1, 0.1 * (1.0 + taller)), slices=slices, ends=ends)
+    values, _ = dense_solution(clamped)
+    for number in (1, 5, 12):
+        found = modes(clamped, number)
+        np.testing.assert_allclose(found.frequencies, hertz(values[:number]), rtol=SAME)
+        assert found.count == (values < found.shift).sum() >= number
+
+
+def test_zero_pivots_move_the_shift(bar):
+    clamped, values, _ = bar
+    count, calls = clamped_count(clamped, "cholmod"), []
+
+    def zero_at_first(sigma):
+        calls.append(sigma)
+        return count(sigma)._replace(zero=1) if len(calls) == 1 else count(sigma)
+
+    assert values[5] < certify(values[:6], values[6], zero_at_first, "leg") == calls[1] < calls[0]
+
+
+def test_last_place_of_the_shift_is_half_way_to_the_next_mode(bar):
+    clamped, values, _ = bar
+    count, calls = clamped_count(clamped, "cholmod"), []
+
+    def zero_three_times(sigma):
+        calls.append(sigma)
+        return count(sigma)._replace(zero=int(len(calls) < 4))
+
+    assert certify(values[:1], values[1], zero_three_times, "leg") == calls[-1]
+    # The second mode lies less than three times as high as the first in ω², so half way counts.
+    assert calls[-1] == pytest.approx(0.5 * (values[0] + values[1]), rel=1e-12)
+    with pytest.raises(ComputationError, match="leg: certificate of the modes failed: zero pivots"):
+        certify(values[:1], values[1], lambda _: Inertia(1, 1, 0), "leg")
+
+
+def test_double_mode_of_a_very_slender_leg():
+    """87 diameters long: K's largest eigenvalue is 1e11 times its lowest mode's."""
+    one = ConstantLeg(7.6, Circle(0.0873), STEEL)
+    mesh = extrude(section_mesh(one.section, 1), stations(one.length, 40))
+    found = modes(clamped_leg(solid_leg(one, mesh)), 2)
+    assert found.count == 2
+    # Bernoulli's cantilever 1.8751²/2π √(EI/ρA)/L²; shear and rotary inertia take 1e-4, and
+    # slices of two diameters and the held face add no more than that.
+    exact = 1.8751041**2 / (2.0 * np.pi) * np.sqrt(2.1e11 / 7850.0) * (0.0873 / 4.0) / 7.6**2
+    np.testing.assert_allclose(found.frequencies, exact, rtol=3e-3)
+
+
+def test_more_modes_than_have_mass():
+    clamped = leg(Rectangle(0.1, 0.1), slices=2)
+    light = clamped.mass.toarray()
+    light[4:], light[:, 4:] = 0.0, 0.0
+    with pytest.raises(ComputationError, match="leg: 5 modes asked for, but fewer have mass"):
+        lowest_modes(clamped.factor, light, 5, lambda _: None, "leg")
+
+
+def test_wrong_input_is_refused(bar):
+    with pytest.raises(InputError, match="modes = 0"):
+        modes(bar[0], 0)
+    with pytest.raises(InputError, match="start has shape"):
+        modes(bar[0], 2, start=np.ones((3, 1)))
+
+
+def test_every_mode_of_a_small_matrix():
+    K = np.diag(np.arange(1.0, 13.0))
+    factor = factorise(analyse(csr_array(K)), csr_array(K))
+    found = lowest_modes(
+        factor,
+        csr_array(eye_array(12)),
+        12,
+        lambda sigma: count_below(csr_array(K), csr_array(eye_array(12)), sigma),
+        "matrix",
+    )
+    np.testing.assert_allclose(found.frequencies, hertz(np.arange(1.0, 13.0)), rtol=1e-13)

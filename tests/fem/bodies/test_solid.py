@@ -1,0 +1,285 @@
+"""One leg as a solid, held against beam theory, thin-wall theory and the known values."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.linalg import eigh
+
+from fem.bodies.solid import (
+    clamped_leg,
+    modes,
+    section_twists,
+    solid_leg,
+    solid_leg_matrices,
+    solid_mesh,
+    tip_compliance,
+)
+from fem.sections.section_constants import beam_properties, section_constants
+from lumped.errors import InputError
+from lumped.legs import ConstantLeg, Material, constant_leg
+from lumped.legs import tip_compliance as beam_tip_compliance
+from lumped.screws import shift
+from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Tube
+from meshes.prism.extrude import extrude, stations
+from meshes.prism.tetrahedra import tetrahedra
+from meshes.section.section_mesh import section_mesh
+
+STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
+CUBIC = Material(E=2.1e11, G=1.2e11, nu=0.25, rho=7850.0)
+# The equivalent legs of the known values.
+LEG_1 = constant_leg(0.85, EA=8.613e8, EIy=4.771e6, EIz=1.832e6, GJ=9.212e6, mass=69.705)
+LEG_2 = constant_leg(0.775, EA=4.316e9, EIy=5.980e7, EIz=4.182e6, GJ=6.478e6, mass=49.366)
+
+
+def on_mesh(leg, divisions, slices, grading=1.0):
+    section = section_mesh(leg.section, divisions)
+    return solid_leg(leg, extrude(section, stations(leg.length, slices, grading)))
+
+
+def beam_with_mesh_constants(solid):
+    material = solid.leg.material
+    constants = section_constants(solid.mesh.root.mesh, material.nu, material.G / material.E)
+    return beam_tip_compliance(beam_properties(constants, material), solid.leg.length)
+
+
+def scaled_difference(compliance, reference):
+    """Difference in units of √(cᵢᵢ cⱼⱼ), so that zero couplings count as well."""
+    scale = 1.0 / np.sqrt(np.diag(reference))
+    return (compliance - reference) * scale[:, None] * scale
+
+
+# Sections, divisions across (round ones need more: parabolic edges), slices.
+FREE_LEGS = [
+    (Rectangle(0.10, 0.16), 2, 16),
+    (HollowRectangle(0.10, 0.16, 0.008), 3, 16),
+    (Circle(0.12), 8, 12),
+    (Tube(0.12, 0.008), 8, 12),
+    (ISection(0.10, 0.16, 0.012, 0.008), 3, 20),
+]
+
+
+@pytest.mark.parametrize("material", [STEEL, CUBIC], ids=["isotropic", "cubic"])
+@pytest.mark.parametrize(
+    ("section", "divisions", "slices"), FREE_LEGS, ids=lambda value: getattr(value, "shape", None)
+)
+def test_free_ends_reproduce_beam_theory(section, divisions, slices, material):
+    """Clapeyron: with Saint-Venant ends the solid is Timoshenko's beam of its section."""
+    solid = on_mesh(ConstantLeg(0.8, section, material), divisions, slices)
+    compliance = tip_compliance(clamped_leg(solid, "free"))
+    # The issue's limit, 1e-4; what remains is the deflection's cubic on quadratic slices.
+    assert np.abs(scaled_difference(compliance, beam_with_mesh_constants(solid))).max() < 1e-4
+
+
+@pytest.mark.parametrize(
+    ("section", "tolerance"),
+    [
+        # Discretisation of unstructured quadratic tetrahedra four to a side.
+        (Rectangle(0.10, 0.16), 2e-3),
+        (Circle(0.12), 2e-3),
+        # Torsion: stress is singular at four re-entrant corners, the error falls as h^(4/3) only.
+        (ISection(0.10, 0.16, 0.012, 0.008), 2.5e-2),
+    ],
+    ids=["rectangle", "circle", "i-section"],
+)
+def test_free_ends_of_tetrahedra_reproduce_beam_theory(section, tolerance):
+    """The second family of meshes, with the section constants of a fine mesh of the first."""
+    leg = ConstantLeg(0.5, section, STEEL)
+    solid = solid_leg(leg, tetrahedra(section, leg.length, 4))
+    fine = section_constants(section_mesh(section, 16), STEEL.nu)
+    beam = beam_tip_compliance(beam_properties(fine, STEEL), leg.length)
+    difference = scaled_difference(tip_compliance(clamped_leg(solid, "free")), beam)
+    assert np.abs(difference).max() < tolerance
+    difference[3, 3] = 0.0
+    assert np.abs(difference).max() < 2e-3
+
+
+def test_free_ends_do_not_depend_on_slenderness():
+    """Rigid ends have an error that falls with L/h, free ends have none even for a stub."""
+    section = Rectangle(0.10, 0.16)
+    for length, slices in ((0.2, 8), (0.4, 16)):
+        solid = on_mesh(ConstantLeg(length, section, STEEL), 3, slices)
+        compliance = tip_compliance(clamped_leg(solid, "free"))
+        assert np.abs(scaled_difference(compliance, beam_with_mesh_constants(solid))).max() < 1e-4
+
+
+@pytest.fixture(scope="module")
+def leg_1():
+    return on_mesh(LEG_1, 4, 20)
+
+
+@pytest.fixture(scope="module")
+def clamped_leg_1(leg_1):
+    return clamped_leg(leg_1)
+
+
+def test_rigid_ends_leg_1_is_timoshenko_in_tension_and_bending(clamped_leg_1):
+    """ν = 0: end faces that stay plane disturb tension and bending by less than 0.02 %."""
+    compliance = tip_compliance(clamped_leg_1)
+    beam = beam_tip_compliance(LEG_1.timoshenko, LEG_1.length)
+    difference = scaled_difference(compliance, beam)
+    difference[3, 3] = 0.0
+    # Known values after mesh convergence; 5e-5 is the warping of shear, restrained.
+    assert np.abs(difference).max() < 2e-4
+
+
+def test_rigid_ends_stiffen_torsion_of_leg_1(clamped_leg_1):
+    """Known values: 1.6 %."""
+    compliance = tip_compliance(clamped_leg_1)
+    beam = beam_tip_compliance(LEG_1.timoshenko, LEG_1.length)
+    assert 1.0 - compliance[3, 3] / beam[3, 3] == pytest.approx(0.016, abs=0.0015)
+
+
+def test_rigid_ends_stiffen_torsion_of_leg_2():
+    """Known values: 18 %; and 0.26 % along z, where shear carries a sixth of the deflection."""
+    solid = on_mesh(LEG_2, (3, 9), 16)
+    compliance = tip_compliance(clamped_leg(solid))
+    beam = beam_tip_compliance(LEG_2.timoshenko, LEG_2.length)
+    share = 1.0 - np.diag(compliance) / np.diag(beam)
+    assert share[3] == pytest.approx(0.18, abs=0.005)
+    assert np.abs(share[[0, 1, 4, 5]]).max() < 2e-4
+    assert 0.0 < share[2] < 3e-3
+
+
+def test_difference_of_rigid_ends_falls_with_slenderness():
+    """Restrained warping is lost over a length of the section's size at either end.
+
+    In torsion it is a share h/L of L/GJ: exponent −1 (known values). In bending, a share h/L
+    of the shear part of the deflection alone, which itself is (h/L)² of the whole: −3.
+    """
+    differences = []
+    for factor in (2, 4):
+        leg = replace(LEG_2, length=factor * LEG_2.length)
+        solid = on_mesh(leg, (2, 6), 12 * factor)
+        free, rigid = (np.diag(tip_compliance(clamped_leg(solid, e))) for e in ("free", "rigid"))
+        differences.append((1.0 - rigid / free)[[3, 2]])
+    # The next term of the expansion is h/L smaller: the exponents are met to about 0.1.
+    exponents = np.log2(differences[1] / differences[0])
+    assert exponents == pytest.approx([-1.0, -3.0], abs=0.1)
+
+
+def test_rigid_ends_of_an_i_section_follow_vlasov():
+    """Warping held at both ends: c44 = L/GJ (1 − 2/kL tanh(kL/2)), k² = GJ/EΓ (Vlasov)."""
+    section = ISection(0.10, 0.16, 0.012, 0.008)
+    leg = ConstantLeg(1.6, section, STEEL)
+    solid = on_mesh(leg, 4, 32)
+    constants = section_constants(solid.mesh.root.mesh, STEEL.nu)
+    GJ = STEEL.G * constants.torsion_constant
+    kL = leg.length * np.sqrt(GJ / (STEEL.E * constants.warping_constant))
+    vlasov = leg.length / GJ * (1.0 - 2.0 / kL * np.tanh(kL / 2.0))
+    compliance = tip_compliance(clamped_leg(solid))[3, 3]
+    # Vlasov leaves out the shear of the bending flanges: (b/L)² in the flanges' bending, 4 %.
+    assert compliance == pytest.approx(vlasov, rel=0.04)
+    assert compliance < 0.6 * leg.length / GJ
+
+
+def test_compliance_is_symmetric_and_positive_definite(clamped_leg_1):
+    compliance = tip_compliance(clamped_leg_1)
+    assert np.array_equal(compliance, compliance.T)
+    assert np.linalg.eigvalsh(compliance)[0] > 0.0
+    assert compliance[1, 5] > 0.0 > compliance[2, 4]
+
+
+def test_compliance_equals_condensation_of_the_leg_matrices():
+    """Dense inverse of the free leg's matrix with the root's rows struck out."""
+    solid = on_mesh(LEG_1, 1, 4)
+    matrices = solid_leg_matrices(solid)
+    dense = matrices.stiffness.toarray()
+    direct = np.linalg.inv(dense[6:, 6:])[:6, :6]
+    compliance = tip_compliance(clamped_leg(solid))
+    assert np.abs(scaled_difference(compliance, direct)).max() < 1e-9
+
+
+def test_first_frequencies_of_leg_1(clamped_leg_1):
+    """Known values: z-bending of leg 1 at 181.8 Hz in the 3-D solid."""
+    found = modes(clamped_leg_1, 4)
+    # One unit in the last digit given.
+    assert found.frequencies[1] == pytest.approx(181.8, abs=0.1)
+    # Tension: √(EA/μ)/4L, exact for ν = 0 but for the slices' own error, (kl)⁴.
+    beam = LEG_1.timoshenko
+    tension = np.sqrt(beam.EA / beam.mu) / (4.0 * LEG_1.length)
+    assert found.frequencies[3] == pytest.approx(tension, rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    "leg", [LEG_1, ConstantLeg(0.8, Rectangle(0.1, 0.1), STEEL)], ids=["leg 1", "repeated modes"]
+)
+def test_modes_equal_a_dense_solution_and_repeat(leg):
+    solid = on_mesh(leg, 1, 4)
+    clamped = clamped_leg(solid)
+    found, again = modes(clamped, 6), modes(clamped, 6)
+    matrices = solid_leg_matrices(solid)
+    exact = eigh(
+        matrices.stiffness.toarray()[6:, 6:], matrices.mass.toarray()[6:, 6:], eigvals_only=True
+    )[:6]
+    np.testing.assert_allclose(found.frequencies, np.sqrt(exact) / (2 * np.pi), rtol=1e-9)
+    np.testing.assert_array_equal(found.shapes, again.shapes)
+    gram = found.shapes.T @ (solid.mass @ found.shapes)
+    np.testing.assert_allclose(gram, np.eye(6), atol=1e-10)
+    assert np.all(found.shapes.reshape(-1, 3, 6)[solid.mesh.root.nodes] == 0.0)
+
+
+def test_free_ends_vibrate_lower_than_rigid_ones():
+    """A constraint less lowers every frequency (Rayleigh); torsion is then that of a free bar."""
+    solid = on_mesh(LEG_2, (2, 6), 12)
+    rigid = modes(clamped_leg(solid), 5).frequencies
+    clamped = clamped_leg(solid, "free")
+    free = modes(clamped, 5)
+    assert np.all(free.frequencies <= rigid * (1.0 + 1e-9))
+    beam = LEG_2.timoshenko
+    torsion = np.sqrt(beam.GJ / beam.rho_J) / (4.0 * LEG_2.length)
+    # Inertia of warping lowers it: Love's correction, here a few parts in a thousand.
+    assert free.frequencies[2] == pytest.approx(torsion, rel=2e-2)
+    root = clamped.ends.root_loads.T @ free.shapes
+    assert np.abs(root).max() < 1e-9 * np.abs(free.shapes).max()
+
+
+def test_leg_matrices_of_a_free_leg():
+    solid = on_mesh(LEG_2, 1, 4)
+    matrices = solid_leg_matrices(solid)
+    assert matrices.size == matrices.mass.shape[0]
+    at = np.array([0.0, 0.1, 0.35, 0.775])
+    centreline = matrices.centreline(at)
+    assert centreline.shape == (24, matrices.size)
+    ends = np.zeros((matrices.size, 6))
+    nodes = solid.mesh.nodes
+    inner = np.ones(len(nodes), dtype=bool)
+    inner[solid.mesh.root.nodes] = inner[solid.mesh.tip.nodes] = False
+    ends[:6], ends[6:12] = np.eye(6), shift(np.array([LEG_2.length, 0.0, 0.0]))
+    ends[12:] = np.vstack([shift(point)[:3] for point in nodes[inner]])
+    assert np.abs(matrices.stiffness @ ends).max() < 1e-12 * abs(matrices.stiffness).max()
+    expected = np.vstack([shift(np.array([x, 0.0, 0.0])) for x in at])
+    np.testing.assert_allclose(centreline @ ends, expected, atol=1e-12)
+    mass = ends.T @ (matrices.mass @ ends)
+    np.testing.assert_allclose(mass[:3, :3], LEG_2.mass * np.eye(3), atol=1e-9 * LEG_2.mass)
+
+
+def test_centreline_of_a_tip_load_is_the_beam():
+    """Under Fy the sections of the middle follow Timoshenko's cantilever."""
+    solid = on_mesh(LEG_1, 2, 24)
+    clamped = clamped_leg(solid)
+    u = clamped.ends.expanded(clamped.factor.solve(clamped.ends.tip_loads()[:, 1]))
+    at = np.array([0.3, 0.5, 0.85])
+    twists = (section_twists(solid.mesh, at) @ u).reshape(-1, 6)
+    beam, L = LEG_1.timoshenko, LEG_1.length
+    deflection = at**2 * (3.0 * L - at) / (6.0 * beam.EIz) + at / beam.GAy
+    rotation = at * (2.0 * L - at) / (2.0 * beam.EIz)
+    # Ends restrained in shear warping, and the mean of a quadratic slice: some 1e-4.
+    np.testing.assert_allclose(twists[:, 1], deflection, rtol=1e-3)
+    np.testing.assert_allclose(twists[:, 5], rotation, rtol=1e-3)
+
+
+def test_section_twists_need_planes_and_stations_on_the_leg():
+    solid = on_mesh(LEG_1, 1, 2)
+    with pytest.raises(InputError, match=r"between 0 m and 0.85 m"):
+        section_twists(solid.mesh, np.array([0.9]))
+    with pytest.raises(InputError, match="extruded"):
+        section_twists(tetrahedra(LEG_1.section, LEG_1.length, 1), np.array([0.1]))
+
+
+def test_solid_mesh_has_slices_as_long_as_its_elements_are_wide():
+    mesh = solid_mesh(ConstantLeg(0.8, Rectangle(0.10, 0.16), STEEL), 2)
+    assert mesh.slices == 16
+    assert mesh.element == "hex27"
+    with pytest.raises(InputError, match="shorter than"):
+        solid_mesh(ConstantLeg(0.1, Rectangle(0.10, 0.16), STEEL), 2)

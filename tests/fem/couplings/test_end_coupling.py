@@ -1,0 +1,192 @@
+"""End couplings against the naive TᵀKT, against a bordered system, and by their definition."""
+
+import numpy as np
+import pytest
+from scipy.linalg import eigh, null_space
+from scipy.sparse import bmat
+from scipy.sparse.linalg import spsolve
+
+from fem.couplings.end_coupling import (
+    free_ends,
+    rigid_ends,
+    rigid_motions,
+    saint_venant_loads,
+    unknowns,
+)
+from fem.elements.elasticity import mass, stiffness
+from lumped.legs import Material
+from lumped.screws import shift
+from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Tube
+from meshes.prism.extrude import extrude, stations
+from meshes.prism.tetrahedra import tetrahedra
+from meshes.section.section_mesh import section_mesh
+
+STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
+CUBIC = Material(E=2.1e11, G=1.3e11, nu=0.25, rho=7850.0)
+SECTIONS = [
+    Rectangle(0.10, 0.16),
+    HollowRectangle(0.10, 0.16, 0.01),
+    Circle(0.12),
+    Tube(0.12, 0.01),
+    ISection(0.10, 0.16, 0.012, 0.008),
+]
+LENGTH = 0.5
+
+
+def small_leg(element="quad9", section=SECTIONS[0], divisions=1, slices=3):
+    return extrude(section_mesh(section, divisions, element), stations(LENGTH, slices))
+
+
+def tetrahedral_leg():
+    return tetrahedra(Rectangle(0.10, 0.16), LENGTH, 1)
+
+
+MESHES = {
+    "hex27": small_leg,
+    "hex8": lambda: small_leg("quad4", divisions=2),
+    "tet10": tetrahedral_leg,
+}
+
+
+@pytest.mark.parametrize("mesh", MESHES.values(), ids=MESHES)
+@pytest.mark.parametrize("material", [STEEL, CUBIC], ids=["isotropic", "cubic"])
+def test_rigid_ends_equal_the_naive_product(mesh, material):
+    mesh = mesh()
+    ends = rigid_ends(mesh)
+    T = ends.transformation
+    for matrix in (stiffness(mesh, material), mass(mesh, material.rho)):
+        naive = (T.T @ matrix @ T).toarray()
+        # The same sums in another order.
+        tolerance = 1e-14 * np.abs(naive).max()
+        np.testing.assert_allclose(ends.reduced(matrix).toarray(), naive, rtol=0, atol=tolerance)
+        held = naive[6:, 6:]
+        np.testing.assert_allclose(
+            ends.clamped_stiffness(matrix).toarray(), held, rtol=0, atol=tolerance
+        )
+        assert abs(ends.reduced(matrix) - ends.reduced(matrix).T).max() == 0.0
+
+
+def test_rigid_ends_move_as_rigid_bodies():
+    """u = x + φ × r at every node of a face, r from (0, 0, 0) or (L, 0, 0)."""
+    mesh = small_leg()
+    ends = rigid_ends(mesh)
+    q = np.zeros(ends.size)
+    root, tip = np.array([1.0, 2.0, 3.0, 0.1, 0.2, 0.3]), np.array([4.0, 5.0, 6.0, -0.3, 0.5, 0.7])
+    q[:6], q[6:12] = root, tip
+    u = (ends.transformation @ q).reshape(-1, 3)
+    for face, twist, point in ((mesh.root, root, 0.0), (mesh.tip, tip, LENGTH)):
+        r = mesh.nodes[face.nodes] - [point, 0.0, 0.0]
+        expected = twist[:3] + np.cross(twist[3:], r)
+        np.testing.assert_allclose(u[face.nodes], expected, atol=1e-15)
+    assert np.all(u[ends.interior] == 0.0)
+
+
+@pytest.mark.parametrize("mesh", MESHES.values(), ids=MESHES)
+def test_reduced_stiffness_has_six_rigid_motions(mesh):
+    mesh = mesh()
+    ends = rigid_ends(mesh)
+    reduced = ends.reduced(stiffness(mesh, STEEL)).toarray()
+    motions = np.vstack(
+        [
+            np.eye(6),
+            shift(np.array([LENGTH, 0.0, 0.0])),
+            rigid_motions(mesh.nodes[ends.interior], np.zeros(3)),
+        ]
+    )
+    assert np.abs(reduced @ motions).max() < 1e-12 * np.abs(reduced).max()
+    # Scaled to a unit diagonal, the seventh eigenvalue is a real one: far above rounding.
+    scale = 1.0 / np.sqrt(np.diag(reduced))
+    values = np.linalg.eigvalsh(reduced * scale[:, None] * scale)
+    assert np.abs(values[:6]).max() < 1e-12
+    assert values[6] > 1e-6
+
+
+@pytest.mark.parametrize("material", [STEEL, CUBIC], ids=["isotropic", "cubic"])
+@pytest.mark.parametrize("section", SECTIONS, ids=lambda section: section.shape)
+def test_saint_venant_loads_are_unit_wrenches(section, material):
+    """BᵀR = I: resultants and moments about (L, 0, 0) are those of unit wrenches."""
+    mesh = small_leg(section=section, divisions=3, slices=2)
+    points = mesh.nodes[mesh.tip.nodes]
+    reference = np.array([LENGTH, 0.0, 0.0])
+    loads = saint_venant_loads(mesh.tip, points, reference, material)
+    np.testing.assert_allclose(loads.T @ rigid_motions(points, reference), np.eye(6), atol=1e-12)
+    forces = loads.reshape(-1, 3, 6)
+    np.testing.assert_allclose(forces.sum(axis=0), np.eye(6)[:3], atol=1e-12)
+    moments = np.cross(points - reference, forces.transpose(2, 0, 1)).sum(axis=1).T
+    np.testing.assert_allclose(moments, np.eye(6)[3:], atol=1e-12)
+
+
+def test_loads_on_a_triangular_face_are_unit_wrenches():
+    mesh = tetrahedral_leg()
+    points = mesh.nodes[mesh.root.nodes]
+    loads = saint_venant_loads(mesh.root, points, np.zeros(3), STEEL)
+    np.testing.assert_allclose(loads.T @ rigid_motions(points, np.zeros(3)), np.eye(6), atol=1e-12)
+
+
+def test_shear_traction_of_a_rectangle_is_parabolic():
+    """ν = 0: τ = 3/2A (1 − (2y/b)²), whose mean work with y² is b²/20 (5/3 less than uniform)."""
+    section = Rectangle(0.10, 0.16)
+    mesh = small_leg(section=section, divisions=6, slices=2)
+    points = mesh.nodes[mesh.root.nodes]
+    material = Material(E=2.1e11, G=1e11, nu=0.0, rho=7850.0)
+    loads = saint_venant_loads(mesh.root, points, np.zeros(3), material).reshape(-1, 3, 6)
+    # Quadratic cells hold the cubic flexure function to h⁴: 1/6⁴ of the square's tenth.
+    assert points[:, 1] ** 2 @ loads[:, 1, 1] == pytest.approx(0.10**2 / 20.0, rel=1e-3)
+    assert points[:, 2] ** 2 @ loads[:, 2, 2] == pytest.approx(0.16**2 / 20.0, rel=1e-3)
+    assert np.abs(loads[:, 0, 1]).max() == 0.0
+
+
+@pytest.mark.parametrize("mesh", MESHES.values(), ids=MESHES)
+def test_free_ends_equal_the_bordered_system(mesh):
+    """K u + B_root λ = f, B_rootᵀu = 0 solved as it stands, without springs."""
+    mesh = mesh()
+    ends = free_ends(mesh, STEEL)
+    K = stiffness(mesh, STEEL)
+    # In units of E, so that the stiffness and the constraint are of one size.
+    system = bmat([[K / STEEL.E, ends.root_loads], [ends.root_loads.T, None]], format="csc")
+    right = np.zeros((K.shape[0] + 6, 6))
+    right[:-6] = ends.free_tip_loads / STEEL.E
+    u = spsolve(system, right)[:-6]
+    x = spsolve(ends.clamped_stiffness(K).tocsc(), ends.tip_loads())
+    size = np.abs(u).max(axis=0)
+    # Rounding times the condition of a small mesh, about 1e5.
+    np.testing.assert_allclose(ends.expanded(x) / size, u / size, rtol=0, atol=1e-10)
+    compliance = ends.tip_loads().T @ x
+    scale = 1.0 / np.sqrt(np.diag(compliance))
+    difference = (compliance - ends.free_tip_loads.T @ u) * scale[:, None] * scale
+    assert np.abs(difference).max() < 1e-10
+
+
+def test_springs_carry_nothing_and_the_root_stays():
+    mesh = small_leg()
+    ends = free_ends(mesh, STEEL)
+    assert np.count_nonzero(ends.springs) == 6
+    x = spsolve(ends.clamped_stiffness(stiffness(mesh, STEEL)).tocsc(), ends.tip_loads())
+    u = ends.expanded(x)
+    # Unit loads: the springs' forces are parts of 1 N, rounding amplified by conditioning.
+    assert np.abs(ends.springs[:, None] * x).max() < 1e-7
+    assert np.abs(ends.root_loads.T @ u).max() < 1e-12 * np.abs(u).max()
+    np.testing.assert_allclose(ends.root_loads.T @ ends.motions, np.eye(6), atol=1e-12)
+    reactions = ends.tip_loads() - ends.free_tip_loads
+    np.testing.assert_allclose(
+        reactions, -ends.root_loads @ shift(np.array([LENGTH, 0.0, 0.0])).T, atol=1e-11
+    )
+
+
+def test_free_modes_equal_those_in_the_null_space_of_the_constraint():
+    """The eigenproblem restricted, dense, to a basis of B_rootᵀu = 0."""
+    mesh = small_leg(slices=2)
+    ends = free_ends(mesh, CUBIC)
+    K, M = stiffness(mesh, CUBIC), mass(mesh, CUBIC.rho)
+    basis = null_space(ends.root_loads.T)
+    expected = eigh(
+        basis.T @ K.toarray() @ basis, basis.T @ M.toarray() @ basis, eigvals_only=True
+    )[:8]
+    held_mass = ends.clamped_mass(M) @ np.eye(K.shape[0])
+    inverse = np.linalg.solve(ends.clamped_stiffness(K).toarray(), (held_mass + held_mass.T) / 2.0)
+    values = np.sort(np.linalg.eigvals(inverse).real)[::-1][:8]
+    np.testing.assert_allclose(1.0 / values, expected, rtol=1e-8)
+
+
+def test_unknowns_run_node_by_node():
+    assert unknowns(np.array([4, 1])).tolist() == [12, 13, 14, 3, 4, 5]

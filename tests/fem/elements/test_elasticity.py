@@ -1,0 +1,305 @@
+import numpy as np
+import pytest
+import skfem
+from scipy.sparse.linalg import cg
+from skfem.helpers import ddot, dot, sym_grad, trace
+from skfem.helpers import eye as identity
+
+from fem.elements.elasticity import mass, scalar_mass, stiffness, stiffness_and_mass
+from lumped.errors import ComputationError
+from lumped.legs import Material
+from meshes.elements import ELEMENTS
+from meshes.section.section_mesh import SectionMesh
+from meshes.shape_functions import gradients, quadrature, values
+from meshes.solid_mesh import EndFace, SolidMesh
+
+STEEL = Material.isotropic(E=2.1e11, nu=0.3, rho=7850.0)
+CUBIC = Material(E=1.9e11, G=1.2e11, nu=0.22, rho=7850.0)
+NAMES = ("hex8", "hex27", "tet4", "tet10")
+SKFEM = {
+    "hex8": (skfem.MeshHex1, skfem.MeshHex1, skfem.ElementHex1),
+    "hex27": (skfem.MeshHex1, skfem.MeshHex2, skfem.ElementHex2),
+    "tet4": (skfem.MeshTet1, skfem.MeshTet1, skfem.ElementTetP1),
+    "tet10": (skfem.MeshTet1, skfem.MeshTet2, skfem.ElementTetP2),
+}
+# Exact for straight cells (stiffness) and for all cells (mass), by counting degrees by hand.
+STIFFNESS_DEGREE = {"hex8": 3, "hex27": 5, "tet4": 1, "tet10": 2}
+MASS_DEGREE = {"hex8": 4, "hex27": 9, "tet4": 2, "tet10": 7}
+
+
+def solid(nodes, cells, element):
+    nowhere = EndFace(
+        np.empty(0, dtype=np.int64), SectionMesh(np.empty((0, 2)), np.empty((0, 4)), "quad4")
+    )
+    return SolidMesh(nodes, cells, element, root=nowhere, tip=nowhere, slices=None)
+
+
+def skfem_box(name, divisions):
+    linear, mesh_type, _ = SKFEM[name]
+    grids = [np.linspace(0.0, 1.0, n + 1) for n in divisions]
+    mesh = linear.init_tensor(*grids)
+    return mesh if mesh_type is linear else mesh_type.from_mesh(mesh)
+
+
+def local_numbers(name, mirrored):
+    """Our local numbers expressed in scikit-fem's, by place; mirrored swaps the first two axes."""
+    theirs = np.asarray(SKFEM[name][2]().doflocs)
+    ours = ELEMENTS[name].nodes[:, [1, 0, 2]] if mirrored else ELEMENTS[name].nodes
+    distance = np.abs(theirs[None] - ours[:, None]).sum(axis=2)
+    assert distance.min(axis=1).max() == 0.0
+    return distance.argmin(axis=1)
+
+
+def from_skfem(mesh, name):
+    """The same mesh in our node order, right-handed."""
+    element_dofs = skfem.Basis(mesh, SKFEM[name][2](), intorder=1).element_dofs.T
+    nodes = mesh.doflocs.T.copy()
+    cells = element_dofs[:, local_numbers(name, mirrored=False)]
+    centre = ELEMENTS[name].nodes.mean(axis=0)[:, None]
+    slopes = gradients(name, centre)[:, :, 0]
+    jacobian = np.einsum("eki,kj->eij", nodes[cells], slopes)
+    left = np.linalg.det(jacobian) < 0.0
+    cells[left] = element_dofs[left][:, local_numbers(name, mirrored=True)]
+    return solid(nodes, cells.astype(np.int64), name)
+
+
+def distorted(name, divisions=(3, 2, 2), amount=0.06):
+    """A box with every node moved: cells with curved edges and faces that are not plane."""
+    mesh = skfem_box(name, divisions)
+    x, y, z = mesh.doflocs
+    moved = mesh.doflocs + amount * np.array(
+        [np.sin(3.0 * y + z), np.sin(2.0 * z - 1.5 * x), np.cos(2.5 * x + y)]
+    )
+    return type(mesh)(moved, mesh.t)
+
+
+def vector_matrix(form, mesh, name, degree):
+    """A vector form of scikit-fem with unknowns renumbered to 3·node + component."""
+    element = SKFEM[name][2]()
+    basis = skfem.Basis(mesh, skfem.ElementVector(element), intorder=degree)
+    scalar = skfem.Basis(mesh, element, intorder=1).element_dofs
+    new = np.empty(basis.N, dtype=np.int64)
+    for i, dofs in enumerate(basis.element_dofs):
+        new[dofs] = 3 * scalar[i // 3] + i % 3
+    matrix = form.assemble(basis).tocoo()
+    return np.bincount(
+        new[matrix.row] * basis.N + new[matrix.col], matrix.data, basis.N**2
+    ).reshape(basis.N, basis.N)
+
+
+def elastic_form(material):
+    """Cubic elasticity by Voigt's three constants, written without our D_ab."""
+    factor = material.E / ((1.0 + material.nu) * (1.0 - 2.0 * material.nu))
+    c11, c12, c44 = factor * (1.0 - material.nu), factor * material.nu, material.G
+
+    @skfem.BilinearForm
+    def form(u, v, _):
+        strain, test = sym_grad(u), sym_grad(v)
+        stress = 2.0 * c44 * strain + c12 * trace(strain) * identity(1.0 + 0.0 * trace(strain), 3)
+        normal = sum(strain[i, i] * test[i, i] for i in range(3))
+        return ddot(stress, test) + (c11 - c12 - 2.0 * c44) * normal
+
+    return form
+
+
+@pytest.mark.parametrize("material", [STEEL, CUBIC], ids=["isotropic", "cubic"])
+@pytest.mark.parametrize("name", NAMES)
+def test_stiffness_is_scikit_fems_on_curved_cells(name, material):
+    mesh = distorted(name)
+    expected = vector_matrix(elastic_form(material), mesh, name, STIFFNESS_DEGREE[name])
+    found = stiffness(from_skfem(mesh, name), material).toarray()
+    # Sums of some hundred products in another order: a few units in the fifteenth digit.
+    assert np.abs(found - expected).max() <= 1e-14 * np.abs(expected).max()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_mass_is_scikit_fems_on_curved_cells(name):
+    mesh = distorted(name)
+    form = skfem.BilinearForm(lambda u, v, _: 7850.0 * dot(u, v))
+    expected = vector_matrix(form, mesh, name, MASS_DEGREE[name])
+    found = mass(from_skfem(mesh, name), 7850.0).toarray()
+    assert np.abs(found - expected).max() <= 1e-14 * np.abs(expected).max()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_matrices_are_symmetric_to_the_last_bit_and_agree_in_all_forms(name):
+    mesh = from_skfem(distorted(name), name)
+    K, M = stiffness_and_mass(mesh, CUBIC)
+    for matrix in (K, M):
+        dense = matrix.toarray()
+        assert (dense == dense.T).all()
+        assert matrix.has_sorted_indices
+    assert (stiffness(mesh, CUBIC) != K).nnz == 0
+    assert (scalar_mass(mesh, CUBIC.rho) != M).nnz == 0
+    assert (mass(mesh, CUBIC.rho).toarray() == np.kron(M.toarray(), np.eye(3))).all()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_patch_of_distorted_cells_reproduces_constant_strain(name):
+    mesh = skfem_box(name, (3, 3, 3))
+    x, y, z = mesh.doflocs
+    inside = ((np.abs(mesh.doflocs - 0.5) < 0.45).all(axis=0)).astype(float)
+    vertices = np.unique(mesh.t)
+    shifts = np.zeros_like(mesh.doflocs)
+    shifts[:, vertices] = (
+        0.07 * np.array([np.sin(9 * y), np.cos(7 * x), np.sin(8 * x + z)])[:, vertices]
+    )
+    shifts *= inside
+    # Edge, face and cell nodes stay in the middle: the straight-sided cells of the patch test.
+    basis = skfem.Basis(mesh, SKFEM[name][2](), intorder=1)
+    linear = SKFEM[name][0]
+    corner_count = 8 if linear is skfem.MeshHex1 else 4
+    corner_element = skfem.ElementHex1() if corner_count == 8 else skfem.ElementTetP1()
+    for local, place in enumerate(np.asarray(SKFEM[name][2]().doflocs)):
+        weights = np.array(
+            [corner_element.lbasis(place[:, None], i)[0][0] for i in range(corner_count)]
+        )
+        corners = shifts[:, basis.element_dofs[:corner_count]]
+        shifts[:, basis.element_dofs[local]] = np.einsum("cke,k->ce", corners, weights)
+    ours = from_skfem(type(mesh)(mesh.doflocs + shifts, mesh.t), name)
+    strain = np.array([[1.0, 0.3, -0.2], [0.4, -0.5, 0.6], [0.1, 0.7, 0.8]]) * 1e-3
+    u = ours.nodes @ strain.T
+    forces = (stiffness(ours, STEEL) @ u.ravel()).reshape(-1, 3)
+    free = (np.abs(mesh.doflocs.T - 0.5) < 0.499).all(axis=1)
+    assert free.sum() >= 8
+    # No net force inside: rounding of forces that cancel, 1e-16 times some hundred terms.
+    assert np.abs(forces[free]).max() <= 1e-13 * np.abs(forces).max()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_exactly_six_rigid_body_modes(name):
+    mesh = from_skfem(distorted(name, divisions=(1, 1, 1)), name)
+    K = stiffness(mesh, STEEL).toarray()
+    eigenvalues = np.linalg.eigvalsh(K)
+    # Zero is rounding, 1e-16 of the largest; the softest mode of a unit cube lies far above.
+    assert np.abs(eigenvalues[:6]).max() <= 1e-14 * eigenvalues[-1]
+    assert eigenvalues[6] >= 1e-4 * eigenvalues[-1]
+    x = mesh.nodes
+    rotations = [np.cross(axis, x) for axis in np.eye(3)]
+    translations = [np.tile(axis, (len(x), 1)) for axis in np.eye(3)]
+    for motion in rotations + translations:
+        assert np.abs(K @ motion.ravel()).max() <= 1e-14 * eigenvalues[-1]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_total_mass_and_inertia_of_a_box(name):
+    mesh = from_skfem(skfem_box(name, (2, 1, 2)), name)
+    sides, rho = np.array([0.7, 0.2, 0.3]), 2700.0
+    box = solid(mesh.nodes * sides, mesh.cells, name)
+    M = scalar_mass(box, rho)
+    one, x = np.ones(len(box.nodes)), box.nodes
+    total = rho * sides.prod()
+    first = np.einsum("a,ab,bi->i", one, M.toarray(), x)
+    second = x.T @ M @ x
+    # ∫ρ x_i x_j of a box with a corner at the origin: closed form, exact for linear shapes as well.
+    expected = total * (np.outer(sides, sides) / 4.0 + np.diag(sides**2) / 12.0)
+    assert one @ M @ one == pytest.approx(total, rel=1e-13)
+    assert first == pytest.approx(total * sides / 2.0, rel=1e-13)
+    assert second == pytest.approx(expected, rel=1e-13)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_energy_of_a_cube_under_uniform_strain_by_hand(name):
+    """U = ½(C11 Σε_ii² + 2 C12 Σε_ii ε_jj + C44 Σγ_ij²) V, with C = S⁻¹ of the compliances."""
+    cube = from_skfem(skfem_box(name, (1, 1, 1)), name)
+    E, nu, G = CUBIC.E, CUBIC.nu, CUBIC.G
+    compliance = np.full((3, 3), -nu / E) + np.eye(3) * (1.0 + nu) / E
+    normal, shear = np.array([1e-3, -4e-4, 2e-4]), np.array([3e-4, -5e-4, 7e-4])
+    yz, zx, xy = shear
+    gradient = np.diag(normal) + np.array([[0, xy, 0], [0, 0, yz], [zx, 0, 0]])
+    u = (cube.nodes @ gradient.T).ravel()
+    energy = 0.5 * u @ stiffness(cube, CUBIC) @ u
+    by_hand = 0.5 * (normal @ np.linalg.inv(compliance) @ normal + G * shear @ shear)
+    assert energy == pytest.approx(by_hand, rel=1e-12)
+
+
+def displacement(x):
+    a, b, c = np.moveaxis(x, -1, 0)
+    return np.stack(
+        [np.sin(a + 2 * b) * np.cos(c), np.cos(2 * a) * np.sin(b + c), np.sin(a * b) + c**3],
+        axis=-1,
+    )
+
+
+def slopes_of(field, x, step=1e-4):
+    """∂u_i/∂x_j by fourth-order central differences: errors of 1e-11, far below the mesh's."""
+
+    def along(axis):
+        near, far = field(x + axis) - field(x - axis), field(x + 2 * axis) - field(x - 2 * axis)
+        return (8 * near - far) / (12 * step)
+
+    return np.stack([along(axis) for axis in step * np.eye(3)], axis=-1)
+
+
+def body_force(x, material):
+    """−div σ(u) of the manufactured displacement."""
+    lame = material.E * material.nu / ((1 + material.nu) * (1 - 2 * material.nu))
+
+    def stress(at):
+        slope = slopes_of(displacement, at, step=2e-3)
+        tension = lame * np.trace(slope, axis1=-2, axis2=-1)[..., None, None] * np.eye(3)
+        return tension + material.G * (slope + np.swapaxes(slope, -1, -2))
+
+    return -np.einsum("...ijj->...i", slopes_of(stress, x, step=2e-3))
+
+
+def errors_of(mesh, u, name):
+    points, weights = quadrature(name, 6)
+    shape, slope = values(name, points), gradients(name, points)
+    x = mesh.nodes[mesh.cells]
+    jacobian = np.einsum("eki,kjq->eqij", x, slope)
+    volume = np.linalg.det(jacobian) * weights
+    at = np.einsum("eki,kq->eqi", x, shape)
+    found = np.einsum("eki,kq->eqi", u[mesh.cells], shape)
+    found_slope = np.einsum("eki,kjq->eqij", u[mesh.cells], slope) @ np.linalg.inv(jacobian)
+    l2 = np.sqrt((volume * ((found - displacement(at)) ** 2).sum(-1)).sum())
+    h1 = np.sqrt((volume * ((found_slope - slopes_of(displacement, at)) ** 2).sum((-1, -2))).sum())
+    return l2, h1
+
+
+# Element, divisions, orders (Ciarlet: p+1 in L2, p in H1), caps on the finest mesh's errors: a few
+# times h^{p+1} and h^p of a solution whose derivatives are of order one to ten.
+MANUFACTURED = [
+    ("hex8", (3, 6, 12), (2, 1), (6e-3, 0.2)),
+    ("hex27", (2, 3, 5), (3, 2), (1e-3, 0.03)),
+    ("tet4", (3, 6, 12), (2, 1), (2e-2, 0.4)),
+    ("tet10", (2, 4, 6), (3, 2), (1e-3, 0.05)),
+]
+
+
+@pytest.mark.parametrize(
+    ("name", "divisions", "orders", "caps"), MANUFACTURED, ids=[m[0] for m in MANUFACTURED]
+)
+def test_manufactured_solution_converges_at_the_elements_orders(name, divisions, orders, caps):
+    material = Material.isotropic(E=2.5, nu=0.25, rho=1.0)
+    errors = []
+    for n in divisions:
+        box = skfem_box(name, (n, n, n))
+        mesh = from_skfem(distorted(name, (n, n, n), amount=0.04), name)
+        K, M = stiffness_and_mass(mesh, material)
+        load = (M @ body_force(mesh.nodes, material)).ravel()
+        u = displacement(mesh.nodes).ravel()
+        inside = (np.abs(box.doflocs.T - 0.5) < 0.499).all(axis=1)
+        free = np.flatnonzero(np.repeat(inside, 3))
+        fixed = np.flatnonzero(np.repeat(~inside, 3))
+        # Conjugate gradients, not our factorisation, so that each is tested by itself.
+        rhs = load[free] - K[free][:, fixed] @ u[fixed]
+        u[free], info = cg(K[free][:, free], rhs, rtol=1e-9, maxiter=3000)
+        assert info == 0
+        errors.append(errors_of(mesh, u.reshape(-1, 3), name))
+    for error, order, cap in zip(np.array(errors).T, orders, caps, strict=True):
+        fit = -np.polyfit(np.log(divisions), np.log(error), 1)[0]
+        # Coarse meshes reach the asymptote within a tenth; a lost order would show as −1.
+        assert fit == pytest.approx(order, abs=0.15)
+        assert error[-1] < cap
+
+
+def test_folded_element_is_named():
+    mesh = from_skfem(skfem_box("hex8", (3, 1, 1)), "hex8")
+    cells = mesh.cells.copy()
+    cells[1] = cells[1, [4, 5, 6, 7, 0, 1, 2, 3]]
+    folded = solid(mesh.nodes, cells, "hex8")
+    with pytest.raises(ComputationError, match="hex8 element 1 is folded"):
+        stiffness(folded, STEEL)
+    with pytest.raises(ComputationError, match="hex8 element 1 is folded"):
+        scalar_mass(folded, 1.0)

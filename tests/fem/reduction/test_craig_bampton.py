@@ -1,0 +1,225 @@
+"""Craig–Bampton legs against the unreduced robot, and the bounds against the true error."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from scipy.linalg import eigh, null_space
+from scipy.sparse import csr_array
+
+from fem.bodies.beam import beam_leg
+from fem.bodies.solid import clamped_leg, solid_leg, solid_leg_matrices
+from fem.reduction.craig_bampton import craig_bampton, frequency_bounds
+from fem.reduction.free_superelement import held_free_leg
+from fem.reduction.interface_modes import interface_modes
+from fem.reduction.superelement import held_leg
+from fem.reduction.superelement_checks import (
+    free_frequencies,
+    mass_properties,
+    rigid_body_residual,
+    rigid_motions,
+)
+from lumped.biglide import with_equivalent_legs
+from lumped.biglide_assembly import assemble, compliance, modes
+from lumped.errors import InputError
+from lumped.leg_matrices import LegMatrices
+from lumped.legs import ConstantLeg, Material
+from lumped.robot_file import load_robot
+from lumped.sections import Rectangle
+from lumped.segments import segment_chain, segment_leg
+from meshes.prism.extrude import extrude, stations
+from meshes.section.section_mesh import section_mesh
+
+ROBOT = with_equivalent_legs(load_robot("ifw").robot)
+LEG_1, LEG_2 = ROBOT.leg1, ROBOT.leg2
+POSTURES = (ROBOT.stroke[0], ROBOT.centre, ROBOT.stroke[1])
+COUNT = 20
+# Just above the twentieth frequency of the robot in all postures, 3.5 to 3.7 kHz.
+HIGHEST = 3800.0
+# Rounding of dense frequencies, 1e-12, with a margin.
+ROUNDING = 1e-10
+
+
+def meshed(leg, divisions, slices):
+    section = section_mesh(leg.section, divisions)
+    return solid_leg(leg, extrude(section, stations(leg.length, slices)))
+
+
+MODELS = {
+    "segments": lambda leg: segment_leg(segment_chain(leg.timoshenko, leg.length, 20)),
+    "beam": lambda leg: beam_leg(leg.timoshenko, leg.length, 12),
+    "solid": lambda leg: solid_leg_matrices(meshed(leg, 1, 4)),
+}
+
+
+@pytest.fixture(scope="module", params=MODELS.values(), ids=MODELS)
+def legs(request):
+    """Unreduced legs, and the same held at both ends."""
+    unreduced = [request.param(leg) for leg in (LEG_1, LEG_2)]
+    return unreduced, [held_leg(leg) for leg in unreduced]
+
+
+@pytest.fixture(scope="module")
+def unreduced_robot(legs):
+    """Per posture the robot of unreduced legs and its modes."""
+    robots = [assemble(ROBOT, x, *legs[0]) for x in POSTURES]
+    return [(robot, modes(robot, COUNT)) for robot in robots]
+
+
+def test_robot_of_reduced_legs_is_the_unreduced_one(legs, unreduced_robot):
+    """Required: statics 1e-9, twenty frequencies 1e-4, mass-weighted MAC 0.9999."""
+    unreduced, held = legs
+    reduced = [craig_bampton(leg, HIGHEST) for leg in held]
+    for x, (whole, exact) in zip(POSTURES, unreduced_robot, strict=True):
+        robot = assemble(ROBOT, x, *(leg.matrices for leg in reduced))
+        expected = compliance(whole)
+        scale = 1.0 / np.sqrt(np.diag(expected))
+        difference = (compliance(robot) - expected) * scale[:, None] * scale
+        assert np.abs(difference).max() < 1e-9
+        found = modes(robot, COUNT)
+        assert_allclose(found.frequencies, exact.frequencies, rtol=1e-4)
+        # Both are mass-normalised, so the product of two shapes is the root of their MAC.
+        platform = robot.loaded[:3] @ found.shapes, whole.loaded[:3] @ exact.shapes
+        gram = ROBOT.platform_mass * platform[0].T @ platform[1]
+        for to_reduced, to_whole, superelement, leg in zip(
+            robot.legs, whole.legs, reduced, unreduced, strict=True
+        ):
+            field = superelement.recover(to_reduced @ found.shapes)
+            gram += field.T @ (leg.mass @ (to_whole @ exact.shapes))
+        assert np.min(np.diag(gram) ** 2) > 0.9999
+
+
+@pytest.mark.parametrize("factor", [1.1, 1.5, 2.0, 2.5])
+def test_bounds_enclose_the_true_frequencies(legs, unreduced_robot, factor):
+    held = legs[1]
+    reduced = [craig_bampton(leg, HIGHEST, factor * HIGHEST) for leg in held]
+    for x, (_, exact) in zip(POSTURES, unreduced_robot, strict=True):
+        robot = assemble(ROBOT, x, *(leg.matrices for leg in reduced))
+        bounds = frequency_bounds(robot, reduced, COUNT)
+        assert np.all(bounds.lower <= exact.frequencies * (1.0 + ROUNDING))
+        assert np.all(exact.frequencies <= bounds.upper * (1.0 + ROUNDING))
+        error = bounds.upper / exact.frequencies - 1.0
+        assert np.all(error <= bounds.relative_width + ROUNDING)
+        # A bound that is worth something: at the usual cut-off it promises what is asked for.
+        if factor == 2.5:
+            assert bounds.relative_width.max() < 2e-4
+
+
+def test_bounds_are_not_empty(legs, unreduced_robot):
+    """With a cut-off just above the highest frequency the error is real, 1e-4 and more."""
+    reduced = [craig_bampton(leg, HIGHEST, 1.1 * HIGHEST) for leg in legs[1]]
+    robot = assemble(ROBOT, POSTURES[1], *(leg.matrices for leg in reduced))
+    bounds = frequency_bounds(robot, reduced, COUNT)
+    error = bounds.upper / unreduced_robot[1][1].frequencies - 1.0
+    assert error.max() > 1e-4
+
+
+def test_error_falls_as_the_seventh_power_of_the_cut_off():
+    """Tension of a bar is the slowest: dropped terms λ³ Σ p²/λ_k³ with p ~ 1/k, λ_k ~ k²."""
+    leg = beam_leg(LEG_1.timoshenko, LEG_1.length, 60)
+    held = held_leg(leg)
+    cutoffs = np.array([5000.0, 10000.0, 20000.0])
+    tension = [
+        np.trace(craig_bampton(held, 1000.0, c).truncated[[0, 6]][:, [0, 6]]) for c in cutoffs
+    ]
+    # Bar modes are 3 kHz apart, so that cut-offs drop whole modes: the exponent is met on average.
+    exponent = np.polyfit(np.log(cutoffs), np.log(tension), 1)[0]
+    assert exponent == pytest.approx(-7.0, abs=1.0)
+
+
+def test_all_modes_kept_is_exact():
+    leg = beam_leg(LEG_2.timoshenko, LEG_2.length, 3)
+    reduced = craig_bampton(held_leg(leg), 1.0, 1e9)
+    assert reduced.matrices.size == leg.size
+    exact = eigh(leg.stiffness.toarray(), leg.mass.toarray(), eigvals_only=True)[6:]
+    matrices = reduced.matrices
+    found = eigh(matrices.stiffness.toarray(), matrices.mass.toarray(), eigvals_only=True)[6:]
+    assert_allclose(found, exact, rtol=1e-7)
+    assert np.abs(reduced.truncated).max() < 1e-12 * np.abs(matrices.mass.toarray()).max()
+
+
+def test_interface_modes_are_those_of_the_clamped_clamped_matrices():
+    """Block Lanczos against a dense solution, all of them and none besides."""
+    leg = solid_leg_matrices(meshed(LEG_2, 1, 4))
+    assert leg.size > 400
+    exact, _ = eigh(leg.stiffness.toarray()[12:, 12:], leg.mass.toarray()[12:, 12:])
+    frequencies = np.sqrt(exact) / (2.0 * np.pi)
+    cutoff = 1.5 * frequencies[20]
+    found = interface_modes(held_leg(leg), cutoff)
+    assert_allclose(found.frequencies, frequencies[frequencies < cutoff], rtol=1e-9)
+    gram = found.shapes.T @ (leg.mass @ found.shapes)
+    assert_allclose(gram, np.eye(len(gram)), atol=1e-10)
+
+
+def test_repeated_interface_modes_are_all_found():
+    """A square leg bends alike in both planes: every bending mode twice."""
+    steel = Material.isotropic(2.1e11, 0.3, 7850.0)
+    leg = solid_leg_matrices(meshed(ConstantLeg(0.8, Rectangle(0.1, 0.1), steel), 2, 6))
+    exact = eigh(leg.stiffness.toarray()[12:, 12:], leg.mass.toarray()[12:, 12:], eigvals_only=True)
+    frequencies = np.sqrt(exact) / (2.0 * np.pi)
+    cutoff = 0.5 * (frequencies[10] + frequencies[11])
+    found = interface_modes(held_leg(leg), cutoff)
+    assert_allclose(found.frequencies, frequencies[frequencies < cutoff], rtol=1e-9)
+
+
+def test_superelement_floats_and_weighs_what_the_leg_does(legs):
+    for held, leg in zip(legs[1], (LEG_1, LEG_2), strict=True):
+        matrices = craig_bampton(held, 1000.0).matrices
+        motions = rigid_motions(matrices)
+        assert rigid_body_residual(matrices, motions) < 1e-13
+        properties = mass_properties(matrices, motions)
+        assert properties.mass == pytest.approx(leg.mass, rel=1e-9)
+        assert_allclose(properties.centre, [leg.length / 2.0, 0.0, 0.0], atol=1e-9)
+
+
+def test_free_frequencies_equal_those_of_the_unreduced_leg():
+    leg = solid_leg_matrices(meshed(LEG_1, 1, 4))
+    exact = eigh(leg.stiffness.toarray(), leg.mass.toarray(), eigvals_only=True)[6:12]
+    full = free_frequencies(leg, 6, shift_frequency=500.0)
+    assert_allclose(full, np.sqrt(exact) / (2.0 * np.pi), rtol=1e-9)
+    reduced = craig_bampton(held_leg(leg), 1.05 * full[-1]).matrices
+    assert_allclose(free_frequencies(reduced, 6, 500.0), full, rtol=1e-4)
+
+
+@pytest.fixture(scope="module")
+def free_ends():
+    """Both legs with free ends: held, and unreduced on (ends, null space of the ends' twists)."""
+    held, unreduced = [], []
+    for leg in (LEG_1, LEG_2):
+        solid = meshed(leg, 1, 3)
+        clamped = clamped_leg(solid, "free")
+        held.append(held_free_leg(clamped))
+        loads = np.hstack([clamped.ends.root_loads, clamped.ends.free_tip_loads])
+        inner = null_space(loads.T)
+        basis = np.hstack([loads @ np.linalg.inv(loads.T @ loads), inner])
+        stiffness, mass = (basis.T @ (a @ basis) for a in (solid.stiffness, solid.mass))
+        unreduced.append(
+            LegMatrices("solid", leg.length, csr_array(stiffness), csr_array(mass), lambda at: at)
+        )
+    return held, unreduced
+
+
+def test_robot_with_free_ends_is_the_one_in_the_null_space(free_ends):
+    """An interface by work-conjugate twists, against unknowns that contain them."""
+    held, unreduced = free_ends
+    reduced = [craig_bampton(leg, HIGHEST) for leg in held]
+    whole = assemble(ROBOT, ROBOT.centre, *unreduced)
+    robot = assemble(ROBOT, ROBOT.centre, *(leg.matrices for leg in reduced))
+    assert_allclose(compliance(robot)[:3, :3], compliance(whole)[:3, :3], rtol=1e-8, atol=1e-15)
+    exact = modes(whole, COUNT).frequencies
+    bounds = frequency_bounds(robot, reduced, COUNT)
+    assert_allclose(bounds.upper, exact, rtol=1e-4)
+    # The dense null space is rounded to about 1e-9 of the frequencies.
+    assert np.all(bounds.lower <= exact * (1.0 + 1e-8))
+    assert np.all(exact <= bounds.upper * (1.0 + 1e-8))
+
+
+def test_cut_off_below_the_asked_frequencies_is_refused():
+    held = held_leg(MODELS["beam"](LEG_1))
+    with pytest.raises(InputError, match=r"cut-off = 900 Hz: must be above .*, 1000 Hz"):
+        craig_bampton(held, 1000.0, cutoff=900.0)
+    with pytest.raises(InputError, match=r"highest frequency = -1\.0 Hz"):
+        craig_bampton(held, -1.0)
+    reduced = [craig_bampton(held_leg(MODELS["beam"](leg)), 400.0, 500.0) for leg in (LEG_1, LEG_2)]
+    robot = assemble(ROBOT, ROBOT.centre, *(leg.matrices for leg in reduced))
+    with pytest.raises(InputError, match=r"frequency 12 .* cut off at 500 Hz"):
+        frequency_bounds(robot, reduced, 12)

@@ -1,0 +1,219 @@
+"""Static superelements against the unreduced legs, beam theory and the inertia of a box."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from scipy.sparse import csr_array
+
+from fem.bodies.beam import beam_leg
+from fem.bodies.solid import clamped_leg, section_twists, solid_leg, solid_leg_matrices
+from fem.couplings.end_coupling import rigid_ends, rigid_motions
+from fem.reduction.free_superelement import held_free_leg
+from fem.reduction.superelement import held_leg, static_superelement
+from fem.reduction.superelement_checks import (
+    asymmetry,
+    grounding,
+    mass_properties,
+    rigid_body_residual,
+)
+from fem.reduction.superelement_checks import rigid_motions as reduced_rigid_motions
+from fem.sections.section_constants import beam_properties, section_constants
+from lumped.biglide import Biglide, with_equivalent_legs
+from lumped.biglide_assembly import assemble, compliance
+from lumped.errors import ComputationError, InputError
+from lumped.leg_matrices import LegMatrices
+from lumped.legs import ConstantLeg, tip_compliance
+from lumped.robot_file import load_robot
+from lumped.segments import segment_chain, segment_leg
+from lumped.vjm import compliance as vjm_compliance
+from lumped.vjm import equivalent_leg_springs
+from meshes.prism.extrude import extrude, stations
+from meshes.section.section_mesh import section_mesh
+
+ROBOT = with_equivalent_legs(load_robot("ifw").robot)
+POSTURES = (ROBOT.stroke[0], ROBOT.centre, ROBOT.stroke[1])
+
+
+def equivalent(robot: Biglide) -> tuple[ConstantLeg, ConstantLeg]:
+    legs = robot.leg1, robot.leg2
+    assert all(isinstance(leg, ConstantLeg) for leg in legs)
+    return legs
+
+
+LEG_1, LEG_2 = equivalent(ROBOT)
+
+
+def meshed(leg, divisions, slices):
+    section = section_mesh(leg.section, divisions)
+    return solid_leg(leg, extrude(section, stations(leg.length, slices)))
+
+
+MODELS = {
+    "segments": lambda leg: segment_leg(segment_chain(leg.timoshenko, leg.length, 8)),
+    "one segment": lambda leg: segment_leg(segment_chain(leg.timoshenko, leg.length, 1)),
+    # Two rigid ends and one spring: nothing to condense.
+    "ends alone": lambda leg: segment_leg(segment_chain(leg.timoshenko, leg.length, 2, "literal")),
+    # 11 unknowns inside: not in threes, the order of elimination takes them all the same.
+    "beam": lambda leg: beam_leg(leg.timoshenko, leg.length, 3),
+    "solid": lambda leg: solid_leg_matrices(meshed(leg, 1, 3)),
+}
+models = pytest.mark.parametrize("model", MODELS.values(), ids=MODELS)
+
+
+def scaled_difference(matrix, reference):
+    """Difference in units of √(rᵢᵢ rⱼⱼ), so that zero couplings count as well."""
+    scale = 1.0 / np.sqrt(np.diag(reference))
+    return np.abs((matrix - reference) * scale[:, None] * scale).max()
+
+
+@models
+def test_static_superelement_is_exact_in_the_robot(model):
+    legs = [model(LEG_1), model(LEG_2)]
+    reduced = [static_superelement(held_leg(leg)).matrices for leg in legs]
+    for x in POSTURES:
+        expected = compliance(assemble(ROBOT, x, *legs))
+        # The issue's limit; rounding leaves 1e-12.
+        assert scaled_difference(compliance(assemble(ROBOT, x, *reduced)), expected) < 1e-9
+
+
+@models
+def test_condensed_matrices_are_the_schur_complement(model):
+    """Dense K_bb − K_bi K_ii⁻¹ K_ib, and Guyan's mass with the same transformation."""
+    leg = model(LEG_2)
+    k, m = leg.stiffness.toarray(), leg.mass.toarray()
+    modes = np.vstack([np.eye(12), -np.linalg.solve(k[12:, 12:], k[12:, :12])])
+    reduced = static_superelement(held_leg(leg)).matrices
+    expected = k[:12, :12] + k[:12, 12:] @ modes[12:]
+    assert scaled_difference(reduced.stiffness.toarray(), expected) < 1e-9
+    assert_allclose(reduced.mass.toarray(), modes.T @ m @ modes, rtol=0, atol=1e-9 * m.max())
+
+
+@models
+def test_rigid_leg_keeps_mass_and_inertia(model):
+    """A box about its centre: m (b² + h²)/12 and so on, whatever the model; no force, no energy."""
+    reduced = static_superelement(held_leg(model(LEG_1))).matrices
+    motions = reduced_rigid_motions(reduced)
+    mass, L, b, h = LEG_1.mass, LEG_1.length, *LEG_1.section.extent
+    properties = mass_properties(reduced, motions)
+    assert properties.mass == pytest.approx(mass, rel=1e-9)
+    assert_allclose(properties.centre, [L / 2.0, 0.0, 0.0], atol=1e-9 * L)
+    inertia = mass / 12.0 * np.diag([b**2 + h**2, L**2 + h**2, L**2 + b**2])
+    assert_allclose(properties.inertia, inertia, rtol=1e-8, atol=1e-9 * inertia.max())
+    # Rounding, by construction from the tip's stiffness.
+    assert rigid_body_residual(reduced, motions) < 1e-13
+    assert np.all(grounding(reduced, motions) < 1e-12)
+    assert asymmetry(reduced.stiffness) == asymmetry(reduced.mass) == 0.0
+
+
+def test_constraint_modes_carry_the_rigid_motions_of_the_mesh():
+    solid = meshed(LEG_2, 1, 3)
+    held = held_leg(solid_leg_matrices(solid))
+    motions = held.constraint_modes @ reduced_rigid_motions(static_superelement(held).matrices)
+    interior = solid.mesh.nodes[rigid_ends(solid.mesh).interior]
+    assert_allclose(motions[12:], rigid_motions(interior, np.zeros(3)), atol=1e-11)
+
+
+@models
+def test_recovery_is_the_field_of_the_unreduced_leg(model):
+    leg = model(LEG_1)
+    superelement = static_superelement(held_leg(leg))
+    wrenches = np.eye(6)
+    full = np.zeros((leg.size, 6))
+    loads = np.zeros((leg.size - 6, 6))
+    loads[:6] = wrenches
+    full[6:] = np.linalg.solve(leg.stiffness.toarray()[6:, 6:], loads)
+    ends = np.zeros((12, 6))
+    tip = superelement.matrices.stiffness.toarray()[6:, 6:]
+    ends[6:] = np.linalg.solve(tip, wrenches)
+    size = np.abs(full).max(axis=0)
+    assert_allclose(superelement.recover(ends) / size, full / size, atol=1e-9)
+    at = np.array([0.0, 0.3, 0.85])
+    expected = leg.centreline(at) @ full
+    assert_allclose(superelement.matrices.centreline(at) @ ends / size, expected / size, atol=1e-9)
+
+
+def test_parts_sum_to_the_stiffness():
+    reduced = static_superelement(held_leg(MODELS["beam"](LEG_2))).matrices
+    assert set(reduced.parts) == {"tension", "torsion", "bending y", "bending z"}
+    total = sum(part.toarray() for part in reduced.parts.values())
+    assert_allclose(total, reduced.stiffness.toarray(), rtol=0, atol=1e-10 * total.max())
+
+
+def test_supported_leg_is_refused():
+    leg = MODELS["beam"](LEG_1)
+    spring = np.zeros(leg.size)
+    spring[13] = 1e-3 * leg.stiffness.diagonal()[13]
+    grounded = replace(leg, stiffness=csr_array(leg.stiffness + np.diag(spring)))
+    with pytest.raises(ComputationError, match=r"beam leg: a rigid motion .* supported"):
+        held_leg(grounded)
+
+
+def test_loose_part_is_refused():
+    leg = MODELS["beam"](LEG_1)
+    loose = leg.stiffness.toarray()
+    loose[13], loose[:, 13] = 0.0, 0.0
+    loose[13, 13] = -1.0
+    broken = LegMatrices("beam", leg.length, csr_array(loose), leg.mass, leg.centreline)
+    with pytest.raises(ComputationError, match="beam leg, both ends held"):
+        held_leg(broken)
+
+
+@pytest.fixture(scope="module")
+def free_leg_2():
+    solid = meshed(LEG_2, (3, 9), 12)
+    return solid, clamped_leg(solid, "free")
+
+
+def test_free_ends_have_the_compliance_of_timoshenko(free_leg_2):
+    """Saint-Venant ends, ν = 0: the beam of the section's own constants (required: 1e-4)."""
+    solid, clamped = free_leg_2
+    reduced = static_superelement(held_free_leg(clamped)).matrices
+    constants = section_constants(solid.mesh.root.mesh, 0.0, LEG_2.material.G / LEG_2.material.E)
+    beam = tip_compliance(beam_properties(constants, LEG_2.material), LEG_2.length)
+    tip = np.linalg.inv(reduced.stiffness.toarray()[6:, 6:])
+    assert scaled_difference(tip, beam) < 1e-4
+
+
+def test_free_constraint_modes_have_the_twists_they_are_named_for(free_leg_2):
+    solid, clamped = free_leg_2
+    held = held_free_leg(clamped)
+    ends = clamped.ends
+    loads = np.hstack([ends.root_loads, ends.free_tip_loads])
+    scale = np.abs(held.constraint_modes).max(axis=0)
+    assert_allclose(loads.T @ held.constraint_modes / scale, np.eye(12) / scale, atol=1e-9)
+    # Forces of a constraint mode act at the ends alone: K Ψ = B S, in equilibrium.
+    forces = solid.stiffness @ held.constraint_modes
+    expected = loads @ held.stiffness
+    size = np.abs(expected).max(axis=0)
+    assert_allclose(forces / size, expected / size, atol=1e-7)
+    force = np.random.default_rng(3).standard_normal((held.size, 2))
+    held_response = held.flexibility(force)
+    assert np.abs(loads.T @ held_response).max() < 1e-9 * np.abs(held_response).max()
+    assert_allclose(
+        force.T @ held_response, held_response.T @ solid.stiffness @ held_response, rtol=1e-7
+    )
+    at = np.array([0.2, 0.5])
+    assert_allclose(held.centreline(at).toarray(), section_twists(solid.mesh, at).toarray())
+
+
+def test_robot_with_free_ends_is_the_vjm_with_timoshenko_legs(free_leg_2):
+    """Required: all three loads within 1e-3 over the stroke."""
+    first = clamped_leg(meshed(LEG_1, (3, 5), 14), "free")
+    legs = [static_superelement(held_free_leg(c)).matrices for c in (first, free_leg_2[1])]
+    springs = equivalent_leg_springs(ROBOT, "timoshenko")
+    for x in ROBOT.stations(7):
+        expected = vjm_compliance(ROBOT, x, springs)[:3, :3]
+        found = compliance(assemble(ROBOT, x, *legs))[:3, :3]
+        assert np.abs(found - expected).max() < 1e-3 * np.abs(expected).max()
+        assert_allclose(found[2, 2], expected[2, 2], rtol=1e-3)
+        # fx at an end of the stroke moves B by a fortieth of what fy does: compared as columns.
+        for load in (0, 1):
+            column = np.linalg.norm(found[:2, load] - expected[:2, load])
+            assert column < 1e-3 * np.linalg.norm(expected[:2, load])
+
+
+def test_rigid_ends_are_not_free():
+    with pytest.raises(InputError, match="rigid ends"):
+        held_free_leg(clamped_leg(meshed(LEG_1, 1, 3)))

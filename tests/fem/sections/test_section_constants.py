@@ -1,0 +1,272 @@
+"""Section constants from finite elements against closed forms, series and another package."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fem.sections.saint_venant import saint_venant
+from fem.sections.section_constants import beam_properties, section_constants
+from lumped.errors import ComputationError
+from lumped.legs import ConstantLeg, Material
+from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Tube
+from meshes.section.section_mesh import SectionMesh, section_mesh
+
+# Timoshenko & Goodier, Theory of Elasticity, §109, and Roark: J/(a b³) to six digits.
+TORSION_OF_RECTANGLES = {
+    1.0: 0.140577,
+    1.2: 0.166119,
+    1.5: 0.195761,
+    2.0: 0.228682,
+    2.5: 0.249365,
+    3.0: 0.263317,
+    4.0: 0.280813,
+    5.0: 0.291317,
+    10.0: 0.312325,
+}
+
+
+@pytest.mark.parametrize(("ratio", "coefficient"), TORSION_OF_RECTANGLES.items())
+def test_torsion_constant_of_rectangles(ratio, coefficient):
+    mesh = section_mesh(Rectangle(0.1, 0.1 * ratio), (16, round(16 * min(ratio, 3.0))))
+    j = section_constants(mesh, 0.0).torsion_constant
+    # Discretisation 1.2e-5 at the longest cells; the last digit of the table is 3e-6.
+    assert j / (ratio * 0.1**4) == pytest.approx(coefficient, rel=2e-5)
+
+
+@pytest.mark.parametrize(
+    ("element", "order"), [("quad4", 2), ("tri3", 2), ("quad9", 4), ("tri6", 4)]
+)
+def test_torsion_constant_converges_from_above_at_twice_the_order_of_the_element(element, order):
+    # The warping minimises energy, so J of a convex section falls with refinement as h^2p, but
+    # for rectangles (logarithmic corner term) a little slower.
+    exact = 0.2 * 0.1**3 * TORSION_OF_RECTANGLES[2.0]
+    errors = [
+        section_constants(section_mesh(Rectangle(0.1, 0.2), d, element), 0.0).torsion_constant
+        / exact
+        - 1.0
+        for d in (3, 6)
+    ]
+    assert errors[0] > errors[1] > 0.0
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(order, abs=0.6)
+
+
+@pytest.mark.parametrize("element", ["quad9", "tri6"])
+def test_ellipse(element):
+    """J = π a³b³/(a² + b²), Iz = π b a³/4: Timoshenko & Goodier §106."""
+    circle = section_mesh(Circle(2.0), 16, element)
+    a, b = 0.5, 0.3
+    constants = section_constants(replace(circle, nodes=circle.nodes * np.array([a, b])), 0.0)
+    # Area of the parabolic edges: 3e-6 at 16 divisions, twice that in fourth moments.
+    assert constants.area == pytest.approx(np.pi * a * b, rel=1e-5)
+    assert constants.second_moment_z == pytest.approx(np.pi * b * a**3 / 4.0, rel=2e-5)
+    assert constants.second_moment_y == pytest.approx(np.pi * a * b**3 / 4.0, rel=2e-5)
+    exact = np.pi * a**3 * b**3 / (a**2 + b**2)
+    assert constants.torsion_constant == pytest.approx(exact, rel=2e-5)
+    # ω = −(a² − b²)/(a² + b²) y z, so Γ = ((a² − b²)/(a² + b²))² π a³b³/24.
+    warping = ((a**2 - b**2) / (a**2 + b**2)) ** 2 * np.pi * (a * b) ** 3 / 24.0
+    assert constants.warping_constant == pytest.approx(warping, rel=5e-5)
+
+
+@pytest.mark.parametrize("section", [Circle(0.1), Tube(0.1, 0.012)])
+def test_round_sections_do_not_warp(section):
+    constants = section_constants(section_mesh(section, 12), 0.3)
+    polar = constants.second_moment_y + constants.second_moment_z
+    # Only the faceting of the parabolic edges (1e-5 of the radius) makes the section warp.
+    assert constants.torsion_constant == pytest.approx(polar, rel=1e-6)
+    assert constants.warping_constant < 1e-9 * section.extent[0] ** 6
+    assert polar == pytest.approx(section.torsion_constant, rel=5e-5)
+
+
+@pytest.mark.parametrize("nu", [0.0, 0.3])
+@pytest.mark.parametrize("section", [Rectangle(0.1, 0.16), Circle(0.1), Tube(0.1, 0.02)])
+def test_cowper_coefficients(section, nu):
+    """Cowper (1966), exact for these three: 10(1+ν)/(12+11ν), 6(1+ν)/(7+6ν) and the tube's."""
+    constants = section_constants(section_mesh(section, 12), nu)
+    # Discretisation of the flexure function: 1e-5 at 12 quadratic cells.
+    assert constants.cowper_coefficients == pytest.approx(section.shear_coefficients(nu), rel=3e-5)
+
+
+def rectangle_energy_flexibility(depth: float, width: float, nu: float) -> float:
+    """1/κ of a rectangle sheared along its depth (Renton 1991), by strain energy."""
+    m = np.arange(1, 60)
+    ratio = width / depth
+    series = ratio * np.sum(np.tanh(m * np.pi / ratio) / m**5)
+    return 1.2 + (nu / (1.0 + nu)) ** 2 * ratio**4 * (0.2 - 18.0 / np.pi**5 * series)
+
+
+@pytest.mark.parametrize("nu", [0.0, 0.3])
+@pytest.mark.parametrize(("width", "height"), [(0.1, 0.1), (0.1, 0.2), (0.3, 0.1)])
+def test_energy_shear_coefficients_of_rectangles(width, height, nu):
+    constants = section_constants(section_mesh(Rectangle(width, height), 12), nu)
+    along_y = 1.0 / rectangle_energy_flexibility(width, height, nu)
+    along_z = 1.0 / rectangle_energy_flexibility(height, width, nu)
+    assert constants.shear_coefficients == pytest.approx((along_y, along_z), rel=2e-5)
+
+
+def test_energy_shear_coefficient_of_a_circle():
+    """1/κ = 7/6 + (ν/(1+ν))²/6 (Renton 1991)."""
+    nu = 0.3
+    constants = section_constants(section_mesh(Circle(0.1), 16), nu)
+    exact = 1.0 / (7.0 / 6.0 + (nu / (1.0 + nu)) ** 2 / 6.0)
+    assert constants.shear_coefficients == pytest.approx((exact, exact), rel=1e-5)
+
+
+def test_without_poisson_contraction_both_shear_coefficients_of_a_rectangle_are_five_sixths():
+    constants = section_constants(section_mesh(Rectangle(0.1, 0.25), 12), 0.0)
+    assert constants.shear_coefficients == pytest.approx((5 / 6, 5 / 6), rel=1e-5)
+    assert constants.cowper_coefficients == pytest.approx((5 / 6, 5 / 6), rel=1e-5)
+
+
+def test_cubic_material_enters_through_its_shear_modulus():
+    mesh = section_mesh(Rectangle(0.3, 0.1), 6)
+    isotropic = section_constants(mesh, 0.25)
+    # ν G/E is the same: 0.25 · 0.4 = 0.2 · 0.5.
+    cubic = section_constants(mesh, 0.2, 0.5)
+    assert cubic.shear_coefficients == pytest.approx(isotropic.shear_coefficients, rel=1e-13)
+    assert section_constants(mesh, 0.2).shear_coefficients[1] != pytest.approx(
+        isotropic.shear_coefficients[1], rel=1e-3
+    )
+
+
+def test_i_section_in_the_thin_limit():
+    """Γ = Iz h²/4 of the flanges (Vlasov), J = Σ b t³/3, between the flanges' middle lines."""
+    section = ISection(width=0.1, height=0.16, flange=0.001, web=0.001)
+    constants = section_constants(section_mesh(section, 4), 0.3)
+    flanges = 2.0 * 0.001 * 0.1**3 / 12.0
+    # Terms left out by thin-wall theory are of the order of thickness over width, 1 %.
+    assert constants.warping_constant == pytest.approx(flanges * 0.159**2 / 4.0, rel=2e-3)
+    assert constants.torsion_constant == pytest.approx(section.torsion_constant, rel=1e-2)
+
+
+def test_thin_box_torsion():
+    """Bredt: J = 4 A_m² t / perimeter; the corners add a share of thickness over side, 1 %."""
+    section = HollowRectangle(width=0.1, height=0.16, thickness=0.001)
+    constants = section_constants(section_mesh(section, 4), 0.3)
+    assert constants.torsion_constant == pytest.approx(section.torsion_constant, rel=1e-2)
+
+
+@pytest.mark.parametrize(
+    "section",
+    [
+        Rectangle(0.1, 0.16),
+        HollowRectangle(0.1, 0.16, 0.01),
+        Circle(0.1),
+        Tube(0.1, 0.01),
+        ISection(0.1, 0.16, 0.012, 0.008),
+    ],
+)
+def test_symmetric_sections_have_everything_at_the_centre(section):
+    constants = section_constants(section_mesh(section, 4), 0.3)
+    size = max(section.extent)
+    assert constants.centroid == pytest.approx((0.0, 0.0), abs=1e-12 * size)
+    # Rounding of the warping function's moment: the sum of M·Q terms of size², 1e-11.
+    assert constants.shear_centre == pytest.approx((0.0, 0.0), abs=1e-10 * size)
+    assert abs(constants.product_moment) < 1e-12 * constants.second_moment_z
+
+
+def half_ring(radius: float, thickness: float) -> SectionMesh:
+    """Half a thin ring about the origin, open towards −y, y² + z² = radius²."""
+    strip = section_mesh(Rectangle(1.0, 1.0), (2, 48))
+    r = radius + thickness * strip.nodes[:, 0]
+    angle = np.pi * strip.nodes[:, 1]
+    return replace(strip, nodes=np.column_stack([r * np.cos(angle), r * np.sin(angle)]))
+
+
+def test_shear_centre_and_warping_of_a_half_ring():
+    """Shear centre at 4R/π, Γ = 2tR⁵/3 (π³/8 − 12/π) (Roark, table of warping constants)."""
+    radius, thickness = 0.1, 0.001
+    constants = section_constants(half_ring(radius, thickness), 0.3)
+    assert constants.centroid[0] == pytest.approx(2.0 * radius / np.pi, rel=1e-4)
+    # Thin-wall theory leaves out (t/R)² and, for Γ, the wall's own warping: 1e-4.
+    assert constants.shear_centre == pytest.approx((4.0 * radius / np.pi, 0.0), rel=5e-4, abs=1e-9)
+    gamma = 2.0 * thickness * radius**5 / 3.0 * (np.pi**3 / 8.0 - 12.0 / np.pi)
+    assert constants.warping_constant == pytest.approx(gamma, rel=5e-3)
+    assert constants.torsion_constant == pytest.approx(np.pi * radius * thickness**3 / 3, rel=1e-2)
+
+
+def test_turned_and_moved_section():
+    """A turned rectangle: Iyz = (Iη − Iζ) sin 2α / 2; J, Γ are those of the upright one."""
+    angle, shift = 0.4, np.array([0.3, -0.2])
+    mesh = section_mesh(Rectangle(0.1, 0.2), 6)
+    c, s = np.cos(angle), np.sin(angle)
+    turned = section_constants(
+        replace(mesh, nodes=mesh.nodes @ np.array([[c, s], [-s, c]]) + shift), 0.3
+    )
+    upright = section_constants(mesh, 0.3)
+    i_y, i_z = 0.1 * 0.2**3 / 12.0, 0.2 * 0.1**3 / 12.0
+    assert turned.product_moment == pytest.approx((i_z - i_y) * np.sin(2 * angle) / 2.0, rel=1e-12)
+    assert turned.torsion_constant == pytest.approx(upright.torsion_constant, rel=1e-11)
+    assert turned.warping_constant == pytest.approx(upright.warping_constant, rel=1e-10)
+    assert turned.shear_centre == pytest.approx(tuple(shift), abs=1e-11)
+
+
+@pytest.mark.parametrize("nu", [0.0, 0.3])
+def test_stress_fields_carry_their_unit_loads(nu):
+    solution = saint_venant(half_ring(0.1, 0.02), nu / (2.0 + 2.0 * nu))
+    quad = solution.quadrature
+    y, z = quad.points
+    for stress, force in zip(solution.centroid_force_stress(), np.eye(2), strict=True):
+        assert quad.integral(stress) == pytest.approx(force, abs=1e-11)
+        assert quad.integral(y * stress[1] - z * stress[0]) == pytest.approx(0.0, abs=1e-12)
+    torsion = solution.torsion_stress()
+    assert quad.integral(torsion) == pytest.approx([0.0, 0.0], abs=1e-8)
+    assert quad.integral(y * torsion[1] - z * torsion[0]) == pytest.approx(1.0, rel=1e-12)
+
+
+def test_sections_against_sectionproperties():
+    """Another finite element code: van Leeuwen, sectionproperties (six-node triangles)."""
+    library = pytest.importorskip("sectionproperties.pre.library")
+    analysis = pytest.importorskip("sectionproperties.analysis")
+    pre = pytest.importorskip("sectionproperties.pre")
+    nu = 0.3
+    # In mm: that package's meshing has absolute tolerances.
+    steel = pre.Material("unit", 1.0, nu, 1.0, 1.0, "grey")
+    pairs = [
+        (
+            ISection(100.0, 160.0, 12.0, 8.0),
+            library.i_section(d=160, b=100, t_f=12, t_w=8, r=0, n_r=0, material=steel),
+        ),
+        (
+            HollowRectangle(100.0, 160.0, 12.0),
+            library.rectangular_hollow_section(d=160, b=100, t=12, r_out=0, n_r=1, material=steel),
+        ),
+    ]
+    for section, geometry in pairs:
+        geometry.create_mesh(mesh_sizes=[8.0])
+        theirs = analysis.Section(geometry)
+        theirs.calculate_geometric_properties()
+        theirs.calculate_warping_properties()
+        ours = section_constants(section_mesh(section, 12), nu)
+        assert ours.area == pytest.approx(theirs.get_ea(), rel=1e-12)
+        # Stress singularities at the re-entrant corners: both meshes are within 3e-3 of the limit.
+        assert ours.torsion_constant == pytest.approx(theirs.get_ej(), rel=6e-3)
+        shear_areas = np.array(ours.shear_coefficients) * ours.area
+        assert shear_areas == pytest.approx(np.array(theirs.get_eas()), rel=3e-3)
+        assert ours.warping_constant == pytest.approx(theirs.get_egamma(), rel=5e-3)
+
+
+def test_a_section_in_two_pieces_is_refused():
+    mesh = section_mesh(Rectangle(0.1, 0.1), 2)
+    apart = SectionMesh(
+        np.vstack([mesh.nodes, mesh.nodes + np.array([1.0, 0.0])]),
+        np.vstack([mesh.cells, mesh.cells + len(mesh.nodes)]),
+        mesh.element,
+    )
+    with pytest.raises(ComputationError, match="not in one piece"):
+        section_constants(apart, 0.3)
+
+
+def test_a_mirrored_mesh_is_refused():
+    mesh = section_mesh(Rectangle(0.1, 0.1), 2)
+    with pytest.raises(ComputationError, match="inside out"):
+        section_constants(replace(mesh, nodes=mesh.nodes * np.array([1.0, -1.0])), 0.3)
+
+
+def test_beam_properties_equal_the_textbook_ones_where_these_are_exact():
+    material = Material(E=2.1e11, G=1.1e11, nu=0.0, rho=7850.0)
+    section = Rectangle(0.1, 0.16)
+    ours = beam_properties(section_constants(section_mesh(section, 16), 0.0), material)
+    textbook = ConstantLeg(1.0, section, material).timoshenko
+    for name, value in vars(textbook).items():
+        assert getattr(ours, name) == pytest.approx(value, rel=1e-5), name

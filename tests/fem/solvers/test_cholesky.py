@@ -1,0 +1,189 @@
+import importlib.util
+
+import numpy as np
+import pytest
+from scipy.sparse import block_diag, csr_array, diags_array, eye_array
+from scipy.sparse.linalg import spsolve
+
+import fem.solvers.factor
+from fem.elements.elasticity import stiffness_and_mass
+from fem.machine import available_memory
+from fem.solvers.cholesky import analyse, default_backend, factorise
+from fem.solvers.factor import NotPositiveDefiniteError, upper_triangle
+from fem.solvers.ordering import block_graph, nested_dissection
+from lumped.errors import ComputationError, InputError
+from lumped.legs import Material
+from lumped.sections import Rectangle
+from meshes.prism.extrude import extrude, stations
+from meshes.section.section_mesh import section_mesh
+
+BACKENDS = [
+    "cholmod",
+    pytest.param(
+        "mkl",
+        marks=pytest.mark.skipif(
+            importlib.util.find_spec("pypardiso") is None, reason="the extra mkl is not installed"
+        ),
+    ),
+]
+STEEL = Material.isotropic(E=2.1e11, nu=0.3, rho=7850.0)
+# Solutions of one matrix by two eliminations differ by its condition number (here 1e6) times 1e-16.
+SOLVER_TOLERANCE = 1e-9
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_solutions_are_superlus(short_leg, backend):
+    K, _ = short_leg
+    factor = factorise(analyse(K, backend=backend), K)
+    loads = np.random.default_rng(1).standard_normal((K.shape[0], 40))
+    expected = spsolve(K.tocsc(), loads)
+    found = factor.solve(loads)
+    assert found.shape == loads.shape
+    assert np.abs(found - expected).max() <= SOLVER_TOLERANCE * np.abs(expected).max()
+    one = factor.solve(loads[:, 3])
+    assert one.shape == (K.shape[0],)
+    assert np.abs(one - expected[:, 3]).max() <= SOLVER_TOLERANCE * np.abs(expected[:, 3]).max()
+    assert factor.solve(loads[:, :0]).shape == (K.shape[0], 0)
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_one_analysis_serves_several_matrices_at_once(short_leg, backend):
+    K, M = short_leg
+    symbolic = analyse(K, backend=backend)
+    first, second = factorise(symbolic, K), factorise(symbolic, K + 1e6 * M)
+    third = factorise(symbolic, diags_array(K.diagonal(), format="csr"))
+    load = np.ones(K.shape[0])
+    for factor, matrix in (
+        (first, K),
+        (second, K + 1e6 * M),
+        (third, diags_array(K.diagonal(), format="csc")),
+    ):
+        expected = spsolve(matrix.tocsc(), load)
+        found = factor.solve(load)
+        assert np.abs(found - expected).max() <= SOLVER_TOLERANCE * np.abs(expected).max()
+
+
+def test_block_solves_and_cvxopts_own_agree(short_leg, monkeypatch):
+    K, _ = short_leg
+    factor = factorise(analyse(K, backend="cholmod"), K)
+    loads = np.random.default_rng(2).standard_normal((K.shape[0], 5))
+    together = factor.solve(loads)
+    monkeypatch.setattr("fem.solvers.cholmod.library._library", lambda: None)
+    one_by_one = factor.solve(loads)
+    assert np.abs(together - one_by_one).max() <= SOLVER_TOLERANCE * np.abs(together).max()
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_a_matrix_outside_the_pattern_is_refused(short_leg, backend):
+    K, _ = short_leg
+    symbolic = analyse(diags_array(K.diagonal(), format="csr"), backend=backend)
+    with pytest.raises(ComputationError, match="outside the pattern"):
+        factorise(symbolic, K)
+    with pytest.raises(ComputationError, match="given to the analysis"):
+        factorise(symbolic, K[:-3, :-3])
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_indefinite_matrix_is_refused_by_name(short_leg, backend):
+    K, M = short_leg
+    shift = 2.0 * (2.0 * np.pi * 1e4) ** 2
+    with pytest.raises(NotPositiveDefiniteError, match=r"leg 1: .*not positive definite.*unknown"):
+        factorise(analyse(K, backend=backend), K - shift * M, part="leg 1")
+
+
+def test_the_unknown_of_a_negative_pivot_is_named():
+    matrix = diags_array(np.where(np.arange(30) == 17, -1.0, 2.0), format="csr")
+    chain = matrix + 0.1 * (eye_array(30, k=1) + eye_array(30, k=-1))
+    with pytest.raises(NotPositiveDefiniteError) as refused:
+        factorise(analyse(csr_array(chain), backend="cholmod"), csr_array(chain))
+    assert refused.value.unknown == 17
+
+
+def test_a_leg_free_to_move_is_refused():
+    mesh = extrude(section_mesh(Rectangle(0.04, 0.06), 2, "quad9"), stations(0.3, 3))
+    K, _ = stiffness_and_mass(mesh, STEEL)
+    with pytest.raises(NotPositiveDefiniteError, match="rigid body"):
+        factorise(analyse(K, backend="cholmod"), K)
+
+
+def test_predicted_size_is_the_factors(short_leg):
+    """The factor's entries by a dense Cholesky of the pattern in the same order."""
+    K, _ = short_leg
+    symbolic = analyse(K, backend="cholmod")
+    order = symbolic.elimination.order
+    pattern = K.copy()
+    pattern.data = np.random.default_rng(3).uniform(-1.0, -0.5, K.nnz)
+    pattern = pattern + pattern.T
+    dominant = pattern + diags_array(np.abs(pattern).sum(axis=1) + 1.0)
+    lower = np.linalg.cholesky(dominant.toarray()[np.ix_(order, order)])
+    counts = (lower != 0.0).sum(axis=0)
+    # Entries of such a factor do not cancel; far from the diagonal they fall to 1e-60, not to zero.
+    assert symbolic.factor_entries == counts.sum()
+    assert symbolic.flops == pytest.approx((counts.astype(float) ** 2).sum(), rel=1e-12)
+    assert symbolic.peak_bytes >= 8 * symbolic.factor_entries
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_too_little_memory_is_said_before_the_factorisation(short_leg, backend, monkeypatch):
+    K, _ = short_leg
+    symbolic = analyse(K, backend=backend)
+    monkeypatch.setattr(fem.solvers.factor, "available_memory", lambda: symbolic.peak_bytes - 1)
+    with pytest.raises(ComputationError, match=r"leg 2: factorising \d+ unknowns needs about"):
+        factorise(symbolic, K, part="leg 2")
+
+
+def test_available_memory_is_a_plausible_number():
+    # Any machine that runs this has more than 10 MB and less than 100 TB.
+    assert 1e7 < available_memory() < 1e14
+
+
+def test_backend_from_the_environment(monkeypatch):
+    monkeypatch.delenv("FLEXPROOF_SOLVER", raising=False)
+    assert default_backend() == "cholmod"
+    monkeypatch.setenv("FLEXPROOF_SOLVER", "mkl")
+    assert default_backend() == "mkl"
+    monkeypatch.setenv("FLEXPROOF_SOLVER", "superlu")
+    with pytest.raises(InputError, match="FLEXPROOF_SOLVER = 'superlu'"):
+        default_backend()
+
+
+def test_missing_extra_is_said(short_leg, monkeypatch):
+    monkeypatch.setitem(__import__("sys").modules, "pypardiso", None)
+    with pytest.raises(ComputationError, match=r"flexproof\[mkl\]"):
+        analyse(short_leg[0], backend="mkl")
+
+
+def test_order_is_a_permutation_that_saves_fill(short_leg):
+    K, _ = short_leg
+    ends = csr_array(np.ones((12, K.shape[0])))
+    coupled = block_diag([eye_array(12), K], format="lil")
+    coupled[:12, 12:600] = ends.toarray()[:, :588]
+    coupled[12:600, :12] = ends.toarray()[:, :588].T
+    matrix = csr_array(coupled)
+    order = nested_dissection(block_graph(matrix, leading=(6, 6))).order
+    assert (np.sort(order) == np.arange(matrix.shape[0])).all()
+    # Unknowns of one block stay together: six of an end, three of a node.
+    places = np.argsort(order)
+    assert (np.diff(places[:6]) == 1).all()
+    assert (np.diff(places[12:].reshape(-1, 3), axis=1) == 1).all()
+    with pytest.raises(ValueError, match="threes"):
+        block_graph(matrix, leading=(6, 6, 1))
+
+
+def test_thorough_order_is_a_permutation_with_no_more_fill(short_leg, monkeypatch):
+    """What large graphs get; 5 % is room for chance on a graph as small as this."""
+    K, _ = short_leg
+    usual = analyse(K, backend="cholmod")
+    monkeypatch.setattr("fem.solvers.ordering._LARGE", 0)
+    thorough = analyse(K, backend="cholmod")
+    assert (np.sort(thorough.elimination.order) == np.arange(K.shape[0])).all()
+    assert thorough.factor_entries <= 1.05 * usual.factor_entries
+
+
+def test_upper_triangle_sorts_and_keeps_zeros():
+    rows, columns = np.array([0, 0, 1, 2, 2, 0]), np.array([2, 0, 1, 2, 0, 2])
+    matrix = csr_array((np.array([2.0, 5.0, 0.0, 4.0, 3.0, 1.0]), (rows, columns)), shape=(3, 3))
+    triangle = upper_triangle(matrix)
+    assert triangle.indptr.tolist() == [0, 2, 3, 4]
+    assert triangle.indices.tolist() == [0, 2, 1, 2]
+    assert triangle.data.tolist() == [5.0, 3.0, 0.0, 4.0]

@@ -1,0 +1,113 @@
+import numpy as np
+import pytest
+from scipy.linalg import eigvalsh, null_space
+
+import fem.bodies.leg_modes
+from fem.bodies.leg_modes import clamped_count
+from fem.bodies.solid import clamped_leg, solid_leg
+from fem.solvers.factor import upper_triangle, whole_matrix
+from fem.solvers.modes import MissedModesError, certify
+from fem.solvers.supported_count import separator_supports, supported_count
+from lumped.legs import ConstantLeg, Material
+from lumped.sections import ISection, Rectangle
+from meshes.prism.extrude import extrude, stations
+from meshes.section.section_mesh import section_mesh
+
+STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
+
+
+def held(section, ends):
+    one = ConstantLeg(0.6, section, STEEL)
+    return clamped_leg(
+        solid_leg(one, extrude(section_mesh(section, 2), stations(one.length, 8))), ends
+    )
+
+
+@pytest.fixture(scope="module", params=["rigid", "free"])
+def leg(request):
+    """A clamped leg, its factor's points and constraints, and its eigenvalues by LAPACK."""
+    clamped = held(Rectangle(0.08, 0.12), request.param)
+    if request.param == "rigid":
+        K = clamped.factor.triangle
+        theta = eigvalsh(clamped.mass.toarray(), whole_matrix(K).toarray())
+        points = clamped.mesh.nodes[clamped.ends.interior]
+        return clamped, K, upper_triangle(clamped.mass), points, None, 1.0 / theta[::-1]
+    K, M, B = clamped.solid.stiffness, clamped.solid.mass, clamped.ends.root_loads
+    allowed = null_space(B.T)
+    theta = eigvalsh(allowed.T @ (M @ allowed), allowed.T @ (K @ allowed))
+    K, M = upper_triangle(K), upper_triangle(M)
+    return clamped, K, M, clamped.mesh.nodes, B, 1.0 / theta[::-1]
+
+
+@pytest.mark.parametrize("below", [0, 1, 2, 5, 12, 20])
+def test_count_is_that_of_dense_eigenvalues(leg, below):
+    clamped, K, M, points, B, values = leg
+    lower = values[below - 1] if below else 0.0
+    # Near either of the two eigenvalues too: 1e-3 is a tenth of the certificate's usual distance.
+    for sigma in (0.5 * (lower + values[below]), lower * 1.001, values[below] * 0.999):
+        found = supported_count(clamped.factor, K, M, sigma, points, B)
+        assert found == (below, 0, len(values) - below)
+
+
+def test_a_set_with_one_mode_missing_is_refused(leg):
+    clamped, values = leg[0], leg[-1]
+    count = clamped_count(clamped, "cholmod")
+    assert values[9] < certify(values[:10], values[10], count, "leg") < values[10]
+    with pytest.raises(MissedModesError) as refused:
+        certify(np.delete(values[:10], 4), values[10], count, "leg")
+    assert refused.value.missing == 1
+
+
+def test_shift_on_an_eigenvalue_has_no_sign_or_moves_the_count_by_one(leg):
+    clamped, K, M, points, B, values = leg
+    found = supported_count(clamped.factor, K, M, values[5], points, B)
+    assert found.negative in {5, 6}
+    assert found.zero <= 1
+
+
+def test_too_few_supports_prove_nothing_and_fronts_count(leg, monkeypatch):
+    clamped, K, M, points, B, values = leg
+    below = 200
+    sigma = 0.5 * (values[below] + values[below - 1])
+    assert supported_count(clamped.factor, K, M, sigma, points, B) is None
+    answers = []
+
+    def spied(*arguments):
+        answers.append(supported_count(*arguments))
+        return answers[-1]
+
+    monkeypatch.setattr(fem.bodies.leg_modes, "supported_count", spied)
+    assert clamped_count(clamped, "cholmod")(sigma).negative == below
+    assert answers == [None]
+
+
+def test_count_without_room_for_two_factors(leg, monkeypatch):
+    """The factor of K gives its place to that of the count, and comes again for a solve."""
+    clamped, values = leg[0], leg[-1]
+    loads = clamped.ends.tip_loads()
+    before, first = clamped.factor.solve(loads), clamped.factor.numeric
+    count = clamped_count(clamped, "cholmod")
+    enough = 4 * clamped.factor.symbolic.peak_bytes
+    monkeypatch.setattr("fem.solvers.renewable_factor.available_memory", lambda: enough)
+    assert count(0.5 * (values[5] + values[6])).negative == 6
+    assert clamped.factor.numeric is first
+    monkeypatch.setattr("fem.solvers.renewable_factor.available_memory", lambda: enough - 1)
+    for below in (6, 9):
+        assert count(0.5 * (values[below - 1] + values[below])).negative == below
+    assert clamped.factor.numeric is not first
+    assert clamped.factor.numeric is clamped.factor.numeric
+    np.testing.assert_array_equal(clamped.factor.solve(loads), before)
+
+
+def test_supports_are_orthonormal_on_distinct_nodes():
+    clamped = held(ISection(0.1, 0.16, 0.012, 0.008), "rigid")
+    points = clamped.mesh.nodes[clamped.ends.interior]
+    n = clamped.factor.symbolic.size
+    supports = separator_supports(clamped.factor.separators(15), points, n)
+    unknowns = np.concatenate([s.unknowns for s in supports])
+    assert len(np.unique(unknowns)) == len(unknowns)
+    # The tip's six motions come first and are never supported.
+    assert unknowns.min() >= 6
+    for s in supports:
+        gram = s.shapes.T @ s.shapes
+        np.testing.assert_allclose(gram, np.eye(len(gram)), atol=1e-12)

@@ -1,0 +1,155 @@
+"""Section meshes of every shape: sound, symmetric, on the true outline, exact integrals."""
+
+from math import cos, pi, sin
+
+import numpy as np
+import pytest
+from scipy.spatial import cKDTree
+
+from lumped.errors import ComputationError, InputError
+from lumped.sections import Circle, HollowRectangle, Rectangle, Tube
+from meshes.section.section_mesh import section_mesh
+from meshes.section.symmetry import symmetrised
+
+ELEMENTS_OF_SECTIONS = ["quad4", "quad9", "tri3", "tri6"]
+every_element = pytest.mark.parametrize("element", ELEMENTS_OF_SECTIONS)
+# Coordinates of order 0.1 m carry rounding of 1e-17; gmsh's own tolerance is 1e-8 of the size.
+SAME_PLACE = 1e-11
+
+
+@every_element
+@pytest.mark.parametrize("divisions", [1, 3, 4, 9])
+def test_all_cells_run_counter_clockwise(section, element, divisions, determinants) -> None:
+    assert determinants(section_mesh(section, divisions, element)).min() > 0.0
+
+
+@every_element
+def test_neighbours_share_their_sides_and_free_sides_lie_on_the_outline(
+    section, element, facets, off_outline
+) -> None:
+    mesh = section_mesh(section, 4, element)
+    sides, owners = facets(mesh)
+    assert owners.max() == 2
+    free = np.unique(sides[owners == 1])
+    assert off_outline(mesh.nodes[free]).max() < SAME_PLACE
+
+
+@every_element
+def test_no_node_is_double_or_idle(section, element) -> None:
+    mesh = section_mesh(section, 4, element)
+    assert not cKDTree(mesh.nodes).query_pairs(1e-6)
+    assert np.array_equal(np.unique(mesh.cells), np.arange(len(mesh.nodes)))
+
+
+@pytest.mark.parametrize("element", ["quad4", "quad9"])
+@pytest.mark.parametrize("divisions", [1, 2, 4, 5])
+@pytest.mark.parametrize("mirror", [(-1.0, 1.0), (1.0, -1.0)])
+def test_quadrilaterals_are_symmetric_about_both_axes(section, element, divisions, mirror) -> None:
+    mesh = section_mesh(section, divisions, element)
+    for places in (mesh.nodes, mesh.nodes[mesh.cells].mean(axis=1)):
+        distance, _ = cKDTree(places).query(places * mirror)
+        assert distance.max() < 1e-16  # rounding of coordinates of 0.1 m
+
+
+@every_element
+def test_integrals_of_straight_sections_are_exact(straight_section, element, integral) -> None:
+    section = straight_section
+    mesh = section_mesh(section, 4, element)
+    # 1e-13: straight cells are integrated exactly, some hundred terms of rounding.
+    assert integral(mesh, lambda x: x[..., 0] ** 0) == pytest.approx(section.area, rel=1e-13)
+    iz = integral(mesh, lambda x: x[..., 0] ** 2)
+    iy = integral(mesh, lambda x: x[..., 1] ** 2)
+    assert iz == pytest.approx(section.second_moment_z, rel=1e-13)
+    assert iy == pytest.approx(section.second_moment_y, rel=1e-13)
+
+
+def _polygon(radius: float, sides: int) -> float:
+    return sides / 2 * radius**2 * sin(2 * pi / sides)
+
+
+def _parabolas(radius: float, sides: int) -> float:
+    """The polygon and a parabola's segment (2/3 chord × sagitta) over each side."""
+    chord, sagitta = 2 * radius * sin(pi / sides), radius * (1 - cos(pi / sides))
+    return _polygon(radius, sides) + sides * 2 / 3 * chord * sagitta
+
+
+@pytest.mark.parametrize(("element", "area"), [("quad4", _polygon), ("quad9", _parabolas)])
+@pytest.mark.parametrize(("divisions", "sides"), [(4, 8), (8, 16), (16, 32)])
+def test_area_of_the_circle_is_that_of_its_chords_or_parabolas(
+    element, area, divisions, sides, integral
+) -> None:
+    circle = Circle(0.1)
+    found = integral(section_mesh(circle, divisions, element), lambda x: x[..., 0] ** 0)
+    assert found == pytest.approx(area(0.05, sides), rel=1e-12)  # rounding
+
+
+@pytest.mark.parametrize(("element", "area"), [("quad4", _polygon), ("quad9", _parabolas)])
+def test_area_of_the_tube_is_that_of_its_chords_or_parabolas(element, area, integral) -> None:
+    # A quarter of the middle line, 0.094 π/4, takes three elements of 0.1/4, so six at 8 divisions.
+    found = integral(section_mesh(Tube(0.1, 0.006), 8, element), lambda x: x[..., 0] ** 0)
+    assert found == pytest.approx(area(0.05, 24) - area(0.044, 24), rel=1e-12)  # rounding
+
+
+@pytest.mark.parametrize("section", [Circle(0.1), Tube(0.1, 0.02)], ids=lambda s: s.shape)
+@pytest.mark.parametrize(("element", "order"), [("quad4", 2), ("quad9", 4)])
+def test_second_moments_of_curved_sections_converge(section, element, order, integral) -> None:
+    # Chords miss the arc by h², parabolas through their middle by h⁴ in area.
+    errors = [
+        integral(section_mesh(section, divisions, element), lambda x: x[..., 1] ** 2)
+        / section.second_moment_y
+        - 1
+        for divisions in (8, 16, 32)
+    ]
+    observed = np.log2(np.abs(errors[:-1]) / np.abs(errors[1:]))
+    # 0.1: terms of the next order.
+    assert observed == pytest.approx(order, abs=0.1)
+
+
+def test_two_divisions_count_elements_along_y_and_z() -> None:
+    mesh = section_mesh(Rectangle(0.2, 0.3), (8, 4))
+    assert mesh.cells.shape == (32, 9)
+    assert len(np.unique(mesh.nodes[:, 0].round(9))) == 17
+    assert len(np.unique(mesh.nodes[:, 1].round(9))) == 9
+
+
+def test_divisions_count_elements_across_the_smaller_side() -> None:
+    mesh = section_mesh(Rectangle(0.3, 0.2), 4, "quad4")
+    assert mesh.cells.shape == (24, 4)
+
+
+@pytest.mark.parametrize(("divisions", "across"), [(1, 1), (4, 1), (8, 2), (16, 4)])
+def test_walls_get_one_element_across_per_four_divisions(divisions, across) -> None:
+    mesh = section_mesh(HollowRectangle(0.1, 0.1, 0.005), divisions, "quad4")
+    through_the_wall = mesh.nodes[(np.abs(mesh.nodes[:, 1] + 0.05) < 1e-9)]
+    in_the_corner = np.sum(through_the_wall[:, 0] < -0.045 + 1e-9)
+    assert in_the_corner == across + 1
+
+
+def test_elements_along_a_thin_wall_are_at_most_eight_times_their_thickness() -> None:
+    mesh = section_mesh(HollowRectangle(0.1, 0.1, 0.001), 4, "quad4")
+    longest = np.ptp(mesh.nodes[mesh.cells], axis=1).max()
+    assert longest <= 0.008
+
+
+@pytest.mark.parametrize(("divisions", "finer"), [(4, 8), (8, 16)])
+def test_doubled_divisions_halve_every_element(section, divisions, finer) -> None:
+    coarse, fine = (section_mesh(section, n, "quad4") for n in (divisions, finer))
+    assert len(fine.cells) == 4 * len(coarse.cells)
+
+
+def test_a_mesh_without_symmetry_is_refused() -> None:
+    with pytest.raises(ComputationError, match=r"section: .* not symmetric"):
+        symmetrised(np.array([[0.0, 0.0], [1.0, 0.0], [-0.9, 0.0]]), "section")
+
+
+@every_element
+def test_numbering_is_the_same_every_time(section, element) -> None:
+    first, second = (section_mesh(section, 4, element) for _ in range(2))
+    assert np.array_equal(first.nodes, second.nodes)
+    assert np.array_equal(first.cells, second.cells)
+
+
+@pytest.mark.parametrize("element", ["quad9", "tri6"])
+def test_impossible_sections_are_refused(element) -> None:
+    with pytest.raises(InputError, match="closes the hollow"):
+        section_mesh(HollowRectangle(0.1, 0.1, 0.05), 4, element)
