@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh
 
+from fem.bodies.leg_modes import modes
 from fem.bodies.solid import (
     clamped_leg,
-    modes,
     section_twists,
     solid_leg,
     solid_leg_matrices,
