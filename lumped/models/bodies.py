@@ -1,0 +1,60 @@
+"""The bodies of a mechanism that are legs, and what they are as springs."""
+
+from typing import Literal, TypeAlias
+
+from lumped.arrays import Array
+from lumped.errors import InputError
+from lumped.legs import (
+    ConstantLeg,
+    EquivalentBy,
+    GivenLeg,
+    Leg,
+    Theory,
+    equivalent_leg,
+    given_compliance,
+    tip_compliance,
+)
+from lumped.mechanism.body import Body, Given, Prism
+from lumped.mechanism.mechanism import Mechanism
+
+LegSprings: TypeAlias = Literal["given", "equivalent"]
+
+
+def leg_of(body: Body) -> Leg:
+    """The leg that a body is; raises InputError for a body that is none."""
+    match body.shape:
+        case Prism(length, section, material):
+            return ConstantLeg(length, section, material)
+        case Given(length, mass, compliance):
+            return GivenLeg(length, mass, compliance)
+    raise InputError(f"bodies.{body.name}: is no leg")
+
+
+def legs_of(mechanism: Mechanism) -> dict[str, Leg]:
+    """The bodies that are legs, by name."""
+    return {
+        name: leg_of(body)
+        for name, body in mechanism.bodies.items()
+        if isinstance(body.shape, Prism | Given)
+    }
+
+
+def tip_compliances(
+    mechanism: Mechanism,
+    springs: LegSprings = "given",
+    theory: Theory = "timoshenko",
+    by: EquivalentBy = "stiffness",
+) -> dict[str, Array]:
+    """6×6 compliance (SI, body axes) of every leg at its second interface, the first clamped.
+
+    Of a leg given by its 6×6 as it is, or with `springs` "equivalent" that of its equivalent
+    constant-section leg, matched `by` stiffness or compliance; of a prism by `theory`.
+    """
+    compliances = {}
+    for name, leg in legs_of(mechanism).items():
+        if isinstance(leg, GivenLeg) and springs == "given":
+            compliances[name] = given_compliance(leg)
+        else:
+            prism = equivalent_leg(leg, by)
+            compliances[name] = tip_compliance(prism.properties(theory), prism.length)
+    return compliances

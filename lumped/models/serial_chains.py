@@ -1,0 +1,202 @@
+"""The virtual joint method on any mechanism whose legs are serial chains (eqs 3 to 9).
+
+A chain leads from the ground to what carries the tool: joints of one freedom each, one after the
+other, and 6-DOF springs at the tips of the legs, in the joints and in the drives. The rest is
+`lumped.vjm`: a formulation of its own, which shares no assembly with the other models.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+
+from lumped import chains, vjm
+from lumped.arrays import Array
+from lumped.chains import Chain, Element, Fixed, Spring
+from lumped.errors import InputError
+from lumped.mechanism.joint import FREEDOMS, Joint
+from lumped.mechanism.kinematics.postures import shown_pose
+from lumped.mechanism.mechanism import GROUND, Mechanism, Posture
+from lumped.screws import turn_matrix
+
+# What moves as one: a rigid body ("" for the interface) or one interface of a leg.
+_Node: TypeAlias = tuple[str, str]
+_BASE: _Node = (GROUND, "")
+
+
+@dataclass(frozen=True)
+class _Step:
+    """A joint, or a leg (by name) from one of its interfaces to the other, between two nodes."""
+
+    nodes: frozenset[_Node]
+    across: Joint | str
+
+
+def compliance(posture: Posture, legs: Mapping[str, Array]) -> Array:
+    """6×6 compliance (SI, base axes) at the loaded point.
+
+    `legs`: 6×6 compliance of every leg (SI, body axes) at its second interface, the first clamped;
+    bodies without one are rigid. Raises InputError where a leg of the robot is no serial chain,
+    ComputationError where a chain is rigid or the tool is free to move.
+    """
+    place = shown_pose(posture.mechanism, posture.pose)
+    name = f"{posture.mechanism.name}, virtual joints" + (f", {place}" if place else "")
+    stiffness = vjm.robot_stiffness(serial_chains(posture, legs))
+    return vjm.platform_compliance(stiffness, f"{name}: the tool")
+
+
+def serial_chains(posture: Posture, legs: Mapping[str, Array]) -> tuple[Chain, ...]:
+    """Every chain from the ground to the loaded point, in the order of the joints at its end."""
+    return tuple(_chain(posture, legs, path) for path in _paths(posture.mechanism, legs))
+
+
+def _paths(mechanism: Mechanism, legs: Mapping[str, Array]) -> list[list[_Step]]:
+    """Steps of each chain from the ground to the tool; raises InputError where one branches."""
+    moving_as_one = _groups(mechanism, legs)
+    base = moving_as_one[_BASE]
+    end = moving_as_one[_node(mechanism.tool.body, mechanism.tool.point, legs)]
+    steps = _without_dead_ends(_steps(mechanism, legs, moving_as_one), {base, end})
+    paths = []
+    for start in [step for step in steps if end in step.nodes]:
+        path, here = [start], _other(start, end)
+        while here != base:
+            onward = [step for step in steps if here in step.nodes and step is not path[-1]]
+            if here == end or len(onward) != 1:
+                raise InputError(
+                    f"{mechanism.name}: the vjm model sums serial chains from the ground to the "
+                    f"tool, but the robot branches at {_words(here)}; take --model links"
+                )
+            path.append(onward[0])
+            here = _other(onward[0], here)
+        paths.append(path[::-1])
+    return paths
+
+
+def _groups(mechanism: Mechanism, legs: Mapping[str, Array]) -> dict[_Node, _Node]:
+    """Every node with the one that stands for all that joints without freedom or give hold to it.
+
+    Whatever is held to the ground is the ground.
+    """
+    nodes = [_BASE]
+    for name, body in mechanism.bodies.items():
+        nodes += [node for p in body.interfaces if (node := _node(name, p, legs)) not in nodes]
+    group = {node: node for node in nodes}
+    for joint in mechanism.joints:
+        held = FREEDOMS[joint.kind] == (joint.drive is not None and joint.drive.stiffness is None)
+        if held and joint.compliance is None:
+            kept, gone = sorted(
+                (group[_node(side.body, side.point, legs)] for side in (joint.first, joint.second)),
+                key=nodes.index,
+            )
+            group = {node: kept if of == gone else of for node, of in group.items()}
+    return group
+
+
+def _steps(
+    mechanism: Mechanism, legs: Mapping[str, Array], group: Mapping[_Node, _Node]
+) -> list[_Step]:
+    """All joints and legs between what does not move as one anyway."""
+    steps = [
+        _Step(
+            frozenset(
+                group[_node(side.body, side.point, legs)] for side in (joint.first, joint.second)
+            ),
+            joint,
+        )
+        for joint in mechanism.joints
+    ]
+    steps += [
+        _Step(frozenset(group[name, point] for point in mechanism.bodies[name].interfaces), name)
+        for name in legs
+    ]
+    return [step for step in steps if len(step.nodes) == 2]
+
+
+def _without_dead_ends(steps: list[_Step], ends: set[_Node]) -> list[_Step]:
+    """The steps but those of what hangs on the robot and carries nothing."""
+    while True:
+        nodes = [node for step in steps for node in step.nodes]
+        hanging = {node for node in nodes if nodes.count(node) == 1} - ends
+        if not hanging:
+            return steps
+        steps = [step for step in steps if not hanging & step.nodes]
+
+
+def _node(body: str, point: str, legs: Mapping[str, Array]) -> _Node:
+    return (body, point) if body in legs else (body, "")
+
+
+def _other(step: _Step, node: _Node) -> _Node:
+    (other,) = step.nodes - {node}
+    return other
+
+
+def _words(node: _Node) -> str:
+    return f"point {node[1]} of {node[0]}" if node[1] else node[0]
+
+
+def _chain(posture: Posture, legs: Mapping[str, Array], path: list[_Step]) -> Chain:
+    """Elements in base axes: all that turns is what the springs and axes are given in."""
+    elements: list[Element] = []
+    here = np.zeros(3)
+    own: list[Element]
+    for step in path:
+        if isinstance(step.across, Joint):
+            joint = step.across
+            place = _position(posture, joint.first.body, joint.first.point)
+            own = list(_joint(posture, joint))
+        else:
+            body = posture.mechanism.bodies[step.across]
+            place = _position(posture, body.name, tuple(body.interfaces)[1])
+            rotation = posture.frames[body.name].rotation
+            own = [Spring(turn_matrix(legs[body.name], rotation), f"spring of {body.name}")]
+        elements += [Fixed(translation=place - here), *own]
+        here = place
+    tool = posture.mechanism.tool
+    return (*elements, Fixed(translation=_position(posture, tool.body, tool.point) - here))
+
+
+def _joint(posture: Posture, joint: Joint) -> Iterator[Element]:
+    """The joint's freedoms one by one, the drive's spring for the first one, and its own give."""
+    first, second = (
+        posture.frames[side.body].rotation @ posture.mechanism.reference[side.body].rotation.T
+        for side in (joint.first, joint.second)
+    )
+    freedoms = _freedoms(joint, first, second)
+    drive = joint.drive
+    yield from freedoms if drive is None else freedoms[1:]
+    if drive is not None and drive.stiffness is not None:
+        twist = freedoms[0].twist
+        yield Spring(np.outer(twist, twist) / drive.stiffness, f"drive of {joint.name}")
+    if joint.compliance is not None:
+        yield Spring(turn_matrix(joint.compliance, first), f"compliance of {joint.name}")
+
+
+def _freedoms(joint: Joint, first: Array, second: Array) -> list[chains.Joint]:
+    """One-freedom joints in base axes; both sides have turned since the reference posture."""
+    axes = [first @ axis for axis in joint.axes]
+    slides: list[Array] = []
+    turns: list[Array] = []
+    match joint.kind:
+        case "revolute":
+            turns = axes
+        case "prismatic":
+            slides = axes
+        case "cylindrical":
+            slides, turns = axes, axes
+        case "universal":
+            turns = [axes[0], second @ joint.axes[1]]
+        case "spherical":
+            turns = list(np.eye(3))
+        case "planar":
+            slides, turns = list(np.linalg.svd(axes[0][None])[2][1:]), axes
+    return [
+        *(chains.Joint("prismatic", axis) for axis in slides),
+        *(chains.Joint("revolute", axis) for axis in turns),
+    ]
+
+
+def _position(posture: Posture, body: str, point: str) -> Array:
+    frame = posture.frames[body] @ posture.mechanism.bodies[body].interfaces[point]
+    return frame.position

@@ -1,0 +1,220 @@
+"""One assembler for any mechanism and any models of its bodies: dense, sparse or reduced.
+
+Unknowns of a system: those of its nodes as the joints leave them (`lumped.system.motions`), then
+what is inside the bodies, which stays in body axes. What does not turn from posture to posture is
+put together once; a posture turns the interfaces' rows and columns of every body.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.linalg import block_diag as dense_block_diag
+from scipy.sparse import block_array, block_diag, csr_array, issparse
+
+from lumped.arrays import Array, SparseMatrix
+from lumped.mechanism.body import Rigid
+from lumped.mechanism.body_model import BodyModel
+from lumped.mechanism.kinematics.postures import shown_pose
+from lumped.mechanism.mechanism import Mechanism, Posture
+from lumped.screws import shift, turn
+from lumped.system.motions import Motions, Structure, motions, structure_of
+
+
+@dataclass(frozen=True, eq=False)
+class System:
+    """Stiffness and mass (n×n, SI, dense or sparse) of a mechanism in one posture.
+
+    The first unknowns are those of `motions`, the rest those inside the bodies. `tool` (6×n) gives
+    the twist of the loaded point in base axes; `ends` the twists of a body's interfaces in body
+    axes from the first unknowns, `inside` where the body's other unknowns are.
+    """
+
+    name: str
+    posture: Posture
+    models: Mapping[str, BodyModel]
+    motions: Motions
+    stiffness: Array | SparseMatrix
+    mass: Array | SparseMatrix
+    tool: Array
+    ends: Mapping[str, Array]
+    inside: Mapping[str, slice]
+
+    @property
+    def size(self) -> int:
+        """Number of unknowns n."""
+        return int(self.stiffness.shape[0])
+
+    @property
+    def outer(self) -> int:
+        """How many of the unknowns belong to nodes: they come first."""
+        return int(self.motions.twists.shape[2])
+
+    def own(self, body: str, unknowns: Array) -> Array:
+        """Unknowns of the model of `body` (body axes) from those of the system (n×m)."""
+        return np.vstack([self.ends[body] @ unknowns[: self.outer], unknowns[self.inside[body]]])
+
+
+@dataclass(frozen=True, eq=False)
+class Assembly:
+    """A mechanism with models of its bodies, ready for any of its postures.
+
+    Bodies without a model are rigid; they have the mass that their shape gives a rigid body, and
+    none where it is another shape.
+    """
+
+    mechanism: Mechanism
+    models: Mapping[str, BodyModel]
+    structure: Structure
+
+    @cached_property
+    def _sparse(self) -> bool:
+        return any(issparse(model.stiffness) for model in self.models.values())
+
+    @cached_property
+    def _inner(self) -> tuple[Array | SparseMatrix, Array | SparseMatrix]:
+        """Stiffness and mass inside the bodies, body after body."""
+        blocks = [
+            [_split(model, matrix)[2] for model in self.models.values()]
+            for matrix in ("stiffness", "mass")
+        ]
+        if self._sparse:
+            stiffness, mass = (block_diag(of, format="csr") for of in blocks)
+        else:
+            stiffness, mass = (dense_block_diag(np.zeros((0, 0)), *of) for of in blocks)
+        return stiffness, mass
+
+    @cached_property
+    def _split_models(self) -> Mapping[str, tuple[tuple[Array, Array | SparseMatrix], ...]]:
+        """Per body, of stiffness and of mass: the interfaces' block, their coupling to the rest."""
+        return {
+            name: (_split(model, "stiffness")[:2], _split(model, "mass")[:2])
+            for name, model in self.models.items()
+        }
+
+    def at(self, posture: Posture) -> System:
+        """The system in one posture."""
+        moved = motions(self.structure, posture)
+        ends = {name: _ends(moved, posture, name) for name in self.models}
+        inside, size = {}, moved.twists.shape[2]
+        for name, model in self.models.items():
+            inside[name] = slice(size, size + model.size - len(ends[name]))
+            size = inside[name].stop
+        outer = self._node_matrices(moved, posture, ends)
+        place = _tool_position(posture)
+        tool = np.zeros((6, size))
+        tool[:, : moved.twists.shape[2]] = moved.at(
+            posture.mechanism.tool.body, posture.mechanism.tool.point, place
+        )
+        put = self._bordered if self._sparse else self._filled
+        stiffness, mass = (put(matrix, kind, ends, inside) for kind, matrix in enumerate(outer))
+        return System(
+            name=_name(posture),
+            posture=posture,
+            models=self.models,
+            motions=moved,
+            stiffness=stiffness,
+            mass=mass,
+            tool=tool,
+            ends=ends,
+            inside=inside,
+        )
+
+    def _node_matrices(
+        self, moved: Motions, posture: Posture, ends: Mapping[str, Array]
+    ) -> tuple[Array, Array]:
+        """Stiffness and mass on the nodes' unknowns alone."""
+        size = moved.twists.shape[2]
+        stiffness, mass = np.zeros((size, size)), np.zeros((size, size))
+        for name, ((own_stiffness, _), (own_mass, _)) in self._split_models.items():
+            stiffness += ends[name].T @ own_stiffness @ ends[name]
+            mass += ends[name].T @ own_mass @ ends[name]
+        for rows in moved.springs.values():
+            stiffness += rows.T @ rows
+        for number, (name, point) in enumerate(self.structure.nodes):
+            shape = self.mechanism.bodies[name].shape
+            if not point and isinstance(shape, Rigid):
+                twist = turn(posture.frames[name].rotation).T @ moved.twists[number]
+                mass += twist.T @ _rigid_mass(shape) @ twist
+        if self.mechanism.tool.mass:
+            tool = self.mechanism.tool
+            moving = moved.at(tool.body, tool.point, _tool_position(posture))[:3]
+            mass += tool.mass * moving.T @ moving
+        return 0.5 * (stiffness + stiffness.T), 0.5 * (mass + mass.T)
+
+    def _filled(
+        self, outer: Array, kind: int, ends: Mapping[str, Array], inside: Mapping[str, slice]
+    ) -> Array:
+        count, inner = len(outer), self._inner[kind]
+        matrix = np.zeros((count + len(inner), count + len(inner)))
+        matrix[:count, :count] = outer
+        matrix[count:, count:] = inner
+        for name, of_kinds in self._split_models.items():
+            border = ends[name].T @ of_kinds[kind][1]
+            matrix[:count, inside[name]] = border
+            matrix[inside[name], :count] = border.T
+        return matrix
+
+    def _bordered(
+        self, outer: Array, kind: int, ends: Mapping[str, Array], inside: Mapping[str, slice]
+    ) -> SparseMatrix:
+        del inside  # the borders stand in the same order
+        borders = [
+            csr_array(ends[name].T) @ csr_array(of_kinds[kind][1])
+            for name, of_kinds in self._split_models.items()
+        ]
+        border = csr_array(block_array([borders]))
+        whole = [[csr_array(outer), border], [border.T, self._inner[kind]]]
+        return csr_array(block_array(whole))
+
+
+def assembly(mechanism: Mechanism, models: Mapping[str, BodyModel]) -> Assembly:
+    """A mechanism made ready for its postures; `models` by name of the body."""
+    return Assembly(mechanism, models, structure_of(mechanism, frozenset(models)))
+
+
+def assemble(posture: Posture, models: Mapping[str, BodyModel]) -> System:
+    """The mechanism in one posture; `models` by name of the body, the others are rigid."""
+    return assembly(posture.mechanism, models).at(posture)
+
+
+def _name(posture: Posture) -> str:
+    place = shown_pose(posture.mechanism, posture.pose)
+    return f"{posture.mechanism.name} at {place}" if place else posture.mechanism.name
+
+
+def _split(model: BodyModel, matrix: str) -> tuple[Array, Array | SparseMatrix, SparseMatrix]:
+    """Blocks of the stiffness or mass: interfaces, their coupling to the rest, the rest."""
+    whole = getattr(model, matrix)
+    count = 6 * len(model.interfaces)
+    if not issparse(whole):
+        return whole[:count, :count], whole[:count, count:], whole[count:, count:]
+    rows = csr_array(whole)
+    return rows[:count, :count].toarray(), rows[:count, count:], rows[count:, count:]
+
+
+def _ends(moved: Motions, posture: Posture, body: str) -> Array:
+    """Twists (6m×n) of the interfaces of a deformable body, in body axes."""
+    interfaces = posture.mechanism.bodies[body].interfaces
+    first = moved.structure.node(body, next(iter(interfaces)))
+    twists = moved.twists[first : first + len(interfaces)]
+    size = twists.shape[2]
+    own: Array = posture.frames[body].rotation.T @ twists.reshape(-1, 3, size)
+    return own.reshape(-1, size)
+
+
+def _tool_position(posture: Posture) -> Array:
+    tool = posture.mechanism.tool
+    frame = posture.frames[tool.body]
+    return (frame @ posture.mechanism.bodies[tool.body].interfaces[tool.point]).position
+
+
+def _rigid_mass(shape: Rigid) -> Array:
+    """6×6 mass at the origin of the body's axes."""
+    to_centre = shift(shape.centre)
+    at_centre = np.zeros((6, 6))
+    at_centre[:3, :3] = shape.mass * np.eye(3)
+    at_centre[3:, 3:] = shape.inertia
+    mass: Array = to_centre.T @ at_centre @ to_centre
+    return mass

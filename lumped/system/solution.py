@@ -1,0 +1,178 @@
+"""Compliance, modes and energies of a system, dense: for up to some thousand unknowns.
+
+One Cholesky factor K = L Lᵀ serves statics and modes. Idle motions N make K singular. Holding as
+many unknowns as there are stops them: the compliance of the tool does not feel it, and the modes
+are those of the stiffness of the others with the mass M − M N (NᵀMN)⁺ NᵀM, which is what is left
+when the idle motions run free.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import LinAlgError, cho_factor, cho_solve, eigh
+from scipy.linalg.blas import dtrsm
+
+from lumped.arrays import Array, IntArray
+from lumped.errors import ComputationError
+from lumped.modes import Modes, dense, fix_signs
+from lumped.system.assembly import System
+from lumped.system.idle import idle_motions
+
+# Pivots of the stiffness with unit diagonal: those of a chain of 160 elements are 3e-8. Rounding of
+# a singular matrix leaves 1e-16 times what its stiffest entries are above those of the motion.
+_SMALLEST_PIVOT = 1e-13
+_DOUBTFUL = 1e-8
+# Mass of an idle motion, relative, below which it has none.
+_MASSLESS = 1e-13
+
+
+@dataclass(frozen=True, eq=False)
+class _Factor:
+    lower: Array
+    scale: Array
+    smallest_pivot: float
+
+
+@dataclass(frozen=True, eq=False)
+class Solved:
+    """A system with its stiffness factorised: L (lower) of the `kept` unknowns, scaled by `scale`.
+
+    `idle` is the number of idle motions, `motions` (n×idle) they themselves.
+    """
+
+    system: System
+    lower: Array
+    scale: Array
+    kept: IntArray
+    motions: Array
+
+    @property
+    def idle(self) -> int:
+        """Number of mobilities that do not move the tool."""
+        return int(self.motions.shape[1])
+
+    def displacements(self, loads: Array) -> Array:
+        """Unknowns (n×m) under loads (n×m) that do no work on idle motions, these held."""
+        found = np.zeros_like(loads)
+        scaled = self.scale[:, None] * loads[self.kept]
+        found[self.kept] = self.scale[:, None] * cho_solve((self.lower, True), scaled)
+        return found
+
+
+def solved(system: System) -> Solved:
+    """Factorise the stiffness of `system`.
+
+    Raises ComputationError where the tool is free to move, naming the motion, and where a stiffness
+    is negative.
+    """
+    stiffness = dense(system.stiffness)
+    kept = np.arange(system.size)
+    factor = _factor(stiffness)
+    outer = np.diag(stiffness)[: system.outer]
+    even = (outer > _DOUBTFUL * outer.max(initial=0.0)).all()
+    if factor is not None and even and factor.smallest_pivot > _DOUBTFUL:
+        return Solved(system, factor.lower, factor.scale, kept, np.zeros((system.size, 0)))
+    idle = idle_motions(system)
+    if len(idle.pinned):
+        kept = np.delete(kept, idle.pinned)
+        factor = _factor(stiffness[np.ix_(kept, kept)])
+    if factor is None or factor.smallest_pivot < _SMALLEST_PIVOT:
+        raise ComputationError(
+            f"{system.name}: the stiffness matrix is not positive definite; a stiffness is "
+            "negative or differs from the others by more than rounding allows"
+        )
+    motions = np.vstack([idle.motions, _followed(stiffness, system.outer, idle.motions)])
+    return Solved(system, factor.lower, factor.scale, kept, motions)
+
+
+def compliance(solution: Solved) -> Array:
+    """6×6 compliance (SI, base axes) at the loaded point."""
+    loads = solution.system.tool.T
+    result = loads.T @ solution.displacements(loads)
+    return 0.5 * (result + result.T)
+
+
+def modes(solution: Solved, count: int) -> Modes:
+    """The lowest `count` modes (Hz; shapes n×count, mass-normalised), idle motions left out.
+
+    Raises ComputationError where fewer modes have mass.
+    """
+    system, kept, scale = solution.system, solution.kept, solution.scale
+    whole = dense(system.mass)
+    mass, drag = whole[np.ix_(kept, kept)], np.zeros((solution.idle, len(kept)))
+    if solution.idle:
+        momenta = whole @ solution.motions
+        heaviest = float(np.diag(whole)[: system.outer].max())
+        with_mass = _pseudo_inverse(solution.motions.T @ momenta, heaviest)
+        drag = -with_mass @ momenta[kept].T
+        mass = mass + momenta[kept] @ drag
+    half = dtrsm(1.0, solution.lower, mass * scale[:, None] * scale, lower=1)
+    standard = dtrsm(1.0, solution.lower, half, side=1, lower=1, trans_a=1)
+    n = len(kept)
+    if not 0 < count <= n:
+        raise _too_few(system, count)
+    values, vectors = eigh(
+        standard, subset_by_index=[n - count, n - 1], driver="evr", check_finite=False
+    )
+    values, vectors = values[::-1], vectors[:, ::-1]
+    if values[-1] <= np.finfo(float).eps * n * values[0]:
+        raise _too_few(system, count)
+    still = scale[:, None] * dtrsm(1.0, solution.lower, vectors, lower=1, trans_a=1)
+    still /= np.sqrt(values)
+    shapes = solution.motions @ (drag @ still)
+    shapes[kept] += still
+    return Modes(1.0 / (2.0 * np.pi * np.sqrt(values)), fix_signs(shapes))
+
+
+def strain_shares(system: System, shapes: Array) -> dict[str, Array]:
+    """Share of the strain energy of each of the `shapes` (n×m) in bodies, drives and joints.
+
+    Bodies by kind of deformation where their model knows it ("rod bending z"), joints by their
+    elastic parts; the shares sum to 1.
+    """
+    outer = shapes[: system.outer]
+    energies = {
+        name: np.square(rows @ outer).sum(axis=0) for name, rows in system.motions.springs.items()
+    }
+    for name, model in system.models.items():
+        own = system.own(name, shapes)
+        for kind, part in (model.parts or {"": model.stiffness}).items():
+            energies[f"{name} {kind}".rstrip()] = np.sum(own * (part @ own), axis=0)
+    total = sum(energies.values())
+    return {name: energy / total for name, energy in energies.items()}
+
+
+def _factor(stiffness: Array) -> _Factor | None:
+    """Cholesky factor of a matrix scaled to a unit diagonal; None where there is none."""
+    diagonal = np.diag(stiffness)
+    if not (diagonal > 0.0).all():
+        return None
+    scale = 1.0 / np.sqrt(diagonal)
+    try:
+        lower, _ = cho_factor(
+            stiffness * scale[:, None] * scale, lower=True, overwrite_a=True, check_finite=False
+        )
+    except LinAlgError:
+        return None
+    return _Factor(lower, scale, float(np.diag(lower).min(initial=1.0)) ** 2)
+
+
+def _followed(stiffness: Array, outer: int, motions: Array) -> Array:
+    """What the inside of the bodies does when their interfaces move by `motions` (outer×k)."""
+    forces = stiffness[outer:, :outer] @ motions
+    if not forces.any():
+        return np.zeros_like(forces)
+    found: Array = -cho_solve(cho_factor(stiffness[outer:, outer:]), forces)
+    return found
+
+
+def _pseudo_inverse(mass: Array, size: float) -> Array:
+    """(NᵀMN)⁺, where an idle motion may have no mass but the rounding of `size`."""
+    values, vectors = np.linalg.eigh(0.5 * (mass + mass.T))
+    heavy = values > _MASSLESS * size
+    inverse: Array = (vectors[:, heavy] / values[heavy]) @ vectors[:, heavy].T
+    return inverse
+
+
+def _too_few(system: System, count: int) -> ComputationError:
+    return ComputationError(f"{system.name}: {count} modes asked for, but fewer have mass")

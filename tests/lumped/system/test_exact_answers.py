@@ -1,0 +1,209 @@
+"""What a mechanism's stiffness must be in closed form: physics.md section 7."""
+
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, reject, settings
+from hypothesis import strategies as st
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+from random_mechanisms import STEEL, Maker, random_posture
+
+from lumped.errors import ComputationError, InputError
+from lumped.mechanism.body import Body, Prism, Rigid
+from lumped.mechanism.frame import Frame
+from lumped.mechanism.joint import Drive
+from lumped.mechanism.mechanism import GROUND, Posture, Tool
+from lumped.models.bodies import tip_compliances
+from lumped.models.links import links
+from lumped.models.serial_chains import compliance as vjm_compliance
+from lumped.screws import shift
+from lumped.sections import Rectangle, Tube
+from lumped.system.assembly import assemble
+from lumped.system.solution import compliance, modes, solved, strain_shares
+
+
+def by_links(posture: Posture, theory="timoshenko"):
+    legs = tip_compliances(posture.mechanism, theory=theory)
+    return compliance(solved(assemble(posture, links(posture.mechanism, legs))))
+
+
+def gough_stewart(seed: int) -> tuple[Posture, np.ndarray]:
+    """Six legs of two bodies on universal and spherical joints, and K = Σ kᵢ jᵢ jᵢᵀ."""
+    make = Maker(np.random.default_rng(seed))
+    rng, section = make.rng, Tube(0.05, 0.004)
+    top = np.array([0.1, 0.05, 1.0])
+    # Around a circle in pairs, as they are built, and each off its place by chance.
+    feet = 0.9 * circle(np.repeat([0, 2, 4], 2) * 1.05 + 0.1 * np.arange(6))
+    heads = top + 0.4 * circle(np.array([-1, 1, 1, 3, 3, 5]) * 1.05 - 0.1 * np.arange(6))
+    feet, heads = feet + 0.1 * rng.normal(size=(6, 3)), heads + 0.05 * rng.normal(size=(6, 3))
+    points = {f"B{i}": head for i, head in enumerate(heads)}
+    base = {f"A{i}": Frame(foot) for i, foot in enumerate(feet)}
+    make.bodies[GROUND] = Body(GROUND, Rigid(), base)
+    rigid = Rigid(50.0, np.zeros(3), np.diag([1.0, 2.0, 3.0]))
+    make.body("platform", rigid, Frame(top, make.rotation(make.direction())), {"T": top, **points})
+    stiffness = np.zeros((6, 6))
+    for i, (foot, head) in enumerate(zip(feet, heads, strict=True)):
+        length = np.linalg.norm(head - foot)
+        direction, middle = (head - foot) / length, 0.4 * foot + 0.6 * head
+        make.leg(f"low{i}", f"A{i}", f"M{i}", np.array([foot, middle]))
+        make.leg(f"up{i}", f"M{i}", f"B{i}", np.array([middle, head]))
+        for name in (f"low{i}", f"up{i}"):
+            body = make.bodies[name]
+            shape = Prism(body.shape.length, section, STEEL)
+            make.bodies[name] = replace(body, shape=shape)
+        drive = 10.0 ** rng.uniform(6, 9)
+        make.joint("universal", ((GROUND, f"A{i}"), (f"low{i}", f"A{i}")))
+        make.joint("prismatic", ((f"low{i}", f"M{i}"), (f"up{i}", f"M{i}")), Drive(drive))
+        since = make.frames[f"low{i}"].rotation @ make.reference[f"low{i}"].rotation.T
+        make.joints[-1] = replace(make.joints[-1], axes=(since.T @ direction)[None])
+        make.joint("spherical", ((f"up{i}", f"B{i}"), ("platform", f"B{i}")))
+        line = np.concatenate([direction, np.cross(head - top, direction)])
+        stiffness += np.outer(line, line) / (length / (STEEL.E * section.area) + 1.0 / drive)
+    return make.posture(Tool("platform", "T")), stiffness
+
+
+def circle(angles: np.ndarray) -> np.ndarray:
+    return np.column_stack([np.cos(angles), np.sin(angles), 0.0 * angles])
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_a_gough_stewart_platform_is_the_sum_of_its_legs(seed):
+    posture, stiffness = gough_stewart(seed)
+    expected = np.linalg.inv(stiffness)
+    largest = np.abs(expected).max()
+    assert np.abs(by_links(posture) - expected).max() <= 1e-10 * largest
+    # Legs of any bending stiffness: even rigid ones, whose drives then are all that yields.
+    legs = tip_compliances(posture.mechanism)
+    assert np.abs(vjm_compliance(posture, legs) - expected).max() <= 1e-10 * largest
+
+
+def test_a_rigid_gough_stewart_platform_yields_in_its_drives_alone():
+    posture, _ = gough_stewart(1)
+    expected = np.zeros((6, 6))
+    platform = posture.frames["platform"].position
+    for i in range(6):
+        low, up = (posture.frames[f"{name}{i}"] for name in ("low", "up"))
+        head = (up @ posture.mechanism.bodies[f"up{i}"].interfaces[f"B{i}"]).position
+        direction = (head - low.position) / np.linalg.norm(head - low.position)
+        line = np.concatenate([direction, np.cross(head - platform, direction)])
+        drive = posture.mechanism.joints[3 * i + 1].drive.stiffness
+        expected += drive * np.outer(line, line)
+    system = assemble(posture, {})
+    assert system.size == 6
+    flexibility = compliance(solved(system))
+    inverse = np.linalg.inv(expected)
+    assert np.abs(flexibility - inverse).max() <= 1e-10 * np.abs(inverse).max()
+    # Legs have no mass here: the platform's on six springs.
+    rotation = posture.frames["platform"].rotation
+    mass = np.diag([50.0] * 3 + [0.0] * 3)
+    mass[3:, 3:] = rotation @ np.diag([1.0, 2.0, 3.0]) @ rotation.T
+    squares = np.sort(np.linalg.eigvals(np.linalg.solve(mass, expected)).real)
+    found = modes(solved(system), 6)
+    assert (2 * np.pi * found.frequencies) ** 2 == pytest.approx(squares, rel=1e-9)
+    shares = strain_shares(system, found.shapes)
+    assert set(shares) == {f"j{3 * i + 1} drive" for i in range(6)}
+    assert sum(shares.values()) == pytest.approx(np.ones(6), abs=1e-12)
+
+
+def parallelogram() -> tuple[Posture, float, float]:
+    """A bar on two parallel rods pinned at both ends, driven at one foot; width and length (m)."""
+    make = Maker(np.random.default_rng(0), planar=True)
+    width, length = 0.3, 0.7
+    feet = {"A": np.zeros(3), "B": np.array([width, 0.0, 0.0])}
+    heads = {"C": np.array([0.0, length, 0.0]), "D": np.array([width, length, 0.0])}
+    middle = np.array([0.5 * width, length, 0.0])
+    make.bodies[GROUND] = Body(GROUND, Rigid(), {k: Frame(p) for k, p in feet.items()})
+    make.body("bar", Rigid(1.0), Frame(middle), {"T": middle, **heads})
+    for name, foot, head in (("rod1", "A", "C"), ("rod2", "B", "D")):
+        make.leg(name, foot, head, np.array([feet[foot], heads[head]]))
+        shape = Prism(length, Rectangle(0.02, 0.05), STEEL)
+        make.bodies[name] = replace(make.bodies[name], shape=shape)
+        drive = Drive(1e4) if name == "rod1" else None
+        make.joint("revolute", ((GROUND, foot), (name, foot)), drive)
+        make.joint("revolute", ((name, head), ("bar", head)))
+    return make.posture(Tool("bar", "T")), width, length
+
+
+def test_a_parallelogram_turns_by_the_stretch_of_its_rods_alone():
+    """A moment M about z pulls one rod and pushes the other by M/w: φ = 2 (M/w)(L/EA)/w.
+
+    A moment about y bends both rods alike in their plane across the mechanism... along x the foot's
+    drive turns: u = F L²/k, and the driven rod bends by L³/3EI, since only its foot is held.
+    """
+    posture, width, length = parallelogram()
+    section = Rectangle(0.02, 0.05)
+    found = by_links(posture, "euler-bernoulli")
+    turning = 2.0 * length / (STEEL.E * section.area) / width**2
+    assert found[5, 5] == pytest.approx(turning, rel=1e-10)
+    bending = length**3 / (3.0 * STEEL.E * section.second_moment_z)
+    assert found[0, 0] == pytest.approx(length**2 / 1e4 + bending, rel=1e-10)
+    assert found[1, 1] == pytest.approx(0.5 * length / (STEEL.E * section.area), rel=1e-10)
+
+
+def test_a_tool_that_no_drive_holds_is_refused_with_its_motion():
+    posture, _, _ = parallelogram()
+    joints = [replace(joint, drive=None) for joint in posture.mechanism.joints]
+    loose = replace(posture, mechanism=replace(posture.mechanism, joints=joints))
+    with pytest.raises(ComputationError, match="free to translate along x: no drive holds it"):
+        by_links(loose)
+
+
+def test_legs_that_are_no_serial_chains_are_named():
+    """A rod between the two rods: the legs of the parallelogram branch."""
+    posture, _, _ = parallelogram()
+    tool = replace(posture.mechanism.tool, body="rod1", point="C")
+    bodies = dict(posture.mechanism.bodies)
+    bodies["bar"] = replace(bodies["bar"])
+    mechanism = replace(posture.mechanism, tool=tool, bodies=bodies)
+    looped = replace(mechanism, joints=[*mechanism.joints, mechanism.joints[1]])
+    legs = tip_compliances(mechanism)
+    with pytest.raises(InputError, match="branches at bar; take --model links"):
+        vjm_compliance(replace(posture, mechanism=looped), legs)
+
+
+def agree(seed: int, *, planar: bool) -> None:
+    posture = random_posture(seed, planar=planar, rigid=0.1)
+    legs = tip_compliances(posture.mechanism, theory="euler-bernoulli")
+    try:
+        expected = vjm_compliance(posture, legs)
+    except ComputationError:
+        # Movable, or a leg that nothing yields in.
+        reject()
+    largest = np.abs(expected).max()
+    # Softer than any of its parts: near a singular posture, where rounding grows as compliance.
+    assume(largest < 1e-4)
+    solution = solved(assemble(posture, links(posture.mechanism, legs)))
+    # Two slides in series that are nearly parallel leave a body nearly idle: a stiffness method
+    # loses 1e-16 over the smallest pivot there, chains lose nothing.
+    assume(np.diag(solution.lower).min() ** 2 > 1e-6)
+    assert np.abs(compliance(solution) - expected).max() <= 1e-9 * largest
+
+
+@given(st.integers(0, 10**6), st.booleans())
+@settings(max_examples=25)
+def test_links_and_virtual_joints_give_one_compliance(seed, planar):
+    agree(seed, planar=planar)
+
+
+@pytest.mark.exhaustive
+@given(st.integers(0, 10**6), st.booleans())
+@settings(max_examples=200)
+def test_links_and_virtual_joints_give_one_compliance_for_200_mechanisms(seed, planar):
+    agree(seed, planar=planar)
+
+
+def test_the_tool_moves_with_its_body():
+    """The same robot with its tool elsewhere on the platform: compliance moved there."""
+    posture, _ = gough_stewart(3)
+    system = by_links(posture)
+    other = replace(posture.mechanism.tool, point="B0")
+    moved = by_links(replace(posture, mechanism=replace(posture.mechanism, tool=other)))
+    frame = posture.frames["platform"]
+    offset = frame.rotation @ posture.mechanism.bodies["platform"].interfaces["B0"].position
+    expected = shift(offset) @ system @ shift(offset).T
+    assert np.abs(moved - expected).max() <= 1e-11 * np.abs(expected).max()
