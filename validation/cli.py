@@ -18,6 +18,7 @@ from fem.machine import require_address_space
 from lumped.errors import ComputationError, InputError
 from validation.console import streams
 from validation.console.streams import complain, say
+from validation.parts import commands as parts
 
 if TYPE_CHECKING:
     from validation.store.run_folder import Start
@@ -28,6 +29,7 @@ app = App(
     version="",
     result_action="return_value",
 )
+app.command(parts.faces)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

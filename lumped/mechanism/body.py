@@ -9,6 +9,7 @@ import numpy as np
 from lumped.arrays import Array
 from lumped.legs import Material
 from lumped.mechanism.frame import Frame
+from lumped.mechanism.part import Part
 from lumped.sections import Section
 
 Ends: TypeAlias = Literal["rigid", "free"]
@@ -49,7 +50,7 @@ class Rigid:
     inertia: Array = field(default_factory=lambda: np.zeros((3, 3)))
 
 
-Shape: TypeAlias = Prism | Given | Rigid
+Shape: TypeAlias = Prism | Given | Part | Rigid
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +58,7 @@ class Body:
     """A body: its shape, and its interfaces by the name of their point, in body axes.
 
     A prism and a given leg have two interfaces, the first at the origin of the body's axes, the
-    second at `length` along x; a rigid body has any number.
+    second at `length` along x; a part and a rigid body have any number.
     """
 
     name: str

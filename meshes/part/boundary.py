@@ -1,0 +1,113 @@
+"""The boundary of a volume mesh: its outward facets, and the smooth faces that these make up."""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components
+
+from lumped.arrays import Array, IntArray
+from meshes.elements import ELEMENTS, SectionElement, SolidElement
+from meshes.shape_functions import gradients, values
+from meshes.solid_mesh import VolumeMesh
+
+FACET: dict[SolidElement, SectionElement] = {
+    "tet4": "tri3",
+    "tet10": "tri6",
+    "hex8": "quad4",
+    "hex20": "quad8",
+    "hex27": "quad9",
+}
+# Corners of the facets, counter-clockwise seen from outside, as places in `corner_nodes`.
+_TETRAHEDRON = ((0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2))
+_HEXAHEDRON = (
+    (0, 3, 2, 1),
+    (4, 5, 6, 7),
+    (0, 1, 5, 4),
+    (1, 2, 6, 5),
+    (2, 3, 7, 6),
+    (3, 0, 4, 7),
+)
+# Facets that meet at a larger angle belong to different faces: a circle of twelve sides turns by 30
+# degrees from side to side, edges of parts that are meant as edges by more.
+CREASE = np.radians(40.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Facets:
+    """Pieces of a surface: `cells` (F×k) node numbers of the `element`, normals outward."""
+
+    cells: IntArray
+    element: SectionElement
+
+    @property
+    def nodes(self) -> IntArray:
+        """The nodes of the pieces, ascending."""
+        return np.unique(self.cells)
+
+    @property
+    def corners(self) -> IntArray:
+        """The corner nodes of each piece (F×3 or F×4)."""
+        return self.cells[:, : len(ELEMENTS[self.element].corner_nodes)]
+
+    def at(self, rows: IntArray) -> "Facets":
+        """Some of the pieces."""
+        return Facets(self.cells[rows], self.element)
+
+
+@lru_cache(maxsize=8)
+def _local_facets(element: SolidElement) -> IntArray:
+    """Local nodes (facets × nodes) of a cell's facets, in the order of their own element."""
+    kind, flat = ELEMENTS[element], ELEMENTS[FACET[element]]
+    corners = _TETRAHEDRON if element.startswith("tet") else _HEXAHEDRON
+    linear: SectionElement = "tri3" if element.startswith("tet") else "quad4"
+    # A facet's own nodes, mapped by its corners alone, are nodes of the cell.
+    weights = values(linear, flat.nodes.T)
+    vertices = kind.nodes[list(kind.corner_nodes)]
+    places = np.array([weights.T @ vertices[list(facet)] for facet in corners])
+    distances = np.abs(places[:, :, None] - kind.nodes).sum(axis=-1)
+    return np.asarray(distances.argmin(axis=-1))
+
+
+def boundary(mesh: VolumeMesh) -> Facets:
+    """The facets that belong to one cell alone."""
+    local = _local_facets(mesh.element)
+    cells = mesh.cells[:, local].reshape(-1, local.shape[1])
+    facets = Facets(cells, FACET[mesh.element])
+    corners = np.sort(facets.corners, axis=1)
+    _, first, counts = np.unique(corners, axis=0, return_index=True, return_counts=True)
+    return facets.at(np.sort(first[counts == 1]))
+
+
+def area_vectors(nodes: Array, facets: Facets) -> Array:
+    """Normal times area (F×3, m²) of each piece, measured at its centre."""
+    flat = ELEMENTS[facets.element]
+    corners = flat.nodes[list(flat.corner_nodes)]
+    slopes = gradients(facets.element, corners.mean(axis=0)[:, None])[:, :, 0]
+    tangents = np.einsum("fki,kj->fji", nodes[facets.cells], slopes)
+    reference = 0.5 if len(corners) == 3 else 1.0
+    return np.asarray(reference * np.cross(tangents[:, 0], tangents[:, 1]))
+
+
+def smooth_faces(nodes: Array, facets: Facets) -> list[IntArray]:
+    """Rows of `facets` of each smooth face: pieces joined over edges that are no crease.
+
+    Faces are in the order of their first piece.
+    """
+    normals = area_vectors(nodes, facets)
+    normals = normals / np.linalg.norm(normals, axis=1)[:, None]
+    count = facets.corners.shape[1]
+    ring = [*range(count), 0]
+    edges = np.concatenate([facets.corners[:, ring[i : i + 2]] for i in range(count)])
+    owner = np.tile(np.arange(len(facets.cells)), count)
+    _, group = np.unique(np.sort(edges, axis=1), axis=0, return_inverse=True)
+    order = np.argsort(group.ravel(), kind="stable")
+    same = np.flatnonzero(np.diff(group.ravel()[order]) == 0)
+    first, second = owner[order[same]], owner[order[same + 1]]
+    flat = np.einsum("ij,ij->i", normals[first], normals[second]) > np.cos(CREASE)
+    pairs = (np.ones(int(flat.sum())), (first[flat], second[flat]))
+    size = len(facets.cells)
+    _, label = connected_components(csr_array(pairs, shape=(size, size)), directed=False)
+    starts = [int(np.argmax(label == face)) for face in range(label.max() + 1)]
+    return [np.flatnonzero(label == label[start]) for start in sorted(starts)]

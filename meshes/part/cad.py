@@ -1,0 +1,191 @@
+"""CAD files in gmsh's OpenCASCADE kernel: one sound solid in metres, or an error that says why.
+
+STEP files carry their unit; BREP files have none. The kernel turns everything into metres before
+it makes the shape: scaled afterwards, cylinders would turn into splines.
+"""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+
+from lumped.arrays import Array
+from lumped.errors import ComputationError, InputError
+from lumped.mechanism.part import METRES
+from meshes.gmsh_session import gmsh_model
+from meshes.part.units import chosen_unit, describe, require_plausible, step_unit
+
+STEP, BREP = (".step", ".stp"), (".brep", ".brp")
+
+# Shares of the part's size: an edge below is a leftover of modelling that no mesh can follow, a
+# solid thinner than this is none.
+_TINY_EDGE, _FLAT = 1e-5, 1e-6
+# What the kernel leaves around a shape on each side of its box (m).
+_GAP = 1e-7
+
+
+@dataclass(frozen=True, eq=False)
+class VolumeProperties:
+    """Of a solid of density 1: `volume` (m³), `centre` (3, m), `inertia` (3×3, m⁵) about it."""
+
+    volume: float
+    centre: Array
+    inertia: Array
+
+
+@dataclass(frozen=True, eq=False)
+class CadModel:
+    """The solid `tag` of the current gmsh model; `unit` of its file, `extent` (3, m)."""
+
+    gmsh: ModuleType
+    tag: int
+    unit: str
+    extent: list[float]
+
+    def faces(self) -> list[int]:
+        """Numbers of its faces, as gmsh and this program count them."""
+        return sorted(
+            tag for _, tag in self.gmsh.model.getBoundary([(3, self.tag)], oriented=False)
+        )
+
+    def names(self) -> dict[int, str]:
+        """Names of its faces, where the file has some."""
+        named = ((tag, self.gmsh.model.getEntityName(2, tag)) for tag in self.faces())
+        return {tag: name.rsplit("/", 1)[-1] for tag, name in named if name}
+
+    def properties(self) -> VolumeProperties:
+        """The kernel's own integrals over the exact shape."""
+        occ = self.gmsh.model.occ
+        inertia = np.array(occ.getMatrixOfInertia(3, self.tag)).reshape(3, 3)
+        centre = np.array(occ.getCenterOfMass(3, self.tag))
+        return VolumeProperties(float(occ.getMass(3, self.tag)), centre, inertia)
+
+
+@contextmanager
+def cad_model(path: Path, unit: str | None = None) -> Iterator[CadModel]:
+    """The one solid of a CAD file.
+
+    `unit` of a BREP file, metres where None. Raises InputError where the file cannot be read, holds
+    no solid or several, or one that cannot be meshed (open, flat, with tiny edges).
+    """
+    chosen = _unit(path, unit)
+    with gmsh_model(str(path)) as gmsh:
+        occ = gmsh.model.occ
+        _import(gmsh, path, chosen)
+        occ.synchronize()
+        tag = _one_solid(gmsh, path)
+        box = np.array(gmsh.model.occ.getBoundingBox(3, tag)).reshape(2, 3)
+        extent = [max(float(side) - 2.0 * _GAP, 0.0) for side in box[1] - box[0]]
+        require_plausible(extent, chosen, str(path))
+        model = CadModel(gmsh, tag, chosen, extent)
+        _require_sound(model, path)
+        yield model
+
+
+def _unit(path: Path, given: str | None) -> str:
+    content = path.read_bytes()
+    if path.suffix.lower() not in STEP:
+        if not content.lstrip().startswith((b"DBRep_DrawableShape", b"CASCADE Topology")):
+            raise InputError(f"{path}: is not a BREP file; its first line must name the format")
+        return chosen_unit(None, given, str(path))
+    if not content.lstrip().startswith(b"ISO-10303-21"):
+        raise InputError(f"{path}: is not a STEP file; it must begin with ISO-10303-21")
+    if b"END-ISO-10303-21" not in content:
+        raise InputError(f"{path}: the STEP file is cut off; its last line is missing")
+    return chosen_unit(step_unit(content.decode("latin-1"), str(path)), given, str(path))
+
+
+def _import(gmsh: ModuleType, path: Path, unit: str) -> None:
+    step = path.suffix.lower() in STEP
+    gmsh.option.setString("Geometry.OCCTargetUnit", "M" if step else "")
+    gmsh.option.setNumber("Geometry.OCCImportLabels", 1)
+    gmsh.option.setNumber("Geometry.OCCScaling", 1.0 if step else METRES[unit])
+    try:
+        gmsh.model.occ.importShapes(
+            str(path), highestDimOnly=False, format="step" if step else "brep"
+        )
+    except Exception as error:
+        raise InputError(f"{path}: OpenCASCADE cannot read it: {error}") from error
+
+
+def _one_solid(gmsh: ModuleType, path: Path) -> int:
+    solids = gmsh.model.getEntities(3)
+    if len(solids) == 1:
+        return int(solids[0][1])
+    if solids:
+        places = "; ".join(
+            f"{gmsh.model.occ.getMass(3, tag) * 1e6:.4g} cm³ at {_place(gmsh, 3, tag)}"
+            for _, tag in solids[:4]
+        )
+        raise InputError(
+            f"{path}: {len(solids)} solids ({places}); a part is one: fuse them, or make each a "
+            "body of its own"
+        )
+    faces = gmsh.model.getEntities(2)
+    if not faces:
+        raise InputError(f"{path}: holds no faces; a part is one solid")
+    raise InputError(
+        f"{path}: {len(faces)} faces, but no solid: sheet bodies, or a shell that is open "
+        f"{_opening(gmsh)}; close it in the CAD system"
+    )
+
+
+def _opening(gmsh: ModuleType) -> str:
+    """Where a shell is open: an edge that belongs to one face alone."""
+    for _, tag in gmsh.model.getEntities(1):
+        faces, _ = gmsh.model.getAdjacencies(1, tag)
+        if len(faces) == 1:
+            return f"at the edge near {_place(gmsh, 1, tag)}"
+    return "nowhere in particular"
+
+
+def _place(gmsh: ModuleType, dimension: int, tag: int) -> str:
+    x, y, z = gmsh.model.occ.getCenterOfMass(dimension, tag)
+    return f"({x:.4g}, {y:.4g}, {z:.4g}) m"
+
+
+def _require_sound(model: CadModel, path: Path) -> None:
+    gmsh, size = model.gmsh, max(model.extent)
+    volume = gmsh.model.occ.getMass(3, model.tag)
+    said = describe(model.extent, model.unit)
+    if abs(volume) <= _FLAT * size**3 * _FLAT or min(model.extent) <= _FLAT * size:
+        raise InputError(f"{path}: the solid has no volume ({volume:.3g} m³ in {said})")
+    if volume < 0.0:
+        raise InputError(f"{path}: the solid is inside out (volume {volume:.3g} m³)")
+    for _, tag in gmsh.model.getEntities(1):
+        length = gmsh.model.occ.getMass(1, tag)
+        ends = gmsh.model.getBoundary([(1, tag)], combined=False, oriented=False)
+        # A seam or the tip of a cone has one end twice, or none.
+        if length < _TINY_EDGE * size and len({end for _, end in ends}) == 2:
+            raise InputError(
+                f"{path}: edge {tag} at {_place(gmsh, 1, tag)} is {length:.2g} m long, no mesh can "
+                "follow it; heal the part in the CAD system"
+            )
+
+
+@contextmanager
+def naming_the_place(path: Path, model: CadModel) -> Iterator[None]:
+    """Turn gmsh's failure to mesh a shape into an InputError that says where the shape is at fault.
+
+    Shapes that pass as solids can still cross themselves: gmsh then cannot recover a face.
+    """
+    try:
+        yield
+    except (InputError, ComputationError):
+        raise
+    except Exception as error:
+        if type(error) is not Exception:
+            raise
+        faults = [tag for tag in model.faces() if not _meshed(model.gmsh, tag)]
+        where = f"face {faults[0]} at {_place(model.gmsh, 2, faults[0])}" if faults else str(error)
+        raise InputError(
+            f"{path}: no mesh can be made ({error}): the surface crosses itself or does not close "
+            f"near {where}; repair it in the CAD system"
+        ) from error
+
+
+def _meshed(gmsh: ModuleType, face: int) -> bool:
+    return any(len(tags) for tags in gmsh.model.mesh.getElements(2, face)[1])

@@ -1,0 +1,170 @@
+"""Volume meshes from other programs (gmsh, Abaqus and CalculiX, VTK), read by meshio.
+
+Faces are the smooth patches of the boundary, or what the file names: its own surface elements, if
+they are in groups, and sets of nodes.
+"""
+
+from pathlib import Path
+from typing import Any, TypeAlias
+
+import meshio
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components
+
+from lumped.arrays import IntArray
+from lumped.errors import InputError
+from lumped.mechanism.part import METRES
+from meshes.elements import ELEMENTS, SolidElement
+from meshes.part.boundary import Facets, boundary, smooth_faces
+from meshes.part.part_mesh import PartMesh
+from meshes.part.units import chosen_unit, require_plausible
+from meshes.quality import quality
+from meshes.solid_mesh import VolumeMesh
+
+MESHES = (".msh", ".inp", ".vtu")
+
+# A name, and which of the boundary's facets it holds.
+Group: TypeAlias = tuple[str, NDArray[np.bool_]]
+
+# meshio numbers nodes as VTK does, whatever the format.
+_ELEMENT: dict[str, SolidElement] = {
+    "tetra": "tet4",
+    "tetra10": "tet10",
+    "hexahedron": "hex8",
+    "hexahedron20": "hex20",
+    "hexahedron27": "hex27",
+}
+_FLAT_CELLS = ("vertex", "line", "triangle", "quad")
+# Nodes nearer than this share of the mesh's size are one node written twice: a gap in the part.
+_SAME_PLACE = 1e-9
+
+
+def read_mesh(path: Path, unit: str | None = None) -> tuple[PartMesh, str]:
+    """The mesh of a part (m), and the unit of length it was read in: `unit`, metres where None.
+
+    Raises InputError where the file is no mesh of one solid with elements known here.
+    """
+    source, chosen = str(path), chosen_unit(None, unit, str(path))
+    raw = _raw(path)
+    element, blocks = _solid_cells(raw, source)
+    points = np.asarray(raw.points, dtype=float)
+    if points.ndim != 2 or points.shape[1] != 3 or not np.isfinite(points).all():
+        raise InputError(f"{source}: its nodes must be finite points in three dimensions")
+    cells = np.concatenate([raw.cells[block].data for block in blocks]).astype(np.int64)
+    if cells.size == 0 or cells.min() < 0 or cells.max() >= len(points):
+        raise InputError(f"{source}: its elements use nodes that the file does not have")
+    kind = ELEMENTS[element]
+    order = np.argsort(kind.vtk_order)
+    used, numbers = np.unique(cells, return_inverse=True)
+    nodes = METRES[chosen] * points[used]
+    mesh = VolumeMesh(nodes, numbers.reshape(cells.shape)[:, order], element)
+    require_plausible([float(s) for s in np.ptp(nodes, axis=0)], chosen, source)
+    _require_one_solid(mesh, source)
+    new = np.full(len(points), -1)
+    new[used] = np.arange(len(used))
+    facets = boundary(mesh)
+    groups = _groups(raw, facets, new)
+    faces, names = _named(mesh, facets, groups)
+    bare = tuple(title for title, inside in groups if not inside.any())
+    return PartMesh(nodes, mesh.cells, element, faces, names, bare), chosen
+
+
+def _raw(path: Path) -> Any:
+    try:
+        return meshio.read(path)
+    # meshio raises whatever its parser stumbles over, and exits where a format is unknown.
+    except (Exception, SystemExit) as error:
+        reason = " ".join(str(error).split()) or type(error).__name__
+        raise InputError(f"{path}: cannot be read as a mesh: {reason}") from error
+
+
+def _solid_cells(raw: Any, source: str) -> tuple[SolidElement, list[int]]:
+    kinds = {block.type for block in raw.cells if not block.type.startswith(_FLAT_CELLS)}
+    if not kinds:
+        raise InputError(f"{source}: has no volume elements, only a surface; a part is a solid")
+    unknown = sorted(kinds - set(_ELEMENT))
+    if unknown or len(kinds) > 1:
+        named = ", ".join(sorted(kinds))
+        raise InputError(
+            f"{source}: has elements of the kinds {named}; must be of one kind among "
+            f"{', '.join(_ELEMENT)}"
+        )
+    (kind,) = kinds
+    return _ELEMENT[kind], [i for i, block in enumerate(raw.cells) if block.type == kind]
+
+
+def _require_one_solid(mesh: VolumeMesh, source: str) -> None:
+    size = float(np.ptp(mesh.nodes, axis=0).max())
+    rounded = np.round(mesh.nodes / (_SAME_PLACE * size))
+    _, first, counts = np.unique(rounded, axis=0, return_index=True, return_counts=True)
+    if np.any(counts > 1):
+        x, y, z = mesh.nodes[first[counts > 1][0]]
+        raise InputError(
+            f"{source}: {int((counts - 1).sum())} nodes lie twice in one place, the first at "
+            f"({x:.4g}, {y:.4g}, {z:.4g}) m: the mesh is torn there; merge them"
+        )
+    folded = np.flatnonzero(quality(mesh).scaled_jacobian <= 0.0)
+    if folded.size:
+        x, y, z = mesh.nodes[mesh.cells[folded[0]]].mean(axis=0)
+        raise InputError(
+            f"{source}: {folded.size} elements are inverted or folded, the first is element "
+            f"{folded[0] + 1} at ({x:.4g}, {y:.4g}, {z:.4g}) m"
+        )
+    pieces = _pieces(mesh)
+    if pieces > 1:
+        raise InputError(f"{source}: the mesh is in {pieces} pieces that share no nodes")
+
+
+def _pieces(mesh: VolumeMesh) -> int:
+    count, per_cell = mesh.cells.shape
+    pairs = (np.repeat(mesh.cells[:, 0], per_cell), mesh.cells.ravel())
+    graph = csr_array((np.ones(count * per_cell), pairs), shape=(len(mesh.nodes),) * 2)
+    return int(connected_components(graph, directed=False, return_labels=False))
+
+
+def _named(
+    mesh: VolumeMesh, facets: Facets, groups: list[Group]
+) -> tuple[dict[int, Facets], dict[int, str]]:
+    """Smooth faces, split where a group of the file ends within one; and the groups' names."""
+    label = np.zeros(len(facets.cells), dtype=np.int64)
+    for number, rows in enumerate(smooth_faces(mesh.nodes, facets)):
+        label[rows] = number
+    group = np.zeros(len(facets.cells), dtype=np.int64)
+    titles = [""]
+    for title, inside in groups:
+        titles.append(title)
+        group[inside & (group == 0)] = len(titles) - 1
+    faces, names = {}, {}
+    keys = label * len(titles) + group
+    _, first = np.unique(keys, return_index=True)
+    for number, start in enumerate(sorted(first), start=1):
+        faces[number] = facets.at(np.flatnonzero(keys == keys[start]))
+        if group[start]:
+            names[number] = titles[group[start]]
+    return faces, names
+
+
+def _groups(raw: Any, facets: Facets, new: IntArray) -> list[Group]:
+    """Names, and which facets they hold: physical groups of surface elements, sets of nodes."""
+    corners = np.sort(facets.corners, axis=1)
+    rows = {tuple(row): i for i, row in enumerate(corners.tolist())}
+    groups: list[Group] = []
+    titles = {int(v[0]): name for name, v in raw.field_data.items() if int(v[1]) == 2}
+    tags = raw.cell_data.get("gmsh:physical", [])
+    for tag, title in titles.items():
+        inside = np.zeros(len(corners), dtype=bool)
+        for block, physical in zip(raw.cells, tags, strict=False):
+            if not block.type.startswith(("triangle", "quad")):
+                continue
+            own = np.sort(new[block.data[physical == tag][:, : corners.shape[1]]], axis=1)
+            inside[[rows[row] for row in map(tuple, own.tolist()) if row in rows]] = True
+        groups.append((title, inside))
+    for title, members in raw.point_sets.items():
+        chosen = np.zeros(len(new), dtype=bool)
+        chosen[np.asarray(members, dtype=np.int64)] = True
+        nodes = np.zeros(int(new.max()) + 1, dtype=bool)
+        nodes[new[chosen & (new >= 0)]] = True
+        groups.append((str(title), np.asarray(nodes[corners].all(axis=1))))
+    return [(title, inside) for title, inside in groups if not inside.all()]

@@ -1,0 +1,105 @@
+"""A part as it is picked from: its file, unit, size and faces, whatever the file's format."""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from lumped.arrays import Array
+from lumped.errors import InputError
+from meshes.gmsh_arrays import connectivity, numbered
+from meshes.part.boundary import Facets
+from meshes.part.cad import BREP, STEP, CadModel, VolumeProperties, cad_model, naming_the_place
+from meshes.part.faces import Face, face_of
+from meshes.part.given_mesh import MESHES, read_mesh
+from meshes.part.part_mesh import PartMesh
+from meshes.part.units import describe
+
+# Sides of a full circle and pieces along the part of the surface that faces are recognised on.
+_SIDES, _PIECES = 24.0, 25.0
+
+
+@dataclass(frozen=True, eq=False)
+class PartFile:
+    """A part read from `path`, in metres, the file's own axes.
+
+    `unit` of the file, `extent` (3, m); `surface` nodes (N×3, m) and the `faces` on them;
+    `exact`: volume properties of the CAD kernel, None for a mesh; `mesh`: that of a mesh file.
+    """
+
+    path: Path
+    unit: str
+    extent: list[float]
+    surface: Array
+    faces: tuple[Face, ...]
+    exact: VolumeProperties | None
+    mesh: PartMesh | None
+
+    @property
+    def size(self) -> str:
+        """What was read: "read in mm: 905 × 170 × 210 mm"."""
+        return f"read in {self.unit}: {describe(self.extent, self.unit)}"
+
+    def face(self, number: int) -> Face:
+        """The face of a number."""
+        return next(face for face in self.faces if face.number == number)
+
+
+def require_file(path: Path) -> None:
+    """Raise InputError where there is no file, or one of a kind that is not read."""
+    kinds = (*STEP, *BREP, *MESHES)
+    if path.suffix.lower() not in kinds:
+        raise InputError(f"{path}: not a part; must be one of {', '.join(kinds)}")
+    if not path.exists():
+        raise InputError(f"{path}: no such file; must be a CAD file or a mesh of the part")
+    if path.is_dir():
+        raise InputError(f"{path}: is a folder; must be a CAD file or a mesh of the part")
+    try:
+        empty = path.stat().st_size == 0
+        with path.open("rb"):
+            pass
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror})") from error
+    if empty:
+        raise InputError(f"{path}: is empty")
+
+
+def read_part(path: Path, unit: str | None = None) -> PartFile:
+    """The part in a STEP, BREP or mesh file; `unit` of length where the file names none.
+
+    Raises InputError with the file and the place where it is no sound solid.
+    """
+    require_file(path)
+    if path.suffix.lower() in MESHES:
+        mesh, said = read_mesh(path, unit)
+        extent = [float(side) for side in np.ptp(mesh.nodes, axis=0)]
+        faces = tuple(
+            face_of(number, mesh.nodes, facets, mesh.names.get(number, ""))
+            for number, facets in mesh.faces.items()
+        )
+        return PartFile(path, said, extent, mesh.nodes, faces, None, mesh)
+    with cad_model(path, unit) as model:
+        return _picked(path, model)
+
+
+def _picked(path: Path, model: CadModel) -> PartFile:
+    gmsh = model.gmsh
+    gmsh.option.setNumber("Mesh.MeshSizeMax", max(model.extent) / _PIECES)
+    gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", _SIDES)
+    with naming_the_place(path, model):
+        gmsh.model.mesh.generate(2)
+    triangles = {tag: connectivity(gmsh, "tri3", tag) for tag in model.faces()}
+    bare = [tag for tag, cells in triangles.items() if not len(cells)]
+    if bare:
+        raise InputError(f"{path}: face {bare[0]} cannot be meshed: it has no area or no outline")
+    tags, nodes = numbered(gmsh, np.concatenate(list(triangles.values())))
+    names, occ = model.names(), gmsh.model.occ
+    faces = tuple(
+        replace(
+            face_of(tag, nodes, Facets(np.searchsorted(tags, cells), "tri3"), names.get(tag, "")),
+            area=float(occ.getMass(2, tag)),
+            centre=np.array(occ.getCenterOfMass(2, tag)),
+        )
+        for tag, cells in triangles.items()
+    )
+    return PartFile(path, model.unit, model.extent, nodes, faces, model.properties(), None)

@@ -1,0 +1,110 @@
+"""Files that are no parts: each gives one clear line that says what and where."""
+
+import pytest
+
+from lumped.errors import InputError
+from meshes.part.read import read_part
+
+
+def two_solids(occ, s):
+    occ.addBox(0, 0, 0, 10 * s, 10 * s, 10 * s)
+    occ.addBox(20 * s, 0, 0, 10 * s, 10 * s, 10 * s)
+
+
+def sheet(occ, s):
+    occ.addRectangle(0, 0, 0, 10 * s, 10 * s)
+
+
+def open_shell(occ, s):
+    tag = occ.addBox(0, 0, 0, 10 * s, 10 * s, 10 * s)
+    occ.synchronize()
+    occ.remove([(3, tag)])
+    occ.remove([occ.getEntities(2)[0]])
+
+
+def wire(occ, s):
+    occ.addLine(occ.addPoint(0, 0, 0), occ.addPoint(10 * s, 0, 0))
+
+
+def tiny_edge(occ, s):
+    outline = [(0, 0), (100, 0), (100, 20), (4e-4, 20), (0, 20 - 4e-4)]
+    points = [occ.addPoint(x * s, y * s, 0) for x, y in outline]
+    lines = [occ.addLine(a, b) for a, b in zip(points, points[1:] + points[:1], strict=True)]
+    occ.extrude([(2, occ.addPlaneSurface([occ.addCurveLoop(lines)]))], 0, 0, 10 * s)
+
+
+def minute(occ, s):
+    occ.addBox(0, 0, 0, 1e-3 * s, 1e-3 * s, 1e-3 * s)
+
+
+SHAPES = {
+    "two solids": (two_solids, "2 solids (1 cm³ at (0.005, 0.005, 0.005) m; 1 cm³ at"),
+    "sheet": (sheet, "1 faces, but no solid: sheet bodies, or a shell that is open at the edge"),
+    "open shell": (open_shell, "5 faces, but no solid"),
+    "wire": (wire, "holds no faces"),
+    "tiny edge": (tiny_edge, "m long, no mesh can follow it"),
+    "minute": (minute, "is no part of a robot; is its unit right?"),
+}
+
+
+def refused(path, unit=None) -> str:
+    with pytest.raises(InputError) as error:
+        read_part(path, unit)
+    (line,) = error.value.faults
+    assert str(path) in line
+    assert "\n" not in line
+    return line
+
+
+@pytest.mark.parametrize(("build", "message"), SHAPES.values(), ids=SHAPES.keys())
+def test_a_shape_that_is_no_solid_part(part_file, build, message):
+    assert message in refused(part_file(f"{build.__name__}.step", build))
+
+
+def test_a_surface_that_crosses_itself(part_file):
+    def bow_tie(occ, s):
+        corners = [(0, 0), (20, 20), (20, 0), (0, 20)]
+        points = [occ.addPoint(x * s, y * s, 0) for x, y in corners]
+        lines = [occ.addLine(a, b) for a, b in zip(points, points[1:] + points[:1], strict=True)]
+        occ.extrude([(2, occ.addPlaneSurface([occ.addCurveLoop(lines)]))], 0, 0, 10 * s)
+
+    line = refused(part_file("bow_tie.step", bow_tie))
+    assert "crosses itself" in line or "no volume" in line
+
+
+TEXTS = {
+    "no file": (None, ".step", "no such file"),
+    "empty": (b"", ".step", "is empty"),
+    "not STEP": (b"solid cube\n", ".step", "is not a STEP file; it must begin with ISO-10303-21"),
+    "cut off": (b"ISO-10303-21;\nHEADER;\n", ".step", "the STEP file is cut off"),
+    "no unit": (
+        b"ISO-10303-21;\nDATA;\nENDSEC;\nEND-ISO-10303-21;\n",
+        ".step",
+        "no unit of length",
+    ),
+    "not BREP": (b"hello", ".brep", "is not a BREP file"),
+    "not a mesh": (b"hello", ".msh", "cannot be read as a mesh"),
+    "another kind": (b"hello", ".stl", "not a part; must be one of .step"),
+}
+
+
+@pytest.mark.parametrize(("content", "suffix", "message"), TEXTS.values(), ids=TEXTS.keys())
+def test_a_file_that_is_no_part(tmp_path, content, suffix, message):
+    path = tmp_path / f"part{suffix}"
+    if content is not None:
+        path.write_bytes(content)
+    assert message in refused(path)
+
+
+def test_a_folder_and_a_contradicted_unit(tmp_path, box_step):
+    folder = tmp_path / "part.step"
+    folder.mkdir()
+    assert "is a folder" in refused(folder)
+    assert "is in mm, and unit = 'inch' contradicts it" in refused(box_step, "inch")
+
+
+def test_units_that_are_unknown_or_two(tmp_path, box_step):
+    text = box_step.read_text()
+    path = tmp_path / "feet.step"
+    path.write_text(text.replace("SI_UNIT(.MILLI.,.METRE.)", "SI_UNIT(.PICO.,.METRE.)"))
+    assert "its unit of length, 'pico', is not known here" in refused(path)

@@ -1,0 +1,121 @@
+"""Volume meshes of other programs: one mesh in three formats is one part, faces and all."""
+
+import meshio
+import numpy as np
+import pytest
+
+from lumped.errors import InputError
+from lumped.mechanism.part import ByCylinder, ByName, PartInterface
+from meshes.gmsh_session import gmsh_model
+from meshes.part.interfaces import find_interfaces
+from meshes.part.read import read_part
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory):
+    """A plate with a bore in quadratic tetrahedra, its bore a physical group, in mm."""
+    folder = tmp_path_factory.mktemp("meshes")
+    with gmsh_model("plate") as gmsh:
+        occ = gmsh.model.occ
+        plate = occ.addBox(-30, -20, 0, 60, 40, 10)
+        occ.cut([(3, plate)], [(3, occ.addCylinder(0, 0, -5, 0, 0, 20, 8))])
+        occ.synchronize()
+        bore = [
+            tag for _, tag in gmsh.model.getEntities(2) if gmsh.model.getType(2, tag) == "Cylinder"
+        ]
+        gmsh.model.addPhysicalGroup(2, bore, name="bore")
+        gmsh.model.addPhysicalGroup(3, [gmsh.model.getEntities(3)[0][1]], name="plate")
+        gmsh.option.setNumber("Mesh.MeshSizeMax", 8.0)
+        gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", 12)
+        gmsh.model.mesh.generate(3)
+        gmsh.model.mesh.setOrder(2)
+        gmsh.write(str(folder / "plate.msh"))
+    raw = meshio.read(folder / "plate.msh")
+    solid = [block for block in raw.cells if block.type == "tetra10"]
+    plain = meshio.Mesh(raw.points, [("tetra10", solid[0].data)])
+    for suffix in (".inp", ".vtu"):
+        meshio.write(folder / f"plate{suffix}", plain)
+    return folder
+
+
+def test_one_mesh_in_three_formats_is_one_part(files):
+    parts = [read_part(files / f"plate{suffix}", "mm") for suffix in (".msh", ".inp", ".vtu")]
+    first = parts[0]
+    assert first.size == "read in mm: 60 × 40 × 10 mm"
+    for part in parts:
+        (bore,) = [face for face in part.faces if face.kind == "bore"]
+        assert bore.radius == pytest.approx(8e-3, rel=1e-6)
+        assert part.mesh.element == "tet10"
+        # Formats keep 12 digits and more; the order of the nodes is the file's.
+        order = np.lexsort(np.round(part.mesh.nodes, 9).T)
+        own = np.lexsort(np.round(first.mesh.nodes, 9).T)
+        assert part.mesh.nodes[order] == pytest.approx(first.mesh.nodes[own], abs=1e-12)
+    assert len(first.faces) == 7
+
+
+def test_a_physical_group_is_a_name(files):
+    part = read_part(files / "plate.msh", "mm")
+    by_name, by_radius = (
+        find_interfaces(part, {"A": PartInterface(choice)})[0]
+        for choice in (ByName("bore"), ByCylinder(0.008))
+    )
+    assert by_name.faces == by_radius.faces
+    with pytest.raises(InputError, match='did you mean "bore"'):
+        find_interfaces(part, {"A": PartInterface(ByName("bores"))})
+
+
+CUBE = np.array(
+    [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]], float
+)
+HEXAHEDRON = np.arange(8)[None]
+
+
+def mesh_file(folder, points, kind, cells, **more):
+    path = folder / "mesh.vtu"
+    if "point_sets" in more:
+        path = folder / "mesh.inp"
+    meshio.write(path, meshio.Mesh(0.1 * points, [(kind, cells)], **more))
+    return path
+
+
+def test_bad_meshes_say_what_is_wrong(tmp_path):
+    def refused(*mesh) -> str:
+        with pytest.raises(InputError) as error:
+            read_part(mesh_file(tmp_path, *mesh))
+        return error.value.faults[0]
+
+    prism = np.array([[0, 1, 2, 4, 5, 6]])
+    assert "kinds wedge; must be of one kind among tetra" in refused(CUBE, "wedge", prism)
+    assert "only a surface" in refused(CUBE, "quad", np.array([[0, 1, 2, 3]]))
+    upside_down = HEXAHEDRON[:, [4, 5, 6, 7, 0, 1, 2, 3]]
+    assert "1 elements are inverted or folded, the first is element 1 at (0.05, 0.05, 0.05) m" in (
+        refused(CUBE, "hexahedron", upside_down)
+    )
+    twice = np.vstack([CUBE, CUBE + np.eye(3)[0]])
+    cells = np.vstack([HEXAHEDRON, HEXAHEDRON + 8])
+    assert "4 nodes lie twice in one place" in refused(twice, "hexahedron", cells)
+    apart = np.vstack([CUBE, CUBE + 2.0 * np.eye(3)[0]])
+    assert "in 2 pieces that share no nodes" in refused(apart, "hexahedron", cells)
+    assert "is no part of a robot" in refused(1e4 * CUBE, "hexahedron", HEXAHEDRON)
+    assert "finite" in refused(np.where(CUBE == 1.0, np.nan, CUBE), "hexahedron", HEXAHEDRON)
+
+
+def test_a_set_of_one_node_is_no_interface(tmp_path):
+    path = mesh_file(tmp_path, CUBE, "hexahedron", HEXAHEDRON, point_sets={"A": np.array([0])})
+    with pytest.raises(InputError, match="holds no whole facet"):
+        find_interfaces(read_part(path), {"A": PartInterface(ByName("A"))})
+
+
+@pytest.mark.parametrize("kind", ["hexahedron", "hexahedron20", "hexahedron27"])
+def test_hexahedra_have_six_faces_of_unit_area(tmp_path, kind):
+    from meshes.elements import ELEMENTS  # noqa: PLC0415
+
+    element = ELEMENTS[{"hexahedron": "hex8", "hexahedron20": "hex20"}.get(kind, "hex27")]
+    points = element.nodes[list(element.vtk_order)]
+    part = read_part(mesh_file(tmp_path, points, kind, np.arange(len(points))[None]))
+    assert [face.kind for face in part.faces] == ["plane"] * 6
+    assert [face.area for face in part.faces] == pytest.approx([0.01] * 6, rel=1e-12)
+    outward = sum(face.direction * face.area for face in part.faces)
+    assert outward == pytest.approx(np.zeros(3), abs=1e-15)
+    for face in part.faces:
+        assert face.direction @ (face.centre - 0.05) == pytest.approx(0.05)

@@ -1,0 +1,67 @@
+"""`flexproof faces`: the faces of a part as a table and as JSON."""
+
+import json
+from typing import Any
+
+from lumped.mechanism.part import METRES
+from meshes.part.faces import Face
+from meshes.part.read import PartFile
+
+
+def as_text(part: PartFile) -> str:
+    """The table of faces; lengths in the file's own unit, as a drawing of the part shows them."""
+    unit, scale = part.unit, 1.0 / METRES[part.unit]
+    lines = [f"{part.path}: {part.size}", ""]
+    lines.append(
+        f"{'face':>5}  {'kind':<6} {'area ' + unit + '²':>12}  {'centre ' + unit:<27} "
+        f"{'normal, axis':<20} {'radius ' + unit:>10}  name"
+    )
+    lines += [_row(face, scale) for face in part.faces]
+    bores = [face for face in part.faces if face.kind == "bore"]
+    if bores:
+        example = bores[0]
+        lines += ["", f"an interface, say: {{ cylinder = {{ radius = {example.radius:.6g} }} }}"]
+        lines[-1] += f" or {{ faces = [{example.number}] }}, in metres"
+    return "\n".join(lines)
+
+
+def _row(face: Face, scale: float) -> str:
+    centre = face.on_axis if face.kind in ("bore", "boss") else face.centre
+    place = ", ".join(f"{scale * x + 0.0:.5g}" for x in centre.round(9))
+    along = ", ".join(f"{x:.3g}" for x in face.direction) if face.direction.any() else ""
+    radius = f"{scale * face.radius:.6g}" if face.radius else ""
+    return (
+        f"{face.number:>5}  {face.kind:<6} {scale**2 * face.area:>12.6g}  {place:<27} {along:<20} "
+        f"{radius:>10}  {face.name}"
+    ).rstrip()
+
+
+def as_json(part: PartFile) -> str:
+    """The faces for programs: SI units, the file's axes."""
+    document: dict[str, Any] = {
+        "schema": 1,
+        "part": str(part.path),
+        "unit": part.unit,
+        "extent": part.extent,
+        "volume": part.exact.volume if part.exact else None,
+        "faces": [_entry(face) for face in part.faces],
+    }
+    return json.dumps(document, ensure_ascii=False, allow_nan=False)
+
+
+def _entry(face: Face) -> dict[str, Any]:
+    entry: dict[str, Any] = {
+        "number": face.number,
+        "kind": face.kind,
+        "area": face.area,
+        "centre": face.centre.tolist(),
+    }
+    if face.kind == "plane":
+        entry["normal"] = face.direction.tolist()
+    if face.kind in ("bore", "boss"):
+        entry |= {
+            "axis": face.direction.tolist(),
+            "on_axis": face.on_axis.tolist(),
+            "radius": face.radius,
+        }
+    return entry | ({"name": face.name} if face.name else {})

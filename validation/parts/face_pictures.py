@@ -1,0 +1,145 @@
+"""The faces of a part drawn and numbered: a picture from two sides, and a scene to turn.
+
+A number stands on a piece of its face that is seen from where the picture is taken; faces that are
+seen from neither side, those of a cavity, are named below it and shown in the scene.
+"""
+
+from importlib.resources import files
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure as Canvas
+
+from lumped.arrays import Array
+from meshes.part.boundary import area_vectors
+from meshes.part.faces import Face
+from meshes.part.read import PartFile
+from validation.report.figures.pictures.opengl import require_vtk
+from validation.report.figures.pictures.prisms import Surface
+from validation.report.figures.pictures.rendering import (
+    Body,
+    Picture,
+    Scene,
+    panel_pixels,
+    picture_of,
+    show,
+    triad,
+    write,
+)
+from validation.report.figures.pictures.scenes import interactive
+from validation.report.figures.pictures.view import View, fitted_view, pixels
+from validation.report.figures.style import WIDTH
+from validation.report.text import base64
+
+# Light, so that black numbers are read on all of them; neighbours in number differ.
+_COLOURS = ("#9ecae1", "#fdd0a2", "#a1d99b", "#dadaeb", "#fee391", "#c7c7c7", "#f4b6c2", "#8dd3c7")
+_SIDES = (np.array([0.75, -1.0, 0.6]), np.array([-0.75, 1.0, -0.6]))
+_HEIGHT = 3.6
+# Letters of the scene, as a share of the part's size; pieces tried before a face counts as hidden.
+_LETTER, _TRIES = 0.035, 60
+_CLEAR = 26.0  # pixels between numbers
+_TITLE = "Faces of {}"
+
+
+def picture(part: PartFile) -> Picture:
+    """The part from two opposite sides, its faces in colours and numbered."""
+    require_vtk()
+    canvas = Canvas(figsize=(WIDTH, _HEIGHT + 0.6), layout="constrained")
+    hidden = {face.number for face in part.faces}
+    whole = _poly_data(part)
+    for axes, toward in zip(np.ravel(canvas.subplots(1, 2)), _SIDES, strict=True):
+        view = fitted_view(
+            part.surface, toward, np.array([0.0, 0.0, 1.0]), panel_pixels(2, _HEIGHT)
+        )
+        show(axes, Scene(view, _bodies(part), (0.0, 1.0)))
+        taken: list[Array] = []
+        for face in part.faces:
+            seen = _seen(part, face, view, whole)
+            if len(seen):
+                hidden.discard(face.number)
+                place = _apart(seen, taken, view)
+                taken.append(place)
+                write(axes, view, place, str(face.number), (0.0, 0.0))
+        triad(axes, view)
+    unseen = ", ".join(map(str, sorted(hidden)))
+    title = _TITLE.format(part.path.name) + f", {part.size}"
+    canvas.suptitle(title + (f"\nseen from neither side: {unseen}" if unseen else ""), fontsize=10)
+    return picture_of(canvas)
+
+
+def scene_page(part: PartFile) -> str:
+    """A page of its own, offline in any browser: the part with numbers on its faces, to turn."""
+    require_vtk()
+    up = np.array([0.0, 0.0, 1.0])
+    view = fitted_view(part.surface, _SIDES[0], up, (900, 600))
+    letters = [_number(part, face) for face in part.faces]
+    scene = Scene(view, _bodies(part), (0.0, 1.0))
+    state = base64(interactive(part.path.name, scene, letters).state)
+    page = files("trame_vtk.tools").joinpath("static_viewer.html").read_text(encoding="utf-8")
+    call = f'OfflineLocalView.load(document.body, {{ base64Str: "{state}" }});'
+    end = page.rindex("</body>")
+    loader = f"<script>function loadDataSet() {{ {call} }}</script>"
+    title = f"<title>{_TITLE.format(part.path.name)}</title>"
+    return page[:end] + title + loader + page[end:]
+
+
+def _bodies(part: PartFile) -> list[Body]:
+    return [
+        Body(Surface(part.surface, face.facets.corners), _COLOURS[face.number % len(_COLOURS)])
+        for face in part.faces
+    ]
+
+
+def _poly_data(part: PartFile) -> Any:
+    import pyvista  # noqa: PLC0415  VTK must not be loaded where it cannot draw
+
+    corners = np.concatenate([face.facets.corners for face in part.faces])
+    return pyvista.PolyData.from_regular_faces(part.surface, corners).triangulate()
+
+
+def _pieces(part: PartFile, face: Face) -> tuple[Array, Array]:
+    """Centres (F×3) and unit normals (F×3) of a face's pieces, the nearest to its middle first."""
+    vectors = area_vectors(part.surface, face.facets)
+    centres = part.surface[face.facets.corners].mean(axis=1)
+    order = np.argsort(np.linalg.norm(centres - face.centre, axis=1), kind="stable")
+    areas = np.maximum(np.linalg.norm(vectors, axis=1), np.finfo(float).tiny)
+    return centres[order], (vectors / areas[:, None])[order]
+
+
+def _seen(part: PartFile, face: Face, view: View, whole: Any) -> Array:
+    """Places (n×3) on the face that nothing hides from the viewer, nearest its middle first."""
+    centres, normals = _pieces(part, face)
+    facing = np.flatnonzero(normals @ view.toward > 0.15)
+    step = max(1, len(facing) // _TRIES)
+    size = max(part.extent)
+    starts = centres[facing[::step]] + 1e-4 * size * view.toward
+    ends = starts + 4.0 * size * view.toward
+    free = [not len(whole.ray_trace(a, b)[0]) for a, b in zip(starts, ends, strict=True)]
+    return np.asarray(starts[free])
+
+
+def _apart(places: Array, taken: list[Array], view: View) -> Array:
+    """The first of `places` whose number covers none of those `taken`; the farthest if all do."""
+    if not taken:
+        return np.asarray(places[0])
+    away = np.abs(pixels(view, places)[:, None] - pixels(view, np.array(taken)))
+    # Wider than high, as numbers are.
+    clearance = np.maximum(away[..., 0] / 1.4, away[..., 1]).min(axis=1)
+    free = np.flatnonzero(clearance > _CLEAR)
+    return np.asarray(places[free[0] if free.size else int(np.argmax(clearance))])
+
+
+def _number(part: PartFile, face: Face) -> Body:
+    """The number of a face as letters that stand just off its middle, along its normal."""
+    import pyvista  # noqa: PLC0415  VTK must not be loaded where it cannot draw
+
+    centres, normals = _pieces(part, face)
+    letter = _LETTER * max(part.extent)
+    text = pyvista.Text3D(str(face.number), height=letter, depth=0.02 * letter).triangulate()
+    centre, normal = centres[0], normals[0]
+    across = np.cross([0.0, 0.0, 1.0] if abs(normal[2]) < 0.9 else [0.0, 1.0, 0.0], normal)
+    across = across / np.linalg.norm(across)
+    axes = np.column_stack([across, np.cross(normal, across), normal])
+    points = (np.asarray(text.points) - np.asarray(text.center)) @ axes.T
+    places = centre + 0.15 * letter * normal + points
+    return Body(Surface(places, text.regular_faces.astype(np.int64)), "#000000")
