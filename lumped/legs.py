@@ -17,6 +17,7 @@ from lumped.sections import Rectangle, Section
 
 Theory: TypeAlias = Literal["euler-bernoulli", "timoshenko"]
 EquivalentBy: TypeAlias = Literal["stiffness", "compliance"]
+Ends: TypeAlias = Literal["rigid", "free"]
 
 
 @dataclass(frozen=True)
@@ -81,11 +82,16 @@ class BeamProperties:
 
 @dataclass(frozen=True)
 class ConstantLeg:
-    """Prismatic leg of `length` (m) with one section and one material."""
+    """Prismatic leg of `length` (m) with one section and one material.
+
+    `ends`: whether its end faces are kept plane by what they are bolted to or may warp; None where
+    nobody said so.
+    """
 
     length: float
     section: Section
     material: Material
+    ends: Ends | None = None
 
     @property
     def mass(self) -> float:

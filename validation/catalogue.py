@@ -3,6 +3,8 @@
 from collections.abc import Sequence
 
 from lumped.robot_file import RobotFile
+from validation.adequacy.assessment import Assessment
+from validation.adequacy.biglide.subject import biglide_adequacy
 from validation.cases import (
     benchmarks,
     benchmarks_cross,
@@ -39,6 +41,14 @@ from validation.results.records import Task
 # The robot whose numbers the paper prints.
 PAPER_ROBOT = "ifw"
 
+_ADEQUACY = Assessment(
+    id="adequacy",
+    title="Which models are adequate for what",
+    compute=biglide_adequacy,
+    group="robot.solid.modes",
+    effort=5.0,
+)
+
 
 def catalogue(robot_file: RobotFile) -> Sequence[Task]:
     """Every case and figure for a robot; the paper's statements for the paper's robot alone."""
@@ -71,6 +81,7 @@ def catalogue(robot_file: RobotFile) -> Sequence[Task]:
         *guards_sweep.cases(),
         *guards_waves.cases(),
         *guards_pairing.cases(),
+        _ADEQUACY,
         *drawings(),
     )
 

@@ -28,6 +28,7 @@ from validation.mode_pairing import (
     centreline_samples,
     centreline_weights,
     largest_angle,
+    neighbours,
     pair_modes,
 )
 from validation.models import highest_frequency
@@ -45,9 +46,6 @@ DIVISIONS: dict[Preset, int] = {"quick": 2, "standard": 3, "fine": 4}
 WALL_DIVISIONS: dict[Preset, int] = {"quick": 2, "standard": 4, "fine": 8}
 # Twice as many modes are offered as partners, so that none is missing where orders differ.
 PAIRED, OFFERED = 6, 12
-# Modes of one model closer than this (relative) are compared as a space: the models' difference of
-# up to 1 % turns shapes that are 5 % apart by up to a fifth of a radian, 0.96 in MAC.
-CLOSE = 0.05
 ELEMENTS = 20
 _STATIONS = 24
 
@@ -211,7 +209,7 @@ def _pair(
     close, shared = np.zeros(PAIRED, dtype=bool), pairing.mac[first].copy()
     difference = np.zeros(PAIRED)
     for mode in range(PAIRED):
-        family = _neighbours(frequencies, mode)
+        family = neighbours(frequencies, mode)
         if len(family) > 1:
             close[mode] = True
             partners = pairing.partner[family]
@@ -220,13 +218,6 @@ def _pair(
             found[family] = np.sort(others[partners])
         difference[mode] = np.abs(found[family] / frequencies[family] - 1.0).max()
     return found[first], pairing.partner[first], pairing.mac[first], close, shared, difference
-
-
-def _neighbours(frequencies: Array, mode: int) -> IntArray:
-    """Modes that follow on each other within `CLOSE`, among them `mode`."""
-    apart = np.diff(frequencies) > CLOSE * frequencies[:-1]
-    family = np.concatenate([[0], np.cumsum(apart)])
-    return np.flatnonzero(family == family[mode])
 
 
 def _sampled(whole: Mechanism, legs: tuple[LegMatrices, LegMatrices], shapes: Array) -> Array:

@@ -29,7 +29,7 @@ from lumped.biglide import Biglide, with_equivalent_legs
 from lumped.biglide_assembly import Mechanism, assemble
 from lumped.errors import InputError
 from lumped.leg_matrices import LegMatrices
-from lumped.legs import ConstantLeg, equivalent_leg, tip_compliance
+from lumped.legs import ConstantLeg, Leg, equivalent_leg, tip_compliance
 from lumped.modes import Modes
 from meshes.section.section_mesh import section_mesh
 from validation.leg_solids import COARSEST_WALLS, section_counts, slices, static_ladder
@@ -69,10 +69,10 @@ def half_octave_above(frequency: float) -> float:
     return float(2.0 ** (0.5 * ceil(2.0 * log2(frequency))))
 
 
-def static_solid(leg: ConstantLeg, compliance: Array, ends: Ends) -> LegMatrices:
+def static_leg(leg: Leg, compliance: Array, model: str) -> LegMatrices:
     """A leg of given tip compliance (6×6, SI, leg axes, root clamped) condensed to its ends.
 
-    Without mass. Between its ends it is drawn as a straight line.
+    `model` is its name. Without mass; between its ends it is drawn as a straight line.
     """
 
     def centreline(at: Array) -> SparseMatrix:
@@ -80,7 +80,7 @@ def static_solid(leg: ConstantLeg, compliance: Array, ends: Ends) -> LegMatrices
         return csr_array(np.kron(np.column_stack([1.0 - share, share]), np.eye(6)))
 
     return LegMatrices(
-        model=f"solid, {ends} ends",
+        model=model,
         length=leg.length,
         stiffness=csr_array(ends_stiffness(np.linalg.inv(compliance).astype(float), leg.length)),
         mass=csr_array((ENDS, ENDS)),

@@ -12,7 +12,7 @@ from lumped.biglide import Biglide, with_equivalent_legs
 from lumped.legs import ConstantLeg, equivalent_leg, tip_compliance
 from validation.leg_solids import step_factor
 from validation.quantities import Deflections, deflections_of
-from validation.robot_solids import TipCompliances, static_solid, two_meshes
+from validation.robot_solids import TipCompliances, static_leg, two_meshes
 
 POSTURES = 9
 
@@ -79,7 +79,7 @@ def _solid_deflections(
     ends: Ends,
 ) -> Deflections:
     leg1, leg2 = (
-        static_solid(leg, found.rigid if ends == "rigid" else found.free, ends)
+        static_leg(leg, found.rigid if ends == "rigid" else found.free, f"solid, {ends} ends")
         for leg, found in zip(legs, compliances, strict=True)
     )
     return deflections_of(

@@ -44,6 +44,23 @@ def _rod(constants: SectionConstants, material: Material) -> _Rod:
     )
 
 
+def held_torsion_compliance(
+    constants: SectionConstants, material: Material, length: float
+) -> float:
+    """Rotation of the tip per torque (rad/(N m)) where neither end warps (χ = 0).
+
+    Of T = G I_p θ' − G(I_p − J) χ and EΓ χ″ = G(I_p − J)(χ − θ'):
+    (L − (1 − J/I_p) (2/k) tanh(kL/2)) / GJ with k² = G J (1 − J/I_p) / EΓ.
+    """
+    rod = _rod(constants, material)
+    stiffness = rod.twist - rod.shear
+    share = rod.shear / rod.twist
+    if share * rod.bimoment <= 0.0:
+        return length / stiffness
+    k = np.sqrt(stiffness * share / rod.bimoment)
+    return float((length - share * 2.0 / k * np.tanh(0.5 * k * length)) / stiffness)
+
+
 def cantilever_frequencies(
     constants: SectionConstants, material: Material, length: float, count: int
 ) -> Array:

@@ -2,17 +2,15 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Literal, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 
 from lumped.arrays import Array
-from lumped.legs import Material
+from lumped.legs import Ends, Material
 from lumped.mechanism.frame import Frame
 from lumped.mechanism.part import Part
 from lumped.sections import Section
-
-Ends: TypeAlias = Literal["rigid", "free"]
 
 
 @dataclass(frozen=True)

@@ -51,7 +51,8 @@ def leg_of(table: LegTable) -> Leg:
     if density is None:
         raise InputError("a leg of a section must have a mass or a density")
     shear_modulus = isotropic.G if given.G is None else given.G
-    return ConstantLeg(table.length, section, replace(isotropic, G=shear_modulus, rho=density))
+    material = replace(isotropic, G=shear_modulus, rho=density)
+    return ConstantLeg(table.length, section, material, table.ends)
 
 
 def symmetric(rows: list[list[float]]) -> Array:
@@ -63,6 +64,10 @@ def symmetric(rows: list[list[float]]) -> Array:
 
 def _description_faults(table: dict[str, Any], key: str) -> list[str]:
     by_section = [name for name in ("section", "material") if name in table]
+    if "compliance" in table and "ends" in table and not by_section:
+        return [
+            f"{key}.ends: must be left out beside {key}.compliance, whose ends are in its numbers"
+        ]
     if "compliance" in table and by_section:
         return [
             (

@@ -3,7 +3,7 @@
 import hashlib
 import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from difflib import get_close_matches
 from importlib import resources
 from importlib.resources.abc import Traversable
@@ -16,10 +16,11 @@ import numpy as np
 from lumped.biglide import Biglide, geometry_faults
 from lumped.errors import InputError
 from lumped.legs import GivenLeg
+from lumped.requirement import STATIC_QUANTITIES, Requirement
 from lumped.robot_file.corrections import correction_faults, value_at, with_printed_values
 from lumped.robot_file.leg_table import leg_faults, leg_of, symmetric
 from lumped.robot_file.table_faults import table_faults
-from lumped.robot_file.tables import Correction, Length, RobotTables
+from lumped.robot_file.tables import Accept, Correction, Length, RobotTables
 
 _SUFFIX = ".toml"
 
@@ -29,7 +30,8 @@ class RobotFile:
     """A robot and the file it came from.
 
     `source` is the path as given or, if `built_in`, the robot's name; `text` the file's text and
-    `sha256` the digest (hexadecimal) of its bytes; `corrections` of misprints in its source.
+    `sha256` the digest (hexadecimal) of its bytes; `corrections` of misprints in its source;
+    `requirement` what is asked of its models.
     """
 
     robot: Biglide
@@ -38,6 +40,7 @@ class RobotFile:
     text: str
     sha256: str
     corrections: tuple[Correction, ...]
+    requirement: Requirement = field(default_factory=Requirement)
 
     @property
     def tables(self) -> dict[str, Any]:
@@ -78,6 +81,21 @@ def load_robot(name_or_path: str | Path) -> RobotFile:
         text=text,
         sha256=hashlib.sha256(content).hexdigest(),
         corrections=tuple(typed.corrections),
+        requirement=requirement_of(typed.accept),
+    )
+
+
+def requirement_of(accept: Accept | None) -> Requirement:
+    """What a file's [accept] asks; the defaults without it."""
+    if accept is None:
+        return Requirement()
+    limits = {name: getattr(accept, name) for name in STATIC_QUANTITIES}
+    return Requirement(
+        deflection=accept.deflection,
+        frequency=accept.frequency,
+        modes=accept.modes,
+        rely=tuple(accept.rely),
+        limits={name: limit for name, limit in limits.items() if limit is not None},
     )
 
 

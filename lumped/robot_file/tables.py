@@ -10,6 +10,9 @@ from typing import Annotated, Literal, TypeAlias
 import msgspec
 from msgspec import Meta, Struct
 
+from lumped.legs import Ends
+from lumped.requirement import MODEL_KINDS, MOST_MODES, ModelKind
+
 
 @dataclass(frozen=True)
 class Bounds:
@@ -69,6 +72,16 @@ PoissonsRatio: TypeAlias = Annotated[float, Meta(gt=-1.0, lt=0.5, extra=_number(
 # 25 kg/m³: structural foam; 25000 kg/m³: above osmium (22600).
 Density: TypeAlias = Annotated[
     float, Meta(ge=25.0, le=25000.0, extra=_number("kg/m³", "is this in g/cm³?", "above osmium"))
+]
+# 1e-6: no model is known better; 1: off by as much as there is.
+Share: TypeAlias = Annotated[
+    float, Meta(ge=1e-6, le=1.0, extra=_number("(0.05 is 5 %)", "", "is this in percent?"))
+]
+ModeCount: TypeAlias = Annotated[
+    int, Meta(ge=1, le=MOST_MODES, extra={"allowed": f"a whole number from 1 to {MOST_MODES}"})
+]
+Models: TypeAlias = Annotated[
+    list[ModelKind], Meta(extra={"allowed": f"an array of models, of {', '.join(MODEL_KINDS)}"})
 ]
 Compliance: TypeAlias = Annotated[
     list[list[float]],
@@ -138,19 +151,39 @@ class MaterialTable(Table, frozen=True):
 
 
 class LegTable(Table, frozen=True):
-    """[leg1], [leg2]: `compliance` and `mass`, or `section` and `material`.
+    """[leg1], [leg2]: `compliance` and `mass`, or `section` and `material`, maybe `ends`.
 
     `inertia` (3×3 at the mass centre, leg axes, kg m²) and `mass_centre` (m from the root) are
     for the audit alone.
     """
 
     length: Length
+    ends: Ends | None = None
     mass: Mass | None = None
     compliance: Compliance | None = None
     section: SectionTable | None = None
     material: MaterialTable | None = None
     inertia: Inertia | None = None
     mass_centre: Offset | None = None
+
+
+class Accept(Table, frozen=True):
+    """[accept]: relative errors that are accepted of a model, and the models relied on.
+
+    `deflection` for all six static quantities, which x … phi_z override one by one; `frequency` for
+    the first `modes` natural frequencies and their order.
+    """
+
+    deflection: Share = 0.05
+    frequency: Share = 0.05
+    modes: ModeCount = 4
+    rely: Models = msgspec.field(default_factory=list)
+    x: Share | None = None
+    y: Share | None = None
+    z: Share | None = None
+    phi_x: Share | None = None
+    phi_y: Share | None = None
+    phi_z: Share | None = None
 
 
 class Correction(Table, frozen=True):
@@ -175,4 +208,5 @@ class RobotTables(Table, frozen=True):
     leg2: LegTable
     foot: Foot | None = None
     tool: Tool | None = None
+    accept: Accept | None = None
     corrections: list[Correction] = msgspec.field(default_factory=list)

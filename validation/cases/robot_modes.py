@@ -19,8 +19,8 @@ from validation.cases.robot_solid import SECTION
 from validation.context import Context
 from validation.leg_solids import step_factor
 from validation.legs_in_torsion import torsion_effects, wave_error
+from validation.mode_pairing import CLOSE
 from validation.paired_robot_modes import (
-    CLOSE,
     ELEMENTS,
     PAIRED,
     BeamKind,

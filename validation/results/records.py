@@ -7,11 +7,13 @@ from typing import Any, TypeAlias
 import msgspec
 import numpy as np
 
+from validation.adequacy.assessment import Assessed, Assessment
+from validation.adequacy.matrix import Matrix, entry_record
 from validation.case import Case, Measurement, Outcome, finite
 from validation.exhibits import Drawing, Figure, Study, study_record
 from validation.results.drift import Drift
 
-Task: TypeAlias = Case | Drawing
+Task: TypeAlias = Case | Drawing | Assessment
 Record: TypeAlias = dict[str, Any]
 
 
@@ -51,6 +53,29 @@ def drawn_to_record(drawn: Drawn) -> Record:
     }
 
 
+def assessed_to_record(assessed: Assessed) -> Record:
+    """An assessment that was made as plain data."""
+    return {
+        "id": assessed.assessment.id,
+        "seconds": assessed.seconds,
+        "message": assessed.message,
+        "failed": assessed.failed,
+        "matrix": _plain(assessed.matrix),
+    }
+
+
+def assessed_from_record(assessment: Assessment, record: Mapping[str, Any]) -> Assessed:
+    """The assessment from its record."""
+    matrix = record["matrix"]
+    return Assessed(
+        assessment=assessment,
+        seconds=record["seconds"],
+        matrix=msgspec.convert(matrix, Matrix) if matrix else None,
+        message=record["message"],
+        failed=record["failed"],
+    )
+
+
 def outcome_from_record(case: Case, record: Mapping[str, Any]) -> Outcome:
     """The outcome of `case` from its record."""
     measurement = record["measurement"]
@@ -81,7 +106,10 @@ def succeeded(record: Mapping[str, Any]) -> bool:
 
 
 def results(
-    header: Mapping[str, Any], outcomes: Sequence[Outcome], drifts: Mapping[str, Drift]
+    header: Mapping[str, Any],
+    outcomes: Sequence[Outcome],
+    drifts: Mapping[str, Drift],
+    matrix: Matrix | None,
 ) -> dict[str, Any]:
     """The content of results.json; `drifts` by case id."""
     return {
@@ -90,6 +118,7 @@ def results(
         "cases": [
             outcome.entry | _drift_record(drifts.get(outcome.case.id)) for outcome in outcomes
         ],
+        "adequacy": [entry_record(entry) for entry in matrix.entries] if matrix else [],
         "studies": [study_record(study) for study in studies_of(outcomes)],
     }
 

@@ -20,10 +20,18 @@ from types import FrameType
 from typing import Protocol
 
 from lumped.errors import ComputationError, InputError
+from validation.adequacy.assessment import Assessed, Assessment
 from validation.case import Case, Outcome
 from validation.context import Preset
 from validation.processes import children_undisturbed, single_threaded
-from validation.results.records import Drawn, Record, Task, drawn_to_record, outcome_to_record
+from validation.results.records import (
+    Drawn,
+    Record,
+    Task,
+    assessed_to_record,
+    drawn_to_record,
+    outcome_to_record,
+)
 from validation.run.worker import Job, serve
 from validation.suggestion import did_you_mean
 
@@ -213,6 +221,8 @@ def _dead(task: Task, exitcode: int | None) -> Record:
     message = f"the computing process {how} (log.txt may say more)"
     if isinstance(task, Case):
         return outcome_to_record(Outcome(task, "failed", 0.0, message=message))
+    if isinstance(task, Assessment):
+        return assessed_to_record(Assessed(task, 0.0, message=message, failed=True))
     return drawn_to_record(Drawn(task, 0.0, message=message, failed=True))
 
 

@@ -12,6 +12,8 @@ from fem.machine import usable_cores
 from lumped.audit.finding import Finding
 from lumped.audit.robot_audit import audit
 from lumped.robot_file import RobotFile
+from validation.adequacy.assessment import Assessed, Assessment
+from validation.adequacy.matrix import Matrix
 from validation.case import Case, Outcome
 from validation.cases.sweep_results import FOLDER_OPTION, GROUP, studies_read
 from validation.context import Preset
@@ -28,6 +30,7 @@ from validation.results.records import (
     Drawn,
     Record,
     Task,
+    assessed_from_record,
     drawn_from_record,
     outcome_from_record,
     results,
@@ -78,12 +81,15 @@ class Results:
     frozen: SavedRun | None = None
     outcomes: dict[str, Outcome] = field(default_factory=dict)
     drawn: dict[str, Drawn] = field(default_factory=dict)
+    assessed: dict[str, Assessed] = field(default_factory=dict)
 
     def add(self, record: Record) -> None:
         """Take in a finished piece of work."""
         task = next(task for task in self.tasks if task.id == record["id"])
         if isinstance(task, Case):
             self.outcomes[task.id] = outcome_from_record(task, record)
+        elif isinstance(task, Assessment):
+            self.assessed[task.id] = assessed_from_record(task, record)
         else:
             self.drawn[task.id] = drawn_from_record(task, record)
 
@@ -103,7 +109,13 @@ class Results:
     @property
     def unfinished(self) -> int:
         """How many tasks have not been computed."""
-        return len(self.tasks) - len(self.outcomes) - len(self.drawn)
+        return len(self.tasks) - len(self.outcomes) - len(self.drawn) - len(self.assessed)
+
+    @property
+    def matrix(self) -> Matrix | None:
+        """The adequacy of the robot's models, None where it was not, or could not be, assessed."""
+        made = (one.matrix for one in self.assessed.values() if one.matrix)
+        return next(made, None)
 
     @property
     def drifts(self) -> dict[str, Drift]:
@@ -131,6 +143,7 @@ class Results:
         """0 all agree, 1 some case disagrees, 3 a computation failed or was interrupted."""
         verdicts = {outcome.verdict for outcome in self.outcomes.values()}
         failed = "failed" in verdicts or any(drawn.failed for drawn in self.drawn.values())
+        failed = failed or any(one.failed for one in self.assessed.values())
         if failed or self.unfinished:
             return 3
         return 1 if "disagree" in verdicts else 0
@@ -138,7 +151,7 @@ class Results:
     def as_json(self) -> str:
         """The text of results.json."""
         header = dict(self.header) | {"unfinished": self.unfinished}
-        content = results(header, comparisons(self.in_order()), self.drifts)
+        content = results(header, comparisons(self.in_order()), self.drifts, self.matrix)
         if power := self.power:
             content["faults"] = power.records()
         # Written after every case: Python's own encoder would take longer than the cases.
@@ -232,7 +245,7 @@ def _compute(job: Job, gathered: Results, folder: RunFolder, jobs: int) -> None:
         gathered.header = dict(gathered.header) | {"seconds": perf_counter() - begun}
         folder.write("results.json", gathered.as_json())
 
-    finished = gathered.outcomes.keys() | gathered.drawn.keys()
+    finished = gathered.outcomes.keys() | gathered.drawn.keys() | gathered.assessed.keys()
     waiting = [task for task in gathered.tasks if task.id not in finished]
     with progress.showing(waiting) as observer:
         runner.run(job, waiting, jobs=jobs, log=folder.log, keep=keep, observer=observer)

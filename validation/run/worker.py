@@ -17,12 +17,20 @@ from time import perf_counter
 
 from lumped.errors import ComputationError, InputError
 from lumped.robot_file import RobotFile
+from validation.adequacy.assessment import Assessed, Assessment
 from validation.case import Case, Outcome, Skip, judge
 from validation.context import Context, Preset
 from validation.exhibits import Drawing
 from validation.processes import end_with_parent
 from validation.report.text import function_name
-from validation.results.records import Drawn, Record, Task, drawn_to_record, outcome_to_record
+from validation.results.records import (
+    Drawn,
+    Record,
+    Task,
+    assessed_to_record,
+    drawn_to_record,
+    outcome_to_record,
+)
 
 
 @dataclass(frozen=True)
@@ -59,6 +67,8 @@ def execute(task: Task, context: Context) -> Record:
     """The record of one case or figure; errors become verdicts, tracebacks go to stderr."""
     if isinstance(task, Drawing):
         return drawn_to_record(_draw(task, context))
+    if isinstance(task, Assessment):
+        return assessed_to_record(_assess(task, context))
     return outcome_to_record(_compute(task, context))
 
 
@@ -84,6 +94,18 @@ def _draw(drawing: Drawing, context: Context) -> Drawn:
         return Drawn(
             drawing, perf_counter() - start, message=_explain(drawing.id, error), failed=True
         )
+
+
+def _assess(assessment: Assessment, context: Context) -> Assessed:
+    start = perf_counter()
+    try:
+        matrix = assessment.compute(context)
+        return Assessed(assessment, perf_counter() - start, matrix)
+    except Skip as reason:
+        return Assessed(assessment, perf_counter() - start, message=str(reason))
+    except Exception as error:  # noqa: BLE001  the report says why there is no matrix
+        message = _explain(assessment.id, error)
+        return Assessed(assessment, perf_counter() - start, message=message, failed=True)
 
 
 def _explain(identifier: str, error: Exception) -> str:

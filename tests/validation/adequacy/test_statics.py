@@ -1,0 +1,123 @@
+"""Adequacy of static models of the biglide, against numbers computed without the matrix."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fem.sections.nonuniform_torsion import held_torsion_compliance
+from fem.sections.section_constants import section_constants
+from lumped.legs import ConstantLeg, Material
+from lumped.requirement import STATIC_QUANTITIES, Requirement
+from lumped.robot_file import load_robot
+from lumped.sections import ISection
+from meshes.section.section_mesh import section_mesh
+from validation.adequacy.biglide.subject import biglide_subject
+from validation.adequacy.judgement import judged
+from validation.adequacy.matrix import Matrix
+from validation.context import Context
+from validation.models import ModelOptions, robot_compliance
+
+EQUIVALENT = ("vjm-equivalent", "segments", "beam")
+
+
+@pytest.fixture(scope="module")
+def paper() -> Matrix:
+    context = Context(load_robot("ifw"), "quick")
+    return judged(biglide_subject(context), Requirement())
+
+
+@pytest.mark.parametrize("quantity", STATIC_QUANTITIES)
+def test_the_papers_legs_as_given_hold_in_statics(paper: Matrix, quantity: str) -> None:
+    entry = paper.entry("vjm", quantity)
+    assert entry is not None
+    assert entry.verdict == "adequate"
+    # Two formulations that share the data alone.
+    assert abs(entry.error or 1.0) < 1e-9
+
+
+@pytest.mark.parametrize("quantity", STATIC_QUANTITIES)
+@pytest.mark.parametrize("model", EQUIVALENT)
+def test_constant_sections_distort_the_papers_legs(
+    paper: Matrix, model: str, quantity: str
+) -> None:
+    entry = paper.entry(model, quantity)
+    assert entry is not None
+    assert entry.verdict == "inadequate"
+    assert entry.causes[0].cause.startswith("equivalent leg")
+    assert sum(cause.share for cause in entry.causes) == pytest.approx(1.0, abs=0.02)
+    assert "6×6" in entry.remedy
+    assert abs(entry.error_with_remedy or 1.0) < 1e-6
+
+
+def test_errors_are_those_of_the_models_themselves(paper: Matrix) -> None:
+    # 27.9 µm along z by the legs given and 23.7 by those of constant section, at their largest.
+    robot = load_robot("ifw").robot
+    given, equivalent = (
+        np.array(
+            [
+                robot_compliance("vjm", robot, x, ModelOptions(legs=legs))[2, 2]
+                for x in robot.stations(65)
+            ]
+        )
+        for legs in ("given", "equivalent")
+    )
+    assert given.max() * 1e9 == pytest.approx(27.9, abs=0.05)
+    assert equivalent.max() * 1e9 == pytest.approx(23.7, abs=0.05)
+    entry = paper.entry("segments", "z")
+    assert entry is not None
+    errors = (equivalent / given - 1.0)[::8]
+    assert entry.errors == pytest.approx(errors, rel=1e-6)
+    assert entry.error == pytest.approx(errors.min(), rel=1e-6)
+
+
+def test_a_rigid_model_knows_no_motion_along_z(paper: Matrix) -> None:
+    entry = paper.entry("simplified", "z")
+    assert entry is not None
+    assert (entry.verdict, entry.error) == ("inadequate", -1.0)
+    assert "no such motion" in entry.reason
+    assert entry.remedy == "use vjm"
+
+
+def test_torsion_between_held_ends_lies_between_its_two_limits() -> None:
+    material = Material.isotropic(2.1e11, 0.3, 7850.0)
+    section = ISection(width=0.1, height=0.1, flange=0.008, web=0.006)
+    constants = section_constants(section_mesh(section, 8), material.nu)
+    polar = constants.second_moment_y + constants.second_moment_z
+
+    def relative(length: float, warping: float) -> float:
+        changed = replace(constants, warping_constant=warping)
+        held = held_torsion_compliance(changed, material, length)
+        return held * material.G * constants.torsion_constant / length
+
+    own = constants.warping_constant
+    # Without warping stiffness Saint-Venant's, without room for warping G I_p.
+    assert relative(0.9, 0.0) == pytest.approx(1.0, rel=1e-12)
+    assert relative(0.9, 1e6 * own) == pytest.approx(constants.torsion_constant / polar, rel=1e-3)
+    # Vlasov's factor 1 − tanh(kL/2)/(kL/2) is the limit J ≪ I_p.
+    k = np.sqrt(material.G * constants.torsion_constant / (material.E * own))
+    vlasov = 1.0 - np.tanh(0.45 * k) / (0.45 * k)
+    # It differs by about J/I_p of what warping takes away, three times what it leaves here.
+    assert relative(0.9, own) == pytest.approx(vlasov, rel=3.0 * constants.torsion_constant / polar)
+
+
+def test_ends_that_nobody_described_leave_their_spread_open() -> None:
+    robot_file = load_robot("ifw")
+    section = ISection(width=0.1, height=0.1, flange=0.008, web=0.006)
+    material = Material.isotropic(2.1e11, 0.3, 7850.0)
+    leg = ConstantLeg(0.9, section, material)
+    matrices = {}
+    for ends in (None, "rigid", "free"):
+        legs = replace(leg, ends=ends)
+        robot = replace(robot_file.robot, a=0.95, leg1=legs, leg2=legs)
+        context = Context(replace(robot_file, robot=robot), "quick")
+        matrices[ends] = judged(biglide_subject(context), Requirement())
+    unsaid, rigid, free = (one.entry("beam", "phi_x") for one in matrices.values())
+    assert unsaid
+    assert rigid
+    assert free
+    spread = unsaid.uncertainties["how the ends are held"]
+    at = rigid.errors[4], free.errors[4]
+    assert rigid.uncertainties.keys() == {"meshes"}
+    assert spread > 0.0
+    assert unsaid.errors[4] == pytest.approx(np.mean([e for e in at if e is not None]), abs=0.005)

@@ -1,0 +1,34 @@
+"""The adequacy of a robot's models as a piece of work of a run, scheduled like a case."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from validation.adequacy.matrix import Matrix
+from validation.context import PRESETS, Context, Preset
+
+
+@dataclass(frozen=True)
+class Assessment:
+    """The matrix of a run's robot; fields as of `Case`. `compute` may raise Skip."""
+
+    id: str
+    title: str
+    compute: Callable[[Context], Matrix]
+    presets: tuple[Preset, ...] = PRESETS
+    section: str = ""
+    group: str = ""
+    effort: float = 1.0
+
+
+@dataclass(frozen=True)
+class Assessed:
+    """An assessment that was made; where there is no matrix, `message` says why.
+
+    `failed` tells a computation that failed from one that is not possible here.
+    """
+
+    assessment: Assessment
+    seconds: float
+    matrix: Matrix | None = None
+    message: str = ""
+    failed: bool = False

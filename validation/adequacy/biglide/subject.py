@@ -1,0 +1,81 @@
+"""The biglide with its models and references, ready to be judged."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from lumped.errors import InputError
+from validation.adequacy.biglide.statics import compliances, static_ladders, static_reference
+from validation.adequacy.judgement import judged
+from validation.adequacy.matrix import Matrix
+from validation.adequacy.response import Candidate, Reference, Subject
+from validation.case import Skip
+from validation.context import Context
+from validation.models import ModelName, ModelOptions
+
+POSTURES = 9
+_STATIC = "static: it has no masses, hence says nothing of frequencies"
+_RIGID = "its legs are rigid and its drives move along y alone: it knows no such motion"
+
+
+def _model(
+    name: ModelName, title: str, options: ModelOptions | None = None
+) -> tuple[ModelName, str, ModelOptions]:
+    return name, title, options or ModelOptions()
+
+
+_MODELS: Mapping[str, tuple[ModelName, str, ModelOptions]] = {
+    "simplified": _model("simplified", "elastic drives, rigid legs"),
+    "vjm": _model("vjm", "virtual joints, legs as given"),
+    "vjm-equivalent": _model(
+        "vjm", "virtual joints, legs of constant section", ModelOptions(legs="equivalent")
+    ),
+    "segments": _model("segments", "20 rigid segments per leg, Timoshenko"),
+    "beam": _model("beam", "20 beam elements per leg, Timoshenko"),
+    "segments-euler-bernoulli": _model(
+        "segments",
+        "20 rigid segments per leg, Euler–Bernoulli",
+        ModelOptions(theory="euler-bernoulli"),
+    ),
+    "beam-euler-bernoulli": _model(
+        "beam", "20 beam elements per leg, Euler–Bernoulli", ModelOptions(theory="euler-bernoulli")
+    ),
+}
+MODELS = tuple(_MODELS)
+
+
+def biglide_adequacy(context: Context) -> Matrix:
+    """The matrix of the run's robot. Raises Skip where no reference can be computed."""
+    return judged(biglide_subject(context), context.robot_file.requirement)
+
+
+def biglide_subject(context: Context) -> Subject:
+    """Responses of all models of the run's robot and of what they are held against."""
+    robot = context.robot
+    x = robot.stations(POSTURES)
+    try:
+        statics = static_reference(context, robot, x)
+    except InputError as error:
+        raise Skip(f"{error}; a larger preset may compute it") from error
+    ladders = static_ladders(context, robot, x)
+    candidates = [
+        Candidate(
+            model=name,
+            title=title,
+            response=compliances(model, robot, x, options),
+            static_rungs=ladders[name],
+            rigid=_RIGID if model == "simplified" else "",
+            silent=_STATIC if model == "vjm" else "",
+            computed_by=(f"validation.models.robot_compliance({model!r})",),
+        )
+        for name, (model, title, options) in _MODELS.items()
+    ]
+    return Subject(
+        robot=robot.name,
+        coordinates=("x (m)",),
+        poses=x[:, None],
+        weights=np.zeros(0),
+        candidates=candidates,
+        statics=statics,
+        dynamics=Reference("none", ()),
+    )

@@ -1,0 +1,103 @@
+"""Why a model is off and what would help: steps from the model towards the reference.
+
+Every rung of a model's ladder removes one named cause by a computation of its own, none of which
+knows the reference; what the ladder does not reach is the rest, and is shown as such.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from lumped.arrays import Array
+from lumped.requirement import STATIC_QUANTITIES
+from validation.adequacy.errors import Errors, Scale
+from validation.adequacy.matrix import Cause
+from validation.adequacy.response import Candidate, Response, Rung
+
+REST = "rest, not attributed"
+# Causes below this share of an error are not named, rungs below this part of a limit not taken.
+_WORTH_NAMING, _WORTH_TAKING = 0.005, 0.1
+
+
+def explained(
+    scale: Scale, candidate: Candidate, quantity: str, errors: Errors, pose: int
+) -> tuple[Cause, ...]:
+    """Causes of the error at a pose (its index), the largest first; shares sum to one.
+
+    Where the reference has alternatives, error and amounts are means over them.
+    """
+    if errors.missing[:, pose].any():
+        return ()
+    total = float(np.mean(errors.error[:, pose]))
+    if total == 0.0:
+        return ()
+    amounts: dict[str, float] = {}
+    sources: dict[str, str] = {REST: "error less the causes named"}
+    last = errors
+    for rung in rungs_of(candidate, quantity):
+        after = scale.errors(_responses(scale, rung, quantity), quantity)
+        if after is None or after.missing[:, pose].any():
+            break
+        amount = float(np.mean(last.error[:, pose] - after.error[:, pose]))
+        amounts[rung.cause] = amounts.get(rung.cause, 0.0) + amount
+        sources.setdefault(rung.cause, rung.source)
+        last = after
+    amounts[REST] = total - sum(amounts.values())
+    found = [Cause(name, amount / total, sources[name]) for name, amount in amounts.items()]
+    named = [cause for cause in found if abs(cause.share) >= _WORTH_NAMING]
+    return tuple(sorted(named, key=lambda cause: -abs(cause.share)))
+
+
+def remedied(
+    scale: Scale, candidate: Candidate, quantity: str, limit: float, pose: int
+) -> tuple[str, float | None]:
+    """The shortest way up the ladder that brings the error within its limit, or nearest to it.
+
+    With the error that it leaves: the largest over all poses, in the middle of what is left open.
+    Only those steps are named that change anything worth the name. ("", None) where none helps.
+    """
+    tried: list[tuple[float, float, str]] = []
+    steps: list[str] = []
+    before = _middle(scale, [candidate.response] * _count(scale, quantity), quantity)
+    start = None if before is None else before[pose]
+    for rung in rungs_of(candidate, quantity):
+        after = _middle(scale, _responses(scale, rung, quantity), quantity)
+        if after is None:
+            break
+        changes = before is None or not abs(after[pose] - before[pose]) < _WORTH_TAKING * limit
+        if rung.remedy and changes:
+            steps.append(rung.remedy)
+        if rung.remedy and steps and np.isfinite(after).all():
+            worst = float(after[np.argmax(np.abs(after))])
+            tried.append((abs(worst), worst, ", ".join(dict.fromkeys(steps))))
+        # A rung without a remedy of its own is taken together with the next one.
+        before = after if rung.remedy else before
+    if not tried:
+        return "", None
+    enough = [one for one in tried if one[0] <= limit]
+    size, error, remedy = enough[0] if enough else min(tried)
+    if start is not None and np.isfinite(start) and size >= abs(start):
+        return "", None
+    return remedy, error
+
+
+def rungs_of(candidate: Candidate, quantity: str) -> Sequence[Rung]:
+    """The candidate's ladder for a quantity."""
+    static = quantity in STATIC_QUANTITIES
+    return candidate.static_rungs if static else candidate.dynamic_rungs
+
+
+def _count(scale: Scale, quantity: str) -> int:
+    return len(scale.reference(quantity).alternatives)
+
+
+def _responses(scale: Scale, rung: Rung, quantity: str) -> list[Response]:
+    return [rung.responses[one.name] for one in scale.reference(quantity).alternatives]
+
+
+def _middle(scale: Scale, responses: Sequence[Response], quantity: str) -> Array | None:
+    errors = scale.errors(responses, quantity)
+    if errors is None:
+        return None
+    low, high = errors.interval
+    return np.asarray(0.5 * (low + high))

@@ -1,0 +1,175 @@
+"""From errors to verdicts: which pose decides, what is left open, why, and what would help."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lumped.arrays import Array
+from lumped.requirement import STATIC_QUANTITIES, Requirement
+from validation.adequacy.causes import explained, remedied
+from validation.adequacy.errors import Errors, Scale
+from validation.adequacy.matrix import Adequacy, Entry, Matrix, ModelNote
+from validation.adequacy.response import Candidate, Reference, Subject
+
+_FINER = "a finer reference: a larger preset"
+
+
+def judged(subject: Subject, requirement: Requirement) -> Matrix:
+    """The matrix of a robot: every candidate by every quantity that it says anything of."""
+    scale = Scale(subject, requirement.modes)
+    entries = [
+        entry
+        for candidate in subject.candidates
+        for quantity in requirement.quantities
+        if (entry := _entry(scale, candidate, quantity, requirement.limit(quantity)))
+    ]
+    return Matrix(
+        robot=subject.robot,
+        coordinates=subject.coordinates,
+        poses=tuple(_pose(subject, p) for p in range(len(subject.poses))),
+        models=tuple(ModelNote(one.model, one.title, one.silent) for one in subject.candidates),
+        quantities=requirement.quantities,
+        entries=tuple(entries),
+        notes=subject.notes,
+    )
+
+
+def _entry(scale: Scale, candidate: Candidate, quantity: str, limit: float) -> Entry | None:
+    reference = scale.reference(quantity)
+    same = [candidate.response] * len(reference.alternatives)
+    errors = scale.errors(same, quantity)
+    if errors is None:
+        return None if reference.alternatives else _unknown(scale, candidate, quantity, limit)
+    verdicts = verdicts_of(errors, limit, reference)
+    low, high = errors.interval
+    middle, half = 0.5 * (low + high), 0.5 * (high - low)
+    verdict = worst_of(verdicts)
+    pose = _deciding(verdicts, verdict, middle)
+    missing = bool(errors.missing[:, pose].any())
+    causes = explained(scale, candidate, quantity, errors, pose) if verdict != "adequate" else ()
+    remedy, left = "", None
+    if verdict == "inadequate":
+        remedy, left = remedied(scale, candidate, quantity, limit, pose)
+    return Entry(
+        model=candidate.model,
+        quantity=quantity,
+        error=None if missing else float(middle[pose]),
+        uncertainty=None if missing else float(half[pose]),
+        limit=limit,
+        verdict=verdict,
+        pose=_pose(scale.subject, pose),
+        reference=reference.title,
+        causes=causes,
+        remedy=remedy,
+        error_with_remedy=left,
+        reason=_reason(errors, candidate, quantity, verdict, reference, pose),
+        value=None if missing else float(np.mean(errors.value[:, pose])),
+        expected=None if missing else _expected(errors, pose),
+        uncertainties={} if missing else _parts(errors, reference, pose),
+        errors=_optional(middle),
+        spreads=_optional(half),
+        computed_by=(*candidate.computed_by, *reference.computed_by),
+    )
+
+
+def _unknown(scale: Scale, candidate: Candidate, quantity: str, limit: float) -> Entry | None:
+    """The entry of a quantity without reference; None where the candidate is silent of it too."""
+    response = candidate.response
+    static = quantity in STATIC_QUANTITIES
+    if (response.compliance if static else response.vibration) is None:
+        return None
+    reference = scale.reference(quantity)
+    return Entry(
+        model=candidate.model,
+        quantity=quantity,
+        error=None,
+        uncertainty=None,
+        limit=limit,
+        verdict="undecided",
+        pose=_pose(scale.subject, 0),
+        reference=reference.title,
+        reason=reference.decides,
+        computed_by=candidate.computed_by,
+    )
+
+
+def verdicts_of(errors: Errors, limit: float, reference: Reference) -> list[Adequacy]:
+    """The verdict at every pose.
+
+    Adequate where no error that is left open exceeds the limit, inadequate where all do, on one
+    side. A bracket of the plausible decides nothing but that a model has no such mode.
+    """
+    low, high = errors.interval
+    return [
+        _verdict(float(low[p]), float(high[p]), errors.missing[:, p], limit, reference)
+        for p in range(len(low))
+    ]
+
+
+def _verdict(
+    low: float, high: float, missing: NDArray[np.bool_], limit: float, reference: Reference
+) -> Adequacy:
+    if missing.all():
+        return "inadequate"
+    if reference.bracket or missing.any():
+        return "undecided"
+    if low >= -limit and high <= limit:
+        return "adequate"
+    return "inadequate" if low > limit or high < -limit else "undecided"
+
+
+def worst_of(verdicts: Sequence[Adequacy]) -> Adequacy:
+    """What holds over all poses: inadequate where it is so in any, adequate where in all."""
+    order: tuple[Adequacy, ...] = ("inadequate", "undecided", "adequate")
+    return min(verdicts, key=order.index)
+
+
+def _deciding(verdicts: Sequence[Adequacy], verdict: Adequacy, middle: Array) -> int:
+    """The pose of the largest error among those that have the verdict of the whole."""
+    alike = np.array([one == verdict for one in verdicts])
+    size = np.where(np.isnan(middle), -0.5, np.abs(middle))
+    return int(np.argmax(np.where(alike, size, -1.0)))
+
+
+def _reason(
+    errors: Errors,
+    candidate: Candidate,
+    quantity: str,
+    verdict: Adequacy,
+    reference: Reference,
+    pose: int,
+) -> str:
+    if verdict == "adequate":
+        return ""
+    if errors.missing[:, pose].all():
+        return f"{candidate.model} has no such mode: no shape of its own has half in common with it"
+    if verdict == "inadequate":
+        rigid = quantity in STATIC_QUANTITIES and not errors.value[:, pose].any()
+        return candidate.rigid if rigid else ""
+    if reference.bracket or errors.missing[:, pose].any():
+        return reference.decides or _FINER
+    parts = _parts(errors, reference, pose)
+    widest = max(parts, key=lambda name: parts[name])
+    return reference.decides if widest == reference.open and reference.decides else _FINER
+
+
+def _expected(errors: Errors, pose: int) -> float:
+    """The reference's number that the mean of the errors belongs to."""
+    return float(1.0 / np.mean(1.0 / errors.expected[:, pose]))
+
+
+def _parts(errors: Errors, reference: Reference, pose: int) -> dict[str, float]:
+    error = errors.error[:, pose]
+    parts = {"meshes": float(np.max(errors.numerical[:, pose]))}
+    if reference.open:
+        parts[reference.open] = float(0.5 * (np.max(error) - np.min(error)))
+    return parts
+
+
+def _pose(subject: Subject, index: int) -> tuple[float, ...]:
+    return tuple(float(number) for number in subject.poses[index])
+
+
+def _optional(numbers: Array) -> tuple[float | None, ...]:
+    return tuple(None if np.isnan(number) else float(number) for number in numbers)

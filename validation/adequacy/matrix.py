@@ -1,0 +1,119 @@
+"""The adequacy of models as data: entries of a matrix model × quantity, and their JSON."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Literal, TypeAlias
+
+Adequacy: TypeAlias = Literal["adequate", "inadequate", "undecided"]
+
+
+@dataclass(frozen=True)
+class Cause:
+    """A named cause and its share of an error (1: all of it, negative: it works against it).
+
+    `source` says what the amount was computed from.
+    """
+
+    cause: str
+    share: float
+    source: str = ""
+
+
+@dataclass(frozen=True)
+class Entry:
+    """What one model says of one quantity, judged over all poses.
+
+    `error` is total and relative, (model − reference)/reference, at `pose`, the one that decides;
+    None where the model does not have the quantity at all or nothing is known. `error` ±
+    `uncertainty` holds what the reference leaves open: `uncertainties` are its parts by name, from
+    meshes and from what the user did not say. `value` and `expected` are the model's and the
+    reference's numbers there (m/N, rad/(N m), Hz; of "order": Hz), `errors` and `spreads` error and
+    uncertainty at every pose. `reason` says why a verdict is not "adequate" where no number does,
+    and what would decide where it is undecided.
+    """
+
+    model: str
+    quantity: str
+    error: float | None
+    uncertainty: float | None
+    limit: float
+    verdict: Adequacy
+    pose: tuple[float, ...]
+    reference: str
+    causes: tuple[Cause, ...] = ()
+    remedy: str = ""
+    error_with_remedy: float | None = None
+    reason: str = ""
+    value: float | None = None
+    expected: float | None = None
+    uncertainties: Mapping[str, float] = field(default_factory=dict)
+    errors: tuple[float | None, ...] = ()
+    spreads: tuple[float | None, ...] = ()
+    computed_by: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class ModelNote:
+    """A model of the matrix: its name, what it is, and what it says nothing of (and why)."""
+
+    model: str
+    title: str
+    silent: str = ""
+
+
+@dataclass(frozen=True)
+class Matrix:
+    """All models by all quantities for one robot.
+
+    `coordinates` name what a pose prescribes, with unit; `poses` (p×n) are all that were looked at.
+    `notes` are facts that belong beside the matrix (a bracket of frequencies, say).
+    """
+
+    robot: str
+    coordinates: tuple[str, ...]
+    poses: tuple[tuple[float, ...], ...]
+    models: tuple[ModelNote, ...]
+    quantities: tuple[str, ...]
+    entries: tuple[Entry, ...]
+    notes: tuple[str, ...] = ()
+
+    def entry(self, model: str, quantity: str) -> Entry | None:
+        """The entry of a model and a quantity, None where the model is silent of it."""
+        found = (e for e in self.entries if (e.model, e.quantity) == (model, quantity))
+        return next(found, None)
+
+    def of_model(self, model: str) -> tuple[Entry, ...]:
+        """All entries of a model."""
+        return tuple(entry for entry in self.entries if entry.model == model)
+
+    def verdict(self, model: str) -> Adequacy:
+        """The worst verdict of a model, "undecided" better than "inadequate"."""
+        verdicts = {entry.verdict for entry in self.of_model(model)}
+        worst: tuple[Adequacy, ...] = ("inadequate", "undecided", "adequate")
+        return next((verdict for verdict in worst if verdict in verdicts), "undecided")
+
+    def fails(self, rely: Sequence[str], *, strict: bool) -> tuple[str, ...]:
+        """Models relied on that are inadequate, with `strict` also those that are undecided."""
+        refused = {"inadequate", "undecided"} if strict else {"inadequate"}
+        return tuple(model for model in rely if self.verdict(model) in refused)
+
+
+def entry_record(entry: Entry) -> dict[str, Any]:
+    """The entry as it stands in the `adequacy` array of results.json."""
+    return {
+        "model": entry.model,
+        "quantity": entry.quantity,
+        "error": entry.error,
+        "uncertainty": entry.uncertainty,
+        "limit": entry.limit,
+        "verdict": entry.verdict,
+        "pose": list(entry.pose),
+        "reference": entry.reference,
+        "causes": [{"cause": c.cause, "share": c.share} for c in entry.causes],
+        "remedy": entry.remedy,
+        "error_with_remedy": entry.error_with_remedy,
+        "reason": entry.reason,
+        "value": entry.value,
+        "expected": entry.expected,
+        "uncertainties": dict(entry.uncertainties),
+    }

@@ -1,0 +1,73 @@
+"""Which mode of a model is which of the reference, at every pose, and where there is none."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from lumped.arrays import Array, IntArray
+from validation.adequacy.response import Vibration
+from validation.mode_pairing import mac_matrix, neighbours, pair_rectangular
+
+# A mode that has less than half of its (mass-weighted, squared) shape in common is another one.
+ALIKE = 0.5
+
+
+@dataclass(frozen=True, eq=False)
+class Partners:
+    """A model's partners of the reference's first K modes at p poses (p×K each).
+
+    `frequency` (Hz, NaN where the model has no such mode), `number` (from 0, −1 where none) and
+    `likeness`, the squared cosine between the shape and the space of its partner and those close
+    to it. `by_number` is the model's K-th frequency, NaN where it has fewer.
+    """
+
+    frequency: Array
+    number: IntArray
+    likeness: Array
+    by_number: Array
+
+
+def partners(reference: Vibration, model: Vibration, weights: Array, count: int) -> Partners:
+    """Partners by shape of the reference's first `count` modes."""
+    rows = [
+        _at_pose(weights, count, *of_pose)
+        for of_pose in zip(
+            reference.frequencies,
+            reference.samples,
+            model.frequencies,
+            model.samples,
+            strict=True,
+        )
+    ]
+    frequency, number, likeness, by_number = (
+        np.array(column) for column in zip(*rows, strict=True)
+    )
+    return Partners(frequency, number, likeness, by_number)
+
+
+def _at_pose(
+    weights: Array, count: int, own: Array, own_shapes: Array, others: Array, other_shapes: Array
+) -> tuple[Array, IntArray, Array, Array]:
+    known = np.flatnonzero(np.isfinite(others))
+    others, other_shapes = others[known], other_shapes[:, known]
+    mac = mac_matrix(own_shapes, other_shapes, weights)
+    partner = pair_rectangular(mac)
+    families = [neighbours(own, mode) for mode in range(count)]
+    likeness = np.zeros(count)
+    for mode, family in enumerate(families):
+        if (found := partner[mode]) >= 0:
+            # Close modes mix: what counts is the space that they span, in either model.
+            beside = neighbours(others, found)
+            spanned = max(mac[mode, beside].sum(), mac[family, found].sum())
+            likeness[mode] = min(spanned, 1.0)
+    number = np.where(likeness >= ALIKE, partner[:count], -1)
+    frequency = np.where(number >= 0, others[number], np.nan)
+    for family in families:
+        # Which of close modes is whose partner is an accident: they are in order of frequency.
+        inside = family[family < count]
+        frequency[inside] = np.sort(frequency[inside])
+        if (number[inside] >= 0).all():
+            number[inside] = np.sort(number[inside])
+    by_number = np.full(count, np.nan)
+    by_number[: len(others)] = others[:count]
+    return frequency, number, likeness, by_number

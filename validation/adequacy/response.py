@@ -1,0 +1,108 @@
+"""What a model answers to unit wrenches at the tool and to being left to vibrate, pose by pose."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+from lumped.arrays import Array
+
+
+@dataclass(frozen=True, eq=False)
+class Vibration:
+    """Natural modes at p poses: `frequencies` (Hz, p×m), `samples` (p×k×m) of their shapes.
+
+    All models of a robot are sampled at the same points of its bodies, so that shapes can be
+    compared; NaN stands for a mode that a model does not have in some pose.
+    """
+
+    frequencies: Array
+    samples: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Response:
+    """One model at p poses: `compliance` (p×6×6, SI, base axes, at the loaded point), `vibration`.
+
+    Zeros in the compliance mean rigid. None where the model has no masses, or no statics.
+    """
+
+    compliance: Array | None = None
+    vibration: Vibration | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Alternative:
+    """The reference under one reading of what the user left open ("ends rigid", say).
+
+    Relative numerical uncertainties (half-widths, 95 %): `static` (p×6, of the diagonal of the
+    compliance), `dynamic` (p×m, of the frequencies).
+    """
+
+    name: str
+    response: Response
+    static: Array | None = None
+    dynamic: Array | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Reference:
+    """The best there is for a robot: one or more alternatives, where the user left something open.
+
+    `title` says what it is, `open` what was left open and `decides` what would settle it; where
+    `bracket` is set, the alternatives only bracket the plausible: nothing is decided by them.
+    """
+
+    title: str
+    alternatives: Sequence[Alternative]
+    open: str = ""
+    decides: str = ""
+    bracket: bool = False
+    computed_by: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Rung:
+    """A step from a model towards the reference: one cause removed, the others left.
+
+    `responses` holds what the model answers after this step and all before it, by alternative of
+    the reference; `remedy` says what a designer does to take it, `source` what it is computed from.
+    """
+
+    cause: str
+    source: str
+    responses: Mapping[str, Response]
+    remedy: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """A model that a designer might use: what it answers and what leads from it to the truth.
+
+    `rungs` for static quantities and for frequencies; `rigid` says why zeros in the compliance are
+    there, `silent` what it says nothing of.
+    """
+
+    model: str
+    title: str
+    response: Response
+    static_rungs: Sequence[Rung] = ()
+    dynamic_rungs: Sequence[Rung] = ()
+    rigid: str = ""
+    silent: str = ""
+    computed_by: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Subject:
+    """A robot with everything that its models are judged by.
+
+    `poses` (p×n) in `coordinates` (names with units); `weights` (k) of the samples of shapes.
+    """
+
+    robot: str
+    coordinates: tuple[str, ...]
+    poses: Array
+    weights: Array
+    candidates: Sequence[Candidate]
+    statics: Reference
+    dynamics: Reference
+    notes: tuple[str, ...] = field(default=())
