@@ -22,6 +22,7 @@ from lumped.biglide import Biglide
 from lumped.errors import ComputationError, InputError
 from lumped.leg_matrices import LegMatrices
 from lumped.legs import ConstantLeg, equivalent_leg
+from lumped.modes import dense
 from validation.models import (
     DEFAULT_OPTIONS,
     ModelName,
@@ -88,7 +89,7 @@ class LegUnit:
     def compute(self) -> ReducedLeg:
         """Condense the leg: for a solid this is the work of the sweep."""
         reduced = craig_bampton(self._held(), self.highest, self.cutoff).matrices
-        return ReducedLeg(self.leg.length, reduced.stiffness.toarray(), reduced.mass.toarray())
+        return ReducedLeg(self.leg.length, dense(reduced.stiffness), dense(reduced.mass))
 
     def _held(self) -> HeldLeg:
         if self.model != "solid":

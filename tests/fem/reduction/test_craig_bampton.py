@@ -193,7 +193,13 @@ def free_ends():
         basis = np.hstack([loads @ np.linalg.inv(loads.T @ loads), inner])
         stiffness, mass = (basis.T @ (a @ basis) for a in (solid.stiffness, solid.mass))
         unreduced.append(
-            LegMatrices("solid", leg.length, csr_array(stiffness), csr_array(mass), lambda at: at)
+            LegMatrices(
+                "solid",
+                csr_array(stiffness),
+                csr_array(mass),
+                length=leg.length,
+                centreline=lambda at: at,
+            )
         )
     return held, unreduced
 

@@ -155,7 +155,9 @@ def test_loose_part_is_refused():
     loose = leg.stiffness.toarray()
     loose[13], loose[:, 13] = 0.0, 0.0
     loose[13, 13] = -1.0
-    broken = LegMatrices("beam", leg.length, csr_array(loose), leg.mass, leg.centreline)
+    broken = LegMatrices(
+        "beam", csr_array(loose), leg.mass, length=leg.length, centreline=leg.centreline
+    )
     with pytest.raises(ComputationError, match="beam leg, both ends held"):
         held_leg(broken)
 
