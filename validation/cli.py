@@ -21,7 +21,7 @@ from validation.console.streams import complain, say
 from validation.parts import commands as parts
 
 if TYPE_CHECKING:
-    from validation.store.run_folder import Start
+    from validation.store.opening import Start
 
 app = App(
     name="flexproof",
@@ -145,7 +145,7 @@ def run(
     from validation.faults.detection import is_fault, with_faults  # noqa: PLC0415
     from validation.run import summary  # noqa: PLC0415
     from validation.run.session import Request, default_jobs, validate  # noqa: PLC0415
-    from validation.store.run_folder import StoreError  # noqa: PLC0415
+    from validation.store.tree import StoreError  # noqa: PLC0415
 
     require_address_space(_TO_COMPUTE)
     start: Start = "resumed" if resume else "afresh"
@@ -169,10 +169,10 @@ def run(
         return complain([str(error), summary.how_to_go_on(request)], 3)
     except KeyboardInterrupt:
         return complain(["interrupted", summary.how_to_go_on(request)], 3)
-    complain(summary.left_out(gathered), 0)
+    complain([*gathered.remarks, *summary.left_out(gathered)], 0)
     changes, worsened = summary.changes(gathered)
     say("\n".join([*summary.verdicts(gathered), *changes]))
-    say(f"report: {out / 'report.html'}")
+    say(f"report: {gathered.path / 'report.html'}")
     if gathered.unfinished:
         complain(["interrupted", summary.how_to_go_on(request)], 3)
     return max(gathered.exit_code(), int(worsened))

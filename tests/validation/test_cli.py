@@ -1,6 +1,8 @@
 """The command line: exit codes, one clear line per fault, results on stdout, nothing else."""
 
+import errno
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -12,8 +14,8 @@ from lumped.audit.finding import Finding
 from lumped.robot_file import load_robot
 from validation import cli
 from validation.listing import audit_text
-from validation.store import run_folder as store
-from validation.store.run_folder import open_folder
+from validation.store.opening import open_folder
+from validation.store.tree import Tree
 
 ROOT = Path(__file__).parents[2]
 HEAVY = ("gmsh", "pyvista", "vtk", "skfem", "matplotlib", "scipy", "numpy", "jinja2")
@@ -173,12 +175,15 @@ def test_a_folder_in_use_is_refused(toys, with_catalogue, tmp_path, capsys):
 def test_a_full_disk_ends_with_3_and_says_how_to_go_on(
     toys, with_catalogue, tmp_path, monkeypatch, capsys
 ):
-    def full(path, _content):
-        if path.name.startswith("toy."):
-            raise store.StoreError(f"cannot write {path}: No space left on device")
+    written = Tree.write
+
+    def full(tree, name, *rest):
+        if "toy." in name:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        written(tree, name, *rest)
 
     with_catalogue(toys.sound)
-    monkeypatch.setattr(store, "write_atomically", full)
+    monkeypatch.setattr(Tree, "write", full)
     assert cli.main(["run", "--out", str(tmp_path)]) == 3
     printed = capsys.readouterr().err
     assert "No space left" in printed

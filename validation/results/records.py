@@ -9,7 +9,7 @@ import numpy as np
 
 from validation.adequacy.assessment import Assessed, Assessment
 from validation.adequacy.matrix import Matrix, entry_record
-from validation.case import Case, Measurement, Outcome, finite
+from validation.case import Case, Measurement, Outcome, Verdict, finite, judge
 from validation.exhibits import Drawing, Figure, Study, study_record
 from validation.results.drift import Drift
 
@@ -29,6 +29,30 @@ class Drawn:
     figure: Figure | None = None
     message: str = ""
     failed: bool = False
+
+
+Done: TypeAlias = Outcome | Drawn | Assessed
+
+
+class _OutcomeRecord(msgspec.Struct, frozen=True):
+    verdict: Verdict
+    seconds: float
+    message: str
+    measurement: Measurement | None
+
+
+class _AssessedRecord(msgspec.Struct, frozen=True):
+    seconds: float
+    message: str
+    failed: bool
+    matrix: Matrix | None
+
+
+class _DrawnRecord(msgspec.Struct, frozen=True):
+    seconds: float
+    message: str
+    failed: bool
+    figure: Figure | None
 
 
 def outcome_to_record(outcome: Outcome) -> Record:
@@ -64,45 +88,36 @@ def assessed_to_record(assessed: Assessed) -> Record:
     }
 
 
-def assessed_from_record(assessment: Assessment, record: Mapping[str, Any]) -> Assessed:
-    """The assessment from its record."""
-    matrix = record["matrix"]
-    return Assessed(
-        assessment=assessment,
-        seconds=record["seconds"],
-        matrix=msgspec.convert(matrix, Matrix) if matrix else None,
-        message=record["message"],
-        failed=record["failed"],
-    )
+def from_record(task: Task, record: Mapping[str, Any]) -> Done:
+    """What the record says of `task`; raises msgspec.ValidationError where it is none of it."""
+    if isinstance(task, Case):
+        outcome = msgspec.convert(record, _OutcomeRecord)
+        told = outcome.verdict, outcome.seconds, outcome.measurement, outcome.message
+        return Outcome(task, *told)
+    if isinstance(task, Assessment):
+        assessed = msgspec.convert(record, _AssessedRecord)
+        kept = assessed.seconds, assessed.matrix, assessed.message, assessed.failed
+        return Assessed(task, *kept)
+    drawn = msgspec.convert(record, _DrawnRecord)
+    return Drawn(task, drawn.seconds, drawn.figure, drawn.message, drawn.failed)
 
 
-def outcome_from_record(case: Case, record: Mapping[str, Any]) -> Outcome:
-    """The outcome of `case` from its record."""
-    measurement = record["measurement"]
-    return Outcome(
-        case=case,
-        verdict=record["verdict"],
-        seconds=record["seconds"],
-        measurement=msgspec.convert(measurement, Measurement) if measurement else None,
-        message=record["message"],
-    )
+def still_holding(task: Task, record: Mapping[str, Any]) -> Done | None:
+    """What an earlier process recorded of `task`, judged again; None if it is to be done again.
 
-
-def drawn_from_record(drawing: Drawing, record: Mapping[str, Any]) -> Drawn:
-    """The drawn figure from its record."""
-    figure = record["figure"]
-    return Drawn(
-        drawing=drawing,
-        seconds=record["seconds"],
-        figure=msgspec.convert(figure, Figure) if figure else None,
-        message=record["message"],
-        failed=record["failed"],
-    )
-
-
-def succeeded(record: Mapping[str, Any]) -> bool:
-    """Whether the work need not be done again when a run goes on."""
-    return record.get("verdict") != "failed" and not record.get("failed", False)
+    That is so for what failed, for what is no such record, and for a verdict that its numbers do
+    not bear out.
+    """
+    try:
+        done = from_record(task, record)
+        if not isinstance(done, Outcome):
+            return None if done.failed else done
+        if done.measurement is None:
+            return done if done.verdict == "skipped" else None
+        again = judge(done.case, done.measurement, done.seconds)
+    except (msgspec.ValidationError, ValueError):
+        return None
+    return again if again.verdict == done.verdict else None
 
 
 def results(

@@ -61,7 +61,7 @@ def parse_run(content: bytes | str, source: str) -> SavedRun:
     """The run from the text of a results.json; `source` names it in messages."""
     try:
         run = msgspec.json.decode(content, type=SavedRun)
-    except msgspec.MsgspecError as error:
+    except (msgspec.MsgspecError, RecursionError) as error:
         raise InputError(f"{source}: not a {_FILE} of flexproof: {error}") from error
     if run.schema != 1:
         raise InputError(f"{source}: schema = {run.schema}: only schema 1 is understood")

@@ -1,6 +1,7 @@
 """A run from start to end: choose the cases, compute them, keep and publish what comes out."""
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from time import perf_counter
@@ -12,9 +13,9 @@ from fem.machine import usable_cores
 from lumped.audit.finding import Finding
 from lumped.audit.robot_audit import audit
 from lumped.robot_file import RobotFile
-from validation.adequacy.assessment import Assessed, Assessment
+from validation.adequacy.assessment import Assessed
 from validation.adequacy.matrix import Matrix
-from validation.case import Case, Outcome
+from validation.case import Outcome
 from validation.cases.sweep_results import FOLDER_OPTION, GROUP, studies_read
 from validation.context import Preset
 from validation.exhibits import Figure
@@ -27,19 +28,19 @@ from validation.results.drift import Drift, drifts
 from validation.results.freeze import built_in_frozen, frozen_values
 from validation.results.junit import junit_xml
 from validation.results.records import (
+    Done,
     Drawn,
     Record,
     Task,
-    assessed_from_record,
-    drawn_from_record,
-    outcome_from_record,
+    from_record,
     results,
-    succeeded,
+    still_holding,
 )
 from validation.results.saved_run import SavedRun, load_run, parse_run
 from validation.run import progress, runner
 from validation.run.worker import Job
-from validation.store.run_folder import RunFolder, Start, open_folder
+from validation.store.opening import Start, open_folder
+from validation.store.run_folder import RunFolder
 from validation.sweeps.cluster import on_cluster
 from validation.sweeps.studies import precompute
 
@@ -72,7 +73,9 @@ class Results:
     """What has been finished so far, by id, in the order of the catalogue.
 
     `baseline` is the earlier run that the user names, `frozen` the one that drift is counted from:
-    the baseline or, without one, what is kept of a built-in robot.
+    the baseline or, without one, what is kept of a built-in robot. `path` is where the report is:
+    beside an earlier run's as long as this one is not finished. `remarks` say what was found in
+    the folder that is not as it should be.
     """
 
     header: Mapping[str, Any]
@@ -82,16 +85,30 @@ class Results:
     outcomes: dict[str, Outcome] = field(default_factory=dict)
     drawn: dict[str, Drawn] = field(default_factory=dict)
     assessed: dict[str, Assessed] = field(default_factory=dict)
+    path: Path = Path()
+    remarks: Sequence[str] = ()
 
     def add(self, record: Record) -> None:
         """Take in a finished piece of work."""
         task = next(task for task in self.tasks if task.id == record["id"])
-        if isinstance(task, Case):
-            self.outcomes[task.id] = outcome_from_record(task, record)
-        elif isinstance(task, Assessment):
-            self.assessed[task.id] = assessed_from_record(task, record)
-        else:
-            self.drawn[task.id] = drawn_from_record(task, record)
+        self._take(task.id, from_record(task, record))
+
+    def take_up(self, folder: RunFolder) -> None:
+        """Take in what an earlier process finished in the folder, as far as it still holds."""
+        for task in self.tasks:
+            record = folder.record(task.id)
+            done = still_holding(task, record) if record is not None else None
+            if done is not None:
+                self._take(task.id, done)
+
+    def _take(self, identifier: str, done: Done) -> None:
+        match done:
+            case Outcome():
+                self.outcomes[identifier] = done
+            case Drawn():
+                self.drawn[identifier] = done
+            case Assessed():
+                self.assessed[identifier] = done
 
     def in_order(self) -> list[Outcome]:
         """The outcomes in the order of the catalogue."""
@@ -170,27 +187,25 @@ def validate(request: Request, catalogue: Catalogue) -> Results:
     header = provenance.header(robot_file, request.preset, options)
     # Before the run, so that after Ctrl-C only the page is left to be written.
     findings = audit(robot_file)
-    swept = {FOLDER_OPTION: str(request.out / "sweeps")}
-    job = Job(catalogue, robot_file, request.preset, options | swept)
-    # Read before the folder is cleared, which may be the baseline's own.
+    # Read before anything is written: the folder may be the baseline's own.
     baseline = load_run(request.baseline) if request.baseline else None
     frozen = baseline or built_in_frozen(robot_file, request.preset)
-    with open_folder(request.out, header, request.start) as folder:
+    with ExitStack() as stack:
+        executor = None
+        if request.cluster is not None and any(task.group == GROUP for task in tasks):
+            executor = stack.enter_context(on_cluster(request.cluster))
+        folder = stack.enter_context(open_folder(request.out, header, request.start))
+        sweeps = folder.path / "sweeps"
+        job = Job(catalogue, robot_file, request.preset, options | {FOLDER_OPTION: str(sweeps)})
         header |= {"seconds": 0.0, "planned": len(tasks)} | folder.begun()
         header |= {"frozen_from": _named(frozen)}
-        gathered = Results(header, tasks, baseline, frozen)
-        for record in folder.records().values():
-            if succeeded(record) and any(task.id == record["id"] for task in tasks):
-                gathered.add(record)
-        if request.cluster and any(task.group == GROUP for task in tasks):
-            with progress.stage("sweeps on the cluster"), on_cluster(request.cluster) as executor:
-                precompute(
-                    robot_file.robot,
-                    request.preset,
-                    request.out / "sweeps",
-                    executor,
-                    studies_read(request.preset),
-                )
+        gathered = Results(header, tasks, baseline, frozen, path=folder.path)
+        gathered.take_up(folder)
+        gathered.remarks = folder.remarks
+        if executor is not None:
+            with progress.stage("sweeps on the cluster"):
+                studies = studies_read(request.preset)
+                precompute(robot_file.robot, request.preset, sweeps, executor, studies)
         _compute(job, gathered, folder, request.jobs)
         with progress.stage("writing the report"):
             publish(gathered, folder, findings)
@@ -200,6 +215,9 @@ def validate(request: Request, catalogue: Catalogue) -> Results:
                 folder.replacing("export") as target,
             ):
                 export(robot_file.robot, request.preset, target)
+        folder.complete = not gathered.unfinished
+    if folder.complete:
+        gathered.path = request.out
     return gathered
 
 
@@ -223,7 +241,6 @@ def publish(gathered: Results, folder: RunFolder, findings: Sequence[Finding]) -
         drifts=gathered.drifts,
         power=gathered.power,
     )
-    folder.make("figures")
     for figure in report.shown:
         for name, content in figure.files.items():
             folder.write(f"figures/{name}", content)
@@ -245,7 +262,7 @@ def _compute(job: Job, gathered: Results, folder: RunFolder, jobs: int) -> None:
         gathered.header = dict(gathered.header) | {"seconds": perf_counter() - begun}
         folder.write("results.json", gathered.as_json())
 
-    finished = gathered.outcomes.keys() | gathered.drawn.keys() | gathered.assessed.keys()
-    waiting = [task for task in gathered.tasks if task.id not in finished]
+    done = gathered.outcomes.keys() | gathered.drawn.keys() | gathered.assessed.keys()
+    waiting = [task for task in gathered.tasks if task.id not in done]
     with progress.showing(waiting) as observer:
         runner.run(job, waiting, jobs=jobs, log=folder.log, keep=keep, observer=observer)

@@ -53,4 +53,5 @@ def how_to_go_on(request: Request) -> str:
     command += ["--baseline", str(request.baseline)] if request.baseline else []
     command += ["--export"] if request.exports else []
     command += ["--faults"] if request.faults else []
+    command += ["--cluster", request.cluster] if request.cluster else []
     return f"go on with: {join([*command, '--out', str(request.out), '--resume'])}"

@@ -5,237 +5,173 @@
     results.json  the cases and studies so far (interface of the project)
     log.txt       tracebacks and whatever the computations print
     export/       meshes, fields and matrices, if asked for
+    sweeps/       finished units of the sweeps
+    .manifest     what of all this the run itself wrote
 
-Files are replaced atomically: written beside, flushed to the disk, renamed. A lock keeps a second
-run out; the operating system lifts it when the process ends, however it ends.
+What stands in the way and is not ours, a link say, is kept beside under another name.
 """
 
-import fcntl
 import json
-import os
 import re
 import shutil
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
 from hashlib import blake2b
+from math import isfinite
 from pathlib import Path
-from typing import Any, Literal, TypeAlias
+from typing import Any, Literal
 
-from lumped.errors import InputError
+import msgspec
 
-Header: TypeAlias = Mapping[str, Any]
-Start: TypeAlias = Literal["afresh", "resumed"]
+from validation.store.manifest import Manifest, digest
+from validation.store.tree import Tree, refusals, temporary_name
 
-# What must not have changed when a run goes on: else old and new numbers would be mixed.
-SAME_RUN = ("robot", "robot_sha256", "preset", "suite_sha256", "versions", "options")
-_OWN = (
-    "run.json",
-    "results.json",
-    "junit.xml",
-    "report.html",
-    "log.txt",
-    "records",
-    "figures",
-    "export",
-    "sweeps",
-)
+LOG = "log.txt"
+RECORDS = "records"
 
 
-class StoreError(Exception):
-    """Nothing more can be written (disk full, device gone); what was written before is kept."""
+class _Begun(msgspec.Struct, frozen=True):
+    started: str
+    seconds: float
 
 
-@dataclass(frozen=True)
+class _Results(msgspec.Struct, frozen=True):
+    """What of results.json is needed to go on."""
+
+    run: _Begun
+
+
+class _Kept(msgspec.Struct, frozen=True):
+    """A record on the disk: what run it belongs to, and the digest that says whether it holds."""
+
+    flexproof: Literal["record"]
+    run: str
+    digest: str
+    record: dict[str, Any]
+
+
+@dataclass
 class RunFolder:
-    """An open, locked run folder."""
+    """An open, locked run folder; `remarks` say what was found in it that is not as it should be.
 
-    path: Path
+    `complete` is set by whoever has finished the run: an earlier one then makes way.
+    """
+
+    tree: Tree
+    manifest: Manifest
+    run: str
+    remarks: list[str] = field(default_factory=list)
+    complete: bool = False
+    _cleared: set[str] = field(default_factory=set)
+
+    @property
+    def path(self) -> Path:
+        """Where the files are."""
+        return self.tree.path
 
     @property
     def log(self) -> Path:
         """File for tracebacks and stray output."""
-        return self.path / "log.txt"
+        return self.path / LOG
 
     def write(self, name: str, content: str | bytes) -> None:
         """Replace a file of the folder atomically. Raises StoreError if the disk refuses."""
-        write_atomically(self.path / name, content)
+        data = content.encode("utf-8") if isinstance(content, str) else content
+        with refusals(self.path / name):
+            self.clear_way(name)
+            temporary = temporary_name(name)
+            self.manifest.expect(name, data, temporary)
+            self.tree.write(name, data, temporary)
 
     def keep(self, record: Mapping[str, Any]) -> None:
         """Add a finished piece of work (with its "id") to the journal."""
         # The journal keeps NaN, which JSON proper cannot: only this program reads it.
-        self.write(f"records/{_file_name(record['id'])}.json", json.dumps(record))
+        text = json.dumps(record)
+        head = {"flexproof": "record", "run": self.run, "digest": self._digest(text)}
+        self.write(_file_of(record["id"]), f'{json.dumps(head)[:-1]}, "record": {text}}}\n')
 
-    def make(self, name: str) -> None:
-        """Make a folder in it, if there is none. Raises StoreError if the disk refuses."""
-        with _refusals(self.path / name):
-            (self.path / name).mkdir(exist_ok=True)
-
-    @contextmanager
-    def replacing(self, name: str) -> Iterator[Path]:
-        """A new folder to fill; it takes the place of folder `name` when the context ends well.
-
-        Raises StoreError if the disk refuses.
-        """
-        new = self.path / f".{name}.tmp"
-        with _refusals(self.path / name):
-            try:
-                _remove(new)
-                new.mkdir()
-                yield new
-                _remove(self.path / name)
-                new.replace(self.path / name)
-            finally:
-                shutil.rmtree(new, ignore_errors=True)
+    def record(self, identifier: str) -> dict[str, Any] | None:
+        """What the journal holds under an id; None, and a remark, for what does not hold."""
+        name = _file_of(identifier)
+        if self.tree.lacks(name):
+            return None
+        found = self._decoded(self.tree.read(name))
+        if found is None or found.get("id") != identifier:
+            self.remarks.append(f"{self.path / name} does not hold: {identifier} is not finished")
+            return None
+        return found
 
     def begun(self) -> dict[str, Any]:
         """When the run was begun and how long it has computed: empty for a run afresh."""
         try:
-            former = json.loads((self.path / "results.json").read_text(encoding="utf-8"))["run"]
-            return {name: former[name] for name in ("started", "seconds")}
-        except (OSError, ValueError, KeyError):
+            former = msgspec.json.decode(self.tree.read("results.json") or b"", type=_Results).run
+        except (msgspec.MsgspecError, RecursionError):
             return {}
+        sound = isfinite(former.seconds) and former.seconds >= 0.0
+        return {"started": former.started, "seconds": former.seconds} if sound else {}
 
-    def records(self) -> dict[str, dict[str, Any]]:
-        """The journal by id. A file that cannot be read counts as not finished."""
-        found: dict[str, dict[str, Any]] = {}
-        for path in sorted((self.path / "records").glob("*.json")):
-            with suppress(ValueError, OSError):
-                record = json.loads(path.read_text(encoding="utf-8"))
-                found[record["id"]] = record
-        return found
+    @contextmanager
+    def replacing(self, name: str) -> Iterator[Path]:
+        """A new folder to fill with files; they take their places in folder `name` at a good end.
 
+        Raises StoreError if the disk refuses.
+        """
+        beside = temporary_name(name)
+        with refusals(self.path / name):
+            self.tree.make(beside)
+            try:
+                yield self.path / beside
+                for file in self.tree.files(beside):
+                    to = name + file.removeprefix(beside)
+                    self.clear_way(to)
+                    self.manifest.expect(to, self.tree.read(file) or b"", file)
+                    self.tree.move(file, to)
+            finally:
+                shutil.rmtree(self.path / beside, ignore_errors=True)
 
-@contextmanager
-def open_folder(path: Path, header: Header, start: Start) -> Iterator[RunFolder]:
-    """Lock the folder for this run and prepare it.
+    def open_log(self) -> None:
+        """Make the log, or go on with the one of this run."""
+        with refusals(self.log):
+            shared = self.tree.kind(LOG) == "file" and self.log.stat().st_nlink > 1
+            if not self.tree.lacks(LOG) and (shared or not self.manifest.owns(LOG)):
+                self.set_aside(LOG)
+            if self.tree.lacks(LOG):
+                first = f"log of run {self.run}".encode()
+                self.manifest.expect(LOG, first, kind="growing")
+                self.tree.write(LOG, first + b"\n")
 
-    "afresh" clears what an earlier run left, "resumed" keeps its journal. Raises InputError where
-    the folder cannot be used: not writable, something else's, in use, or of a different run.
-    """
-    if start == "resumed" and not _is_run_folder(path):
-        raise InputError(f"--resume: {path} holds no run to go on with")
-    _prepare(path)
-    with _locked(path):
-        folder = RunFolder(path)
-        # A run that was killed before it wrote what it is has nothing to go on from.
-        if start == "resumed" and (path / "run.json").exists():
-            _require_same_run(folder, header)
-        else:
-            _clear(path)
-        folder.make("records")
-        folder.write("run.json", json.dumps(header, indent=2, ensure_ascii=False) + "\n")
-        yield folder
+    def clear_way(self, name: str) -> None:
+        """Move aside what stands in the place of a file or of the folders that hold it."""
+        if name in self._cleared:
+            return
+        folder = name.rpartition("/")[0]
+        if folder and not self.tree.lacks(folder) and self.tree.kind(folder) != "folder":
+            self.set_aside(folder)
+        if not self.tree.lacks(name) and not self.manifest.owns(name):
+            self.set_aside(name)
+        self._cleared.add(name)
 
+    def set_aside(self, name: str) -> None:
+        """Keep under another name what is not ours, and say so."""
+        kept = self.tree.aside(name)
+        self.remarks.append(f"{self.path / name} was not as this run wrote it: kept as {kept}")
 
-def write_atomically(path: Path, content: str | bytes) -> None:
-    """Write beside, flush to the disk, rename. Raises StoreError; the old file then remains."""
-    data = content.encode("utf-8") if isinstance(content, str) else content
-    temporary = path.with_name(f".{path.name}.tmp")
-    with _refusals(path):
+    def _digest(self, text: str) -> str:
+        return digest(f"{self.run}\n{text}".encode())
+
+    def _decoded(self, content: bytes | None) -> dict[str, Any] | None:
+        """The record in a file; None where it is damaged, changed, or of another run."""
         try:
-            with temporary.open("wb") as file:
-                file.write(data)
-                file.flush()
-                os.fsync(file.fileno())
-            temporary.replace(path)
-            _flush_directory(path.parent)
-        except OSError:
-            with suppress(OSError):
-                temporary.unlink()
-            raise
+            kept = msgspec.convert(json.loads(content or b""), _Kept)
+        except (ValueError, msgspec.MsgspecError, RecursionError):
+            return None
+        # Python writes a number so that it reads the same one: the text comes out as it was.
+        holds = kept.run == self.run and kept.digest == self._digest(json.dumps(kept.record))
+        return kept.record if holds else None
 
 
-@contextmanager
-def _refusals(path: Path) -> Iterator[None]:
-    """What the operating system refuses while `path` is written, as StoreError."""
-    try:
-        yield
-    except OSError as error:
-        raise StoreError(
-            f"cannot write {path}: {error.strerror or error}; what was finished before is kept"
-        ) from error
-
-
-def _is_run_folder(path: Path) -> bool:
-    return any((path / name).exists() for name in ("run.json", ".lock"))
-
-
-def _prepare(path: Path) -> None:
-    try:
-        path.mkdir(parents=True, exist_ok=True)
-        names = {entry.name for entry in path.iterdir()}
-        if names and not names & {"run.json", ".lock"}:
-            raise InputError(
-                f"--out {path}: the folder holds other files; name a new folder or one of a run"
-            )
-        (path / ".lock").touch()
-    except OSError as error:
-        raise InputError(f"--out {path}: cannot write there: {error.strerror}") from error
-
-
-@contextmanager
-def _locked(path: Path) -> Iterator[None]:
-    try:
-        lock = (path / ".lock").open("rb+", buffering=0)
-    except OSError as error:
-        raise InputError(f"--out {path}: cannot write there: {error.strerror}") from error
-    with lock:
-        try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError as error:
-            holder = lock.read().decode().strip() or "unknown"
-            raise InputError(
-                f"--out {path}: another run (process {holder}) is writing there"
-            ) from error
-        # The number only serves the message; on a full disk the lock holds all the same.
-        with suppress(OSError):
-            lock.truncate(0)
-            lock.write(str(os.getpid()).encode())
-        yield
-
-
-def _require_same_run(folder: RunFolder, header: Header) -> None:
-    try:
-        former = json.loads((folder.path / "run.json").read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise InputError(f"--resume: {folder.path / 'run.json'} cannot be read") from error
-    changed = [name for name in SAME_RUN if former.get(name) != header.get(name)]
-    if changed:
-        raise InputError(
-            f"--resume: {folder.path} belongs to another run ({_differences(changed)} differ); "
-            "start afresh without --resume, or name another folder with --out"
-        )
-
-
-def _differences(names: Sequence[str]) -> str:
-    spoken = {"robot_sha256": "robot file", "suite_sha256": "source files of flexproof"}
-    return ", ".join(spoken.get(name, name) for name in names)
-
-
-def _clear(path: Path) -> None:
-    # run.json goes first: what is left without it is never taken for a run to go on with.
-    with _refusals(path):
-        for name in _OWN:
-            _remove(path / name)
-
-
-def _remove(entry: Path) -> None:
-    if entry.is_dir() and not entry.is_symlink():
-        shutil.rmtree(entry)
-    else:
-        entry.unlink(missing_ok=True)
-
-
-def _flush_directory(path: Path) -> None:
-    descriptor = os.open(path, os.O_RDONLY)
-    try:
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)
-
-
-def _file_name(identifier: str) -> str:
-    """A readable and unique file name for an id."""
+def _file_of(identifier: str) -> str:
+    """A readable and unique name for an id's record."""
     readable = re.sub(r"[^\w.=+-]+", "_", identifier)[:100]
-    return f"{readable}-{blake2b(identifier.encode(), digest_size=4).hexdigest()}"
+    return f"{RECORDS}/{readable}-{blake2b(identifier.encode(), digest_size=4).hexdigest()}.json"

@@ -11,13 +11,13 @@ from functools import cache
 from io import BytesIO
 from pathlib import Path
 from typing import Any, TypeVar
-from zipfile import BadZipFile
 
 import numpy as np
 
 from validation.context import fingerprint
 from validation.results.provenance import suite_digest
-from validation.store.run_folder import write_atomically
+from validation.store.manifest import sealed, unsealed
+from validation.store.tree import read_regular, refusals, write_atomically
 
 T = TypeVar("T")
 
@@ -32,13 +32,14 @@ class Journal:
     def find(self, key: str, kind: Callable[..., T]) -> T | None:
         """The result of type `kind` kept under `key`; None if there is none or it is damaged."""
         if key not in self._memory and self.folder is not None:
-            try:
-                with np.load(self.folder / f"{key}.npz", allow_pickle=False) as file:
-                    # Numbers come back as arrays of no dimension.
-                    entries = {name: file[name][()] for name in file.files}
-                self._memory[key] = kind(**entries)
-            except (OSError, ValueError, TypeError, BadZipFile, EOFError):
+            content = unsealed(key, read_regular(self.folder / f"{key}.npz") or b"")
+            if content is None:
                 return None
+            # What the seal covers was written here, and needs no further doubt.
+            with np.load(BytesIO(content), allow_pickle=False) as file:
+                # Numbers come back as arrays of no dimension.
+                entries = {name: file[name][()] for name in file.files}
+            self._memory[key] = kind(**entries)
         found: T | None = self._memory.get(key)
         return found
 
@@ -47,10 +48,11 @@ class Journal:
         self._memory[key] = result
         if self.folder is None:
             return
-        self.folder.mkdir(parents=True, exist_ok=True)
+        with refusals(self.folder):
+            self.folder.mkdir(parents=True, exist_ok=True)
         buffer = BytesIO()
         np.savez(buffer, **{entry.name: getattr(result, entry.name) for entry in fields(result)})
-        write_atomically(self.folder / f"{key}.npz", buffer.getvalue())
+        write_atomically(self.folder / f"{key}.npz", sealed(key, buffer.getvalue()))
 
 
 def key_of(unit: object) -> str:
