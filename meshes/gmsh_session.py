@@ -42,7 +42,7 @@ def gmsh_model(part: str) -> Iterator[ModuleType]:
         if outermost:
             # gmsh's signal handler can only be set in the main thread, and is not wanted there.
             gmsh.initialize(["gmsh", "-v", "0"], readConfigFiles=False, interruptible=False)
-            _ignore_broken_pipes_again()
+            _ignore_again()
         outer = gmsh.model.getCurrent()
         try:
             for option, value in _OPTIONS.items():
@@ -62,8 +62,10 @@ def gmsh_model(part: str) -> Iterator[ModuleType]:
                 gmsh.model.setCurrent(outer)
 
 
-def _ignore_broken_pipes_again() -> None:
-    # gmsh gives SIGPIPE back its default action, and writing to another process that has just
-    # ended then ends this one without a word. Python's own setter works in the main thread alone.
-    if signal.getsignal(signal.SIGPIPE) is signal.SIG_IGN:
-        ctypes.CDLL(None).signal(signal.SIGPIPE, ctypes.c_void_p(int(signal.SIG_IGN)))
+def _ignore_again() -> None:
+    # gmsh gives these signals back their default action. Writing to another process that has just
+    # ended then ends this one without a word, and so does a hang-up that nohup had it ignore.
+    # Python's own setter works in the main thread alone.
+    for number in (signal.SIGPIPE, signal.SIGHUP):
+        if signal.getsignal(number) is signal.SIG_IGN:
+            ctypes.CDLL(None).signal(number, ctypes.c_void_p(int(signal.SIG_IGN)))

@@ -1,4 +1,8 @@
-"""Processes that compute for another: one thread each, no Ctrl-C, and an end with their parent."""
+"""Processes that compute for another: one thread each, undisturbed, and an end with their parent.
+
+Ctrl-C and the hang-up of a terminal reach all processes in front; those that compute leave it to
+the one that started them to decide what is to be done.
+"""
 
 import os
 import signal
@@ -30,13 +34,13 @@ def single_threaded() -> Iterator[None]:
 
 @contextmanager
 def children_undisturbed() -> Iterator[None]:
-    """Processes that start here inherit a mask that keeps Ctrl-C from them: this one ends them."""
+    """Processes that start here are kept from Ctrl-C and hang-ups by a mask: this one ends them."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
     # Started with the first child, the tracker would lift the mask before that child inherits it.
     resource_tracker.ensure_running()
-    former = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    former = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGHUP})
     try:
         yield
     finally:

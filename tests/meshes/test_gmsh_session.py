@@ -102,3 +102,30 @@ except BrokenPipeError:
         [sys.executable, "-c", script], capture_output=True, text=True, check=False
     )
     assert (done.returncode, done.stdout) == (0, "an error\n"), done.stderr
+
+
+@pytest.mark.parametrize("call", ["use()", "Thread(target=use).start()"])
+def test_what_ignores_a_hang_up_goes_on_ignoring_it(call: str) -> None:
+    # gmsh sets SIGHUP back to its default: a run under nohup would end with its first mesh.
+    script = f"""
+import os, signal
+from threading import Thread, enumerate
+from meshes.gmsh_session import gmsh_model
+
+def use():
+    with gmsh_model("part"):
+        pass
+
+{call}
+for thread in enumerate()[1:]:
+    thread.join()
+os.kill(os.getpid(), signal.SIGHUP)
+print("still here")
+"""
+    done = subprocess.run(
+        ["nohup", sys.executable, "-c", script],  # noqa: S607  whichever nohup there is
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (done.returncode, done.stdout) == (0, "still here\n"), done.stderr

@@ -87,8 +87,8 @@ def run(
 ) -> bool:
     """Compute the tasks with `jobs` processes; True if all were finished, False if interrupted.
 
-    `keep` gets each record as it arrives; what it raises ends the run. SIGINT and SIGTERM end it
-    within a second. Raises ComputationError where workers cannot even start.
+    `keep` gets each record as it arrives; what it raises ends the run. SIGINT, SIGTERM and SIGHUP
+    end it within a second. Raises ComputationError where workers cannot even start.
     """
     scheduler = _Scheduler(job, {task.id: task for task in tasks}, log, keep, observer)
     scheduler.queue.extend(_groups(tasks))
@@ -228,13 +228,19 @@ def _dead(task: Task, exitcode: int | None) -> Record:
 
 @contextmanager
 def _interruptible() -> Iterator[Callable[[], bool]]:
-    """SIGINT and SIGTERM only raise a flag, so that no file is left half-written."""
+    """SIGINT, SIGTERM and SIGHUP only raise a flag, so that no file is left half-written.
+
+    A hang-up that is ignored, under nohup, stays ignored.
+    """
     received: list[int] = []
 
     def note(number: int, _frame: FrameType | None) -> None:
         received.append(number)
 
-    former = {number: signal.signal(number, note) for number in (signal.SIGINT, signal.SIGTERM)}
+    heeded = [signal.SIGINT, signal.SIGTERM]
+    if signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN:
+        heeded.append(signal.SIGHUP)
+    former = {number: signal.signal(number, note) for number in heeded}
     try:
         yield lambda: bool(received)
     finally:
