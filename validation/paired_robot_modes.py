@@ -31,7 +31,7 @@ from validation.mode_pairing import (
     neighbours,
     pair_modes,
 )
-from validation.models import highest_frequency
+from validation.models.biglide import highest_frequency
 from validation.robot_solids import held_solid, renewed_where_needed
 
 BoolArray: TypeAlias = NDArray[np.bool_]

@@ -10,7 +10,7 @@ from lumped.biglide import Biglide, scaled, with_equivalent_legs
 from lumped.biglide_assembly import Mechanism, modes
 from lumped.leg_matrices import LegMatrices
 from lumped.modes import Modes
-from validation.models import (
+from validation.models.biglide import (
     DEFAULT_OPTIONS,
     ModelName,
     ModelOptions,

@@ -12,7 +12,7 @@ from lumped.biglide import Biglide
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, Leg
 from lumped.robot_file import RobotFile
-from validation.models import (
+from validation.models.biglide import (
     ModelName,
     ModelOptions,
     leg_compliance,

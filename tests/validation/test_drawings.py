@@ -17,7 +17,7 @@ from lumped.screws import rotation_z
 from lumped.sections import Circle, ISection, Rectangle
 from validation.case import Skip
 from validation.context import Context
-from validation.models import robot_legs, robot_mechanism
+from validation.models.biglide import robot_legs, robot_mechanism
 from validation.report.figures import drawings
 from validation.report.figures.curves.dynamics import refined_frequencies
 from validation.report.figures.curves.energy import visible_parts

@@ -16,7 +16,7 @@ from lumped.sections import Circle, HollowRectangle, ISection
 from meshes.section.section_mesh import section_mesh
 from validation.leg_solids import solid_frequencies
 from validation.legs_in_torsion import torsion_effects, wave_error, with_torsion
-from validation.models import robot_legs
+from validation.models.biglide import robot_legs
 from validation.paired_robot_modes import SampledModes, beam_modes
 from validation.quantities import strain_shares
 

@@ -21,7 +21,7 @@ from lumped.legs import Material
 from lumped.robot_file import load_robot
 from lumped.sections import ISection
 from validation.decision import Brief
-from validation.models import ModelOptions, robot_compliance, robot_frequencies
+from validation.models.biglide import ModelOptions, robot_compliance, robot_frequencies
 from validation.sweeps.cores import on_cores
 from validation.sweeps.journal import Journal, key_of
 from validation.sweeps.plans import (

@@ -29,7 +29,7 @@ from lumped.legs import ConstantLeg, Material, equivalent_leg
 from lumped.sections import ISection
 from validation.case import Absolute, Case, Measurement, Relative
 from validation.context import Context
-from validation.models import (
+from validation.models.biglide import (
     ModelName,
     ModelOptions,
     robot_compliance,

@@ -16,7 +16,7 @@ from validation.case import Absolute, Case, Measurement
 from validation.cases.guards import ELEMENTS, SECTION, guarded_posture
 from validation.cases.legs import constant_leg_of, kind_frequencies
 from validation.context import Context
-from validation.models import (
+from validation.models.biglide import (
     ModelName,
     ModelOptions,
     leg_matrices,

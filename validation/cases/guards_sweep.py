@@ -26,7 +26,7 @@ from validation.cases.guards import (
 )
 from validation.cases.guards_reduction import guard_case
 from validation.context import Context
-from validation.models import ModelOptions, leg_matrices
+from validation.models.biglide import ModelOptions, leg_matrices
 
 _SWEPT_VARIANTS = ("as it is", "tool offset")
 

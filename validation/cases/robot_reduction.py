@@ -14,7 +14,7 @@ from lumped.biglide import Biglide, with_equivalent_legs
 from validation.case import Absolute, Case, Measurement, Relative
 from validation.cases.robot_solid import SECTION
 from validation.context import Context, Preset
-from validation.models import highest_frequency
+from validation.models.biglide import highest_frequency
 from validation.robot_solids import full_mac, recovered, unreduced_robot
 
 MODES = 20

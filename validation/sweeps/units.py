@@ -23,7 +23,7 @@ from lumped.errors import ComputationError, InputError
 from lumped.leg_matrices import LegMatrices
 from lumped.legs import ConstantLeg, equivalent_leg
 from lumped.modes import dense
-from validation.models import (
+from validation.models.biglide import (
     DEFAULT_OPTIONS,
     ModelName,
     ModelOptions,

@@ -16,7 +16,7 @@ from validation.adequacy.biglide.subject import biglide_subject
 from validation.adequacy.judgement import judged
 from validation.adequacy.matrix import Matrix
 from validation.context import Context
-from validation.models import ModelOptions, robot_compliance
+from validation.models.biglide import ModelOptions, robot_compliance
 
 EQUIVALENT = ("vjm-equivalent", "segments", "beam")
 

@@ -20,7 +20,7 @@ from meshes.section.section_mesh import section_mesh
 from validation.adequacy.response import Alternative, Reference, Response, Rung
 from validation.context import Context, Preset
 from validation.leg_solids import section_counts
-from validation.models import ModelName, ModelOptions, robot_compliance
+from validation.models.biglide import ModelName, ModelOptions, robot_compliance
 from validation.robot_solids import TwoMeshes, static_leg, two_meshes
 
 # Unknowns of the finest section mesh of a solid leg; the second number where the first one does not
@@ -44,7 +44,7 @@ SAY_ENDS = 'say how the legs\' end faces are held: ends = "rigid" or "free" in [
 
 
 def compliances(model: ModelName, robot: Biglide, x: Array, options: ModelOptions) -> Response:
-    """What a model of `validation.models` answers; where it knows x and y alone, it is rigid."""
+    """What a model of the biglide answers; where it knows x and y alone, it is rigid."""
     found = np.zeros((len(x), 6, 6))
     for at, station in enumerate(x.tolist()):
         known = robot_compliance(model, robot, station, options)

@@ -11,7 +11,7 @@ from validation.adequacy.matrix import Matrix
 from validation.adequacy.response import Candidate, Reference, Subject
 from validation.case import Skip
 from validation.context import Context
-from validation.models import ModelName, ModelOptions
+from validation.models.biglide import ModelName, ModelOptions
 
 POSTURES = 9
 _STATIC = "static: it has no masses, hence says nothing of frequencies"
@@ -66,7 +66,7 @@ def biglide_subject(context: Context) -> Subject:
             static_rungs=ladders[name],
             rigid=_RIGID if model == "simplified" else "",
             silent=_STATIC if model == "vjm" else "",
-            computed_by=(f"validation.models.robot_compliance({model!r})",),
+            computed_by=(f"validation.models.biglide.robot_compliance({model!r})",),
         )
         for name, (model, title, options) in _MODELS.items()
     ]
