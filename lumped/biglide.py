@@ -78,8 +78,9 @@ class Biglide:
         first, last = self.stroke
         slack = _ROUNDING * self.a
         if not first - slack <= x <= last + slack:
+            by = f", by {max(x - last, first - x):.3g} m" if np.isfinite(x) else ""
             raise InputError(
-                f"{self.name}: x = {x:g} m is outside the stroke {first:g} m to {last:g} m"
+                f"{self.name}: x = {x:.10g} m is outside the stroke {first:g} m to {last:g} m{by}"
             )
         s1 = float(np.sqrt(max(self.leg1.length**2 - x**2, 0.0)))
         s2 = float(np.sqrt(max(self.leg2.length**2 - (self.a - x) ** 2, 0.0)))

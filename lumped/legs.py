@@ -171,7 +171,7 @@ def equivalent_leg(leg: Leg, by: EquivalentBy = "stiffness") -> ConstantLeg:
     """Constant-section leg with the same first four diagonal terms (paper §2.3).
 
     Of the stiffness matrix K = k⁻¹: EA = K11 L, EIz = K22 L³/12, EIy = K33 L³/12, GJ = K44 L; or
-    of the compliance k: EA = L/k11, EIz = L³/3k22, EIy = L³/3k33, GJ = L/k44. A leg of constant
+    of the compliance c: EA = L/c11, EIz = L³/3c22, EIy = L³/3c33, GJ = L/c44. A leg of constant
     section is its own equivalent. Raises InputError where k is not positive definite.
     """
     if isinstance(leg, ConstantLeg):

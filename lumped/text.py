@@ -1,10 +1,37 @@
-"""Text that others wrote, as it may be shown: nothing in it steers a terminal or turns lines."""
+"""What others wrote, as it may be shown: short, and nothing in it steers a terminal."""
 
+import json
 import unicodedata
 
 # Control characters, marks that reorder what stands around them or take no room, and halves of
 # characters (a file name that is not UTF-8).
 _UNSHOWN = frozenset({"Cc", "Cf", "Cs", "Co", "Cn", "Zl", "Zp"})
+
+_LONGEST_VALUE = 60
+
+
+def shown(value: object) -> str:
+    """A value of a file as its author typed it, near enough, cut to one short line."""
+    try:
+        text = repr(value) if isinstance(value, float) else _as_json(value)
+    except ValueError:
+        # Python refuses to write integers of more than some thousand digits.
+        return "a number of thousands of digits"
+    except RecursionError:
+        return "tables in tables"
+    return cut(text, _LONGEST_VALUE)
+
+
+def cut(text: str, longest: int) -> str:
+    """The text, or its beginning and … where it is longer than that."""
+    return text if len(text) <= longest else text[: longest - 1] + "…"
+
+
+def _as_json(value: object) -> str:
+    # Of a long text or list only the beginning will be seen.
+    if isinstance(value, str | list):
+        value = value[: _LONGEST_VALUE + 1]
+    return json.dumps(value, ensure_ascii=False, default=str)
 
 
 def visible(text: str, keep: str = "") -> str:

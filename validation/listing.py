@@ -56,7 +56,10 @@ def audit_text(source: str, robot: Biglide, findings: Sequence[Finding]) -> str:
     remaining = [finding for finding in findings if finding.used in _UNCHANGED]
     removed = [finding for finding in findings if finding.used not in _UNCHANGED]
     wrong = sum(finding.severity == "error" for finding in remaining)
-    sound = f"usable, but {wrong} of its data are wrong, see below" if wrong else "sound"
+    doubts = f"sound in form, {len(remaining)} doubt{'s' * (len(remaining) > 1)}"
+    sound = doubts if remaining else "sound"
+    if wrong:
+        sound = f"usable, but {wrong} of its data are wrong, see below"
     first, last = robot.stroke
     lines = [f"{source}: {sound}; {robot.name}, stroke of B from {first:g} to {last:g} m"]
     if remaining:

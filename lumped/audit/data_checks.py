@@ -15,7 +15,7 @@ from lumped.robot_file.matrix_faults import asymmetries, is_positive_definite, s
 
 # Moments of inertia are printed with three to four digits.
 _TRIANGLE_ROUNDING = 1e-3
-# Of √(k_ii k_jj), where a straight beam has √3/2: below it a coupling is an accident of the shape.
+# Of √(c_ii c_jj), where a straight beam has √3/2: below it a coupling is an accident of the shape.
 _COUPLING_THRESHOLD = 0.1
 # A leg's end may give way locally and turn more than a beam's; ten times more is not a beam.
 _LARGEST_TIP_ROTATION = 10.0
@@ -142,41 +142,41 @@ def slender_axis(part: Part) -> tuple[Finding, ...]:
 
 
 def couplings(part: Part) -> tuple[Finding, ...]:
-    """Signs of k26 (y with φz) and k35 (z with φy).
+    """Signs of c26 (y with φz) and c35 (z with φy).
 
-    Both come from the arm between the loaded point and the place that bends: k26 = arm · k66,
-    k35 = −arm · k55. A leg clamped at its root has a positive arm; for a foot only the two
+    Both come from the arm between the loaded point and the place that bends: c26 = arm · c66,
+    c35 = −arm · c55. A leg clamped at its root has a positive arm; for a foot only the two
     arms must point the same way.
     """
     if part.compliance is None or part.name == "tool":
         return ()
-    k = part.compliance
-    k26, k35 = float(k[1, 5]), float(k[2, 4])
-    matters26 = abs(k26) > _COUPLING_THRESHOLD * np.sqrt(abs(k[1, 1] * k[5, 5]))
-    matters35 = abs(k35) > _COUPLING_THRESHOLD * np.sqrt(abs(k[2, 2] * k[4, 4]))
+    c = part.compliance
+    c26, c35 = float(c[1, 5]), float(c[2, 4])
+    matters26 = abs(c26) > _COUPLING_THRESHOLD * np.sqrt(abs(c[1, 1] * c[5, 5]))
+    matters35 = abs(c35) > _COUPLING_THRESHOLD * np.sqrt(abs(c[2, 2] * c[4, 4]))
     if part.length is None:
-        sound = not (matters26 and matters35 and k26 * k35 > 0.0)
+        sound = not (matters26 and matters35 and c26 * c35 > 0.0)
     else:
-        sound = not ((matters26 and k26 < 0.0) or (matters35 and k35 > 0.0))
+        sound = not ((matters26 and c26 < 0.0) or (matters35 and c35 > 0.0))
     if sound:
         return ()
-    numbers = {"k26": k26, "k35": k35}
-    evidence = f"arms k26/k66 = {k26 / k[5, 5]:.3g} m and −k35/k55 = {-k35 / k[4, 4]:.3g} m"
+    numbers = {"c26": c26, "c35": c35}
+    evidence = f"arms c26/c66 = {c26 / c[5, 5]:.3g} m and −c35/c55 = {-c35 / c[4, 4]:.3g} m"
     if part.length is not None:
-        numbers["k26 of a beam"] = float(1.5 * k[1, 1] / part.length)
-        numbers["k35 of a beam"] = float(-1.5 * k[2, 2] / part.length)
+        numbers["c26 of a beam"] = float(1.5 * c[1, 1] / part.length)
+        numbers["c35 of a beam"] = float(-1.5 * c[2, 2] / part.length)
         evidence += (
-            f"; a beam of the same k22 and k33 has k26 = {numbers['k26 of a beam']:+.3g}, "
-            f"k35 = {numbers['k35 of a beam']:+.3g} rad/N"
+            f"; a beam of the same c22 and c33 has c26 = {numbers['c26 of a beam']:+.3g}, "
+            f"c35 = {numbers['c35 of a beam']:+.3g} rad/N"
         )
     return (
         _finding(
             f"{part.name}.compliance",
             "couplings",
-            printed=f"k26 = {k26:.3g}, k35 = {k35:.3g} rad/N",
-            wrong="a straight right-handed cantilever has k26 > 0 and k35 < 0"
+            printed=f"c26 = {c26:.3g}, c35 = {c35:.3g} rad/N",
+            wrong="a straight right-handed cantilever has c26 > 0 and c35 < 0"
             if part.length is not None
-            else "k26 and k35 of one arm have opposite signs",
+            else "c26 and c35 of one arm have opposite signs",
             evidence=evidence,
             severity="warning",
             numbers=numbers,
@@ -198,12 +198,12 @@ def tip_rotation(part: Part) -> tuple[Finding, ...]:
         findings.append(
             _finding(
                 f"{part.name}.compliance",
-                f"tip rotation k{about}{about}",
-                printed=f"k{along}{along} = {deflection:.3g} m/N, "
-                f"k{about}{about} = {rotation:.3g} rad/(N m)",
+                f"tip rotation c{about}{about}",
+                printed=f"c{along}{along} = {deflection:.3g} m/N, "
+                f"c{about}{about} = {rotation:.3g} rad/(N m)",
                 wrong="the tip turns far more than a beam with the same deflection; likely the "
                 "local give of the interface, which no constant-section leg has",
-                evidence=f"{ratio:.3g} times a beam's 3 k{along}{along}/L²",
+                evidence=f"{ratio:.3g} times a beam's 3 c{along}{along}/L²",
                 severity="note",
                 numbers={"ratio": ratio},
             )

@@ -69,7 +69,7 @@ def foot_stiffness(printed: Array, corrected: Array) -> Finding:
     return Finding(
         where="foot.compliance",
         check="stiffness along y",
-        printed=f"k66 = {printed[5, 5]:.3g} rad/(N m)",
+        printed=f"c66 = {printed[5, 5]:.3g} rad/(N m)",
         wrong="§2.1 says about 1e9 N/m along y; the printed matrix does not have it",
         evidence=f"(k⁻¹)₂₂ = {as_printed:.3g} N/m as printed, {as_corrected:.4g} N/m as corrected",
         used="the corrected matrix",

@@ -129,13 +129,13 @@ def joint_release(foot_compliance: Array) -> Finding:
         wrong="zeroing row and column of φz holds φz at zero instead of releasing it, wherever φz "
         "is coupled; it contradicts eq. (3)",
         evidence=f"the foot resists y with {printed:.3g} N/m as printed, {condensed:.3g} N/m with "
-        f"a free joint; 1/k22 = {1.0 / foot_compliance[1, 1]:.3g} N/m",
+        f"a free joint; 1/c22 = {1.0 / foot_compliance[1, 1]:.3g} N/m",
         used="K_S − K_S e₆ e₆ᵀ K_S / k₆₆; the printed form as a variant",
         severity="error",
         numbers={
             "y stiffness as printed": printed,
             "y stiffness condensed": condensed,
-            "1/k22": float(1.0 / foot_compliance[1, 1]),
+            "1/c22": float(1.0 / foot_compliance[1, 1]),
         },
     )
 

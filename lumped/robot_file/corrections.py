@@ -7,6 +7,7 @@ from typing import Any
 
 from lumped.robot_file.matrix_faults import is_finite_number
 from lumped.robot_file.tables import Correction
+from lumped.text import shown
 
 _KEY = re.compile(r"(?P<names>\w+(?:\.\w+)*)(?:\[(?P<indices>\d+(?:\s*,\s*\d+)?)\])?")
 
@@ -32,7 +33,7 @@ def correction_faults(tables: Mapping[str, Any], corrections: Iterable[Correctio
             value = value_at(tables, correction.key)
         except LookupError:
             faults.append(
-                f'{place}.key = "{correction.key}": must name a number of this file, '
+                f"{place}.key = {shown(correction.key)}: must name a number of this file, "
                 'like "leg1.length" or "foot.compliance[6,6]"'
             )
             continue

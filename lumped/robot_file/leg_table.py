@@ -12,7 +12,7 @@ from lumped.robot_file.matrix_faults import is_finite_number, matrix_faults
 from lumped.robot_file.section_table import section_faults, section_of
 from lumped.robot_file.tables import LegTable, SquareMatrix
 
-# A leg of length L whose tip turns by k66 under 1 N m deflects by about k66 L²/3 under 1 N. With
+# A leg of length L whose tip turns by c66 under 1 N m deflects by about c66 L²/3 under 1 N. With
 # metres written as millimetres the ratio falls by 1e-6; a leg that shears or gives way at its root
 # a thousand times more than it bends is none.
 _SMALLEST_BENDING_SHARE = 1e-3

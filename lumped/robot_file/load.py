@@ -19,10 +19,15 @@ from lumped.legs import GivenLeg
 from lumped.requirement import STATIC_QUANTITIES, Requirement
 from lumped.robot_file.corrections import correction_faults, value_at, with_printed_values
 from lumped.robot_file.leg_table import leg_faults, leg_of, symmetric
+from lumped.robot_file.reading import decoded, parsed, read_bytes
 from lumped.robot_file.table_faults import table_faults
 from lumped.robot_file.tables import Accept, Correction, Length, RobotTables
+from lumped.text import cut, visible
 
 _SUFFIX = ".toml"
+# What a person reads before mending the first of them.
+_MOST_LINES = 50
+_LONGEST_LINE = 300
 
 
 @dataclass(frozen=True)
@@ -63,8 +68,8 @@ def load_robot(name_or_path: str | Path) -> RobotFile:
     source = str(name_or_path)
     built_in = source in built_in_robots()
     content = (_robots_folder() / f"{source}{_SUFFIX}").read_bytes() if built_in else _read(source)
-    text = _decoded(content, source)
-    tables = _parsed(text, source)
+    text = decoded(content, source)
+    tables = parsed(text, source)
     faults = table_faults(RobotTables, tables)
     for leg in ("leg1", "leg2"):
         faults += leg_faults(tables.get(leg), leg)
@@ -73,7 +78,7 @@ def load_robot(name_or_path: str | Path) -> RobotFile:
         typed = msgspec.convert(tables, RobotTables)
         faults += correction_faults(tables, typed.corrections)
     if faults:
-        raise InputError(_one_line(f"{source}: {fault}") for fault in faults)
+        raise InputError(_listed(source, faults))
     return RobotFile(
         robot=_robot(typed),
         source=source,
@@ -128,9 +133,13 @@ def write_template(path: str | Path) -> None:
         raise InputError(f"{path}: cannot be written ({error.strerror})") from error
 
 
-def _one_line(fault: str) -> str:
-    # A quoted key or text may hold line breaks and terminal escapes.
-    return "".join(character if character.isprintable() else " " for character in fault)
+def _listed(source: str, faults: list[str]) -> list[str]:
+    """The faults with their file, each on one short line, the rest counted where there are many."""
+    some = faults if len(faults) <= _MOST_LINES else faults[: _MOST_LINES - 1]
+    lines = [visible(f"{source}: {cut(fault, _LONGEST_LINE)}") for fault in some]
+    if len(some) < len(faults):
+        lines.append(visible(f"{source}: and {len(faults) - len(some)} more faults"))
+    return lines
 
 
 def _robots_folder() -> Traversable:
@@ -139,7 +148,7 @@ def _robots_folder() -> Traversable:
 
 def _read(source: str) -> bytes:
     try:
-        return Path(source).read_bytes()
+        return read_bytes(source)
     except FileNotFoundError as error:
         robots = built_in_robots()
         close = get_close_matches(source.lower(), robots, n=1)
@@ -148,29 +157,6 @@ def _read(source: str) -> bytes:
             f"{source}: no such file; must be a robot file or a built-in robot "
             f"({', '.join(robots)}){advice}"
         ) from error
-    except IsADirectoryError as error:
-        raise InputError(f"{source}: is a folder; must be a robot file") from error
-    except (OSError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) else error
-        raise InputError(f"{source}: cannot be read ({reason}); must be a robot file") from error
-
-
-def _decoded(content: bytes, source: str) -> str:
-    try:
-        return content.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise InputError(
-            f"{source}: byte {error.start + 1} is not UTF-8; must be a TOML text in UTF-8"
-        ) from error
-
-
-def _parsed(text: str, source: str) -> dict[str, Any]:
-    try:
-        return tomllib.loads(text)
-    except ValueError as error:  # tomllib's own, or an integer of too many digits
-        raise InputError(f"{source}: not TOML: {error}") from error
-    except RecursionError as error:
-        raise InputError(f"{source}: not a robot file: nested too deeply") from error
 
 
 def _geometry_faults(tables: Mapping[str, Any]) -> list[str]:

@@ -11,14 +11,19 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.robot_file.tables import SquareMatrix
+from lumped.text import cut, shown
 
 # Relative to √(k_ii k_jj): finite element programs print seven digits, so symmetric entries may
 # differ in the last; a lost sign or exponent differs by far more.
 SYMMETRY_TOLERANCE = 1e-6
 # Of the matrix scaled to unit diagonal; below it rounding alone decides the sign.
 DEFINITENESS_TOLERANCE = 1e-12
+# Stiffer than any part; an "infinite" stiffness would only cost digits.
+SMALLEST_COMPLIANCE = 1e-15
 # 1 N or 1 N m that moves a part by 1 m or 1 rad: a stiffness (1e5 and more) was given.
 LARGEST_COMPLIANCE = 1.0
+# A single entry above it is a slip, more of them are another matrix.
+_ENTRIES_OF_A_STIFFNESS = 2
 
 
 @dataclass(frozen=True)
@@ -62,6 +67,8 @@ def matrix_faults(value: object, kind: SquareMatrix) -> list[str]:
     if faults:
         return faults
     matrix = np.array(value, dtype=float)
+    if kind.compliance and (fault := _stiffness_fault(matrix)):
+        return [fault]
     faults = [
         f"[{a.row},{a.column}] = {a.lower!r}, [{a.column},{a.row}] = {a.upper!r}: must be equal, "
         f"the matrix is symmetric (to {SYMMETRY_TOLERANCE:g} of the diagonal, what rounding to "
@@ -84,11 +91,11 @@ def _shape_faults(value: object, kind: SquareMatrix) -> list[str]:
         return [f": not a matrix; {wanted}"]
     lengths = [len(row) for row in value]
     if len(set(lengths)) > 1:
-        return [f": rows of {', '.join(map(str, lengths))} entries; {wanted}"]
+        return [f": rows of {cut(', '.join(map(str, lengths)), 40)} entries; {wanted}"]
     if lengths != [n] * n:
         return [f": {len(lengths)}×{lengths[0] if lengths else 0} entries; {wanted}"]
     return [
-        f"[{i},{j}] = {entry!r}: must be a finite number in {kind.unit}"
+        f"[{i},{j}] = {shown(entry)}: must be a finite number in {kind.unit}"
         for i, row in enumerate(value, start=1)
         for j, entry in enumerate(row, start=1)
         if not is_finite_number(entry)
@@ -110,12 +117,31 @@ def _diagonal_faults(matrix: Array, kind: SquareMatrix) -> list[str]:
     for i, entry in enumerate(np.diag(matrix).tolist(), start=1):
         if entry <= 0.0:
             faults.append(f"[{i},{i}] = {entry!r}: must be above 0, it stands on the diagonal")
+        elif kind.compliance and entry < SMALLEST_COMPLIANCE:
+            faults.append(
+                f"[{i},{i}] = {entry!r}: must be at least {SMALLEST_COMPLIANCE:g} "
+                f"{_compliance_unit(i)}, which is as good as rigid"
+            )
         elif kind.compliance and entry > LARGEST_COMPLIANCE:
             faults.append(
                 f"[{i},{i}] = {entry!r}: must be at most {LARGEST_COMPLIANCE:g} "
                 f"{_compliance_unit(i)}; is this a stiffness?"
             )
     return faults
+
+
+def _stiffness_fault(matrix: Array) -> str:
+    """One line in place of many where a stiffness matrix was typed as a compliance."""
+    diagonal = np.diag(matrix)
+    above = np.flatnonzero(diagonal > LARGEST_COMPLIANCE)
+    if len(above) < _ENTRIES_OF_A_STIFFNESS:
+        return ""
+    largest = int(np.argmax(diagonal)) + 1
+    return (
+        f": {len(above)} of 6 entries on the diagonal are above {LARGEST_COMPLIANCE:g} m/N or "
+        f"rad/(N m), [{largest},{largest}] = {diagonal[largest - 1]:.3g} the most: is this a "
+        "stiffness matrix? Its inverse, the compliance, is wanted here"
+    )
 
 
 def _compliance_unit(index: int) -> str:

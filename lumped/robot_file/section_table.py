@@ -7,23 +7,27 @@ from typing import Any
 
 from lumped.robot_file.matrix_faults import is_finite_number
 from lumped.sections import SHAPES, Section
+from lumped.text import cut, shown
+
+# 1 µm: thinner than any wall that carries a load.
+SMALLEST_SIZE = 1e-6
 
 
 def section_faults(value: object, key: str) -> list[str]:
     """Faults of a section table, each line starting with `key`."""
     if not isinstance(value, dict):
-        return [f"{key} = {value!r}: must be a table with a shape and its sizes in m"]
+        return [f"{key} = {shown(value)}: must be a table with a shape and its sizes in m"]
     shapes = ", ".join(SHAPES)
     if "shape" not in value:
         return [f"{key}.shape: missing; must be one of {shapes}"]
     shape = value["shape"]
     if not isinstance(shape, str) or shape not in SHAPES:
-        close = get_close_matches(str(shape), SHAPES, n=1)
+        close = get_close_matches(cut(str(shape), 40), SHAPES, n=1)
         advice = f'; did you mean "{close[0]}"?' if close else ""
-        return [f"{key}.shape = {shape!r}: must be one of {shapes}{advice}"]
+        return [f"{key}.shape = {shown(shape)}: must be one of {shapes}{advice}"]
     sizes = size_names(shape)
     faults = [
-        f"{key}.{name}: unknown key of a {shape}; its sizes are {', '.join(sizes)}"
+        f"{key}.{cut(name, 40)}: unknown key of a {shape}; its sizes are {', '.join(sizes)}"
         for name in value
         if name != "shape" and name not in sizes
     ]
@@ -31,7 +35,9 @@ def section_faults(value: object, key: str) -> list[str]:
         if name not in value:
             faults.append(f"{key}.{name}: missing; a {shape} needs it, in m")
         elif not is_finite_number(value[name]):
-            faults.append(f"{key}.{name} = {value[name]!r}: must be a finite number above 0 m")
+            faults.append(f"{key}.{name} = {shown(value[name])}: must be a finite number above 0 m")
+        elif 0.0 < value[name] < SMALLEST_SIZE:
+            faults.append(f"{key}.{name} = {value[name]!r}: must be at least {SMALLEST_SIZE:g} m")
     if faults:
         return faults
     return [f"{key}.{fault}" for fault in section_of(value).faults()]

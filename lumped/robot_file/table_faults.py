@@ -1,6 +1,5 @@
 """Every fault of a robot file's tables, one line each: key, value, unit, what is allowed."""
 
-import json
 import math
 import types
 from collections.abc import Iterable, Mapping
@@ -13,33 +12,30 @@ from msgspec import Meta
 from lumped.robot_file.matrix_faults import matrix_faults
 from lumped.robot_file.section_table import section_faults
 from lumped.robot_file.tables import Bounds, SquareMatrix, Table
+from lumped.text import cut, shown
 
-_LONGEST_VALUE = 60
-
-
-def shown(value: object) -> str:
-    """A value as the user typed it, near enough, cut to one short line."""
-    if isinstance(value, float):
-        text = repr(value)
-    else:
-        text = json.dumps(value, ensure_ascii=False, default=str)
-    return text if len(text) <= _LONGEST_VALUE else text[: _LONGEST_VALUE - 1] + "…"
+# Further unknown keys of one table are only named: to look for what was meant takes its time.
+_ADVISED = 50
+# No known key is near to a longer one.
+_LONGEST_KEY = 40
 
 
 def unknown_key(path: str, key: str, known: Iterable[str]) -> str:
     """The fault of a key that means nothing, with the closest one that does."""
     by_lower_case = {name.lower(): name for name in known}
-    close = get_close_matches(key.lower(), by_lower_case, n=1)
+    close = get_close_matches(key.lower(), by_lower_case, n=1) if len(key) <= _LONGEST_KEY else []
     names = ", ".join(by_lower_case.values())
     advice = f'did you mean "{by_lower_case[close[0]]}"?' if close else f"known here: {names}"
-    return f"{path + key}: unknown key; {advice}"
+    return f"{path}{cut(key, _LONGEST_KEY)}: unknown key; {advice}"
 
 
 def table_faults(kind: type[Table], table: Mapping[str, object], path: str = "") -> list[str]:
     """Faults of `table` against the fields of `kind`; `path` ("leg1.") goes before each key."""
     hints = get_type_hints(kind, include_extras=True)
     required = {field.encode_name: field.required for field in msgspec.structs.fields(kind)}
-    faults = [unknown_key(path, key, hints) for key in table if key not in hints]
+    unknown = [key for key in table if key not in hints]
+    faults = [unknown_key(path, key, hints) for key in unknown[:_ADVISED]]
+    faults += [f"{path}{cut(key, _LONGEST_KEY)}: unknown key" for key in unknown[_ADVISED:]]
     for key, hint in hints.items():
         if key in table:
             faults += _value_faults(_without_none(hint), table[key], path + key)
@@ -107,10 +103,10 @@ def _leaf_fault(hint: Any, value: object) -> str | None:
         return f"not finite; must be {_described(hint)}"
     try:
         msgspec.convert(value, hint)
-    except msgspec.ValidationError:
+    except (msgspec.ValidationError, OverflowError):
         number = isinstance(value, int | float) and not isinstance(value, bool)
         return (_bound_fault(hint, value) if number else None) or f"must be {_described(hint)}"
-    return None
+    return _bound_fault(hint, value) if "bounds" in _extra(hint) else None
 
 
 def _bound_fault(hint: Any, value: Any) -> str | None:
@@ -118,6 +114,8 @@ def _bound_fault(hint: Any, value: Any) -> str | None:
     unit = _unit(hint)
     low = (meta.gt is not None and value <= meta.gt) or (meta.ge is not None and value < meta.ge)
     high = (meta.lt is not None and value >= meta.lt) or (meta.le is not None and value > meta.le)
+    if not low and 0.0 < value < bounds.least:
+        return f"must be at least {bounds.least:g}{unit}"
     if low:
         limit = f"above {meta.gt:g}" if meta.gt is not None else f"at least {meta.ge:g}"
         # A negative modulus is no question of units.

@@ -16,11 +16,15 @@ from lumped.requirement import MODEL_KINDS, MOST_MODES, ModelKind
 
 @dataclass(frozen=True)
 class Bounds:
-    """Unit of a number and what to ask the user whose number is `too_low` or `too_high`."""
+    """Unit of a number and what to ask the user whose number is `too_low` or `too_high`.
+
+    Numbers above 0 but below `least` are slips of the exponent.
+    """
 
     unit: str
     too_low: str = ""
     too_high: str = ""
+    least: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -32,21 +36,26 @@ class SquareMatrix:
     compliance: bool
 
 
-def _number(unit: str, too_low: str = "", too_high: str = "") -> dict[str, Bounds]:
-    return {"bounds": Bounds(unit, too_low, too_high)}
+def _number(
+    unit: str, too_low: str = "", too_high: str = "", least: float = 0.0
+) -> dict[str, Bounds]:
+    return {"bounds": Bounds(unit, too_low, too_high, least)}
 
 
 # 100 m: beyond any parallel robot with rigid legs, below a leg of 10 cm written in millimetres.
+# 0.1 mm: shorter than the legs of flexure stages.
 Length: TypeAlias = Annotated[
-    float, Meta(gt=0.0, le=100.0, extra=_number("m", too_high="is this in mm?"))
+    float, Meta(gt=0.0, le=100.0, extra=_number("m", too_high="is this in mm?", least=1e-4))
 ]
 # 10 m: a tool of 1 cm in millimetres is caught, no tool is as long.
 Offset: TypeAlias = Annotated[
     float,
     Meta(ge=-10.0, le=10.0, extra=_number("m", "is this in mm?", "is this in mm?")),
 ]
-# 1e5 kg: a hundred tonnes in one leg or platform.
-Mass: TypeAlias = Annotated[float, Meta(gt=0.0, le=1e5, extra=_number("kg", "", "is this in g?"))]
+# 1e5 kg: a hundred tonnes in one leg or platform. 1 µg: less than the smallest silicon part.
+Mass: TypeAlias = Annotated[
+    float, Meta(gt=0.0, le=1e5, extra=_number("kg", "", "is this in g?", least=1e-9))
+]
 # 1e4 N/m: a drive that gives way 0.1 m under the paper's 1000 N is not a drive.
 # 1e15 N/m: stiffer than any; an "infinite" number would only cost digits.
 ActuatorStiffness: TypeAlias = Annotated[

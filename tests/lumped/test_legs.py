@@ -68,7 +68,7 @@ def test_a_constant_leg_is_its_own_equivalent():
 
 
 def test_a_compliance_of_euler_bernoulli_gives_its_beam_back():
-    """EI = L³/3k22 undoes k22 = L³/3EI; K22 L³/12 undoes the clamped-clamped 12EI/L³."""
+    """EI = L³/3k22 undoes c22 = L³/3EI; K22 L³/12 undoes the clamped-clamped 12EI/L³."""
     beam = BEAM.timoshenko
     given = GivenLeg(1.2, 47.1, tip_compliance(beam.as_euler_bernoulli(), 1.2))
     for by in ("stiffness", "compliance"):

@@ -64,7 +64,7 @@ def test_leg_compliances_alone_do_not_depend_on_the_theory_in_the_plane(demonstr
 
 
 def test_equivalent_springs_follow_the_chosen_diagonal(demonstrator):
-    """By compliance the tip keeps L³/3EI = k22 (Euler–Bernoulli), by stiffness EA/L = K11."""
+    """By compliance the tip keeps L³/3EI = c22 (Euler–Bernoulli), by stiffness EA/L = K11."""
     leg = demonstrator.leg1.compliance
     by_compliance, _ = vjm.equivalent_leg_springs(demonstrator, "euler-bernoulli", "compliance")
     assert_allclose(np.diag(by_compliance)[:4], np.diag(leg)[:4], rtol=1e-12)

@@ -80,7 +80,7 @@ def test_a_new_robot_file_is_sound_and_no_file_is_overwritten(tmp_path, capsys):
 def test_the_audit_of_the_built_in_robot_is_shown(capsys):
     assert cli.main(["check", "ifw"]) == 0
     used, errata = capsys.readouterr().out.split("misprints and errors of the source")
-    assert used.startswith("ifw: sound; IFW demonstrator")
+    assert used.startswith("ifw: sound in form, 4 doubts; IFW demonstrator")
     # The signs of the couplings are used as printed, the foot's rotation is not.
     assert "leg1.compliance (warning, couplings)" in used
     assert "foot.compliance" not in used

@@ -85,24 +85,24 @@ def test_leg2_inertia_is_smallest_about_z(findings):
 
 
 @pytest.mark.parametrize(
-    ("leg", "k26", "k35"), [("leg1", -2.90e-7, -9.94e-8), ("leg2", -2.12e-8, -2.38e-10)]
+    ("leg", "c26", "c35"), [("leg1", -2.90e-7, -9.94e-8), ("leg2", -2.12e-8, -2.38e-10)]
 )
-def test_couplings_of_both_legs_have_equal_signs(findings, leg, k26, k35):
+def test_couplings_of_both_legs_have_equal_signs(findings, leg, c26, c35):
     found = findings[f"{leg}.compliance", "couplings"]
-    assert (found.numbers["k26"], found.numbers["k35"]) == (k26, k35)
+    assert (found.numbers["c26"], found.numbers["c35"]) == (c26, c35)
     assert found.used == "as printed"
 
 
 def test_beam_values_beside_the_couplings_of_leg1(findings):
     numbers = findings["leg1.compliance", "couplings"].numbers
     # cantilever: 3 · 1.77e-7 / (2 · 0.85) and 3 · 3.19e-8 / (2 · 0.85), by hand
-    assert numbers["k26 of a beam"] == pytest.approx(3.1235e-7, rel=1e-4)
-    assert numbers["k35 of a beam"] == pytest.approx(-5.629e-8, rel=1e-3)
+    assert numbers["c26 of a beam"] == pytest.approx(3.1235e-7, rel=1e-4)
+    assert numbers["c35 of a beam"] == pytest.approx(-5.629e-8, rel=1e-3)
 
 
 def test_tip_of_leg2_turns_far_more_than_a_beam(findings):
     # 7.22e-7 · 0.775² / (3 · 1.07e-9), by hand
-    ratio = findings["leg2.compliance", "tip rotation k55"].numbers["ratio"]
+    ratio = findings["leg2.compliance", "tip rotation c55"].numbers["ratio"]
     assert ratio == pytest.approx(135.1, abs=0.05)
 
 
@@ -115,7 +115,7 @@ def test_nothing_else_is_wrong_with_the_printed_data(findings):
         ("leg1.compliance", "couplings"),
         ("leg2.inertia", "slender axis"),
         ("leg2.compliance", "couplings"),
-        ("leg2.compliance", "tip rotation k55"),
+        ("leg2.compliance", "tip rotation c55"),
         ("tool.compliance", "symmetry"),
     }
 
@@ -321,7 +321,7 @@ def test_a_turned_sign_of_a_coupling_is_found(beam, entry):
     turned[i, j] *= -1.0
     turned[j, i] *= -1.0
     (found,) = couplings(Part("leg1", turned, length=beam.length))
-    assert "k26 > 0 and k35 < 0" in found.wrong
+    assert "c26 > 0 and c35 < 0" in found.wrong
 
 
 @given(beams(), st.sampled_from([(1, 5), (2, 4)]))

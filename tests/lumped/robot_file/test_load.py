@@ -155,7 +155,7 @@ WRONG = {
         "thickness = 0.008", "thickness = 0.008, web = 0.1", ("section.web: unknown", "height")
     ),
     "size missing": edit(", thickness = 0.008", "", ("section.thickness: missing", "in m")),
-    "size as text": edit("width = 0.10", 'width = "0.1"', ("section.width = '0.1'", "above 0 m")),
+    "size as text": edit("width = 0.10", 'width = "0.1"', ('section.width = "0.1"', "above 0 m")),
     "negative size": edit("width = 0.10", "width = -0.1", ("section.width = -0.1", "above 0 m")),
     "wall too thick": edit("0.008", "0.05", ("section.thickness = 0.05", "below", "0.05 m")),
     "section in mm": edit(
@@ -196,8 +196,8 @@ WRONG = {
     "matrix with text": edit(
         FOOT_ROW_1,
         '[1.0e-10, "x", 0.0, true, 0.0, 0.0]',
-        ("foot.compliance[1,2] = 'x'", "finite number"),
-        ("foot.compliance[1,4] = True", "finite number"),
+        ('foot.compliance[1,2] = "x"', "finite number"),
+        ("foot.compliance[1,4] = true", "finite number"),
     ),
     "matrix with nan": edit(
         FOOT_ROW_1, "[nan, 0.0, 0.0, 0.0, 0.0, 0.0]", ("foot.compliance[1,1] = nan", "finite")
@@ -399,7 +399,7 @@ def test_empty_file_names_every_missing_key(robot_path):
 
 def test_nested_too_deeply(robot_path):
     (fault,) = faults_of(robot_path(f"a = {'[' * 100_000}"))
-    assert "nested too deeply" in fault
+    assert "line 1 is nested more than 100 deep" in fault
 
 
 def test_path_that_cannot_be_a_file(tmp_path):

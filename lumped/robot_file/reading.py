@@ -1,0 +1,90 @@
+"""From a path to the tables of a TOML file, refused where it is none before it costs anything."""
+
+import re
+import stat
+import tomllib
+from pathlib import Path
+from typing import Any
+
+from lumped.errors import InputError
+from lumped.text import cut
+
+_LARGEST_FILE = 10_000_000
+_DEEPEST = 100
+# Strings (closed or not), comments, and what opens, closes or separates tables and keys.
+_TOKENS = re.compile(
+    r'"""(?:\\.|[^\\])*?(?:"""|\Z)'
+    r"|'''.*?(?:'''|\Z)"
+    r'|"(?:\\.|[^"\\\n])*"?'
+    r"|'[^'\n]*'?"
+    r"|#[^\n]*"
+    r"|[\[{\]}.=,\n]",
+    re.DOTALL,
+)
+
+
+def read_bytes(source: str) -> bytes:
+    """The content of an ordinary file of at most 10 MB.
+
+    Raises InputError, and FileNotFoundError where there is none.
+    """
+    path = Path(source)
+    try:
+        found = path.stat()
+        if stat.S_ISDIR(found.st_mode):
+            raise InputError(f"{source}: is a folder; must be a robot file")
+        if not stat.S_ISREG(found.st_mode):
+            raise InputError(f"{source}: is a pipe, socket or device; must be a robot file")
+        with path.open("rb") as file:
+            # Files made by the system while they are read have no size before.
+            content = file.read(_LARGEST_FILE + 1) if found.st_size <= _LARGEST_FILE else None
+    except FileNotFoundError:
+        raise
+    except (OSError, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) else error
+        raise InputError(f"{source}: cannot be read ({reason}); must be a robot file") from error
+    if content is None or len(content) > _LARGEST_FILE:
+        raise InputError(
+            f"{source}: is larger than {_LARGEST_FILE // 1_000_000} MB; must be a robot file"
+        )
+    return content
+
+
+def decoded(content: bytes, source: str) -> str:
+    """The text of a file in UTF-8, with or without a byte order mark; raises InputError."""
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise InputError(
+            f"{source}: byte {error.start + 1} is not UTF-8; must be a TOML text in UTF-8"
+        ) from error
+
+
+def parsed(text: str, source: str) -> dict[str, Any]:
+    """The tables of a TOML text, nested at most 100 deep; raises InputError."""
+    if (line := _line_nested_too_deeply(text)) is not None:
+        raise InputError(
+            f"{source}: line {line} is nested more than {_DEEPEST} deep; not a robot file"
+        )
+    try:
+        return tomllib.loads(text)
+    except ValueError as error:  # tomllib's own, or an integer of too many digits
+        raise InputError(f"{source}: not TOML: {cut(str(error), 200)}") from error
+
+
+def _line_nested_too_deeply(text: str) -> int | None:
+    """Number (from 1) of the line at which brackets or the dots of a key go too deep."""
+    depth = dots = 0
+    for token in _TOKENS.finditer(text):
+        sign = token[0]
+        if sign in "[{":
+            depth += 1
+        elif sign in "]}":
+            depth = max(0, depth - 1)
+        if sign == ".":
+            dots += 1
+        elif sign in "[{]}=,\n":
+            dots = 0
+        if depth > _DEEPEST or dots > _DEEPEST:
+            return text.count("\n", 0, token.start()) + 1
+    return None
