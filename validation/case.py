@@ -3,7 +3,7 @@
 The error of a comparison is E = value − reference. Named differences between the two models may
 be allowed for; what is left, E less the allowances, is held against the tolerance (vocabulary of
 ASME V&V 10 and 20). The numerical uncertainty of both sides never widens the tolerance: where it
-exceeds it, the comparison cannot decide and does not count as agreement.
+exceeds it, the comparison is undecided and does not count as agreement.
 """
 
 from collections.abc import Callable, Mapping
@@ -19,7 +19,8 @@ from validation.exhibits import Study
 ReferenceKind: TypeAlias = Literal[
     "closed-form", "published", "paper-statement", "finer-model", "independent-solver"
 ]
-Verdict: TypeAlias = Literal["agree", "disagree", "failed", "skipped"]
+Verdict: TypeAlias = Literal["agree", "disagree", "undecided", "failed", "skipped"]
+About: TypeAlias = Literal["robot", "leg", "program"]
 
 
 class Relation(Enum):
@@ -139,8 +140,12 @@ class Case:
     """One comparison: what is claimed, from which source, how closely, and how to compute it.
 
     `id` is dotted, with parameters in brackets: "robot.beam-vjm.planar[x=0.4975]". `quantity` and
-    `unit` name the value ("largest planar deflection", "µm"; "1" for ratios). `section` is the
-    heading under which the report shows the case. `group` names what
+    `unit` name the value ("largest planar deflection", "µm"; "1" for ratios), `model` whose value
+    it is ("segments", "solid"; empty where it is no model's). `subject` tells what a case says
+    something about: the run's robot, one of its legs, or the program itself. Cases of one quantity
+    by several models stand side by side, in the `row` of that name where there are several.
+    `section` is the heading under which the report shows the case, `figure` the id of the figure
+    that shows what it measured. `group` names what
     expensive results the case shares: cases of one group run in the same process, one after the
     other. `effort` is the expected time in seconds, for the order of work and the time left.
     `compute` may raise ComputationError (the case has failed) or Skip.
@@ -160,6 +165,10 @@ class Case:
     section: str = ""
     group: str = ""
     effort: float = 0.1
+    model: str = ""
+    subject: About = "program"
+    row: str = ""
+    figure: str = ""
 
     def __post_init__(self) -> None:
         for name in ("id", "title", "quantity", "unit", "citation", "tolerance_reason"):
@@ -199,14 +208,19 @@ class Outcome:
 
 def verdict(
     unexplained: float, relation: Relation, tolerance: float, uncertainty: float | None = None
-) -> Literal["agree", "disagree"]:
+) -> Literal["agree", "disagree", "undecided"]:
     """Agree if the unexplained difference keeps the relation within `tolerance` (same unit).
 
-    NaN never agrees, nor does a numerical `uncertainty` above the tolerance.
+    NaN never agrees. A numerical `uncertainty` above the tolerance leaves it undecided, unless the
+    difference is beyond the tolerance by more than that.
     """
-    decidable = uncertainty is None or uncertainty <= tolerance
-    within = isfinite(unexplained) and relation.excess(unexplained) <= tolerance
-    return "agree" if within and decidable else "disagree"
+    if not isfinite(unexplained):
+        return "disagree"
+    beyond = relation.excess(unexplained) - tolerance
+    certain = uncertainty is None or uncertainty <= tolerance or beyond > uncertainty
+    if not certain:
+        return "undecided"
+    return "agree" if beyond <= 0.0 else "disagree"
 
 
 def judge(case: Case, measurement: Measurement, seconds: float) -> Outcome:
@@ -248,6 +262,9 @@ def result_record(outcome: Outcome) -> dict[str, Any]:
         "id": case.id,
         "title": case.title,
         "quantity": case.quantity,
+        "model": case.model,
+        "subject": case.subject,
+        "figure": case.figure,
         "unit": case.unit,
         "value": None,
         "reference": None,

@@ -1,10 +1,12 @@
 """Everything a run can compute for a robot: cases and figures."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from lumped.robot_file import RobotFile
 from validation.adequacy.assessment import Assessment
 from validation.adequacy.biglide.subject import biglide_adequacy
+from validation.case import About, Case
 from validation.cases import (
     benchmarks,
     benchmarks_cross,
@@ -54,18 +56,17 @@ def catalogue(robot_file: RobotFile) -> Sequence[Task]:
     """Every case and figure for a robot; the paper's statements for the paper's robot alone."""
     from_paper = robot_file.built_in and robot_file.source == PAPER_ROBOT
     return (
-        *(_paper() if from_paper else ()),
-        *legs.cases(),
-        *solids.cases(),
-        *robot.cases(),
-        *robot_solid.cases(),
-        *robot_modes.cases(),
-        *robot_reduction.cases(),
-        *robot_sixty.cases(),
+        *(_about("robot", _paper()) if from_paper else ()),
+        *_about("leg", [*legs.cases(), *solids.cases()]),
+        *_about("robot", robot.cases()),
+        *_about("robot", robot_solid.cases()),
+        *_about("robot", robot_modes.cases()),
+        *_about("robot", robot_reduction.cases()),
+        *_about("robot", robot_sixty.cases()),
         *robot_calculix.cases(),
         *refinement.cases(),
-        *decision.cases(),
-        *end_restraint.cases(),
+        *_about("robot", decision.cases()),
+        *_about("leg", end_restraint.cases()),
         *shapes.cases(),
         *mesh_families.cases(),
         *calculix.cases(),
@@ -84,6 +85,11 @@ def catalogue(robot_file: RobotFile) -> Sequence[Task]:
         _ADEQUACY,
         *drawings(),
     )
+
+
+def _about(subject: About, cases: Sequence[Task]) -> list[Task]:
+    """The same cases, which say something of the robot or of its legs, not of the program."""
+    return [replace(case, subject=subject) if isinstance(case, Case) else case for case in cases]
 
 
 def _paper() -> Sequence[Task]:

@@ -115,7 +115,7 @@ def summary(outcomes: Sequence[Outcome], unfinished: int = 0) -> str:
     total = len(outcomes)
     counts = {
         verdict: sum(outcome.verdict == verdict for outcome in outcomes)
-        for verdict in ("agree", "disagree", "failed", "skipped")
+        for verdict in ("agree", "disagree", "undecided", "failed", "skipped")
     }
     judged = total - counts["skipped"]
     if judged == 0:
@@ -126,6 +126,7 @@ def summary(outcomes: Sequence[Outcome], unfinished: int = 0) -> str:
         sentence = f"{counts['agree']} of {judged} comparisons agree"
     parts = [sentence]
     parts += [f"{counts['disagree']} disagree"] if counts["disagree"] else []
+    parts += [f"{counts['undecided']} undecided"] if counts["undecided"] else []
     parts += [f"{counts['failed']} failed"] if counts["failed"] else []
     parts += [f"{counts['skipped']} skipped"] if counts["skipped"] else []
     parts += [f"{unfinished} not computed"] if unfinished else []

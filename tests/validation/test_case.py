@@ -118,9 +118,9 @@ def test_both_uncertainties_add_as_root_sum_of_squares():
 
 
 @pytest.mark.parametrize("uncertainty", [0.11, inf, nan])
-def test_a_comparison_less_certain_than_its_tolerance_cannot_agree(uncertainty):
+def test_a_comparison_less_certain_than_its_tolerance_is_undecided(uncertainty):
     outcome = judge(EQUAL, Measurement(10.0, 10.0, value_uncertainty=uncertainty), 0.0)
-    assert outcome.verdict == "disagree"
+    assert outcome.verdict == "undecided"
     assert "cannot decide" in outcome.message
 
 

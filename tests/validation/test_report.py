@@ -153,7 +153,7 @@ def test_the_first_table_says_where_the_largest_unexplained_difference_is(markup
 
 def model_case(model, name, value, reference=2.0, allowances=(), studies=()):
     return judge(
-        case(f"leg1.compliance.{model}[{name}]", quantity=f"compliance {name}"),
+        case(f"leg1.compliance.{model}[{name}]", quantity=f"compliance {name}", model=model),
         Measurement(value, reference, 1e-4, allowances=allowances, studies=studies),
         0.1,
     )
@@ -179,10 +179,10 @@ def test_quantities_of_several_models_share_a_row():
     assert [outcome.case.id for outcome in rest] == ["leg1.compliance.solid[c44]", "leg1.other"]
 
 
-def test_rows_of_one_quantity_are_told_apart_by_their_ids():
+def test_rows_of_one_quantity_are_told_apart_by_their_names():
     outcomes = [
         judge(
-            case(f"refinement.leg{leg}.{way}.order[2]", quantity="order"),
+            case(f"order.{leg}.{way}", quantity="order", model=way, row=f"leg {leg}"),
             Measurement(1.0, 1.0),
             0.1,
         )

@@ -178,6 +178,8 @@ def family(
                 number=clusters[-1].last,
                 explain=explain,
             ),
+            model="beam",
+            row=name.partition(".")[0],
             section=SECTION,
             group=f"benchmark.{name}",
             effort=1.0 / len(clusters),
@@ -254,6 +256,8 @@ def _macneal_case(name: str) -> Case:
         tolerance=TOLERANCE,
         tolerance_reason="0.1 % of the theory column, which has four digits; the beam is exact",
         compute=partial(_macneal, name=name),
+        model="beam",
+        row=name,
         section=SECTION,
         group="benchmark.macneal-harder",
     )

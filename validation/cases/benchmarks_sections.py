@@ -50,6 +50,8 @@ def _series_case(ratio: float) -> Case:
         tolerance=Absolute(1e-6),
         tolerance_reason="the last published digit",
         compute=partial(_series, ratio=ratio),
+        model="series",
+        row=f"b/h = {ratio:g}",
         section=SECTION,
         group="benchmark.torsion.series",
     )
@@ -67,6 +69,8 @@ def _mesh_case(ratio: float) -> Case:
         tolerance_reason="the last published digit, and two and a half times the uncertainty of "
         "the finest mesh, which is 1.2e-6 for a square and less for all others",
         compute=partial(_mesh, ratio=ratio),
+        model="mesh",
+        row=f"b/h = {ratio:g}",
         section=SECTION,
         group="benchmark.torsion.mesh",
     )

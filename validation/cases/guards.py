@@ -213,6 +213,8 @@ def _compliance_case(model: ModelName, name: str) -> Case:
         tolerance=Absolute(_SAME),
         tolerance_reason=_SAME_REASON,
         compute=partial(_compliance, model=model, name=name),
+        model=model,
+        row=name,
         section=SECTION,
         group="guard.robot",
         effort=0.03,

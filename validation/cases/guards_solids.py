@@ -216,6 +216,7 @@ def _free_ends_case(name: str) -> Case:
         tolerance=Relative(1e-3),
         tolerance_reason="beam theory is exact for Saint-Venant's ends; a coarse mesh of the walls",
         compute=partial(_free_ends, name=name),
+        model="solid",
         section=SECTION,
         group="guard.free-ends",
         effort=0.3,

@@ -73,6 +73,7 @@ def _family_statics() -> list[Case]:
             ),
             # With one element across the section the mesh adds as much again to torsion.
             presets=_REFINED_PRESETS if curve == "along-z" else ("quick", *_REFINED_PRESETS),
+            model="solid",
             section=SECTION,
             group=GROUP,
             effort=0.3,
@@ -96,6 +97,7 @@ def _family_frequencies() -> list[Case]:
             tolerance_reason="rounding of the paper's 1 % for 20 segments (§3.2)",
             compute=partial(_family_frequency, index=index),
             presets=_REFINED_PRESETS,
+            model="solid",
             section=SECTION,
             group=GROUP,
             effort=0.3,

@@ -47,6 +47,8 @@ def cases() -> tuple[Case, ...]:
                     tolerance=Absolute(slack),
                     tolerance_reason=reason,
                     compute=partial(_order, number=number, name=name, mode=mode),
+                    model=name,
+                    row=f"leg {number}, frequency {mode + 1}",
                     section=SECTION,
                     group=f"refinement.{number}.{name}",
                 )

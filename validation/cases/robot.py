@@ -52,6 +52,8 @@ def _statics() -> list[Case]:
             tolerance_reason="three formulations of one statics: rounding alone may differ, grown "
             "by the robot's condition, 1e8 with slender open legs (EA L² over GJ) or legs in line",
             compute=partial(_static, model=model, theory=theory, curve=attribute),
+            model=model,
+            row=theory,
             section=SECTION,
             group="robot.statics",
         )
@@ -73,6 +75,7 @@ def _frequencies() -> list[Case]:
             tolerance=Relative(0.01),
             tolerance_reason="the paper's 1 % for 20 elements (§3.2)",
             compute=partial(_frequency, index=index),
+            model="segments",
             section=SECTION,
             group="robot.frequencies",
             effort=0.3,
@@ -92,6 +95,7 @@ def _given_legs() -> Case:
         tolerance=Absolute(1e-9),
         tolerance_reason="rounding alone",
         compute=_symmetry,
+        model="vjm",
         section=SECTION,
         group="robot.statics",
     )

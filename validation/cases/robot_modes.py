@@ -47,6 +47,7 @@ _shape_case = partial(
     unit="1",
     reference_kind="independent-solver",
     tolerance=Absolute(_SHAPE),
+    model="solid",
     section=SECTION,
     group="robot.solid.modes",
     effort=3.0,
@@ -117,6 +118,7 @@ def _frequencies() -> list[Case]:
             "their own effect; what is left is Timoshenko's theory, approximate in dynamics: below "
             "1 % while the wave is longer than three section heights",
             compute=partial(_frequency, index=index),
+            model="solid",
             section=SECTION,
             group="robot.solid.modes",
             effort=3.0,

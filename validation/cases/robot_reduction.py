@@ -88,6 +88,7 @@ def _case(
         tolerance=tolerance,
         tolerance_reason=reason,
         compute=partial(compute),
+        model="solid",
         section=SECTION,
         group="robot.solid.reduction",
         effort=2.0,

@@ -71,6 +71,8 @@ def _compliances(number: int) -> list[Case]:
             "allowed for by their own effect; what is left is the mesh: "
             + ("0.1 % in torsion, order 3.4" if name == "c44" else "0.02 %"),
             compute=partial(_entry, number=number, entry=(i, j)),
+            model="solid",
+            row=f"leg {number}",
             section=f"Leg {number}",
             group=f"leg{number}.solid",
             effort=0.5,
@@ -92,6 +94,8 @@ def _frequencies(number: int) -> list[Case]:
             tolerance_reason="Timoshenko's theory is approximate in dynamics: below 1 % while "
             "the wave is longer than three section heights",
             compute=partial(_mode, number=number, index=index),
+            model="solid",
+            row=f"leg {number}",
             section=f"Leg {number}",
             group=f"leg{number}.modes",
             effort=2.0,
@@ -115,6 +119,8 @@ def _orders(number: int) -> list[Case]:
             tolerance_reason="edges of rigid end faces lower the order locally, coarse meshes "
             "raise it: between 3 and 5 the extrapolation holds within the safety factor",
             compute=partial(_order, number=number, name=name),
+            model="solid",
+            row=f"leg {number}, {name}",
             section="Refinement",
             group=f"leg{number}.solid",
             effort=0.5,

@@ -76,8 +76,12 @@ def caught(cases: Sequence[Case], sound: SoundGroup, context: Context) -> dict[s
     return {
         identifier: verdict
         for identifier, verdict in found.items()
-        if sound.verdicts[identifier] == "agree" and verdict in {"disagree", "failed"}
+        if sound.verdicts[identifier] == "agree" and verdict in _NOTICED
     }
+
+
+# A fault that blurs a comparison until it decides nothing has been noticed too.
+_NOTICED = frozenset({"disagree", "undecided", "failed"})
 
 
 @dataclass

@@ -24,7 +24,13 @@ from validation.results.records import Drawn, studies_of
 
 # How many comparisons the first table shows beside those that do not agree.
 _FOREMOST = 10
-_RANK: Mapping[Verdict, int] = {"disagree": 0, "failed": 1, "agree": 2, "skipped": 3}
+_RANK: Mapping[Verdict, int] = {
+    "disagree": 0,
+    "failed": 1,
+    "undecided": 2,
+    "agree": 3,
+    "skipped": 4,
+}
 
 
 @dataclass(frozen=True)
@@ -95,6 +101,8 @@ class Report:
             return "disagree"
         if "failed" in verdicts or self.unfinished:
             return "failed"
+        if "undecided" in verdicts:
+            return "undecided"
         return "agree" if "agree" in verdicts else "skipped"
 
     @cached_property
@@ -188,7 +196,13 @@ def render(report: Report) -> str:
         "rows": lambda columns: zip(*columns.values(), strict=True),
     }
     environment.globals["explained"] = explained
-    environment.globals["mark"] = {"agree": "✓", "disagree": "✗", "failed": "!", "skipped": "–"}
+    environment.globals["mark"] = {
+        "agree": "✓",
+        "disagree": "✗",
+        "undecided": "?",
+        "failed": "!",
+        "skipped": "–",
+    }
     environment.tests["nan"] = lambda value: isinstance(value, float) and isnan(value)
     return environment.get_template("report.html.j2").render(report=report)
 

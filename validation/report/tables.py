@@ -1,6 +1,5 @@
 """Comparisons as compact tables: one row for each quantity, one column for each model."""
 
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -8,7 +7,7 @@ from math import isclose, isnan
 
 from validation.case import Measurement, Outcome, Relation, Relative, Verdict
 
-# The part of a case's id that names the model, and the heading of its column.
+# Models as cases name them, and the headings of their columns.
 VARIANTS = {
     "simplified": "simplified",
     "vjm": "virtual joints",
@@ -20,10 +19,15 @@ VARIANTS = {
     "series": "series",
     "mesh": "finite elements",
 }
-_VARIANT = re.compile(rf"(?<=\.)({'|'.join(VARIANTS)})(?=[-.\[]|$)")
 # Explained differences below this share of the reference are not told apart in a table.
 _WORTH_SAYING = 1e-6
-_RANK: dict[Verdict, int] = {"disagree": 0, "failed": 1, "agree": 2, "skipped": 3}
+_RANK: dict[Verdict, int] = {
+    "disagree": 0,
+    "failed": 1,
+    "undecided": 2,
+    "agree": 3,
+    "skipped": 4,
+}
 
 
 @dataclass(frozen=True)
@@ -97,18 +101,18 @@ class Part:
 def grids(outcomes: Sequence[Outcome]) -> tuple[tuple[Grid, ...], tuple[Outcome, ...]]:
     """Tables of the quantities that several models compute, and the outcomes left over.
 
-    Cases that differ in nothing but the model named in their id share a row; rows that share a
-    model share a table. Order of appearance throughout.
+    Cases of one quantity and row by several models share a row; rows that share a model share a
+    table. Order of appearance throughout.
     """
-    by_key: dict[str, dict[str, Outcome]] = {}
+    by_key: dict[tuple[str, str, str], dict[str, Outcome]] = {}
     for outcome in outcomes:
-        named = _VARIANT.search(outcome.case.id)
-        if named:
-            key = outcome.case.id[: named.start()] + "*" + outcome.case.id[named.end() :]
-            by_key.setdefault(key, {})[named[1]] = outcome
+        case = outcome.case
+        if case.model in VARIANTS:
+            key = case.section, case.quantity, case.row
+            by_key.setdefault(key, {}).setdefault(case.model, outcome)
     shared = {key: cells for key, cells in by_key.items() if len(cells) > 1}
     placed = {outcome.case.id for cells in shared.values() for outcome in cells.values()}
-    tables: list[dict[str, dict[str, Outcome]]] = []
+    tables: list[dict[tuple[str, str, str], dict[str, Outcome]]] = []
     for key, cells in shared.items():
         table = next((t for t in tables if any(cells.keys() & c.keys() for c in t.values())), None)
         if table is None:
@@ -148,33 +152,14 @@ def largest_unexplained(outcomes: Sequence[Outcome]) -> Outcome | None:
     return max(relative, key=lambda o: unexplained_share(o) or 0.0, default=None)
 
 
-def _grid(table: dict[str, dict[str, Outcome]]) -> Grid:
+def _grid(table: dict[tuple[str, str, str], dict[str, Outcome]]) -> Grid:
     models = tuple(name for name in VARIANTS if any(name in cells for cells in table.values()))
-    names = _row_names(table)
+    quantities = [quantity for _, quantity, _ in table]
     rows = tuple(
-        Row(names[key], tuple(cells.get(model) for model in models)) for key, cells in table.items()
+        Row(
+            f"{quantity} ({row})" if row and quantities.count(quantity) > 1 else quantity,
+            tuple(cells.get(model) for model in models),
+        )
+        for (_, quantity, row), cells in table.items()
     )
     return Grid(models, rows)
-
-
-def _row_names(table: dict[str, dict[str, Outcome]]) -> dict[str, str]:
-    """The quantity of each row; where two rows share it, with what tells their ids apart."""
-    quantities = {key: next(iter(cells.values())).case.quantity for key, cells in table.items()}
-    names = {}
-    for key, quantity in quantities.items():
-        alike = [other for other, name in quantities.items() if name == quantity]
-        words = [re.split(r"[.\[\]]", other) for other in alike]
-        own = re.split(r"[.\[\]]", key)
-        telling = [
-            word
-            for place, word in enumerate(own)
-            if any(place >= len(other) or other[place] != word for other in words)
-        ]
-        names[key] = f"{quantity} ({_spoken(telling)})" if telling else quantity
-    return names
-
-
-def _spoken(words: Sequence[str]) -> str:
-    """Parts of an id as words: "leg1" is "leg 1", a number alone that of a mode."""
-    spaced = (re.sub(r"^leg(\d)$", r"leg \1", word) for word in words if word)
-    return ", ".join(re.sub(r"^(\d+)$", r"number \1", word) for word in spaced)

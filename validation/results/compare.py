@@ -8,7 +8,7 @@ from validation.results.drift import Drift, Frozen, drift
 from validation.results.saved_run import SavedCase, SavedRun
 
 # From good to bad; a case that is skipped no longer protects anything.
-_RANK: dict[Verdict, int] = {"agree": 0, "skipped": 1, "disagree": 2, "failed": 3}
+_RANK: dict[Verdict, int] = {"agree": 0, "skipped": 1, "undecided": 2, "disagree": 3, "failed": 4}
 # What should be the same in two runs whose numbers are compared.
 _CIRCUMSTANCES = ("robot", "robot_sha256", "preset", "options", "versions", "machine")
 
@@ -23,7 +23,7 @@ class VerdictChange:
 
     @property
     def worse(self) -> bool:
-        """Whether the verdict worsened (agree, skipped, disagree, failed: from good to bad)."""
+        """Whether it worsened; good to bad: agree, skipped, undecided, disagree, failed."""
         return _RANK[self.after] > _RANK[self.before]
 
 

@@ -10,7 +10,7 @@ from validation.case import Outcome
 def junit_xml(outcomes: Sequence[Outcome], name: str) -> str:
     """One test suite with a test case per outcome.
 
-    "disagree" is a failure, "failed" an error, "skipped" is skipped.
+    "disagree" is a failure, "failed" an error, "skipped" and "undecided" are skipped.
     """
     suite = ET.Element(
         "testsuite",
@@ -18,7 +18,7 @@ def junit_xml(outcomes: Sequence[Outcome], name: str) -> str:
         tests=str(len(outcomes)),
         failures=str(sum(o.verdict == "disagree" for o in outcomes)),
         errors=str(sum(o.verdict == "failed" for o in outcomes)),
-        skipped=str(sum(o.verdict == "skipped" for o in outcomes)),
+        skipped=str(sum(o.verdict in {"skipped", "undecided"} for o in outcomes)),
         time=f"{sum(o.seconds for o in outcomes):.3f}",
     )
     for outcome in outcomes:
@@ -47,7 +47,7 @@ def _test_case(outcome: Outcome) -> ET.Element:
             ).text = f"{case.title}\n{case.citation}\n{case.tolerance_reason}\n{outcome.message}"
         case "failed":
             ET.SubElement(element, "error", message=outcome.message).text = case.title
-        case "skipped":
+        case "skipped" | "undecided":
             ET.SubElement(element, "skipped", message=outcome.message)
         case "agree":
             pass

@@ -11,7 +11,7 @@ from validation.run.session import Request, Results
 def verdicts(gathered: Results) -> list[str]:
     """Lines on what does not agree, and the verdict on the whole."""
     outcomes = gathered.in_order()
-    worst = [o for o in outcomes if o.verdict in {"disagree", "failed"}]
+    worst = [o for o in outcomes if o.verdict in {"disagree", "undecided", "failed"}]
     compared, power = comparisons(outcomes), gathered.power
     # A run of faults alone makes no comparison of its own that could be summed up.
     said = [summary(compared, gathered.unfinished)] if compared or not power else []
