@@ -11,14 +11,12 @@ from lumped.biglide_assembly import Mechanism, modes
 from lumped.leg_matrices import LegMatrices
 from lumped.modes import Modes
 from validation.models.biglide import (
-    DEFAULT_OPTIONS,
-    ModelName,
-    ModelOptions,
     robot_compliance,
     robot_frequencies,
     robot_legs,
     robot_mechanism,
 )
+from validation.models.options import DEFAULT_OPTIONS, ModelName, ModelOptions
 
 LOAD = 1000.0  # N, the paper's loads (§2.1, §2.2)
 MICRO = 1e6

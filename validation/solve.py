@@ -12,14 +12,9 @@ from lumped.biglide import Biglide
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, Leg
 from lumped.robot_file import RobotFile
-from validation.models.biglide import (
-    ModelName,
-    ModelOptions,
-    leg_compliance,
-    leg_frequencies,
-    robot_compliance,
-    robot_frequencies,
-)
+from validation.models.biglide import robot_compliance, robot_frequencies
+from validation.models.legs import leg_compliance, leg_frequencies
+from validation.models.options import ModelName, ModelOptions
 
 # What each model listens to; anything else given on the command line is a fault.
 _OPTIONS: dict[ModelName, tuple[str, ...]] = {

@@ -33,7 +33,7 @@ import numpy as np
 from fem.bodies.solid import solid_mesh
 from lumped.biglide import Biglide, with_equivalent_legs
 from lumped.robot_file import load_robot
-from validation.models.biglide import ModelOptions
+from validation.models.options import ModelOptions
 from validation.sweeps.cores import on_cores
 from validation.sweeps.journal import Journal
 from validation.sweeps.plans import CHUNK, stroke_stations

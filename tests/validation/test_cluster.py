@@ -13,7 +13,7 @@ from numpy.testing import assert_allclose
 
 from lumped.errors import InputError
 from lumped.robot_file import load_robot
-from validation.models.biglide import ModelOptions
+from validation.models.options import ModelOptions
 from validation.sweeps.cluster import on_cluster
 from validation.sweeps.journal import Journal
 from validation.sweeps.plans import lumped_models, member_units, solid_model

@@ -10,12 +10,8 @@ from lumped.cantilever import clamped_modes, tip_compliance_of
 from lumped.legs import equivalent_leg, tip_compliance
 from lumped.robot_file import load_robot
 from validation.export import export
-from validation.models.biglide import (
-    leg_matrices,
-    robot_compliance,
-    robot_frequencies,
-    solid_compliance,
-)
+from validation.models.biglide import robot_compliance, robot_frequencies
+from validation.models.legs import leg_matrices, solid_compliance
 
 ROBOT = load_robot("ifw").robot
 AXES = ("x", "y", "z")

@@ -38,12 +38,9 @@ from validation.faults.catalogue import FAULTS
 from validation.faults.detection import detection_power, fault_cases, is_fault
 from validation.faults.fault import around, replaced, result, sound_function
 from validation.faults.trial import SoundGroups, caught, groups_of, sound_group, tried
-from validation.models.biglide import (
-    ModelOptions,
-    leg_matrices,
-    robot_compliance,
-    robot_frequencies,
-)
+from validation.models.biglide import robot_compliance, robot_frequencies
+from validation.models.legs import leg_matrices
+from validation.models.options import ModelOptions
 from validation.run import summary as run_summary
 from validation.run.session import Results
 

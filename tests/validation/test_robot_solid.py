@@ -20,7 +20,8 @@ from validation.cases import (
     robot_solid,
 )
 from validation.context import Context
-from validation.models.biglide import ModelOptions, robot_compliance, robot_frequencies, robot_legs
+from validation.models.biglide import robot_compliance, robot_frequencies, robot_legs
+from validation.models.options import ModelOptions
 from validation.paired_robot_modes import paired_modes
 from validation.report.figures.curves import sixty_modes
 from validation.robot_solids import full_mac, unreduced_robot

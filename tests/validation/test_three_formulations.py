@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 from lumped.biglide import Biglide
 from lumped.legs import constant_leg
 from lumped.robot_file import load_robot
-from validation.models.biglide import ModelOptions, robot_compliance
+from validation.models.biglide import robot_compliance
+from validation.models.options import ModelOptions
 
 positive = st.floats(0.1, 10.0)
 

@@ -29,12 +29,8 @@ from lumped.legs import ConstantLeg, Material, equivalent_leg
 from lumped.sections import ISection
 from validation.case import Absolute, Case, Measurement, Relative
 from validation.context import Context
-from validation.models.biglide import (
-    ModelName,
-    ModelOptions,
-    robot_compliance,
-    robot_frequencies,
-)
+from validation.models.biglide import robot_compliance, robot_frequencies
+from validation.models.options import ModelName, ModelOptions
 
 SECTION = "Guards"
 ELEMENTS = 12

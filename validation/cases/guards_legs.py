@@ -16,13 +16,9 @@ from validation.case import Absolute, Case, Measurement
 from validation.cases.guards import ELEMENTS, SECTION, guarded_posture
 from validation.cases.legs import constant_leg_of, kind_frequencies
 from validation.context import Context
-from validation.models.biglide import (
-    ModelName,
-    ModelOptions,
-    leg_matrices,
-    robot_compliance,
-    robot_frequencies,
-)
+from validation.models.biglide import robot_compliance, robot_frequencies
+from validation.models.legs import leg_matrices
+from validation.models.options import ModelName, ModelOptions
 
 _LUMPED: tuple[ModelName, ...] = ("segments", "beam")
 _PLANES: tuple[Plane, ...] = ("y", "z")

@@ -26,7 +26,8 @@ from validation.cases.guards import (
 )
 from validation.cases.guards_reduction import guard_case
 from validation.context import Context
-from validation.models.biglide import ModelOptions, leg_matrices
+from validation.models.legs import leg_matrices
+from validation.models.options import ModelOptions
 
 _SWEPT_VARIANTS = ("as it is", "tool offset")
 

@@ -11,7 +11,8 @@ from lumped.legs import ConstantLeg, equivalent_leg, tip_compliance
 from lumped.modes import dense, solve_modes
 from validation.case import Case, Measurement, Relative
 from validation.context import Context
-from validation.models.biglide import ModelName, ModelOptions, leg_compliance, leg_matrices
+from validation.models.legs import leg_compliance, leg_matrices
+from validation.models.options import ModelName, ModelOptions
 
 MODES = 6
 # Row, column (from 0) and meaning of the entries that a straight leg's compliance has.

@@ -8,7 +8,7 @@ from lumped.arrays import Array
 from validation.case import Absolute, Measurement
 from validation.cases.paper_statement import Statement
 from validation.context import Context
-from validation.models.biglide import ModelName, ModelOptions
+from validation.models.options import ModelName, ModelOptions
 from validation.quantities import Deflections, family_deflections, family_frequencies
 from validation.ranks import spearman
 

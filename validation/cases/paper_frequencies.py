@@ -8,7 +8,8 @@ from lumped.legs import equivalent_leg
 from validation.case import Absolute, Measurement, Relation, Relative
 from validation.cases.paper_statement import POSTURES, Statement
 from validation.context import Context
-from validation.models.biglide import ModelOptions, leg_frequencies
+from validation.models.legs import leg_frequencies
+from validation.models.options import ModelOptions
 from validation.quantities import RobotModes, robot_modes, stroke_frequencies
 
 

@@ -13,7 +13,7 @@ from validation.cases.legs import constant_leg_of, kind_frequencies
 from validation.context import Context, Preset
 from validation.convergence import order_of_errors
 from validation.exhibits import Study
-from validation.models.biglide import ModelName, ModelOptions
+from validation.models.options import ModelName, ModelOptions
 
 if TYPE_CHECKING:
     from lumped.segments import Layout

@@ -9,7 +9,7 @@ from lumped.legs import Theory
 from validation.case import Absolute, Case, Measurement, Relative
 from validation.context import Context
 from validation.exhibits import Study
-from validation.models.biglide import ModelName, ModelOptions
+from validation.models.options import ModelName, ModelOptions
 from validation.quantities import (
     Deflections,
     deflections_of,

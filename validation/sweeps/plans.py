@@ -9,7 +9,7 @@ from lumped.biglide import Biglide, scaled
 from lumped.errors import InputError
 from lumped.legs import equivalent_leg
 from meshes.prism.feasibility import require_leg
-from validation.models.biglide import Ends, ModelName, ModelOptions
+from validation.models.options import Ends, ModelName, ModelOptions
 from validation.sweeps.units import PostureUnit, chunks, expected_highest, posture_unit
 
 # Postures per unit: about a tenth of a second, so that little is lost with a unit.

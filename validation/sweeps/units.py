@@ -23,15 +23,9 @@ from lumped.errors import ComputationError, InputError
 from lumped.leg_matrices import LegMatrices
 from lumped.legs import ConstantLeg, equivalent_leg
 from lumped.modes import dense
-from validation.models.biglide import (
-    DEFAULT_OPTIONS,
-    ModelName,
-    ModelOptions,
-    leg_matrices,
-    robot_compliance,
-    robot_frequencies,
-    robot_legs,
-)
+from validation.models.biglide import robot_compliance, robot_frequencies, robot_legs
+from validation.models.legs import leg_matrices
+from validation.models.options import DEFAULT_OPTIONS, ModelName, ModelOptions
 from validation.robot_solids import renewed_where_needed
 
 # Few segments are some percent off, and frequencies between the postures may be higher.

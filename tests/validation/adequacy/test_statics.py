@@ -16,7 +16,8 @@ from validation.adequacy.biglide.subject import biglide_subject
 from validation.adequacy.judgement import judged
 from validation.adequacy.matrix import Matrix
 from validation.context import Context
-from validation.models.biglide import ModelOptions, robot_compliance
+from validation.models.biglide import robot_compliance
+from validation.models.options import ModelOptions
 
 EQUIVALENT = ("vjm-equivalent", "segments", "beam")
 

@@ -20,7 +20,8 @@ from meshes.section.section_mesh import section_mesh
 from validation.adequacy.response import Alternative, Reference, Response, Rung
 from validation.context import Context, Preset
 from validation.leg_solids import section_counts
-from validation.models.biglide import ModelName, ModelOptions, robot_compliance
+from validation.models.biglide import robot_compliance
+from validation.models.options import ModelName, ModelOptions
 from validation.robot_solids import TwoMeshes, static_leg, two_meshes
 
 # Unknowns of the finest section mesh of a solid leg; the second number where the first one does not

@@ -11,7 +11,7 @@ from validation.adequacy.matrix import Matrix
 from validation.adequacy.response import Candidate, Reference, Subject
 from validation.case import Skip
 from validation.context import Context
-from validation.models.biglide import ModelName, ModelOptions
+from validation.models.options import ModelName, ModelOptions
 
 POSTURES = 9
 _STATIC = "static: it has no masses, hence says nothing of frequencies"

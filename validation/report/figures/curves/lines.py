@@ -15,7 +15,7 @@ from matplotlib.figure import Figure as Canvas
 from lumped.arrays import Array
 from lumped.errors import ComputationError
 from validation.context import Preset
-from validation.models.biglide import DEFAULT_OPTIONS, ModelName, ModelOptions
+from validation.models.options import DEFAULT_OPTIONS, ModelName, ModelOptions
 from validation.report.figures.style import BLUE, MODELS, PURPLE, Look, marked
 
 ALPHA_LABEL = "relative leg length α"

@@ -4,7 +4,8 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.biglide import Biglide
-from validation.models.biglide import ModelName, ModelOptions, robot_compliance, robot_frequencies
+from validation.models.biglide import robot_compliance, robot_frequencies
+from validation.models.options import ModelName, ModelOptions
 from validation.quantities import Deflections, deflections_of
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.biglide import Biglide
-from validation.models.biglide import DEFAULT_OPTIONS
+from validation.models.options import DEFAULT_OPTIONS
 from validation.quantities import MICRO, RobotModes
 from validation.report.figures.pictures.robot_shape import centreline_points
 

@@ -15,7 +15,8 @@ from validation.cases.legs import constant_leg_of
 from validation.context import Context
 from validation.exhibits import Drawing, Figure
 from validation.mode_pairing import centreline_samples, centreline_weights, pair_modes
-from validation.models.biglide import DEFAULT_OPTIONS, leg_matrices, solid_modes
+from validation.models.legs import leg_matrices, solid_modes
+from validation.models.options import DEFAULT_OPTIONS
 from validation.report.figures.pictures.opengl import require_vtk
 from validation.report.figures.pictures.prisms import (
     Surface,

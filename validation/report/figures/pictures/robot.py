@@ -10,7 +10,7 @@ from lumped.biglide import Biglide
 from validation.cases.robot import SECTION
 from validation.context import Context
 from validation.exhibits import Drawing, Figure, InteractiveScene
-from validation.models.biglide import DEFAULT_OPTIONS
+from validation.models.options import DEFAULT_OPTIONS
 from validation.quantities import LOAD, MICRO, RobotModes, robot_modes
 from validation.report.figures.curves.lines import as_in_paper
 from validation.report.figures.pictures.element_columns import (

@@ -1,0 +1,123 @@
+"""The models of one leg, each made once: of one shape, however many legs have it."""
+
+from functools import lru_cache
+
+from fem.bodies import leg_modes, solid
+from fem.bodies.beam import beam_leg
+from fem.bodies.solid import ClampedLeg
+from fem.reduction.craig_bampton import craig_bampton
+from fem.reduction.superelement import HeldLeg, held_leg, static_superelement
+from lumped.arrays import Array
+from lumped.cantilever import clamped_modes, tip_compliance_of
+from lumped.errors import InputError
+from lumped.leg_matrices import LegMatrices
+from lumped.legs import ConstantLeg, Leg, equivalent_leg, given_compliance, tip_compliance
+from lumped.modes import Modes
+from lumped.segments import Chain, segment_chain, segment_leg, static_leg
+from validation.models.options import DEFAULT_OPTIONS, Ends, ModelName, ModelOptions
+from validation.robot_solids import held_solid
+
+
+def leg_matrices(
+    model: ModelName, leg: ConstantLeg, options: ModelOptions = DEFAULT_OPTIONS
+) -> LegMatrices:
+    """Matrices of one free leg by `segments` or `beam`.
+
+    Raises InputError for any other model.
+    """
+    if model == "segments":
+        return segment_leg(leg_chain(leg, options))
+    if model != "beam":
+        raise InputError(f"the {model} model has no leg matrices that suit every frequency")
+    return beam_leg(leg.properties(options.theory), leg.length, options.elements)
+
+
+def leg_chain(leg: ConstantLeg, options: ModelOptions) -> Chain:
+    """The leg as rigid segments joined by springs."""
+    properties = leg.properties(options.theory)
+    return segment_chain(properties, leg.length, options.elements, options.layout)
+
+
+@lru_cache(maxsize=64)
+def cached_leg(model: ModelName, leg: ConstantLeg, options: ModelOptions) -> LegMatrices:
+    """A leg only turns from posture to posture: its matrices are built once."""
+    return leg_matrices(model, leg, options)
+
+
+@lru_cache(maxsize=64)
+def condensed_leg(model: ModelName, leg: ConstantLeg, options: ModelOptions) -> LegMatrices:
+    """A leg by `segments`, `beam` or `solid` on the twists of its ends alone, exact in statics."""
+    if model == "segments":
+        return static_leg(leg_chain(leg, options))
+    return static_superelement(_held(model, leg, options)).matrices
+
+
+@lru_cache(maxsize=32)
+def reduced_leg(
+    model: ModelName,
+    leg: ConstantLeg,
+    options: ModelOptions,
+    highest: float,
+    cutoff: float | None = None,
+) -> LegMatrices:
+    """A leg reduced for frequencies of the robot up to `highest` (Hz).
+
+    `cutoff` (Hz) of the modes that are kept, None for the reduction's own choice.
+    """
+    return craig_bampton(_held(model, leg, options), highest, cutoff).matrices
+
+
+# The factors of two solid legs are what fits into small machines.
+@lru_cache(maxsize=2)
+def _held(model: ModelName, leg: ConstantLeg, options: ModelOptions) -> HeldLeg:
+    if model == "solid":
+        return held_solid(leg, options.divisions, options.ends)
+    return held_leg(leg_matrices(model, leg, options))
+
+
+def solid_compliance(leg: ConstantLeg, divisions: int, ends: Ends) -> Array:
+    """6×6 tip compliance (SI, leg axes) of a leg as a solid, `divisions` across its section."""
+    return solid.tip_compliance(_clamped_solid(leg, divisions, ends))
+
+
+def solid_modes(leg: ConstantLeg, divisions: int, ends: Ends, count: int) -> Modes:
+    """Modes of a clamped leg as a solid: frequencies (Hz), shapes on its nodes (3N×count)."""
+    return leg_modes.modes(_clamped_solid(leg, divisions, ends), count)
+
+
+@lru_cache(maxsize=4)
+def _clamped_solid(leg: ConstantLeg, divisions: int, ends: Ends) -> ClampedLeg:
+    """The factorised leg, shared by statics and modes."""
+    return solid.clamped_leg(solid.solid_leg(leg, solid.solid_mesh(leg, divisions)), ends)
+
+
+def leg_compliance(model: ModelName, leg: Leg, options: ModelOptions = DEFAULT_OPTIONS) -> Array:
+    """6×6 tip compliance (SI, leg axes) of one leg, root clamped.
+
+    Raises InputError for `simplified`, whose legs are rigid.
+    """
+    if model == "simplified":
+        raise InputError("--leg: the legs of the simplified model are rigid")
+    if model == "vjm" and options.legs == "given":
+        return given_compliance(leg)
+    constant = equivalent_leg(leg, options.equivalent)
+    if model == "vjm":
+        return tip_compliance(constant.properties(options.theory), constant.length)
+    if model == "solid":
+        return solid_compliance(constant, options.divisions, options.ends)
+    return tip_compliance_of(leg_matrices(model, constant, options))
+
+
+def leg_frequencies(
+    model: ModelName, leg: Leg, count: int, options: ModelOptions = DEFAULT_OPTIONS
+) -> Array:
+    """First natural frequencies (Hz, ascending) of one leg, root clamped.
+
+    Raises InputError for `simplified` (rigid legs) and `vjm` (static).
+    """
+    if model in ("simplified", "vjm"):
+        raise InputError(f"--modes: the {model} model of one leg has no frequencies")
+    constant = equivalent_leg(leg, options.equivalent)
+    if model == "solid":
+        return solid_modes(constant, options.divisions, options.ends, count).frequencies
+    return clamped_modes(leg_matrices(model, constant, options), count).frequencies

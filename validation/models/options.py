@@ -1,0 +1,35 @@
+"""What the models are called, and their options."""
+
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+from lumped.biglide_assembly import Release
+from lumped.legs import EquivalentBy, Theory
+from lumped.segments import Layout
+
+ModelName: TypeAlias = Literal["simplified", "vjm", "links", "segments", "beam", "solid"]
+LegSprings: TypeAlias = Literal["given", "equivalent"]
+Ends: TypeAlias = Literal["rigid", "free"]
+
+
+@dataclass(frozen=True)
+class ModelOptions:
+    """Options of the models, as on the command line.
+
+    `legs` (vjm, links): each leg's own 6×6 or that of its equivalent constant-section leg; `theory`
+    (segments, beam; vjm and links with equivalent legs); `elements` per leg (segments, beam);
+    `release`, `layout` (segments); `ends`, `divisions` (solid); `equivalent`: which diagonal is
+    matched.
+    """
+
+    legs: LegSprings = "given"
+    theory: Theory = "timoshenko"
+    elements: int = 20
+    release: Release = "condensed"
+    layout: Layout = "half"
+    ends: Ends = "rigid"
+    divisions: int = 4
+    equivalent: EquivalentBy = "stiffness"
+
+
+DEFAULT_OPTIONS = ModelOptions()
