@@ -100,15 +100,18 @@ class Allowance:
 class Measurement:
     """What a case computed, in the unit of the case.
 
-    `value_uncertainty` and `reference_uncertainty` are the numerical uncertainties of both sides
-    (half-widths of a 95 % interval, None where not known). `table` maps column headings to equally
-    long columns; `studies` are convergence studies and sweeps to be shown with the case.
+    `value_uncertainty`, `reference_uncertainty` and `judged_uncertainty` are the numerical
+    uncertainties of both sides and of the unexplained difference (half-widths of a 95 % interval).
+    The last is stated where both sides have one mesh, whose errors cancel; else it follows from the
+    other two. None: exact to rounding, nothing is discretised. `table` maps column headings to
+    equally long columns; `studies` are convergence studies and sweeps to be shown with the case.
     """
 
     value: float
     reference: float
     value_uncertainty: float | None = None
     reference_uncertainty: float | None = None
+    judged_uncertainty: float | None = None
     allowances: tuple[Allowance, ...] = ()
     notes: tuple[str, ...] = ()
     table: Mapping[str, tuple[float | str, ...]] = field(default_factory=dict)
@@ -126,7 +129,12 @@ class Measurement:
 
     @property
     def numerical_uncertainty(self) -> float | None:
-        """Uncertainties of both sides, root sum of squares; None where neither is known."""
+        """Uncertainty of what is judged: its own, or of both sides, root sum of squares.
+
+        None where nothing is discretised.
+        """
+        if self.judged_uncertainty is not None:
+            return self.judged_uncertainty
         known = [u for u in (self.value_uncertainty, self.reference_uncertainty) if u is not None]
         return hypot(*known) if known else None
 

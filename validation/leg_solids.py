@@ -30,6 +30,8 @@ GRIDS_FOR_ORDER, _FEWEST_GRIDS = 4, 2
 _RECTANGLE_LADDER = (1, 2, 3, 4, 6, 8, 12)
 COARSEST_WALLS = 4
 _DOUBLING_LADDER = (COARSEST_WALLS, 8, 16, 32)
+# With the slices of `slices` rigid faces of a box (ν = 0.3) are 0.8 % off, with these 6e-5.
+_THINNER = 16
 # Twice the modes asked for, so that no partner is missing where two models order them differently.
 _SPARE_MODES = 6
 _STATIONS = 24
@@ -124,6 +126,14 @@ def slices(leg: ConstantLeg, divisions: int) -> int:
     return divisions * along if isinstance(leg.section, Rectangle) else divisions * along // 4
 
 
+def static_slices(leg: ConstantLeg, divisions: int) -> int:
+    """Slices along the leg for doubling, whose cost is their logarithm.
+
+    So thin that what is held at a rigid face decays over many of them: the section's mesh is left.
+    """
+    return _THINNER * slices(leg, divisions)
+
+
 def similar_mesh(leg: ConstantLeg, divisions: int) -> SolidMesh:
     """Quadratic hexahedra, every size inversely proportional to `divisions`."""
     counts = section_counts(leg, divisions)
@@ -134,7 +144,7 @@ def solid_compliances(leg: ConstantLeg, divisions: tuple[int, ...]) -> dict[Ends
     """Tip compliances (m×6×6, SI, leg axes) with rigid and with free ends, by doubling."""
     condensed = [
         doubling.condensed_leg(
-            leg, section_mesh(leg.section, section_counts(leg, number)), slices(leg, number)
+            leg, section_mesh(leg.section, section_counts(leg, number)), static_slices(leg, number)
         )
         for number in divisions
     ]

@@ -23,6 +23,7 @@ from fem.bodies.solid import (
 from fem.couplings.end_coupling import rigid_ends
 from fem.reduction.free_superelement import held_free_leg
 from fem.reduction.superelement import ENDS, HeldLeg, Superelement, ends_stiffness, held_leg
+from fem.sections.end_effects import restrained_compliance
 from fem.sections.section_constants import beam_properties, section_constants
 from lumped.arrays import Array, SparseMatrix
 from lumped.biglide import Biglide, with_equivalent_legs
@@ -32,7 +33,7 @@ from lumped.leg_matrices import LegMatrices
 from lumped.legs import ConstantLeg, Leg, equivalent_leg, tip_compliance
 from lumped.modes import Modes
 from meshes.section.section_mesh import section_mesh
-from validation.leg_solids import COARSEST_WALLS, section_counts, slices, static_ladder
+from validation.leg_solids import COARSEST_WALLS, section_counts, static_ladder, static_slices
 
 T = TypeVar("T")
 
@@ -92,13 +93,19 @@ def static_leg(leg: Leg, compliance: Array, model: str) -> LegMatrices:
 class TipCompliances:
     """6×6 tip compliances (SI, leg axes) of one mesh of a leg and of its section.
 
-    The solid's with `rigid` and with `free` ends, and `own`: the Timoshenko cantilever's with the
-    constants of the same section mesh.
+    The solid's with `rigid` and with `free` ends, `own`: the Timoshenko cantilever's with the
+    constants of the same section mesh, and `restrained`: what rigid faces take from it in theory.
     """
 
     rigid: Array
     free: Array
     own: Array
+    restrained: Array
+
+    @property
+    def held(self) -> Array:
+        """The cantilever's with end faces held plane and rigid."""
+        return np.asarray(self.own + self.restrained)
 
 
 @dataclass(frozen=True)
@@ -121,12 +128,11 @@ def two_meshes(leg: ConstantLeg, most: int) -> TwoMeshes:
     ladder = static_ladder(leg, most)
     if ladder:
         coarse, fine = ladder[-2:]
-        along = slices(leg, coarse), slices(leg, fine)
+        along = static_slices(leg, coarse), static_slices(leg, fine)
     else:
         coarse = fine = COARSEST_WALLS
         _require_affordable(leg, fine, most)
-        # Short elements here, for of the two sizes only this one is refined.
-        along = slices(leg, fine), 2 * slices(leg, fine)
+        along = static_slices(leg, fine), 2 * static_slices(leg, fine)
     return TwoMeshes(
         coarse=_compliances(leg, coarse, along[0]),
         fine=_compliances(leg, fine, along[1]),
@@ -151,6 +157,7 @@ def _compliances(leg: ConstantLeg, divisions: int, along: int) -> TipCompliances
         rigid=doubling.tip_compliance(condensed, "rigid"),
         free=doubling.tip_compliance(condensed, "free"),
         own=tip_compliance(beam_properties(constants, material), leg.length),
+        restrained=restrained_compliance(mesh, material, leg.length),
     )
 
 

@@ -21,8 +21,9 @@ POSTURES = 9
 class StrokeStatics:
     """Deflections (µm) at the positions `x` (m) over the stroke.
 
-    `rigid`, `free`: solid legs by their ends, `own`: virtual joints with legs of the constants of
-    their section meshes, each on the coarser and on the finer mesh. `textbook`: virtual joints with
+    `rigid`, `free`: solid legs by their ends. `held`, `own`: virtual joints with legs of the
+    constants of their section meshes, end faces held or free in theory. Each on the coarser and on
+    the finer mesh. `textbook`: virtual joints with
     legs of textbook constants; `torsion`: these but for c44, which is that of the rigid-faced
     solid. `factor`: uncertainty over the step between both meshes.
     """
@@ -30,6 +31,7 @@ class StrokeStatics:
     x: Array
     rigid: tuple[Deflections, Deflections]
     free: tuple[Deflections, Deflections]
+    held: tuple[Deflections, Deflections]
     own: tuple[Deflections, Deflections]
     textbook: Deflections
     torsion: Deflections
@@ -53,10 +55,12 @@ def stroke_statics(robot: Biglide, most: int) -> StrokeStatics:
         for ends in ("rigid", "free")
     )
     own = [_vjm_deflections(member, x, (first.own, second.own)) for first, second in both]
+    held = [_vjm_deflections(member, x, (first.held, second.held)) for first, second in both]
     return StrokeStatics(
         x=x,
         rigid=(rigid[0], rigid[1]),
         free=(free[0], free[1]),
+        held=(held[0], held[1]),
         own=(own[0], own[1]),
         textbook=_vjm_deflections(member, x, (textbook[0], textbook[1])),
         torsion=_vjm_deflections(member, x, (torsion[0], torsion[1])),

@@ -37,31 +37,29 @@ def _rotation(mesh: SectionMesh, quad: SectionQuadrature) -> Array:
 
 def _stiffness(quad: SectionQuadrature, material: Material, k: float) -> Array:
     """3N×3N matrix of twice the mean strain energy per length, unknowns (a, b_y, b_z) per node."""
-    strains = _strains(quad, k)
-    elasticity = _elasticity(material)
-    local = np.einsum(
-        "mqsi,st,mqtj,mq->mij", strains, elasticity, strains, quad.weights, optimize=True
-    )
-    return _assemble(quad, local)
+    field = strains(quad, k)
+    moduli = elasticity(material)
+    local = np.einsum("mqsi,st,mqtj,mq->mij", field, moduli, field, quad.weights, optimize=True)
+    return assembled(quad, local)
 
 
-def _strains(quad: SectionQuadrature, k: float) -> Array:
+def strains(quad: SectionQuadrature, k: float) -> Array:
     """Amplitudes of (εxx, εyy, εzz, γyz, γxz, γxy) per unknown: M×Q×6×3n for n nodes per cell."""
     cells, points = quad.weights.shape
     count = len(quad.shapes)
     along_y, along_z = (quad.gradients[:, :, i].transpose(0, 2, 1) for i in (0, 1))
     shape = np.broadcast_to(quad.shapes.T, (cells, points, count))
-    strains = np.zeros((cells, points, 6, count, 3))
-    strains[:, :, 0, :, 0] = -k * shape
-    strains[:, :, 1, :, 1] = along_y
-    strains[:, :, 2, :, 2] = along_z
-    strains[:, :, 3, :, 1], strains[:, :, 3, :, 2] = along_z, along_y
-    strains[:, :, 4, :, 0], strains[:, :, 4, :, 2] = along_z, k * shape
-    strains[:, :, 5, :, 0], strains[:, :, 5, :, 1] = along_y, k * shape
-    return strains.reshape(cells, points, 6, 3 * count)
+    found = np.zeros((cells, points, 6, count, 3))
+    found[:, :, 0, :, 0] = -k * shape
+    found[:, :, 1, :, 1] = along_y
+    found[:, :, 2, :, 2] = along_z
+    found[:, :, 3, :, 1], found[:, :, 3, :, 2] = along_z, along_y
+    found[:, :, 4, :, 0], found[:, :, 4, :, 2] = along_z, k * shape
+    found[:, :, 5, :, 0], found[:, :, 5, :, 1] = along_y, k * shape
+    return found.reshape(cells, points, 6, 3 * count)
 
 
-def _elasticity(material: Material) -> Array:
+def elasticity(material: Material) -> Array:
     """6×6 elasticity matrix (Pa) with cubic symmetry."""
     E, nu = material.E, material.nu
     lame = E * nu / ((1.0 + nu) * (1.0 - 2.0 * nu))
@@ -75,10 +73,11 @@ def _mass(quad: SectionQuadrature, rho: float) -> Array:
     scalar = np.einsum("iq,jq,mq->mij", quad.shapes, quad.shapes, rho * quad.weights)
     cells, count, _ = scalar.shape
     blocks = np.einsum("mij,ab->miajb", scalar, np.eye(3))
-    return _assemble(quad, blocks.reshape(cells, 3 * count, 3 * count))
+    return assembled(quad, blocks.reshape(cells, 3 * count, 3 * count))
 
 
-def _assemble(quad: SectionQuadrature, local: Array) -> Array:
+def assembled(quad: SectionQuadrature, local: Array) -> Array:
+    """Sum (3N×3N) of the cells' matrices (M×3n×3n)."""
     unknowns = (3 * quad.mesh.cells[:, :, None] + np.arange(3)).reshape(len(local), -1)
     matrix = np.zeros((3 * len(quad.mesh.nodes),) * 2)
     np.add.at(matrix, (unknowns[:, :, None], unknowns[:, None, :]), local)

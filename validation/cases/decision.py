@@ -213,21 +213,21 @@ def _restraint(context: Context, decision: Decision) -> Allowance:
     return Allowance(
         cause="end faces kept plane and rigid: torsional warping restrained",
         amount=100.0 * (free / free_best - held / held_best),
-        source="virtual joints with the torsional compliance c44 of the rigid-faced solid",
+        source="virtual joints with c44 of prisms of held end faces (fem.sections.end_effects)",
     )
 
 
 def largest_deflections(robot: Biglide, alpha: float, postures: int) -> tuple[float, float]:
     """Largest deflection (µm) of member α over its stroke by virtual joints.
 
-    With the legs' own compliances, and with c44 of solids with rigid end faces.
+    With the legs' own compliances, and with c44 of legs whose end faces are held (theory).
     """
     member = scaled(robot, alpha)
     legs = [equivalent_leg(leg) for leg in (member.leg1, member.leg2)]
     own = [tip_compliance(leg.timoshenko, leg.length) for leg in legs]
     held = [springs.copy() for springs in own]
     for springs, leg in zip(held, legs, strict=True):
-        springs[3, 3] = two_meshes(leg, _SECTION_UNKNOWNS).fine.rigid[3, 3]
+        springs[3, 3] = two_meshes(leg, _SECTION_UNKNOWNS).fine.held[3, 3]
     x = stroke_stations(member, postures)
 
     def largest(pair: Sequence[Array]) -> float:

@@ -7,6 +7,7 @@ import numpy as np
 from fem.bodies.beam_theory import CantileverFrequency, cantilever_frequencies
 from fem.bodies.solid import Ends
 from fem.sections import nonuniform_torsion
+from fem.sections.end_effects import restrained_compliance
 from fem.sections.section_constants import SectionConstants, beam_properties, section_constants
 from fem.sections.waveguide import torsion_wave
 from lumped.arrays import Array
@@ -20,7 +21,6 @@ from validation.cases.legs import (
     TIMOSHENKO,
     UNITS,
     constant_leg_of,
-    exact_compliance,
     exact_modes,
 )
 from validation.context import Context, Preset
@@ -58,38 +58,55 @@ def cases() -> tuple[Case, ...]:
 
 
 def _compliances(number: int) -> list[Case]:
-    return [
-        Case(
+    return [case for name in ENTRIES for case in _entry_cases(number, name)]
+
+
+def _entry_cases(number: int, name: str) -> tuple[Case, Case]:
+    i, j, meaning = ENTRIES[name]
+    entry_case = partial(
+        Case,
+        quantity=f"compliance {name}, {meaning}",
+        unit=UNITS[(i > 2, j > 2)],
+        reference_kind="closed-form",
+        tolerance=Relative(_TORSION if name == "c44" else _BENDING),
+        section=f"Leg {number}",
+        group=f"leg{number}.solid",
+        effort=0.5,
+    )
+    left = "what is left is the mesh: " + ("0.1 % in torsion" if name == "c44" else "0.02 %")
+    return (
+        entry_case(
             id=f"leg{number}.compliance.solid[{name}]",
-            title=f"Leg {number}: {name} of the solid is the Timoshenko cantilever's",
-            quantity=f"compliance {name}, {meaning}",
-            unit=UNITS[(i > 2, j > 2)],
-            reference_kind="closed-form",
-            citation=TIMOSHENKO,
-            tolerance=Relative(_TORSION if name == "c44" else _BENDING),
-            tolerance_reason="beam theory is exact for ends free to warp, rigid end faces are "
-            "allowed for by their own effect; what is left is the mesh: "
-            + ("0.1 % in torsion, order 3.4" if name == "c44" else "0.02 %"),
-            compute=partial(_entry, number=number, entry=(i, j)),
+            title=f"Leg {number}: {name} of the solid with rigid faces is the Timoshenko "
+            "cantilever's less what faces held plane take from it",
+            citation=f"{TIMOSHENKO}; section constants by finite elements",
+            tolerance_reason="end effects decay as Saint-Venant's theory of the prism says; "
+            + left,
+            compute=partial(_held_entry, number=number, entry=(i, j)),
             model="solid",
             row=f"leg {number}",
-            section=f"Leg {number}",
-            group=f"leg{number}.solid",
-            effort=0.5,
-        )
-        for name, (i, j, meaning) in ENTRIES.items()
-    ]
+        ),
+        entry_case(
+            id=f"leg{number}.compliance.solid-free[{name}]",
+            title=f"Leg {number}: {name} of the solid with free ends is the Timoshenko "
+            "cantilever's",
+            citation=f"{TIMOSHENKO}; section constants by finite elements",
+            tolerance_reason=f"beam theory is exact for ends free to warp and contract; {left}",
+            compute=partial(_free_entry, number=number, entry=(i, j)),
+        ),
+    )
 
 
 def _frequencies(number: int) -> list[Case]:
     return [
         Case(
             id=f"leg{number}.frequency.solid[{index + 1}]",
-            title=f"Leg {number}: frequency {index + 1} of the solid is the Timoshenko beam's",
+            title=f"Leg {number}: frequency {index + 1} of the solid with free ends is the "
+            "Timoshenko beam's",
             quantity=f"natural frequency {index + 1}, clamped-free",
             unit="Hz",
             reference_kind="closed-form",
-            citation=HUANG,
+            citation=f"{HUANG}; section constants by finite elements",
             tolerance=Relative(0.01),
             tolerance_reason="Timoshenko's theory is approximate in dynamics: below 1 % while "
             "the wave is longer than three section heights",
@@ -171,6 +188,18 @@ def _own_compliances(leg: ConstantLeg, divisions: tuple[int, ...]) -> Array:
     return np.array([tip_compliance(own_beam(leg, number), leg.length) for number in divisions])
 
 
+def _restrained(leg: ConstantLeg, divisions: tuple[int, ...]) -> Array:
+    """What rigid faces take from them in theory (m×6×6)."""
+    return np.array(
+        [
+            restrained_compliance(
+                section_mesh(leg.section, section_counts(leg, number)), leg.material, leg.length
+            )
+            for number in divisions
+        ]
+    )
+
+
 def _own_frequencies(leg: ConstantLeg, divisions: tuple[int, ...], part: str, order: int) -> Array:
     """One frequency (Hz, m values) of the beam, section constants on each of the solids' meshes."""
     beams = (own_beam(leg, number) for number in divisions)
@@ -182,27 +211,47 @@ def _frequency_of(modes: tuple[CantileverFrequency, ...], part: str, order: int)
     return next(float(m.frequency) for m in modes if (m.part, m.order) == (part, order))
 
 
-def _entry(context: Context, number: int, entry: tuple[int, int]) -> Measurement:
+def _free_entry(context: Context, number: int, entry: tuple[int, int]) -> Measurement:
+    leg = constant_leg_of(context, number)
+    free = compliances(context, number, "free")
+    own = Refinement(free.divisions, context.get(_own_compliances, leg, free.divisions))
+    # Solid and beam have one section mesh, whose errors they share: what is judged has its own.
+    left = Refinement(free.divisions, free.values - own.values)
+    reference = float(own.values[-1][entry])
+    _require_decided(left, entry, reference, context.preset)
+    return Measurement(
+        float(free.values[-1][entry]),
+        reference,
+        value_uncertainty=free.uncertainty(*entry),
+        reference_uncertainty=own.uncertainty(*entry),
+        judged_uncertainty=left.uncertainty(*entry),
+    )
+
+
+def _held_entry(context: Context, number: int, entry: tuple[int, int]) -> Measurement:
     leg = constant_leg_of(context, number)
     rigid, free = (compliances(context, number, ends) for ends in ("rigid", "free"))
-    textbook = float(context.get(exact_compliance, leg)[entry])
-    own = context.get(_own_compliances, leg, rigid.divisions)
-    value = float(rigid.values[-1][entry])
-    # Causes are measured on one mesh, so that its errors cancel: what is left, and what the
-    # numerical uncertainty is about, is the free solid less the beam of the same section mesh.
-    left = Refinement(rigid.divisions, free.values - own)
-    _require_decided(left, entry, textbook, context.preset)
+    own = Refinement(rigid.divisions, context.get(_own_compliances, leg, rigid.divisions))
+    taken = context.get(_restrained, leg, rigid.divisions)
+    left = Refinement(rigid.divisions, rigid.values - own.values - taken)
+    value, reference = float(rigid.values[-1][entry]), float(own.values[-1][entry])
+    _require_decided(left, entry, reference, context.preset)
     return Measurement(
         value,
-        textbook,
-        value_uncertainty=left.uncertainty(*entry),
+        reference,
+        value_uncertainty=rigid.uncertainty(*entry),
+        reference_uncertainty=own.uncertainty(*entry),
+        judged_uncertainty=left.uncertainty(*entry),
         allowances=(
-            _textbook(float(own[-1][entry]) - textbook),
-            _restraint(value - float(free.values[-1][entry])),
+            Allowance(
+                cause="end faces kept plane and rigid: warping and contraction restrained",
+                amount=float(taken[-1][entry]),
+                source="fields that decay from held faces of the prism (fem.sections.end_effects)",
+            ),
         ),
         notes=(
-            f"rigid end faces change it by {_percent(value, float(free.values[-1][entry]))}; "
-            f"mesh uncertainty with them {_percent(rigid.uncertainty(*entry) + value, value)}",
+            f"the same mesh with free ends: {_percent(value, float(free.values[-1][entry]))} by "
+            "rigid faces",
         ),
     )
 
@@ -238,69 +287,61 @@ def _mode(context: Context, number: int, index: int) -> Measurement:
             f"heights long, below {SHORTEST_WAVE:g} no beam theory is meant to hold"
         )
     rigid, free = (frequencies(context, number, ends) for ends in ("rigid", "free"))
-    divisions = rigid.frequencies.divisions
-    on_meshes = context.get(_own_frequencies, leg, divisions, exact.part, exact.order)
-    own = float(on_meshes[-1])
+    found = free.frequencies
+    own = Refinement(
+        found.divisions,
+        context.get(_own_frequencies, leg, found.divisions, exact.part, exact.order),
+    )
     # As for compliances: free solid and beam have the errors of one section mesh in common.
-    left = Refinement(divisions, free.frequencies.values[:, index] - on_meshes)
-    value, textbook = float(rigid.frequencies.values[-1, index]), float(exact.frequency)
-    allowances = [
-        _textbook(own - textbook),
-        _restraint(value - float(free.frequencies.values[-1, index])),
-    ]
-    if exact.part == "torsion":
-        allowances += context.get(_warping_waves, leg, exact.order, own)
+    left = Refinement(found.divisions, found.values[:, index] - own.values)
+    value, reference = float(found.values[-1, index]), float(own.values[-1])
+    torsion = exact.part == "torsion"
+    wave, tip = context.get(_warping_waves, leg, exact.order) if torsion else (1.0, 1.0)
     return Measurement(
         value,
-        textbook,
-        value_uncertainty=left.uncertainty(),
-        allowances=tuple(allowances),
+        reference * wave * tip,
+        value_uncertainty=found.uncertainty(index),
+        reference_uncertainty=own.uncertainty(),
+        judged_uncertainty=left.uncertainty(),
         notes=(
             f"{exact.part}, number {exact.order} of its kind; MAC with the beam's mode "
-            f"{rigid.mac[-1, index]:.4f}; mesh uncertainty with rigid end faces "
-            f"{_percent(rigid.frequencies.uncertainty(index) + value, value)}",
+            f"{free.mac[-1, index]:.4f}",
+            *_wave_notes(exact.part, wave, tip),
+            f"with rigid end faces {rigid.frequencies.values[-1, index]:.5g} Hz, "
+            f"{_percent(float(rigid.frequencies.values[-1, index]), value)}",
         ),
     )
 
 
-def _textbook(amount: float) -> Allowance:
-    return Allowance(
-        cause="textbook section constants (thin walls, Cowper's shear)",
-        amount=amount,
-        source="fem.sections.section_constants on the solid's section mesh",
-    )
+def _warping_waves(leg: ConstantLeg, order: int) -> tuple[float, float]:
+    """What warping along the leg does to a torsional frequency of Saint-Venant's, two factors.
 
-
-def _restraint(amount: float) -> Allowance:
-    return Allowance(
-        cause="end faces kept plane and rigid: warping and contraction restrained",
-        amount=amount,
-        source="same mesh with ends free to warp (Saint-Venant tractions)",
-    )
-
-
-def _warping_waves(leg: ConstantLeg, order: int, saint_venant: float) -> list[Allowance]:
-    """What warping along the leg does to its torsional frequency `saint_venant` (Hz)."""
+    That of the 3-D wave of the same length in an endless leg, and of the tip's face, free of that
+    wave's normal stress.
+    """
     wave_number = (2 * order - 1) * np.pi / (2.0 * leg.length)
-    constants = own_constants(leg)
+    constants, material = own_constants(leg), leg.material
     section = section_mesh(leg.section, section_counts(leg, WAVE_DIVISIONS))
-    endless = torsion_wave(section, leg.material, wave_number) / (2.0 * np.pi)
-    relaxed = float(
-        nonuniform_torsion.cantilever_frequencies(constants, leg.material, leg.length, order)[-1]
+    coarse = own_constants(leg, WAVE_DIVISIONS)
+    polar = coarse.second_moment_y + coarse.second_moment_z
+    saint_venant = wave_number * np.sqrt(
+        material.G * coarse.torsion_constant / (material.rho * polar)
     )
-    relaxation = relaxed / nonuniform_torsion.wave_frequency(constants, leg.material, wave_number)
-    return [
-        Allowance(
-            cause="stiffness and inertia of warping along the torsional wave",
-            amount=endless - saint_venant,
-            source="3-D wave of the same length in an endless leg (fem.sections.waveguide)",
-        ),
-        Allowance(
-            cause="tip face free of the wave's normal stress",
-            amount=endless * (relaxation - 1.0),
-            source="Reissner's torsion, cantilever over endless rod (nonuniform_torsion)",
-        ),
-    ]
+    wave = torsion_wave(section, material, wave_number) / saint_venant
+    relaxed = nonuniform_torsion.cantilever_frequencies(constants, material, leg.length, order)[-1]
+    tip = relaxed / nonuniform_torsion.wave_frequency(constants, material, wave_number)
+    return float(wave), float(tip)
+
+
+def _wave_notes(part: str, wave: float, tip: float) -> tuple[str, ...]:
+    if part != "torsion":
+        return ()
+    return (
+        f"Saint-Venant's frequency times {wave:.5f} for stiffness and inertia of warping along the "
+        "wave (3-D wave of the same length in an endless leg, fem.waveguide) and "
+        f"{tip:.5f} for the tip face, free of the wave's normal stress (Reissner's torsion, "
+        "fem.nonuniform_torsion)",
+    )
 
 
 def _order(context: Context, number: int, name: str) -> Measurement:

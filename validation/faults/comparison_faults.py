@@ -222,14 +222,14 @@ FAULTS = (
     Fault(
         "waveguide.shear",
         "Waves in a leg: half the shear modulus (γ for ε)",
-        "fem.sections.waveguide:_elasticity",
+        "fem.sections.waveguide:elasticity",
         "physics",
         around(_weak_shear),
     ),
     Fault(
         "waveguide.strain-sign",
         "Waves in a leg: sign of the axial derivative in γxy and γxz",
-        "fem.sections.waveguide:_strains",
+        "fem.sections.waveguide:strains",
         "physics",
         result(_shear_sign),
     ),

@@ -1,0 +1,110 @@
+"""End effects of a prism against closed forms, thin-wall theory, and solids of thin slices."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from fem.bodies import doubling
+from fem.sections.end_effects import decay_rates, restrained_compliance
+from fem.sections.section_constants import section_constants
+from lumped.errors import InputError
+from lumped.legs import ConstantLeg, Material, tip_compliance
+from lumped.sections import HollowRectangle, ISection, Rectangle, Tube
+from meshes.section.section_mesh import section_mesh
+
+STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
+WITHOUT_CONTRACTION = Material.isotropic(2.1e11, 0.0, 7850.0)
+
+
+def test_a_strip_decays_with_the_roots_of_papkovich_and_fadle():
+    """sin 2s ± 2s = 0 (tension, bending), s = γc: first roots by Fadle (1940)."""
+    half = 0.05
+    rates = decay_rates(section_mesh(Rectangle(0.001, 2.0 * half), (1, 16)), STEEL)
+    for name, root in {"tension": 2.10620 + 1.12536j, "bending z": 3.74884 + 1.38434j}.items():
+        slowest = rates[name][0] * half
+        assert slowest.real == pytest.approx(root.real, rel=2e-3)
+        assert abs(slowest.imag) == pytest.approx(root.imag, rel=2e-3)
+
+
+def test_warping_of_an_open_section_decays_as_vlasov_says():
+    # Walls a hundredth of the side: what Vlasov leaves out (Reissner's shear) is of that order.
+    section = ISection(0.1, 0.16, 0.0012, 0.0012)
+    mesh = section_mesh(section, 2)
+    constants = section_constants(mesh, 0.0)
+    depth = np.sqrt(2.0 * constants.warping_constant / constants.torsion_constant)
+    (slowest, *_) = decay_rates(mesh, WITHOUT_CONTRACTION)["torsion"]
+    assert slowest.imag == 0.0
+    assert slowest.real * depth == pytest.approx(1.0, rel=5e-3)
+
+
+@pytest.mark.parametrize("length", [0.5, 4.0])
+def test_held_torsion_of_an_open_section_is_vlasovs(length):
+    """θ/T = (L − 2d tanh(L/2d))/GJ with warping held at both ends, d² = EΓ/GJ (Vlasov 1961)."""
+    section = ISection(0.1, 0.16, 0.0012, 0.0012)
+    mesh = section_mesh(section, 2)
+    constants, material = section_constants(mesh, 0.0), WITHOUT_CONTRACTION
+    rigidity = material.G * constants.torsion_constant
+    depth = np.sqrt(material.E * constants.warping_constant / rigidity)
+    taken = restrained_compliance(mesh, material, length)[3, 3]
+    expected = -2.0 * depth * np.tanh(length / (2.0 * depth)) / rigidity
+    # Depth 1.6 m: both faces act on each other. What the flanges' shear adds falls with the length.
+    assert taken == pytest.approx(expected, rel=0.01)
+
+
+def test_round_sections_do_not_warp_and_nothing_contracts_without_poisson():
+    taken = restrained_compliance(section_mesh(Tube(0.1, 0.01), 4), STEEL, 0.85)
+    twist = tip_compliance(ConstantLeg(0.85, Tube(0.1, 0.01), STEEL).timoshenko, 0.85)[3, 3]
+    assert abs(taken[3, 3]) < 1e-9 * twist
+    taken = restrained_compliance(
+        section_mesh(Rectangle(0.1, 0.16), (2, 3)), WITHOUT_CONTRACTION, 1
+    )
+    stretch = 1.0 / (WITHOUT_CONTRACTION.E * 0.016)
+    assert abs(taken[0, 0]) < 1e-12 * stretch
+    # Shear is held, though: a length of its own, whatever that of the leg.
+    longer = restrained_compliance(
+        section_mesh(Rectangle(0.1, 0.16), (2, 3)), WITHOUT_CONTRACTION, 2.0
+    )
+    assert longer[1, 1] == pytest.approx(taken[1, 1], rel=1e-6)
+    assert taken[1, 1] < 0.0
+
+
+@pytest.mark.parametrize(
+    ("section", "counts"),
+    [
+        (Rectangle(0.1, 0.16), (2, 3)),
+        (HollowRectangle(0.1, 0.16, 0.01), 4),
+        (ISection(0.1, 0.16, 0.012, 0.008), 4),
+    ],
+)
+@pytest.mark.parametrize("length", [0.16, 0.85])
+def test_solids_of_ever_thinner_slices_lose_what_the_theory_says(section, counts, length):
+    leg = ConstantLeg(length, section, STEEL)
+    mesh = section_mesh(section, counts)
+    taken = restrained_compliance(mesh, STEEL, length)
+    left = []
+    for slices in (64, 256):
+        condensed = doubling.condensed_leg(leg, mesh, slices)
+        rigid, free = (doubling.tip_compliance(condensed, ends) for ends in ("rigid", "free"))
+        left.append(np.abs(rigid - free - taken) / np.sqrt(np.outer(np.diag(free), np.diag(free))))
+    # Decays are exact along x, so that slices alone are left: order two at least, four in the end.
+    assert left[1].max() < 0.1 * left[0].max()
+    assert left[1].max() < (2e-4 if length > 0.5 else 2e-3)
+
+
+def test_a_turned_leg_is_the_same_leg():
+    upright = restrained_compliance(section_mesh(Rectangle(0.1, 0.16), (2, 3)), STEEL, 0.5)
+    lying = restrained_compliance(section_mesh(Rectangle(0.16, 0.1), (3, 2)), STEEL, 0.5)
+    turned = np.zeros((6, 6))
+    turned[0, 0] = turned[3, 3] = 1.0
+    turned[1, 2], turned[2, 1], turned[4, 5], turned[5, 4] = 1.0, -1.0, 1.0, -1.0
+    assert_allclose(turned @ upright @ turned.T, lying, rtol=1e-6, atol=1e-16)
+    assert np.all(np.linalg.eigvalsh(upright) < 1e-16)
+
+
+def test_a_section_without_symmetry_is_refused():
+    mesh = section_mesh(Rectangle(0.1, 0.16), (2, 3))
+    skew = replace(mesh, nodes=mesh.nodes + 0.1 * np.square(mesh.nodes[:, ::-1]))
+    with pytest.raises(InputError, match="not symmetric"):
+        restrained_compliance(skew, STEEL, 0.5)
