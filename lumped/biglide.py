@@ -12,8 +12,8 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.errors import InputError
-from lumped.legs import ConstantLeg, EquivalentBy, Leg, equivalent_leg
-from lumped.mechanism.body import Given, Prism
+from lumped.legs import EquivalentBy, Leg, equivalent_leg
+from lumped.mechanism.body import leg_shape
 from lumped.mechanism.joint import Drive, Joint, JointKind, Side
 from lumped.mechanism.mechanism import GROUND, Mechanism, Tool
 from lumped.mechanism.placing import leg_on, rigid_on
@@ -162,8 +162,8 @@ def mechanism(robot: Biglide, x: float | None = None) -> Mechanism:
         rigid_on(GROUND, ("A", "C"), points, origin=np.zeros(3)),
         rigid_on("slide1", "A", points),
         rigid_on("slide2", "C", points),
-        leg_on("leg1", _shape(robot.leg1), ("A", "B"), points),
-        leg_on("leg2", _shape(robot.leg2), ("C", "B"), points),
+        leg_on("leg1", leg_shape(robot.leg1), ("A", "B"), points),
+        leg_on("leg2", leg_shape(robot.leg2), ("C", "B"), points),
         rigid_on("platform", ("B", "P"), points),
     ]
     drive, foot = Drive(simplified=robot.actuator_stiffness), robot.foot_compliance
@@ -187,12 +187,6 @@ def mechanism(robot: Biglide, x: float | None = None) -> Mechanism:
         reference={body.name: frame for body, frame in placed},
         poses=np.array([_loaded_point(robot, at, station) for station in robot.stations(_POSES)]),
     )
-
-
-def _shape(leg: Leg) -> Prism | Given:
-    if isinstance(leg, ConstantLeg):
-        return Prism(leg.length, leg.section, leg.material)
-    return Given(leg.length, leg.mass, leg.compliance)
 
 
 def _joint(

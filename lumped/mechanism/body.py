@@ -7,7 +7,7 @@ from typing import TypeAlias
 import numpy as np
 
 from lumped.arrays import Array
-from lumped.legs import Ends, Material
+from lumped.legs import ConstantLeg, Ends, Leg, Material
 from lumped.mechanism.frame import Frame
 from lumped.mechanism.part import Part
 from lumped.sections import Section
@@ -49,6 +49,13 @@ class Rigid:
 
 
 Shape: TypeAlias = Prism | Given | Part | Rigid
+
+
+def leg_shape(leg: Leg) -> Prism | Given:
+    """The shape of a leg: of constant section, or known by its 6×6."""
+    if isinstance(leg, ConstantLeg):
+        return Prism(leg.length, leg.section, leg.material, leg.ends)
+    return Given(leg.length, leg.mass, leg.compliance)
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,10 +5,18 @@ In: a path or the name of a built-in robot. Out: the robot, its tables, what the
 
 from lumped.robot_file.load import (
     RobotFile,
+    RobotType,
     as_printed,
     built_in_robots,
     load_robot,
     write_template,
 )
 
-__all__ = ["RobotFile", "as_printed", "built_in_robots", "load_robot", "write_template"]
+__all__ = [
+    "RobotFile",
+    "RobotType",
+    "as_printed",
+    "built_in_robots",
+    "load_robot",
+    "write_template",
+]

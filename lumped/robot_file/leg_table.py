@@ -18,14 +18,16 @@ from lumped.robot_file.tables import LegTable, SquareMatrix
 _SMALLEST_BENDING_SHARE = 1e-3
 
 
-def leg_faults(table: object, key: str) -> list[str]:
+def leg_faults(table: object, key: str, material_key: str = "") -> list[str]:
     """Keys of a leg that contradict each other or leave it undescribed, each line with its key.
 
-    Silent about whatever is wrong with one key alone.
+    Silent about whatever is wrong with one key alone. `material_key`: where the material stands
+    if not in the leg's own table.
     """
     if not isinstance(table, dict):
         return []
-    faults = _description_faults(table, key) + _mass_faults(table, key)
+    faults = _description_faults(table, key)
+    faults += _mass_faults(table, key, material_key or f"{key}.material")
     length = table.get("length")
     if is_finite_number(length) and 0.0 < length <= 100.0:
         faults += _slenderness_faults(table, float(length), key)
@@ -89,7 +91,7 @@ def _description_faults(table: dict[str, Any], key: str) -> list[str]:
     return [f"{key}.{missing}: missing; must be given with {key}.{given}"]
 
 
-def _mass_faults(table: dict[str, Any], key: str) -> list[str]:
+def _mass_faults(table: dict[str, Any], key: str, material_key: str) -> list[str]:
     material = table.get("material")
     if "compliance" in table:
         if "mass" in table:
@@ -100,14 +102,14 @@ def _mass_faults(table: dict[str, Any], key: str) -> list[str]:
     if "rho" in material and "mass" in table:
         return [
             (
-                f"{key}.mass and {key}.material.rho: both given; must be only one, the mass (kg) "
+                f"{key}.mass and {material_key}.rho: both given; must be only one, the mass (kg) "
                 "follows from the density (kg/m³)"
             )
         ]
     if "rho" not in material and "mass" not in table:
         return [
             (
-                f"{key}.material.rho: missing; must be a density in kg/m³, unless {key}.mass in kg "
+                f"{material_key}.rho: missing; must be a density in kg/m³, unless {key}.mass in kg "
                 "is given"
             )
         ]

@@ -5,47 +5,75 @@ import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from difflib import get_close_matches
+from functools import cached_property
 from importlib import resources
 from importlib.resources.abc import Traversable
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, TypeAlias
 
 import msgspec
-import numpy as np
 
-from lumped.biglide import Biglide, geometry_faults
+from lumped.biglide import Biglide
+from lumped.biglide import mechanism as biglide_mechanism
 from lumped.errors import InputError
-from lumped.legs import GivenLeg
+from lumped.mechanism.mechanism import Mechanism
 from lumped.requirement import STATIC_QUANTITIES, Requirement
-from lumped.robot_file.corrections import correction_faults, value_at, with_printed_values
-from lumped.robot_file.leg_table import leg_faults, leg_of, symmetric
+from lumped.robot_file.biglide import biglide_faults, biglide_of, corrections_of
+from lumped.robot_file.corrections import with_printed_values
+from lumped.robot_file.mechanism.build import description_faults, mechanism_of
+from lumped.robot_file.mechanism.motion_faults import motion_faults
 from lumped.robot_file.reading import decoded, parsed, read_bytes
-from lumped.robot_file.table_faults import table_faults
-from lumped.robot_file.tables import Accept, Correction, Length, RobotTables
+from lumped.robot_file.tables import Accept, Correction
 from lumped.text import cut, visible
 
 _SUFFIX = ".toml"
 # What a person reads before mending the first of them.
 _MOST_LINES = 50
 _LONGEST_LINE = 300
+_ONLY_IN_2 = ("points", "bodies", "joints")
+
+
+# Mechanisms of which a built-in robot is there to start from.
+RobotType: TypeAlias = Literal["biglide", "five-bar", "3-rrr", "delta", "orthoglide", "hexapod"]
 
 
 @dataclass(frozen=True)
 class RobotFile:
     """A robot and the file it came from.
 
+    `described` is what the file describes: a biglide (schema 1) or any mechanism (schema 2).
     `source` is the path as given or, if `built_in`, the robot's name; `text` the file's text and
     `sha256` the digest (hexadecimal) of its bytes; `corrections` of misprints in its source;
     `requirement` what is asked of its models.
     """
 
-    robot: Biglide
+    described: Biglide | Mechanism
     source: str
     built_in: bool
     text: str
     sha256: str
     corrections: tuple[Correction, ...]
     requirement: Requirement = field(default_factory=Requirement)
+
+    @property
+    def robot(self) -> Biglide:
+        """The biglide of the file; raises InputError where it describes another mechanism."""
+        if isinstance(self.described, Mechanism):
+            raise InputError(
+                f"{self.source}: a mechanism of schema 2; must be a biglide of schema 1 here"
+            )
+        return self.described
+
+    @cached_property
+    def mechanism(self) -> Mechanism:
+        """The robot as bodies and joints, whatever the schema of its file."""
+        described = self.described
+        return described if isinstance(described, Mechanism) else biglide_mechanism(described)
+
+    @property
+    def name(self) -> str:
+        """The robot's name."""
+        return self.described.name
 
     @property
     def tables(self) -> dict[str, Any]:
@@ -67,26 +95,20 @@ def load_robot(name_or_path: str | Path) -> RobotFile:
     """
     source = str(name_or_path)
     built_in = source in built_in_robots()
-    content = (_robots_folder() / f"{source}{_SUFFIX}").read_bytes() if built_in else _read(source)
+    content = _built_in(source) if built_in else _read(source)
     text = decoded(content, source)
     tables = parsed(text, source)
-    faults = table_faults(RobotTables, tables)
-    for leg in ("leg1", "leg2"):
-        faults += leg_faults(tables.get(leg), leg)
-    faults += _geometry_faults(tables)
-    if not faults:
-        typed = msgspec.convert(tables, RobotTables)
-        faults += correction_faults(tables, typed.corrections)
-    if faults:
+    described, faults = _described(tables)
+    if described is None:
         raise InputError(_listed(source, faults))
     return RobotFile(
-        robot=_robot(typed),
+        described=described,
         source=source,
         built_in=built_in,
         text=text,
         sha256=hashlib.sha256(content).hexdigest(),
-        corrections=tuple(typed.corrections),
-        requirement=requirement_of(typed.accept),
+        corrections=corrections_of(tables),
+        requirement=requirement_of(msgspec.convert(tables.get("accept"), Accept | None)),
     )
 
 
@@ -109,13 +131,13 @@ def as_printed(robot_file: RobotFile) -> dict[str, Any]:
     return with_printed_values(robot_file.tables, robot_file.corrections)
 
 
-def write_template(path: str | Path) -> None:
-    """Write a commented robot file to start from.
+def write_template(path: str | Path, kind: RobotType = "biglide") -> None:
+    """Write a commented robot file to start from: the built-in robot of that name.
 
     Raises InputError where `path` exists already or cannot be written; nothing half-written stays.
     """
     target = Path(path)
-    content = (resources.files("lumped") / "templates" / f"robot{_SUFFIX}").read_bytes()
+    content = _built_in(kind)
     try:
         file = target.open("xb")
     except FileExistsError as error:
@@ -133,6 +155,20 @@ def write_template(path: str | Path) -> None:
         raise InputError(f"{path}: cannot be written ({error.strerror})") from error
 
 
+def _described(tables: Mapping[str, Any]) -> tuple[Biglide | Mechanism | None, list[str]]:
+    """What a file describes, or None and its faults."""
+    schema = tables.get("schema")
+    # Whoever mistypes the number has written one of the two all the same.
+    if schema == 2 or (schema != 1 and not tables.keys().isdisjoint(_ONLY_IN_2)):
+        faults = description_faults(tables)
+        mechanism = None if faults else mechanism_of(tables)
+        if mechanism is not None:
+            faults = motion_faults(mechanism)
+        return (None if faults else mechanism), faults
+    faults = biglide_faults(tables)
+    return (None if faults else biglide_of(tables)), faults
+
+
 def _listed(source: str, faults: list[str]) -> list[str]:
     """The faults with their file, each on one short line, the rest counted where there are many."""
     some = faults if len(faults) <= _MOST_LINES else faults[: _MOST_LINES - 1]
@@ -140,6 +176,10 @@ def _listed(source: str, faults: list[str]) -> list[str]:
     if len(some) < len(faults):
         lines.append(visible(f"{source}: and {len(faults) - len(some)} more faults"))
     return lines
+
+
+def _built_in(name: str) -> bytes:
+    return (_robots_folder() / f"{name}{_SUFFIX}").read_bytes()
 
 
 def _robots_folder() -> Traversable:
@@ -157,34 +197,3 @@ def _read(source: str) -> bytes:
             f"{source}: no such file; must be a robot file or a built-in robot "
             f"({', '.join(robots)}){advice}"
         ) from error
-
-
-def _geometry_faults(tables: Mapping[str, Any]) -> list[str]:
-    """Why the legs cannot meet; silent while a length itself is missing or wrong."""
-    try:
-        a, length1, length2 = (
-            msgspec.convert(value_at(tables, key), Length)
-            for key in ("geometry.a", "leg1.length", "leg2.length")
-        )
-    except (LookupError, msgspec.ValidationError):
-        return []
-    # Only the lengths matter to the question, so the rest may still be wrong in the file.
-    leg1, leg2 = (GivenLeg(length, 1.0, np.eye(6)) for length in (length1, length2))
-    skeleton = Biglide("", a, platform_mass=1.0, actuator_stiffness=1.0, leg1=leg1, leg2=leg2)
-    place = "geometry.a, leg1.length, leg2.length"
-    return [f"{place}: {fault}" for fault in geometry_faults(skeleton)]
-
-
-def _robot(tables: RobotTables) -> Biglide:
-    foot, tool = tables.foot, tables.tool
-    return Biglide(
-        name=tables.name,
-        a=tables.geometry.a,
-        platform_mass=tables.platform.mass,
-        actuator_stiffness=tables.actuators.stiffness,
-        leg1=leg_of(tables.leg1),
-        leg2=leg_of(tables.leg2),
-        tool_offset=np.array(tables.geometry.tool_offset, dtype=float),
-        foot_compliance=None if foot is None else symmetric(foot.compliance),
-        tool_compliance=symmetric(tool.compliance) if tool and tool.active else None,
-    )

@@ -32,23 +32,27 @@ def unknown_key(path: str, key: str, known: Iterable[str]) -> str:
 def table_faults(kind: type[Table], table: Mapping[str, object], path: str = "") -> list[str]:
     """Faults of `table` against the fields of `kind`; `path` ("leg1.") goes before each key."""
     hints = get_type_hints(kind, include_extras=True)
-    required = {field.encode_name: field.required for field in msgspec.structs.fields(kind)}
-    unknown = [key for key in table if key not in hints]
-    faults = [unknown_key(path, key, hints) for key in unknown[:_ADVISED]]
+    # A key may be a word that Python keeps for itself ("from"); the field is then named otherwise.
+    fields = {field.encode_name: field for field in msgspec.structs.fields(kind)}
+    unknown = [key for key in table if key not in fields]
+    faults = [unknown_key(path, key, fields) for key in unknown[:_ADVISED]]
     faults += [f"{path}{cut(key, _LONGEST_KEY)}: unknown key" for key in unknown[_ADVISED:]]
-    for key, hint in hints.items():
+    for key, field in fields.items():
+        hint = _without_none(hints[field.name])
         if key in table:
-            faults += _value_faults(_without_none(hint), table[key], path + key)
-        elif required[key]:
-            allowed = _described(_without_none(hint))
-            faults.append(f"{path + key}: missing; must be {allowed}")
+            faults += value_faults(hint, table[key], path + key)
+        elif field.required:
+            faults.append(f"{path + key}: missing; must be {_described(hint)}")
     return faults
 
 
 def _without_none(hint: Any) -> Any:
-    if get_origin(hint) in {Union, types.UnionType}:
-        return next(arg for arg in get_args(hint) if arg is not type(None))
-    return hint
+    kinds = tuple(kind for kind in _alternatives(hint) if kind is not type(None))
+    return Union[kinds]  # noqa: UP007  made of as many kinds as are left
+
+
+def _alternatives(hint: Any) -> tuple[Any, ...]:
+    return get_args(hint) if get_origin(hint) in {Union, types.UnionType} else (hint,)
 
 
 def _meta(hint: Any) -> Meta:
@@ -59,9 +63,24 @@ def _extra(hint: Any) -> Mapping[str, Any]:
     return _meta(hint).extra or {}
 
 
-def _value_faults(hint: Any, value: object, key: str) -> list[str]:  # noqa: PLR0911
+def _is_table(hint: Any) -> bool:
+    return isinstance(hint, type) and issubclass(hint, Table)
+
+
+def _is_number(hint: Any) -> bool:
+    return _bare(hint) in {float, int}
+
+
+def _bare(hint: Any) -> Any:
+    return get_args(hint)[0] if get_origin(hint) is Annotated else hint
+
+
+def value_faults(hint: Any, value: object, key: str) -> list[str]:  # noqa: PLR0911
+    """Faults of a `value` against a field's type, each line starting with `key`."""
     extra = _extra(hint)
-    if isinstance(hint, type) and issubclass(hint, Table):
+    if len(_alternatives(hint)) > 1:
+        return _one_of_faults(hint, value, key)
+    if _is_table(hint):
         if not isinstance(value, dict):
             return [f"{key} = {shown(value)}: must be a table"]
         return table_faults(hint, value, f"{key}.")
@@ -71,8 +90,10 @@ def _value_faults(hint: Any, value: object, key: str) -> list[str]:  # noqa: PLR
         return section_faults(value, key)
     if get_origin(hint) is tuple:
         return _tuple_faults(hint, value, key)
+    if get_origin(hint) is dict:
+        return _named_faults(hint, value, key)
     if get_origin(hint) is list:
-        return _list_of_tables_faults(get_args(hint)[0], value, key)
+        return _list_faults(hint, value, key)
     fault = _leaf_fault(hint, value)
     return [f"{key} = {shown(value)}: {fault}"] if fault else []
 
@@ -85,16 +106,43 @@ def _tuple_faults(hint: Any, value: object, key: str) -> list[str]:
     return [f"{key}[{i + 1}] = {shown(value[i])}: {fault}" for i, fault in faults if fault]
 
 
-def _list_of_tables_faults(kind: type[Table], value: object, key: str) -> list[str]:
+def _list_faults(hint: Any, value: object, key: str) -> list[str]:
+    (kind,) = get_args(hint)
     if not isinstance(value, list):
-        return [f"{key} = {shown(value)}: must be an array of tables, [[{key}]]"]
+        wanted = f"an array of tables, [[{key}]]" if _is_table(kind) else _described(hint)
+        return [f"{key} = {shown(value)}: must be {wanted}"]
+    entries = enumerate(value, start=1)
+    return [fault for i, entry in entries for fault in value_faults(kind, entry, f"{key}[{i}]")]
+
+
+def _named_faults(hint: Any, value: object, key: str) -> list[str]:
+    name, kind = get_args(hint)
+    if not isinstance(value, dict):
+        return [f"{key} = {shown(value)}: must be {_described(hint)}"]
     faults = []
-    for i, entry in enumerate(value, start=1):
-        if isinstance(entry, dict):
-            faults += table_faults(kind, entry, f"{key}[{i}].")
-        else:
-            faults.append(f"{key}[{i}] = {shown(entry)}: must be a table")
+    for one, entry in value.items():
+        if _leaf_fault(name, one):
+            faults.append(f"{key}.{one}: a name must be {_described(name)}")
+        faults += value_faults(kind, entry, f"{key}.{one}")
     return faults
+
+
+def _one_of_faults(hint: Any, value: object, key: str) -> list[str]:
+    """Faults of the alternative that the value resembles: text, list, table or number."""
+    for kind in _alternatives(hint):
+        if isinstance(value, _written_as(kind)) and not isinstance(value, bool):
+            return value_faults(kind, value, key)
+    return [f"{key} = {shown(value)}: must be {_described(hint)}"]
+
+
+def _written_as(hint: Any) -> type | tuple[type, ...]:
+    """What a TOML value of this kind is read as."""
+    bare = _bare(hint)
+    if get_origin(bare) in {tuple, list}:
+        return list
+    if get_origin(bare) is Literal or bare is str:
+        return str
+    return (int, float) if bare is float else dict
 
 
 def _leaf_fault(hint: Any, value: object) -> str | None:
@@ -145,12 +193,20 @@ def _described(hint: Any) -> str:  # noqa: PLR0911
         return "a table with a shape and its sizes"
     if "allowed" in extra:
         return str(extra["allowed"])
-    if isinstance(hint, type) and issubclass(hint, Table):
+    if _is_table(hint):
         return "a table"
     if get_origin(hint) is Literal:
         return " or ".join(shown(value) for value in get_args(hint))
+    if len(_alternatives(hint)) > 1:
+        return " or ".join(_described(kind) for kind in _alternatives(hint))
     if get_origin(hint) is tuple:
-        return f"{len(get_args(hint))} numbers{_unit(get_args(hint)[0])}"
+        first, count = get_args(hint)[0], len(get_args(hint))
+        return f"{count} numbers{_unit(first)}" if _is_number(first) else f"{count} texts"
+    if get_origin(hint) is list:
+        kind = get_args(hint)[0]
+        return f"a list of {'numbers' if _is_number(kind) else 'entries'}{_unit(kind)}"
+    if get_origin(hint) is dict:
+        return "a table of named entries"
     if hint is bool:
         return "true or false"
     unit = _unit(hint)

@@ -36,25 +36,26 @@ class SquareMatrix:
     compliance: bool
 
 
-def _number(
+def number(
     unit: str, too_low: str = "", too_high: str = "", least: float = 0.0
 ) -> dict[str, Bounds]:
+    """What `Meta` carries of a number: its unit and what to ask where it is out of bounds."""
     return {"bounds": Bounds(unit, too_low, too_high, least)}
 
 
 # 100 m: beyond any parallel robot with rigid legs, below a leg of 10 cm written in millimetres.
 # 0.1 mm: shorter than the legs of flexure stages.
 Length: TypeAlias = Annotated[
-    float, Meta(gt=0.0, le=100.0, extra=_number("m", too_high="is this in mm?", least=1e-4))
+    float, Meta(gt=0.0, le=100.0, extra=number("m", too_high="is this in mm?", least=1e-4))
 ]
 # 10 m: a tool of 1 cm in millimetres is caught, no tool is as long.
 Offset: TypeAlias = Annotated[
     float,
-    Meta(ge=-10.0, le=10.0, extra=_number("m", "is this in mm?", "is this in mm?")),
+    Meta(ge=-10.0, le=10.0, extra=number("m", "is this in mm?", "is this in mm?")),
 ]
 # 1e5 kg: a hundred tonnes in one leg or platform. 1 µg: less than the smallest silicon part.
 Mass: TypeAlias = Annotated[
-    float, Meta(gt=0.0, le=1e5, extra=_number("kg", "", "is this in g?", least=1e-9))
+    float, Meta(gt=0.0, le=1e5, extra=number("kg", "", "is this in g?", least=1e-9))
 ]
 # 1e4 N/m: a drive that gives way 0.1 m under the paper's 1000 N is not a drive.
 # 1e15 N/m: stiffer than any; an "infinite" number would only cost digits.
@@ -63,28 +64,28 @@ ActuatorStiffness: TypeAlias = Annotated[
     Meta(
         ge=1e4,
         le=1e15,
-        extra=_number(
+        extra=number(
             "N/m", "is this in N/µm or kN/mm?", "more than any drive has; 1e15 is as good as rigid"
         ),
     ),
 ]
 # 1 MPa: soft rubber; 2e12 Pa: above diamond (1.2e12). Moduli in GPa or MPa fall below.
 YoungsModulus: TypeAlias = Annotated[
-    float, Meta(ge=1e6, le=2e12, extra=_number("Pa", "is this in GPa or MPa?", "above diamond"))
+    float, Meta(ge=1e6, le=2e12, extra=number("Pa", "is this in GPa or MPa?", "above diamond"))
 ]
 # G = E/2(1+ν) of the softest material above, rounded down; half of E's upper bound.
 ShearModulus: TypeAlias = Annotated[
-    float, Meta(ge=3e5, le=1e12, extra=_number("Pa", "is this in GPa or MPa?", "above diamond"))
+    float, Meta(ge=3e5, le=1e12, extra=number("Pa", "is this in GPa or MPa?", "above diamond"))
 ]
 # The limits of isotropic elasticity; both open.
-PoissonsRatio: TypeAlias = Annotated[float, Meta(gt=-1.0, lt=0.5, extra=_number(""))]
+PoissonsRatio: TypeAlias = Annotated[float, Meta(gt=-1.0, lt=0.5, extra=number(""))]
 # 25 kg/m³: structural foam; 25000 kg/m³: above osmium (22600).
 Density: TypeAlias = Annotated[
-    float, Meta(ge=25.0, le=25000.0, extra=_number("kg/m³", "is this in g/cm³?", "above osmium"))
+    float, Meta(ge=25.0, le=25000.0, extra=number("kg/m³", "is this in g/cm³?", "above osmium"))
 ]
 # 1e-6: no model is known better; 1: off by as much as there is.
 Share: TypeAlias = Annotated[
-    float, Meta(ge=1e-6, le=1.0, extra=_number("(0.05 is 5 %)", "", "is this in percent?"))
+    float, Meta(ge=1e-6, le=1.0, extra=number("(0.05 is 5 %)", "", "is this in percent?"))
 ]
 ModeCount: TypeAlias = Annotated[
     int, Meta(ge=1, le=MOST_MODES, extra={"allowed": f"a whole number from 1 to {MOST_MODES}"})
@@ -207,7 +208,7 @@ class Correction(Table, frozen=True):
 class RobotTables(Table, frozen=True):
     """A whole robot file."""
 
-    schema: Literal[1]
+    schema: Literal[1, 2]
     name: Name
     type: Literal["biglide"]
     geometry: Geometry

@@ -192,8 +192,7 @@ class Closure:
 
     def jacobian_at(self, placement: Placement) -> Array:
         """Derivative (no unit) of `residual_at`."""
-        rates = self._weights[:, None] * self.pose_jacobian(placement)
-        return np.concatenate([self.jacobian(placement), rates])
+        return np.concatenate([self.jacobian(placement), self.pose_jacobian(placement)])
 
     def moved(self, placement: Placement, step: Array) -> Placement:
         """The bodies after small displacements (unknowns)."""

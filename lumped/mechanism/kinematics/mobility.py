@@ -68,7 +68,7 @@ def mobility_at(closure: Closure, placement: Placement) -> Mobility:
     drives = closure.drives(placement) @ free
     tool = closure.tool_twists(placement) @ free
     unit = np.array([1.0] * 3 + [closure.size] * 3)
-    moves = unit[closure.moves, None] * closure.pose_jacobian(placement) @ free
+    moves = closure.pose_jacobian(placement) @ free
     undriven = _null_space(drives)[0]
     loose = _row_space((tool @ undriven).T)
     unmoved = _null_space(moves)[0]
@@ -105,7 +105,7 @@ def refuse_undetermined(found: Mobility, size: float, place: str) -> None:
             f"{place}: with all drives held the tool is free to {name_twists(found.loose, size)}; "
             "the drives must hold it"
         )
-    if found.spare > 0 and not faults:
+    if found.moves and found.spare > 0 and not faults:
         left = (
             f"the tool free to {name_twists(found.unprescribed, size)}"
             if len(found.unprescribed)

@@ -1,0 +1,64 @@
+"""Robot files of schema 1: a biglide, or every fault of its description."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import msgspec
+import numpy as np
+
+from lumped.biglide import Biglide, geometry_faults
+from lumped.legs import GivenLeg
+from lumped.robot_file.corrections import correction_faults, value_at
+from lumped.robot_file.leg_table import leg_faults, leg_of, symmetric
+from lumped.robot_file.table_faults import table_faults
+from lumped.robot_file.tables import Correction, Length, RobotTables
+
+
+def biglide_faults(tables: Mapping[str, Any]) -> list[str]:
+    """Every fault of a robot file's tables, one line each, starting with its key."""
+    faults = table_faults(RobotTables, tables)
+    for leg in ("leg1", "leg2"):
+        faults += leg_faults(tables.get(leg), leg)
+    faults += _geometry_faults(tables)
+    return faults or correction_faults(tables, corrections_of(tables))
+
+
+def corrections_of(tables: Mapping[str, Any]) -> tuple[Correction, ...]:
+    """Corrections of misprints that sound tables carry; none in a file of schema 2."""
+    return tuple(msgspec.convert(tables.get("corrections", []), list[Correction]))
+
+
+def biglide_of(tables: Mapping[str, Any]) -> Biglide:
+    """The biglide that tables without faults describe."""
+    return _robot(msgspec.convert(tables, RobotTables))
+
+
+def _geometry_faults(tables: Mapping[str, Any]) -> list[str]:
+    """Why the legs cannot meet; silent while a length itself is missing or wrong."""
+    try:
+        a, length1, length2 = (
+            msgspec.convert(value_at(tables, key), Length)
+            for key in ("geometry.a", "leg1.length", "leg2.length")
+        )
+    except (LookupError, msgspec.ValidationError):
+        return []
+    # Only the lengths matter to the question, so the rest may still be wrong in the file.
+    leg1, leg2 = (GivenLeg(length, 1.0, np.eye(6)) for length in (length1, length2))
+    skeleton = Biglide("", a, platform_mass=1.0, actuator_stiffness=1.0, leg1=leg1, leg2=leg2)
+    place = "geometry.a, leg1.length, leg2.length"
+    return [f"{place}: {fault}" for fault in geometry_faults(skeleton)]
+
+
+def _robot(tables: RobotTables) -> Biglide:
+    foot, tool = tables.foot, tables.tool
+    return Biglide(
+        name=tables.name,
+        a=tables.geometry.a,
+        platform_mass=tables.platform.mass,
+        actuator_stiffness=tables.actuators.stiffness,
+        leg1=leg_of(tables.leg1),
+        leg2=leg_of(tables.leg2),
+        tool_offset=np.array(tables.geometry.tool_offset, dtype=float),
+        foot_compliance=None if foot is None else symmetric(foot.compliance),
+        tool_compliance=symmetric(tool.compliance) if tool and tool.active else None,
+    )

@@ -1,0 +1,58 @@
+"""What only closing the loops shows: drives that do not hold the tool, poses out of reach."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from lumped.errors import InputError
+from lumped.mechanism.kinematics.mobility import Mobility, mobility
+from lumped.mechanism.kinematics.postures import posture, reference_posture
+from lumped.mechanism.mechanism import Mechanism
+from lumped.screw_names import name_twists
+
+# Poses of a path that are tried before anything is computed; the others are when they come up.
+_TRIED = 32
+
+
+def motion_faults(mechanism: Mechanism) -> list[str]:
+    """Faults of the mobility in the reference posture, else of the poses of the path."""
+    found = mobility(reference_posture(mechanism))
+    return list(_mobility_faults(mechanism, found)) or list(_path_faults(mechanism))
+
+
+def _mobility_faults(mechanism: Mechanism, found: Mobility) -> Iterator[str]:
+    moves = list(mechanism.tool.moves)
+    if len(found.loose):
+        yield (
+            "joints: with all drives held the tool is free to "
+            f"{name_twists(found.loose, mechanism.size)}; drives must hold every motion of the tool"
+        )
+    if found.at_limit:
+        yield (
+            f"points: the reference posture is singular, drives {', '.join(found.stirring)} move "
+            f"while the tool cannot move along {', '.join(found.barred)}; must be a posture inside "
+            "the workspace"
+        )
+        return
+    if found.barred:
+        yield (
+            f"tool.moves = {moves}: the joints do not let the tool move along "
+            f"{', '.join(found.barred)}; must name motions that they allow, each by itself"
+        )
+    if moves and found.spare > 0 and not len(found.loose):
+        left = (
+            f"the tool is free to {name_twists(found.unprescribed, mechanism.size)}"
+            if len(found.unprescribed)
+            else f"drives {', '.join(found.stirring)} are free to move"
+        )
+        yield f"tool.moves = {moves}: while they stand {left}; must prescribe all that moves"
+
+
+def _path_faults(mechanism: Mechanism) -> Iterator[str]:
+    count = len(mechanism.poses)
+    for i in np.unique(np.linspace(0, count - 1, min(count, _TRIED)).round().astype(int)):
+        try:
+            posture(mechanism, mechanism.poses[i])
+        except InputError as error:
+            said = (fault.removeprefix(f"{mechanism.name}, pose ") for fault in error.faults)
+            yield from (f"path, pose {i + 1}, {fault}" for fault in said)

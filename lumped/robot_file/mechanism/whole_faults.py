@@ -1,0 +1,102 @@
+"""Whether bodies and joints make one mechanism, and whether its path is one of poses."""
+
+from collections.abc import Iterator, Mapping, Sequence
+
+from lumped.mechanism.mechanism import GROUND
+from lumped.robot_file.mechanism.draft import Draft
+from lumped.robot_file.mechanism.joint_faults import points_of
+
+
+def connection_faults(draft: Draft) -> list[str]:
+    """Bodies that nothing holds, and points that nobody uses."""
+    return [*_loose_bodies(draft), *_idle_interfaces(draft), *_idle_points(draft)]
+
+
+def path_faults(draft: Draft) -> list[str]:
+    """Faults of [path] beside the tool's moves."""
+    path, tool = draft.path, draft.tool
+    if path is None or tool is None:
+        return []
+    moves = len(tool.moves)
+    lists = {"from": path.start, "to": path.to, "counts": path.counts}
+    if path.poses is not None:
+        lists["count"] = None if path.count is None else [path.count]
+        extra = [key for key, value in lists.items() if value is not None]
+        faults = [f"path.{key}: must not be given beside path.poses" for key in extra]
+        if not path.poses:
+            faults.append("path.poses = []: must hold at least one pose")
+        poses = {f"poses[{i}]": pose for i, pose in enumerate(path.poses, start=1)}
+        return faults + _length_faults(poses, moves, tool.moves)
+    faults = [
+        f"path.{key}: missing; must be a pose, {moves} numbers ({', '.join(tool.moves)})"
+        for key in ("from", "to")
+        if lists[key] is None
+    ]
+    if (path.count is None) == (path.counts is None):
+        faults.append(
+            "path.count: must be given for a line (how many poses), or path.counts for a grid "
+            "(how many along each move), and only one of them"
+        )
+    given = {key: value for key, value in lists.items() if value is not None}
+    return faults + _length_faults(given, moves, tool.moves)
+
+
+def _length_faults(
+    lists: Mapping[str, Sequence[float]], moves: int, names: Sequence[str]
+) -> list[str]:
+    wanted = f"one for each of tool.moves ({', '.join(names)})" if moves else "none: no tool.moves"
+    return [
+        f"path.{key}: {len(values)} numbers; must be {moves}, {wanted}"
+        for key, values in lists.items()
+        if len(values) != moves
+    ]
+
+
+def _loose_bodies(draft: Draft) -> Iterator[str]:
+    """Bodies without a joint, and groups of bodies that no joint connects to ground."""
+    neighbours: dict[str, set[str]] = {name: set() for name in (GROUND, *draft.bodies)}
+    for joint in draft.joints.values():
+        first, second = joint.between
+        neighbours[first].add(second)
+        neighbours[second].add(first)
+    standing, reached = [GROUND], {GROUND}
+    while standing:
+        new = neighbours[standing.pop()] - reached
+        reached |= new
+        standing += sorted(new)
+    for name in draft.bodies:
+        if not neighbours[name]:
+            yield f"bodies.{name}: no joint holds it; must be joined to another body or to ground"
+        elif name not in reached:
+            yield (
+                f"bodies.{name}: joined to {', '.join(sorted(neighbours[name]))} alone, and no way "
+                "leads to ground; must be connected to it by joints"
+            )
+
+
+def _idle_interfaces(draft: Draft) -> Iterator[str]:
+    used = {
+        (body, point)
+        for joint in draft.joints.values()
+        for body, point in zip(joint.between, points_of(joint), strict=True)
+    }
+    if draft.tool is not None:
+        used.add((draft.tool.body, draft.tool.point))
+    for name in draft.bodies:
+        joined = any(body == name for body, _ in used)
+        for point in draft.interfaces(name) or ():
+            if joined and (name, point) not in used:
+                yield (
+                    f'bodies.{name}: nothing takes hold of it at "{point}"; must be joined there, '
+                    "or hold the tool, or end elsewhere"
+                )
+
+
+def _idle_points(draft: Draft) -> Iterator[str]:
+    used = {point for name in draft.bodies for point in draft.interfaces(name) or ()}
+    used |= {body.centre for body in draft.bodies.values() if isinstance(body.centre, str)}
+    used |= {b.place.at for b in draft.bodies.values() if b.place and isinstance(b.place.at, str)}
+    used |= {point for joint in draft.joints.values() for point in points_of(joint)}
+    for point in draft.points:
+        if point not in used:
+            yield f"points.{point}: used by no body and no joint; must be used or left out"
