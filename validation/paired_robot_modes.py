@@ -47,7 +47,7 @@ WALL_DIVISIONS: dict[Preset, int] = {"quick": 2, "standard": 4, "fine": 8}
 # Twice as many modes are offered as partners, so that none is missing where orders differ.
 PAIRED, OFFERED = 6, 12
 ELEMENTS = 20
-_STATIONS = 24
+STATIONS = 24
 
 
 @dataclass(frozen=True)
@@ -120,21 +120,27 @@ def beam_modes(
         _beam(leg, kind, number)
         for leg, number in zip(_constant_legs(robot), divisions, strict=True)
     )
-    return _sampled_modes(robot, (leg1, leg2), postures)
+    return sampled_modes(robot, (leg1, leg2), postures)
 
 
-def solid_modes(robot: Biglide, divisions: LegDivisions, ends: Ends, postures: int) -> SampledModes:
-    """Modes of the robot with solid legs of so many divisions, reduced to their ends."""
+def solid_modes(
+    robot: Biglide, divisions: LegDivisions, ends: Ends | tuple[Ends, Ends], postures: int
+) -> SampledModes:
+    """Modes of the robot with solid legs of so many divisions, reduced to their ends.
+
+    `ends` of both legs or of leg 1 and leg 2.
+    """
+    both: tuple[Ends, Ends] = (ends, ends) if isinstance(ends, str) else ends
     member = with_equivalent_legs(robot)
     places = (member.stroke[0], member.centre, member.stroke[1])
     legs = [
-        held_solid(leg, number, ends)
-        for leg, number in zip(_constant_legs(robot), divisions, strict=True)
+        held_solid(leg, number, hold)
+        for leg, number, hold in zip(_constant_legs(robot), divisions, both, strict=True)
     ]
 
     def sampled(highest: float) -> SampledModes:
         leg1, leg2 = (craig_bampton(leg, highest).matrices for leg in legs)
-        return _sampled_modes(robot, (leg1, leg2), postures)
+        return sampled_modes(robot, (leg1, leg2), postures)
 
     return renewed_where_needed(
         max(highest_frequency(member, at, OFFERED) for at in places),
@@ -161,9 +167,10 @@ def _own_beam(leg: ConstantLeg, divisions: int) -> BeamProperties:
     return beam_properties(section_constants(mesh, material.nu, material.G / material.E), material)
 
 
-def _sampled_modes(
+def sampled_modes(
     robot: Biglide, legs: tuple[LegMatrices, LegMatrices], postures: int
 ) -> SampledModes:
+    """The first modes of the robot from two legs of any model, at postures over the stroke."""
     member = with_equivalent_legs(robot)
     x = member.stations(postures)
     frequencies, samples, torsion = [], [], []
@@ -187,7 +194,7 @@ def _in_torsion(to_leg: SparseMatrix, leg: LegMatrices, shapes: Array) -> Array:
 
 def paired(robot: Biglide, reference: SampledModes, other: SampledModes) -> PairedModes:
     """Each mode of the reference with its partner by shape in another model of the robot."""
-    weights = _weights(robot)
+    weights = sample_weights(robot)
     rows = [
         _pair(weights, *of_posture)
         for of_posture in zip(
@@ -224,15 +231,15 @@ def _sampled(whole: Mechanism, legs: tuple[LegMatrices, LegMatrices], shapes: Ar
     """Displacement of the platform's mass, and twists of both legs' sections (k×m, SI)."""
     rows = [(whole.loaded @ shapes)[:3]]
     for to_leg, leg in zip(whole.legs, legs, strict=True):
-        stations, _ = centreline_samples(leg.length, _STATIONS)
+        stations, _ = centreline_samples(leg.length, STATIONS)
         rows.append(leg.centreline(stations) @ (to_leg @ shapes))
     return np.vstack(rows)
 
 
-def _weights(robot: Biglide) -> Array:
+def sample_weights(robot: Biglide) -> Array:
     """Masses (k) of what `_sampled` gives."""
     masses = [np.full(3, robot.platform_mass)]
     for leg in (equivalent_leg(robot.leg1), equivalent_leg(robot.leg2)):
-        _, lengths = centreline_samples(leg.length, _STATIONS)
+        _, lengths = centreline_samples(leg.length, STATIONS)
         masses.append(centreline_weights(leg.timoshenko, lengths))
     return np.concatenate(masses)

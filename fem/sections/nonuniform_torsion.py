@@ -12,10 +12,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import eigh
+from scipy.sparse import csr_array
 from skfem import Basis, BilinearForm, ElementLineP2, MeshLine
 
 from fem.sections.section_constants import SectionConstants
-from lumped.arrays import Array
+from lumped.arrays import Array, SparseMatrix
 from lumped.legs import Material
 
 # Quadratic elements: the third mode is right to 1e-7.
@@ -23,7 +24,7 @@ _ELEMENTS = 40
 
 
 @dataclass(frozen=True)
-class _Rod:
+class WarpingRod:
     """Stiffness of twist, warping, their coupling, and inertias, per length (SI)."""
 
     twist: float
@@ -33,9 +34,10 @@ class _Rod:
     warping: float
 
 
-def _rod(constants: SectionConstants, material: Material) -> _Rod:
+def warping_rod(constants: SectionConstants, material: Material) -> WarpingRod:
+    """What torsion with warping needs of a section and a material."""
     polar = constants.second_moment_y + constants.second_moment_z
-    return _Rod(
+    return WarpingRod(
         twist=material.G * polar,
         shear=material.G * (polar - constants.torsion_constant),
         bimoment=material.E * constants.warping_constant,
@@ -52,7 +54,7 @@ def held_torsion_compliance(
     Of T = G I_p θ' − G(I_p − J) χ and EΓ χ″ = G(I_p − J)(χ − θ'):
     (L − (1 − J/I_p) (2/k) tanh(kL/2)) / GJ with k² = G J (1 − J/I_p) / EΓ.
     """
-    rod = _rod(constants, material)
+    rod = warping_rod(constants, material)
     stiffness = rod.twist - rod.shear
     share = rod.shear / rod.twist
     if share * rod.bimoment <= 0.0:
@@ -66,10 +68,8 @@ def cantilever_frequencies(
 ) -> Array:
     """Torsional frequencies (Hz) of a rod held at its root, both ends free to warp."""
     basis = Basis(MeshLine(np.linspace(0.0, length, _ELEMENTS + 1)), ElementLineP2())
-    gradients = _gradients.assemble(basis).toarray()
-    coupling = _coupling.assemble(basis).toarray()
-    product = _product.assemble(basis).toarray()
-    rod = _rod(constants, material)
+    gradients, coupling, product = (matrix.toarray() for matrix in line_products(basis))
+    rod = warping_rod(constants, material)
     stiffness = np.block(
         [
             [rod.twist * gradients, -rod.shear * coupling.T],
@@ -87,12 +87,19 @@ def cantilever_frequencies(
 
 def wave_frequency(constants: SectionConstants, material: Material, wave_number: float) -> float:
     """Frequency (Hz) of the torsional wave of `wave_number` (rad/m) in an endless rod."""
-    rod, k = _rod(constants, material), wave_number
+    rod, k = warping_rod(constants, material), wave_number
     stiffness = np.array(
         [[rod.twist * k**2, -rod.shear * k], [-rod.shear * k, rod.shear + rod.bimoment * k**2]]
     )
     values = eigh(stiffness, np.diag([rod.rotary, rod.warping]), eigvals_only=True)
     return float(np.sqrt(values[0]) / (2.0 * np.pi))
+
+
+def line_products(basis: Basis) -> tuple[SparseMatrix, SparseMatrix, SparseMatrix]:
+    """∫u′v′, ∫u′v (rows v) and ∫uv of a basis on a line, n×n each."""
+    forms = (_gradients, _coupling, _product)
+    gradients, coupling, product = (csr_array(form.assemble(basis)) for form in forms)
+    return gradients, coupling, product
 
 
 @BilinearForm

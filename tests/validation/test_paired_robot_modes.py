@@ -72,7 +72,7 @@ def test_one_mesh_of_walls_is_refined_along_the_leg():
 def test_statics_of_walls_too_thin_for_the_preset_are_skipped_with_the_reason():
     """2 mm walls of a 0.3 m side: elements of eight times their thickness at most."""
     thin = leg(HollowRectangle(0.2, 0.3, 0.002))
-    robot_file = replace(IFW, robot=replace(IFW.robot, leg1=thin))
+    robot_file = replace(IFW, described=replace(IFW.robot, leg1=thin))
     case = next(case for case in robot_solid.cases() if case.id.endswith("free.planar-x"))
     with pytest.raises(Skip, match=r"hollow-rectangle: its coarsest section mesh has \d+ unknowns"):
         case.compute(Context(robot_file, "quick"))

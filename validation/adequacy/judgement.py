@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lumped.arrays import Array
-from lumped.requirement import STATIC_QUANTITIES, Requirement
+from lumped.requirement import ORDER, STATIC_QUANTITIES, Requirement
 from validation.adequacy.causes import explained, remedied
 from validation.adequacy.errors import Errors, Scale
 from validation.adequacy.matrix import Adequacy, Entry, Matrix, ModelNote
@@ -49,7 +49,7 @@ def _entry(scale: Scale, candidate: Candidate, quantity: str, limit: float) -> E
     missing = bool(errors.missing[:, pose].any())
     causes = explained(scale, candidate, quantity, errors, pose) if verdict != "adequate" else ()
     remedy, left = "", None
-    if verdict == "inadequate":
+    if verdict == "inadequate" and not reference.bracket:
         remedy, left = remedied(scale, candidate, quantity, limit, pose)
     return Entry(
         model=candidate.model,
@@ -98,21 +98,21 @@ def verdicts_of(errors: Errors, limit: float, reference: Reference) -> list[Adeq
     """The verdict at every pose.
 
     Adequate where no error that is left open exceeds the limit, inadequate where all do, on one
-    side. A bracket of the plausible decides nothing but that a model has no such mode.
+    side. A bracket of the plausible decides nothing but that a model has no such mode anywhere.
     """
     low, high = errors.interval
+    if reference.bracket:
+        return ["inadequate" if errors.missing.all() else "undecided"] * len(low)
     return [
-        _verdict(float(low[p]), float(high[p]), errors.missing[:, p], limit, reference)
+        _verdict(float(low[p]), float(high[p]), errors.missing[:, p], limit)
         for p in range(len(low))
     ]
 
 
-def _verdict(
-    low: float, high: float, missing: NDArray[np.bool_], limit: float, reference: Reference
-) -> Adequacy:
+def _verdict(low: float, high: float, missing: NDArray[np.bool_], limit: float) -> Adequacy:
     if missing.all():
         return "inadequate"
-    if reference.bracket or missing.any():
+    if missing.any():
         return "undecided"
     if low >= -limit and high <= limit:
         return "adequate"
@@ -143,6 +143,8 @@ def _reason(
     if verdict == "adequate":
         return ""
     if errors.missing[:, pose].all():
+        if quantity == ORDER:
+            return f"{candidate.model} has fewer modes"
         return f"{candidate.model} has no such mode: no shape of its own has half in common with it"
     if verdict == "inadequate":
         rigid = quantity in STATIC_QUANTITIES and not errors.value[:, pose].any()

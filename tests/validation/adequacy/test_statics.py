@@ -111,7 +111,7 @@ def test_ends_that_nobody_described_leave_their_spread_open() -> None:
     for ends in (None, "rigid", "free"):
         legs = replace(leg, ends=ends)
         robot = replace(robot_file.robot, a=0.95, leg1=legs, leg2=legs)
-        context = Context(replace(robot_file, robot=robot), "quick")
+        context = Context(replace(robot_file, described=robot), "quick")
         matrices[ends] = judged(biglide_subject(context), Requirement())
     unsaid, rigid, free = (one.entry("beam", "phi_x") for one in matrices.values())
     assert unsaid

@@ -175,6 +175,15 @@ def static_ladders(context: Context, robot: Biglide, x: Array) -> dict[str, tupl
                 },
                 "add the warping stiffness",
             ),
+            Rung(
+                "contraction and warping by shear held at the ends",
+                "fem.sections.end_effects, exact along the leg",
+                {
+                    name: joints(_restrained_springs(context, ends, legs))
+                    for name, ends in holds(robot).items()
+                },
+                "add what rigid end faces take",
+            ),
         ]
     as_given = everywhere(joints(vjm.given_leg_springs(robot)))
     section = [
@@ -240,6 +249,19 @@ def _held_springs(
             spring = spring.copy()
             constants = context.get(own_constants, leg)
             spring[3, 3] = held_torsion_compliance(constants, leg.material, leg.length)
+        springs.append(spring)
+    return springs[0], springs[1]
+
+
+def _restrained_springs(
+    context: Context, ends: tuple[Ends, Ends], legs: tuple[Leg, Leg]
+) -> tuple[Array, Array]:
+    """Springs of the legs' own constants, less all that rigid faces take where ends are held."""
+    springs = []
+    for leg, hold in zip(legs, ends, strict=True):
+        spring = _own_spring(context, leg)
+        if isinstance(leg, ConstantLeg) and hold == "rigid":
+            spring = spring + solid_leg(context, leg).fine.restrained
         springs.append(spring)
     return springs[0], springs[1]
 

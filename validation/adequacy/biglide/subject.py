@@ -2,16 +2,21 @@
 
 from collections.abc import Mapping
 
-import numpy as np
-
 from lumped.errors import InputError
+from validation.adequacy.biglide.dynamics import (
+    bracket_note,
+    dynamic_ladders,
+    dynamic_reference,
+    vibrations,
+)
 from validation.adequacy.biglide.statics import compliances, static_ladders, static_reference
 from validation.adequacy.judgement import judged
 from validation.adequacy.matrix import Matrix
-from validation.adequacy.response import Candidate, Reference, Subject
+from validation.adequacy.response import Candidate, Response, Subject
 from validation.case import Skip
 from validation.context import Context
 from validation.models.options import ModelName, ModelOptions
+from validation.paired_robot_modes import sample_weights
 
 POSTURES = 9
 _STATIC = "static: it has no masses, hence says nothing of frequencies"
@@ -57,13 +62,18 @@ def biglide_subject(context: Context) -> Subject:
         statics = static_reference(context, robot, x)
     except InputError as error:
         raise Skip(f"{error}; a larger preset may compute it") from error
+    modes = context.robot_file.requirement.modes
+    dynamics = dynamic_reference(context, robot, modes, POSTURES)
+    found = vibrations(context, robot, POSTURES)
+    rungs = dynamic_ladders(context, robot, found, dynamics, POSTURES)
     ladders = static_ladders(context, robot, x)
     candidates = [
         Candidate(
             model=name,
             title=title,
-            response=compliances(model, robot, x, options),
+            response=Response(compliances(model, robot, x, options).compliance, found[name]),
             static_rungs=ladders[name],
+            dynamic_rungs=rungs[name],
             rigid=_RIGID if model == "simplified" else "",
             silent=_STATIC if model == "vjm" else "",
             computed_by=(f"validation.models.biglide.robot_compliance({model!r})",),
@@ -74,8 +84,9 @@ def biglide_subject(context: Context) -> Subject:
         robot=robot.name,
         coordinates=("x (m)",),
         poses=x[:, None],
-        weights=np.zeros(0),
+        weights=sample_weights(robot),
         candidates=candidates,
         statics=statics,
-        dynamics=Reference("none", ()),
+        dynamics=dynamics,
+        notes=bracket_note(robot, dynamics, modes),
     )

@@ -1,0 +1,101 @@
+"""Adequacy of frequencies: legs of I-section, legs known by a 6×6, both in full."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from lumped.biglide import Biglide
+from lumped.legs import ConstantLeg, GivenLeg, Material
+from lumped.requirement import Requirement
+from lumped.robot_file import load_robot
+from lumped.sections import ISection
+from validation.adequacy.biglide.given_masses import MASSES, Masses, leg_with_masses
+from validation.adequacy.biglide.subject import biglide_subject
+from validation.adequacy.judgement import judged
+from validation.adequacy.matrix import Entry, Matrix
+from validation.context import Context
+from validation.models.biglide import robot_frequencies
+from validation.models.options import ModelOptions
+
+STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
+BEAMS = ("segments", "beam", "segments-euler-bernoulli", "beam-euler-bernoulli")
+
+
+def adequacy(robot: Biglide, modes: int = 4) -> Matrix:
+    """The matrix at preset quick."""
+    robot_file = replace(load_robot("ifw"), described=robot, requirement=Requirement(modes=modes))
+    return judged(biglide_subject(Context(robot_file, "quick")), robot_file.requirement)
+
+
+def found(matrix: Matrix, model: str, quantity: str) -> Entry:
+    """An entry that must be there."""
+    entry = matrix.entry(model, quantity)
+    assert entry is not None
+    return entry
+
+
+@pytest.fixture(scope="module")
+def flanged_robot() -> Biglide:
+    """100 × 100 × 8/6 mm, 0.9 m, elastic feet, end faces bolted flat."""
+    section = ISection(width=0.1, height=0.1, flange=0.008, web=0.006)
+    leg = ConstantLeg(0.9, section, STEEL, ends="rigid")
+    return replace(load_robot("ifw").robot, a=0.95, platform_mass=30.0, leg1=leg, leg2=leg)
+
+
+@pytest.fixture(scope="module")
+def flanged(flanged_robot: Biglide) -> Matrix:
+    return adequacy(flanged_robot)
+
+
+@pytest.fixture(scope="module")
+def paper() -> Matrix:
+    return adequacy(load_robot("ifw").robot)
+
+
+@pytest.mark.parametrize("model", BEAMS)
+def test_beams_of_i_section_have_modes_that_solids_do_not_have(flanged: Matrix, model: str) -> None:
+    order = found(flanged, model, "order")
+    assert order.verdict == "inadequate"
+    # Two at 160 Hz, where the robot's next mode is above 220 Hz.
+    assert order.value == pytest.approx(160.0, abs=1.0)
+    assert (order.expected or 0.0) > 220.0
+    assert order.causes[0].cause.startswith("warping")
+    assert order.causes[0].share == pytest.approx(1.0, abs=0.1)
+    assert "add the warping stiffness" in order.remedy
+    assert order.error_with_remedy == pytest.approx(0.0, abs=0.01)
+
+
+def test_the_value_by_number_is_the_models_own(flanged: Matrix, flanged_robot: Biglide) -> None:
+    order = found(flanged, "beam", "order")
+    own = robot_frequencies("beam", flanged_robot, order.pose[0], 4, ModelOptions())
+    assert np.abs(own / order.value - 1.0).min() < 1e-9
+
+
+@pytest.mark.parametrize("model", BEAMS)
+def test_given_legs_leave_frequencies_undecided_between_a_bracket(
+    paper: Matrix, model: str
+) -> None:
+    for number in range(1, 5):
+        entry = found(paper, model, f"f{number}")
+        assert entry.verdict == "undecided"
+        assert "mass distribution" in entry.reason
+    assert "f1" in paper.notes[0]
+    assert found(paper, model, "f1").uncertainties["where the legs' mass lies"] > 0.01
+
+
+def test_static_models_are_silent_of_frequencies(paper: Matrix) -> None:
+    assert paper.entry("vjm", "f1") is None
+    assert next(note.silent for note in paper.models if note.model == "vjm")
+
+
+@pytest.mark.parametrize("masses", MASSES)
+def test_a_given_legs_translations_carry_its_whole_mass(masses: Masses) -> None:
+    leg = load_robot("ifw").robot.leg1
+    assert isinstance(leg, GivenLeg)
+    matrices = leg_with_masses(leg, masses, 2000.0)
+    motions = np.zeros((matrices.size, 3))
+    motions[:3] = motions[6:9] = np.eye(3)
+    kinetic = motions.T @ (matrices.mass @ motions)
+    assert np.diag(kinetic) == pytest.approx(np.full(3, leg.mass), rel=1e-9)
+    assert matrices.stiffness @ motions == pytest.approx(0.0, abs=1e-4)

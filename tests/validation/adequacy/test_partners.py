@@ -1,0 +1,107 @@
+"""Pairing by shape at every pose: partners, absence, places in the order, close modes."""
+
+import numpy as np
+import pytest
+
+from lumped.requirement import Requirement
+from validation.adequacy.errors import Scale
+from validation.adequacy.judgement import judged
+from validation.adequacy.matrix import Entry
+from validation.adequacy.partners import partners
+from validation.adequacy.response import (
+    Alternative,
+    Candidate,
+    Reference,
+    Response,
+    Subject,
+    Vibration,
+)
+
+WEIGHTS = np.ones(4)
+AXES = np.eye(4)
+
+
+def vibration(frequencies: list[float], *shapes: np.ndarray) -> Vibration:
+    """One pose; shapes as columns."""
+    return Vibration(np.array([frequencies]), np.column_stack(shapes)[None])
+
+
+TRUTH = vibration([100.0, 150.0, 200.0, 300.0], *AXES)
+
+
+def entry(model: Vibration, quantity: str, *, modes: int = 3) -> Entry:
+    """What is said of a model against the truth above, limits 5 %."""
+    reference = Reference("truth", [Alternative("", Response(vibration=TRUTH))])
+    subject = Subject(
+        robot="toy",
+        coordinates=("x (m)",),
+        poses=np.array([[0.5]]),
+        weights=WEIGHTS,
+        candidates=[Candidate("model", "a model", Response(vibration=model))],
+        statics=Reference("none", []),
+        dynamics=reference,
+    )
+    found = judged(subject, Requirement(modes=modes)).entry("model", quantity)
+    assert found is not None
+    return found
+
+
+def test_modes_in_another_order_are_paired_by_shape_and_the_order_is_judged_apart() -> None:
+    # The model has the third mode below the second one.
+    swapped = vibration([101.0, 120.0, 151.0, 303.0], AXES[0], AXES[2], AXES[1], AXES[3])
+    assert entry(swapped, "f1").error == pytest.approx(0.01)
+    assert entry(swapped, "f2").error == pytest.approx(151.0 / 150.0 - 1.0)
+    assert entry(swapped, "f3").error == pytest.approx(120.0 / 200.0 - 1.0)
+    order = entry(swapped, "order")
+    # By number its third is taken for the robot's third: 151 for 200 Hz.
+    assert order.verdict == "inadequate"
+    assert order.error == pytest.approx(151.0 / 200.0 - 1.0)
+
+
+def test_modes_that_the_robot_does_not_have_spoil_the_order_alone() -> None:
+    intruder = np.array([0.1, 0.1, 0.1, 0.1])
+    more = vibration([60.0, 100.0, 150.0, 200.0], intruder, AXES[0], AXES[1], AXES[2])
+    assert entry(more, "f1").verdict == "adequate"
+    assert entry(more, "order").error == pytest.approx(60.0 / 100.0 - 1.0)
+
+
+def test_modes_in_their_places_have_an_order_without_error() -> None:
+    off = vibration([140.0, 150.0, 200.0, 300.0], *AXES)
+    assert entry(off, "f1").error == pytest.approx(0.4)
+    assert entry(off, "order").error == 0.0
+
+
+def test_a_mode_that_a_model_does_not_have_is_inadequate_with_its_reason() -> None:
+    fewer = vibration([100.0, 200.0], AXES[0], AXES[2])
+    missing = entry(fewer, "f2")
+    assert (missing.verdict, missing.error) == ("inadequate", None)
+    assert "no such mode" in missing.reason
+
+
+def test_modes_that_a_pose_does_not_have_are_left_out() -> None:
+    absent = vibration([100.0, np.nan], AXES[0], np.zeros(4))
+    assert entry(absent, "f1").verdict == "adequate"
+    assert entry(absent, "f2").verdict == "inadequate"
+
+
+def test_close_modes_mix_and_count_as_the_space_they_span() -> None:
+    turn = np.sqrt(0.5)
+    close = vibration([100.0, 102.0, 200.0], AXES[0], AXES[1], AXES[2])
+    mixed = vibration(
+        [100.0, 102.0, 200.0], turn * (AXES[0] + AXES[1]), turn * (AXES[0] - AXES[1]), AXES[2]
+    )
+    found = partners(close, mixed, WEIGHTS, 3)
+    assert found.likeness[0] == pytest.approx(1.0)
+    assert found.frequency[0] == pytest.approx([100.0, 102.0, 200.0])
+    assert found.number[0].tolist() == [0, 1, 2]
+
+
+def test_a_scale_pairs_each_response_once() -> None:
+    reference = Reference("truth", [Alternative("", Response(vibration=TRUTH))])
+    subject = Subject("toy", (), np.zeros((1, 0)), WEIGHTS, [], Reference("none", []), reference)
+    scale = Scale(subject, 3)
+    response = Response(vibration=TRUTH)
+    first = scale.errors([response], "f1")
+    assert first is not None
+    assert first.error.item() == 0.0
+    assert scale.errors([Response()], "f1") is None

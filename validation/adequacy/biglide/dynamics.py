@@ -1,0 +1,321 @@
+"""Natural modes of the biglide over its stroke: models, ladders of causes, and the reference."""
+
+from itertools import product
+
+import numpy as np
+
+from fem.bodies.beam import beam_leg
+from fem.bodies.warping_beam import warping_beam_leg
+from fem.reduction.craig_bampton import craig_bampton
+from fem.sections.section_constants import beam_properties
+from lumped import simplified
+from lumped.arrays import Array
+from lumped.biglide import Biglide
+from lumped.leg_matrices import LegMatrices
+from lumped.legs import BeamProperties, ConstantLeg, Ends, GivenLeg, Leg, equivalent_leg
+from lumped.segments import segment_chain, segment_leg
+from validation.adequacy.biglide.given_masses import MASSES, Masses, leg_with_masses
+from validation.adequacy.biglide.statics import (
+    OPEN_ENDS,
+    SAY_ENDS,
+    holds,
+    own_constants,
+    step_uncertainty,
+)
+from validation.adequacy.partners import partners
+from validation.adequacy.response import Alternative, Reference, Response, Rung, Vibration
+from validation.context import Context
+from validation.mode_pairing import centreline_samples
+from validation.models.biglide import highest_frequency
+from validation.paired_robot_modes import (
+    ELEMENTS,
+    OFFERED,
+    STATIONS,
+    LegDivisions,
+    SampledModes,
+    beam_modes,
+    divisions_of,
+    sample_weights,
+    sampled_modes,
+    solid_modes,
+)
+from validation.robot_solids import held_solid
+
+# Second order in 1/n: twice the segments leave a quarter of the error.
+FINER_SEGMENTS = 2 * ELEMENTS
+_OPEN_MASS = "where the legs' mass lies"
+_SAY_MASS = "the legs' mass distribution: a section and a material in place of the 6×6"
+
+
+def vibration(modes: SampledModes) -> Vibration:
+    """Frequencies and samples of shapes of any model."""
+    return Vibration(modes.frequencies, modes.samples)
+
+
+def dynamic_reference(context: Context, robot: Biglide, modes: int, postures: int) -> Reference:
+    """Solid legs reduced to their ends or, where legs are given, a bracket of plausible masses."""
+    legs = robot.leg1, robot.leg2
+    given = any(isinstance(leg, GivenLeg) for leg in legs)
+    masses: tuple[Masses | None, ...] = MASSES if given else (None,)
+    solid = any(isinstance(leg, ConstantLeg) for leg in legs)
+    nothing_open: dict[str, tuple[Ends, Ends]] = {"": ("rigid", "rigid")}
+    ends = holds(robot) if solid else nothing_open
+    divisions = divisions_of([equivalent_leg(leg) for leg in legs], context.preset)
+    ratio = min(fine / coarse for coarse, fine in zip(*divisions, strict=True))
+    if not solid:
+        # Nothing is meshed: one solution serves for both.
+        divisions = divisions[1], divisions[1]
+    weights = sample_weights(robot)
+    alternatives = []
+    for (name, hold), mass in product(ends.items(), masses):
+        coarse, fine = (
+            vibration(_reference_modes(context, robot, number, hold, mass, postures))
+            for number in divisions
+        )
+        found = partners(fine, coarse, weights, modes).frequency
+        step = step_uncertainty(found, fine.frequencies[:, :modes], ratio)
+        alternatives.append(
+            Alternative(
+                ", ".join(part for part in (name, mass) if part),
+                Response(vibration=fine),
+                # A mode that the coarser mesh does not have is known to no digit.
+                dynamic=np.where(np.isnan(step), 1.0, step),
+            )
+        )
+    open_ends = [OPEN_ENDS] if len(ends) > 1 else []
+    says = [SAY_ENDS] if len(ends) > 1 else []
+    return Reference(
+        title="robot of the legs' own 6×6 and plausible masses"
+        if given
+        else "robot of solid legs, reduced to their ends",
+        alternatives=alternatives,
+        open=" and ".join([*open_ends, *([_OPEN_MASS] if given else [])]),
+        decides="; ".join([*says, *([_SAY_MASS] if given else [])]),
+        bracket=given,
+        computed_by=(
+            "validation.adequacy.biglide.given_masses.leg_with_masses"
+            if given
+            else "validation.paired_robot_modes.solid_modes",
+        ),
+    )
+
+
+def _reference_modes(
+    context: Context,
+    robot: Biglide,
+    divisions: LegDivisions,
+    ends: tuple[Ends, Ends],
+    masses: Masses | None,
+    postures: int,
+) -> SampledModes:
+    if masses is None:
+        # As the cases ask for it, so that both share the solids.
+        same: Ends | tuple[Ends, Ends] = ends[0] if ends[0] == ends[1] else ends
+        return context.get(solid_modes, robot, divisions, same, postures)
+    return context.get(modes_with_masses, robot, divisions, ends, masses, postures)
+
+
+def modes_with_masses(
+    robot: Biglide,
+    divisions: LegDivisions,
+    ends: tuple[Ends, Ends],
+    masses: Masses,
+    postures: int,
+) -> SampledModes:
+    """Modes of the robot with its given legs' own 6×6 and `masses`; other legs are solids."""
+    first, last = robot.stroke
+    places = first, robot.centre, last
+    highest = 2.0 * max(highest_frequency(robot, at, OFFERED) for at in places)
+
+    def built(leg: Leg, number: int, hold: Ends) -> LegMatrices:
+        if isinstance(leg, GivenLeg):
+            return leg_with_masses(leg, masses, highest)
+        return craig_bampton(held_solid(leg, number, hold), highest).matrices
+
+    return sampled_modes(
+        robot,
+        (built(robot.leg1, divisions[0], ends[0]), built(robot.leg2, divisions[1], ends[1])),
+        postures,
+    )
+
+
+def model_modes(
+    robot: Biglide, model: str, theory: str, elements: int, postures: int
+) -> SampledModes:
+    """Modes by segments or beam elements of textbook constants."""
+
+    def built(leg: Leg) -> LegMatrices:
+        constant = equivalent_leg(leg)
+        full = constant.timoshenko
+        properties = full.as_euler_bernoulli() if theory == "euler-bernoulli" else full
+        if model == "segments":
+            return segment_leg(segment_chain(properties, constant.length, elements))
+        return beam_leg(properties, constant.length, elements)
+
+    return sampled_modes(robot, (built(robot.leg1), built(robot.leg2)), postures)
+
+
+def own_modes(robot: Biglide, ends: tuple[Ends, Ends] | None, postures: int) -> SampledModes:
+    """Modes by beams of the sections' own constants; with warping, held as `ends` say."""
+
+    def built(leg: Leg, which: int) -> LegMatrices:
+        constant = equivalent_leg(leg)
+        constants, material = own_constants(constant), constant.material
+        if ends is None:
+            properties: BeamProperties = beam_properties(constants, material)
+            return beam_leg(properties, constant.length, ELEMENTS)
+        hold = ends[which]
+        return warping_beam_leg(constants, material, constant.length, ELEMENTS, hold)
+
+    return sampled_modes(robot, (built(robot.leg1, 0), built(robot.leg2, 1)), postures)
+
+
+def simplified_modes(robot: Biglide, postures: int) -> Vibration:
+    """Both modes of the simplified model, legs turning as rigid bodies between slides and B.
+
+    NaN and zeros for the mode that it does not have at an end of the stroke, where it is rigid.
+    """
+    frequencies, samples = [], []
+    for x in robot.stations(postures).tolist():
+        jacobian = simplified.jacobian(robot, x)
+        # J K⁻¹ Jᵀ M of one stiffness and one mass: modes of B are the left singular vectors of J.
+        velocities, sizes, slides = np.linalg.svd(jacobian)
+        found = simplified.frequencies(robot, x)
+        known = np.isfinite(found)
+        rates = [_rigid_legs(robot, x, velocities[:, k] * sizes[k], slides[k]) for k in range(2)]
+        frequencies.append(np.where(known, found, np.nan))
+        samples.append(np.column_stack(rates))
+    return Vibration(np.array(frequencies), np.array(samples))
+
+
+def _rigid_legs(robot: Biglide, x: float, velocity: Array, slides: Array) -> Array:
+    """What is sampled of a motion: B moves with `velocity` (x, y), the slides along y."""
+    posture = robot.posture(x)
+    tip = np.array([velocity[0], velocity[1], 0.0])
+    rows = [tip]
+    ends = ((posture.rotation1, robot.leg1, slides[0]), (posture.rotation2, robot.leg2, slides[1]))
+    for rotation, leg, slide in ends:
+        root = np.array([0.0, slide, 0.0])
+        stations, _ = centreline_samples(leg.length, STATIONS)
+        own_root, own_tip = rotation.T @ root, rotation.T @ tip
+        share = (stations / leg.length)[:, None]
+        twists = np.zeros((len(stations), 6))
+        twists[:, :3] = (1.0 - share) * own_root + share * own_tip
+        twists[:, 5] = (own_tip[1] - own_root[1]) / leg.length
+        rows.append(twists.ravel())
+    return np.concatenate(rows)
+
+
+def vibrations(context: Context, robot: Biglide, postures: int) -> dict[str, Vibration | None]:
+    """What every model says of natural modes, by name; None where it has no masses."""
+    _, fine = divisions_of(
+        [equivalent_leg(leg) for leg in (robot.leg1, robot.leg2)], context.preset
+    )
+
+    def timoshenko(kind: str) -> Vibration:
+        return vibration(context.get(beam_modes, robot, kind, fine, postures))  # type: ignore[arg-type]
+
+    def euler(kind: str) -> Vibration:
+        found = context.get(model_modes, robot, kind, "euler-bernoulli", ELEMENTS, postures)
+        return vibration(found)
+
+    return {
+        "simplified": simplified_modes(robot, postures),
+        "vjm": None,
+        "vjm-equivalent": None,
+        "segments": timoshenko("segments"),
+        "beam": timoshenko("beam"),
+        "segments-euler-bernoulli": euler("segments"),
+        "beam-euler-bernoulli": euler("beam"),
+    }
+
+
+def dynamic_ladders(
+    context: Context,
+    robot: Biglide,
+    found: dict[str, Vibration | None],
+    reference: Reference,
+    postures: int,
+) -> dict[str, tuple[Rung, ...]]:
+    """Rungs for frequencies by name of the model, each ladder from the model upwards."""
+    names = [one.name for one in reference.alternatives]
+
+    def same(modes: Vibration | None) -> dict[str, Response]:
+        return dict.fromkeys(names, Response(vibration=modes))
+
+    finer = context.get(model_modes, robot, "segments", "timoshenko", FINER_SEGMENTS, postures)
+    cause = f"discretisation (n = {ELEMENTS})"
+    segments = (
+        Rung(
+            cause,
+            f"{FINER_SEGMENTS} segments, then beam elements",
+            same(vibration(finer)),
+            f"n = {FINER_SEGMENTS}",
+        ),
+        Rung(cause, "beam elements of the same constants", same(found["beam"])),
+    )
+    upper = () if reference.bracket else _upper(context, robot, names, postures)
+    shear = "shear deformation and rotary inertia left out"
+    return {
+        "simplified": (
+            Rung(
+                "drives only: legs and feet rigid",
+                "beam elements",
+                same(found["beam"]),
+                "use beam",
+            ),
+            *upper,
+        ),
+        "vjm": (),
+        "vjm-equivalent": (),
+        "segments": (*segments, *upper),
+        "beam": upper,
+        "segments-euler-bernoulli": (
+            Rung(shear, "Timoshenko segments", same(found["segments"]), "use Timoshenko"),
+            *segments,
+            *upper,
+        ),
+        "beam-euler-bernoulli": (
+            Rung(shear, "Timoshenko beams", same(found["beam"]), "use Timoshenko"),
+            *upper,
+        ),
+    }
+
+
+def _upper(context: Context, robot: Biglide, names: list[str], postures: int) -> tuple[Rung, ...]:
+    own = Response(vibration=vibration(context.get(own_modes, robot, None, postures)))
+    warping = {
+        name: Response(vibration=vibration(context.get(own_modes, robot, ends, postures)))
+        for name, ends in holds(robot).items()
+    }
+    return (
+        Rung(
+            "textbook section constants",
+            "fem.sections.section_constants, beam elements",
+            dict.fromkeys(names, own),
+            "take the section's constants from finite elements",
+        ),
+        Rung(
+            "warping: held at the ends, and non-uniform torsion between them",
+            "beams with Reissner's torsion, the section's own Γ",
+            warping,
+            "add the warping stiffness",
+        ),
+    )
+
+
+def bracket_note(robot: Biglide, reference: Reference, modes: int) -> tuple[str, ...]:
+    """What plausible masses leave open of the frequencies, in words."""
+    if not reference.bracket:
+        return ()
+    middle = len(robot.stations(9)) // 2
+    answers = (one.response.vibration for one in reference.alternatives)
+    found = np.array([answer.frequencies[middle, :modes] for answer in answers if answer])
+    spans = [
+        f"f{k + 1} {low:.4g} to {high:.4g} Hz"
+        for k, (low, high) in enumerate(zip(found.min(axis=0), found.max(axis=0), strict=True))
+    ]
+    return (
+        f"frequencies cannot be judged without the legs' mass distribution; plausible ones give "
+        f"{', '.join(spans)} at x = {robot.centre:.4g} m",
+    )
