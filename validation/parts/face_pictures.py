@@ -14,9 +14,9 @@ from lumped.arrays import Array
 from meshes.part.boundary import area_vectors
 from meshes.part.faces import Face
 from meshes.part.read import PartFile
-from validation.report.figures.pictures.opengl import require_vtk
-from validation.report.figures.pictures.prisms import Surface
-from validation.report.figures.pictures.rendering import (
+from validation.report.figures.pictures.drawing.opengl import require_vtk
+from validation.report.figures.pictures.drawing.prisms import Surface
+from validation.report.figures.pictures.drawing.rendering import (
     Body,
     Picture,
     Scene,
@@ -26,8 +26,8 @@ from validation.report.figures.pictures.rendering import (
     triad,
     write,
 )
-from validation.report.figures.pictures.scenes import interactive
-from validation.report.figures.pictures.view import View, fitted_view, pixels
+from validation.report.figures.pictures.drawing.scenes import interactive
+from validation.report.figures.pictures.drawing.view import View, fitted_view, pixels
 from validation.report.figures.style import WIDTH
 from validation.report.text import base64
 

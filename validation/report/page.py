@@ -10,19 +10,21 @@ from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescap
 from markupsafe import Markup
 
 from lumped.audit.finding import Finding
+from validation.adequacy.matrix import Matrix
 from validation.case import Outcome, Verdict
-from validation.cases.guards import SECTION as GUARDS
 from validation.exhibits import Figure
 from validation.faults.detection import Power
 from validation.listing import summary
 from validation.report import scene_viewer, text
+from validation.report.figures.pictures.portrait import ID as PORTRAIT
+from validation.report.first_screen.screen import FirstScreen, first_screen
 from validation.report.second_ways import Agreement, agreements
-from validation.report.sections import Section, sections_of
-from validation.report.tables import Part, explained, largest_unexplained, unexplained_share
+from validation.report.sections import APPENDIX, Chapter, chapters_of
+from validation.report.tables import Part, explained, unexplained_share
 from validation.results.drift import Drift
 from validation.results.records import Drawn, studies_of
 
-# How many comparisons the first table shows beside those that do not agree.
+# How many comparisons the appendix shows first beside those that do not agree.
 _FOREMOST = 10
 _RANK: Mapping[Verdict, int] = {
     "disagree": 0,
@@ -37,65 +39,73 @@ _RANK: Mapping[Verdict, int] = {
 class Report:
     """What the page shows.
 
-    `unfinished` counts the pieces of work that were not computed; `drifts` (by case id) are the
-    moves from frozen values, which stand in a column of their own; `power` what became of the
-    faults, if any were injected.
+    `matrix` is the adequacy of the models, `unjudged` says why there is none. `unfinished` counts
+    the pieces of work that were not computed; `drifts` (by case id) are the moves from frozen
+    values, which stand in a column of their own; `power` what became of the faults, if any were
+    injected.
     """
 
     outcomes: tuple[Outcome, ...]
     figures: tuple[Figure, ...]
     findings: tuple[Finding, ...]
     provenance: Mapping[str, Any]
+    matrix: Matrix | None = None
+    unjudged: str = ""
     missing_figures: tuple[Drawn, ...] = ()
     unfinished: int = 0
     drifts: Mapping[str, Drift] = field(default_factory=dict)
     power: Power | None = None
 
+    @cached_property
+    def first(self) -> FirstScreen | None:
+        """What the first screen says of the models; None where they were not judged."""
+        if self.matrix is None:
+            return None
+        return first_screen(self.matrix, plotted=not self.unfinished)
+
     @property
     def sentence(self) -> str:
-        """The verdict in one sentence, and one on the faults."""
+        """The answer in one sentence: whether the models may be trusted."""
+        return self.first.sentence if self.first else self.checks
+
+    @property
+    def checks(self) -> str:
+        """The comparisons in one sentence, and one on the faults."""
         said = summary(self.outcomes, self.unfinished)
         return f"{said} {self.power.sentence}" if self.power else said
 
     @property
-    def headline(self) -> str:
-        """Where the largest unexplained difference is, and which comparison is tightest."""
-        said = []
-        if self.largest is not None:
-            share = text.percent(unexplained_share(self.largest) or 0.0, signed=False)
-            said.append(
-                f"Largest unexplained difference: {share} of the reference, in "
-                f"“{self.largest.case.title}”."
-            )
-        worst = next(iter(self.foremost), None)
-        if worst is not None and not isnan(worst.share):
-            how = "Largest disagreement" if worst.verdict == "disagree" else "Closest to its limit"
-            said.append(f"{how}: “{worst.case.title}” ({_of_tolerance(worst.share)}).")
-        return " ".join(said)
+    def program(self) -> str:
+        """The verification of the program in one line."""
+        outcomes = self.appendix.outcomes if self.appendix else ()
+        judged = [outcome for outcome in outcomes if outcome.verdict != "skipped"]
+        agreeing = sum(outcome.verdict == "agree" for outcome in judged)
+        return f"{APPENDIX}: {agreeing} of {len(judged)} checks agree"
 
-    @cached_property
-    def largest(self) -> Outcome | None:
-        """The comparison with the largest unexplained difference, in % of its reference.
+    @property
+    def portrait(self) -> Figure | None:
+        """The picture of the robot."""
+        return next((figure for figure in self.figures if figure.id == PORTRAIT), None)
 
-        Guards are left out: they hold textbook formulas against sections of their own, and say
-        nothing of this robot.
-        """
-        return largest_unexplained([o for o in self.outcomes if o.case.section != GUARDS])
+    @property
+    def bad(self) -> tuple[Outcome, ...]:
+        """Comparisons that disagree or failed."""
+        return tuple(o for o in self.worst_first if o.verdict in {"disagree", "failed"})
 
     @property
     def parts(self) -> tuple[Part, ...]:
-        """The sections in one line each, the largest unexplained difference first."""
+        """The appendix's sections in one line each, the largest unexplained difference first."""
 
         def size(part: Part) -> float:
-            of_robot = part.largest is not None and part.largest.case.section != GUARDS
-            return (unexplained_share(part.largest) or 0.0) if of_robot and part.largest else -1.0
+            return (unexplained_share(part.largest) or 0.0) if part.largest else -1.0
 
-        parts = [section.part for section in self.sections if section.outcomes]
+        sections = self.appendix.sections if self.appendix else ()
+        parts = [section.part for section in sections if section.outcomes]
         return tuple(sorted(parts, key=lambda part: -size(part)))
 
     @property
     def verdict(self) -> Verdict:
-        """The verdict on the run: the worst of its cases; unfinished work has failed."""
+        """The verdict on the comparisons: the worst of them; unfinished work has failed."""
         verdicts = {outcome.verdict for outcome in self.outcomes}
         if "disagree" in verdicts or (self.power and self.power.survivors):
             return "disagree"
@@ -112,14 +122,9 @@ class Report:
 
     @property
     def foremost(self) -> tuple[Outcome, ...]:
-        """The comparisons that matter first: what does not agree, then what nearly does not.
-
-        Guards that agree are left out: they say nothing of this robot.
-        """
+        """The comparisons closest to their tolerance, after those that do not agree."""
         tried = [outcome for outcome in self.worst_first if outcome.verdict != "skipped"]
-        bad = [outcome for outcome in tried if outcome.verdict != "agree"]
-        others = [outcome for outcome in tried[len(bad) :] if outcome.case.section != GUARDS]
-        return (*bad, *others[:_FOREMOST])
+        return tuple(tried[: len(self.bad) + _FOREMOST])
 
     @property
     def skipped(self) -> Mapping[str, tuple[Outcome, ...]]:
@@ -131,29 +136,34 @@ class Report:
         }
 
     @cached_property
-    def sections(self) -> tuple[Section, ...]:
-        """The sections in the order in which they appear.
+    def _all_chapters(self) -> tuple[Chapter, ...]:
+        """An interrupted run goes without the plots of studies and budgets.
 
-        An interrupted run goes without the plots of studies and budgets: whoever presses Ctrl-C
-        waits for nothing.
+        Whoever presses Ctrl-C waits for nothing.
         """
-        studies = {study.id for study in studies_of(self.outcomes)}
-        figures = [figure for figure in self.figures if figure.id not in studies]
-        return sections_of(self.outcomes, figures, plotted=not self.unfinished)
+        drawn = {study.id for study in studies_of(self.outcomes)} | {PORTRAIT}
+        figures = [figure for figure in self.figures if figure.id not in drawn]
+        return chapters_of(self.outcomes, figures, plotted=not self.unfinished)
+
+    @property
+    def chapters(self) -> tuple[Chapter, ...]:
+        """The chapters on the robot."""
+        return tuple(chapter for chapter in self._all_chapters if chapter.title != APPENDIX)
+
+    @property
+    def appendix(self) -> Chapter | None:
+        """What verifies the program."""
+        return next((c for c in self._all_chapters if c.title == APPENDIX), None)
 
     @property
     def shown(self) -> tuple[Figure, ...]:
         """Every figure of the page in its order, those drawn from the outcomes among them."""
-        figures = [
-            figure
-            for section in self.sections
-            for figure in (
-                section.budget,
-                *section.figures,
-                *(plot.figure for plot in section.plots),
-            )
-        ]
-        return tuple(figure for figure in figures if figure is not None)
+        first = (self.first.errors if self.first else None, self.portrait)
+        sections = [section for chapter in self._all_chapters for section in chapter.sections]
+        return (
+            *(figure for figure in first if figure),
+            *(figure for section in sections for figure in section.shown),
+        )
 
     @cached_property
     def second_ways(self) -> tuple[Agreement, ...]:
@@ -210,9 +220,3 @@ def render(report: Report) -> str:
 def _badness(outcome: Outcome) -> tuple[int, float]:
     share = outcome.share
     return _RANK[outcome.verdict], -share if not isnan(share) else float("-inf")
-
-
-def _of_tolerance(share: float) -> str:
-    if share < 0.0:
-        return "inside its bound"
-    return f"{text.share_text(share)}{'' if share > 1.0 else ' of'} the tolerance"

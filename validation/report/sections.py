@@ -1,7 +1,9 @@
-"""The parts of the report: which comparisons, plots and pictures stand together, in which order."""
+"""The parts of the report: which comparisons, plots and pictures stand together, in which order.
+
+Chapters answer the reader's questions in turn; what only verifies the program is an appendix.
+"""
 
 import logging
-import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
@@ -14,8 +16,16 @@ from validation.report.figures.studies.family_plots import family_plot
 from validation.report.tables import Grid, Part, grids
 from validation.report.text import anchor
 
-_FROM_PAPER = re.compile(r"\(as the paper's Fig\. (\d+)")
-_NAMED_AFTER = re.compile(r"\s*\(as the paper's (Figs?\.? [^)]*)\)")
+# Chapters in their order, with their sections as they follow each other; sections that stand in no
+# list go by the subject of their cases.
+CHAPTERS: Mapping[str, tuple[str, ...]] = {
+    "The robot": ("The robot over its stroke", "The robot with solid legs"),
+    "Its legs": ("Leg 1", "Leg 2", "End restraint"),
+    "The decision": ("Choosing the length of the legs", "Robots with longer legs"),
+    "The paper": ("The paper's statements",),
+}
+APPENDIX = "The program"
+_SUBJECTS: Mapping[str, str] = {"robot": "The robot", "leg": "Its legs"}
 
 
 @dataclass(frozen=True)
@@ -77,13 +87,13 @@ class Section:
         if not drawn:
             return None
         title = f"{self.title}: error budget"
-        return _attempted(lambda: budget_figure(f"budget.{self.anchor}", title, drawn))
+        return attempted(lambda: budget_figure(f"budget.{self.anchor}", title, drawn))
 
     @cached_property
     def plots(self) -> tuple[Plot, ...]:
         """The studies behind the comparisons, by family."""
         return tuple(
-            Plot(family, _attempted(partial(family_plot, family)) if self.plotted else None)
+            Plot(family, attempted(partial(family_plot, family)) if self.plotted else None)
             for family in families(self.outcomes)
         )
 
@@ -93,74 +103,79 @@ class Section:
         return {study.id: plot.family.id for plot in self.plots for study in plot.family.studies}
 
     @property
-    def entries(self) -> Iterator[Entry]:
-        """Lines of the table of contents below the section's own."""
+    def shown(self) -> Iterator[Figure]:
+        """Every figure of the section, those drawn from the outcomes among them."""
+        yield from self.figures
         if self.budget:
-            yield Entry(anchor(self.budget.id), "Error budget")
-        # Numbers of the paper's figures mean something where its statements stand.
-        from_paper = any(o.case.reference_kind == _PAPER for o in self.outcomes)
-        brief = _numbered if from_paper else _brief
-        for figure in self.figures:
-            yield Entry(anchor(figure.id), brief(figure.title))
-        if len(self.plots) == 1:
-            yield Entry(anchor(self.plots[0].family.id), self.plots[0].family.title)
-        elif self.plots:
-            yield Entry(f"{self.anchor}-studies", "Studies")
+            yield self.budget
+        yield from (plot.figure for plot in self.plots if plot.figure)
 
 
-def sections_of(
+@dataclass(frozen=True)
+class Chapter:
+    """Sections under one heading."""
+
+    title: str
+    sections: tuple[Section, ...]
+
+    @property
+    def anchor(self) -> str:
+        """The chapter's id in the page."""
+        return anchor(self.title)
+
+    @property
+    def outcomes(self) -> tuple[Outcome, ...]:
+        """The comparisons of all its sections."""
+        return tuple(outcome for section in self.sections for outcome in section.outcomes)
+
+    @property
+    def entries(self) -> Iterator[Entry]:
+        """Lines of the table of contents below the chapter's own."""
+        for section in self.sections:
+            yield Entry(section.anchor, section.title)
+
+
+def chapters_of(
     outcomes: Sequence[Outcome], figures: Sequence[Figure], *, plotted: bool
-) -> tuple[Section, ...]:
-    """The sections in the order in which they appear.
-
-    The figures that redraw the paper's stand together beside the paper's statements, in its
-    order, if there are any statements.
-    """
-    paper = next((o.case.section for o in outcomes if o.case.reference_kind == _PAPER), None)
-    homes = {figure.id: _home(figure, paper) for figure in figures}
-    names = [outcome.case.section for outcome in outcomes]
-    names += [homes[figure.id] for figure in figures]
-    return tuple(
+) -> tuple[Chapter, ...]:
+    """The chapters that have anything to show, the appendix last."""
+    names = [outcome.case.section for outcome in outcomes] + [figure.section for figure in figures]
+    sections = [
         Section(
             title=name or "Further comparisons",
             outcomes=tuple(outcome for outcome in outcomes if outcome.case.section == name),
-            figures=tuple(
-                sorted((f for f in figures if homes[f.id] == name), key=_number_in_paper)
-            ),
+            figures=tuple(figure for figure in figures if figure.section == name),
             plotted=plotted,
         )
         for name in dict.fromkeys(names)
+    ]
+    gathered = {
+        chapter: tuple(section for section in sections if _home(section) == chapter)
+        for chapter in (*CHAPTERS, APPENDIX)
+    }
+    return tuple(
+        Chapter(title, tuple(sorted(found, key=lambda section: _place(title, section))))
+        for title, found in gathered.items()
+        if found
     )
 
 
-_PAPER = "paper-statement"
+def _home(section: Section) -> str:
+    """The chapter that names the section, else that of what its first case says something of."""
+    named = {title: chapter for chapter, titles in CHAPTERS.items() for title in titles}
+    subject = section.outcomes[0].case.subject if section.outcomes else "program"
+    return named.get(section.title) or _SUBJECTS.get(subject, APPENDIX)
 
 
-def _attempted(draw: Callable[[], Figure]) -> Figure | None:
+def _place(chapter: str, section: Section) -> int:
+    titles = CHAPTERS.get(chapter, ())
+    return titles.index(section.title) if section.title in titles else len(titles)
+
+
+def attempted(draw: Callable[[], Figure | None]) -> Figure | None:
     """The figure, or none: a plot that fails must not cost the report."""
     try:
         return draw()
     except Exception as error:  # noqa: BLE001  whatever it is, the numbers stand in the tables
         logging.getLogger(__name__).warning("a plot could not be drawn: %s", error)
         return None
-
-
-def _home(figure: Figure, paper: str | None) -> str:
-    return paper if paper and _FROM_PAPER.search(figure.title) else figure.section
-
-
-def _number_in_paper(figure: Figure) -> int:
-    named = _FROM_PAPER.search(figure.title)
-    return int(named[1]) if named else 1000
-
-
-def _brief(title: str) -> str:
-    """A title short enough for the table of contents."""
-    plain = _NAMED_AFTER.sub("", title)
-    return plain if len(plain) <= 46 else f"{plain[:45].rpartition(' ')[0]} …"
-
-
-def _numbered(title: str) -> str:
-    """The same with the number of the paper's figure first."""
-    named = _NAMED_AFTER.search(title)
-    return f"{named[1]}: {_brief(title)}" if named else _brief(title)

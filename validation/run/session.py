@@ -237,6 +237,8 @@ def publish(gathered: Results, folder: RunFolder, findings: Sequence[Finding]) -
         missing_figures=tuple(gathered.missing_figures()),
         findings=tuple(findings),
         provenance=gathered.header,
+        matrix=gathered.matrix,
+        unjudged=next((one.message for one in gathered.assessed.values() if one.message), ""),
         unfinished=gathered.unfinished,
         drifts=gathered.drifts,
         power=gathered.power,

@@ -18,9 +18,10 @@ def drawings() -> tuple[Drawing, ...]:
         sixty_modes,
         statics,
     )
-    from validation.report.figures.pictures import legs, robot  # noqa: PLC0415
+    from validation.report.figures.pictures import legs, portrait, robot  # noqa: PLC0415
 
     return (
+        *portrait.drawings(),
         *statics.drawings(),
         *dynamics.drawings(),
         *energy.drawings(),

@@ -17,8 +17,8 @@ from validation.exhibits import Drawing, Figure
 from validation.mode_pairing import centreline_samples, centreline_weights, pair_modes
 from validation.models.legs import leg_matrices, solid_modes
 from validation.models.options import DEFAULT_OPTIONS
-from validation.report.figures.pictures.opengl import require_vtk
-from validation.report.figures.pictures.prisms import (
+from validation.report.figures.pictures.drawing.opengl import require_vtk
+from validation.report.figures.pictures.drawing.prisms import (
     Surface,
     edges,
     frames,
@@ -26,7 +26,7 @@ from validation.report.figures.pictures.prisms import (
     prism_points,
     section_displacements,
 )
-from validation.report.figures.pictures.rendering import (
+from validation.report.figures.pictures.drawing.rendering import (
     Body,
     Scene,
     Wire,
@@ -37,10 +37,10 @@ from validation.report.figures.pictures.rendering import (
     squares,
     triad,
 )
+from validation.report.figures.pictures.drawing.scenes import interactive
+from validation.report.figures.pictures.drawing.view import fitted_view
 from validation.report.figures.pictures.robot import GROUP
 from validation.report.figures.pictures.robot_shape import OUTSET
-from validation.report.figures.pictures.scenes import interactive
-from validation.report.figures.pictures.view import fitted_view
 from validation.report.figures.style import MODELS, canvas, csv_of, plot_style
 
 MODES = 4

@@ -13,15 +13,9 @@ from validation.exhibits import Drawing, Figure, InteractiveScene
 from validation.models.options import DEFAULT_OPTIONS
 from validation.quantities import LOAD, MICRO, RobotModes, robot_modes
 from validation.report.figures.curves.lines import as_in_paper
-from validation.report.figures.pictures.element_columns import (
-    load_columns,
-    segments_like,
-    sense,
-    shape_columns,
-)
-from validation.report.figures.pictures.opengl import require_vtk
-from validation.report.figures.pictures.prisms import readable_factor
-from validation.report.figures.pictures.rendering import (
+from validation.report.figures.pictures.drawing.opengl import require_vtk
+from validation.report.figures.pictures.drawing.prisms import readable_factor
+from validation.report.figures.pictures.drawing.rendering import (
     Body,
     Scene,
     arrow,
@@ -33,6 +27,14 @@ from validation.report.figures.pictures.rendering import (
     triad,
     write,
 )
+from validation.report.figures.pictures.drawing.scenes import Motion, interactive
+from validation.report.figures.pictures.drawing.view import View, fitted_view
+from validation.report.figures.pictures.element_columns import (
+    load_columns,
+    segments_like,
+    sense,
+    shape_columns,
+)
 from validation.report.figures.pictures.robot_shape import (
     LegShape,
     leg_shapes,
@@ -42,8 +44,6 @@ from validation.report.figures.pictures.robot_shape import (
     surroundings,
     top_of_joint,
 )
-from validation.report.figures.pictures.scenes import Motion, interactive
-from validation.report.figures.pictures.view import View, fitted_view
 from validation.report.figures.style import MODELS, VERMILLION, canvas, csv_of, plot_style
 
 GROUP = "pictures"

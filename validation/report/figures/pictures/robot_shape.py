@@ -12,7 +12,7 @@ from lumped.biglide_assembly import Mechanism
 from lumped.leg_matrices import LegMatrices
 from lumped.legs import ConstantLeg, equivalent_leg
 from lumped.modes import dense
-from validation.report.figures.pictures.prisms import (
+from validation.report.figures.pictures.drawing.prisms import (
     Surface,
     box,
     edges,
@@ -25,7 +25,7 @@ from validation.report.figures.pictures.prisms import (
     prism_points,
     section_displacements,
 )
-from validation.report.figures.pictures.rendering import DARK, Body, Wire
+from validation.report.figures.pictures.drawing.rendering import DARK, Body, Wire
 from validation.report.figures.style import MODELS
 
 _STATIONS = 41
@@ -87,6 +87,24 @@ def leg_shapes(
         )
     )
     return first, second
+
+
+def legs_at_rest(robot: Biglide, x: float) -> tuple[Surface, Surface]:
+    """Surfaces of both legs with B at `x` (m), nothing displaced."""
+    first, second = (
+        _placed(leg, rotation, root)
+        for leg, (rotation, root) in zip(
+            _constant_legs(robot), _frames(robot.posture(x)), strict=True
+        )
+    )
+    return first, second
+
+
+def _placed(leg: ConstantLeg, rotation: Array, root: Array) -> Surface:
+    corners = outline(leg.section)
+    points = prism_points(corners, np.array([0.0, leg.length]))
+    faces = [prism_faces(len(corners), 2), end_faces(len(corners), 2)]
+    return Surface(root + in_robot_axes(points, rotation), np.vstack(faces))
 
 
 def centreline_points(

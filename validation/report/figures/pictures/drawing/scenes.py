@@ -16,7 +16,7 @@ import numpy as np
 
 from lumped.arrays import Array
 from validation.exhibits import InteractiveScene
-from validation.report.figures.pictures.rendering import Body, Scene, Wire, add_to
+from validation.report.figures.pictures.drawing.rendering import Body, Scene, Wire, add_to
 from validation.report.text import base64
 
 _ADDRESS = re.compile(r"(?<=[\"{])[0-9a-f]{16}(?=[\"}-])")

@@ -26,7 +26,7 @@ from validation.report.figures.studies.family_plots import study_plot
 from validation.report.figures.style import canvas, csv_of, plot_style, power_ticks, svg_of
 from validation.report.page import render
 from validation.report.second_ways import HEADLINES
-from validation.report.sections import sections_of
+from validation.report.sections import APPENDIX, CHAPTERS, chapters_of
 from validation.report.tables import grids, unexplained_share
 
 VOID = {"meta", "link", "img", "br", "hr", "input"}
@@ -69,7 +69,7 @@ def test_the_page_is_well_formed_and_its_links_lead_somewhere(markup):
     assert len(page.ids) == len(set(page.ids))
     inner = {link[1:] for link in page.links if link.startswith("#")}
     assert inner <= set(page.ids)
-    assert {"verdict", "foremost", "closest", "audit", "provenance"} <= set(page.ids)
+    assert {"verdict", "adequacy", "closest", "audit", "appendix", "provenance"} <= set(page.ids)
 
 
 def test_the_page_needs_nothing_else(markup):
@@ -83,9 +83,20 @@ def test_the_page_needs_nothing_else(markup):
     assert "fetch(" not in markup
 
 
-def test_the_verdict_stands_at_the_top_in_one_sentence(markup):
-    sentence = "3 of 5 comparisons agree, 1 disagree, 1 failed, 1 skipped."
-    assert markup.index(sentence, markup.index("<body>")) < markup.index("<table")
+def test_the_answer_stands_at_the_top_and_the_checks_behind_it(markup):
+    banner = markup[markup.index('id="verdict"') : markup.index("</header>")]
+    answer = re.search(r"<strong>([^<]*)</strong>", banner)[1]
+    assert answer.startswith("VJM with the legs as given holds for deflections; ")
+    assert "3 of 5 comparisons agree, 1 disagree, 1 failed, 1 skipped." in banner
+    # What does not agree is named where nobody overlooks it.
+    assert 'href="#robot.beam-vjm.planar_x_0.4975"' in banner
+
+
+def test_without_a_matrix_the_page_says_why():
+    page = render(sample_report(matrix=None, unjudged="the sections are too thin to mesh"))
+    assert "No model was judged: the sections are too thin to mesh." in page
+    assert 'id="adequacy"' not in page
+    assert "<strong>3 of 5 comparisons agree" in page
 
 
 def test_the_worst_comparisons_come_first():
@@ -97,6 +108,18 @@ def test_the_worst_comparisons_come_first():
         "legs.agrees",
         "paper.deflection-bound",
     ]
+
+
+def test_what_verifies_the_program_is_folded_into_an_appendix_with_one_line():
+    program = judge(case("guard.a", section="Guards"), Measurement(1.001, 1.0), 0.1)
+    skipped = Outcome(case("guard.b", section="Guards"), "skipped", 0.0, message="no CalculiX")
+    robot = judge(case("robot.a", section="The robot over its stroke"), Measurement(1.0, 1.0), 0.1)
+    report = sample_report(outcomes=(program, skipped, robot), figures=())
+    assert report.program == "The program: 1 of 1 checks agree"
+    assert [chapter.title for chapter in report.chapters] == ["The robot"]
+    page = render(report)
+    start = page.index('<details class="appendix"')
+    assert page.index('id="guard.a"') > start > page.index('id="robot.a"')
 
 
 def test_every_case_shows_its_source_tolerance_reason_and_function(markup):
@@ -135,18 +158,18 @@ def test_a_study_shared_by_several_cases_is_shown_once():
         judge(case(f"legs.{n}"), Measurement(1.0, 1.0, studies=(CONVERGENCE,)), 0.1) for n in "ab"
     ]
     report = sample_report(outcomes=tuple(outcomes), figures=(study_plot(CONVERGENCE),))
-    (section,) = report.sections
+    (section,) = report.appendix.sections
     assert [plot.family.studies for plot in section.plots] == [(CONVERGENCE,)]
     assert section.figures == ()
     page = Page(render(report))
     assert len(page.ids) == len(set(page.ids))
 
 
-def test_the_first_table_says_where_the_largest_unexplained_difference_is(markup):
+def test_the_appendix_says_where_its_largest_unexplained_difference_is(markup):
     # Of the relative comparisons "Agrees barely" leaves most: (1.0095 − 1)/1 = 0.95 %.
-    first = markup[markup.index("<table") : markup.index("</table>")]
+    table = markup[markup.index('<table class="cases parts"') :]
     cells = re.findall(
-        r'<strong>([^<]*)</strong></td>\s*<td class="where"[^>]*><a href="#([^"]*)"', first
+        r'<strong>([^<]*)</strong></td>\s*<td class="where"[^>]*><a href="#([^"]*)"', table
     )
     assert cells[0] == ("0.95\u00a0%", "legs.tight")
 
@@ -278,16 +301,6 @@ def test_the_figures_of_the_page_are_all_there_to_be_written(markup):
     assert {"fig5.png", "fig5.csv", "study.stroke.svg", "study.stroke.csv"} <= set(names)
 
 
-def test_agreeing_guards_do_not_stand_among_what_matters_first():
-    guard = case("guard.a", section="Guards", title="A formula of the textbooks")
-    close = judge(guard, Measurement(1.009, 1.0), 0.1)
-    report = sample_report(outcomes=(close, judge(case(), Measurement(1.001, 1.0), 0.1)))
-    assert [outcome.case.id for outcome in report.foremost] == ["legs.a"]
-    assert guard.title not in report.headline
-    wrong = judge(guard, Measurement(1.02, 1.0), 0.1)
-    assert wrong in sample_report(outcomes=(wrong,)).foremost
-
-
 def test_what_was_skipped_stands_together_by_its_reason():
     reasons = ("no CalculiX", "too large", "no CalculiX")
     outcomes = [
@@ -352,17 +365,13 @@ def test_sweeps_of_several_models_share_their_axes_and_draw_the_common_curve_onc
 VJM = SWEEP.series["vjm"]
 
 
-def test_the_paper_s_figures_stand_together_in_the_paper_s_order():
-    figures = [
-        Figure(f"f{number}", f"A curve (as the paper's Fig. {number})", "", "Robot", png=PIXEL)
-        for number in (10, 3)
-    ] + [Figure("own", "Of our own", "", "Robot", png=PIXEL)]
-    statement = judge(
-        case(reference_kind="paper-statement", section="The paper"), Measurement(1.0, 1.0), 0.1
-    )
-    paper, robot = sections_of([statement], figures, plotted=False)
-    assert [figure.id for figure in paper.figures] == ["f3", "f10"]
-    assert [figure.id for figure in robot.figures] == ["own"]
+def test_chapters_answer_in_turn_whatever_came_first():
+    names = ("Guards", "The paper's statements", "Leg 2", "The robot with solid legs")
+    names += ("The robot over its stroke",)
+    outcomes = [judge(case(f"c.{n}", section=n), Measurement(1.0, 1.0), 0.1) for n in names]
+    found = chapters_of(outcomes, (), plotted=False)
+    assert [chapter.title for chapter in found] == [*list(CHAPTERS)[:2], "The paper", APPENDIX]
+    assert [section.title for section in found[0].sections] == [names[4], names[3]]
 
 
 def test_every_second_way_is_a_module_of_this_project():
@@ -388,7 +397,9 @@ def test_scenes_are_in_the_page_and_the_viewer_is_there_once():
 
 def test_an_interrupted_run_waits_for_no_plot():
     assert not any(
-        plot.figure for section in sample_report(unfinished=1).sections for plot in section.plots
+        plot.figure
+        for section in sample_report(unfinished=1).appendix.sections
+        for plot in section.plots
     )
 
 

@@ -13,10 +13,10 @@ from chromium import EXECUTABLE, browser
 from report_sample import PIXEL, sample_report
 
 from validation.exhibits import Figure
-from validation.report.figures.pictures.prisms import box
-from validation.report.figures.pictures.rendering import Body, Scene
-from validation.report.figures.pictures.scenes import interactive
-from validation.report.figures.pictures.view import fitted_view
+from validation.report.figures.pictures.drawing.prisms import box
+from validation.report.figures.pictures.drawing.rendering import Body, Scene
+from validation.report.figures.pictures.drawing.scenes import interactive
+from validation.report.figures.pictures.drawing.view import fitted_view
 from validation.report.page import render
 
 pytestmark = pytest.mark.skipif(EXECUTABLE is None, reason="no Chromium (Debian: chromium)")
@@ -48,7 +48,7 @@ def report(tmp_path_factory):
         "turnable",
         "A box",
         "Made up.",
-        "The legs",
+        "Leg 1",
         png=PIXEL,
         scenes=(scene("(a) a box"), scene("(b) the same box"), scene("(c) it swings", 0.4)),
     )

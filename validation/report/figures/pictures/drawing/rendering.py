@@ -13,9 +13,9 @@ from matplotlib.figure import Figure as Canvas
 from numpy.typing import NDArray
 
 from lumped.arrays import Array, IntArray
-from validation.report.figures.pictures.opengl import MESSAGE, usable_window
-from validation.report.figures.pictures.prisms import Surface
-from validation.report.figures.pictures.view import View, pixels
+from validation.report.figures.pictures.drawing.opengl import MESSAGE, usable_window
+from validation.report.figures.pictures.drawing.prisms import Surface
+from validation.report.figures.pictures.drawing.view import View, pixels
 from validation.report.figures.style import WIDTH
 
 # Told apart by colour-blind readers, and light against dark when printed in grey.

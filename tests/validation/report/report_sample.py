@@ -2,6 +2,8 @@
 
 import base64
 
+from matrix_sample import sample_matrix
+
 from lumped.audit.finding import Finding
 from validation.case import (
     Absolute,
@@ -135,6 +137,7 @@ def sample_report(**changes):
                 "fig5", "Fig. 5", "Made up.", "The paper's statements", png=PIXEL, data="x\n1\n"
             ),
         ),
+        "matrix": sample_matrix(),
         "findings": (FINDING,),
         "provenance": {
             "robot": "IFW demonstrator",

@@ -33,9 +33,8 @@ from validation.report.figures.curves.lines import (
 from validation.report.figures.curves.refinement import fitted_order
 from validation.report.figures.curves.statics import simplified_deflections
 from validation.report.figures.curves.sweeps import stations
-from validation.report.figures.pictures import opengl
-from validation.report.figures.pictures.legs import boundary_faces, kind_of
-from validation.report.figures.pictures.prisms import (
+from validation.report.figures.pictures.drawing import opengl
+from validation.report.figures.pictures.drawing.prisms import (
     Surface,
     box,
     edges,
@@ -48,10 +47,11 @@ from validation.report.figures.pictures.prisms import (
     readable_factor,
     section_displacements,
 )
-from validation.report.figures.pictures.rendering import Body, Scene, render
+from validation.report.figures.pictures.drawing.rendering import Body, Scene, render
+from validation.report.figures.pictures.drawing.view import fitted_view, pixels
+from validation.report.figures.pictures.legs import boundary_faces, kind_of
 from validation.report.figures.pictures.robot import deformed_robot
 from validation.report.figures.pictures.robot_shape import leg_shapes, load_displacement
-from validation.report.figures.pictures.view import fitted_view, pixels
 
 needs_opengl = pytest.mark.skipif(opengl.usable_window() is None, reason=opengl.MESSAGE)
 ROUNDING = 1e-12  # lengths of about 1 m, a few operations each

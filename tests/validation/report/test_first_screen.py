@@ -1,0 +1,179 @@
+"""The first screen from a made-up matrix: the sentence by rules, the table, sheets, the figure."""
+
+import csv
+import io
+import re
+import sys
+from pathlib import Path
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+from matrix_sample import POSES, UNKNOWN, entry, sample_matrix, undecided
+from report_sample import sample_report
+
+from validation.adequacy.matrix import ModelNote
+from validation.report.figures.adequacy import error_figure
+from validation.report.first_screen.remedies import remedies_of
+from validation.report.first_screen.screen import first_screen
+from validation.report.first_screen.sentence import sentence
+from validation.report.first_screen.table import csv_of_matrix, table_of
+from validation.report.page import render
+
+NO_BREAK = "\u00a0"
+
+
+def plain(text):
+    return text.replace(NO_BREAK, " ")
+
+
+def said_of(*entries):
+    models = tuple(dict.fromkeys(one.model for one in entries))
+    notes = tuple(ModelNote(model, model) for model in models)
+    return plain(sentence(sample_matrix(models=notes, entries=entries)))
+
+
+def flat(model, quantity, size, **fields):
+    return entry(model, quantity, (size,) * len(POSES), **fields)
+
+
+THEORIES = ("", "-euler-bernoulli")
+
+
+def test_the_sentence_says_what_holds_what_is_off_and_what_could_not_be_judged():
+    assert plain(sentence(sample_matrix())) == (
+        "VJM with the legs as given holds for deflections; VJM on equivalent legs, segments and "
+        "beams are 15 to 17 % too stiff; the simplified model is 7.7 to 8.3 times too stiff and "
+        f"knows no motion along z; frequencies cannot be judged: {UNKNOWN}."
+    )
+
+
+@pytest.mark.parametrize(
+    ("entries", "expected"),
+    [
+        ([flat("beam", "x", 0.01)], "Beams hold for deflections."),
+        ([flat("simplified", "x", 0.01)], "The simplified model holds for deflections."),
+        (
+            [flat("beam", "x", 0.01), flat("beam", "z", -0.12)],
+            "Beams hold along x but are 12 % too stiff along z.",
+        ),
+        # Twice as soft as the reference: told as a factor.
+        ([flat("beam", "phi_x", 2.7)], "Beams are 3.7 times too soft in rotation."),
+        (
+            [flat("beam", "x", -0.1), flat("beam", "phi_x", -0.8)],
+            "Beams are 10 % too stiff (5 times in rotation).",
+        ),
+        (
+            [flat("beam", "f1", 0.0), flat("beam", "f2", -0.27), flat("beam", "order", -0.3)],
+            "Beams hold f1 but give f2 27 % too low and have the modes in another order.",
+        ),
+        (
+            [flat(m, f"f{n}", 0.01 * n) for m in ("segments", "beam") for n in (6, 7, 8)],
+            "Segments and beams give f6 to f8 6 to 8 % too high.",
+        ),
+        (
+            [
+                flat(f"{m}{t}", "x", -0.2)
+                for m in ("segments", "beam")
+                for t in ("", "-euler-bernoulli")
+            ],
+            "Segments and beams of either theory are 20 % too stiff.",
+        ),
+        (
+            [flat("beam", "x", 0.0), undecided("beam", "z"), flat("vjm", "x", 0.0)],
+            "VJM with the legs as given holds for deflections; "
+            "beams hold along x but cannot be judged along z.",
+        ),
+        (
+            [flat("simplified", q, -1.0, error=None, errors=(None,) * 3) for q in ("z", "phi_y")],
+            "The simplified model knows neither motion along z nor rotation.",
+        ),
+        (
+            [flat("beam", "f2", 0.0, error=None, errors=(None,), verdict="inadequate")],
+            "Beams lack the modes of f2.",
+        ),
+        ([], "No model could be judged."),
+    ],
+)
+def test_every_rule_of_the_sentence(entries, expected):
+    assert said_of(*entries) == expected
+
+
+def test_a_model_that_does_not_move_in_one_pose_alone_is_stiff_there():
+    curve = (-0.8, -0.9, -1.0)
+    assert said_of(entry("simplified", "x", curve)) == "The simplified model is 10 times too stiff."
+
+
+def test_the_table_has_a_column_for_every_quantity_that_is_spoken_of():
+    table = table_of(sample_matrix())
+    assert table.headings == ("x", "y", "z", "f1", "f2")
+    by_name = {row.name: row for row in table.rows}
+    simplified = by_name["The simplified model"].cells
+    assert [plain(cell.text) for cell in simplified[:3]] == ["−100 %", "−87 %", "−100 %"]
+    assert [cell.mark for cell in simplified] == ["✗", "✗", "✗", "?", "?"]
+    assert plain(simplified[1].hint).startswith("inadequate (limit 5 %); worst at x = 0.4975 m")
+    assert by_name["VJM with the legs as given"].cells[3:] == (None, None)
+    # A thousandth of the reference is worth showing, what rounding leaves is nothing.
+    assert plain(simplified[1].spread) == "± 0.1 %"
+    small = table_of(sample_matrix(entries=(flat("vjm", "x", 1e-9, uncertainty=1e-9),)))
+    cell = next(row.cells[0] for row in small.rows if row.note.model == "vjm")
+    assert (plain(cell.text), cell.spread) == ("0 %", "")
+
+
+def test_pose_and_verdict_are_in_the_csv():
+    rows = list(csv.DictReader(io.StringIO(csv_of_matrix(sample_matrix()))))
+    assert len(rows) == len(sample_matrix().entries)
+    found = next(row for row in rows if (row["model"], row["quantity"]) == ("simplified", "y"))
+    assert (found["verdict"], found["x (m)"], found["error"]) == ("inadequate", "0.4975", "-0.87")
+    assert found["error with remedy"] == "0.002"
+
+
+def test_entries_of_the_same_cause_and_remedy_share_a_line():
+    lines = remedies_of(sample_matrix())
+    assert [(one.models, one.quantities, plain(one.without)) for one in lines] == [
+        ("The simplified model", "x, y", "−87 to −100 %"),
+        ("The simplified model", "z", "−100 %"),
+        ("VJM on equivalent legs, segments and beams", "x, y, z", "−15 to −17 %"),
+    ]
+    assert (lines[2].remedy, plain(lines[2].with_remedy)) == (
+        "take the 6×6 with its couplings",
+        "+0.1 %",
+    )
+    assert lines[1].causes == ("it knows no such motion",)
+
+
+def test_every_number_of_the_matrix_leads_to_its_sheet_with_source_uncertainty_and_function():
+    markup = render(sample_report())
+    table = markup[markup.index('<table class="adequacy"') :]
+    links = re.findall(r'<td class="[a-z]+" title="[^"]+"><a href="#([^"]+)"', table)
+    assert len(links) == len(sample_matrix().entries)
+    for link in links:
+        start = markup.index(f'id="{link}"')
+        sheet = markup[start : markup.index("</article>", start)]
+        for word in ("Source", "Computed by", "Worst at"):
+            assert f"<dt>{word}</dt>" in sheet
+        assert "<dt>Uncertainty</dt>" in sheet or UNKNOWN in sheet
+
+
+def test_the_figure_shows_the_errors_of_every_model_and_an_unfinished_run_waits_for_none():
+    figure = error_figure(sample_matrix())
+    rows = list(csv.DictReader(io.StringIO(figure.data)))
+    assert [float(row["x (m)"]) for row in rows] == [pose[0] for pose in POSES]
+    shown = [float(row["simplified: error of y"]) for row in rows]
+    assert shown == [-0.86, -0.87, -0.857]
+    assert error_figure(sample_matrix(entries=(undecided("beam", "f1"),))) is None
+    assert first_screen(sample_matrix(), plotted=False).errors is None
+
+
+def test_poses_of_several_coordinates_are_drawn_by_their_number():
+    poses = ((0.1, 0.5), (0.2, 0.6), (0.3, 0.7))
+    matrix = sample_matrix(
+        coordinates=("x (m)", "y (m)"),
+        poses=poses,
+        entries=(flat("links", "x", 0.1, pose=poses[1]),),
+        models=(ModelNote("links", "links"),),
+    )
+    assert error_figure(matrix).svg
+    (row,) = table_of(matrix).rows
+    assert "worst at x = 0.2 m, y = 0.6 m" in row.cells[0].hint

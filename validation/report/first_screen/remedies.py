@@ -1,0 +1,74 @@
+"""Why models are off and what to do: entries with the same causes and remedy in one line."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from validation.adequacy.matrix import Entry, Matrix
+from validation.report.first_screen.words import SIGNS, capital, error_text, subject
+from validation.report.text import percent
+
+# How many causes a line names.
+_FOREMOST = 2
+_PERCENT = "\u00a0%"
+
+
+@dataclass(frozen=True)
+class Remedy:
+    """Models and quantities that are off for the same reasons, and what helps.
+
+    `without` and `with_remedy` are ranges of errors, as text.
+    """
+
+    models: str
+    quantities: str
+    without: str
+    causes: tuple[str, ...]
+    remedy: str
+    with_remedy: str
+
+
+def remedies_of(matrix: Matrix) -> tuple[Remedy, ...]:
+    """A line for each reason of inadequacy, in the order of the matrix.
+
+    Entries belong together where they name the same foremost causes and the same remedy.
+    """
+    groups: dict[tuple[tuple[str, ...], str, str], list[Entry]] = {}
+    for entry in matrix.entries:
+        if entry.verdict == "inadequate":
+            causes = tuple(sorted(cause.cause for cause in entry.causes[:_FOREMOST]))
+            key = causes, entry.remedy, "" if entry.causes else entry.reason
+            groups.setdefault(key, []).append(entry)
+    return tuple(
+        Remedy(
+            models=capital(subject(list(dict.fromkeys(entry.model for entry in entries)))[0]),
+            quantities=_quantities(entries, matrix.quantities),
+            without=_range([entry.error for entry in entries]),
+            causes=_causes(entries) or (reason,),
+            remedy=remedy,
+            with_remedy=_range([entry.error_with_remedy for entry in entries]),
+        )
+        for (_, remedy, reason), entries in groups.items()
+    )
+
+
+def _quantities(entries: Sequence[Entry], order: Sequence[str]) -> str:
+    off = sorted({entry.quantity for entry in entries}, key=order.index)
+    return ", ".join(SIGNS.get(quantity, quantity) for quantity in off)
+
+
+def _causes(entries: Sequence[Entry]) -> tuple[str, ...]:
+    """The foremost causes with the range of their shares: "shear: 80 to 96 %"."""
+    shares: dict[str, list[float]] = {}
+    for entry in entries:
+        for cause in entry.causes[:_FOREMOST]:
+            shares.setdefault(cause.cause, []).append(cause.share)
+    return tuple(f"{cause}: {_range(found, signed=False)}" for cause, found in shares.items())
+
+
+def _range(values: Sequence[float | None], *, signed: bool = True) -> str:
+    known = sorted((value for value in values if value is not None), key=abs)
+    if not known:
+        return ""
+    shown = [error_text(one) if signed else percent(one, signed=False) for one in known]
+    first, last = shown[0], shown[-1]
+    return last if first == last else f"{first.removesuffix(_PERCENT)} to {last}"

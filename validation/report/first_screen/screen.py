@@ -1,0 +1,41 @@
+"""The first screen put together from the matrix of adequacy."""
+
+from dataclasses import dataclass
+
+from validation.adequacy.matrix import Matrix
+from validation.exhibits import Figure
+from validation.report.figures.adequacy import error_figure
+from validation.report.first_screen.remedies import Remedy, remedies_of
+from validation.report.first_screen.sentence import sentence
+from validation.report.first_screen.sheets import Sheet, sheets_of
+from validation.report.first_screen.table import Table, csv_of_matrix, table_of
+from validation.report.sections import attempted
+
+
+@dataclass(frozen=True)
+class FirstScreen:
+    """What the reader sees first: the sentence, the table with its CSV, errors over the poses.
+
+    Then `remedies`, `notes` on what was not said by the user, and a sheet behind every number.
+    """
+
+    sentence: str
+    table: Table
+    csv: str
+    errors: Figure | None
+    remedies: tuple[Remedy, ...]
+    notes: tuple[str, ...]
+    sheets: tuple[Sheet, ...]
+
+
+def first_screen(matrix: Matrix, *, plotted: bool) -> FirstScreen:
+    """The first screen of a matrix; `plotted`: whether the figure is to be drawn."""
+    return FirstScreen(
+        sentence=sentence(matrix),
+        table=table_of(matrix),
+        csv=csv_of_matrix(matrix),
+        errors=attempted(lambda: error_figure(matrix)) if plotted else None,
+        remedies=remedies_of(matrix),
+        notes=matrix.notes,
+        sheets=sheets_of(matrix),
+    )

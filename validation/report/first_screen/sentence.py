@@ -1,0 +1,198 @@
+"""The matrix of adequacy in one sentence, by rules: what holds, what does not and by how much.
+
+Models of which the same is to be said share a clause. What holds comes first, then what is off,
+the least first, then what a model does not know at all and what could not be judged.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from validation.adequacy.matrix import Entry, Matrix
+from validation.report.first_screen.words import (
+    amount,
+    capital,
+    is_rotation,
+    is_static,
+    listed,
+    place_of,
+    subject,
+    times,
+)
+
+# Errors beyond this are told as factors.
+_FACTOR = 0.5
+# Nothing at all where the reference yields: the model's number is zero up to rounding.
+_ABSENT = 1e-9
+
+
+@dataclass(frozen=True)
+class _Opinion:
+    """What is to be said of a model in statics or dynamics: quantities by kind of verdict."""
+
+    model: str
+    entries: tuple[Entry, ...]
+
+    def those(self, *kinds: str) -> tuple[Entry, ...]:
+        return tuple(entry for entry in self.entries if _kind(entry) in kinds)
+
+    @property
+    def key(self) -> tuple[tuple[str, str], ...]:
+        return tuple((entry.quantity, _kind(entry)) for entry in self.entries)
+
+    @property
+    def size(self) -> float:
+        """Larger for what is worse."""
+        if self.those("absent"):
+            return 1e9
+        off = [abs(entry.error or 0.0) for entry in self.those("low", "high")]
+        return max(off) if off else 1e8 if self.those("undecided") else 0.0
+
+
+def sentence(matrix: Matrix) -> str:
+    """The verdict of the matrix, one sentence."""
+    static = _clauses(matrix, is_static, _static_predicate)
+    dynamic = _clauses(matrix, lambda quantity: not is_static(quantity), _dynamic_predicate)
+    said = "; ".join([*static, *dynamic])
+    return f"{capital(said)}." if said else "No model could be judged."
+
+
+def _kind(entry: Entry) -> str:
+    if entry.verdict != "inadequate":
+        return entry.verdict
+    if entry.error is None or entry.error <= -1.0 + _ABSENT:
+        absent = not any(error is not None and error > -1.0 + _ABSENT for error in entry.errors)
+        return "absent" if absent else "low"
+    return "low" if entry.error < 0.0 else "high"
+
+
+def _clauses(
+    matrix: Matrix,
+    wanted: Callable[[str], bool],
+    predicate: Callable[[Sequence[_Opinion], bool], str],
+) -> list[str]:
+    opinions = []
+    for note in matrix.models:
+        entries = tuple(e for e in matrix.of_model(note.model) if wanted(e.quantity))
+        if entries:
+            opinions.append(_Opinion(note.model, entries))
+    unjudged = _nothing_known(opinions)
+    if unjudged:
+        return [unjudged]
+    groups: dict[tuple[tuple[str, str], ...], list[_Opinion]] = {}
+    for opinion in sorted(opinions, key=lambda opinion: opinion.size):
+        groups.setdefault(opinion.key, []).append(opinion)
+    said = []
+    order = [note.model for note in matrix.models]
+    for group in groups.values():
+        models = sorted((opinion.model for opinion in group), key=order.index)
+        who, singular = subject(models)
+        said.append(f"{who} {predicate(group, singular)}")
+    return said
+
+
+def _nothing_known(opinions: Sequence[_Opinion]) -> str:
+    """The clause where every number of every model is undecided for one and the same reason."""
+    entries = [entry for opinion in opinions for entry in opinion.entries]
+    reasons = {entry.reason for entry in entries}
+    if not entries or len(reasons) > 1 or any(e.verdict != "undecided" for e in entries):
+        return ""
+    what = "deflections" if is_static(entries[0].quantity) else "frequencies"
+    return f"{what} cannot be judged" + (f": {reasons.pop()}" if any(reasons) else "")
+
+
+def _static_predicate(group: Sequence[_Opinion], singular: bool) -> str:  # noqa: FBT001  grammar
+    verb = "is" if singular else "are"
+    whole = group[0].entries
+    said = []
+    for kind, how in (("low", "too stiff"), ("high", "too soft")):
+        found = [entry for opinion in group for entry in opinion.those(kind)]
+        moved = [entry for entry in found if not is_rotation(entry.quantity)]
+        turned = [entry for entry in found if is_rotation(entry.quantity)]
+        if moved:
+            turns = f" ({_how_much(turned)} in rotation)" if turned else ""
+            said.append(f"{verb} {_how_much(moved)} {how}{_where(moved, whole)}{turns}")
+        elif turned:
+            said.append(f"{verb} {_how_much(turned)} {how} in rotation")
+    know = "knows" if singular else "know"
+    absent = [entry.quantity for entry in group[0].those("absent")]
+    moved_not = [quantity for quantity in absent if not is_rotation(quantity)]
+    if absent:
+        lacks = [f"motion {place_of(moved_not)}"] if moved_not else []
+        lacks += ["rotation"] if len(absent) > len(moved_not) else []
+        lacking = f"neither {' nor '.join(lacks)}" if len(lacks) > 1 else f"no {lacks[0]}"
+        said.append(f"{know} {lacking}")
+    return _rounded_off(group, said, "deflections", singular)
+
+
+def _dynamic_predicate(group: Sequence[_Opinion], singular: bool) -> str:  # noqa: FBT001  grammar
+    gives = "gives" if singular else "give"
+    said = []
+    for kind, how in (("low", "too low"), ("high", "too high")):
+        found = [
+            entry for opinion in group for entry in opinion.those(kind) if entry.quantity != "order"
+        ]
+        if found:
+            names = place_of(dict.fromkeys(entry.quantity for entry in found))
+            said.append(f"{gives} {names} {_how_much(found)} {how}")
+    lacking = [entry for entry in group[0].those("absent") if entry.quantity != "order"]
+    if lacking:
+        lack = "lacks" if singular else "lack"
+        said.append(f"{lack} the modes of {place_of(e.quantity for e in lacking)}")
+    if any(e.quantity == "order" for e in group[0].those("low", "high", "absent")):
+        said.append(f"{'has' if singular else 'have'} the modes in another order")
+    return _rounded_off(group, said, "frequencies", singular)
+
+
+def _rounded_off(
+    group: Sequence[_Opinion],
+    said: list[str],
+    what: str,
+    singular: bool,  # noqa: FBT001  grammar
+) -> str:
+    """What is off, after what holds and before what is open."""
+    good, open_ = group[0].those("adequate"), group[0].those("undecided")
+    holds = "holds" if singular else "hold"
+    if good and not said and not open_:
+        return f"{holds} for {what}"
+    parts = [f"{holds} {place_of(entry.quantity for entry in good)}"] if _named(good) else []
+    parts += said
+    if open_:
+        parts.append(f"cannot be judged {place_of(e.quantity for e in open_)}".rstrip())
+    if len(parts) > 1 and parts[0].startswith(holds):
+        return f"{parts[0]} but {listed(parts[1:])}"
+    return listed(parts)
+
+
+def _named(entries: Sequence[Entry]) -> bool:
+    return any(entry.quantity != "order" for entry in entries)
+
+
+def _where(found: Sequence[Entry], whole: Sequence[Entry]) -> str:
+    """Where the model is off, unless it is so everywhere that it knows."""
+    off = dict.fromkeys(entry.quantity for entry in found)
+    known = {
+        entry.quantity
+        for entry in whole
+        if _kind(entry) != "absent" and not is_rotation(entry.quantity)
+    }
+    return "" if set(off) == known else f" {place_of(off)}"
+
+
+def _how_much(entries: Sequence[Entry]) -> str:
+    """The range of errors of one sign, in percent or as factors."""
+    sizes = [_typical(entry) for entry in entries]
+    if any(size < 0.0 for size in sizes) and min(sizes) < -_FACTOR:
+        factors = sorted(1.0 / (1.0 + size) for size in sizes)
+        return times(factors[0], factors[-1])
+    if max(sizes) > 1.0:
+        factors = sorted(1.0 + size for size in sizes)
+        return times(factors[0], factors[-1])
+    ordered = sorted(abs(size) for size in sizes)
+    return amount(ordered[0], ordered[-1])
+
+
+def _typical(entry: Entry) -> float:
+    """The worst error, where the model does not move at all there, the worst that is a factor."""
+    if entry.error is not None and entry.error > -1.0 + _ABSENT:
+        return entry.error
+    return min(error for error in entry.errors if error is not None and error > -1.0 + _ABSENT)

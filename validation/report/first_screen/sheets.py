@@ -1,0 +1,95 @@
+"""The sheet behind a number of the matrix: reference, uncertainty, causes, functions."""
+
+from dataclasses import dataclass
+
+from validation.adequacy.matrix import Entry, Matrix
+from validation.report.first_screen.table import cell_of, pose_text
+from validation.report.first_screen.words import (
+    SIGNS,
+    capital,
+    error_text,
+    is_frequency,
+    model_name,
+)
+from validation.report.text import number, percent
+
+_UNITS = {"x": "m/N", "y": "m/N", "z": "m/N", "order": "Hz"}
+_ROTATION, _HERTZ = "rad/(N m)", "Hz"
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """One entry in full: `lines` are pairs of a word and what is to be said under it."""
+
+    anchor: str
+    title: str
+    entry: Entry
+    mark: str
+    lines: tuple[tuple[str, str], ...]
+
+
+def sheets_of(matrix: Matrix) -> tuple[Sheet, ...]:
+    """A sheet for every entry."""
+    return tuple(_sheet(matrix, entry) for entry in matrix.entries)
+
+
+def _sheet(matrix: Matrix, entry: Entry) -> Sheet:
+    cell = cell_of(matrix, entry)
+    note = next(note for note in matrix.models if note.model == entry.model)
+    return Sheet(
+        anchor=cell.anchor,
+        title=f"{capital(model_name(entry.model))}, {_meaning(entry.quantity)}: {cell.text}",
+        entry=entry,
+        mark=cell.mark,
+        lines=(("Model", note.title), *_numbers(matrix, entry), *_reasons(entry)),
+    )
+
+
+def _numbers(matrix: Matrix, entry: Entry) -> list[tuple[str, str]]:
+    unit = _unit(entry.quantity)
+    lines = [("Worst at", pose_text(matrix, entry.pose))]
+    if entry.value is not None:
+        lines.append(("Value", f"{number(entry.value, 6)} {unit}"))
+    if entry.expected is not None:
+        lines.append(("Reference", f"{number(entry.expected, 6)} {unit}"))
+    lines.append(("Source", entry.reference))
+    if entry.error is not None:
+        lines.append(
+            ("Error", f"{error_text(entry.error)}, accepted ± {percent(entry.limit, signed=False)}")
+        )
+    if entry.uncertainty is not None:
+        parts = [
+            f"{name} {percent(size, signed=False)}" for name, size in entry.uncertainties.items()
+        ]
+        detail = f" ({', '.join(parts)})" if parts else ""
+        lines.append(("Uncertainty", f"± {percent(entry.uncertainty, signed=False)}{detail}"))
+    return lines
+
+
+def _reasons(entry: Entry) -> list[tuple[str, str]]:
+    lines = [("Reason", entry.reason)] if entry.reason else []
+    for cause in entry.causes:
+        share = percent(cause.share, signed=False)
+        source = f" (from {cause.source})" if cause.source else ""
+        lines.append(("Cause", f"{cause.cause}: {share} of the error{source}"))
+    if entry.remedy:
+        error = entry.error_with_remedy
+        left = "" if error is None else f": {error_text(error)} left"
+        lines.append(("Remedy", f"{entry.remedy}{left}"))
+    if entry.computed_by:
+        lines.append(("Computed by", ", ".join(entry.computed_by)))
+    return lines
+
+
+def _meaning(quantity: str) -> str:
+    if quantity in _UNITS and quantity != "order":
+        return f"deflection along {quantity}"
+    if quantity.startswith("phi_"):
+        return f"rotation about {quantity[-1]}"
+    if is_frequency(quantity):
+        return f"natural frequency {quantity[1:]}"
+    return SIGNS.get(quantity, quantity)
+
+
+def _unit(quantity: str) -> str:
+    return _HERTZ if is_frequency(quantity) else _UNITS.get(quantity, _ROTATION)

@@ -1,0 +1,132 @@
+"""The matrix model × quantity as a table of the page, and as CSV."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from validation.adequacy.matrix import Adequacy, Entry, Matrix, ModelNote
+from validation.report.figures.style import csv_of
+from validation.report.first_screen.words import SIGNS, capital, error_text, model_name
+from validation.report.text import anchor, number, percent
+
+MARKS: Mapping[Adequacy, str] = {"adequate": "✓", "inadequate": "✗", "undecided": "?"}
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One entry as it is shown: its number, its verdict, what a pointer that rests on it is told.
+
+    `anchor` leads to the entry's sheet.
+    """
+
+    entry: Entry
+    text: str
+    spread: str
+    mark: str
+    hint: str
+    anchor: str
+
+
+@dataclass(frozen=True)
+class Row:
+    """A model with its cells, None where it is silent of a quantity."""
+
+    note: ModelNote
+    name: str
+    cells: tuple[Cell | None, ...]
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows of models under `headings` of quantities."""
+
+    headings: tuple[str, ...]
+    rows: tuple[Row, ...]
+
+
+def table_of(matrix: Matrix) -> Table:
+    """The matrix as a table: models in its order, quantities of which any model says anything."""
+    spoken = [q for q in matrix.quantities if any(e.quantity == q for e in matrix.entries)]
+    rows = []
+    for note in matrix.models:
+        found = [matrix.entry(note.model, quantity) for quantity in spoken]
+        cells = tuple(cell_of(matrix, entry) if entry else None for entry in found)
+        rows.append(Row(note, capital(model_name(note.model)), cells))
+    return Table(tuple(SIGNS.get(quantity, quantity) for quantity in spoken), tuple(rows))
+
+
+def cell_of(matrix: Matrix, entry: Entry) -> Cell:
+    """The entry as a cell."""
+    spread = ""
+    if entry.uncertainty is not None and entry.uncertainty >= _WORTH_SAYING:
+        spread = f"±\u00a0{percent(entry.uncertainty, signed=False)}"
+    return Cell(
+        entry=entry,
+        text=_text(entry),
+        spread=spread,
+        mark=MARKS[entry.verdict],
+        hint=_hint(matrix, entry),
+        anchor=anchor(f"adequacy.{entry.model}.{entry.quantity}"),
+    )
+
+
+# Uncertainties below this share of the reference are not shown in a cell.
+_WORTH_SAYING = 5e-4
+
+
+def pose_text(matrix: Matrix, pose: tuple[float, ...]) -> str:
+    """A pose by its coordinates: "x = 0.4975 m"."""
+    said = []
+    for name, value in zip(matrix.coordinates, pose, strict=True):
+        word, _, unit = name.partition(" (")
+        said.append(f"{word} = {number(value, 4)} {unit.rstrip(')')}".rstrip())
+    return ", ".join(said)
+
+
+def csv_of_matrix(matrix: Matrix) -> str:
+    """One line per entry with its verdict, numbers, pose, causes and remedy."""
+    entries = matrix.entries
+    poses = {
+        name: [entry.pose[place] for entry in entries]
+        for place, name in enumerate(matrix.coordinates)
+    }
+    return csv_of(
+        {
+            "model": [entry.model for entry in entries],
+            "quantity": [entry.quantity for entry in entries],
+            "verdict": [entry.verdict for entry in entries],
+            "error": [_or_empty(entry.error) for entry in entries],
+            "uncertainty": [_or_empty(entry.uncertainty) for entry in entries],
+            "limit": [entry.limit for entry in entries],
+            **poses,
+            "value": [_or_empty(entry.value) for entry in entries],
+            "reference value": [_or_empty(entry.expected) for entry in entries],
+            "reference": [entry.reference for entry in entries],
+            "causes": [
+                "; ".join(f"{cause.cause} {cause.share:.3g}" for cause in entry.causes)
+                for entry in entries
+            ],
+            "remedy": [entry.remedy for entry in entries],
+            "error with remedy": [_or_empty(entry.error_with_remedy) for entry in entries],
+            "reason": [entry.reason for entry in entries],
+        }
+    )
+
+
+def _text(entry: Entry) -> str:
+    if entry.error is not None:
+        return error_text(entry.error)
+    return "none" if entry.verdict == "inadequate" else "open"
+
+
+def _hint(matrix: Matrix, entry: Entry) -> str:
+    parts = [f"{entry.verdict} (limit {percent(entry.limit, signed=False)})"]
+    parts.append(f"worst at {pose_text(matrix, entry.pose)}")
+    if entry.causes:
+        cause = entry.causes[0]
+        parts.append(f"{cause.cause}: {percent(cause.share, signed=False)} of the error")
+    parts += [entry.reason] if entry.reason else []
+    return "; ".join(parts)
+
+
+def _or_empty(value: float | None) -> float | str:
+    return "" if value is None else value

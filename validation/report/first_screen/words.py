@@ -1,0 +1,121 @@
+"""Models, quantities and errors in words."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import groupby
+
+from validation.report.text import number, percent
+
+# With its verb's number: singular names take "is", plural ones "are".
+_MODELS: Mapping[str, tuple[str, bool]] = {
+    "simplified": ("the simplified model", True),
+    "vjm": ("VJM with the legs as given", True),
+    "vjm-equivalent": ("VJM on equivalent legs", True),
+    "links": ("links", False),
+    "segments": ("segments", False),
+    "beam": ("beams", False),
+    "segments-euler-bernoulli": ("Euler–Bernoulli segments", False),
+    "beam-euler-bernoulli": ("Euler–Bernoulli beams", False),
+    "segments-condensed": ("condensed segments", False),
+    "segments-stepped": ("stepped segments", False),
+}
+_AXES: Mapping[str, str] = {"phi_x": "x", "phi_y": "y", "phi_z": "z"}
+SIGNS: Mapping[str, str] = {"phi_x": "φx", "phi_y": "φy", "phi_z": "φz", "order": "mode order"}
+
+
+def is_static(quantity: str) -> bool:
+    """Whether the quantity is a deflection or rotation under a unit wrench."""
+    return quantity in {"x", "y", "z"} or quantity in _AXES
+
+
+def is_rotation(quantity: str) -> bool:
+    """Whether the quantity is a rotation under a unit moment."""
+    return quantity in _AXES
+
+
+def is_frequency(quantity: str) -> bool:
+    """Whether the quantity is a natural frequency."""
+    return quantity[:1] == "f" and quantity[1:].isdecimal()
+
+
+def model_name(model: str) -> str:
+    """The model as the subject of a sentence."""
+    return _MODELS.get(model, (model, True))[0]
+
+
+def subject(models: Sequence[str]) -> tuple[str, bool]:
+    """Several models as one subject, and whether its verb is singular.
+
+    A model that is there by both theories is named once.
+    """
+    twice = [model for model in models if f"{model}{_OTHER_THEORY}" in models]
+    once = [model for model in models if model not in twice and _first(model) not in twice]
+    names = [model_name(model) for model in once]
+    singular = len(models) == 1 and _MODELS.get(models[0], ("", True))[1]
+    if twice:
+        both = f"{listed([model_name(model) for model in twice])} of either theory"
+        return ", ".join([*names, both]), singular
+    return listed(names), singular
+
+
+_OTHER_THEORY = "-euler-bernoulli"
+
+
+def _first(model: str) -> str:
+    return model.removesuffix(_OTHER_THEORY)
+
+
+def capital(text: str) -> str:
+    """The text with a capital first letter, the rest as it is."""
+    return f"{text[:1].upper()}{text[1:]}"
+
+
+def listed(words: Sequence[str]) -> str:
+    """Words with commas and a final "and"."""
+    if len(words) < 2:
+        return "".join(words)
+    return f"{', '.join(words[:-1])} and {words[-1]}"
+
+
+def error_text(error: float) -> str:
+    """A signed error in percent, two digits; "0 %" below what could matter to anyone."""
+    return percent(error) if abs(error) >= _NOTHING else "0\u00a0%"
+
+
+_NOTHING = 5e-5
+
+
+def place_of(quantities: Iterable[str]) -> str:
+    """Where deflections are meant: "along x and z, about y"; frequencies and order by name."""
+    known = list(quantities)
+    along = [q for q in known if is_static(q) and q not in _AXES]
+    about = [_AXES[q] for q in known if is_rotation(q)]
+    parts = [f"along {listed(along)}"] if along else []
+    parts += [f"about {listed(about)}"] if about else []
+    parts += [listed(_frequencies(known))] if any(map(is_frequency, known)) else []
+    return ", ".join(parts)
+
+
+def _frequencies(quantities: Sequence[str]) -> list[str]:
+    """Names of frequencies, runs of three and more in short: "f1", "f3 to f6"."""
+    numbers = sorted(int(q[1:]) for q in quantities if is_frequency(q))
+    runs = [
+        [value for _, value in run]
+        for _, run in groupby(enumerate(numbers), key=lambda pair: pair[1] - pair[0])
+    ]
+    return [
+        word
+        for run in runs
+        for word in ([f"f{run[0]} to f{run[-1]}"] if len(run) > 2 else [f"f{n}" for n in run])
+    ]
+
+
+def amount(low: float, high: float) -> str:
+    """A range of relative sizes of errors, 0 < low ≤ high: "15 to 17 %", "12 %"."""
+    first, last = (number(100.0 * value, 2) for value in (low, high))
+    return f"{last}\u00a0%" if first == last else f"{first} to {last}\u00a0%"
+
+
+def times(low: float, high: float) -> str:
+    """A range of factors: "7.2 to 9 times", "1.8 times"."""
+    first, last = (number(value, 2) for value in (low, high))
+    return f"{last} times" if first == last else f"{first} to {last} times"
