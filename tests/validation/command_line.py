@@ -1,9 +1,13 @@
 """The command line in a process of its own, with a catalogue of the tests in place of the real one.
 
 python command_line.py FUNCTION_OF_TOY_CATALOGUE [ARGUMENTS OF FLEXPROOF]
+
+With SLOW_STEPS in the environment every renaming in a run's folder takes that many seconds.
 """
 
+import os
 import sys
+import time
 from types import ModuleType
 
 
@@ -18,7 +22,21 @@ def main() -> int:
     sys.modules["validation.catalogue"] = replacement
     # Editing a source file while the tests run must not make a resumed run another one.
     provenance.suite_digest = lambda: "0"
+    if "SLOW_STEPS" in os.environ:
+        slow_down(float(os.environ["SLOW_STEPS"]))
     return flexproof(sys.argv[2:])
+
+
+def slow_down(seconds: float) -> None:
+    from validation.store.tree import Tree  # noqa: PLC0415
+
+    move = Tree.move
+
+    def slowly(*arguments: object) -> None:
+        time.sleep(seconds)
+        move(*arguments)  # type: ignore[arg-type]
+
+    Tree.move = slowly  # type: ignore[method-assign]
 
 
 if __name__ == "__main__":

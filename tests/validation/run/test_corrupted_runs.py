@@ -1,0 +1,208 @@
+"""Run folders that were tampered with: what goes on gives the numbers of an undisturbed run.
+
+Bits that flipped, files cut short, exchanged, replaced, linked elsewhere, or gone: whatever does
+not hold is computed again, and what somebody else wrote keeps every byte.
+"""
+
+import json
+import os
+import random
+import shutil
+from pathlib import Path
+
+import pytest
+
+from lumped.robot_file import load_robot
+from validation.results import provenance
+from validation.run.session import Request, validate
+
+COUNT = 100
+# What `flexproof test` tries of it; -m exhaustive tries all.
+FEW = 8
+ODD = (
+    *("", "[]", "5", "{}", "null", "\x00", "[" * 50_000),
+    *('{"flexproof": "record"}', '{"run": 5}', '{"schema": 1, "run": [], "cases": {}}'),
+    '{"id": "toy.agrees", "verdict": "agree"}',
+)
+PLACES = (
+    *("records/other.json", "figures/thesis.png", "notes.json"),
+    *("export/precious.dat", "sweeps/0.npz", ".results.json.tmp"),
+)
+
+
+@pytest.fixture(scope="module")
+def toys():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(str(Path(__file__).parents[1]))
+        # Editing a source file while the tests run must not make a resumed run another one.
+        patch.setattr(provenance, "suite_digest", lambda: "0")
+        import toy_catalogue  # noqa: PLC0415  found only on the path set above
+
+        yield toy_catalogue
+
+
+@pytest.fixture(scope="module")
+def undisturbed(toys, tmp_path_factory):
+    path = tmp_path_factory.mktemp("undisturbed") / "run"
+    validate(Request(load_robot("ifw"), "quick", path, 1), toys.disagreeing)
+    return path
+
+
+def numbers(path):
+    """The cases and studies but for times and process numbers."""
+    content = json.loads((path / "results.json").read_text())
+    for entry in content["cases"]:
+        del entry["seconds"], entry["notes"]
+    return content["cases"], content["studies"]
+
+
+class Vandal:
+    """Damages a run folder by chance; `foreign` are the bytes that are not the run's to change."""
+
+    def __init__(self, path: Path, elsewhere: Path, seed: int) -> None:
+        self.path, self.elsewhere = path, elsewhere
+        self.chance = random.Random(seed)  # noqa: S311  any damage will do
+        self.foreign: list[bytes] = []
+        elsewhere.mkdir()
+
+    def file(self, pattern="*"):
+        """A file of the run; of run.json and its manifest only the first is ever damaged."""
+        files = sorted(
+            file
+            for file in self.path.rglob(pattern)
+            if file.is_file() and not file.is_symlink() and file.name != ".manifest"
+        )
+        return self.chance.choice(files)
+
+    def treasure(self):
+        """Bytes that occur nowhere else."""
+        self.foreign.append(self.chance.randbytes(32).hex().encode())
+        return self.foreign[-1]
+
+    def flips_a_bit(self):
+        file = self.file()
+        data = bytearray(file.read_bytes() or b"0")
+        data[self.chance.randrange(len(data))] ^= 1 << self.chance.randrange(8)
+        file.write_bytes(data)
+
+    def cuts_short(self):
+        file = self.file()
+        os.truncate(file, self.chance.randrange(file.stat().st_size + 1))
+
+    def exchanges_records(self):
+        one, two = self.file("records/*"), self.file("records/*")
+        first, second = one.read_bytes(), two.read_bytes()
+        one.write_bytes(second), two.write_bytes(first)
+
+    def edits_a_number(self):
+        file = self.file("records/*")
+        file.write_text(file.read_text().replace("0.33333", "12345.0").replace("1.84", "1.0"))
+
+    def leaves_odd_json(self):
+        self.file().write_text(self.chance.choice(ODD))
+
+    def adds_foreign_json(self):
+        name = self.chance.choice(PLACES)
+        (self.path / name).parent.mkdir(exist_ok=True)
+        (self.path / name).write_bytes(b'{"id": "%s"}' % self.treasure())
+
+    def puts_foreign_data_in_place(self):
+        self.file().write_bytes(self.treasure())
+
+    def links_a_file(self):
+        file, target = self.file(), self.elsewhere / f"{self.chance.random()}"
+        target.write_bytes(self.treasure())
+        file.unlink()
+        file.hardlink_to(target) if self.chance.random() < 0.3 else file.symlink_to(target)
+
+    def links_a_folder(self):
+        name = self.chance.choice(["records", "figures", "sweeps", "export"])
+        target = self.elsewhere / f"{self.chance.random()}"
+        if (self.path / name).exists():
+            (self.path / name).rename(target)
+        else:
+            target.mkdir()
+        (target / "mine").write_bytes(self.treasure())
+        (self.path / name).symlink_to(target)
+
+    def puts_a_pipe(self):
+        file = self.file()
+        file.unlink()
+        os.mkfifo(file)
+
+    def puts_a_folder(self):
+        file = self.file()
+        file.unlink()
+        file.mkdir()
+        (file / "mine").write_bytes(self.treasure())
+
+    def removes_a_file(self):
+        self.file().unlink()
+
+    def removes_a_folder(self):
+        shutil.rmtree(self.path / self.chance.choice(["records", "figures"]), ignore_errors=True)
+
+    def loses_the_manifest(self):
+        (self.path / ".manifest").unlink(missing_ok=True)
+
+    def strikes(self):
+        """Damage of one to three kinds; one of the two marks of the folder always remains."""
+        kinds = [name for name in vars(Vandal) if name.partition("_")[0] in VERBS]
+        done = self.chance.choices(kinds, k=self.chance.randint(1, 3))
+        mark = (self.path / "run.json").read_bytes()
+        for kind in done:
+            getattr(self, kind)()
+        if "loses_the_manifest" in done:
+            run = self.path / "run.json"
+            if run.is_dir():
+                run.rename(run.with_name("a folder of mine"))
+            if not run.is_symlink() and run.is_file() and run.read_bytes() in self.foreign:
+                run.rename(run.with_name("a file of mine"))
+            run.unlink(missing_ok=True)
+            run.write_bytes(mark)
+        return done
+
+
+VERBS = {"flips", "cuts", "exchanges", "edits", "leaves", "adds", "puts", "links", "removes",
+         "loses"}  # fmt: skip
+
+
+def all_bytes(*folders):
+    return [
+        file.read_bytes()
+        for folder in folders
+        for file in folder.rglob("*")
+        if file.is_file() and not file.is_symlink()
+    ]
+
+
+@pytest.mark.parametrize(
+    "seed",
+    [pytest.param(k, marks=[] if k < FEW else pytest.mark.exhaustive) for k in range(COUNT)],
+)
+def test_a_corrupted_run_goes_on_to_the_same_numbers(toys, undisturbed, tmp_path, seed):
+    path, elsewhere = tmp_path / "run", tmp_path / "elsewhere"
+    shutil.copytree(undisturbed, path)
+    vandal = Vandal(path, elsewhere, seed)
+    done = vandal.strikes()
+    outside = {file: file.read_bytes() for file in elsewhere.rglob("*") if file.is_file()}
+    placed = {
+        file: file.read_bytes()
+        for file in (path / place for place in PLACES)
+        if file.is_file() and not file.parent.is_symlink()
+    }
+    request = Request(load_robot("ifw"), "quick", path, 1, start="resumed")
+    gathered = validate(request, toys.disagreeing)
+    assert gathered.exit_code() == 1, done
+    assert numbers(path) == numbers(undisturbed), done
+    assert {file: file.read_bytes() for file in outside} == outside, done
+    there = all_bytes(path, elsewhere)
+    for treasure in vandal.foreign:
+        assert any(treasure in content for content in there), done
+    # What was put where the run has nothing to write is still there under its own name.
+    assert {file: file.read_bytes() for file in placed} == placed, done
+
+
+def test_the_vandal_knows_all_kinds_of_damage():
+    kinds = [name for name in vars(Vandal) if name.partition("_")[0] in VERBS]
+    assert len(kinds) == 14
