@@ -165,7 +165,7 @@ def run(
     )
     try:
         gathered = validate(request, with_faults if faults else catalogue)
-    except StoreError as error:
+    except (StoreError, ComputationError) as error:
         return complain([str(error), summary.how_to_go_on(request)], 3)
     except KeyboardInterrupt:
         return complain(["interrupted", summary.how_to_go_on(request)], 3)

@@ -2,23 +2,27 @@
 
 import os
 import re
+import shutil
 import signal
+import socket
 import subprocess
 import sys
 import time
+from functools import partial
 from pathlib import Path
+from threading import Thread
 
 import pytest
 from numpy.testing import assert_allclose
 
-from lumped.errors import InputError
+from lumped.errors import ComputationError, InputError
 from lumped.robot_file import load_robot
-from validation.models.options import ModelOptions
+from validation import cli
+from validation.store.opening import open_folder
 from validation.sweeps.cluster import on_cluster
 from validation.sweeps.journal import Journal
 from validation.sweeps.plans import lumped_models, member_units, solid_model
 from validation.sweeps.runner import sweep
-from validation.sweeps.units import posture_unit
 
 ROOT = Path(__file__).resolve().parents[2]
 ROBOT = load_robot("ifw").robot
@@ -36,8 +40,8 @@ def units():
     ]
 
 
-def start(*arguments, log):
-    environment = os.environ | {"PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"}
+def start(*arguments, log, root=ROOT):
+    environment = os.environ | {"PYTHONPATH": str(root), "OMP_NUM_THREADS": "1"}
     return subprocess.Popen(
         [sys.executable, "-m", *arguments],
         cwd=log.parent,
@@ -47,36 +51,50 @@ def start(*arguments, log):
     )
 
 
-@pytest.fixture(scope="module")
-def cluster(tmp_path_factory):
-    """Address of a scheduler on a free loopback port, and the processes of its two workers.
-
-    The workers have no nanny: a killed one is gone, as a machine would be.
-    """
-    folder = tmp_path_factory.mktemp("cluster")
+def started_scheduler(folder):
+    """A scheduler on a free loopback port, and its address."""
     log = folder / "scheduler.log"
-    processes = [
-        start("distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", "0",
-              "--no-dashboard", "--no-show", log=log)
-    ]  # fmt: skip
-    address = None
+    process = start("distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", "0",
+                    "--no-dashboard", "--no-show", log=log)  # fmt: skip
     for _ in range(600):
         if found := re.search(r"Scheduler at:\s+(tcp://\S+)", log.read_text(encoding="utf-8")):
-            address = found[1]
-            break
+            return process, found[1]
         time.sleep(0.1)
-    assert address is not None, log.read_text(encoding="utf-8")
-    workers = [
-        start("distributed.cli.dask_worker", address, "--no-nanny", "--nthreads", "1",
-              "--no-dashboard", "--host", "127.0.0.1", log=folder / f"worker{number}.log")
-        for number in range(2)
-    ]  # fmt: skip
-    processes += workers
-    yield address, workers
-    for process in reversed(processes):
-        process.terminate()
-    for process in processes:
+    raise AssertionError(log.read_text(encoding="utf-8"))
+
+
+def started_worker(address, folder, name, root=ROOT):
+    """A worker with one thread and without a nanny: a killed one is gone, as a machine would be."""
+    return start("distributed.cli.dask_worker", address, "--no-nanny", "--nthreads", "1",
+                 "--no-dashboard", "--host", "127.0.0.1", "--name", name,
+                 log=folder / f"{name}.log", root=root)  # fmt: skip
+
+
+@pytest.fixture
+def processes():
+    """Processes that end with the test, the last one first."""
+    running = []
+    yield running
+    for process in reversed(running):
+        process.kill()
         process.wait(timeout=30)
+
+
+@pytest.fixture(scope="module")
+def cluster(tmp_path_factory):
+    """Address of a scheduler, and the processes of its two workers."""
+    folder = tmp_path_factory.mktemp("cluster")
+    scheduler, address = started_scheduler(folder)
+    workers = [started_worker(address, folder, f"worker{number}") for number in range(2)]
+    yield address, workers
+    for process in (*workers, scheduler):
+        process.terminate()
+    for process in (*workers, scheduler):
+        process.wait(timeout=30)
+
+
+def silent(_line):
+    """Nothing is expected to be said."""
 
 
 @pytest.mark.slow
@@ -84,7 +102,7 @@ def test_a_killed_worker_loses_nothing_and_changes_no_number(cluster, tmp_path):
     address, workers = cluster
     asked = units()
     finished = []
-    with on_cluster(address) as executor:
+    with on_cluster(address, silent) as executor:
 
         def killing(calls):
             for number, result in executor(calls):
@@ -106,29 +124,140 @@ def test_a_killed_worker_loses_nothing_and_changes_no_number(cluster, tmp_path):
 
 
 @pytest.mark.slow
-def test_what_a_unit_raises_arrives_here(cluster):
+def test_what_a_call_raises_arrives_here(cluster):
     address, _ = cluster
-    unit = posture_unit("beam", ROBOT, (0.5,), 4, ModelOptions(elements=6), highest=300.0)
     with (
-        pytest.raises(InputError, match=r"frequency 4 is 35\d.*above the 300 Hz"),
-        on_cluster(address) as executor,
+        pytest.raises(InputError, match="no-such-robot"),
+        on_cluster(address, silent) as executor,
     ):
-        sweep([unit], executor)
+        list(executor([partial(load_robot, "no-such-robot")]))
 
 
-def test_nobody_at_the_address(monkeypatch):
+@pytest.mark.parametrize(
+    ("address", "said"),
+    [
+        ("", "no address of a scheduler"),
+        ("nonsense", "no address of a scheduler"),
+        ("http://127.0.0.1:80", "no address of a scheduler"),
+        ("tcp://127.0.0.1:99999", "no address of a scheduler"),
+        ("tcp://127.0.0.1:1", "no Dask scheduler answers there: Connection refused"),
+        ("tcp://no-such-host.invalid:8786", "no Dask scheduler answers there"),
+    ],
+)
+def test_an_earlier_run_survives_a_scheduler_that_is_not_there(
+    address, said, tmp_path, monkeypatch, capfd
+):
+    with open_folder(tmp_path, {}, "afresh") as folder:
+        folder.write("results.json", "precious")
+        folder.complete = True
+    before = {f: f.read_bytes() for f in tmp_path.rglob("*") if f.name != ".lock" and f.is_file()}
+    monkeypatch.chdir(tmp_path)
+    arguments = ["run", "--preset", "quick", "--out", str(tmp_path), "--cluster", address]
+    assert cli.main(arguments) == 2
+    printed = capfd.readouterr()
+    assert printed.err.startswith("flexproof: --cluster")
+    assert said in printed.err
+    assert len(printed.err.splitlines()) == 1
+    after = {f: f.read_bytes() for f in tmp_path.rglob("*") if f.name != ".lock" and f.is_file()}
+    assert after == before
+
+
+@pytest.mark.parametrize(
+    ("greeting", "said"), [(b"HTTP/1.1 400", "is no Dask scheduler"), (b"", "timed out")]
+)
+def test_something_else_at_the_address(greeting, said, monkeypatch):
+    monkeypatch.setattr("validation.sweeps.cluster._ANSWER", 0.5)
+    with socket.create_server(("127.0.0.1", 0)) as server:
+
+        def answer():
+            connection, _ = server.accept()
+            connection.sendall(greeting)
+            time.sleep(2.0)
+            connection.close()
+
+        answering = Thread(target=answer)
+        answering.start()
+        port = server.getsockname()[1]
+        with pytest.raises(InputError, match=said), on_cluster(f"tcp://127.0.0.1:{port}", silent):
+            pass
+        answering.join()
+
+
+@pytest.mark.slow
+def test_no_worker_is_said_and_the_run_goes_on_when_one_comes(tmp_path, monkeypatch, processes):
     monkeypatch.setattr("validation.sweeps.cluster._PATIENCE", 1.0)
+    scheduler, address = started_scheduler(tmp_path)
+    processes.append(scheduler)
+    said = []
+
+    def say(line):
+        said.append(line)
+        if "no workers" in line:
+            processes.append(started_worker(address, tmp_path, f"worker{len(said)}"))
+
+    with on_cluster(address, say) as executor:
+        assert "the scheduler has no workers; waiting for one" in said[0]
+        assert "a worker has come" in said[1]
+        finished = executor([partial(time.sleep, 0.5)] * 4)
+        next(finished)
+        # The only worker dies in the middle of it.
+        processes[1].kill()
+        assert len(list(finished)) == 3
+    assert ["no workers" in line for line in said] == [True, False, True, False]
+
+
+@pytest.mark.slow
+def test_a_scheduler_that_dies_loses_nothing_that_was_finished(tmp_path, monkeypatch, processes):
+    monkeypatch.setattr("validation.sweeps.cluster._PATIENCE", 1.0)
+    scheduler, address = started_scheduler(tmp_path)
+    processes += [scheduler, started_worker(address, tmp_path, "worker")]
+    asked, kept = units(), tmp_path / "sweeps"
+    finished = []
+
+    def killing(calls):
+        for number, result in executor(calls):
+            finished.append(number)
+            if len(finished) == 3:
+                scheduler.kill()
+            yield number, result
+
+    gone = "the scheduler is gone; what was finished is kept"
+    with on_cluster(address, silent) as executor, pytest.raises(ComputationError, match=gone):
+        sweep(asked, killing, Journal(kept))
+    assert len(list(kept.glob("*.npz"))) >= 3
+    for here, there in zip(sweep(asked), sweep(asked, journal=Journal(kept)), strict=True):
+        assert_allclose(there.compliances, here.compliances, rtol=1e-12, atol=1e-18)
+        assert_allclose(there.frequencies, here.frequencies, rtol=1e-12)
+
+
+@pytest.mark.slow
+def test_a_worker_of_another_version_is_refused_by_name(tmp_path, processes):
+    other = tmp_path / "other"
+    for package in ("lumped", "meshes", "fem", "validation"):
+        shutil.copytree(ROOT / package, other / package)
+    with (other / "lumped" / "errors.py").open("a") as file:
+        file.write("# another version\n")
+    scheduler, address = started_scheduler(tmp_path)
+    processes += [scheduler, started_worker(address, tmp_path, "sound")]
+    with on_cluster(address, silent) as executor:
+        assert [result for _, result in executor([partial(abs, -1)])] == [1]
+        # One that joins later is refused when it is given work.
+        processes.append(started_worker(address, tmp_path, "stale", other))
+        with pytest.raises(ComputationError, match=r"worker stale \(tcp://.*another flexproof"):
+            list(executor([partial(time.sleep, 0.1)] * 600))
+    refused = r"worker stale \(tcp://.*\) has another flexproof, or none; install this one"
     with (
-        pytest.raises(InputError, match=r"--cluster tcp://127\.0\.0\.1:9: no Dask scheduler"),
-        on_cluster("tcp://127.0.0.1:9"),
+        pytest.raises(InputError, match=refused),
+        on_cluster(address, silent),
     ):
         pass
 
 
 def test_without_dask_the_message_says_how_to_get_it(monkeypatch):
     monkeypatch.setitem(sys.modules, "distributed", None)
+    monkeypatch.setattr("validation.sweeps.cluster.require_scheduler", silent)
     with (
         pytest.raises(InputError, match=r"Dask is not installed; pip install 'flexproof\[cluster"),
-        on_cluster("tcp://127.0.0.1:9"),
+        on_cluster("tcp://127.0.0.1:9", silent),
     ):
         pass

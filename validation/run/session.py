@@ -17,6 +17,7 @@ from validation.adequacy.assessment import Assessed
 from validation.adequacy.matrix import Matrix
 from validation.case import Outcome
 from validation.cases.sweep_results import FOLDER_OPTION, GROUP, studies_read
+from validation.console.streams import complain
 from validation.context import Preset
 from validation.exhibits import Figure
 from validation.export import export
@@ -192,8 +193,8 @@ def validate(request: Request, catalogue: Catalogue) -> Results:
     frozen = baseline or built_in_frozen(robot_file, request.preset)
     with ExitStack() as stack:
         executor = None
-        if request.cluster is not None and any(task.group == GROUP for task in tasks):
-            executor = stack.enter_context(on_cluster(request.cluster))
+        if request.cluster is not None:
+            executor = stack.enter_context(on_cluster(request.cluster, _mention))
         folder = stack.enter_context(open_folder(request.out, header, request.start))
         sweeps = folder.path / "sweeps"
         job = Job(catalogue, robot_file, request.preset, options | {FOLDER_OPTION: str(sweeps)})
@@ -202,7 +203,7 @@ def validate(request: Request, catalogue: Catalogue) -> Results:
         gathered = Results(header, tasks, baseline, frozen, path=folder.path)
         gathered.take_up(folder)
         gathered.remarks = folder.remarks
-        if executor is not None:
+        if executor is not None and any(task.group == GROUP for task in tasks):
             with progress.stage("sweeps on the cluster"):
                 studies = studies_read(request.preset)
                 precompute(robot_file.robot, request.preset, sweeps, executor, studies)
@@ -247,6 +248,10 @@ def publish(gathered: Results, folder: RunFolder, findings: Sequence[Finding]) -
         for name, content in figure.files.items():
             folder.write(f"figures/{name}", content)
     folder.write("report.html", render(report))
+
+
+def _mention(line: str) -> None:
+    complain([line], 0)
 
 
 def _named(frozen: SavedRun | None) -> str | None:

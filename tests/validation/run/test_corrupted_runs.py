@@ -122,7 +122,7 @@ class Vandal:
             (self.path / name).rename(target)
         else:
             target.mkdir()
-        (target / "mine").write_bytes(self.treasure())
+        (target / f"mine {self.chance.random()}").write_bytes(self.treasure())
         (self.path / name).symlink_to(target)
 
     def puts_a_pipe(self):
