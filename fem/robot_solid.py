@@ -13,6 +13,7 @@ from fem.reduction.superelement import ENDS
 from fem.solvers.cholesky import analyse, factorise
 from fem.solvers.factor import Factor
 from lumped.arrays import Array
+from lumped.balance import balanced_flexibility
 from lumped.biglide_assembly import Mechanism
 from lumped.errors import ComputationError
 from lumped.modes import Modes, fix_signs
@@ -41,8 +42,9 @@ def factorised_robot(mechanism: Mechanism) -> FactorisedRobot:
 def compliance(robot: FactorisedRobot) -> Array:
     """6×6 compliance (SI, robot axes) at the loaded point: six unit wrenches together."""
     wrenches = robot.mechanism.loaded.toarray().T
-    result: Array = wrenches.T @ robot.factor.solve(wrenches)
-    return 0.5 * (result + result.T)
+    displacements = robot.factor.solve(wrenches)
+    forces = robot.mechanism.stiffness @ displacements
+    return balanced_flexibility(wrenches, displacements, forces, robot.mechanism.name)
 
 
 def modes(robot: FactorisedRobot, count: int) -> Modes:

@@ -15,6 +15,7 @@ from scipy.sparse import csr_array
 
 from fem.reduction.superelement import ENDS
 from lumped.arrays import Array, IntArray
+from lumped.balance import balanced_flexibility
 from lumped.biglide import Biglide, Posture
 from lumped.biglide_assembly import Release, assemble
 from lumped.errors import ComputationError
@@ -127,11 +128,13 @@ def solve_posture(model: PostureModel, x: float, count: int) -> SolvedPosture:
     if factor is None or np.min(np.diag(factor[0])) ** 2 < _SMALLEST_PIVOT:
         raise ComputationError(f"{name}: the stiffness matrix is singular; a part is free to move")
     wrenches = scale[:, None] * model.loaded.T
-    compliance = wrenches.T @ cho_solve(factor, wrenches, check_finite=False)
+    displacements = scale[:, None] * cho_solve(factor, wrenches, check_finite=False)
+    loads = model.loaded.T
+    compliance = balanced_flexibility(loads, displacements, stiffness @ displacements, name)
     modes = _modes(factor[0], mass * scale[:, None] * scale, count, name)
     return SolvedPosture(
         x=x,
-        compliance=0.5 * (compliance + compliance.T),
+        compliance=compliance,
         modes=Modes(modes.frequencies, fix_signs(scale[:, None] * modes.shapes)),
     )
 

@@ -4,6 +4,7 @@ import numpy as np
 from scipy.linalg import LinAlgError, cho_factor, cho_solve
 
 from lumped.arrays import Array, SparseMatrix
+from lumped.balance import balanced_flexibility
 from lumped.errors import ComputationError
 from lumped.modes import dense
 
@@ -35,5 +36,5 @@ def solve_statics(stiffness: SparseMatrix, loads: Array, part: str) -> Array:
 
 def flexibility(stiffness: SparseMatrix, loads: Array, part: str) -> Array:
     """Symmetric flexibility loadsᵀ K⁻¹ loads (m×m) for unit `loads` (n×m); raises as above."""
-    result = loads.T @ solve_statics(stiffness, loads, part)
-    return 0.5 * (result + result.T)
+    displacements = solve_statics(stiffness, loads, part)
+    return balanced_flexibility(loads, displacements, stiffness @ displacements, part)

@@ -12,9 +12,10 @@ from fem.couplings.end_coupling import FreeEnds, RigidEnds, free_ends, rigid_end
 from fem.elements.elasticity import on_three_components, stiffness_and_mass
 from fem.sections.saint_venant import section_quadrature
 from fem.solvers.cholesky import analyse
-from fem.solvers.factor import upper_triangle
+from fem.solvers.factor import symmetric_product, upper_triangle
 from fem.solvers.renewable_factor import RenewableFactor
 from lumped.arrays import Array, SparseMatrix
+from lumped.balance import balanced_flexibility
 from lumped.errors import InputError
 from lumped.leg_matrices import LegMatrices
 from lumped.legs import ConstantLeg
@@ -106,11 +107,13 @@ def clamped_leg(solid: SolidLeg, ends: Ends = "rigid") -> ClampedLeg:
 def tip_compliance(clamped: ClampedLeg) -> Array:
     """6×6 compliance (SI, leg axes) at (L, 0, 0): six unit wrenches solved for together.
 
-    C = Fᵀ K⁻¹ F is the twist that does work on the wrenches, symmetric by construction.
+    C = Fᵀ K⁻¹ F is the twist that does work on the wrenches, symmetric by construction. Raises
+    ComputationError where rounding leaves too little of it.
     """
     loads = clamped.ends.tip_loads()
-    compliance = loads.T @ clamped.factor.solve(loads)
-    return np.asarray((compliance + compliance.T) / 2.0)
+    displacements = clamped.factor.solve(loads)
+    forces = symmetric_product(clamped.factor.triangle, displacements)
+    return balanced_flexibility(loads, displacements, forces, clamped.factor.part)
 
 
 def solid_leg_matrices(solid: SolidLeg) -> LegMatrices:

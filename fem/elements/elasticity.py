@@ -28,6 +28,10 @@ _STIFFNESS_DEGREE = {"hex8": 3, "hex20": 5, "hex27": 5, "tet4": 1, "tet10": 2}
 # Degree 2p in N_a N_b; det J adds 3p − 1 per coordinate on cubes, 3(p − 1) on simplices.
 _MASS_DEGREE = {"hex8": 4, "hex20": 9, "hex27": 9, "tet4": 2, "tet10": 7}
 
+# Of the largest and smallest modulus. Measured on clamped legs, ν → −1 and ν → ½: the compliance
+# loses 1e-13 (thin walls 3e-11) of itself per unit of it, so that four digits stay.
+_MOST_UNEVEN = 1e6
+
 _CHUNK_BYTES = 16_000_000
 
 
@@ -105,6 +109,7 @@ def _node_blocks(products: Array, material: Material) -> Array:
     K_ii = C11 D_ii + C44 (D_jj + D_kk), K_ij = C12 D_ij + C44 D_ji, with C11 = E(1−ν)/(1+ν)(1−2ν),
     C12 = C11 ν/(1−ν), C44 = G.
     """
+    _require_resolvable(material)
     nu = material.nu
     C12 = material.E * nu / ((1.0 + nu) * (1.0 - 2.0 * nu))
     C11 = material.E * (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu))
@@ -115,6 +120,25 @@ def _node_blocks(products: Array, material: Material) -> Array:
     for i in range(3):
         blocks[:, i, i] = (C11 - C44) * products[:, i, i] + C44 * trace
     return blocks
+
+
+def _require_resolvable(material: Material) -> None:
+    """Raise ComputationError for a material whose stiffnesses rounding would take from each other.
+
+    They are the eigenvalues of its elasticity: of volume E/(1−2ν), of shape E/(1+ν) and 2G.
+    """
+    moduli = {
+        "changes of volume": material.E / (1.0 - 2.0 * material.nu),
+        "changes of shape": material.E / (1.0 + material.nu),
+        "shear": 2.0 * material.G,
+    }
+    softest, stiffest = (choose(moduli, key=moduli.__getitem__) for choose in (min, max))
+    if not 0.0 < moduli[softest] * _MOST_UNEVEN >= moduli[stiffest]:
+        raise ComputationError(
+            f"material with ν = {material.nu!r}: {stiffest} ({moduli[stiffest]:.3g} Pa) and "
+            f"{softest} ({moduli[softest]:.3g} Pa) differ by more than {_MOST_UNEVEN:g}, beyond "
+            "which solid elements lose the softer in rounding"
+        )
 
 
 def _scalar_mass(mesh: VolumeMesh, rho: float, pairs: NodePairs) -> SparseMatrix:

@@ -14,15 +14,16 @@ from scipy.sparse import csr_array
 from fem.solvers.cholesky import analyse, factorise
 from fem.solvers.factor import Factor
 from lumped.arrays import Array, SparseMatrix
+from lumped.balance import balanced_flexibility
 from lumped.errors import ComputationError
 from lumped.leg_matrices import LegMatrices
 from lumped.screws import shift
 
 ENDS = 12
 
-# Rounding leaves 1e-13 to 1e-10 of the stiffness in the forces of a rigid motion, by the fineness
-# of the mesh; a support worth the name leaves more than this.
-_GROUNDED = 1e-8
+# Rounding leaves 1e-10 to 1e-6 of the stiffness in the forces of a rigid motion, by the fineness of
+# the mesh and the slenderness; a support that changes the fourth digit leaves more than this.
+_GROUNDED = 1e-4
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,6 +92,7 @@ def held_leg(leg: LegMatrices) -> HeldLeg:
     factor = _interior_factor(leg.model, stiffness[ENDS:, ENDS:])
     if factor is not None:
         modes[ENDS:] = -factor.solve(coupling)
+        _refuse_unbalanced(leg, stiffness, modes)
     condensed = stiffness[:ENDS, :ENDS].toarray() + coupling.T @ modes[ENDS:]
     _refuse_grounded(leg, condensed)
 
@@ -153,13 +155,30 @@ def _interior_factor(model: str, stiffness: SparseMatrix) -> Factor | None:
     return factorise(symbolic, stiffness, f"{model} leg, both ends held")
 
 
+def _refuse_unbalanced(leg: LegMatrices, stiffness: SparseMatrix, modes: Array) -> None:
+    """Raise ComputationError where rounding leaves too little of the stiffness between the ends.
+
+    The displacements C of the tip under unit wrenches, root held, have the energy C on them.
+    """
+    tip = modes[:, 6:]
+    of_tip = tip.T @ (stiffness @ tip)
+    compliance = np.linalg.inv(of_tip)
+    displacements = tip @ compliance
+    loads = np.zeros_like(tip)
+    loads[6:ENDS] = np.eye(6)
+    forces = stiffness @ displacements
+    # The root's forces do no work: it is held.
+    forces[:6] = 0.0
+    balanced_flexibility(loads, displacements, forces, f"{leg.model} leg")
+
+
 def _refuse_grounded(leg: LegMatrices, condensed: Array) -> None:
     # Rotations times the length of the leg: all entries are forces per displacement.
     unit = np.array([1.0, 1.0, 1.0, *[1.0 / leg.length] * 3])
     scale = np.tile(unit, 2)
     forces = scale[:, None] * (condensed @ end_motions(leg.length)) * unit
-    stiffness = scale[:, None] * condensed * scale
-    if np.abs(forces).max() > _GROUNDED * np.abs(stiffness).max():
+    sizes = np.sqrt(np.diag(scale[:, None] * condensed * scale))
+    if (np.abs(forces) > _GROUNDED * np.outer(sizes, sizes[:6])).any():
         raise ComputationError(
             f"{leg.model} leg: a rigid motion of the leg meets resistance; the leg is supported "
             "somewhere beside its ends"

@@ -120,6 +120,12 @@ def whole_matrix(triangle: SparseMatrix) -> SparseMatrix:
     return csr_array(triangle + triangle.T - diags_array(triangle.diagonal(), format="csr"))
 
 
+def symmetric_product(triangle: SparseMatrix, columns: Array) -> Array:
+    """The symmetric matrix of an upper triangle (csr n×n) times `columns` (n×k)."""
+    product = triangle @ columns + triangle.T @ columns
+    return np.asarray(product - triangle.diagonal()[:, None] * columns)
+
+
 def refuse_lost_pivots(pivots: Array, diagonal: Array, unknowns: IntArray, part: str) -> None:
     """Raise NotPositiveDefiniteError where a pivot (m) is rounding error of its diagonal entry.
 

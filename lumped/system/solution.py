@@ -13,6 +13,7 @@ from scipy.linalg import LinAlgError, cho_factor, cho_solve, eigh
 from scipy.linalg.blas import dtrsm
 
 from lumped.arrays import Array, IntArray
+from lumped.balance import balanced_flexibility
 from lumped.errors import ComputationError
 from lumped.modes import Modes, dense, fix_signs
 from lumped.system.assembly import System
@@ -86,10 +87,14 @@ def solved(system: System) -> Solved:
 
 
 def compliance(solution: Solved) -> Array:
-    """6×6 compliance (SI, base axes) at the loaded point."""
+    """6×6 compliance (SI, base axes) at the loaded point.
+
+    Raises ComputationError where rounding leaves too little of it.
+    """
     loads = solution.system.tool.T
-    result = loads.T @ solution.displacements(loads)
-    return 0.5 * (result + result.T)
+    displacements = solution.displacements(loads)
+    forces = solution.system.stiffness @ displacements
+    return balanced_flexibility(loads, displacements, forces, solution.system.name)
 
 
 def modes(solution: Solved, count: int) -> Modes:

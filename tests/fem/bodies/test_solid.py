@@ -16,7 +16,7 @@ from fem.bodies.solid import (
     tip_compliance,
 )
 from fem.sections.section_constants import beam_properties, section_constants
-from lumped.errors import InputError
+from lumped.errors import ComputationError, InputError
 from lumped.legs import ConstantLeg, Material, constant_leg
 from lumped.legs import tip_compliance as beam_tip_compliance
 from lumped.screws import shift
@@ -283,3 +283,21 @@ def test_solid_mesh_has_slices_as_long_as_its_elements_are_wide():
     assert mesh.element == "hex27"
     with pytest.raises(InputError, match="shorter than"):
         solid_mesh(ConstantLeg(0.1, Rectangle(0.10, 0.16), STEEL), 2)
+
+
+@pytest.mark.parametrize("nu", [-0.999999999, -0.9999999, 0.4999999, 0.4999999999])
+def test_a_material_that_double_precision_does_not_resolve_is_refused(nu):
+    leg = ConstantLeg(0.8, Rectangle(0.1, 0.14), Material.isotropic(2.1e11, nu, 7850.0))
+    with pytest.raises(
+        ComputationError, match=r"material with ν = .*: changes of .* and .* differ"
+    ):
+        solid_leg(leg, solid_mesh(leg, 2))
+
+
+@pytest.mark.parametrize("nu", [-0.9999, 0.4999])
+def test_what_is_just_resolved_keeps_its_digits(nu):
+    # Tension with free ends: L/EA whatever ν is.
+    leg = ConstantLeg(0.8, Rectangle(0.1, 0.14), Material.isotropic(2.1e11, nu, 7850.0))
+    clamped = clamped_leg(solid_leg(leg, solid_mesh(leg, 2)), "free")
+    along = tip_compliance(clamped)[0, 0]
+    assert along == pytest.approx(0.8 / (2.1e11 * 0.1 * 0.14), rel=1e-8)

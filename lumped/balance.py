@@ -1,0 +1,36 @@
+"""Whether a solution balances its loads: what rounding has left of the digits of a flexibility.
+
+A computed X = K⁻¹F is off by K⁻¹R, R = F − KX, and the flexibility FᵀX by FᵀK⁻¹R = XᵀR to first
+order: the energy that the loads do and the springs do not store. Of a well-conditioned model it is
+some roundings; where stiffnesses differ by as much as the digits of a number it is the whole.
+"""
+
+import numpy as np
+
+from lumped.arrays import Array
+from lumped.errors import ComputationError
+
+# Results are printed with four digits. Long thin legs of solids come to 1e-6 (200 times as long as
+# high), walls of a fiftieth of the side with ν = 0.4999 to 1e-7.
+_UNBALANCED = 1e-4
+
+
+def balanced_flexibility(loads: Array, displacements: Array, forces: Array, part: str) -> Array:
+    """Symmetric flexibility FᵀX (m×m) of `loads` F, `displacements` X, `forces` KX (n×m each).
+
+    Raises ComputationError, naming `part`, where the energy of the loads and that of the springs
+    differ in the fourth digit, where one is negative, and where a number is none.
+    """
+    flexibility = loads.T @ displacements
+    left = displacements.T @ (loads - forces)
+    sizes = np.sqrt(np.maximum(np.diag(flexibility), 0.0))
+    scale = np.outer(sizes, sizes)
+    # Unit loads against which the model is rigid do no work and store none.
+    share = np.where(scale > 0.0, np.abs(left) / np.where(scale > 0.0, scale, 1.0), np.abs(left))
+    worst = float(share.max(initial=0.0))
+    if not worst <= _UNBALANCED:
+        raise ComputationError(
+            f"{part}: the work of the loads and the energy stored differ by {worst:.1g} of it: "
+            "stiffnesses in the model differ by more than double precision resolves"
+        )
+    return np.asarray(0.5 * (flexibility + flexibility.T))

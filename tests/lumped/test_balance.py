@@ -1,0 +1,48 @@
+"""The energy balance of a solution foretells the digits that a flexibility has lost."""
+
+import numpy as np
+import pytest
+from scipy.linalg import cho_factor, cho_solve
+
+from lumped.balance import balanced_flexibility
+from lumped.errors import ComputationError
+
+LOADS = np.array([[0.0], [1.0]])
+
+
+def chain(stiff, soft=1.0):
+    """Two springs in a row: the stiffness at the far end is `soft` whatever `stiff` is."""
+    return np.array([[stiff + soft, -soft], [-soft, soft]])
+
+
+def test_what_is_balanced_is_the_flexibility_of_springs_in_a_row():
+    K = chain(1e6)
+    X = cho_solve(cho_factor(K), LOADS)
+    assert balanced_flexibility(LOADS, X, K @ X, "two springs") == pytest.approx(1.0 + 1e-6)
+
+
+@pytest.mark.parametrize("error", [1e-1, 1e-3])
+def test_the_left_over_energy_is_the_error(error):
+    # X too large by `error` in the soft spring: FᵀX errs by that much, and so does XᵀR say.
+    K = chain(10.0)
+    exact = cho_solve(cho_factor(K), LOADS)
+    wrong = exact * (1.0 + error)
+    with pytest.raises(ComputationError, match=rf"two springs: .* differ by {error:.1g} of it"):
+        balanced_flexibility(LOADS, wrong, K @ wrong, "two springs")
+
+
+def test_a_soft_spring_behind_a_stiff_one_is_lost_in_rounding():
+    # The two stiffnesses stand in one entry, 1e13 + 1: of the soft one three digits are left.
+    K = chain(1.0, 1e13 + 1.0 / 3.0)
+    X = cho_solve(cho_factor(K), LOADS)
+    with pytest.raises(ComputationError, match="more than double precision resolves"):
+        balanced_flexibility(LOADS, X, K @ X, "two springs")
+
+
+def test_what_is_no_number_is_refused_and_what_does_not_yield_is_not():
+    nothing = np.zeros((2, 1))
+    assert balanced_flexibility(LOADS, nothing, LOADS, "rigid") == 0.0
+    with pytest.raises(ComputationError):
+        balanced_flexibility(LOADS, np.full((2, 1), np.nan), nothing, "nan")
+    with pytest.raises(ComputationError):
+        balanced_flexibility(LOADS, -LOADS, nothing, "negative")
