@@ -94,6 +94,9 @@ def _process_count(_type: object, tokens: Sequence[Token]) -> int:
 # and those that mesh and solve. Short of it they end the process, hang or crash, each in its way.
 _TO_READ, _TO_COMPUTE = 250_000_000, 1_000_000_000
 
+# Seconds of computing for which nobody presses Ctrl-C.
+_PATIENCE = 2.0
+
 WholeNumber: TypeAlias = Annotated[int, Parameter(converter=_whole_number)]
 
 
@@ -262,6 +265,7 @@ def solve(
     """
     from lumped.robot_file import load_robot  # noqa: PLC0415
     from validation import solve as solving  # noqa: PLC0415
+    from validation.console.waiting import in_a_process  # noqa: PLC0415
 
     require_address_space(_TO_COMPUTE)
     robot_file = load_robot(robot)
@@ -276,7 +280,12 @@ def solve(
         "equivalent": equivalent,
     }
     given = {name: value for name, value in choices.items() if value is not None}
-    solution = solving.solve(robot_file, model, x, leg, modes, given)
+    question = solving.Question(robot_file, model, x, leg, modes, given)
+    cost = solving.checked(question)
+    if cost.seconds > _PATIENCE:
+        solution = in_a_process(solving.solve, question, doing=f"{model} model, {cost}")
+    else:
+        solution = solving.solve(question)
     say(solving.as_json(solution) if json else solving.as_text(solution))
     return 0
 

@@ -10,8 +10,9 @@ import numpy as np
 from lumped.arrays import Array
 from lumped.biglide import Biglide
 from lumped.errors import InputError
-from lumped.legs import ConstantLeg, Leg
+from lumped.legs import ConstantLeg, Leg, equivalent_leg
 from lumped.robot_file import RobotFile
+from validation.cost import Cost, dense_cost, require_affordable, solid_cost
 from validation.models.biglide import robot_compliance, robot_frequencies
 from validation.models.legs import leg_compliance, leg_frequencies
 from validation.models.options import ModelName, ModelOptions
@@ -26,6 +27,8 @@ _OPTIONS: dict[ModelName, tuple[str, ...]] = {
 }
 # Models that have no mass, so no frequencies.
 _STATIC: tuple[ModelName, ...] = ("vjm",)
+# Models of elements, solved dense.
+_OF_ELEMENTS: tuple[ModelName, ...] = ("segments", "beam")
 _DEFAULT_MODES = 6
 
 
@@ -94,44 +97,78 @@ def _unheard(
     return unheard
 
 
-def solve(
-    robot_file: RobotFile,
-    model: ModelName,
-    positions: tuple[float, ...],
-    leg: int | None,
-    modes: int | None,
-    given: dict[str, Any],
-) -> Solution:
-    """The model's answers at the positions x (m) of B, or for one leg.
+@dataclass(frozen=True)
+class Question:
+    """A model at `positions` x (m) of B, or of one leg; `given` are the options that were typed."""
 
-    Raises InputError, all faults at once.
+    robot_file: RobotFile
+    model: ModelName
+    positions: tuple[float, ...]
+    leg: int | None
+    modes: int | None
+    given: dict[str, Any]
+
+    @property
+    def legs(self) -> tuple[Leg, ...]:
+        """The legs that are asked about."""
+        both = (self.robot_file.robot.leg1, self.robot_file.robot.leg2)
+        return both[self.leg - 1 : self.leg] if self.leg in (1, 2) else both
+
+    @property
+    def count(self) -> int:
+        """Number of frequencies."""
+        asked = _DEFAULT_MODES if self.modes is None else self.modes
+        return 0 if self.model in _STATIC else asked
+
+
+def checked(question: Question) -> Cost:
+    """What the answer will cost.
+
+    Raises InputError, all faults of the question at once, or where it costs too much.
     """
-    robot = robot_file.robot
-    both = (robot.leg1, robot.leg2)
-    legs = both[leg - 1 : leg] if leg in (1, 2) else both
-    faults = option_faults(model, given, leg, legs)
+    model, modes, leg = question.model, question.modes, question.leg
+    faults = option_faults(model, question.given, leg, question.legs)
     if modes is not None and modes < 0:
         faults.append(f"--modes = {modes}: must be 0 or more")
     if modes and (model in _STATIC):
         faults.append(f"--modes: the {model} model is static and has no frequencies")
-    if leg is not None and positions:
+    if leg is not None and question.positions:
         faults.append("--x: a leg alone has no position; leave out --x or --leg")
-    faults += _position_faults(robot_file, positions)
+    faults += _position_faults(question.robot_file, question.positions)
     if faults:
         raise InputError(faults)
-    options = ModelOptions(**given)
+    options = ModelOptions(**question.given)
+    if model == "solid":
+        what = f"--divisions {options.divisions}"
+        legs = tuple(equivalent_leg(one, options.equivalent) for one in question.legs)
+        cost = solid_cost(legs, options.divisions, question.count)
+    elif model in _OF_ELEMENTS:
+        what = f"--elements {options.elements}"
+        unknowns = 6 * (options.elements + 1) * len(question.legs)
+        cost = dense_cost(unknowns, len(question.positions) or 1)
+    else:
+        return Cost(0.0, 0.0, 0.0)
+    require_affordable(cost, what)
+    return cost
+
+
+def solve(question: Question) -> Solution:
+    """The model's answers; raises InputError as `checked` does, ComputationError."""
+    checked(question)
+    model, leg, legs, count = question.model, question.leg, question.legs, question.count
+    robot, options = question.robot_file.robot, ModelOptions(**question.given)
     unheard = _unheard(model, options.legs, leg, legs)
     heard = {
         name: value
         for name, value in asdict(options).items()
         if name in _OPTIONS[model] and name not in unheard
     }
-    count = 0 if model in _STATIC else _DEFAULT_MODES if modes is None else modes
     if leg is not None:
         answers = [_leg_answer(model, leg, legs[0], count, options)]
     else:
         answers = [
-            _robot_answer(model, robot, x, count, options) for x in positions or (robot.centre,)
+            _robot_answer(model, robot, x, count, options)
+            for x in question.positions or (robot.centre,)
         ]
     return Solution(robot.name, model, heard, tuple(answers))
 

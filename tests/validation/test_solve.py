@@ -1,6 +1,7 @@
 """`flexproof solve`: what is typed is heard or refused."""
 
 import json
+from pathlib import Path
 
 import pytest
 
@@ -89,3 +90,13 @@ def test_what_is_heard_changes_the_answer(robot, capsys):
     usual = compliance("--legs", "equivalent")
     assert compliance("--legs", "equivalent", "--theory", "euler-bernoulli") != usual
     assert compliance("--legs", "equivalent", "--equivalent", "compliance") != usual
+
+
+@pytest.mark.parametrize("place", [(), ("--leg", "2")])
+def test_a_number_that_rounding_has_eaten_is_no_answer(robot, place, capsys):
+    text = Path(robot).read_text(encoding="utf-8")
+    Path(robot).write_text(text.replace("nu = 0.3", "nu = -0.999999999"), encoding="utf-8")
+    assert cli.main(["solve", robot, "--model", "solid", "--divisions", "2", *place]) == 3
+    printed = capsys.readouterr()
+    assert printed.out == ""
+    assert "material with ν = -0.999999999: changes of shape" in printed.err

@@ -1,0 +1,96 @@
+"""What a model will cost, told before it is built: unknowns, memory and time.
+
+The counts of a solid's mesh follow from the blocks of its section; what its factor takes was
+measured on legs of all shapes. Times are those of one ordinary core, good to a factor of three.
+"""
+
+from dataclasses import dataclass
+from math import ceil, inf
+
+from fem.machine import available_memory
+from lumped.errors import InputError
+from lumped.legs import ConstantLeg
+from lumped.sections import Section
+from meshes.section.section_blocks import section_blocks
+
+# Entries of a Cholesky factor of a solid leg over n^(4/3), 9 to 14 for legs of all shapes with
+# 3000 to 120 000 unknowns; bytes for each with CHOLMOD's own copies; flops of the factorisation in
+# entries²/n.
+_ENTRIES, _BYTES_PER_ENTRY, _FLOPS = 12.0, 23.0, 1.7
+# Stiffness, mass and what their assembly takes at its height, for each unknown of a solid.
+_BYTES_PER_UNKNOWN, _SECONDS_PER_UNKNOWN = 10_000.0, 8e-5
+_FLOPS_PER_SECOND = 5e9
+# Right-hand sides that modes are found with: Lanczos columns, besides some for each mode.
+_SOLVES, _SOLVES_PER_MODE = 100, 10
+# Dense models: matrices alive at once, and flops of all eigenvalues in n³.
+_DENSE_COPIES, _DENSE_FLOPS = 6.0, 12.0
+_LONGEST = 3600.0
+
+
+@dataclass(frozen=True)
+class Cost:
+    """`unknowns` of the largest system, `memory` (bytes) at its height, `seconds` in all."""
+
+    unknowns: float
+    memory: float
+    seconds: float
+
+    def __str__(self) -> str:
+        """About 22 000 unknowns, 0.3 GB and 12 s."""
+        hours = self.seconds / 3600.0
+        time = f"{self.seconds:.2g} s" if self.seconds < _LONGEST else f"{hours:.3g} h"
+        return f"about {self.unknowns:.2g} unknowns, {self.memory / 1e9:.2g} GB and {time}"
+
+
+def solid_cost(legs: tuple[ConstantLeg, ...], divisions: int, modes: int) -> Cost:
+    """Cost of solid legs, factorised together, each with its mass and the first `modes`."""
+    sizes = [_solid_unknowns(leg, divisions) for leg in legs]
+    entries = [_ENTRIES * n ** (4.0 / 3.0) for n in sizes]
+    memory = sum(
+        _BYTES_PER_ENTRY * L + (_BYTES_PER_UNKNOWN + 24.0 * modes) * n
+        for n, L in zip(sizes, entries, strict=True)
+    )
+    solves = (_SOLVES + _SOLVES_PER_MODE * modes) if modes else 12
+    flops = sum(_FLOPS * L**2 / n + 4.0 * solves * L for n, L in zip(sizes, entries, strict=True))
+    seconds = _SECONDS_PER_UNKNOWN * sum(sizes) + flops / _FLOPS_PER_SECOND
+    return Cost(sum(sizes), memory, seconds)
+
+
+def _solid_unknowns(leg: ConstantLeg, divisions: int) -> float:
+    """Unknowns of quadratic hexahedra; nodes that blocks of the section share count twice."""
+    size = min(leg.section.extent) / divisions
+    slices = max(2, ceil(leg.length / size))
+    return 3.0 * _section_nodes(leg.section, divisions, size) * (2.0 * slices + 1.0)
+
+
+def _section_nodes(section: Section, divisions: int, size: float) -> float:
+    try:
+        blocks = section_blocks(section, divisions)
+    except InputError:
+        # A shape that a user has added: as many squares as its area holds, four nodes each.
+        return 4.0 * section.area / size**2
+    nodes = 0.0
+    for a, b, c, _ in blocks.corners:
+        across, along = (
+            blocks.counts.get(edge) or blocks.counts[edge[::-1]] for edge in ((a, b), (b, c))
+        )
+        nodes += (2.0 * across + 1.0) * (2.0 * along + 1.0)
+    return nodes
+
+
+def dense_cost(unknowns: int, postures: int) -> Cost:
+    """Cost of a model that is solved dense, compliance and modes, at some postures."""
+    n = float(unknowns)
+    seconds = postures * _DENSE_FLOPS * n**3 / _FLOPS_PER_SECOND
+    return Cost(n, 8.0 * _DENSE_COPIES * n**2, seconds)
+
+
+def require_affordable(cost: Cost, what: str) -> None:
+    """Raise InputError, with the estimate, where there is not as much memory or time."""
+    available = available_memory() or inf
+    if cost.memory > available:
+        raise InputError(
+            f"{what}: {cost}, more than the {available / 1e9:.2g} GB of memory that are available"
+        )
+    if cost.seconds > _LONGEST:
+        raise InputError(f"{what}: {cost}, more than the hour that one answer may take")
