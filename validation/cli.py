@@ -16,8 +16,10 @@ from cyclopts import App, CycloptsError, Parameter, Token, UnusedCliTokensError
 
 from fem.machine import require_address_space
 from lumped.errors import ComputationError, InputError
+from lumped.robots import RobotType
 from validation.console import streams
 from validation.console.streams import complain, say
+from validation.kinematics import commands as kinematics
 from validation.parts import commands as parts
 
 if TYPE_CHECKING:
@@ -30,6 +32,7 @@ app = App(
     result_action="return_value",
 )
 app.command(parts.faces)
+app.command(kinematics.kinematics)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -301,25 +304,34 @@ def check(robot: str) -> int:
     """
     from lumped.audit.robot_audit import audit  # noqa: PLC0415
     from lumped.robot_file import load_robot  # noqa: PLC0415
+    from validation.kinematics.poses import postures_of  # noqa: PLC0415
     from validation.listing import audit_text  # noqa: PLC0415
 
     robot_file = load_robot(robot)
-    say(audit_text(robot, robot_file.robot, audit(robot_file)))
+    if robot_file.is_mechanism:
+        postures_of(robot_file.mechanism, robot_file.mechanism.poses)
+    say(audit_text(robot, robot_file.described, audit(robot_file)))
     return 0
 
 
 @app.command
-def new(file: Path) -> int:
+def new(
+    file: Path,
+    *,
+    robot_type: Annotated[RobotType, Parameter(name="--type")] = "biglide",
+) -> int:
     """Write a commented robot file to start from.
 
     Parameters
     ----------
     file
         Name of the new file; an existing one is left alone.
+    robot_type
+        Which kind of mechanism it describes.
     """
     from lumped.robot_file import write_template  # noqa: PLC0415
 
-    write_template(file)
+    write_template(file, robot_type)
     say(f"{file} written; describe your robot in it, then: flexproof check {file}")
     return 0
 

@@ -5,7 +5,9 @@ from collections.abc import Sequence
 
 from lumped.audit.finding import Finding
 from lumped.biglide import Biglide
+from lumped.mechanism.mechanism import Mechanism
 from validation.case import Absolute, Case, Outcome, Tolerance
+from validation.kinematics.listing import mobility_text
 from validation.results.records import Task
 
 
@@ -48,7 +50,7 @@ def as_json(tasks: Sequence[Task]) -> str:
     )
 
 
-def audit_text(source: str, robot: Biglide, findings: Sequence[Finding]) -> str:
+def audit_text(source: str, robot: Biglide | Mechanism, findings: Sequence[Finding]) -> str:
     """What an audit found, first whether the data that are used are sound.
 
     Faults of a printed source that its corrections remove stand apart from doubts that remain.
@@ -60,8 +62,7 @@ def audit_text(source: str, robot: Biglide, findings: Sequence[Finding]) -> str:
     sound = doubts if remaining else "sound"
     if wrong:
         sound = f"usable, but {wrong} of its data are wrong, see below"
-    first, last = robot.stroke
-    lines = [f"{source}: {sound}; {robot.name}, stroke of B from {first:g} to {last:g} m"]
+    lines = [f"{source}: {sound}; {robot.name}, {_motion(robot)}"]
     if remaining:
         lines += [
             "",
@@ -72,6 +73,14 @@ def audit_text(source: str, robot: Biglide, findings: Sequence[Finding]) -> str:
         heading = "misprints and errors of the source, none of them in what is used"
         lines += ["", f"{heading} ({len(removed)}):", *_finding_lines(removed)]
     return "\n".join(lines)
+
+
+def _motion(robot: Biglide | Mechanism) -> str:
+    if isinstance(robot, Mechanism):
+        poses = len(robot.poses)
+        return f"all {poses} poses of its path within reach\n{mobility_text(robot)}"
+    first, last = robot.stroke
+    return f"stroke of B from {first:g} to {last:g} m"
 
 
 _UNCHANGED = frozenset({"as printed", "as given"})

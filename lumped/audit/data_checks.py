@@ -3,7 +3,7 @@
 Every check returns the findings on one part, none where the data are sound.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -37,7 +37,9 @@ class Part:
 
 
 def parts(tables: Mapping[str, Any]) -> tuple[Part, ...]:
-    """Foot, legs and tool of a robot file's tables."""
+    """Foot, legs and tool of a robot file's tables, or bodies and joints of a mechanism's."""
+    if "bodies" in tables:
+        return (*_bodies(tables), *_joints(tables))
     return tuple(
         Part(
             name=name,
@@ -49,6 +51,22 @@ def parts(tables: Mapping[str, Any]) -> tuple[Part, ...]:
         for name in ("foot", "leg1", "leg2", "tool")
         if name in tables
     )
+
+
+def _bodies(tables: Mapping[str, Any]) -> Iterator[Part]:
+    for name, body in tables["bodies"].items():
+        ends = [tables["points"][body[end]] for end in ("from", "to") if end in body]
+        yield Part(
+            name=f"bodies.{name}",
+            compliance=_matrix(body, "compliance"),
+            inertia=_matrix(body, "inertia"),
+            length=float(np.linalg.norm(np.subtract(*ends))) if ends else None,
+        )
+
+
+def _joints(tables: Mapping[str, Any]) -> Iterator[Part]:
+    for name, joint in tables["joints"].items():
+        yield Part(name=f"joints.{name}", compliance=_matrix(joint, "compliance"))
 
 
 def data_findings(part: Part) -> tuple[Finding, ...]:

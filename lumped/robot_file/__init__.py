@@ -5,7 +5,6 @@ In: a path or the name of a built-in robot. Out: the robot, its tables, what the
 
 from lumped.robot_file.load import (
     RobotFile,
-    RobotType,
     as_printed,
     built_in_robots,
     load_robot,
@@ -14,7 +13,6 @@ from lumped.robot_file.load import (
 
 __all__ = [
     "RobotFile",
-    "RobotType",
     "as_printed",
     "built_in_robots",
     "load_robot",

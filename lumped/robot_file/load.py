@@ -9,7 +9,7 @@ from functools import cached_property
 from importlib import resources
 from importlib.resources.abc import Traversable
 from pathlib import Path
-from typing import Any, Literal, TypeAlias
+from typing import Any
 
 import msgspec
 
@@ -24,6 +24,7 @@ from lumped.robot_file.mechanism.build import description_faults, mechanism_of
 from lumped.robot_file.mechanism.motion_faults import motion_faults
 from lumped.robot_file.reading import decoded, parsed, read_bytes
 from lumped.robot_file.tables import Accept, Correction
+from lumped.robots import RobotType
 from lumped.text import cut, visible
 
 _SUFFIX = ".toml"
@@ -31,10 +32,6 @@ _SUFFIX = ".toml"
 _MOST_LINES = 50
 _LONGEST_LINE = 300
 _ONLY_IN_2 = ("points", "bodies", "joints")
-
-
-# Mechanisms of which a built-in robot is there to start from.
-RobotType: TypeAlias = Literal["biglide", "five-bar", "3-rrr", "delta", "orthoglide", "hexapod"]
 
 
 @dataclass(frozen=True)
@@ -63,6 +60,11 @@ class RobotFile:
                 f"{self.source}: a mechanism of schema 2; must be a biglide of schema 1 here"
             )
         return self.described
+
+    @property
+    def is_mechanism(self) -> bool:
+        """Whether the file is of schema 2."""
+        return isinstance(self.described, Mechanism)
 
     @cached_property
     def mechanism(self) -> Mechanism:

@@ -1,0 +1,9 @@
+"""Robots that come with the program, one file each: the paper's, and one mechanism of each kind.
+
+In: nothing. Out: robot files, read by `lumped.robot_file`.
+"""
+
+from typing import Literal, TypeAlias
+
+# Mechanisms of which there is a commented file to start from.
+RobotType: TypeAlias = Literal["biglide", "five-bar", "3-rrr", "delta", "orthoglide", "hexapod"]

@@ -1,0 +1,44 @@
+"""The command `kinematics`, as the command line takes it up."""
+
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from validation.console.streams import complain, say
+
+
+def kinematics(
+    robot: str,
+    *,
+    pose: Annotated[tuple[str, ...], Parameter(allow_leading_hyphen=True, negative="")] = (),
+    picture: Path | None = None,
+    json: Annotated[bool, Parameter(negative="")] = False,
+) -> int:
+    """Close the loops of a mechanism: mobility, idle motions, overconstraint, joint coordinates.
+
+    Parameters
+    ----------
+    robot
+        A built-in robot or a robot file.
+    pose
+        Pose of the tool in the order of its moves, as 0.25,0.6 (m, rad); may be given several
+        times; the poses of the file's path if left out.
+    picture
+        Draw the mechanism in these poses into this PNG file.
+    json
+        Print JSON for programs.
+    """
+    from lumped.robot_file import load_robot  # noqa: PLC0415
+    from validation.kinematics import listing  # noqa: PLC0415
+    from validation.kinematics.poses import poses_of, postures_of  # noqa: PLC0415
+
+    mechanism = load_robot(robot).mechanism
+    found = postures_of(mechanism, poses_of(mechanism, pose) if pose else mechanism.poses)
+    say((listing.as_json if json else listing.as_text)(mechanism, found))
+    if picture is not None:
+        from validation.kinematics.picture import write_picture  # noqa: PLC0415
+
+        write_picture(picture, mechanism, found)
+        complain([f"{picture} written"], 0)
+    return 0

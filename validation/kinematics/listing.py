@@ -1,0 +1,122 @@
+"""Mobility and joint coordinates as text and as JSON, for terminals and programs."""
+
+import json
+from collections import Counter
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from lumped.mechanism.joint import Joint
+from lumped.mechanism.kinematics.closure import Closure
+from lumped.mechanism.kinematics.mobility import Mobility, mobility
+from lumped.mechanism.kinematics.postures import reference_posture, shown_pose
+from lumped.mechanism.mechanism import GROUND, Mechanism, Posture
+
+# What each coordinate of a kind of joint is: a length (m) or an angle (rad).
+_UNITS = {
+    "fixed": (),
+    "revolute": ("rad",),
+    "prismatic": ("m",),
+    "cylindrical": ("m", "rad"),
+    "universal": ("rad", "rad"),
+    "spherical": ("rad", "rad", "rad"),
+    "planar": ("m", "m", "rad"),
+}
+
+
+def mobility_text(mechanism: Mechanism) -> str:
+    """Bodies, joints, mobility and overconstraint in the reference posture, three lines."""
+    found = mobility(reference_posture(mechanism))
+    kinds = Counter(joint.kind for joint in mechanism.joints)
+    driven = sum(joint.drive is not None for joint in mechanism.joints)
+    joints = ", ".join(f"{count} {kind}" for kind, count in kinds.items())
+    bodies = len(mechanism.bodies) - (GROUND in mechanism.bodies)
+    moves = ", ".join(mechanism.tool.moves) or "none"
+    return "\n".join(
+        [
+            f"{bodies} bodies, {len(mechanism.joints)} joints ({joints}), {driven} driven",
+            f"mobility {found.mobility}: the tool's moves {moves}"
+            + (f", and {_counted(found.idle, 'idle motion')}" if found.idle else ""),
+            f"{found.constraints} constraints, {found.redundant or 'none'} of them redundant",
+        ]
+    )
+
+
+def as_text(mechanism: Mechanism, postures: Sequence[Posture]) -> str:
+    """Mobility, then the coordinates of all joints in each posture, counted from the reference."""
+    lines = [f"{mechanism.name}: {mobility_text(mechanism)}"]
+    for number, posture in enumerate(postures, start=1):
+        lines += ["", f"pose {number}: {shown_pose(mechanism, posture.pose) or 'the reference'}"]
+        lines += [f"  {note}" for note in _notes(mobility(posture))]
+        width = max((len(joint.name) for joint in mechanism.joints), default=0)
+        lines += [
+            f"  {joint.name:{width}}  {joint.kind:11}  {_coordinates(joint, posture)}"
+            + ("  driven" if joint.drive else "")
+            for joint in mechanism.joints
+            if joint.kind != "fixed"
+        ]
+    return "\n".join(lines)
+
+
+def as_json(mechanism: Mechanism, postures: Sequence[Posture]) -> str:
+    """The same as JSON (schema 1); coordinates in m and rad, the residual of the size."""
+    closure = Closure(mechanism)
+    document = {
+        "schema": 1,
+        "robot": mechanism.name,
+        "moves": list(mechanism.tool.moves),
+        "size": mechanism.size,
+        "joints": {
+            joint.name: {"type": joint.kind, "driven": joint.drive is not None}
+            for joint in mechanism.joints
+        },
+        "reference": _mobility_json(mobility(reference_posture(mechanism))),
+        "results": [
+            {
+                "pose": posture.pose.tolist(),
+                "residual": _residual(closure, posture),
+                **_mobility_json(mobility(posture)),
+                "coordinates": {n: values.tolist() for n, values in posture.coordinates.items()},
+            }
+            for posture in postures
+        ],
+    }
+    return json.dumps(document, indent=1, ensure_ascii=False)
+
+
+def _mobility_json(found: Mobility) -> dict[str, Any]:
+    return {
+        "mobility": found.mobility,
+        "idle": found.idle,
+        "constraints": found.constraints,
+        "redundant": found.redundant,
+        "at_limit": found.at_limit,
+        "stirring": list(found.stirring),
+        "barred": list(found.barred),
+    }
+
+
+def _residual(closure: Closure, posture: Posture) -> float:
+    residual = closure.residual(closure.placement(posture))
+    return float(np.abs(residual).max(initial=0.0)) / closure.size
+
+
+def _notes(found: Mobility) -> list[str]:
+    if not found.at_limit:
+        return []
+    return [
+        f"singular: {', '.join(found.stirring)} move while the tool stands, which cannot move "
+        f"along {', '.join(found.barred)}"
+    ]
+
+
+def _coordinates(joint: Joint, posture: Posture) -> str:
+    return ", ".join(
+        f"{np.degrees(value):+9.3f}°" if unit == "rad" else f"{1e3 * value:+9.3f} mm"
+        for value, unit in zip(posture.coordinates[joint.name], _UNITS[joint.kind], strict=True)
+    )
+
+
+def _counted(count: int, name: str) -> str:
+    return f"{count} {name}{'s' * (count != 1)}"
