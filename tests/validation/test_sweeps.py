@@ -7,6 +7,7 @@ import sys
 import time
 from dataclasses import replace
 from functools import partial
+from io import BytesIO
 from pathlib import Path
 
 import numpy as np
@@ -109,8 +110,19 @@ def test_journal_outlives_the_process_and_ignores_damaged_files(tmp_path):
     kept = Journal(tmp_path).find(key_of(unit), SolvedPostures)
     assert kept is not None
     assert_array_equal(kept.frequencies, found.frequencies)
-    (tmp_path / f"{key_of(unit)}.npz").write_bytes(b"PK torn")
-    assert Journal(tmp_path).find(key_of(unit), SolvedPostures) is None
+    file = tmp_path / f"{key_of(unit)}.npz"
+    whole = bytearray(file.read_bytes())
+    whole[len(whole) // 2] ^= 1
+    other = BytesIO()
+    np.savez(other, compliances=np.zeros((10**6,)), frequencies="no numbers", more=[1])
+    for content in (b"PK torn", b"", b"[]", whole, whole[:-1], other.getvalue()):
+        file.write_bytes(content)
+        assert Journal(tmp_path).find(key_of(unit), SolvedPostures) is None
+    for odd in (lambda: file.symlink_to("/dev/zero"), lambda: os.mkfifo(file), file.mkdir):
+        file.unlink()
+        odd()
+        assert Journal(tmp_path).find(key_of(unit), SolvedPostures) is None
+    file.rmdir()
     (again,) = sweep([unit], journal=Journal(tmp_path))
     assert_array_equal(again.compliances, found.compliances)
 
@@ -118,6 +130,7 @@ def test_journal_outlives_the_process_and_ignores_damaged_files(tmp_path):
 SLOW_SWEEP = """
 import sys, time
 from functools import partial
+from io import BytesIO
 from pathlib import Path
 from validation.sweeps.cores import on_cores
 from validation.sweeps.journal import Journal

@@ -1,10 +1,14 @@
 """Made-up cases for the tests of runner and command line; workers import this module by name."""
 
 import os
+import resource
 import signal
 import time
 from collections.abc import Callable, Sequence
 from multiprocessing import parent_process
+from pathlib import Path
+
+import numpy as np
 
 from lumped.errors import ComputationError
 from lumped.robot_file import RobotFile
@@ -72,6 +76,14 @@ def crashes(_context: Context) -> Measurement:
     raise AssertionError
 
 
+def starves(_context: Context) -> Measurement:
+    matrix = np.eye(300)
+    status = Path("/proc/self/status").read_text(encoding="utf-8")
+    used = 1024 * int(status.partition("VmSize:")[2].split()[0])
+    resource.setrlimit(resource.RLIMIT_AS, (used + 2**22, used + 2**22))
+    return Measurement(np.linalg.solve(matrix, matrix)[0, 0], 1.0)
+
+
 def needs_a_program(_context: Context) -> Measurement:
     raise Skip("CalculiX is not installed")
 
@@ -112,6 +124,10 @@ def troubled(robot_file: RobotFile) -> Sequence[Task]:
         case("toy.crash", crashes, group="crash"),
         case("toy.after-the-crash", agrees, group="crash"),
     )
+
+
+def starved(_robot_file: RobotFile) -> Sequence[Task]:
+    return (case("toy.starved", starves, group="one"), case("toy.agrees", agrees, group="one"))
 
 
 def endless(_robot_file: RobotFile) -> Sequence[Task]:

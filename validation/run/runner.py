@@ -32,7 +32,8 @@ from validation.results.records import (
     drawn_to_record,
     outcome_to_record,
 )
-from validation.run.worker import Job, serve
+from validation.run.worker import REMEDY, Job, serve
+from validation.store.tree import read_regular
 from validation.suggestion import did_you_mean
 
 # How long (s) the scheduler sleeps before it looks whether Ctrl-C was pressed.
@@ -119,6 +120,8 @@ class _Worker:
     waiting: list[str] = field(default_factory=list)
     current: str | None = None
     served: bool = False
+    # Where the log ended when the current task, or the worker, began.
+    log_from: int = 0
 
 
 @dataclass
@@ -135,10 +138,11 @@ class _Scheduler:
         spawn = get_context("spawn")
         ours, theirs = spawn.Pipe()
         process = spawn.Process(target=serve, args=(theirs, self.job, self.log), daemon=True)
+        before = _size(self.log)
         with children_undisturbed():
             process.start()
         theirs.close()
-        worker = _Worker(process, ours)
+        worker = _Worker(process, ours, log_from=before)
         self.workers.append(worker)
         self._give_work(worker)
 
@@ -154,6 +158,7 @@ class _Scheduler:
                 continue
             if kind == "started":
                 worker.current, worker.served = content, True
+                worker.log_from = _size(self.log)
                 worker.waiting.remove(content)
                 self.observer.started(self.tasks[content])
             else:
@@ -193,12 +198,15 @@ class _Scheduler:
     def _bury(self, worker: _Worker) -> None:
         """A worker died: its current task has failed, the rest goes to a new worker."""
         self._dismiss(worker)
+        starved = _starved(self.log, worker.log_from)
         if not worker.served:
             raise ComputationError(
-                f"a worker process ended before it began to compute; {self.log} says why"
+                "a worker process ended before it began to compute; "
+                + (starved or f"{self.log} says why")
             )
         if worker.current is not None:
-            self._finish(_dead(self.tasks[worker.current], worker.process.exitcode))
+            why = starved or _how_it_ended(worker.process.exitcode)
+            self._finish(_dead(self.tasks[worker.current], why))
         if worker.waiting:
             self.queue.appendleft(worker.waiting)
         if self.queue:
@@ -211,14 +219,31 @@ def _send(worker: _Worker, message: list[str] | None) -> None:
         worker.connection.send(message)
 
 
-def _dead(task: Task, exitcode: int | None) -> Record:
+def _size(log: Path) -> int:
+    try:
+        return log.stat().st_size
+    except OSError:
+        return 0
+
+
+def _starved(log: Path, start: int) -> str:
+    """What OpenBLAS says before it ends a process that it cannot give memory; else empty."""
+    said = (read_regular(log) or b"")[start:].decode("utf-8", "replace")
+    lines = [line.strip() for line in said.splitlines() if "OpenBLAS error" in line]
+    return f"ran out of memory ({lines[-1]}); {REMEDY}" if lines else ""
+
+
+def _how_it_ended(exitcode: int | None) -> str:
     if exitcode is not None and exitcode < 0:
         how = f"was ended by {signal.Signals(-exitcode).name}"
         if -exitcode == signal.SIGKILL:
             how += ", probably for want of memory"
     else:
         how = f"ended with code {exitcode}"
-    message = f"the computing process {how} (log.txt may say more)"
+    return f"the computing process {how} (log.txt may say more)"
+
+
+def _dead(task: Task, message: str) -> Record:
     if isinstance(task, Case):
         return outcome_to_record(Outcome(task, "failed", 0.0, message=message))
     if isinstance(task, Assessment):

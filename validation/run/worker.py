@@ -32,6 +32,9 @@ from validation.results.records import (
     outcome_to_record,
 )
 
+# What helps where memory ran out.
+REMEDY = "choose a smaller preset or fewer --jobs"
+
 
 @dataclass(frozen=True)
 class Job:
@@ -112,7 +115,7 @@ def _explain(identifier: str, error: Exception) -> str:
     if isinstance(error, ComputationError | InputError):
         message = str(error)
     elif isinstance(error, MemoryError):
-        message = "ran out of memory; choose a smaller preset or fewer --jobs"
+        message = f"ran out of memory; {REMEDY}"
     else:
         message = f"{type(error).__name__}: {error} (traceback in log.txt)"
     # A disk that is too full for the log must not take the case with it.

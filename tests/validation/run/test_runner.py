@@ -19,6 +19,7 @@ from validation.run import runner
 from validation.run.progress import Progress, Quiet
 from validation.run.session import Request, validate
 from validation.run.worker import Job
+from validation.store.opening import open_folder
 
 
 @pytest.fixture(scope="module")
@@ -171,6 +172,38 @@ def test_workers_that_cannot_start_end_the_run(toys, robot_file, tmp_path):
     with pytest.raises(ComputationError, match="before it began"):
         validate(asked(robot_file, tmp_path), toys.unloadable)
     assert "only workers come here" in (tmp_path / "log.txt").read_text()
+
+
+def test_a_library_that_is_refused_memory_fails_the_case_with_its_reason(
+    toys, robot_file, tmp_path
+):
+    # OpenBLAS ends the process, without a word to Python.
+    gathered = validate(asked(robot_file, tmp_path, 1), toys.starved)
+    assert gathered.outcomes["toy.starved"].verdict == "failed"
+    assert "ran out of memory (OpenBLAS error: Memory allocation still failed" in (
+        gathered.outcomes["toy.starved"].message
+    )
+    assert "fewer --jobs" in gathered.outcomes["toy.starved"].message
+    assert gathered.outcomes["toy.agrees"].verdict == "agree"
+    assert gathered.exit_code() == 3
+
+
+def test_a_record_whose_verdict_its_numbers_do_not_bear_out_is_computed_again(
+    toys, robot_file, tmp_path
+):
+    validate(asked(robot_file, tmp_path, only="toy.agrees"), toys.disagreeing)
+    (name,) = (tmp_path / "records").iterdir()
+    # Whoever knows how a record is sealed: the value is far off, the verdict left at agree.
+    mark = json.loads((tmp_path / "run.json").read_text())
+    with open_folder(tmp_path, mark, "resumed") as folder:
+        record = folder.record("toy.agrees")
+        record["measurement"]["value"] = 12345.0
+        folder.keep(record)
+    assert "12345.0" in name.read_text()
+    again = validate(
+        asked(robot_file, tmp_path, only="toy.agrees", start="resumed"), toys.disagreeing
+    )
+    assert again.outcomes["toy.agrees"].measurement.value == 1.0 / 3.0
 
 
 def test_nothing_is_lost_when_keeping_fails(toys, robot_file, tmp_path):
