@@ -123,6 +123,38 @@ def test_the_second_of_two_runs_in_one_folder_is_refused(tmp_path):
     assert "go on with: flexproof run ifw" in said
 
 
+@pytest.mark.slow
+def test_under_nohup_a_hang_up_changes_nothing(undisturbed, tmp_path):
+    path = tmp_path / "run"
+    asked = command("real", "run", "--preset", "quick", "--out", path, "--jobs", "2")
+    run = subprocess.Popen(
+        ["nohup", *asked],  # noqa: S607  whichever nohup there is
+        env=ENVIRONMENT,
+        start_new_session=True,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    wait_for(lambda: list((path / "records").glob("*.json")))
+    # As the terminal does when it is closed: to all processes in front, workers included.
+    os.killpg(run.pid, signal.SIGHUP)
+    _, said = run.communicate()
+    assert run.returncode == 0, said
+    assert results(path) == undisturbed[0]
+
+
+def test_a_hang_up_without_nohup_ends_the_run_as_ctrl_c_does(tmp_path):
+    run = started("endless", "run", "--out", tmp_path / "run")
+    wait_for(lambda: list((tmp_path / "run" / "records").glob("*.json")))
+    os.killpg(run.pid, signal.SIGHUP)
+    _, said = run.communicate(timeout=PATIENCE)
+    assert run.returncode == 3
+    assert "go on with: flexproof run ifw" in said
+    cases = json.loads((tmp_path / "run" / "results.json").read_text())["cases"]
+    # The worker left it to the run: nothing has failed.
+    assert [case["verdict"] for case in cases] == ["agree"]
+
+
 def test_workers_do_not_outlive_a_killed_run(tmp_path):
     run = started("endless", "run", "--out", tmp_path / "run")
     wait_for(lambda: list((tmp_path / "run" / "records").glob("*.json")))
