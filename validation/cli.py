@@ -1,8 +1,9 @@
 """The command `flexproof`.
 
-Exit codes: 0 all agree · 1 some case disagrees · 2 the input is wrong · 3 a computation failed or
-was interrupted. Results go to stdout, everything else to stderr. Packages that are slow to import
-are imported by the commands that need them, so that help and messages come at once.
+Exit codes: 0 nothing against it · 1 a case disagrees, or a model that is relied on is inadequate ·
+2 the input is wrong · 3 a computation failed or was interrupted. Results go to stdout, everything
+else to stderr. Packages that are slow to import are imported by the commands that need them, so
+that help and messages come at once.
 """
 
 import re
@@ -116,6 +117,9 @@ def run(
     export: Annotated[bool, Parameter(negative="")] = False,
     faults: Annotated[bool, Parameter(negative="")] = False,
     cluster: str | None = None,
+    accept: tuple[str, ...] = (),
+    rely: tuple[str, ...] = (),
+    strict: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
     """Validate a robot's lumped models and write a report.
 
@@ -145,7 +149,17 @@ def run(
     cluster
         Address of a Dask scheduler (tcp://host:port) that computes the sweeps over α, leg lengths
         and postures; needs the extra "cluster".
+    accept
+        Accepted relative error of a model, deflection=0.03 say, in place of the robot file's; also
+        frequency, modes, or one quantity (x y z phi_x phi_y phi_z f1 f2 … order).
+    rely
+        A model that is relied on: where it is inadequate the exit code is 1. May be given again.
+    strict
+        Undecided is not good enough either: for models relied on, and for comparisons.
     """
+    from dataclasses import replace  # noqa: PLC0415
+
+    from lumped.requirement import with_options  # noqa: PLC0415
     from lumped.robot_file import load_robot  # noqa: PLC0415
     from validation.catalogue import catalogue  # noqa: PLC0415
     from validation.faults.detection import is_fault, with_faults  # noqa: PLC0415
@@ -157,8 +171,10 @@ def run(
     start: Start = "resumed" if resume else "afresh"
     # Whoever names faults alone wants them injected.
     faults = faults or bool(only and is_fault(only))
+    robot_file = load_robot(robot)
+    asked = {"accept": " ".join(accept), "rely": " ".join(rely)}
     request = Request(
-        load_robot(robot),
+        replace(robot_file, requirement=with_options(robot_file.requirement, accept, rely)),
         preset,
         out,
         jobs or default_jobs(),
@@ -168,6 +184,8 @@ def run(
         export,
         faults,
         cluster,
+        {option: given for option, given in asked.items() if given},
+        strict,
     )
     try:
         gathered = validate(request, with_faults if faults else catalogue)
@@ -179,6 +197,8 @@ def run(
     changes, worsened = summary.changes(gathered)
     say("\n".join([*summary.verdicts(gathered), *changes]))
     say(f"report: {gathered.path / 'report.html'}")
+    for line in summary.adequacy(gathered):
+        say(line)
     if gathered.unfinished:
         complain(["interrupted", summary.how_to_go_on(request)], 3)
     return max(gathered.exit_code(), int(worsened))

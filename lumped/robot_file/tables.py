@@ -11,7 +11,7 @@ import msgspec
 from msgspec import Meta, Struct
 
 from lumped.legs import Ends
-from lumped.requirement import MODEL_KINDS, MOST_MODES, ModelKind
+from lumped.requirement import MODEL_KINDS, MOST_MODES, SMALLEST_SHARE, ModelKind
 
 
 @dataclass(frozen=True)
@@ -83,9 +83,9 @@ PoissonsRatio: TypeAlias = Annotated[float, Meta(gt=-1.0, lt=0.5, extra=number("
 Density: TypeAlias = Annotated[
     float, Meta(ge=25.0, le=25000.0, extra=number("kg/m³", "is this in g/cm³?", "above osmium"))
 ]
-# 1e-6: no model is known better; 1: off by as much as there is.
+# 1: off by as much as there is.
 Share: TypeAlias = Annotated[
-    float, Meta(ge=1e-6, le=1.0, extra=number("(0.05 is 5 %)", "", "is this in percent?"))
+    float, Meta(ge=SMALLEST_SHARE, le=1.0, extra=number("(0.05 is 5 %)", "", "is this in percent?"))
 ]
 ModeCount: TypeAlias = Annotated[
     int, Meta(ge=1, le=MOST_MODES, extra={"allowed": f"a whole number from 1 to {MOST_MODES}"})

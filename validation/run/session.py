@@ -54,7 +54,8 @@ class Request:
 
     `only` is a shell-style pattern of ids. `baseline` is the folder or results.json of an earlier
     run to be compared with. `exports`: whether meshes, fields and matrices are wanted as files.
-    `cluster` is the address of a Dask scheduler that computes the sweeps.
+    `cluster` is the address of a Dask scheduler that computes the sweeps. `asked` are options that
+    changed the robot file's requirement, as typed; `strict`: undecided counts as inadequate.
     """
 
     robot_file: RobotFile
@@ -67,6 +68,8 @@ class Request:
     exports: bool = False
     faults: bool = False
     cluster: str | None = None
+    asked: Mapping[str, str] = field(default_factory=dict)
+    strict: bool = False
 
 
 @dataclass
@@ -76,7 +79,8 @@ class Results:
     `baseline` is the earlier run that the user names, `frozen` the one that drift is counted from:
     the baseline or, without one, what is kept of a built-in robot. `path` is where the report is:
     beside an earlier run's as long as this one is not finished. `remarks` say what was found in
-    the folder that is not as it should be.
+    the folder that is not as it should be. `rely` names the models that must be adequate, `strict`
+    tells whether undecided is not enough.
     """
 
     header: Mapping[str, Any]
@@ -88,6 +92,8 @@ class Results:
     assessed: dict[str, Assessed] = field(default_factory=dict)
     path: Path = Path()
     remarks: Sequence[str] = ()
+    rely: Sequence[str] = ()
+    strict: bool = False
 
     def add(self, record: Record) -> None:
         """Take in a finished piece of work."""
@@ -157,14 +163,25 @@ class Results:
         )
         return compare(replace(baseline, cases=before), parse_run(self.as_json(), "results.json"))
 
+    @property
+    def refused(self) -> tuple[str, ...]:
+        """Models relied on that are not adequate; all of them where strict and nothing is known."""
+        if self.matrix is None:
+            return tuple(self.rely) if self.strict and self.assessed else ()
+        return self.matrix.fails(self.rely, strict=self.strict)
+
     def exit_code(self) -> int:
-        """0 all agree, 1 some case disagrees, 3 a computation failed or was interrupted."""
+        """0 nothing against it, 1 a case disagrees or a model relied on is inadequate, 3 a failure.
+
+        A failure is a computation that failed or was interrupted. Where strict, undecided is 1 too.
+        """
         verdicts = {outcome.verdict for outcome in self.outcomes.values()}
         failed = "failed" in verdicts or any(drawn.failed for drawn in self.drawn.values())
         failed = failed or any(one.failed for one in self.assessed.values())
         if failed or self.unfinished:
             return 3
-        return 1 if "disagree" in verdicts else 0
+        wrong = {"disagree", "undecided"} if self.strict else {"disagree"}
+        return 1 if verdicts & wrong or self.refused else 0
 
     def as_json(self) -> str:
         """The text of results.json."""
@@ -184,7 +201,7 @@ def validate(request: Request, catalogue: Catalogue) -> Results:
     """
     robot_file = request.robot_file
     tasks = runner.select(catalogue(robot_file), request.preset, request.only)
-    options = {"only": request.only} if request.only else {}
+    options = {**({"only": request.only} if request.only else {}), **request.asked}
     header = provenance.header(robot_file, request.preset, options)
     # Before the run, so that after Ctrl-C only the page is left to be written.
     findings = audit(robot_file)
@@ -200,7 +217,15 @@ def validate(request: Request, catalogue: Catalogue) -> Results:
         job = Job(catalogue, robot_file, request.preset, options | {FOLDER_OPTION: str(sweeps)})
         header |= {"seconds": 0.0, "planned": len(tasks)} | folder.begun()
         header |= {"frozen_from": _named(frozen)}
-        gathered = Results(header, tasks, baseline, frozen, path=folder.path)
+        gathered = Results(
+            header,
+            tasks,
+            baseline,
+            frozen,
+            path=folder.path,
+            rely=robot_file.requirement.rely,
+            strict=request.strict,
+        )
         gathered.take_up(folder)
         gathered.remarks = folder.remarks
         if executor is not None and any(task.group == GROUP for task in tasks):

@@ -2,6 +2,7 @@
 
 from shlex import join
 
+from validation.adequacy.text import in_a_line
 from validation.faults.detection import comparisons
 from validation.listing import outcome_line, summary
 from validation.results.comparison_text import sentence
@@ -20,6 +21,14 @@ def verdicts(gathered: Results) -> list[str]:
         *said,
         *([power.sentence] if power else []),
     ]
+
+
+def adequacy(gathered: Results) -> list[str]:
+    """Lines on the models relied on that are not adequate, and which models are, for what."""
+    lines = [f"relied on, and not adequate: {', '.join(gathered.refused)}"]
+    lines = lines if gathered.refused else []
+    lines += [f"adequacy: {one.message}" for one in gathered.assessed.values() if one.message]
+    return [*lines, in_a_line(gathered.matrix)] if gathered.matrix else lines
 
 
 def left_out(gathered: Results) -> list[str]:
@@ -54,4 +63,7 @@ def how_to_go_on(request: Request) -> str:
     command += ["--export"] if request.exports else []
     command += ["--faults"] if request.faults else []
     command += ["--cluster", request.cluster] if request.cluster else []
+    for option, given in request.asked.items():
+        command += [word for one in given.split() for word in (f"--{option}", one)]
+    command += ["--strict"] if request.strict else []
     return f"go on with: {join([*command, '--out', str(request.out), '--resume'])}"

@@ -1,0 +1,107 @@
+"""What is asked of models: defaults, options of the command line, tables of robot files."""
+
+from pathlib import Path
+
+import pytest
+
+from lumped.errors import InputError
+from lumped.legs import ConstantLeg
+from lumped.requirement import Requirement, with_options
+from lumped.robot_file import load_robot
+
+SMALL = """
+schema = 1
+name = "small"
+type = "biglide"
+geometry = {{ a = 0.9 }}
+platform = {{ mass = 30.0 }}
+actuators = {{ stiffness = 5.0e8 }}
+{accept}
+[leg1]
+length = 0.8
+{ends}
+section = {{ shape = "tube", diameter = 0.15, thickness = 0.008 }}
+material = {{ E = 2.1e11, nu = 0.3, rho = 7850.0 }}
+[leg2]
+length = 0.8
+section = {{ shape = "tube", diameter = 0.12, thickness = 0.006 }}
+material = {{ E = 2.1e11, nu = 0.3, rho = 7850.0 }}
+"""
+
+
+def written(folder: Path, *, accept: str = "", ends: str = "") -> Path:
+    """A robot file with what is given."""
+    path = folder / "small.toml"
+    path.write_text(SMALL.format(accept=accept, ends=ends), encoding="utf-8")
+    return path
+
+
+def test_five_per_cent_of_everything_is_asked_by_default() -> None:
+    requirement = Requirement()
+    assert requirement.quantities == (
+        "x",
+        "y",
+        "z",
+        "phi_x",
+        "phi_y",
+        "phi_z",
+        "f1",
+        "f2",
+        "f3",
+        "f4",
+        "order",
+    )
+    assert {requirement.limit(quantity) for quantity in requirement.quantities} == {0.05}
+
+
+def test_options_change_the_files_requirement() -> None:
+    asked = with_options(
+        Requirement(rely=("beam",)),
+        ("deflection=0.03", "frequency=0.1", "modes=2", "phi_x=0.5", "order=0.2"),
+        ("vjm", "segments"),
+    )
+    assert [asked.limit(q) for q in ("x", "phi_x", "f2", "order")] == [0.03, 0.5, 0.1, 0.2]
+    assert asked.modes == 2
+    assert asked.rely == ("vjm", "segments")
+    assert with_options(Requirement(rely=("beam",)), (), ()).rely == ("beam",)
+
+
+@pytest.mark.parametrize(
+    "given", ["deflction=0.1", "x", "x=", "x=five", "x=5", "x=0", "x=nan", "modes=0", "modes=2.5"]
+)
+def test_options_that_mean_nothing_are_refused(given: str) -> None:
+    with pytest.raises(InputError) as refused:
+        with_options(Requirement(), (given, "y=1e9"), ("vjmm",))
+    assert len(refused.value.faults) == 3
+    assert any(given in fault for fault in refused.value.faults)
+
+
+def test_a_robot_file_says_what_is_accepted_and_how_ends_are_held(tmp_path: Path) -> None:
+    accept = '[accept]\ndeflection = 0.02\nz = 0.2\nmodes = 6\nrely = ["vjm", "segments"]'
+    robot_file = load_robot(written(tmp_path, accept=accept, ends='ends = "rigid"'))
+    requirement = robot_file.requirement
+    assert [requirement.limit(q) for q in ("y", "z", "f6")] == [0.02, 0.2, 0.05]
+    assert requirement.rely == ("vjm", "segments")
+    leg1, leg2 = robot_file.robot.leg1, robot_file.robot.leg2
+    assert isinstance(leg1, ConstantLeg)
+    assert isinstance(leg2, ConstantLeg)
+    assert (leg1.ends, leg2.ends) == ("rigid", None)
+
+
+@pytest.mark.parametrize(
+    ("accept", "ends", "said"),
+    [
+        ("[accept]\ndeflection = 5.0", "", "accept.deflection = 5.0: must be at most 1"),
+        ("[accept]\nmodes = 11", "", "accept.modes = 11: must be"),
+        ('[accept]\nrely = ["vjmm"]', "", "accept.rely"),
+        ("[accept]\ndeflections = 0.1", "", 'did you mean "deflection"'),
+        ("", 'ends = "loose"', "leg1.ends"),
+    ],
+)
+def test_what_cannot_be_asked_is_one_clear_line(
+    tmp_path: Path, accept: str, ends: str, said: str
+) -> None:
+    with pytest.raises(InputError) as refused:
+        load_robot(written(tmp_path, accept=accept, ends=ends))
+    (fault,) = refused.value.faults
+    assert said in fault

@@ -1,0 +1,81 @@
+"""The matrix as data: verdicts of models, what is relied on, its line, its record."""
+
+import pytest
+
+from validation.adequacy.assessment import Assessed, Assessment
+from validation.adequacy.matrix import Adequacy, Cause, Entry, Matrix, ModelNote, entry_record
+from validation.adequacy.text import in_a_line
+from validation.results.records import assessed_to_record, from_record
+
+STATICS = ("x", "y", "z", "phi_x", "phi_y", "phi_z")
+QUANTITIES = (*STATICS, "f1", "f2", "order")
+
+
+def entry(model: str, quantity: str, verdict: Adequacy) -> Entry:
+    """An entry with numbers that do not matter."""
+    causes = (Cause("warping", 0.9, "Γ"), Cause("rest", 0.1))
+    return Entry(model, quantity, 0.1, 0.01, 0.05, verdict, (0.5,), "solid legs", causes)
+
+
+MATRIX = Matrix(
+    robot="toy",
+    coordinates=("x (m)",),
+    poses=((0.5,),),
+    models=(ModelNote("vjm", "", "static"), ModelNote("beam", ""), ModelNote("segments", "")),
+    quantities=QUANTITIES,
+    entries=(
+        *(entry("vjm", name, "adequate") for name in STATICS),
+        *(
+            entry(model, name, "undecided" if name == "f2" else "inadequate")
+            for model in ("beam", "segments")
+            for name in QUANTITIES
+        ),
+    ),
+)
+
+
+def test_a_model_is_as_good_as_its_worst_quantity() -> None:
+    assert [MATRIX.verdict(model) for model in ("vjm", "beam")] == ["adequate", "inadequate"]
+    assert MATRIX.fails(("vjm", "beam"), strict=False) == ("beam",)
+
+
+def test_what_is_relied_on_and_not_known_fails_where_strict() -> None:
+    assert MATRIX.fails(("links",), strict=False) == ()
+    assert MATRIX.fails(("links",), strict=True) == ("links",)
+
+
+def test_models_of_one_fate_share_a_clause() -> None:
+    assert in_a_line(MATRIX) == (
+        "vjm: adequate for deflections and rotations; beam, segments: inadequate for "
+        "deflections and rotations, f1, order, undecided for f2"
+    )
+
+
+def test_the_record_has_the_keys_that_programs_read() -> None:
+    record = entry_record(MATRIX.entries[0])
+    assert list(record)[:11] == [
+        "model",
+        "quantity",
+        "error",
+        "uncertainty",
+        "limit",
+        "verdict",
+        "pose",
+        "reference",
+        "causes",
+        "remedy",
+        "error_with_remedy",
+    ]
+    assert record["causes"][0] == {"cause": "warping", "share": 0.9}
+
+
+def test_a_matrix_survives_the_journal() -> None:
+    def compute(_: object) -> Matrix:
+        raise NotImplementedError
+
+    assessment = Assessment("adequacy", "title", compute)
+    record = assessed_to_record(Assessed(assessment, 1.0, MATRIX))
+    found = from_record(assessment, record)
+    assert isinstance(found, Assessed)
+    assert found.matrix == MATRIX
+    assert found.seconds == pytest.approx(1.0)

@@ -1,0 +1,37 @@
+"""The matrix in words, for terminals."""
+
+from collections.abc import Sequence
+
+from lumped.requirement import ORDER, STATIC_QUANTITIES
+from validation.adequacy.matrix import Adequacy, Matrix
+
+_VERDICTS: tuple[Adequacy, ...] = ("adequate", "inadequate", "undecided")
+
+
+def in_a_line(matrix: Matrix) -> str:
+    """Which models are adequate for what; models of which the same is to be said share a clause."""
+    alike: dict[str, list[str]] = {}
+    for note in matrix.models:
+        entries = matrix.of_model(note.model)
+        parts = [
+            f"{verdict} for {_names(matrix, names)}"
+            for verdict in _VERDICTS
+            if (names := [e.quantity for e in entries if e.verdict == verdict])
+        ]
+        alike.setdefault(", ".join(parts), []).append(note.model)
+    return "; ".join(f"{', '.join(models)}: {said}" for said, models in alike.items())
+
+
+def _names(matrix: Matrix, quantities: Sequence[str]) -> str:
+    """Quantities in words where all of a kind are there."""
+    frequencies = [name for name in matrix.quantities if name not in (*STATIC_QUANTITIES, ORDER)]
+    kinds = (
+        ("deflections and rotations", STATIC_QUANTITIES),
+        ("frequencies", frequencies if len(frequencies) > 1 else ()),
+    )
+    said, left = [], list(quantities)
+    for name, kind in kinds:
+        if kind and all(one in left for one in kind):
+            said.append(name)
+            left = [one for one in left if one not in kind]
+    return ", ".join([*said, *left])
