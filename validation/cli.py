@@ -239,9 +239,11 @@ def compare(
 def solve(
     robot: str,
     *,
-    model: Literal["simplified", "vjm", "segments", "beam", "solid"],
+    model: Literal["simplified", "vjm", "links", "segments", "beam", "solid"],
     x: tuple[float, ...] = (),
+    pose: Annotated[tuple[str, ...], Parameter(allow_leading_hyphen=True)] = (),
     leg: WholeNumber | None = None,
+    body: str | None = None,
     modes: WholeNumber | None = None,
     legs: Literal["given", "equivalent"] | None = None,
     theory: Literal["euler-bernoulli", "timoshenko"] | None = None,
@@ -263,14 +265,19 @@ def solve(
         Which model.
     x
         Position of B (m); may be given several times; the middle of the stroke if left out.
+    pose
+        Pose of a mechanism's tool, numbers parted by commas in the order of its moves; may be
+        given several times; the reference posture if left out.
     leg
         One leg alone, its root clamped: 1 or 2.
+    body
+        One body of a mechanism alone, clamped at its first point.
     modes
         Number of natural frequencies, 6 if left out.
     legs
-        vjm: each leg's own compliance, or that of its equivalent constant-section leg.
+        vjm, links: each leg's own compliance, or that of its equivalent constant-section leg.
     theory
-        Beam theory of segments, beam, and vjm with equivalent legs.
+        Beam theory of segments, beam, and of prisms in vjm and links.
     elements
         Segments or beam elements per leg.
     release
@@ -287,8 +294,9 @@ def solve(
         Print JSON for programs.
     """
     from lumped.robot_file import load_robot  # noqa: PLC0415
-    from validation import solve as solving  # noqa: PLC0415
     from validation.console.waiting import in_a_process  # noqa: PLC0415
+    from validation.solve import command  # noqa: PLC0415
+    from validation.solve.answer import as_json, as_text  # noqa: PLC0415
 
     require_address_space(_TO_COMPUTE)
     robot_file = load_robot(robot)
@@ -303,13 +311,13 @@ def solve(
         "equivalent": equivalent,
     }
     given = {name: value for name, value in choices.items() if value is not None}
-    question = solving.Question(robot_file, model, x, leg, modes, given)
-    cost = solving.checked(question)
+    asked = command.question(robot_file, model, command.Place(x, pose, leg, body), modes, given)
+    cost = command.checked(asked)
     if cost.seconds > _PATIENCE:
-        solution = in_a_process(solving.solve, question, doing=f"{model} model, {cost}")
+        solution = in_a_process(command.solve, asked, doing=f"{model} model, {cost}")
     else:
-        solution = solving.solve(question)
-    say(solving.as_json(solution) if json else solving.as_text(solution))
+        solution = command.solve(asked)
+    say(as_json(solution) if json else as_text(solution))
     return 0
 
 

@@ -102,31 +102,42 @@ def modes(solution: Solved, count: int) -> Modes:
 
     Raises ComputationError where fewer modes have mass.
     """
-    system, kept, scale = solution.system, solution.kept, solution.scale
-    whole = dense(system.mass)
-    mass, drag = whole[np.ix_(kept, kept)], np.zeros((solution.idle, len(kept)))
-    if solution.idle:
-        momenta = whole @ solution.motions
-        heaviest = float(np.diag(whole)[: system.outer].max())
-        with_mass = _pseudo_inverse(solution.motions.T @ momenta, heaviest)
-        drag = -with_mass @ momenta[kept].T
-        mass = mass + momenta[kept] @ drag
-    half = dtrsm(1.0, solution.lower, mass * scale[:, None] * scale, lower=1)
-    standard = dtrsm(1.0, solution.lower, half, side=1, lower=1, trans_a=1)
-    n = len(kept)
+    standard, drag = _inverse_squares(solution)
+    n = len(standard)
     if not 0 < count <= n:
-        raise _too_few(system, count)
+        raise _too_few(solution.system, count)
     values, vectors = eigh(
         standard, subset_by_index=[n - count, n - 1], driver="evr", check_finite=False
     )
     values, vectors = values[::-1], vectors[:, ::-1]
     if values[-1] <= np.finfo(float).eps * n * values[0]:
-        raise _too_few(system, count)
-    still = scale[:, None] * dtrsm(1.0, solution.lower, vectors, lower=1, trans_a=1)
-    still /= np.sqrt(values)
+        raise _too_few(solution.system, count)
+    still = dtrsm(1.0, solution.lower, vectors, lower=1, trans_a=1)
+    still *= solution.scale[:, None] / np.sqrt(values)
     shapes = solution.motions @ (drag @ still)
-    shapes[kept] += still
+    shapes[solution.kept] += still
     return Modes(1.0 / (2.0 * np.pi * np.sqrt(values)), fix_signs(shapes))
+
+
+def mode_count(solution: Solved) -> int:
+    """How many modes the system has: motions that have both stiffness and mass."""
+    values = np.linalg.eigvalsh(_inverse_squares(solution)[0])
+    return int(np.sum(values > np.finfo(float).eps * len(values) * values.max(initial=0.0)))
+
+
+def _inverse_squares(solution: Solved) -> tuple[Array, Array]:
+    """Matrix whose eigenvalues are 1/ω², and what the idle motions follow the others by."""
+    kept, scale = solution.kept, solution.scale
+    whole = dense(solution.system.mass)
+    mass, drag = whole[np.ix_(kept, kept)], np.zeros((solution.idle, len(kept)))
+    if solution.idle:
+        momenta = whole @ solution.motions
+        heaviest = float(np.diag(whole)[: solution.system.outer].max())
+        with_mass = _pseudo_inverse(solution.motions.T @ momenta, heaviest)
+        drag = -with_mass @ momenta[kept].T
+        mass = mass + momenta[kept] @ drag
+    half = dtrsm(1.0, solution.lower, mass * scale[:, None] * scale, lower=1)
+    return dtrsm(1.0, solution.lower, half, side=1, lower=1, trans_a=1), drag
 
 
 def strain_shares(system: System, shapes: Array) -> dict[str, Array]:

@@ -6,13 +6,19 @@ from lumped import biglide_assembly as mechanism
 from lumped import simplified, vjm
 from lumped.arrays import Array
 from lumped.biglide import Biglide
+from lumped.biglide import mechanism as bodies_and_joints
 from lumped.biglide_assembly import Mechanism
 from lumped.errors import InputError
 from lumped.leg_matrices import LegMatrices
 from lumped.legs import ConstantLeg, equivalent_leg
+from lumped.mechanism.kinematics.postures import reference_posture
+from lumped.models.bodies import tip_compliances
+from lumped.models.links import links
 from lumped.segments import segment_leg, static_leg, with_printed_tip_joint
+from lumped.system.assembly import assembly
+from lumped.system.solution import compliance, solved
 from validation.models.legs import cached_leg, condensed_leg, leg_chain, reduced_leg
-from validation.models.options import DEFAULT_OPTIONS, ModelName, ModelOptions
+from validation.models.options import DEFAULT_OPTIONS, STATIC, ModelName, ModelOptions
 from validation.robot_solids import half_octave_above, renewed_where_needed
 
 # Of closed sections: the faces of open ones may restrain torsion by far more.
@@ -70,6 +76,8 @@ def robot_compliance(
             else vjm.equivalent_leg_springs(robot, options.theory, options.equivalent)
         )
         return vjm.compliance(robot, x, springs)
+    if model == "links":
+        return _links_compliance(robot, x, options)
     if model == "segments":
         legs = _static_legs(robot, options)
         return mechanism.compliance(mechanism.assemble(robot, x, *legs, options.release))
@@ -81,15 +89,22 @@ def robot_compliance(
     return mechanism.compliance(robot_mechanism(model, robot, x, options))
 
 
+def _links_compliance(robot: Biglide, x: float, options: ModelOptions) -> Array:
+    posture = reference_posture(bodies_and_joints(robot, x))
+    springs = tip_compliances(posture.mechanism, options.legs, options.theory, options.equivalent)
+    bodies = links(posture.mechanism, springs)
+    return compliance(solved(assembly(posture.mechanism, bodies).at(posture)))
+
+
 def robot_frequencies(
     model: ModelName, robot: Biglide, x: float, count: int, options: ModelOptions = DEFAULT_OPTIONS
 ) -> Array:
     """First natural frequencies (Hz, ascending); `simplified` has two.
 
-    Raises InputError for `vjm`, which has no mass.
+    Raises InputError for `vjm` and `links`, which have no mass.
     """
-    if model == "vjm":
-        raise InputError("--modes: the vjm model is static and has no frequencies")
+    if model in STATIC:
+        raise InputError(f"--modes: the {model} model is static and has no frequencies")
     if model == "simplified":
         return simplified.frequencies(robot, x)[:count]
     if model == "solid":

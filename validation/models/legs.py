@@ -11,10 +11,10 @@ from lumped.arrays import Array
 from lumped.cantilever import clamped_modes, tip_compliance_of
 from lumped.errors import InputError
 from lumped.leg_matrices import LegMatrices
-from lumped.legs import ConstantLeg, Leg, equivalent_leg, given_compliance, tip_compliance
+from lumped.legs import ConstantLeg, GivenLeg, Leg, equivalent_leg, given_compliance, tip_compliance
 from lumped.modes import Modes
 from lumped.segments import Chain, segment_chain, segment_leg, static_leg
-from validation.models.options import DEFAULT_OPTIONS, Ends, ModelName, ModelOptions
+from validation.models.options import DEFAULT_OPTIONS, STATIC, Ends, ModelName, ModelOptions
 from validation.robot_solids import held_solid
 
 
@@ -98,10 +98,10 @@ def leg_compliance(model: ModelName, leg: Leg, options: ModelOptions = DEFAULT_O
     """
     if model == "simplified":
         raise InputError("--leg: the legs of the simplified model are rigid")
-    if model == "vjm" and options.legs == "given":
+    if model in STATIC and options.legs == "given" and isinstance(leg, GivenLeg):
         return given_compliance(leg)
     constant = equivalent_leg(leg, options.equivalent)
-    if model == "vjm":
+    if model in STATIC:
         return tip_compliance(constant.properties(options.theory), constant.length)
     if model == "solid":
         return solid_compliance(constant, options.divisions, options.ends)
@@ -113,9 +113,9 @@ def leg_frequencies(
 ) -> Array:
     """First natural frequencies (Hz, ascending) of one leg, root clamped.
 
-    Raises InputError for `simplified` (rigid legs) and `vjm` (static).
+    Raises InputError for `simplified` (rigid legs), `vjm` and `links` (static).
     """
-    if model in ("simplified", "vjm"):
+    if model == "simplified" or model in STATIC:
         raise InputError(f"--modes: the {model} model of one leg has no frequencies")
     constant = equivalent_leg(leg, options.equivalent)
     if model == "solid":

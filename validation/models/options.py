@@ -33,3 +33,5 @@ class ModelOptions:
 
 
 DEFAULT_OPTIONS = ModelOptions()
+# Models that have no mass, so no frequencies.
+STATIC: tuple[ModelName, ...] = ("vjm", "links")

@@ -1,54 +1,19 @@
-"""`flexproof solve`: one model of a leg or of the robot, printed or as JSON."""
+"""One model of the biglide or of one of its legs, at the positions typed."""
 
-import json
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 
-from lumped.arrays import Array
 from lumped.biglide import Biglide
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, Leg, equivalent_leg
-from lumped.robot_file import RobotFile
 from validation.cost import Cost, dense_cost, require_affordable, solid_cost
 from validation.models.biglide import robot_compliance, robot_frequencies
 from validation.models.legs import leg_compliance, leg_frequencies
-from validation.models.options import ModelName, ModelOptions
-
-# What each model listens to; anything else given on the command line is a fault.
-_OPTIONS: dict[ModelName, tuple[str, ...]] = {
-    "simplified": (),
-    "vjm": ("legs", "theory", "equivalent"),
-    "segments": ("theory", "elements", "release", "layout", "equivalent"),
-    "beam": ("theory", "elements", "equivalent"),
-    "solid": ("ends", "divisions", "equivalent"),
-}
-# Models that have no mass, so no frequencies.
-_STATIC: tuple[ModelName, ...] = ("vjm",)
-# Models of elements, solved dense.
-_OF_ELEMENTS: tuple[ModelName, ...] = ("segments", "beam")
-_DEFAULT_MODES = 6
-
-
-@dataclass(frozen=True)
-class Answer:
-    """Compliance (6×6 or 2×2, SI) and frequencies (Hz, ascending) at one posture or of one leg."""
-
-    place: dict[str, float | int]
-    compliance: Array
-    frequencies: Array
-
-
-@dataclass(frozen=True)
-class Solution:
-    """The answers of one model, and the options that had a say in them."""
-
-    robot: str
-    model: ModelName
-    options: dict[str, Any]
-    answers: tuple[Answer, ...]
+from validation.models.options import STATIC, ModelName, ModelOptions
+from validation.solve.answer import DEFAULT_MODES, OF_ELEMENTS, OPTIONS, Answer, Solution
 
 
 def option_faults(
@@ -59,11 +24,11 @@ def option_faults(
     What is typed and would change nothing is refused: whoever typed it expects that it does.
     """
     faults = []
-    allowed = ", ".join(f"--{option}" for option in _OPTIONS[model]) or "none"
+    allowed = ", ".join(f"--{option}" for option in OPTIONS[model]) or "none"
     faults += [
         f"--{name}: not an option of the {model} model; it takes {allowed}"
         for name in given
-        if name not in _OPTIONS[model]
+        if name not in OPTIONS[model]
     ]
     for name in ("elements", "divisions"):
         if given.get(name, 1) < 1:
@@ -89,19 +54,20 @@ def _unheard(
         )
     if leg is not None:
         unheard["release"] = "a leg alone has no joint to release; leave it out, or --leg"
-    if model == "vjm" and springs == "given":
+    if model in STATIC and springs == "given":
         unheard |= dict.fromkeys(
             ("theory", "equivalent"),
-            "the vjm model takes the legs as they are given; add --legs equivalent or leave it out",
+            f"the {model} model takes the legs as they are given; add --legs equivalent or leave "
+            "it out",
         )
     return unheard
 
 
 @dataclass(frozen=True)
-class Question:
+class BiglideQuestion:
     """A model at `positions` x (m) of B, or of one leg; `given` are the options that were typed."""
 
-    robot_file: RobotFile
+    robot: Biglide
     model: ModelName
     positions: tuple[float, ...]
     leg: int | None
@@ -111,17 +77,17 @@ class Question:
     @property
     def legs(self) -> tuple[Leg, ...]:
         """The legs that are asked about."""
-        both = (self.robot_file.robot.leg1, self.robot_file.robot.leg2)
+        both = (self.robot.leg1, self.robot.leg2)
         return both[self.leg - 1 : self.leg] if self.leg in (1, 2) else both
 
     @property
     def count(self) -> int:
         """Number of frequencies."""
-        asked = _DEFAULT_MODES if self.modes is None else self.modes
-        return 0 if self.model in _STATIC else asked
+        asked = DEFAULT_MODES if self.modes is None else self.modes
+        return 0 if self.model in STATIC else asked
 
 
-def checked(question: Question) -> Cost:
+def checked_biglide(question: BiglideQuestion) -> Cost:
     """What the answer will cost.
 
     Raises InputError, all faults of the question at once, or where it costs too much.
@@ -130,11 +96,11 @@ def checked(question: Question) -> Cost:
     faults = option_faults(model, question.given, leg, question.legs)
     if modes is not None and modes < 0:
         faults.append(f"--modes = {modes}: must be 0 or more")
-    if modes and (model in _STATIC):
+    if modes and (model in STATIC):
         faults.append(f"--modes: the {model} model is static and has no frequencies")
     if leg is not None and question.positions:
         faults.append("--x: a leg alone has no position; leave out --x or --leg")
-    faults += _position_faults(question.robot_file, question.positions)
+    faults += _position_faults(question.robot, question.positions)
     if faults:
         raise InputError(faults)
     options = ModelOptions(**question.given)
@@ -142,7 +108,7 @@ def checked(question: Question) -> Cost:
         what = f"--divisions {options.divisions}"
         legs = tuple(equivalent_leg(one, options.equivalent) for one in question.legs)
         cost = solid_cost(legs, options.divisions, question.count)
-    elif model in _OF_ELEMENTS:
+    elif model in OF_ELEMENTS:
         what = f"--elements {options.elements}"
         unknowns = 6 * (options.elements + 1) * len(question.legs)
         cost = dense_cost(unknowns, len(question.positions) or 1)
@@ -152,16 +118,16 @@ def checked(question: Question) -> Cost:
     return cost
 
 
-def solve(question: Question) -> Solution:
-    """The model's answers; raises InputError as `checked` does, ComputationError."""
-    checked(question)
+def solve_biglide(question: BiglideQuestion) -> Solution:
+    """The model's answers; raises InputError as `checked_biglide` does, ComputationError."""
+    checked_biglide(question)
     model, leg, legs, count = question.model, question.leg, question.legs, question.count
-    robot, options = question.robot_file.robot, ModelOptions(**question.given)
+    robot, options = question.robot, ModelOptions(**question.given)
     unheard = _unheard(model, options.legs, leg, legs)
     heard = {
         name: value
         for name, value in asdict(options).items()
-        if name in _OPTIONS[model] and name not in unheard
+        if name in OPTIONS[model] and name not in unheard
     }
     if leg is not None:
         answers = [_leg_answer(model, leg, legs[0], count, options)]
@@ -187,59 +153,11 @@ def _robot_answer(
     return Answer({"x": x}, robot_compliance(model, robot, x, options), frequencies)
 
 
-def _position_faults(robot_file: RobotFile, positions: tuple[float, ...]) -> list[str]:
+def _position_faults(robot: Biglide, positions: tuple[float, ...]) -> list[str]:
     faults: list[str] = []
     for x in positions:
         try:
-            robot_file.robot.posture(x)
+            robot.posture(x)
         except InputError as error:
             faults += [f"--x: {fault}" for fault in error.faults]
     return faults
-
-
-def as_json(solution: Solution) -> str:
-    """The answers as JSON (schema 1); an infinite frequency is null."""
-    document = {
-        "schema": 1,
-        "robot": solution.robot,
-        "model": solution.model,
-        "options": solution.options,
-        "results": [
-            {
-                **answer.place,
-                "compliance": answer.compliance.tolist(),
-                "frequencies": [f if np.isfinite(f) else None for f in answer.frequencies.tolist()],
-            }
-            for answer in solution.answers
-        ],
-    }
-    return json.dumps(document, allow_nan=False)
-
-
-def as_text(solution: Solution) -> str:
-    """The answers for people: deflections at 1000 N, the compliance, the frequencies."""
-    heard = ", ".join(f"{name} {value}" for name, value in solution.options.items())
-    lines = [f"{solution.robot}, {solution.model}" + (f" ({heard})" if heard else "")]
-    for answer in solution.answers:
-        lines += ["", *_answer_lines(answer)]
-    return "\n".join(lines)
-
-
-def _answer_lines(answer: Answer) -> list[str]:
-    size = len(answer.compliance)
-    if "leg" in answer.place:
-        head = f"leg {answer.place['leg']}, root clamped, leg axes"
-    else:
-        head = f"x = {answer.place['x']:.6g} m, at the loaded point, robot axes"
-    under = ["x", "y"] if size == 2 else ["x", "y", "z"]
-    lines = [head, "  deflection (µm) along its own load of 1000 N:"]
-    lines.append(
-        "    "
-        + ", ".join(f"{axis} {answer.compliance[i, i] * 1e9:.4g}" for i, axis in enumerate(under))
-    )
-    lines.append(f"  compliance {size}×{size} (m/N, rad/N, rad/(N m)):")
-    lines += ["    " + " ".join(f"{value: .4e}" for value in row) for row in answer.compliance]
-    if len(answer.frequencies):
-        listed = ", ".join(f"{value:.5g}" for value in answer.frequencies)
-        lines.append(f"  natural frequencies (Hz): {listed}")
-    return lines

@@ -1,0 +1,227 @@
+"""Models of the built-in mechanisms: one answer where they must agree, and what symmetry asks."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fem.sections.section_constants import beam_properties, section_constants
+from lumped.biglide import mechanism as biglide_mechanism
+from lumped.errors import InputError
+from lumped.legs import tip_compliance
+from lumped.mechanism.body import Prism
+from lumped.mechanism.kinematics.postures import posture, reference_posture
+from lumped.models.bodies import legs_of
+from lumped.models.links import links
+from lumped.robot_file import load_robot
+from lumped.system.assembly import assemble, assembly
+from lumped.system.solution import compliance, mode_count, modes, solved, strain_shares
+from meshes.section.section_mesh import section_mesh
+from validation.cli import main
+from validation.models.biglide import robot_compliance, robot_frequencies
+from validation.models.legs import leg_matrices
+from validation.models.mechanism import answers, dynamic_bodies, highest_frequency, static_bodies
+from validation.models.options import DEFAULT_OPTIONS, ModelOptions
+
+MECHANISMS = ("five-bar", "3-rrr", "delta", "orthoglide", "hexapod")
+SERIAL = ("five-bar", "3-rrr", "hexapod")
+EULER_BERNOULLI = ModelOptions(theory="euler-bernoulli")
+# One third of a turn about z, of twists.
+THIRD = np.kron(
+    np.eye(2), [[-0.5, -np.sqrt(0.75), 0.0], [np.sqrt(0.75), -0.5, 0.0], [0.0, 0.0, 1.0]]
+)
+
+
+def along_the_path(name: str):
+    mechanism = load_robot(name).mechanism
+    poses = mechanism.poses[:: max(1, len(mechanism.poses) // 3)]
+    return [reference_posture(mechanism), *(posture(mechanism, pose) for pose in poses)]
+
+
+def apart(found, expected) -> float:
+    return max(
+        np.abs(one.compliance - other.compliance).max() / np.abs(other.compliance).max()
+        for one, other in zip(found, expected, strict=True)
+    )
+
+
+@pytest.mark.parametrize("name", MECHANISMS)
+def test_beams_links_segments_and_chains_have_one_static_answer(name):
+    at = along_the_path(name)
+    expected = answers("links", at, 0, EULER_BERNOULLI)
+    others = ("beam", "segments", "vjm") if name in SERIAL else ("beam", "segments")
+    for model in others:
+        assert apart(answers(model, at, 0, EULER_BERNOULLI), expected) < 1e-9, model
+
+
+@pytest.mark.parametrize("name", ["delta", "orthoglide"])
+def test_parallelograms_are_no_serial_chains(name):
+    at = [reference_posture(load_robot(name).mechanism)]
+    with pytest.raises(InputError, match=r"branches at .*; take --model links"):
+        answers("vjm", at, 0)
+
+
+@pytest.mark.parametrize("name", ["delta", "3-rrr", "hexapod"])
+@pytest.mark.parametrize("model", ["links", "beam", "segments"])
+def test_threefold_symmetry_of_compliance_and_double_modes(name, model):
+    """Twelve digits of the files' points leave 1e-11."""
+    count = 0 if model == "links" else 10
+    (found,) = answers(model, [reference_posture(load_robot(name).mechanism)], count)
+    turned = THIRD @ found.compliance @ THIRD.T
+    assert np.abs(turned - found.compliance).max() <= 1e-9 * np.abs(found.compliance).max()
+    if count:
+        # Modes of the symmetry's two-dimensional representation come in pairs, from the first on.
+        first, second = found.frequencies[:2]
+        assert second == pytest.approx(first, rel=1e-9)
+
+
+def test_rods_on_ball_joints_spin_idly_and_are_counted():
+    at = along_the_path("delta")
+    for model in ("simplified", "links", "beam"):
+        found = answers(model, at, 0 if model == "links" else 6)
+        assert [one.idle for one in found] == [6] * len(at)
+        assert all((one.frequencies > 1.0).all() for one in found)
+
+
+def test_reduced_bodies_give_the_frequencies_of_unreduced_ones():
+    at = reference_posture(load_robot("hexapod").mechanism)
+    highest = highest_frequency([at], 10)
+    few = ModelOptions(elements=6)
+    whole = {name: leg_matrices("beam", leg, few) for name, leg in legs_of(at.mechanism).items()}
+    expected = modes(solved(assemble(at, whole)), 10).frequencies
+    reduced = dynamic_bodies("beam", at.mechanism, highest, few)
+    found = modes(solved(assemble(at, reduced)), 10).frequencies
+    assert found == pytest.approx(expected, rel=1e-6)
+    # Of a smooth reduction the frequencies lie above (Rayleigh), but for rounding.
+    assert (found >= expected * (1.0 - 1e-9)).all()
+
+
+def test_equal_bodies_are_reduced_once():
+    mechanism = load_robot("hexapod").mechanism
+    bodies = dynamic_bodies("beam", mechanism, 500.0)
+    # The field of displacement is made with the body and kept with it.
+    shapes = {id(body.centreline) for body in bodies.values()}
+    sections = {(leg.section, round(leg.length, 9)) for leg in legs_of(mechanism).values()}
+    assert len(shapes) == len(sections)
+
+
+@pytest.mark.parametrize("x", [0.145, 0.3, 0.85])
+def test_the_biglide_as_bodies_and_joints_gives_the_same_numbers(x):
+    robot = load_robot("ifw").robot
+    at = [reference_posture(biglide_mechanism(robot, x))]
+    equivalent = ModelOptions(legs="equivalent")
+    for model, options in (
+        ("vjm", DEFAULT_OPTIONS),
+        ("vjm", equivalent),
+        ("segments", DEFAULT_OPTIONS),
+        ("beam", DEFAULT_OPTIONS),
+    ):
+        (found,) = answers(model, at, 0, options)
+        expected = robot_compliance(model, robot, x, options)
+        assert np.abs(found.compliance - expected).max() <= 1e-10 * np.abs(expected).max()
+    for model in ("segments", "beam"):
+        (found,) = answers(model, at, 6)
+        assert found.frequencies == pytest.approx(robot_frequencies(model, robot, x, 6), rel=1e-10)
+    if 0.145 < x < 0.85:
+        (found,) = answers("simplified", at, 2)
+        assert found.compliance[:2, :2] == pytest.approx(
+            robot_compliance("simplified", robot, x), rel=1e-10
+        )
+        assert found.frequencies == pytest.approx(
+            robot_frequencies("simplified", robot, x, 2), rel=1e-10
+        )
+
+
+def test_simplified_has_the_modes_of_what_is_rigid():
+    """Rigid platform of the hexapod on six drives: its legs have no mass in this model."""
+    at = reference_posture(load_robot("hexapod").mechanism)
+    (found,) = answers("simplified", [at], 20)
+    assert len(found.frequencies) == 6
+    system = assemble(at, {})
+    assert mode_count(solved(system)) == 6
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", MECHANISMS)
+def test_solids_with_free_ends_are_beams_of_their_sections_own_constants(name):
+    """Thin walls by one element: the same mesh gives the constants, so that nothing differs."""
+    at = [reference_posture(load_robot(name).mechanism)]
+    divisions = 2
+    (found,) = answers("solid", at, 0, ModelOptions(ends="free", divisions=divisions))
+    springs = {}
+    for body, leg in legs_of(at[0].mechanism).items():
+        mesh = section_mesh(leg.section, divisions)
+        constants = section_constants(mesh, leg.material.nu, leg.material.G / leg.material.E)
+        springs[body] = tip_compliance(beam_properties(constants, leg.material), leg.length)
+    expected = compliance(solved(assemble(at[0], links(at[0].mechanism, springs))))
+    assert np.abs(found.compliance - expected).max() <= 1e-4 * np.abs(expected).max()
+
+
+def test_strain_energy_is_shared_by_bodies_and_joints():
+    at = reference_posture(load_robot("delta").mechanism)
+    bodies = static_bodies("beam", at.mechanism)
+    system = assemble(at, bodies)
+    solution = solved(system)
+    forces = np.eye(6, 3)
+    displacements = solution.displacements(system.tool.T @ forces)
+    shares = strain_shares(system, displacements)
+    assert sum(shares.values()) == pytest.approx(np.ones(3), abs=1e-12)
+    # What the drives take is what a rigid robot on them yields.
+    rigid = replace(at.mechanism, joints=at.mechanism.joints)
+    simplified = compliance(solved(assembly(rigid, {}).at(at)))
+    drives = sum(share for part, share in shares.items() if part.endswith("drive"))
+    whole = np.diag(compliance(solution))[:3]
+    assert drives * whole == pytest.approx(np.diag(simplified)[:3], rel=1e-9)
+
+
+def solve(capsys, *arguments):
+    code = main(["solve", *arguments])
+    streams = capsys.readouterr()
+    return code, streams.out, streams.err
+
+
+def test_solve_gives_poses_and_idle_mobilities(capsys):
+    pose = ("--pose", "-0.01,0,-0.5")
+    code, out, _ = solve(capsys, "delta", "--model", "beam", "--modes", "2", "--json", *pose)
+    (result,) = json.loads(out)["results"]
+    assert code == 0
+    assert result["pose"] == [-0.01, 0.0, -0.5]
+    assert result["idle"] == 6
+    assert np.shape(result["compliance"]) == (6, 6)
+    assert len(result["frequencies"]) == 2
+
+
+def test_solve_of_one_body(capsys):
+    code, out, _ = solve(capsys, "delta", "--model", "vjm", "--body", "rod1l", "--json")
+    (result,) = json.loads(out)["results"]
+    shape = load_robot("delta").mechanism.bodies["rod1l"].shape
+    assert isinstance(shape, Prism)
+    assert code == 0
+    assert result["compliance"][0][0] == pytest.approx(
+        shape.length / (shape.material.E * shape.section.area), rel=1e-12
+    )
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["delta", "--model", "beam", "--x", "1"], "--x: poses of a mechanism are typed as --pose"),
+        (["delta", "--model", "beam", "--leg", "1"], "--leg: bodies of a mechanism have names"),
+        (["delta", "--model", "beam", "--pose", "1,2"], "--pose 1,2: must be x,y,z as finite"),
+        (["delta", "--model", "beam", "--pose", "a,2,3"], "--pose a,2,3: must be x,y,z as finite"),
+        (["delta", "--model", "beam", "--body", "arm"], "--body arm: no such body; must be one of"),
+        (["delta", "--model", "beam", "--body", "bar1"], "--body bar1: is rigid; must be one of"),
+        (["delta", "--model", "links", "--modes", "3"], "--modes: the links model is static"),
+        (["delta", "--model", "links", "--legs", "given"], "--legs: no leg of Delta is given by a"),
+        (["delta", "--model", "segments", "--release", "printed"], "--release: not an option of"),
+        (["ifw", "--model", "beam", "--body", "leg1"], "--body: the biglide has two legs"),
+        (["ifw", "--model", "beam", "--pose", "0.2,0.3"], "--pose 0.2,0.3: must be one number"),
+        (["delta", "--model", "vjm"], "branches at point E1 of arm1; take --model links"),
+    ],
+)
+def test_what_is_typed_wrong_is_refused_in_one_line(capsys, arguments, message):
+    code, out, err = solve(capsys, *arguments)
+    assert (code, out) == (2, "")
+    assert message in err
+    assert err.count("\n") == 1

@@ -1,0 +1,211 @@
+"""Every model of any mechanism: models of its bodies, and what they say in a posture.
+
+Bodies are modelled once, however many are alike and however many postures follow. Static models
+are condensed to their interfaces, which is exact; dynamic ones are reduced by Craig and Bampton.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from math import isclose
+
+import numpy as np
+
+from fem.reduction.craig_bampton import CUTOFF_FACTOR
+from lumped.arrays import Array
+from lumped.errors import InputError
+from lumped.legs import ConstantLeg, equivalent_leg
+from lumped.mechanism.body import Prism
+from lumped.mechanism.body_model import BodyModel
+from lumped.mechanism.joint import Drive, Joint
+from lumped.mechanism.kinematics.mobility import mobility
+from lumped.mechanism.mechanism import Mechanism, Posture
+from lumped.models import serial_chains
+from lumped.models.bodies import legs_of, tip_compliances
+from lumped.models.links import links
+from lumped.modes import dense
+from lumped.system.assembly import Assembly, assembly
+from lumped.system.solution import compliance, mode_count, modes, solved
+from validation.models.legs import cached_leg, condensed_leg, leg_matrices, reduced_leg
+from validation.models.options import DEFAULT_OPTIONS, STATIC, ModelName, ModelOptions
+from validation.robot_solids import half_octave_above, renewed_where_needed
+
+# Bodies whose lengths differ by what twelve typed digits leave are one body.
+_ALIKE = 1e-9
+# Beams and segments are cheap to reduce well: the error at the highest frequency falls with the
+# seventh power of the cut-off, 1e-5 at 2.5 times and below 1e-6 at four.
+_CUTOFF = {"segments": 4.0, "beam": 4.0, "solid": CUTOFF_FACTOR}
+# Unknowns in all that are solved as fast as they would be reduced.
+_FEW = 600
+# Frequencies of few elements lie above the true ones (Rayleigh), those of solids by little more.
+_ESTIMATE = ModelOptions(elements=2)
+
+
+@dataclass(frozen=True, eq=False)
+class Answer:
+    """What a model says of a mechanism in one posture.
+
+    `compliance` (6×6, SI, base axes) at the loaded point, `frequencies` (Hz, ascending), `idle`
+    the number of mobilities that do not move the tool, whose zero frequencies are left out.
+    """
+
+    posture: Posture
+    compliance: Array
+    frequencies: Array
+    idle: int
+
+
+def answers(
+    model: ModelName,
+    postures: Sequence[Posture],
+    count: int,
+    options: ModelOptions = DEFAULT_OPTIONS,
+) -> list[Answer]:
+    """Compliance and the lowest `count` frequencies in each posture of one mechanism.
+
+    `simplified` has as many frequencies as its rigid bodies and its tool have, at most `count`.
+    Raises InputError for frequencies of a static model and for a leg that is no serial chain
+    (vjm), ComputationError where the tool is free to move.
+    """
+    if not postures:
+        return []
+    mechanism = postures[0].mechanism
+    if count and model in STATIC:
+        raise InputError(f"--modes: the {model} model is static and has no frequencies")
+    if model == "vjm":
+        springs = tip_compliances(mechanism, options.legs, options.theory, options.equivalent)
+        return [
+            Answer(at, serial_chains.compliance(at, springs), np.zeros(0), mobility(at).idle)
+            for at in postures
+        ]
+    if model == "simplified":
+        return list(_on_drives(postures, count))
+    if not count:
+        models = static_bodies(model, mechanism, options)
+        return list(_solve(assembly(mechanism, models), postures, 0))
+    return renewed_where_needed(
+        highest_frequency(postures, count, options),
+        partial(_dynamic, model, postures, count, options),
+        frequencies=lambda found: np.array([one.frequencies for one in found]),
+    )
+
+
+def static_bodies(
+    model: ModelName, mechanism: Mechanism, options: ModelOptions = DEFAULT_OPTIONS
+) -> dict[str, BodyModel]:
+    """Models of the bodies on the twists of their interfaces alone, exact in statics."""
+    if model == "links":
+        springs = tip_compliances(mechanism, options.legs, options.theory, options.equivalent)
+        return dict(links(mechanism, springs))
+    return {
+        name: _filled(condensed_leg(model, leg, own))
+        for name, leg, own in constant_legs(mechanism, options)
+    }
+
+
+def dynamic_bodies(
+    model: ModelName,
+    mechanism: Mechanism,
+    highest: float,
+    options: ModelOptions = DEFAULT_OPTIONS,
+) -> dict[str, BodyModel]:
+    """Models of the bodies good for frequencies of the mechanism up to `highest` (Hz).
+
+    Reduced, unless beams or segments are so few that they are solved as they stand.
+    """
+    legs = constant_legs(mechanism, options)
+    if model != "solid" and sum(cached_leg(model, leg, own).size for _, leg, own in legs) <= _FEW:
+        return {name: _filled(cached_leg(model, leg, own)) for name, leg, own in legs}
+    return {
+        name: _filled(reduced_leg(model, leg, own, highest, _CUTOFF[model] * highest))
+        for name, leg, own in legs
+    }
+
+
+def highest_frequency(
+    postures: Sequence[Posture], count: int, options: ModelOptions = DEFAULT_OPTIONS
+) -> float:
+    """Frequency (Hz) up to which bodies should be good for the first `count`, by coarse beams.
+
+    In the middle posture; rounded up in steps of half an octave, so that others share the bodies.
+    """
+    middle = postures[len(postures) // 2]
+    coarse = replace(_ESTIMATE, equivalent=options.equivalent, theory=options.theory)
+    bodies: dict[str, BodyModel] = {
+        name: leg_matrices("beam", leg, own)
+        for name, leg, own in constant_legs(middle.mechanism, coarse)
+    }
+    solution = solved(assembly(middle.mechanism, bodies).at(middle))
+    return half_octave_above(float(modes(solution, count).frequencies[-1]))
+
+
+def _solve(prepared: Assembly, postures: Sequence[Posture], count: int) -> Iterator[Answer]:
+    for posture in postures:
+        solution = solved(prepared.at(posture))
+        frequencies = modes(solution, count).frequencies if count else np.zeros(0)
+        yield Answer(posture, compliance(solution), frequencies, solution.idle)
+
+
+def _on_drives(postures: Sequence[Posture], count: int) -> Iterator[Answer]:
+    """Rigid bodies on elastic drives; of a posture's frequencies as many as have mass."""
+    rigid = _on_its_drives_alone(postures[0].mechanism)
+    prepared = assembly(rigid, {})
+    for posture in postures:
+        solution = solved(prepared.at(replace(posture, mechanism=rigid)))
+        wanted = min(count, mode_count(solution))
+        frequencies = modes(solution, wanted).frequencies if wanted else np.zeros(0)
+        yield Answer(posture, compliance(solution), frequencies, solution.idle)
+
+
+def _dynamic(
+    model: ModelName,
+    postures: Sequence[Posture],
+    count: int,
+    options: ModelOptions,
+    highest: float,
+) -> list[Answer]:
+    mechanism = postures[0].mechanism
+    bodies = dynamic_bodies(model, mechanism, highest, options)
+    return list(_solve(assembly(mechanism, bodies), postures, count))
+
+
+def constant_legs(
+    mechanism: Mechanism, options: ModelOptions
+) -> list[tuple[str, ConstantLeg, ModelOptions]]:
+    """Every leg as a constant-section one, alike ones the same, with its own ends as options."""
+    known: list[ConstantLeg] = []
+    legs = []
+    for name, described in legs_of(mechanism).items():
+        leg = equivalent_leg(described, options.equivalent)
+        alike = next((one for one in known if _are_alike(one, leg)), leg)
+        known.append(alike)
+        shape = mechanism.bodies[name].shape
+        own = shape.ends if isinstance(shape, Prism) else None
+        legs.append((name, alike, replace(options, ends=own or options.ends)))
+    return legs
+
+
+def _filled(model: BodyModel) -> BodyModel:
+    """The same with dense matrices: what is reduced is small and full."""
+    parts = {kind: dense(part) for kind, part in model.parts.items()}
+    return replace(model, stiffness=dense(model.stiffness), mass=dense(model.mass), parts=parts)
+
+
+def _are_alike(one: ConstantLeg, other: ConstantLeg) -> bool:
+    return (
+        one.section == other.section
+        and one.material == other.material
+        and isclose(one.length, other.length, rel_tol=_ALIKE)
+    )
+
+
+def _on_its_drives_alone(mechanism: Mechanism) -> Mechanism:
+    """The mechanism without the joints' own give, its drives as the simplified model has them."""
+    return replace(mechanism, joints=tuple(_simplified(joint) for joint in mechanism.joints))
+
+
+def _simplified(joint: Joint) -> Joint:
+    drive = joint.drive
+    if drive is not None and drive.simplified is not None:
+        drive = Drive(drive.simplified)
+    return replace(joint, drive=drive, compliance=None)

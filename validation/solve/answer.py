@@ -1,0 +1,109 @@
+"""What a model answers, and how that is shown to people and to programs."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from lumped.arrays import Array
+from validation.models.options import ModelName
+
+# What each model listens to; anything else given on the command line is a fault.
+OPTIONS: dict[ModelName, tuple[str, ...]] = {
+    "simplified": (),
+    "vjm": ("legs", "theory", "equivalent"),
+    "links": ("legs", "theory", "equivalent"),
+    "segments": ("theory", "elements", "release", "layout", "equivalent"),
+    "beam": ("theory", "elements", "equivalent"),
+    "solid": ("ends", "divisions", "equivalent"),
+}
+# Models of elements, solved dense.
+OF_ELEMENTS: tuple[ModelName, ...] = ("segments", "beam")
+DEFAULT_MODES = 6
+
+
+@dataclass(frozen=True)
+class Answer:
+    """Compliance (6×6 or 2×2, SI) and frequencies (Hz, ascending) at one posture or of one leg.
+
+    `place` is {"x": m}, {"pose": [m or rad]}, {"leg": 1 or 2} or {"body": name}; `idle` counts the
+    mobilities of a mechanism that do not move its tool.
+    """
+
+    place: dict[str, float | int | str | list[float]]
+    compliance: Array
+    frequencies: Array
+    idle: int | None = None
+
+
+@dataclass(frozen=True)
+class Solution:
+    """The answers of one model, and the options that had a say in them."""
+
+    robot: str
+    model: ModelName
+    options: dict[str, Any]
+    answers: tuple[Answer, ...]
+
+
+def as_json(solution: Solution) -> str:
+    """The answers as JSON (schema 1); an infinite frequency is null."""
+    document = {
+        "schema": 1,
+        "robot": solution.robot,
+        "model": solution.model,
+        "options": solution.options,
+        "results": [
+            {
+                **answer.place,
+                "compliance": answer.compliance.tolist(),
+                "frequencies": [f if np.isfinite(f) else None for f in answer.frequencies.tolist()],
+                **({} if answer.idle is None else {"idle": answer.idle}),
+            }
+            for answer in solution.answers
+        ],
+    }
+    return json.dumps(document, allow_nan=False)
+
+
+def as_text(solution: Solution) -> str:
+    """The answers for people: deflections at 1000 N, the compliance, the frequencies."""
+    heard = ", ".join(f"{name} {value}" for name, value in solution.options.items())
+    lines = [f"{solution.robot}, {solution.model}" + (f" ({heard})" if heard else "")]
+    for answer in solution.answers:
+        lines += ["", *_answer_lines(answer)]
+    return "\n".join(lines)
+
+
+def _answer_lines(answer: Answer) -> list[str]:
+    size = len(answer.compliance)
+    head = _head(answer.place)
+    under = ["x", "y"] if size == 2 else ["x", "y", "z"]
+    lines = [head, "  deflection (µm) along its own load of 1000 N:"]
+    lines.append(
+        "    "
+        + ", ".join(f"{axis} {answer.compliance[i, i] * 1e9:.4g}" for i, axis in enumerate(under))
+    )
+    lines.append(f"  compliance {size}×{size} (m/N, rad/N, rad/(N m)):")
+    lines += ["    " + " ".join(f"{value: .4e}" for value in row) for row in answer.compliance]
+    if len(answer.frequencies):
+        listed = ", ".join(f"{value:.5g}" for value in answer.frequencies)
+        lines.append(f"  natural frequencies (Hz): {listed}")
+    if answer.idle:
+        lines.append(f"  {answer.idle} idle mobilities, which do not move the tool")
+    return lines
+
+
+def _head(place: Mapping[str, float | int | str | list[float]]) -> str:
+    match place:
+        case {"leg": number}:
+            return f"leg {number}, root clamped, leg axes"
+        case {"body": name}:
+            return f"{name}, clamped at its first point, at its second, body axes"
+        case {"pose": list(pose)}:
+            where = ", ".join(f"{value:.6g}" for value in pose)
+            return f"pose ({where}), at the loaded point, base axes"
+        case _:
+            return f"x = {place['x']:.6g} m, at the loaded point, robot axes"

@@ -1,0 +1,193 @@
+"""One model of a mechanism of schema 2 in the poses typed, or of one of its bodies."""
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from lumped.errors import InputError
+from lumped.legs import ConstantLeg
+from lumped.mechanism.body import Prism
+from lumped.mechanism.kinematics.postures import posture, reference_posture
+from lumped.mechanism.mechanism import GROUND, Mechanism
+from lumped.models.bodies import leg_of, legs_of
+from validation.cost import Cost, dense_cost, require_affordable, solid_cost
+from validation.models.legs import leg_compliance, leg_frequencies
+from validation.models.mechanism import answers, constant_legs
+from validation.models.options import STATIC, ModelName, ModelOptions
+from validation.solve.answer import DEFAULT_MODES, OF_ELEMENTS, OPTIONS, Answer, Solution
+
+# Eq. (25) as printed is a statement about the paper's own robot.
+_BIGLIDE_ALONE = ("release",)
+
+
+@dataclass(frozen=True, eq=False)
+class MechanismQuestion:
+    """A model in the typed `poses` ("0.25,0.6"; the reference posture without), or of one `body`.
+
+    `given` are the options that were typed.
+    """
+
+    mechanism: Mechanism
+    model: ModelName
+    poses: tuple[str, ...]
+    body: str | None
+    modes: int | None
+    given: dict[str, Any]
+
+    @property
+    def count(self) -> int:
+        """Number of frequencies."""
+        asked = DEFAULT_MODES if self.modes is None else self.modes
+        return 0 if self.model in STATIC else asked
+
+
+def checked_mechanism(question: MechanismQuestion) -> Cost:
+    """What the answer will cost.
+
+    Raises InputError, all faults of the question at once, or where it costs too much.
+    """
+    mechanism, model, modes = question.mechanism, question.model, question.modes
+    faults = _option_faults(mechanism, model, question.given)
+    if modes is not None and modes < 0:
+        faults.append(f"--modes = {modes}: must be 0 or more")
+    if modes and model in STATIC:
+        faults.append(f"--modes: the {model} model is static and has no frequencies")
+    if question.body is not None:
+        faults += _body_faults(mechanism, model, question.body, question.poses)
+    for text in question.poses:
+        try:
+            posture(mechanism, parsed_pose(mechanism, text))
+        except InputError as error:
+            faults += error.faults
+    if faults:
+        raise InputError(faults)
+    return _cost(question)
+
+
+def solve_mechanism(question: MechanismQuestion) -> Solution:
+    """The model's answers.
+
+    Raises InputError as `checked_mechanism` does, ComputationError where the drives do not hold
+    the tool.
+    """
+    checked_mechanism(question)
+    mechanism, model, count = question.mechanism, question.model, question.count
+    if "ends" in question.given:
+        mechanism = _without_own_ends(mechanism)
+    options = ModelOptions(**question.given)
+    heard = {
+        name: value
+        for name, value in asdict(options).items()
+        if name in _listens(model) and name not in _unheard(mechanism)
+    }
+    if question.body is not None:
+        found = [_of_body(mechanism, model, question.body, count, options)]
+    else:
+        typed = [parsed_pose(mechanism, text) for text in question.poses]
+        at = [posture(mechanism, pose) for pose in typed] or [reference_posture(mechanism)]
+        found = [
+            Answer({"pose": one.posture.pose.tolist()}, one.compliance, one.frequencies, one.idle)
+            for one in answers(model, at, count, options)
+        ]
+    return Solution(mechanism.name, model, heard, tuple(found))
+
+
+def _cost(question: MechanismQuestion) -> Cost:
+    """Of the legs that differ, each made once, and of the postures."""
+    model, options = question.model, ModelOptions(**question.given)
+    legs = constant_legs(question.mechanism, options)
+    shapes = {leg for name, leg, _ in legs if question.body in (None, name)}
+    if model == "solid":
+        cost, what = solid_cost(tuple(shapes), options.divisions, question.count), "divisions"
+    elif model in OF_ELEMENTS:
+        # Legs are reduced one by one, and small then.
+        cost, what = dense_cost(6 * (options.elements + 1), len(shapes)), "elements"
+    else:
+        return Cost(0.0, 0.0, 0.0)
+    require_affordable(cost, f"--{what} {getattr(options, what)}")
+    return cost
+
+
+def parsed_pose(mechanism: Mechanism, text: str) -> np.ndarray[Any, np.dtype[np.float64]]:
+    """A typed pose, numbers parted by commas; raises InputError where it is none."""
+    moves = mechanism.tool.moves
+    try:
+        values = np.array([float(number) for number in text.split(",")])
+    except ValueError:
+        values = np.full(len(moves), np.nan)
+    if len(values) != len(moves) or not np.isfinite(values).all():
+        wanted = ",".join(moves) or "nothing: the tool has no moves"
+        raise InputError(f"--pose {text}: must be {wanted} as finite numbers parted by commas")
+    return values
+
+
+def _listens(model: ModelName) -> tuple[str, ...]:
+    return tuple(name for name in OPTIONS[model] if name not in _BIGLIDE_ALONE)
+
+
+def _option_faults(mechanism: Mechanism, model: ModelName, given: dict[str, Any]) -> list[str]:
+    listens = _listens(model)
+    allowed = ", ".join(f"--{name}" for name in listens) or "none"
+    faults = [
+        f"--{name}: not an option of the {model} model of a mechanism; it takes {allowed}"
+        for name in given
+        if name not in listens
+    ]
+    faults += [
+        f"--{name} = {given[name]}: must be 1 or more"
+        for name in ("elements", "divisions")
+        if given.get(name, 1) < 1
+    ]
+    unheard = _unheard(mechanism)
+    faults += [
+        f"--{name}: no leg of {mechanism.name} is given by a 6×6, so nothing would change"
+        for name in given
+        if name in listens and name in unheard
+    ]
+    return faults
+
+
+def _unheard(mechanism: Mechanism) -> tuple[str, ...]:
+    """What changes nothing where every leg is a prism."""
+    prisms = all(isinstance(leg, ConstantLeg) for leg in legs_of(mechanism).values())
+    return ("legs", "equivalent") if prisms else ()
+
+
+def _body_faults(
+    mechanism: Mechanism, model: ModelName, body: str, poses: Sequence[str]
+) -> list[str]:
+    names = list(legs_of(mechanism))
+    faults = []
+    if body not in names:
+        rigid = body in mechanism.bodies and body != GROUND
+        what = "is rigid" if rigid else "no such body"
+        faults.append(f"--body {body}: {what}; must be one of {', '.join(names)}")
+    if poses:
+        faults.append("--pose: a body alone has no pose; leave out --pose or --body")
+    if model == "simplified":
+        faults.append("--body: the bodies of the simplified model are rigid")
+    return faults
+
+
+def _of_body(
+    mechanism: Mechanism, model: ModelName, name: str, count: int, options: ModelOptions
+) -> Answer:
+    body = mechanism.bodies[name]
+    leg = leg_of(body)
+    if isinstance(body.shape, Prism) and body.shape.ends is not None:
+        options = replace(options, ends=body.shape.ends)
+    frequencies = leg_frequencies(model, leg, count, options) if count else np.zeros(0)
+    return Answer({"body": name}, leg_compliance(model, leg, options), frequencies)
+
+
+def _without_own_ends(mechanism: Mechanism) -> Mechanism:
+    """What is typed goes before what the robot file says of its prisms."""
+    bodies = {
+        name: replace(body, shape=replace(body.shape, ends=None))
+        if isinstance(body.shape, Prism)
+        else body
+        for name, body in mechanism.bodies.items()
+    }
+    return replace(mechanism, bodies=bodies)
