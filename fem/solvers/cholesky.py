@@ -2,6 +2,7 @@
 
 Two backends: CHOLMOD from cvxopt with METIS orderings (the default), and MKL PARDISO (optional
 extra `mkl`). The environment variable FLEXPROOF_SOLVER (`cholmod` or `mkl`) chooses the default.
+CHOLMOD's factor is read where it is what it is taken for (fem.solvers.cholmod.public_factor).
 One order of elimination serves all matrices of one pattern. CHOLMOD's wheel has one thread, so a
 large matrix is eliminated in two halves at once where there are two cores
 (fem.solvers.cholmod.bisected_factor).
@@ -13,9 +14,10 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from fem.machine import threads
-from fem.solvers.cholmod import bisected_factor
+from fem.solvers.cholmod import bisected_factor, public_factor
 from fem.solvers.cholmod import whole_factor as cholmod_factor
 from fem.solvers.cholmod.library import runs_beside_python
+from fem.solvers.cholmod.public_factor import factors_are_readable
 from fem.solvers.factor import Backend, Factor, Symbolic, refuse_beyond_memory, upper_triangle
 from fem.solvers.ordering import Elimination, bisection, block_graph, nested_dissection
 from lumped.arrays import Array, SparseMatrix
@@ -38,9 +40,12 @@ def default_backend() -> Backend:
     raise InputError(f"FLEXPROOF_SOLVER = {name!r}: must be 'cholmod' or 'mkl'")
 
 
-def backend_name(backend: Backend) -> str:
-    """What a report calls the backend."""
-    return {"cholmod": "CHOLMOD (cvxopt) with METIS", "mkl": "MKL PARDISO"}[backend]
+def solver_name() -> str:
+    """What a report calls the default backend, and how it is reached where that is slower."""
+    if default_backend() == "mkl":
+        return "MKL PARDISO"
+    reached = "" if factors_are_readable() else ", by cvxopt's public interface (slower)"
+    return f"CHOLMOD (cvxopt) with METIS{reached}"
 
 
 def analyse(
@@ -63,10 +68,13 @@ def analyse(
         return pardiso.analyse(triangle)
     if elimination is None:
         graph = block_graph(triangle, leading)
-        if matrix.shape[0] >= _BISECTED and threads() > 1 and runs_beside_python():
+        beside = factors_are_readable() and runs_beside_python()
+        if matrix.shape[0] >= _BISECTED and threads() > 1 and beside:
             elimination = bisection(graph)
         else:
             elimination = nested_dissection(graph)
+    if not factors_are_readable():
+        return public_factor.analyse(triangle.indptr, triangle.indices, elimination)
     if elimination.halves:
         halves = bisected_factor.analyse(triangle, elimination)
         if halves is not None:

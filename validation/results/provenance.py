@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from fem.machine import usable_cores
+from fem.solvers.cholesky import solver_name
 from lumped.robot_file import RobotFile
 from validation.context import Preset
 
@@ -44,14 +45,14 @@ def header(robot_file: RobotFile, preset: Preset, options: Mapping[str, str]) ->
 
 
 def versions() -> dict[str, str]:
-    """Versions of Python, of this program and of the libraries that compute."""
+    """Versions of Python, of this program and of the libraries that compute; the solver's name."""
     found = {"python": platform.python_version()}
     for library in _LIBRARIES:
         try:
             found[library] = version(library)
         except PackageNotFoundError:
             continue
-    return found
+    return found | {"linear solver": solver_name()}
 
 
 def machine() -> str:
