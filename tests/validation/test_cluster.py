@@ -1,6 +1,7 @@
 """Sweeps on a real Dask scheduler and two workers, one of which is killed in mid-run."""
 
 import os
+import random
 import re
 import shutil
 import signal
@@ -261,3 +262,56 @@ def test_without_dask_the_message_says_how_to_get_it(monkeypatch):
         on_cluster("tcp://127.0.0.1:9", silent),
     ):
         pass
+
+
+@pytest.mark.exhaustive
+@pytest.mark.parametrize("seed", range(5))
+def test_a_run_on_a_cluster_that_is_killed_goes_on_to_the_same_numbers(cluster_of_one, seed):
+    address, here, folder = cluster_of_one
+    path, moments = folder / f"run{seed}", random.Random(seed)  # noqa: S311  any moments will do
+    for _ in range(2):
+        known = len(list(path.rglob("*.npz")))
+        run = validated(path, "--cluster", address, *(["--resume"] if path.exists() else []))
+        more = moments.randrange(1, 6)
+        while run.poll() is None and len(list(path.rglob("*.npz"))) < known + more:
+            time.sleep(0.01)
+        run.kill()
+        run.communicate()
+    done = validated(path, "--cluster", address, "--resume")
+    _, said = done.communicate()
+    assert done.returncode == 0, said
+    found = swept(path)
+    assert found == here
+
+
+def validated(path, *arguments):
+    """A run of the sweeps over the stroke and the family alone."""
+    arguments = ("--preset", "quick", "--only", "decision.*", "--out", str(path), *arguments)
+    return subprocess.Popen(
+        [sys.executable, "-m", "validation.cli", "run", *arguments],
+        cwd=ROOT,
+        env=os.environ | {"PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"},
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+def swept(path):
+    """The numbers that the figures of the sweeps show."""
+    return {file.name: file.read_text() for file in sorted((path / "figures").glob("*.csv"))}
+
+
+@pytest.fixture(scope="module")
+def cluster_of_one(tmp_path_factory):
+    """Address of a cluster with one worker, what a run without it finds, and a folder."""
+    folder = tmp_path_factory.mktemp("one")
+    alone = validated(folder / "alone")
+    _, said = alone.communicate()
+    assert alone.returncode == 0, said
+    scheduler, address = started_scheduler(folder)
+    worker = started_worker(address, folder, "only")
+    yield address, swept(folder / "alone"), folder
+    for process in (worker, scheduler):
+        process.kill()
+        process.wait(timeout=30)
