@@ -8,6 +8,7 @@ weighed likewise.
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -52,6 +53,7 @@ class Closure:
         self._target = np.sum(self._held * self._turned, axis=1)
         self._sliding = np.repeat(np.arange(len(joints)), [len(f.normals) for f in forbidden])
         self._turning = np.repeat(np.arange(len(joints)), [len(f.held) for f in forbidden])
+        self._apart = self._gaps(self.reference)[2]
         # Joint that each constraint belongs to, in the order of the rows.
         self.joint_of = np.concatenate([self._sliding, self._turning])
         self._driven = np.array([i for i, j in enumerate(joints) if j.drive is not None], dtype=int)
@@ -68,6 +70,12 @@ class Closure:
         interface = self.mechanism.bodies[body].interfaces[point]
         arm: Array = self.mechanism.reference[body].rotation @ interface.position
         return arm
+
+    @cached_property
+    def reference(self) -> Placement:
+        """Where the bodies are in the reference posture."""
+        origins = [self.mechanism.reference[name].position for name in self.names]
+        return Placement(np.array(origins), np.tile(np.eye(3), (len(self.names), 1, 1)))
 
     def placement(self, posture: Posture) -> Placement:
         """Where the bodies are in a posture."""
@@ -89,7 +97,8 @@ class Closure:
     def coordinates(self, placement: Placement) -> Iterator[Array]:
         """Coordinates of every joint, in their order, angles within half a turn."""
         first = placement.turns[self._first]
-        p = np.einsum("jki,jk->ji", first, self._gaps(placement)[2])
+        # Interfaces may be apart in the reference posture, where the coordinates are zero.
+        p = np.einsum("jki,jk->ji", first, self._gaps(placement)[2]) - self._apart
         R = np.einsum("jki,jkl->jil", first, placement.turns[self._second])
         return (coordinates(*each) for each in zip(self.mechanism.joints, p, R, strict=True))
 
@@ -142,7 +151,7 @@ class Closure:
     def _unknowns(self, rows: Array) -> Array:
         kept: Array = rows[:, self._moving]
         kept[:, :, 3:] /= self.size
-        return kept.reshape(len(rows), -1)
+        return kept.reshape(len(rows), 6 * int(self._moving.sum()))
 
     def drives(self, placement: Placement) -> Array:
         """Rates (drives × unknowns, rotations weighed with the size) of the driven joints."""

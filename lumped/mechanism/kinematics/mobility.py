@@ -9,16 +9,19 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import svd
+from scipy.linalg import lstsq, svd
 
 from lumped.arrays import Array
 from lumped.errors import InputError
 from lumped.mechanism.kinematics.closure import Closure, Placement
-from lumped.mechanism.mechanism import MOVES, Posture
+from lumped.mechanism.mechanism import MOVES, Mechanism, Posture
 from lumped.screw_names import name_twists
 
 # Singular values of matrices without units. Geometry is typed with six digits or more.
 _NOTHING = 1e-6
+# How far another posture is, of the size, and how many steps of Newton's close it again.
+_AWAY = 0.02
+_ITERATIONS = 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,6 +62,21 @@ def mobility(posture: Posture) -> Mobility:
     """Mobility, idle motions, overconstraint and singularities of a posture."""
     closure = Closure(posture.mechanism)
     return mobility_at(closure, closure.placement(posture))
+
+
+def mobility_nearby(mechanism: Mechanism) -> Mobility:
+    """As `mobility`, of a posture that all motions of the reference posture have led away from it.
+
+    What is singular in one posture alone is not so there.
+    """
+    closure = Closure(mechanism)
+    placement = closure.reference
+    free = _null_space(closure.jacobian(placement))[0]
+    step = _AWAY * closure.size * free @ np.linspace(1.0, 2.0, free.shape[1])
+    for _ in range(_ITERATIONS):
+        placement = closure.moved(placement, step)
+        step = -lstsq(closure.jacobian(placement), closure.residual(placement), cond=_NOTHING)[0]
+    return mobility_at(closure, placement)
 
 
 def mobility_at(closure: Closure, placement: Placement) -> Mobility:

@@ -143,8 +143,7 @@ def _followed(closure: Closure, placement: Placement, before: list[Array]) -> li
 
 
 def _refuse_open_reference(closure: Closure) -> None:
-    placement = closure.placement(reference_posture(closure.mechanism))
-    residual = np.abs(closure.residual(placement))
+    residual = np.abs(closure.residual(closure.reference))
     if residual.max(initial=0.0) > CLOSED * closure.size:
         joint = closure.mechanism.joints[closure.joint_of[np.argmax(residual)]]
         raise InputError(

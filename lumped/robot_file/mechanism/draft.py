@@ -43,15 +43,20 @@ class Draft:
         return wrong_name(key, name, known, f"the name of one of [{among}]")
 
     def interfaces(self, body: str) -> tuple[str, ...] | None:
-        """Points at which a sound body can be joined; None for ground, that has all."""
+        """Points at which a body can be joined; None for ground, that has all of them.
+
+        None too for a body whose points have faults of their own, which joints must not repeat.
+        """
         if body == GROUND or body not in self.bodies:
             return None
         table = self.bodies[body]
-        if table.points is not None:
-            return tuple(table.points)
-        if table.interfaces is not None:
-            return tuple(table.interfaces)
-        return tuple(point for point in (table.start, table.to) if point is not None)
+        held = (table.points, table.interfaces, (table.start, table.to))
+        given = [tuple(point for point in points or () if point) for points in held]
+        begun = [points for points in given if points]
+        if len(begun) != 1 or (begun[0] == given[2] and len(set(begun[0])) != 2):
+            return None
+        known = all(point in self.names["points"] for point in begun[0])
+        return begun[0] if known else None
 
 
 def wrong_name(key: str, name: str, known: Iterable[str], allowed: str) -> list[str]:

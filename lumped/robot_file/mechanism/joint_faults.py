@@ -75,6 +75,9 @@ def _body_faults(draft: Draft, joint: JointTable, key: str) -> Iterator[str]:
 def _point_faults(draft: Draft, joint: JointTable, key: str) -> Iterator[str]:
     points = points_of(joint)
     extended = not isinstance(joint.at, str)
+    if extended and points[0] == points[1]:
+        yield f"{key}.at = {list(points)}: must be two different points, or one name"
+        return
     for i, (point, body) in enumerate(zip(points, joint.between, strict=True), start=1):
         place = f"{key}.at[{i}]" if extended else f"{key}.at"
         faults = _held_faults(draft, place, point, body)
@@ -88,8 +91,6 @@ def _point_faults(draft: Draft, joint: JointTable, key: str) -> Iterator[str]:
             f"{key}.at = {list(points)}: only {' and '.join(_EXTENDED)} joints may name two "
             "points; must be one point of both bodies"
         )
-    elif points[0] == points[1]:
-        yield f"{key}.at = {list(points)}: must be two different points, or one name"
 
 
 def _axis_faults(draft: Draft, joint: JointTable, key: str) -> Iterator[str]:

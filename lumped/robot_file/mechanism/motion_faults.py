@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from lumped.errors import InputError
-from lumped.mechanism.kinematics.mobility import Mobility, mobility
+from lumped.mechanism.kinematics.mobility import Mobility, mobility, mobility_nearby
 from lumped.mechanism.kinematics.postures import posture, reference_posture
 from lumped.mechanism.mechanism import Mechanism
 from lumped.screw_names import name_twists
@@ -27,7 +27,7 @@ def _mobility_faults(mechanism: Mechanism, found: Mobility) -> Iterator[str]:
             "joints: with all drives held the tool is free to "
             f"{name_twists(found.loose, mechanism.size)}; drives must hold every motion of the tool"
         )
-    if found.at_limit:
+    if found.at_limit and not mobility_nearby(mechanism).at_limit:
         yield (
             f"points: the reference posture is singular, drives {', '.join(found.stirring)} move "
             f"while the tool cannot move along {', '.join(found.barred)}; must be a posture inside "
@@ -39,7 +39,7 @@ def _mobility_faults(mechanism: Mechanism, found: Mobility) -> Iterator[str]:
             f"tool.moves = {moves}: the joints do not let the tool move along "
             f"{', '.join(found.barred)}; must name motions that they allow, each by itself"
         )
-    if moves and found.spare > 0 and not len(found.loose):
+    if moves and (found.spare > 0 or found.at_limit) and not len(found.loose):
         left = (
             f"the tool is free to {name_twists(found.unprescribed, mechanism.size)}"
             if len(found.unprescribed)

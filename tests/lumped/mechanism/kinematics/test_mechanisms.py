@@ -1,0 +1,265 @@
+"""The shipped mechanisms: closed-form inverse kinematics, derivatives, mobility, random poses."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from lumped.errors import InputError
+from lumped.mechanism.free_twists import free_twists, interface_position
+from lumped.mechanism.joint import FREEDOMS, Joint, Side
+from lumped.mechanism.kinematics.closure import Closure, Placement
+from lumped.mechanism.kinematics.mobility import mobility
+from lumped.mechanism.kinematics.postures import CLOSED, posture, reference_posture
+from lumped.mechanism.mechanism import GROUND, Mechanism, Tool
+from lumped.mechanism.placing import rigid_on
+from lumped.robot_file import load_robot
+
+ROBOTS = ("five-bar", "3-rrr", "delta", "orthoglide", "hexapod", "biglide")
+
+
+@pytest.fixture(scope="module", params=ROBOTS)
+def mechanism(request):
+    return load_robot(request.param).mechanism
+
+
+def random_poses(mechanism, count, seed=0):
+    """Poses between the least and the largest of each move on the path (biglide: its stroke)."""
+    rng = np.random.default_rng(seed)
+    low, high = mechanism.poses.min(axis=0), mechanism.poses.max(axis=0)
+    margin = 0.02 * (high - low)
+    return rng.uniform(low + margin, high - margin, (count, len(low)))
+
+
+def residual(found) -> float:
+    closure = Closure(found.mechanism)
+    return float(np.abs(closure.residual(closure.placement(found))).max()) / closure.size
+
+
+def test_a_hundred_random_poses_close_and_have_the_tool_where_it_is_asked_to_be(mechanism):
+    tool = Side(mechanism.tool.body, mechanism.tool.point)
+    along = [i for i, move in enumerate(mechanism.tool.moves) if move in "xyz"]
+    for pose in random_poses(mechanism, 100):
+        found = posture(mechanism, pose)
+        assert residual(found) <= CLOSED
+        place = interface_position(found, tool)
+        assert place[along] == pytest.approx(pose[along], abs=1e-12 * mechanism.size)
+
+
+def test_the_jacobian_is_the_derivative_of_the_residual(mechanism):
+    closure = Closure(mechanism)
+    rng = np.random.default_rng(1)
+    placement = closure.reference
+    size = closure.jacobian(placement).shape[1]
+    # Off the closed posture too, where no term may hide behind a vanishing residual.
+    placement = closure.moved(placement, 0.2 * closure.size * rng.standard_normal(size))
+    step = 1e-6 * closure.size
+    pose = mechanism.reference_pose
+    differences = [
+        closure.residual_at(closure.moved(placement, side * step * unit), pose)
+        for unit in np.eye(size)
+        for side in (1.0, -1.0)
+    ]
+    derivative = (np.array(differences[::2]) - np.array(differences[1::2])).T / (2.0 * step)
+    # Central differences: truncation 1e-12, rounding 1e-16/1e-6, times lengths about the size.
+    assert closure.jacobian_at(placement) == pytest.approx(derivative, abs=1e-8)
+
+
+def test_coordinates_turn_and_slide_the_second_side_to_where_it_is(mechanism):
+    """Along the joint's free twists at rates of its coordinates the posture changes as it does."""
+    pose = random_poses(mechanism, 1, seed=2)[0]
+    step = 1e-6
+    before, after = (posture(mechanism, pose + sign * step) for sign in (-1.0, 1.0))
+    middle = posture(mechanism, pose)
+    for joint in mechanism.joints:
+        if joint.kind in {"spherical", "fixed"}:
+            continue
+        rates = (after.coordinates[joint.name] - before.coordinates[joint.name]) / (2.0 * step)
+        turning = free_twists(middle, joint)[3:] @ rates
+        first, second = (
+            (after.frames[b].rotation - before.frames[b].rotation)
+            @ middle.frames[b].rotation.T
+            / (2.0 * step)
+            for b in (joint.first.body, joint.second.body)
+        )
+        spin = second - first
+        assert turning == pytest.approx([spin[2, 1], spin[0, 2], spin[1, 0]], abs=1e-6)
+
+
+def test_kutzbach_counts_what_is_not_overconstrained(mechanism):
+    found = mobility(reference_posture(mechanism))
+    bodies = len(mechanism.bodies) - 1
+    freedoms = sum(FREEDOMS[joint.kind] for joint in mechanism.joints)
+    kutzbach = 6 * (bodies - len(mechanism.joints)) + freedoms
+    assert found.mobility - found.redundant == kutzbach
+    if mechanism.name in {"Delta", "hexapod"}:
+        assert found.redundant == 0
+    assert found.mobility == len(mechanism.tool.moves) + found.idle
+
+
+def test_a_delta_has_six_idle_spins_in_every_pose():
+    mechanism = load_robot("delta").mechanism
+    for pose in random_poses(mechanism, 5):
+        assert mobility(posture(mechanism, pose)).idle == 6
+
+
+def test_five_bar_against_its_closed_form():
+    mechanism = load_robot("five-bar").mechanism
+    points = {name: frame.position for name, frame in mechanism.bodies["ground"].interfaces.items()}
+    crank, rod = np.hypot(0.2, 0.25), np.hypot(0.35, 0.3)
+    for pose in random_poses(mechanism, 20):
+        found = posture(mechanism, pose)
+        for side, base, outwards in ((1, points["A1"], 1.0), (2, points["A2"], -1.0)):
+            to_tool = np.array([*pose, 0.0]) - base
+            far = float(np.linalg.norm(to_tool))
+            # Law of cosines; the elbows stand outwards.
+            inner = np.arccos((crank**2 + far**2 - rod**2) / (2.0 * crank * far))
+            angle = np.arctan2(to_tool[1], to_tool[0]) + outwards * inner
+            elbow = base + crank * np.array([np.cos(angle), np.sin(angle), 0.0])
+            at = interface_position(found, Side(f"crank{side}", f"B{side}"))
+            assert at == pytest.approx(elbow, abs=1e-13)
+
+
+def test_delta_against_its_closed_form():
+    mechanism = load_robot("delta").mechanism
+    arm, rod, offset, droop = 0.24, 0.56, 0.18 - 0.06, np.radians(20.0)
+    for pose in random_poses(mechanism, 20):
+        found = posture(mechanism, pose)
+        for leg in range(3):
+            turn = np.radians(120.0 * leg)
+            outwards = np.array([np.cos(turn), np.sin(turn), 0.0])
+            aside = np.array([-np.sin(turn), np.cos(turn), 0.0])
+            # From the motor to the platform's joint, both moved inwards by the platform's radius.
+            radial, lateral = pose @ outwards - offset, pose @ aside
+            # |arm (cos θ, −sin θ) − (radial, z)|² + lateral² = rod²
+            level = (radial**2 + pose[2] ** 2 + lateral**2 + arm**2 - rod**2) / (2.0 * arm)
+            reach = np.hypot(radial, pose[2])
+            droops = np.arctan2(-pose[2], radial) - np.arccos(level / reach)
+            turned = found.coordinates[f"motor{leg + 1}"][0]
+            assert turned == pytest.approx(droops - droop, abs=1e-11)
+
+
+def test_hexapod_against_its_closed_form():
+    mechanism = load_robot("hexapod").mechanism
+    reference = {leg: leg_length(reference_posture(mechanism), leg) for leg in range(1, 7)}
+    tool = mechanism.reference_pose[:3]
+    feet = mechanism.bodies["ground"].interfaces
+    balls = mechanism.bodies["platform"].interfaces
+    origin = mechanism.reference["platform"].position
+    for pose in random_poses(mechanism, 20):
+        found = posture(mechanism, pose)
+        turn = Rotation.from_rotvec(pose[3:]).as_matrix()
+        for leg in range(1, 7):
+            ball = pose[:3] + turn @ (origin + balls[f"Q{leg}"].position - tool)
+            length = np.linalg.norm(ball - feet[f"B{leg}"].position)
+            grown = length - reference[leg]
+            # The file's strut and rod are in line to its twelve decimals.
+            # The drive's axis points from the strut's end back to the rod's beginning.
+            assert found.coordinates[f"drive{leg}"] == pytest.approx([-grown], abs=1e-9)
+
+
+def leg_length(found, leg) -> float:
+    foot = interface_position(found, Side("ground", f"B{leg}"))
+    return float(np.linalg.norm(interface_position(found, Side("platform", f"Q{leg}")) - foot))
+
+
+def test_a_crank_is_followed_past_half_a_turn():
+    mechanism = load_robot("five-bar").mechanism
+    driven = replace(mechanism, joints=mechanism.joints[:1], tool=tool_on_crank(mechanism))
+    driven = replace(driven, bodies={name: mechanism.bodies[name] for name in ("ground", "crank1")})
+    for angle in (1.0, 2.5, 3.1):
+        assert posture(driven, np.array([angle])).coordinates["motor1"] == pytest.approx([angle])
+
+
+def tool_on_crank(mechanism):
+    return replace(mechanism.tool, body="crank1", point="B1", moves=("phi_z",))
+
+
+def test_with_a_drive_too_few_the_motion_that_is_left_is_named():
+    mechanism = load_robot("five-bar").mechanism
+    first, second, *others = mechanism.joints
+    loose = replace(mechanism, joints=(first, replace(second, drive=None), *others))
+    with pytest.raises(InputError, match="with all drives held the tool is free to turn about z"):
+        posture(loose, np.array([0.05, 0.5]))
+
+
+def test_a_pose_in_which_the_drives_lose_the_tool_is_named():
+    """Both rods in one line: the tool moves across them with the cranks held (type 2)."""
+    mechanism = load_robot("five-bar").mechanism
+    rod, crank = np.hypot(0.35, 0.3), np.hypot(0.2, 0.25)
+    # By symmetry the elbows are at (∓rod, y) with the tool between them.
+    height = np.sqrt(crank**2 - (rod - 0.15) ** 2)
+    with pytest.raises(InputError, match="with all drives held the tool is free to"):
+        posture(mechanism, np.array([0.0, height]))
+
+
+def test_an_open_reference_names_the_joint():
+    mechanism = load_robot("five-bar").mechanism
+    moved = {**mechanism.reference}
+    frame = moved["rod2"]
+    moved["rod2"] = replace(frame, position=frame.position + np.array([0.0, 1e-6, 0.0]))
+    with pytest.raises(InputError, match="joint elbow2 is open by 1e-06 m in the reference"):
+        posture(replace(mechanism, reference=moved), np.array([0.0, 0.5]))
+
+
+def test_a_drive_needs_one_motion_to_drive():
+    mechanism = load_robot("delta").mechanism
+    joints = [
+        replace(joint, drive=mechanism.joints[0].drive) if joint.kind == "spherical" else joint
+        for joint in mechanism.joints
+    ]
+    driven = reference_posture(replace(mechanism, joints=tuple(joints)))
+    with pytest.raises(InputError, match="a spherical joint has no one motion to drive"):
+        mobility(driven)
+
+
+TURN = Rotation.from_euler("z", 0.7).as_matrix()
+TILT = Rotation.from_euler("XY", [0.4, -0.8]).as_matrix()
+
+
+@pytest.mark.parametrize(
+    ("kind", "place", "turn", "values"),
+    [
+        ("cylindrical", [0.0, 0.0, 0.3], TURN, [0.3, 0.7]),
+        ("planar", [0.0, 0.2, 0.0], TURN, [0.2, 0.7]),
+        ("universal", [0.0, 0.0, 0.0], TILT, [0.4, -0.8]),
+        ("spherical", [0.0, 0.0, 0.0], TURN, [0.0, 0.0, 0.7]),
+        ("revolute", [0.0, 0.0, 0.0], TURN, [0.7]),
+        ("prismatic", [0.0, 0.0, 0.3], np.eye(3), [0.3]),
+    ],
+)
+def test_each_kind_allows_its_motion_gives_its_coordinates_and_forbids_others(
+    kind, place, turn, values
+):
+    closure = Closure(single_joint(kind))
+    base = Rotation.from_euler("xyz", [0.3, -0.2, 0.5]).as_matrix()
+    # Both bodies carried along: what counts is how they lie to each other.
+    placement = Placement(
+        np.array([[0.0, 0.0, 0.0], [1.0, 2.0, 3.0], [1.0, 2.0, 3.0] + base @ np.array(place)]),
+        np.array([np.eye(3), base, base @ turn]),
+    )
+    assert np.abs(closure.residual(placement)).max() < 1e-15
+    (found,) = closure.coordinates(placement)
+    if kind == "planar":
+        assert [np.linalg.norm(found[:2]), found[2]] == pytest.approx(values, abs=1e-15)
+    else:
+        assert found == pytest.approx(values, abs=1e-15)
+    # Each of the six relative motions is either free or opens the joint to first order.
+    opened = np.linalg.matrix_rank(closure.jacobian(placement), tol=1e-9)
+    assert opened == len(closure.joint_of) == 6 - FREEDOMS[kind]
+
+
+def single_joint(kind):
+    """Two bodies on one joint at the origin, its axis z; a universal joint's axes x and y."""
+    axes = {"universal": np.eye(3)[:2], "spherical": np.zeros((0, 3))}.get(kind, np.eye(3)[2:])
+    points = {"O": np.zeros(3)}
+    placed = [rigid_on(name, ("O",), points) for name in (GROUND, "first", "second")]
+    return Mechanism(
+        "joint",
+        {body.name: body for body, _ in placed},
+        (Joint("j", kind, Side("first", "O"), Side("second", "O"), axes),),
+        Tool("second", "O"),
+        {body.name: frame for body, frame in placed},
+        np.zeros((0, 0)),
+    )
