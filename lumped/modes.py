@@ -35,10 +35,10 @@ def solve_modes(
     """
     k, m = dense(stiffness), dense(mass)
     n = k.shape[0]
-    scale = 1.0 / np.sqrt(np.maximum(np.diag(k), np.finfo(float).tiny))
-    k = k * scale[:, None] * scale
-    m = m * scale[:, None] * scale
     try:
+        scale = unit_diagonal(k)
+        k = k * scale[:, None] * scale
+        m = m * scale[:, None] * scale
         values, vectors = eigh(m, k, subset_by_index=[max(n - count, 0), n - 1])
     except LinAlgError as error:
         raise ComputationError(
@@ -50,6 +50,17 @@ def solve_modes(
         raise ComputationError(f"{part}: {count} modes asked for, but fewer have mass")
     shapes = fix_signs(vectors / np.sqrt(values))
     return Modes(frequencies=1.0 / (2.0 * np.pi * np.sqrt(values)), shapes=shapes)
+
+
+def unit_diagonal(matrix: Array) -> Array:
+    """Scales d (n) that give d_i A_ij d_j ones on its diagonal.
+
+    Raises LinAlgError where an entry there is not positive: A is not positive definite then.
+    """
+    diagonal = np.diag(matrix)
+    if not (diagonal > 0.0).all():
+        raise LinAlgError("an entry on the diagonal is not positive")
+    return np.asarray(1.0 / np.sqrt(diagonal))
 
 
 def fix_signs(shapes: Array) -> Array:

@@ -6,7 +6,7 @@ from scipy.linalg import LinAlgError, cho_factor, cho_solve
 from lumped.arrays import Array, SparseMatrix
 from lumped.balance import balanced_flexibility
 from lumped.errors import ComputationError
-from lumped.modes import dense
+from lumped.modes import dense, unit_diagonal
 
 # Pivots of the stiffness with unit diagonal: a chain of n elements has them down to about 1/8n³
 # (3e-8 for 160), rounding of a singular matrix leaves about 1e-16 to 1e-15.
@@ -20,8 +20,8 @@ def solve_statics(stiffness: SparseMatrix, loads: Array, part: str) -> Array:
     stiffness is singular or not positive definite.
     """
     k = dense(stiffness)
-    scale = 1.0 / np.sqrt(np.maximum(np.diag(k), np.finfo(float).tiny))
     try:
+        scale = unit_diagonal(k)
         factor = cho_factor(k * scale[:, None] * scale)
     except LinAlgError:
         factor = None

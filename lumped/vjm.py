@@ -80,7 +80,10 @@ def platform_compliance(stiffness: Array, name: str = "platform") -> Array:
         )
     if (free := values <= _FREE * largest).any():
         motions = name_twists(vectors[:, free].T * unit, length)
-        raise ComputationError(f"{name} is free to {motions}: no chain holds it")
+        raise ComputationError(
+            f"{name} is free to {motions}: no chain holds it, or none by {_FREE:g} of what holds "
+            "the platform elsewhere"
+        )
     # Cholesky keeps the digits of a graded matrix that an eigenvalue decomposition loses.
     inverse: Array = cho_solve(cho_factor(K * unit[:, None] * unit), np.eye(6))
     flexibility: Array = 0.5 * (inverse + inverse.T) * unit[:, None] * unit

@@ -6,6 +6,8 @@ from scipy.linalg import cho_factor, cho_solve
 
 from lumped.balance import balanced_flexibility
 from lumped.errors import ComputationError
+from lumped.modes import solve_modes
+from lumped.statics import solve_statics
 
 LOADS = np.array([[0.0], [1.0]])
 
@@ -46,3 +48,13 @@ def test_what_is_no_number_is_refused_and_what_does_not_yield_is_not():
         balanced_flexibility(LOADS, np.full((2, 1), np.nan), nothing, "nan")
     with pytest.raises(ComputationError):
         balanced_flexibility(LOADS, -LOADS, nothing, "negative")
+
+
+@pytest.mark.parametrize("entry", [0.0, -1e-20, -1.0])
+def test_a_diagonal_that_rounding_left_without_a_positive_entry_is_refused_by_name(entry):
+    # Scaled to a unit diagonal it would overflow.
+    K = np.array([[1e300, 0.0], [0.0, entry]])
+    with pytest.raises(ComputationError, match="soft model: the stiffness matrix is not positive"):
+        solve_statics(K, LOADS, "soft model")
+    with pytest.raises(ComputationError, match="soft model: the stiffness matrix is not positive"):
+        solve_modes(K, np.eye(2), 1, "soft model")
