@@ -9,6 +9,7 @@ import numpy as np
 
 from lumped.arrays import Array
 from validation.models.options import ModelName
+from validation.notebook import paragraph, table
 
 # What each model listens to; anything else given on the command line is a fault.
 OPTIONS: dict[ModelName, tuple[str, ...]] = {
@@ -46,6 +47,20 @@ class Solution:
     model: ModelName
     options: dict[str, Any]
     answers: tuple[Answer, ...]
+
+    def _repr_html_(self) -> str:
+        """Deflections under their own load of 1000 N, and frequencies, as a notebook shows them."""
+        axes = "xyz"[: min(3, *(len(answer.compliance) for answer in self.answers))]
+        rows = [
+            [
+                _head(answer.place).partition(", at ")[0],
+                *(f"{answer.compliance[i, i] * 1e9:.4g}" for i in range(len(axes))),
+                ", ".join(f"{frequency:.5g}" for frequency in answer.frequencies),
+            ]
+            for answer in self.answers
+        ]
+        headings = ["at", *(f"{axis} (µm at 1000 N)" for axis in axes), "frequencies (Hz)"]
+        return paragraph(f"{self.robot}, {self.model}") + table(headings, rows)
 
 
 def as_json(solution: Solution) -> str:

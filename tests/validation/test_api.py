@@ -1,0 +1,95 @@
+"""flexproof from Python: what the command line gives, as frozen data that shows itself."""
+
+import json
+from dataclasses import FrozenInstanceError
+
+import numpy as np
+import pytest
+
+from lumped.errors import InputError
+from lumped.robot_file import load_robot
+from validation import api, cli
+
+
+@pytest.fixture(scope="module")
+def judged():
+    return api.adequacy("ifw", preset="quick")
+
+
+def test_solve_gives_the_numbers_of_the_command(capsys):
+    options = ["--model", "segments", "--x", "0.3", "--theory", "euler-bernoulli", "--json"]
+    assert cli.main(["solve", "ifw", *options, "--modes", "2"]) == 0
+    (printed,) = json.loads(capsys.readouterr().out)["results"]
+    (answer,) = api.solve("ifw", "segments", x=[0.3], modes=2, theory="euler-bernoulli").answers
+    assert np.array_equal(answer.compliance, printed["compliance"])
+    assert answer.frequencies.tolist() == printed["frequencies"]
+
+
+def test_the_matrix_is_that_of_a_run(judged, tmp_path):
+    finished = api.run("ifw", out=tmp_path / "run", preset="quick", only="adequacy", jobs=1)
+    assert (finished.exit_code, finished.verdicts) == (0, {})
+    assert finished.report.is_file()
+    assert [(e.model, e.quantity, e.verdict) for e in finished.matrix.entries] == [
+        (e.model, e.quantity, e.verdict) for e in judged.matrix.entries
+    ]
+    # The paper's robot: the legs' own 6×6 hold, those of constant section do not.
+    assert judged.entry("vjm", "x").verdict == "adequate"
+    assert judged.entry("segments", "z").verdict == "inadequate"
+
+
+def test_another_limit_is_another_verdict_of_the_same_error(judged):
+    strict = judged.entry("beam", "z")
+    lenient = judged.entry("beam", "z", within=0.99)
+    assert (strict.verdict, lenient.verdict) == ("inadequate", "adequate")
+    assert lenient.error == strict.error
+    judged.assert_adequate("beam", "z", within=0.99)
+
+
+def test_what_is_not_adequate_is_told_with_pose_cause_and_remedy(judged):
+    with pytest.raises(AssertionError) as raised:
+        judged.assert_adequate("beam", "z")
+    told = str(raised.value)
+    assert told.startswith("beam, z: inadequate; error −")
+    for word in (" at x = ", "accepted 5 %", "cause: equivalent leg", "remedy: "):
+        assert word in told
+
+
+def test_undecided_is_not_adequate(judged):
+    # Only a mass is known of the paper's legs, not where it lies.
+    assert judged.entry("segments", "f1").verdict == "undecided"
+    with pytest.raises(AssertionError, match="undecided"):
+        judged.assert_adequate("segments", "f1")
+
+
+@pytest.mark.parametrize(
+    ("model", "quantity", "said"),
+    [
+        ("bem", "x", 'model "bem" is not judged; there are simplified'),
+        ("beam", "f99", 'quantity "f99" is not judged; there are x, y'),
+        ("vjm", "f1", 'model "vjm" says nothing of "f1"'),
+    ],
+)
+def test_a_wrong_name_is_an_input_error_that_lists_the_right_ones(judged, model, quantity, said):
+    with pytest.raises(InputError, match=said.replace("(", r"\(")):
+        judged.entry(model, quantity)
+
+
+def test_limits_are_those_of_the_file_unless_given():
+    assert api.load("ifw").requirement == load_robot("ifw").requirement
+    loaded = api.load("ifw", accept={"deflection": 0.2, "z": 0.5})
+    assert [loaded.requirement.limit(name) for name in ("x", "z", "f1")] == [0.2, 0.5, 0.05]
+    for wrong in ({"deflexion": 0.1}, {"z": 5.0}, {"z": 0.0}):
+        with pytest.raises(InputError, match="accept"):
+            api.load("ifw", accept=wrong)
+
+
+def test_results_are_frozen_and_show_themselves(judged):
+    shown = judged._repr_html_()
+    assert judged.sentence.split(";")[0] in shown
+    assert shown.count("<tr>") == 1 + len(judged.matrix.models)
+    assert "✗" in shown
+    with pytest.raises(FrozenInstanceError):
+        judged.matrix = None
+    solution = api.solve("ifw", "simplified")
+    assert solution._repr_html_().count("<td") == 4
+    assert "IFW demonstrator, simplified" in solution._repr_html_()

@@ -1,0 +1,216 @@
+"""flexproof from Python: load a robot, solve a model, judge the models, run everything.
+
+Results are frozen dataclasses that show themselves in a notebook. Errors of input are
+`lumped.errors.InputError` with a line per fault, failures of a computation `ComputationError`.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from lumped.errors import ComputationError, InputError
+from lumped.requirement import Requirement, with_options
+from lumped.robot_file import RobotFile, load_robot
+from validation import notebook
+from validation.adequacy.biglide.subject import biglide_subject
+from validation.adequacy.judgement import judged
+from validation.adequacy.matrix import Entry, Matrix
+from validation.adequacy.response import Subject
+from validation.case import Skip
+from validation.context import Context, Preset
+from validation.models.options import ModelName
+from validation.report.first_screen.sentence import sentence
+from validation.report.first_screen.table import pose_text, table_of
+from validation.report.text import percent
+from validation.solve.answer import Solution
+from validation.solve.command import Place, question
+from validation.solve.command import solve as answered
+
+Robot = RobotFile | str | Path
+
+
+def load(robot: str | Path, *, accept: Mapping[str, float] | None = None) -> RobotFile:
+    """A built-in robot by name, or that of a file; `accept` as in `--accept` overrides its limits.
+
+    Raises InputError with every fault of the file.
+    """
+    loaded = load_robot(robot)
+    return replace(loaded, requirement=_accepting(loaded.requirement, accept or {}))
+
+
+def solve(
+    robot: Robot,
+    model: ModelName,
+    *,
+    x: Sequence[float] = (),
+    poses: Sequence[Sequence[float]] = (),
+    leg: int | None = None,
+    body: str | None = None,
+    modes: int | None = None,
+    **options: Any,
+) -> Solution:
+    """What one model answers, where and with the options that `flexproof solve` takes.
+
+    `x` (m) are positions of a biglide, `poses` those of any mechanism; the middle of the path if
+    neither is given. `leg` or `body` ask for one alone. Raises InputError, ComputationError.
+    """
+    typed = tuple(",".join(repr(float(number)) for number in pose) for pose in poses)
+    place = Place(tuple(x), typed, leg, body)
+    return answered(question(_loaded(robot), model, place, modes, options))
+
+
+@dataclass(frozen=True)
+class Adequacy:
+    """The models of a robot judged: `matrix` model × quantity, against what and by how much."""
+
+    matrix: Matrix
+    requirement: Requirement
+    subject: Subject
+
+    @property
+    def sentence(self) -> str:
+        """The answer in one sentence, as the report gives it."""
+        return sentence(self.matrix)
+
+    def entry(self, model: str, quantity: str, within: float | None = None) -> Entry:
+        """What is known of a model and a quantity, judged by another limit where one is given.
+
+        Raises InputError where the model says nothing of the quantity.
+        """
+        matrix = self.matrix if within is None else self._within(model, quantity, within)
+        found = matrix.entry(model, quantity)
+        if found is None:
+            raise InputError(self._nothing_said(model, quantity))
+        return found
+
+    def assert_adequate(self, model: str, quantity: str, within: float | None = None) -> None:
+        """Nothing where the model is adequate, within its limit or the one given.
+
+        Raises AssertionError with error, pose, cause and remedy where it is not, or undecided.
+        """
+        found = self.entry(model, quantity, within)
+        if found.verdict != "adequate":
+            raise AssertionError(self.told(found))
+
+    def accepting(self, accept: Mapping[str, float]) -> "Adequacy":
+        """The same errors judged by other limits; raises InputError for names there are not."""
+        requirement = _accepting(self.requirement, accept)
+        return Adequacy(judged(self.subject, requirement), requirement, self.subject)
+
+    def told(self, entry: Entry) -> str:
+        """An entry in one line."""
+        said = [f"{entry.model}, {entry.quantity}: {entry.verdict}"]
+        if entry.error is not None and entry.uncertainty is not None:
+            spread = percent(entry.uncertainty, signed=False)
+            said.append(
+                f"error {percent(entry.error)} ± {spread} at {pose_text(self.matrix, entry.pose)}, "
+                f"accepted {percent(entry.limit, signed=False)}"
+            )
+        said += [f"cause: {entry.causes[0].cause}"] if entry.causes else []
+        if entry.remedy:
+            left = entry.error_with_remedy
+            then = "" if left is None else f" ({percent(left)} left)"
+            said.append(f"remedy: {entry.remedy}{then}")
+        said += [entry.reason] if entry.reason else []
+        return "; ".join(said).replace("\N{NO-BREAK SPACE}", " ")
+
+    def _within(self, model: str, quantity: str, limit: float) -> Matrix:
+        candidates = [one for one in self.subject.candidates if one.model == model]
+        asked = _accepting(self.requirement, {quantity: limit})
+        return judged(replace(self.subject, candidates=candidates), asked)
+
+    def _nothing_said(self, model: str, quantity: str) -> str:
+        models = [note.model for note in self.matrix.models]
+        if model not in models:
+            return f'model "{model}" is not judged; there are {", ".join(models)}'
+        if quantity not in self.matrix.quantities:
+            known = ", ".join(self.matrix.quantities)
+            return f'quantity "{quantity}" is not judged; there are {known}'
+        return f'model "{model}" says nothing of "{quantity}"'
+
+    def _repr_html_(self) -> str:
+        shown = table_of(self.matrix)
+        rows = [
+            [row.name, *("–" if cell is None else f"{cell.text} {cell.mark}" for cell in row.cells)]
+            for row in shown.rows
+        ]
+        verdicts = [
+            [None, *(None if cell is None else cell.entry.verdict for cell in row.cells)]
+            for row in shown.rows
+        ]
+        headings = ("model", *shown.headings)
+        return notebook.paragraph(self.sentence) + notebook.table(headings, rows, verdicts)
+
+
+def adequacy(
+    robot: Robot, *, preset: Preset = "standard", accept: Mapping[str, float] | None = None
+) -> Adequacy:
+    """Judge every model of a robot by every quantity, within `accept` or what its file accepts.
+
+    Raises InputError, and ComputationError where no reference can be computed.
+    """
+    loaded = _loaded(robot)
+    requirement = _accepting(loaded.requirement, accept or {})
+    try:
+        subject = biglide_subject(Context(replace(loaded, requirement=requirement), preset))
+    except Skip as reason:
+        raise ComputationError(str(reason)) from reason
+    return Adequacy(judged(subject, requirement), requirement, subject)
+
+
+@dataclass(frozen=True)
+class Run:
+    """A finished run: its folder `out`, exit code, comparisons by verdict, the matrix if made."""
+
+    out: Path
+    exit_code: int
+    verdicts: Mapping[str, int]
+    matrix: Matrix | None
+    seconds: float
+
+    @property
+    def report(self) -> Path:
+        """The page to be opened in a browser."""
+        return self.out / "report.html"
+
+    def _repr_html_(self) -> str:
+        said = notebook.paragraph(sentence(self.matrix)) if self.matrix else ""
+        rows = [[verdict, str(count)] for verdict, count in self.verdicts.items()]
+        return said + notebook.table(("verdict", "comparisons"), rows)
+
+
+def run(
+    robot: Robot,
+    *,
+    out: str | Path = "report",
+    preset: Preset = "standard",
+    only: str | None = None,
+    jobs: int | None = None,
+) -> Run:
+    """Everything that `flexproof run` does, into the folder `out`.
+
+    Raises InputError before anything is written, ComputationError where the run cannot go on.
+    """
+    # The session loads every case; solving a model needs none of them.
+    from validation.catalogue import catalogue  # noqa: PLC0415
+    from validation.run.session import Request, default_jobs, validate  # noqa: PLC0415
+
+    request = Request(_loaded(robot), preset, Path(out), jobs or default_jobs(), only)
+    gathered = validate(request, catalogue)
+    found = [outcome.verdict for outcome in gathered.in_order()]
+    return Run(
+        out=Path(out),
+        exit_code=gathered.exit_code(),
+        verdicts={verdict: found.count(verdict) for verdict in dict.fromkeys(found)},
+        matrix=gathered.matrix,
+        seconds=float(gathered.header["seconds"]),
+    )
+
+
+def _loaded(robot: Robot) -> RobotFile:
+    return robot if isinstance(robot, RobotFile) else load_robot(robot)
+
+
+def _accepting(requirement: Requirement, accept: Mapping[str, float]) -> Requirement:
+    return with_options(requirement, [f"{name}={limit}" for name, limit in accept.items()], ())

@@ -1,0 +1,139 @@
+"""Robots as tests: a fixture that judges a robot's models, and robot files collected as tests.
+
+def test_robot(flexproof):
+flexproof("mine.toml").assert_adequate("segments", "f1", within=0.05)
+
+pytest --flexproof mine.toml        one item per model and quantity
+"""
+
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+if TYPE_CHECKING:
+    from validation.api import Adequacy
+
+# What this session has judged, by the digest of the robot file and the preset.
+_JUDGED = pytest.StashKey[dict[tuple[str, str], "Adequacy"]]()
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """The options of the plugin."""
+    group = parser.getgroup("flexproof")
+    group.addoption(
+        "--flexproof",
+        action="append",
+        default=[],
+        metavar="ROBOT",
+        help="collect a robot (file or built-in name): one test per model and quantity",
+    )
+    group.addoption(
+        "--flexproof-preset",
+        default="standard",
+        choices=("quick", "standard", "fine"),
+        help="how much to compute for the references",
+    )
+    group.addoption("--flexproof-strict", action="store_true", help="what is undecided fails, too")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Room for what is judged."""
+    config.stash[_JUDGED] = {}
+
+
+@pytest.fixture
+def flexproof(request: pytest.FixtureRequest) -> Callable[..., "Adequacy"]:
+    """`flexproof(robot, accept=…)`: the models of a robot judged, once per session.
+
+    A path counts from the folder of the test.
+    """
+
+    def judge(robot: str | Path, accept: Mapping[str, float] | None = None) -> "Adequacy":
+        beside = request.path.parent / robot
+        return _judged(request.config, beside if beside.is_file() else robot, accept)
+
+    return judge
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(
+    session: pytest.Session, config: pytest.Config, items: list[pytest.Item]
+) -> None:
+    """Add the robots that were asked for."""
+    for robot in config.getoption("flexproof"):
+        collector = RobotCollector.from_parent(session, path=Path(robot).absolute(), robot=robot)
+        items.extend(collector.collect())
+
+
+class RobotCollector(pytest.File):
+    """A robot whose models are tests."""
+
+    def __init__(self, *, robot: str, **node: Any) -> None:
+        super().__init__(**node)
+        self.robot = robot
+
+    def collect(self) -> Iterator["ModelItem"]:
+        """An item for each model and quantity; raises UsageError with the faults of the file."""
+        from lumped.errors import InputError  # noqa: PLC0415  other sessions need not wait for it
+        from lumped.robot_file import load_robot  # noqa: PLC0415
+        from validation.adequacy.biglide.subject import MODELS  # noqa: PLC0415
+
+        try:
+            requirement = load_robot(self.robot).requirement
+        except InputError as error:
+            raise pytest.UsageError("\n".join(error.faults)) from error
+        for model in MODELS:
+            for quantity in requirement.quantities:
+                name = f"{model}.{quantity}"
+                yield ModelItem.from_parent(self, name=name, model=model, quantity=quantity)
+
+
+class ModelItem(pytest.Item):
+    """One model and one quantity: passed where adequate, skipped where silent or undecided."""
+
+    def __init__(self, *, model: str, quantity: str, **node: Any) -> None:
+        super().__init__(**node)
+        self.model, self.quantity = model, quantity
+
+    def runtest(self) -> None:
+        """Judge, or take from what has been judged."""
+        assert isinstance(self.parent, RobotCollector)  # noqa: S101  for the type checker
+        judged = _judged(self.config, self.parent.robot, None)
+        entry = judged.matrix.entry(self.model, self.quantity)
+        if entry is None:
+            pytest.skip(f"{self.model} says nothing of {self.quantity}")
+        strict = self.config.getoption("flexproof_strict")
+        if entry.verdict == "undecided" and not strict:
+            pytest.skip(judged.told(entry))
+        if entry.verdict != "adequate":
+            raise InadequateError(judged.told(entry))
+
+    def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None) -> Any:
+        """One line in place of a traceback, which would show this module alone."""
+        if isinstance(excinfo.value, InadequateError):
+            return str(excinfo.value)
+        return super().repr_failure(excinfo, style)
+
+    def reportinfo(self) -> tuple[Path, None, str]:
+        """Where the item is from, and its name."""
+        return self.path, None, self.name
+
+
+class InadequateError(Exception):
+    """A model is inadequate for a quantity, or undecided where that counts."""
+
+
+def _judged(
+    config: pytest.Config, robot: str | Path, accept: Mapping[str, float] | None
+) -> "Adequacy":
+    from validation.api import adequacy, load  # noqa: PLC0415  loads the finite elements
+
+    loaded = load(robot)
+    preset = config.getoption("flexproof_preset")
+    known = config.stash[_JUDGED]
+    key = loaded.sha256, preset
+    if key not in known:
+        known[key] = adequacy(loaded, preset=preset)
+    return known[key].accepting(accept) if accept else known[key]
