@@ -51,7 +51,7 @@ LEG1 = Leg(
     bores=(40.0, 28.0),
     ribs=(435.0,),
     wall=14.0,
-    fillet=10.0,
+    fillet=16.0,
 )
 LEG2 = Leg(
     length=775.0,
@@ -62,7 +62,7 @@ LEG2 = Leg(
     bores=(38.0, 25.0),
     ribs=(400.0,),
     wall=14.0,
-    fillet=10.0,
+    fillet=16.0,
 )
 
 

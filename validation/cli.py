@@ -34,6 +34,7 @@ app = App(
 )
 app.command(parts.faces)
 app.command(kinematics.kinematics)
+app.command(parts.identify)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -35,8 +35,8 @@ _SAME_DIRECTION = float(np.cos(np.radians(0.5)))
 class Interface:
     """Where others take hold of a part: `faces` of it, its reference `point` (3, m, file axes).
 
-    `axis` (unit vector) of the cylinder that the faces form, None where they form none; `because`:
-    why the coupling is what it is.
+    `axis` (unit vector) of the cylinder that the faces form, through `on_axis` (3, m); both None
+    where they form none. `because`: why the coupling is what it is.
     """
 
     name: str
@@ -45,6 +45,7 @@ class Interface:
     coupling: Coupling
     because: str
     axis: Array | None
+    on_axis: Array | None
     area: float
 
 
@@ -88,7 +89,9 @@ def _interface(part: PartFile, name: str, wanted: PartInterface, place: Array | 
         )
     because = "as asked for" if wanted.coupling else WHY_RIGID
     numbers = tuple(face.number for face in chosen)
-    return Interface(name, numbers, place, coupling, because, axis, float(areas.sum()))
+    on_axis = None if axis is None else chosen[0].on_axis
+    total = float(areas.sum())
+    return Interface(name, numbers, place, coupling, because, axis, on_axis, total)
 
 
 def _chosen(part: PartFile, wanted: PartInterface, place: Array | None) -> list[Face]:

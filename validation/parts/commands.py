@@ -1,7 +1,8 @@
 """The commands `faces` and `identify`, as the command line takes them up."""
 
+from io import BytesIO
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
 
@@ -53,6 +54,76 @@ def faces(
     else:
         _write(folder / f"{part.name}.faces.png", drawn.png)
     _write(folder / f"{part.name}.faces.html", page.encode())
+    return 0
+
+
+def identify(
+    part: str,
+    *,
+    interface: tuple[str, ...] = (),
+    material: str | None = None,
+    unit: Unit | None = None,
+    unknowns: int | None = None,
+    modes: int | None = None,
+    out: Path | None = None,
+    json: Annotated[bool, Parameter(negative="")] = False,
+) -> int:
+    """Identify a part: stiffness, mass and frequencies between its interfaces, with uncertainty.
+
+    Parameters
+    ----------
+    part
+        A STEP or BREP file, or a volume mesh (.msh, .inp, .vtu).
+    interface
+        'A = { cylinder = { radius = 0.04 } }', as in a robot file; once for each interface, the
+        first is the one that is clamped. See `flexproof faces`.
+    material
+        '{ E = 2.1e11, nu = 0.3, rho = 7850.0 }'.
+    unit
+        Unit of length of a file that names none.
+    unknowns
+        Size of the finest of the three meshes; 100000 if left out.
+    modes
+        Number of frequencies; 6 if left out.
+    out
+        An .npz file to write all matrices to.
+    json
+        Print JSON for programs.
+    """
+    from meshes.part.interfaces import find_interfaces  # noqa: PLC0415
+    from meshes.part.read import read_part  # noqa: PLC0415
+    from validation.parts import identified_text, request  # noqa: PLC0415
+    from validation.parts import identify as identifying  # noqa: PLC0415
+
+    faults = [
+        f"--{name} = {value}: must be {least} or more"
+        for name, value, least in (("unknowns", unknowns, 1000), ("modes", modes, 0))
+        if value is not None and value < least
+    ]
+    if material is None:
+        faults.append(
+            "--material: missing; must be given, '{ E = 2.1e11, nu = 0.3, rho = 7850.0 }'"
+        )
+    if faults or material is None:
+        raise InputError(faults)
+    wanted, points = request.interfaces_of(interface)
+    chosen = request.material_of(material)
+    file = read_part(Path(part), unit)
+    found = identifying.identify(
+        file,
+        find_interfaces(file, wanted, points),
+        chosen,
+        identifying.DEFAULT_UNKNOWNS if unknowns is None else unknowns,
+        identifying.DEFAULT_MODES if modes is None else modes,
+    )
+    if out is not None:
+        import numpy as np  # noqa: PLC0415
+
+        buffer = BytesIO()
+        named: Any = identified_text.as_arrays(found)
+        np.savez(buffer, **named)
+        _write(out, buffer.getvalue())
+    say(identified_text.as_json(found) if json else identified_text.as_text(found))
     return 0
 
 

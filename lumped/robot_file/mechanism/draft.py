@@ -17,9 +17,9 @@ from lumped.robot_file.mechanism.tables import (
     BodyTable,
     JointTable,
     PathTable,
-    Point,
     ToolTable,
 )
+from lumped.robot_file.part_tables import Point
 from lumped.robot_file.table_faults import value_faults
 from lumped.robot_file.tables import MaterialTable
 from lumped.text import shown

@@ -6,11 +6,12 @@ from msgspec import Meta, field
 
 from lumped.legs import Ends
 from lumped.mechanism.joint import JointKind
+from lumped.mechanism.part import LengthUnit
+from lumped.robot_file.part_tables import Direction, InterfaceTable, Point
 from lumped.robot_file.tables import (
     Accept,
     Compliance,
     Inertia,
-    Length,
     MaterialTable,
     Name,
     SectionTable,
@@ -26,15 +27,6 @@ Entry: TypeAlias = Annotated[
         extra={"allowed": "1 to 40 letters, digits, _ or -"},
     ),
 ]
-# 100 m: beyond any robot with rigid legs, below one of 10 cm written in millimetres.
-Coordinate: TypeAlias = Annotated[
-    float,
-    Meta(ge=-100.0, le=100.0, extra=number("m", "is this in mm?", "is this in mm?")),
-]
-Point: TypeAlias = tuple[Coordinate, Coordinate, Coordinate]
-# Any length: a direction is made a unit vector.
-Component: TypeAlias = Annotated[float, Meta(ge=-1e6, le=1e6)]
-Direction: TypeAlias = tuple[Component, Component, Component]
 # 1e15: stiffer than any drive; a larger number would only cost digits.
 DriveStiffness: TypeAlias = Annotated[
     float,
@@ -66,20 +58,6 @@ class PlaceTable(Table, frozen=True):
     y: Direction = (0.0, 1.0, 0.0)
 
 
-class CylinderTable(Table, frozen=True):
-    """`cylinder` of an interface: the bore or pin of that radius (m) about the point."""
-
-    radius: Length
-
-
-class InterfaceTable(Table, frozen=True):
-    """An interface of a CAD part: its `faces` by number or a `cylinder`, and how they are held."""
-
-    faces: list[int] | None = None
-    cylinder: CylinderTable | None = None
-    coupling: Literal["rigid", "average", "pin"] = "rigid"
-
-
 class BodyTable(Table, frozen=True):
     """[bodies.NAME]: a leg (`from`, `to`), a rigid body (`points`) or a CAD part (`step`, `mesh`).
 
@@ -99,6 +77,7 @@ class BodyTable(Table, frozen=True):
     ends: Ends | None = None
     step: Text | None = None
     mesh: Text | None = None
+    unit: LengthUnit | None = None
     place: PlaceTable | None = None
     interfaces: dict[Entry, InterfaceTable] | None = None
 

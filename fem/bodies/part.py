@@ -1,0 +1,94 @@
+"""A CAD part on one mesh: its matrices, coupled to its interfaces, held at the first."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem.bodies.rooted import RootedBody, rooted_body
+from fem.couplings.coupled_solid import coupled_solid
+from fem.couplings.grips import Grip, Kind
+from fem.elements.elasticity import on_three_components, stiffness_and_mass
+from fem.machine import available_memory
+from lumped.arrays import Array, SparseMatrix
+from lumped.errors import ComputationError
+from lumped.legs import Material
+from meshes.part.boundary import Facets
+from meshes.part.interfaces import Interface
+from meshes.part.part_mesh import PartMesh
+
+# Measured on tetrahedra in parts: what 150k unknowns take at the height of the factorisation, and
+# the power by which it grows.
+_BYTES, _UNKNOWNS, _POWER = 1.6e9, 150e3, 1.4
+
+
+@dataclass(frozen=True)
+class MassProperties:
+    """`mass` (kg), `centre` (3, m) and `inertia` (3×3, kg m²) about it, the axes of the mesh."""
+
+    mass: float
+    centre: Array
+    inertia: Array
+
+
+@dataclass(frozen=True, eq=False)
+class MeshedPart:
+    """A part on a mesh: `stiffness` (csr 3N×3N) and `scalar_mass` (csr N×N), SI, file axes."""
+
+    mesh: PartMesh
+    material: Material
+    stiffness: SparseMatrix
+    scalar_mass: SparseMatrix
+
+    def properties(self) -> MassProperties:
+        """Mass, centre and inertia of the mesh, curved edges included."""
+        nodes, M = self.mesh.nodes, self.scalar_mass
+        shares = M.sum(axis=0)
+        mass = float(shares.sum())
+        centre = shares @ nodes / mass
+        moments = (nodes - centre).T @ (M @ (nodes - centre))
+        return MassProperties(mass, centre, np.trace(moments) * np.eye(3) - moments)
+
+
+def meshed_part(mesh: PartMesh, material: Material) -> MeshedPart:
+    """Stiffness and mass of a part; raises ComputationError for folded elements."""
+    K, M = stiffness_and_mass(mesh, material)
+    return MeshedPart(mesh, material, K, M)
+
+
+def require_memory(unknowns: float, part: str) -> None:
+    """Raise ComputationError where a mesh of so many unknowns will not fit, before it is made."""
+    needed = _BYTES * (unknowns / _UNKNOWNS) ** _POWER
+    available = available_memory()
+    if available is not None and needed > available:
+        raise ComputationError(
+            f"{part}: {unknowns:.0f} unknowns need about {needed / 1e9:.1f} GB and "
+            f"{available / 1e9:.1f} GB are available: ask for fewer unknowns"
+        )
+
+
+def grips_of(
+    mesh: PartMesh, interfaces: Sequence[Interface], coupling: Kind | None = None
+) -> tuple[Grip, ...]:
+    """The interfaces on the nodes of a mesh; all of one `coupling` where it is given."""
+    return tuple(
+        Grip(
+            coupling or interface.coupling,
+            Facets(
+                np.vstack([mesh.faces[number].cells for number in interface.faces]),
+                mesh.faces[interface.faces[0]].element,
+            ),
+            interface.point,
+            interface.axis,
+            interface.on_axis,
+        )
+        for interface in interfaces
+    )
+
+
+def held_part(part: MeshedPart, grips: Sequence[Grip], name: str) -> RootedBody:
+    """The part held at its first interface and factorised; raises as `rooted_body` does."""
+    solid = coupled_solid(
+        part.stiffness, on_three_components(part.scalar_mass), part.mesh.nodes, grips
+    )
+    return rooted_body(solid, name)

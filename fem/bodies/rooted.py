@@ -1,0 +1,171 @@
+"""A solid with any number of interfaces, held at its first: what statics, modes and reduction need.
+
+The rigid motions are taken off by the first interface's twist, P = I − R̂B₀ᵀ: six springs on single
+unknowns make K̂ positive definite, and loads in equilibrium leave them without force. With the unit
+wrenches B at the other interfaces, U = P(K̂ + springs)⁻¹Pᵀ B and C = BᵀU: their compliance. Then
+Ψ = U C⁻¹ are the displacements for unit twists with the first held, and what all twists held leave
+of the flexibility G is G − U C⁻¹Uᵀ (fem.reduction.free_superelement, for any number of interfaces).
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.linalg import cho_factor, cho_solve, qr
+from scipy.sparse import csr_array, diags_array
+from scipy.sparse.linalg import LinearOperator
+
+from fem.bodies.leg_modes import count_name
+from fem.couplings.coupled_solid import CoupledSolid
+from fem.solvers.cholesky import analyse
+from fem.solvers.factor import upper_triangle
+from fem.solvers.modes import CertifiedModes, lowest_modes
+from fem.solvers.renewable_factor import RenewableFactor
+from fem.solvers.sturm import Inertia, count_below
+from fem.solvers.supported_count import supported_count
+from lumped.arrays import Array, IntArray
+from lumped.errors import ComputationError
+from lumped.screws import shift
+
+
+@dataclass(frozen=True, eq=False)
+class RootedBody:
+    """A coupled solid held at its first interface, factorised; `name` in errors."""
+
+    name: str
+    solid: CoupledSolid
+    factor: RenewableFactor
+
+    @property
+    def root(self) -> Array:
+        """B₀ (n×6)."""
+        return self.solid.twists[:, :6]
+
+    @property
+    def loads(self) -> Array:
+        """B (n×6(m−1)): unit wrenches at the other interfaces."""
+        return self.solid.twists[:, 6:]
+
+    def expanded(self, x: Array) -> Array:
+        """P x: the same deformation with the first interface where it was."""
+        return np.asarray(x - self.solid.motions @ (self.root.T @ x))
+
+    def equilibrated(self, forces: Array) -> Array:
+        """Pᵀf: forces together with the reaction of the first interface."""
+        return np.asarray(forces - self.root @ (self.solid.motions.T @ forces))
+
+    def flexibility(self, forces: Array) -> Array:
+        """Displacement x (n×k) under forces (n×k) with the first interface held."""
+        flat = forces.reshape(len(forces), -1)
+        return self.expanded(self.factor.solve(self.equilibrated(flat))).reshape(forces.shape)
+
+    @cached_property
+    def response(self) -> Array:
+        """U (n×6(m−1)) under unit wrenches at the other interfaces."""
+        return self.flexibility(self.loads)
+
+    @cached_property
+    def compliance(self) -> Array:
+        """C (6(m−1) × 6(m−1), SI, body axes) of the other interfaces, the first clamped."""
+        own = self.loads.T @ self.response
+        return np.asarray((own + own.T) / 2.0)
+
+    @cached_property
+    def relative(self) -> Array:
+        """Twists of the other interfaces less the rigid motion of the first: [−X I]."""
+        points = self.solid.points
+        carried = [shift(point - points[0]) for point in points[1:]]
+        X = np.vstack(carried) if carried else np.zeros((0, 6))
+        return np.hstack([-X, np.eye(len(X))])
+
+    @property
+    def stiffness(self) -> Array:
+        """6m×6m stiffness between the interfaces: exact rigid motions, symmetric."""
+        if not len(self.compliance):
+            return np.zeros((6, 6))
+        inner = cho_solve(cho_factor(self.compliance), self.relative)
+        K = self.relative.T @ inner
+        return np.asarray((K + K.T) / 2.0)
+
+    @cached_property
+    def constraint_modes(self) -> Array:
+        """Ψ (n×6m): x for unit twists of all interfaces."""
+        if not len(self.compliance):
+            return self.solid.motions
+        tips = cho_solve(cho_factor(self.compliance), self.response.T).T
+        return np.hstack([self.solid.motions + tips @ self.relative[:, :6], tips])
+
+    @property
+    def condensed_mass(self) -> Array:
+        """6m×6m mass ΨᵀMΨ (Guyan, 1965)."""
+        modes = self.constraint_modes
+        M = modes.T @ (self.solid.mass @ modes)
+        return np.asarray((M + M.T) / 2.0)
+
+    def held_flexibility(self, forces: Array) -> Array:
+        """Displacement x (n×k) under forces (n×k) with the twists of all interfaces held."""
+        free = self.flexibility(forces)
+        if not len(self.compliance):
+            return free
+        shares = cho_solve(cho_factor(self.compliance), self.response.T @ forces)
+        return np.asarray(free - self.response @ shares)
+
+    def rooted_mass(self) -> LinearOperator:
+        """PᵀMP: with the springs' stiffness it has the modes of the held body, and these alone."""
+
+        def apply(x: Array) -> Array:
+            forces = self.solid.mass @ self.expanded(x.reshape(self.solid.size, -1))
+            return self.equilibrated(forces).reshape(x.shape)
+
+        shape = self.solid.mass.shape
+        return LinearOperator(shape, matvec=apply, matmat=apply, dtype=np.float64)
+
+    def modes(self, count: int) -> CertifiedModes:
+        """The lowest `count` modes with the first interface clamped, the others free; on u.
+
+        None is missing: counted as in fem.bodies.leg_modes.
+        """
+        backend = self.factor.symbolic.backend
+        return lowest_modes(
+            self.factor, self.rooted_mass(), count, self._count, self.name, count_name(backend)
+        )
+
+    def _count(self, sigma: float) -> Inertia:
+        solid, factor = self.solid, self.factor
+        size = float(np.ptp(solid.places, axis=0).max())
+        constraints = self.root * np.repeat([1.0, size], [3, 3])
+        K, M = upper_triangle(solid.stiffness), upper_triangle(solid.mass)
+        if factor.symbolic.backend == "cholmod":
+            found = supported_count(factor, K, M, sigma, solid.places, constraints)
+            if found is not None and not found.zero:
+                return found
+        factor.make_room()
+        return count_below(K, M, sigma, solid.leading, factor.symbolic.backend, constraints)
+
+
+def rooted_body(solid: CoupledSolid, name: str) -> RootedBody:
+    """Hold a coupled solid at its first interface and factorise it.
+
+    Raises ComputationError where it cannot be held or memory will not suffice.
+    """
+    held = _statically_determinate(solid, name)
+    springs = np.zeros(solid.size)
+    # Of the size of a node's own stiffness, so that the matrix is no worse conditioned for them.
+    springs[held] = solid.stiffness.diagonal()[held]
+    triangle = upper_triangle(csr_array(solid.stiffness + diags_array(springs, format="csr")))
+    symbolic = analyse(triangle, solid.leading)
+    factor = RenewableFactor(symbolic, triangle, name)
+    # At once, so that a part which cannot be held is refused here.
+    _ = factor.numeric
+    return RootedBody(name, solid, factor)
+
+
+def _statically_determinate(solid: CoupledSolid, name: str) -> IntArray:
+    """Six unknowns of nodes that hold every rigid motion, as far apart as can be."""
+    own = sum(solid.leading)
+    size = float(np.ptp(solid.places, axis=0).max())
+    scaled = solid.motions[own:] * np.repeat([1.0, 1.0 / size], [3, 3])
+    _, triangle, order = qr(scaled.T, mode="economic", pivoting=True)
+    if abs(triangle[5, 5]) <= 1e-9 * abs(triangle[0, 0]):
+        raise ComputationError(f"{name}: its nodes lie on one line")
+    return np.sort(own + order[:6])

@@ -1,0 +1,194 @@
+"""A free solid with its interfaces as unknowns: one congruence for any mix of couplings.
+
+Unknowns x: the own unknowns of each rigid or pinned interface (fem.couplings.grips), then the nodes
+that no rigid interface holds, three each; u = T x, K̂ = TᵀKT and M̂ = TᵀMT. A pin's nodes are turned
+to its radial, tangential and axial directions, and the radial one, which is not free, keeps its
+place with a stiffness of its own and nothing else, so that nodes stay blocks of three. The twist of
+an interface is qᵢ = Bᵢᵀx for all couplings, with BᵢᵀR̂ = I for the rigid motions R̂ about its point,
+so that loads Bᵢ are work-conjugate and have exact resultants.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import csc_array, csr_array, diags_array, hstack, vstack
+
+from fem.couplings.end_coupling import rigid_motions, unknowns
+from fem.couplings.grips import OWN, Grip, area_weights
+from lumped.arrays import Array, IntArray, SparseMatrix
+from lumped.screws import shift
+
+
+@dataclass(frozen=True, eq=False)
+class CoupledSolid:
+    """A free solid on the unknowns x (n), SI, body axes.
+
+    `stiffness`, `mass` (csr n×n); u (3N) = `transformation` x; `twists` (n×6m): the columns Bᵢ;
+    `motions` (n×6): x in the rigid motions about the first interface's point; `points` (m×3);
+    `leading`: sizes of the blocks before the nodes, `places` (N'×3) of these.
+    """
+
+    stiffness: SparseMatrix
+    mass: SparseMatrix
+    transformation: SparseMatrix
+    twists: Array
+    motions: Array
+    points: Array
+    leading: tuple[int, ...]
+    places: Array
+
+    @property
+    def size(self) -> int:
+        """Number of unknowns n."""
+        return int(self.stiffness.shape[0])
+
+
+def coupled_solid(
+    stiffness: SparseMatrix, mass: SparseMatrix, nodes: Array, grips: Sequence[Grip]
+) -> CoupledSolid:
+    """Couple a solid's matrices (csr 3N×3N) on `nodes` (N×3, m) to its interfaces.
+
+    No two `grips` may share nodes.
+    """
+    numbering = _Numbering(nodes, grips)
+    motions = numbering.motions()
+    twists = [numbering.twist(k, motions) for k in range(len(grips))]
+    return CoupledSolid(
+        stiffness=numbering.reduced(stiffness, held=_mean_diagonal(stiffness)),
+        mass=numbering.reduced(mass, held=0.0),
+        transformation=numbering.transformation(),
+        twists=np.hstack(twists),
+        motions=motions,
+        points=np.array([grip.point for grip in grips]),
+        leading=numbering.leading,
+        places=nodes[numbering.kept],
+    )
+
+
+def _mean_diagonal(matrix: SparseMatrix) -> float:
+    return float(matrix.diagonal().mean())
+
+
+class _Numbering:
+    """Where the unknowns x of a coupled solid are, and what the solid's own are in them."""
+
+    def __init__(self, nodes: Array, grips: Sequence[Grip]) -> None:
+        self.nodes, self.grips = nodes, grips
+        self.leading = tuple(OWN[grip.kind] for grip in grips if OWN[grip.kind])
+        self.first = np.cumsum([0, *(OWN[grip.kind] for grip in grips)])
+        is_kept = np.ones(len(nodes), dtype=bool)
+        self.is_free = np.ones(3 * len(nodes), dtype=bool)
+        for grip in grips:
+            if grip.kind == "rigid":
+                is_kept[grip.nodes] = False
+                self.is_free[unknowns(grip.nodes)] = False
+            elif grip.kind == "pin":
+                self.is_free[3 * grip.nodes] = False
+        self.kept: IntArray = np.flatnonzero(is_kept)
+        self.inner = unknowns(self.kept).astype(np.int32)
+        self.place = np.full(len(nodes), -1)
+        self.place[self.kept] = np.arange(len(self.kept))
+        self.turned = self._turned()
+        self.dependent = self._dependent()
+
+    @property
+    def own(self) -> int:
+        """Number of unknowns before those of the nodes."""
+        return int(self.first[-1])
+
+    def _turned(self) -> SparseMatrix | None:
+        """Q (csr 3N×3N): displacements in base axes from those in the local axes of pins' nodes."""
+        pins = [grip for grip in self.grips if grip.kind == "pin"]
+        if not pins:
+            return None
+        blocks = np.broadcast_to(np.eye(3), (len(self.nodes), 3, 3)).copy()
+        for grip in pins:
+            blocks[grip.nodes] = grip.local_axes(self.nodes)
+        rows = 3 * np.arange(len(self.nodes))[:, None, None] + np.arange(3)[:, None]
+        columns = 3 * np.arange(len(self.nodes))[:, None, None] + np.arange(3)
+        rows, columns = np.broadcast_arrays(rows, columns)
+        places = (rows.ravel(), columns.ravel())
+        return csr_array((blocks.ravel(), places), shape=(3 * len(self.nodes),) * 2)
+
+    def _dependent(self) -> SparseMatrix:
+        """E (csc 3N×own): dependent displacements, in local axes, from the own unknowns."""
+        rows, columns, entries = [], [], []
+        for grip, first in zip(self.grips, self.first, strict=False):
+            if grip.kind == "average":
+                continue
+            motion, at = grip.motions(self.nodes), unknowns(grip.nodes)
+            if grip.kind == "pin":
+                motion, at = grip.radial_motions(self.nodes), 3 * grip.nodes
+            row, column = np.nonzero(motion)
+            rows.append(at[row])
+            columns.append(first + column)
+            entries.append(motion[row, column])
+        shape = (3 * len(self.nodes), self.own)
+        if not rows:
+            return csc_array(shape)
+        # Indices as narrow as the matrices': scipy widens what they are multiplied with.
+        places = (
+            np.concatenate(rows).astype(np.int32),
+            np.concatenate(columns).astype(np.int32),
+        )
+        return csc_array((np.concatenate(entries), places), shape=shape)
+
+    def reduced(self, matrix: SparseMatrix, held: float) -> SparseMatrix:
+        """TᵀAT (csr n×n) of a symmetric matrix A; `held` on the diagonal of what is not free."""
+        if self.turned is not None:
+            matrix = csr_array(self.turned.T @ matrix @ self.turned)
+        if not self.own:
+            return matrix
+        product = csr_array(matrix @ self.dependent)
+        own = csr_array(self.dependent.T @ product)
+        coupling, block = product[self.inner], matrix[self.inner][:, self.inner]
+        free = self.is_free[self.inner].astype(float)
+        if not free.all():
+            mask = diags_array(free, format="csr")
+            coupling = csr_array(mask @ coupling)
+            block = csr_array(mask @ block @ mask + diags_array(held * (1.0 - free), format="csr"))
+            block = csr_array((block + block.T) / 2.0)
+        coupling.sort_indices()
+        upper = hstack([csr_array((own + own.T) / 2.0), csr_array(coupling.T)], format="csr")
+        lower = hstack([coupling, block], format="csr")
+        return csr_array(vstack([upper, lower], format="csr"))
+
+    def transformation(self) -> SparseMatrix:
+        """T (csr 3N×n)."""
+        free = self.is_free[self.inner]
+        columns = np.flatnonzero(free)
+        shape = (3 * len(self.nodes), len(self.inner))
+        selection = csc_array((np.ones(len(columns)), (self.inner[free], columns)), shape=shape)
+        T = csr_array(hstack([self.dependent, selection], format="csr"))
+        return T if self.turned is None else csr_array(self.turned @ T)
+
+    def motions(self) -> Array:
+        """R̂ (n×6), about the first interface's point."""
+        origin = self.grips[0].point
+        own = [grip.own @ shift(grip.point - origin) for grip in self.grips]
+        fields = rigid_motions(self.nodes, origin)
+        if self.turned is not None:
+            fields = self.turned.T @ fields
+        inner = fields[self.inner] * self.is_free[self.inner][:, None]
+        return np.vstack([*own, inner])
+
+    def twist(self, which: int, motions: Array) -> Array:
+        """Bᵢ (n×6) of one interface."""
+        grip = self.grips[which]
+        rows = np.zeros((6, self.own + len(self.inner)))
+        own = slice(int(self.first[which]), int(self.first[which + 1]))
+        rows[: OWN[grip.kind], own] = np.eye(OWN[grip.kind])
+        if grip.kind != "rigid":
+            weights = area_weights(self.nodes, grip.facets)
+            at = self.own + unknowns(self.place[grip.nodes]).reshape(-1, 3)
+            if grip.kind == "average":
+                moments = grip.motions(self.nodes).reshape(-1, 3, 6)
+                weighted = np.stack([weights @ moments[:, k] for k in range(3)], axis=1)
+                rows[:, at.ravel()] = weighted.reshape(-1, 6).T
+            else:
+                # Means of the slides along and about the axis; radii differ by rounding alone.
+                shares = weights.sum(axis=0)
+                rows[4, at[:, 2]] = rows[5, at[:, 1]] = shares / shares.sum()
+        about = motions @ shift(self.grips[0].point - grip.point)
+        return np.asarray(np.linalg.solve(rows @ about, rows).T)

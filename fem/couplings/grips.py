@@ -1,0 +1,111 @@
+"""How others take hold of faces of a solid: rigid, averaged, or by a pin.
+
+rigid    u = R q on the faces: they move as one body with the interface's twist q.
+average  q = (RᵀWR)⁻¹RᵀWu with the faces' consistent area weights W (∫N_a N_b dA); a wrench loads
+         the nodes by the transpose. The faces deform freely.
+pin      each point of a bore moves radially with q and slides freely along and about the axis; the
+         two components of q that this leaves open are the bore's mean motions. What a joint leaves
+         free along and about the axis is the joint's affair, not the coupling's.
+"""
+
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from fem.couplings.end_coupling import rigid_motions
+from lumped.arrays import Array, IntArray, SparseMatrix
+from lumped.screws import shift
+from meshes.part.boundary import Facets
+from meshes.shape_functions import gradients, quadrature, values
+
+Kind: TypeAlias = Literal["rigid", "average", "pin"]
+
+# Twice the order of second-order facets, and two more for their curvature.
+_FACE_DEGREE = 6
+# Own unknowns of an interface before those of the nodes.
+OWN: dict[Kind, int] = {"rigid": 6, "average": 0, "pin": 4}
+
+
+@dataclass(frozen=True, eq=False)
+class Grip:
+    """Faces of a solid that are held together, and how.
+
+    `facets` on its nodes, reference `point` (3, m); `axis` (unit vector) of a pin's bore and a
+    point `on_axis` (3, m) of it.
+    """
+
+    kind: Kind
+    facets: Facets
+    point: Array
+    axis: Array | None = None
+    on_axis: Array | None = None
+
+    @property
+    def nodes(self) -> IntArray:
+        """The held nodes, ascending."""
+        return self.facets.nodes
+
+    @property
+    def own(self) -> Array:
+        """Its own unknowns (k×6) from the twist at its point.
+
+        All of it for a rigid interface; for a pin the translations and rotations across the bore's
+        axis, of a point on it.
+        """
+        if self.kind != "pin":
+            return np.eye(OWN[self.kind], 6)
+        return _across(self.bore_axis) @ shift(self.centre - self.point)
+
+    @property
+    def centre(self) -> Array:
+        """A point of the bore's axis, or the reference point where there is no bore."""
+        return self.point if self.on_axis is None else self.on_axis
+
+    @property
+    def bore_axis(self) -> Array:
+        """The axis (unit vector); raises ValueError where there is none."""
+        if self.axis is None:
+            raise ValueError("a pin needs the axis of its bore")
+        return self.axis
+
+    def local_axes(self, nodes: Array) -> Array:
+        """Radial, tangential and axial unit vectors (n×3×3, columns) at a pin's nodes."""
+        away = nodes[self.nodes] - self.centre
+        away = away - np.outer(away @ self.bore_axis, self.bore_axis)
+        radial = away / np.linalg.norm(away, axis=1)[:, None]
+        axial = np.broadcast_to(self.bore_axis, radial.shape)
+        return np.stack([radial, np.cross(axial, radial), axial], axis=2)
+
+    def motions(self, nodes: Array) -> Array:
+        """Displacements (3n×6) of its nodes for unit twists at its point."""
+        return rigid_motions(nodes[self.nodes], self.point)
+
+    def radial_motions(self, nodes: Array) -> Array:
+        """Radial displacements (n×4) of a pin's nodes for its own unknowns."""
+        fields = rigid_motions(nodes[self.nodes], self.centre).reshape(-1, 3, 6)
+        radial = self.local_axes(nodes)[:, :, 0]
+        along = np.einsum("ni,nij->nj", radial, fields)
+        return np.asarray(along @ _across(self.bore_axis).T)
+
+
+def _across(axis: Array) -> Array:
+    """Components (4×6) of a twist along and about two directions across an axis."""
+    rows = np.zeros((4, 6))
+    rows[:2, :3] = rows[2:, 3:] = np.linalg.svd(axis[None])[2][1:]
+    return rows
+
+
+def area_weights(nodes: Array, facets: Facets) -> SparseMatrix:
+    """W = ∫N_a N_b dA (csr n×n, m²) on the n nodes of `facets`, ascending."""
+    points, weights = quadrature(facets.element, _FACE_DEGREE)
+    shapes, slopes = values(facets.element, points), gradients(facets.element, points)
+    tangents = np.einsum("fki,kjq->fqij", nodes[facets.cells], slopes)
+    areas = np.linalg.norm(np.cross(tangents[..., 0], tangents[..., 1]), axis=-1) * weights
+    blocks = np.einsum("fq,aq,bq->fab", areas, shapes, shapes, optimize=True)
+    local = np.searchsorted(facets.nodes, facets.cells)
+    rows, columns = np.broadcast_arrays(local[:, :, None], local[:, None, :])
+    size = len(facets.nodes)
+    places = (rows.ravel(), columns.ravel())
+    return csr_array((blocks.ravel(), places), shape=(size, size))

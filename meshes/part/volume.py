@@ -1,0 +1,140 @@
+"""Second-order tetrahedra in a CAD part, graded to curvature and to its interfaces, on a ladder.
+
+The meshes of a ladder are alike: sizes, sides of a circle and the grading near interfaces shrink
+together from mesh to mesh, so that three of them show an order of convergence.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import sqrt
+from types import ModuleType
+
+import numpy as np
+
+from lumped.arrays import IntArray
+from lumped.errors import InputError
+from meshes.gmsh_arrays import connectivity, numbered
+from meshes.part.boundary import Facets
+from meshes.part.cad import CadModel, cad_model, naming_the_place
+from meshes.part.interfaces import Interface
+from meshes.part.part_mesh import PartMesh
+from meshes.part.read import PartFile
+from meshes.part.straighten import straightened
+
+# Each mesh of a ladder has elements shorter by this: three meshes then span a factor of two.
+RATIO = sqrt(2.0)
+# Sides of a full circle on the coarsest mesh; curved tetrahedra on longer arcs come out folded.
+_SIDES = 12.0
+# Elements at an interface are shorter by this, growing to full size within so many of them: there
+# the edges of what is held rigidly are singular.
+_AT_INTERFACES, _REACH = 0.6, 4.0
+# Unknowns of second-order tetrahedra of edge h in a volume h³, to begin the search for h with.
+_PER_VOLUME = 40.0
+# Unknowns grow by about this from mesh to mesh, with the power of 1/h in parts of walls and lugs.
+_GROWTH, _POWER = 2.4, 2.5
+_ATTEMPTS, _CLOSE = 4, 0.12
+# No element is shorter than this share of the full size: long fillets would rule the whole mesh.
+_SHORTEST = 0.2
+
+
+@dataclass(frozen=True)
+class Grading:
+    """Element size `size` (m) away from curvature and interfaces, `sides` of a full circle."""
+
+    size: float
+    sides: float = _SIDES
+
+    def refined(self, ratio: float = RATIO) -> "Grading":
+        """The same grading with everything shorter by `ratio`."""
+        return Grading(self.size / ratio, self.sides * ratio)
+
+
+def volume_mesh(part: PartFile, interfaces: Sequence[Interface], grading: Grading) -> PartMesh:
+    """The part in second-order tetrahedra; curved edges lie on the true surface.
+
+    Raises InputError where the surface cannot be meshed; a part that is a mesh is refused.
+    """
+    if part.mesh is not None:
+        raise InputError(f"{part.path}: is a mesh already; it cannot be meshed anew")
+    with cad_model(part.path, part.unit) as model:
+        gmsh = model.gmsh
+        _set_sizes(model, interfaces, grading)
+        with naming_the_place(part.path, model):
+            gmsh.model.mesh.generate(3)
+            gmsh.model.mesh.setOrder(2)
+        return _mesh(gmsh, model.faces())
+
+
+def ladder(part: PartFile, interfaces: Sequence[Interface], unknowns: int) -> tuple[Grading, ...]:
+    """Three gradings, coarse to fine, of which the finest gives about so many `unknowns`.
+
+    Found by meshes of straight edges, which are quick, of the size in the middle.
+    """
+    if part.exact is None:
+        raise InputError(f"{part.path}: is a mesh already; it cannot be meshed anew")
+    wanted = unknowns / _GROWTH
+    largest = max(part.extent) / 2.0
+    size = min((_PER_VOLUME * part.exact.volume / wanted) ** (1.0 / 3.0), largest)
+    with cad_model(part.path, part.unit) as model:
+        for _ in range(_ATTEMPTS):
+            _set_sizes(model, interfaces, Grading(size).refined())
+            with naming_the_place(part.path, model):
+                model.gmsh.model.mesh.generate(3)
+            count = _second_order_unknowns(connectivity(model.gmsh, "tet4"))
+            model.gmsh.model.mesh.clear()
+            if abs(count / wanted - 1.0) < _CLOSE:
+                break
+            size = min(size * (count / wanted) ** (1.0 / _POWER), largest)
+    coarse = Grading(size)
+    return coarse, coarse.refined(), coarse.refined().refined()
+
+
+def _set_sizes(model: CadModel, interfaces: Sequence[Interface], grading: Grading) -> None:
+    gmsh = model.gmsh
+    gmsh.option.setNumber("Mesh.MeshSizeMax", grading.size)
+    gmsh.option.setNumber("Mesh.MeshSizeMin", _SHORTEST * grading.size)
+    gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", grading.sides)
+    # Optimised as gmsh does by itself; Netgen's optimiser takes longer than the mesh.
+    gmsh.option.setNumber("Mesh.OptimizeNetgen", 0)
+    gmsh.option.setNumber("Mesh.Optimize", 1)
+    field = gmsh.model.mesh.field
+    for tag in field.list():
+        field.remove(tag)
+    faces = [number for interface in interfaces for number in interface.faces]
+    if not faces:
+        return
+    edges = {tag for _, tag in gmsh.model.getBoundary([(2, f) for f in faces], combined=False)}
+    distance, threshold = field.add("Distance"), field.add("Threshold")
+    field.setNumbers(distance, "SurfacesList", faces)
+    field.setNumbers(distance, "CurvesList", sorted({abs(tag) for tag in edges}))
+    field.setNumber(distance, "Sampling", 40)
+    field.setNumber(threshold, "InField", distance)
+    field.setNumber(threshold, "SizeMin", _AT_INTERFACES * grading.size)
+    field.setNumber(threshold, "SizeMax", grading.size)
+    field.setNumber(threshold, "DistMin", 0.0)
+    field.setNumber(threshold, "DistMax", _REACH * grading.size)
+    field.setAsBackgroundMesh(threshold)
+
+
+def _second_order_unknowns(cells: IntArray) -> int:
+    edges = np.concatenate([cells[:, [i, j]] for i in range(4) for j in range(i + 1, 4)])
+    return 3 * (len(np.unique(cells)) + len(np.unique(np.sort(edges, axis=1), axis=0)))
+
+
+def _mesh(gmsh: ModuleType, faces: Sequence[int]) -> PartMesh:
+    # Not by gmsh's own optimisers of curved elements: where they do not succeed they may end the
+    # whole process (std::runtime_error in 4.15).
+    tagged = connectivity(gmsh, "tet10")
+    tags, nodes = numbered(gmsh, tagged)
+    cells = np.searchsorted(tags, tagged)
+    places, count = straightened(nodes, cells)
+    return PartMesh(
+        nodes=places,
+        cells=cells,
+        element="tet10",
+        faces={
+            tag: Facets(np.searchsorted(tags, connectivity(gmsh, "tri6", tag)), "tri6")
+            for tag in faces
+        },
+        straightened=count,
+    )

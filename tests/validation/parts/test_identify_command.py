@@ -1,0 +1,110 @@
+"""`flexproof identify`: numbers, uncertainties, the table to paste, the cache, wrong requests."""
+
+import json
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from validation import cli
+from validation.parts import identify as identifying
+from validation.parts import kept
+
+ROCKER = Path(__file__).resolve().parents[3] / "examples" / "rocker" / "rocker.step"
+BORES = [
+    "A = { cylinder = { radius = 0.022 } }",
+    "B = { cylinder = { radius = 0.016, point = [0.26, 0.0, 0.0] } }",
+    "C = { cylinder = { radius = 0.016, point = [0.09, 0.18, 0.0] }, coupling = 'average' }",
+]
+STEEL = "{ E = 2.1e11, nu = 0.3, rho = 7850.0 }"
+
+
+def asked(bores, *more) -> list[str]:
+    chosen = [word for bore in bores for word in ("--interface", bore)]
+    return ["identify", str(ROCKER), *chosen, "--material", STEEL, *more]
+
+
+@pytest.fixture
+def cache(tmp_path, monkeypatch):
+    monkeypatch.delenv("FLEXPROOF_CACHE", raising=False)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    return tmp_path / "cache" / "flexproof" / "parts"
+
+
+def test_three_interfaces_in_numbers_and_from_the_cache(capsys, cache, monkeypatch, tmp_path):
+    few = ["--unknowns", "9000", "--modes", "2", "--json"]
+    assert cli.main(asked(BORES, *few, "--out", str(tmp_path / "rocker.npz"))) == 0
+    found = json.loads(capsys.readouterr().out)
+    K = np.array(found["stiffness"])
+    assert K.shape == (18, 18)
+    assert np.array_equal(K, K.T)
+    assert [i["coupling"] for i in found["interfaces"]] == ["rigid", "rigid", "average"]
+    # The mesh misses the drawing's volume by its circles of twelve sides and more alone.
+    assert abs(found["volume_deviation"]) < 1e-4
+    assert np.load(tmp_path / "rocker.npz")["stiffness"] == pytest.approx(K, rel=1e-15)
+    compliance, bracket = np.array(found["compliance"]), np.array(found["bracket"]["compliance"])
+    assert np.all(np.diag(bracket) > 0.0)
+    assert np.all(np.diag(np.array(found["uncertainty"]["compliance"])) < 0.2 * np.diag(compliance))
+
+    # A second time nothing is meshed; a damaged file is as good as none.
+    (file,) = cache.glob("*.npz")
+    monkeypatch.setattr(identifying, "_computed", lambda *_: pytest.fail("computed again"))
+    assert cli.main(asked(BORES, *few)) == 0
+    assert json.loads(capsys.readouterr().out) == found
+    damaged = bytearray(file.read_bytes())
+    damaged[-40] ^= 1
+    file.write_bytes(damaged)
+    assert kept.kept(file.stem, lambda: {"anew": np.ones(1)})["anew"] == 1.0
+
+
+@pytest.mark.usefixtures("cache")
+def test_two_interfaces_give_a_table_to_paste(capsys):
+    assert cli.main(asked(BORES[:2], "--unknowns", "6000", "--modes", "1")) == 0
+    said = capsys.readouterr().out
+    assert "rigid by default: the pin" in said
+    leg = tomllib.loads(said[said.index("[bodies.rocker]") :])["bodies"]["rocker"]
+    assert (leg["from"], leg["to"]) == ("A", "B")
+    compliance = np.array(leg["compliance"])
+    assert np.linalg.eigvalsh(compliance)[0] > 0.0
+    # In the plane of the plate it is the web that bends: across it, it is softer.
+    assert compliance[2, 2] > compliance[1, 1]
+
+
+WRONG = {
+    "no interface": ([], ["--interface: missing"]),
+    "not TOML": (["A"], ["not TOML"]),
+    "no faces": (["A = {}"], ["A: does not say which faces"]),
+    "two ways": (["A = { faces = [1], name = 'x' }"], ["A: has faces and name"]),
+    "unknown key": (["A = { face = [1] }"], ['unknown key; did you mean "faces"?']),
+    "coupling": (["A = { faces = [8], coupling = 'glued' }"], ["must be", "rigid"]),
+    "no such face": (["A = { faces = [99] }"], ["face 99 does not exist", "1 to 12"]),
+    "twice": (["A = { faces = [8] }", "A = { faces = [9] }"], ["A: given twice"]),
+}
+
+
+@pytest.mark.parametrize(("bores", "messages"), WRONG.values(), ids=WRONG.keys())
+def test_a_wrong_request_is_one_line_and_exit_code_2(capsys, bores, messages):
+    assert cli.main(asked(bores)) == 2
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
+    assert all(message in said for message in messages)
+
+
+@pytest.mark.parametrize(
+    ("material", "message"),
+    [
+        ("{ E = 2.1e11, nu = 0.3, rho = 0.0 }", "rho = 0.0: must be at least 25 kg/m³"),
+        ("{ E = 2.1e11, nu = 0.3 }", "rho: missing"),
+        ("{ E = 210.0, nu = 0.3, rho = 7850.0 }", "is this in GPa"),
+        ("{ E = 2.1e11, nu = 0.5, rho = 7850.0 }", "nu = 0.5"),
+        ("{ E = 2.1e11, G = 1e10, nu = 0.3, rho = 7850.0 }", "isotropic"),
+        ("steel", "not TOML"),
+    ],
+)
+def test_a_wrong_material_is_one_line(capsys, material, message):
+    words = ["identify", str(ROCKER), "--interface", BORES[0], "--material", material]
+    assert cli.main(words) == 2
+    said = capsys.readouterr().err
+    assert message in said
+    assert said.count("\n") == 1

@@ -1,0 +1,182 @@
+"""Identification: what a part is to those who know it by its interfaces alone, and how surely.
+
+Stiffness and mass between the interfaces on the finest of three meshes, the first frequencies with
+the first interface clamped. Two uncertainties: of the meshes, and of how the interfaces are held,
+between rigid, the bound from above, and averaged, the bound from below.
+"""
+
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+
+from fem.bodies.part import (
+    MeshedPart,
+    grips_of,
+    held_part,
+    meshed_part,
+    require_memory,
+)
+from fem.couplings.grips import Kind
+from lumped.arrays import Array
+from lumped.legs import Material
+from meshes.part.interfaces import Interface
+from meshes.part.part_mesh import PartMesh
+from meshes.part.read import PartFile
+from meshes.part.volume import Grading, ladder, volume_mesh
+from validation.parts.kept import kept, key_of
+from validation.parts.refinement import refinement_uncertainty
+
+DEFAULT_UNKNOWNS = 100_000
+DEFAULT_MODES = 6
+_BOUNDS: tuple[Kind, Kind] = ("rigid", "average")
+
+
+@dataclass(frozen=True, eq=False)
+class Answer:
+    """What one mesh and one coupling say (SI, file axes): see `Identified`."""
+
+    stiffness: Array
+    mass: Array
+    compliance: Array
+    frequencies: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Identified:
+    """A part by its m interfaces, SI, the file's axes, twists at the interfaces' points.
+
+    `density` (kg/m³), `total` (kg), `centre` (3, m) and `inertia` (3×3, kg m²) about it, of the
+    finest mesh.
+
+    `stiffness`, `mass` (6m×6m, condensed); `compliance` (6(m−1))² of the others with the first
+    clamped, and `frequencies` (Hz) then. `refinement` of each compliance and of each frequency
+    (their units; NaN for a given mesh, which cannot be refined); `bracket`: averaged less rigid.
+    `unknowns` of the meshes, coarse to fine; `straightened` elements of the finest.
+    """
+
+    part: PartFile
+    interfaces: tuple[Interface, ...]
+    density: float
+    total: float
+    centre: Array
+    inertia: Array
+    stiffness: Array
+    mass: Array
+    compliance: Array
+    frequencies: Array
+    compliance_refinement: Array
+    frequency_refinement: Array
+    compliance_bracket: Array
+    frequency_bracket: Array
+    unknowns: tuple[int, ...]
+    elements: int
+    straightened: int
+
+    @property
+    def deviation(self) -> float | None:
+        """Relative difference of the mesh's volume to the CAD kernel's; None for a given mesh."""
+        exact = self.part.exact
+        return None if exact is None else self.total / self.density / exact.volume - 1.0
+
+
+def identify(
+    part: PartFile,
+    interfaces: Sequence[Interface],
+    material: Material,
+    unknowns: int = DEFAULT_UNKNOWNS,
+    modes: int = DEFAULT_MODES,
+) -> Identified:
+    """Identify a part on three meshes, the finest of about so many `unknowns`.
+
+    Raises InputError where no mesh can be made, ComputationError where memory or a solver fails.
+    """
+    key = key_of(part, interfaces, material, "identify", unknowns, modes)
+    found = kept(key, lambda: _computed(part, interfaces, material, unknowns, modes))
+    # numpy keeps scalars as arrays without axes.
+    values: dict[str, Any] = {
+        entry.name: found[entry.name] if found[entry.name].ndim else found[entry.name].item()
+        for entry in fields(Identified)
+        if entry.name in found
+    }
+    values["unknowns"] = tuple(int(count) for count in found["unknowns"])
+    return Identified(part=part, interfaces=tuple(interfaces), **values)
+
+
+def _computed(
+    part: PartFile,
+    interfaces: Sequence[Interface],
+    material: Material,
+    unknowns: int,
+    modes: int,
+) -> dict[str, Any]:
+    """The fields of `Identified` beside the part and its interfaces."""
+    name = part.path.name
+    if part.mesh is not None:
+        meshes = iter([part.mesh])
+    else:
+        require_memory(unknowns, name)
+        meshes = _meshes(part, interfaces, ladder(part, interfaces, unknowns))
+    finest = next(meshes)
+    meshed = meshed_part(finest, material)
+    properties = meshed.properties()
+    chosen = {interface.coupling for interface in interfaces}
+    bounds = {kind: _answer(meshed, interfaces, kind, modes, name) for kind in _BOUNDS}
+    one = chosen.pop() if len(chosen) == 1 else None
+    fine = bounds[one] if one in bounds else _answer(meshed, interfaces, None, modes, name)
+    del meshed
+    coarser = [
+        (mesh.unknowns, _answer(meshed_part(mesh, material), interfaces, None, modes, name))
+        for mesh in meshes
+    ]
+    refinement = _refinement([fine, *(answer for _, answer in coarser)])
+    return {
+        "density": material.rho,
+        "total": properties.mass,
+        "centre": properties.centre,
+        "inertia": properties.inertia,
+        "stiffness": fine.stiffness,
+        "mass": fine.mass,
+        "compliance": fine.compliance,
+        "frequencies": fine.frequencies,
+        "compliance_refinement": refinement[0],
+        "frequency_refinement": refinement[1],
+        "compliance_bracket": bounds["average"].compliance - bounds["rigid"].compliance,
+        "frequency_bracket": bounds["average"].frequencies - bounds["rigid"].frequencies,
+        "unknowns": (*(count for count, _ in reversed(coarser)), finest.unknowns),
+        "elements": len(finest.cells),
+        "straightened": finest.straightened,
+    }
+
+
+def _meshes(
+    part: PartFile, interfaces: Sequence[Interface], gradings: Sequence[Grading]
+) -> Iterator[PartMesh]:
+    """The meshes of the gradings, fine to coarse; the next is made while one is used."""
+    with ThreadPoolExecutor(1) as pool:
+        waiting = [pool.submit(volume_mesh, part, interfaces, g) for g in reversed(gradings)]
+        while waiting:
+            yield waiting.pop(0).result()
+
+
+def _answer(
+    part: MeshedPart, interfaces: Sequence[Interface], coupling: Kind | None, modes: int, name: str
+) -> Answer:
+    body = held_part(part, grips_of(part.mesh, interfaces, coupling), name)
+    frequencies = body.modes(modes).frequencies if modes else np.zeros(0)
+    return Answer(body.stiffness, body.condensed_mass, body.compliance, frequencies)
+
+
+def _refinement(answers: Sequence[Answer]) -> tuple[Array, Array]:
+    """Of compliance and of frequencies; `answers` are fine to coarse."""
+    if len(answers) < 3:
+        return np.full_like(answers[0].compliance, np.nan), np.full_like(
+            answers[0].frequencies, np.nan
+        )
+    fine, middle, coarse = answers
+    return (
+        refinement_uncertainty(coarse.compliance, middle.compliance, fine.compliance),
+        refinement_uncertainty(coarse.frequencies, middle.frequencies, fine.frequencies),
+    )

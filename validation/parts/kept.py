@@ -1,0 +1,96 @@
+"""What was computed of a part, kept on the disk: a second run meshes and reduces nothing again.
+
+A file is named by the digest of everything that its numbers depend on and begins with the digest of
+its own content, so that a damaged one is never read. It is written beside its place and moved there
+when it is whole. The folder is the user's cache ($XDG_CACHE_HOME, else ~/.cache)/flexproof.
+"""
+
+import hashlib
+import io
+import os
+import tempfile
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import gmsh
+import numpy as np
+
+from lumped.arrays import Array
+from lumped.legs import Material
+from meshes.part.interfaces import Interface
+from meshes.part.read import PartFile
+
+# Raised where the same input gives other numbers than before: meshes, elements, reduction.
+_EDITION = 1
+_DIGEST = 64
+
+
+def folder() -> Path:
+    """Where results are kept; FLEXPROOF_CACHE says "off" or another folder."""
+    told = os.environ.get("FLEXPROOF_CACHE")
+    if told and told != "off":
+        return Path(told)
+    base = os.environ.get("XDG_CACHE_HOME")
+    # The specification has relative paths ignored.
+    root = Path(base) if base and Path(base).is_absolute() else Path.home() / ".cache"
+    return root / "flexproof" / "parts"
+
+
+def key_of(
+    part: PartFile, interfaces: Sequence[Interface], material: Material, *more: object
+) -> str:
+    """The digest of a part's content, unit, interfaces, material, and of what `more` says."""
+    parts: list[object] = [
+        _EDITION,
+        gmsh.__version__,
+        hashlib.sha256(part.path.read_bytes()).hexdigest(),
+        part.unit,
+        material,
+        *more,
+    ]
+    parts += [(i.name, i.faces, i.coupling, [float(x).hex() for x in i.point]) for i in interfaces]
+    return hashlib.sha256(repr(parts).encode()).hexdigest()
+
+
+def kept(key: str, compute: Callable[[], Mapping[str, Any]]) -> dict[str, Array]:
+    """The arrays of that `key` from the disk, else computed and put there."""
+    if os.environ.get("FLEXPROOF_CACHE") == "off":
+        return {name: np.asarray(value) for name, value in compute().items()}
+    place = folder() / f"{key}.npz"
+    found = _read(place)
+    if found is None:
+        found = {name: np.asarray(value) for name, value in compute().items()}
+        # A cache that cannot be written costs time, not the answer.
+        with suppress(OSError):
+            _write(place, found)
+    return found
+
+
+def _read(place: Path) -> dict[str, Array] | None:
+    try:
+        content = place.read_bytes()
+    except OSError:
+        return None
+    digest, payload = content[:_DIGEST], content[_DIGEST:]
+    if hashlib.sha256(payload).hexdigest().encode() != digest:
+        return None
+    with np.load(io.BytesIO(payload), allow_pickle=False) as arrays:
+        return dict(arrays)
+
+
+def _write(place: Path, arrays: Mapping[str, Array]) -> None:
+    buffer = io.BytesIO()
+    named: Any = dict(arrays)
+    np.savez(buffer, **named)
+    payload = buffer.getvalue()
+    place.parent.mkdir(parents=True, exist_ok=True)
+    handle, name = tempfile.mkstemp(dir=place.parent, suffix=".part")
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(hashlib.sha256(payload).hexdigest().encode() + payload)
+        Path(name).replace(place)
+    except BaseException:
+        Path(name).unlink(missing_ok=True)
+        raise

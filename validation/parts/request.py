@@ -1,0 +1,78 @@
+"""Interfaces and a material as typed at the command line: the tables of a robot file."""
+
+import tomllib
+from collections.abc import Sequence
+from typing import Any
+
+import msgspec
+import numpy as np
+
+from lumped.arrays import Array
+from lumped.errors import InputError
+from lumped.legs import Material
+from lumped.mechanism.part import PartInterface
+from lumped.robot_file.part_tables import InterfaceTable, choice_faults, interface_of
+from lumped.robot_file.table_faults import table_faults
+from lumped.robot_file.tables import MaterialTable
+
+_EXAMPLE = "A = { cylinder = { radius = 0.04 } }"
+
+
+def interfaces_of(texts: Sequence[str]) -> tuple[dict[str, PartInterface], dict[str, Array]]:
+    """Interfaces and the points given `at`, from texts such as the example.
+
+    Raises InputError, all faults at once.
+    """
+    faults: list[str] = []
+    wanted: dict[str, PartInterface] = {}
+    points: dict[str, Array] = {}
+    for text in texts:
+        for name, table in _table(text, "--interface", _EXAMPLE).items():
+            key = f"--interface {name}"
+            if name in wanted:
+                faults.append(f"{key}: given twice")
+                continue
+            if not isinstance(table, dict):
+                faults.append(f"{key}: must be a table, {_EXAMPLE}")
+                continue
+            own = table_faults(InterfaceTable, table, f"{key}.")
+            if not own:
+                typed = msgspec.convert(table, InterfaceTable)
+                own = choice_faults(typed, key)
+                if not own:
+                    wanted[name] = interface_of(typed)
+                    if typed.at is not None:
+                        points[name] = np.array(typed.at, dtype=float)
+            faults += own
+    if not texts:
+        faults.append(f"--interface: missing; must be given, {_EXAMPLE!r} say")
+    if faults:
+        raise InputError(faults)
+    return wanted, points
+
+
+def material_of(text: str) -> Material:
+    """The isotropic material of a text { E = …, nu = …, rho = … }; raises InputError."""
+    example = "{ E = 2.1e11, nu = 0.3, rho = 7850.0 }"
+    table = _table(f"material = {text}", "--material", example)["material"]
+    if not isinstance(table, dict):
+        raise InputError(f"--material: must be a table, {example}")
+    faults = table_faults(MaterialTable, table, "--material ")
+    if not faults:
+        typed = msgspec.convert(table, MaterialTable)
+        if typed.rho is None:
+            faults.append("--material rho: missing; a part's mass follows from its density")
+        elif typed.G is not None:
+            faults.append("--material G: does not belong to a part; its material is isotropic")
+        else:
+            return Material.isotropic(typed.E, typed.nu, typed.rho)
+    raise InputError(faults)
+
+
+def _table(text: str, option: str, example: str) -> dict[str, Any]:
+    try:
+        return tomllib.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise InputError(
+            f"{option} {text!r}: not TOML ({error}); must be like {example}"
+        ) from error
