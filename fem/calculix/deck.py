@@ -55,6 +55,14 @@ class PointMass:
 
 
 @dataclass(frozen=True)
+class GroundedSpring:
+    """A spring of `stiffness` (N/m; N m/rad where it stands for a rotation) on one freedom."""
+
+    freedom: Freedom
+    stiffness: float
+
+
+@dataclass(frozen=True)
 class NodalForce:
     """A force (N; N m on a node that stands for a rotation) on one freedom."""
 
@@ -76,6 +84,7 @@ class Deck:
     equations: tuple[Equation, ...] = ()
     held: tuple[Freedom, ...] = ()
     masses: tuple[PointMass, ...] = ()
+    springs: tuple[GroundedSpring, ...] = ()
     load_cases: tuple[tuple[NodalForce, ...], ...] = ()
     watched: tuple[int, ...] = ()
     modes: int = 0
@@ -120,6 +129,12 @@ def _lines(deck: Deck) -> Iterator[str]:
         yield f"*ELEMENT, TYPE=MASS, ELSET={name}"
         yield f"{first}, {point.node + 1}"
         yield from (f"*MASS, ELSET={name}", _number(point.mass))
+        first += 1
+    for index, spring in enumerate(deck.springs, start=1):
+        name, (node, component) = f"SPRING{index}", spring.freedom
+        yield f"*ELEMENT, TYPE=SPRING1, ELSET={name}"
+        yield f"{first}, {node + 1}"
+        yield from (f"*SPRING, ELSET={name}", f"{component + 1}", _number(spring.stiffness))
         first += 1
     if deck.equations:
         yield "*EQUATION"

@@ -1,0 +1,282 @@
+"""A whole mechanism with solid legs solved by CalculiX: the independent judge of the assembly.
+
+Every rigid body and every end face has a twist; joints are linear conditions on these twists and
+on the springs in them, and Gauss–Jordan elimination expresses all twists by independent freedoms.
+End faces, masses and springs then are linear equations in those. Nothing is shared with
+`lumped.system` but the free twists of a joint.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem.bodies.solid import SolidLeg
+from fem.calculix.deck import (
+    Deck,
+    Equation,
+    Freedom,
+    GroundedSpring,
+    NodalForce,
+    Part,
+    PointMass,
+)
+from fem.calculix.run import run_calculix
+from fem.couplings.end_coupling import rigid_motions
+from lumped.arrays import Array, IntArray
+from lumped.mechanism.body import Rigid
+from lumped.mechanism.free_twists import free_twists, interface_position, turned_since_reference
+from lumped.mechanism.joint import Joint, Side
+from lumped.mechanism.kinematics.postures import shown_pose
+from lumped.mechanism.mechanism import GROUND, Posture
+from lumped.screws import shift, turn_matrix
+
+# Conditions without units that are met but for rounding; loops are closed to 1e-12.
+_DEPENDENT = 1e-9
+_NOTHING = 1e-13
+# N m/rad: holds what idles, so that it has a place to be in; the frequencies that it makes lie far
+# below all others, which it does not move.
+_IDLE_STIFFNESS = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class _Freedoms:
+    """Twists (6 each) of rigid bodies and end faces, then springs, from n independent freedoms.
+
+    `places` (m, base axes) by (body, interface), "" for a rigid body; `twists` 6×n likewise;
+    `springs`: rows (n) with their stiffness; `idle` rows (n) likewise for what nothing holds.
+    """
+
+    places: Mapping[tuple[str, str], Array]
+    twists: Mapping[tuple[str, str], Array]
+    springs: tuple[tuple[Array, float], ...]
+    idle: Array
+
+
+@dataclass(frozen=True, eq=False)
+class MechanismDeck:
+    """The deck, the twist of the loaded point (6×n) from its watched freedoms, idle motions."""
+
+    deck: Deck
+    tool: Array
+    idle: int
+
+
+class _Builder:
+    """Nodes, one after the other, and what ties them to the independent freedoms."""
+
+    def __init__(self, freedoms: _Freedoms) -> None:
+        self.freedoms = freedoms
+        count = freedoms.idle.shape[1]
+        self.independent = [(k // 3, k % 3) for k in range(count)]
+        # Freedoms have no place; what is left over of the last node is held.
+        self.packed = -(-count // 3)
+        self.held: list[Freedom] = [(k // 3, k % 3) for k in range(count, 3 * self.packed)]
+        self.equations: list[Equation] = []
+        self.nodes: list[Array] = [np.zeros((self.packed, 3))]
+        self.count = self.packed
+
+    def add(self, points: Array) -> int:
+        """New nodes at `points` (k×3, m); the number of the first."""
+        self.nodes.append(points)
+        self.count += len(points)
+        return int(self.count - len(points))
+
+    def tie(self, freedom: Freedom, row: Array) -> None:
+        """A freedom that follows the independent ones by `row` (n)."""
+        terms = self._terms(row)
+        if terms:
+            self.equations.append(Equation(freedom, terms))
+        else:
+            self.held.append(freedom)
+
+    def carry(self, first: int, points: Array, node: tuple[str, str]) -> None:
+        """Nodes from `first` on at `points` that move with a rigid body or an end face."""
+        self.carry_these(np.arange(first, first + len(points)), points, node)
+
+    def carry_these(self, numbers: IntArray, points: Array, node: tuple[str, str]) -> None:
+        """The same for nodes of any numbers."""
+        motions = rigid_motions(points, self.freedoms.places[node]) @ self.freedoms.twists[node]
+        for number, rows in zip(numbers.tolist(), motions.reshape(len(points), 3, -1), strict=True):
+            for component, row in enumerate(rows):
+                self.tie((number, component), row)
+
+    def load(self, row: Array) -> tuple[NodalForce, ...]:
+        """Forces on the independent freedoms that do the work of a unit load on `row` (n)."""
+        return tuple(NodalForce(freedom, value) for freedom, value in self._terms(row))
+
+    def _terms(self, row: Array) -> tuple[tuple[Freedom, float], ...]:
+        kept = np.flatnonzero(np.abs(row) > _NOTHING)
+        return tuple((self.independent[k], float(row[k])) for k in kept)
+
+
+def mechanism_deck(posture: Posture, legs: Mapping[str, SolidLeg], modes: int) -> MechanismDeck:
+    """A mechanism in one posture, six unit wrenches at its loaded point, then its modes.
+
+    `legs` are the solids of all bodies that are not rigid, with rigid end faces, in body axes.
+    """
+    mechanism = posture.mechanism
+    found = _freedoms(posture, legs)
+    build = _Builder(found)
+    parts = [_add_leg(build, posture, name, leg) for name, leg in legs.items()]
+    masses = []
+    for name, body in mechanism.bodies.items():
+        if name != GROUND and isinstance(body.shape, Rigid) and body.shape.mass:
+            frame = posture.frames[name]
+            points = _six_points(body.shape) @ frame.rotation.T + frame.position
+            first = build.add(points)
+            build.carry(first, points, (name, ""))
+            masses += [PointMass(first + k, body.shape.mass / 6.0) for k in range(6)]
+    tool = mechanism.tool
+    node = (tool.body, tool.point if tool.body in legs else "")
+    at = interface_position(posture, Side(tool.body, tool.point))
+    if tool.mass:
+        first = build.add(at[None])
+        build.carry(first, at[None], node)
+        masses.append(PointMass(first, tool.mass))
+    springs = []
+    for row, stiffness in (*found.springs, *((row, _IDLE_STIFFNESS) for row in found.idle)):
+        number = build.add(np.zeros((1, 3)))
+        build.tie((number, 0), row)
+        build.held += [(number, 1), (number, 2)]
+        springs.append(GroundedSpring((number, 0), stiffness))
+    loaded: Array = shift(at - found.places[node]) @ found.twists[node]
+    deck = Deck(
+        title=f"{mechanism.name} {shown_pose(mechanism, posture.pose)}",
+        nodes=np.vstack(build.nodes),
+        parts=tuple(parts),
+        equations=tuple(build.equations),
+        held=tuple(build.held),
+        masses=tuple(masses),
+        springs=tuple(springs),
+        load_cases=tuple(build.load(row) for row in loaded),
+        watched=tuple(range(build.packed)),
+        modes=modes + len(found.idle) if modes else 0,
+    )
+    return MechanismDeck(deck, loaded, len(found.idle))
+
+
+def _add_leg(build: _Builder, posture: Posture, name: str, leg: SolidLeg) -> Part:
+    frame = posture.frames[name]
+    placed = leg.mesh.nodes @ frame.rotation.T + frame.position
+    first = build.add(placed)
+    points = posture.mechanism.bodies[name].interfaces
+    for face, point in zip((leg.mesh.root, leg.mesh.tip), points, strict=True):
+        build.carry_these(face.nodes + first, placed[face.nodes], (name, point))
+    return Part(leg.mesh.cells + first, leg.mesh.element, leg.leg.material, frame.rotation)
+
+
+def compliance_and_frequencies(
+    posture: Posture,
+    legs: Mapping[str, SolidLeg],
+    modes: int = 10,
+    threads: int = 1,
+    timeout: float = 600.0,
+) -> tuple[Array, Array]:
+    """CalculiX's 6×6 compliance (SI, base axes) at the loaded point and frequencies (Hz).
+
+    As printed: seven digits, not symmetrised; idle motions are left out. Raises as `run_calculix`.
+    """
+    made = mechanism_deck(posture, legs, modes)
+    results = run_calculix(made.deck, threads, timeout)
+    freedoms = results.displacements.reshape(6, -1)[:, : made.tool.shape[1]]
+    found: Array = made.tool @ freedoms.T
+    return found, results.frequencies[made.idle :]
+
+
+def _freedoms(posture: Posture, legs: Mapping[str, SolidLeg]) -> _Freedoms:
+    mechanism = posture.mechanism
+    places: dict[tuple[str, str], Array] = {}
+    for name, body in mechanism.bodies.items():
+        if name in legs:
+            for point in body.interfaces:
+                places[name, point] = interface_position(posture, Side(name, point))
+        elif name != GROUND:
+            places[name, ""] = posture.frames[name].position
+    order = {key: 6 * i for i, key in enumerate(places)}
+    gives = [_give(posture, joint) for joint in mechanism.joints]
+    size = 6 * len(order) + sum(len(stiffnesses) for _, stiffnesses in gives)
+    # Translations in units of the mechanism's size: conditions without units.
+    unit = np.array([1.0 / mechanism.size] * 3 + [1.0] * 3)
+
+    def twist(side: Side, at: Array) -> Array:
+        rows = np.zeros((6, size))
+        if side.body != GROUND:
+            key = (side.body, side.point if side.body in legs else "")
+            rows[:, order[key] : order[key] + 6] = unit[:, None] * shift(at - places[key]) / unit
+        return rows
+
+    conditions, springs, first = [np.zeros((0, size))], [], 6 * len(order)
+    for joint, (directions, stiffnesses) in zip(mechanism.joints, gives, strict=True):
+        at = interface_position(posture, joint.first)
+        apart = twist(joint.second, at) - twist(joint.first, at)
+        mine = slice(first, first + len(stiffnesses))
+        apart[:, mine] -= unit[:, None] * directions
+        springs += [(k, stiffness) for k, stiffness in enumerate(stiffnesses, start=first)]
+        first = mine.stop
+        free = free_twists(posture, joint)
+        passive = unit[:, None] * (free if joint.drive is None else free[:, 1:])
+        across = np.linalg.qr(passive, mode="complete")[0][:, passive.shape[1] :]
+        conditions.append(across.T @ apart)
+    all_of = _eliminated(np.vstack(conditions))
+    strains = [all_of[6 * len(order) :]]
+    for name in legs:
+        root, tip = ((name, point) for point in mechanism.bodies[name].interfaces)
+        moved: Array = unit[:, None] * shift(places[tip] - places[root]) / unit
+        strains.append(
+            all_of[order[tip] : order[tip] + 6] - moved @ all_of[order[root] : order[root] + 6]
+        )
+    _, values, right = np.linalg.svd(np.vstack(strains))
+    return _Freedoms(
+        places=places,
+        twists={key: all_of[i : i + 6] / unit[:, None] for key, i in order.items()},
+        springs=tuple((all_of[k], stiffness) for k, stiffness in springs),
+        idle=right[int(np.sum(values > _DEPENDENT)) :],
+    )
+
+
+def _give(posture: Posture, joint: Joint) -> tuple[Array, Array]:
+    """Directions (6×r) in which a joint gives way elastically, and their stiffnesses (r)."""
+    directions, stiffnesses = np.zeros((6, 0)), np.zeros(0)
+    if joint.drive is not None and joint.drive.stiffness is not None:
+        directions = free_twists(posture, joint)[:, :1]
+        stiffnesses = np.array([joint.drive.stiffness])
+    if joint.compliance is not None:
+        turned = turn_matrix(joint.compliance, turned_since_reference(posture, joint.first.body))
+        values, vectors = np.linalg.eigh(turned)
+        soft = values > _NOTHING * values[-1]
+        directions = np.hstack([directions, vectors[:, soft]])
+        stiffnesses = np.append(stiffnesses, 1.0 / values[soft])
+    return directions, stiffnesses
+
+
+def _eliminated(conditions: Array) -> Array:
+    """All unknowns (N×n) from the n independent ones, by Gauss–Jordan with complete pivoting."""
+    rows = conditions.copy()
+    size = rows.shape[1]
+    dependent: list[int] = []
+    for done in range(len(rows)):
+        left = np.abs(rows[done:])
+        pivot, column = divmod(int(np.argmax(left)), size)
+        if left[pivot, column] <= _DEPENDENT:
+            break
+        rows[[done, done + pivot]] = rows[[done + pivot, done]]
+        rows[done] /= rows[done, column]
+        others = np.arange(len(rows)) != done
+        rows[others] -= np.outer(rows[others, column], rows[done])
+        dependent.append(column)
+    independent = np.setdiff1d(np.arange(size), dependent)
+    all_of = np.zeros((size, len(independent)))
+    all_of[independent] = np.eye(len(independent))
+    all_of[dependent] = -rows[: len(dependent), independent]
+    all_of[np.abs(all_of) < _NOTHING] = 0.0
+    return all_of
+
+
+def _six_points(shape: Rigid) -> Array:
+    """Six places (6×3, body axes) whose equal masses have the body's centre and inertia."""
+    moments, axes = np.linalg.eigh(shape.inertia)
+    # ∫ x² dm along each principal axis; two points at ±d with a sixth of the mass each.
+    squares = 0.5 * moments.sum() - moments
+    arms = np.sqrt(np.maximum(squares, 0.0) * 3.0 / shape.mass)
+    return np.vstack([shape.centre + sign * arms[:, None] * axes.T for sign in (1.0, -1.0)])
