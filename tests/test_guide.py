@@ -17,7 +17,7 @@ from pathlib import Path
 import pytest
 
 from lumped import sections
-from lumped.robot_file import load_robot
+from lumped.robot_file import built_in_robots, load_robot
 from meshes.section import section_mesh
 from validation import cli
 from validation.case import Case
@@ -102,6 +102,16 @@ def test_every_block_and_link_of_the_pages_is_understood():
         for target in LINK.findall(text):
             if not target.startswith("https://"):
                 assert (page.parent / target).exists(), f"{page.name}: {target} does not exist"
+
+
+def test_the_mechanisms_of_the_guide_are_the_built_in_ones():
+    shown = {
+        name.removesuffix(".toml"): text
+        for language, name, text in blocks(ROOT / "docs" / "guide" / "mechanisms.md")
+        if language == "toml" and name != "written-out.toml"
+    }
+    assert set(shown) == set(built_in_robots()) - {"ifw", "biglide"}
+    assert shown == {name: load_robot(name).text for name in shown}
 
 
 def test_extending_takes_less_than_thirty_lines():

@@ -31,10 +31,10 @@ def kinematics(
     """
     from lumped.robot_file import load_robot  # noqa: PLC0415
     from validation.kinematics import listing  # noqa: PLC0415
-    from validation.kinematics.poses import poses_of, postures_of  # noqa: PLC0415
+    from validation.kinematics.poses import parsed_poses, postures_of  # noqa: PLC0415
 
     mechanism = load_robot(robot).mechanism
-    found = postures_of(mechanism, poses_of(mechanism, pose) if pose else mechanism.poses)
+    found = postures_of(mechanism, parsed_poses(mechanism, pose) if pose else mechanism.poses)
     say((listing.as_json if json else listing.as_text)(mechanism, found))
     if picture is not None:
         from validation.kinematics.picture import write_picture  # noqa: PLC0415

@@ -10,28 +10,31 @@ from lumped.mechanism.kinematics.postures import posture
 from lumped.mechanism.mechanism import Mechanism, Posture
 
 
-def poses_of(mechanism: Mechanism, texts: Iterable[str]) -> list[Array]:
-    """Poses (m, rad, in the order of the tool's moves) from texts like "0.25,0.6".
-
-    Raises InputError, all faults at once.
-    """
+def parsed_pose(mechanism: Mechanism, text: str) -> Array:
+    """A typed pose, numbers parted by commas; raises InputError where it is none."""
     moves = mechanism.tool.moves
-    wanted = f"must be {len(moves)} numbers with commas ({','.join(moves)}), like " + ",".join(
-        f"{value:g}" for value in mechanism.reference_pose
-    )
-    poses, faults = [], []
+    try:
+        values = np.array([float(number) for number in text.split(",")])
+    except ValueError:
+        values = np.full(len(moves), np.nan)
+    if len(values) != len(moves) or not np.isfinite(values).all():
+        wanted = ",".join(moves) or "nothing: the tool has no moves"
+        raise InputError(f"--pose {text}: must be {wanted} as finite numbers parted by commas")
+    return values
+
+
+def parsed_poses(mechanism: Mechanism, texts: Iterable[str]) -> list[Array]:
+    """Typed poses; raises InputError with the faults of all."""
+    found: list[Array] = []
+    faults: list[str] = []
     for text in texts:
         try:
-            pose = np.array([float(number) for number in text.split(",")])
-        except ValueError:
-            pose = np.array([np.nan])
-        if len(pose) == len(moves) and np.isfinite(pose).all():
-            poses.append(pose)
-        else:
-            faults.append(f"--pose = {text}: {wanted}")
+            found.append(parsed_pose(mechanism, text))
+        except InputError as error:
+            faults += error.faults
     if faults:
         raise InputError(faults)
-    return poses
+    return found
 
 
 def postures_of(mechanism: Mechanism, poses: Sequence[Array] | Array) -> list[Posture]:

@@ -13,6 +13,7 @@ from lumped.mechanism.kinematics.postures import posture, reference_posture
 from lumped.mechanism.mechanism import GROUND, Mechanism
 from lumped.models.bodies import leg_of, legs_of
 from validation.cost import Cost, dense_cost, require_affordable, solid_cost
+from validation.kinematics.poses import parsed_pose
 from validation.models.legs import leg_compliance, leg_frequencies
 from validation.models.mechanism import answers, constant_legs
 from validation.models.options import STATIC, ModelName, ModelOptions
@@ -108,19 +109,6 @@ def _cost(question: MechanismQuestion) -> Cost:
         return Cost(0.0, 0.0, 0.0)
     require_affordable(cost, f"--{what} {getattr(options, what)}")
     return cost
-
-
-def parsed_pose(mechanism: Mechanism, text: str) -> np.ndarray[Any, np.dtype[np.float64]]:
-    """A typed pose, numbers parted by commas; raises InputError where it is none."""
-    moves = mechanism.tool.moves
-    try:
-        values = np.array([float(number) for number in text.split(",")])
-    except ValueError:
-        values = np.full(len(moves), np.nan)
-    if len(values) != len(moves) or not np.isfinite(values).all():
-        wanted = ",".join(moves) or "nothing: the tool has no moves"
-        raise InputError(f"--pose {text}: must be {wanted} as finite numbers parted by commas")
-    return values
 
 
 def _listens(model: ModelName) -> tuple[str, ...]:
