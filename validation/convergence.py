@@ -3,6 +3,9 @@
 Values f belong to mesh sizes h, coarse to fine; f = f∞ + C hᵖ in the asymptotic range.
 Roache, J. Fluids Eng. 116 (1994) 405 (grid convergence index, GCI); Celik et al., J. Fluids Eng.
 130 (2008) 078001 (order on grids of unequal ratio); ASME V&V 20-2009 §2 (safety factors).
+One policy for all numbers: an order observed above the formal one is capped to it, for it is an
+accident of coarse grids, one below is used; too few grids to observe any take the formal one, whose
+lack of proof the safety factor of three stands for.
 Differences are d_k = f_{k+1} − f_k, ratios r_k = h_k / h_{k+1} > 1.
 """
 
@@ -24,6 +27,8 @@ LARGEST_ORDER = 12.0
 SETTLED = 0.25
 # ASME V&V 20: the smaller safety factor where the observed order is within 10 % of the formal one.
 CLOSE_TO_FORMAL = 0.10
+# The safety factor of everything else.
+UNPROVEN = 3.0
 
 
 @dataclass(frozen=True)
@@ -106,7 +111,15 @@ def asymptotic_ratio(gci_coarse: float, gci_fine: float, ratio: float, order: fl
 
 def safety_factor(observed: float, formal: float) -> float:
     """1.25 where the observed order is within 10 % of the formal one, else 3."""
-    return 1.25 if abs(observed - formal) <= CLOSE_TO_FORMAL * formal else 3.0
+    return 1.25 if abs(observed - formal) <= CLOSE_TO_FORMAL * formal else UNPROVEN
+
+
+def step_factor(ratio: float, formal_order: float) -> float:
+    """Uncertainty of the finer of two grids over the step to it: F/(rᵖ − 1), F = 3 (Roache).
+
+    `ratio` r of their sizes, p the formal order: two grids show none.
+    """
+    return UNPROVEN / float(ratio**formal_order - 1.0)
 
 
 def pairwise_orders(sizes: Array, values: Array) -> Array:
@@ -198,7 +211,7 @@ def analyse(
     fit = fit_order(sizes[tail:], values[tail:])
     safety = safety_factor(fit.order, formal_order)
     ratio = float(sizes[-2] / sizes[-1])
-    extrapolated = richardson(values[-2], values[-1], ratio, fit.order)
+    extrapolated = richardson(values[-2], values[-1], ratio, min(fit.order, formal_order))
     uncertainty = safety * abs(extrapolated - values[-1])
     return Convergence(
         sizes, values, formal_order, behaviour, orders, fit, extrapolated, safety, uncertainty
@@ -213,7 +226,7 @@ def uncertainty_of(convergence: Convergence) -> float:
     """
     if convergence.uncertainty is not None:
         return convergence.uncertainty
-    return 3.0 * float(np.ptp(convergence.values[-3:]))
+    return UNPROVEN * float(np.ptp(convergence.values[-3:]))
 
 
 def _plateau(sizes: Array, values: Array, formal_order: float, round_off: float) -> Convergence:

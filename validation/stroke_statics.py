@@ -10,7 +10,8 @@ from lumped import vjm
 from lumped.arrays import Array
 from lumped.biglide import Biglide, with_equivalent_legs
 from lumped.legs import ConstantLeg, equivalent_leg, tip_compliance
-from validation.leg_solids import step_factor
+from validation.convergence import step_factor
+from validation.leg_solids import FORMAL_ORDER, formal_order
 from validation.quantities import Deflections, deflections_of
 from validation.robot_solids import TipCompliances, static_leg, two_meshes
 
@@ -25,7 +26,8 @@ class StrokeStatics:
     constants of their section meshes, end faces held or free in theory. Each on the coarser and on
     the finer mesh. `textbook`: virtual joints with
     legs of textbook constants; `torsion`: these but for c44, which is that of the rigid-faced
-    solid. `factor`: uncertainty over the step between both meshes.
+    solid. `factors`: uncertainty over the step between both meshes, of a smooth solution and of
+    rigid faces.
     """
 
     x: Array
@@ -35,7 +37,7 @@ class StrokeStatics:
     own: tuple[Deflections, Deflections]
     textbook: Deflections
     torsion: Deflections
-    factor: float
+    factors: tuple[float, float]
 
 
 def stroke_statics(robot: Biglide, most: int) -> StrokeStatics:
@@ -65,7 +67,13 @@ def stroke_statics(robot: Biglide, most: int) -> StrokeStatics:
         textbook=_vjm_deflections(member, x, (textbook[0], textbook[1])),
         torsion=_vjm_deflections(member, x, (torsion[0], torsion[1])),
         # One of the legs may be refined by less than the other: its factor holds for both.
-        factor=max(step_factor(mesh.ratio) for mesh in meshes),
+        factors=(
+            max(step_factor(mesh.ratio, FORMAL_ORDER) for mesh in meshes),
+            max(
+                step_factor(mesh.ratio, formal_order(leg, "rigid"))
+                for leg, mesh in zip(legs, meshes, strict=True)
+            ),
+        ),
     )
 
 

@@ -17,6 +17,7 @@ from validation.convergence import (
     pairwise_orders,
     richardson,
     safety_factor,
+    step_factor,
     three_grid_order,
 )
 
@@ -99,8 +100,10 @@ def test_the_safety_factor_goes_by_the_formal_order(order, safety):
     assert safety_factor(order, 2.0) == safety
     study = analyse(HALVING, sequence(HALVING, order=order), formal_order=2.0)
     assert study.safety == safety
-    # The true error of the finest value, 0.7 hᵖ, times the safety factor.
-    assert study.uncertainty == pytest.approx(safety * 0.7 * HALVING[-1] ** order, rel=1e-5)
+    # The true error of the finest value, 0.7 hᵖ, times the safety factor; with an order above the
+    # formal one the last step is taken for one of the formal order.
+    error = 0.7 * HALVING[-1] ** order * (2.0**order - 1.0) / (2.0 ** min(order, 2.0) - 1.0)
+    assert study.uncertainty == pytest.approx(safety * error, rel=1e-5)
 
 
 def test_a_clean_study_is_extrapolated_to_its_limit():
@@ -164,3 +167,9 @@ def test_a_plateau_still_tells_the_order_of_the_grids_before_it():
 def test_what_is_no_study_is_refused(sizes, values, reason):
     with pytest.raises(ValueError, match=reason):
         analyse(np.array(sizes), np.array(values), formal_order=2.0)
+
+
+def test_two_grids_take_the_formal_order_and_a_factor_of_three():
+    # Roache: 3 |step| / (rᵖ − 1).
+    assert step_factor(2.0, 2.0) == pytest.approx(1.0)
+    assert step_factor(1.5, 4.0) == pytest.approx(3.0 / (1.5**4 - 1.0))

@@ -16,7 +16,8 @@ from validation.cases.legs import constant_leg_of
 from validation.cases.robot_mode_tables import frequency_study, mac_study, mac_table
 from validation.cases.robot_solid import SECTION
 from validation.context import Context
-from validation.leg_solids import step_factor
+from validation.convergence import step_factor
+from validation.leg_solids import FORMAL_ORDER
 from validation.legs_in_torsion import torsion_effects, wave_error
 from validation.mode_pairing import CLOSE
 from validation.paired_robot_modes import (
@@ -154,7 +155,7 @@ def _frequency(context: Context, index: int) -> Measurement:
         _free_and_own(context, divisions) for divisions in (fine, coarse)
     )
     left = (value - reference)[:, index]
-    factor = max(step_factor(f / c) for c, f in zip(coarse, fine, strict=True))
+    factor = max(step_factor(f / c, FORMAL_ORDER) for c, f in zip(coarse, fine, strict=True))
     worst = int(np.argmax(np.where(held, np.abs(left) / reference[:, index], -1.0)))
     at = worst, index
     segments = _segments_and_solids(context)

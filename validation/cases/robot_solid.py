@@ -137,6 +137,7 @@ def _curve(context: Context, curve: str) -> _Curve:
         (getattr(coarse, curve), getattr(fine, curve))
         for coarse, fine in (found.rigid, found.free, found.held, found.own)
     )
+    smooth, edges = found.factors
     return _Curve(
         x=found.x,
         rigid=rigid,
@@ -145,10 +146,10 @@ def _curve(context: Context, curve: str) -> _Curve:
         own=own,
         textbook=getattr(found.textbook, curve),
         torsion=getattr(found.torsion, curve),
-        uncertainty_rigid=found.factor * np.abs(rigid - coarse_rigid),
-        uncertainty_free=found.factor * np.abs(free - coarse_free),
-        uncertainty_held=found.factor * np.abs((rigid - held) - (coarse_rigid - coarse_held)),
-        uncertainty_left=found.factor * np.abs((free - own) - (coarse_free - coarse_own)),
+        uncertainty_rigid=edges * np.abs(rigid - coarse_rigid),
+        uncertainty_free=smooth * np.abs(free - coarse_free),
+        uncertainty_held=smooth * np.abs((rigid - held) - (coarse_rigid - coarse_held)),
+        uncertainty_left=smooth * np.abs((free - own) - (coarse_free - coarse_own)),
     )
 
 
