@@ -23,6 +23,7 @@ from validation.cases import (
     guards_solids,
     guards_sweep,
     guards_waves,
+    judgement,
     legs,
     longer_legs,
     mesh_families,
@@ -82,6 +83,7 @@ def catalogue(robot_file: RobotFile) -> Sequence[Task]:
         *guards_sweep.cases(),
         *guards_waves.cases(),
         *guards_pairing.cases(),
+        *judgement.cases(),
         _ADEQUACY,
         *drawings(),
     )

@@ -31,6 +31,8 @@ from validation.cases import (
     guards_solids,
     guards_sweep,
     guards_waves,
+    judgement,
+    robot_solid,
 )
 from validation.context import Context
 from validation.faults import detection
@@ -97,7 +99,7 @@ def workout() -> None:
 def reduction_workout() -> None:
     """The same of reduced legs, of sweeps, of what models are compared by, and of decks."""
     context = Context(IFW, "quick")
-    for guard in (guards_reduction, guards_sweep, guards_waves, guards_pairing):
+    for guard in (guards_reduction, guards_sweep, guards_waves, guards_pairing, judgement):
         for case in guard.cases():
             case.compute(context)
     cubic = Material(2.1e11, 0.6e11, 0.2, 7850.0)
@@ -108,6 +110,7 @@ def reduction_workout() -> None:
     whole = solid.solid_leg(leg, mesh)
     rigid = replace(IFW.robot, foot_compliance=None)
     robot_calculix.robot_deck(rigid, rigid.centre, (whole, whole), 4)
+    next(case for case in robot_solid.cases() if "rigid.along-z" in case.id).compute(context)
 
 
 @cache

@@ -5,8 +5,10 @@ from validation.faults import (
     comparison_faults,
     element_faults,
     joint_faults,
+    judgement_faults,
     leg_faults,
     lumped_faults,
+    page_faults,
     reduction_faults,
     solid_faults,
 )
@@ -21,4 +23,6 @@ FAULTS: tuple[Fault, ...] = (
     *solid_faults.FAULTS,
     *reduction_faults.FAULTS,
     *comparison_faults.FAULTS,
+    *judgement_faults.FAULTS,
+    *page_faults.FAULTS,
 )

@@ -194,14 +194,14 @@ FAULTS = (
     Fault(
         "torsion.bimoment",
         "Torsion with warping: a tenth of the warping stiffness EΓ",
-        "fem.sections.nonuniform_torsion:_rod",
+        "fem.sections.nonuniform_torsion:warping_rod",
         "physics",
         _rod_with(bimoment=0.1),
     ),
     Fault(
         "torsion.shear",
         "Torsion with warping: a tenth of the shear stiffness G(Ip − J)",
-        "fem.sections.nonuniform_torsion:_rod",
+        "fem.sections.nonuniform_torsion:warping_rod",
         "physics",
         _rod_with(shear=0.1),
     ),

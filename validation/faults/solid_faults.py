@@ -133,7 +133,7 @@ FAULTS = (
     Fault(
         "solid.angular-frequency",
         "Solid: frequencies in rad/s for Hz",
-        "fem.bodies.solid:modes",
+        "fem.bodies.leg_modes:modes",
         "physics",
         result(_angular),
     ),

@@ -1,0 +1,45 @@
+"""Claims on what judges: one that is broken fails the case, it is not judged by what it doubts."""
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from math import isclose, isnan
+
+from lumped.errors import ComputationError
+from validation.case import Absolute, Case, Measurement
+from validation.context import Context
+
+SECTION = "Judgement"
+
+
+def claims_case(
+    name: str, title: str, citation: str, claims: Callable[[Context], Mapping[str, bool]]
+) -> Case:
+    """A case of claims, each true or false on its own."""
+    return Case(
+        id=f"guard.judgement.{name}",
+        title=title,
+        quantity="claims that hold",
+        unit="1",
+        reference_kind="closed-form",
+        citation=citation,
+        tolerance=Absolute(0.5),
+        tolerance_reason="a count is a whole number; a broken claim fails the case and is named",
+        compute=partial(_held, claims=claims),
+        section=SECTION,
+        group="guard.judgement",
+        effort=0.05,
+    )
+
+
+def _held(context: Context, claims: Callable[[Context], Mapping[str, bool]]) -> Measurement:
+    found = claims(context)
+    if broken := [claim for claim, holds in found.items() if not holds]:
+        raise ComputationError(f"the judgement is wrong: {'; '.join(broken)}")
+    return Measurement(float(sum(found.values())), float(len(found)))
+
+
+def same(found: float | None, wanted: float | None, share: float = 1e-12) -> bool:
+    """Whether two numbers are one but for rounding; None is None and NaN is NaN."""
+    if found is None or wanted is None:
+        return found is wanted
+    return isclose(found, wanted, rel_tol=share, abs_tol=1e-300) or (isnan(found) and isnan(wanted))

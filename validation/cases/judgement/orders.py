@@ -1,0 +1,110 @@
+"""Orders, extrapolation and uncertainty of sequences whose limit is known."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from validation.case import Case
+from validation.cases.judgement.claims import claims_case, same
+from validation.context import Context
+from validation.convergence import (
+    analyse,
+    fit_order,
+    grid_convergence_index,
+    order_of_errors,
+    pairwise_orders,
+    richardson,
+    safety_factor,
+    step_factor,
+    three_grid_order,
+    uncertainty_of,
+)
+from validation.leg_solids import Refinement
+
+_SOURCE = "P. J. Roache, J. Fluids Eng. 116 (1994) 405; ASME V&V 20-2009 §2"
+_SIZES = np.array([1.0, 0.5, 0.25, 0.125])
+
+
+def cases() -> tuple[Case, ...]:
+    """By hand, and of powers at random."""
+    return (
+        claims_case(
+            "orders", "Orders and uncertainties are those found by hand", _SOURCE, _by_hand
+        ),
+        claims_case(
+            "orders-random",
+            "Of powers at random the limit is found, and held by the uncertainty",
+            _SOURCE,
+            _at_random,
+        ),
+    )
+
+
+def _by_hand(_context: Context) -> Mapping[str, bool]:
+    # f = 3 + 2 h²: 5, 3.5, 3.125, 3.03125.
+    values = 3.0 + 2.0 * _SIZES**2
+    study = analyse(_SIZES, values, 2.0)
+    fast = analyse(_SIZES, 3.0 + 2.0 * _SIZES**4, 2.0)
+    slow = analyse(_SIZES, 3.0 + 2.0 * _SIZES, 2.0)
+    restless = analyse(_SIZES, np.array([1.0, 2.0, 1.5, 1.8]), 2.0)
+    apart = np.array([1.0, 2.0, 4.0, 8.0])
+    two = Refinement((1, 2), np.array([3.5, 3.125]), 2.0)
+    fit = fit_order(_SIZES, values)
+    return {
+        "order of 5, 3.5, 3.125 is 2": same(three_grid_order(5.0, 3.5, 3.125, 2.0, 2.0), 2.0),
+        "order on grids of ratio 2 and 4": same(
+            three_grid_order(5.0, 3.5, 3.03125, 2.0, 4.0), 2.0, 1e-9
+        ),
+        "both orders are 2": bool(np.allclose(pairwise_orders(_SIZES, values), 2.0)),
+        "the limit of 3.125, 3.03125 is 3": same(richardson(3.125, 3.03125, 2.0, 2.0), 3.0),
+        "1.25 · 0.09375/3.03125/3": same(
+            grid_convergence_index(3.125, 3.03125, 2.0, 2.0, 1.25), 1.25 * 0.03125 / 3.03125
+        ),
+        "factor 1.25 at the formal order": same(safety_factor(1.9, 2.0), 1.25),
+        "factor 3 off it": same(safety_factor(1.5, 2.0), 3.0) and same(safety_factor(3, 2.0), 3.0),
+        "3/(2² − 1) = 1": same(step_factor(2.0, 2.0), 1.0),
+        "3/(2⁴ − 1) = 0.2": same(step_factor(2.0, 4.0), 0.2),
+        "two meshes: the step of 0.375": same(two.uncertainty(), 0.375),
+        "fit: limit 3, order 2, coefficient 2": same(fit.limit, 3.0, 1e-8)
+        and same(fit.order, 2.0, 1e-6)
+        and same(fit.coefficient, 2.0, 1e-5),
+        "uncertainty 1.25 · 0.03125": same(uncertainty_of(study), 1.25 * 0.03125, 1e-6),
+        "an order of 4 where 2 is formal: 3 · step/3": same(
+            uncertainty_of(fast), 2.0 * (0.25**4 - 0.125**4), 1e-6
+        ),
+        "an order of 1 where 2 is formal: 3 · step": same(uncertainty_of(slow), 0.75, 1e-6),
+        "oscillation: three times the spread, no order": same(uncertainty_of(restless), 1.5)
+        and restless.uncertainty is None
+        and restless.behaviour == "oscillating",
+        "growing steps diverge": analyse(_SIZES, apart, 2.0).behaviour == "diverging",
+        "errors h³ fall with order 3": same(order_of_errors(_SIZES, 7.0 * _SIZES**3), 3.0, 1e-9),
+    }
+
+
+def _at_random(_context: Context) -> Mapping[str, bool]:
+    rng = np.random.default_rng(14)
+    found = {}
+    for number in range(40):
+        limit, coefficient = float(rng.uniform(1.0, 3.0)), float(rng.choice([-0.2, 0.2]))
+        order = float(rng.uniform(1.0, 4.0))
+        ladder = (1, 2, 3, 4) if number % 2 else (2, 4, 8, 16)
+        sizes = 1.0 / np.array(ladder, dtype=float)
+        values = limit + coefficient * sizes**order
+        error = abs(values[-1] - limit)
+        series = Refinement(ladder, values[:, None], 4.0)
+        pair = Refinement(ladder[-2:], values[-2:, None], 2.0)
+        stated, by_two = series.uncertainty(0), pair.uncertainty(0)
+        study = series.at(0)
+        # Ratio r, order p: two grids state F (rᵖ − 1)/(r² − 1) times the error.
+        ratio = ladder[-1] / ladder[-2]
+        found[f"sequence {number} is held"] = error <= stated <= 4.0 * error
+        found[f"sequence {number}: two grids"] = same(
+            by_two, 3.0 * (ratio**order - 1.0) / (ratio**2 - 1.0) * error, 1e-9
+        )
+        found[f"sequence {number}: order and limit"] = same(
+            study.observed_order, order, 1e-5
+        ) and same(study.extrapolated, limit, 1e-6)
+        found[f"sequence {number}: its errors' order"] = same(
+            order_of_errors(sizes, values - limit), order, 1e-6
+        )
+    return found
