@@ -66,6 +66,7 @@ def dynamic_reference(context: Context, robot: Biglide, modes: int, postures: in
         # Nothing is meshed: one solution serves for both.
         divisions = divisions[1], divisions[1]
     weights = sample_weights(robot)
+    section = _section_uncertainty(context, robot, divisions[1], modes, postures) if solid else 0.0
     alternatives = []
     for (name, hold), mass in product(ends.items(), masses):
         coarse, fine = (
@@ -79,7 +80,7 @@ def dynamic_reference(context: Context, robot: Biglide, modes: int, postures: in
                 ", ".join(part for part in (name, mass) if part),
                 Response(vibration=fine),
                 # A mode that the coarser mesh does not have is known to no digit.
-                dynamic=np.where(np.isnan(step), 1.0, step),
+                dynamic=np.where(np.isnan(step), 1.0, step + section),
             )
         )
     open_ends = [OPEN_ENDS] if len(ends) > 1 else []
@@ -98,6 +99,21 @@ def dynamic_reference(context: Context, robot: Biglide, modes: int, postures: in
             else "validation.paired_robot_modes.solid_modes",
         ),
     )
+
+
+def _section_uncertainty(
+    context: Context, robot: Biglide, divisions: LegDivisions, modes: int, postures: int
+) -> Array:
+    """What the section mesh of both solids leaves open of frequencies (p×1, relative).
+
+    Walls keep one mesh across while elements become shorter. By beams of the constants of that
+    mesh and of a finer one, the largest over the modes.
+    """
+    coarse = vibration(context.get(beam_modes, robot, "own beam", divisions, postures))
+    fine = vibration(context.get(own_modes, robot, None, postures))
+    found = partners(fine, coarse, sample_weights(robot), modes).frequency
+    change = np.abs(found / fine.frequencies[:, :modes] - 1.0)
+    return np.asarray(np.nanmax(change, axis=1, keepdims=True, initial=0.0))
 
 
 def _reference_modes(

@@ -14,18 +14,17 @@ from fem.sections.section_constants import SectionConstants, beam_properties, se
 from lumped import biglide_assembly, vjm
 from lumped.arrays import Array
 from lumped.biglide import Biglide
-from lumped.errors import InputError
 from lumped.legs import ConstantLeg, Ends, GivenLeg, Leg, given_compliance, tip_compliance
 from meshes.section.section_mesh import section_mesh
 from validation.adequacy.response import Alternative, Reference, Response, Rung
 from validation.context import Context, Preset
-from validation.leg_solids import section_counts
+from validation.leg_solids import COARSEST_WALLS, section_counts, static_ladder
 from validation.models.biglide import robot_compliance
 from validation.models.options import ModelName, ModelOptions
 from validation.robot_solids import TwoMeshes, static_leg, two_meshes
 
 # Unknowns of the finest section mesh of a solid leg; the second number where the first one does not
-# allow even one mesh of its walls.
+# allow two meshes of its walls.
 UNKNOWNS: dict[Preset, tuple[int, int]] = {
     "quick": (900, 2500),
     "standard": (900, 2500),
@@ -36,7 +35,8 @@ UNKNOWNS: dict[Preset, tuple[int, int]] = {
 SLOWEST_ORDER = 4.0 / 3.0
 _SAFETY = 3.0
 # The same section constants serve all that is not a mesh study.
-_SECTION_DIVISIONS = 8
+SECTION_DIVISIONS = 8
+_TWICE = SECTION_DIVISIONS / COARSEST_WALLS
 # What the legs' own 6×6 is solved to.
 _ROUNDING = 1e-9
 HOLD: tuple[Ends, Ends] = ("rigid", "free")
@@ -81,6 +81,7 @@ def static_reference(context: Context, robot: Biglide, x: Array) -> Reference:
     solids = [isinstance(leg, ConstantLeg) for leg in legs]
     meshes = [solid_leg(context, leg) if isinstance(leg, ConstantLeg) else None for leg in legs]
     ratio = min((mesh.ratio for mesh in meshes if mesh), default=1.0)
+    section_uncertainty = _section_uncertainty(context, robot, x)
     alternatives = []
     for name, ends in holds(robot).items():
         leg_data = list(zip(legs, meshes, ends, strict=True))
@@ -99,6 +100,7 @@ def static_reference(context: Context, robot: Biglide, x: Array) -> Reference:
             if any(solids)
             else np.full(diagonals[1].shape, _ROUNDING)
         )
+        uncertainty = uncertainty + section_uncertainty
         alternatives.append(Alternative(name, Response(compliance=found[1]), static=uncertainty))
     return Reference(
         title=_TITLES[solids[0], solids[1]],
@@ -121,12 +123,41 @@ _TITLES = {
 
 
 def solid_leg(context: Context, leg: ConstantLeg) -> TwoMeshes:
-    """Tip compliances of a leg as a solid on two meshes, once per run and process."""
+    """Tip compliances of a leg as a solid on two meshes, once per run and process.
+
+    Raises InputError where even one section mesh has too many unknowns.
+    """
+    return context.get(two_meshes, leg, _most(context, leg))
+
+
+def _most(context: Context, leg: ConstantLeg) -> int:
+    """Unknowns of the finest section mesh: more where few do not allow two meshes."""
     first, second = UNKNOWNS[context.preset]
-    try:
-        return context.get(two_meshes, leg, first)
-    except InputError:
-        return context.get(two_meshes, leg, second)
+    return first if context.get(static_ladder, leg, first) else second
+
+
+def _section_uncertainty(context: Context, robot: Biglide, x: Array) -> Array:
+    """What section meshes leave open (p×6, relative) where both solids of a leg share one.
+
+    By virtual joints with constants of that mesh and of one twice as fine; else zero.
+    """
+    legs = robot.leg1, robot.leg2
+    shared = [
+        isinstance(leg, ConstantLeg) and not context.get(static_ladder, leg, _most(context, leg))
+        for leg in legs
+    ]
+    if not any(shared):
+        return np.zeros((len(x), 6))
+
+    def joints(divisions: int) -> Array:
+        springs = [
+            _own_spring(context, leg, divisions if one else SECTION_DIVISIONS)
+            for leg, one in zip(legs, shared, strict=True)
+        ]
+        found = [vjm.compliance(robot, at, (springs[0], springs[1])) for at in x.tolist()]
+        return np.diagonal(np.array(found), axis1=1, axis2=2)
+
+    return step_uncertainty(joints(COARSEST_WALLS), joints(SECTION_DIVISIONS), _TWICE)
 
 
 def _tip(leg: Leg, meshes: TwoMeshes | None, ends: Ends, *, fine: bool) -> Array:
@@ -231,10 +262,10 @@ def _straight(leg: Leg) -> Array:
     return tip * kept
 
 
-def _own_spring(context: Context, leg: Leg) -> Array:
+def _own_spring(context: Context, leg: Leg, divisions: int = SECTION_DIVISIONS) -> Array:
     if isinstance(leg, GivenLeg):
         return leg.compliance
-    constants = context.get(own_constants, leg)
+    constants = context.get(own_constants, leg, divisions)
     return tip_compliance(beam_properties(constants, leg.material), leg.length)
 
 
@@ -266,8 +297,8 @@ def _restrained_springs(
     return springs[0], springs[1]
 
 
-def own_constants(leg: ConstantLeg) -> SectionConstants:
+def own_constants(leg: ConstantLeg, divisions: int = SECTION_DIVISIONS) -> SectionConstants:
     """Constants of a leg's section from finite elements, without thin-wall assumptions."""
     material = leg.material
-    mesh = section_mesh(leg.section, section_counts(leg, _SECTION_DIVISIONS))
+    mesh = section_mesh(leg.section, section_counts(leg, divisions))
     return section_constants(mesh, material.nu, material.G / material.E)

@@ -1,0 +1,180 @@
+"""Verdicts on robots at random, slender to stubby, against errors computed without the matrix.
+
+Statics: virtual joints whose springs are those of solid legs on finer meshes than the reference's.
+Dynamics: frequencies of the robot with finer solid legs, paired by the cases' own pairing.
+"""
+
+import sys
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+from random_robots import IFW, SHAPES, robots, shown
+
+from fem.bodies import doubling
+from lumped import vjm
+from lumped.arrays import Array
+from lumped.biglide import Biglide
+from lumped.legs import ConstantLeg, Ends, equivalent_leg
+from lumped.requirement import STATIC_QUANTITIES, Requirement
+from meshes.section.section_mesh import section_mesh
+from validation.adequacy.biglide.statics import compliances, static_reference
+from validation.adequacy.biglide.subject import POSTURES, biglide_subject
+from validation.adequacy.judgement import judged
+from validation.adequacy.matrix import Matrix
+from validation.adequacy.response import Candidate, Reference, Subject
+from validation.context import Context
+from validation.leg_solids import COARSEST_WALLS, section_counts, static_ladder, static_slices
+from validation.models.options import ModelName, ModelOptions
+from validation.paired_robot_modes import PAIRED, beam_modes, divisions_of, paired, solid_modes
+
+# Unknowns of the section meshes that the quick reference, of fewer, is held against.
+FINER = 1900
+MODELS: dict[str, tuple[ModelName, ModelOptions]] = {
+    "simplified": ("simplified", ModelOptions()),
+    "vjm": ("vjm", ModelOptions()),
+    "beam": ("beam", ModelOptions()),
+    "segments-euler-bernoulli": ("segments", ModelOptions(theory="euler-bernoulli")),
+}
+# Several limits, so that verdicts of all kinds come up.
+LIMITS = (0.003, 0.02, 0.1)
+
+
+def with_ends(robot: Biglide, ends: Ends) -> Biglide:
+    """The same robot with its ends said; legs are constant ones."""
+    leg1, leg2 = (replace(equivalent_leg(leg), ends=ends) for leg in (robot.leg1, robot.leg2))
+    return replace(robot, leg1=leg1, leg2=leg2)
+
+
+def chosen(count: int, chunk: int) -> Iterator[Biglide]:
+    """So many robots with solid legs, of every shape in turn, ends rigid and free by turns."""
+    found = [shown(robots(shape), count // len(SHAPES) + 1, chunk)[1:] for shape in SHAPES]
+    for number, robot in enumerate(robot for group in zip(*found, strict=True) for robot in group):
+        yield with_ends(robot, "rigid" if number % 2 else "free")
+
+
+def context_of(robot: Biglide) -> Context:
+    """A quick run's context."""
+    robot_file = replace(IFW, described=robot, built_in=False, source="random.toml")
+    return Context(robot_file, "quick")
+
+
+def static_matrices(robot: Biglide) -> list[Matrix]:
+    """Statics of some models, judged with several limits."""
+    x = robot.stations(POSTURES)
+    subject = Subject(
+        robot=robot.name,
+        coordinates=("x (m)",),
+        poses=x[:, None],
+        weights=np.zeros(0),
+        candidates=[
+            Candidate(name, name, compliances(model, robot, x, options))
+            for name, (model, options) in MODELS.items()
+        ],
+        statics=static_reference(context_of(robot), robot, x),
+        dynamics=Reference("none", ()),
+    )
+    return [judged(subject, Requirement(deflection=limit)) for limit in LIMITS]
+
+
+def finest_statics(robot: Biglide) -> Array:
+    """Diagonals (p×6) of the compliance with solid legs on finer meshes, by virtual joints."""
+    springs = []
+    for leg in (robot.leg1, robot.leg2):
+        assert isinstance(leg, ConstantLeg)
+        divisions = (static_ladder(leg, FINER) or (COARSEST_WALLS,))[-1]
+        mesh = section_mesh(leg.section, section_counts(leg, divisions))
+        condensed = doubling.condensed_leg(leg, mesh, static_slices(leg, divisions))
+        springs.append(doubling.tip_compliance(condensed, leg.ends or "rigid"))
+    return np.array(
+        [
+            np.diag(vjm.compliance(robot, x, (springs[0], springs[1])))
+            for x in robot.stations(POSTURES).tolist()
+        ]
+    )
+
+
+def contradictions(matrix: Matrix, errors: dict[tuple[str, str], Array]) -> list[str]:
+    """Verdicts that errors computed otherwise do not bear out, beyond the stated uncertainty."""
+    found = []
+    for (model, quantity), direct in errors.items():
+        entry = matrix.entry(model, quantity)
+        assert entry is not None
+        size = np.abs(direct)
+        spread = np.array([0.0 if s is None else s for s in entry.spreads])
+        # The direct error is as uncertain as a finer mesh is: by less than the stated one.
+        wrong = {
+            "adequate": bool((size > entry.limit + spread).any()),
+            "inadequate": bool((size + spread < entry.limit).all()),
+            "undecided": bool((size > entry.limit + 2.0 * spread).any()),
+        }
+        if wrong[entry.verdict]:
+            found.append(f"{model} {quantity}: {entry.verdict}, limit {entry.limit}, {direct}")
+    return found
+
+
+def wrong_in_statics(robot: Biglide) -> list[str]:
+    """What the finest statics contradict."""
+    expected = finest_statics(robot)
+    x = robot.stations(POSTURES)
+    errors = {}
+    for name, (model, options) in MODELS.items():
+        found = compliances(model, robot, x, options).compliance
+        assert found is not None
+        own = np.diagonal(found, axis1=1, axis2=2)
+        errors |= {
+            (name, q): own[:, i] / expected[:, i] - 1.0 for i, q in enumerate(STATIC_QUANTITIES)
+        }
+    return [line for matrix in static_matrices(robot) for line in contradictions(matrix, errors)]
+
+
+def wrong_in_dynamics(robot: Biglide) -> list[str]:
+    """What finer solids contradict of frequencies by segments, where both pair a mode alike."""
+    context = context_of(robot)
+    legs = equivalent_leg(robot.leg1), equivalent_leg(robot.leg2)
+    _, finer = divisions_of(legs, "standard")
+    assert isinstance(robot.leg1, ConstantLeg)
+    reference = solid_modes(robot, finer, robot.leg1.ends or "rigid", POSTURES)
+    segments = beam_modes(robot, "segments", finer, POSTURES)
+    pairs = paired(robot, reference, segments)
+    subject = biglide_subject(context)
+    found = []
+    for limit in LIMITS:
+        matrix = judged(subject, Requirement(frequency=limit, modes=4))
+        sure = (pairs.shared > 0.9).all(axis=0)
+        errors = {
+            ("segments", f"f{k + 1}"): (pairs.found / pairs.reference - 1.0)[:, k]
+            for k in range(min(4, PAIRED))
+            if sure[k]
+        }
+        found += contradictions(matrix, errors)
+    return found
+
+
+def test_verdicts_are_those_of_errors_computed_directly() -> None:
+    for robot in chosen(len(SHAPES), chunk=11):
+        assert not wrong_in_statics(robot), robot
+
+
+@pytest.mark.exhaustive
+@pytest.mark.parametrize("chunk", range(8))
+def test_no_verdict_on_forty_robots_is_contradicted(chunk: int) -> None:
+    """Five robots, one of each shape, in every chunk."""
+    for robot in chosen(len(SHAPES), chunk=20 + chunk):
+        assert not wrong_in_statics(robot), robot
+        assert not wrong_in_dynamics(robot), robot
+
+
+@pytest.mark.exhaustive
+@pytest.mark.parametrize("chunk", range(10))
+def test_no_model_of_a_hundred_robots_is_called_adequate_in_statics_that_is_not(
+    chunk: int,
+) -> None:
+    """Ten robots in every chunk."""
+    for robot in chosen(2 * len(SHAPES), chunk=40 + chunk):
+        assert not wrong_in_statics(robot), robot
