@@ -69,6 +69,7 @@ def _entry(scale: Scale, candidate: Candidate, quantity: str, limit: float) -> E
         uncertainties={} if missing else _parts(errors, reference, pose),
         errors=_optional(middle),
         spreads=_optional(half),
+        values=_optional(errors.value[0]),
         computed_by=(*candidate.computed_by, *reference.computed_by),
     )
 

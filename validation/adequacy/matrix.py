@@ -28,8 +28,8 @@ class Entry:
     `uncertainty` holds what the reference leaves open: `uncertainties` are its parts by name, from
     meshes and from what the user did not say. `value` and `expected` are the model's and the
     reference's numbers there (m/N, rad/(N m), Hz; of "order": Hz), `errors` and `spreads` error and
-    uncertainty at every pose. `reason` says why a verdict is not "adequate" where no number does,
-    and what would decide where it is undecided.
+    uncertainty at every pose, `values` the model's numbers there. `reason` says why a verdict is
+    not "adequate" where no number does, and what would decide where it is undecided.
     """
 
     model: str
@@ -49,6 +49,7 @@ class Entry:
     uncertainties: Mapping[str, float] = field(default_factory=dict)
     errors: tuple[float | None, ...] = ()
     spreads: tuple[float | None, ...] = ()
+    values: tuple[float | None, ...] = ()
     computed_by: tuple[str, ...] = ()
 
 
@@ -98,8 +99,17 @@ class Matrix:
         return tuple(model for model in rely if self.verdict(model) in refused)
 
 
+def matrix_records(matrix: Matrix) -> list[dict[str, Any]]:
+    """The `adequacy` array of results.json; poses and values let two runs be compared."""
+    poses = [list(pose) for pose in matrix.poses]
+    return [
+        entry_record(entry) | {"poses": poses, "values": list(entry.values)}
+        for entry in matrix.entries
+    ]
+
+
 def entry_record(entry: Entry) -> dict[str, Any]:
-    """The entry as it stands in the `adequacy` array of results.json."""
+    """One entry as it stands there, numbers in SI units."""
     return {
         "model": entry.model,
         "quantity": entry.quantity,

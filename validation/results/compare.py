@@ -6,6 +6,12 @@ from typing import Any
 from validation.case import Verdict
 from validation.results.drift import Drift, Frozen, drift
 from validation.results.saved_run import SavedCase, SavedRun
+from validation.results.variants import (
+    AdequacyChange,
+    InputChange,
+    adequacy_changes,
+    input_changes,
+)
 
 # From good to bad; a case that is skipped no longer protects anything.
 _RANK: dict[Verdict, int] = {"agree": 0, "skipped": 1, "undecided": 2, "disagree": 3, "failed": 4}
@@ -48,7 +54,11 @@ class Timing:
 
 @dataclass(frozen=True)
 class Comparison:
-    """What changed from one run to the other; `circumstances` names what else differs."""
+    """What changed from one run to the other; `circumstances` names what else differs.
+
+    `inputs` are the keys of the robot file that differ, None where a run does not tell them. Of
+    different inputs no value drifts: they differ, as they should. `adequacy` is that of both.
+    """
 
     verdicts: tuple[VerdictChange, ...]
     drifted: tuple[Drifted, ...]
@@ -56,6 +66,8 @@ class Comparison:
     removed: tuple[str, ...]
     times: tuple[Timing, ...]
     circumstances: tuple[str, ...]
+    inputs: tuple[InputChange, ...] | None = None
+    adequacy: tuple[AdequacyChange, ...] = ()
 
     @property
     def worsened(self) -> bool:
@@ -67,17 +79,20 @@ def compare(before: SavedRun, after: SavedRun) -> Comparison:
     """What changed from `before` to `after`."""
     old, new = before.by_id, after.by_id
     both = [(old[identifier], case) for identifier, case in new.items() if identifier in old]
+    inputs = input_changes(before, after)
     return Comparison(
         verdicts=tuple(
             VerdictChange(b.id, a.verdict, b.verdict) for a, b in both if a.verdict != b.verdict
         ),
-        drifted=tuple(entry for a, b in both for entry in _drifted(a, b)),
+        drifted=() if inputs else tuple(entry for a, b in both for entry in _drifted(a, b)),
         new=tuple(identifier for identifier in new if identifier not in old),
         removed=tuple(identifier for identifier in old if identifier not in new),
         times=tuple(Timing(b.id, a.seconds, b.seconds) for a, b in both),
         circumstances=tuple(
             name for name in _CIRCUMSTANCES if before.run.get(name) != after.run.get(name)
         ),
+        inputs=inputs,
+        adequacy=adequacy_changes(before, after),
     )
 
 
@@ -103,7 +118,23 @@ def as_dict(comparison: Comparison) -> dict[str, Any]:
         "removed": list(comparison.removed),
         "seconds": [asdict(timing) for timing in comparison.times],
         "differs": list(comparison.circumstances),
+        "inputs": [asdict(change) for change in comparison.inputs or ()],
+        "adequacy": [_adequacy(change) for change in comparison.adequacy],
     }
+
+
+def _adequacy(change: AdequacyChange) -> dict[str, Any]:
+    sides = {
+        name: None
+        if side is None
+        else {"verdict": side.verdict, "error": side.error, "uncertainty": side.uncertainty}
+        for name, side in (("before", change.before), ("after", change.after))
+    }
+    values = [
+        {"pose": list(pose), "before": before, "after": after}
+        for pose, before, after in change.shared_poses
+    ]
+    return {"model": change.model, "quantity": change.quantity, **sides, "values": values}
 
 
 def _drifted(before: SavedCase, after: SavedCase) -> list[Drifted]:

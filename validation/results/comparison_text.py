@@ -3,7 +3,8 @@
 from collections.abc import Sequence
 
 from validation.results.compare import Comparison, Timing
-from validation.results.saved_run import SavedRun
+from validation.results.saved_run import SavedEntry, SavedRun
+from validation.results.variants import AdequacyChange
 
 # How many cases the text lists by the change of their time; --json has all of them.
 _SLOWEST = 10
@@ -12,6 +13,24 @@ _SLOWEST = 10
 def as_text(before: SavedRun, after: SavedRun, comparison: Comparison) -> str:
     """What changed, the gravest first."""
     blocks = [_heads(before, after, comparison), sentence(comparison)]
+    if comparison.inputs:
+        blocks.append(
+            "The input differs: numbers are of two robots, and their differences no drift."
+        )
+        blocks += _block(
+            "Input",
+            ["key", "before", "after"],
+            [[c.key, _given(c.before), _given(c.after)] for c in comparison.inputs],
+        )
+    blocks += _block(
+        "Adequacy",
+        ["model", "quantity", "before", "", "after", ""],
+        [
+            [c.model, c.quantity, *_judged(c.before), *_judged(c.after)]
+            for c in comparison.adequacy
+            if _told(c, different=bool(comparison.inputs))
+        ],
+    )
     worst_first = sorted(comparison.verdicts, key=lambda change: not change.worse)
     blocks += _block(
         "Verdicts that changed",
@@ -55,6 +74,25 @@ def _heads(before: SavedRun, after: SavedRun, comparison: Comparison) -> str:
     differs = [name.replace("_", " ") for name in comparison.circumstances]
     note = f"\nThe runs differ in {', '.join(differs)}." if differs else ""
     return table(["", "robot", "preset", "started", ""], rows) + note
+
+
+def _given(value: object) -> str:
+    return "not given" if value is None else str(value)
+
+
+def _judged(entry: SavedEntry | None) -> list[str]:
+    if entry is None:
+        return ["", ""]
+    error = "" if entry.error is None else f"{100.0 * entry.error:+.2f} %"
+    return [error, entry.verdict]
+
+
+def _told(change: AdequacyChange, *, different: bool) -> bool:
+    """All of different inputs; of the same input what changed its verdict."""
+    before, after = change.before, change.after
+    if different or before is None or after is None:
+        return True
+    return before.verdict != after.verdict
 
 
 def sentence(comparison: Comparison) -> str:

@@ -36,6 +36,7 @@ def header(robot_file: RobotFile, preset: Preset, options: Mapping[str, str]) ->
         "robot": robot_file.robot.name,
         "robot_file": robot_file.source,
         "robot_sha256": robot_file.sha256,
+        "robot_tables": robot_file.tables,
         "preset": preset,
         "options": dict(options),
         "versions": versions(),

@@ -8,6 +8,7 @@ from typing import Any
 import msgspec
 
 from lumped.errors import InputError
+from validation.adequacy.matrix import Adequacy
 from validation.case import Verdict
 
 _FILE = "results.json"
@@ -29,12 +30,26 @@ class SavedCase:
 
 
 @dataclass(frozen=True)
+class SavedEntry:
+    """An entry of the `adequacy` array, as far as runs are compared; `values` in SI at `poses`."""
+
+    model: str
+    quantity: str
+    verdict: Adequacy
+    error: float | None = None
+    uncertainty: float | None = None
+    poses: tuple[tuple[float, ...], ...] = ()
+    values: tuple[float | None, ...] = ()
+
+
+@dataclass(frozen=True)
 class SavedRun:
     """results.json: `run` says what was run, `cases` what came out, in the order of the file."""
 
     cases: tuple[SavedCase, ...]
     run: Mapping[str, Any] = field(default_factory=dict)
     schema: int = 1
+    adequacy: tuple[SavedEntry, ...] = ()
 
     @property
     def by_id(self) -> dict[str, SavedCase]:

@@ -54,6 +54,8 @@ def test_two_equal_runs_show_no_change():
         "removed": [],
         "seconds": [{"id": "steady", "before": 1.0, "after": 1.0}],
         "differs": [],
+        "inputs": [],
+        "adequacy": [],
     }
 
 

@@ -1,0 +1,121 @@
+"""Runs of two variants of a robot: what differs in the input, adequacy side by side, no drift."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from lumped.requirement import STATIC_QUANTITIES, Requirement
+from lumped.robot_file import RobotFile, load_robot
+from validation.adequacy.biglide.statics import compliances, static_reference
+from validation.adequacy.judgement import judged
+from validation.adequacy.response import Candidate, Reference, Subject
+from validation.context import Context
+from validation.models.biglide import robot_compliance
+from validation.models.options import ModelOptions
+from validation.results import comparison_text
+from validation.results.compare import as_dict, compare
+from validation.results.provenance import header
+from validation.results.records import results
+from validation.results.saved_run import SavedRun, parse_run
+
+WALLS = """
+schema = 1
+name = "tubes"
+type = "biglide"
+geometry = {{ a = 0.9 }}
+platform = {{ mass = 30.0 }}
+actuators = {{ stiffness = 5.0e8 }}
+[leg1]
+length = 0.8
+section = {{ shape = "tube", diameter = 0.1, thickness = {thickness} }}
+material = {{ E = 2.1e11, nu = 0.3, rho = 7850.0 }}
+[leg2]
+length = 0.8
+section = {{ shape = "tube", diameter = 0.12, thickness = 0.006 }}
+material = {{ E = 2.1e11, nu = 0.3, rho = 7850.0 }}
+"""
+
+
+def variant(folder: Path, thickness: float) -> RobotFile:
+    """The robot file with tubes of this thickness (m)."""
+    path = folder / f"{thickness}.toml"
+    path.write_text(WALLS.format(thickness=thickness), encoding="utf-8")
+    return load_robot(path)
+
+
+def saved(robot_file: RobotFile) -> SavedRun:
+    """A run of nothing but the statics of two models, as it is written and read again."""
+    robot = robot_file.robot
+    x = robot.stations(9)
+    subject = Subject(
+        robot=robot.name,
+        coordinates=("x (m)",),
+        poses=x[:, None],
+        weights=np.zeros(0),
+        candidates=[
+            Candidate(model, model, compliances(model, robot, x, ModelOptions()))
+            for model in ("vjm", "beam")
+        ],
+        statics=static_reference(Context(robot_file, "quick"), robot, x),
+        dynamics=Reference("none", ()),
+    )
+    matrix = judged(subject, Requirement())
+    return parse_run(json.dumps(results(header(robot_file, "quick", {}), [], {}, matrix)), "test")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("variants")
+
+
+@pytest.fixture(scope="module")
+def both(folder: Path) -> tuple[SavedRun, SavedRun]:
+    return saved(variant(folder, 0.004)), saved(variant(folder, 0.003))
+
+
+def test_statics_of_two_variants_differ_as_solve_says(
+    folder: Path, both: tuple[SavedRun, SavedRun]
+) -> None:
+    thick, thin = (variant(folder, thickness).robot for thickness in (0.004, 0.003))
+    comparison = compare(*both)
+    assert len(comparison.adequacy) == 12
+    for change in comparison.adequacy:
+        index = STATIC_QUANTITIES.index(change.quantity)
+        assert len(change.shared_poses) == 9
+        for (x,), before, after in change.shared_poses:
+            model = "vjm" if change.model == "vjm" else "beam"
+            solved = [
+                robot_compliance(model, robot, x, ModelOptions())[index, index]
+                for robot in (thick, thin)
+            ]
+            assert after - before == pytest.approx(solved[1] - solved[0], rel=1e-9)
+
+
+def test_what_differs_in_the_input_is_named(both: tuple[SavedRun, SavedRun]) -> None:
+    comparison = compare(*both)
+    assert comparison.inputs is not None
+    (change,) = comparison.inputs
+    assert (change.key, change.before, change.after) == ("leg1.section.thickness", 0.004, 0.003)
+    text = comparison_text.as_text(*both, comparison)
+    assert "The input differs" in text
+    assert "leg1.section.thickness" in text
+    record = as_dict(comparison)
+    assert record["adequacy"][0]["values"][0].keys() == {"pose", "before", "after"}
+
+
+def test_numbers_of_different_inputs_do_not_drift(both: tuple[SavedRun, SavedRun]) -> None:
+    from validation.results.saved_run import SavedCase  # noqa: PLC0415
+
+    before = replace(both[0], cases=(SavedCase("a", "agree", value=1.0, reference=1.0),))
+    after = replace(both[1], cases=(SavedCase("a", "agree", value=2.0, reference=1.0),))
+    assert compare(before, after).drifted == ()
+    assert compare(before, replace(after, run=before.run)).drifted != ()
+
+
+def test_runs_of_one_input_have_no_changes_to_tell(both: tuple[SavedRun, SavedRun]) -> None:
+    comparison = compare(both[0], both[0])
+    assert comparison.inputs == ()
+    assert "Adequacy" not in comparison_text.as_text(both[0], both[0], comparison)
