@@ -67,7 +67,8 @@ class Matrix:
     """All models by all quantities for one robot.
 
     `coordinates` name what a pose prescribes, with unit; `poses` (p×n) are all that were looked at.
-    `notes` are facts that belong beside the matrix (a bracket of frequencies, say).
+    `notes` are facts that belong beside the matrix (a bracket of frequencies, say), `parts` the
+    matrices of the robot's parts alone, named as `robot`: each leg's, root clamped.
     """
 
     robot: str
@@ -77,6 +78,7 @@ class Matrix:
     quantities: tuple[str, ...]
     entries: tuple[Entry, ...]
     notes: tuple[str, ...] = ()
+    parts: tuple["Matrix", ...] = ()
 
     def entry(self, model: str, quantity: str) -> Entry | None:
         """The entry of a model and a quantity, None where the model is silent of it."""
@@ -106,6 +108,11 @@ def matrix_records(matrix: Matrix) -> list[dict[str, Any]]:
         entry_record(entry) | {"poses": poses, "values": list(entry.values)}
         for entry in matrix.entries
     ]
+
+
+def part_records(matrix: Matrix) -> list[dict[str, Any]]:
+    """The `adequacy_of_parts` array of results.json: entries of the parts, `part` beside them."""
+    return [{"part": part.robot} | entry for part in matrix.parts for entry in matrix_records(part)]
 
 
 def entry_record(entry: Entry) -> dict[str, Any]:

@@ -8,7 +8,7 @@ import msgspec
 import numpy as np
 
 from validation.adequacy.assessment import Assessed, Assessment
-from validation.adequacy.matrix import Matrix, matrix_records
+from validation.adequacy.matrix import Matrix, matrix_records, part_records
 from validation.case import Case, Measurement, Outcome, Verdict, finite, judge
 from validation.exhibits import Drawing, Figure, Study, study_record
 from validation.results.drift import Drift
@@ -134,6 +134,7 @@ def results(
             outcome.entry | _drift_record(drifts.get(outcome.case.id)) for outcome in outcomes
         ],
         "adequacy": matrix_records(matrix) if matrix else [],
+        "adequacy_of_parts": part_records(matrix) if matrix else [],
         "studies": [study_record(study) for study in studies_of(outcomes)],
     }
 

@@ -7,6 +7,7 @@ Dynamics: frequencies of the robot with finer solid legs, paired by the cases' o
 import sys
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -157,7 +158,8 @@ def wrong_in_dynamics(robot: Biglide) -> list[str]:
 
 
 def test_verdicts_are_those_of_errors_computed_directly() -> None:
-    for robot in chosen(len(SHAPES), chunk=11):
+    # One of rectangles and one of walls; the other shapes are among the exhaustive ones.
+    for robot in islice(chosen(len(SHAPES), chunk=11), 2):
         assert not wrong_in_statics(robot), robot
 
 

@@ -151,7 +151,7 @@ def _section_uncertainty(context: Context, robot: Biglide, x: Array) -> Array:
 
     def joints(divisions: int) -> Array:
         springs = [
-            _own_spring(context, leg, divisions if one else SECTION_DIVISIONS)
+            own_spring(context, leg, divisions if one else SECTION_DIVISIONS)
             for leg, one in zip(legs, shared, strict=True)
         ]
         found = [vjm.compliance(robot, at, (springs[0], springs[1])) for at in x.tolist()]
@@ -189,7 +189,7 @@ def static_ladders(context: Context, robot: Biglide, x: Array) -> dict[str, tupl
     given = any(isinstance(leg, GivenLeg) for leg in legs)
     upper: list[Rung] = []
     if not all(isinstance(leg, GivenLeg) for leg in legs):
-        own = _own_spring(context, legs[0]), _own_spring(context, legs[1])
+        own = own_spring(context, legs[0]), own_spring(context, legs[1])
         upper = [
             Rung(
                 "textbook section constants",
@@ -221,7 +221,7 @@ def static_ladders(context: Context, robot: Biglide, x: Array) -> dict[str, tupl
         Rung(
             "equivalent leg: another diagonal than the 6×6",
             "virtual joints with the straight leg's entries of the 6×6",
-            everywhere(joints((_straight(legs[0]), _straight(legs[1])))),
+            everywhere(joints((straight(legs[0]), straight(legs[1])))),
         ),
         Rung(
             "equivalent leg: couplings of the 6×6 left out",
@@ -254,7 +254,7 @@ def static_ladders(context: Context, robot: Biglide, x: Array) -> dict[str, tupl
     }
 
 
-def _straight(leg: Leg) -> Array:
+def straight(leg: Leg) -> Array:
     """The entries of a tip compliance that a straight leg of constant section has."""
     tip = given_compliance(leg)
     kept = np.eye(6)
@@ -262,7 +262,8 @@ def _straight(leg: Leg) -> Array:
     return tip * kept
 
 
-def _own_spring(context: Context, leg: Leg, divisions: int = SECTION_DIVISIONS) -> Array:
+def own_spring(context: Context, leg: Leg, divisions: int = SECTION_DIVISIONS) -> Array:
+    """Tip compliance (6×6, SI, leg axes): of the 6×6, or of the section's own constants."""
     if isinstance(leg, GivenLeg):
         return leg.compliance
     constants = context.get(own_constants, leg, divisions)
@@ -275,7 +276,7 @@ def _held_springs(
     """Springs of the legs' own constants; c44 by non-uniform torsion where ends are held."""
     springs = []
     for leg, hold in zip(legs, ends, strict=True):
-        spring = _own_spring(context, leg)
+        spring = own_spring(context, leg)
         if isinstance(leg, ConstantLeg) and hold == "rigid":
             spring = spring.copy()
             constants = context.get(own_constants, leg)
@@ -290,7 +291,7 @@ def _restrained_springs(
     """Springs of the legs' own constants, less all that rigid faces take where ends are held."""
     springs = []
     for leg, hold in zip(legs, ends, strict=True):
-        spring = _own_spring(context, leg)
+        spring = own_spring(context, leg)
         if isinstance(leg, ConstantLeg) and hold == "rigid":
             spring = spring + solid_leg(context, leg).fine.restrained
         springs.append(spring)

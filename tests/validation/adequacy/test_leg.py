@@ -1,0 +1,81 @@
+"""A leg alone: what a robot's feet hide, against numbers computed otherwise."""
+
+from dataclasses import replace
+
+import pytest
+
+from fem.bodies import doubling
+from lumped.legs import ConstantLeg, Leg, Material, tip_compliance
+from lumped.requirement import Requirement
+from lumped.robot_file import load_robot
+from lumped.sections import ISection
+from meshes.section.section_mesh import section_mesh
+from validation.adequacy.biglide.leg import leg_adequacy, leg_notes
+from validation.adequacy.matrix import Matrix
+from validation.context import Context
+
+STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
+FLANGED = ConstantLeg(
+    0.9, ISection(width=0.1, height=0.1, flange=0.008, web=0.006), STEEL, ends="rigid"
+)
+
+
+def adequacy(leg: Leg) -> Matrix:
+    """The leg's matrix at preset quick."""
+    return leg_adequacy(Context(load_robot("ifw"), "quick"), leg, "leg 1", Requirement())
+
+
+@pytest.fixture(scope="module")
+def flanged() -> Matrix:
+    return adequacy(FLANGED)
+
+
+def test_torsion_of_an_i_section_between_held_ends_is_inadequate_by_beams(flanged: Matrix) -> None:
+    entry = flanged.entry("beam", "phi_x")
+    assert entry is not None
+    assert entry.verdict == "inadequate"
+    # 3.7 times the compliance of the solid, from a mesh of its own.
+    mesh = section_mesh(FLANGED.section, 4)
+    solid = doubling.tip_compliance(doubling.condensed_leg(FLANGED, mesh, 64), "rigid")[3, 3]
+    own = tip_compliance(FLANGED.timoshenko, FLANGED.length)[3, 3]
+    assert own / solid == pytest.approx(3.7, abs=0.05)
+    assert entry.error == pytest.approx(own / solid - 1.0, abs=2.0 * (entry.uncertainty or 0.0))
+
+
+def test_its_cause_is_warping_and_its_remedy_is_computed(flanged: Matrix) -> None:
+    entry = flanged.entry("beam", "phi_x")
+    assert entry is not None
+    first = entry.causes[0]
+    assert first.cause == "warping held at the ends"
+    assert first.share == pytest.approx(1.0, abs=0.05)
+    assert "add the warping stiffness" in entry.remedy
+    # One-dimensional torsion against the solid: a percent and a half.
+    assert entry.error_with_remedy == pytest.approx(0.0, abs=0.02)
+    assert any("phi_x by beams: +27" in note for note in leg_notes("leg 1", flanged))
+
+
+def test_free_ends_leave_saint_venants_torsion_as_it_is() -> None:
+    entry = adequacy(replace(FLANGED, ends="free")).entry("beam", "phi_x")
+    assert entry is not None
+    # The thin-walled J alone is off; inward corners leave the quick mesh 4 % uncertain.
+    assert entry.error == pytest.approx(0.0, abs=0.02)
+    assert [cause.cause for cause in entry.causes] == ["textbook section constants"]
+
+
+def test_unsaid_ends_leave_torsion_undecided_and_say_what_decides() -> None:
+    entry = adequacy(replace(FLANGED, ends=None)).entry("beam", "phi_x")
+    assert entry is not None
+    assert entry.verdict == "undecided"
+    assert 'ends = "rigid" or "free"' in entry.reason
+    assert entry.uncertainties["how the ends are held"] > 1.0
+
+
+def test_a_given_leg_is_its_own_reference() -> None:
+    matrix = adequacy(load_robot("ifw").robot.leg1)
+    assert matrix.verdict("vjm") == "adequate"
+    entry = matrix.entry("beam", "y")
+    assert entry is not None
+    assert entry.verdict == "inadequate"
+    assert entry.causes[0].cause.startswith("equivalent leg")
+    assert "6×6" in entry.remedy
+    assert entry.error_with_remedy == pytest.approx(0.0, abs=1e-9)

@@ -1,0 +1,175 @@
+"""One leg of the biglide by itself, root clamped: its tip's compliance by every model.
+
+What a robot's feet and its other leg hide, the leg alone shows: torsion of open sections, say.
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from fem.sections.nonuniform_torsion import held_torsion_compliance
+from lumped.arrays import Array
+from lumped.legs import Ends, GivenLeg, Leg
+from lumped.requirement import Requirement
+from validation.adequacy.biglide.statics import (
+    HOLD,
+    OPEN_ENDS,
+    SAY_ENDS,
+    own_constants,
+    own_spring,
+    solid_leg,
+    step_uncertainty,
+    straight,
+)
+from validation.adequacy.judgement import judged
+from validation.adequacy.matrix import Matrix
+from validation.adequacy.response import Alternative, Candidate, Reference, Response, Rung, Subject
+from validation.context import Context
+from validation.models.legs import leg_compliance
+from validation.models.options import ModelName, ModelOptions
+
+_ROUNDING = 1e-9
+_EULER = ModelOptions(theory="euler-bernoulli", legs="equivalent")
+_MODELS: Mapping[str, tuple[ModelName, ModelOptions]] = {
+    "vjm": ("vjm", ModelOptions()),
+    "vjm-equivalent": ("vjm", ModelOptions(legs="equivalent")),
+    "segments": ("segments", ModelOptions()),
+    "beam": ("beam", ModelOptions()),
+    "segments-euler-bernoulli": ("segments", _EULER),
+    "beam-euler-bernoulli": ("beam", _EULER),
+}
+
+
+def leg_adequacy(context: Context, leg: Leg, name: str, requirement: Requirement) -> Matrix:
+    """The matrix of a leg, statics alone; InputError where its section is too fine to mesh."""
+    rungs = _rungs(context, leg)
+    candidates = []
+    for model, (kind, options) in _MODELS.items():
+        shears = () if options.theory == "timoshenko" else (_shear(leg),)
+        equivalent = rungs if model != "vjm" else [r for r in rungs if "equivalent" not in r.cause]
+        candidates.append(
+            Candidate(
+                model=model,
+                title=model,
+                response=Response(leg_compliance(kind, leg, options)[None]),
+                static_rungs=(*shears, *equivalent),
+                computed_by=("validation.models.legs.leg_compliance",),
+            )
+        )
+    subject = Subject(
+        robot=name,
+        coordinates=(),
+        poses=np.zeros((1, 0)),
+        weights=np.zeros(0),
+        candidates=candidates,
+        statics=_reference(context, leg),
+        dynamics=Reference("none", ()),
+    )
+    return judged(subject, replace(requirement, rely=()))
+
+
+def _holds(leg: Leg) -> dict[str, Ends]:
+    if isinstance(leg, GivenLeg):
+        return {"as given": "rigid"}
+    return {leg.ends: leg.ends} if leg.ends else {hold: hold for hold in HOLD}
+
+
+def _everywhere(leg: Leg, compliance: Array) -> dict[str, Response]:
+    return dict.fromkeys(_holds(leg), Response(compliance[None]))
+
+
+def _reference(context: Context, leg: Leg) -> Reference:
+    if isinstance(leg, GivenLeg):
+        known = np.full((1, 6), _ROUNDING)
+        only = Alternative("as given", Response(leg.compliance[None]), static=known)
+        return Reference("the leg's own 6×6", (only,), computed_by=("lumped.robot_file",))
+    meshes = solid_leg(context, leg)
+    alternatives = []
+    for name, hold in _holds(leg).items():
+        coarse, fine = (
+            one.rigid if hold == "rigid" else one.free for one in (meshes.coarse, meshes.fine)
+        )
+        step = step_uncertainty(np.diag(coarse), np.diag(fine), meshes.ratio)
+        alternatives.append(Alternative(name, Response(fine[None]), static=step[None]))
+    return Reference(
+        title="solid leg, root clamped",
+        alternatives=alternatives,
+        open="" if leg.ends else OPEN_ENDS,
+        decides="" if leg.ends else SAY_ENDS,
+        computed_by=("fem.bodies.doubling.condensed_leg",),
+    )
+
+
+def _shear(leg: Leg) -> Rung:
+    timoshenko = leg_compliance("vjm", leg, ModelOptions(legs="equivalent"))
+    return Rung(
+        "shear deformation left out",
+        "Timoshenko's cantilever",
+        _everywhere(leg, timoshenko),
+        "use Timoshenko",
+    )
+
+
+def _rungs(context: Context, leg: Leg) -> list[Rung]:
+    if isinstance(leg, GivenLeg):
+        return [
+            Rung(
+                "equivalent leg: another diagonal than the 6×6",
+                "the straight leg's entries of the 6×6",
+                _everywhere(leg, straight(leg)),
+            ),
+            Rung(
+                "equivalent leg: couplings of the 6×6 left out",
+                "the 6×6 as given",
+                _everywhere(leg, leg.compliance),
+                "take the 6×6 with its couplings",
+            ),
+        ]
+    own = own_spring(context, leg)
+    warped, restrained = {}, {}
+    for name, hold in _holds(leg).items():
+        held = own.copy()
+        if hold == "rigid":
+            constants = context.get(own_constants, leg)
+            held[3, 3] = held_torsion_compliance(constants, leg.material, leg.length)
+        warped[name] = Response(held[None])
+        taken = solid_leg(context, leg).fine.restrained if hold == "rigid" else 0.0
+        restrained[name] = Response((own + taken)[None])
+    return [
+        Rung(
+            "textbook section constants",
+            "fem.sections.section_constants",
+            _everywhere(leg, own),
+            "take the section's constants from finite elements",
+        ),
+        Rung(
+            "warping held at the ends",
+            "Reissner's torsion with held ends, the section's own Γ",
+            warped,
+            "add the warping stiffness",
+        ),
+        Rung(
+            "contraction and warping by shear held at the ends",
+            "fem.sections.end_effects, exact along the leg",
+            restrained,
+            "add what rigid end faces take",
+        ),
+    ]
+
+
+def leg_notes(name: str, matrix: Matrix) -> list[str]:
+    """What a leg alone shows that is not adequate, by beams, in words."""
+    notes = []
+    for entry in matrix.of_model("beam"):
+        if entry.verdict == "adequate" or entry.error is None or entry.uncertainty is None:
+            continue
+        said = f"{name} alone, {entry.quantity} by beams: {100.0 * entry.error:+.3g} %"
+        if entry.uncertainty > 1e-3:
+            said += f" ± {100.0 * entry.uncertainty:.2g} %"
+        if entry.causes:
+            said += f", {100.0 * entry.causes[0].share:.0f} % of it {entry.causes[0].cause}"
+        if entry.error_with_remedy is not None:
+            said += f"; {entry.remedy}: {100.0 * entry.error_with_remedy:+.2g} %"
+        notes.append(f"{said} ({entry.verdict})")
+    return notes
