@@ -11,6 +11,8 @@ from dataclasses import dataclass
 from math import isclose
 from typing import TypeAlias
 
+import numpy as np
+
 from fem.couplings.end_coupling import rigid_motions
 from lumped.arrays import Array, IntArray
 from lumped.errors import InputError
@@ -108,6 +110,32 @@ def rigid_face(
         for node, motion in zip(nodes, motions, strict=True)
         for component, row in enumerate(motion)
     )
+
+
+def full_spring(
+    stiffness: Array,
+    strain: Sequence[Sequence[tuple[Freedom, float]]],
+    freedoms: Sequence[Freedom],
+) -> tuple[tuple[Equation, ...], tuple[GroundedSpring, ...]]:
+    """A spring of full `stiffness` (n×n, SI) on n strains, each a sum of coefficient · freedom.
+
+    K = Σ λ vvᵀ: each vᵀ·strain is a freedom of its own (one of n `freedoms`), by an equation, with
+    a spring λ to the ground. Exact, where CalculiX has springs between two freedoms alone. Strains
+    are scaled so that one unit of each is alike stiff.
+    """
+    scale = np.sqrt(np.diag(stiffness))
+    values, vectors = np.linalg.eigh(stiffness / np.outer(scale, scale))
+    equations, springs = [], []
+    for value, vector, freedom in zip(values, vectors.T, freedoms, strict=True):
+        terms: dict[Freedom, float] = {}
+        for weight, parts in zip((vector * scale).tolist(), strain, strict=True):
+            for own, coefficient in parts:
+                terms[own] = terms.get(own, 0.0) + weight * coefficient
+        size = max(abs(term) for term in terms.values())
+        scaled = tuple((own, term / size) for own, term in terms.items() if term)
+        equations.append(Equation(freedom, scaled))
+        springs.append(GroundedSpring(freedom, float(value) * size**2))
+    return tuple(equations), tuple(springs)
 
 
 def deck_text(deck: Deck) -> str:

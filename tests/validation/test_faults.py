@@ -108,8 +108,7 @@ def reduction_workout() -> None:
     calculix_deck.deck_text(calculix.leg_deck(mesh, cubic))
     calculix.mass_at_stiffness_points(mesh, cubic.rho)
     whole = solid.solid_leg(leg, mesh)
-    rigid = replace(IFW.robot, foot_compliance=None)
-    robot_calculix.robot_deck(rigid, rigid.centre, (whole, whole), 4)
+    robot_calculix.robot_deck(IFW.robot, IFW.robot.centre, (whole, whole), 4)
     next(case for case in robot_solid.cases() if "rigid.along-z" in case.id).compute(context)
 
 

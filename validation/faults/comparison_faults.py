@@ -135,9 +135,13 @@ def _without_platform(deck: Deck) -> Deck:
 
 
 def _roots_held(deck: Deck) -> Deck:
-    """Revolute joints at A and C forgotten: φz held as well."""
-    held = tuple({(node, 2) for node, component in deck.held if component == 1})
-    return replace(deck, held=(*deck.held, *(one for one in held if one not in deck.held)))
+    """Revolute joints at A and C forgotten: the legs' φz, three and one node before P's, held."""
+    loaded = deck.watched[0]
+    return replace(deck, held=(*deck.held, (loaded - 3, 2), (loaded - 1, 2)))
+
+
+def _springs_without_couplings(sound: Faulty, stiffness: Array, *rest: Any) -> Any:
+    return sound(np.diag(np.diag(stiffness)), *rest)
 
 
 def _axes_untouched(deck: Deck) -> Deck:
@@ -302,6 +306,13 @@ FAULTS = (
         "fem.calculix.robot:robot_deck",
         "physics",
         result(_roots_held),
+    ),
+    Fault(
+        "robot-calculix.springs-diagonal",
+        "CalculiX deck of the robot: springs of feet and tool without their couplings",
+        "fem.calculix.deck:full_spring",
+        "physics",
+        around(_springs_without_couplings),
     ),
     Fault(
         "robot-calculix.material-axes",
