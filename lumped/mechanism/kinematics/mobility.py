@@ -19,6 +19,8 @@ from lumped.screw_names import name_twists
 
 # Singular values of matrices without units. Geometry is typed with six digits or more.
 _NOTHING = 1e-6
+# Below it a constraint repeats others but for directions typed with three digits.
+_ALMOST = 3e-3
 # How far another posture is, of the size, and how many steps of Newton's close it again.
 _AWAY = 0.02
 _ITERATIONS = 8
@@ -29,7 +31,8 @@ class Mobility:
     """What can move in a posture.
 
     `mobility` of the whole mechanism; `redundant` constraints, without which it would move no more
-    (the overconstraint), of `constraints`; `idle` motions, which stir neither the tool nor a
+    (the overconstraint), and those that are so but for a few digits (`almost_redundant`), of
+    `constraints`; `idle` motions, which stir neither the tool nor a
     drive. Twists of the loaded point (base axes, m and rad) span `loose` (k×6), what is left to
     it with the drives held, and `unprescribed` (k×6), what it can do while its pose stands.
     `barred` names the moves that some motion of the joints would be needed for and none exists,
@@ -40,6 +43,7 @@ class Mobility:
     mobility: int
     constraints: int
     redundant: int
+    almost_redundant: int
     idle: int
     moves: int
     loose: Array
@@ -71,7 +75,7 @@ def mobility_nearby(mechanism: Mechanism) -> Mobility:
     """
     closure = Closure(mechanism)
     placement = closure.reference
-    free = _null_space(closure.jacobian(placement))[0]
+    free = _null_space(closure.jacobian(placement))
     step = _AWAY * closure.size * free @ np.linspace(1.0, 2.0, free.shape[1])
     for _ in range(_ITERATIONS):
         placement = closure.moved(placement, step)
@@ -82,20 +86,23 @@ def mobility_nearby(mechanism: Mechanism) -> Mobility:
 def mobility_at(closure: Closure, placement: Placement) -> Mobility:
     """As `mobility`, of a closed placement of the bodies."""
     jacobian = closure.jacobian(placement)
-    free, rank = _null_space(jacobian)
+    _, values, right = svd(jacobian, check_finite=False)
+    rank = int(np.count_nonzero(values > _NOTHING))
+    free = right[rank:].T
     drives = closure.drives(placement) @ free
     tool = closure.tool_twists(placement) @ free
     unit = np.array([1.0] * 3 + [closure.size] * 3)
     moves = closure.pose_jacobian(placement) @ free
-    undriven = _null_space(drives)[0]
+    undriven = _null_space(drives)
     loose = _row_space((tool @ undriven).T)
-    unmoved = _null_space(moves)[0]
-    barred = _null_space(moves.T)[0]
+    unmoved = _null_space(moves)
+    barred = _null_space(moves.T)
     names = (joint.name for joint in closure.mechanism.joints if joint.drive is not None)
     return Mobility(
         mobility=free.shape[1],
         constraints=len(jacobian),
         redundant=len(jacobian) - rank,
+        almost_redundant=int(np.count_nonzero((values > _NOTHING) & (values < _ALMOST))),
         idle=undriven.shape[1] - len(loose),
         moves=len(moves),
         loose=loose / unit,
@@ -134,11 +141,11 @@ def refuse_undetermined(found: Mobility, size: float, place: str) -> None:
         raise InputError(faults)
 
 
-def _null_space(matrix: Array) -> tuple[Array, int]:
-    """Orthonormal basis (columns) of the null space, and the rank."""
+def _null_space(matrix: Array) -> Array:
+    """Orthonormal basis (columns) of the null space."""
     _, values, right = svd(matrix, check_finite=False)
-    rank = int(np.count_nonzero(values > _NOTHING))
-    return right[rank:].T, rank
+    basis: Array = right[np.count_nonzero(values > _NOTHING) :].T
+    return basis
 
 
 def _row_space(matrix: Array) -> Array:

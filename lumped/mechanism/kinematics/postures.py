@@ -34,6 +34,8 @@ _SMALLEST_PART = 2.0**-12
 _CONVERGED = 1e-8
 # Weight of the tool's pose beside the joints where not both can be met.
 _INSISTENT = 1e3
+# Gap, of the size, that typed digits leave open rather than a pose out of reach.
+_INEXACT = 1e-6
 
 
 def reference_posture(mechanism: Mechanism) -> Posture:
@@ -164,6 +166,11 @@ def _out_of_reach(closure: Closure, placement: Placement, pose: Array, done: flo
     found = mobility_at(closure, placement)
     if done == 0.0 and found.at_limit:
         return f"{why}, where drives {', '.join(found.stirring)} move without the tool"
+    if found.redundant and widths.max() < _INEXACT * closure.size:
+        return (
+            f"{why}; {found.redundant} of its constraints repeat others and contradict them by "
+            "that little: points and directions must be given with all their digits"
+        )
     if done == 0.0 and found.barred:
         return f"{why}; its joints do not let the tool move along {', '.join(found.barred)}"
     return why

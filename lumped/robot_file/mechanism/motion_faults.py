@@ -35,9 +35,15 @@ def _mobility_faults(mechanism: Mechanism, found: Mobility) -> Iterator[str]:
         )
         return
     if found.barred:
+        allowed = (
+            f"{found.almost_redundant} constraints almost repeat others; are parallel axes given "
+            "with all their digits?"
+            if found.almost_redundant
+            else "must name motions that they allow, each by itself"
+        )
         yield (
             f"tool.moves = {moves}: the joints do not let the tool move along "
-            f"{', '.join(found.barred)}; must name motions that they allow, each by itself"
+            f"{', '.join(found.barred)}; {allowed}"
         )
     if moves and (found.spare > 0 or found.at_limit) and not len(found.loose):
         left = (

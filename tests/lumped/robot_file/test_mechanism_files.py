@@ -229,6 +229,12 @@ WRONG = {
     "moves that the mobility does not allow": five(
         MOVES, 'moves = ["x", "z"]      # what', "tool.moves", "along z", "free to"
     ),
+    "axis typed with three digits": five(
+        PIN,
+        PIN.replace("axis = [0.0, 0.0, 1.0]", "axis = [0.0, 0.001, 1.0]"),
+        "the joints do not let the tool move along",
+        "are parallel axes given with all their digits?",
+    ),
     "moves that leave a motion open": delta(
         LOAD,
         'moves = ["x", "y"]',

@@ -203,6 +203,24 @@ def test_an_open_reference_names_the_joint():
         posture(replace(mechanism, reference=moved), np.array([0.0, 0.5]))
 
 
+def tilted(mechanism, angle):
+    """The mechanism with the axis of one passive joint out of parallel."""
+    joints = list(mechanism.joints)
+    place = next(i for i, j in enumerate(joints) if j.kind == "revolute" and j.drive is None)
+    axis = joints[place].axes + angle * np.array([[1.0, 0.3, 0.7]])
+    joints[place] = replace(joints[place], axes=axis / np.linalg.norm(axis))
+    return replace(mechanism, joints=tuple(joints))
+
+
+@pytest.mark.parametrize("robot", ["3-rrr", "orthoglide"])
+def test_loops_that_only_almost_close_say_that_digits_are_missing(robot):
+    mechanism = tilted(load_robot(robot).mechanism, 1e-7)
+    with pytest.raises(InputError, match=r"\d+ of its constraints repeat others and contradict"):
+        posture(mechanism, mechanism.poses[0])
+    found = mobility(reference_posture(tilted(load_robot(robot).mechanism, 1e-4)))
+    assert found.almost_redundant == 1
+
+
 def test_a_drive_needs_one_motion_to_drive():
     mechanism = load_robot("delta").mechanism
     joints = [
