@@ -100,7 +100,7 @@ def load_robot(name_or_path: str | Path) -> RobotFile:
     content = _built_in(source) if built_in else _read(source)
     text = decoded(content, source)
     tables = parsed(text, source)
-    described, faults = _described(tables)
+    described, faults = described_by(tables)
     if described is None:
         raise InputError(_listed(source, faults))
     return RobotFile(
@@ -157,8 +157,8 @@ def write_template(path: str | Path, kind: RobotType = "biglide") -> None:
         raise InputError(f"{path}: cannot be written ({error.strerror})") from error
 
 
-def _described(tables: Mapping[str, Any]) -> tuple[Biglide | Mechanism | None, list[str]]:
-    """What a file describes, or None and its faults."""
+def described_by(tables: Mapping[str, Any]) -> tuple[Biglide | Mechanism | None, list[str]]:
+    """What the tables of a file of either schema describe, or None and their faults."""
     schema = tables.get("schema")
     # Whoever mistypes the number has written one of the two all the same.
     if schema == 2 or (schema != 1 and not tables.keys().isdisjoint(_ONLY_IN_2)):

@@ -14,6 +14,8 @@ from lumped.robot_file.mechanism.tables import JointTable
 _EXTENDED = ("prismatic", "cylindrical")
 # Sine of the angle below which two directions are one: what six digits give.
 _ALONG = 1e-5
+# Length of a direction below which it is none: its square would be lost.
+_NO_DIRECTION = 1e-9
 
 
 def joint_faults(draft: Draft) -> list[str]:
@@ -32,11 +34,12 @@ def points_of(joint: JointTable) -> tuple[str, str]:
 
 
 def way_between(draft: Draft, joint: JointTable) -> Array | None:
-    """From the first to the second of two points (3, m); None where there are not two known."""
+    """From the first to the second of two points (3, m); None unless two are known and apart."""
     first, second = points_of(joint)
     if first == second or first not in draft.points or second not in draft.points:
         return None
-    return draft.points[second] - draft.points[first]
+    way: Array = draft.points[second] - draft.points[first]
+    return way if np.linalg.norm(way) > _NO_DIRECTION else None
 
 
 def tool_faults(draft: Draft) -> list[str]:
@@ -110,7 +113,7 @@ def _axis_faults(draft: Draft, joint: JointTable, key: str) -> Iterator[str]:
         "axes": list(joint.axes or ()),
     }.get(wanted, [])
     for direction in directions:
-        if not np.any(direction):
+        if np.linalg.norm(direction) < _NO_DIRECTION:
             yield f"{key}.{wanted} = {list(direction)}: must not be zero, it is a direction"
             return
     if len(directions) == 2 and _sine(*directions) < _ALONG:
@@ -118,13 +121,11 @@ def _axis_faults(draft: Draft, joint: JointTable, key: str) -> Iterator[str]:
     if len(directions) == 1 and way is not None and joint.type in _EXTENDED:
         first, second = points_of(joint)
         apart = float(np.linalg.norm(way))
-        if apart > 0.0 and _sine(directions[0], way) > _ALONG:
+        if _sine(directions[0], way) > _ALONG:
             yield (
                 f"{key}.axis = {list(directions[0])}: must point from {first} to {second} or back, "
                 f"which are {apart:.3g} m apart; left out, it does"
             )
-    if way is not None and not np.any(way) and joint.axis is None and joint.type in _EXTENDED:
-        yield f"{key}.axis: missing; must be a direction [x, y, z], the two points coincide"
 
 
 def _drive_faults(draft: Draft, joint: JointTable, key: str) -> Iterator[str]:  # noqa: ARG001

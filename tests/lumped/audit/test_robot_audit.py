@@ -364,3 +364,34 @@ def test_a_mass_centre_outside_the_leg_is_found(centre):
 @pytest.mark.parametrize("check", CHECKS)
 def test_a_part_without_data_has_no_findings(check):
     assert check(Part("leg1")) == ()
+
+
+def test_bodies_and_joints_of_a_mechanism_are_audited_under_their_keys():
+    beam = np.diag([1e-9, 1e-7, 1e-7, 1e-6, 6e-7, 6e-7])
+    # A leg of 0.5 m whose tip turns the wrong way under a force along y, a body that is none.
+    beam[1, 5] = beam[5, 1] = -1.5e-7
+    beam[2, 4] = beam[4, 2] = -1.5e-7
+    tables = {
+        "points": {"A": [0.0, 0.0, 0.0], "B": [0.3, 0.4, 0.0]},
+        "bodies": {
+            "rod": {"from": "A", "to": "B", "mass": 3.0, "compliance": beam.tolist()},
+            "platform": {"points": ["B"], "inertia": np.diag([1.0, 1.0, 3.0]).tolist()},
+        },
+        "joints": {"a": {"compliance": np.diag([1e-9, 1e-9, -1e-9, 1e-8, 1e-8, 1e-8]).tolist()}},
+    }
+    found = {(f.where, f.check) for part in parts(tables) for f in data_findings(part)}
+    assert found == {
+        ("bodies.rod.compliance", "couplings"),
+        ("bodies.platform.inertia", "triangle inequality"),
+        ("joints.a.compliance", "definiteness"),
+    }
+    assert next(parts_named(tables, "bodies.rod")).length == pytest.approx(0.5)
+
+
+def parts_named(tables, name):
+    return (part for part in parts(tables) if part.name == name)
+
+
+@pytest.mark.parametrize("robot", ["five-bar", "3-rrr", "delta", "orthoglide", "hexapod"])
+def test_nothing_is_found_wrong_with_the_mechanisms_that_come_with_the_program(robot):
+    assert audit(load_robot(robot)) == ()

@@ -1,5 +1,8 @@
 """Robot files of schema 2: what sound ones describe, and one line for each fault of wrong ones."""
 
+import random
+import tomllib
+from copy import deepcopy
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,7 +11,7 @@ import pytest
 from lumped.errors import InputError
 from lumped.mechanism.body import Given, Prism, Rigid
 from lumped.robot_file import load_robot, write_template
-from lumped.robot_file.load import built_in_robots
+from lumped.robot_file.load import built_in_robots, described_by
 from validation import cli
 
 PIN = (
@@ -381,3 +384,42 @@ def test_two_points_of_a_slide_give_its_axis():
     assert drive.axes[0] == pytest.approx(-leg, abs=1e-10)
     assert drive.drive is not None
     assert drive.drive.stiffness == 6.0e7
+
+
+# What slips into a table: nothing, too much, too little, of another kind.
+ODD = (
+    *(None, 0, -1, 2**70, 1e300, 1e-300, 1e400, float("nan"), True, "", "x", "ground", [], {}),
+    *([[]], {"a": 1}, [1, 2, 3], [0.0, 0.0, 0.0], ["a", "b"], [["a"]], [float("inf")] * 3),
+)
+
+
+def places(table, path=()):
+    """Ways to all entries of nested tables and lists."""
+    if path:
+        yield path
+    inner = table.items() if isinstance(table, dict) else enumerate(table)
+    if isinstance(table, dict | list):
+        for key, value in inner:
+            yield from (
+                places(value, (*path, key)) if isinstance(value, dict | list) else ((*path, key),)
+            )
+
+
+@pytest.mark.parametrize("robot", ["five-bar", "delta"])
+def test_whatever_stands_in_a_table_is_sound_or_gets_lines_of_its_own(robot, tmp_path):
+    base = tomllib.loads(text_of(robot, tmp_path))
+    base["path"]["count"] = 1
+    chance = random.Random(4)  # noqa: S311  the same files every time
+    for path in chance.sample(list(places(base)), 80):
+        tables = deepcopy(base)
+        holder = tables
+        for key in path[:-1]:
+            holder = holder[key]
+        value = chance.choice(ODD)
+        if value is None:
+            del holder[path[-1]]
+        else:
+            holder[path[-1]] = value
+        described, faults = described_by(tables)
+        assert (described is None) == bool(faults), (path, value)
+        assert all("\n" not in fault and ": " in fault for fault in faults), (path, value)
