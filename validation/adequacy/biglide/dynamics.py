@@ -15,13 +15,8 @@ from lumped.leg_matrices import LegMatrices
 from lumped.legs import BeamProperties, ConstantLeg, Ends, GivenLeg, Leg, equivalent_leg
 from lumped.segments import segment_chain, segment_leg
 from validation.adequacy.biglide.given_masses import MASSES, Masses, leg_with_masses
-from validation.adequacy.biglide.statics import (
-    OPEN_ENDS,
-    SAY_ENDS,
-    holds,
-    own_constants,
-    step_uncertainty,
-)
+from validation.adequacy.biglide.statics import SAY_ENDS, holds
+from validation.adequacy.legs import OPEN_ENDS, own_constants, step_uncertainty
 from validation.adequacy.partners import partners
 from validation.adequacy.response import Alternative, Reference, Response, Rung, Vibration
 from validation.context import Context

@@ -8,28 +8,28 @@ from dataclasses import replace
 
 import numpy as np
 
-from fem.sections.nonuniform_torsion import held_torsion_compliance
 from lumped.arrays import Array
 from lumped.legs import Ends, GivenLeg, Leg
 from lumped.requirement import Requirement
-from validation.adequacy.biglide.statics import (
+from validation.adequacy.biglide.statics import SAY_ENDS
+from validation.adequacy.judgement import judged
+from validation.adequacy.legs import (
     HOLD,
     OPEN_ENDS,
-    SAY_ENDS,
-    own_constants,
+    ROUNDING,
+    held_spring,
     own_spring,
+    restrained_spring,
     solid_leg,
     step_uncertainty,
-    straight,
+    straight_spring,
 )
-from validation.adequacy.judgement import judged
 from validation.adequacy.matrix import Matrix
 from validation.adequacy.response import Alternative, Candidate, Reference, Response, Rung, Subject
 from validation.context import Context
 from validation.models.legs import leg_compliance
 from validation.models.options import ModelName, ModelOptions
 
-_ROUNDING = 1e-9
 _EULER = ModelOptions(theory="euler-bernoulli", legs="equivalent")
 _MODELS: Mapping[str, tuple[ModelName, ModelOptions]] = {
     "vjm": ("vjm", ModelOptions()),
@@ -81,7 +81,7 @@ def _everywhere(leg: Leg, compliance: Array) -> dict[str, Response]:
 
 def _reference(context: Context, leg: Leg) -> Reference:
     if isinstance(leg, GivenLeg):
-        known = np.full((1, 6), _ROUNDING)
+        known = np.full((1, 6), ROUNDING)
         only = Alternative("as given", Response(leg.compliance[None]), static=known)
         return Reference("the leg's own 6×6", (only,), computed_by=("lumped.robot_file",))
     meshes = solid_leg(context, leg)
@@ -117,7 +117,7 @@ def _rungs(context: Context, leg: Leg) -> list[Rung]:
             Rung(
                 "equivalent leg: another diagonal than the 6×6",
                 "the straight leg's entries of the 6×6",
-                _everywhere(leg, straight(leg)),
+                _everywhere(leg, straight_spring(leg)),
             ),
             Rung(
                 "equivalent leg: couplings of the 6×6 left out",
@@ -127,15 +127,10 @@ def _rungs(context: Context, leg: Leg) -> list[Rung]:
             ),
         ]
     own = own_spring(context, leg)
-    warped, restrained = {}, {}
-    for name, hold in _holds(leg).items():
-        held = own.copy()
-        if hold == "rigid":
-            constants = context.get(own_constants, leg)
-            held[3, 3] = held_torsion_compliance(constants, leg.material, leg.length)
-        warped[name] = Response(held[None])
-        taken = solid_leg(context, leg).fine.restrained if hold == "rigid" else 0.0
-        restrained[name] = Response((own + taken)[None])
+    warped, restrained = (
+        {name: Response(spring(context, leg, hold)[None]) for name, hold in _holds(leg).items()}
+        for spring in (held_spring, restrained_spring)
+    )
     return [
         Rung(
             "textbook section constants",

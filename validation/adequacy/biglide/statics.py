@@ -5,42 +5,36 @@ the file where they are given. Ladders climb by the virtual joint method, which 
 that.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
-from fem.sections.nonuniform_torsion import held_torsion_compliance
-from fem.sections.section_constants import SectionConstants, beam_properties, section_constants
 from lumped import biglide_assembly, vjm
 from lumped.arrays import Array
 from lumped.biglide import Biglide
-from lumped.legs import ConstantLeg, Ends, GivenLeg, Leg, given_compliance, tip_compliance
-from meshes.section.section_mesh import section_mesh
+from lumped.legs import ConstantLeg, Ends, GivenLeg, Leg
+from validation.adequacy.legs import (
+    HOLD,
+    OPEN_ENDS,
+    ROUNDING,
+    SECTION_DIVISIONS,
+    SECTION_RATIO,
+    held_spring,
+    own_spring,
+    restrained_spring,
+    shares_section,
+    solid_leg,
+    solid_tip,
+    step_uncertainty,
+    straight_spring,
+)
 from validation.adequacy.response import Alternative, Reference, Response, Rung
-from validation.context import Context, Preset
-from validation.leg_solids import COARSEST_WALLS, section_counts, static_ladder
+from validation.context import Context
+from validation.leg_solids import COARSEST_WALLS
 from validation.models.biglide import robot_compliance
 from validation.models.options import ModelName, ModelOptions
-from validation.robot_solids import TwoMeshes, static_leg, two_meshes
+from validation.robot_solids import static_leg
 
-# Unknowns of the finest section mesh of a solid leg; the second number where the first one does not
-# allow two meshes of its walls.
-UNKNOWNS: dict[Preset, tuple[int, int]] = {
-    "quick": (900, 2500),
-    "standard": (900, 2500),
-    "fine": (2000, 5000),
-}
-# Edges of held faces and inward corners of sections have singular stresses: no energy converges
-# more slowly than with this power of the mesh size (M. L. Williams, J. Appl. Mech. 19 (1952) 526).
-SLOWEST_ORDER = 4.0 / 3.0
-_SAFETY = 3.0
-# The same section constants serve all that is not a mesh study.
-SECTION_DIVISIONS = 8
-_TWICE = SECTION_DIVISIONS / COARSEST_WALLS
-# What the legs' own 6×6 is solved to.
-_ROUNDING = 1e-9
-HOLD: tuple[Ends, Ends] = ("rigid", "free")
-OPEN_ENDS = "how the ends are held"
 SAY_ENDS = 'say how the legs\' end faces are held: ends = "rigid" or "free" in [leg1], [leg2]'
 
 
@@ -51,15 +45,6 @@ def compliances(model: ModelName, robot: Biglide, x: Array, options: ModelOption
         known = robot_compliance(model, robot, station, options)
         found[at, : len(known), : len(known)] = known
     return Response(compliance=found)
-
-
-def step_uncertainty(coarse: Array, fine: Array, ratio: float) -> Array:
-    """Relative numerical uncertainty of `fine` from one refinement by `ratio` (any shape).
-
-    Roache's estimate for two meshes, safety factor three, with the lowest order there can be.
-    """
-    factor = _SAFETY / (ratio**SLOWEST_ORDER - 1.0)
-    return np.asarray(factor * np.abs(coarse / fine - 1.0))
 
 
 def holds(robot: Biglide) -> dict[str, tuple[Ends, Ends]]:
@@ -79,16 +64,17 @@ def static_reference(context: Context, robot: Biglide, x: Array) -> Reference:
     """Solid or given legs, assembled; raises InputError where sections are too fine to mesh."""
     legs = robot.leg1, robot.leg2
     solids = [isinstance(leg, ConstantLeg) for leg in legs]
-    meshes = [solid_leg(context, leg) if isinstance(leg, ConstantLeg) else None for leg in legs]
-    ratio = min((mesh.ratio for mesh in meshes if mesh), default=1.0)
+    ratio = min(
+        (solid_leg(context, leg).ratio for leg in legs if isinstance(leg, ConstantLeg)), default=1.0
+    )
     section_uncertainty = _section_uncertainty(context, robot, x)
     alternatives = []
     for name, ends in holds(robot).items():
-        leg_data = list(zip(legs, meshes, ends, strict=True))
+        held = list(zip(legs, ends, strict=True))
         found = [
             np.array(
                 [
-                    _assembled(robot, at, [_tip(*one, fine=fine) for one in leg_data])
+                    _assembled(robot, at, [solid_tip(context, *one, fine=fine) for one in held])
                     for at in x.tolist()
                 ]
             )
@@ -98,7 +84,7 @@ def static_reference(context: Context, robot: Biglide, x: Array) -> Reference:
         uncertainty = (
             step_uncertainty(diagonals[0], diagonals[1], ratio)
             if any(solids)
-            else np.full(diagonals[1].shape, _ROUNDING)
+            else np.full(diagonals[1].shape, ROUNDING)
         )
         uncertainty = uncertainty + section_uncertainty
         alternatives.append(Alternative(name, Response(compliance=found[1]), static=uncertainty))
@@ -122,30 +108,13 @@ _TITLES = {
 }
 
 
-def solid_leg(context: Context, leg: ConstantLeg) -> TwoMeshes:
-    """Tip compliances of a leg as a solid on two meshes, once per run and process.
-
-    Raises InputError where even one section mesh has too many unknowns.
-    """
-    return context.get(two_meshes, leg, _most(context, leg))
-
-
-def _most(context: Context, leg: ConstantLeg) -> int:
-    """Unknowns of the finest section mesh: more where few do not allow two meshes."""
-    first, second = UNKNOWNS[context.preset]
-    return first if context.get(static_ladder, leg, first) else second
-
-
 def _section_uncertainty(context: Context, robot: Biglide, x: Array) -> Array:
     """What section meshes leave open (p×6, relative) where both solids of a leg share one.
 
     By virtual joints with constants of that mesh and of one twice as fine; else zero.
     """
     legs = robot.leg1, robot.leg2
-    shared = [
-        isinstance(leg, ConstantLeg) and not context.get(static_ladder, leg, _most(context, leg))
-        for leg in legs
-    ]
+    shared = [shares_section(context, leg) for leg in legs]
     if not any(shared):
         return np.zeros((len(x), 6))
 
@@ -157,14 +126,7 @@ def _section_uncertainty(context: Context, robot: Biglide, x: Array) -> Array:
         found = [vjm.compliance(robot, at, (springs[0], springs[1])) for at in x.tolist()]
         return np.diagonal(np.array(found), axis1=1, axis2=2)
 
-    return step_uncertainty(joints(COARSEST_WALLS), joints(SECTION_DIVISIONS), _TWICE)
-
-
-def _tip(leg: Leg, meshes: TwoMeshes | None, ends: Ends, *, fine: bool) -> Array:
-    if meshes is None:
-        return given_compliance(leg)
-    found = meshes.fine if fine else meshes.coarse
-    return found.rigid if ends == "rigid" else found.free
+    return step_uncertainty(joints(COARSEST_WALLS), joints(SECTION_DIVISIONS), SECTION_RATIO)
 
 
 def _assembled(robot: Biglide, x: float, tips: Sequence[Array]) -> Array:
@@ -186,6 +148,11 @@ def static_ladders(context: Context, robot: Biglide, x: Array) -> dict[str, tupl
     def everywhere(response: Response) -> Mapping[str, Response]:
         return dict.fromkeys(names, response)
 
+    def both(
+        spring: Callable[[Context, Leg, Ends], Array], ends: tuple[Ends, Ends]
+    ) -> tuple[Array, Array]:
+        return spring(context, legs[0], ends[0]), spring(context, legs[1], ends[1])
+
     given = any(isinstance(leg, GivenLeg) for leg in legs)
     upper: list[Rung] = []
     if not all(isinstance(leg, GivenLeg) for leg in legs):
@@ -200,17 +167,14 @@ def static_ladders(context: Context, robot: Biglide, x: Array) -> dict[str, tupl
             Rung(
                 "warping held at the ends",
                 "Reissner's torsion with held ends, the section's own Γ",
-                {
-                    name: joints(_held_springs(context, ends, legs))
-                    for name, ends in holds(robot).items()
-                },
+                {name: joints(both(held_spring, ends)) for name, ends in holds(robot).items()},
                 "add the warping stiffness",
             ),
             Rung(
                 "contraction and warping by shear held at the ends",
                 "fem.sections.end_effects, exact along the leg",
                 {
-                    name: joints(_restrained_springs(context, ends, legs))
+                    name: joints(both(restrained_spring, ends))
                     for name, ends in holds(robot).items()
                 },
                 "add what rigid end faces take",
@@ -221,7 +185,7 @@ def static_ladders(context: Context, robot: Biglide, x: Array) -> dict[str, tupl
         Rung(
             "equivalent leg: another diagonal than the 6×6",
             "virtual joints with the straight leg's entries of the 6×6",
-            everywhere(joints((straight(legs[0]), straight(legs[1])))),
+            everywhere(joints((straight_spring(legs[0]), straight_spring(legs[1])))),
         ),
         Rung(
             "equivalent leg: couplings of the 6×6 left out",
@@ -252,54 +216,3 @@ def static_ladders(context: Context, robot: Biglide, x: Array) -> dict[str, tupl
         "segments-euler-bernoulli": (shear, *equivalent),
         "beam-euler-bernoulli": (shear, *equivalent),
     }
-
-
-def straight(leg: Leg) -> Array:
-    """The entries of a tip compliance that a straight leg of constant section has."""
-    tip = given_compliance(leg)
-    kept = np.eye(6)
-    kept[1, 5] = kept[5, 1] = kept[2, 4] = kept[4, 2] = 1.0
-    return tip * kept
-
-
-def own_spring(context: Context, leg: Leg, divisions: int = SECTION_DIVISIONS) -> Array:
-    """Tip compliance (6×6, SI, leg axes): of the 6×6, or of the section's own constants."""
-    if isinstance(leg, GivenLeg):
-        return leg.compliance
-    constants = context.get(own_constants, leg, divisions)
-    return tip_compliance(beam_properties(constants, leg.material), leg.length)
-
-
-def _held_springs(
-    context: Context, ends: tuple[Ends, Ends], legs: tuple[Leg, Leg]
-) -> tuple[Array, Array]:
-    """Springs of the legs' own constants; c44 by non-uniform torsion where ends are held."""
-    springs = []
-    for leg, hold in zip(legs, ends, strict=True):
-        spring = own_spring(context, leg)
-        if isinstance(leg, ConstantLeg) and hold == "rigid":
-            spring = spring.copy()
-            constants = context.get(own_constants, leg)
-            spring[3, 3] = held_torsion_compliance(constants, leg.material, leg.length)
-        springs.append(spring)
-    return springs[0], springs[1]
-
-
-def _restrained_springs(
-    context: Context, ends: tuple[Ends, Ends], legs: tuple[Leg, Leg]
-) -> tuple[Array, Array]:
-    """Springs of the legs' own constants, less all that rigid faces take where ends are held."""
-    springs = []
-    for leg, hold in zip(legs, ends, strict=True):
-        spring = own_spring(context, leg)
-        if isinstance(leg, ConstantLeg) and hold == "rigid":
-            spring = spring + solid_leg(context, leg).fine.restrained
-        springs.append(spring)
-    return springs[0], springs[1]
-
-
-def own_constants(leg: ConstantLeg, divisions: int = SECTION_DIVISIONS) -> SectionConstants:
-    """Constants of a leg's section from finite elements, without thin-wall assumptions."""
-    material = leg.material
-    mesh = section_mesh(leg.section, section_counts(leg, divisions))
-    return section_constants(mesh, material.nu, material.G / material.E)

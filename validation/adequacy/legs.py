@@ -1,0 +1,112 @@
+"""Legs as their robot's reference has them, and the springs by which ladders climb towards it."""
+
+import numpy as np
+
+from fem.sections.nonuniform_torsion import held_torsion_compliance
+from fem.sections.section_constants import SectionConstants, beam_properties, section_constants
+from lumped.arrays import Array
+from lumped.legs import ConstantLeg, Ends, GivenLeg, Leg, given_compliance, tip_compliance
+from meshes.section.section_mesh import section_mesh
+from validation.context import Context, Preset
+from validation.leg_solids import COARSEST_WALLS, section_counts, static_ladder
+from validation.robot_solids import TwoMeshes, two_meshes
+
+# Unknowns of the finest section mesh of a solid leg; the second number where the first one does not
+# allow two meshes of its walls.
+UNKNOWNS: dict[Preset, tuple[int, int]] = {
+    "quick": (900, 2500),
+    "standard": (900, 2500),
+    "fine": (2000, 5000),
+}
+# Edges of held faces and inward corners of sections have singular stresses: no energy converges
+# more slowly than with this power of the mesh size (M. L. Williams, J. Appl. Mech. 19 (1952) 526).
+SLOWEST_ORDER = 4.0 / 3.0
+_SAFETY = 3.0
+# The same section constants serve all that is not a mesh study.
+SECTION_DIVISIONS = 8
+# How much finer those are than the one mesh that both solids of a leg share.
+SECTION_RATIO = SECTION_DIVISIONS / COARSEST_WALLS
+# What the legs' own 6×6 is solved to.
+ROUNDING = 1e-9
+HOLD: tuple[Ends, Ends] = ("rigid", "free")
+OPEN_ENDS = "how the ends are held"
+
+
+def step_uncertainty(coarse: Array, fine: Array, ratio: float) -> Array:
+    """Relative numerical uncertainty of `fine` from one refinement by `ratio` (any shape).
+
+    Roache's estimate for two meshes, safety factor three, with the lowest order there can be.
+    """
+    factor = _SAFETY / (ratio**SLOWEST_ORDER - 1.0)
+    return np.asarray(factor * np.abs(coarse / fine - 1.0))
+
+
+def solid_leg(context: Context, leg: ConstantLeg) -> TwoMeshes:
+    """Tip compliances of a leg as a solid on two meshes, once per run and process.
+
+    Raises InputError where even one section mesh has too many unknowns.
+    """
+    return context.get(two_meshes, leg, _most(context, leg))
+
+
+def shares_section(context: Context, leg: Leg) -> bool:
+    """Whether both solids of a leg have one section mesh, the only one that is affordable."""
+    if not isinstance(leg, ConstantLeg):
+        return False
+    return not context.get(static_ladder, leg, _most(context, leg))
+
+
+def _most(context: Context, leg: ConstantLeg) -> int:
+    """Unknowns of the finest section mesh: more where few do not allow two meshes."""
+    first, second = UNKNOWNS[context.preset]
+    return first if context.get(static_ladder, leg, first) else second
+
+
+def solid_tip(context: Context, leg: Leg, ends: Ends, *, fine: bool) -> Array:
+    """6×6 tip compliance (SI, leg axes) of a solid leg on one of its meshes; a given one's own."""
+    if isinstance(leg, GivenLeg):
+        return given_compliance(leg)
+    meshes = solid_leg(context, leg)
+    found = meshes.fine if fine else meshes.coarse
+    return found.rigid if ends == "rigid" else found.free
+
+
+def straight_spring(leg: Leg) -> Array:
+    """The entries of a tip compliance that a straight leg of constant section has."""
+    tip = given_compliance(leg)
+    kept = np.eye(6)
+    kept[1, 5] = kept[5, 1] = kept[2, 4] = kept[4, 2] = 1.0
+    return np.asarray(tip * kept)
+
+
+def own_spring(context: Context, leg: Leg, divisions: int = SECTION_DIVISIONS) -> Array:
+    """Tip compliance of a leg with its section's own constants; a given leg's 6×6."""
+    if isinstance(leg, GivenLeg):
+        return leg.compliance
+    constants = context.get(own_constants, leg, divisions)
+    return tip_compliance(beam_properties(constants, leg.material), leg.length)
+
+
+def held_spring(context: Context, leg: Leg, ends: Ends) -> Array:
+    """The own spring; where ends are held, c44 by non-uniform torsion."""
+    spring = own_spring(context, leg)
+    if isinstance(leg, ConstantLeg) and ends == "rigid":
+        spring = spring.copy()
+        constants = context.get(own_constants, leg)
+        spring[3, 3] = held_torsion_compliance(constants, leg.material, leg.length)
+    return spring
+
+
+def restrained_spring(context: Context, leg: Leg, ends: Ends) -> Array:
+    """The own spring, less all that rigid faces take where ends are held."""
+    spring = own_spring(context, leg)
+    if isinstance(leg, ConstantLeg) and ends == "rigid":
+        spring = spring + solid_leg(context, leg).fine.restrained
+    return spring
+
+
+def own_constants(leg: ConstantLeg, divisions: int = SECTION_DIVISIONS) -> SectionConstants:
+    """Constants of a leg's section from finite elements, without thin-wall assumptions."""
+    material = leg.material
+    mesh = section_mesh(leg.section, section_counts(leg, divisions))
+    return section_constants(mesh, material.nu, material.G / material.E)
