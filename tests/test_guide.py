@@ -3,7 +3,7 @@
 A fenced block says by its first word what it is:
 
     ```console         `$ command` and, below it, lines that it prints (… stands for others)
-    ```toml name.toml  a file of that name, which later commands of the page use
+    ```toml name.toml  a file of that name, which later commands of the page use; csv likewise
     ```python          executed; all blocks of a page share one namespace
 
 `flexproof run` is run at the quick preset on a handful of comparisons; `flexproof test` is this.
@@ -48,8 +48,8 @@ def test_the_examples_of_the_page_work(page, tmp_path, monkeypatch, capsys):
     for language, argument, text in blocks(page):
         if language == "console":
             run_console(text, capsys)
-        elif language == "toml":
-            assert argument, "a robot file needs a name"
+        elif language in {"toml", "csv"}:
+            assert argument, "a file needs a name"
             Path(argument).write_text(text, encoding="utf-8")
         elif language == "python":
             exec(compile(text, f"{page.name}", "exec"), namespace)  # noqa: S102  our own pages

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from lumped.robot_file import RobotFile
-from validation.adequacy.assessment import Assessment
+from validation.adequacy.assessment import ADEQUACY, MEASURED, Assessment
 from validation.adequacy.biglide.subject import biglide_adequacy
 from validation.case import About, Case
 from validation.cases import (
@@ -38,6 +38,7 @@ from validation.cases import (
     shapes,
     solids,
 )
+from validation.measured.biglide import measured_matrix
 from validation.report.figures import drawings
 from validation.results.records import Task
 
@@ -45,11 +46,18 @@ from validation.results.records import Task
 PAPER_ROBOT = "ifw"
 
 _ADEQUACY = Assessment(
-    id="adequacy",
+    id=ADEQUACY,
     title="Which models are adequate for what",
     compute=biglide_adequacy,
     group="robot.solid.modes",
     effort=5.0,
+)
+
+_MEASURED = Assessment(
+    id=MEASURED,
+    title="Models against measured values",
+    compute=measured_matrix,
+    effort=2.0,
 )
 
 
@@ -85,6 +93,7 @@ def catalogue(robot_file: RobotFile) -> Sequence[Task]:
         *guards_pairing.cases(),
         *judgement.cases(),
         _ADEQUACY,
+        *([_MEASURED] if robot_file.measured else []),
         *drawings(),
     )
 

@@ -121,6 +121,7 @@ def run(
     accept: tuple[str, ...] = (),
     rely: tuple[str, ...] = (),
     strict: Annotated[bool, Parameter(negative="")] = False,
+    measured: Path | None = None,
 ) -> int:
     """Validate a robot's lumped models and write a report.
 
@@ -157,11 +158,16 @@ def run(
         A model that is relied on: where it is inadequate the exit code is 1. May be given again.
     strict
         Undecided is not good enough either: for models relied on, and for comparisons.
+    measured
+        Measured values of the robot (CSV: quantity, pose, value, uncertainty, source), besides
+        those of the robot file.
     """
     from dataclasses import replace  # noqa: PLC0415
 
+    from lumped.measured import digest  # noqa: PLC0415
     from lumped.requirement import with_options  # noqa: PLC0415
     from lumped.robot_file import load_robot  # noqa: PLC0415
+    from lumped.robot_file.measured import with_measured  # noqa: PLC0415
     from validation.catalogue import catalogue  # noqa: PLC0415
     from validation.faults.detection import is_fault, with_faults  # noqa: PLC0415
     from validation.run import summary  # noqa: PLC0415
@@ -173,7 +179,9 @@ def run(
     # Whoever names faults alone wants them injected.
     faults = faults or bool(only and is_fault(only))
     robot_file = load_robot(robot)
+    robot_file = with_measured(robot_file, measured) if measured else robot_file
     asked = {"accept": " ".join(accept), "rely": " ".join(rely)}
+    asked["measured"] = digest(robot_file.measured) if measured else ""
     request = Request(
         replace(robot_file, requirement=with_options(robot_file.requirement, accept, rely)),
         preset,

@@ -8,10 +8,18 @@ import numpy as np
 
 from lumped.biglide import Biglide, geometry_faults
 from lumped.legs import GivenLeg
-from lumped.robot_file.corrections import correction_faults, value_at
+from lumped.measured import Measured, measured_faults, pose_faults
+from lumped.robot_file.corrections import can_be_scaled, correction_faults, value_at
 from lumped.robot_file.leg_table import leg_faults, leg_of, symmetric
 from lumped.robot_file.table_faults import table_faults
-from lumped.robot_file.tables import Correction, Length, RobotTables
+from lumped.robot_file.tables import (
+    Correction,
+    InputUncertainty,
+    Length,
+    MeasuredTable,
+    RobotTables,
+)
+from lumped.text import shown
 
 
 def biglide_faults(tables: Mapping[str, Any]) -> list[str]:
@@ -20,12 +28,43 @@ def biglide_faults(tables: Mapping[str, Any]) -> list[str]:
     for leg in ("leg1", "leg2"):
         faults += leg_faults(tables.get(leg), leg)
     faults += _geometry_faults(tables)
-    return faults or correction_faults(tables, corrections_of(tables))
+    return faults or [
+        *correction_faults(tables, corrections_of(tables)),
+        *_measured_faults(tables),
+        *(
+            f"input_uncertainty[{number}].key = {shown(one.key)}: must name a number or a matrix "
+            'of this file, like "leg1.length" or "foot.compliance"'
+            for number, one in enumerate(input_uncertainties_of(tables), start=1)
+            if not can_be_scaled(tables, one.key)
+        ),
+    ]
+
+
+def _measured_faults(tables: Mapping[str, Any]) -> list[str]:
+    faults, robot = [], biglide_of(tables)
+    for number, one in enumerate(measured_of(tables), start=1):
+        place = f"measured[{number}]"
+        faults += measured_faults(one, place) or pose_faults(robot, one, place)
+    return faults
 
 
 def corrections_of(tables: Mapping[str, Any]) -> tuple[Correction, ...]:
     """Corrections of misprints that sound tables carry; none in a file of schema 2."""
     return tuple(msgspec.convert(tables.get("corrections", []), list[Correction]))
+
+
+def measured_of(tables: Mapping[str, Any]) -> tuple[Measured, ...]:
+    """Measured values that sound tables carry."""
+    found = msgspec.convert(tables.get("measured", []), list[MeasuredTable])
+    return tuple(
+        Measured(one.quantity, one.value, one.uncertainty, one.source, tuple(one.pose), one.load)
+        for one in found
+    )
+
+
+def input_uncertainties_of(tables: Mapping[str, Any]) -> tuple[InputUncertainty, ...]:
+    """What sound tables say of how well their numbers are known."""
+    return tuple(msgspec.convert(tables.get("input_uncertainty", []), list[InputUncertainty]))
 
 
 def biglide_of(tables: Mapping[str, Any]) -> Biglide:

@@ -61,6 +61,33 @@ def with_printed_values(
     return printed
 
 
+def can_be_scaled(tables: Mapping[str, Any], key: str) -> bool:
+    """Whether a number or an array of numbers stands at the key."""
+    try:
+        holder, last = _holder(tables, key)
+    except LookupError:
+        return False
+    return _are_numbers(holder[last])
+
+
+def scaled(tables: Mapping[str, Any], key: str, factor: float) -> dict[str, Any]:
+    """The tables with what stands at the key, a number or a matrix, times `factor`."""
+    changed = deepcopy(dict(tables))
+    holder, last = _holder(changed, key)
+    holder[last] = _times(holder[last], factor)
+    return changed
+
+
+def _are_numbers(value: Any) -> bool:
+    if isinstance(value, list):
+        return bool(value) and all(map(_are_numbers, value))
+    return is_finite_number(value)
+
+
+def _times(value: Any, factor: float) -> Any:
+    return [_times(one, factor) for one in value] if isinstance(value, list) else factor * value
+
+
 def _holder(tables: Mapping[str, Any], key: str) -> tuple[Any, Any]:
     """The table or row that holds the value at `key`, and its key or index therein."""
     match = _KEY.fullmatch(key.strip())

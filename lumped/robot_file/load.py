@@ -16,10 +16,17 @@ import msgspec
 from lumped.biglide import Biglide
 from lumped.biglide import mechanism as biglide_mechanism
 from lumped.errors import InputError
+from lumped.measured import Measured
 from lumped.mechanism.mechanism import Mechanism
 from lumped.requirement import STATIC_QUANTITIES, Requirement
-from lumped.robot_file.biglide import biglide_faults, biglide_of, corrections_of
-from lumped.robot_file.corrections import with_printed_values
+from lumped.robot_file.biglide import (
+    biglide_faults,
+    biglide_of,
+    corrections_of,
+    input_uncertainties_of,
+    measured_of,
+)
+from lumped.robot_file.corrections import scaled, with_printed_values
 from lumped.robot_file.mechanism.build import description_faults, mechanism_of
 from lumped.robot_file.mechanism.motion_faults import motion_faults
 from lumped.robot_file.reading import decoded, parsed, read_bytes
@@ -41,7 +48,7 @@ class RobotFile:
     `described` is what the file describes: a biglide (schema 1) or any mechanism (schema 2).
     `source` is the path as given or, if `built_in`, the robot's name; `text` the file's text and
     `sha256` the digest (hexadecimal) of its bytes; `corrections` of misprints in its source;
-    `requirement` what is asked of its models.
+    `requirement` what is asked of its models, `measured` what was measured of the robot.
     """
 
     described: Biglide | Mechanism
@@ -51,6 +58,7 @@ class RobotFile:
     sha256: str
     corrections: tuple[Correction, ...]
     requirement: Requirement = field(default_factory=Requirement)
+    measured: tuple[Measured, ...] = ()
 
     @property
     def robot(self) -> Biglide:
@@ -76,6 +84,21 @@ class RobotFile:
     def name(self) -> str:
         """The robot's name."""
         return self.described.name
+
+    def with_inputs_off(self) -> tuple[tuple[str, Biglide, Biglide], ...]:
+        """Each uncertain input by its key, with the biglide where it is a standard uncertainty off.
+
+        Below, then above what the file says.
+        """
+        tables = self.tables
+        return tuple(
+            (
+                one.key,
+                biglide_of(scaled(tables, one.key, 1.0 - one.relative)),
+                biglide_of(scaled(tables, one.key, 1.0 + one.relative)),
+            )
+            for one in input_uncertainties_of(tables)
+        )
 
     @property
     def tables(self) -> dict[str, Any]:
@@ -111,6 +134,7 @@ def load_robot(name_or_path: str | Path) -> RobotFile:
         sha256=hashlib.sha256(content).hexdigest(),
         corrections=corrections_of(tables),
         requirement=requirement_of(msgspec.convert(tables.get("accept"), Accept | None)),
+        measured=measured_of(tables),
     )
 
 

@@ -205,6 +205,24 @@ class Correction(Table, frozen=True):
     reason: Text
 
 
+class MeasuredTable(Table, frozen=True):
+    """One of [[measured]]; see `lumped.measured` for what is allowed of its numbers."""
+
+    quantity: Text
+    value: float
+    uncertainty: float
+    source: Text
+    pose: list[float] = msgspec.field(default_factory=list)
+    load: float = 1.0
+
+
+class InputUncertainty(Table, frozen=True):
+    """One of [[input_uncertainty]]: relative standard uncertainty of what stands at `key`."""
+
+    key: Text
+    relative: Share
+
+
 class RobotTables(Table, frozen=True):
     """A whole robot file."""
 
@@ -220,3 +238,5 @@ class RobotTables(Table, frozen=True):
     tool: Tool | None = None
     accept: Accept | None = None
     corrections: list[Correction] = msgspec.field(default_factory=list)
+    measured: list[MeasuredTable] = msgspec.field(default_factory=list)
+    input_uncertainty: list[InputUncertainty] = msgspec.field(default_factory=list)

@@ -6,6 +6,9 @@ from dataclasses import dataclass
 from validation.adequacy.matrix import Matrix
 from validation.context import PRESETS, Context, Preset
 
+# The two assessments of a run by id: against what is computed, and against what was measured.
+ADEQUACY, MEASURED = "adequacy", "measured"
+
 
 @dataclass(frozen=True)
 class Assessment:

@@ -4,6 +4,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal, TypeAlias
 
+# How the reference of an entry begins that is a measured value.
+MEASURED = "measured: "
 Adequacy: TypeAlias = Literal["adequate", "inadequate", "undecided"]
 
 

@@ -39,7 +39,8 @@ _RANK: Mapping[Verdict, int] = {
 class Report:
     """What the page shows.
 
-    `matrix` is the adequacy of the models, `unjudged` says why there is none. `unfinished` counts
+    `matrix` is the adequacy of the models, `unjudged` says why there is none, `measured` that
+    against measured values. `unfinished` counts
     the pieces of work that were not computed; `drifts` (by case id) are the moves from frozen
     values, which stand in a column of their own; `power` what became of the faults, if any were
     injected.
@@ -50,6 +51,7 @@ class Report:
     findings: tuple[Finding, ...]
     provenance: Mapping[str, Any]
     matrix: Matrix | None = None
+    measured: Matrix | None = None
     unjudged: str = ""
     missing_figures: tuple[Drawn, ...] = ()
     unfinished: int = 0
@@ -62,6 +64,13 @@ class Report:
         if self.matrix is None:
             return None
         return first_screen(self.matrix, plotted=not self.unfinished)
+
+    @cached_property
+    def measurements(self) -> FirstScreen | None:
+        """The same against measured values, where there are any."""
+        if self.measured is None:
+            return None
+        return first_screen(self.measured, plotted=not self.unfinished, measured=True)
 
     @property
     def sentence(self) -> str:
@@ -158,7 +167,8 @@ class Report:
     @property
     def shown(self) -> tuple[Figure, ...]:
         """Every figure of the page in its order, those drawn from the outcomes among them."""
-        first = (self.first.errors if self.first else None, self.portrait)
+        screens = (self.first, self.measurements)
+        first = (*(screen.errors for screen in screens if screen), self.portrait)
         sections = [section for chapter in self._all_chapters for section in chapter.sections]
         return (
             *(figure for figure in first if figure),

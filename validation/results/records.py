@@ -124,7 +124,7 @@ def results(
     header: Mapping[str, Any],
     outcomes: Sequence[Outcome],
     drifts: Mapping[str, Drift],
-    matrix: Matrix | None,
+    matrices: Sequence[Matrix],
 ) -> dict[str, Any]:
     """The content of results.json; `drifts` by case id."""
     return {
@@ -133,8 +133,8 @@ def results(
         "cases": [
             outcome.entry | _drift_record(drifts.get(outcome.case.id)) for outcome in outcomes
         ],
-        "adequacy": matrix_records(matrix) if matrix else [],
-        "adequacy_of_parts": part_records(matrix) if matrix else [],
+        "adequacy": [record for matrix in matrices for record in matrix_records(matrix)],
+        "adequacy_of_parts": [record for matrix in matrices for record in part_records(matrix)],
         "studies": [study_record(study) for study in studies_of(outcomes)],
     }
 

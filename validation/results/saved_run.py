@@ -38,6 +38,7 @@ class SavedEntry:
     verdict: Adequacy
     error: float | None = None
     uncertainty: float | None = None
+    reference: str = ""
     poses: tuple[tuple[float, ...], ...] = ()
     values: tuple[float | None, ...] = ()
 

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from validation.adequacy.matrix import MEASURED
 from validation.results.saved_run import SavedEntry, SavedRun
 
 # Poses are the same up to what rounding leaves of an interpolation.
@@ -57,11 +58,17 @@ def input_changes(before: SavedRun, after: SavedRun) -> tuple[InputChange, ...] 
 def adequacy_changes(before: SavedRun, after: SavedRun) -> tuple[AdequacyChange, ...]:
     """Every model and quantity of either run, in the order of the first."""
     old, new = (
-        {(entry.model, entry.quantity): entry for entry in run.adequacy} for run in (before, after)
+        {(entry.model, _name(entry)): entry for entry in run.adequacy} for run in (before, after)
     )
     return tuple(
         AdequacyChange(*key, old.get(key), new.get(key)) for key in dict.fromkeys([*old, *new])
     )
+
+
+def _name(entry: SavedEntry) -> str:
+    """The quantity; by a measured reference it stands beside that by a computed one."""
+    measured = entry.reference.startswith(MEASURED)
+    return f"{entry.quantity} (measured)" if measured else entry.quantity
 
 
 def _flat(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:

@@ -13,7 +13,7 @@ from fem.machine import usable_cores
 from lumped.audit.finding import Finding
 from lumped.audit.robot_audit import audit
 from lumped.robot_file import RobotFile
-from validation.adequacy.assessment import Assessed
+from validation.adequacy.assessment import ADEQUACY, MEASURED, Assessed
 from validation.adequacy.matrix import Matrix
 from validation.case import Outcome
 from validation.cases.sweep_results import FOLDER_OPTION, GROUP, studies_read
@@ -138,8 +138,16 @@ class Results:
     @property
     def matrix(self) -> Matrix | None:
         """The adequacy of the robot's models, None where it was not, or could not be, assessed."""
-        made = (one.matrix for one in self.assessed.values() if one.matrix)
-        return next(made, None)
+        return self._matrix(ADEQUACY)
+
+    @property
+    def measured(self) -> Matrix | None:
+        """The models against measured values, where there are any."""
+        return self._matrix(MEASURED)
+
+    def _matrix(self, name: str) -> Matrix | None:
+        made = self.assessed.get(name)
+        return made.matrix if made else None
 
     @property
     def drifts(self) -> dict[str, Drift]:
@@ -164,11 +172,21 @@ class Results:
         return compare(replace(baseline, cases=before), parse_run(self.as_json(), "results.json"))
 
     @property
+    def matrices(self) -> tuple[Matrix, ...]:
+        """What is known of the models, by computed references first, then by measured ones."""
+        return tuple(matrix for matrix in (self.matrix, self.measured) if matrix)
+
+    @property
     def refused(self) -> tuple[str, ...]:
         """Models relied on that are not adequate; all of them where strict and nothing is known."""
         if self.matrix is None:
             return tuple(self.rely) if self.strict and self.assessed else ()
-        return self.matrix.fails(self.rely, strict=self.strict)
+        refused = {
+            model
+            for matrix in self.matrices
+            for model in matrix.fails(self.rely, strict=self.strict)
+        }
+        return tuple(model for model in self.rely if model in refused)
 
     def exit_code(self) -> int:
         """0 nothing against it, 1 a case disagrees or a model relied on is inadequate, 3 a failure.
@@ -186,7 +204,7 @@ class Results:
     def as_json(self) -> str:
         """The text of results.json."""
         header = dict(self.header) | {"unfinished": self.unfinished}
-        content = results(header, comparisons(self.in_order()), self.drifts, self.matrix)
+        content = results(header, comparisons(self.in_order()), self.drifts, self.matrices)
         if power := self.power:
             content["faults"] = power.records()
         # Written after every case: Python's own encoder would take longer than the cases.
@@ -264,6 +282,7 @@ def publish(gathered: Results, folder: RunFolder, findings: Sequence[Finding]) -
         findings=tuple(findings),
         provenance=gathered.header,
         matrix=gathered.matrix,
+        measured=gathered.measured,
         unjudged=next((one.message for one in gathered.assessed.values() if one.message), ""),
         unfinished=gathered.unfinished,
         drifts=gathered.drifts,

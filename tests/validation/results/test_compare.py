@@ -202,19 +202,19 @@ def outcome(value):
 def test_drift_stands_beside_the_verdict_and_never_changes_it():
     # 0.05 from the reference agrees within 0.1, though it is far from the earlier value.
     moved = outcome(1.05)
-    entry = results({}, [moved], drifts([moved], {"toy": Frozen(0.5)}), None)["cases"][0]
+    entry = results({}, [moved], drifts([moved], {"toy": Frozen(0.5)}), ())["cases"][0]
     assert entry["verdict"] == "agree"
     assert (entry["reference"], entry["frozen"]) == (1.0, 0.5)
     assert entry["drift"] == pytest.approx(0.55, rel=1e-12)
     assert entry["drifted"] is True
     # At its frozen value and 0.5 from the reference: no drift, and still it disagrees.
     wrong = outcome(0.5)
-    entry = results({}, [wrong], drifts([wrong], {"toy": Frozen(0.5)}), None)["cases"][0]
+    entry = results({}, [wrong], drifts([wrong], {"toy": Frozen(0.5)}), ())["cases"][0]
     assert (entry["verdict"], entry["drift"], entry["drifted"]) == ("disagree", 0.0, False)
 
 
 def test_a_case_without_a_frozen_value_has_no_drift():
-    entry = results({}, [outcome(1.0)], {}, None)["cases"][0]
+    entry = results({}, [outcome(1.0)], {}, ())["cases"][0]
     assert (entry["frozen"], entry["drift"], entry["drifted"]) == (None, None, None)
 
 

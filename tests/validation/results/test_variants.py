@@ -63,7 +63,7 @@ def saved(robot_file: RobotFile) -> SavedRun:
         dynamics=Reference("none", ()),
     )
     matrix = judged(subject, Requirement())
-    return parse_run(json.dumps(results(header(robot_file, "quick", {}), [], {}, matrix)), "test")
+    return parse_run(json.dumps(results(header(robot_file, "quick", {}), [], {}, [matrix])), "test")
 
 
 @pytest.fixture(scope="module")

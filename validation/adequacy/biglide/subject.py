@@ -31,7 +31,7 @@ def _model(
     return name, title, options or ModelOptions()
 
 
-_MODELS: Mapping[str, tuple[ModelName, str, ModelOptions]] = {
+CANDIDATES: Mapping[str, tuple[ModelName, str, ModelOptions]] = {
     "simplified": _model("simplified", "elastic drives, rigid legs"),
     "vjm": _model("vjm", "virtual joints, legs as given"),
     "vjm-equivalent": _model(
@@ -48,7 +48,7 @@ _MODELS: Mapping[str, tuple[ModelName, str, ModelOptions]] = {
         "beam", "20 beam elements per leg, Euler–Bernoulli", ModelOptions(theory="euler-bernoulli")
     ),
 }
-MODELS = tuple(_MODELS)
+MODELS = tuple(CANDIDATES)
 
 
 def biglide_adequacy(context: Context) -> Matrix:
@@ -85,7 +85,7 @@ def biglide_subject(context: Context) -> Subject:
             silent=_STATIC if model == "vjm" else "",
             computed_by=(f"validation.models.biglide.robot_compliance({model!r})",),
         )
-        for name, (model, title, options) in _MODELS.items()
+        for name, (model, title, options) in CANDIDATES.items()
     ]
     return Subject(
         robot=robot.name,

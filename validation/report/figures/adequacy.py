@@ -73,6 +73,11 @@ def error_figure(matrix: Matrix) -> Figure | None:
     )
 
 
+def look_of_model(model: str) -> Look | None:
+    """How a model of the matrix is drawn, None where it has no look of its own."""
+    return _LOOKS.get(model)
+
+
 def _of(matrix: Matrix, quantity: str) -> Sequence[Entry]:
     return [entry for entry in matrix.entries if entry.quantity == quantity]
 
@@ -93,7 +98,7 @@ def _draw(axes: Axes, matrix: Matrix, quantity: str) -> None:
     axes.axhline(0.0, color="#999999", linewidth=0.8)
     others = cycle(OTHERS)
     for rank, (entry, curve) in enumerate(entries):
-        look = _LOOKS.get(entry.model) or next(others)
+        look = look_of_model(entry.model) or next(others)
         width = 3.0 - 2.0 * rank / max(len(entries) - 1, 1)
         axes.plot(
             x,

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from validation.adequacy.matrix import Matrix
 from validation.exhibits import Figure
 from validation.report.figures.adequacy import error_figure
+from validation.report.figures.measured import measured_figure
 from validation.report.first_screen.remedies import Remedy, remedies_of
 from validation.report.first_screen.sentence import sentence
 from validation.report.first_screen.sheets import Sheet, sheets_of
@@ -28,13 +29,17 @@ class FirstScreen:
     sheets: tuple[Sheet, ...]
 
 
-def first_screen(matrix: Matrix, *, plotted: bool) -> FirstScreen:
-    """The first screen of a matrix; `plotted`: whether the figure is to be drawn."""
+def first_screen(matrix: Matrix, *, plotted: bool, measured: bool = False) -> FirstScreen:
+    """The first screen of a matrix; `plotted`: whether the figure is to be drawn.
+
+    `measured`: whether the references are measured values, at poses of their own.
+    """
+    draw = measured_figure if measured else error_figure
     return FirstScreen(
         sentence=sentence(matrix),
         table=table_of(matrix),
         csv=csv_of_matrix(matrix),
-        errors=attempted(lambda: error_figure(matrix)) if plotted else None,
+        errors=attempted(lambda: draw(matrix)) if plotted else None,
         remedies=remedies_of(matrix),
         notes=matrix.notes,
         sheets=sheets_of(matrix),

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from validation.adequacy.matrix import Adequacy, Entry, Matrix, ModelNote
+from validation.adequacy.matrix import MEASURED, Adequacy, Entry, Matrix, ModelNote
 from validation.report.figures.style import csv_of
 from validation.report.first_screen.words import SIGNS, capital, error_text, model_name
 from validation.report.text import anchor, number, percent
@@ -65,7 +65,7 @@ def cell_of(matrix: Matrix, entry: Entry) -> Cell:
         spread=spread,
         mark=MARKS[entry.verdict],
         hint=_hint(matrix, entry),
-        anchor=anchor(f"adequacy.{entry.model}.{entry.quantity}"),
+        anchor=anchor(f"adequacy.{entry.model}.{entry.quantity}{_kind(entry)}"),
     )
 
 
@@ -75,6 +75,8 @@ _WORTH_SAYING = 5e-4
 
 def pose_text(matrix: Matrix, pose: tuple[float, ...]) -> str:
     """A pose by its coordinates: "x = 0.4975 m"."""
+    if not pose:
+        return "no pose of the robot"
     said = []
     for name, value in zip(matrix.coordinates, pose, strict=True):
         word, _, unit = name.partition(" (")
@@ -86,7 +88,7 @@ def csv_of_matrix(matrix: Matrix) -> str:
     """One line per entry with its verdict, numbers, pose, causes and remedy."""
     entries = matrix.entries
     poses = {
-        name: [entry.pose[place] for entry in entries]
+        name: [entry.pose[place] if entry.pose else "" for entry in entries]
         for place, name in enumerate(matrix.coordinates)
     }
     return csv_of(
@@ -110,6 +112,11 @@ def csv_of_matrix(matrix: Matrix) -> str:
             "reason": [entry.reason for entry in entries],
         }
     )
+
+
+def _kind(entry: Entry) -> str:
+    """Sheets of one model and quantity by different references are told apart."""
+    return ".measured" if entry.reference.startswith(MEASURED) else ""
 
 
 def _text(entry: Entry) -> str:

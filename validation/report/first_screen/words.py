@@ -92,6 +92,8 @@ def place_of(quantities: Iterable[str]) -> str:
     parts = [f"along {listed(along)}"] if along else []
     parts += [f"about {listed(about)}"] if about else []
     parts += [listed(_frequencies(known))] if any(map(is_frequency, known)) else []
+    others = [q for q in known if not (is_static(q) or is_frequency(q) or q == "order")]
+    parts += [listed(others)] if others else []
     return ", ".join(parts)
 
 

@@ -1,0 +1,144 @@
+"""Measured values of a robot: what was measured, where, how well, and by whom.
+
+Quantities: x y z phi_x phi_y phi_z, the deflection (m) or rotation (rad) of the loaded point under
+its own force or moment; f1 f2 …, natural frequencies (Hz); leg1.c22 …, entries of a leg's 6×6
+compliance at its tip, root clamped, leg axes (SI).
+"""
+
+import csv
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from hashlib import sha256
+from math import isfinite
+from pathlib import Path
+
+from lumped.biglide import Biglide
+from lumped.errors import InputError
+from lumped.requirement import MOST_MODES, STATIC_QUANTITIES
+from lumped.text import shown
+
+_OF_LEG = re.compile(r"leg([12])\.c([1-6])([1-6])")
+_FREQUENCY = re.compile(r"f([1-9][0-9]?)")
+_COLUMNS = ("quantity", "pose", "value", "uncertainty", "source")
+_NAMES = (
+    f"{' '.join(STATIC_QUANTITIES)}, f1 to f{MOST_MODES} or an entry of a leg's 6×6 like leg1.c22"
+)
+
+
+@dataclass(frozen=True)
+class Measured:
+    """One measured value with its standard uncertainty (unit of the value) and its source.
+
+    `pose` is where (empty for a leg alone), `load` the force (N) or moment (N m) of a deflection.
+    """
+
+    quantity: str
+    value: float
+    uncertainty: float
+    source: str
+    pose: tuple[float, ...] = ()
+    load: float = 1.0
+
+    @property
+    def leg_entry(self) -> tuple[int, int, int] | None:
+        """Leg, row and column (from 0) of an entry of its 6×6; None for a quantity of the robot."""
+        found = _OF_LEG.fullmatch(self.quantity)
+        return (int(found[1]), int(found[2]) - 1, int(found[3]) - 1) if found else None
+
+    @property
+    def mode(self) -> int | None:
+        """Number of the natural frequency, from 1; None for any other quantity."""
+        found = _FREQUENCY.fullmatch(self.quantity)
+        return int(found[1]) if found else None
+
+
+def measured_faults(one: Measured, place: str) -> list[str]:
+    """What is wrong with a measured value, one line each, starting with its place."""
+    faults = []
+    known = one.quantity in STATIC_QUANTITIES or one.leg_entry is not None
+    if not known and not 1 <= (one.mode or 0) <= MOST_MODES:
+        faults.append(f"{place}.quantity = {shown(one.quantity)}: must be one of {_NAMES}")
+    elif one.leg_entry is None and len(one.pose) != 1:
+        faults.append(f"{place}.pose: must hold one number, the position x of B in m")
+    elif one.leg_entry is not None and one.pose:
+        faults.append(f"{place}.pose: must be left out, a leg alone has none")
+    if not (isfinite(one.value) and one.value != 0.0):
+        faults.append(f"{place}.value = {one.value}: must be a number other than 0")
+    for name in ("uncertainty", "load"):
+        number = getattr(one, name)
+        if not (isfinite(number) and number > 0.0):
+            faults.append(f"{place}.{name} = {number}: must be above 0")
+    return faults
+
+
+def read_measured(path: Path) -> tuple[Measured, ...]:
+    """The measured values of a CSV file with quantity, pose, value, uncertainty, source (and load).
+
+    Coordinates of a pose stand apart by spaces. Raises InputError with one line per fault.
+    """
+    try:
+        with path.open(encoding="utf-8-sig", newline="") as file:
+            reader = csv.DictReader(file)
+            lacking = [name for name in _COLUMNS if name not in (reader.fieldnames or ())]
+            if lacking:
+                raise InputError(f"{path}: lacks the column {', '.join(lacking)}")
+            rows = list(reader)
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise InputError(f"{path}: cannot be read: {error}") from error
+    found, faults = [], []
+    for number, row in enumerate(rows, start=2):
+        place = f"{path}: line {number}"
+        try:
+            one = _measured(row)
+        except ValueError as error:
+            faults.append(f"{place}: {error}")
+            continue
+        faults += measured_faults(one, place)
+        found.append(one)
+    if not rows:
+        faults = [f"{path}: holds no measured value"]
+    if faults:
+        raise InputError(faults)
+    return tuple(found)
+
+
+def digest(ones: Sequence[Measured]) -> str:
+    """Digest (hexadecimal) of measured values: equal for equal ones."""
+    return sha256(repr(ones).encode()).hexdigest()[:16]
+
+
+def pose_faults(robot: Biglide, one: Measured, place: str) -> list[str]:
+    """Why the robot cannot be where a value was measured; nothing where it can."""
+    try:
+        for x in one.pose:
+            robot.posture(x)
+    except InputError as error:
+        return [f"{place}.pose: {fault}" for fault in error.faults]
+    return []
+
+
+def _measured(row: Mapping[str, str | None]) -> Measured:
+    def numbers(name: str) -> list[float]:
+        text = row.get(name) or ""
+        try:
+            return [float(part) for part in text.split()]
+        except ValueError:
+            raise ValueError(f"{name} = {shown(text)}: must be a number") from None
+
+    def number(name: str, default: float | None = None) -> float:
+        given = numbers(name)
+        if not given and default is not None:
+            return default
+        if len(given) != 1:
+            raise ValueError(f"{name}: must be one number")
+        return given[0]
+
+    return Measured(
+        quantity=(row.get("quantity") or "").strip(),
+        value=number("value"),
+        uncertainty=number("uncertainty"),
+        source=(row.get("source") or "").strip() or "unnamed",
+        pose=tuple(numbers("pose")),
+        load=number("load", 1.0),
+    )

@@ -1,0 +1,113 @@
+"""Measured values from robot files and CSV files, or every fault of theirs."""
+
+import numpy as np
+import pytest
+
+from lumped.errors import InputError
+from lumped.measured import Measured, digest, read_measured
+from lumped.robot_file import load_robot
+from lumped.robot_file.measured import with_measured
+
+GOOD = """quantity,pose,value,uncertainty,source,load
+x,0.4975,8.9e-6,1e-7,laser tracker,1000
+f1,0.4975,113.2,0.5,hammer,
+leg1.c22,,1.77e-7,2e-9,test stand,
+"""
+
+
+@pytest.fixture
+def robot_file():
+    return load_robot("ifw")
+
+
+def written(tmp_path, text):
+    path = tmp_path / "measured.csv"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def test_a_csv_file_joins_the_robot_s_own_values(robot_file, tmp_path):
+    found = with_measured(robot_file, written(tmp_path, GOOD)).measured
+    assert found == (
+        Measured("x", 8.9e-6, 1e-7, "laser tracker", (0.4975,), 1000.0),
+        Measured("f1", 113.2, 0.5, "hammer", (0.4975,)),
+        Measured("leg1.c22", 1.77e-7, 2e-9, "test stand"),
+    )
+    assert found[2].leg_entry == (1, 1, 1)
+    assert (found[1].mode, found[0].mode) == (1, None)
+    assert digest(found) != digest(found[:2])
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("w,0.4975,1,1,s,", 'line 2.quantity = "w": must be one of'),
+        ("f11,0.4975,1,1,s,", 'line 2.quantity = "f11": must be one of'),
+        ("leg3.c11,,1,1,s,", "line 2.quantity"),
+        ("x,,1,1,s,", "line 2.pose: must hold one number"),
+        ("leg1.c11,0.3,1,1,s,", "line 2.pose: must be left out"),
+        ("x,5.0,1,1,s,", "line 2.pose: IFW demonstrator: x = 5"),
+        ("x,0.3,0,1,s,", "line 2.value = 0.0: must be a number other than 0"),
+        ("x,0.3,1,-1,s,", "line 2.uncertainty = -1.0: must be above 0"),
+        ("x,0.3,one,1,s,", 'line 2: value = "one": must be a number'),
+        ("x,0.3,1 2,1,s,", "line 2: value: must be one number"),
+    ],
+)
+def test_every_fault_of_a_csv_file_is_named(robot_file, tmp_path, line, said):
+    path = written(tmp_path, f"{GOOD.splitlines()[0]}\n{line}\n")
+    with pytest.raises(InputError) as raised:
+        with_measured(robot_file, path)
+    assert any(said in fault and str(path) in fault for fault in raised.value.faults), raised.value
+
+
+def test_a_file_that_is_no_table_of_measured_values_is_refused(tmp_path):
+    for text, said in (("a,b\n1,2\n", "lacks the column"), (GOOD.splitlines()[0], "holds no")):
+        with pytest.raises(InputError, match=said):
+            read_measured(written(tmp_path, text))
+    with pytest.raises(InputError, match="cannot be read"):
+        read_measured(tmp_path / "none.csv")
+
+
+OWN = """
+[[measured]]
+quantity = "z"
+pose = [0.4975]
+load = 1000.0
+value = 27.0e-6
+uncertainty = 0.3e-6
+source = "dial gauge"
+
+[[input_uncertainty]]
+key = "foot.compliance"
+relative = 0.05
+"""
+
+
+def test_a_robot_file_carries_measured_values_and_what_its_inputs_are_worth(robot_file, tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text(robot_file.text + OWN, encoding="utf-8")
+    own = load_robot(path)
+    assert own.measured == (Measured("z", 27.0e-6, 0.3e-6, "dial gauge", (0.4975,), 1000.0),)
+    ((key, below, above),) = own.with_inputs_off()
+    assert key == "foot.compliance"
+    given = robot_file.robot.foot_compliance
+    assert np.allclose(below.foot_compliance, 0.95 * given, rtol=1e-12, atol=0.0)
+    assert np.allclose(above.foot_compliance, 1.05 * given, rtol=1e-12, atol=0.0)
+
+
+@pytest.mark.parametrize(
+    ("changed", "said"),
+    [
+        (("27.0e-6", "0.0"), "measured[1].value = 0.0"),
+        (("[0.4975]", "[7.0]"), "measured[1].pose: IFW demonstrator: x = 7"),
+        (('quantity = "z"', 'quantity = "w"'), 'measured[1].quantity = "w"'),
+        (('"foot.compliance"', '"foot.colour"'), "input_uncertainty[1].key"),
+        (("relative = 0.05", "relative = 5.0"), "input_uncertainty[1].relative"),
+    ],
+)
+def test_every_fault_of_a_robot_file_is_named(robot_file, tmp_path, changed, said):
+    path = tmp_path / "mine.toml"
+    path.write_text(robot_file.text + OWN.replace(*changed), encoding="utf-8")
+    with pytest.raises(InputError) as raised:
+        load_robot(path)
+    assert any(said in fault for fault in raised.value.faults), raised.value.faults
