@@ -13,7 +13,7 @@ from scipy.linalg import lstsq, svd
 
 from lumped.arrays import Array
 from lumped.errors import InputError
-from lumped.mechanism.kinematics.closure import Closure, Placement
+from lumped.mechanism.kinematics.closure import Closure, Placement, closure_of
 from lumped.mechanism.mechanism import MOVES, Mechanism, Posture
 from lumped.screw_names import name_twists
 
@@ -64,7 +64,7 @@ class Mobility:
 
 def mobility(posture: Posture) -> Mobility:
     """Mobility, idle motions, overconstraint and singularities of a posture."""
-    closure = Closure(posture.mechanism)
+    closure = closure_of(posture.mechanism)
     return mobility_at(closure, closure.placement(posture))
 
 
@@ -73,7 +73,7 @@ def mobility_nearby(mechanism: Mechanism) -> Mobility:
 
     What is singular in one posture alone is not so there.
     """
-    closure = Closure(mechanism)
+    closure = closure_of(mechanism)
     placement = closure.reference
     free = _null_space(closure.jacobian(placement))
     step = _AWAY * closure.size * free @ np.linspace(1.0, 2.0, free.shape[1])

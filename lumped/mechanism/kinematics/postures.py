@@ -14,7 +14,7 @@ from scipy.linalg import lstsq
 from lumped.arrays import Array
 from lumped.errors import InputError
 from lumped.mechanism.joint import FREEDOMS
-from lumped.mechanism.kinematics.closure import Closure, Placement
+from lumped.mechanism.kinematics.closure import Closure, Placement, closure_of
 from lumped.mechanism.kinematics.constraints import turning
 from lumped.mechanism.kinematics.mobility import mobility_at, refuse_undetermined
 from lumped.mechanism.mechanism import Mechanism, Posture
@@ -56,7 +56,7 @@ def posture(mechanism: Mechanism, pose: Array, start: Posture | None = None) -> 
     cannot be reached (naming the joint that stays open and how far the way went), and where the
     tool is not held by the drives or not determined by its moves.
     """
-    closure = Closure(mechanism)
+    closure = closure_of(mechanism)
     begin = start or reference_posture(mechanism)
     target = _checked(closure, pose)
     place = f"{mechanism.name}, pose {shown_pose(mechanism, target)}"

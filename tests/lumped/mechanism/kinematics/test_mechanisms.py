@@ -194,6 +194,14 @@ def test_a_pose_in_which_the_drives_lose_the_tool_is_named():
         posture(mechanism, np.array([0.0, height]))
 
 
+def test_a_structure_has_one_posture_and_a_pose_of_no_numbers():
+    mechanism = load_robot("five-bar").mechanism
+    held = replace(mechanism, tool=replace(mechanism.tool, moves=()))
+    found = posture(held, np.zeros(0))
+    assert found.frames["rod1"].position == pytest.approx([-0.35, 0.25, 0.0], abs=1e-15)
+    assert max(np.abs(values).max() for values in found.coordinates.values()) < 1e-14
+
+
 def test_an_open_reference_names_the_joint():
     mechanism = load_robot("five-bar").mechanism
     moved = {**mechanism.reference}
