@@ -21,7 +21,7 @@ from lumped.robots import RobotType
 from validation.console import streams
 from validation.console.streams import complain, say
 from validation.kinematics import commands as kinematics
-from validation.parts import commands as parts
+from validation.parts import commands
 
 if TYPE_CHECKING:
     from validation.store.opening import Start
@@ -32,9 +32,9 @@ app = App(
     version="",
     result_action="return_value",
 )
-app.command(parts.faces)
+app.command(commands.faces)
 app.command(kinematics.kinematics)
-app.command(parts.identify)
+app.command(commands.identify)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -262,6 +262,7 @@ def solve(
     ends: Literal["rigid", "free"] | None = None,
     divisions: WholeNumber | None = None,
     equivalent: Literal["stiffness", "compliance"] | None = None,
+    parts: Literal["equivalent", "condensed"] | None = None,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
     """Solve one model of the robot, or of one leg: compliance and natural frequencies.
@@ -299,6 +300,9 @@ def solve(
         solid: quadratic elements across the smaller side of the section.
     equivalent
         Which diagonal the constant-section leg shares with a leg's 6×6.
+    parts
+        segments, beam: CAD parts as equivalent constant-section legs, or condensed on their
+        interfaces, mass included.
     json
         Print JSON for programs.
     """
@@ -318,6 +322,7 @@ def solve(
         "ends": ends,
         "divisions": divisions,
         "equivalent": equivalent,
+        "parts": parts,
     }
     given = {name: value for name, value in choices.items() if value is not None}
     asked = command.question(robot_file, model, command.Place(x, pose, leg, body), modes, given)

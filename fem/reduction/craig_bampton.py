@@ -21,6 +21,7 @@ import numpy as np
 from scipy.linalg import block_diag, eigh
 from scipy.sparse import csr_array
 
+from fem.reduction.held import Held
 from fem.reduction.interface_modes import interface_modes
 from fem.reduction.superelement import ENDS, HeldLeg, Superelement, reduced
 from lumped.arrays import Array
@@ -63,10 +64,38 @@ class FrequencyBounds:
         return np.asarray(1.0 - self.lower / self.upper)
 
 
+@dataclass(frozen=True, eq=False)
+class Reduction:
+    """A body of any number of interfaces on (their twists, amplitudes) q: u = `recovery` q.
+
+    `stiffness`, `mass` (r×r); `cutoff`, `frequencies`, `truncated` as in `CraigBampton`.
+    """
+
+    recovery: Array
+    stiffness: Array
+    mass: Array
+    cutoff: float
+    frequencies: Array
+    truncated: Array
+
+
 def craig_bampton(
     held: HeldLeg, highest_frequency: float, cutoff: float | None = None
 ) -> CraigBampton:
-    """A leg reduced for frequencies up to `highest_frequency` (Hz).
+    """A leg reduced for frequencies up to `highest_frequency` (Hz); see `reduction`."""
+    found = reduction(held, highest_frequency, cutoff)
+    superelement = reduced(held, found.recovery, found.stiffness, found.mass)
+    return CraigBampton(
+        matrices=superelement.matrices,
+        recovery=superelement.recovery,
+        cutoff=found.cutoff,
+        frequencies=found.frequencies,
+        truncated=found.truncated,
+    )
+
+
+def reduction(held: Held, highest_frequency: float, cutoff: float | None = None) -> Reduction:
+    """A body reduced for frequencies up to `highest_frequency` (Hz).
 
     `cutoff` (Hz) of the fixed-interface modes; None means `CUTOFF_FACTOR` times the highest.
     Raises InputError for a cut-off that is not above the highest frequency, ComputationError where
@@ -88,22 +117,17 @@ def craig_bampton(
     shapes = np.hstack([modes.shapes, residual.shapes])
     squared = (2.0 * np.pi * np.concatenate([modes.frequencies, residual.frequencies])) ** 2
     participation = shapes.T @ momenta
-    superelement = reduced(
-        held,
+    return Reduction(
         recovery=np.hstack([constraint, shapes]),
         stiffness=block_diag(held.stiffness, np.diag(squared)),
         mass=np.block([[ends_mass, participation.T], [participation, np.eye(len(squared))]]),
-    )
-    return CraigBampton(
-        matrices=superelement.matrices,
-        recovery=superelement.recovery,
         cutoff=chosen,
         frequencies=modes.frequencies,
         truncated=truncated,
     )
 
 
-def _residual_modes(held: HeldLeg, momenta: Array, modes: Modes) -> tuple[Modes, Array]:
+def _residual_modes(held: Held, momenta: Array, modes: Modes) -> tuple[Modes, Array]:
     """Ritz modes of the dropped modes' static response to `momenta` MΨ (n×12), and W (12×12)."""
     mass_shapes = held.mass @ modes.shapes
     loads = momenta - mass_shapes @ (modes.shapes.T @ momenta)

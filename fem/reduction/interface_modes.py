@@ -7,7 +7,7 @@ pay twice: the factor is read once for all of them, and a mode that repeats is f
 import numpy as np
 from scipy.linalg import LinAlgError, cholesky, eigh, solve_triangular
 
-from fem.reduction.superelement import HeldLeg
+from fem.reduction.held import Held
 from lumped.arrays import Array, SparseMatrix
 from lumped.errors import ComputationError
 from lumped.modes import Modes, fix_signs
@@ -21,7 +21,7 @@ _CONVERGED = 1e-9
 _SEED = 1
 
 
-def interface_modes(held: HeldLeg, cutoff: float) -> Modes:
+def interface_modes(held: Held, cutoff: float) -> Modes:
     """All modes below `cutoff` (Hz) with both ends held; shapes (n×m) mass-normalised, on u.
 
     Raises ComputationError where they are too many to find.
@@ -31,7 +31,7 @@ def interface_modes(held: HeldLeg, cutoff: float) -> Modes:
     return Modes(frequencies=modes.frequencies[kept], shapes=fix_signs(modes.shapes[:, kept]))
 
 
-def _modes_below(held: HeldLeg, cutoff: float) -> Modes:
+def _modes_below(held: Held, cutoff: float) -> Modes:
     smallest = (2.0 * np.pi * cutoff) ** -2
     # Noise has a share in the modes of every symmetry; Lanczos finds none that its start lacks.
     noise = np.random.default_rng(_SEED).standard_normal((held.size, _BLOCK))
@@ -97,7 +97,7 @@ def _ritz_modes(basis: list[Array], inverse_squares: Array, vectors: Array) -> M
     return Modes(1.0 / (2.0 * np.pi * np.sqrt(inverse_squares[::-1])), shapes)
 
 
-def _all_modes(held: HeldLeg) -> Modes:
+def _all_modes(held: Held) -> Modes:
     """All modes with mass: with A = S Sᵀ, Sᵀ M S w = w/λ and φ = √λ S w."""
     flexibility = held.flexibility(np.eye(held.size))
     scale = np.sqrt(np.maximum(np.diag(flexibility), np.finfo(float).tiny))

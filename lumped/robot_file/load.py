@@ -123,7 +123,7 @@ def load_robot(name_or_path: str | Path) -> RobotFile:
     content = _built_in(source) if built_in else _read(source)
     text = decoded(content, source)
     tables = parsed(text, source)
-    described, faults = described_by(tables)
+    described, faults = described_by(tables, Path() if built_in else Path(source).parent)
     if described is None:
         raise InputError(_listed(source, faults))
     return RobotFile(
@@ -181,13 +181,18 @@ def write_template(path: str | Path, kind: RobotType = "biglide") -> None:
         raise InputError(f"{path}: cannot be written ({error.strerror})") from error
 
 
-def described_by(tables: Mapping[str, Any]) -> tuple[Biglide | Mechanism | None, list[str]]:
-    """What the tables of a file of either schema describe, or None and their faults."""
+def described_by(
+    tables: Mapping[str, Any], folder: Path | None = None
+) -> tuple[Biglide | Mechanism | None, list[str]]:
+    """What the tables of a file of either schema describe, or None and their faults.
+
+    Files of parts are sought in `folder`, the current one where None.
+    """
     schema = tables.get("schema")
     # Whoever mistypes the number has written one of the two all the same.
     if schema == 2 or (schema != 1 and not tables.keys().isdisjoint(_ONLY_IN_2)):
         faults = description_faults(tables)
-        mechanism = None if faults else mechanism_of(tables)
+        mechanism = None if faults else mechanism_of(tables, folder)
         if mechanism is not None:
             faults = motion_faults(mechanism)
         return (None if faults else mechanism), faults

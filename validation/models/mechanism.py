@@ -26,6 +26,7 @@ from lumped.models.links import links
 from lumped.modes import dense
 from lumped.system.assembly import Assembly, assembly
 from lumped.system.solution import compliance, mode_count, modes, solved
+from validation.models import parts
 from validation.models.legs import cached_leg, condensed_leg, leg_matrices, reduced_leg
 from validation.models.options import DEFAULT_OPTIONS, STATIC, ModelName, ModelOptions
 from validation.robot_solids import half_octave_above, renewed_where_needed
@@ -69,10 +70,13 @@ def answers(
     """
     if not postures:
         return []
+    if model != "solid" and options.parts == "equivalent":
+        postures = parts.with_legs(postures)
     mechanism = postures[0].mechanism
     if count and model in STATIC:
         raise InputError(f"--modes: the {model} model is static and has no frequencies")
     if model == "vjm":
+        parts.require_legs(mechanism)
         springs = tip_compliances(mechanism, options.legs, options.theory, options.equivalent)
         return [
             Answer(at, serial_chains.compliance(at, springs), np.zeros(0), mobility(at).idle)
@@ -96,11 +100,11 @@ def static_bodies(
     """Models of the bodies on the twists of their interfaces alone, exact in statics."""
     if model == "links":
         springs = tip_compliances(mechanism, options.legs, options.theory, options.equivalent)
-        return dict(links(mechanism, springs))
+        return dict(links(mechanism, springs)) | _condensed_parts(mechanism)
     return {
         name: _filled(condensed_leg(model, leg, own))
         for name, leg, own in constant_legs(mechanism, options)
-    }
+    } | _condensed_parts(mechanism)
 
 
 def dynamic_bodies(
@@ -115,11 +119,17 @@ def dynamic_bodies(
     """
     legs = constant_legs(mechanism, options)
     if model != "solid" and sum(cached_leg(model, leg, own).size for _, leg, own in legs) <= _FEW:
-        return {name: _filled(cached_leg(model, leg, own)) for name, leg, own in legs}
-    return {
-        name: _filled(reduced_leg(model, leg, own, highest, _CUTOFF[model] * highest))
-        for name, leg, own in legs
+        return {
+            name: _filled(cached_leg(model, leg, own)) for name, leg, own in legs
+        } | _condensed_parts(mechanism)
+    cutoff = _CUTOFF[model] * highest
+    found = {
+        name: _filled(reduced_leg(model, leg, own, highest, cutoff)) for name, leg, own in legs
     }
+    if model != "solid":
+        return found | _condensed_parts(mechanism)
+    bodies = parts.parts_of(mechanism).items()
+    return found | {name: parts.reduced(body, highest, cutoff) for name, body in bodies}
 
 
 def highest_frequency(
@@ -129,12 +139,13 @@ def highest_frequency(
 
     In the middle posture; rounded up in steps of half an octave, so that others share the bodies.
     """
-    middle = postures[len(postures) // 2]
+    (middle,) = parts.with_legs([postures[len(postures) // 2]])
     coarse = replace(_ESTIMATE, equivalent=options.equivalent, theory=options.theory)
     bodies: dict[str, BodyModel] = {
         name: leg_matrices("beam", leg, own)
         for name, leg, own in constant_legs(middle.mechanism, coarse)
     }
+    bodies |= _condensed_parts(middle.mechanism)
     solution = solved(assembly(middle.mechanism, bodies).at(middle))
     return half_octave_above(float(modes(solution, count).frequencies[-1]))
 
@@ -183,6 +194,10 @@ def constant_legs(
         own = shape.ends if isinstance(shape, Prism) else None
         legs.append((name, alike, replace(options, ends=own or options.ends)))
     return legs
+
+
+def _condensed_parts(mechanism: Mechanism) -> dict[str, BodyModel]:
+    return {name: parts.condensed(body) for name, body in parts.parts_of(mechanism).items()}
 
 
 def _filled(model: BodyModel) -> BodyModel:

@@ -10,6 +10,7 @@ from lumped.segments import Layout
 ModelName: TypeAlias = Literal["simplified", "vjm", "links", "segments", "beam", "solid"]
 LegSprings: TypeAlias = Literal["given", "equivalent"]
 Ends: TypeAlias = Literal["rigid", "free"]
+PartLegs: TypeAlias = Literal["equivalent", "condensed"]
 
 
 @dataclass(frozen=True)
@@ -19,7 +20,8 @@ class ModelOptions:
     `legs` (vjm, links): each leg's own 6×6 or that of its equivalent constant-section leg; `theory`
     (segments, beam; vjm and links with equivalent legs); `elements` per leg (segments, beam);
     `release`, `layout` (segments); `ends`, `divisions` (solid); `equivalent`: which diagonal is
-    matched.
+    matched; `parts` (segments, beam): CAD parts as equivalent legs, or condensed on their
+    interfaces with their mass.
     """
 
     legs: LegSprings = "given"
@@ -30,6 +32,7 @@ class ModelOptions:
     ends: Ends = "rigid"
     divisions: int = 4
     equivalent: EquivalentBy = "stiffness"
+    parts: PartLegs = "equivalent"
 
 
 DEFAULT_OPTIONS = ModelOptions()

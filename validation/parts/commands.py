@@ -2,12 +2,15 @@
 
 from io import BytesIO
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 
 from lumped.errors import InputError
 from validation.console.streams import complain, say
+
+if TYPE_CHECKING:
+    from validation.parts.identify import Identified
 
 Unit = Literal["m", "mm", "cm", "inch"]
 
@@ -63,6 +66,7 @@ def identify(
     interface: tuple[str, ...] = (),
     material: str | None = None,
     unit: Unit | None = None,
+    body: str | None = None,
     unknowns: int | None = None,
     modes: int | None = None,
     out: Path | None = None,
@@ -73,7 +77,7 @@ def identify(
     Parameters
     ----------
     part
-        A STEP or BREP file, or a volume mesh (.msh, .inp, .vtu).
+        A STEP or BREP file, a volume mesh (.msh, .inp, .vtu), or with --body a robot.
     interface
         'A = { cylinder = { radius = 0.04 } }', as in a robot file; once for each interface, the
         first is the one that is clamped. See `flexproof faces`.
@@ -81,6 +85,8 @@ def identify(
         '{ E = 2.1e11, nu = 0.3, rho = 7850.0 }'.
     unit
         Unit of length of a file that names none.
+    body
+        A body of the robot that is a part from a file.
     unknowns
         Size of the finest of the three meshes; 100000 if left out.
     modes
@@ -90,32 +96,26 @@ def identify(
     json
         Print JSON for programs.
     """
-    from meshes.part.interfaces import find_interfaces  # noqa: PLC0415
-    from meshes.part.read import read_part  # noqa: PLC0415
-    from validation.parts import identified_text, request  # noqa: PLC0415
-    from validation.parts import identify as identifying  # noqa: PLC0415
+    from validation.parts import identified_text  # noqa: PLC0415
+    from validation.parts.identify import DEFAULT_MODES, DEFAULT_UNKNOWNS  # noqa: PLC0415
 
     faults = [
         f"--{name} = {value}: must be {least} or more"
         for name, value, least in (("unknowns", unknowns, 1000), ("modes", modes, 0))
         if value is not None and value < least
     ]
-    if material is None:
-        faults.append(
-            "--material: missing; must be given, '{ E = 2.1e11, nu = 0.3, rho = 7850.0 }'"
-        )
-    if faults or material is None:
+    if body is None and material is None:
+        faults.append("--material: missing; must be given, { E = 2.1e11, nu = 0.3, rho = 7850.0 }")
+    if body is not None and (interface or material or unit):
+        faults.append("--body: its interfaces, material and unit stand in the robot file")
+    if faults:
         raise InputError(faults)
-    wanted, points = request.interfaces_of(interface)
-    chosen = request.material_of(material)
-    file = read_part(Path(part), unit)
-    found = identifying.identify(
-        file,
-        find_interfaces(file, wanted, points),
-        chosen,
-        identifying.DEFAULT_UNKNOWNS if unknowns is None else unknowns,
-        identifying.DEFAULT_MODES if modes is None else modes,
-    )
+    size = DEFAULT_UNKNOWNS if unknowns is None else unknowns
+    count = DEFAULT_MODES if modes is None else modes
+    if body is None:
+        found = _typed(Path(part), interface, material or "", unit, size, count)
+    else:
+        found = _of_robot(part, body, size, count)
     if out is not None:
         import numpy as np  # noqa: PLC0415
 
@@ -125,6 +125,34 @@ def identify(
         _write(out, buffer.getvalue())
     say(identified_text.as_json(found) if json else identified_text.as_text(found))
     return 0
+
+
+def _typed(
+    path: Path, interface: tuple[str, ...], material: str, unit: Unit | None, size: int, modes: int
+) -> "Identified":
+    """What was typed of a part, identified."""
+    from meshes.part.interfaces import find_interfaces  # noqa: PLC0415
+    from meshes.part.read import read_part  # noqa: PLC0415
+    from validation.parts import identify as identifying  # noqa: PLC0415
+    from validation.parts import request  # noqa: PLC0415
+
+    wanted, points = request.interfaces_of(interface)
+    chosen = request.material_of(material)
+    file = read_part(path, unit)
+    found = find_interfaces(file, wanted, points)
+    return identifying.identify(file, found, chosen, size, modes)
+
+
+def _of_robot(robot: str, body: str, size: int, modes: int) -> "Identified":
+    """A part of a robot file, identified in its own axes."""
+    from lumped.robot_file import load_robot  # noqa: PLC0415
+    from validation.models import parts  # noqa: PLC0415
+
+    bodies = parts.parts_of(load_robot(robot).mechanism)
+    if body not in bodies:
+        known = ", ".join(bodies) or "none"
+        raise InputError(f"--body {body}: is no part from a file; the parts of {robot}: {known}")
+    return parts.identified(bodies[body], size, modes)
 
 
 def _write(path: Path, content: bytes) -> None:

@@ -16,8 +16,8 @@ OPTIONS: dict[ModelName, tuple[str, ...]] = {
     "simplified": (),
     "vjm": ("legs", "theory", "equivalent"),
     "links": ("legs", "theory", "equivalent"),
-    "segments": ("theory", "elements", "release", "layout", "equivalent"),
-    "beam": ("theory", "elements", "equivalent"),
+    "segments": ("theory", "elements", "release", "layout", "equivalent", "parts"),
+    "beam": ("theory", "elements", "equivalent", "parts"),
     "solid": ("ends", "divisions", "equivalent"),
 }
 # Models of elements, solved dense.

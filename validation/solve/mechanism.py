@@ -17,6 +17,7 @@ from validation.kinematics.poses import parsed_pose
 from validation.models.legs import leg_compliance, leg_frequencies
 from validation.models.mechanism import answers, constant_legs
 from validation.models.options import STATIC, ModelName, ModelOptions
+from validation.models.parts import parts_of
 from validation.solve.answer import DEFAULT_MODES, OF_ELEMENTS, OPTIONS, Answer, Solution
 
 # Eq. (25) as printed is a statement about the paper's own robot.
@@ -130,7 +131,8 @@ def _option_faults(mechanism: Mechanism, model: ModelName, given: dict[str, Any]
     ]
     unheard = _unheard(mechanism)
     faults += [
-        f"--{name}: no leg of {mechanism.name} is given by a 6×6, so nothing would change"
+        f"--{name}: no leg of {mechanism.name} is given by a "
+        f"{'file' if name == 'parts' else '6×6'}, so nothing would change"
         for name in given
         if name in listens and name in unheard
     ]
@@ -138,9 +140,11 @@ def _option_faults(mechanism: Mechanism, model: ModelName, given: dict[str, Any]
 
 
 def _unheard(mechanism: Mechanism) -> tuple[str, ...]:
-    """What changes nothing where every leg is a prism."""
+    """What changes nothing where every leg is a prism, or where no body is a part from a file."""
+    if parts_of(mechanism):
+        return ()
     prisms = all(isinstance(leg, ConstantLeg) for leg in legs_of(mechanism).values())
-    return ("legs", "equivalent") if prisms else ()
+    return ("legs", "equivalent", "parts") if prisms else ("parts",)
 
 
 def _body_faults(

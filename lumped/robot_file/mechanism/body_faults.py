@@ -12,13 +12,14 @@ from lumped.mechanism.placing import leg_frame
 from lumped.robot_file.leg_table import leg_faults
 from lumped.robot_file.mechanism.draft import Draft
 from lumped.robot_file.mechanism.tables import BodyTable
+from lumped.robot_file.part_tables import choice_faults
 from lumped.robot_file.tables import MaterialTable
 
 # Which keys belong to which description of a body.
 KEYS = {
     "leg": ("from", "to", "up", "section", "material", "mass", "compliance", "ends"),
     "rigid body": ("points", "mass", "centre", "inertia"),
-    "part": ("step", "mesh", "place", "material", "interfaces"),
+    "part": ("step", "mesh", "unit", "place", "material", "interfaces"),
 }
 _TELLING = {"from": "leg", "to": "leg", "points": "rigid body", "step": "part", "mesh": "part"}
 # Distance (m) below which two points of a leg are one.
@@ -82,7 +83,7 @@ def _faults(draft: Draft, name: str) -> Iterator[str]:
         case "rigid body":
             yield from _rigid_faults(draft, body, key)
         case "part":
-            yield f"{key}.{'step' if body.step else 'mesh'}: parts from files cannot be read yet"
+            yield from _part_faults(draft, body, key)
 
 
 def _leg_faults(draft: Draft, body: BodyTable, key: str) -> Iterator[str]:
@@ -135,3 +136,29 @@ def _rigid_faults(draft: Draft, body: BodyTable, key: str) -> Iterator[str]:
     for other in ("centre", "inertia"):
         if getattr(body, other) is not None and not body.mass:
             yield f"{key}.mass: missing; must be above 0 kg, given with {key}.{other}"
+
+
+def _part_faults(draft: Draft, body: BodyTable, key: str) -> Iterator[str]:
+    if body.step and body.mesh:
+        yield f"{key}.mesh: given with {key}.step; a part is read from one file"
+    material = material_of(draft, body)
+    if body.material is None:
+        yield f"{key}.material: missing; must be a name of [materials] or a table"
+    if material is not None and material.rho is None:
+        yield f"{key}.material.rho: missing; a part's mass follows from its density"
+    if material is not None and material.G is not None:
+        yield f"{key}.material.G: does not belong to a part; its material is isotropic"
+    if not body.interfaces:
+        yield f"{key}.interfaces: missing; must name the points at which the part is held"
+    for point, interface in (body.interfaces or {}).items():
+        own = f"{key}.interfaces.{point}"
+        yield from draft.unknown(own, point, "points")
+        yield from choice_faults(interface, own)
+        if interface.at is not None:
+            yield f"{own}.at: does not belong here; the reference point is that of [points]"
+    place = body.place
+    if place is not None:
+        if isinstance(place.at, str):
+            yield from draft.unknown(f"{key}.place.at", place.at, "points")
+        if np.linalg.norm(np.cross(place.x, place.y)) == 0.0:
+            yield f"{key}.place.y = {list(place.y)}: must not lie along {key}.place.x"

@@ -3,16 +3,19 @@
 from collections.abc import Mapping
 from dataclasses import replace
 from itertools import product
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from lumped.arrays import Array
 from lumped.errors import InputError
+from lumped.legs import Material
 from lumped.mechanism.body import Body, Rigid, leg_shape
 from lumped.mechanism.frame import Frame
 from lumped.mechanism.joint import Drive, Joint, Side
 from lumped.mechanism.mechanism import GROUND, Mechanism, Tool
+from lumped.mechanism.part import Part
 from lumped.mechanism.placing import leg_on, rigid_on
 from lumped.robot_file.leg_table import leg_of, symmetric
 from lumped.robot_file.mechanism.body_faults import body_faults, kind_of, leg_length, material_of
@@ -30,6 +33,7 @@ from lumped.robot_file.mechanism.tables import (
     PathTable,
 )
 from lumped.robot_file.mechanism.whole_faults import connection_faults, path_faults
+from lumped.robot_file.part_tables import interface_of
 from lumped.robot_file.table_faults import table_faults
 from lumped.robot_file.tables import LegTable
 
@@ -43,8 +47,8 @@ def description_faults(tables: Mapping[str, Any]) -> list[str]:
     return faults or connection_faults(given)
 
 
-def mechanism_of(tables: Mapping[str, Any]) -> Mechanism:
-    """The mechanism that tables without faults describe."""
+def mechanism_of(tables: Mapping[str, Any], folder: Path | None = None) -> Mechanism:
+    """The mechanism that tables without faults describe; files of parts lie in `folder`."""
     given = draft(tables)
     tool = given.tool
     if tool is None:
@@ -54,7 +58,7 @@ def mechanism_of(tables: Mapping[str, Any]) -> Mechanism:
     base = dict.fromkeys(side.point for side in sides if side.body == GROUND)
     placed = [
         rigid_on(GROUND, base, given.points, origin=np.zeros(3)),
-        *(_body(given, name) for name in given.bodies),
+        *(_body(given, name, folder or Path()) for name in given.bodies),
     ]
     mechanism = Mechanism(
         name=str(tables["name"]),
@@ -68,8 +72,10 @@ def mechanism_of(tables: Mapping[str, Any]) -> Mechanism:
     return replace(mechanism, poses=poses)
 
 
-def _body(given: Draft, name: str) -> tuple[Body, Frame]:
+def _body(given: Draft, name: str, folder: Path) -> tuple[Body, Frame]:
     table = given.bodies[name]
+    if kind_of(table) == "part":
+        return _part(given, name, table, folder)
     if kind_of(table) == "rigid body":
         return _rigid(given, name, table)
     start, to, length = table.start, table.to, leg_length(given, table)
@@ -87,6 +93,29 @@ def _body(given: Draft, name: str) -> tuple[Body, Frame]:
     )
     up = None if table.up is None else np.array(table.up, dtype=float)
     return leg_on(name, leg_shape(leg), (start, to), given.points, up)
+
+
+def _part(given: Draft, name: str, table: BodyTable, folder: Path) -> tuple[Body, Frame]:
+    data = material_of(given, table)
+    if data is None or data.rho is None:
+        raise InputError(f"bodies.{name}: a part must have a material with a density")
+    place, frame = table.place, Frame()
+    if place is not None:
+        at = given.points[place.at] if isinstance(place.at, str) else np.array(place.at, float)
+        x, y = (np.array(axis, dtype=float) for axis in (place.x, place.y))
+        x = x / np.linalg.norm(x)
+        z = np.cross(x, y) / np.linalg.norm(np.cross(x, y))
+        frame = Frame(at, np.column_stack([x, np.cross(z, x), z]))
+    wanted = table.interfaces or {}
+    shape = Part(
+        file=folder / (table.step or table.mesh or ""),
+        material=Material.isotropic(data.E, data.nu, data.rho),
+        interfaces={point: interface_of(interface) for point, interface in wanted.items()},
+        unit=table.unit,
+    )
+    seen = frame.inverse()
+    held = {point: Frame((seen @ Frame(given.points[point])).position) for point in wanted}
+    return Body(name, shape, held), frame
 
 
 def _rigid(given: Draft, name: str, table: BodyTable) -> tuple[Body, Frame]:
