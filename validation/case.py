@@ -105,6 +105,7 @@ class Measurement:
     The last is stated where both sides have one mesh, whose errors cancel; else it follows from the
     other two. None: exact to rounding, nothing is discretised. `table` maps column headings to
     equally long columns; `studies` are convergence studies and sweeps to be shown with the case.
+    `pose` is the one that the numbers belong to, where a case looks at several and takes the worst.
     """
 
     value: float
@@ -116,6 +117,7 @@ class Measurement:
     notes: tuple[str, ...] = ()
     table: Mapping[str, tuple[float | str, ...]] = field(default_factory=dict)
     studies: tuple[Study, ...] = ()
+    pose: tuple[float, ...] = ()
 
     @property
     def difference(self) -> float:
@@ -292,6 +294,7 @@ def result_record(outcome: Outcome) -> dict[str, Any]:
         "message": outcome.message,
         "notes": [],
         "table": {},
+        "pose": [],
     }
     if measurement is not None:
         record |= {
@@ -308,6 +311,7 @@ def result_record(outcome: Outcome) -> dict[str, Any]:
             ],
             "tolerance": finite(outcome.tolerance),
             "notes": list(measurement.notes),
+            "pose": list(measurement.pose),
             "table": {
                 heading: [entry if isinstance(entry, str) else finite(entry) for entry in column]
                 for heading, column in measurement.table.items()

@@ -125,6 +125,7 @@ def _static(context: Context, model: ModelName, theory: Theory, curve: str) -> M
         float(found[worst]),
         float(reference[worst]),
         notes=(f"largest difference at x = {stations[worst]:.4g} m",),
+        pose=(float(stations[worst]),),
         studies=(sweep,),
     )
 
@@ -150,6 +151,7 @@ def _frequency(context: Context, index: int) -> Measurement:
         # Fourth order: the difference to the coarser model is 15 times the finer one's error.
         reference_uncertainty=float(abs(fine - coarse)[worst, index]),
         notes=(f"largest difference at x = {x:.4g} m",),
+        pose=(float(x),),
     )
 
 

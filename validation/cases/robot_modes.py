@@ -168,6 +168,7 @@ def _frequency(context: Context, index: int) -> Measurement:
         judged_uncertainty=float(
             factor * abs(left[worst] - (coarse_value[at] - coarse_reference[at]))
         ),
+        pose=(float(segments.x[worst]),),
         notes=(
             f"largest difference at x = {segments.x[worst]:.4g} m; there segments have "
             f"{segments.reference[at]:.5g} Hz, solids with rigid faces {segments.found[at]:.5g} Hz",

@@ -175,6 +175,7 @@ def _rigid(context: Context, curve: str) -> Measurement:
         float(found.held[worst]),
         value_uncertainty=float(found.uncertainty_rigid[worst]),
         judged_uncertainty=float(found.uncertainty_held[worst]),
+        pose=(float(found.x[worst]),),
         notes=(
             f"largest difference at x = {found.x[worst]:.4g} m; held faces take up to "
             f"{100.0 * np.max(1.0 - found.held / found.own):.3g} %",
@@ -201,6 +202,7 @@ def _free(context: Context, curve: str) -> Measurement:
         value_uncertainty=float(found.uncertainty_free[worst]),
         judged_uncertainty=float(found.uncertainty_left[worst]),
         notes=(f"largest difference at x = {found.x[worst]:.4g} m",),
+        pose=(float(found.x[worst]),),
     )
     return _decided(measured, context)
 
@@ -232,6 +234,7 @@ def _against(
         float(reference[worst]),
         value_uncertainty=None if uncertainty is None else float(uncertainty[worst]),
         notes=(f"largest difference at x = {found.x[worst]:.4g} m",),
+        pose=(float(found.x[worst]),),
     )
 
 

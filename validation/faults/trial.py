@@ -5,7 +5,7 @@ if it uses the faulty function, which is found out by listening to it on the sou
 """
 
 import signal
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from time import perf_counter
@@ -62,11 +62,18 @@ def verdicts(cases: Sequence[Case], context: Context) -> dict[str, Verdict]:
 
 def sound_group(cases: Sequence[Case], context: Context) -> SoundGroup:
     """What a group says and uses without a fault."""
-    used: set[str] = set()
+    found: dict[str, Verdict] = {}
     begun = perf_counter()
+    used = listened(lambda: found.update(verdicts(cases, context)))
+    return SoundGroup(found, used, perf_counter() - begun)
+
+
+def listened(computation: Callable[[], object]) -> frozenset[str]:
+    """The faults' places that a computation on the sound models uses."""
+    used: set[str] = set()
     with replaced({fault.where: _listening(fault.where, used) for fault in FAULTS}):
-        found = verdicts(cases, context)
-    return SoundGroup(found, frozenset(used), perf_counter() - begun)
+        computation()
+    return frozenset(used)
 
 
 def caught(cases: Sequence[Case], sound: SoundGroup, context: Context) -> dict[str, Verdict]:

@@ -4,7 +4,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from validation.case import Verdict
-from validation.results.drift import Drift, Frozen, drift
+from validation.results.drift import Drift, Frozen, drift, same_pose
 from validation.results.saved_run import SavedCase, SavedRun
 from validation.results.variants import (
     AdequacyChange,
@@ -138,6 +138,9 @@ def _adequacy(change: AdequacyChange) -> dict[str, Any]:
 
 
 def _drifted(before: SavedCase, after: SavedCase) -> list[Drifted]:
+    if not same_pose(before.pose, after.pose):
+        # The worst posture is another one: these are two quantities, and none of them has moved.
+        return []
     found = []
     for what in ("value", "reference"):
         old, new = getattr(before, what), getattr(after, what)

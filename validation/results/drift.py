@@ -18,10 +18,14 @@ _OF_TOLERANCE = 1e-3
 
 @dataclass(frozen=True)
 class Frozen:
-    """A value that was found earlier, with its numerical uncertainty then (None: not known)."""
+    """A value that was found earlier, with its numerical uncertainty then (None: not known).
+
+    `pose` is the one it belongs to, empty where there is none or nobody noted it.
+    """
 
     value: float
     uncertainty: float | None = None
+    pose: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -41,6 +45,15 @@ class Drift:
     def beyond(self) -> bool:
         """Whether the value has moved by more than is allowed."""
         return abs(self.amount) > self.allowed
+
+
+def same_pose(one: tuple[float, ...], other: tuple[float, ...]) -> bool:
+    """Whether two poses are the same up to rounding, or one of them is not known."""
+    if not (one and other):
+        return True
+    return len(one) == len(other) and all(
+        abs(a - b) <= _ROUNDING * max(abs(a), abs(b), 1.0) for a, b in zip(one, other, strict=True)
+    )
 
 
 def drift(
@@ -64,7 +77,7 @@ def drift(
 
 
 def drifts(outcomes: Sequence[Outcome], frozen: Mapping[str, Frozen]) -> dict[str, Drift]:
-    """Drift by case id, of the outcomes that have a value and a frozen one."""
+    """Drift by case id, of the outcomes that have a value and a frozen one of the same pose."""
     return {
         outcome.case.id: drift(
             frozen[outcome.case.id],
@@ -74,5 +87,8 @@ def drifts(outcomes: Sequence[Outcome], frozen: Mapping[str, Frozen]) -> dict[st
             tolerance=outcome.tolerance,
         )
         for outcome in outcomes
-        if outcome.measurement and outcome.case.id in frozen and isfinite(outcome.measurement.value)
+        if outcome.measurement
+        and outcome.case.id in frozen
+        and isfinite(outcome.measurement.value)
+        and same_pose(frozen[outcome.case.id].pose, outcome.measurement.pose)
     }

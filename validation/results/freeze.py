@@ -32,7 +32,7 @@ def built_in_frozen(robot_file: RobotFile, preset: Preset) -> SavedRun | None:
 def frozen_values(run: SavedRun) -> dict[str, Frozen]:
     """The values of a run by case id."""
     return {
-        case.id: Frozen(case.value, case.numerical_uncertainty)
+        case.id: Frozen(case.value, case.numerical_uncertainty, case.pose)
         for case in run.cases
         if case.value is not None
     }
@@ -48,7 +48,8 @@ def frozen_text(run: SavedRun) -> str:
                 "verdict": case.verdict,
                 "value": case.value,
                 "numerical_uncertainty": case.numerical_uncertainty,
-            },
+            }
+            | ({"pose": case.pose} if case.pose else {}),
             ensure_ascii=False,
         )
         for case in sorted(run.cases, key=lambda case: case.id)

@@ -27,6 +27,7 @@ class SavedCase:
     numerical_uncertainty: float | None = None
     tolerance: float | None = None
     seconds: float = 0.0
+    pose: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -5,10 +5,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from validation.adequacy.matrix import MEASURED
+from validation.results.drift import same_pose
 from validation.results.saved_run import SavedEntry, SavedRun
-
-# Poses are the same up to what rounding leaves of an interpolation.
-_SAME_POSE = 1e-9
 
 
 @dataclass(frozen=True)
@@ -38,7 +36,7 @@ class AdequacyChange:
             (pose, before, after)
             for pose, before in _valued(self.before)
             for other, after in _valued(self.after)
-            if _same(pose, other)
+            if same_pose(pose, other)
         )
 
 
@@ -85,9 +83,3 @@ def _flat(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:
 def _valued(entry: SavedEntry) -> list[tuple[tuple[float, ...], float]]:
     known = zip(entry.poses, entry.values, strict=False)
     return [(pose, value) for pose, value in known if value is not None]
-
-
-def _same(one: Sequence[float], other: Sequence[float]) -> bool:
-    return len(one) == len(other) and all(
-        abs(a - b) <= _SAME_POSE * max(abs(a), abs(b), 1.0) for a, b in zip(one, other, strict=True)
-    )

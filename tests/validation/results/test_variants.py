@@ -19,7 +19,7 @@ from validation.results import comparison_text
 from validation.results.compare import as_dict, compare
 from validation.results.provenance import header
 from validation.results.records import results
-from validation.results.saved_run import SavedRun, parse_run
+from validation.results.saved_run import SavedCase, SavedRun, parse_run
 
 WALLS = """
 schema = 1
@@ -107,12 +107,22 @@ def test_what_differs_in_the_input_is_named(both: tuple[SavedRun, SavedRun]) -> 
 
 
 def test_numbers_of_different_inputs_do_not_drift(both: tuple[SavedRun, SavedRun]) -> None:
-    from validation.results.saved_run import SavedCase  # noqa: PLC0415
-
     before = replace(both[0], cases=(SavedCase("a", "agree", value=1.0, reference=1.0),))
     after = replace(both[1], cases=(SavedCase("a", "agree", value=2.0, reference=1.0),))
     assert compare(before, after).drifted == ()
     assert compare(before, replace(after, run=before.run)).drifted != ()
+
+
+def test_values_of_two_postures_are_not_set_against_each_other(
+    both: tuple[SavedRun, SavedRun],
+) -> None:
+    at_start, elsewhere = (
+        replace(both[0], cases=(SavedCase("a", "agree", value=value, reference=1.0, pose=pose),))
+        for value, pose in ((1.0, (0.21,)), (2.0, (0.6,)))
+    )
+    assert compare(at_start, elsewhere).drifted == ()
+    moved = replace(elsewhere.cases[0], pose=(0.21,))
+    assert compare(at_start, replace(elsewhere, cases=(moved,))).drifted != ()
 
 
 def test_runs_of_one_input_have_no_changes_to_tell(both: tuple[SavedRun, SavedRun]) -> None:
