@@ -14,6 +14,7 @@ from matrix_sample import POSES, UNKNOWN, entry, sample_matrix, undecided
 from report_sample import sample_report
 
 from validation.adequacy.matrix import ModelNote
+from validation.exhibits import Figure
 from validation.report.figures.adequacy import error_figure
 from validation.report.first_screen.remedies import remedies_of
 from validation.report.first_screen.screen import first_screen
@@ -177,3 +178,25 @@ def test_poses_of_several_coordinates_are_drawn_by_their_number():
     assert error_figure(matrix).svg
     (row,) = table_of(matrix).rows
     assert "worst at x = 0.2 m, y = 0.6 m" in row.cells[0].hint
+
+
+def test_legs_and_measured_values_have_tables_and_sheets_of_their_own():
+    by_gauge = tuple(
+        flat(model, "z", size, reference="measured: gauge", uncertainties={"measurement": 0.01})
+        for model, size in (("vjm", 0.01), ("segments", -0.2))
+    )
+    leg = sample_matrix(robot="leg 1", notes=())
+    figure = Figure("leg1.picture", "A leg", "", "Leg 1", svg="<svg ></svg>")
+    report = sample_report(
+        matrix=sample_matrix(parts=(leg,)),
+        measured=sample_matrix(entries=by_gauge, quantities=("z",), notes=()),
+        figures=(figure,),
+    )
+    markup = render(report)
+    assert markup.count('<table class="adequacy"') == 3
+    links = re.findall(r'<td class="[a-z]+" title="[^"]+"><a href="#([^"]+)"', markup)
+    assert len(links) == len(set(links)) == 2 * len(leg.entries) + len(by_gauge)
+    assert all(markup.count(f'id="{link}"') == 1 for link in links)
+    assert "measured: gauge" in markup
+    assert markup.index('id="leg_1-alone"') > markup.index('id="Its_legs"')
+    assert "measured.values" in {figure.id for figure in report.shown}

@@ -18,6 +18,7 @@ class FirstScreen:
     """What the reader sees first: the sentence, the table with its CSV, errors over the poses.
 
     Then `remedies`, `notes` on what was not said by the user, and a sheet behind every number.
+    `parts` show the same of the parts of the robot alone, each by its `name`.
     """
 
     sentence: str
@@ -27,6 +28,8 @@ class FirstScreen:
     remedies: tuple[Remedy, ...]
     notes: tuple[str, ...]
     sheets: tuple[Sheet, ...]
+    name: str = ""
+    parts: "tuple[FirstScreen, ...]" = ()
 
 
 def first_screen(matrix: Matrix, *, plotted: bool, measured: bool = False) -> FirstScreen:
@@ -43,4 +46,6 @@ def first_screen(matrix: Matrix, *, plotted: bool, measured: bool = False) -> Fi
         remedies=remedies_of(matrix),
         notes=matrix.notes,
         sheets=sheets_of(matrix),
+        name=matrix.robot,
+        parts=tuple(first_screen(part, plotted=False) for part in matrix.parts),
     )

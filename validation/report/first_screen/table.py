@@ -65,7 +65,7 @@ def cell_of(matrix: Matrix, entry: Entry) -> Cell:
         spread=spread,
         mark=MARKS[entry.verdict],
         hint=_hint(matrix, entry),
-        anchor=anchor(f"adequacy.{entry.model}.{entry.quantity}{_kind(entry)}"),
+        anchor=anchor(f"{matrix.robot}.{entry.model}.{entry.quantity}{_kind(entry)}"),
     )
 
 
