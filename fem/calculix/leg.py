@@ -15,7 +15,7 @@ from fem.calculix.run import run_calculix
 from lumped.arrays import Array, SparseMatrix
 from lumped.legs import Material
 from meshes.shape_functions import gradients, quadrature, values
-from meshes.solid_mesh import SolidMesh
+from meshes.solid_mesh import SolidMesh, VolumeMesh
 
 # Degrees for which the stiffness points of C3D8 (2×2×2), C3D4 (1) and C3D10 (4) are exact.
 _STIFFNESS_POINTS_DEGREE = {"hex8": 3, "tet4": 1, "tet10": 2}
@@ -61,7 +61,7 @@ def compliance_and_frequencies(
     return results.displacements.reshape(6, 6).T, results.frequencies
 
 
-def mass_at_stiffness_points(mesh: SolidMesh, rho: float) -> SparseMatrix:
+def mass_at_stiffness_points(mesh: VolumeMesh, rho: float) -> SparseMatrix:
     """Mass matrix (csr 3N×3N, kg) summed over the stiffness points, as CalculiX does.
 
     M = Nᵀ diag(ρ w det J) N, with N (points × nodes) the shape functions at all points. Exact on
