@@ -103,10 +103,7 @@ def sound_function(where: str) -> Faulty:
 
 def forget() -> None:
     """Drop what the project's functions and objects have cached."""
-    for module in _modules():
-        for value in list(vars(module).values()):
-            if callable(value) and hasattr(value, "cache_clear"):
-                value.cache_clear()
+    forget_functions()
     cached: dict[type, tuple[str, ...]] = {}
     for thing in gc.get_objects():
         kind = type(thing)
@@ -114,6 +111,14 @@ def forget() -> None:
             cached[kind] = _cached_names(kind)
         for name in cached[kind]:
             vars(thing).pop(name, None)
+
+
+def forget_functions() -> None:
+    """Drop what the project's functions have cached."""
+    for module in _modules():
+        for value in list(vars(module).values()):
+            if callable(value) and hasattr(value, "cache_clear"):
+                value.cache_clear()
 
 
 def _cached_names(kind: type) -> tuple[str, ...]:

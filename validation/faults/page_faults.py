@@ -149,10 +149,6 @@ def _words_exchanged(text: str) -> str:
     return text.replace("disagree", "AGREE").replace("agree", "disagree").replace("AGREE", "agree")
 
 
-def _first_place(*_args: Any) -> int:
-    return 0
-
-
 def _mean_difference(found: Array, reference: Array) -> float:
     unit = 1.0 / np.sqrt(np.diag(reference))
     return float(np.abs((found - reference) * unit[:, None] * unit).mean() * 1e-3)
@@ -247,8 +243,6 @@ FAULTS = (
            result(_words_exchanged)),
     _fault("summary", "A summary with the opposite verdicts", "validation.listing:summary",
            result(_words_exchanged)),
-    _fault("first-posture", "The first posture for the worst",
-           "validation.cases.robot_solid:_worst", instead(_first_place), "numerics"),
     _fault("mean-entry", "The mean entry of a difference for the largest",
            "validation.cases.guards:scaled_difference", instead(_mean_difference), "numerics"),
     _fault("one-held-face", "One held face for two", f"{_EFFECTS}_change", around(_one_end_only),

@@ -32,6 +32,13 @@ def cases() -> tuple[Case, ...]:
             "orders", "Orders and uncertainties are those found by hand", _SOURCE, _by_hand
         ),
         claims_case(
+            "orders-published",
+            "Orders and uncertainties are those of published and of other made-up sequences",
+            "NASA Glenn, NPARC Alliance, Examining spatial (grid) convergence; Celik et al., J. "
+            "Fluids Eng. 130 (2008) 078001",
+            _published,
+        ),
+        claims_case(
             "orders-random",
             "Of powers at random the limit is found, and held by the uncertainty",
             _SOURCE,
@@ -81,6 +88,39 @@ def _by_hand(_context: Context) -> Mapping[str, bool]:
     }
 
 
+def _published(_context: Context) -> Mapping[str, bool]:
+    # Pressure recovery on three grids of ratio 2, printed to five digits.
+    coarse, middle, fine = 0.96178, 0.96854, 0.97050
+    order = three_grid_order(coarse, middle, fine, 2.0, 2.0)
+    sizes = np.array([0.6, 0.3, 0.2, 0.1])
+    cubic = 5.0 - 0.4 * sizes**3
+    fit = fit_order(sizes, cubic)
+    columns = Refinement((1, 2, 4, 8), np.column_stack([_SIZES**2, 3.0 + 0.5 * _SIZES**2]), 2.0)
+    swinging = analyse(sizes, np.array([2.0, 1.0, 1.6, 1.3]), 2.0)
+    return {
+        "order 1.786": same(order, 1.78618, 2e-5),
+        "GCI 0.103 %": same(
+            grid_convergence_index(middle, fine, 2.0, order, 1.25), 1.0308e-3, 1e-4
+        ),
+        "limit 0.97130": same(richardson(middle, fine, 2.0, order), 0.9713, 1e-6),
+        "order 3 on grids of ratio 2 and 1.5": same(
+            three_grid_order(cubic[0], cubic[1], cubic[2], 2.0, 1.5), 3.0, 1e-9
+        ),
+        "order 3 on all": bool(np.allclose(pairwise_orders(sizes, cubic), 3.0)),
+        "a fit's limit 5, order 3": same(fit.limit, 5.0, 1e-8) and same(fit.order, 3.0, 1e-5),
+        "3 · step / (2² − 1) where 2 is formal": same(
+            analyse(sizes, cubic, 2.0).uncertainty, 0.4 * (0.2**3 - 0.1**3), 1e-6
+        ),
+        "1.25 of the rest where 3 is": same(
+            analyse(sizes, cubic, 3.0).uncertainty, 1.25 * 0.4 * 0.1**3, 1e-5
+        ),
+        "swinging values have three times their spread": swinging.behaviour == "oscillating"
+        and same(uncertainty_of(swinging), 1.8),
+        "each number its own uncertainty": same(columns.uncertainty(0), 1.25 * 0.125**2, 1e-5)
+        and same(columns.uncertainty(1), 0.625 * 0.125**2, 1e-5),
+    }
+
+
 def _at_random(_context: Context) -> Mapping[str, bool]:
     rng = np.random.default_rng(14)
     found = {}
@@ -97,6 +137,10 @@ def _at_random(_context: Context) -> Mapping[str, bool]:
         study = series.at(0)
         # Ratio r, order p: two grids state F (rᵖ − 1)/(r² − 1) times the error.
         ratio = ladder[-1] / ladder[-2]
+        both = Refinement(ladder, np.column_stack([values, 2.0 * values + sizes]), 4.0)
+        found[f"sequence {number} beside another"] = same(
+            both.uncertainty(0), stated, 1e-9
+        ) and not same(both.uncertainty(1), stated, 1e-3)
         found[f"sequence {number} is held"] = error <= stated <= 4.0 * error
         found[f"sequence {number}: two grids"] = same(
             by_two, 3.0 * (ratio**order - 1.0) / (ratio**2 - 1.0) * error, 1e-9

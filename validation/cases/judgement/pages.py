@@ -44,6 +44,7 @@ def cases() -> tuple[Case, ...]:
         claims_case("tables", "Tables put each number where its heading says", _SOURCE, _tables),
         claims_case("lines", "Lines, sums and JUnit say the verdicts", _SOURCE, _lines),
         claims_case("curves", "Curves' data belong to their names", _SOURCE, _curves),
+        claims_case("shown-random", "So do tables, lines, curves at random", _SOURCE, _shown),
     )
 
 
@@ -245,4 +246,51 @@ def _curves(_context: Context) -> Mapping[str, bool]:
         "its uncertainty": record["uncertainty"] == {"solid": 0.01},
         "its limit": record["limit"] == {"vjm": 4.0},
         "its x": record["x"] == [0.1, 0.2, 0.3],
+    }
+
+
+def _shown(_context: Context) -> Mapping[str, bool]:
+    rng = np.random.default_rng(18)
+    values = rng.uniform(1.0, 3.0, (3, 3))
+    models = ("vjm", "beam", "solid")
+    outcomes = [
+        _outcome(model, f"quantity {row}", value, 0.1)
+        for row, cells in enumerate(values.tolist())
+        for model, value in zip(models, cells, strict=True)
+    ]
+    (grid,), _ = tables.grids(outcomes)
+    cells = [
+        [cell.measurement.value for cell in row.cells if cell and cell.measurement]
+        for row in grid.rows
+    ]
+    # 10 % of 2, a quarter explained.
+    wrong = np.abs(values.ravel() - 2.25) > 0.2
+    shares = [tables.unexplained_share(outcome) for outcome in outcomes]
+    suite = ET.fromstring(junit_xml(outcomes, "made up")).find("testsuite")  # noqa: S314
+    series = {name: tuple(rng.uniform(0.0, 1.0, 4).tolist()) for name in models}
+    study = Study("random", "sweep", "made up", "x", "y", "µm", (1.0, 2.0, 3.0, 4.0), series)
+    written = csv_of({"x": study.x, **series})
+    read = list(csv.reader(io.StringIO(written)))
+    plotted = list(csv.DictReader(io.StringIO(study_plot(study).data)))
+    of_solid = [
+        float(value) for row in plotted for name, value in row.items() if "solid" in name.lower()
+    ]
+    return {
+        "cells": cells == values.tolist(),
+        "shares": all(
+            same(share, abs(value - 2.25) / 2.0, 1e-9)
+            for share, value in zip(shares, values.ravel().tolist(), strict=True)
+        ),
+        "JUnit": suite is not None
+        and [element.find("failure") is not None for element in suite] == wrong.tolist(),
+        "lines": [outcome_line(outcome).startswith("disagree") for outcome in outcomes]
+        == wrong.tolist(),
+        "sum": summary(outcomes).startswith(f"{int(np.sum(~wrong))} of 9 comparisons agree"),
+        "CSV": all(
+            [float(row[1 + place]) for row in read[1:]] == list(series[name])
+            for place, name in enumerate(models)
+        )
+        and read[0] == ["x", *models],
+        "plot": of_solid == list(series["solid"]),
+        "record": study_record(study)["series"] == {n: list(v) for n, v in series.items()},
     }

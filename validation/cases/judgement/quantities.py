@@ -5,6 +5,7 @@ displacements under that load, whose work must be twice the energy that the part
 """
 
 from collections.abc import Mapping
+from functools import partial
 
 import numpy as np
 from scipy.linalg import eigh
@@ -16,11 +17,13 @@ from lumped.modes import dense
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Section, Tube
 from meshes.section.section_mesh import section_mesh
 from validation.case import Case
+from validation.cases.guards import scaled_difference
 from validation.cases.judgement.claims import claims_case, same
 from validation.cases.legs import constant_leg_of
 from validation.context import Context
 from validation.leg_solids import section_counts
 from validation.models.biglide import robot_mechanism
+from validation.models.options import ModelName
 from validation.quantities import (
     Deflections,
     deflections_of,
@@ -56,10 +59,22 @@ def cases() -> tuple[Case, ...]:
             _simplified,
         ),
         claims_case(
+            "family",
+            "Members of the family are looked at where they say",
+            "the same with other lengths, at other fractions of the stroke",
+            _family,
+        ),
+        claims_case(
+            "modes-segments",
+            "So are those of segments",
+            "f = √(uᵀKu / uᵀMu) / 2π",
+            partial(_modes, model="segments"),
+        ),
+        claims_case(
             "modes",
             "Frequencies shown are Rayleigh's quotients in Hz, shares of energy sum to one",
             "f = √(uᵀKu / uᵀMu) / 2π",
-            _modes,
+            partial(_modes, model="beam"),
         ),
         claims_case(
             "section-meshes",
@@ -83,6 +98,10 @@ def _by_hand(_context: Context) -> Mapping[str, bool]:
         "twice as soft": same(found.planar_x[1], 10.0) and same(found.along_z[1], 60.0),
         "no z in the plane": same(flat.planar_x[0], 5.0) and bool(np.isnan(flat.along_z[0])),
         "largest planar": same(shown.largest_planar, 5.0),
+        # 4 nm/N beside √(1 · 4) nm/N.
+        "largest entry of a difference": same(
+            scaled_difference(np.array([[1.0, 4.0], [4.0, 4.0]]), np.diag([1.0, 4.0])), 2.0
+        ),
         "largest of both loads": same(found.largest_planar, 2.0 * np.sqrt(160.0)),
     }
 
@@ -92,7 +111,16 @@ def _work(context: Context) -> Mapping[str, bool]:
     shown = stroke_deflections("beam", robot, _COUNT)
     tables = deflections_of(stroke_compliances("beam", robot, _COUNT))
     planar = [*shown.planar_x.tolist(), *shown.planar_y.tolist()]
-    claims = {"the largest planar": _close(shown.largest_planar, sorted(planar)[-1])}
+    rng = np.random.default_rng(17)
+    matrix = rng.standard_normal((6, 6))
+    unit = np.diag(rng.uniform(1.0, 2.0, 6))
+    entries = [
+        abs(matrix[i, j]) / np.sqrt(unit[i, i] * unit[j, j]) for i in range(6) for j in range(6)
+    ]
+    claims = {
+        "the largest planar": _close(shown.largest_planar, sorted(planar)[-1]),
+        "the largest entry": _close(scaled_difference(unit + matrix, unit), sorted(entries)[-1]),
+    }
     for number, x in enumerate(_stations(robot)):
         whole = robot_mechanism("beam", robot, x)
         stiffness, loaded = dense(whole.stiffness), dense(whole.loaded)
@@ -147,12 +175,27 @@ def _on_drives(robot: Biglide, x: float) -> Array:
     return from_slides @ from_slides.T / robot.actuator_stiffness * _FORCE / _MICROMETRE
 
 
-def _modes(context: Context) -> Mapping[str, bool]:
+def _family(context: Context) -> Mapping[str, bool]:
     robot = context.robot
-    shown = stroke_frequencies("beam", robot, _COUNT, 4)
+    claims = {}
+    for fraction in (0.1, 0.8):
+        found = family_deflections("simplified", robot, (1.1, 1.25), fraction)
+        for place, alpha in enumerate((1.1, 1.25)):
+            member = scaled(robot, alpha)
+            first, last = member.stroke
+            moved = _on_drives(member, first + fraction * (last - first))
+            claims[f"α = {alpha} at {fraction} of the stroke"] = _close(
+                found.planar_x[place], np.hypot(*moved[:, 0]), 1e-5
+            ) and _close(found.planar_y[place], np.hypot(*moved[:, 1]), 1e-5)
+    return claims
+
+
+def _modes(context: Context, model: ModelName) -> Mapping[str, bool]:
+    robot = context.robot
+    shown = stroke_frequencies(model, robot, _COUNT, 4)
     claims = {}
     for number, x in enumerate(_stations(robot)):
-        whole = robot_mechanism("beam", robot, x)
+        whole = robot_mechanism(model, robot, x)
         stiffness, mass = dense(whole.stiffness), dense(whole.mass)
         # 1/ω² of M against K: bodies without mass have none.
         squares = eigh(mass, stiffness, eigvals_only=True)[::-1][:4]
@@ -160,7 +203,7 @@ def _modes(context: Context) -> Mapping[str, bool]:
         claims[f"four frequencies at x = {x:.4g} m"] = bool(
             np.allclose(shown[number], wanted, rtol=1e-5)
         )
-    found = robot_modes("beam", robot, robot.centre, 4)
+    found = robot_modes(model, robot, robot.centre, 4)
     strain, kinetic = sum(found.strain.values()), sum(found.kinetic.values())
     shapes, whole = found.modes.shapes, found.mechanism
     quotients = np.sum(shapes * (dense(whole.stiffness) @ shapes), axis=0) / np.sum(
