@@ -24,6 +24,8 @@ from validation.kinematics import commands as kinematics
 from validation.parts import commands
 
 if TYPE_CHECKING:
+    from lumped.robot_file import RobotFile
+    from validation.results.records import Task
     from validation.store.opening import Start
 
 app = App(
@@ -379,21 +381,40 @@ def new(
 
 
 @app.command
-def cases(*, json: Annotated[bool, Parameter(negative="")] = False) -> int:
+def cases(
+    *,
+    json: Annotated[bool, Parameter(negative="")] = False,
+    independence: Annotated[bool, Parameter(negative="")] = False,
+) -> int:
     """List the validation cases with their sources and tolerances.
 
     Parameters
     ----------
     json
         Print a JSON array for programs.
+    independence
+        Compute the comparisons of the built-in robot and its legs (preset quick, minutes) and
+        print which modules value and reference rest on, and what both do.
     """
     from lumped.robot_file import load_robot  # noqa: PLC0415
     from validation.catalogue import catalogue  # noqa: PLC0415
     from validation.listing import as_json, as_text  # noqa: PLC0415
 
-    tasks = catalogue(load_robot("ifw"))
-    say(as_json(tasks) if json else as_text(tasks))
+    robot_file = load_robot("ifw")
+    tasks = catalogue(robot_file)
+    if independence:
+        say(_independence(tasks, robot_file))
+    else:
+        say(as_json(tasks) if json else as_text(tasks))
     return 0
+
+
+def _independence(tasks: "Sequence[Task]", robot_file: "RobotFile") -> str:
+    from validation import independence  # noqa: PLC0415
+    from validation.case import Case  # noqa: PLC0415
+
+    cases = independence.headlines([task for task in tasks if isinstance(task, Case)])
+    return independence.as_text(independence.independence(cases, robot_file, "quick"))
 
 
 def _one_line(error: CycloptsError) -> str:

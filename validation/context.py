@@ -36,14 +36,21 @@ class Context:
 
     def get(self, function: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
         """The function's value for these arguments, from the memo if it has been computed."""
-        name = f"{function.__module__}.{function.__qualname__}"
-        if "<" in name:
-            raise ValueError(f"{name}: only functions at the top of a module have a fixed name")
-        key = f"{name} {fingerprint((args, kwargs))}"
+        key = memo_key(function, args, kwargs)
         if key not in self._memo:
             self._memo[key] = function(*args, **kwargs)
         value: T = self._memo[key]
         return value
+
+
+def memo_key(
+    function: Callable[..., object], args: tuple[object, ...], kwargs: Mapping[str, object]
+) -> str:
+    """Name of the function and hash of its arguments; ValueError for one without a fixed name."""
+    name = f"{function.__module__}.{function.__qualname__}"
+    if "<" in name:
+        raise ValueError(f"{name}: only functions at the top of a module have a fixed name")
+    return f"{name} {fingerprint((args, dict(kwargs)))}"
 
 
 def fingerprint(value: object) -> str:

@@ -1,0 +1,208 @@
+"""What value and reference of a comparison rest on, seen while they are computed.
+
+A case takes its expensive results from the memo of its context, one entry for each of its sides.
+Which functions of the project make an entry is heard while it is made. Which side an entry belongs
+to is tried: each of its numbers is disturbed by itself, and what then moves rests on it. What both
+sides rest on is left; the robot's data, meshes and the algebra of small matrices are named basics.
+"""
+
+import sys
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field, fields, is_dataclass, replace
+from fnmatch import fnmatch
+from itertools import islice
+from types import FrameType
+from typing import Any, ParamSpec, TypeVar
+
+import numpy as np
+
+from lumped.errors import ComputationError
+from lumped.robot_file import RobotFile
+from validation.case import Case, Measurement, Skip
+from validation.context import Context, Preset, memo_key
+from validation.faults.fault import PACKAGES, forget_functions
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+# What designers read off: the comparisons of the robot and of its legs.
+HEADLINES = (
+    "leg?.compliance.*",
+    "leg?.frequency.*",
+    "robot.statics.*",
+    "robot.frequency.*",
+    "robot.solid.statics-rigid.*",
+    "robot.solid.statics-free.*",
+    "robot.solid.frequency*",
+    "robot.solid.calculix.*",
+)
+# Shared by right: data, geometry, meshes, small algebra; comparing itself.
+BASICS: Mapping[str, str] = {
+    "lumped.arrays": "types",
+    "lumped.errors": "messages",
+    "lumped.legs": "the legs' data",
+    "lumped.sections": "the legs' data",
+    "lumped.biglide": "the robot's data and its postures",
+    "lumped.screws": "moving and turning twists",
+    "lumped.modes": "eigenvalues of small dense matrices",
+    "meshes": "one mesh for both",
+    "validation": "comparing",
+}
+# A number disturbed by this share; a side moves if it does by more than rounding.
+_DISTURBED, _MOVED = 0.02, 1e-9
+# Arrays of one entry that are tried.
+_TRIED = 8
+_DATA = "lumped.legs.equivalent_leg "
+
+
+@dataclass(frozen=True)
+class Independence:
+    """Functions ("module:function") that the value and the reference of a case rest on."""
+
+    case: Case
+    value: frozenset[str]
+    reference: frozenset[str]
+
+    @property
+    def shared(self) -> frozenset[str]:
+        """What both rest on beyond the named basics."""
+        return frozenset(one for one in self.value & self.reference if not is_basic(one))
+
+
+@dataclass(frozen=True)
+class Watched(Context):
+    """A context that hears which functions make its memo's entries, and which are asked for."""
+
+    made_by: dict[str, set[str]] = field(default_factory=dict, repr=False, compare=False)
+    asked: set[str] = field(default_factory=set, repr=False, compare=False)
+
+    def get(self, function: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
+        """As that of a context."""
+        key = memo_key(function, args, kwargs)
+        self.asked.add(key)
+        if key in self._memo:
+            return super().get(function, *args, **kwargs)
+        # What another entry left in a cache would not be heard.
+        forget_functions()
+        with _heard(self.made_by.setdefault(key, set())):
+            return super().get(function, *args, **kwargs)
+
+    def with_other(self, key: str, value: object) -> Context:
+        """A plain context with one entry exchanged."""
+        return Context(self.robot_file, self.preset, self.options, {**self._memo, key: value})
+
+    def entry(self, key: str) -> object:
+        """What the memo holds."""
+        return self._memo[key]
+
+
+def is_basic(function: str) -> bool:
+    """Whether a function belongs to a named basic."""
+    module = function.partition(":")[0]
+    return any(module == basic or module.startswith(f"{basic}.") for basic in BASICS)
+
+
+def headlines(cases: Sequence[Case]) -> list[Case]:
+    """The cases about what designers read off."""
+    return [case for case in cases if any(fnmatch(case.id, one) for one in HEADLINES)]
+
+
+def independence(
+    cases: Sequence[Case], robot_file: RobotFile, preset: Preset
+) -> list[Independence]:
+    """What the cases rest on; cases that are skipped here are left out."""
+    context = Watched(robot_file, preset)
+    found = []
+    for case in cases:
+        with suppress(Skip):
+            found.append(_of_case(case, context))
+    return found
+
+
+def _of_case(case: Case, context: Watched) -> Independence:
+    context.asked.clear()
+    sound = case.compute(context)
+    sides: tuple[set[str], set[str]] = set(), set()
+    for key in sorted(key for key in context.asked if not key.startswith(_DATA)):
+        for moved, side in zip(_moved(case, context, key, sound), sides, strict=True):
+            side.update(context.made_by.get(key, set()) if moved else ())
+    return Independence(case, frozenset(sides[0]), frozenset(sides[1]))
+
+
+def _moved(case: Case, context: Watched, key: str, sound: Measurement) -> tuple[bool, bool]:
+    """Whether value and reference (or an allowance) rest on an entry of the memo."""
+    value = reference = False
+    for other in islice(disturbed(context.entry(key)), _TRIED):
+        with suppress(Skip, ComputationError, ValueError):
+            wrong = case.compute(context.with_other(key, other))
+            value |= _differs(wrong.value, sound.value)
+            reference |= _differs(wrong.reference, sound.reference) or any(
+                _differs(one.amount, two.amount)
+                for one, two in zip(wrong.allowances, sound.allowances, strict=True)
+            )
+    return value, reference
+
+
+def _differs(one: float, two: float) -> bool:
+    return abs(one - two) > _MOVED * max(abs(one), abs(two))
+
+
+def disturbed(value: Any, share: float = _DISTURBED) -> Iterator[Any]:
+    """The value with one of its arrays or numbers larger by `share`, each in turn."""
+    if isinstance(value, float | np.floating):
+        yield value * (1.0 + share)
+    elif isinstance(value, np.ndarray):
+        if value.dtype.kind == "f" and value.size:
+            yield value * (1.0 + share)
+    elif isinstance(value, dict):
+        for key in value:
+            yield from ({**value, key: other} for other in disturbed(value[key], share))
+    elif type(value) in (tuple, list):
+        for place, item in enumerate(value):
+            for other in disturbed(item, share):
+                yield type(value)([*value[:place], other, *value[place + 1 :]])
+    elif is_dataclass(value) and not isinstance(value, type):
+        for name in (one.name for one in fields(value) if one.init):
+            for other in disturbed(getattr(value, name), share):
+                yield replace(value, **{name: other})
+
+
+@contextmanager
+def _heard(functions: set[str]) -> Iterator[None]:
+    """The project's functions that are called, as "module:function"."""
+
+    def listen(frame: FrameType, event: str, _argument: object) -> None:
+        if event == "call":
+            module = frame.f_globals.get("__name__", "")
+            if module.partition(".")[0] in PACKAGES:
+                functions.add(f"{module}:{frame.f_code.co_name}")
+
+    former = sys.getprofile()
+    sys.setprofile(listen)
+    try:
+        yield
+    finally:
+        sys.setprofile(former)
+
+
+def as_text(found: Sequence[Independence]) -> str:
+    """A paragraph for each case: modules of both sides, and what they share beyond the basics."""
+    lines = [
+        line
+        for one in found
+        for line in (
+            one.case.id,
+            f"    {one.case.title}",
+            f"    value rests on      {_modules(one.value - one.reference)}",
+            f"    reference rests on  {_modules(one.reference - one.value)}",
+            f"    both rest on        {', '.join(sorted(one.shared)) or 'named basics alone'}",
+        )
+    ]
+    basics = ", ".join(f"{module} ({what})" for module, what in BASICS.items())
+    return "\n".join([*lines, "", f"named basics: {basics}"])
+
+
+def _modules(functions: frozenset[str]) -> str:
+    own = {one.partition(":")[0] for one in functions if not is_basic(one)}
+    return ", ".join(sorted(own)) or "closed forms of the comparison itself"
