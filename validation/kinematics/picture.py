@@ -19,10 +19,10 @@ from matplotlib.patheffects import withStroke
 from lumped.arrays import Array
 from lumped.errors import InputError
 from lumped.mechanism.free_twists import interface_position
-from lumped.mechanism.joint import Side
+from lumped.mechanism.joint import Joint, Side
 from lumped.mechanism.kinematics.postures import shown_pose
 from lumped.mechanism.mechanism import GROUND, Mechanism, Posture
-from validation.kinematics.solids import Face, Matter, body_faces, is_leg, joint_faces
+from validation.kinematics.solids import Face, Matter, body_faces, is_leg, joint_faces, on_ground
 from validation.report.figures.style import ORANGE, VERMILLION, plot_style
 
 _COLOURS: dict[Matter, str] = {
@@ -78,6 +78,7 @@ def picture(mechanism: Mechanism, postures: Sequence[Posture]) -> Canvas:
     _draw_lines(axes, postures, view)
     _draw_faces(axes, faces, view)
     _draw_ground(axes, shown, view, radius)
+    _draw_rails(axes, postures, view)
     _draw_tool(axes, shown, view)
     axes.autoscale_view()
     axes.margins(0.06)
@@ -170,6 +171,14 @@ def _draw_ground(axes: Axes, posture: Posture, view: Array, radius: float) -> No
             )
 
 
+def _draw_rails(axes: Axes, postures: Sequence[Posture], view: Array) -> None:
+    """Along ground, as far as the joints on it slide in all postures."""
+    for joint in postures[0].mechanism.joints:
+        if on_ground(joint):
+            slid = [interface_position(one, joint.second) @ view[:, :2] for one in postures]
+            axes.plot(*np.array(slid).T, color="#555555", lw=1.4, zorder=1.5)
+
+
 def _draw_tool(axes: Axes, posture: Posture, view: Array) -> None:
     x, y = _tool(posture) @ view[:, :2]
     axes.plot(x, y, marker="P", ms=8, mfc=VERMILLION, mec="white", zorder=6)
@@ -187,7 +196,7 @@ def _write_names(axes: Axes, posture: Posture, view: Array) -> None:
     taken: list[Array] = []
     names = [(name, place, "#1c3d5a", "normal") for name, place in _bodies(posture)]
     names += [
-        (joint.name, interface_position(posture, joint.first), "#8a3b00", "italic")
+        (joint.name, interface_position(posture, _named_at(joint)), "#8a3b00", "italic")
         for joint in posture.mechanism.joints
         if joint.kind != "fixed"
     ]
@@ -215,6 +224,10 @@ def _write_names(axes: Axes, posture: Posture, view: Array) -> None:
             path_effects=[withStroke(linewidth=1.8, foreground="white")],
             arrowprops={"arrowstyle": "-", "color": colour, "lw": 0.4, "shrinkA": 0, "shrinkB": 1},
         )
+
+
+def _named_at(joint: Joint) -> Side:
+    return joint.second if on_ground(joint) else joint.first
 
 
 def _bodies(posture: Posture) -> list[tuple[str, Array]]:

@@ -15,7 +15,7 @@ from lumped.mechanism.free_twists import (
     turned_since_reference,
 )
 from lumped.mechanism.joint import Joint
-from lumped.mechanism.mechanism import Posture
+from lumped.mechanism.mechanism import GROUND, Posture
 from lumped.sections import Circle, HollowRectangle, ISection, Section, Tube
 
 Matter: TypeAlias = Literal["leg", "other leg", "rigid", "hole", "joint", "drive"]
@@ -67,8 +67,11 @@ def outlines(section: Section) -> tuple[Array, list[Array]]:
 
 
 def joint_faces(posture: Posture, joint: Joint, radius: float) -> Iterator[Face]:
-    """The symbol of a joint at its first interface: drum, sleeve, ball, cross or plate."""
-    place = interface_position(posture, joint.first)
+    """The symbol of a joint where its first body ends: drum, sleeve, ball, cross or plate.
+
+    What slides on ground is drawn where it has slid to.
+    """
+    place = interface_position(posture, joint.second if on_ground(joint) else joint.first)
     turn = turned_since_reference(posture, joint.first.body)
     matter: Matter = "drive" if joint.drive else "joint"
     axes = joint.axes @ turn.T
@@ -86,9 +89,14 @@ def joint_faces(posture: Posture, joint: Joint, radius: float) -> Iterator[Face]
         case "cylindrical":
             yield from _drum(place, axes[0], 0.8 * radius, 2.0 * radius, matter)
         case "prismatic":
-            yield from _sleeve(place, axes[0], (0.9 * radius, 1.8 * radius), matter)
+            yield from _sleeve(place, axes[0], (1.2 * radius, 2.4 * radius), matter)
         case "planar":
             yield from _sleeve(place, axes[0], (2.0 * radius, 0.3 * radius), matter)
+
+
+def on_ground(joint: Joint) -> bool:
+    """Whether the first body of a joint is ground."""
+    return joint.first.body == GROUND
 
 
 def is_leg(body: Body) -> bool:
@@ -169,7 +177,7 @@ def _sleeve(
     rotation = np.column_stack([axis, *across_axis(axis)])
     box = _rectangle(2.0 * half, 2.0 * half)
     for face in _extruded(box, place - 0.5 * length * axis, rotation, length, []):
-        yield Face(face.corners, matter, nearer=_IN_FRONT * half)
+        yield Face(face.corners, matter, nearer=0.6 * _IN_FRONT * half)
 
 
 def _ball(place: Array, radius: float, matter: Matter) -> Iterator[Face]:
