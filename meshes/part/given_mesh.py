@@ -23,7 +23,9 @@ from meshes.part.units import chosen_unit, require_plausible
 from meshes.quality import quality
 from meshes.solid_mesh import VolumeMesh
 
-MESHES = (".msh", ".inp", ".vtu")
+# Said, not guessed: other programs use these endings too.
+_FORMAT = {".msh": "gmsh", ".inp": "abaqus", ".vtu": "vtu"}
+MESHES = tuple(_FORMAT)
 
 # A name, and which of the boundary's facets it holds.
 Group: TypeAlias = tuple[str, NDArray[np.bool_]]
@@ -73,7 +75,7 @@ def read_mesh(path: Path, unit: str | None = None) -> tuple[PartMesh, str]:
 
 def _raw(path: Path) -> Any:
     try:
-        return meshio.read(path)
+        return meshio.read(path, file_format=_FORMAT[path.suffix.lower()])
     # meshio raises whatever its parser stumbles over, and exits where a format is unknown.
     except (Exception, SystemExit) as error:
         reason = " ".join(str(error).split()) or type(error).__name__
