@@ -32,7 +32,7 @@ _AT_INTERFACES, _REACH = 0.6, 4.0
 _PER_VOLUME = 40.0
 # Unknowns grow by about this from mesh to mesh, with the power of 1/h in parts of walls and lugs.
 _GROWTH, _POWER = 2.4, 2.5
-_ATTEMPTS, _CLOSE = 4, 0.12
+_ATTEMPTS, _CLOSE = 3, 0.2
 # No element is shorter than this share of the full size: long fillets would rule the whole mesh.
 _SHORTEST = 0.2
 

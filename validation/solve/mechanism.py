@@ -155,6 +155,8 @@ def _body_faults(
     if body not in names:
         rigid = body in mechanism.bodies and body != GROUND
         what = "is rigid" if rigid else "no such body"
+        if body in parts_of(mechanism):
+            what = "is a part from a file, see flexproof identify ROBOT --body"
         faults.append(f"--body {body}: {what}; must be one of {', '.join(names)}")
     if poses:
         faults.append("--pose: a body alone has no pose; leave out --pose or --body")

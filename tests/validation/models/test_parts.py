@@ -122,3 +122,9 @@ def test_a_part_of_a_robot_is_asked_for_by_its_name(capsys):
     assert "the parts of" in capsys.readouterr().err
     bodies = load_robot(robot).mechanism.bodies
     assert replace(bodies["rocker"]).interfaces["B"].position == pytest.approx([0.26, 0.0, 0.0])
+
+
+def test_a_part_alone_is_identified_not_solved(capsys):
+    robot = str(EXAMPLES / "rocker" / "robot.toml")
+    assert cli.main(["solve", robot, "--model", "links", "--body", "rocker"]) == 2
+    assert "is a part from a file, see flexproof identify" in capsys.readouterr().err
