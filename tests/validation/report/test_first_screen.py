@@ -101,6 +101,14 @@ def test_every_rule_of_the_sentence(entries, expected):
     assert said_of(*entries) == expected
 
 
+def test_a_note_that_opens_alike_says_between_which_bounds():
+    bounds = (
+        "frequencies cannot be judged without the legs' mass; plausible ones give 113 to 131 Hz"
+    )
+    matrix = sample_matrix(notes=(bounds,))
+    assert sentence(matrix).endswith(f"; {bounds}.")
+
+
 def test_a_model_that_does_not_move_in_one_pose_alone_is_stiff_there():
     curve = (-0.8, -0.9, -1.0)
     assert said_of(entry("simplified", "x", curve)) == "The simplified model is 10 times too stiff."

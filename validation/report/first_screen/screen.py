@@ -44,7 +44,12 @@ def first_screen(matrix: Matrix, *, plotted: bool, measured: bool = False) -> Fi
         csv=csv_of_matrix(matrix),
         errors=attempted(lambda: draw(matrix)) if plotted else None,
         remedies=remedies_of(matrix),
-        notes=matrix.notes,
+        # What is said of a part stands in its own table.
+        notes=tuple(
+            note
+            for note in matrix.notes
+            if not any(note.startswith(part.robot) for part in matrix.parts)
+        ),
         sheets=sheets_of(matrix),
         name=matrix.robot,
         parts=tuple(first_screen(part, plotted=False) for part in matrix.parts),

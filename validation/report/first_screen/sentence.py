@@ -77,7 +77,9 @@ def _clauses(
             opinions.append(_Opinion(note.model, entries))
     unjudged = _nothing_known(opinions)
     if unjudged:
-        return [unjudged]
+        # A note that says the same may know more: between which bounds, say.
+        opening = unjudged.partition(":")[0]
+        return [next((note for note in matrix.notes if note.startswith(opening)), unjudged)]
     groups: dict[tuple[tuple[str, str], ...], list[_Opinion]] = {}
     for opinion in sorted(opinions, key=lambda opinion: opinion.size):
         groups.setdefault(opinion.key, []).append(opinion)
@@ -91,8 +93,13 @@ def _clauses(
 
 
 def _nothing_known(opinions: Sequence[_Opinion]) -> str:
-    """The clause where every number of every model is undecided for one and the same reason."""
-    entries = [entry for opinion in opinions for entry in opinion.entries]
+    """The clause where nothing that any model has could be decided, for one and the same reason."""
+    entries = [
+        entry
+        for opinion in opinions
+        for entry in opinion.entries
+        if entry.quantity != "order" and _kind(entry) != "absent"
+    ]
     reasons = {entry.reason for entry in entries}
     if not entries or len(reasons) > 1 or any(e.verdict != "undecided" for e in entries):
         return ""

@@ -19,7 +19,7 @@ _MODELS: Mapping[str, tuple[str, bool]] = {
     "segments-stepped": ("stepped segments", False),
 }
 _AXES: Mapping[str, str] = {"phi_x": "x", "phi_y": "y", "phi_z": "z"}
-SIGNS: Mapping[str, str] = {"phi_x": "φx", "phi_y": "φy", "phi_z": "φz", "order": "mode order"}
+SIGNS: Mapping[str, str] = {"phi_x": "φx", "phi_y": "φy", "phi_z": "φz", "order": "order"}
 
 
 def is_static(quantity: str) -> bool:

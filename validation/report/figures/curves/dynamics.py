@@ -148,7 +148,7 @@ def refined_frequencies(context: Context) -> Figure:
         title=_STROKE_TITLE,
         caption=" ".join([*caption, *notes]),
         section=SECTION,
-        svg=panels_svg(x, STROKE_LABEL, panels, named, columns=1, height=3.9),
+        svg=panels_svg(x, STROKE_LABEL, panels, named, columns=1, height=3.9, against=BEAM),
         data=stroke_table(x, _columns(gathered)),
     )
 

@@ -6,6 +6,7 @@ from typing import TypeVar
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.ticker import FuncFormatter, NullLocator
 
 from lumped.arrays import Array
 from validation.cases.paper_family import ALPHAS, FIGURE_POINTS
@@ -29,6 +30,7 @@ Stack = Mapping[Line, Array]
 Columns = Mapping[str, Sequence[float]]
 STROKE_LABEL = "x of B (m)"
 _LETTERS = "abc"
+_BELOW = 1.7  # in, of a row of differences
 
 
 @dataclass(frozen=True)
@@ -77,21 +79,62 @@ def panels_svg(
     columns: int,
     height: float = 3.3,
     legend_columns: int = 0,
+    against: Line | None = None,
 ) -> str:
-    """The panels row by row as SVG, titled in the first row; `finish` sets scales and notes."""
+    """The panels row by row as SVG, titled in the first row; `finish` sets scales and notes.
+
+    With `against`, the panels of one row have below them what every other line differs from that
+    one, in percent.
+    """
+    below = [_differences(panel, against) for panel in panels] if against else []
+    shown = [*panels, *below]
     with plot_style():
-        picture, drawn = canvas(rows=len(panels) // columns, columns=columns, height=height)
-        for place, (axes, panel) in enumerate(zip(drawn, panels, strict=True)):
+        picture, drawn = canvas(
+            rows=len(shown) // columns, columns=columns, height=height + (_BELOW if below else 0.0)
+        )
+        for place, (axes, panel) in enumerate(zip(drawn, shown, strict=True)):
             for stack in panel.stacks:
                 draw_lines(axes, x, stack)
             axes.set_ylabel(panel.y_label)
             if place < columns and panel.title:
                 axes.set_title(f"({_LETTERS[place]}) {panel.title}")
-            if place >= len(panels) - columns:
+            if place >= len(shown) - columns:
                 axes.set_xlabel(x_label)
-        finish(drawn)
+        finish(drawn[: len(panels)])
+        for axes in drawn[len(panels) :]:
+            _percent_scale(axes)
         legend_above(picture, legend_columns)
         return svg_of(picture)
+
+
+def _differences(panel: Panel, against: Line) -> Panel:
+    """The same panel in percent of one of its lines; nothing where that line has nothing."""
+    label = f"difference from\n{against.label} (%)" if panel.y_label else ""
+    return Panel("", [_relative(stack, against) for stack in panel.stacks], label)
+
+
+def _relative(stack: Stack, against: Line) -> Stack:
+    reference = stack.get(against)
+    if reference is None:
+        return {}
+    known = np.where(np.isfinite(reference) & (reference != 0.0), reference, np.nan)
+    return {
+        line: 100.0 * (values / known - 1.0) for line, values in stack.items() if line != against
+    }
+
+
+def _percent_scale(axes: Axes) -> None:
+    """Linear within one percent, logarithmic beyond: curves that agree and such that do not."""
+    axes.axhline(0.0, color="#999999", linewidth=0.8)
+    drawn = np.concatenate([[0.0], *(np.asarray(line.get_ydata()) for line in axes.get_lines())])
+    low, high = float(np.nanmin(drawn)), float(np.nanmax(drawn))
+    axes.set_yscale("symlog", linthresh=1.0, linscale=0.6)
+    ticks = [1.0, 10.0, 100.0, 1000.0]
+    axes.set_yticks([0.0, *(sign * tick for tick in ticks for sign in (1.0, -1.0))])
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:+g}" if value else "0"))
+    axes.yaxis.set_minor_locator(NullLocator())
+    # Nothing of note on one side of zero needs no room there.
+    axes.set_ylim(1.6 * min(low, -1.0), 1.6 * max(high, 1.0))
 
 
 def family_panels(

@@ -121,7 +121,7 @@ def simplified_deflections(context: Context) -> Figure:
         title=_SIMPLIFIED_TITLE,
         caption=" ".join([*caption, *notes]),
         section=SECTION,
-        svg=panels_svg(x, STROKE_LABEL, panels, logarithmic, columns=2),
+        svg=panels_svg(x, STROKE_LABEL, panels, logarithmic, columns=2, against=BEAM),
         data=stroke_table(x, _columns(gathered)),
     )
 
@@ -142,7 +142,9 @@ def all_deflections(context: Context) -> Figure:
         title=_STROKE_TITLE,
         caption=" ".join(["Deflections of the loaded point.", *_reading(gathered), *notes]),
         section=SECTION,
-        svg=panels_svg(x, STROKE_LABEL, panels, all_from_zero, columns=3, legend_columns=3),
+        svg=panels_svg(
+            x, STROKE_LABEL, panels, all_from_zero, columns=3, legend_columns=3, against=VJM_GIVEN
+        ),
         data=stroke_table(x, _columns(gathered)),
     )
 
