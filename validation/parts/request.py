@@ -11,7 +11,7 @@ from lumped.arrays import Array
 from lumped.errors import InputError
 from lumped.legs import Material
 from lumped.mechanism.part import PartInterface
-from lumped.robot_file.part_tables import InterfaceTable, choice_faults, interface_of
+from lumped.robot_file.mechanism.part_tables import InterfaceTable, choice_faults, interface_of
 from lumped.robot_file.table_faults import table_faults
 from lumped.robot_file.tables import MaterialTable
 

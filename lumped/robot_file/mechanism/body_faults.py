@@ -11,8 +11,8 @@ from lumped.mechanism.mechanism import GROUND
 from lumped.mechanism.placing import leg_frame
 from lumped.robot_file.leg_table import leg_faults
 from lumped.robot_file.mechanism.draft import Draft
+from lumped.robot_file.mechanism.part_tables import choice_faults
 from lumped.robot_file.mechanism.tables import BodyTable
-from lumped.robot_file.part_tables import choice_faults
 from lumped.robot_file.tables import MaterialTable
 
 # Which keys belong to which description of a body.

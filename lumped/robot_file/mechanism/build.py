@@ -26,6 +26,7 @@ from lumped.robot_file.mechanism.joint_faults import (
     tool_faults,
     way_between,
 )
+from lumped.robot_file.mechanism.part_tables import interface_of
 from lumped.robot_file.mechanism.tables import (
     BodyTable,
     JointTable,
@@ -33,7 +34,6 @@ from lumped.robot_file.mechanism.tables import (
     PathTable,
 )
 from lumped.robot_file.mechanism.whole_faults import connection_faults, path_faults
-from lumped.robot_file.part_tables import interface_of
 from lumped.robot_file.table_faults import table_faults
 from lumped.robot_file.tables import LegTable
 

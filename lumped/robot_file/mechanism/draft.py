@@ -13,13 +13,13 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.mechanism.mechanism import GROUND
+from lumped.robot_file.mechanism.part_tables import Point
 from lumped.robot_file.mechanism.tables import (
     BodyTable,
     JointTable,
     PathTable,
     ToolTable,
 )
-from lumped.robot_file.part_tables import Point
 from lumped.robot_file.table_faults import value_faults
 from lumped.robot_file.tables import MaterialTable
 from lumped.text import shown

@@ -7,7 +7,7 @@ from msgspec import Meta, field
 from lumped.legs import Ends
 from lumped.mechanism.joint import JointKind
 from lumped.mechanism.part import LengthUnit
-from lumped.robot_file.part_tables import Direction, InterfaceTable, Point
+from lumped.robot_file.mechanism.part_tables import Direction, InterfaceTable, Point
 from lumped.robot_file.tables import (
     Accept,
     Compliance,
