@@ -38,17 +38,19 @@ def first_screen(matrix: Matrix, *, plotted: bool, measured: bool = False) -> Fi
     `measured`: whether the references are measured values, at poses of their own.
     """
     draw = measured_figure if measured else error_figure
+    answer = sentence(matrix)
     return FirstScreen(
-        sentence=sentence(matrix),
+        sentence=answer,
         table=table_of(matrix),
         csv=csv_of_matrix(matrix),
         errors=attempted(lambda: draw(matrix)) if plotted else None,
         remedies=remedies_of(matrix),
-        # What is said of a part stands in its own table.
+        # What is said of a part stands in its own table, and nothing is said twice.
         notes=tuple(
             note
             for note in matrix.notes
             if not any(note.startswith(part.robot) for part in matrix.parts)
+            and note.lower() not in answer.lower()
         ),
         sheets=sheets_of(matrix),
         name=matrix.robot,
