@@ -14,7 +14,7 @@ import numpy as np
 from lumped import chains, vjm
 from lumped.arrays import Array
 from lumped.chains import Chain, Element, Fixed, Spring
-from lumped.errors import InputError
+from lumped.errors import ComputationError, InputError
 from lumped.mechanism.joint import FREEDOMS, Joint
 from lumped.mechanism.kinematics.postures import shown_pose
 from lumped.mechanism.mechanism import GROUND, Mechanism, Posture
@@ -52,10 +52,18 @@ def serial_chains(posture: Posture, legs: Mapping[str, Array]) -> tuple[Chain, .
 
 
 def _paths(mechanism: Mechanism, legs: Mapping[str, Array]) -> list[list[_Step]]:
-    """Steps of each chain from the ground to the tool; raises InputError where one branches."""
+    """Steps of each chain from the ground to the tool.
+
+    Raises InputError where one branches, ComputationError where the tool is part of the ground.
+    """
     moving_as_one = _groups(mechanism, legs)
     base = moving_as_one[_BASE]
     end = moving_as_one[_node(mechanism.tool.body, mechanism.tool.point, legs)]
+    if end == base:
+        raise ComputationError(
+            f"{mechanism.name}, virtual joints: rigid bodies and joints without freedom alone hold "
+            "the tool to the ground, so its stiffness is infinite"
+        )
     steps = _without_dead_ends(_steps(mechanism, legs, moving_as_one), {base, end})
     paths = []
     for start in [step for step in steps if end in step.nodes]:

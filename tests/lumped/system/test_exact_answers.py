@@ -16,7 +16,7 @@ from random_mechanisms import STEEL, Maker, random_posture
 from lumped.errors import ComputationError, InputError
 from lumped.mechanism.body import Body, Prism, Rigid
 from lumped.mechanism.frame import Frame
-from lumped.mechanism.joint import Drive
+from lumped.mechanism.joint import Drive, Side
 from lumped.mechanism.mechanism import GROUND, Posture, Tool
 from lumped.models.bodies import tip_compliances
 from lumped.models.links import links
@@ -164,6 +164,24 @@ def test_legs_that_are_no_serial_chains_are_named():
     legs = tip_compliances(mechanism)
     with pytest.raises(InputError, match="branches at bar; take --model links"):
         vjm_compliance(replace(posture, mechanism=looped), legs)
+
+
+def test_a_tool_that_is_part_of_the_ground_is_refused_by_chains_and_does_not_yield():
+    """The bar of the parallelogram fixed to the ground: its rods carry nothing."""
+    posture, _, _ = parallelogram()
+    mechanism = posture.mechanism
+    seat = replace(
+        mechanism.joints[0], name="seat", kind="fixed", drive=None, axes=np.zeros((0, 3))
+    )
+    bodies = dict(mechanism.bodies)
+    places = {**bodies[GROUND].interfaces, "C": Frame(np.array([0.0, 0.7, 0.0]))}
+    bodies[GROUND] = replace(bodies[GROUND], interfaces=places)
+    seat = replace(seat, first=Side(GROUND, "C"), second=Side("bar", "C"))
+    held = replace(mechanism, bodies=bodies, joints=[*mechanism.joints, seat])
+    at = replace(posture, mechanism=held)
+    with pytest.raises(ComputationError, match="alone hold the tool to the ground"):
+        vjm_compliance(at, tip_compliances(held))
+    assert not by_links(at).any()
 
 
 def agree(seed: int, *, planar: bool) -> None:
