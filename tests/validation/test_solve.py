@@ -100,3 +100,21 @@ def test_a_number_that_rounding_has_eaten_is_no_answer(robot, place, capsys):
     printed = capsys.readouterr()
     assert printed.out == ""
     assert "material with ν = -0.999999999: changes of shape" in printed.err
+
+
+def test_solids_say_the_uncertainty_of_their_mesh(robot, capsys):
+    def answer(divisions):
+        arguments = ["--model", "solid", "--leg", "2", "--divisions", divisions, "--modes", "1"]
+        assert cli.main(["solve", robot, *arguments, "--json"]) == 0
+        return json.loads(capsys.readouterr().out)["results"][0]
+
+    coarse, fine = answer("1"), answer("2")
+    stated = fine["uncertainty"]
+    assert stated["divisions"] == 1
+    # Roache's factor for two meshes whose rigid faces hold contraction: order 1.42.
+    factor = 3.0 / (2.0**1.42 - 1.0)
+    for i in range(6):
+        step = abs(coarse["compliance"][i][i] - fine["compliance"][i][i])
+        assert stated["compliance"][i] == pytest.approx(factor * step)
+    step = abs(coarse["frequencies"][0] - fine["frequencies"][0])
+    assert stated["frequencies"][0] == pytest.approx(factor * step)

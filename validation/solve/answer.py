@@ -26,17 +26,31 @@ DEFAULT_MODES = 6
 
 
 @dataclass(frozen=True)
+class MeshUncertainty:
+    """Half-widths of 95 % intervals, of the diagonal of a 6×6 (SI) and of frequencies (Hz).
+
+    From the step to a mesh of other `divisions`.
+    """
+
+    divisions: int
+    compliance: Array
+    frequencies: Array
+
+
+@dataclass(frozen=True)
 class Answer:
     """Compliance (6×6 or 2×2, SI) and frequencies (Hz, ascending) at one posture or of one leg.
 
     `place` is {"x": m}, {"pose": [m or rad]}, {"leg": 1 or 2} or {"body": name}; `idle` counts the
-    mobilities of a mechanism that do not move its tool.
+    mobilities of a mechanism that do not move its tool; `uncertainty` is that of the mesh where one
+    is known, None else.
     """
 
     place: dict[str, float | int | str | list[float]]
     compliance: Array
     frequencies: Array
     idle: int | None = None
+    uncertainty: MeshUncertainty | None = None
 
 
 @dataclass(frozen=True)
@@ -76,11 +90,21 @@ def as_json(solution: Solution) -> str:
                 "compliance": answer.compliance.tolist(),
                 "frequencies": [f if np.isfinite(f) else None for f in answer.frequencies.tolist()],
                 **({} if answer.idle is None else {"idle": answer.idle}),
+                **({} if answer.uncertainty is None else _record(answer.uncertainty)),
             }
             for answer in solution.answers
         ],
     }
     return json.dumps(document, allow_nan=False)
+
+
+def _record(uncertainty: MeshUncertainty) -> dict[str, Any]:
+    found = {
+        "divisions": uncertainty.divisions,
+        "compliance": uncertainty.compliance.tolist(),
+        "frequencies": uncertainty.frequencies.tolist(),
+    }
+    return {"uncertainty": found}
 
 
 def as_text(solution: Solution) -> str:
@@ -108,6 +132,21 @@ def _answer_lines(answer: Answer) -> list[str]:
         lines.append(f"  natural frequencies (Hz): {listed}")
     if answer.idle:
         lines.append(f"  {answer.idle} idle mobilities, which do not move the tool")
+    if answer.uncertainty is not None:
+        lines += _uncertainty_lines(answer, answer.uncertainty)
+    return lines
+
+
+def _uncertainty_lines(answer: Answer, found: MeshUncertainty) -> list[str]:
+    names = ("x", "y", "z", "φx", "φy", "φz")
+    shares = 100.0 * found.compliance / np.abs(np.diag(answer.compliance))
+    lines = [
+        f"  uncertainty of the mesh (95 %, from the one of --divisions {found.divisions}):",
+        "    " + ", ".join(f"{n} {s:.2g} %" for n, s in zip(names, shares, strict=True)),
+    ]
+    if len(answer.frequencies):
+        shares = 100.0 * found.frequencies / answer.frequencies
+        lines.append("    frequencies " + ", ".join(f"{share:.2g} %" for share in shares))
     return lines
 
 

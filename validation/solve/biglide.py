@@ -14,6 +14,7 @@ from validation.models.biglide import robot_compliance, robot_frequencies
 from validation.models.legs import leg_compliance, leg_frequencies
 from validation.models.options import STATIC, ModelName, ModelOptions
 from validation.solve.answer import DEFAULT_MODES, OF_ELEMENTS, OPTIONS, Answer, Solution
+from validation.solve.uncertainty import beside, with_uncertainty
 
 
 def option_faults(
@@ -129,13 +130,18 @@ def solve_biglide(question: BiglideQuestion) -> Solution:
         for name, value in asdict(options).items()
         if name in OPTIONS[model] and name not in unheard
     }
-    if leg is not None:
-        answers = [_leg_answer(model, leg, legs[0], count, options)]
-    else:
-        answers = [
+
+    def answered(options: ModelOptions) -> list[Answer]:
+        if leg is not None:
+            return [_leg_answer(model, leg, legs[0], count, options)]
+        return [
             _robot_answer(model, robot, x, count, options)
             for x in question.positions or (robot.centre,)
         ]
+
+    answers = answered(options)
+    if model == "solid":
+        answers = with_uncertainty(answers, answered(beside(options)), legs, options)
     return Solution(robot.name, model, heard, tuple(answers))
 
 
