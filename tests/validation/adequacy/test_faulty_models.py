@@ -1,0 +1,126 @@
+"""The catalogue of faults against adequacy: no faulty model is called adequate in statics.
+
+A robot whose models are all adequate meets the faults of legs, sections, virtual joints and of
+the robot's assembly. A model whose own answer has then left the limits must not be called
+adequate, unless models and reference err alike in code that they share; there the virtual joints,
+which do not share it, must be called inadequate. Postures and screws are everybody's: faults in
+them are the business of the program's guards, which know postures of their own.
+"""
+
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+from random_robots import IFW
+
+from lumped.arrays import Array
+from lumped.biglide import Biglide
+from lumped.legs import ConstantLeg, Material
+from lumped.requirement import STATIC_QUANTITIES, Requirement
+from lumped.sections import Rectangle
+from validation.adequacy.biglide.statics import compliances, static_reference
+from validation.adequacy.judgement import judged
+from validation.adequacy.matrix import Matrix
+from validation.adequacy.response import Candidate, Reference, Subject
+from validation.context import Context
+from validation.faults.catalogue import FAULTS
+from validation.faults.fault import Fault
+from validation.faults.trial import listened
+from validation.models.options import ModelName, ModelOptions
+
+MODELS: tuple[ModelName, ...] = ("vjm", "segments", "beam")
+_JUDGED = (
+    "lumped.sections",
+    "lumped.legs",
+    "lumped.vjm",
+    "lumped.segments",
+    "lumped.biglide_assembly",
+)
+LIMIT = 0.05
+
+
+def _robot() -> Biglide:
+    """Slender legs, ends free: beams and solids are one theory here."""
+    steel = Material.isotropic(2.1e11, 0.3, 7850.0)
+    legs = [ConstantLeg(length, Rectangle(0.05, 0.08), steel, ends="free") for length in (0.9, 0.8)]
+    return replace(IFW.robot, a=0.95, leg1=legs[0], leg2=legs[1], tool_offset=np.array([0, 0, 0.1]))
+
+
+# Made once: a fault of data spoils what is judged, not the judgement.
+ROBOT = _robot()
+
+
+def statics() -> tuple[dict[str, Array], Matrix]:
+    """Diagonals (p×6) of the compliance by model and for "reference", and the matrix."""
+    subject_robot = ROBOT
+    x = subject_robot.stations(5)
+    robot_file = replace(IFW, described=subject_robot, built_in=False, source="faulty.toml")
+    reference = static_reference(Context(robot_file, "quick"), subject_robot, x)
+    responses = {model: compliances(model, subject_robot, x, ModelOptions()) for model in MODELS}
+    subject = Subject(
+        robot="faulty",
+        coordinates=("x (m)",),
+        poses=x[:, None],
+        weights=np.zeros(0),
+        candidates=[Candidate(name, name, one) for name, one in responses.items()],
+        statics=reference,
+        dynamics=Reference("none", ()),
+    )
+    everything = responses | {"reference": reference.alternatives[0].response}
+    found = {}
+    for name, response in everything.items():
+        assert response.compliance is not None
+        found[name] = np.diagonal(response.compliance, axis1=1, axis2=2)
+    return found, judged(subject, Requirement(deflection=LIMIT))
+
+
+def called_adequate(fault: Fault, truth: Array) -> list[str]:
+    """Entries that a fault spoils and that are called adequate nevertheless."""
+    with fault.inject():
+        try:
+            found, matrix = statics()
+        except Exception:  # noqa: BLE001  a computation that fails has been noticed
+            return []
+    wrong = {
+        name: np.abs(values / truth - 1.0).max(axis=0) > 1.2 * LIMIT
+        for name, values in found.items()
+    }
+    spoilt = []
+    for i, quantity in enumerate(STATIC_QUANTITIES):
+        verdicts = {
+            entry.model: entry.verdict for entry in matrix.entries if entry.quantity == quantity
+        }
+        shared = wrong["reference"][i]
+        if shared and verdicts["vjm"] == "adequate":
+            spoilt.append(f"{fault.id}: reference and virtual joints, {quantity}")
+        spoilt += [
+            f"{fault.id}: {model}, {quantity}"
+            for model in MODELS
+            if wrong[model][i] and not shared and verdicts[model] == "adequate"
+        ]
+    return spoilt
+
+
+@pytest.fixture(scope="module")
+def truth() -> Array:
+    found, matrix = statics()
+    assert {entry.verdict for entry in matrix.entries} == {"adequate"}
+    return found["reference"]
+
+
+def test_a_fault_in_the_virtual_joints_makes_them_inadequate(truth: Array) -> None:
+    fault = next(one for one in FAULTS if one.where.startswith("lumped.vjm"))
+    assert called_adequate(fault, truth) == []
+
+
+@pytest.mark.exhaustive
+def test_no_fault_makes_a_wrong_model_adequate(truth: Array) -> None:
+    used = listened(statics)
+    tried = [f for f in FAULTS if f.where in used and f.where.startswith(_JUDGED)]
+    assert len(tried) > 20
+    assert [line for fault in tried for line in called_adequate(fault, truth)] == []
