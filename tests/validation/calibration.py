@@ -1,0 +1,147 @@
+"""How often a stated uncertainty holds the finest solution, over legs and robots at random.
+
+Every number is stated from coarse meshes alone, as a run states it, and then computed on a mesh at
+least half again as fine as the finest of those.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fem.bodies.solid import Ends
+from lumped import biglide_assembly as mechanism
+from lumped.arrays import Array
+from lumped.biglide import Biglide
+from lumped.errors import InputError
+from lumped.legs import ConstantLeg, Material
+from lumped.robot_file import load_robot
+from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Section, Tube
+from validation.leg_solids import (
+    Refinement,
+    formal_order,
+    solid_compliances,
+    solid_frequencies,
+)
+from validation.robot_solids import static_leg
+
+_IFW = load_robot("ifw").robot
+_BOTH: tuple[Ends, Ends] = ("rigid", "free")
+_FREQUENCIES = 3
+
+
+@dataclass(frozen=True)
+class Stated:
+    """A number's `uncertainty` and its true `error`, both relative, and what number it is."""
+
+    quantity: str
+    uncertainty: float
+    error: float
+
+
+def random_leg(rng: np.random.Generator, walls: float = 0.0) -> ConstantLeg:
+    """A rectangle, or with probability `walls` each of the other four shapes.
+
+    ν is 0 or 0.1 to 0.4, the length three to twelve sides.
+    """
+    size, ratio = rng.uniform(0.06, 0.2), rng.uniform(0.6, 1.0)
+    width, height = rng.permutation([size, ratio * size]).tolist()
+    wall = rng.uniform(0.08, 0.2) * ratio * size
+    shapes: tuple[Section, ...] = (
+        Rectangle(width, height),
+        Circle(size),
+        Tube(size, wall),
+        HollowRectangle(width, height, wall),
+        ISection(width, height, wall, rng.uniform(0.5, 1.0) * wall),
+    )
+    section = shapes[rng.choice(5, p=[1.0 - 4.0 * walls, walls, walls, walls, walls])]
+    material = Material.isotropic(2.1e11, float(rng.choice([0.0, rng.uniform(0.1, 0.4)])), 7850.0)
+    return ConstantLeg(float(rng.uniform(3.0, 12.0) * size), section, material)
+
+
+def ladders(leg: ConstantLeg) -> tuple[tuple[int, ...], int]:
+    """Divisions from which numbers are stated, and those of the finest solution."""
+    return ((1, 2, 3, 4), 6) if isinstance(leg.section, Rectangle) else ((2, 4), 8)
+
+
+def of_statics(leg: ConstantLeg) -> Iterator[Stated]:
+    """The six diagonal compliances with both ends, from all meshes and from the coarsest two."""
+    coarse, fine = ladders(leg)
+    solved = solid_compliances(leg, (*coarse, fine))
+    for ends in _BOTH:
+        values = solved[ends].values
+        for count in {2, len(coarse)}:
+            found = Refinement(coarse[:count], values[:count], formal_order(leg, ends))
+            for i in range(6):
+                name = f"compliance, {ends}, {count} meshes"
+                yield _stated(name, found, values[-1][i, i], (i, i))
+
+
+def of_frequencies(leg: ConstantLeg) -> Iterator[Stated]:
+    """First frequencies of a clamped rectangle from two meshes, and on one twice as fine."""
+    divisions = (1, 2, 4)
+    for ends in _BOTH:
+        values = solid_frequencies(leg, divisions, ends, _FREQUENCIES).frequencies.values
+        found = Refinement(divisions[:2], values[:2], formal_order(leg, ends))
+        for k in range(_FREQUENCIES):
+            yield _stated(f"frequency, {ends}, 2 meshes", found, values[-1][k], (k,))
+
+
+def of_robots(rng: np.random.Generator) -> Iterator[Stated]:
+    """Deflections of a robot of two random legs at a random posture, from two meshes."""
+    legs = random_leg(rng), random_leg(rng)
+    robot = replace(
+        _IFW,
+        a=float(rng.uniform(0.7, 0.95) * (legs[0].length + legs[1].length)),
+        leg1=legs[0],
+        leg2=legs[1],
+    )
+    try:
+        first, last = robot.stroke
+        x = first + rng.uniform(0.1, 0.9) * (last - first)
+        robot.posture(x)
+    except InputError:
+        return
+    solved = [solid_compliances(leg, (*ladders(leg)[0][:2], ladders(leg)[1])) for leg in legs]
+    for ends in _BOTH:
+        values = np.array([_deflections(robot, x, legs, solved, ends, at) for at in range(3)])
+        # One of two legs of unlike order and ratio: the lower order is for both.
+        order = min(formal_order(leg, ends) for leg in legs)
+        found = Refinement((1, 2), values[:2], order)
+        for i in range(3):
+            yield _stated(f"robot, {ends}, 2 meshes", found, values[-1][i], (i,))
+
+
+def _deflections(
+    robot: Biglide,
+    x: float,
+    legs: tuple[ConstantLeg, ConstantLeg],
+    solved: list[dict[Ends, Refinement]],
+    ends: Ends,
+    at: int,
+) -> Array:
+    leg1, leg2 = (
+        static_leg(leg, of_leg[ends].values[at], ends)
+        for leg, of_leg in zip(legs, solved, strict=True)
+    )
+    return np.diag(mechanism.compliance(mechanism.assemble(robot, x, leg1, leg2)))[:3]
+
+
+def _stated(quantity: str, found: Refinement, finest: float, at: tuple[int, ...]) -> Stated:
+    value = float(found.values[-1][at])
+    uncertainty = found.uncertainty(*at)
+    return Stated(quantity, uncertainty / abs(finest), abs(value - finest) / abs(finest))
+
+
+# Below this (relative) rounding of the solutions is what differs.
+ROUNDING = 1e-9
+
+
+def coverage(numbers: list[Stated]) -> tuple[float, float]:
+    """Share of the numbers whose interval holds the finest solution, and its width over the error.
+
+    The width is the median of uncertainty over error, of the numbers that differ at all.
+    """
+    real = [one for one in numbers if one.error > ROUNDING]
+    held = np.mean([one.error <= one.uncertainty for one in real])
+    return float(held), float(np.median([one.uncertainty / one.error for one in real]))
