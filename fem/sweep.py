@@ -20,7 +20,7 @@ from lumped.biglide import Biglide, Posture
 from lumped.biglide_assembly import Release, assemble
 from lumped.errors import ComputationError
 from lumped.leg_matrices import LegMatrices
-from lumped.modes import Modes, dense, fix_signs
+from lumped.modes import Modes, dense, fix_signs, unit_diagonal
 from lumped.screws import turn
 
 # Pivots of the stiffness with unit diagonal: those of a chain of 160 elements are 3e-8, rounding
@@ -120,8 +120,8 @@ def solve_posture(model: PostureModel, x: float, count: int) -> SolvedPosture:
     """
     name = f"{model.robot.name} at x = {x:g} m"
     stiffness, mass = model.matrices(x)
-    scale = 1.0 / np.sqrt(np.maximum(np.diag(stiffness), np.finfo(float).tiny))
     try:
+        scale = unit_diagonal(stiffness)
         factor = cho_factor(stiffness * scale[:, None] * scale, lower=True, check_finite=False)
     except LinAlgError:
         factor = None
