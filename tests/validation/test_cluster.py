@@ -264,8 +264,13 @@ def test_without_dask_the_message_says_how_to_get_it(monkeypatch):
         pass
 
 
-@pytest.mark.exhaustive
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize(
+    "seed",
+    [
+        pytest.param(0, marks=pytest.mark.exhaustive),
+        *(pytest.param(k, marks=pytest.mark.soak) for k in range(1, 5)),
+    ],
+)
 def test_a_run_on_a_cluster_that_is_killed_goes_on_to_the_same_numbers(cluster_of_one, seed):
     address, here, folder = cluster_of_one
     path, moments = folder / f"run{seed}", random.Random(seed)  # noqa: S311  any moments will do

@@ -85,7 +85,7 @@ def test_lumped_models_of_all_agree_or_say_why_not(number, command):
     check_lumped_models(command, ROBOTS[number])
 
 
-@pytest.mark.exhaustive
+@pytest.mark.soak
 @pytest.mark.parametrize("number", range(COUNT))
 def test_solids_and_quick_runs_are_right_or_say_why_not(number, command, tmp_path):
     compliance(command, ROBOTS[number], "--model", "solid", "--divisions", "2")

@@ -93,6 +93,14 @@ def test_a_file_of_each_kind_takes_little_memory_in_a_process_of_its_own(number,
 
 
 @pytest.mark.exhaustive
+def test_all_generated_files_are_refused(path, capsys):
+    for number, (kind, content) in enumerate(bad_robots(COUNT + MORE, SEED)):
+        path.write_bytes(content)
+        assert cli.main(["check", str(path)]) == 2, (number, kind)
+        assert "Traceback" not in capsys.readouterr().err, (number, kind)
+
+
+@pytest.mark.soak
 def test_all_generated_files_in_processes_of_their_own(path):
     for kind, content in bad_robots(COUNT + MORE, SEED):
         assert_refused_cheaply(path, kind, content)

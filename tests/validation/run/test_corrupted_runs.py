@@ -17,8 +17,8 @@ from validation.results import provenance
 from validation.run.session import Request, validate
 
 COUNT = 100
-# What `flexproof test` tries of it; -m exhaustive tries all.
-FEW = 8
+# What `flexproof test` tries of it, and -m exhaustive besides; -m soak tries the rest.
+FEW, MORE = 8, 24
 ODD = (
     *("", "[]", "5", "{}", "null", "\x00", "[" * 50_000),
     *('{"flexproof": "record"}', '{"run": 5}', '{"schema": 1, "run": [], "cases": {}}'),
@@ -178,7 +178,11 @@ def all_bytes(*folders):
 
 @pytest.mark.parametrize(
     "seed",
-    [pytest.param(k, marks=[] if k < FEW else pytest.mark.exhaustive) for k in range(COUNT)],
+    [
+        *range(FEW),
+        *(pytest.param(k, marks=pytest.mark.exhaustive) for k in range(FEW, MORE)),
+        *(pytest.param(k, marks=pytest.mark.soak) for k in range(MORE, COUNT)),
+    ],
 )
 def test_a_corrupted_run_goes_on_to_the_same_numbers(toys, undisturbed, tmp_path, seed):
     path, elsewhere = tmp_path / "run", tmp_path / "elsewhere"

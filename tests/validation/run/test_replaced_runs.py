@@ -14,8 +14,8 @@ import pytest
 
 HERE = Path(__file__).parents[1]
 COUNT = 50
-# What `flexproof test` tries of it; -m exhaustive tries all.
-FEW = 4
+# What `flexproof test` tries of it, and -m exhaustive besides; -m soak tries the rest.
+FEW, MORE = 4, 12
 # Every other kill falls into the replacement itself, which is made this slow (s per step) for it.
 STEP = 0.02
 PATIENCE = 60.0
@@ -85,7 +85,11 @@ def killed(path, moment, **changes):
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "seed",
-    [pytest.param(k, marks=[] if k < FEW else pytest.mark.exhaustive) for k in range(COUNT)],
+    [
+        *range(FEW),
+        *(pytest.param(k, marks=pytest.mark.exhaustive) for k in range(FEW, MORE)),
+        *(pytest.param(k, marks=pytest.mark.soak) for k in range(MORE, COUNT)),
+    ],
 )
 def test_a_kill_leaves_the_old_run_or_the_new_one(finished, tmp_path, seed):
     former, duration = finished
