@@ -52,7 +52,7 @@ BASICS: Mapping[str, str] = {
 # A number disturbed by this share; a side moves if it does by more than rounding.
 _DISTURBED, _MOVED = 0.02, 1e-9
 # Arrays of one entry that are tried.
-_TRIED = 8
+_TRIED = 60
 _DATA = "lumped.legs.equivalent_leg "
 
 
