@@ -196,11 +196,17 @@ def as_text(found: Sequence[Independence]) -> str:
             f"    {one.case.title}",
             f"    value rests on      {_modules(one.value - one.reference)}",
             f"    reference rests on  {_modules(one.reference - one.value)}",
-            f"    both rest on        {', '.join(sorted(one.shared)) or 'named basics alone'}",
+            f"    both rest on        {_shared(one)}",
         )
     ]
     basics = ", ".join(f"{module} ({what})" for module, what in BASICS.items())
     return "\n".join([*lines, "", f"named basics: {basics}"])
+
+
+def _shared(one: Independence) -> str:
+    if not (one.value or one.reference):
+        return "not told: neither side moved with an entry of the memo"
+    return ", ".join(sorted(one.shared)) or "named basics alone"
 
 
 def _modules(functions: frozenset[str]) -> str:
