@@ -118,7 +118,7 @@ def test_a_fault_in_the_virtual_joints_makes_them_inadequate(truth: Array) -> No
     assert called_adequate(fault, truth) == []
 
 
-@pytest.mark.exhaustive
+@pytest.mark.soak
 def test_no_fault_makes_a_wrong_model_adequate(truth: Array) -> None:
     used = listened(statics)
     tried = [f for f in FAULTS if f.where in used and f.where.startswith(_JUDGED)]

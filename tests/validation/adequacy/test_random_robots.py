@@ -163,7 +163,7 @@ def test_verdicts_are_those_of_errors_computed_directly() -> None:
         assert not wrong_in_statics(robot), robot
 
 
-@pytest.mark.exhaustive
+@pytest.mark.soak
 @pytest.mark.parametrize("chunk", range(8))
 def test_no_verdict_on_forty_robots_is_contradicted(chunk: int) -> None:
     """Five robots, one of each shape, in every chunk."""
@@ -172,7 +172,7 @@ def test_no_verdict_on_forty_robots_is_contradicted(chunk: int) -> None:
         assert not wrong_in_dynamics(robot), robot
 
 
-@pytest.mark.exhaustive
+@pytest.mark.soak
 @pytest.mark.parametrize("chunk", range(10))
 def test_no_model_of_a_hundred_robots_is_called_adequate_in_statics_that_is_not(
     chunk: int,
