@@ -13,10 +13,10 @@ from lumped.errors import ComputationError, InputError
 from lumped.requirement import Requirement, with_options
 from lumped.robot_file import RobotFile, load_robot
 from validation import notebook
-from validation.adequacy.biglide.subject import biglide_subject
 from validation.adequacy.judgement import judged
 from validation.adequacy.matrix import Entry, Matrix
 from validation.adequacy.response import Subject
+from validation.adequacy.robot import robot_subject
 from validation.case import Skip
 from validation.context import Context, Preset
 from validation.models.options import ModelName
@@ -153,7 +153,7 @@ def adequacy(
     loaded = _loaded(robot)
     requirement = _accepting(loaded.requirement, accept or {})
     try:
-        subject = biglide_subject(Context(replace(loaded, requirement=requirement), preset))
+        subject = robot_subject(Context(replace(loaded, requirement=requirement), preset))
     except Skip as reason:
         raise ComputationError(str(reason)) from reason
     return Adequacy(judged(subject, requirement), requirement, subject)

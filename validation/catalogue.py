@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from lumped.robot_file import RobotFile
 from validation.adequacy.assessment import ADEQUACY, MEASURED, Assessment
-from validation.adequacy.biglide.subject import biglide_adequacy
+from validation.adequacy.robot import robot_adequacy
 from validation.case import About, Case
 from validation.cases import (
     benchmarks,
@@ -26,6 +26,7 @@ from validation.cases import (
     judgement,
     legs,
     longer_legs,
+    mechanism,
     mesh_families,
     paper,
     refinement,
@@ -38,6 +39,7 @@ from validation.cases import (
     shapes,
     solids,
 )
+from validation.cases.judgement import quantities
 from validation.measured.biglide import measured_matrix
 from validation.report.figures import drawings
 from validation.results.records import Task
@@ -48,7 +50,7 @@ PAPER_ROBOT = "ifw"
 _ADEQUACY = Assessment(
     id=ADEQUACY,
     title="Which models are adequate for what",
-    compute=biglide_adequacy,
+    compute=robot_adequacy,
     group="robot.solid.modes",
     effort=5.0,
 )
@@ -63,6 +65,11 @@ _MEASURED = Assessment(
 
 def catalogue(robot_file: RobotFile) -> Sequence[Task]:
     """Every case and figure for a robot; the paper's statements for the paper's robot alone."""
+    of_robot = _of_mechanism if robot_file.is_mechanism else _of_biglide
+    return (*of_robot(robot_file), *_of_program(), _ADEQUACY, *drawings(robot_file))
+
+
+def _of_biglide(robot_file: RobotFile) -> Sequence[Task]:
     from_paper = robot_file.built_in and robot_file.source == PAPER_ROBOT
     return (
         *(_about("robot", _paper()) if from_paper else ()),
@@ -76,25 +83,34 @@ def catalogue(robot_file: RobotFile) -> Sequence[Task]:
         *refinement.cases(),
         *_about("robot", decision.cases()),
         *_about("leg", end_restraint.cases()),
-        *shapes.cases(),
         *mesh_families.cases(),
+        *benchmarks_huang.cases(),
+        *guards.cases(),
+        *guards_legs.cases(),
+        *guards_solids.leg_cases(),
+        *guards_sweep.cases(),
+        *quantities.cases(),
+        *([_MEASURED] if robot_file.measured else []),
+    )
+
+
+def _of_mechanism(robot_file: RobotFile) -> Sequence[Task]:
+    return _about("robot", mechanism.cases(robot_file.mechanism))
+
+
+def _of_program() -> Sequence[Task]:
+    return (
+        *shapes.cases(),
         *calculix.cases(),
         *benchmarks.cases(),
         *benchmarks_cross.cases(),
-        *benchmarks_huang.cases(),
         *benchmarks_sections.cases(),
         *benchmarks_solid.cases(),
-        *guards.cases(),
-        *guards_legs.cases(),
         *guards_solids.cases(),
         *guards_reduction.cases(),
-        *guards_sweep.cases(),
         *guards_waves.cases(),
         *guards_pairing.cases(),
         *judgement.cases(),
-        _ADEQUACY,
-        *([_MEASURED] if robot_file.measured else []),
-        *drawings(),
     )
 
 

@@ -34,6 +34,7 @@ from validation.cases import (
     judgement,
     robot_solid,
 )
+from validation.cases.judgement import quantities
 from validation.context import Context
 from validation.faults import detection
 from validation.faults.catalogue import FAULTS
@@ -99,7 +100,14 @@ def workout() -> None:
 def reduction_workout() -> None:
     """The same of reduced legs, of sweeps, of what models are compared by, and of decks."""
     context = Context(IFW, "quick")
-    for guard in (guards_reduction, guards_sweep, guards_waves, guards_pairing, judgement):
+    for guard in (
+        guards_reduction,
+        guards_sweep,
+        guards_waves,
+        guards_pairing,
+        judgement,
+        quantities,
+    ):
         for case in guard.cases():
             case.compute(context)
     cubic = Material(2.1e11, 0.6e11, 0.2, 7850.0)
@@ -321,6 +329,7 @@ def test_fault_case_of_the_run_counts_its_catchers(identifier, monkeypatch):
             *guards.cases(),
             *guards_legs.cases(),
             *guards_solids.cases(),
+            *guards_solids.leg_cases(),
             *guards_reduction.cases(),
             *guards_sweep.cases(),
             *guards_waves.cases(),

@@ -18,7 +18,8 @@ def in_a_line(matrix: Matrix) -> str:
             for verdict in _VERDICTS
             if (names := [e.quantity for e in entries if e.verdict == verdict])
         ]
-        alike.setdefault(", ".join(parts), []).append(note.model)
+        said = ", ".join(parts) or f"not judged ({note.silent})"
+        alike.setdefault(said, []).append(note.model)
     return "; ".join(f"{', '.join(models)}: {said}" for said, models in alike.items())
 
 

@@ -35,9 +35,9 @@ from validation.robot_solids import half_octave_above, renewed_where_needed
 _ALIKE = 1e-9
 # Beams and segments are cheap to reduce well: the error at the highest frequency falls with the
 # seventh power of the cut-off, 1e-5 at 2.5 times and below 1e-6 at four.
-_CUTOFF = {"segments": 4.0, "beam": 4.0, "solid": CUTOFF_FACTOR}
+CUTOFF = {"segments": 4.0, "beam": 4.0, "solid": CUTOFF_FACTOR}
 # Unknowns in all that are solved as fast as they would be reduced.
-_FEW = 600
+FEW = 600
 # Frequencies of few elements lie above the true ones (Rayleigh), those of solids by little more.
 _ESTIMATE = ModelOptions(elements=2)
 
@@ -102,7 +102,7 @@ def static_bodies(
         springs = tip_compliances(mechanism, options.legs, options.theory, options.equivalent)
         return dict(links(mechanism, springs)) | _condensed_parts(mechanism)
     return {
-        name: _filled(condensed_leg(model, leg, own))
+        name: filled(condensed_leg(model, leg, own))
         for name, leg, own in constant_legs(mechanism, options)
     } | _condensed_parts(mechanism)
 
@@ -118,14 +118,12 @@ def dynamic_bodies(
     Reduced, unless beams or segments are so few that they are solved as they stand.
     """
     legs = constant_legs(mechanism, options)
-    if model != "solid" and sum(cached_leg(model, leg, own).size for _, leg, own in legs) <= _FEW:
+    if model != "solid" and sum(cached_leg(model, leg, own).size for _, leg, own in legs) <= FEW:
         return {
-            name: _filled(cached_leg(model, leg, own)) for name, leg, own in legs
+            name: filled(cached_leg(model, leg, own)) for name, leg, own in legs
         } | _condensed_parts(mechanism)
-    cutoff = _CUTOFF[model] * highest
-    found = {
-        name: _filled(reduced_leg(model, leg, own, highest, cutoff)) for name, leg, own in legs
-    }
+    cutoff = CUTOFF[model] * highest
+    found = {name: filled(reduced_leg(model, leg, own, highest, cutoff)) for name, leg, own in legs}
     if model != "solid":
         return found | _condensed_parts(mechanism)
     bodies = parts.parts_of(mechanism).items()
@@ -159,7 +157,7 @@ def _solve(prepared: Assembly, postures: Sequence[Posture], count: int) -> Itera
 
 def _on_drives(postures: Sequence[Posture], count: int) -> Iterator[Answer]:
     """Rigid bodies on elastic drives; of a posture's frequencies as many as have mass."""
-    rigid = _on_its_drives_alone(postures[0].mechanism)
+    rigid = on_drives_alone(postures[0].mechanism)
     prepared = assembly(rigid, {})
     for posture in postures:
         solution = solved(prepared.at(replace(posture, mechanism=rigid)))
@@ -200,7 +198,7 @@ def _condensed_parts(mechanism: Mechanism) -> dict[str, BodyModel]:
     return {name: parts.condensed(body) for name, body in parts.parts_of(mechanism).items()}
 
 
-def _filled(model: BodyModel) -> BodyModel:
+def filled(model: BodyModel) -> BodyModel:
     """The same with dense matrices: what is reduced is small and full."""
     parts = {kind: dense(part) for kind, part in model.parts.items()}
     return replace(model, stiffness=dense(model.stiffness), mass=dense(model.mass), parts=parts)
@@ -214,7 +212,7 @@ def _are_alike(one: ConstantLeg, other: ConstantLeg) -> bool:
     )
 
 
-def _on_its_drives_alone(mechanism: Mechanism) -> Mechanism:
+def on_drives_alone(mechanism: Mechanism) -> Mechanism:
     """The mechanism without the joints' own give, its drives as the simplified model has them."""
     return replace(mechanism, joints=tuple(_simplified(joint) for joint in mechanism.joints))
 

@@ -33,7 +33,7 @@ def header(robot_file: RobotFile, preset: Preset, options: Mapping[str, str]) ->
     """The "run" of results.json as far as it is known at the start."""
     return {
         "started": datetime.now(UTC).isoformat(timespec="seconds"),
-        "robot": robot_file.robot.name,
+        "robot": robot_file.name,
         "robot_file": robot_file.source,
         "robot_sha256": robot_file.sha256,
         "robot_tables": robot_file.tables,

@@ -12,6 +12,7 @@ import msgspec
 from fem.machine import usable_cores
 from lumped.audit.finding import Finding
 from lumped.audit.robot_audit import audit
+from lumped.errors import InputError
 from lumped.robot_file import RobotFile
 from validation.adequacy.assessment import ADEQUACY, MEASURED, Assessed
 from validation.adequacy.matrix import Matrix
@@ -218,6 +219,8 @@ def validate(request: Request, catalogue: Catalogue) -> Results:
     ComputationError where workers cannot start or the export fails.
     """
     robot_file = request.robot_file
+    if robot_file.is_mechanism:
+        _refuse_what_biglides_have(request)
     tasks = runner.select(catalogue(robot_file), request.preset, request.only)
     options = {**({"only": request.only} if request.only else {}), **request.asked}
     header = provenance.header(robot_file, request.preset, options)
@@ -292,6 +295,21 @@ def publish(gathered: Results, folder: RunFolder, findings: Sequence[Finding]) -
         for name, content in figure.files.items():
             folder.write(f"figures/{name}", content)
     folder.write("report.html", render(report))
+
+
+def _refuse_what_biglides_have(request: Request) -> None:
+    """Raise InputError for options that have nothing to do for a mechanism."""
+    refused = {
+        "--export: the files for other programs are written for a biglide (schema 1) alone": (
+            request.exports
+        ),
+        "--faults: the faults are those that a biglide's run has to catch; run one of schema 1": (
+            request.faults
+        ),
+        "--cluster: a mechanism's run has no sweeps": request.cluster is not None,
+    }
+    if faults := [fault for fault, asked in refused.items() if asked]:
+        raise InputError(faults)
 
 
 def _mention(line: str) -> None:

@@ -276,7 +276,7 @@ def test_the_printed_release_has_a_curve_of_its_own(context):
 
 
 def test_drawings_can_be_sent_to_another_process():
-    found = drawings()
+    found = drawings(load_robot("ifw"))
     assert len({drawing.id for drawing in found}) == len(found)
     assert [drawing.id for drawing in pickle.loads(pickle.dumps(found))] == [  # noqa: S301  our own
         drawing.id for drawing in found

@@ -4,11 +4,22 @@ Curves and pictures are computed in the run like cases (`drawings`); plots of st
 are drawn when the page is made, from what the cases brought.
 """
 
+from lumped.robot_file import RobotFile
 from validation.exhibits import Drawing
 
 
-def drawings() -> tuple[Drawing, ...]:
+def drawings(robot_file: RobotFile) -> tuple[Drawing, ...]:
     """All figures of a robot, in the order of the report."""
+    return _of_mechanism() if robot_file.is_mechanism else _of_biglide()
+
+
+def _of_mechanism() -> tuple[Drawing, ...]:
+    from validation.report.figures import mechanism  # noqa: PLC0415
+
+    return mechanism.drawings()
+
+
+def _of_biglide() -> tuple[Drawing, ...]:
     # The figures share results with the cases, whose package lists cases and figures together.
     from validation.report.figures.curves import (  # noqa: PLC0415
         decision,

@@ -1,0 +1,137 @@
+"""The adequacy of a mechanism's models: what is sampled, what is held against what, whole runs."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from lumped.errors import InputError
+from lumped.mechanism.body import Prism
+from lumped.mechanism.kinematics.postures import reference_posture
+from lumped.models.bodies import tip_compliances
+from lumped.robot_file import load_robot
+from lumped.system.assembly import assembly
+from lumped.system.solution import modes, solved
+from validation import api, cli
+from validation.adequacy.mechanism.path import MOST_POSES, holds, path_postures
+from validation.adequacy.mechanism.samples import samples_of
+from validation.adequacy.mechanism.statics import assembled, is_serial, summed
+from validation.adequacy.robot import judged_models
+from validation.catalogue import catalogue
+from validation.context import Context
+from validation.models.legs import leg_matrices
+from validation.models.mechanism import constant_legs
+from validation.models.options import ModelOptions
+from validation.run.session import Request, validate
+
+BEAMS = ("beam", "segments")
+
+
+@pytest.fixture(scope="module")
+def ran(tmp_path_factory):
+    out = tmp_path_factory.mktemp("five-bar") / "run"
+    return api.run("five-bar", out=out, preset="quick", only="adequacy*", jobs=1)
+
+
+def test_a_run_of_a_mechanism_ends_with_its_matrix(ran):
+    assert (ran.exit_code, ran.verdicts) == (0, {})
+    matrix = ran.matrix
+    assert matrix.coordinates == ("x (m)", "y (m)")
+    assert np.allclose(matrix.poses, load_robot("five-bar").mechanism.poses)
+    assert tuple(note.model for note in matrix.models) == judged_models(load_robot("five-bar"))
+    # Two cranks of hollow sections, as slender as beams are meant to be.
+    assert all(matrix.verdict(model) == "adequate" for model in ("vjm", "links", *BEAMS))
+    # Rigid bodies move in the plane of their drives alone.
+    for quantity in ("z", "phi_x", "phi_y"):
+        entry = matrix.entry("simplified", quantity)
+        assert entry.error == pytest.approx(-1.0)
+        assert entry.causes[0].cause == "drives only: bodies and joints rigid"
+        assert entry.remedy == "use vjm"
+
+
+def test_its_report_and_results_show_the_matrix(ran):
+    page = ran.report.read_text(encoding="utf-8")
+    assert "VJM with the legs as given, links, segments and beams hold for deflections" in page
+    written = json.loads((ran.out / "results.json").read_text(encoding="utf-8"))
+    assert written["run"]["robot"] == "five-bar"
+    found = {(e["model"], e["quantity"]): e for e in written["adequacy"]}
+    assert len(found[("beam", "f1")]["pose"]) == 2
+    assert (ran.out / "junit.xml").is_file()
+
+
+def test_a_run_goes_on_and_compares_with_itself(ran, capsys):
+    again = ["run", "five-bar", "--preset", "quick", "--only", "adequacy*"]
+    assert cli.main([*again, "--out", str(ran.out), "--resume"]) == 0
+    assert "report: " in capsys.readouterr().out
+
+
+def test_samples_have_the_mass_of_the_mechanism():
+    """Mass-normalised modes are orthonormal in what the samples stand for."""
+    mechanism = load_robot("delta").mechanism
+    bodies = {
+        name: leg_matrices("beam", leg, own)
+        for name, leg, own in constant_legs(mechanism, ModelOptions(elements=6))
+    }
+    system = assembly(mechanism, bodies).at(reference_posture(mechanism))
+    found = modes(solved(system), 8)
+    samples = samples_of(mechanism)
+    rows = samples.at(system, found.shapes, samples.of_models(bodies))
+    gram = rows.T @ (samples.weights[:, None] * rows)
+    assert np.allclose(gram, np.eye(8), atol=2e-3)
+
+
+def test_virtual_joints_and_links_climb_the_same_ladder():
+    context = Context(load_robot("five-bar"), "quick")
+    postures = path_postures(context)[::4]
+    springs = tip_compliances(context.robot_file.mechanism)
+    assert np.allclose(
+        summed(postures, springs), assembled(postures, springs), rtol=1e-9, atol=1e-18
+    )
+    assert is_serial(postures) == ""
+
+
+def test_where_legs_branch_virtual_joints_say_so():
+    postures = path_postures(Context(load_robot("delta"), "quick"))
+    assert "branches at" in is_serial(postures)
+
+
+def test_ends_are_alternatives_until_the_file_says_them():
+    mechanism = load_robot("five-bar").mechanism
+    assert list(holds(mechanism)) == ["ends rigid", "ends free"]
+    said = {
+        name: replace(body, shape=replace(body.shape, ends="free"))
+        if isinstance(body.shape, Prism)
+        else body
+        for name, body in mechanism.bodies.items()
+    }
+    (ends,) = holds(replace(mechanism, bodies=said)).values()
+    assert set(ends.values()) == {"free"}
+
+
+def test_long_paths_are_looked_at_in_even_steps():
+    robot_file = load_robot("five-bar")
+    poses = np.linspace(robot_file.mechanism.poses[0], robot_file.mechanism.poses[-1], 40)
+    longer = replace(robot_file, described=replace(robot_file.mechanism, poses=poses))
+    shown = [posture.pose for posture in path_postures(Context(longer, "quick"))]
+    assert len(shown) == MOST_POSES["quick"]
+    assert np.allclose([shown[0], shown[-1]], poses[[0, -1]])
+
+
+def test_a_mechanism_has_no_cases_of_the_biglide():
+    ids = {task.id for task in catalogue(load_robot("hexapod"))}
+    assert {"adequacy", "mechanism.closure", "mechanism.statics.solid", "robot.portrait"} <= ids
+    assert not any(name.startswith(("robot.beam", "leg1", "decision", "paper")) for name in ids)
+    assert len(ids) > 100
+
+
+@pytest.mark.parametrize(
+    ("asked", "named"), [("exports", "--export"), ("faults", "--faults"), ("cluster", "--cluster")]
+)
+def test_what_a_mechanism_does_not_have_is_refused_before_anything_is_written(
+    asked, named, tmp_path
+):
+    request = Request(load_robot("delta"), "quick", tmp_path / "out", 1, "adequacy")
+    with pytest.raises(InputError, match=named):
+        validate(replace(request, **{asked: "tcp://localhost:1"}), catalogue)
+    assert not (tmp_path / "out").exists()

@@ -1,0 +1,317 @@
+"""Natural modes of a mechanism over its path: models, ladders of causes, and the reference.
+
+Shapes of all models are sampled alike: displacements of the tool, twists of rigid bodies about
+their centre, and four points in each of some sections of every leg, placed so that they have the
+section's mass and rotary inertia.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from functools import partial
+from itertools import product
+
+import numpy as np
+
+from fem.bodies.beam import beam_leg
+from fem.bodies.warping_beam import warping_beam_leg
+from fem.reduction.craig_bampton import craig_bampton
+from fem.reduction.superelement import held_leg
+from fem.sections.section_constants import beam_properties
+from lumped.arrays import Array
+from lumped.leg_matrices import LegMatrices
+from lumped.legs import ConstantLeg, Ends, GivenLeg, Leg, equivalent_leg
+from lumped.mechanism.body_model import BodyModel
+from lumped.mechanism.mechanism import Posture
+from lumped.sections import Rectangle
+from lumped.system.assembly import assembly
+from lumped.system.solution import mode_count, modes, solved
+from validation.adequacy.biglide.given_masses import MASSES, Masses, leg_with_masses
+from validation.adequacy.legs import OPEN_ENDS, SECTION_DIVISIONS, own_constants, step_uncertainty
+from validation.adequacy.mechanism.path import SAY_ENDS, has_given, holds, known_legs
+from validation.adequacy.mechanism.samples import Samples, samples_of
+from validation.adequacy.partners import partners
+from validation.adequacy.response import Alternative, Reference, Response, Rung, Vibration
+from validation.context import Context
+from validation.leg_solids import COARSEST_WALLS
+from validation.models.mechanism import (
+    CUTOFF,
+    dynamic_bodies,
+    filled,
+    highest_frequency,
+    on_drives_alone,
+)
+from validation.models.options import ModelName, ModelOptions
+from validation.paired_robot_modes import DIVISIONS, ELEMENTS, WALL_DIVISIONS
+from validation.robot_solids import held_solid, renewed_where_needed
+
+Build = Callable[[Leg, Ends, float], LegMatrices]
+_FINER_SEGMENTS = 2 * ELEMENTS
+_OPEN_MASS = "where the legs' mass lies"
+_SAY_MASS = "the legs' mass distribution: a section and a material in place of the 6×6"
+
+
+def offered(judged: int) -> int:
+    """How many modes of each model are looked at to judge so many.
+
+    Legs that are alike have theirs in clusters, which a model must not show in part.
+    """
+    return max(12, 6 * judged)
+
+
+def vibration(
+    samples: Samples, postures: Sequence[Posture], bodies: Mapping[str, BodyModel], count: int
+) -> Vibration:
+    """The first `count` modes in every posture with these models of the legs."""
+    prepared = assembly(postures[0].mechanism, {name: filled(one) for name, one in bodies.items()})
+    frequencies, shapes = [], []
+    of_bodies = samples.of_models(bodies)
+    for posture in postures:
+        system = prepared.at(posture)
+        found = modes(solved(system), count)
+        frequencies.append(found.frequencies)
+        shapes.append(samples.at(system, found.shapes, of_bodies))
+    return Vibration(np.array(frequencies), np.array(shapes))
+
+
+def simplified_vibration(
+    samples: Samples, postures: Sequence[Posture], count: int
+) -> Vibration | None:
+    """Rigid bodies on elastic drives, NaN beyond the modes that they have; None without mass."""
+    rigid = on_drives_alone(postures[0].mechanism)
+    prepared = assembly(rigid, {})
+    frequencies, shapes = [], []
+    for posture in postures:
+        system = prepared.at(replace(posture, mechanism=rigid))
+        solution = solved(system)
+        known = min(count, mode_count(solution)) if system.size else 0
+        if not known:
+            return None
+        found = modes(solution, known)
+        own = samples.at(system, found.shapes, {})
+        frequencies.append(np.append(found.frequencies, np.full(count - known, np.nan)))
+        shapes.append(np.hstack([own, np.zeros((len(own), count - known))]))
+    return Vibration(np.array(frequencies), np.array(shapes))
+
+
+def model_vibration(
+    postures: tuple[Posture, ...], model: ModelName, options: ModelOptions, count: int
+) -> Vibration:
+    """Modes by segments or beam elements of textbook constants."""
+    mechanism = postures[0].mechanism
+    samples = samples_of(mechanism)
+
+    def solve(highest: float) -> Vibration:
+        return vibration(
+            samples, postures, dynamic_bodies(model, mechanism, highest, options), count
+        )
+
+    return _renewed(postures, count, solve)
+
+
+def built_vibration(
+    postures: tuple[Posture, ...], build: Build, ends: Mapping[str, Ends], count: int
+) -> Vibration:
+    """Modes with every leg as `build` makes it of leg, ends and highest frequency (Hz)."""
+    mechanism = postures[0].mechanism
+    samples, legs = samples_of(mechanism), known_legs(mechanism)
+
+    def solve(highest: float) -> Vibration:
+        made: dict[tuple[object, Ends], LegMatrices] = {}
+        for name, leg in legs.items():
+            key = leg if isinstance(leg, ConstantLeg) else name, ends[name]
+            if key not in made:
+                made[key] = build(leg, ends[name], highest)
+        bodies = {
+            name: made[leg if isinstance(leg, ConstantLeg) else name, ends[name]]
+            for name, leg in legs.items()
+        }
+        return vibration(samples, postures, bodies, count)
+
+    return _renewed(postures, count, solve)
+
+
+def _renewed(
+    postures: Sequence[Posture], count: int, solve: Callable[[float], Vibration]
+) -> Vibration:
+    return renewed_where_needed(
+        highest_frequency(postures, count), solve, frequencies=lambda found: found.frequencies
+    )
+
+
+def solid_vibration(
+    postures: tuple[Posture, ...],
+    divisions: int,
+    walls: int,
+    ends: Mapping[str, Ends],
+    masses: Masses | None,
+    count: int,
+) -> Vibration:
+    """Modes with prisms as solids reduced to their ends, and given legs with plausible masses.
+
+    `divisions` across rectangles, `walls` across the sections that have walls.
+    """
+    build = partial(_reference_leg, divisions=divisions, walls=walls, masses=masses)
+    return built_vibration(postures, build, ends, count)
+
+
+def _reference_leg(
+    leg: Leg, ends: Ends, highest: float, *, divisions: int, walls: int, masses: Masses | None
+) -> LegMatrices:
+    if isinstance(leg, GivenLeg):
+        return leg_with_masses(leg, masses or MASSES[0], highest)
+    number = divisions if isinstance(leg.section, Rectangle) else walls
+    return craig_bampton(held_solid(leg, number, ends), highest).matrices
+
+
+def own_vibration(
+    postures: tuple[Posture, ...], divisions: int, ends: Mapping[str, Ends] | None, count: int
+) -> Vibration:
+    """Modes by beams of the sections' own constants; with warping, held as `ends` say."""
+    legs = known_legs(postures[0].mechanism)
+    build = partial(_own_leg, divisions=divisions, warping=ends is not None)
+    return built_vibration(postures, build, ends or dict.fromkeys(legs, "rigid"), count)
+
+
+def _own_leg(leg: Leg, ends: Ends, highest: float, *, divisions: int, warping: bool) -> LegMatrices:
+    constant = equivalent_leg(leg)
+    constants = own_constants(constant, divisions)
+    if warping:
+        whole = warping_beam_leg(constants, constant.material, constant.length, ELEMENTS, ends)
+    else:
+        whole = beam_leg(beam_properties(constants, constant.material), constant.length, ELEMENTS)
+    return craig_bampton(held_leg(whole), highest, CUTOFF["beam"] * highest).matrices
+
+
+def dynamic_reference(context: Context, postures: tuple[Posture, ...], judged: int) -> Reference:
+    """Solid legs reduced to their ends or, where legs are given, a bracket of plausible masses."""
+    mechanism = postures[0].mechanism
+    count, weights = offered(judged), samples_of(mechanism).weights
+    given = has_given(mechanism)
+    solid = any(isinstance(leg, ConstantLeg) for leg in known_legs(mechanism).values())
+    ends = holds(mechanism)
+    masses: tuple[Masses | None, ...] = MASSES if given else (None,)
+    fine = DIVISIONS[context.preset], WALL_DIVISIONS[context.preset]
+    coarse = fine[0] - 1, fine[1] // 2
+    ratio = min(fine[0] / coarse[0], fine[1] / coarse[1])
+    if not solid:
+        # Nothing is meshed: one solution serves for both.
+        coarse, ends = fine, dict(list(ends.items())[:1])
+    section = _section_uncertainty(context, postures, judged) if solid else 0.0
+    alternatives = []
+    for (name, hold), mass in product(ends.items(), masses):
+        one, other = (
+            context.get(solid_vibration, postures, *number, hold, mass, count)
+            for number in (coarse, fine)
+        )
+        found = partners(other, one, weights, judged).frequency
+        step = step_uncertainty(found, other.frequencies[:, :judged], ratio)
+        alternatives.append(
+            Alternative(
+                ", ".join(part for part in (name if solid or not given else "", mass) if part),
+                Response(vibration=other),
+                # A mode that the coarser mesh does not have is known to no digit.
+                dynamic=np.where(np.isnan(step), 1.0, step + section),
+            )
+        )
+    open_ends = [OPEN_ENDS] if len(ends) > 1 else []
+    says = [SAY_ENDS] if len(ends) > 1 else []
+    return Reference(
+        title="mechanism of the legs' own 6×6 and plausible masses"
+        if given
+        else "mechanism of solid legs, reduced to their ends",
+        alternatives=alternatives,
+        open=" and ".join([*open_ends, *([_OPEN_MASS] if given else [])]),
+        decides="; ".join([*says, *([_SAY_MASS] if given else [])]),
+        bracket=given,
+        computed_by=("validation.adequacy.mechanism.dynamics.solid_vibration",),
+    )
+
+
+def _section_uncertainty(context: Context, postures: tuple[Posture, ...], judged: int) -> Array:
+    """What the section mesh of the solids leaves open of frequencies (p×1, relative).
+
+    Walls keep one mesh across while elements become shorter. By beams of the constants of that
+    mesh and of a finer one, the largest over the modes.
+    """
+    count, weights = offered(judged), samples_of(postures[0].mechanism).weights
+    coarse, fine = (
+        context.get(own_vibration, postures, number, None, count)
+        for number in (COARSEST_WALLS, SECTION_DIVISIONS)
+    )
+    found = partners(fine, coarse, weights, judged).frequency
+    change = np.abs(found / fine.frequencies[:, :judged] - 1.0)
+    return np.asarray(np.nanmax(change, axis=1, keepdims=True, initial=0.0))
+
+
+def dynamic_ladders(
+    context: Context,
+    postures: tuple[Posture, ...],
+    found: Mapping[str, Vibration | None],
+    reference: Reference,
+    judged: int,
+) -> dict[str, tuple[Rung, ...]]:
+    """Rungs for frequencies by name of the model, each ladder from the model upwards."""
+    names = [one.name for one in reference.alternatives]
+
+    def same(modes: Vibration | None) -> dict[str, Response]:
+        return dict.fromkeys(names, Response(vibration=modes))
+
+    more = ModelOptions(elements=_FINER_SEGMENTS)
+    finer = context.get(model_vibration, postures, "segments", more, offered(judged))
+    cause = f"discretisation (n = {ELEMENTS})"
+    segments = (
+        Rung(
+            cause,
+            f"{_FINER_SEGMENTS} segments, then beam elements",
+            same(finer),
+            f"n = {_FINER_SEGMENTS}",
+        ),
+        Rung(cause, "beam elements of the same constants", same(found["beam"])),
+    )
+    upper = () if reference.bracket else _upper(context, postures, names, judged)
+    shear = "shear deformation and rotary inertia left out"
+    drives = Rung(
+        "drives only: legs rigid and without mass", "beam elements", same(found["beam"]), "use beam"
+    )
+    timoshenko = "use Timoshenko"
+    return {
+        "simplified": (drives, *upper),
+        "segments": (*segments, *upper),
+        "beam": upper,
+        "segments-euler-bernoulli": (
+            Rung(shear, "Timoshenko segments", same(found["segments"]), timoshenko),
+            *segments,
+            *upper,
+        ),
+        "beam-euler-bernoulli": (
+            Rung(shear, "Timoshenko beams", same(found["beam"]), timoshenko),
+            *upper,
+        ),
+    }
+
+
+def _upper(
+    context: Context, postures: tuple[Posture, ...], names: Sequence[str], judged: int
+) -> tuple[Rung, ...]:
+    count = offered(judged)
+    own = context.get(own_vibration, postures, SECTION_DIVISIONS, None, count)
+    warping = {
+        name: Response(
+            vibration=context.get(own_vibration, postures, SECTION_DIVISIONS, ends, count)
+        )
+        for name, ends in holds(postures[0].mechanism).items()
+    }
+    return (
+        Rung(
+            "textbook section constants",
+            "fem.sections.section_constants, beam elements",
+            dict.fromkeys(names, Response(vibration=own)),
+            "take the section's constants from finite elements",
+        ),
+        Rung(
+            "warping: held at the ends, and non-uniform torsion between them",
+            "beams with Reissner's torsion, the section's own Γ",
+            warping,
+            "add the warping stiffness",
+        ),
+    )

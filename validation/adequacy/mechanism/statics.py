@@ -1,0 +1,233 @@
+"""Compliances of a mechanism over its path: models, ladders of causes, and the reference.
+
+The reference assembles the mechanism from what its legs are: solids where they are prisms, the 6×6
+of the file where they are given. Ladders climb by the virtual joint method where legs are serial
+chains; it shares no code with the assembler.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+
+from lumped.arrays import Array
+from lumped.errors import InputError
+from lumped.legs import ConstantLeg, Ends, GivenLeg, Leg, given_compliance
+from lumped.mechanism.mechanism import Posture
+from lumped.models import serial_chains
+from lumped.models.bodies import tip_compliances
+from lumped.models.links import links
+from lumped.system.assembly import assembly
+from lumped.system.solution import compliance, solved
+from validation.adequacy.legs import (
+    OPEN_ENDS,
+    ROUNDING,
+    SECTION_DIVISIONS,
+    SECTION_RATIO,
+    held_spring,
+    own_spring,
+    restrained_spring,
+    shares_section,
+    solid_leg,
+    solid_tip,
+    step_uncertainty,
+    straight_spring,
+)
+from validation.adequacy.mechanism.path import SAY_ENDS, has_given, holds, known_legs
+from validation.adequacy.response import Alternative, Reference, Response, Rung
+from validation.context import Context
+from validation.leg_solids import COARSEST_WALLS
+from validation.models.mechanism import answers
+from validation.models.options import ModelName, ModelOptions
+
+Springs = Mapping[str, Array]
+
+
+def compliances(postures: Sequence[Posture], model: ModelName, options: ModelOptions) -> Response:
+    """What a model of the mechanism answers to unit wrenches at the loaded point."""
+    found = answers(model, postures, 0, options)
+    return Response(compliance=np.array([answer.compliance for answer in found]))
+
+
+def is_serial(postures: Sequence[Posture]) -> str:
+    """Empty where virtual joints can be summed along every leg, else why they cannot."""
+    mechanism = postures[0].mechanism
+    try:
+        serial_chains.serial_chains(postures[0], tip_compliances(mechanism))
+    except InputError as error:
+        return str(error).partition("; ")[0].removeprefix(f"{mechanism.name}: ")
+    return ""
+
+
+def assembled(postures: Sequence[Posture], springs: Springs) -> Array:
+    """Compliances (p×6×6) by the assembler, every leg by its tip's compliance (6×6)."""
+    mechanism = postures[0].mechanism
+    prepared = assembly(mechanism, links(mechanism, springs))
+    return np.array([compliance(solved(prepared.at(posture))) for posture in postures])
+
+
+def summed(postures: Sequence[Posture], springs: Springs) -> Array:
+    """The same by virtual joints along serial chains."""
+    return np.array([serial_chains.compliance(posture, springs) for posture in postures])
+
+
+def static_reference(context: Context, postures: Sequence[Posture]) -> Reference:
+    """Solid or given legs, assembled; raises InputError where sections are too fine to mesh."""
+    mechanism = postures[0].mechanism
+    legs = known_legs(mechanism)
+    solids = [leg for leg in legs.values() if isinstance(leg, ConstantLeg)]
+    ratio = min((solid_leg(context, leg).ratio for leg in solids), default=1.0)
+    section = _section_uncertainty(context, postures, legs)
+    alternatives = []
+    for name, ends in holds(mechanism).items():
+        coarse, fine = (
+            assembled(
+                postures,
+                {
+                    body: solid_tip(context, leg, ends[body], fine=finer)
+                    for body, leg in legs.items()
+                },
+            )
+            for finer in (False, True)
+        )
+        step = np.full(section.shape, ROUNDING)
+        if solids:
+            step = step_uncertainty(_diagonals(coarse), _diagonals(fine), ratio)
+        alternatives.append(Alternative(name, Response(compliance=fine), static=step + section))
+    is_open = len(alternatives) > 1
+    return Reference(
+        title=_title(legs),
+        alternatives=alternatives,
+        open=OPEN_ENDS if is_open else "",
+        decides=SAY_ENDS if is_open else "",
+        computed_by=(
+            "fem.bodies.doubling.condensed_leg" if solids else "lumped.legs.given_compliance",
+            "lumped.system.solution.compliance",
+        ),
+    )
+
+
+def _title(legs: Mapping[str, Leg]) -> str:
+    given = [name for name, leg in legs.items() if isinstance(leg, GivenLeg)]
+    if not legs:
+        return "mechanism of rigid bodies, assembled"
+    if len(given) == len(legs):
+        return "mechanism assembled from the legs' own 6×6"
+    own = f" and {', '.join(given)} by their own 6×6" if given else ""
+    return f"mechanism assembled from solid legs{own}"
+
+
+def _section_uncertainty(
+    context: Context, postures: Sequence[Posture], legs: Mapping[str, Leg]
+) -> Array:
+    """What section meshes leave open (p×6, relative) where both solids of a leg share one.
+
+    By constants of that mesh and of one twice as fine; else zero.
+    """
+    shared = {name for name, leg in legs.items() if shares_section(context, leg)}
+    if not shared:
+        return np.zeros((len(postures), 6))
+
+    def own(divisions: int) -> Array:
+        springs = {
+            name: own_spring(context, leg, divisions if name in shared else SECTION_DIVISIONS)
+            for name, leg in legs.items()
+        }
+        return _diagonals(_climbing(postures)(postures, springs))
+
+    return step_uncertainty(own(COARSEST_WALLS), own(SECTION_DIVISIONS), SECTION_RATIO)
+
+
+def _diagonals(compliances: Array) -> Array:
+    return np.diagonal(compliances, axis1=1, axis2=2)
+
+
+def _climbing(
+    postures: Sequence[Posture],
+) -> Callable[[Sequence[Posture], Springs], Array]:
+    return assembled if is_serial(postures) else summed
+
+
+def static_ladders(context: Context, postures: Sequence[Posture]) -> dict[str, tuple[Rung, ...]]:
+    """Rungs for statics by name of the model, each ladder from the model upwards."""
+    mechanism = postures[0].mechanism
+    alternatives, legs = holds(mechanism), known_legs(mechanism)
+    climb = _climbing(postures)
+    serial = climb is summed
+    by = "virtual joints" if serial else "links"
+
+    def joined(springs: Springs) -> Response:
+        return Response(climb(postures, springs))
+
+    def everywhere(springs: Springs) -> dict[str, Response]:
+        return dict.fromkeys(alternatives, joined(springs))
+
+    def held(spring: Callable[[Context, Leg, Ends], Array]) -> dict[str, Response]:
+        return {
+            name: joined({body: spring(context, leg, ends[body]) for body, leg in legs.items()})
+            for name, ends in alternatives.items()
+        }
+
+    upper: tuple[Rung, ...] = ()
+    if any(isinstance(leg, ConstantLeg) for leg in legs.values()):
+        upper = (
+            Rung(
+                "textbook section constants",
+                "fem.section_constants, tip of the cantilever",
+                everywhere({name: own_spring(context, leg) for name, leg in legs.items()}),
+                "take the section's constants from finite elements",
+            ),
+            Rung(
+                "warping held at the ends",
+                "Reissner's torsion with held ends, the section's own Γ",
+                held(held_spring),
+                "add the warping stiffness",
+            ),
+            Rung(
+                "contraction and warping by shear held at the ends",
+                "fem.sections.end_effects, exact along the leg",
+                held(restrained_spring),
+                "add what rigid end faces take",
+            ),
+        )
+    as_given = everywhere(tip_compliances(mechanism))
+    section: tuple[Rung, ...] = ()
+    if has_given(mechanism):
+        straight = {
+            name: straight_spring(leg) if isinstance(leg, GivenLeg) else given_compliance(leg)
+            for name, leg in legs.items()
+        }
+        section = (
+            Rung(
+                "equivalent leg: another diagonal than the 6×6",
+                f"{by} with the straight leg's entries of the 6×6",
+                everywhere(straight),
+            ),
+            Rung(
+                "equivalent leg: couplings of the 6×6 left out",
+                f"{by} with the 6×6 as given",
+                as_given,
+                "take the 6×6 with its couplings",
+            ),
+        )
+    shear = Rung(
+        "shear deformation left out",
+        f"{by} with Timoshenko's cantilever",
+        everywhere(tip_compliances(mechanism, "equivalent")),
+        "use Timoshenko",
+    )
+    drives = Rung(
+        "drives only: bodies and joints rigid",
+        f"{by} with the legs as given",
+        as_given,
+        "use vjm" if serial else "use links",
+    )
+    return {
+        "simplified": (drives, *upper),
+        "vjm": upper,
+        "links": upper,
+        "vjm-equivalent": (*section, *upper),
+        "segments": (*section, *upper),
+        "beam": (*section, *upper),
+        "segments-euler-bernoulli": (shear, *section, *upper),
+        "beam-euler-bernoulli": (shear, *section, *upper),
+    }

@@ -1,0 +1,161 @@
+"""Any mechanism with its models and references, ready to be judged."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from lumped.errors import InputError
+from lumped.mechanism.mechanism import Mechanism, Posture
+from validation.adequacy.judgement import judged
+from validation.adequacy.matrix import Matrix
+from validation.adequacy.mechanism.dynamics import (
+    dynamic_ladders,
+    dynamic_reference,
+    model_vibration,
+    offered,
+    simplified_vibration,
+)
+from validation.adequacy.mechanism.path import coordinates, has_given, path_postures
+from validation.adequacy.mechanism.samples import samples_of
+from validation.adequacy.mechanism.statics import (
+    compliances,
+    is_serial,
+    static_ladders,
+    static_reference,
+)
+from validation.adequacy.response import Candidate, Reference, Response, Subject, Vibration
+from validation.case import Skip
+from validation.context import Context
+from validation.models.mechanism import answers
+from validation.models.options import STATIC, ModelName, ModelOptions
+
+_STATIC = "static: it has no masses, hence says nothing of frequencies"
+_NO_MASS = "neither its rigid bodies nor its tool have mass: it says nothing of frequencies"
+_RIGID = "its bodies and joints are rigid: the drives do not let the tool move so"
+
+
+class _Model(NamedTuple):
+    kind: ModelName
+    title: str
+    options: ModelOptions
+
+
+_EULER = ModelOptions(theory="euler-bernoulli")
+_MODELS: Mapping[str, _Model] = {
+    "simplified": _Model("simplified", "elastic drives, rigid bodies", ModelOptions()),
+    "vjm": _Model("vjm", "virtual joints, legs as given", ModelOptions()),
+    "vjm-equivalent": _Model(
+        "vjm", "virtual joints, legs of constant section", ModelOptions(legs="equivalent")
+    ),
+    "links": _Model("links", "matrix structural analysis, legs as given", ModelOptions()),
+    "segments": _Model("segments", "20 rigid segments per leg, Timoshenko", ModelOptions()),
+    "beam": _Model("beam", "20 beam elements per leg, Timoshenko", ModelOptions()),
+    "segments-euler-bernoulli": _Model(
+        "segments", "20 rigid segments per leg, Euler–Bernoulli", _EULER
+    ),
+    "beam-euler-bernoulli": _Model("beam", "20 beam elements per leg, Euler–Bernoulli", _EULER),
+}
+
+
+def mechanism_models(mechanism: Mechanism) -> tuple[str, ...]:
+    """The models that are judged; without 6×6 both kinds of virtual joints are one."""
+    return tuple(name for name in _MODELS if name != "vjm-equivalent" or has_given(mechanism))
+
+
+def mechanism_adequacy(context: Context) -> Matrix:
+    """The matrix of the run's mechanism. Raises Skip where no reference can be computed."""
+    return judged(mechanism_subject(context), context.robot_file.requirement)
+
+
+def mechanism_subject(context: Context) -> Subject:
+    """Responses of all models of the run's mechanism and of what they are held against."""
+    mechanism = context.robot_file.mechanism
+    postures = path_postures(context)
+    count = context.robot_file.requirement.modes
+    try:
+        statics = static_reference(context, postures)
+    except InputError as error:
+        raise Skip(f"{error}; a larger preset may compute it") from error
+    dynamics = dynamic_reference(context, postures, count)
+    found = {
+        name: _vibration(context, postures, _MODELS[name], offered(count))
+        for name in mechanism_models(mechanism)
+    }
+    static, dynamic = (
+        static_ladders(context, postures),
+        dynamic_ladders(context, postures, found, dynamics, count),
+    )
+    candidates = [
+        replace(
+            _candidate(postures, name, found[name]),
+            static_rungs=static[name],
+            dynamic_rungs=dynamic.get(name, ()),
+        )
+        for name in found
+    ]
+    return Subject(
+        robot=mechanism.name,
+        coordinates=coordinates(mechanism),
+        poses=np.array([posture.pose for posture in postures]),
+        weights=samples_of(mechanism).weights,
+        candidates=candidates,
+        statics=statics,
+        dynamics=dynamics,
+        notes=(*_path_note(mechanism, postures), *_idle_note(postures), *_bracket(dynamics, count)),
+    )
+
+
+def _vibration(
+    context: Context, postures: tuple[Posture, ...], model: _Model, count: int
+) -> Vibration | None:
+    if model.kind in STATIC:
+        return None
+    if model.kind == "simplified":
+        return simplified_vibration(samples_of(postures[0].mechanism), postures, count)
+    return context.get(model_vibration, postures, model.kind, model.options, count)
+
+
+def _candidate(postures: tuple[Posture, ...], name: str, vibration: Vibration | None) -> Candidate:
+    model = _MODELS[name]
+    branches = is_serial(postures) if model.kind == "vjm" else ""
+    statics = Response() if branches else compliances(postures, model.kind, model.options)
+    silent = _STATIC if model.kind in STATIC else "" if vibration else _NO_MASS
+    return Candidate(
+        model=name,
+        title=model.title,
+        response=replace(statics, vibration=vibration),
+        rigid=_RIGID if name == "simplified" else "",
+        silent=branches or silent,
+        computed_by=(f"validation.models.mechanism.answers({model.kind!r})",),
+    )
+
+
+def _path_note(mechanism: Mechanism, postures: tuple[Posture, ...]) -> tuple[str, ...]:
+    if len(postures) == len(mechanism.poses):
+        return ()
+    return (f"{len(postures)} of the {len(mechanism.poses)} poses of the path were looked at",)
+
+
+def _idle_note(postures: tuple[Posture, ...]) -> tuple[str, ...]:
+    idle = answers("simplified", postures[:1], 0)[0].idle
+    what = "mobilities do" if idle > 1 else "mobility does"
+    return (f"{idle} idle {what} not move the tool; no frequency counts them",) if idle else ()
+
+
+def _bracket(reference: Reference, modes: int) -> tuple[str, ...]:
+    """What plausible masses leave open of the frequencies in the middle of the path, in words."""
+    if not reference.bracket:
+        return ()
+    answered = [one.response.vibration for one in reference.alternatives]
+    middle = len(answered[0].frequencies) // 2 if answered[0] else 0
+    found = np.array([one.frequencies[middle, :modes] for one in answered if one])
+    spans = [
+        f"f{k + 1} {low:.4g} to {high:.4g} Hz"
+        for k, (low, high) in enumerate(zip(found.min(axis=0), found.max(axis=0), strict=True))
+    ]
+    return (
+        "frequencies cannot be judged without the legs' mass distribution; plausible ones give "
+        f"{', '.join(spans)} in the middle of the path",
+    )

@@ -1,0 +1,29 @@
+"""The adequacy of a robot's models, whatever its robot file describes."""
+
+from lumped.robot_file import RobotFile
+from validation.adequacy.biglide.subject import MODELS, biglide_adequacy, biglide_subject
+from validation.adequacy.matrix import Matrix
+from validation.adequacy.mechanism.subject import (
+    mechanism_adequacy,
+    mechanism_models,
+    mechanism_subject,
+)
+from validation.adequacy.response import Subject
+from validation.context import Context
+
+
+def judged_models(robot_file: RobotFile) -> tuple[str, ...]:
+    """The models that a robot's matrix has, in its order."""
+    return mechanism_models(robot_file.mechanism) if robot_file.is_mechanism else MODELS
+
+
+def robot_subject(context: Context) -> Subject:
+    """The run's robot with its models and references. Raises Skip where there is no reference."""
+    of_robot = mechanism_subject if context.robot_file.is_mechanism else biglide_subject
+    return of_robot(context)
+
+
+def robot_adequacy(context: Context) -> Matrix:
+    """The matrix of the run's robot. Raises Skip where no reference can be computed."""
+    of_robot = mechanism_adequacy if context.robot_file.is_mechanism else biglide_adequacy
+    return of_robot(context)

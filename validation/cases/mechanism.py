@@ -1,0 +1,312 @@
+"""A mechanism over its path: its models against each other where theory says they are one.
+
+Each comparison holds one piece of code against another: closed joints read off the frames, drives
+against the motion of the tool, chains of virtual joints against the assembler, beams against
+links, solids against beams of their own constants, reduced bodies against whole ones.
+"""
+
+from collections.abc import Callable, Sequence
+from functools import partial
+
+import numpy as np
+
+from lumped.arrays import Array
+from lumped.legs import ConstantLeg
+from lumped.mechanism.free_twists import free_twists, interface_position
+from lumped.mechanism.kinematics.postures import posture
+from lumped.mechanism.mechanism import MOVES, Mechanism, Posture
+from lumped.system.assembly import assembly
+from lumped.system.solution import modes, solved
+from validation.adequacy.legs import solid_leg
+from validation.adequacy.mechanism.path import known_legs, path_postures
+from validation.adequacy.mechanism.statics import assembled, is_serial
+from validation.case import Absolute, Case, Measurement, Relative, Skip
+from validation.context import Context
+from validation.convergence import step_factor
+from validation.models.legs import leg_matrices, reduced_leg
+from validation.models.mechanism import (
+    CUTOFF,
+    answers,
+    constant_legs,
+    filled,
+    highest_frequency,
+    on_drives_alone,
+)
+from validation.models.options import ModelName, ModelOptions
+
+SECTION = "The mechanism over its path"
+# What shares the solids of the assessment runs with it.
+GROUP = "robot.solid.modes"
+MODES = 4
+_LUMPED = "mechanism.lumped"
+_EULER = ModelOptions(theory="euler-bernoulli", legs="equivalent")
+_TIMOSHENKO = ModelOptions(legs="equivalent")
+_STATICS = "largest difference of the 6×6 over the path, in units of √(c_ii c_jj)"
+_ONE_STATICS = (
+    "Frames of prismatic members are exact in statics at their nodes, whatever the number of "
+    "elements: J. S. Przemieniecki, Theory of Matrix Structural Analysis (1968), ch. 5"
+)
+_ROUNDING = "one statics, assembled in two ways: rounding, grown by the condition of slender legs"
+# Step of a difference quotient, of the size of the mechanism or in rad: it errs by its square.
+_STEP = 1e-4
+_FEW_ELEMENTS = 8
+_SECOND_ORDER = 2.0
+
+
+def cases(mechanism: Mechanism) -> tuple[Case, ...]:
+    """All comparisons of a mechanism's models."""
+    stationed = bool(mechanism.tool.moves)
+    return (
+        _case(
+            "closure",
+            "Every joint is closed in every pose",
+            "largest gap of a joint over the path, of the size of the mechanism",
+            "positions of both sides, read off the bodies' frames",
+            Absolute(1e-12),
+            "the loops are closed until rounding is left",
+            _closure,
+        ),
+        *((_drives_case(),) if stationed else ()),
+        _case(
+            "statics.vjm",
+            "Virtual joints along serial chains and links are one statics",
+            _STATICS,
+            _ONE_STATICS,
+            Absolute(1e-9),
+            _ROUNDING,
+            partial(_same_statics, first=("vjm", ModelOptions()), second=("links", ModelOptions())),
+            model="vjm",
+        ),
+        *(
+            _case(
+                f"statics.{model}[{options.theory}]",
+                f"Links and {model} of {options.theory} theory are one statics",
+                _STATICS,
+                _ONE_STATICS,
+                Absolute(1e-8 if model == "segments" else 1e-9),
+                _ROUNDING,
+                partial(_same_statics, first=(model, options), second=("links", options)),
+                model=model,
+            )
+            for options in (_EULER, _TIMOSHENKO)
+            for model in _OF_ELEMENTS
+        ),
+        _case(
+            "statics.solid",
+            "Solids with free ends are Timoshenko beams of the sections' own constants",
+            "largest relative difference of the six diagonal compliances over the path",
+            "Clapeyron's theorem on Saint-Venant's exact solution, constants of the same mesh",
+            Absolute(1e-4),
+            "no cause is left: the mesh alone, 0.003 % and less of a leg",
+            _solid,
+            group=GROUP,
+            model="solid",
+            effort=10.0,
+        ),
+        *(_frequency_case(index) for index in range(MODES)),
+        _case(
+            "reduction",
+            "Bodies reduced by Craig and Bampton have the frequencies of the whole mechanism",
+            f"largest relative difference of the first {MODES} frequencies, middle of the path",
+            "the same beams without reduction, dense",
+            Absolute(1e-6),
+            "modes of the bodies up to four times the highest frequency leave less than that",
+            _reduction,
+            model="beam",
+        ),
+    )
+
+
+_OF_ELEMENTS: tuple[ModelName, ...] = ("beam", "segments")
+
+
+def _case(
+    name: str,
+    title: str,
+    quantity: str,
+    citation: str,
+    tolerance: Absolute,
+    reason: str,
+    compute: Callable[[Context], Measurement],
+    *,
+    group: str = _LUMPED,
+    model: str = "",
+    effort: float = 1.0,
+) -> Case:
+    return Case(
+        id=f"mechanism.{name}",
+        title=title,
+        quantity=quantity,
+        unit="1",
+        reference_kind="independent-solver",
+        citation=citation,
+        tolerance=tolerance,
+        tolerance_reason=reason,
+        compute=compute,
+        section=SECTION,
+        group=group,
+        effort=effort,
+        model=model,
+    )
+
+
+def _closure(context: Context) -> Measurement:
+    postures = path_postures(context)
+    size = context.robot_file.mechanism.size
+    return Measurement(max(_gap(at) for at in postures) / size, 0.0)
+
+
+def _gap(at: Posture) -> float:
+    """Largest distance (m) between both sides of a joint, along what it does not free."""
+    gaps = []
+    for joint in at.mechanism.joints:
+        apart = interface_position(at, joint.second) - interface_position(at, joint.first)
+        slides = free_twists(at, joint)[:3]
+        free = slides[:, np.any(slides, axis=0)]
+        basis = np.linalg.qr(free)[0]
+        gaps.append(float(np.linalg.norm(apart - basis @ (basis.T @ apart))))
+    return max(gaps)
+
+
+def _drives_case() -> Case:
+    return _case(
+        "simplified",
+        "The simplified model yields as its drives turn when the tool is moved",
+        "largest relative difference of the compliances along the moves, middle of the path",
+        "C = (QᵀKQ)⁻¹, Q the drives' motion per motion of the tool, by differences of postures",
+        Absolute(1e-5),
+        "difference quotients: the square of their step, and what closing the loops leaves of it",
+        _drives,
+        model="simplified",
+    )
+
+
+def _drives(context: Context) -> Measurement:
+    postures = path_postures(context)
+    middle = postures[len(postures) // 2]
+    mechanism = on_drives_alone(middle.mechanism)
+    driven = [joint for joint in mechanism.joints if joint.drive is not None]
+    stiffness = [joint.drive.stiffness for joint in driven if joint.drive]
+    if len(driven) != len(mechanism.tool.moves) or None in stiffness:
+        raise Skip("drives are rigid, or there are not as many as moves of the tool")
+    columns = []
+    for place, move in enumerate(mechanism.tool.moves):
+        step = np.zeros(len(middle.pose))
+        step[place] = _STEP * (1.0 if move.startswith("phi") else mechanism.size)
+        ahead, behind = (
+            posture(middle.mechanism, middle.pose + sign * step, middle) for sign in (1.0, -1.0)
+        )
+        columns.append(
+            [
+                (ahead.coordinates[joint.name][0] - behind.coordinates[joint.name][0])
+                / (2.0 * step[place])
+                for joint in driven
+            ]
+        )
+    motion = np.array(columns).T
+    expected = np.linalg.inv(motion.T @ np.diag(np.array(stiffness, dtype=float)) @ motion)
+    rows = [MOVES.index(move) for move in mechanism.tool.moves]
+    found = answers("simplified", [middle], 0)[0].compliance[np.ix_(rows, rows)]
+    return Measurement(_scaled(found, expected), 0.0)
+
+
+def _scaled(found: Array, expected: Array) -> float:
+    """Largest difference of matrices (…×n×n) in units of √(c_ii c_jj) of the second."""
+    sizes = np.sqrt(np.abs(np.diagonal(expected, axis1=-2, axis2=-1)))
+    scale = sizes[..., :, None] * sizes[..., None, :]
+    return float(np.max(np.abs(found - expected) / np.where(scale > 0.0, scale, 1.0)))
+
+
+def _same_statics(
+    context: Context,
+    first: tuple[ModelName, ModelOptions],
+    second: tuple[ModelName, ModelOptions],
+) -> Measurement:
+    postures = path_postures(context)
+    if first[0] == "vjm" and (branches := is_serial(postures)):
+        raise Skip(branches)
+    found, expected = (_compliance(postures, *model) for model in (first, second))
+    return Measurement(_scaled(found, expected), 0.0)
+
+
+def _compliance(postures: Sequence[Posture], model: ModelName, options: ModelOptions) -> Array:
+    return np.array([one.compliance for one in answers(model, postures, 0, options)])
+
+
+def _solid(context: Context) -> Measurement:
+    postures = path_postures(context)
+    legs = known_legs(postures[0].mechanism)
+    if not all(isinstance(leg, ConstantLeg) for leg in legs.values()):
+        raise Skip("legs known by a 6×6 have no section that could be meshed")
+    fine = {
+        name: solid_leg(context, leg).fine
+        for name, leg in legs.items()
+        if isinstance(leg, ConstantLeg)
+    }
+    solids, beams = (
+        np.diagonal(assembled(postures, springs), axis1=1, axis2=2)
+        for springs in (
+            {name: one.free for name, one in fine.items()},
+            {name: one.own for name, one in fine.items()},
+        )
+    )
+    return Measurement(float(np.max(np.abs(solids / beams - 1.0))), 0.0)
+
+
+def _frequency_case(index: int) -> Case:
+    return Case(
+        id=f"mechanism.frequency.segments[{index + 1}]",
+        title=f"Frequency {index + 1} in segments is that of beams, middle of the path",
+        quantity=f"natural frequency {index + 1}",
+        unit="Hz",
+        reference_kind="independent-solver",
+        citation="Timoshenko beam elements of the same constants, fourth order",
+        tolerance=Relative(0.01),
+        tolerance_reason="springs between rigid segments are second order in 1/n: what doubling "
+        "their number changes is the uncertainty",
+        compute=partial(_frequency, index=index),
+        section=SECTION,
+        group=_LUMPED,
+        model="segments",
+    )
+
+
+def _frequency(context: Context, index: int) -> Measurement:
+    postures = path_postures(context)
+    middle = (postures[len(postures) // 2],)
+    coarse, fine, beam = (
+        context.get(_frequencies, middle, model, ModelOptions(elements=elements))[index]
+        for model, elements in _REFINED
+    )
+    step = step_factor(2.0, _SECOND_ORDER) * abs(fine - coarse)
+    return Measurement(float(fine), float(beam), value_uncertainty=float(step))
+
+
+_REFINED: tuple[tuple[ModelName, int], ...] = (("segments", 20), ("segments", 40), ("beam", 20))
+
+
+def _frequencies(
+    postures: tuple[Posture, ...], model: ModelName, options: ModelOptions
+) -> tuple[float, ...]:
+    (found,) = answers(model, postures, MODES, options)
+    return tuple(found.frequencies.tolist())
+
+
+def _reduction(context: Context) -> Measurement:
+    postures = path_postures(context)
+    middle = postures[len(postures) // 2]
+    options = ModelOptions(elements=_FEW_ELEMENTS)
+    whole = {
+        name: filled(leg_matrices("beam", leg, own))
+        for name, leg, own in constant_legs(middle.mechanism, options)
+    }
+    highest = highest_frequency([middle], MODES, options)
+    reduced = {
+        name: reduced_leg("beam", leg, own, highest, CUTOFF["beam"] * highest)
+        for name, leg, own in constant_legs(middle.mechanism, options)
+    }
+    found, expected = (
+        modes(solved(assembly(middle.mechanism, bodies).at(middle)), MODES).frequencies
+        for bodies in (reduced, whole)
+    )
+    return Measurement(float(np.max(np.abs(found / expected - 1.0))), 0.0)
