@@ -118,7 +118,7 @@ class Adequacy:
     def _within(self, model: str, quantity: str, limit: float) -> Matrix:
         candidates = [one for one in self.subject.candidates if one.model == model]
         asked = _accepting(self.requirement, {quantity: limit})
-        return judged(replace(self.subject, candidates=candidates), asked)
+        return judged(replace(self.subject, candidates=candidates, parts=()), asked)
 
     def _nothing_said(self, model: str, quantity: str) -> str:
         models = [note.model for note in self.matrix.models]

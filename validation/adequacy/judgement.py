@@ -11,12 +11,17 @@ from validation.adequacy.causes import explained, remedied
 from validation.adequacy.errors import Errors, Scale
 from validation.adequacy.matrix import Adequacy, Entry, Matrix, ModelNote
 from validation.adequacy.response import Candidate, Reference, Subject
+from validation.adequacy.text import notes_of_part
 
 _FINER = "a finer reference: a larger preset"
 
 
 def judged(subject: Subject, requirement: Requirement) -> Matrix:
-    """The matrix of a robot: every candidate by every quantity that it says anything of."""
+    """The matrix of a robot: every candidate by every quantity that it says anything of.
+
+    Its parts are judged with it; what beams get wrong of one alone is noted.
+    """
+    parts = tuple(judged(part, requirement) for part in subject.parts)
     scale = Scale(subject, requirement.modes)
     entries = [
         entry
@@ -31,7 +36,8 @@ def judged(subject: Subject, requirement: Requirement) -> Matrix:
         models=tuple(ModelNote(one.model, one.title, one.silent) for one in subject.candidates),
         quantities=requirement.quantities,
         entries=tuple(entries),
-        notes=subject.notes,
+        notes=(*subject.notes, *(note for part in parts for note in notes_of_part(part))),
+        parts=parts,
     )
 
 

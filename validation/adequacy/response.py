@@ -95,7 +95,8 @@ class Candidate:
 class Subject:
     """A robot with everything that its models are judged by.
 
-    `poses` (p×n) in `coordinates` (names with units); `weights` (k) of the samples of shapes.
+    `poses` (p×n) in `coordinates` (names with units); `weights` (k) of the samples of shapes;
+    `parts` are its parts alone (each leg, root clamped).
     """
 
     robot: str
@@ -106,3 +107,4 @@ class Subject:
     statics: Reference
     dynamics: Reference
     notes: tuple[str, ...] = field(default=())
+    parts: "tuple[Subject, ...]" = ()

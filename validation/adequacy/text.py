@@ -1,4 +1,4 @@
-"""The matrix in words, for terminals."""
+"""The matrix in words: a line for terminals, and notes on parts."""
 
 from collections.abc import Sequence
 
@@ -21,6 +21,23 @@ def in_a_line(matrix: Matrix) -> str:
         said = ", ".join(parts) or f"not judged ({note.silent})"
         alike.setdefault(said, []).append(note.model)
     return "; ".join(f"{', '.join(models)}: {said}" for said, models in alike.items())
+
+
+def notes_of_part(part: Matrix) -> list[str]:
+    """What a part alone shows that is not adequate, by beams, in words."""
+    notes = []
+    for entry in part.of_model("beam"):
+        if entry.verdict == "adequate" or entry.error is None or entry.uncertainty is None:
+            continue
+        said = f"{part.robot} alone, {entry.quantity} by beams: {100.0 * entry.error:+.3g} %"
+        if entry.uncertainty > 1e-3:
+            said += f" ± {100.0 * entry.uncertainty:.2g} %"
+        if entry.causes:
+            said += f", {100.0 * entry.causes[0].share:.0f} % of it {entry.causes[0].cause}"
+        if entry.error_with_remedy is not None:
+            said += f"; {entry.remedy}: {100.0 * entry.error_with_remedy:+.2g} %"
+        notes.append(f"{said} ({entry.verdict})")
+    return notes
 
 
 def _names(matrix: Matrix, quantities: Sequence[str]) -> str:

@@ -4,15 +4,12 @@ What a robot's feet and its other leg hide, the leg alone shows: torsion of open
 """
 
 from collections.abc import Mapping
-from dataclasses import replace
 
 import numpy as np
 
 from lumped.arrays import Array
 from lumped.legs import Ends, GivenLeg, Leg
-from lumped.requirement import Requirement
 from validation.adequacy.biglide.statics import SAY_ENDS
-from validation.adequacy.judgement import judged
 from validation.adequacy.legs import (
     HOLD,
     OPEN_ENDS,
@@ -24,7 +21,6 @@ from validation.adequacy.legs import (
     step_uncertainty,
     straight_spring,
 )
-from validation.adequacy.matrix import Matrix
 from validation.adequacy.response import Alternative, Candidate, Reference, Response, Rung, Subject
 from validation.context import Context
 from validation.models.legs import leg_compliance
@@ -41,8 +37,8 @@ _MODELS: Mapping[str, tuple[ModelName, ModelOptions]] = {
 }
 
 
-def leg_adequacy(context: Context, leg: Leg, name: str, requirement: Requirement) -> Matrix:
-    """The matrix of a leg, statics alone; InputError where its section is too fine to mesh."""
+def leg_subject(context: Context, leg: Leg, name: str) -> Subject:
+    """A leg and its models, statics alone; InputError where its section is too fine to mesh."""
     rungs = _rungs(context, leg)
     candidates = []
     for model, (kind, options) in _MODELS.items():
@@ -57,7 +53,7 @@ def leg_adequacy(context: Context, leg: Leg, name: str, requirement: Requirement
                 computed_by=("validation.models.legs.leg_compliance",),
             )
         )
-    subject = Subject(
+    return Subject(
         robot=name,
         coordinates=(),
         poses=np.zeros((1, 0)),
@@ -66,7 +62,6 @@ def leg_adequacy(context: Context, leg: Leg, name: str, requirement: Requirement
         statics=_reference(context, leg),
         dynamics=Reference("none", ()),
     )
-    return judged(subject, replace(requirement, rely=()))
 
 
 def _holds(leg: Leg) -> dict[str, Ends]:
@@ -151,20 +146,3 @@ def _rungs(context: Context, leg: Leg) -> list[Rung]:
             "add what rigid end faces take",
         ),
     ]
-
-
-def leg_notes(name: str, matrix: Matrix) -> list[str]:
-    """What a leg alone shows that is not adequate, by beams, in words."""
-    notes = []
-    for entry in matrix.of_model("beam"):
-        if entry.verdict == "adequate" or entry.error is None or entry.uncertainty is None:
-            continue
-        said = f"{name} alone, {entry.quantity} by beams: {100.0 * entry.error:+.3g} %"
-        if entry.uncertainty > 1e-3:
-            said += f" ± {100.0 * entry.uncertainty:.2g} %"
-        if entry.causes:
-            said += f", {100.0 * entry.causes[0].share:.0f} % of it {entry.causes[0].cause}"
-        if entry.error_with_remedy is not None:
-            said += f"; {entry.remedy}: {100.0 * entry.error_with_remedy:+.2g} %"
-        notes.append(f"{said} ({entry.verdict})")
-    return notes

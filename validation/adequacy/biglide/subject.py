@@ -1,7 +1,6 @@
 """The biglide with its models and references, ready to be judged."""
 
 from collections.abc import Mapping
-from dataclasses import replace
 
 from lumped.errors import InputError
 from validation.adequacy.biglide.dynamics import (
@@ -10,7 +9,7 @@ from validation.adequacy.biglide.dynamics import (
     dynamic_reference,
     vibrations,
 )
-from validation.adequacy.biglide.leg import leg_adequacy, leg_notes
+from validation.adequacy.biglide.leg import leg_subject
 from validation.adequacy.biglide.statics import compliances, static_ladders, static_reference
 from validation.adequacy.judgement import judged
 from validation.adequacy.matrix import Matrix
@@ -53,12 +52,7 @@ MODELS = tuple(CANDIDATES)
 
 def biglide_adequacy(context: Context) -> Matrix:
     """The matrix of the run's robot. Raises Skip where no reference can be computed."""
-    requirement = context.robot_file.requirement
-    matrix = judged(biglide_subject(context), requirement)
-    legs = (("leg 1", context.robot.leg1), ("leg 2", context.robot.leg2))
-    parts = tuple(leg_adequacy(context, leg, name, requirement) for name, leg in legs)
-    notes = (note for part in parts for note in leg_notes(part.robot, part))
-    return replace(matrix, parts=parts, notes=(*matrix.notes, *notes))
+    return judged(biglide_subject(context), context.robot_file.requirement)
 
 
 def biglide_subject(context: Context) -> Subject:
@@ -96,4 +90,8 @@ def biglide_subject(context: Context) -> Subject:
         statics=statics,
         dynamics=dynamics,
         notes=bracket_note(robot, dynamics, modes),
+        parts=(
+            leg_subject(context, robot.leg1, "leg 1"),
+            leg_subject(context, robot.leg2, "leg 2"),
+        ),
     )
