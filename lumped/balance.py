@@ -6,8 +6,9 @@ some roundings; where stiffnesses differ by as much as the digits of a number it
 """
 
 import numpy as np
+from scipy.sparse import csr_array
 
-from lumped.arrays import Array
+from lumped.arrays import Array, SparseMatrix
 from lumped.errors import ComputationError
 
 # Results are printed with four digits. Long thin legs of solids come to 1e-6 (200 times as long as
@@ -34,3 +35,15 @@ def balanced_flexibility(loads: Array, displacements: Array, forces: Array, part
             "stiffnesses in the model differ by more than double precision resolves"
         )
     return np.asarray(0.5 * (flexibility + flexibility.T))
+
+
+def rounding_of_flexibility(stiffness: SparseMatrix | Array, displacements: Array) -> Array:
+    """What the rounding of K's entries leaves open of FᵀX, X = K⁻¹F (m×m; 95 %, of both signs).
+
+    A change δK changes FᵀX by −XᵀδK X to first order. Entries that are rounded independently, each
+    by a unit in its last place, change it by ε √Σ (x_i K_ij y_j)²; twice that is the half-width.
+    Motions that strain little and move far make it large: long thin legs, stiff beside soft.
+    """
+    squared = csr_array(stiffness).power(2)
+    moved = np.square(displacements)
+    return np.asarray(2.0 * np.finfo(float).eps * np.sqrt(moved.T @ (squared @ moved)))

@@ -165,12 +165,14 @@ def _compliances(leg: ConstantLeg, divisions: int, along: int) -> TipCompliances
 class UnreducedRobot:
     """A robot with both legs meshed and no reduction, in one posture.
 
-    `compliance` (6×6, SI, robot axes) at the loaded point; `modes` with shapes on the unknowns of
-    `mechanism`; `solids` are the legs, rigid end faces, `legs` their matrices.
+    `compliance` (6×6, SI, robot axes) at the loaded point and what `rounding` leaves open of it
+    (half-widths, 95 %); `modes` with shapes on the unknowns of `mechanism`; `solids` are the legs,
+    rigid end faces, `legs` their matrices.
     """
 
     mechanism: Mechanism
     compliance: Array
+    rounding: Array
     modes: Modes
     solids: tuple[SolidLeg, SolidLeg]
     legs: tuple[LegMatrices, LegMatrices]
@@ -195,6 +197,7 @@ def solved_robot(
     return UnreducedRobot(
         mechanism=factorised.mechanism,
         compliance=robot_solid.compliance(factorised),
+        rounding=robot_solid.rounding(factorised),
         modes=robot_solid.modes(factorised, count),
         solids=solids,
         legs=legs,

@@ -5,10 +5,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from lumped.balance import rounding_of_flexibility
+from lumped.biglide import Biglide
 from lumped.legs import Theory
+from lumped.modes import dense
+from lumped.statics import solve_statics
 from validation.case import Absolute, Case, Measurement, Relative
 from validation.context import Context
 from validation.exhibits import Study
+from validation.models.biglide import robot_compliance, static_mechanism
 from validation.models.options import ModelName, ModelOptions
 from validation.quantities import (
     Deflections,
@@ -24,6 +29,8 @@ if TYPE_CHECKING:
 POSTURES = 9
 FREQUENCIES = 4
 SECTION = "The robot over its stroke"
+ROUNDING_NOTE = "uncertainties are what rounding leaves open: finer models do not narrow them"
+_JOINTS: ModelName = "vjm"
 CURVES = {
     "planar-x": ("planar_x", "planar deflection under 1000 N along x"),
     "planar-y": ("planar_y", "planar deflection under 1000 N along y"),
@@ -121,13 +128,43 @@ def _static(context: Context, model: ModelName, theory: Theory, curve: str) -> M
         x=stations,
         series={"vjm": tuple(reference.tolist()), model: tuple(found.tolist())},
     )
+    open_of_value, open_of_reference = (
+        float(getattr(_rounding(context, name, theory, stations[worst]), curve)[0])
+        for name in (model, _JOINTS)
+    )
     return Measurement(
         float(found[worst]),
         float(reference[worst]),
-        notes=(f"largest difference at x = {stations[worst]:.4g} m",),
+        value_uncertainty=open_of_value,
+        reference_uncertainty=open_of_reference,
+        notes=(f"largest difference at x = {stations[worst]:.4g} m", ROUNDING_NOTE),
         pose=(float(stations[worst]),),
         studies=(sweep,),
     )
+
+
+def _rounding(context: Context, model: ModelName, theory: Theory, x: float) -> Deflections:
+    options = ModelOptions(legs="equivalent", theory=theory)
+    return context.get(rounded_deflections, model, context.robot, x, options)
+
+
+def rounded_deflections(
+    model: ModelName, robot: Biglide, x: float, options: ModelOptions
+) -> Deflections:
+    """What the rounding of stiffnesses leaves open of a model's deflections with B at `x` (m).
+
+    Of virtual joints it is that of the platform's stiffness, of the others that of what is solved.
+    """
+    if model == _JOINTS:
+        displacements = robot_compliance(model, robot, x, options)
+        scale = 1.0 / np.sqrt(np.diag(displacements))
+        unit = np.outer(scale, scale)
+        stiffness: Array = np.linalg.inv(displacements * unit) * unit
+    else:
+        mechanism = static_mechanism(model, robot, x, options)
+        stiffness = dense(mechanism.stiffness)
+        displacements = solve_statics(stiffness, mechanism.loaded.toarray().T, mechanism.name)
+    return deflections_of(rounding_of_flexibility(stiffness, displacements)[np.newaxis])
 
 
 def _frequency(context: Context, index: int) -> Measurement:

@@ -12,6 +12,7 @@ from lumped import biglide_assembly as mechanism
 from lumped.arrays import Array
 from lumped.biglide import Biglide, with_equivalent_legs
 from validation.case import Absolute, Case, Measurement, Relative
+from validation.cases.robot import ROUNDING_NOTE
 from validation.cases.robot_solid import SECTION
 from validation.context import Context, Preset
 from validation.models.biglide import highest_frequency
@@ -99,13 +100,15 @@ def _case(
 class Reduction:
     """What the reduction does to the robot with B at `x` (m).
 
-    `statics`: largest difference of the compliance in units of √(c_ii c_jj). `unreduced` and
+    `statics`: largest difference of the compliance in units of √(c_ii c_jj), of which `rounding` is
+    what that of the stiffness matrix leaves open of either. `unreduced` and
     `reduced` frequencies (Hz), `mac` of their shapes on all unknowns. `error` and `bound` (relative
     to the frequencies) with the close cut-off.
     """
 
     x: float
     statics: float
+    rounding: float
     unreduced: Array
     reduced: Array
     mac: Array
@@ -128,13 +131,15 @@ def reductions(
         robot_of = partial(mechanism.assemble, member, x)
         reduced = robot_of(legs[0].matrices, legs[1].matrices)
         modes = mechanism.modes(reduced, MODES)
-        scale = np.sqrt(np.diag(whole.compliance))
+        sizes = np.sqrt(np.diag(whole.compliance))
+        scale = np.outer(sizes, sizes)
         difference = mechanism.compliance(reduced) - whole.compliance
         bounds = frequency_bounds(robot_of(cut[0].matrices, cut[1].matrices), cut, MODES)
         found.append(
             Reduction(
                 x=x,
-                statics=float(np.abs(difference / np.outer(scale, scale)).max()),
+                statics=float(np.abs(difference / scale).max()),
+                rounding=float((whole.rounding / scale).max()),
                 unreduced=whole.modes.frequencies,
                 reduced=modes.frequencies,
                 mac=full_mac(
@@ -158,7 +163,14 @@ def _found(context: Context) -> tuple[Reduction, ...]:
 
 def _statics(context: Context) -> Measurement:
     worst = max(_found(context), key=lambda one: one.statics)
-    return Measurement(worst.statics, 0.0, notes=(_place(worst),))
+    # Both eliminate one stiffness matrix, each in an order of its own.
+    return Measurement(
+        worst.statics,
+        0.0,
+        value_uncertainty=worst.rounding,
+        reference_uncertainty=worst.rounding,
+        notes=(_place(worst), ROUNDING_NOTE),
+    )
 
 
 def _frequency(context: Context) -> Measurement:

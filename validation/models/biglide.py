@@ -78,15 +78,21 @@ def robot_compliance(
         return vjm.compliance(robot, x, springs)
     if model == "links":
         return _links_compliance(robot, x, options)
+    return mechanism.compliance(static_mechanism(model, robot, x, options))
+
+
+def static_mechanism(
+    model: ModelName, robot: Biglide, x: float, options: ModelOptions = DEFAULT_OPTIONS
+) -> Mechanism:
+    """What the statics by `segments`, `beam` or `solid` are solved on, equivalent legs."""
     if model == "segments":
-        legs = _static_legs(robot, options)
-        return mechanism.compliance(mechanism.assemble(robot, x, *legs, options.release))
+        return mechanism.assemble(robot, x, *_static_legs(robot, options), options.release)
     if model == "solid":
         leg1, leg2 = (
             condensed_leg("solid", leg, options) for leg in _equivalent_legs(robot, options)
         )
-        return mechanism.compliance(mechanism.assemble(robot, x, leg1, leg2))
-    return mechanism.compliance(robot_mechanism(model, robot, x, options))
+        return mechanism.assemble(robot, x, leg1, leg2)
+    return robot_mechanism(model, robot, x, options)
 
 
 def _links_compliance(robot: Biglide, x: float, options: ModelOptions) -> Array:
