@@ -168,15 +168,15 @@ def _own_beam(leg: ConstantLeg, divisions: int) -> BeamProperties:
 
 
 def sampled_modes(
-    robot: Biglide, legs: tuple[LegMatrices, LegMatrices], postures: int
+    robot: Biglide, legs: tuple[LegMatrices, LegMatrices], postures: int, offered: int = OFFERED
 ) -> SampledModes:
-    """The first modes of the robot from two legs of any model, at postures over the stroke."""
+    """The first `offered` modes of the robot from two legs of any model, over the stroke."""
     member = with_equivalent_legs(robot)
     x = member.stations(postures)
     frequencies, samples, torsion = [], [], []
     for at in x.tolist():
         whole = mechanism.assemble(member, at, *legs)
-        modes = mechanism.modes(whole, OFFERED)
+        modes = mechanism.modes(whole, offered)
         frequencies.append(modes.frequencies)
         samples.append(_sampled(whole, legs, modes.shapes))
         torsion.append(

@@ -99,3 +99,11 @@ def test_a_given_legs_translations_carry_its_whole_mass(masses: Masses) -> None:
     kinetic = motions.T @ (matrices.mass @ motions)
     assert np.diag(kinetic) == pytest.approx(np.full(3, leg.mass), rel=1e-9)
     assert matrices.stiffness @ motions == pytest.approx(0.0, abs=1e-4)
+
+
+def test_given_legs_without_inertia_are_judged_by_the_nine_modes_that_they_have() -> None:
+    # Three ways each for the platform and two point masses, fewer than are offered for pairing.
+    robot = load_robot("ifw").robot
+    legs = [replace(leg, inertia=None, mass_centre=None) for leg in (robot.leg1, robot.leg2)]
+    entry = found(adequacy(replace(robot, leg1=legs[0], leg2=legs[1])), "beam", "f4")
+    assert entry.error is not None
