@@ -17,6 +17,7 @@ from scipy.linalg import eigvalsh, expm
 from scipy.optimize import brentq
 
 from lumped.arrays import Array
+from lumped.errors import ComputationError
 from lumped.legs import BeamProperties
 
 Plane: TypeAlias = Literal["y", "z"]
@@ -81,13 +82,19 @@ def bending_frequencies(
     """Frequencies k = 1 … `count` (Hz) of bending y (EIy, along z) or z (EIz, along y).
 
     Euler–Bernoulli where κGA is infinite and ρI zero, Rayleigh where κGA is infinite, else
-    Timoshenko with both spectra. `length` in m.
+    Timoshenko with both spectra. `length` in m. Raises ComputationError where κGA is negative.
     """
     p = properties
     if plane == "y":
         beam = _Plane(p.EIy, 1.0 / p.GAz, p.mu, p.rho_Iy)
     else:
         beam = _Plane(p.EIz, 1.0 / p.GAy, p.mu, p.rho_Iz)
+    if beam.shear_flexibility < 0.0:
+        # Thin-walled formulas at ν far below zero: neither bounds nor roots are those of a beam.
+        raise ComputationError(
+            f"bending {plane}: the shear stiffness κGA = {1.0 / beam.shear_flexibility:.3g} N is "
+            "negative; the formula of κ does not hold for this section and ν"
+        )
     explicit: Array = euler_bernoulli_roots(count) ** 2 * np.sqrt(beam.EI / beam.mu) / length**2
     if beam.shear_flexibility == 0.0 and beam.rho_I == 0.0:
         return explicit / (2.0 * np.pi)

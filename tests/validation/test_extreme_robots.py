@@ -126,3 +126,13 @@ def test_what_rounding_hides_in_three_formulations_is_undecided_or_told(number, 
     assert all("more than double precision resolves" in reason for reason in reasons)
     assert "undecided" in verdicts
     assert "disagree" not in verdicts
+
+
+def test_a_negative_shear_stiffness_is_named(tmp_path):
+    # Cowper's κ of a wide-flanged I changes its sign at a Poisson's ratio far below zero.
+    path = tmp_path / "robot.toml"
+    path.write_text(ROBOTS[27], encoding="utf-8")
+    robot_file = load_robot(path)
+    (case,) = (c for c in catalogue(robot_file) if c.id == "leg2.frequency.segments[1]")
+    with pytest.raises(ComputationError, match=r"κGA = -3.06 N is negative"):
+        case.compute(Context(robot_file, "quick"))
