@@ -382,25 +382,28 @@ def new(
 
 @app.command
 def cases(
+    robot: str = "ifw",
     *,
     json: Annotated[bool, Parameter(negative="")] = False,
     independence: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
-    """List the validation cases with their sources and tolerances.
+    """List the validation cases of a robot with their sources and tolerances.
 
     Parameters
     ----------
+    robot
+        A built-in robot or a robot file.
     json
         Print a JSON array for programs.
     independence
-        Compute the comparisons of the built-in robot and its legs (preset quick, minutes) and
+        Compute the comparisons of the robot and its legs (preset quick, minutes) and
         print which modules value and reference rest on, and what both do.
     """
     from lumped.robot_file import load_robot  # noqa: PLC0415
     from validation.catalogue import catalogue  # noqa: PLC0415
     from validation.listing import as_json, as_text  # noqa: PLC0415
 
-    robot_file = load_robot("ifw")
+    robot_file = load_robot(robot)
     tasks = catalogue(robot_file)
     if independence:
         say(_independence(tasks, robot_file))

@@ -55,8 +55,10 @@ def write_picture(path: Path, mechanism: Mechanism, postures: Sequence[Posture])
             raise InputError(f"{path}: cannot be written ({error.strerror})") from error
 
 
-def picture(mechanism: Mechanism, postures: Sequence[Posture]) -> Canvas:
-    """The picture, ready to be saved."""
+def picture(
+    mechanism: Mechanism, postures: Sequence[Posture], width: float = _WIDTH, *, named: bool = True
+) -> Canvas:
+    """The picture, `width` inches wide, ready to be saved; a small one has no room for names."""
     shown = postures[len(postures) // 2]
     view = _view(shown)
     tints = _tints(mechanism)
@@ -68,8 +70,8 @@ def picture(mechanism: Mechanism, postures: Sequence[Posture]) -> Canvas:
     radius = _SYMBOL * mechanism.size
     faces += [face for joint in mechanism.joints for face in joint_faces(shown, joint, radius)]
     drawn = np.concatenate([face.corners for face in faces]) @ view[:, :2]
-    height = _WIDTH * float(np.clip(np.ptp(drawn[:, 1]) / np.ptp(drawn[:, 0]), 0.45, 1.2))
-    canvas = Canvas(figsize=(_WIDTH, height + 0.4), layout="constrained")
+    height = width * float(np.clip(np.ptp(drawn[:, 1]) / np.ptp(drawn[:, 0]), 0.45, 1.2))
+    canvas = Canvas(figsize=(width, height + 0.4), layout="constrained")
     FigureCanvasAgg(canvas)
     axes = canvas.add_subplot()
     axes.set_aspect("equal")
@@ -82,8 +84,9 @@ def picture(mechanism: Mechanism, postures: Sequence[Posture]) -> Canvas:
     _draw_tool(axes, shown, view)
     axes.autoscale_view()
     axes.margins(0.06)
-    canvas.draw_without_rendering()
-    _write_names(axes, shown, view)
+    if named:
+        canvas.draw_without_rendering()
+        _write_names(axes, shown, view)
     return canvas
 
 

@@ -40,7 +40,8 @@ from validation.report.figures.style import (
 )
 
 FORCE, MOMENT = 1000.0, 100.0
-_DOTS = 150  # per inch
+_DOTS = 200  # per inch
+_HALF = 4.2  # in, beside the errors
 _EULER = ModelOptions(theory="euler-bernoulli")
 _TITLE = "Deflection over the path"
 _FREQUENCIES = "Natural frequencies over the path"
@@ -74,7 +75,8 @@ def portrait(context: Context) -> Figure:
     shown = [postures[0], postures[len(postures) // 2], postures[-1]]
     content = BytesIO()
     with plot_style():
-        picture(context.robot_file.mechanism, shown).savefig(content, dpi=_DOTS, format="png")
+        drawn = picture(context.robot_file.mechanism, shown, _HALF, named=False)
+        drawn.savefig(content, dpi=_DOTS, format="png")
     return Figure(
         id=PORTRAIT,
         title="The mechanism",
