@@ -34,10 +34,11 @@ def test_the_matrix_is_that_of_a_run(judged, tmp_path):
     ]
     # One choice of what is judged: each leg alone and the notes are there, too.
     assert [part.robot for part in judged.matrix.parts] == ["leg 1", "leg 2"]
-    assert (finished.matrix.parts, finished.matrix.notes) == (
-        judged.matrix.parts,
+    assert (finished.matrix.beside, finished.matrix.notes) == (
+        judged.matrix.beside,
         judged.matrix.notes,
     )
+    assert finished.matrix.formulation.robot == "equivalent legs"
     # The paper's robot: the legs' own 6×6 hold, those of constant section do not.
     assert judged.entry("vjm", "x").verdict == "adequate"
     assert judged.entry("segments", "z").verdict == "inadequate"

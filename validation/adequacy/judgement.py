@@ -38,6 +38,7 @@ def judged(subject: Subject, requirement: Requirement) -> Matrix:
         entries=tuple(entries),
         notes=(*subject.notes, *(note for part in parts for note in notes_of_part(part))),
         parts=parts,
+        formulation=judged(subject.formulation, requirement) if subject.formulation else None,
     )
 
 

@@ -70,7 +70,9 @@ class Matrix:
 
     `coordinates` name what a pose prescribes, with unit; `poses` (p×n) are all that were looked at.
     `notes` are facts that belong beside the matrix (a bracket of frequencies, say), `parts` the
-    matrices of the robot's parts alone, named as `robot`: each leg's, root clamped.
+    matrices of the robot's parts alone, named as `robot`: each leg's, root clamped. Where models
+    stand on legs that are not the robot's, `formulation` holds them against solids of the legs that
+    they model: what is off in the matrix and not there is the fault of the legs, not of the model.
     """
 
     robot: str
@@ -81,6 +83,12 @@ class Matrix:
     entries: tuple[Entry, ...]
     notes: tuple[str, ...] = ()
     parts: tuple["Matrix", ...] = ()
+    formulation: "Matrix | None" = None
+
+    @property
+    def beside(self) -> tuple["Matrix", ...]:
+        """All matrices that stand beside this one."""
+        return (*self.parts, *((self.formulation,) if self.formulation else ()))
 
     def entry(self, model: str, quantity: str) -> Entry | None:
         """The entry of a model and a quantity, None where the model is silent of it."""
@@ -113,8 +121,10 @@ def matrix_records(matrix: Matrix) -> list[dict[str, Any]]:
 
 
 def part_records(matrix: Matrix) -> list[dict[str, Any]]:
-    """The `adequacy_of_parts` array of results.json: entries of the parts, `part` beside them."""
-    return [{"part": part.robot} | entry for part in matrix.parts for entry in matrix_records(part)]
+    """The `adequacy_of_parts` array of results.json: those beside the matrix, with `part`."""
+    return [
+        {"part": part.robot} | entry for part in matrix.beside for entry in matrix_records(part)
+    ]
 
 
 def entry_record(entry: Entry) -> dict[str, Any]:

@@ -96,7 +96,8 @@ class Subject:
     """A robot with everything that its models are judged by.
 
     `poses` (p×n) in `coordinates` (names with units); `weights` (k) of the samples of shapes;
-    `parts` are its parts alone (each leg, root clamped).
+    `parts` are its parts alone (each leg, root clamped), `formulation` the models whose legs are
+    others than the robot's, held against solids of those.
     """
 
     robot: str
@@ -108,3 +109,4 @@ class Subject:
     dynamics: Reference
     notes: tuple[str, ...] = field(default=())
     parts: "tuple[Subject, ...]" = ()
+    formulation: "Subject | None" = None

@@ -101,6 +101,31 @@ def test_every_rule_of_the_sentence(entries, expected):
     assert said_of(*entries) == expected
 
 
+def on_its_legs(*entries):
+    """A matrix whose models are 15 % too stiff, and what they are on solids of their own legs."""
+    models = tuple(ModelNote(model, model) for model in dict.fromkeys(e.model for e in entries))
+    total = [flat(one.model, one.quantity, -0.15) for one in entries]
+    own = sample_matrix(models=models, entries=entries, notes=())
+    return sample_matrix(models=models, entries=tuple(total), formulation=own)
+
+
+def test_models_that_fail_by_their_legs_alone_are_told_so_with_a_bound_rounded_up():
+    both = [
+        flat(m, q, s) for m in ("segments", "beam") for q, s in (("z", 0.0191), ("phi_x", -0.03))
+    ]
+    assert plain(sentence(on_its_legs(*both))) == (
+        "Segments and beams are 15 % too stiff (15 % in rotation); all models on equivalent legs "
+        "are within 2.1 % (3.1 % in rotation) of solids of the same equivalent legs: the "
+        "formulation holds, the idealisation of the legs does not."
+    )
+
+
+def test_a_model_that_is_off_on_its_own_legs_too_is_not_excused():
+    one = plain(sentence(on_its_legs(flat("segments", "z", 0.01), flat("beam", "z", 0.2))))
+    assert "; segments are within 1.1 % of solids of the same equivalent legs" in one
+    assert "within" not in plain(sentence(on_its_legs(flat("beam", "z", 0.2))))
+
+
 def test_a_note_that_opens_alike_says_between_which_bounds():
     bounds = (
         "frequencies cannot be judged without the legs' mass; plausible ones give 113 to 131 Hz"
@@ -194,17 +219,19 @@ def test_legs_and_measured_values_have_tables_and_sheets_of_their_own():
         for model, size in (("vjm", 0.01), ("segments", -0.2))
     )
     leg = sample_matrix(robot="leg 1", notes=())
+    own = sample_matrix(robot="equivalent legs", notes=())
     figure = Figure("leg1.picture", "A leg", "", "Leg 1", svg="<svg ></svg>")
     report = sample_report(
-        matrix=sample_matrix(parts=(leg,)),
+        matrix=sample_matrix(parts=(leg,), formulation=own),
         measured=sample_matrix(entries=by_gauge, quantities=("z",), notes=()),
         figures=(figure,),
     )
     markup = render(report)
-    assert markup.count('<table class="adequacy"') == 3
+    assert markup.count('<table class="adequacy"') == 4
     links = re.findall(r'<td class="[a-z]+" title="[^"]+"><a href="#([^"]+)"', markup)
-    assert len(links) == len(set(links)) == 2 * len(leg.entries) + len(by_gauge)
+    assert len(links) == len(set(links)) == 3 * len(leg.entries) + len(by_gauge)
     assert all(markup.count(f'id="{link}"') == 1 for link in links)
     assert "measured: gauge" in markup
-    assert markup.index('id="leg_1-alone"') > markup.index('id="Its_legs"')
+    assert markup.index('id="leg_1-matrix"') > markup.index('id="Its_legs"')
+    assert markup.index("against solids of the same legs</h3>") > markup.index('id="leg_1-matrix"')
     assert "measured.values" in {figure.id for figure in report.shown}

@@ -2,7 +2,12 @@
 
 from collections.abc import Mapping
 
+import numpy as np
+
+from lumped.arrays import Array
+from lumped.biglide import Biglide, with_equivalent_legs
 from lumped.errors import InputError
+from lumped.legs import GivenLeg
 from validation.adequacy.biglide.dynamics import (
     bracket_note,
     dynamic_ladders,
@@ -13,7 +18,7 @@ from validation.adequacy.biglide.leg import leg_subject
 from validation.adequacy.biglide.statics import compliances, static_ladders, static_reference
 from validation.adequacy.judgement import judged
 from validation.adequacy.matrix import Matrix
-from validation.adequacy.response import Candidate, Response, Subject
+from validation.adequacy.response import Candidate, Reference, Response, Subject
 from validation.case import Skip
 from validation.context import Context
 from validation.models.options import ModelName, ModelOptions
@@ -48,6 +53,8 @@ CANDIDATES: Mapping[str, tuple[ModelName, str, ModelOptions]] = {
     ),
 }
 MODELS = tuple(CANDIDATES)
+# Those whose legs are rigid or the robot's own; all others stand on equivalent legs.
+_LEGS_AS_GIVEN = ("simplified", "vjm")
 
 
 def biglide_adequacy(context: Context) -> Matrix:
@@ -81,6 +88,7 @@ def biglide_subject(context: Context) -> Subject:
         )
         for name, (model, title, options) in CANDIDATES.items()
     ]
+    given = any(isinstance(leg, GivenLeg) for leg in (robot.leg1, robot.leg2))
     return Subject(
         robot=robot.name,
         coordinates=("x (m)",),
@@ -94,4 +102,30 @@ def biglide_subject(context: Context) -> Subject:
             leg_subject(context, robot.leg1, "leg 1"),
             leg_subject(context, robot.leg2, "leg 2"),
         ),
+        formulation=_on_equivalent_legs(context, robot, x) if given else None,
+    )
+
+
+def _on_equivalent_legs(context: Context, robot: Biglide, x: Array) -> Subject:
+    """Statics of the models that put equivalent legs for given ones, against solids of those."""
+    member = with_equivalent_legs(robot)
+    ladders = static_ladders(context, member, x)
+    return Subject(
+        robot="equivalent legs",
+        coordinates=("x (m)",),
+        poses=x[:, None],
+        weights=np.zeros(0),
+        candidates=[
+            Candidate(
+                model=name,
+                title=title,
+                response=compliances(model, robot, x, options),
+                static_rungs=ladders[name],
+                computed_by=(f"validation.models.biglide.robot_compliance({model!r})",),
+            )
+            for name, (model, title, options) in CANDIDATES.items()
+            if name not in _LEGS_AS_GIVEN
+        ],
+        statics=static_reference(context, member, x),
+        dynamics=Reference("none", ()),
     )

@@ -1,6 +1,6 @@
 """The first screen put together from the matrix of adequacy."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from validation.adequacy.matrix import Matrix
 from validation.exhibits import Figure
@@ -10,6 +10,7 @@ from validation.report.first_screen.remedies import Remedy, remedies_of
 from validation.report.first_screen.sentence import sentence
 from validation.report.first_screen.sheets import Sheet, sheets_of
 from validation.report.first_screen.table import Table, csv_of_matrix, table_of
+from validation.report.first_screen.words import capital
 from validation.report.sections import attempted
 
 
@@ -18,7 +19,7 @@ class FirstScreen:
     """What the reader sees first: the sentence, the table with its CSV, errors over the poses.
 
     Then `remedies`, `notes` on what was not said by the user, and a sheet behind every number.
-    `parts` show the same of the parts of the robot alone, each by its `name`.
+    `parts` show the same of what stands beside the matrix, each by its `name` under `heading`.
     """
 
     sentence: str
@@ -29,6 +30,7 @@ class FirstScreen:
     notes: tuple[str, ...]
     sheets: tuple[Sheet, ...]
     name: str = ""
+    heading: str = ""
     parts: "tuple[FirstScreen, ...]" = ()
 
 
@@ -54,5 +56,14 @@ def first_screen(matrix: Matrix, *, plotted: bool, measured: bool = False) -> Fi
         ),
         sheets=sheets_of(matrix),
         name=matrix.robot,
-        parts=tuple(first_screen(part, plotted=False) for part in matrix.parts),
+        parts=tuple(
+            replace(first_screen(one, plotted=False), heading=_heading(matrix, one))
+            for one in matrix.beside
+        ),
     )
+
+
+def _heading(matrix: Matrix, one: Matrix) -> str:
+    if one is matrix.formulation:
+        return "The robot of equivalent legs against solids of the same legs"
+    return f"{capital(one.robot)} alone, root clamped"

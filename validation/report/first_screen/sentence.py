@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from validation.adequacy.matrix import Entry, Matrix
 from validation.report.first_screen.words import (
     amount,
+    at_most,
     capital,
     is_rotation,
     is_static,
@@ -52,8 +53,52 @@ def sentence(matrix: Matrix) -> str:
     """The verdict of the matrix, one sentence."""
     static = _clauses(matrix, is_static, _static_predicate)
     dynamic = _clauses(matrix, lambda quantity: not is_static(quantity), _dynamic_predicate)
-    said = "; ".join([*static, *dynamic])
+    said = "; ".join([*static, *_formulation(matrix), *dynamic])
     return f"{capital(said)}." if said else "No model could be judged."
+
+
+def _formulation(matrix: Matrix) -> list[str]:
+    """Which models fail by their legs alone: adequate against solids of the legs they model."""
+    if matrix.formulation is None:
+        return []
+    others = [note.model for note in matrix.formulation.models]
+    found = {
+        model: entries
+        for model in others
+        if (entries := _off_by_their_legs(matrix, matrix.formulation, model))
+        and all(entry.verdict == "adequate" for entry in entries)
+    }
+    if not found:
+        return []
+    moved, turned = (
+        [
+            abs(entry.error or 0.0) + (entry.uncertainty or 0.0)
+            for entries in found.values()
+            for entry in entries
+            if is_rotation(entry.quantity) == rotation
+        ]
+        for rotation in (False, True)
+    )
+    within = at_most(max(moved or turned))
+    if not moved:
+        within += " in rotation"
+    elif turned:
+        within += f" ({at_most(max(turned))} in rotation)"
+    who, singular = subject(list(found))
+    who = "all models on equivalent legs" if len(found) == len(others) > 1 else who
+    return [
+        f"{who} {'is' if singular else 'are'} within {within} of solids of the same "
+        "equivalent legs: the formulation holds, the idealisation of the legs does not"
+    ]
+
+
+def _off_by_their_legs(matrix: Matrix, formulation: Matrix, model: str) -> list[Entry]:
+    """Entries of the formulation where the model is inadequate for the robot."""
+    return [
+        entry
+        for entry in formulation.of_model(model)
+        if (total := matrix.entry(model, entry.quantity)) and total.verdict == "inadequate"
+    ]
 
 
 def _kind(entry: Entry) -> str:

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import groupby
+from math import ceil
 
 from validation.report.text import number, percent
 
@@ -115,6 +116,11 @@ def amount(low: float, high: float) -> str:
     """A range of relative sizes of errors, 0 < low ≤ high: "15 to 17 %", "12 %"."""
     first, last = (number(100.0 * value, 2) for value in (low, high))
     return f"{last}\u00a0%" if first == last else f"{first} to {last}\u00a0%"
+
+
+def at_most(size: float) -> str:
+    """A bound of relative sizes, rounded up to a tenth of a percent: "2.1 %"."""
+    return f"{number(ceil(1000.0 * size - _NOTHING) / 10.0, 3)}\u00a0%"
 
 
 def times(low: float, high: float) -> str:
