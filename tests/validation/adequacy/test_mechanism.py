@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from lumped.errors import InputError
-from lumped.mechanism.body import Prism
+from lumped.mechanism.body import Given, Prism
 from lumped.mechanism.kinematics.postures import reference_posture
-from lumped.models.bodies import tip_compliances
+from lumped.models.bodies import legs_of, tip_compliances
 from lumped.robot_file import load_robot
 from lumped.system.assembly import assembly
 from lumped.system.solution import modes, solved
@@ -17,6 +17,7 @@ from validation import api, cli
 from validation.adequacy.mechanism.path import MOST_POSES, holds, path_postures
 from validation.adequacy.mechanism.samples import samples_of
 from validation.adequacy.mechanism.statics import assembled, is_serial, summed
+from validation.adequacy.mechanism.subject import mechanism_adequacy
 from validation.adequacy.robot import judged_models
 from validation.catalogue import catalogue
 from validation.context import Context
@@ -135,3 +136,23 @@ def test_what_a_mechanism_does_not_have_is_refused_before_anything_is_written(
     with pytest.raises(InputError, match=named):
         validate(replace(request, **{asked: "tcp://localhost:1"}), catalogue)
     assert not (tmp_path / "out").exists()
+
+
+def test_legs_known_by_a_matrix_leave_frequencies_between_plausible_masses():
+    robot_file = load_robot("five-bar")
+    mechanism = robot_file.mechanism
+    tips, legs = tip_compliances(mechanism), legs_of(mechanism)
+    given = {
+        name: Given(leg.length, leg.mass, tips[name])
+        for name, leg in legs.items()
+        if name.startswith("crank")
+    }
+    bodies = {
+        name: replace(body, shape=given.get(name, body.shape))
+        for name, body in mechanism.bodies.items()
+    }
+    described = replace(mechanism, bodies=bodies, poses=mechanism.poses[:1])
+    matrix = mechanism_adequacy(Context(replace(robot_file, described=described), "quick"))
+    assert [matrix.entry(model, "x").verdict for model in ("vjm", "links")] == ["adequate"] * 2
+    assert matrix.entry("beam", "f1").verdict == "undecided"
+    assert "mass distribution" in matrix.entry("beam", "f1").reason

@@ -61,8 +61,14 @@ def offered(judged: int) -> int:
 def vibration(
     samples: Samples, postures: Sequence[Posture], bodies: Mapping[str, BodyModel], count: int
 ) -> Vibration:
-    """The first `count` modes in every posture with these models of the legs."""
+    """The first `count` modes in every posture with these models of the legs.
+
+    Of legs whose mass is one lump as many as have mass in every posture.
+    """
     prepared = assembly(postures[0].mechanism, {name: filled(one) for name, one in bodies.items()})
+    if has_given(postures[0].mechanism):
+        known = [mode_count(solved(prepared.at(posture))) for posture in postures]
+        count = min(count, *known)
     frequencies, shapes = [], []
     of_bodies = samples.of_models(bodies)
     for posture in postures:
