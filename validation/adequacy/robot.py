@@ -1,13 +1,10 @@
 """The adequacy of a robot's models, whatever its robot file describes."""
 
 from lumped.robot_file import RobotFile
-from validation.adequacy.biglide.subject import MODELS, biglide_adequacy, biglide_subject
+from validation.adequacy.biglide.subject import MODELS, biglide_subject
+from validation.adequacy.judgement import judged
 from validation.adequacy.matrix import Matrix
-from validation.adequacy.mechanism.subject import (
-    mechanism_adequacy,
-    mechanism_models,
-    mechanism_subject,
-)
+from validation.adequacy.mechanism.subject import mechanism_models, mechanism_subject
 from validation.adequacy.response import Subject
 from validation.context import Context
 
@@ -25,5 +22,4 @@ def robot_subject(context: Context) -> Subject:
 
 def robot_adequacy(context: Context) -> Matrix:
     """The matrix of the run's robot. Raises Skip where no reference can be computed."""
-    of_robot = mechanism_adequacy if context.robot_file.is_mechanism else biglide_adequacy
-    return of_robot(context)
+    return judged(robot_subject(context), context.robot_file.requirement)

@@ -16,8 +16,6 @@ from validation.adequacy.biglide.dynamics import (
 )
 from validation.adequacy.biglide.leg import leg_subject
 from validation.adequacy.biglide.statics import compliances, static_ladders, static_reference
-from validation.adequacy.judgement import judged
-from validation.adequacy.matrix import Matrix
 from validation.adequacy.response import Candidate, Reference, Response, Subject
 from validation.case import Skip
 from validation.context import Context
@@ -55,11 +53,6 @@ CANDIDATES: Mapping[str, tuple[ModelName, str, ModelOptions]] = {
 MODELS = tuple(CANDIDATES)
 # Those whose legs are rigid or the robot's own; all others stand on equivalent legs.
 _LEGS_AS_GIVEN = ("simplified", "vjm")
-
-
-def biglide_adequacy(context: Context) -> Matrix:
-    """The matrix of the run's robot. Raises Skip where no reference can be computed."""
-    return judged(biglide_subject(context), context.robot_file.requirement)
 
 
 def biglide_subject(context: Context) -> Subject:

@@ -8,8 +8,6 @@ import numpy as np
 
 from lumped.errors import InputError
 from lumped.mechanism.mechanism import Mechanism, Posture
-from validation.adequacy.judgement import judged
-from validation.adequacy.matrix import Matrix
 from validation.adequacy.mechanism.dynamics import (
     dynamic_ladders,
     dynamic_reference,
@@ -62,11 +60,6 @@ _MODELS: Mapping[str, _Model] = {
 def mechanism_models(mechanism: Mechanism) -> tuple[str, ...]:
     """The models that are judged; without 6×6 both kinds of virtual joints are one."""
     return tuple(name for name in _MODELS if name != "vjm-equivalent" or has_given(mechanism))
-
-
-def mechanism_adequacy(context: Context) -> Matrix:
-    """The matrix of the run's mechanism. Raises Skip where no reference can be computed."""
-    return judged(mechanism_subject(context), context.robot_file.requirement)
 
 
 def mechanism_subject(context: Context) -> Subject:
