@@ -148,6 +148,6 @@ def test_objectives_are_extremes_over_postures_and_loads():
 def test_cases_skip_a_robot_whose_family_is_impossible():
     # At α = 2 the legs are 1.7 m long: shorter than a section of 9 m at every α.
     leg = ConstantLeg(0.85, Rectangle(9.0, 9.0), Material.isotropic(2.1e11, 0.3, 7850.0))
-    context = Context(replace(IFW_FILE, robot=replace(IFW, leg1=leg)), "quick")
+    context = Context(replace(IFW_FILE, described=replace(IFW, leg1=leg)), "quick")
     with pytest.raises(Skip, match=r"α = 2, leg 1: length = 1\.7: shorter than its rectangle"):
         decision_of(context)

@@ -43,7 +43,7 @@ def walls():
         leg1=ConstantLeg(0.85, HollowRectangle(0.1, 0.16, 0.008), STEEL),
         leg2=ConstantLeg(0.775, ISection(0.1, 0.16, 0.012, 0.008), STEEL),
     )
-    return Context(replace(ROBOT_FILE, robot=robot), "quick")
+    return Context(replace(ROBOT_FILE, described=robot), "quick")
 
 
 def named(case):
@@ -161,7 +161,7 @@ def test_lengthened_leg_is_the_leg_of_that_length():
 def test_round_legs_skip_the_torsion_that_does_not_warp():
     round_leg = ConstantLeg(0.8, Circle(0.1), STEEL)
     robot = replace(ROBOT_FILE.robot, leg1=round_leg)
-    context = Context(replace(ROBOT_FILE, robot=robot), "quick")
+    context = Context(replace(ROBOT_FILE, described=robot), "quick")
     case = next(c for c in end_restraint.cases() if c.id == "restraint.leg1.exponent[torsion]")
     with pytest.raises(Skip, match="do not warp"):
         case.compute(context)
@@ -208,6 +208,6 @@ def test_uncertainty_is_never_below_the_last_step():
 
 def test_legs_that_are_no_rectangles_skip_the_families_of_leg_1():
     robot = replace(ROBOT_FILE.robot, leg1=ConstantLeg(0.8, Circle(0.1), STEEL))
-    context = Context(replace(ROBOT_FILE, robot=robot), "standard")
+    context = Context(replace(ROBOT_FILE, described=robot), "standard")
     with pytest.raises(Skip, match="leg 1 is a circle"):
         mesh_families.cases()[0].compute(context)
