@@ -17,8 +17,7 @@ from validation import api, cli
 from validation.adequacy.mechanism.path import MOST_POSES, holds, path_postures
 from validation.adequacy.mechanism.samples import samples_of
 from validation.adequacy.mechanism.statics import assembled, is_serial, summed
-from validation.adequacy.mechanism.subject import mechanism_adequacy
-from validation.adequacy.robot import judged_models
+from validation.adequacy.robot import judged_models, robot_adequacy
 from validation.catalogue import catalogue
 from validation.context import Context
 from validation.models.legs import leg_matrices
@@ -152,7 +151,7 @@ def test_legs_known_by_a_matrix_leave_frequencies_between_plausible_masses():
         for name, body in mechanism.bodies.items()
     }
     described = replace(mechanism, bodies=bodies, poses=mechanism.poses[:1])
-    matrix = mechanism_adequacy(Context(replace(robot_file, described=described), "quick"))
+    matrix = robot_adequacy(Context(replace(robot_file, described=described), "quick"))
     assert [matrix.entry(model, "x").verdict for model in ("vjm", "links")] == ["adequate"] * 2
     assert matrix.entry("beam", "f1").verdict == "undecided"
     assert "mass distribution" in matrix.entry("beam", "f1").reason
