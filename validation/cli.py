@@ -265,6 +265,7 @@ def solve(
     divisions: WholeNumber | None = None,
     equivalent: Literal["stiffness", "compliance"] | None = None,
     parts: Literal["equivalent", "condensed"] | None = None,
+    against: Literal["simplified", "segments", "beam", "solid"] | None = None,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
     """Solve one model of the robot, or of one leg: compliance and natural frequencies.
@@ -305,6 +306,8 @@ def solve(
     parts
         segments, beam: CAD parts as equivalent constant-section legs, or condensed on their
         interfaces, mass included.
+    against
+        Another model of the mechanism, whose modes are paired with these by shape (MAC).
     json
         Print JSON for programs.
     """
@@ -327,7 +330,9 @@ def solve(
         "parts": parts,
     }
     given = {name: value for name, value in choices.items() if value is not None}
-    asked = command.question(robot_file, model, command.Place(x, pose, leg, body), modes, given)
+    asked = command.question(
+        robot_file, model, command.Place(x, pose, leg, body), modes, given, against
+    )
     cost = command.checked(asked)
     if cost.seconds > _PATIENCE:
         solution = in_a_process(command.solve, asked, doing=f"{model} model, {cost}")

@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -23,6 +23,8 @@ OPTIONS: dict[ModelName, tuple[str, ...]] = {
 # Models of elements, solved dense.
 OF_ELEMENTS: tuple[ModelName, ...] = ("segments", "beam")
 DEFAULT_MODES = 6
+# Parts that are named of those that carry a mode: how many, and from which share on.
+_MOST_PARTS, _TOLD = 3, 0.005
 
 
 @dataclass(frozen=True)
@@ -42,8 +44,9 @@ class Answer:
     """Compliance (6×6 or 2×2, SI) and frequencies (Hz, ascending) at one posture or of one leg.
 
     `place` is {"x": m}, {"pose": [m or rad]}, {"leg": 1 or 2} or {"body": name}; `idle` counts the
-    mobilities of a mechanism that do not move its tool; `uncertainty` is that of the mesh where one
-    is known, None else.
+    mobilities of a mechanism that do not move its tool; `strain` maps its drives, joints and bodies
+    to their shares of each mode's strain energy, `pairs` is the record of the modes' partners in
+    another model; `uncertainty` is that of the mesh where one is known, None else.
     """
 
     place: dict[str, float | int | str | list[float]]
@@ -51,6 +54,8 @@ class Answer:
     frequencies: Array
     idle: int | None = None
     uncertainty: MeshUncertainty | None = None
+    strain: Mapping[str, Array] = field(default_factory=dict)
+    pairs: Mapping[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -91,11 +96,20 @@ def as_json(solution: Solution) -> str:
                 "frequencies": [f if np.isfinite(f) else None for f in answer.frequencies.tolist()],
                 **({} if answer.idle is None else {"idle": answer.idle}),
                 **({} if answer.uncertainty is None else _record(answer.uncertainty)),
+                **_mode_records(answer),
             }
             for answer in solution.answers
         ],
     }
     return json.dumps(document, allow_nan=False)
+
+
+def _mode_records(answer: Answer) -> dict[str, Any]:
+    """Strain energy and partners of the modes, where they are known."""
+    shares = {name: share.tolist() for name, share in answer.strain.items()}
+    return ({"strain": shares} if shares else {}) | (
+        {"partners": dict(answer.pairs)} if answer.pairs else {}
+    )
 
 
 def _record(uncertainty: MeshUncertainty) -> dict[str, Any]:
@@ -130,10 +144,34 @@ def _answer_lines(answer: Answer) -> list[str]:
     if len(answer.frequencies):
         listed = ", ".join(f"{value:.5g}" for value in answer.frequencies)
         lines.append(f"  natural frequencies (Hz): {listed}")
+        lines += _mode_lines(answer)
     if answer.idle:
         lines.append(f"  {answer.idle} idle mobilities, which do not move the tool")
     if answer.uncertainty is not None:
         lines += _uncertainty_lines(answer, answer.uncertainty)
+    return lines
+
+
+def _mode_lines(answer: Answer) -> list[str]:
+    """What carries most of each mode's strain energy, and which mode of another model it is."""
+    lines = []
+    if answer.strain:
+        names, shares = list(answer.strain), np.array(list(answer.strain.values()))
+        lines.append("  most of their strain energy in:")
+        for mode, column in enumerate(shares.T, start=1):
+            largest = np.argsort(-column, kind="stable")[:_MOST_PARTS]
+            told = [i for i in largest if column[i] >= _TOLD]
+            said = ", ".join(f"{names[i]} {100.0 * column[i]:.0f} %" for i in told)
+            lines.append(f"    {mode}: {said}")
+    if answer.pairs:
+        lines.append(f"  the same modes by the {answer.pairs['against']} model:")
+        for pair in answer.pairs["pairs"]:
+            other = (
+                f"mode {pair['partner']}, {pair['frequency']:.5g} Hz"
+                if pair["partner"]
+                else "none of that shape"
+            )
+            lines.append(f"    {pair['mode']}: {other}, MAC {pair['mac']:.4f}")
     return lines
 
 

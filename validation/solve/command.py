@@ -33,8 +33,9 @@ def question(
     place: Place,
     modes: int | None,
     given: dict[str, Any],
+    against: ModelName | None = None,
 ) -> Question:
-    """What is asked of the robot; `given` are the options typed.
+    """What is asked of the robot; `given` are the options typed, `against` a model to pair with.
 
     Raises InputError where the kind of robot has no such place.
     """
@@ -45,7 +46,9 @@ def question(
             faults.append("--leg: bodies of a mechanism have names; take --body")
         if faults:
             raise InputError(faults)
-        return MechanismQuestion(robot, model, place.poses, place.body, modes, given)
+        return MechanismQuestion(robot, model, place.poses, place.body, modes, given, against)
+    if against is not None:
+        raise InputError("--against: modes are paired by shape for robots of schema 2 alone")
     if place.body is not None:
         raise InputError("--body: the biglide has two legs; take --leg 1 or --leg 2")
     positions = (*place.x, *_positions(place.poses))

@@ -10,15 +10,17 @@ from lumped.errors import InputError
 from lumped.legs import ConstantLeg
 from lumped.mechanism.body import Prism
 from lumped.mechanism.kinematics.postures import posture, reference_posture
-from lumped.mechanism.mechanism import GROUND, Mechanism
+from lumped.mechanism.mechanism import GROUND, Mechanism, Posture
 from lumped.models.bodies import leg_of, legs_of
 from validation.cost import Cost, dense_cost, require_affordable, solid_cost
 from validation.kinematics.poses import parsed_pose
 from validation.models.legs import leg_compliance, leg_frequencies
 from validation.models.mechanism import answers, constant_legs
+from validation.models.mechanism_modes import mechanism_modes
 from validation.models.options import STATIC, ModelName, ModelOptions
 from validation.models.parts import parts_of
 from validation.solve.answer import DEFAULT_MODES, OF_ELEMENTS, OPTIONS, Answer, Solution
+from validation.solve.pairs import paired
 
 # Eq. (25) as printed is a statement about the paper's own robot.
 _BIGLIDE_ALONE = ("release",)
@@ -28,7 +30,7 @@ _BIGLIDE_ALONE = ("release",)
 class MechanismQuestion:
     """A model in the typed `poses` ("0.25,0.6"; the reference posture without), or of one `body`.
 
-    `given` are the options that were typed.
+    `given` are the options that were typed; the modes are paired with those of `against`.
     """
 
     mechanism: Mechanism
@@ -37,6 +39,7 @@ class MechanismQuestion:
     body: str | None
     modes: int | None
     given: dict[str, Any]
+    against: ModelName | None = None
 
     @property
     def count(self) -> int:
@@ -58,6 +61,7 @@ def checked_mechanism(question: MechanismQuestion) -> Cost:
         faults.append(f"--modes: the {model} model is static and has no frequencies")
     if question.body is not None:
         faults += _body_faults(mechanism, model, question.body, question.poses)
+    faults += _against_faults(question)
     for text in question.poses:
         try:
             posture(mechanism, parsed_pose(mechanism, text))
@@ -89,11 +93,46 @@ def solve_mechanism(question: MechanismQuestion) -> Solution:
     else:
         typed = [parsed_pose(mechanism, text) for text in question.poses]
         at = [posture(mechanism, pose) for pose in typed] or [reference_posture(mechanism)]
-        found = [
-            Answer({"pose": one.posture.pose.tolist()}, one.compliance, one.frequencies, one.idle)
-            for one in answers(model, at, count, options)
-        ]
+        found = _in_postures(question, at, options)
     return Solution(mechanism.name, model, heard, tuple(found))
+
+
+def _in_postures(
+    question: MechanismQuestion, at: Sequence[Posture], options: ModelOptions
+) -> list[Answer]:
+    model, count = question.model, question.count
+    if not count:
+        return [
+            Answer(_place(one.posture), one.compliance, one.frequencies, one.idle)
+            for one in answers(model, at, 0, options)
+        ]
+    found = mechanism_modes(model, at, count, options)
+    pairs = paired(found, question.against, options) if question.against else None
+    return [
+        Answer(
+            _place(one.posture),
+            one.compliance,
+            one.modes.frequencies,
+            one.idle,
+            strain=one.strain,
+            pairs=pairs.record(place) if pairs else {},
+        )
+        for place, one in enumerate(found)
+    ]
+
+
+def _place(at: Posture) -> dict[str, float | int | str | list[float]]:
+    return {"pose": at.pose.tolist()}
+
+
+def _against_faults(question: MechanismQuestion) -> list[str]:
+    if question.against is None:
+        return []
+    if question.against in STATIC:
+        return [f"--against {question.against}: the model is static and has no modes"]
+    if question.model in STATIC or not question.count or question.body is not None:
+        return ["--against: there are no modes of the mechanism to be paired"]
+    return []
 
 
 def _cost(question: MechanismQuestion) -> Cost:

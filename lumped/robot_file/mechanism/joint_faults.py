@@ -117,7 +117,10 @@ def _axis_faults(draft: Draft, joint: JointTable, key: str) -> Iterator[str]:
             yield f"{key}.{wanted} = {list(direction)}: must not be zero, it is a direction"
             return
     if len(directions) == 2 and _sine(*directions) < _ALONG:
-        yield f"{key}.axes: must not be parallel; a universal joint turns about two directions"
+        yield (
+            f"{key}.axes = {[list(direction) for direction in directions]}: must not be parallel; "
+            "a universal joint turns about two directions"
+        )
     if len(directions) == 1 and way is not None and joint.type in _EXTENDED:
         first, second = points_of(joint)
         apart = float(np.linalg.norm(way))

@@ -195,7 +195,12 @@ WRONG = {
         'at = "B1", axes = [', 'at = "B1", axis = [0.0, 0.0, 1.0], axes = [', "joints.foot1.axis"
     ),
     "parallel axes": hexapod(
-        FEET, FEET + "[0.483844, 1.940592, 0.0]] }\n#", "joints.foot1.axes: must not be parallel"
+        FEET,
+        FEET + "[0.483844, 1.940592, 0.0]] }\n#",
+        "joints.foot1.axes = [[0.241922, 0.970296, 0.0], [0.483844, 1.940592, 0.0]]: must not be",
+    ),
+    "opposite axes": hexapod(
+        FEET, FEET + "[-0.241922, -0.970296, 0.0]] }\n#", "joints.foot1.axes", "parallel"
     ),
     "axis across two points": hexapod(
         'at = ["S1", "R1"],', 'at = ["S1", "R1"], axis = [1.0, 0.0, 0.0],', "joints.drive1.axis"

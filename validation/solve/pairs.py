@@ -1,0 +1,70 @@
+"""Which mode of one model of a mechanism is which of another, by their shapes."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from lumped.errors import InputError
+from validation.adequacy.mechanism.samples import Samples, samples_of
+from validation.adequacy.partners import Partners, partners
+from validation.adequacy.response import Vibration
+from validation.models.mechanism_modes import PostureModes, mechanism_modes
+from validation.models.options import ModelName, ModelOptions
+from validation.models.parts import parts_of
+
+# Modes of the other model besides as many as asked: a partner may come later in its order.
+_BESIDES = 6
+
+
+@dataclass(frozen=True, eq=False)
+class Pairs:
+    """Partners of a model's modes among those of the model `against`, posture by posture."""
+
+    against: ModelName
+    partners: Partners
+
+    def record(self, place: int) -> dict[str, Any]:
+        """The partner of every mode in the posture of that number, for programs; null for none."""
+        found = self.partners
+        ofs = zip(found.number[place], found.frequency[place], found.likeness[place], strict=True)
+        return {
+            "against": self.against,
+            "pairs": [
+                {"mode": mode, "partner": None, "frequency": None, "mac": float(mac)}
+                if number < 0
+                else {
+                    "mode": mode,
+                    "partner": int(number) + 1,
+                    "frequency": float(frequency),
+                    "mac": float(mac),
+                }
+                for mode, (number, frequency, mac) in enumerate(ofs, start=1)
+            ],
+        }
+
+
+def paired(found: Sequence[PostureModes], against: ModelName, options: ModelOptions) -> Pairs:
+    """Partners of all modes of `found` by mass-weighted MAC.
+
+    Modes that lie close together count by the space that they span. Raises InputError where bodies
+    are parts from files, whose shapes are not sampled.
+    """
+    postures = [one.posture for one in found]
+    mechanism = postures[0].mechanism
+    if parts_of(mechanism):
+        raise InputError("--against: modes of bodies from files are not compared by shape")
+    samples, count = samples_of(mechanism), len(found[0].modes.frequencies)
+    others = mechanism_modes(against, postures, count + _BESIDES, options)
+    own, other = (vibration_of(samples, ones) for ones in (found, others))
+    return Pairs(against, partners(own, other, samples.weights, count))
+
+
+def vibration_of(samples: Samples, found: Sequence[PostureModes]) -> Vibration:
+    """Frequencies and sampled shapes of modes, posture by posture."""
+    of_models = samples.of_models(found[0].system.models)
+    return Vibration(
+        np.array([one.modes.frequencies for one in found]),
+        np.array([samples.at(one.system, one.modes.shapes, of_models) for one in found]),
+    )
