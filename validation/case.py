@@ -180,6 +180,10 @@ class Case:
     row: str = ""
     figure: str = ""
 
+    def measure(self, context: Context) -> Measurement:
+        """What `compute` finds: for the run's robot, or for the built-in one about the program."""
+        return self.compute(context.on_built_in() if self.subject == "program" else context)
+
     def __post_init__(self) -> None:
         for name in ("id", "title", "quantity", "unit", "citation", "tolerance_reason"):
             if not getattr(self, name).strip():

@@ -8,44 +8,25 @@ from validation.adequacy.assessment import ADEQUACY, MEASURED, Assessment
 from validation.adequacy.robot import robot_adequacy
 from validation.case import About, Case
 from validation.cases import (
-    benchmarks,
-    benchmarks_cross,
-    benchmarks_huang,
-    benchmarks_sections,
-    benchmarks_solid,
-    calculix,
     decision,
     end_restraint,
-    guards,
-    guards_legs,
-    guards_pairing,
-    guards_reduction,
-    guards_solids,
-    guards_sweep,
-    guards_waves,
-    judgement,
     legs,
     longer_legs,
     mechanism,
-    mesh_families,
     paper,
-    refinement,
+    program,
     robot,
     robot_calculix,
     robot_modes,
     robot_reduction,
     robot_sixty,
     robot_solid,
-    shapes,
     solids,
 )
-from validation.cases.judgement import quantities
+from validation.context import BUILT_IN
 from validation.measured.biglide import measured_matrix
 from validation.report.figures import drawings
 from validation.results.records import Task
-
-# The robot whose numbers the paper prints.
-PAPER_ROBOT = "ifw"
 
 _ADEQUACY = Assessment(
     id=ADEQUACY,
@@ -66,11 +47,11 @@ _MEASURED = Assessment(
 def catalogue(robot_file: RobotFile) -> Sequence[Task]:
     """Every case and figure for a robot; the paper's statements for the paper's robot alone."""
     of_robot = _of_mechanism if robot_file.is_mechanism else _of_biglide
-    return (*of_robot(robot_file), *_of_program(), _ADEQUACY, *drawings(robot_file))
+    return (*of_robot(robot_file), *program.cases(), _ADEQUACY, *drawings(robot_file))
 
 
 def _of_biglide(robot_file: RobotFile) -> Sequence[Task]:
-    from_paper = robot_file.built_in and robot_file.source == PAPER_ROBOT
+    from_paper = robot_file.built_in and robot_file.source == BUILT_IN
     return (
         *(_about("robot", _paper()) if from_paper else ()),
         *_about("leg", [*legs.cases(), *solids.cases()]),
@@ -79,39 +60,15 @@ def _of_biglide(robot_file: RobotFile) -> Sequence[Task]:
         *_about("robot", robot_modes.cases()),
         *_about("robot", robot_reduction.cases()),
         *_about("robot", robot_sixty.cases()),
-        *robot_calculix.cases(),
-        *refinement.cases(),
+        *_about("robot", robot_calculix.cases()),
         *_about("robot", decision.cases()),
         *_about("leg", end_restraint.cases()),
-        *mesh_families.cases(),
-        *benchmarks_huang.cases(),
-        *guards.cases(),
-        *guards_legs.cases(),
-        *guards_solids.leg_cases(),
-        *guards_sweep.cases(),
-        *quantities.cases(),
         *([_MEASURED] if robot_file.measured else []),
     )
 
 
 def _of_mechanism(robot_file: RobotFile) -> Sequence[Task]:
     return _about("robot", mechanism.cases(robot_file.mechanism))
-
-
-def _of_program() -> Sequence[Task]:
-    return (
-        *shapes.cases(),
-        *calculix.cases(),
-        *benchmarks.cases(),
-        *benchmarks_cross.cases(),
-        *benchmarks_sections.cases(),
-        *benchmarks_solid.cases(),
-        *guards_solids.cases(),
-        *guards_reduction.cases(),
-        *guards_waves.cases(),
-        *guards_pairing.cases(),
-        *judgement.cases(),
-    )
 
 
 def _about(subject: About, cases: Sequence[Task]) -> list[Task]:

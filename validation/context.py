@@ -1,17 +1,20 @@
 """What a case may use: the robot, the preset, and results that other cases computed before."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, fields, is_dataclass
+from dataclasses import dataclass, field, fields, is_dataclass, replace
+from functools import cache
 from hashlib import blake2b
-from typing import Any, Literal, ParamSpec, TypeAlias, TypeVar
+from typing import Any, Literal, ParamSpec, Self, TypeAlias, TypeVar
 
 import numpy as np
 
 from lumped.biglide import Biglide
-from lumped.robot_file import RobotFile
+from lumped.robot_file import RobotFile, load_robot
 
 Preset: TypeAlias = Literal["quick", "standard", "fine"]
 PRESETS: tuple[Preset, ...] = ("quick", "standard", "fine")
+# The robot whose numbers the paper prints; the program itself is verified on it.
+BUILT_IN = "ifw"
 P = ParamSpec("P")
 T = TypeVar("T")
 
@@ -34,6 +37,10 @@ class Context:
         """The robot of the file."""
         return self.robot_file.robot
 
+    def on_built_in(self) -> Self:
+        """The same for the built-in robot, with one memo for both."""
+        return replace(self, robot_file=_built_in())
+
     def get(self, function: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
         """The function's value for these arguments, from the memo if it has been computed."""
         key = memo_key(function, args, kwargs)
@@ -41,6 +48,11 @@ class Context:
             self._memo[key] = function(*args, **kwargs)
         value: T = self._memo[key]
         return value
+
+
+@cache
+def _built_in() -> RobotFile:
+    return load_robot(BUILT_IN)
 
 
 def memo_key(

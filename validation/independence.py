@@ -122,7 +122,7 @@ def independence(
 
 def _of_case(case: Case, context: Watched) -> Independence:
     context.asked.clear()
-    sound = case.compute(context)
+    sound = case.measure(context)
     sides: tuple[set[str], set[str]] = set(), set()
     for key in sorted(key for key in context.asked if not key.startswith(_DATA)):
         for moved, side in zip(_moved(case, context, key, sound), sides, strict=True):
@@ -135,7 +135,7 @@ def _moved(case: Case, context: Watched, key: str, sound: Measurement) -> tuple[
     value = reference = False
     for other in islice(disturbed(context.entry(key)), _TRIED):
         with suppress(Skip, ComputationError, ValueError):
-            wrong = case.compute(context.with_other(key, other))
+            wrong = case.measure(context.with_other(key, other))
             value |= _differs(wrong.value, sound.value)
             reference |= _differs(wrong.reference, sound.reference) or any(
                 _differs(one.amount, two.amount)

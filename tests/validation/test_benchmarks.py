@@ -14,23 +14,17 @@ from lumped.legs import ConstantLeg, Material
 from lumped.robot_file import load_robot
 from lumped.sections import Rectangle
 from validation.case import Relative, judge, perturbed
-from validation.cases import (
-    benchmarks,
-    benchmarks_cross,
-    benchmarks_huang,
-    benchmarks_sections,
-    benchmarks_solid,
-)
+from validation.cases.program.benchmarks import beams, cross, huang, sections, solids
 from validation.context import Context
 from validation.prism_waves import beam_wave_frequency, prism_wave_frequency
 
 QUICK = (
-    *benchmarks.cases(),
-    *benchmarks_cross.cases(),
-    *benchmarks_huang.cases(),
-    *benchmarks_sections.cases(),
+    *beams.cases(),
+    *cross.cases(),
+    *huang.cases(),
+    *sections.cases(),
 )
-SOLID = benchmarks_solid.cases()
+SOLID = solids.cases()
 UP = (0.0, 0.0, 1.0)
 
 
@@ -78,29 +72,29 @@ def test_no_beam_of_the_published_benchmarks_is_judged_more_kindly_than_asked():
 
 
 def with_plain_shear_coefficient(elements):
-    sound = benchmarks.deep_beam(elements)
+    sound = beams.deep_beam(elements)
     # Without Poisson's ratio a rectangle has 5/6 where Cowper has 10(1 + ν)/(12 + 11ν).
-    share = 5.0 / 6.0 / benchmarks.DEEP.section.shear_coefficients(0.3)[0]
+    share = 5.0 / 6.0 / beams.DEEP.section.shear_coefficients(0.3)[0]
     beam = sound.members[0].properties
     return _with_beam(sound, replace(beam, GAy=share * beam.GAy, GAz=share * beam.GAz))
 
 
 def without_shear(elements):
-    return _with_beam(benchmarks.deep_beam(elements), benchmarks.DEEP.properties("euler-bernoulli"))
+    return _with_beam(beams.deep_beam(elements), beams.DEEP.properties("euler-bernoulli"))
 
 
 def with_shear(elements):
-    return _with_beam(benchmarks.slender_cantilever(elements), benchmarks.SLENDER.timoshenko)
+    return _with_beam(beams.slender_cantilever(elements), beams.SLENDER.timoshenko)
 
 
 def softer_by_half_a_percent(elements):
-    sound = benchmarks.slender_cantilever(elements)
+    sound = beams.slender_cantilever(elements)
     beam = sound.members[0].properties
     return _with_beam(sound, replace(beam, EIz=0.995 * beam.EIz))
 
 
 def crossing_that_does_not_turn(elements):
-    sound = benchmarks_cross.rigid_crossing(elements)
+    sound = cross.rigid_crossing(elements)
     held = tuple(replace(s, held=(*s.held, "φz")) if s.node == 0 else s for s in sound.supports)
     return replace(sound, supports=held)
 
@@ -112,15 +106,15 @@ def _with_beam(frame, properties):
 @pytest.mark.parametrize(
     ("build", "clusters", "caught"),
     [
-        (with_plain_shear_coefficient, benchmarks.FV5_CLUSTERS, {"5-6", "8-9"}),
-        (without_shear, benchmarks.FV5_CLUSTERS, {"1-2"}),
-        (with_shear, benchmarks.TEST_71_CLUSTERS, {"4", "5", "6"}),
-        (softer_by_half_a_percent, benchmarks.TEST_71_CLUSTERS, {"1", "2", "3", "4", "5", "6"}),
-        (crossing_that_does_not_turn, benchmarks_cross.CLUSTERS, {"1", "9"}),
+        (with_plain_shear_coefficient, beams.FV5_CLUSTERS, {"5-6", "8-9"}),
+        (without_shear, beams.FV5_CLUSTERS, {"1-2"}),
+        (with_shear, beams.TEST_71_CLUSTERS, {"4", "5", "6"}),
+        (softer_by_half_a_percent, beams.TEST_71_CLUSTERS, {"1", "2", "3", "4", "5", "6"}),
+        (crossing_that_does_not_turn, cross.CLUSTERS, {"1", "9"}),
     ],
 )
 def test_a_wrong_model_is_caught(build, clusters, caught, context):
-    cases = benchmarks.family("wrong", "wrong", build, clusters, "none", benchmarks.COUNTS)
+    cases = beams.family("wrong", "wrong", build, clusters, "none", beams.COUNTS)
     disagreeing = {
         cluster.label
         for case, cluster in zip(cases, clusters, strict=True)
@@ -130,15 +124,11 @@ def test_a_wrong_model_is_caught(build, clusters, caught, context):
 
 
 def test_a_section_turned_by_a_right_angle_is_caught(context, monkeypatch):
-    sound = benchmarks.straight_cantilever()
-    member = Member(0, 1, benchmarks.STRAIGHT.timoshenko, (0.0, 1.0, 0.0), 1)
-    monkeypatch.setattr(
-        benchmarks, "straight_cantilever", lambda: replace(sound, members=(member,))
-    )
+    sound = beams.straight_cantilever()
+    member = Member(0, 1, beams.STRAIGHT.timoshenko, (0.0, 1.0, 0.0), 1)
+    monkeypatch.setattr(beams, "straight_cantilever", lambda: replace(sound, members=(member,)))
     verdicts = {
-        case.id: outcome_of(case, context).verdict
-        for case in benchmarks.cases()
-        if "macneal" in case.id
+        case.id: outcome_of(case, context).verdict for case in beams.cases() if "macneal" in case.id
     }
     assert [key for key, verdict in verdicts.items() if verdict == "disagree"] == [
         "benchmark.macneal-harder.beam[in-plane]",
@@ -148,8 +138,8 @@ def test_a_section_turned_by_a_right_angle_is_caught(context, monkeypatch):
 
 def test_roots_of_pinned_and_clamped_arms():
     # Blevins, Formulas for Natural Frequency and Mode Shape, table 8-1: 3.92660231, 7.06858275.
-    assert benchmarks_cross.pinned_clamped_root(1) == pytest.approx(3.92660231, abs=1e-8)
-    assert benchmarks_cross.pinned_clamped_root(2) == pytest.approx(7.06858275, abs=1e-8)
+    assert cross.pinned_clamped_root(1) == pytest.approx(3.92660231, abs=1e-8)
+    assert cross.pinned_clamped_root(2) == pytest.approx(7.06858275, abs=1e-8)
 
 
 def test_a_crossing_between_unyielding_arms_does_not_move(monkeypatch):
@@ -157,14 +147,12 @@ def test_a_crossing_between_unyielding_arms_does_not_move(monkeypatch):
     gaps = []
     for growth in (1.0, 1e3):
         arm = replace(
-            benchmarks_cross.ARM,
+            cross.ARM,
             section=Rectangle(0.125, 0.125),
-            length=benchmarks_cross.ARM.length * sqrt(growth),
+            length=cross.ARM.length * sqrt(growth),
         )
-        monkeypatch.setattr(benchmarks_cross, "ARM", arm)
-        gaps.append(
-            benchmarks_cross.pinned_clamped_root(1) - benchmarks_cross.moving_crossing_root(1)
-        )
+        monkeypatch.setattr(cross, "ARM", arm)
+        gaps.append(cross.pinned_clamped_root(1) - cross.moving_crossing_root(1))
         monkeypatch.undo()
     # The gap is EI β³/(L² EA) to first order: it falls with L².
     assert gaps[0] > 0.0
@@ -175,9 +163,9 @@ def test_a_crossing_between_unyielding_arms_does_not_move(monkeypatch):
 def test_both_solutions_of_huangs_equation_agree_for_any_slenderness(slenderness):
     material = Material.isotropic(2.1e11, 0.3, 7850.0)
     leg = ConstantLeg(1.0, Rectangle(0.5 / slenderness, 1.0 / slenderness), material)
-    for plane in benchmarks_huang.PLANES:
+    for plane in huang.PLANES:
         roots = bending_frequencies(leg.timoshenko, leg.length, plane, 3)
-        ritz = benchmarks_huang.ritz_frequencies(leg.timoshenko, leg.length, plane, 3)
+        ritz = huang.ritz_frequencies(leg.timoshenko, leg.length, plane, 3)
         # A tenth of the tolerance of the cases: robots of every slenderness raise no alarm.
         np.testing.assert_allclose(ritz, roots, rtol=1e-8)
 
@@ -185,7 +173,7 @@ def test_both_solutions_of_huangs_equation_agree_for_any_slenderness(slenderness
 def test_ritz_tends_to_the_thin_cantilever():
     leg = ConstantLeg(1.0, Rectangle(1e-3, 1e-3), Material.isotropic(2.1e11, 0.3, 7850.0))
     beam = leg.timoshenko
-    found = benchmarks_huang.ritz_frequencies(beam, leg.length, "z", 3)
+    found = huang.ritz_frequencies(beam, leg.length, "z", 3)
     expected = np.array([1.875104, 4.694091, 7.854757]) ** 2 * sqrt(beam.EIz / beam.mu) / (2 * pi)
     # Shear and rotary inertia take (βh)² of about 1e-4 of the third.
     np.testing.assert_allclose(found, expected, rtol=1e-4)
@@ -229,8 +217,8 @@ def test_without_poissons_ratio_tension_waves_are_exact_at_any_length():
 
 
 def test_a_simply_supported_solid_is_held_on_average_and_turns_at_its_ends():
-    beam = benchmarks_solid.extruded(benchmarks.DEEP, 2, 6)
-    shapes = modes(benchmarks_solid.simply_supported(beam), 2).shapes
+    beam = solids.extruded(beams.DEEP, 2, 6)
+    shapes = modes(solids.simply_supported(beam), 2).shapes
     twists = section_twists(beam.mesh, np.array([0.0, 5.0, 10.0])) @ shapes
     first, middle, last = twists.reshape(3, 6, 2)
     largest = np.abs(middle[1:3]).max()

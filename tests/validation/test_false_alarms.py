@@ -17,7 +17,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 from random_robots import alarms, of_groups, robots, shown
 
 from validation.case import Case
-from validation.cases.guards import VARIANTS
+from validation.cases.program.guards.robot import VARIANTS
 
 CHUNKS, EXAMPLES = 4, 50
 # A robot costs a second: one that raises an alarm is shown as it is.

@@ -23,18 +23,9 @@ from meshes.prism.hexahedra import hexahedra
 from meshes.prism.tetrahedra import tetrahedra
 from meshes.section.section_mesh import section_mesh
 from validation.case import Absolute, Case, Measurement, Outcome, Skip, judge
-from validation.cases import (
-    guards,
-    guards_legs,
-    guards_pairing,
-    guards_reduction,
-    guards_solids,
-    guards_sweep,
-    guards_waves,
-    judgement,
-    robot_solid,
-)
-from validation.cases.judgement import quantities
+from validation.cases import robot_solid
+from validation.cases.program import guards, judgement
+from validation.cases.program.guards import pairing, reduction, sweep, waves
 from validation.context import Context
 from validation.faults import detection
 from validation.faults.catalogue import FAULTS
@@ -101,12 +92,11 @@ def reduction_workout() -> None:
     """The same of reduced legs, of sweeps, of what models are compared by, and of decks."""
     context = Context(IFW, "quick")
     for guard in (
-        guards_reduction,
-        guards_sweep,
-        guards_waves,
-        guards_pairing,
+        reduction,
+        sweep,
+        waves,
+        pairing,
         judgement,
-        quantities,
     ):
         for case in guard.cases():
             case.compute(context)
@@ -214,17 +204,17 @@ def test_faulty_class_or_numbering_changes_frequencies(identifier):
 
 @pytest.mark.parametrize("identifier", sorted(SWEPT))
 def test_fault_in_place_changes_a_posture(identifier):
-    sound = guards_sweep.swept(IFW.robot)
+    sound = sweep.swept(IFW.robot)
     with BY_ID[identifier].inject():
-        faulty = guards_sweep.swept(IFW.robot)
+        faulty = sweep.swept(IFW.robot)
     assert not np.allclose(sound[1], faulty[1], rtol=1e-6)
 
 
 @pytest.mark.parametrize("identifier", sorted(HELD))
 def test_fault_in_what_a_held_leg_does_changes_its_frequencies(identifier):
-    sound = guards_reduction.reduced_solid_leg("free").frequencies
+    sound = reduction.reduced_solid_leg("free").frequencies
     with BY_ID[identifier].inject():
-        faulty = guards_reduction.reduced_solid_leg("free").frequencies
+        faulty = reduction.reduced_solid_leg("free").frequencies
     assert not np.allclose(sound, faulty, rtol=1e-6)
 
 
@@ -272,7 +262,7 @@ def test_trial_names_the_cases_that_turn_and_asks_only_groups_that_use_the_place
 
 
 def test_fault_that_no_case_of_quick_uses_is_skipped_and_no_survivor(monkeypatch):
-    monkeypatch.setattr(detection, "catalogue", lambda _: guards_pairing.cases())
+    monkeypatch.setattr(detection, "catalogue", lambda _: pairing.cases())
     case = next(case for case in fault_cases() if case.id == "fault.vjm.tip-joint-forgotten")
     with pytest.raises(Skip, match=r"no comparison of preset quick uses lumped\.vjm"):
         case.compute(Context(IFW, "quick"))
@@ -325,16 +315,7 @@ def test_fault_case_of_the_run_counts_its_catchers(identifier, monkeypatch):
     monkeypatch.setattr(
         detection,
         "catalogue",
-        lambda _: (
-            *guards.cases(),
-            *guards_legs.cases(),
-            *guards_solids.cases(),
-            *guards_solids.leg_cases(),
-            *guards_reduction.cases(),
-            *guards_sweep.cases(),
-            *guards_waves.cases(),
-            *guards_pairing.cases(),
-        ),
+        lambda _: guards.cases(),
     )
     case = next(case for case in fault_cases() if case.id == f"fault.{identifier}")
     outcome = judge(case, case.compute(SHARED), 0.0)

@@ -30,7 +30,7 @@ CONTEXT = Watched(ROBOT_FILE, "quick")
 # tolerances than these need not turn the verdict.
 WRONG, MOVED = 0.15, 3.0
 # The robot's own data, which both sides are about.
-DATA = ("lumped.legs.equivalent_leg ", "validation.cases.guards_solids.block ")
+DATA = ("lumped.legs.equivalent_leg ", "validation.cases.program.guards.solids.block ")
 # Arrays of one ingredient that are tried: the first legs, meshes, postures of many alike.
 MOST = 8
 

@@ -13,8 +13,9 @@ from lumped.robot_file import load_robot
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle
 from meshes.section.section_mesh import section_mesh
 from validation.case import Skip, judge, perturbed
-from validation.cases import calculix, end_restraint, mesh_families, shapes
+from validation.cases import end_restraint
 from validation.cases.legs import constant_leg_of
+from validation.cases.program import calculix, mesh_families, shapes
 from validation.context import Context
 from validation.leg_solids import Refinement
 from validation.lengthened_legs import fundamental_ratio, lengthened, limit_exponent

@@ -14,8 +14,8 @@ from lumped.biglide import Biglide, with_equivalent_legs
 from lumped.legs import equivalent_leg
 from meshes.prism.tetrahedra import tetrahedra
 from validation.case import Absolute, Case, Measurement, Relative, Skip
-from validation.cases.calculix import PRINTED, PRINTED_ROOT
-from validation.cases.guards import scaled_difference
+from validation.cases.program.calculix import PRINTED, PRINTED_ROOT
+from validation.cases.program.guards.robot import scaled_difference
 from validation.cases.robot_solid import SECTION
 from validation.context import Context, Preset
 from validation.robot_solids import solved_robot

@@ -44,6 +44,7 @@ def fault_cases() -> tuple[Case, ...]:
             compute=partial(_detect, fault=fault),
             relation=Relation.AT_LEAST,
             section=SECTION,
+            subject="robot",
             effort=_EFFORT,
         )
         for fault in FAULTS

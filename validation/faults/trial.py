@@ -52,7 +52,7 @@ def verdicts(cases: Sequence[Case], context: Context) -> dict[str, Verdict]:
     found: dict[str, Verdict] = {}
     for case in cases:
         try:
-            found[case.id] = judge(case, case.compute(context), 0.0).verdict
+            found[case.id] = judge(case, case.measure(context), 0.0).verdict
         except Skip:
             found[case.id] = "skipped"
         except Exception:  # noqa: BLE001  a fault may break anything; that is noticed

@@ -75,7 +75,9 @@ HEADLINES = (
         "natural frequencies of a leg",
         (
             Way("roots of the transcendental equation", "fem.bodies.beam_theory"),
-            Way("Ritz's method in Legendre polynomials", "validation.cases.benchmarks_huang"),
+            Way(
+                "Ritz's method in Legendre polynomials", "validation.cases.program.benchmarks.huang"
+            ),
             _SEGMENTS,
             _BEAM,
             _SOLID,

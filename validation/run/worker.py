@@ -78,7 +78,7 @@ def execute(task: Task, context: Context) -> Record:
 def _compute(case: Case, context: Context) -> Outcome:
     start = perf_counter()
     try:
-        measurement = case.compute(context)
+        measurement = case.measure(context)
         return judge(case, measurement, perf_counter() - start)
     except Skip as reason:
         return Outcome(case, "skipped", perf_counter() - start, message=str(reason))

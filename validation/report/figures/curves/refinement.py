@@ -4,7 +4,7 @@ import numpy as np
 
 from lumped.arrays import Array
 from validation.cases.legs import constant_leg_of
-from validation.cases.refinement import (
+from validation.cases.program.refinement import (
     COUNTS,
     MODES,
     SECTION,

@@ -18,7 +18,7 @@ from validation.case import (
     judge,
     perturbed,
 )
-from validation.cases.judgement.claims import claims_case, same
+from validation.cases.program.judgement.claims import claims_case, same
 from validation.context import Context
 from validation.ranks import kendall, spearman
 

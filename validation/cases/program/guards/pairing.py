@@ -9,7 +9,7 @@ from lumped.cantilever import clamped_modes
 from lumped.legs import BeamProperties, ConstantLeg, Material
 from lumped.sections import Rectangle
 from validation.case import Absolute, Case, Measurement
-from validation.cases.guards import SECTION
+from validation.cases.program.guards.robot import SECTION
 from validation.context import Context
 from validation.mode_pairing import (
     centreline_samples,

@@ -20,8 +20,8 @@ from validation.case import (
     judge,
     result_record,
 )
-from validation.cases.judgement.claims import claims_case, same
-from validation.cases.judgement.rules import probe
+from validation.cases.program.judgement.claims import claims_case, same
+from validation.cases.program.judgement.rules import probe
 from validation.context import Context
 from validation.exhibits import Study, study_record
 from validation.listing import outcome_line, summary, tolerance_text

@@ -18,7 +18,7 @@ from validation.models.options import ModelName, ModelOptions
 if TYPE_CHECKING:
     from lumped.segments import Layout
 
-SECTION = "Refinement"
+SECTION = "Convergence of elements"
 COUNTS: dict[Preset, tuple[int, ...]] = {
     "quick": (5, 10, 20, 40, 80),
     "standard": (5, 10, 20, 40, 80, 160),

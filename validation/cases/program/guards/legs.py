@@ -13,8 +13,8 @@ from lumped.biglide import Biglide
 from lumped.legs import GivenLeg, Leg
 from lumped.modes import dense
 from validation.case import Absolute, Case, Measurement
-from validation.cases.guards import ELEMENTS, SECTION, guarded_posture
 from validation.cases.legs import constant_leg_of, kind_frequencies
+from validation.cases.program.guards.robot import ELEMENTS, SECTION, guarded_posture
 from validation.context import Context
 from validation.models.biglide import robot_compliance, robot_frequencies
 from validation.models.legs import leg_matrices

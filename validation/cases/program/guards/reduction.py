@@ -25,7 +25,7 @@ from lumped.sections import Rectangle
 from lumped.segments import KINDS
 from meshes.prism.hexahedra import hexahedra
 from validation.case import Absolute, Case, Measurement, Tolerance
-from validation.cases.guards import (
+from validation.cases.program.guards.robot import (
     MODES,
     SECTION,
     scaled_difference,

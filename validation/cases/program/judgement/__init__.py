@@ -4,9 +4,9 @@ What judges the models would judge its own mistakes too: these guards fail where
 """
 
 from validation.case import Case
-from validation.cases.judgement import orders, pages, rules
+from validation.cases.program.judgement import orders, pages, quantities, rules
 
 
 def cases() -> tuple[Case, ...]:
-    """Those that no robot's data enter; `quantities` has the biglide's."""
-    return (*rules.cases(), *orders.cases(), *pages.cases())
+    """All of them."""
+    return (*rules.cases(), *orders.cases(), *pages.cases(), *quantities.cases())

@@ -15,7 +15,8 @@ from lumped.biglide import Biglide
 from lumped.leg_matrices import LegMatrices
 from lumped.legs import equivalent_leg
 from validation.case import Absolute, Case, Measurement, Tolerance
-from validation.cases.guards import (
+from validation.cases.program.guards.reduction import guard_case
+from validation.cases.program.guards.robot import (
     ELEMENTS,
     MODES,
     VARIANTS,
@@ -24,7 +25,6 @@ from validation.cases.guards import (
     robot_frame,
     scaled_difference,
 )
-from validation.cases.guards_reduction import guard_case
 from validation.context import Context
 from validation.models.legs import leg_matrices
 from validation.models.options import ModelOptions

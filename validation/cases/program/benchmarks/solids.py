@@ -21,7 +21,7 @@ from lumped.legs import ConstantLeg
 from meshes.prism.extrude import extrude, stations
 from meshes.section.section_mesh import section_mesh
 from validation.case import Allowance, Case, Measurement
-from validation.cases.benchmarks import (
+from validation.cases.program.benchmarks.beams import (
     DEEP,
     FV5,
     FV5_CLUSTERS,

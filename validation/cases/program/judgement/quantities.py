@@ -17,9 +17,9 @@ from lumped.modes import dense
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Section, Tube
 from meshes.section.section_mesh import section_mesh
 from validation.case import Case
-from validation.cases.guards import scaled_difference
-from validation.cases.judgement.claims import claims_case, same
 from validation.cases.legs import constant_leg_of
+from validation.cases.program.guards.robot import scaled_difference
+from validation.cases.program.judgement.claims import claims_case, same
 from validation.context import Context
 from validation.leg_solids import section_counts
 from validation.models.biglide import robot_mechanism

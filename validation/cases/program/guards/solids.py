@@ -18,8 +18,8 @@ from meshes.prism.tetrahedra import tetrahedra
 from meshes.section.section_mesh import section_mesh
 from meshes.solid_mesh import SolidMesh
 from validation.case import Absolute, Case, Measurement, Relative, Tolerance
-from validation.cases.guards import SECTION, scaled_difference
 from validation.cases.legs import UNITS, constant_leg_of
+from validation.cases.program.guards.robot import SECTION, scaled_difference
 from validation.context import Context
 from validation.leg_solids import section_counts, similar_mesh, slices
 
@@ -62,19 +62,15 @@ ELEMENTS: tuple[SolidElement, ...] = ("hex8", "hex27", "tet4", "tet10")
 
 
 def cases() -> tuple[Case, ...]:
-    """Those that no robot's data enter."""
+    """Constants of sections, energies of elements, and legs solved in two ways."""
+    ends: tuple[Ends, ...] = ("rigid", "free")
     return (
         *(_constant_case(shape, name) for shape in SECTIONS for name in QUANTITIES),
         *(_energy_case(element, kind) for element in ELEMENTS for kind in ("strain", "kinetic")),
         *(_isotropy_case(axis) for axis in "xyz"),
         *(_free_ends_case(name) for name in _FREE_ENTRIES),
+        *(_two_ways_case(number, hold) for number in (1, 2) for hold in ends),
     )
-
-
-def leg_cases() -> tuple[Case, ...]:
-    """The biglide's own legs solved in two ways."""
-    ends: tuple[Ends, ...] = ("rigid", "free")
-    return tuple(_two_ways_case(number, hold) for number in (1, 2) for hold in ends)
 
 
 def _constant_case(shape: str, name: str) -> Case:

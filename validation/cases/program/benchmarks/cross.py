@@ -12,7 +12,7 @@ from lumped.arrays import Array
 from lumped.legs import ConstantLeg, Material
 from lumped.sections import Rectangle
 from validation.case import Absolute, Allowance, Case, Measurement
-from validation.cases.benchmarks import SECTION, Cluster, family
+from validation.cases.program.benchmarks.beams import SECTION, Cluster, family
 from validation.context import Context
 
 CITATION = "NAFEMS, The Standard NAFEMS Benchmarks, TNSB rev. 3 (1990), Test FV2"

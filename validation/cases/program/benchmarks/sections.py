@@ -9,7 +9,7 @@ from lumped.arrays import Array
 from lumped.sections import Rectangle, rectangle_torsion_constant
 from meshes.section.section_mesh import section_mesh
 from validation.case import Absolute, Case, Measurement
-from validation.cases.benchmarks import SECTION
+from validation.cases.program.benchmarks.beams import SECTION
 from validation.context import Context
 from validation.convergence import analyse, uncertainty_of
 from validation.leg_solids import FORMAL_ORDER

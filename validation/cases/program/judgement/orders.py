@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from validation.case import Case
-from validation.cases.judgement.claims import claims_case, same
+from validation.cases.program.judgement.claims import claims_case, same
 from validation.context import Context
 from validation.convergence import (
     analyse,

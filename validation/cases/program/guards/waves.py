@@ -11,7 +11,7 @@ from lumped.legs import Material
 from lumped.sections import ISection
 from meshes.section.section_mesh import section_mesh
 from validation.case import Case, Measurement, Relative
-from validation.cases.guards_reduction import guard_case
+from validation.cases.program.guards.reduction import guard_case
 from validation.context import Context
 
 # Walls thick enough for 3-D waves and one warping function to agree, open enough to warp.

@@ -1,8 +1,6 @@
-"""Guards: what the models must say whatever the robot, where comparisons elsewhere are blind.
+"""Guards of the whole robot: the same once more as a frame of beams placed by coordinates.
 
-Two models that share a mistake agree. Each guard holds a part that several models share against
-data put in again from the beginning: the robot as a frame of beams placed by coordinates, masses
-and stiffnesses from the robot file, energies of uniform strains, moments of area of meshes.
+Masses and stiffnesses are taken from the robot file again, and so are the members of the family.
 """
 
 from collections.abc import Callable

@@ -1,0 +1,28 @@
+"""What verifies the program, not the robot of a run: guards, benchmarks, shapes, meshes, elements.
+
+They are computed on the built-in robot, whatever robot the run is about.
+"""
+
+from validation.case import Case
+from validation.cases.program import (
+    benchmarks,
+    calculix,
+    guards,
+    judgement,
+    mesh_families,
+    refinement,
+    shapes,
+)
+
+
+def cases() -> tuple[Case, ...]:
+    """All of them, in the order of the report."""
+    return (
+        *refinement.cases(),
+        *mesh_families.cases(),
+        *shapes.cases(),
+        *calculix.cases(),
+        *benchmarks.cases(),
+        *guards.cases(),
+        *judgement.cases(),
+    )
