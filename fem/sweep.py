@@ -16,7 +16,7 @@ from scipy.sparse import csr_array
 from fem.reduction.superelement import ENDS
 from lumped.arrays import Array, IntArray
 from lumped.balance import balanced_flexibility
-from lumped.biglide import Biglide, Posture
+from lumped.biglide import Biglide, Places
 from lumped.biglide_assembly import Release, assemble
 from lumped.errors import ComputationError
 from lumped.leg_matrices import LegMatrices
@@ -154,5 +154,5 @@ def _modes(lower: Array, mass: Array, count: int, name: str) -> Modes:
     return Modes(1.0 / (2.0 * np.pi * np.sqrt(values)), shapes)
 
 
-def _rotations(posture: Posture) -> tuple[Array, Array]:
+def _rotations(posture: Places) -> tuple[Array, Array]:
     return posture.rotation1, posture.rotation2

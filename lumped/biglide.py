@@ -6,6 +6,7 @@ drives, feet as the give of the revolute joints between slides and legs, leg 2 h
 the platform rigid with leg 1.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -14,8 +15,9 @@ from lumped.arrays import Array
 from lumped.errors import InputError
 from lumped.legs import EquivalentBy, Leg, equivalent_leg
 from lumped.mechanism.body import leg_shape
+from lumped.mechanism.frame import Frame
 from lumped.mechanism.joint import Drive, Joint, JointKind, Side
-from lumped.mechanism.mechanism import GROUND, Mechanism, Tool
+from lumped.mechanism.mechanism import GROUND, Mechanism, Posture, Tool
 from lumped.mechanism.placing import leg_on, rigid_on
 from lumped.screws import rotation_z
 
@@ -26,7 +28,7 @@ _, _Y, _Z = np.eye(3)
 
 
 @dataclass(frozen=True)
-class Posture:
+class Places:
     """Where the joints are when B is at `x` (m, base axes, B as origin of y and z).
 
     `root1` = A, `root2` = C, `tip` = B; `rotation1`, `rotation2` are 3×3 with the axes of leg 1
@@ -73,8 +75,8 @@ class Biglide:
         """Length d = L1 + L2 − a (m)."""
         return self.leg1.length + self.leg2.length - self.a
 
-    def posture(self, x: float) -> Posture:
-        """Posture with B at `x` (m); raises InputError outside the stroke."""
+    def posture(self, x: float) -> Places:
+        """Where the joints are with B at `x` (m); raises InputError outside the stroke."""
         first, last = self.stroke
         slack = _ROUNDING * self.a
         if not first - slack <= x <= last + slack:
@@ -84,7 +86,7 @@ class Biglide:
             )
         s1 = float(np.sqrt(max(self.leg1.length**2 - x**2, 0.0)))
         s2 = float(np.sqrt(max(self.leg2.length**2 - (self.a - x) ** 2, 0.0)))
-        return Posture(
+        return Places(
             x=x,
             root1=np.array([0.0, -s1, 0.0]),
             root2=np.array([self.a, -s2, 0.0]),
@@ -148,14 +150,14 @@ def geometry_faults(robot: Biglide) -> list[str]:
     return faults
 
 
-def mechanism(robot: Biglide, x: float | None = None) -> Mechanism:
-    """The biglide as a mechanism whose reference posture has B at `x` (m; mid-stroke if None).
+def mechanism(robot: Biglide) -> Mechanism:
+    """The biglide as a mechanism, described with B in the middle of its stroke.
 
-    Tool offset and tool spring turn with the platform from there; taken at each x anew they keep
-    base axes, as the paper has them. The drives are rigid but for the simplified model, where
-    their stiffness stands for all that gives way. Raises InputError for x outside the stroke.
+    Tool offset and tool spring turn with the platform from there; `postures` keeps them in base
+    axes, as the paper has them. The drives are rigid but for the simplified model, where their
+    stiffness stands for all that gives way.
     """
-    at = robot.posture(robot.centre if x is None else x)
+    at = robot.posture(robot.centre)
     points = {"A": at.root1, "C": at.root2, "B": at.tip, "P": at.tip + robot.tool_offset}
     loaded = "platform" if robot.tool_compliance is None else "tool"
     placed = [
@@ -189,6 +191,48 @@ def mechanism(robot: Biglide, x: float | None = None) -> Mechanism:
     )
 
 
+def postures(robot: Biglide, positions: Iterable[float]) -> list[Posture]:
+    """The mechanism with B at each of `positions` (m), the platform's axes along those of the base.
+
+    The platform is seated on leg 1 in every posture anew: offset and spring of the tool do not
+    turn. Raises InputError for positions outside the stroke.
+    """
+    described, centre = mechanism(robot), robot.posture(robot.centre)
+    found = []
+    for x in positions:
+        at = robot.posture(x)
+        loaded = at.tip + robot.tool_offset
+        frames = {
+            GROUND: Frame(),
+            "slide1": Frame(at.root1),
+            "slide2": Frame(at.root2),
+            "leg1": Frame(at.root1, at.rotation1),
+            "leg2": Frame(at.root2, at.rotation2),
+            "platform": Frame(at.tip),
+        }
+        if robot.tool_compliance is not None:
+            frames["tool"] = Frame(loaded)
+        slides = at.root1[1:2] - centre.root1[1:2], at.root2[1:2] - centre.root2[1:2]
+        turns = _turned(centre.rotation1, at.rotation1), _turned(centre.rotation2, at.rotation2)
+        coordinates = {
+            "drive1": slides[0],
+            "drive2": slides[1],
+            "foot1": turns[0],
+            "foot2": turns[1],
+            "hinge": turns[1] - turns[0],
+            "seat": np.zeros(0),
+            "spring": np.zeros(0),
+        }
+        found.append(Posture(described, loaded[:2], frames, coordinates))
+    return found
+
+
+def _turned(before: Array, after: Array) -> Array:
+    """Angle (1, rad) about z from one rotation to another."""
+    turn = before.T @ after
+    return np.atleast_1d(np.arctan2(turn[1, 0], turn[0, 0]))
+
+
 def _joint(
     name: str,
     kind: JointKind,
@@ -202,7 +246,7 @@ def _joint(
     return Joint(name, kind, first, second, np.reshape(axes, (-1, 3)), drive, compliance)
 
 
-def _loaded_point(robot: Biglide, reference: Posture, x: float) -> Array:
+def _loaded_point(robot: Biglide, reference: Places, x: float) -> Array:
     """Coordinates x and y (m) of the loaded point with B at `x`; its offset turns with leg 1."""
     at = robot.posture(x)
     place = at.tip + at.rotation1 @ reference.rotation1.T @ robot.tool_offset

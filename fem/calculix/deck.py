@@ -11,8 +11,6 @@ from dataclasses import dataclass
 from math import isclose
 from typing import TypeAlias
 
-import numpy as np
-
 from fem.couplings.end_coupling import rigid_motions
 from lumped.arrays import Array, IntArray
 from lumped.errors import InputError
@@ -98,8 +96,7 @@ def rigid_face(
     """Equations u = u_ref + φ × r for the `nodes` (n) of a face at `points` (n×3, m).
 
     `twist` are the six freedoms that carry the translations and rotations of the body at
-    `reference` (3, m); bodies that share some of them are joined: a revolute joint about z shares
-    all but the last.
+    `reference` (3, m).
     """
     motions = rigid_motions(points, reference).reshape(-1, 3, 6)
     return tuple(
@@ -110,32 +107,6 @@ def rigid_face(
         for node, motion in zip(nodes, motions, strict=True)
         for component, row in enumerate(motion)
     )
-
-
-def full_spring(
-    stiffness: Array,
-    strain: Sequence[Sequence[tuple[Freedom, float]]],
-    freedoms: Sequence[Freedom],
-) -> tuple[tuple[Equation, ...], tuple[GroundedSpring, ...]]:
-    """A spring of full `stiffness` (n×n, SI) on n strains, each a sum of coefficient · freedom.
-
-    K = Σ λ vvᵀ: each vᵀ·strain is a freedom of its own (one of n `freedoms`), by an equation, with
-    a spring λ to the ground. Exact, where CalculiX has springs between two freedoms alone. Strains
-    are scaled so that one unit of each is alike stiff.
-    """
-    scale = np.sqrt(np.diag(stiffness))
-    values, vectors = np.linalg.eigh(stiffness / np.outer(scale, scale))
-    equations, springs = [], []
-    for value, vector, freedom in zip(values, vectors.T, freedoms, strict=True):
-        terms: dict[Freedom, float] = {}
-        for weight, parts in zip((vector * scale).tolist(), strain, strict=True):
-            for own, coefficient in parts:
-                terms[own] = terms.get(own, 0.0) + weight * coefficient
-        size = max(abs(term) for term in terms.values())
-        scaled = tuple((own, term / size) for own, term in terms.items() if term)
-        equations.append(Equation(freedom, scaled))
-        springs.append(GroundedSpring(freedom, float(value) * size**2))
-    return tuple(equations), tuple(springs)
 
 
 def deck_text(deck: Deck) -> str:

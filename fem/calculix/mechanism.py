@@ -140,6 +140,10 @@ def mechanism_deck(posture: Posture, legs: Mapping[str, SolidLeg], modes: int) -
         build.tie((number, 0), row)
         build.held += [(number, 1), (number, 2)]
         springs.append(GroundedSpring((number, 0), stiffness))
+    # CalculiX couples freedoms by mass only where stiffness does: springs of none see to that.
+    springs += [
+        GroundedSpring((mass.node, component), 0.0) for mass in masses for component in range(3)
+    ]
     loaded: Array = shift(at - found.places[node]) @ found.twists[node]
     deck = Deck(
         title=f"{mechanism.name} {shown_pose(mechanism, posture.pose)}",

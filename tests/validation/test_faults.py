@@ -12,7 +12,7 @@ from fem.bodies import beam_theory, doubling, leg_modes, solid
 from fem.bodies.frame import Frame, Member, PointMass, assemble
 from fem.calculix import deck as calculix_deck
 from fem.calculix import leg as calculix
-from fem.calculix import robot as robot_calculix
+from fem.calculix import mechanism as mechanism_calculix
 from fem.sections.section_constants import section_constants
 from lumped import biglide, simplified
 from lumped.errors import ComputationError
@@ -106,7 +106,8 @@ def reduction_workout() -> None:
     calculix_deck.deck_text(calculix.leg_deck(mesh, cubic))
     calculix.mass_at_stiffness_points(mesh, cubic.rho)
     whole = solid.solid_leg(leg, mesh)
-    robot_calculix.robot_deck(IFW.robot, IFW.robot.centre, (whole, whole), 4)
+    (at,) = biglide.postures(IFW.robot, (IFW.robot.centre,))
+    mechanism_calculix.mechanism_deck(at, {"leg1": whole, "leg2": whole}, 4)
     next(case for case in robot_solid.cases() if "rigid.along-z" in case.id).compute(context)
 
 

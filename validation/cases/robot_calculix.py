@@ -7,10 +7,10 @@ import numpy as np
 
 from fem.bodies.solid import SolidLeg, solid_leg
 from fem.calculix.leg import mass_at_stiffness_points
-from fem.calculix.robot import compliance_and_frequencies
+from fem.calculix.mechanism import compliance_and_frequencies
 from fem.calculix.run import CalculixMissing, calculix_program
 from lumped.arrays import Array
-from lumped.biglide import Biglide, with_equivalent_legs
+from lumped.biglide import Biglide, postures, with_equivalent_legs
 from lumped.legs import equivalent_leg
 from meshes.prism.tetrahedra import tetrahedra
 from validation.case import Absolute, Case, Measurement, Relative, Skip
@@ -97,8 +97,9 @@ def by_calculix(robot: Biglide, x: float, divisions: int) -> tuple[Array, Array]
     """The same by CalculiX: compliance and frequencies; raises CalculixMissing without it."""
     calculix_program()
     whole = with_equivalent_legs(robot)
-    leg1, leg2 = (_tetrahedral(whole, number, divisions) for number in (1, 2))
-    return compliance_and_frequencies(whole, x, (leg1, leg2), MODES)
+    legs = {f"leg{number}": _tetrahedral(whole, number, divisions) for number in (1, 2)}
+    (at,) = postures(whole, (x,))
+    return compliance_and_frequencies(at, legs, MODES)
 
 
 def _tetrahedral(robot: Biglide, number: int, divisions: int) -> SolidLeg:

@@ -6,10 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from fem.calculix.deck import Deck, Equation, Part
+from fem.calculix.deck import Equation, Part
+from fem.calculix.mechanism import MechanismDeck
 from fem.elements.elasticity import mass
 from lumped.arrays import Array, SparseMatrix
 from lumped.legs import BeamProperties, Material
+from lumped.mechanism.joint import Joint
+from lumped.mechanism.mechanism import Posture
 from meshes.solid_mesh import SolidMesh
 from validation.faults.fault import Fault, Faulty, around, instead, result
 from validation.mode_pairing import Pairing
@@ -130,22 +133,30 @@ def _turned_equations(equations: tuple[Equation, ...]) -> tuple[Equation, ...]:
     )
 
 
-def _without_platform(deck: Deck) -> Deck:
-    return replace(deck, masses=())
+def _without_platform(made: MechanismDeck) -> MechanismDeck:
+    return replace(made, deck=replace(made.deck, masses=()))
 
 
-def _roots_held(deck: Deck) -> Deck:
-    """Revolute joints at A and C forgotten: the legs' φz, three and one node before P's, held."""
-    loaded = deck.watched[0]
-    return replace(deck, held=(*deck.held, (loaded - 3, 2), (loaded - 1, 2)))
+def _feet_held(sound: Faulty, posture: Posture, *rest: Any) -> Any:
+    """Revolute joints at A and C forgotten."""
+    joints = [
+        replace(joint, kind="fixed", axes=np.zeros((0, 3)))
+        if joint.name.startswith("foot")
+        else joint
+        for joint in posture.mechanism.joints
+    ]
+    return sound(replace(posture, mechanism=replace(posture.mechanism, joints=joints)), *rest)
 
 
-def _springs_without_couplings(sound: Faulty, stiffness: Array, *rest: Any) -> Any:
-    return sound(np.diag(np.diag(stiffness)), *rest)
+def _springs_without_couplings(sound: Faulty, posture: Posture, joint: Joint) -> Any:
+    if joint.compliance is None:
+        return sound(posture, joint)
+    return sound(posture, replace(joint, compliance=np.diag(np.diag(joint.compliance))))
 
 
-def _axes_untouched(deck: Deck) -> Deck:
-    return replace(deck, parts=tuple(replace(part, axes=None) for part in deck.parts))
+def _axes_untouched(made: MechanismDeck) -> MechanismDeck:
+    parts = tuple(replace(part, axes=None) for part in made.deck.parts)
+    return replace(made, deck=replace(made.deck, parts=parts))
 
 
 def _exact_mass(mesh: SolidMesh, rho: float) -> SparseMatrix:
@@ -296,28 +307,28 @@ FAULTS = (
     Fault(
         "robot-calculix.no-platform",
         "CalculiX deck of the robot: platform without mass",
-        "fem.calculix.robot:robot_deck",
+        "fem.calculix.mechanism:mechanism_deck",
         "data",
         result(_without_platform),
     ),
     Fault(
         "robot-calculix.joints-held",
         "CalculiX deck of the robot: revolute joints at A and C forgotten",
-        "fem.calculix.robot:robot_deck",
+        "fem.calculix.mechanism:_freedoms",
         "physics",
-        result(_roots_held),
+        around(_feet_held),
     ),
     Fault(
         "robot-calculix.springs-diagonal",
         "CalculiX deck of the robot: springs of feet and tool without their couplings",
-        "fem.calculix.deck:full_spring",
+        "fem.calculix.mechanism:_give",
         "physics",
         around(_springs_without_couplings),
     ),
     Fault(
         "robot-calculix.material-axes",
         "CalculiX deck of the robot: the legs' cubic material not turned with them",
-        "fem.calculix.robot:robot_deck",
+        "fem.calculix.mechanism:mechanism_deck",
         "physics",
         result(_axes_untouched),
     ),

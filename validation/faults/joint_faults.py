@@ -7,14 +7,14 @@ from typing import Any
 import numpy as np
 
 from lumped.arrays import Array
-from lumped.biglide import Biglide, Posture
+from lumped.biglide import Biglide, Places
 from lumped.chains import Chain, Element, Fixed, Joint, Spring
 from lumped.screws import rotation_z, shift
 from validation.faults.fault import Fault, Faulty, around, instead, result
 
 
 def _posture_with(**changes: Any) -> Any:
-    def change(posture: Posture) -> Posture:
+    def change(posture: Places) -> Places:
         return replace(posture, **{name: value(posture) for name, value in changes.items()})
 
     return result(change)

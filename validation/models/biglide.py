@@ -5,13 +5,11 @@ from functools import partial
 from lumped import biglide_assembly as mechanism
 from lumped import simplified, vjm
 from lumped.arrays import Array
-from lumped.biglide import Biglide
-from lumped.biglide import mechanism as bodies_and_joints
+from lumped.biglide import Biglide, postures
 from lumped.biglide_assembly import Mechanism
 from lumped.errors import InputError
 from lumped.leg_matrices import LegMatrices
 from lumped.legs import ConstantLeg, equivalent_leg
-from lumped.mechanism.kinematics.postures import reference_posture
 from lumped.models.bodies import tip_compliances
 from lumped.models.links import links
 from lumped.segments import segment_leg, static_leg, with_printed_tip_joint
@@ -96,7 +94,7 @@ def static_mechanism(
 
 
 def _links_compliance(robot: Biglide, x: float, options: ModelOptions) -> Array:
-    posture = reference_posture(bodies_and_joints(robot, x))
+    (posture,) = postures(robot, (x,))
     springs = tip_compliances(posture.mechanism, options.legs, options.theory, options.equivalent)
     bodies = links(posture.mechanism, springs)
     return compliance(solved(assembly(posture.mechanism, bodies).at(posture)))

@@ -12,6 +12,7 @@ from fem.calculix.leg import mass_at_stiffness_points
 from fem.calculix.mechanism import compliance_and_frequencies, mechanism_deck
 from fem.reduction.craig_bampton import craig_bampton
 from fem.reduction.superelement import held_leg
+from lumped.biglide import postures, with_equivalent_legs
 from lumped.mechanism.body import Prism, Rigid
 from lumped.mechanism.kinematics.postures import posture, reference_posture
 from lumped.models.bodies import legs_of
@@ -82,6 +83,25 @@ def test_a_joint_that_gives_way_in_all_directions():
     first, *others = mechanism.joints
     soft = replace(mechanism, joints=(replace(first, compliance=give), *others))
     assert agree(reference_posture(soft)) == 0
+
+
+TOOL = np.diag([2e-9, 3e-9, 1e-9, 4e-7, 3e-7, 5e-7])
+TOOL[[0, 1, 1, 5], [1, 0, 5, 1]] = 1e-9, 1e-9, 1e-8, 1e-8
+# With an offset in all directions, so that every lever of the platform counts.
+OFFSET = np.array([0.02, 0.03, 0.155])
+BIGLIDES = {
+    "rigid feet, offset": {"foot_compliance": None, "tool_offset": OFFSET},
+    "elastic feet": {},
+    "elastic feet, tool spring": {"tool_compliance": TOOL, "tool_offset": OFFSET},
+}
+
+
+@needs_calculix
+@pytest.mark.parametrize("changes", BIGLIDES.values(), ids=BIGLIDES)
+def test_the_biglide_with_feet_and_tool_springs(changes):
+    robot = replace(with_equivalent_legs(load_robot("ifw").robot), **changes)
+    place = robot.centre if changes else robot.stroke[0]
+    agree(*postures(robot, (place,)))
 
 
 @needs_calculix

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from fem.sections.section_constants import beam_properties, section_constants
-from lumped.biglide import mechanism as biglide_mechanism
+from lumped.biglide import postures as biglide_postures
 from lumped.errors import InputError
 from lumped.legs import tip_compliance
 from lumped.mechanism.body import Prism
@@ -109,7 +109,7 @@ def test_equal_bodies_are_reduced_once():
 @pytest.mark.parametrize("x", [0.145, 0.3, 0.85])
 def test_the_biglide_as_bodies_and_joints_gives_the_same_numbers(x):
     robot = load_robot("ifw").robot
-    at = [reference_posture(biglide_mechanism(robot, x))]
+    at = biglide_postures(robot, (x,))
     equivalent = ModelOptions(legs="equivalent")
     for model, options in (
         ("vjm", DEFAULT_OPTIONS),

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from lumped.biglide import mechanism
+from lumped.biglide import postures as biglide_postures
 from lumped.errors import InputError
 from lumped.mechanism.kinematics.closure import Closure
 from lumped.mechanism.kinematics.mobility import mobility
@@ -59,7 +60,7 @@ def test_the_biglide_moves_in_its_plane_and_is_held_three_times_too_often(ifw):
 
 
 def test_the_end_of_the_stroke_is_a_limit_that_the_drive_reaches_across(ifw):
-    found = mobility(reference_posture(mechanism(ifw, 0.85)))
+    found = mobility(*biglide_postures(ifw, (0.85,)))
     assert found.at_limit
     assert (found.stirring, found.barred) == (("drive1",), ("x",))
 

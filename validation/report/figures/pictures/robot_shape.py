@@ -7,7 +7,7 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
 from lumped.arrays import Array
-from lumped.biglide import Biglide, Posture
+from lumped.biglide import Biglide, Places
 from lumped.biglide_assembly import Mechanism
 from lumped.leg_matrices import LegMatrices
 from lumped.legs import ConstantLeg, equivalent_leg
@@ -207,7 +207,7 @@ def _constant_legs(robot: Biglide) -> tuple[ConstantLeg, ConstantLeg]:
     return equivalent_leg(robot.leg1), equivalent_leg(robot.leg2)
 
 
-def _frames(posture: Posture) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+def _frames(posture: Places) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
     return (posture.rotation1, posture.root1), (posture.rotation2, posture.root2)
 
 
