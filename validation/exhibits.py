@@ -21,6 +21,9 @@ class Study:
     (unit of the study); a curve without one is outside its asymptotic range, and `notes` say so.
     `limits` maps curves to the value they tend to (exact or extrapolated; zero for curves that are
     relative errors). Cases may share a study by giving equal ones: it is shown once.
+
+    Studies of one `family` and one x are drawn in the same axes, under `family_title`; where two of
+    them have a series of the same name, `variant` tells whose it is.
     """
 
     id: str
@@ -36,9 +39,14 @@ class Study:
     uncertainties: Mapping[str, float] = field(default_factory=dict)
     limits: Mapping[str, float] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
+    family: str = ""
+    family_title: str = ""
+    variant: str = ""
 
     def __post_init__(self) -> None:
         _require_file_name(self.id)
+        if self.family:
+            _require_file_name(self.family)
         for name, values in self.series.items():
             if len(values) != len(self.x):
                 raise ValueError(f"study {self.id}: {name} has {len(values)} of {len(self.x)} x")

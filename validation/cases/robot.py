@@ -36,7 +36,9 @@ CURVES = {
     "planar-y": ("planar_y", "planar deflection under 1000 N along y"),
     "along-z": ("along_z", "deflection along z under 1000 N along z"),
 }
+_MEANINGS = dict(CURVES.values())
 THEORIES: tuple[Theory, ...] = ("euler-bernoulli", "timoshenko")
+_NAMES: dict[Theory, str] = {"euler-bernoulli": "Euler–Bernoulli", "timoshenko": "Timoshenko"}
 # A finer beam model for the discretisation error of the frequencies.
 _FINE, _COARSE = 40, 20
 
@@ -121,12 +123,15 @@ def _static(context: Context, model: ModelName, theory: Theory, curve: str) -> M
     sweep = Study(
         id=f"robot.statics.{curve}.{model}.{theory}",
         kind="sweep",
-        title=f"{curve.replace('_', ' ')}: {model} and virtual joints ({theory})",
+        title=f"{curve.replace('_', ' ')}: {model} and virtual joints ({_NAMES[theory]})",
         x_label="x (m)",
         y_label="deflection (µm)",
         unit="µm",
         x=stations,
         series={"vjm": tuple(reference.tolist()), model: tuple(found.tolist())},
+        family=f"robot.statics.{curve}",
+        family_title=f"{_MEANINGS[curve]}: models of equivalent legs",
+        variant=_NAMES[theory],
     )
     open_of_value, open_of_reference = (
         float(getattr(_rounding(context, name, theory, stations[worst]), curve)[0])

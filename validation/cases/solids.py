@@ -371,6 +371,9 @@ def _order(context: Context, number: int, name: str) -> Measurement:
         uncertainties={} if uncertainty is None else {name: uncertainty},
         limits={} if limit is None else {name: limit},
         notes=notes,
+        family=f"refinement.leg{number}.solid",
+        family_title=f"Leg {number} as a solid",
+        variant=f"{name}, {meaning}",
     )
     return Measurement(
         float("nan") if order is None else order, FORMAL_ORDER, notes=notes, studies=(study,)

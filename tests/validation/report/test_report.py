@@ -251,23 +251,35 @@ def test_a_budget_shows_what_is_measured_explained_and_left():
     )
 
 
-def test_refinements_that_differ_in_their_last_part_share_their_axes():
+def test_refinements_of_a_family_share_their_axes():
+    cross = replace(CONVERGENCE, family="benchmark.cross", family_title="cross", orders={})
     members = [
-        replace(CONVERGENCE, id=f"benchmark.cross.{n}", series={f"bending {n}": SERIES}, orders={})
-        for n in (1, 2)
+        replace(cross, id=f"benchmark.cross.{n}", series={f"bending {n}": SERIES}) for n in (1, 2)
     ]
-    other = replace(CONVERGENCE, id="benchmark.beam.1")
+    other = replace(CONVERGENCE, id="benchmark.cross.3")
     found = families([model_case("solid", "c22", 2.0, studies=(*members, other))])
-    assert [family.id for family in found] == ["benchmark.cross", "benchmark.beam.1"]
+    assert [family.id for family in found] == ["benchmark.cross", "benchmark.cross.3"]
+    assert [family.title for family in found] == ["Cross", CONVERGENCE.title]
     assert [curve.label for curve in found[0].curves] == ["bending 1", "bending 2"]
+
+
+def test_series_of_one_name_are_told_apart_by_the_variant_of_their_study():
+    of = {"solid": SERIES}
+    bending, torsion = (
+        replace(CONVERGENCE, id=f"leg.{name}", series=of, orders={}, family="leg", variant=name)
+        for name in ("bending", "torsion")
+    )
+    (family,) = families([model_case("solid", "c22", 2.0, studies=(bending, torsion))])
+    assert [curve.label for curve in family.curves] == ["bending", "torsion"]
 
 
 SERIES = next(iter(CONVERGENCE.series.values()))
 
 
 def test_families_with_different_abscissas_have_ids_of_their_own():
-    short = replace(CONVERGENCE, id="benchmark.cross.9", x=CONVERGENCE.x[1:], series={})
-    members = [replace(CONVERGENCE, id=f"benchmark.cross.{n}") for n in (1, 2)]
+    cross = replace(CONVERGENCE, family="benchmark.cross")
+    short = replace(cross, id="benchmark.cross.9", x=CONVERGENCE.x[1:], series={})
+    members = [replace(cross, id=f"benchmark.cross.{n}") for n in (1, 2)]
     found = families([model_case("solid", "c22", 2.0, studies=(*members, short))])
     assert [family.id for family in found] == ["benchmark.cross.1", "benchmark.cross.9"]
 
@@ -355,7 +367,7 @@ def test_a_plot_that_fails_costs_nothing_but_itself(monkeypatch):
 
 def test_sweeps_of_several_models_share_their_axes_and_draw_the_common_curve_once():
     sweeps = [
-        replace(SWEEP, id=f"robot.{model}", series={"vjm": VJM, model: VJM})
+        replace(SWEEP, id=f"robot.{model}", family="robot", series={"vjm": VJM, model: VJM})
         for model in ("segments", "beam")
     ]
     (family,) = families([model_case("solid", "c22", 2.0, studies=tuple(sweeps))])

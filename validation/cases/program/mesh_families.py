@@ -192,4 +192,6 @@ def _study(subject: str, name: str, family: str, found: Refinement, own: float, 
         uncertainties={label: own},
         limits={} if limit is None else {label: limit},
         notes=() if enough else ("Too few meshes to show an order.",),
+        family=f"mesh-families.{subject}.{name}",
+        family_title=f"{SUBJECTS[subject].meaning.capitalize()}: {name}",
     )

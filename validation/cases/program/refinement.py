@@ -123,6 +123,9 @@ def _order(context: Context, number: int, name: str, mode: int) -> Measurement:
         formal_order=_FORMAL[name][0],
         orders={name: order},
         limits={name: 0.0},
+        family=f"refinement.leg{number}.{name}",
+        family_title=f"Leg {number}, {name}: bending frequencies",
+        variant=f"bending frequency {mode + 1}",
     )
     return Measurement(
         order,

@@ -172,6 +172,7 @@ def family(
             compute=partial(
                 _frequency,
                 name=name,
+                title=title,
                 build=build,
                 cluster=cluster,
                 counts=counts,
@@ -191,6 +192,7 @@ def family(
 def _frequency(
     context: Context,
     name: str,
+    title: str,
     build: Callable[[int], Frame],
     cluster: Cluster,
     counts: tuple[int, ...],
@@ -207,19 +209,29 @@ def _frequency(
         value_uncertainty=uncertainty_of(convergence),
         allowances=explain(cluster),
         table=cluster.table(own[-1]),
-        studies=(cluster_study(name, cluster, convergence, "elements per member"),),
+        studies=(cluster_study(name, title, cluster, convergence, "elements per member"),),
     )
 
 
 def refinement_study(
-    name: str, curve: str, quantity: str, unit: str, convergence: Convergence, x_label: str
+    benchmark: str,
+    title: str,
+    label: str,
+    curve: str,
+    quantity: str,
+    unit: str,
+    convergence: Convergence,
+    x_label: str,
 ) -> Study:
-    """The refinement of one number, sizes being inverse numbers of elements (`x_label`)."""
+    """One refined number of a benchmark (by id and title), its sizes inverse numbers of elements.
+
+    `label` and `curve` name the number in the study's id and in its plot.
+    """
     order, limit = convergence.observed_order, convergence.extrapolated
     return Study(
-        id=f"benchmark.{name}",
+        id=f"benchmark.{benchmark}.{label}",
         kind="convergence",
-        title=f"{name}: {curve}",
+        title=f"{title}: {curve}",
         x_label=x_label,
         y_label=quantity,
         unit=unit,
@@ -230,13 +242,19 @@ def refinement_study(
         uncertainties={curve: uncertainty_of(convergence)},
         limits={} if limit is None else {curve: limit},
         notes=(convergence.refusal,) if convergence.refusal else (),
+        family=f"benchmark.{benchmark}",
+        family_title=title,
     )
 
 
-def cluster_study(name: str, cluster: Cluster, convergence: Convergence, x_label: str) -> Study:
+def cluster_study(
+    name: str, title: str, cluster: Cluster, convergence: Convergence, x_label: str
+) -> Study:
     """The refinement of a cluster's worst mode (Hz)."""
     return refinement_study(
-        f"{name}.{cluster.label}",
+        name,
+        title,
+        cluster.label,
         cluster.meaning,
         "natural frequency",
         "Hz",

@@ -40,6 +40,8 @@ from validation.convergence import analyse, uncertainty_of
 from validation.leg_solids import FORMAL_ORDER
 from validation.prism_waves import WaveKind, beam_wave_frequency, prism_wave_frequency
 
+_CANTILEVER = "MacNeal–Harder cantilever as a solid"
+_BEAM = "NAFEMS FV5 as a solid"
 FV5_DIVISIONS = (2, 3, 4, 6)
 STRAIGHT_DIVISIONS = (2, 3, 4, 5)
 # Slices along the whole beam per division of the section: errors of both directions alike.
@@ -86,7 +88,7 @@ def cases() -> tuple[Case, ...]:
 def _macneal_case(name: str) -> Case:
     return Case(
         id=f"benchmark.macneal-harder.solid[{name}]",
-        title=f"MacNeal–Harder cantilever as a solid: {name}",
+        title=f"{_CANTILEVER}: {name}",
         quantity=MACNEAL_TARGETS[name][2],
         unit="rad" if name == "twist" else "m",
         reference_kind="closed-form" if name == "twist" else "published",
@@ -115,7 +117,9 @@ def _macneal(context: Context, name: str) -> Measurement:
         notes=("ends free to warp and contract", *((TWIST_NOTE,) if name == "twist" else ())),
         studies=(
             refinement_study(
-                f"macneal-harder.solid.{name}",
+                "macneal-harder.solid",
+                _CANTILEVER,
+                name,
                 name,
                 quantity,
                 "rad" if name == "twist" else "m",
@@ -144,7 +148,7 @@ def extruded(leg: ConstantLeg, divisions: int, slices: int) -> solid.SolidLeg:
 def _fv5_case(cluster: Cluster) -> Case:
     return Case(
         id=f"benchmark.fv5.solid[{cluster.label}]",
-        title=f"NAFEMS FV5 as a solid: {cluster.meaning}",
+        title=f"{_BEAM}: {cluster.meaning}",
         quantity=f"natural frequency {cluster.label}, worst of the cluster",
         unit="Hz",
         reference_kind="published",
@@ -172,7 +176,9 @@ def _fv5(context: Context, cluster: Cluster) -> Measurement:
         value_uncertainty=uncertainty_of(convergence),
         allowances=(_beam_theory_error(FV5_WAVES[cluster]),),
         table=cluster.table(found[-1]),
-        studies=(cluster_study("fv5.solid", cluster, convergence, "divisions of the section"),),
+        studies=(
+            cluster_study("fv5.solid", _BEAM, cluster, convergence, "divisions of the section"),
+        ),
     )
 
 

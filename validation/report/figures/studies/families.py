@@ -1,19 +1,12 @@
 """Studies that belong together, in the same axes: refinement with its order, sweeps of models."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from os.path import commonprefix
 
 from validation.case import Outcome
 from validation.exhibits import Study
 from validation.report.text import function_name
-
-# Parts of a sweep's id that name a model or a variant of it, not what is swept.
-_NAMING = {
-    *("simplified", "vjm", "segments", "beam", "solid"),
-    *("euler-bernoulli", "timoshenko"),
-}
 
 
 @dataclass(frozen=True)
@@ -87,30 +80,22 @@ class Family:
 def families(outcomes: Sequence[Outcome]) -> tuple[Family, ...]:
     """The studies that came with the outcomes by family, in the order of their first member.
 
-    Refinements belong together if their ids differ in the last part alone, sweeps if they differ
-    in the names of models; all must have the same kind and abscissa.
+    Members of a family that have another abscissa stand alone.
     """
     gathered: dict[tuple[str, ...], dict[str, Study]] = {}
-    titles: dict[str, list[str]] = {}
     makers: dict[str, list[str]] = {}
     for outcome in outcomes:
         for study in outcome.measurement.studies if outcome.measurement else ():
-            stem = _stem(study)
-            key = (stem, study.kind, study.x_label, repr(study.x))
+            key = (study.family or study.id, study.kind, study.x_label, repr(study.x))
             gathered.setdefault(key, {})[study.id] = study
-            titles.setdefault(stem, []).append(outcome.case.title)
             makers.setdefault(study.id, []).append(function_name(outcome.case.compute))
-    stems = [key[0] for key in gathered]
+    names = [key[0] for key in gathered]
     return tuple(
         replace(
-            _family(
-                stem if len(members) > 1 and stems.count(stem) == 1 else next(iter(members)),
-                tuple(members.values()),
-                titles[stem],
-            ),
-            computed_by=tuple(dict.fromkeys(name for one in members for name in makers[one])),
+            _together(tuple(members.values())) if names.count(name) == 1 else _apart(members),
+            computed_by=tuple(dict.fromkeys(maker for one in members for maker in makers[one])),
         )
-        for (stem, *_), members in gathered.items()
+        for (name, *_), members in gathered.items()
     )
 
 
@@ -120,15 +105,13 @@ def alone(study: Study) -> Family:
     return Family(study.id, _capitalised(study.title), curves)
 
 
-def _stem(study: Study) -> str:
-    parts = study.id.split(".")
-    if study.kind == "convergence":
-        return ".".join(parts[:-1]) if len(parts) > 2 else study.id
-    kept = [part for part in parts if part not in _NAMING]
-    return ".".join(kept) or study.id
+def _apart(members: Mapping[str, Study]) -> Family:
+    """Members with an abscissa of their own, under the id of the first: the family's is taken."""
+    first = next(iter(members.values()))
+    return replace(_together(tuple(members.values())), id=first.id)
 
 
-def _family(identifier: str, members: Sequence[Study], case_titles: Sequence[str]) -> Family:
+def _together(members: Sequence[Study]) -> Family:
     if len(members) == 1:
         return alone(members[0])
     curves: dict[str, Curve] = {}
@@ -137,11 +120,10 @@ def _family(identifier: str, members: Sequence[Study], case_titles: Sequence[str
             curve = Curve(_label(name, study, members), name, study)
             # Equal curves (the reference of several comparisons) are drawn once.
             curves.setdefault(f"{curve.label} {curve.values!r}", curve)
-    title = _common([study.title for study in members]) or _common(case_titles) or identifier
-    measured = members[0].y_label.partition(" (")[0]
-    if members[0].kind == "sweep" and measured not in title:
-        title = f"{title}: {measured}"
-    return Family(identifier, _capitalised(title), tuple(curves.values()))
+    first = members[0]
+    return Family(
+        first.family, _capitalised(first.family_title or first.title), tuple(curves.values())
+    )
 
 
 def _capitalised(title: str) -> str:
@@ -152,24 +134,11 @@ def _spoken(name: str) -> str:
     return re.sub(r"^vjm\b", "VJM", name)
 
 
-def _common(titles: Sequence[str]) -> str:
-    """What the titles begin with, cut at a word, and what all of them end with after a colon."""
-    shared = commonprefix(list(titles))  # noqa: RUF071  titles, no paths
-    words = (shared if shared.endswith((" ", ":")) else shared.rpartition(" ")[0]).rstrip(" :,")
-    start = words.removesuffix(" in")
-    endings = {title.rpartition(": ")[2] for title in titles}
-    return f"{start}: {endings.pop()}" if start and len(endings) == 1 else start
-
-
 def _label(name: str, study: Study, members: Sequence[Study]) -> str:
-    if sum(name in other.series for other in members) == 1:
+    """The series' name, with or (refinements of one quantity each) as the study's variant."""
+    variants = {other.variant for other in members if name in other.series}
+    if len(variants) == 1 or not study.variant:
         return _spoken(name)
     if study.kind == "convergence":
-        return study.title.rpartition(": ")[2] or name
-    variants = {part for other in members for part in other.id.split(".") if part in _THEORIES}
-    own = next((part for part in study.id.split(".") if part in variants), "")
-    said = _spoken(name)
-    return f"{said}, {_THEORIES[own]}" if len(variants) > 1 and own else said
-
-
-_THEORIES = {"euler-bernoulli": "Euler–Bernoulli", "timoshenko": "Timoshenko"}
+        return study.variant
+    return f"{_spoken(name)}, {study.variant}"
