@@ -66,10 +66,12 @@ def outlines(section: Section) -> tuple[Array, list[Array]]:
     return _rectangle(*section.extent), bores
 
 
-def joint_faces(posture: Posture, joint: Joint, radius: float) -> Iterator[Face]:
+def joint_faces(
+    posture: Posture, joint: Joint, radius: float, reach: float = 0.0
+) -> Iterator[Face]:
     """The symbol of a joint where its first body ends: drum, sleeve, ball, cross or plate.
 
-    What slides on ground is drawn where it has slid to.
+    What slides on ground is drawn where it has slid to. Drums are at least `reach` (m) long.
     """
     place = interface_position(posture, joint.second if on_ground(joint) else joint.first)
     turn = turned_since_reference(posture, joint.first.body)
@@ -85,7 +87,7 @@ def joint_faces(posture: Posture, joint: Joint, radius: float) -> Iterator[Face]
             for axis in (axes[0], second):
                 yield from _drum(place, axis, 0.45 * radius, 1.5 * radius, matter)
         case "revolute":
-            yield from _drum(place, axes[0], radius, 1.2 * radius, matter)
+            yield from _drum(place, axes[0], radius, max(1.2 * radius, reach), matter)
         case "cylindrical":
             yield from _drum(place, axes[0], 0.8 * radius, 2.0 * radius, matter)
         case "prismatic":

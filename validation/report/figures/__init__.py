@@ -14,9 +14,21 @@ def drawings(robot_file: RobotFile) -> tuple[Drawing, ...]:
 
 
 def _of_mechanism() -> tuple[Drawing, ...]:
-    from validation.report.figures import mechanism  # noqa: PLC0415
+    from validation.report.figures.mechanism import (  # noqa: PLC0415
+        curves,
+        energies,
+        pairs,
+        portrait,
+        shapes,
+    )
 
-    return mechanism.drawings()
+    return (
+        *portrait.drawings(),
+        *curves.drawings(),
+        *shapes.drawings(),
+        *pairs.drawings(),
+        *energies.drawings(),
+    )
 
 
 def _of_biglide() -> tuple[Drawing, ...]:

@@ -91,10 +91,16 @@ def plot_style() -> Iterator[None]:
         yield
 
 
-def canvas(rows: int = 1, columns: int = 1, height: float = 3.3) -> tuple[Canvas, list[Axes]]:
-    """An empty picture as wide as the page and its axes, row by row; they make room for texts."""
+def canvas(
+    rows: int = 1, columns: int = 1, height: float = 3.3, heights: Sequence[float] | None = None
+) -> tuple[Canvas, list[Axes]]:
+    """An empty picture as wide as the page and its axes, row by row; they make room for texts.
+
+    `heights` of the rows, in proportion; alike if left out.
+    """
     picture = Canvas(figsize=(WIDTH, height), layout="constrained")
-    return picture, list(picture.subplots(rows, columns, squeeze=False).flat)
+    axes = picture.subplots(rows, columns, squeeze=False, height_ratios=heights)
+    return picture, list(axes.flat)
 
 
 @dataclass(frozen=True)

@@ -137,6 +137,22 @@ def plain_log(axes: Axes, low: float, high: float) -> None:
     axes.yaxis.set_minor_locator(mpl.ticker.NullLocator())
 
 
+def percent_scale(axes: Axes) -> None:
+    """Linear within one percent, logarithmic beyond: curves that agree and such that do not."""
+    axes.axhline(0.0, color="#999999", linewidth=0.8)
+    drawn = np.concatenate([[0.0], *(np.asarray(line.get_ydata()) for line in axes.get_lines())])
+    low, high = float(np.nanmin(drawn)), float(np.nanmax(drawn))
+    axes.set_yscale("symlog", linthresh=1.0, linscale=0.6)
+    ticks = [1.0, 10.0, 100.0, 1000.0]
+    axes.set_yticks([0.0, *(sign * tick for tick in ticks for sign in (1.0, -1.0))])
+    axes.yaxis.set_major_formatter(
+        mpl.ticker.FuncFormatter(lambda value, _: f"{value:+g}" if value else "0")
+    )
+    axes.yaxis.set_minor_locator(mpl.ticker.NullLocator())
+    # Nothing of note on one side of zero needs no room there.
+    axes.set_ylim(1.6 * min(low, -1.0), 1.6 * max(high, 1.0))
+
+
 def course(curve: Array) -> str:
     """What a curve does throughout: "rises", "falls", or without a fixed direction "goes"."""
     steps = np.diff(curve)

@@ -6,7 +6,6 @@ from typing import TypeVar
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.ticker import FuncFormatter, NullLocator
 
 from lumped.arrays import Array
 from validation.cases.paper_family import ALPHAS, FIGURE_POINTS
@@ -21,6 +20,7 @@ from validation.report.figures.curves.lines import (
     from_zero,
     gather,
     legend_above,
+    percent_scale,
 )
 from validation.report.figures.curves.sweeps import stations
 from validation.report.figures.style import canvas, csv_of, plot_style, svg_of
@@ -102,7 +102,7 @@ def panels_svg(
                 axes.set_xlabel(x_label)
         finish(drawn[: len(panels)])
         for axes in drawn[len(panels) :]:
-            _percent_scale(axes)
+            percent_scale(axes)
         legend_above(picture, legend_columns)
         return svg_of(picture)
 
@@ -121,20 +121,6 @@ def _relative(stack: Stack, against: Line) -> Stack:
     return {
         line: 100.0 * (values / known - 1.0) for line, values in stack.items() if line != against
     }
-
-
-def _percent_scale(axes: Axes) -> None:
-    """Linear within one percent, logarithmic beyond: curves that agree and such that do not."""
-    axes.axhline(0.0, color="#999999", linewidth=0.8)
-    drawn = np.concatenate([[0.0], *(np.asarray(line.get_ydata()) for line in axes.get_lines())])
-    low, high = float(np.nanmin(drawn)), float(np.nanmax(drawn))
-    axes.set_yscale("symlog", linthresh=1.0, linscale=0.6)
-    ticks = [1.0, 10.0, 100.0, 1000.0]
-    axes.set_yticks([0.0, *(sign * tick for tick in ticks for sign in (1.0, -1.0))])
-    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:+g}" if value else "0"))
-    axes.yaxis.set_minor_locator(NullLocator())
-    # Nothing of note on one side of zero needs no room there.
-    axes.set_ylim(1.6 * min(low, -1.0), 1.6 * max(high, 1.0))
 
 
 def family_panels(

@@ -1,14 +1,15 @@
-"""Figures of any mechanism: its picture, what gives way over its path, how it vibrates."""
+"""Deflections and frequencies over the path by all models, and how far they are apart."""
 
 from collections.abc import Callable, Mapping, Sequence
-from io import BytesIO
 from itertools import cycle
+from typing import NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 from lumped.arrays import Array
+from lumped.legs import ConstantLeg
 from lumped.mechanism.mechanism import Posture
 from lumped.requirement import STATIC_QUANTITIES
 from validation.adequacy.mechanism.dynamics import (
@@ -17,16 +18,15 @@ from validation.adequacy.mechanism.dynamics import (
     offered,
     simplified_vibration,
 )
-from validation.adequacy.mechanism.path import coordinates, path_postures
+from validation.adequacy.mechanism.path import coordinates, known_legs, path_postures
 from validation.adequacy.mechanism.samples import samples_of
 from validation.adequacy.mechanism.statics import compliances, is_serial, static_reference
+from validation.adequacy.partners import partners
 from validation.cases.mechanism import GROUP, MODES, SECTION
 from validation.context import Context
 from validation.exhibits import Drawing, Figure
-from validation.kinematics.picture import picture
 from validation.models.options import ModelName, ModelOptions
-from validation.report.figures.curves.lines import from_zero, legend_above
-from validation.report.figures.pictures.portrait import ID as PORTRAIT
+from validation.report.figures.curves.lines import from_zero, legend_above, percent_scale
 from validation.report.figures.style import (
     MODELS,
     OTHERS,
@@ -40,8 +40,8 @@ from validation.report.figures.style import (
 )
 
 FORCE, MOMENT = 1000.0, 100.0
-_DOTS = 200  # per inch
-_HALF = 4.2  # in, beside the errors
+# in, of a row of panels and of the differences below it.
+_HIGH, _LOW = 2.0, 1.5
 _EULER = ModelOptions(theory="euler-bernoulli")
 _TITLE = "Deflection over the path"
 _FREQUENCIES = "Natural frequencies over the path"
@@ -56,10 +56,16 @@ _CURVES: Mapping[str, tuple[ModelName, ModelOptions, Look]] = {
 Curves = Mapping[str, tuple[Array, Look]]
 
 
+class Panel(NamedTuple):
+    """Values by model (m, one a pose), and their `differences` from the reference in percent."""
+
+    curves: Curves
+    differences: Curves
+
+
 def drawings() -> tuple[Drawing, ...]:
-    """The picture, deflections and frequencies over the path."""
+    """Deflections and frequencies over the path."""
     return (
-        Drawing(PORTRAIT, "The mechanism", portrait, section=SECTION, group="pictures"),
         _drawing("mechanism.deflections", _TITLE, deflections, 3.0),
         _drawing("mechanism.frequencies", _FREQUENCIES, frequencies, 3.0),
     )
@@ -69,46 +75,29 @@ def _drawing(name: str, title: str, draw: Callable[[Context], Figure], effort: f
     return Drawing(name, title, draw, section=SECTION, group=GROUP, effort=effort)
 
 
-def portrait(context: Context) -> Figure:
-    """The middle pose in full, the first and the last as lines."""
-    postures = path_postures(context)
-    shown = [postures[0], postures[len(postures) // 2], postures[-1]]
-    content = BytesIO()
-    with plot_style():
-        drawn = picture(context.robot_file.mechanism, shown, _HALF, named=False)
-        drawn.savefig(content, dpi=_DOTS, format="png")
-    return Figure(
-        id=PORTRAIT,
-        title="The mechanism",
-        caption="In the middle of its path; thin lines: first and last pose. Driven joints are "
-        "orange, the loaded point red.",
-        section=SECTION,
-        png=content.getvalue(),
-    )
-
-
 def deflections(context: Context) -> Figure:
     """A panel for each direction, under a force or a moment along it."""
     postures = path_postures(context)
     found: dict[str, tuple[Array, Look]] = {}
+    reference = static_reference(context, postures)
     for name, (model, options, look) in _CURVES.items():
         if model != "vjm" or not is_serial(postures):
             response = compliances(postures, model, options)
             found[name] = _own(response.compliance), look
-    for one, line in zip(
-        static_reference(context, postures).alternatives, ("-", "--"), strict=False
-    ):
-        solid = MODELS["solid"]
-        found[f"solid, {one.name}"] = (
-            _own(one.response.compliance),
-            Look(solid.colour, solid.marker, line),
-        )
+    legs = known_legs(context.robot_file.mechanism).values()
+    solid = any(isinstance(leg, ConstantLeg) for leg in legs)
+    against = ""
+    for one, look in zip(reference.alternatives, _SOLID, strict=False):
+        name = f"solid, {one.name}" if solid else "legs' own 6×6"
+        found[name] = _own(one.response.compliance), look
+        against = against or name
     panels = {}
     for place, name in enumerate(STATIC_QUANTITIES):
         turns = name.startswith("phi")
         title = f"about {name[-1]} (µrad)" if turns else f"along {name} (µm)"
         factor = 1e6 * (MOMENT if turns else FORCE)
-        panels[title] = {key: (factor * one[:, place], look) for key, (one, look) in found.items()}
+        curves = {key: (factor * one[:, place], look) for key, (one, look) in found.items()}
+        panels[title] = Panel(curves, _differences(curves, against))
     return _figure(
         context,
         "mechanism.deflections",
@@ -116,6 +105,7 @@ def deflections(context: Context) -> Figure:
         "Of the loaded point. Solid legs with end faces as the file says; where it does not, "
         "kept plane and free to warp.",
         panels,
+        against,
     )
 
 
@@ -124,30 +114,42 @@ def frequencies(context: Context) -> Figure:
     postures = path_postures(context)
     judged = context.robot_file.requirement.modes
     count = offered(judged)
-    found: dict[str, tuple[Array, Look]] = {}
+    found = {}
     rigid = simplified_vibration(samples_of(postures[0].mechanism), postures, count)
     if rigid is not None:
-        found["simplified"] = rigid.frequencies, MODELS["simplified"]
+        found["simplified"] = rigid, MODELS["simplified"]
     for name in ("segments", "beam", "beam-euler-bernoulli"):
         model, options, look = _CURVES[name]
         vibration = context.get(model_vibration, postures, model, options, count)
-        found[name] = vibration.frequencies, look
+        found[name] = vibration, look
     reference = dynamic_reference(context, postures, judged)
     looks = cycle(OTHERS) if reference.bracket else iter(_SOLID)
+    against = ""
     for one, look in zip(reference.alternatives, looks, strict=False):
         if one.response.vibration is not None:
             label = one.name if reference.bracket else f"solid, {one.name}"
-            found[label] = one.response.vibration.frequencies, look
-    panels = {
-        f"f{mode + 1} (Hz)": {key: (one[:, mode], look) for key, (one, look) in found.items()}
-        for mode in range(min(MODES, judged))
+            found[label] = one.response.vibration, look
+            against = against or label
+    first, weights = found[against][0], samples_of(context.robot_file.mechanism).weights
+    own = first.frequencies[:, :judged]
+    paired = {
+        name: 100.0 * (partners(first, one, weights, judged).frequency / own - 1.0)
+        for name, (one, _) in found.items()
+        if name != against
     }
+    panels = {}
+    for mode in range(min(MODES, judged)):
+        panels[f"f{mode + 1} (Hz)"] = Panel(
+            {key: (one.frequencies[:, mode], look) for key, (one, look) in found.items()},
+            {key: (one[:, mode], found[key][1]) for key, one in paired.items()},
+        )
     return _figure(
         context,
         "mechanism.frequencies",
         _FREQUENCIES,
-        "In ascending order at each pose; the matrix pairs modes by their shapes.",
+        "In ascending order at each pose; differences are those of modes of one shape.",
         panels,
+        against,
         columns=2,
     )
 
@@ -166,50 +168,84 @@ def _figure(
     name: str,
     title: str,
     caption: str,
-    panels: Mapping[str, Curves],
+    panels: Mapping[str, Panel],
+    against: str,
     columns: int = 3,
 ) -> Figure:
+    """The panels, below each row the differences of all other curves from the one `against`."""
     postures = path_postures(context)
     x, label = _abscissa(context, postures)
     rows = -(-len(panels) // columns)
     with plot_style():
-        drawn, places = canvas(rows, columns, 0.8 + 2.1 * rows)
-        for axes, (heading, curves) in zip(places, panels.items(), strict=False):
-            _draw(axes, x, curves)
-            axes.set_title(heading)
-            axes.set_xlabel(label)
-            axes.xaxis.set_major_locator(MaxNLocator(integer=label == "pose"))
-        for axes in places[len(panels) :]:
+        heights = rows * (_HIGH, _LOW)
+        drawn, places = canvas(2 * rows, columns, 0.8 + sum(heights), heights)
+        for axes in places:
             axes.set_axis_off()
+        for place, (heading, panel) in enumerate(panels.items()):
+            row, column = divmod(place, columns)
+            above, below = (places[(2 * row + k) * columns + column] for k in (0, 1))
+            for axes in (above, below):
+                axes.set_axis_on()
+                axes.xaxis.set_major_locator(MaxNLocator(integer=label == "pose"))
+                if len(x) == 1:
+                    axes.set_xlim(x[0] - 0.5, x[0] + 0.5)
+            _draw(above, x, panel.curves)
+            from_zero(above)
+            above.set_title(heading)
+            above.tick_params(labelbottom=False)
+            _draw(below, x, panel.differences)
+            percent_scale(below)
+            below.set_xlabel(label)
+            if not column:
+                below.set_ylabel("difference (%)")
         legend_above(drawn, columns=4)
         svg = svg_of(drawn)
     table: dict[str, Sequence[float]] = {
         named: [float(at.pose[place]) for at in postures]
         for place, named in enumerate(coordinates(context.robot_file.mechanism))
     }
-    for heading, curves in panels.items():
-        table |= {f"{key}: {heading}": values.tolist() for key, (values, _) in curves.items()}
+    for heading, panel in panels.items():
+        columns_of = {f"{key}: {heading}": values for key, (values, _) in panel.curves.items()}
+        table |= {name: values.tolist() for name, values in columns_of.items()}
     return Figure(
-        id=name, title=title, caption=caption, section=SECTION, svg=svg, data=csv_of(table)
+        id=name,
+        title=title,
+        caption=f"{caption} Below each: what the others differ from {against}, in percent.",
+        section=SECTION,
+        svg=svg,
+        data=csv_of(table),
     )
+
+
+def _differences(curves: Curves, against: str) -> dict[str, tuple[Array, Look]]:
+    """All other curves in percent of the one `against`, as far as that is not zero."""
+    reference = curves[against][0]
+    known = np.where(reference != 0.0, reference, np.nan)
+    return {
+        name: (100.0 * (values / known - 1.0), look)
+        for name, (values, look) in curves.items()
+        if name != against
+    }
 
 
 def _draw(axes: Axes, x: Array, curves: Curves) -> None:
     for rank, (name, (values, look)) in enumerate(curves.items()):
-        axes.plot(
-            x,
-            values,
-            label=name,
-            linewidth=3.0 - 2.0 * rank / max(len(curves) - 1, 1),
-            markevery=marked(len(x), rank, len(curves)),
-            **look.options(),
-        )
-    from_zero(axes)
+        if np.isfinite(values).any():
+            axes.plot(
+                x,
+                values,
+                label=name,
+                linewidth=3.0 - 2.0 * rank / max(len(curves) - 1, 1),
+                markevery=marked(len(x), rank, len(curves)),
+                **look.options(),
+            )
 
 
 def _abscissa(context: Context, postures: Sequence[Posture]) -> tuple[Array, str]:
-    """The poses' only coordinate, or their number along the path."""
+    """The only coordinate that changes along the path, or the poses' numbers along it."""
     named = coordinates(context.robot_file.mechanism)
-    if len(named) == 1:
-        return np.array([at.pose[0] for at in postures]), named[0]
+    poses = np.array([at.pose for at in postures])
+    changing = np.flatnonzero(np.ptp(poses, axis=0) > 0.0)
+    if len(changing) == 1:
+        return poses[:, changing[0]], named[changing[0]]
     return np.arange(1.0, len(postures) + 1.0), "pose"

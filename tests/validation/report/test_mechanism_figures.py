@@ -1,0 +1,132 @@
+"""Figures of mechanisms: what is drawn goes where the model says, and shows what it is named."""
+
+import csv
+import io
+import zipfile
+
+import numpy as np
+import pytest
+
+from lumped.mechanism.free_twists import interface_position
+from lumped.mechanism.joint import Side
+from lumped.mechanism.kinematics.postures import reference_posture
+from lumped.robot_file import load_robot
+from validation.context import Context
+from validation.kinematics.poses import postures_of
+from validation.models.mechanism import answers
+from validation.models.mechanism_modes import mechanism_modes
+from validation.report.figures.mechanism import curves, energies, pairs, shapes
+from validation.report.figures.mechanism.bodies import compared_points, legs, surroundings
+
+
+@pytest.fixture(scope="module")
+def five_bar():
+    return Context(load_robot("five-bar"), "quick")
+
+
+def table(figure):
+    return list(csv.DictReader(io.StringIO(figure.data)))
+
+
+def modes_of(name, model="beam", count=6):
+    (found,) = mechanism_modes(model, [reference_posture(load_robot(name).mechanism)], count)
+    return found
+
+
+@pytest.mark.parametrize("name", ["five-bar", "delta", "hexapod"])
+def test_what_is_drawn_at_the_tool_moves_as_the_tool(name):
+    """The nearest point drawn of the tool's body, carried to the tool by its own turn."""
+    found = modes_of(name)
+    system = found.system
+    tool = system.posture.mechanism.tool
+    for shape in found.modes.shapes.T:
+        twist = system.tool @ shape
+        place = interface_position(system.posture, Side(tool.body, tool.point))
+        drawn = [
+            (one.points[i], one.displacements[i])
+            for one in (*legs(system, shape), *surroundings(system, shape))
+            for i in np.flatnonzero(np.linalg.norm(one.points - place, axis=1) < 0.15)
+        ]
+        errors = [
+            np.linalg.norm(moved - twist[:3] - np.cross(twist[3:], point - place))
+            for point, moved in drawn
+        ]
+        assert min(errors) <= 1e-12 * np.abs(twist).max()
+
+
+def test_the_root_of_a_leg_is_drawn_where_its_interface_goes():
+    """The rim turns with the interface: rigid motion by its twist."""
+    found = modes_of("delta")
+    system, shape = found.system, found.modes.shapes[:, 3]
+    frames = system.posture.frames
+    for name, drawn in zip(system.models, legs(system, shape), strict=True):
+        own = system.own(name, shape[:, None])[:, 0]
+        turned = np.kron(np.eye(2), frames[name].rotation) @ own[:6]
+        arms = drawn.points - frames[name].position
+        root = np.abs(arms @ frames[name].rotation[:, 0]) < 1e-9
+        expected = turned[:3] + np.cross(turned[3:], arms[root])
+        assert root.sum() >= 4
+        np.testing.assert_allclose(
+            drawn.displacements[root], expected, atol=1e-12 * np.abs(shape).max()
+        )
+
+
+def test_segments_are_drawn_in_the_sense_and_mixture_of_the_beams():
+    """Double modes of a Delta: whatever mixture each solver returns, both pictures agree."""
+    beam, segments = modes_of("delta"), modes_of("delta", "segments", 8)
+    for mode in range(6):
+        like = shapes._like(beam, segments, mode)
+        _, fine = compared_points(beam.system, beam.modes.shapes[:, mode])
+        _, coarse = compared_points(segments.system, like)
+        assert np.linalg.norm(fine - coarse) <= 0.02 * np.linalg.norm(fine), mode
+
+
+def test_mode_shapes_have_scenes_that_move(five_bar):
+    figure = shapes.mode_shapes(five_bar)
+    assert len(figure.scenes) == 4
+    mechanism = five_bar.robot_file.mechanism
+    middle = postures_of(mechanism, mechanism.poses[4:5])
+    (expected,) = answers("beam", middle, 4)
+    for scene, frequency in zip(figure.scenes, expected.frequencies, strict=True):
+        assert f"{frequency:.1f} Hz" in scene.title
+        state = zipfile.ZipFile(io.BytesIO(scene.state)).read("index.json").decode()
+        assert '"motion"' in state
+        assert '"swing"' in state
+    rows = table(figure)
+    assert {row["body"] for row in rows} == {"crank1", "crank2", "rod1", "rod2"}
+
+
+def test_loads_push_the_tool_by_the_compliance(five_bar):
+    figure = shapes.deformed(five_bar)
+    mechanism = five_bar.robot_file.mechanism
+    (expected,) = answers("beam", postures_of(mechanism, mechanism.poses[4:5]), 0)
+    for axis in range(3):
+        moved = 1e9 * np.linalg.norm(expected.compliance[:3, axis])
+        assert f"{moved:.4g} µm under the force along {'xyz'[axis]}" in figure.caption
+
+
+def test_energies_of_sixty_modes_are_whole(five_bar):
+    rows = table(energies.energies(five_bar))
+    assert len(rows) == 60
+    parts = [name for name in rows[0] if name.endswith("(%)")]
+    assert {"motor1 drive (%)", "crank1 torsion (%)", "rod2 bending y (%)"} <= set(parts)
+    for row in rows:
+        assert sum(float(row[name]) for name in parts) == pytest.approx(100.0, abs=1e-9)
+
+
+def test_beams_are_paired_with_solids(five_bar):
+    """Modes of a five-bar in the reference's order, all alike."""
+    rows = table(pairs.pairs(five_bar))[:6]
+    assert [float(row["beam: partner"]) for row in rows] == [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]
+    assert min(float(row["beam: MAC"]) for row in rows) >= 0.99
+
+
+def test_differences_are_from_the_first_reference(five_bar):
+    """In percent of solids, by the figure's own table."""
+    figure = curves.deflections(five_bar)
+    row = table(figure)[0]
+    solid = next(name for name in row if name.startswith("solid") and "along z" in name)
+    beam = float(row["beam: along z (µm)"]) / float(row[solid]) - 1.0
+    assert 0.0 < abs(beam) < 0.05
+    assert "differ from solid, ends" in figure.caption
+    assert "<svg" in figure.svg

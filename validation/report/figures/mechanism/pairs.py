@@ -1,0 +1,105 @@
+"""Which mode of each model is which of the reference, and how alike their shapes are."""
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from lumped.arrays import Array
+from validation.adequacy.mechanism.dynamics import (
+    dynamic_reference,
+    model_vibration,
+    offered,
+)
+from validation.adequacy.mechanism.path import path_postures
+from validation.adequacy.mechanism.samples import samples_of
+from validation.adequacy.partners import partners
+from validation.adequacy.response import Vibration
+from validation.case import Skip
+from validation.cases.mechanism import GROUP, SECTION
+from validation.context import Context
+from validation.exhibits import Drawing, Figure
+from validation.mode_pairing import mac_matrix
+from validation.models.options import ModelOptions
+from validation.report.figures.style import MODELS, canvas, csv_of, plot_style, svg_of
+
+_ID = "mechanism.pairs"
+_TITLE = "Modes paired by shape with the reference's"
+
+
+def drawings() -> tuple[Drawing, ...]:
+    """The pairing in the middle of the path."""
+    return (Drawing(_ID, _TITLE, pairs, section=SECTION, group=GROUP, effort=2.0),)
+
+
+def pairs(context: Context) -> Figure:
+    """MAC of beams and segments with the reference, and by how much paired frequencies differ."""
+    postures = path_postures(context)
+    judged = context.robot_file.requirement.modes
+    count, weights = offered(judged), samples_of(context.robot_file.mechanism).weights
+    reference = dynamic_reference(context, postures, judged).alternatives[0]
+    truth = reference.response.vibration
+    if truth is None:
+        raise Skip("there is no reference of the frequencies")
+    first = _middle(truth)
+    shown = min(count, truth.frequencies.shape[1])
+    models = {
+        name: _middle(context.get(model_vibration, postures, name, ModelOptions(), count))
+        for name in ("beam", "segments")
+    }
+    columns: dict[str, list[float]] = {
+        "mode": [float(k) for k in range(1, shown + 1)],
+        "reference (Hz)": first.frequencies[0, :shown].tolist(),
+    }
+    with plot_style():
+        drawn, (left, middle, right) = canvas(1, 3, 3.3)
+        for axes, (name, model) in zip((left, middle), models.items(), strict=True):
+            mac = mac_matrix(first.samples[0][:, :shown], model.samples[0], weights)
+            _matrix(axes, mac, name)
+            found = partners(first, model, weights, shown)
+            change = 100.0 * (found.frequency[0] / first.frequencies[0, :shown] - 1.0)
+            look = MODELS[name]
+            right.plot(columns["mode"], change, label=name, linewidth=0.8, **look.options())
+            columns |= {
+                f"{name}: partner": [float(k) + 1.0 for k in found.number[0]],
+                f"{name} (Hz)": found.frequency[0].tolist(),
+                f"{name}: MAC": found.likeness[0].tolist(),
+            }
+        left.set_ylabel("mode of the reference")
+        right.axhline(0.0, color="#999999", linewidth=0.8)
+        right.set(title="difference (%)", xlabel="mode of the reference")
+        right.legend(loc="best")
+        svg = svg_of(drawn)
+    return Figure(
+        id=_ID,
+        title=_TITLE,
+        caption=f"In the middle of the path, reference: {reference.name}. Left: modal assurance "
+        "criterion, dark where two shapes are one; blocks are modes of almost one frequency, of "
+        "which any mixture is a mode. Right: frequencies of partners; a mode without one is left "
+        "out.",
+        section=SECTION,
+        svg=svg,
+        data=csv_of(columns),
+    )
+
+
+def _middle(found: Vibration) -> Vibration:
+    """The modes in the middle pose alone, those that there are."""
+    place = len(found.frequencies) // 2
+    known = np.isfinite(found.frequencies[place])
+    return Vibration(
+        found.frequencies[place : place + 1, known], found.samples[place : place + 1][:, :, known]
+    )
+
+
+def _matrix(axes: Axes, mac: Array, name: str) -> None:
+    rows, columns = mac.shape
+    axes.pcolormesh(
+        np.arange(columns + 1) + 0.5,
+        np.arange(rows + 1) + 0.5,
+        mac,
+        cmap="Greys",
+        vmin=0.0,
+        vmax=1.0,
+    )
+    axes.set(title=f"MAC with {name}", xlabel=f"mode of {name}", aspect="equal")
+    axes.grid(visible=False)
+    axes.invert_yaxis()
