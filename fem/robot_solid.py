@@ -49,8 +49,9 @@ def compliance(robot: FactorisedRobot) -> Array:
 
 def rounding(robot: FactorisedRobot) -> Array:
     """What the rounding of the stiffness matrix leaves open of the compliance (6×6, SI, 95 %)."""
-    displacements = robot.factor.solve(robot.mechanism.loaded.toarray().T)
-    return rounding_of_flexibility(robot.mechanism.stiffness, displacements)
+    mechanism = robot.mechanism
+    displacements = robot.factor.solve(mechanism.loaded.toarray().T)
+    return rounding_of_flexibility(mechanism.stiffness, displacements, mechanism.turned)
 
 
 def modes(robot: FactorisedRobot, count: int) -> Modes:

@@ -8,6 +8,7 @@ the platform rigid with leg 1.
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
+from math import fsum, sqrt
 
 import numpy as np
 
@@ -84,8 +85,8 @@ class Biglide:
             raise InputError(
                 f"{self.name}: x = {x:.10g} m is outside the stroke {first:g} m to {last:g} m{by}"
             )
-        s1 = float(np.sqrt(max(self.leg1.length**2 - x**2, 0.0)))
-        s2 = float(np.sqrt(max(self.leg2.length**2 - (self.a - x) ** 2, 0.0)))
+        s1 = _height(self.leg1.length, (x,))
+        s2 = _height(self.leg2.length, (self.a, -x))
         return Places(
             x=x,
             root1=np.array([0.0, -s1, 0.0]),
@@ -105,6 +106,19 @@ class Biglide:
     def centre(self) -> float:
         """Middle of the stroke (m)."""
         return 0.5 * sum(self.stroke)
+
+
+def _height(length: float, base: tuple[float, ...]) -> float:
+    """Extent √(L² − b²) (m) along y of a leg of `length` L over a base of the sum b (m) of `base`.
+
+    As √((L − b)(L + b)), both sums rounded once: the difference of squares would lose half of the
+    digits near the end of the stroke. A base that ends within the rounding of its own terms from
+    a horizontal leg is the end of the stroke.
+    """
+    short = fsum((length, *(-term for term in base)))
+    if short <= np.spacing(max(length, *map(abs, base))):
+        return 0.0
+    return sqrt(short * fsum((length, *base)))
 
 
 def with_equivalent_legs(robot: Biglide, by: EquivalentBy = "stiffness") -> Biglide:

@@ -41,6 +41,11 @@ class Mechanism:
     legs: tuple[SparseMatrix, ...]
     springs: Mapping[str, SparseMatrix]
 
+    @property
+    def turned(self) -> int:
+        """How many unknowns come first that are vectors of three in robot axes: the bodies'."""
+        return 6 * (1 + len(self.springs))
+
 
 def assemble(
     robot: Biglide, x: float, leg1: LegMatrices, leg2: LegMatrices, release: Release = "condensed"

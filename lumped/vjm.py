@@ -5,11 +5,13 @@ postures need no special treatment; the chains' stiffness matrices are summed at
 """
 
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve, solve
 
 from lumped.arrays import Array
+from lumped.balance import rounding_of_flexibility
 from lumped.biglide import Biglide
 from lumped.chains import Chain, Element, Fixed, Joint, Spring, chain_jacobians
 from lumped.errors import ComputationError
@@ -32,6 +34,23 @@ def chain_stiffness(chain: Sequence[Element], name: str = "chain") -> Array:
     unique but K is: Jq is replaced by an orthonormal basis of its columns. Raises
     ComputationError, naming the direction, where neither a spring nor a passive joint yields.
     """
+    return _bordered_solution(chain, name).stiffness
+
+
+@dataclass(frozen=True, eq=False)
+class _Bordered:
+    """A chain's stiffness K (6×6, SI) and X, from which it errs: δK = −Xᵀ δB X.
+
+    B is the bordered matrix (6+q square), without units; X ((6+q)×6) its solution for the end
+    point's twists in SI units.
+    """
+
+    stiffness: Array
+    matrix: Array
+    solution: Array
+
+
+def _bordered_solution(chain: Sequence[Element], name: str) -> _Bordered:
     jacobians = chain_jacobians(chain)
     S, Jq = jacobians.spring_compliance, jacobians.passive
     length = _characteristic_length(jacobians.reach, S)
@@ -49,9 +68,13 @@ def chain_stiffness(chain: Sequence[Element], name: str = "chain") -> Array:
             f"{name} is rigid against {name_wrenches(wrenches, length)}: neither a spring nor a "
             "passive joint yields to it, so its stiffness is infinite"
         )
-    K = solve(bordered, np.eye(6 + count, 6), assume_a="sym")[:6]
-    stiffness: Array = 0.5 * (K + K.T) * unit[:, None] * unit / largest
-    return stiffness
+    X = solve(bordered, np.eye(6 + count, 6), assume_a="sym")
+    K = X[:6]
+    return _Bordered(
+        stiffness=0.5 * (K + K.T) * unit[:, None] * unit / largest,
+        matrix=bordered,
+        solution=X * unit / np.sqrt(largest),
+    )
 
 
 def robot_stiffness(chains: Iterable[Chain]) -> Array:
@@ -132,6 +155,23 @@ def compliance(robot: Biglide, x: float, leg_springs: tuple[Array, Array]) -> Ar
     stiffness = robot_stiffness(biglide_chains(robot, x, leg_springs))
     platform = platform_compliance(stiffness, place)
     return platform if robot.tool_compliance is None else platform + robot.tool_compliance
+
+
+def rounding(robot: Biglide, x: float, leg_springs: tuple[Array, Array]) -> Array:
+    """What rounding leaves open of `compliance` (6×6, SI, robot axes; 95 %, of both signs).
+
+    A chain's bordered matrix B is rounded as a turned stiffness is (`rounding_of_flexibility`):
+    digits of L/EA are lost beside L³/3EI. C follows by (XC)ᵀ δB (XC), and by the rounding of the
+    chains' sum.
+    """
+    chains = [_bordered_solution(c, "chain") for c in biglide_chains(robot, x, leg_springs)]
+    flexibility = platform_compliance(chains[0].stiffness + chains[1].stiffness)
+    squares = np.zeros((6, 6))
+    for chain in chains:
+        moved = chain.solution @ flexibility
+        squares += rounding_of_flexibility(chain.matrix, moved, turned=6) ** 2
+        squares += rounding_of_flexibility(chain.stiffness, flexibility, turned=6) ** 2
+    return np.asarray(np.sqrt(squares))
 
 
 def given_leg_springs(robot: Biglide) -> tuple[Array, Array]:

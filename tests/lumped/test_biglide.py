@@ -1,6 +1,7 @@
 """Postures of the biglide and the α family against geometry by hand."""
 
 from dataclasses import replace
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -28,8 +29,7 @@ def test_legs_reach_from_their_slides_to_b(demonstrator, x):
         (posture.root1, posture.rotation1, demonstrator.leg1),
         (posture.root2, posture.rotation2, demonstrator.leg2),
     ):
-        # s = √(L² − x²) has the rounding of L² under the root: √ε at the ends of the stroke
-        assert_allclose(root + leg.length * rotation[:, 0], posture.tip, atol=3e-8)
+        assert_allclose(root + leg.length * rotation[:, 0], posture.tip, atol=1e-15)
         assert_allclose(rotation.T @ rotation, np.eye(3), atol=1e-15)
         assert_allclose(rotation[:, 2], [0.0, 0.0, 1.0])
         assert root[1] <= 0.0  # both legs on the same side
@@ -38,10 +38,23 @@ def test_legs_reach_from_their_slides_to_b(demonstrator, x):
 def test_singular_ends(demonstrator):
     """Leg 2 points along −x at the first end, leg 1 along +x at the last one."""
     first, last = (demonstrator.posture(x) for x in demonstrator.stroke)
-    assert_allclose(first.rotation2[:, 0], [-1.0, 0.0, 0.0], atol=3e-8)
+    assert_allclose(first.rotation2[:, 0], [-1.0, 0.0, 0.0], atol=1e-15)
     assert first.s1 == pytest.approx(np.sqrt(0.85**2 - 0.145**2), rel=1e-14)
-    assert_allclose(last.rotation1[:, 0], [1.0, 0.0, 0.0], atol=3e-8)
+    assert_allclose(last.rotation1[:, 0], [1.0, 0.0, 0.0], atol=1e-15)
     assert last.s2 == pytest.approx(np.sqrt(0.775**2 - 0.07**2), rel=1e-14)
+
+
+@pytest.mark.parametrize("short", [1e-3, 1e-6, 1e-9, 1e-12])
+def test_heights_near_the_ends_of_the_stroke_keep_their_digits(demonstrator, short):
+    """Against rational arithmetic: L² − x² alone would have 1e-16 L² of rounding."""
+    robot = replace(demonstrator, a=0.75)
+    for x in (robot.stroke[0] + short, robot.stroke[1] - short):
+        posture = robot.posture(x)
+        for height, length, base in (
+            (posture.s1, robot.leg1.length, Fraction(x)),
+            (posture.s2, robot.leg2.length, Fraction(robot.a) - Fraction(x)),
+        ):
+            assert height == pytest.approx(float(Fraction(length) ** 2 - base**2) ** 0.5, rel=1e-15)
 
 
 @pytest.mark.parametrize("x", [0.1449, 0.8501, -1.0, np.nan, np.inf])

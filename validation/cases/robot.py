@@ -5,15 +5,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from lumped import vjm
 from lumped.balance import rounding_of_flexibility
 from lumped.biglide import Biglide
 from lumped.legs import Theory
-from lumped.modes import dense
 from lumped.statics import solve_statics
 from validation.case import Absolute, Case, Measurement, Relative
 from validation.context import Context
 from validation.exhibits import Study
-from validation.models.biglide import robot_compliance, static_mechanism
+from validation.models.biglide import static_mechanism
 from validation.models.options import ModelName, ModelOptions
 from validation.quantities import (
     Deflections,
@@ -156,20 +156,16 @@ def _rounding(context: Context, model: ModelName, theory: Theory, x: float) -> D
 def rounded_deflections(
     model: ModelName, robot: Biglide, x: float, options: ModelOptions
 ) -> Deflections:
-    """What the rounding of stiffnesses leaves open of a model's deflections with B at `x` (m).
-
-    Of virtual joints it is that of the platform's stiffness, of the others that of what is solved.
-    """
+    """What rounding leaves open of a model's deflections with B at `x` (m), equivalent legs."""
     if model == _JOINTS:
-        displacements = robot_compliance(model, robot, x, options)
-        scale = 1.0 / np.sqrt(np.diag(displacements))
-        unit = np.outer(scale, scale)
-        stiffness: Array = np.linalg.inv(displacements * unit) * unit
+        springs = vjm.equivalent_leg_springs(robot, options.theory, options.equivalent)
+        left_open = vjm.rounding(robot, x, springs)
     else:
         mechanism = static_mechanism(model, robot, x, options)
-        stiffness = dense(mechanism.stiffness)
-        displacements = solve_statics(stiffness, mechanism.loaded.toarray().T, mechanism.name)
-    return deflections_of(rounding_of_flexibility(stiffness, displacements)[np.newaxis])
+        loads = mechanism.loaded.toarray().T
+        displacements = solve_statics(mechanism.stiffness, loads, mechanism.name)
+        left_open = rounding_of_flexibility(mechanism.stiffness, displacements, mechanism.turned)
+    return deflections_of(left_open[np.newaxis])
 
 
 def _frequency(context: Context, index: int) -> Measurement:
