@@ -13,6 +13,7 @@ from functools import cached_property
 from math import hypot, isfinite, nan
 from typing import Any, Literal, TypeAlias
 
+from validation.claims import Claim
 from validation.context import PRESETS, Context, Preset
 from validation.exhibits import Study
 
@@ -106,6 +107,7 @@ class Measurement:
     other two. None: exact to rounding, nothing is discretised. `table` maps column headings to
     equally long columns; `studies` are convergence studies and sweeps to be shown with the case.
     `pose` is the one that the numbers belong to, where a case looks at several and takes the worst.
+    `claim`: what a source says of it, read as printed and as corrected.
     """
 
     value: float
@@ -118,6 +120,7 @@ class Measurement:
     table: Mapping[str, tuple[float | str, ...]] = field(default_factory=dict)
     studies: tuple[Study, ...] = ()
     pose: tuple[float, ...] = ()
+    claim: Claim | None = None
 
     @property
     def difference(self) -> float:

@@ -84,10 +84,19 @@ def family_deflections(
     options: ModelOptions = DEFAULT_OPTIONS,
 ) -> Deflections:
     """Deflections of the family of eqs (10), (11) at `fraction` of the stroke (0 left, 1 right)."""
+    return deflections_of(family_compliances(model, robot, alphas, fraction, options))
+
+
+def family_compliances(
+    model: ModelName,
+    robot: Biglide,
+    alphas: tuple[float, ...],
+    fraction: float,
+    options: ModelOptions = DEFAULT_OPTIONS,
+) -> Array:
+    """Compliances of the same family (len(alphas)×6×6, or ×2×2 by `simplified`)."""
     members = [_member(robot, alpha, fraction, options) for alpha in alphas]
-    return deflections_of(
-        np.array([robot_compliance(model, member, x, options) for member, x in members])
-    )
+    return np.array([robot_compliance(model, member, x, options) for member, x in members])
 
 
 def family_frequencies(
@@ -102,6 +111,25 @@ def family_frequencies(
     members = [_member(robot, alpha, fraction, options) for alpha in alphas]
     return np.array(
         [robot_frequencies(model, member, x, modes_count, options) for member, x in members]
+    )
+
+
+def family_modes(
+    robot: Biglide,
+    alphas: tuple[float, ...],
+    fraction: float,
+    count: int,
+    options: ModelOptions = DEFAULT_OPTIONS,
+) -> tuple[Array, Array]:
+    """First frequencies (Hz) in segments, and their shares of kinetic energy along z.
+
+    Both len(alphas)×count.
+    """
+    members = [_member(robot, alpha, fraction, options) for alpha in alphas]
+    found = [robot_modes("segments", member, x, count, options) for member, x in members]
+    return (
+        np.array([one.modes.frequencies for one in found]),
+        np.array([one.kinetic["z"] for one in found]),
     )
 
 

@@ -1,46 +1,111 @@
-"""What the paper says, in our words, and how it is measured."""
+"""What the paper says, in our words, and how it is measured: as printed and as corrected.
 
-from collections.abc import Callable
-from dataclasses import dataclass
+As printed: eq. (25) zeroes row and column of a joint's rotation, and springs stand between the
+elements alone (§3.2). As corrected: the rotation is released by condensation, half springs stand at
+both ends. The foot's entry (6,6) is the corrected one in both, for no elastic foot has the printed
+one.
+"""
 
-from validation.case import Case, Measurement, Relation, Tolerance
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import partial, update_wrapper
+from math import isfinite
+from typing import Literal, TypeAlias
+
+from validation.case import Case, Measurement, Relation, Tolerance, verdict
+from validation.claims import Claim, Curve
 from validation.context import Context
+from validation.models.options import DEFAULT_OPTIONS, ModelOptions
 
 SECTION = "The paper's statements"
 # Postures over the stroke at which curves are compared.
 POSTURES = 81
+AS_PRINTED = ModelOptions(release="printed", layout="literal")
+AS_CORRECTED = DEFAULT_OPTIONS
+# What of the printed text changes a number.
+FORMULAS = "release of joints (eq. 25), layout of the springs (§3.2)"
+Compute: TypeAlias = Callable[[Context, ModelOptions], Measurement]
 
 
 @dataclass(frozen=True)
 class Statement:
-    """A sentence or figure of the paper (`where`) that a computation can check."""
+    """A sentence or figure of the paper (`where`) that a computation can check.
+
+    `title` says what the case compares. `compute` takes the options of a reading; `judged` is the
+    one whose number the case reports. `sentence` is what the paper says where that is more than
+    the title, of all `curves` (the case's own where empty); sentences of several statements are
+    one. `differs` names what sets the readings apart (empty: nothing does), `circular` why the
+    sentence counts for nothing.
+    """
 
     id: str
     where: str
-    says: str
+    title: str
     quantity: str
     unit: str
     tolerance: Tolerance
     reason: str
-    compute: Callable[[Context], Measurement]
+    compute: Compute
     relation: Relation = Relation.EQUAL
     group: str = "paper"
     effort: float = 0.2
+    sentence: str = ""
+    curves: Mapping[str, Compute] = field(default_factory=dict)
+    judged: Literal["as printed", "as corrected"] = "as corrected"
+    differs: str = ""
+    circular: str = ""
 
     def case(self) -> Case:
         """The statement as a case."""
         return Case(
             id=f"paper.{self.id}",
-            title=self.says,
+            title=self.title,
             quantity=self.quantity,
             unit=self.unit,
             reference_kind="paper-statement",
             citation=f"Briot, Pashkevich, Chablat, {self.where}",
             tolerance=self.tolerance,
             tolerance_reason=self.reason,
-            compute=self.compute,
+            compute=update_wrapper(partial(_measured, statement=self), self.compute),
             relation=self.relation,
             section=SECTION,
             group=self.group,
             effort=self.effort,
         )
+
+    def claim(self, context: Context) -> Claim:
+        """What the paper says, in both readings."""
+        curves = self.curves or {"": self.compute}
+        return Claim(
+            sentence=self.sentence or self.title,
+            where=self.where,
+            quantity=self.quantity,
+            curves=tuple(self._curve(context, *named) for named in curves.items()),
+            differs=self.differs,
+            circular=self.circular,
+        )
+
+    def _curve(self, context: Context, name: str, compute: Compute) -> Curve:
+        corrected = compute(context, AS_CORRECTED)
+        printed = compute(context, AS_PRINTED) if self.differs else corrected
+        return Curve(
+            name=name,
+            unit=self.unit,
+            printed=_finite(printed.value),
+            printed_holds=self._holds(printed),
+            corrected=_finite(corrected.value),
+            corrected_holds=self._holds(corrected),
+        )
+
+    def _holds(self, found: Measurement) -> bool:
+        tolerance = self.tolerance.at(found.reference)
+        return verdict(found.unexplained, self.relation, tolerance) == "agree"
+
+
+def _measured(context: Context, statement: Statement) -> Measurement:
+    options = AS_PRINTED if statement.judged == "as printed" else AS_CORRECTED
+    return replace(statement.compute(context, options), claim=statement.claim(context))
+
+
+def _finite(value: float) -> float | None:
+    return float(value) if isfinite(value) else None

@@ -13,8 +13,10 @@ from validation.exhibits import Figure
 from validation.report.figures.studies.budgets import budget_figure, budgeted
 from validation.report.figures.studies.families import Family, families
 from validation.report.figures.studies.family_plots import family_plot
+from validation.report.said import SaidTable
 from validation.report.tables import Grid, Part, grids
 from validation.report.text import anchor
+from validation.results.records import claims_of
 
 # Chapters in their order, with their sections as they follow each other; sections that stand in no
 # list go by the subject of their cases.
@@ -74,6 +76,12 @@ class Section:
     def rest(self) -> tuple[Outcome, ...]:
         """Comparisons with one model alone."""
         return self._tables[1]
+
+    @cached_property
+    def said(self) -> SaidTable | None:
+        """What a source says, as printed and as corrected; None where no case has a source's."""
+        claims = claims_of(self.outcomes)
+        return SaidTable(claims) if claims else None
 
     @property
     def part(self) -> Part:

@@ -80,9 +80,12 @@ def anchor(identifier: str) -> str:
 
 
 def function_name(function: Callable[..., object]) -> str:
-    """Where a function is found: module and name, for a closure those of the outer function."""
+    """Where a function is found: module and name, for a closure those of the outer function.
+
+    A partial is told by the function it wraps (functools.update_wrapper), else by its own.
+    """
     while isinstance(function, partial):
-        function = function.func
+        function = getattr(function, "__wrapped__", function.func)
     module = getattr(function, "__module__", type(function).__module__)
     name: str = getattr(function, "__qualname__", type(function).__qualname__)
     return f"{module}.{name.partition('.<locals>')[0]}"

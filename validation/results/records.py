@@ -10,6 +10,7 @@ import numpy as np
 from validation.adequacy.assessment import Assessed, Assessment
 from validation.adequacy.matrix import Matrix, matrix_records, part_records
 from validation.case import Case, Measurement, Outcome, Verdict, finite, judge
+from validation.claims import Claim, claim_records, gathered
 from validation.exhibits import Drawing, Figure, Study, study_record
 from validation.results.drift import Drift
 
@@ -135,6 +136,7 @@ def results(
         ],
         "adequacy": [record for matrix in matrices for record in matrix_records(matrix)],
         "adequacy_of_parts": [record for matrix in matrices for record in part_records(matrix)],
+        "statements": claim_records(claims_of(outcomes)),
         "studies": [study_record(study) for study in studies_of(outcomes)],
     }
 
@@ -143,6 +145,12 @@ def studies_of(outcomes: Sequence[Outcome]) -> list[Study]:
     """The studies that came with the outcomes, each id once."""
     measured = [outcome.measurement for outcome in outcomes if outcome.measurement]
     return list({study.id: study for m in measured for study in m.studies}.values())
+
+
+def claims_of(outcomes: Sequence[Outcome]) -> tuple[Claim, ...]:
+    """What sources say of the outcomes, one claim for each sentence."""
+    measured = [outcome.measurement for outcome in outcomes if outcome.measurement]
+    return gathered(m.claim for m in measured if m.claim)
 
 
 def _drift_record(drift: Drift | None) -> dict[str, float | bool | None]:

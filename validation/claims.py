@@ -1,0 +1,127 @@
+"""What a source says, read as printed and as corrected, and in which of the two readings it holds.
+
+A sentence may speak of several curves ("longer legs, smaller deflections" of six): it holds where
+all of them do. One that itself chose a correction is circular and counts for nothing.
+"""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any, Literal, TypeAlias
+
+Standing: TypeAlias = Literal[
+    "both", "as printed alone", "as corrected alone", "in part", "neither", "circular"
+]
+# In the order in which they are told.
+STANDINGS: Mapping[Standing, str] = {
+    "both": "as printed and as corrected",
+    "as printed alone": "as printed alone",
+    "as corrected alone": "as corrected alone",
+    "in part": "for some of their curves alone",
+    "neither": "in neither reading",
+}
+
+
+@dataclass(frozen=True)
+class Curve:
+    """One number or curve that a sentence speaks of: its value in each reading, and the verdicts.
+
+    A value is None where that reading gives no finite number; then it does not hold either.
+    """
+
+    name: str
+    unit: str
+    printed: float | None
+    printed_holds: bool
+    corrected: float | None
+    corrected_holds: bool
+
+
+@dataclass(frozen=True)
+class Claim:
+    """A sentence of a source (`where`), in our words, and the curves that bear it out or not.
+
+    `quantity` says what the values of the curves are.
+    `differs` names what of the printed text changes the numbers, empty where both readings are
+    one; `circular` why it counts for nothing.
+    """
+
+    sentence: str
+    where: str
+    quantity: str
+    curves: tuple[Curve, ...]
+    differs: str = ""
+    circular: str = ""
+
+    @property
+    def printed(self) -> int:
+        """How many curves hold as printed."""
+        return sum(curve.printed_holds for curve in self.curves)
+
+    @property
+    def corrected(self) -> int:
+        """How many curves hold as corrected."""
+        return sum(curve.corrected_holds for curve in self.curves)
+
+    @property
+    def standing(self) -> Standing:
+        """In which reading the sentence holds."""
+        if self.circular:
+            return "circular"
+        match self.printed == len(self.curves), self.corrected == len(self.curves):
+            case True, True:
+                return "both"
+            case True, False:
+                return "as printed alone"
+            case False, True:
+                return "as corrected alone"
+        return "in part" if self.printed or self.corrected else "neither"
+
+
+def gathered(claims: Iterable[Claim]) -> tuple[Claim, ...]:
+    """One claim for each sentence, with the curves of all that make it; order of appearance."""
+    found: dict[str, Claim] = {}
+    for claim in claims:
+        known = found.get(claim.sentence)
+        curves = (*(known.curves if known else ()), *claim.curves)
+        found[claim.sentence] = replace(known or claim, curves=curves)
+    return tuple(found.values())
+
+
+def summary(claims: Iterable[Claim]) -> str:
+    """How many sentences hold in which reading."""
+    standings = [claim.standing for claim in claims]
+    counted = len(standings) - standings.count("circular")
+    told = [
+        f"{standings.count(standing)} {meaning}"
+        for standing, meaning in STANDINGS.items()
+        if standing in standings
+    ]
+    circular = standings.count("circular")
+    left = f"; {circular} circular and not counted" if circular else ""
+    return f"Of {counted} statements hold: {', '.join(told)}{left}."
+
+
+def claim_records(claims: Iterable[Claim]) -> list[dict[str, Any]]:
+    """The claims as results.json carries them."""
+    return [
+        {
+            "statement": claim.sentence,
+            "where": claim.where,
+            "quantity": claim.quantity,
+            "standing": claim.standing,
+            "differs": claim.differs,
+            "circular": claim.circular,
+            "curves": [
+                {
+                    "curve": curve.name,
+                    "unit": curve.unit,
+                    "as_printed": curve.printed,
+                    "as_printed_holds": curve.printed_holds,
+                    "as_corrected": curve.corrected,
+                    "as_corrected_holds": curve.corrected_holds,
+                }
+                for curve in claim.curves
+            ],
+        }
+        for claim in claims
+    ]
