@@ -17,15 +17,15 @@ _UNBALANCED = 1e-4
 
 
 def balanced_flexibility(loads: Array, displacements: Array, forces: Array, part: str) -> Array:
-    """Symmetric flexibility FᵀX (m×m) of `loads` F, `displacements` X, `forces` KX (n×m each).
+    """Symmetric flexibility FᵀX (…×m×m) of `loads` F, `displacements` X, `forces` KX (…×n×m each).
 
     Raises ComputationError, naming `part`, where the energy of the loads and that of the springs
     differ in the fourth digit, where one is negative, and where a number is none.
     """
-    flexibility = loads.T @ displacements
-    left = displacements.T @ (loads - forces)
-    sizes = np.sqrt(np.maximum(np.diag(flexibility), 0.0))
-    scale = np.outer(sizes, sizes)
+    flexibility = np.swapaxes(loads, -1, -2) @ displacements
+    left = np.swapaxes(displacements, -1, -2) @ (loads - forces)
+    sizes = np.sqrt(np.maximum(np.diagonal(flexibility, axis1=-2, axis2=-1), 0.0))
+    scale = sizes[..., :, None] * sizes[..., None, :]
     # Unit loads against which the model is rigid do no work and store none.
     share = np.where(scale > 0.0, np.abs(left) / np.where(scale > 0.0, scale, 1.0), np.abs(left))
     worst = float(share.max(initial=0.0))
@@ -34,7 +34,7 @@ def balanced_flexibility(loads: Array, displacements: Array, forces: Array, part
             f"{part}: the work of the loads and the energy stored differ by {worst:.1g} of it: "
             "stiffnesses in the model differ by more than double precision resolves"
         )
-    return np.asarray(0.5 * (flexibility + flexibility.T))
+    return np.asarray(0.5 * (flexibility + np.swapaxes(flexibility, -1, -2)))
 
 
 def rounding_of_flexibility(

@@ -10,30 +10,34 @@ from lumped.arrays import Array
 
 
 def skew(vector: Array) -> Array:
-    """3×3 matrix S with S u = vector × u."""
-    x, y, z = vector
-    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    """…×3×3 matrices S with S u = vector × u, of vectors …×3."""
+    v = np.asarray(vector, dtype=float)
+    matrix = np.zeros((*v.shape, 3))
+    matrix[..., 2, 1], matrix[..., 0, 2], matrix[..., 1, 0] = v[..., 0], v[..., 1], v[..., 2]
+    return matrix - np.swapaxes(matrix, -1, -2)
 
 
 def shift(offset: Array) -> Array:
-    """6×6 X with twist_B = X twist_A for two points of one rigid body.
+    """…×6×6 X with twist_B = X twist_A for two points of one rigid body.
 
-    `offset` is B − A (m), in the axes of the twists. Wrenches go the other way by the
+    `offset` (…×3) is B − A (m), in the axes of the twists. Wrenches go the other way by the
     transpose: wrench_A = Xᵀ wrench_B, which keeps the work.
     """
-    matrix = np.eye(6)
-    matrix[:3, 3:] = -skew(np.asarray(offset, dtype=float))
+    arm = skew(offset)
+    matrix = np.zeros((*arm.shape[:-2], 6, 6))
+    matrix[...] = np.eye(6)
+    matrix[..., :3, 3:] = -arm
     return matrix
 
 
 def turn(rotation: Array) -> Array:
-    """6×6 D = diag(R, R) of eq. (14): twist in base axes = D · twist in local axes.
+    """…×6×6 D = diag(R, R) of eq. (14): twist in base axes = D · twist in local axes.
 
-    `rotation` is the 3×3 matrix whose columns are the local axes in base axes.
+    `rotation` (…×3×3) is the matrix whose columns are the local axes in base axes.
     """
-    matrix = np.zeros((6, 6))
-    matrix[:3, :3] = rotation
-    matrix[3:, 3:] = rotation
+    matrix = np.zeros((*np.shape(rotation)[:-2], 6, 6))
+    matrix[..., :3, :3] = rotation
+    matrix[..., 3:, 3:] = rotation
     return matrix
 
 
@@ -50,6 +54,6 @@ def move_compliance(compliance: Array, offset: Array) -> Array:
 
 
 def turn_matrix(matrix: Array, rotation: Array) -> Array:
-    """6×6 compliance or stiffness in base axes from the same in local axes: D C Dᵀ."""
+    """…×6×6 compliance or stiffness in base axes from the same in local axes: D C Dᵀ."""
     block = turn(rotation)
-    return block @ matrix @ block.T
+    return block @ matrix @ np.swapaxes(block, -1, -2)

@@ -23,30 +23,39 @@ def turned_since_reference(posture: Posture, body: str) -> Array:
 def free_twists(posture: Posture, joint: Joint) -> Array:
     """Free twists of the second side relative to the first (6×k), at the first side's interface.
 
+    Base axes, as `twists_left_free` has them.
+    """
+    first, second = (
+        turned_since_reference(posture, side.body) for side in (joint.first, joint.second)
+    )
+    return twists_left_free(joint, first, second)
+
+
+def twists_left_free(joint: Joint, first: Array, second: Array) -> Array:
+    """Free twists (…×6×k) with both bodies turned by rotations (…×3×3) since the reference.
+
     Base axes, unit rates of the joint's coordinates (m, rad), in their order: prismatic (a; 0),
     revolute (0; a), cylindrical both, universal (0; a₁) and (0; a₂) with a₁ fixed in the first
     body and a₂ in the second, spherical all rotations about the base axes, planar two translations
     across the normal and the rotation about it.
     """
-    axes = joint.axes @ turned_since_reference(posture, joint.first.body).T
-    twists = np.zeros((6, FREEDOMS[joint.kind]))
+    axes = first @ joint.axes.T
+    twists = np.zeros((*first.shape[:-2], 6, FREEDOMS[joint.kind]))
     match joint.kind:
         case "prismatic":
-            twists[:3, 0] = axes[0]
+            twists[..., :3, 0] = axes[..., 0]
         case "revolute":
-            twists[3:, 0] = axes[0]
+            twists[..., 3:, 0] = axes[..., 0]
         case "cylindrical":
-            twists[:3, 0] = twists[3:, 1] = axes[0]
+            twists[..., :3, 0] = twists[..., 3:, 1] = axes[..., 0]
         case "universal":
-            twists[3:, 0] = axes[0]
-            twists[3:, 1] = turned_since_reference(posture, joint.second.body) @ joint.axes[1]
+            twists[..., 3:, 0] = axes[..., 0]
+            twists[..., 3:, 1] = second @ joint.axes[1]
         case "spherical":
-            twists[3:] = np.eye(3)
+            twists[..., 3:, :] = np.eye(3)
         case "planar":
-            across = across_axis(joint.axes[0])
-            turned = across @ turned_since_reference(posture, joint.first.body).T
-            twists[:3, :2] = turned.T
-            twists[3:, 2] = axes[0]
+            twists[..., :3, :2] = first @ across_axis(joint.axes[0]).T
+            twists[..., 3:, 2] = axes[..., 0]
     return twists
 
 

@@ -2,10 +2,11 @@
 
 Unknowns of a system: those of its nodes as the joints leave them (`lumped.system.motions`), then
 what is inside the bodies, which stays in body axes. What does not turn from posture to posture is
-put together once; a posture turns the interfaces' rows and columns of every body.
+put together once; a posture turns the interfaces' rows and columns of every body, those of many
+postures together.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -19,7 +20,7 @@ from lumped.mechanism.body_model import BodyModel
 from lumped.mechanism.kinematics.postures import shown_pose
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.screws import shift, turn
-from lumped.system.motions import Motions, Structure, motions, structure_of
+from lumped.system.motions import Frames, Motions, Structure, frames_of, motions, structure_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,6 +55,21 @@ class System:
     def own(self, body: str, unknowns: Array) -> Array:
         """Unknowns of the model of `body` (body axes) from those of the system (n×m)."""
         return np.vstack([self.ends[body] @ unknowns[: self.outer], unknowns[self.inside[body]]])
+
+
+@dataclass(frozen=True, eq=False)
+class Outside:
+    """What P postures say of the nodes' n unknowns: all that changes from one to the next.
+
+    `stiffness`, `mass` (P×n×n) of the nodes alone, `ends` (P×6m×n) and `tool` (P×6×n) as in
+    `System`.
+    """
+
+    motions: Motions
+    stiffness: Array
+    mass: Array
+    ends: Mapping[str, Array]
+    tool: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,21 +109,29 @@ class Assembly:
             for name, model in self.models.items()
         }
 
+    def outside(self, postures: Sequence[Posture]) -> Outside:
+        """What changes from posture to posture; raises UnevenError where numbers of unknowns do."""
+        frames = frames_of(postures)
+        moved = motions(self.structure, frames)
+        ends = {name: _ends(moved, frames, name) for name in self.models}
+        tool = self.mechanism.tool
+        felt = moved.at(tool.body, tool.point, frames.interface(tool.body, tool.point))
+        stiffness, mass = self._node_matrices(moved, frames, ends, felt)
+        return Outside(moved, stiffness, mass, ends, felt)
+
     def at(self, posture: Posture) -> System:
         """The system in one posture."""
-        moved = motions(self.structure, posture)
-        ends = {name: _ends(moved, posture, name) for name in self.models}
+        outside = self.outside([posture])
+        moved = outside.motions.of(0)
+        ends = {name: rows[0] for name, rows in outside.ends.items()}
         inside, size = {}, moved.twists.shape[2]
         for name, model in self.models.items():
             inside[name] = slice(size, size + model.size - len(ends[name]))
             size = inside[name].stop
-        outer = self._node_matrices(moved, posture, ends)
-        place = _tool_position(posture)
         tool = np.zeros((6, size))
-        tool[:, : moved.twists.shape[2]] = moved.at(
-            posture.mechanism.tool.body, posture.mechanism.tool.point, place
-        )
+        tool[:, : moved.twists.shape[2]] = outside.tool[0]
         put = self._bordered if self._sparse else self._filled
+        outer = outside.stiffness[0], outside.mass[0]
         stiffness, mass = (put(matrix, kind, ends, inside) for kind, matrix in enumerate(outer))
         return System(
             name=_name(posture),
@@ -122,26 +146,24 @@ class Assembly:
         )
 
     def _node_matrices(
-        self, moved: Motions, posture: Posture, ends: Mapping[str, Array]
+        self, moved: Motions, frames: Frames, ends: Mapping[str, Array], tool: Array
     ) -> tuple[Array, Array]:
-        """Stiffness and mass on the nodes' unknowns alone."""
-        size = moved.twists.shape[2]
-        stiffness, mass = np.zeros((size, size)), np.zeros((size, size))
+        """Stiffness and mass (P×n×n) on the nodes' unknowns alone."""
+        shape = (len(tool), tool.shape[2], tool.shape[2])
+        stiffness, mass = np.zeros(shape), np.zeros(shape)
         for name, ((own_stiffness, _), (own_mass, _)) in self._split_models.items():
-            stiffness += ends[name].T @ own_stiffness @ ends[name]
-            mass += ends[name].T @ own_mass @ ends[name]
+            _add(stiffness, ends[name], own_stiffness)
+            _add(mass, ends[name], own_mass)
         for rows in moved.springs.values():
-            stiffness += rows.T @ rows
+            _add(stiffness, rows, None)
         for number, (name, point) in enumerate(self.structure.nodes):
-            shape = self.mechanism.bodies[name].shape
-            if not point and isinstance(shape, Rigid):
-                twist = turn(posture.frames[name].rotation).T @ moved.twists[number]
-                mass += twist.T @ _rigid_mass(shape) @ twist
+            shape_of = self.mechanism.bodies[name].shape
+            if not point and isinstance(shape_of, Rigid) and (own := _rigid_mass(shape_of)).any():
+                axes = np.swapaxes(turn(frames.rotations[name]), -1, -2)
+                _add(mass, axes @ moved.twists[:, number], own)
         if self.mechanism.tool.mass:
-            tool = self.mechanism.tool
-            moving = moved.at(tool.body, tool.point, _tool_position(posture))[:3]
-            mass += tool.mass * moving.T @ moving
-        return 0.5 * (stiffness + stiffness.T), 0.5 * (mass + mass.T)
+            _add(mass, np.sqrt(self.mechanism.tool.mass) * tool[:, :3], None)
+        return stiffness, mass
 
     def _filled(
         self, outer: Array, kind: int, ends: Mapping[str, Array], inside: Mapping[str, slice]
@@ -184,6 +206,17 @@ def _name(posture: Posture) -> str:
     return f"{posture.mechanism.name} at {place}" if place else posture.mechanism.name
 
 
+def _add(total: Array, rows: Array, matrix: Array | None) -> None:
+    """Add RᵀMR (M the identity where None) to `total` (P×n×n) for rows R (P×k×n), symmetric.
+
+    Most bodies hang on few of the unknowns: the others are left out.
+    """
+    used = np.flatnonzero(np.any(rows, axis=(0, 1)))
+    own = rows[..., used]
+    block = np.swapaxes(own, -1, -2) @ (own if matrix is None else matrix @ own)
+    total[:, used[:, None], used] += 0.5 * (block + np.swapaxes(block, -1, -2))
+
+
 def _split(model: BodyModel, matrix: str) -> tuple[Array, Array | SparseMatrix, SparseMatrix]:
     """Blocks of the stiffness or mass: interfaces, their coupling to the rest, the rest."""
     whole = getattr(model, matrix)
@@ -194,20 +227,15 @@ def _split(model: BodyModel, matrix: str) -> tuple[Array, Array | SparseMatrix, 
     return rows[:count, :count].toarray(), rows[:count, count:], rows[count:, count:]
 
 
-def _ends(moved: Motions, posture: Posture, body: str) -> Array:
-    """Twists (6m×n) of the interfaces of a deformable body, in body axes."""
-    interfaces = posture.mechanism.bodies[body].interfaces
+def _ends(moved: Motions, frames: Frames, body: str) -> Array:
+    """Twists (P×6m×n) of the interfaces of a deformable body, in body axes."""
+    interfaces = frames.mechanism.bodies[body].interfaces
     first = moved.structure.node(body, next(iter(interfaces)))
-    twists = moved.twists[first : first + len(interfaces)]
-    size = twists.shape[2]
-    own: Array = posture.frames[body].rotation.T @ twists.reshape(-1, 3, size)
-    return own.reshape(-1, size)
-
-
-def _tool_position(posture: Posture) -> Array:
-    tool = posture.mechanism.tool
-    frame = posture.frames[tool.body]
-    return (frame @ posture.mechanism.bodies[tool.body].interfaces[tool.point]).position
+    twists = moved.twists[:, first : first + len(interfaces)]
+    count, size = twists.shape[0], twists.shape[-1]
+    axes = np.swapaxes(frames.rotations[body], -1, -2)[:, None]
+    own: Array = axes @ twists.reshape(count, -1, 3, size)
+    return own.reshape(count, -1, size)
 
 
 def _rigid_mass(shape: Rigid) -> Array:

@@ -6,80 +6,102 @@ own compliance C. So δ lies in the span of F and of C λ, and static condensati
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from lumped.arrays import Array
-from lumped.mechanism.free_twists import free_twists, turned_since_reference
+from lumped.mechanism.free_twists import twists_left_free
 from lumped.mechanism.joint import Joint
-from lumped.mechanism.mechanism import Posture
-from lumped.screws import turn_matrix
+from lumped.screws import turn, turn_matrix
 
 # Compliance without units below which a direction of a joint is rigid; rounding leaves 1e-16.
 _RIGID = 1e-14
+
+
+class UnevenError(ValueError):
+    """Postures that are asked for together do not have the same number of unknowns."""
 
 
 @dataclass(frozen=True, eq=False)
 class JointMotion:
     """Relative twists of the second side at the first's interface, base axes: δ = `basis` w.
 
-    `basis` is 6×r; a unit of w moves about as far as the mechanism is long. `springs` gives, for
-    every elastic part of the joint by its name, the matrix D (k×r) of its energy ½|D w|² (J);
-    the last `elastic` of w are what the springs feel, the others cost nothing.
+    `basis` is …×6×r, of one posture or of many; a unit of w moves about as far as the mechanism is
+    long. `springs` gives, for every elastic part of the joint by its name, the matrix D (…×k×r) of
+    its energy ½|D w|² (J); the last `elastic` of w are what the springs feel, the others cost
+    nothing.
     """
 
     basis: Array
     springs: Mapping[str, Array]
     elastic: int
 
+    def turned(self, rotation: Array) -> "JointMotion":
+        """The same of a joint whose sides have turned together by `rotation` (…×3×3)."""
+        return replace(self, basis=turn(rotation) @ self.basis)
 
-def joint_motion(posture: Posture, joint: Joint, length: float) -> JointMotion:
-    """What `joint` lets happen in `posture`; `length` (m) makes translations and rotations equal.
 
-    A drive acts on the first free twist; a drive without stiffness holds it.
+def joint_motion(joint: Joint, first: Array, second: Array, length: float) -> JointMotion:
+    """What `joint` lets happen where its bodies have turned by `first` and `second` (…×3×3).
+
+    `length` (m) makes translations and rotations equal. A drive acts on the first free twist; a
+    drive without stiffness holds it. Raises UnevenError where postures differ in what gives way.
     """
-    unit = np.array([1.0 / length] * 3 + [1.0] * 3)
-    free = unit[:, None] * free_twists(posture, joint)
-    passive = free if joint.drive is None else free[:, 1:]
+    unit = np.array([1.0 / length] * 3 + [1.0] * 3)[:, None]
+    free = unit * twists_left_free(joint, first, second)
+    passive = free if joint.drive is None else free[..., 1:]
     gives = {}
     if joint.drive is not None and joint.drive.stiffness is not None:
-        gives[f"{joint.name} drive"] = free[:, :1] / np.sqrt(joint.drive.stiffness)
+        gives[f"{joint.name} drive"] = free[..., :1] / np.sqrt(joint.drive.stiffness)
     if joint.compliance is not None:
-        turned = turn_matrix(joint.compliance, turned_since_reference(posture, joint.first.body))
-        gives[f"{joint.name} compliance"] = _root(turned * unit[:, None] * unit)
+        turned = turn_matrix(joint.compliance, first)
+        gives[f"{joint.name} compliance"] = _root(turned * unit * unit.T)
     if not gives:
-        return _sized(passive / unit[:, None], {}, 0, unit)
-    wrenches, deflections = _condensed(passive, np.hstack(list(gives.values())))
-    none = np.zeros((6, passive.shape[1]))
+        return _sized(passive, {}, 0, unit)
+    wrenches, deflections = _condensed(passive, np.concatenate(list(gives.values()), axis=-1))
+    felt = np.concatenate([np.zeros_like(passive), wrenches], axis=-1)
     return _sized(
-        np.hstack([passive, deflections]) / unit[:, None],
-        {name: give.T @ np.hstack([none, wrenches]) for name, give in gives.items()},
-        wrenches.shape[1],
+        np.concatenate([passive, deflections], axis=-1),
+        {name: np.swapaxes(give, -1, -2) @ felt for name, give in gives.items()},
+        wrenches.shape[-1],
         unit,
     )
 
 
 def _condensed(passive: Array, gives: Array) -> tuple[Array, Array]:
-    """Wrenches (6×r) of unit energy that do no work on `passive`, and the twists they cause.
+    """Wrenches (…×6×r) of unit energy that do no work on `passive`, and the twists they cause.
 
-    `gives` G (6×g) is a root of the compliance G Gᵀ.
+    `gives` G (…×6×g) is a root of the compliance G Gᵀ.
     """
-    across = np.linalg.qr(passive, mode="complete")[0][:, passive.shape[1] :]
-    values, vectors = np.linalg.eigh(across.T @ gives @ gives.T @ across)
-    elastic = values > _RIGID * max(values[-1], np.finfo(float).tiny)
-    wrenches = across @ (vectors[:, elastic] / np.sqrt(values[elastic]))
-    return wrenches, gives @ (gives.T @ wrenches)
+    across = np.linalg.qr(passive, mode="complete")[0][..., passive.shape[-1] :]
+    felt = np.swapaxes(gives, -1, -2) @ across
+    values, vectors = np.linalg.eigh(np.swapaxes(felt, -1, -2) @ felt)
+    largest = np.maximum(values[..., -1:], np.finfo(float).tiny)
+    elastic = same_rank(values > _RIGID * largest)
+    kept = slice(values.shape[-1] - elastic, None)
+    wrenches = across @ (vectors[..., kept] / np.sqrt(values[..., None, kept]))
+    return wrenches, gives @ (np.swapaxes(gives, -1, -2) @ wrenches)
+
+
+def same_rank(above: Array) -> int:
+    """How many of the values (…×n) lie above; raises UnevenError where postures differ."""
+    ranks = np.unique(np.sum(above, axis=-1))
+    if len(ranks) != 1:
+        raise UnevenError
+    return int(ranks[0])
 
 
 def _sized(basis: Array, springs: dict[str, Array], elastic: int, unit: Array) -> JointMotion:
-    size = 1.0 / np.linalg.norm(unit[:, None] * basis, axis=0)
-    sized = {name: rows * size for name, rows in springs.items()}
-    return JointMotion(basis * size, sized, elastic)
+    """From a basis without units."""
+    size = 1.0 / np.linalg.norm(basis, axis=-2, keepdims=True)
+    return JointMotion(
+        basis * size / unit, {name: rows * size for name, rows in springs.items()}, elastic
+    )
 
 
 def _root(compliance: Array) -> Array:
-    """G (6×6) with G Gᵀ = `compliance`, which may be singular."""
-    values, vectors = np.linalg.eigh(0.5 * (compliance + compliance.T))
-    root: Array = vectors * np.sqrt(np.maximum(values, 0.0))
+    """G (…×6×6) with G Gᵀ = `compliance`, which may be singular."""
+    values, vectors = np.linalg.eigh(0.5 * (compliance + np.swapaxes(compliance, -1, -2)))
+    root: Array = vectors * np.sqrt(np.maximum(values, 0.0))[..., None, :]
     return root

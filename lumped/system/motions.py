@@ -5,19 +5,21 @@ from what moves already to what does not yet: the node behind a joint moves with
 and by what the joint lets happen. A joint between two nodes that move already closes a loop of
 rigid bodies; what it forbids is taken out by the null space of those conditions. Where bodies
 between the joints are deformable, there are no such loops, however the mechanism is joined.
+
+All postures that are asked for are done together, the first axis of every array. What a joint lets
+happen turns with its bodies and is found once; that of universal joints changes with their angle.
 """
 
-from collections.abc import Collection, Mapping
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from lumped.arrays import Array
-from lumped.mechanism.free_twists import interface_position
 from lumped.mechanism.joint import Joint, Side
 from lumped.mechanism.mechanism import GROUND, Mechanism, Posture
 from lumped.screws import shift
-from lumped.system.joint_motion import JointMotion, joint_motion
+from lumped.system.joint_motion import JointMotion, joint_motion, same_rank
 
 # Loops are closed to 1e-12 of the mechanism's size: conditions that depend on each other differ by
 # as much, those that do not by the sine of an angle that a designer can see.
@@ -32,13 +34,15 @@ class Structure:
     `nodes` are (body, interface), with interface "" for a rigid body. `tree` lists the joints (by
     number) in the order of elimination with the number of the node that each sets in motion, or
     None and a node that moves freely; `closing` the joints between nodes that move already.
-    `length` (m) is the size of the mechanism.
+    `described` is what each joint lets happen in the reference posture, base axes. `length` (m) is
+    the size of the mechanism.
     """
 
     mechanism: Mechanism
     nodes: tuple[tuple[str, str], ...]
     tree: tuple[tuple[int | None, int], ...]
     closing: tuple[int, ...]
+    described: tuple[JointMotion, ...]
     length: float
 
     def node(self, body: str, point: str) -> int:
@@ -51,11 +55,11 @@ class Structure:
 
 @dataclass(frozen=True, eq=False)
 class Motions:
-    """What the nodes do in one posture: twists of all nodes = `twists` y, n unknowns y.
+    """What the nodes do: twists of all nodes = `twists` y, n unknowns y.
 
-    `twists` is N×6×n, base axes, at `places` (N×3, m); a unit of y moves about as far as the
-    mechanism is long. `springs`: D (k×n) of every elastic part of a joint, energy ½|D y|² (J);
-    `locks` (l×n): what the springs feel, without units.
+    `twists` is …×N×6×n, base axes, at `places` (…×N×3, m), of one posture or of many; a unit of y
+    moves about as far as the mechanism is long. `springs`: D (…×k×n) of every elastic part of a
+    joint, energy ½|D y|² (J); `locks` (…×l×n): what the springs feel, without units.
     """
 
     structure: Structure
@@ -65,12 +69,56 @@ class Motions:
     locks: Array
 
     def at(self, body: str, point: str, position: Array) -> Array:
-        """Twist (6×n) at `position` (3, m, base axes) of what the interface belongs to."""
+        """Twist (…×6×n) at `position` (…×3, m, base axes) of what the interface belongs to."""
         node = self.structure.node(body, point)
         if node == _HELD:
-            return np.zeros((6, self.twists.shape[2]))
-        moved: Array = shift(position - self.places[node]) @ self.twists[node]
+            return np.zeros_like(self.twists[..., 0, :, :])
+        moved: Array = shift(position - self.places[..., node, :]) @ self.twists[..., node, :, :]
         return moved
+
+    def of(self, number: int) -> "Motions":
+        """Those of one posture of many."""
+        return replace(
+            self,
+            twists=self.twists[number],
+            places=self.places[number],
+            springs={name: rows[number] for name, rows in self.springs.items()},
+            locks=self.locks[number],
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Frames:
+    """Frames of all bodies in P postures: `positions` (P×3, m) and `rotations` (P×3×3) by body."""
+
+    mechanism: Mechanism
+    positions: Mapping[str, Array]
+    rotations: Mapping[str, Array]
+
+    def interface(self, body: str, point: str) -> Array:
+        """Where an interface is (P×3, m, base axes)."""
+        own = self.mechanism.bodies[body].interfaces[point].position
+        return np.asarray(self.positions[body] + self.rotations[body] @ own)
+
+    def since_reference(self, body: str) -> Array:
+        """Rotations (P×3×3) of a body from the reference posture, base axes."""
+        return np.asarray(self.rotations[body] @ self.mechanism.reference[body].rotation.T)
+
+
+def frames_of(postures: Sequence[Posture]) -> Frames:
+    """The frames of postures of one mechanism, body by body."""
+    mechanism = postures[0].mechanism
+    return Frames(
+        mechanism,
+        {
+            name: np.array([at.frames[name].position for at in postures])
+            for name in mechanism.bodies
+        },
+        {
+            name: np.array([at.frames[name].rotation for at in postures])
+            for name in mechanism.bodies
+        },
+    )
 
 
 def structure_of(mechanism: Mechanism, deformable: Collection[str]) -> Structure:
@@ -107,79 +155,94 @@ def structure_of(mechanism: Mechanism, deformable: Collection[str]) -> Structure
             break
         moving.add(reached)
     # A joint from a node to itself is one whose sides move alike: nothing is left to it.
-    return Structure(mechanism, tuple(nodes), tuple(tree), tuple(left), mechanism.size)
+    size = mechanism.size
+    described = tuple(joint_motion(joint, np.eye(3), np.eye(3), size) for joint in mechanism.joints)
+    return Structure(mechanism, tuple(nodes), tuple(tree), tuple(left), described, size)
 
 
-def motions(structure: Structure, posture: Posture) -> Motions:
-    """The motions that all joints allow in `posture`."""
+def motions(structure: Structure, frames: Frames) -> Motions:
+    """The motions that all joints allow in P postures.
+
+    Raises UnevenError where their numbers differ.
+    """
     joints = structure.mechanism.joints
-    allowed = [joint_motion(posture, joint, structure.length) for joint in joints]
-    places = np.array([_place(posture, *node) for node in structure.nodes]).reshape(-1, 3)
-    free = np.diag([structure.length] * 3 + [1.0] * 3)
-    size = sum(6 if j is None else allowed[j].basis.shape[1] for j, _ in structure.tree)
-    twists = np.zeros((len(structure.nodes), 6, size))
+    allowed = [_allowed(structure, frames, j) for j in range(len(joints))]
+    places = np.stack([_place(frames, *node) for node in structure.nodes], axis=1)
+    count = len(places)
+    size = sum(6 if j is None else allowed[j].basis.shape[-1] for j, _ in structure.tree)
+    twists = np.zeros((count, len(structure.nodes), 6, size))
     springs: dict[str, Array] = {}
     locks = [np.zeros((0, size))]
     done = 0
     for j, node in structure.tree:
         if j is None:
-            twists[node, :, done : done + 6] = free
+            twists[:, node, :, done : done + 6] = np.diag([structure.length] * 3 + [1.0] * 3)
             done += 6
             continue
         joint, motion = joints[j], allowed[j]
-        at = interface_position(posture, joint.first)
-        mine = slice(done, done + motion.basis.shape[1])
-        done = mine.stop
+        mine = slice(done, done + motion.basis.shape[-1])
         forward = structure.node(joint.second.body, joint.second.point) == node
         before = joint.first if forward else joint.second
         other = structure.node(before.body, before.point)
         if other != _HELD:
-            twists[node] = shift(places[node] - places[other]) @ twists[other]
-        arm = shift(places[node] - at)
-        twists[node, :, mine] += arm @ motion.basis if forward else -arm @ motion.basis
+            # What moves it is what has been taken so far.
+            arm = shift(places[:, node] - places[:, other])
+            twists[:, node, :, :done] = arm @ twists[:, other, :, :done]
+        arm = shift(places[:, node] - frames.interface(joint.first.body, joint.first.point))
+        twists[:, node, :, mine] += arm @ (motion.basis if forward else -motion.basis)
+        done = mine.stop
         for name, rows in motion.springs.items():
-            springs[name] = np.zeros((len(rows), size))
-            springs[name][:, mine] = rows
+            springs[name] = np.zeros((count, rows.shape[-2], size))
+            springs[name][..., mine] = rows
         locks.append(np.eye(size)[done - motion.elastic : done])
-    open_loops = Motions(structure, twists, places, springs, np.vstack(locks))
+    locked = np.broadcast_to(np.vstack(locks), (count, sum(map(len, locks)), size))
+    open_loops = Motions(structure, twists, places, springs, locked)
     closing = [(joints[j], allowed[j]) for j in structure.closing]
-    return _closed(open_loops, posture, closing) if closing else open_loops
+    return _closed(open_loops, frames, closing) if closing else open_loops
+
+
+def _allowed(structure: Structure, frames: Frames, number: int) -> JointMotion:
+    """What a joint lets happen in P postures, base axes."""
+    joint = structure.mechanism.joints[number]
+    first = frames.since_reference(joint.first.body)
+    if joint.kind != "universal":
+        return structure.described[number].turned(first)
+    second = frames.since_reference(joint.second.body)
+    return joint_motion(joint, first, second, structure.length)
 
 
 def _closed(
-    motions: Motions, posture: Posture, closing: list[tuple[Joint, JointMotion]]
+    motions: Motions, frames: Frames, closing: Sequence[tuple[Joint, JointMotion]]
 ) -> Motions:
     unit = np.array([1.0 / motions.structure.length] * 3 + [1.0] * 3)[:, None]
     forbidden, locks = [], [motions.locks]
     springs = dict(motions.springs)
     for joint, motion in closing:
-        at = interface_position(posture, joint.first)
+        at = frames.interface(joint.first.body, joint.first.point)
         first, second = (
             motions.at(side.body, side.point, at) for side in (joint.first, joint.second)
         )
         apart = unit * (second - first)
         basis = unit * motion.basis
-        count = basis.shape[1]
+        count = basis.shape[-1]
         directions = np.linalg.qr(basis, mode="complete")[0]
-        forbidden.append(directions[:, count:].T @ apart)
+        forbidden.append(np.swapaxes(directions[..., count:], -1, -2) @ apart)
         if motion.springs:
-            let: Array = np.linalg.lstsq(basis, apart, rcond=None)[0].astype(float)
+            let: Array = np.linalg.pinv(basis) @ apart
             springs |= {name: rows @ let for name, rows in motion.springs.items()}
-            locks.append(let[count - motion.elastic :])
-    conditions = np.vstack(forbidden)
-    _, values, right = np.linalg.svd(conditions, full_matrices=True)
-    rank = int(np.sum(values > _DEPENDENT * max(values.max(initial=0.0), 1.0)))
-    allowed = right[rank:].T
+            locks.append(let[..., count - motion.elastic :, :])
+    _, values, right = np.linalg.svd(np.concatenate(forbidden, axis=-2), full_matrices=True)
+    largest = np.maximum(values.max(axis=-1, keepdims=True, initial=0.0), 1.0)
+    rank = same_rank(values > _DEPENDENT * largest)
+    allowed = np.swapaxes(right[:, rank:], -1, -2)
     return Motions(
         motions.structure,
-        motions.twists @ allowed,
+        motions.twists @ allowed[:, None],
         motions.places,
         {name: rows @ allowed for name, rows in springs.items()},
-        np.vstack(locks) @ allowed,
+        np.concatenate(locks, axis=-2) @ allowed,
     )
 
 
-def _place(posture: Posture, body: str, point: str) -> Array:
-    if not point:
-        return posture.frames[body].position
-    return interface_position(posture, Side(body, point))
+def _place(frames: Frames, body: str, point: str) -> Array:
+    return frames.interface(body, point) if point else frames.positions[body]

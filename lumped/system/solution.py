@@ -22,7 +22,7 @@ from lumped.system.idle import idle_motions
 # Pivots of the stiffness with unit diagonal: those of a chain of 160 elements are 3e-8. Rounding of
 # a singular matrix leaves 1e-16 times what its stiffest entries are above those of the motion.
 _SMALLEST_PIVOT = 1e-13
-_DOUBTFUL = 1e-8
+DOUBTFUL = 1e-8
 # Mass of an idle motion, relative, below which it has none.
 _MASSLESS = 1e-13
 
@@ -69,9 +69,8 @@ def solved(system: System) -> Solved:
     stiffness = dense(system.stiffness)
     kept = np.arange(system.size)
     factor = _factor(stiffness)
-    outer = np.diag(stiffness)[: system.outer]
-    even = (outer > _DOUBTFUL * outer.max(initial=0.0)).all()
-    if factor is not None and even and factor.smallest_pivot > _DOUBTFUL:
+    even = is_even(stiffness[: system.outer, : system.outer])
+    if factor is not None and even and factor.smallest_pivot > DOUBTFUL:
         return Solved(system, factor.lower, factor.scale, kept, np.zeros((system.size, 0)))
     idle = idle_motions(system)
     if len(idle.pinned):
@@ -156,6 +155,13 @@ def strain_shares(system: System, shapes: Array) -> dict[str, Array]:
             energies[f"{name} {kind}".rstrip()] = np.sum(own * (part @ own), axis=0)
     total = sum(energies.values())
     return {name: energy / total for name, energy in energies.items()}
+
+
+def is_even(stiffness: Array) -> bool:
+    """Whether no diagonal entry of the nodes' stiffness (…×n×n) is lost beside the largest."""
+    diagonal = np.diagonal(stiffness, axis1=-2, axis2=-1)
+    largest = diagonal.max(axis=-1, keepdims=True, initial=0.0)
+    return bool((diagonal > DOUBTFUL * largest).all())
 
 
 def _factor(stiffness: Array) -> _Factor | None:

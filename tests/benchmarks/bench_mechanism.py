@@ -20,7 +20,7 @@ from time import process_time
 from lumped.mechanism.kinematics.postures import posture
 from lumped.robot_file import load_robot
 from lumped.system.assembly import assembly
-from lumped.system.solution import compliance, modes, solved
+from lumped.system.sweep import swept
 from validation.models.mechanism import dynamic_bodies, highest_frequency
 
 FREQUENCIES = 10
@@ -38,13 +38,11 @@ def main() -> None:
         prepared = assembly(mechanism, dynamic_bodies(model, mechanism, highest))
         reduction = process_time() - start
         start = process_time()
-        for at in islice(cycle(poses), count):
-            solution = solved(prepared.at(at))
-            compliance(solution)
-            modes(solution, FREQUENCIES)
+        swept(prepared, list(islice(cycle(poses), count)), FREQUENCIES)
         each = 1e3 * (process_time() - start) / count
+        size = prepared.at(poses[0]).size
         print(
-            f"{model}: reduced in {reduction:.1f} s to {solution.system.size} unknowns; "
+            f"{model}: reduced in {reduction:.1f} s to {size} unknowns; "
             f"statics and {FREQUENCIES} frequencies {each:.1f} ms a posture"
         )
 

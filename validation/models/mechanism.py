@@ -26,6 +26,7 @@ from lumped.models.links import links
 from lumped.modes import dense
 from lumped.system.assembly import Assembly, assembly
 from lumped.system.solution import compliance, mode_count, modes, solved
+from lumped.system.sweep import swept
 from validation.models import parts
 from validation.models.legs import cached_leg, condensed_leg, leg_matrices, reduced_leg
 from validation.models.options import DEFAULT_OPTIONS, STATIC, ModelName, ModelOptions
@@ -86,7 +87,7 @@ def answers(
         return list(_on_drives(postures, count))
     if not count:
         models = static_bodies(model, mechanism, options)
-        return list(_solve(assembly(mechanism, models), postures, 0))
+        return _solve(assembly(mechanism, models), postures, 0)
     return renewed_where_needed(
         highest_frequency(postures, count, options),
         partial(_dynamic, model, postures, count, options),
@@ -148,11 +149,10 @@ def highest_frequency(
     return half_octave_above(float(modes(solution, count).frequencies[-1]))
 
 
-def _solve(prepared: Assembly, postures: Sequence[Posture], count: int) -> Iterator[Answer]:
-    for posture in postures:
-        solution = solved(prepared.at(posture))
-        frequencies = modes(solution, count).frequencies if count else np.zeros(0)
-        yield Answer(posture, compliance(solution), frequencies, solution.idle)
+def _solve(prepared: Assembly, postures: Sequence[Posture], count: int) -> list[Answer]:
+    found = swept(prepared, postures, count)
+    each = zip(postures, found.compliances, found.frequencies, found.idle, strict=True)
+    return [Answer(*one) for one in each]
 
 
 def _on_drives(postures: Sequence[Posture], count: int) -> Iterator[Answer]:
@@ -175,7 +175,7 @@ def _dynamic(
 ) -> list[Answer]:
     mechanism = postures[0].mechanism
     bodies = dynamic_bodies(model, mechanism, highest, options)
-    return list(_solve(assembly(mechanism, bodies), postures, count))
+    return _solve(assembly(mechanism, bodies), postures, count)
 
 
 def constant_legs(

@@ -1,0 +1,58 @@
+"""Many postures at once against each of them by itself."""
+
+import numpy as np
+import pytest
+
+from lumped.biglide import postures as biglide_postures
+from lumped.errors import ComputationError
+from lumped.mechanism.kinematics.postures import posture
+from lumped.robot_file import load_robot
+from lumped.system.assembly import assembly
+from lumped.system.solution import compliance, modes, solved
+from lumped.system.sweep import swept
+from validation.models.mechanism import dynamic_bodies, static_bodies
+from validation.models.options import ModelOptions
+
+MANY = ModelOptions(elements=60)
+
+
+def postures_of(name):
+    file = load_robot(name)
+    if name == "ifw":
+        robot = file.robot
+        return biglide_postures(robot, robot.stations(5))
+    return [posture(file.mechanism, pose) for pose in file.mechanism.poses[::4]]
+
+
+@pytest.mark.parametrize("options", [ModelOptions(elements=4), MANY], ids=["few", "reduced"])
+@pytest.mark.parametrize("name", ["ifw", "five-bar", "3-rrr", "delta", "hexapod"])
+def test_many_postures_are_each_of_them(name, options):
+    """Reduced bodies, bodies as they stand, and a Delta whose rods spin idly."""
+    at = postures_of(name)
+    prepared = assembly(at[0].mechanism, dynamic_bodies("beam", at[0].mechanism, 500.0, options))
+    found = swept(prepared, at, 8)
+    for number, one in enumerate(at):
+        solution = solved(prepared.at(one))
+        expected = compliance(solution)
+        size = np.abs(expected).max()
+        assert np.abs(found.compliances[number] - expected).max() <= 1e-12 * size
+        assert found.frequencies[number] == pytest.approx(modes(solution, 8).frequencies, rel=1e-11)
+        assert found.idle[number] == solution.idle
+
+
+@pytest.mark.parametrize("name", ["ifw", "orthoglide"])
+def test_statics_alone(name):
+    at = postures_of(name)
+    prepared = assembly(at[0].mechanism, static_bodies("links", at[0].mechanism))
+    found = swept(prepared, at, 0)
+    assert found.frequencies.shape == (len(at), 0)
+    for one, flexibility in zip(at, found.compliances, strict=True):
+        expected = compliance(solved(prepared.at(one)))
+        assert np.abs(flexibility - expected).max() <= 1e-12 * np.abs(expected).max()
+
+
+def test_a_posture_with_too_few_modes_is_named():
+    at = postures_of("five-bar")
+    prepared = assembly(at[0].mechanism, static_bodies("links", at[0].mechanism))
+    with pytest.raises(ComputationError, match=r"at x = .* 4 modes asked for, but fewer have mass"):
+        swept(prepared, at, 4)
