@@ -8,6 +8,9 @@ from lumped.errors import ComputationError
 
 # Stacks, heaps and buffers that libraries set aside for each of their threads.
 _ADDRESSES_PER_CORE = 150_000_000
+# Address space that libraries take before the first computation: those that read and check files,
+# and those that mesh and solve. Short of it they end the process, hang or crash, each in its way.
+TO_READ, TO_COMPUTE = 250_000_000, 1_000_000_000
 
 
 def available_memory() -> int | None:

@@ -1,11 +1,29 @@
-"""What every test needs: no windows, and hypothesis examples that are the same on every run."""
+"""What every test needs: no windows, a cache of their own, and the same examples on every run."""
 
 import os
+import shutil
+import tempfile
 
+import pytest
 from hypothesis import HealthCheck, settings
 
 os.environ["MPLBACKEND"] = "Agg"
 os.environ["PYVISTA_OFF_SCREEN"] = "true"
+
+CACHE = pytest.StashKey[str]()
+
+
+def pytest_configure(config):
+    """The workers of a session share a cache, which is nobody else's and goes with it."""
+    if not hasattr(config, "workerinput"):
+        config.stash[CACHE] = tempfile.mkdtemp(prefix="flexproof-cache-")
+        os.environ["XDG_CACHE_HOME"] = config.stash[CACHE]
+
+
+def pytest_unconfigure(config):
+    if CACHE in config.stash:
+        shutil.rmtree(config.stash[CACHE], ignore_errors=True)
+
 
 settings.register_profile(
     "default",

@@ -187,16 +187,20 @@ def run(
     preset: Preset = "standard",
     only: str | None = None,
     jobs: int | None = None,
+    selftest: bool | None = None,
 ) -> Run:
     """Everything that `flexproof run` does, into the folder `out`.
 
+    `selftest`: the checks of the program are made again, or left out; None takes those that are
+    kept, and makes them where none are.
     Raises InputError before anything is written, ComputationError where the run cannot go on.
     """
     # The session loads every case; solving a model needs none of them.
     from validation.catalogue import catalogue  # noqa: PLC0415
     from validation.run.session import Request, default_jobs, validate  # noqa: PLC0415
 
-    request = Request(_loaded(robot), preset, Path(out), jobs or default_jobs(), only)
+    asked = Request(_loaded(robot), preset, Path(out), jobs or default_jobs(), only)
+    request = replace(asked, selftest=selftest)
     gathered = validate(request, catalogue)
     found = [outcome.verdict for outcome in gathered.in_order()]
     return Run(

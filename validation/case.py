@@ -14,14 +14,13 @@ from math import hypot, isfinite, nan
 from typing import Any, Literal, TypeAlias
 
 from validation.claims import Claim
-from validation.context import PRESETS, Context, Preset
+from validation.context import PRESETS, About, Context, Preset
 from validation.exhibits import Study
 
 ReferenceKind: TypeAlias = Literal[
     "closed-form", "published", "paper-statement", "finer-model", "independent-solver"
 ]
 Verdict: TypeAlias = Literal["agree", "disagree", "undecided", "failed", "skipped"]
-About: TypeAlias = Literal["robot", "leg", "program"]
 
 
 class Relation(Enum):
@@ -184,8 +183,8 @@ class Case:
     figure: str = ""
 
     def measure(self, context: Context) -> Measurement:
-        """What `compute` finds: for the run's robot, or for the built-in one about the program."""
-        return self.compute(context.on_built_in() if self.subject == "program" else context)
+        """What `compute` finds of the subject; `context` is that of the run."""
+        return self.compute(context.about(self.subject))
 
     def __post_init__(self) -> None:
         for name in ("id", "title", "quantity", "unit", "citation", "tolerance_reason"):

@@ -6,7 +6,7 @@ from dataclasses import replace
 from lumped.robot_file import RobotFile
 from validation.adequacy.assessment import ADEQUACY, MEASURED, Assessment
 from validation.adequacy.robot import robot_adequacy
-from validation.case import About, Case
+from validation.case import Case
 from validation.cases import (
     decision,
     end_restraint,
@@ -23,9 +23,9 @@ from validation.cases import (
     robot_solid,
     solids,
 )
-from validation.context import BUILT_IN
+from validation.context import BUILT_IN, About
 from validation.measured.biglide import measured_matrix
-from validation.report.figures import drawings
+from validation.report.figures import drawings, of_program
 from validation.results.records import Task
 
 _ADEQUACY = Assessment(
@@ -47,7 +47,12 @@ _MEASURED = Assessment(
 def catalogue(robot_file: RobotFile) -> Sequence[Task]:
     """Every case and figure for a robot; the paper's statements for the paper's robot alone."""
     of_robot = _of_mechanism if robot_file.is_mechanism else _of_biglide
-    return (*of_robot(robot_file), *program.cases(), _ADEQUACY, *drawings(robot_file))
+    return (*of_robot(robot_file), *checks(robot_file), _ADEQUACY, *drawings(robot_file))
+
+
+def checks(_robot_file: RobotFile) -> Sequence[Task]:
+    """What verifies the program, the same whatever the robot."""
+    return (*program.cases(), *of_program())
 
 
 def _of_biglide(robot_file: RobotFile) -> Sequence[Task]:

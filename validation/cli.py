@@ -6,22 +6,23 @@ else to stderr. Packages that are slow to import are imported by the commands th
 that help and messages come at once.
 """
 
-import re
 import sys
 from collections.abc import Sequence
 from pathlib import Path
 from traceback import format_exception
-from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Literal
 
-from cyclopts import App, CycloptsError, Parameter, Token, UnusedCliTokensError
+from cyclopts import App, CycloptsError, Parameter, UnusedCliTokensError
 
-from fem.machine import require_address_space
+from fem.machine import TO_COMPUTE, TO_READ, require_address_space
 from lumped.errors import ComputationError, InputError
 from lumped.robots import RobotType
 from validation.console import streams
+from validation.console.arguments import ProcessCount, WholeNumber
 from validation.console.streams import complain, say
 from validation.kinematics import commands as kinematics
 from validation.parts import commands
+from validation.selftest import command as selftests
 
 if TYPE_CHECKING:
     from lumped.robot_file import RobotFile
@@ -37,6 +38,7 @@ app = App(
 app.command(commands.faces)
 app.command(kinematics.kinematics)
 app.command(commands.identify)
+app.command(selftests.selftest)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -64,7 +66,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _run(arguments: list[str]) -> int:
-    require_address_space(_TO_READ)
+    require_address_space(TO_READ)
     command, bound, _ = app.parse_args(arguments, exit_on_error=False, print_error=False)
     code = 0
     try:
@@ -81,30 +83,8 @@ def _run(arguments: list[str]) -> int:
     return code
 
 
-def _whole_number(_type: object, tokens: Sequence[Token]) -> int:
-    # int() of the parser's own cuts 1.5 down to 1.
-    text = tokens[0].value
-    if not re.fullmatch(r"[+-]?\d{1,15}", text, re.ASCII):
-        option = tokens[0].keyword
-        raise ValueError(f'Invalid value "{text[:40]}" for {option}. Must be a whole number.')
-    return int(text)
-
-
-def _process_count(_type: object, tokens: Sequence[Token]) -> int:
-    count = _whole_number(_type, tokens)
-    if not 1 <= count <= 1024:
-        raise ValueError(f'Invalid value "{count}" for --jobs. Must be a whole number, 1 to 1024.')
-    return count
-
-
-# Address space that libraries take before the first computation: those that read and check files,
-# and those that mesh and solve. Short of it they end the process, hang or crash, each in its way.
-_TO_READ, _TO_COMPUTE = 250_000_000, 1_000_000_000
-
 # Seconds of computing for which nobody presses Ctrl-C.
 _PATIENCE = 2.0
-
-WholeNumber: TypeAlias = Annotated[int, Parameter(converter=_whole_number)]
 
 
 @app.command
@@ -114,7 +94,7 @@ def run(
     preset: Literal["quick", "standard", "fine"] = "standard",
     only: str | None = None,
     out: Path = Path("report"),
-    jobs: Annotated[int | None, Parameter(converter=_process_count)] = None,
+    jobs: ProcessCount = None,
     resume: Annotated[bool, Parameter(negative="")] = False,
     baseline: Path | None = None,
     export: Annotated[bool, Parameter(negative="")] = False,
@@ -124,6 +104,7 @@ def run(
     rely: tuple[str, ...] = (),
     strict: Annotated[bool, Parameter(negative="")] = False,
     measured: Path | None = None,
+    selftest: bool | None = None,
 ) -> int:
     """Validate a robot's lumped models and write a report.
 
@@ -163,6 +144,9 @@ def run(
     measured
         Measured values of the robot (CSV: quantity, pose, value, uncertainty, source), besides
         those of the robot file.
+    selftest
+        Make the checks of the program itself again, or leave them out. Otherwise those that are
+        kept for this version and machine are shown, and made where none are.
     """
     from dataclasses import replace  # noqa: PLC0415
 
@@ -176,7 +160,7 @@ def run(
     from validation.run.session import Request, default_jobs, validate  # noqa: PLC0415
     from validation.store.tree import StoreError  # noqa: PLC0415
 
-    require_address_space(_TO_COMPUTE)
+    require_address_space(TO_COMPUTE)
     start: Start = "resumed" if resume else "afresh"
     # Whoever names faults alone wants them injected.
     faults = faults or bool(only and is_fault(only))
@@ -197,6 +181,7 @@ def run(
         cluster,
         {option: given for option, given in asked.items() if given},
         strict,
+        selftest,
     )
     try:
         gathered = validate(request, with_faults if faults else catalogue)
@@ -206,7 +191,7 @@ def run(
         return complain(["interrupted", summary.how_to_go_on(request)], 3)
     complain([*gathered.remarks, *summary.left_out(gathered)], 0)
     changes, worsened = summary.changes(gathered)
-    say("\n".join([*summary.verdicts(gathered), *changes]))
+    say("\n".join([*summary.verdicts(gathered), summary.program(gathered), *changes]))
     say(f"report: {gathered.path / 'report.html'}")
     for line in summary.adequacy(gathered):
         say(line)
@@ -316,7 +301,7 @@ def solve(
     from validation.solve import command  # noqa: PLC0415
     from validation.solve.answer import as_json, as_text  # noqa: PLC0415
 
-    require_address_space(_TO_COMPUTE)
+    require_address_space(TO_COMPUTE)
     robot_file = load_robot(robot)
     choices = {
         "legs": legs,

@@ -12,6 +12,7 @@ from lumped.biglide import Biglide
 from lumped.robot_file import RobotFile, load_robot
 
 Preset: TypeAlias = Literal["quick", "standard", "fine"]
+About: TypeAlias = Literal["robot", "leg", "program"]
 PRESETS: tuple[Preset, ...] = ("quick", "standard", "fine")
 # The robot whose numbers the paper prints; the program itself is verified on it.
 BUILT_IN = "ifw"
@@ -37,9 +38,12 @@ class Context:
         """The robot of the file."""
         return self.robot_file.robot
 
-    def on_built_in(self) -> Self:
-        """The same for the built-in robot, with one memo for both."""
-        return replace(self, robot_file=_built_in())
+    def about(self, subject: About) -> Self:
+        """The context of what says something of `subject`: the program is checked on one robot.
+
+        That is the built-in one, whatever the run's robot is; both share their memo.
+        """
+        return replace(self, robot_file=_built_in()) if subject == "program" else self
 
     def get(self, function: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
         """The function's value for these arguments, from the memo if it has been computed."""

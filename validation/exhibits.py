@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from math import isfinite
 from typing import Any, Literal, TypeAlias
 
-from validation.context import PRESETS, Context, Preset
+from validation.context import PRESETS, About, Context, Preset
 
 StudyKind: TypeAlias = Literal["convergence", "sweep"]
 
@@ -105,6 +105,7 @@ class Drawing:
     section: str = ""
     group: str = ""
     effort: float = 1.0
+    subject: About = "robot"
 
 
 def study_record(study: Study) -> dict[str, Any]:

@@ -5,6 +5,7 @@ import re
 import shutil
 import subprocess
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -46,6 +47,19 @@ def calculix_program() -> str:
     raise CalculixMissing(
         f"CalculiX ({' or '.join(PROGRAMS)}) is not installed; on Debian: package calculix-ccx"
     )
+
+
+@cache
+def calculix_version() -> str | None:
+    """The version that CalculiX says it has, None where it is not installed or says none."""
+    try:
+        said = subprocess.run(  # noqa: S603  found on the path, without arguments of others
+            [calculix_program(), "-v"], capture_output=True, text=True, timeout=10.0, check=False
+        ).stdout
+    except (CalculixMissing, OSError, subprocess.TimeoutExpired):
+        return None
+    found = re.search(r"Version\s+(\S+)", said)
+    return found[1] if found else None
 
 
 def run_calculix(deck: Deck, threads: int = 1, timeout: float = 600.0) -> CalculixResults:

@@ -36,7 +36,7 @@ from validation.models.biglide import robot_compliance, robot_frequencies
 from validation.models.legs import leg_matrices
 from validation.models.options import ModelOptions
 from validation.run import summary as run_summary
-from validation.run.session import Results
+from validation.run.gathered import Results
 
 IFW = load_robot("ifw")
 TOOL = np.diag([2e-9, 3e-9, 1e-9, 4e-7, 3e-7, 5e-7])

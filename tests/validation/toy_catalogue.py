@@ -5,6 +5,7 @@ import resource
 import signal
 import time
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from multiprocessing import parent_process
 from pathlib import Path
 
@@ -30,6 +31,7 @@ def case(identifier: str, compute: Callable[[Context], Measurement], group: str 
         tolerance_reason="made up",
         compute=compute,
         section="Toys",
+        subject="robot",
         group=group,
     )
 
@@ -163,3 +165,41 @@ def chatty(_robot_file: RobotFile) -> Sequence[Task]:
 
 def tells_much(_context: Context) -> Measurement:
     return Measurement(1.0 / 3.0, 0.34, notes=("tell" * 5000,))
+
+
+def checks(_robot_file: RobotFile) -> Sequence[Task]:
+    """Checks of the program, beside which the robot's cases stand in a run."""
+    names = {"toy.check.steady": measured_on, "toy.check.sum": made_now}
+    return (
+        *(replace(case(name, compute), subject="program") for name, compute in names.items()),
+        Drawing("toy.check.figure", "Toy figure of the program", draws_check, subject="program"),
+    )
+
+
+def checked(robot_file: RobotFile) -> Sequence[Task]:
+    return (case("toy.agrees", agrees), *checks(robot_file))
+
+
+def wrongly_checked(robot_file: RobotFile) -> Sequence[Task]:
+    wrong = replace(case("toy.check.wrong", disagrees), subject="program")
+    failing = replace(case("toy.check.failing", is_singular), subject="program")
+    return (*checked(robot_file), wrong, *([failing] if "FAILING" in os.environ else []))
+
+
+def slowly_checked(robot_file: RobotFile) -> Sequence[Task]:
+    """Checks of which the last takes a minute."""
+    last = replace(case("toy.check.slow", sleeps, group="checks"), subject="program")
+    return (*(replace(task, group="checks") for task in checked(robot_file)), last)
+
+
+def measured_on(context: Context) -> Measurement:
+    return Measurement(context.robot.a, 0.92)
+
+
+def made_now(_context: Context) -> Measurement:
+    return Measurement(1.0, 1.0, notes=(f"{os.getpid()} {time.perf_counter_ns()}",))
+
+
+def draws_check(context: Context) -> Figure:
+    text = f"x\n{context.robot.a}\n"
+    return Figure("toy.check.figure", "Toy", "A caption.", "Toys", svg="<svg ></svg>", data=text)

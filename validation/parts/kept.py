@@ -2,7 +2,7 @@
 
 A file is named by the digest of everything that its numbers depend on and begins with the digest of
 its own content, so that a damaged one is never read. It is written beside its place and moved there
-when it is whole. The folder is the user's cache ($XDG_CACHE_HOME, else ~/.cache)/flexproof.
+when it is whole.
 """
 
 import hashlib
@@ -21,21 +21,11 @@ from lumped.arrays import Array
 from lumped.legs import Material
 from meshes.part.interfaces import Interface
 from meshes.part.read import PartFile
+from validation.store.cache import cache_folder
 
 # Raised where the same input gives other numbers than before: meshes, elements, reduction.
 _EDITION = 1
 _DIGEST = 64
-
-
-def folder() -> Path:
-    """Where results are kept; FLEXPROOF_CACHE says "off" or another folder."""
-    told = os.environ.get("FLEXPROOF_CACHE")
-    if told and told != "off":
-        return Path(told)
-    base = os.environ.get("XDG_CACHE_HOME")
-    # The specification has relative paths ignored.
-    root = Path(base) if base and Path(base).is_absolute() else Path.home() / ".cache"
-    return root / "flexproof" / "parts"
 
 
 def key_of(
@@ -56,9 +46,10 @@ def key_of(
 
 def kept(key: str, compute: Callable[[], Mapping[str, Any]]) -> dict[str, Array]:
     """The arrays of that `key` from the disk, else computed and put there."""
-    if os.environ.get("FLEXPROOF_CACHE") == "off":
+    folder = cache_folder("parts")
+    if folder is None:
         return {name: np.asarray(value) for name, value in compute().items()}
-    place = folder() / f"{key}.npz"
+    place = folder / f"{key}.npz"
     found = _read(place)
     if found is None:
         found = {name: np.asarray(value) for name, value in compute().items()}

@@ -14,15 +14,16 @@ from validation.adequacy.matrix import Matrix
 from validation.case import Outcome, Verdict
 from validation.exhibits import Figure
 from validation.faults.detection import Power
-from validation.listing import summary
+from validation.listing import program_line, summary
 from validation.report import scene_viewer, text
 from validation.report.figures.pictures.portrait import ID as PORTRAIT
 from validation.report.first_screen.screen import FirstScreen, first_screen
+from validation.report.first_screen.words import capital
 from validation.report.second_ways import Agreement, agreements
 from validation.report.sections import APPENDIX, Chapter, chapters_of
 from validation.report.tables import Part, explained, unexplained_share
 from validation.results.drift import Drift
-from validation.results.records import Drawn, studies_of
+from validation.results.records import Drawn, is_check, studies_of
 
 # How many comparisons the appendix shows first beside those that do not agree.
 _FOREMOST = 10
@@ -86,10 +87,8 @@ class Report:
     @property
     def program(self) -> str:
         """The verification of the program in one line."""
-        outcomes = self.appendix.outcomes if self.appendix else ()
-        judged = [outcome for outcome in outcomes if outcome.verdict != "skipped"]
-        agreeing = sum(outcome.verdict == "agree" for outcome in judged)
-        return f"{APPENDIX}: {agreeing} of {len(judged)} checks agree"
+        checks = [outcome for outcome in self.outcomes if is_check(outcome.case)]
+        return capital(program_line(checks, self.provenance))
 
     @property
     def portrait(self) -> Figure | None:

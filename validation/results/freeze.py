@@ -80,7 +80,7 @@ def _faults(header: Mapping[str, object], run: SavedRun) -> list[str]:
     elif header.get("robot_sha256") != load_robot(robot).sha256:
         faults.append(f"robot {robot} has changed since")
     options = header.get("options")
-    if isinstance(options, Mapping) and "only" in options:
+    if isinstance(options, Mapping) and ("only" in options or "selftest" in options):
         faults.append(f"only a part was run (options {options})")
     if header.get("unfinished", 0):
         faults.append(f"{header['unfinished']} cases or figures were not computed")

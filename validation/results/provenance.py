@@ -8,6 +8,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
+from fem.calculix.run import calculix_version
 from fem.machine import usable_cores
 from fem.solvers.cholesky import solver_name
 from lumped.robot_file import RobotFile
@@ -53,12 +54,13 @@ def versions() -> dict[str, str]:
             found[library] = version(library)
         except PackageNotFoundError:
             continue
+    found |= {"CalculiX": found_version} if (found_version := calculix_version()) else {}
     return found | {"linear solver": solver_name()}
 
 
 def machine() -> str:
     """The machine in one line, without its name."""
-    return f"{platform.system()} {platform.machine()}, {usable_cores()} cores, {_processor()}"
+    return f"{platform.system()} {platform.machine()}, {usable_cores()} cores, {processor()}"
 
 
 def suite_digest() -> str:
@@ -73,7 +75,8 @@ def suite_digest() -> str:
     return digest.hexdigest()
 
 
-def _processor() -> str:
+def processor() -> str:
+    """The processor's name."""
     try:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
     except OSError:

@@ -18,6 +18,11 @@ Task: TypeAlias = Case | Drawing | Assessment
 Record: TypeAlias = dict[str, Any]
 
 
+def is_check(task: Task) -> bool:
+    """Whether a task says something of the program, not of the run's robot."""
+    return not isinstance(task, Assessment) and task.subject == "program"
+
+
 @dataclass(frozen=True)
 class Drawn:
     """A figure that was asked for; where there is none, or no picture, `message` says why.

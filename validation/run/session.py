@@ -2,45 +2,30 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from time import perf_counter
-from typing import Any
-
-import msgspec
 
 from fem.machine import usable_cores
 from lumped.audit.finding import Finding
 from lumped.audit.robot_audit import audit
 from lumped.errors import InputError
 from lumped.robot_file import RobotFile
-from validation.adequacy.assessment import ADEQUACY, MEASURED, Assessed
-from validation.adequacy.matrix import Matrix
-from validation.case import Outcome
 from validation.cases.sweep_results import FOLDER_OPTION, GROUP, studies_read
 from validation.console.streams import complain
 from validation.context import Preset
-from validation.exhibits import Figure
 from validation.export import export
-from validation.faults.detection import Power, comparisons, detection_power
+from validation.faults.detection import comparisons
 from validation.report.page import Report, render
 from validation.results import provenance
-from validation.results.compare import Comparison, compare
-from validation.results.drift import Drift, drifts
-from validation.results.freeze import built_in_frozen, frozen_values
+from validation.results.freeze import built_in_frozen
 from validation.results.junit import junit_xml
-from validation.results.records import (
-    Done,
-    Drawn,
-    Record,
-    Task,
-    from_record,
-    results,
-    still_holding,
-)
-from validation.results.saved_run import SavedRun, load_run, parse_run
+from validation.results.records import Record, Task, is_check
+from validation.results.saved_run import SavedRun, load_run
 from validation.run import progress, runner
+from validation.run.gathered import Results
 from validation.run.worker import Job
+from validation.selftest.kept import Kept, kept_of
 from validation.store.opening import Start, open_folder
 from validation.store.run_folder import RunFolder
 from validation.sweeps.cluster import on_cluster
@@ -57,6 +42,8 @@ class Request:
     run to be compared with. `exports`: whether meshes, fields and matrices are wanted as files.
     `cluster` is the address of a Dask scheduler that computes the sweeps. `asked` are options that
     changed the robot file's requirement, as typed; `strict`: undecided counts as inadequate.
+    `selftest`: whether the checks of the program are made again, left out, or, None, taken as they
+    are kept and made where they are not.
     """
 
     robot_file: RobotFile
@@ -71,145 +58,19 @@ class Request:
     cluster: str | None = None
     asked: Mapping[str, str] = field(default_factory=dict)
     strict: bool = False
-
-
-@dataclass
-class Results:
-    """What has been finished so far, by id, in the order of the catalogue.
-
-    `baseline` is the earlier run that the user names, `frozen` the one that drift is counted from:
-    the baseline or, without one, what is kept of a built-in robot. `path` is where the report is:
-    beside an earlier run's as long as this one is not finished. `remarks` say what was found in
-    the folder that is not as it should be. `rely` names the models that must be adequate, `strict`
-    tells whether undecided is not enough.
-    """
-
-    header: Mapping[str, Any]
-    tasks: Sequence[Task]
-    baseline: SavedRun | None = None
-    frozen: SavedRun | None = None
-    outcomes: dict[str, Outcome] = field(default_factory=dict)
-    drawn: dict[str, Drawn] = field(default_factory=dict)
-    assessed: dict[str, Assessed] = field(default_factory=dict)
-    path: Path = Path()
-    remarks: Sequence[str] = ()
-    rely: Sequence[str] = ()
-    strict: bool = False
-
-    def add(self, record: Record) -> None:
-        """Take in a finished piece of work."""
-        task = next(task for task in self.tasks if task.id == record["id"])
-        self._take(task.id, from_record(task, record))
-
-    def take_up(self, folder: RunFolder) -> None:
-        """Take in what an earlier process finished in the folder, as far as it still holds."""
-        for task in self.tasks:
-            record = folder.record(task.id)
-            done = still_holding(task, record) if record is not None else None
-            if done is not None:
-                self._take(task.id, done)
-
-    def _take(self, identifier: str, done: Done) -> None:
-        match done:
-            case Outcome():
-                self.outcomes[identifier] = done
-            case Drawn():
-                self.drawn[identifier] = done
-            case Assessed():
-                self.assessed[identifier] = done
-
-    def in_order(self) -> list[Outcome]:
-        """The outcomes in the order of the catalogue."""
-        return [self.outcomes[task.id] for task in self.tasks if task.id in self.outcomes]
-
-    def all_figures(self) -> list[Figure]:
-        """The figures that were drawn, in the order of the catalogue."""
-        drawn = [self.drawn[task.id] for task in self.tasks if task.id in self.drawn]
-        return [one.figure for one in drawn if one.figure]
-
-    def missing_figures(self) -> list[Drawn]:
-        """The figures that were asked for and could not be drawn, or not as a picture."""
-        return [drawn for drawn in self.drawn.values() if drawn.message]
+    selftest: bool | None = None
 
     @property
-    def unfinished(self) -> int:
-        """How many tasks have not been computed."""
-        return len(self.tasks) - len(self.outcomes) - len(self.drawn) - len(self.assessed)
+    def options(self) -> Mapping[str, str]:
+        """What the header of the run says of all this."""
+        only = {"only": self.only} if self.only else {}
+        left_out = {"selftest": "left out"} if self.selftest is False else {}
+        return {**only, **left_out, **self.asked}
 
     @property
-    def matrix(self) -> Matrix | None:
-        """The adequacy of the robot's models, None where it was not, or could not be, assessed."""
-        return self._matrix(ADEQUACY)
-
-    @property
-    def measured(self) -> Matrix | None:
-        """The models against measured values, where there are any."""
-        return self._matrix(MEASURED)
-
-    def _matrix(self, name: str) -> Matrix | None:
-        made = self.assessed.get(name)
-        return made.matrix if made else None
-
-    @property
-    def drifts(self) -> dict[str, Drift]:
-        """How far the values have moved from the frozen ones, by case id."""
-        return drifts(self.in_order(), frozen_values(self.frozen)) if self.frozen else {}
-
-    @property
-    def power(self) -> Power | None:
-        """What became of the faults, where the run injects any."""
-        found = detection_power(self.in_order())
-        return found if found.detections else None
-
-    def compared_with(self, baseline: SavedRun) -> Comparison:
-        """What changed since `baseline`, as far as its cases were to be run this time."""
-        asked = {task.id for task in self.tasks}
-        part = "only" in self.header["options"]
-        before = tuple(
-            case
-            for case in baseline.cases
-            if case.id in self.outcomes or not (part or case.id in asked)
-        )
-        return compare(replace(baseline, cases=before), parse_run(self.as_json(), "results.json"))
-
-    @property
-    def matrices(self) -> tuple[Matrix, ...]:
-        """What is known of the models, by computed references first, then by measured ones."""
-        return tuple(matrix for matrix in (self.matrix, self.measured) if matrix)
-
-    @property
-    def refused(self) -> tuple[str, ...]:
-        """Models relied on that are not adequate; all of them where strict and nothing is known."""
-        if self.matrix is None:
-            return tuple(self.rely) if self.strict and self.assessed else ()
-        refused = {
-            model
-            for matrix in self.matrices
-            for model in matrix.fails(self.rely, strict=self.strict)
-        }
-        return tuple(model for model in self.rely if model in refused)
-
-    def exit_code(self) -> int:
-        """0 nothing against it, 1 a case disagrees or a model relied on is inadequate, 3 a failure.
-
-        A failure is a computation that failed or was interrupted. Where strict, undecided is 1 too.
-        """
-        verdicts = {outcome.verdict for outcome in self.outcomes.values()}
-        failed = "failed" in verdicts or any(drawn.failed for drawn in self.drawn.values())
-        failed = failed or any(one.failed for one in self.assessed.values())
-        if failed or self.unfinished:
-            return 3
-        wrong = {"disagree", "undecided"} if self.strict else {"disagree"}
-        return 1 if verdicts & wrong or self.refused else 0
-
-    def as_json(self) -> str:
-        """The text of results.json."""
-        header = dict(self.header) | {"unfinished": self.unfinished}
-        content = results(header, comparisons(self.in_order()), self.drifts, self.matrices)
-        if power := self.power:
-            content["faults"] = power.records()
-        # Written after every case: Python's own encoder would take longer than the cases.
-        return msgspec.json.format(msgspec.json.encode(content), indent=1).decode() + "\n"
+    def takes_kept(self) -> bool:
+        """Whether kept checks will do: who names some or asks for them wants them computed."""
+        return self.selftest is None and self.only is None
 
 
 def validate(request: Request, catalogue: Catalogue) -> Results:
@@ -221,9 +82,13 @@ def validate(request: Request, catalogue: Catalogue) -> Results:
     robot_file = request.robot_file
     if robot_file.is_mechanism:
         _refuse_what_biglides_have(request)
-    tasks = runner.select(catalogue(robot_file), request.preset, request.only)
-    options = {**({"only": request.only} if request.only else {}), **request.asked}
+    listed = catalogue(robot_file)
+    if request.selftest is False:
+        listed = [task for task in listed if not is_check(task)]
+    tasks = runner.select(listed, request.preset, request.only)
+    options = request.options
     header = provenance.header(robot_file, request.preset, options)
+    kept = kept_of(header)
     # Before the run, so that after Ctrl-C only the page is left to be written.
     findings = audit(robot_file)
     # Read before anything is written: the folder may be the baseline's own.
@@ -235,7 +100,7 @@ def validate(request: Request, catalogue: Catalogue) -> Results:
             executor = stack.enter_context(on_cluster(request.cluster, _mention))
         folder = stack.enter_context(open_folder(request.out, header, request.start))
         sweeps = folder.path / "sweeps"
-        job = Job(catalogue, robot_file, request.preset, options | {FOLDER_OPTION: str(sweeps)})
+        job = Job(catalogue, robot_file, request.preset, {**options, FOLDER_OPTION: str(sweeps)})
         header |= {"seconds": 0.0, "planned": len(tasks)} | folder.begun()
         header |= {"frozen_from": _named(frozen)}
         gathered = Results(
@@ -249,11 +114,19 @@ def validate(request: Request, catalogue: Catalogue) -> Results:
         )
         gathered.take_up(folder)
         gathered.remarks = folder.remarks
+        if request.takes_kept:
+            gathered.take_kept(kept)
+        elif request.selftest and request.start == "afresh" and request.only is None:
+            kept.forget()
+        _mention_checks(gathered)
         if executor is not None and any(task.group == GROUP for task in tasks):
             with progress.stage("sweeps on the cluster"):
                 studies = studies_read(request.preset)
                 precompute(robot_file.robot, request.preset, sweeps, executor, studies)
-        _compute(job, gathered, folder, request.jobs)
+        _compute(job, gathered, folder, kept, request.jobs)
+        if kept.why and any(is_check(task) for task in tasks):
+            unkept = f"the checks of the program cannot be kept for other runs: {kept.why}"
+            gathered.remarks = [*gathered.remarks, unkept]
         with progress.stage("writing the report"):
             publish(gathered, folder, findings)
         if request.exports and not gathered.unfinished:
@@ -283,7 +156,7 @@ def publish(gathered: Results, folder: RunFolder, findings: Sequence[Finding]) -
         figures=tuple(gathered.all_figures()),
         missing_figures=tuple(gathered.missing_figures()),
         findings=tuple(findings),
-        provenance=gathered.header,
+        provenance={**gathered.header, "selftest": gathered.selftest},
         matrix=gathered.matrix,
         measured=gathered.measured,
         unjudged=next((one.message for one in gathered.assessed.values() if one.message), ""),
@@ -322,16 +195,25 @@ def _named(frozen: SavedRun | None) -> str | None:
     return f"run of {frozen.run['started']}" if "started" in frozen.run else "kept with the program"
 
 
-def _compute(job: Job, gathered: Results, folder: RunFolder, jobs: int) -> None:
+def _mention_checks(gathered: Results) -> None:
+    """Say that the program's own checks are made in this run, and why."""
+    asked = [task for task in gathered.tasks if is_check(task)]
+    waiting = sum(task.id not in gathered.done for task in asked)
+    if waiting:
+        why = "" if waiting < len(asked) else "; none are kept for this version on this machine"
+        _mention(f"{waiting} checks of the program itself are made in this run{why}")
+
+
+def _compute(job: Job, gathered: Results, folder: RunFolder, kept: Kept, jobs: int) -> None:
     begun = perf_counter() - gathered.header["seconds"]
 
     def keep(record: Record) -> None:
         folder.keep(record)
-        gathered.add(record)
+        if is_check(gathered.add(record)):
+            kept.add(record)
         gathered.header = dict(gathered.header) | {"seconds": perf_counter() - begun}
         folder.write("results.json", gathered.as_json())
 
-    done = gathered.outcomes.keys() | gathered.drawn.keys() | gathered.assessed.keys()
-    waiting = [task for task in gathered.tasks if task.id not in done]
+    waiting = [task for task in gathered.tasks if task.id not in gathered.done]
     with progress.showing(waiting) as observer:
         runner.run(job, waiting, jobs=jobs, log=folder.log, keep=keep, observer=observer)

@@ -4,9 +4,11 @@ from shlex import join
 
 from validation.adequacy.text import in_a_line
 from validation.faults.detection import comparisons
-from validation.listing import outcome_line, summary
+from validation.listing import outcome_line, program_line, summary
 from validation.results.comparison_text import sentence
-from validation.run.session import Request, Results
+from validation.results.records import is_check
+from validation.run.gathered import Results
+from validation.run.session import Request
 
 
 def verdicts(gathered: Results) -> list[str]:
@@ -29,6 +31,12 @@ def adequacy(gathered: Results) -> list[str]:
     lines = lines if gathered.refused else []
     lines += [f"adequacy: {one.message}" for one in gathered.assessed.values() if one.message]
     return [*lines, in_a_line(gathered.matrix)] if gathered.matrix else lines
+
+
+def program(gathered: Results) -> str:
+    """The line on the program's own checks."""
+    outcomes = [one for one in gathered.in_order() if is_check(one.case)]
+    return program_line(outcomes, {**gathered.header, "selftest": gathered.selftest})
 
 
 def left_out(gathered: Results) -> list[str]:
@@ -66,4 +74,6 @@ def how_to_go_on(request: Request) -> str:
     for option, given in request.asked.items():
         command += [word for one in given.split() for word in (f"--{option}", one)]
     command += ["--strict"] if request.strict else []
+    if request.selftest is not None:
+        command.append("--selftest" if request.selftest else "--no-selftest")
     return f"go on with: {join([*command, '--out', str(request.out), '--resume'])}"

@@ -89,7 +89,8 @@ def _compute(case: Case, context: Context) -> Outcome:
 def _draw(drawing: Drawing, context: Context) -> Drawn:
     start = perf_counter()
     try:
-        figure = replace(drawing.draw(context), computed_by=(function_name(drawing.draw),))
+        drawn = drawing.draw(context.about(drawing.subject))
+        figure = replace(drawn, computed_by=(function_name(drawing.draw),))
         return Drawn(drawing, perf_counter() - start, figure, figure.left_out)
     except Skip as reason:
         return Drawn(drawing, perf_counter() - start, message=str(reason))

@@ -11,7 +11,6 @@
 What stands in the way and is not ours, a link say, is kept beside under another name.
 """
 
-import json
 import re
 import shutil
 from collections.abc import Iterator, Mapping
@@ -20,11 +19,12 @@ from dataclasses import dataclass, field
 from hashlib import blake2b
 from math import isfinite
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import msgspec
 
-from validation.store.manifest import Manifest, digest
+from validation.store.manifest import Manifest
+from validation.store.sealed_record import sealed_record, unsealed_record
 from validation.store.tree import Tree, refusals, temporary_name
 
 LOG = "log.txt"
@@ -40,15 +40,6 @@ class _Results(msgspec.Struct, frozen=True):
     """What of results.json is needed to go on."""
 
     run: _Begun
-
-
-class _Kept(msgspec.Struct, frozen=True):
-    """A record on the disk: what run it belongs to, and the digest that says whether it holds."""
-
-    flexproof: Literal["record"]
-    run: str
-    digest: str
-    record: dict[str, Any]
 
 
 @dataclass
@@ -86,17 +77,14 @@ class RunFolder:
 
     def keep(self, record: Mapping[str, Any]) -> None:
         """Add a finished piece of work (with its "id") to the journal."""
-        # The journal keeps NaN, which JSON proper cannot: only this program reads it.
-        text = json.dumps(record)
-        head = {"flexproof": "record", "run": self.run, "digest": self._digest(text)}
-        self.write(_file_of(record["id"]), f'{json.dumps(head)[:-1]}, "record": {text}}}\n')
+        self.write(_file_of(record["id"]), f"{sealed_record(self.run, record)}\n")
 
     def record(self, identifier: str) -> dict[str, Any] | None:
         """What the journal holds under an id; None, and a remark, for what does not hold."""
         name = _file_of(identifier)
         if self.tree.lacks(name):
             return None
-        found = self._decoded(self.tree.read(name))
+        found = unsealed_record(self.run, self.tree.read(name) or b"")
         if found is None or found.get("id") != identifier:
             self.remarks.append(f"{self.path / name} does not hold: {identifier} is not finished")
             return None
@@ -156,19 +144,6 @@ class RunFolder:
         """Keep under another name what is not ours, and say so."""
         kept = self.tree.aside(name)
         self.remarks.append(f"{self.path / name} was not as this run wrote it: kept as {kept}")
-
-    def _digest(self, text: str) -> str:
-        return digest(f"{self.run}\n{text}".encode())
-
-    def _decoded(self, content: bytes | None) -> dict[str, Any] | None:
-        """The record in a file; None where it is damaged, changed, or of another run."""
-        try:
-            kept = msgspec.convert(json.loads(content or b""), _Kept)
-        except (ValueError, msgspec.MsgspecError, RecursionError):
-            return None
-        # Python writes a number so that it reads the same one: the text comes out as it was.
-        holds = kept.run == self.run and kept.digest == self._digest(json.dumps(kept.record))
-        return kept.record if holds else None
 
 
 def _file_of(identifier: str) -> str:

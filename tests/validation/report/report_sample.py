@@ -149,7 +149,8 @@ def sample_report(**changes):
             "started": "2026-01-02T03:04:05+00:00",
             "seconds": 75.2,
             "machine": "Linux x86_64, 2 cores",
-            "versions": {"python": "3.11.7", "numpy": "2.4.6"},
+            "versions": {"python": "3.11.7", "numpy": "2.4.6", "flexproof": "1.2"},
+            "selftest": {"checked": "2026-01-01T03:04:05+00:00", "kept": 1, "computed": 0},
         },
         "missing_figures": (
             Drawn(Drawing("fig7", "Fig. 7, mode shapes", never), 0.0, message="no OpenGL"),

@@ -113,9 +113,12 @@ def test_the_worst_comparisons_come_first():
 def test_what_verifies_the_program_is_folded_into_an_appendix_with_one_line():
     program = judge(case("guard.a", section="Guards"), Measurement(1.001, 1.0), 0.1)
     skipped = Outcome(case("guard.b", section="Guards"), "skipped", 0.0, message="no CalculiX")
-    robot = judge(case("robot.a", section="The robot over its stroke"), Measurement(1.0, 1.0), 0.1)
+    over = {"section": "The robot over its stroke", "subject": "robot"}
+    robot = judge(case("robot.a", **over), Measurement(1.0, 1.0), 0.1)
     report = sample_report(outcomes=(program, skipped, robot), figures=())
-    assert report.program == "The program: 1 of 1 checks agree"
+    assert report.program == (
+        "The program: 1 of 1 checks agree, checked on 2026-01-01, flexproof 1.2"
+    )
     assert [chapter.title for chapter in report.chapters] == ["The robot"]
     page = render(report)
     start = page.index('<details class="appendix"')

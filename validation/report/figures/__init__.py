@@ -9,8 +9,15 @@ from validation.exhibits import Drawing
 
 
 def drawings(robot_file: RobotFile) -> tuple[Drawing, ...]:
-    """All figures of a robot, in the order of the report."""
+    """The figures of a robot, in the order of the report."""
     return _of_mechanism() if robot_file.is_mechanism else _of_biglide()
+
+
+def of_program() -> tuple[Drawing, ...]:
+    """The figures of what verifies the program."""
+    from validation.report.figures.curves import refinement  # noqa: PLC0415
+
+    return refinement.drawings()
 
 
 def _of_mechanism() -> tuple[Drawing, ...]:
@@ -37,7 +44,6 @@ def _of_biglide() -> tuple[Drawing, ...]:
         decision,
         dynamics,
         energy,
-        refinement,
         sixty_modes,
         statics,
     )
@@ -51,6 +57,5 @@ def _of_biglide() -> tuple[Drawing, ...]:
         *sixty_modes.drawings(),
         *robot.drawings(),
         *legs.drawings(),
-        *refinement.drawings(),
         *decision.drawings(),
     )

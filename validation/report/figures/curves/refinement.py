@@ -48,6 +48,7 @@ def drawings() -> tuple[Drawing, ...]:
             section=SECTION,
             group="figures.refinement",
             effort=3.0,
+            subject="program",
         ),
     )
 
