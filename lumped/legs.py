@@ -11,13 +11,16 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from lumped.arrays import Array
-from lumped.errors import InputError
+from lumped.errors import ComputationError, InputError
 from lumped.screws import move_compliance
 from lumped.sections import Rectangle, Section
 
 Theory: TypeAlias = Literal["euler-bernoulli", "timoshenko"]
 EquivalentBy: TypeAlias = Literal["stiffness", "compliance"]
 Ends: TypeAlias = Literal["rigid", "free"]
+
+# Largest 2νG/E in κ, just short of the one where Cowper's ν is infinite.
+_MOST_POISSON = 0.999
 
 
 @dataclass(frozen=True)
@@ -36,6 +39,17 @@ class Material:
     def isotropic(cls, E: float, nu: float, rho: float) -> "Material":
         """Isotropic material of Young's modulus E (Pa), Poisson's ratio ν, density ρ (kg/m³)."""
         return cls(E=E, G=E / (2.0 * (1.0 + nu)), nu=nu, rho=rho)
+
+    @property
+    def shear_nu(self) -> float:
+        """Poisson's ratio ν′ with which Cowper's formulas hold: ν′/2(1 + ν′) = νG/E.
+
+        Saint-Venant's shear stresses depend on νG/E alone, κ of an isotropic material on ν by it;
+        with a shear modulus of its own κ is that of ν′. As G nears E/2ν ν′ grows without bound, and
+        κ to its limit, which is kept beyond: an error of up to ν (i/L)² in bending.
+        """
+        share = min(2.0 * self.nu * self.G / self.E, _MOST_POISSON)
+        return share / (1.0 - share)
 
 
 @dataclass(frozen=True)
@@ -100,9 +114,23 @@ class ConstantLeg:
 
     @cached_property
     def timoshenko(self) -> BeamProperties:
-        """Beam properties with shear deformation and rotary inertia, textbook section constants."""
+        """Beam properties with shear deformation and rotary inertia, textbook section constants.
+
+        Raises ComputationError where the section's κ is negative at this ν: no such beam is stable.
+        """
         section, material = self.section, self.material
-        kappa_y, kappa_z = section.shear_coefficients(material.nu)
+        kappas = section.shear_coefficients(material.shear_nu)
+        if min(kappas) < 0.0:
+            raise ComputationError(
+                f"{section.shape}: the shear stiffness κGA = "
+                f"{min(kappas) * material.G * section.area:.3g} N is negative; the formula of κ "
+                f"does not hold for this section and ν = {material.nu:g}, Euler–Bernoulli does"
+            )
+        return self._beam(kappas)
+
+    def _beam(self, kappas: tuple[float, float]) -> BeamProperties:
+        section, material = self.section, self.material
+        kappa_y, kappa_z = kappas
         area, iy, iz = section.area, section.second_moment_y, section.second_moment_z
         return BeamProperties(
             EA=material.E * area,
@@ -118,9 +146,10 @@ class ConstantLeg:
         )
 
     def properties(self, theory: Theory) -> BeamProperties:
-        """Beam properties in the given beam theory."""
-        full = self.timoshenko
-        return full.as_euler_bernoulli() if theory == "euler-bernoulli" else full
+        """Beam properties in the given beam theory; raises as `timoshenko` does."""
+        if theory == "euler-bernoulli":
+            return self._beam((1.0, 1.0)).as_euler_bernoulli()
+        return self.timoshenko
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from fem.machine import available_memory
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg
 from lumped.sections import Section
-from meshes.section.section_blocks import section_blocks
+from meshes.section.section_blocks import section_blocks, sides_of
 
 # Entries of a Cholesky factor of a solid leg over n^(4/3), 9 to 14 for legs of all shapes with
 # 3000 to 120 000 unknowns; bytes for each with CHOLMOD's own copies; flops of the factorisation in
@@ -69,13 +69,8 @@ def _section_nodes(section: Section, divisions: int, size: float) -> float:
     except InputError:
         # A shape that a user has added: as many squares as its area holds, four nodes each.
         return 4.0 * section.area / size**2
-    nodes = 0.0
-    for a, b, c, _ in blocks.corners:
-        across, along = (
-            blocks.counts.get(edge) or blocks.counts[edge[::-1]] for edge in ((a, b), (b, c))
-        )
-        nodes += (2.0 * across + 1.0) * (2.0 * along + 1.0)
-    return nodes
+    sides = (sides_of(blocks, corners) for corners in blocks.corners)
+    return float(sum((2 * across + 1) * (2 * along + 1) for across, along in sides))
 
 
 def dense_cost(unknowns: int, postures: int) -> Cost:

@@ -16,7 +16,7 @@ So divisions of 4, 8, 16, … are uniform refinements of each other, for every s
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from math import ceil, inf, pi, radians, sqrt, tan
+from math import ceil, inf, pi, prod, radians, sqrt, tan
 from typing import TypeAlias
 
 import numpy as np
@@ -67,6 +67,21 @@ def section_blocks(section: Section, divisions: Divisions) -> Blocks:
         case ISection() as i_section, int() as count:
             return _i_section(i_section, count)
     raise InputError(f"{section.shape}: divisions = {divisions} do not suit it")
+
+
+def element_count(section: Section, divisions: Divisions) -> int:
+    """Elements of a section's mesh; raises InputError as `section_blocks` does."""
+    blocks = section_blocks(section, divisions)
+    return sum(prod(sides_of(blocks, corners)) for corners in blocks.corners)
+
+
+def sides_of(blocks: Blocks, corners: tuple[int, int, int, int]) -> tuple[int, int]:
+    """Elements along both pairs of sides of a block."""
+    a, b, c, _ = corners
+    across, along = (
+        blocks.counts.get(edge) or blocks.counts[edge[::-1]] for edge in ((a, b), (b, c))
+    )
+    return across, along
 
 
 def _across(thickness: float, side: float, divisions: int) -> int:

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from lumped.errors import InputError
+from fem.sections.section_constants import section_constants
+from lumped.errors import ComputationError, InputError
 from lumped.legs import (
     ConstantLeg,
     GivenLeg,
@@ -15,7 +16,8 @@ from lumped.legs import (
     tip_compliance,
 )
 from lumped.screws import move_compliance
-from lumped.sections import Rectangle, Tube
+from lumped.sections import Circle, ISection, Rectangle, Tube
+from meshes.section.section_mesh import section_mesh
 
 STEEL = Material.isotropic(E=2.1e11, nu=0.3, rho=7850.0)
 BEAM = ConstantLeg(1.2, Rectangle(width=0.05, height=0.10), STEEL)
@@ -125,6 +127,35 @@ def test_constant_leg_keeps_what_was_asked():
     beam = leg.timoshenko
     assert_allclose((beam.EA, beam.EIy, beam.EIz, beam.GJ), (1e9, 2e6, 7e5, 9e5), rtol=1e-13)
     assert leg.mass == pytest.approx(12.0, rel=1e-14)
+
+
+@pytest.mark.parametrize("shape", [Rectangle(0.05, 0.10), Circle(0.1)], ids=str)
+@pytest.mark.parametrize(("nu", "shear"), [(0.3, 1e-5), (0.3, 0.2), (0.3, 1.0), (-0.5, 2.0)])
+def test_shear_with_a_shear_modulus_of_its_own(shape, nu, shear):
+    """Cowper's mean displacement from Saint-Venant's flexure by finite elements, cubic material.
+
+    Linear elasticity: 1/κGA = α/G + β ν/E, so that κ with ν′ of the same νG/E; with ν it would be
+    3 % too large for G ≪ E.
+    """
+    leg = ConstantLeg(1.0, shape, Material(E=1e11, G=shear * 1e11, nu=nu, rho=1.0))
+    constants = section_constants(section_mesh(shape, 8), nu, shear)
+    found = leg.timoshenko.GAy / (leg.material.G * shape.area)
+    assert found == pytest.approx(constants.cowper_coefficients[0], rel=2e-3)
+
+
+def test_shear_stiffer_than_poissons_effect_stays_positive():
+    """G = 10⁶ E: κ of the limit, hardly any shear."""
+    leg = ConstantLeg(1.0, Circle(0.1), Material(E=1e6, G=1e12, nu=0.3, rho=1.0))
+    assert leg.timoshenko.GAy / (1e12 * leg.section.area) == pytest.approx(1.0, rel=1e-3)
+
+
+def test_a_negative_shear_stiffness_is_refused_by_name_and_only_where_it_is_used():
+    wide = ISection(width=6.9e-5, height=1.0e-5, flange=1.0e-6, web=1.0e-6)
+    leg = ConstantLeg(0.07, wide, Material.isotropic(2.1e11, -0.9, 7850.0))
+    with pytest.raises(ComputationError, match=r"i-section: .* κGA = -.* N is negative"):
+        _ = leg.timoshenko
+    axial = leg.properties("euler-bernoulli").EA
+    assert axial == pytest.approx(2.1e11 * wide.area)
 
 
 def test_isotropic_material():

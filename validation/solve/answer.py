@@ -31,12 +31,17 @@ _MOST_PARTS, _TOLD = 3, 0.005
 class MeshUncertainty:
     """Half-widths of 95 % intervals, of the diagonal of a 6×6 (SI) and of frequencies (Hz).
 
-    From the step to a mesh of other `divisions`.
+    From the step to a mesh of other `divisions`; infinite where that one is too large to be had.
     """
 
     divisions: int
     compliance: Array
     frequencies: Array
+
+    @property
+    def known(self) -> bool:
+        """Whether there was another mesh."""
+        return bool(np.isfinite(self.compliance).all())
 
 
 @dataclass(frozen=True)
@@ -113,6 +118,8 @@ def _mode_records(answer: Answer) -> dict[str, Any]:
 
 
 def _record(uncertainty: MeshUncertainty) -> dict[str, Any]:
+    if not uncertainty.known:
+        return {"uncertainty": None}
     found = {
         "divisions": uncertainty.divisions,
         "compliance": uncertainty.compliance.tolist(),
@@ -176,6 +183,11 @@ def _mode_lines(answer: Answer) -> list[str]:
 
 
 def _uncertainty_lines(answer: Answer, found: MeshUncertainty) -> list[str]:
+    if not found.known:
+        return [
+            f"  uncertainty of the mesh: not known; the mesh that would tell it, --divisions "
+            f"{found.divisions}, is too large"
+        ]
     names = ("x", "y", "z", "φx", "φy", "φz")
     shares = 100.0 * found.compliance / np.abs(np.diag(answer.compliance))
     lines = [

@@ -14,7 +14,7 @@ from validation.models.biglide import robot_compliance, robot_frequencies
 from validation.models.legs import leg_compliance, leg_frequencies
 from validation.models.options import STATIC, ModelName, ModelOptions
 from validation.solve.answer import DEFAULT_MODES, OF_ELEMENTS, OPTIONS, Answer, Solution
-from validation.solve.uncertainty import beside, with_uncertainty
+from validation.solve.uncertainty import beside, with_uncertainty, without_uncertainty
 
 
 def option_faults(
@@ -107,8 +107,7 @@ def checked_biglide(question: BiglideQuestion) -> Cost:
     options = ModelOptions(**question.given)
     if model == "solid":
         what = f"--divisions {options.divisions}"
-        legs = tuple(equivalent_leg(one, options.equivalent) for one in question.legs)
-        cost = solid_cost(legs, options.divisions, question.count)
+        cost = _solid_cost(question, options)
     elif model in OF_ELEMENTS:
         what = f"--elements {options.elements}"
         unknowns = 6 * (options.elements + 1) * len(question.legs)
@@ -141,8 +140,26 @@ def solve_biglide(question: BiglideQuestion) -> Solution:
 
     answers = answered(options)
     if model == "solid":
-        answers = with_uncertainty(answers, answered(beside(options)), legs, options)
+        other = beside(options, legs)
+        if other.divisions < options.divisions or _affordable(question, other):
+            answers = with_uncertainty(answers, answered(other), legs, options)
+        else:
+            answers = without_uncertainty(answers, other.divisions)
     return Solution(robot.name, model, heard, tuple(answers))
+
+
+def _affordable(question: BiglideQuestion, options: ModelOptions) -> bool:
+    """Whether the mesh that says the uncertainty can be had, where it is the finer of the two."""
+    try:
+        require_affordable(_solid_cost(question, options), "")
+    except InputError:
+        return False
+    return True
+
+
+def _solid_cost(question: BiglideQuestion, options: ModelOptions) -> Cost:
+    legs = tuple(equivalent_leg(one, options.equivalent) for one in question.legs)
+    return solid_cost(legs, options.divisions, question.count)
 
 
 def _leg_answer(
