@@ -12,7 +12,6 @@ from typing import Any
 from lumped.errors import ComputationError, InputError
 from lumped.requirement import Requirement, with_options
 from lumped.robot_file import RobotFile, load_robot
-from validation import notebook
 from validation.adequacy.judgement import judged
 from validation.adequacy.matrix import Entry, Matrix
 from validation.adequacy.response import Subject
@@ -23,6 +22,7 @@ from validation.models.options import ModelName
 from validation.report.first_screen.sentence import sentence
 from validation.report.first_screen.table import pose_text, table_of
 from validation.report.text import percent
+from validation.solve import notebook
 from validation.solve.answer import Solution
 from validation.solve.command import Place, question
 from validation.solve.command import solve as answered

@@ -338,8 +338,8 @@ def check(robot: str) -> int:
     """
     from lumped.audit.robot_audit import audit  # noqa: PLC0415
     from lumped.robot_file import load_robot  # noqa: PLC0415
+    from validation.console.listing import audit_text  # noqa: PLC0415
     from validation.kinematics.poses import postures_of  # noqa: PLC0415
-    from validation.listing import audit_text  # noqa: PLC0415
 
     robot_file = load_robot(robot)
     if robot_file.is_mechanism:
@@ -391,7 +391,7 @@ def cases(
     """
     from lumped.robot_file import load_robot  # noqa: PLC0415
     from validation.catalogue import catalogue  # noqa: PLC0415
-    from validation.listing import as_json, as_text  # noqa: PLC0415
+    from validation.console.listing import as_json, as_text  # noqa: PLC0415
 
     robot_file = load_robot(robot)
     tasks = catalogue(robot_file)

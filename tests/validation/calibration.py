@@ -17,13 +17,13 @@ from lumped.errors import InputError
 from lumped.legs import ConstantLeg, Material
 from lumped.robot_file import load_robot
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Section, Tube
-from validation.leg_solids import (
+from validation.solids.legs import (
     Refinement,
     formal_order,
     solid_compliances,
     solid_frequencies,
 )
-from validation.robot_solids import static_leg
+from validation.solids.robots import static_leg
 
 _IFW = load_robot("ifw").robot
 _BOTH: tuple[Ends, Ends] = ("rigid", "free")

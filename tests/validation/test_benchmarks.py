@@ -16,7 +16,7 @@ from lumped.sections import Rectangle
 from validation.case import Relative, judge, perturbed
 from validation.cases.program.benchmarks import beams, cross, huang, sections, solids
 from validation.context import Context
-from validation.prism_waves import beam_wave_frequency, prism_wave_frequency
+from validation.solids.waves import beam_wave_frequency, prism_wave_frequency
 
 QUICK = (
     *beams.cases(),

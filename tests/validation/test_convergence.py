@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from validation.convergence import (
+from validation.studies.convergence import (
     analyse,
     asymptotic_ratio,
     classify,

@@ -19,7 +19,7 @@ from lumped.robot_file import load_robot, write_template
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Tube
 from validation import cli
 from validation.console.waiting import in_a_process
-from validation.cost import solid_cost
+from validation.solve.cost import solid_cost
 
 ROOT = Path(__file__).parents[2]
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)

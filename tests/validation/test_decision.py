@@ -15,10 +15,10 @@ from lumped.sections import Rectangle
 from validation.case import Skip
 from validation.cases.sweep_results import decision_of
 from validation.context import Context
-from validation.decision import Brief, Choice, Decision, Value, decide, value_of
 from validation.models.biglide import robot_compliance
 from validation.models.options import ModelOptions
-from validation.quantities import deflections_of
+from validation.studies.decision import Brief, Choice, Decision, Value, decide, value_of
+from validation.studies.quantities import deflections_of
 from validation.sweeps.plans import RIGID, lumped_models, solid_model, stroke_stations
 from validation.sweeps.units import SolvedPostures
 

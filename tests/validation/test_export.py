@@ -9,7 +9,7 @@ from scipy.sparse import load_npz
 from lumped.cantilever import clamped_modes, tip_compliance_of
 from lumped.legs import equivalent_leg, tip_compliance
 from lumped.robot_file import load_robot
-from validation.export import export
+from validation.export.models import export
 from validation.models.biglide import robot_compliance, robot_frequencies
 from validation.models.legs import leg_matrices, solid_compliance
 

@@ -17,7 +17,7 @@ from validation.catalogue import catalogue
 from validation.context import Context
 from validation.models.biglide import robot_compliance
 from validation.models.options import ModelOptions
-from validation.quantities import deflections_of
+from validation.studies.quantities import deflections_of
 
 sys.path.insert(0, str(Path(__file__).parent))
 

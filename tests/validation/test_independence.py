@@ -7,7 +7,7 @@ from validation.context import Context
 from validation.independence import as_text, headlines, independence
 from validation.models.legs import leg_compliance
 from validation.models.options import ModelOptions
-from validation.quantities import LOAD
+from validation.studies.quantities import LOAD
 
 ROBOT_FILE = load_robot("ifw")
 CASES = [task for task in catalogue(ROBOT_FILE) if isinstance(task, Case)]

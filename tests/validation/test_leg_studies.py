@@ -17,9 +17,9 @@ from validation.cases import end_restraint
 from validation.cases.legs import constant_leg_of
 from validation.cases.program import calculix, mesh_families, shapes
 from validation.context import Context
-from validation.leg_solids import Refinement
-from validation.lengthened_legs import fundamental_ratio, lengthened, limit_exponent
 from validation.report.figures.studies.family_plots import study_plot
+from validation.solids.legs import Refinement
+from validation.studies.lengthened_legs import fundamental_ratio, lengthened, limit_exponent
 
 ROBOT_FILE = load_robot("ifw")
 STEEL = Material.isotropic(E=2.1e11, nu=0.3, rho=7850.0)

@@ -14,11 +14,11 @@ from lumped.legs import ConstantLeg, Material
 from lumped.robot_file import load_robot
 from lumped.sections import Circle, HollowRectangle, ISection
 from meshes.section.section_mesh import section_mesh
-from validation.leg_solids import solid_frequencies
-from validation.legs_in_torsion import torsion_effects, wave_error, with_torsion
 from validation.models.biglide import robot_legs
-from validation.paired_robot_modes import SampledModes, beam_modes
-from validation.quantities import strain_shares
+from validation.solids.legs import solid_frequencies
+from validation.solids.torsion import torsion_effects, wave_error, with_torsion
+from validation.studies.paired_robot_modes import SampledModes, beam_modes
+from validation.studies.quantities import strain_shares
 
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 IFW = load_robot("ifw").robot

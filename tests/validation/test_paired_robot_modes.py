@@ -13,12 +13,12 @@ from lumped.sections import Circle, HollowRectangle, ISection, Rectangle
 from validation.case import Skip
 from validation.cases import robot_modes, robot_solid
 from validation.context import Context
-from validation.paired_robot_modes import (
+from validation.solids.robots import two_meshes
+from validation.studies.paired_robot_modes import (
     beam_modes,
     divisions_of,
     paired,
 )
-from validation.robot_solids import two_meshes
 
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 IFW = load_robot("ifw")

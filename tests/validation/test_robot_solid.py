@@ -22,9 +22,9 @@ from validation.cases import (
 from validation.context import Context
 from validation.models.biglide import robot_compliance, robot_frequencies, robot_legs
 from validation.models.options import ModelOptions
-from validation.paired_robot_modes import paired_modes
 from validation.report.figures.curves import sixty_modes
-from validation.robot_solids import full_mac, unreduced_robot
+from validation.solids.robots import full_mac, unreduced_robot
+from validation.studies.paired_robot_modes import paired_modes
 
 ROBOT_FILE = load_robot("ifw")
 ROBOT = with_equivalent_legs(ROBOT_FILE.robot)

@@ -10,8 +10,8 @@ from lumped.robot_file import load_robot
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Tube
 from meshes.section.section_mesh import section_mesh
 from validation import cli
-from validation.cost import solid_cost
 from validation.models.options import ModelOptions
+from validation.solve.cost import solid_cost
 from validation.solve.uncertainty import beside
 
 # Leg 1 by its 6×6, leg 2 by section and material.
@@ -174,7 +174,7 @@ def test_a_mesh_that_nothing_stands_beside_says_so(robot, capsys, monkeypatch):
     arguments = ["solve", robot, "--model", "solid", "--leg", "2", "--divisions", "2"]
     leg = equivalent_leg(load_robot(robot).robot.leg2)
     only = 1.2 * solid_cost((leg,), 2, 6).memory
-    monkeypatch.setattr("validation.cost.available_memory", lambda: only)
+    monkeypatch.setattr("validation.solve.cost.available_memory", lambda: only)
     assert cli.main(arguments) == 0
     assert "uncertainty of the mesh: not known; the mesh that would tell" in capsys.readouterr().out
     assert cli.main([*arguments, "--json"]) == 0

@@ -21,9 +21,9 @@ from lumped.errors import ComputationError, InputError
 from lumped.legs import Material
 from lumped.robot_file import load_robot
 from lumped.sections import ISection
-from validation.decision import Brief
 from validation.models.biglide import robot_compliance, robot_frequencies
 from validation.models.options import ModelOptions
+from validation.studies.decision import Brief
 from validation.sweeps.cores import on_cores
 from validation.sweeps.journal import Journal, key_of
 from validation.sweeps.plans import (

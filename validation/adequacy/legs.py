@@ -8,8 +8,8 @@ from lumped.arrays import Array
 from lumped.legs import ConstantLeg, Ends, GivenLeg, Leg, given_compliance, tip_compliance
 from meshes.section.section_mesh import section_mesh
 from validation.context import Context, Preset
-from validation.leg_solids import COARSEST_WALLS, section_counts, static_ladder
-from validation.robot_solids import TwoMeshes, two_meshes
+from validation.solids.legs import COARSEST_WALLS, section_counts, static_ladder
+from validation.solids.robots import TwoMeshes, two_meshes
 
 # Unknowns of the finest section mesh of a solid leg; the second number where the first one does not
 # allow two meshes of its walls.

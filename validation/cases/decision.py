@@ -13,10 +13,10 @@ from lumped.legs import equivalent_leg, tip_compliance
 from validation.case import Absolute, Allowance, Case, Measurement, Relation, Relative
 from validation.cases.sweep_results import DECIDED, GROUP, PAPER, SECTION, decision_of
 from validation.context import Context
-from validation.decision import OBJECTIVES, UNITS, Decision, Objective
 from validation.exhibits import Study
-from validation.quantities import deflections_of
-from validation.robot_solids import two_meshes
+from validation.solids.robots import two_meshes
+from validation.studies.decision import OBJECTIVES, UNITS, Decision, Objective
+from validation.studies.quantities import deflections_of
 from validation.sweeps.plans import COARSE, RIGID, stroke_stations
 from validation.sweeps.studies import PLANS
 

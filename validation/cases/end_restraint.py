@@ -29,7 +29,7 @@ from validation.case import Absolute, Case, Measurement, Skip
 from validation.cases.legs import ENTRIES, constant_leg_of
 from validation.context import Context
 from validation.exhibits import Study
-from validation.lengthened_legs import (
+from validation.studies.lengthened_legs import (
     Lengthened,
     affordable_divisions,
     doublings_needed,

@@ -8,8 +8,8 @@ from lumped.arrays import Array
 from validation.case import Absolute, Case, Measurement, Relation
 from validation.cases.sweep_results import GROUP, PAPER, SECTION, family_of
 from validation.context import Context, Preset
-from validation.decision import OBJECTIVES, Objective
-from validation.ranks import spearman
+from validation.studies.decision import OBJECTIVES, Objective
+from validation.studies.ranks import spearman
 from validation.sweeps.plans import RIGID
 from validation.sweeps.studies import POINTS
 

@@ -22,7 +22,6 @@ from validation.adequacy.mechanism.path import known_legs, path_postures
 from validation.adequacy.mechanism.statics import assembled, is_serial
 from validation.case import Absolute, Case, Measurement, Relative, Skip
 from validation.context import Context
-from validation.convergence import step_factor
 from validation.models.legs import leg_matrices, reduced_leg
 from validation.models.mechanism import (
     CUTOFF,
@@ -33,6 +32,7 @@ from validation.models.mechanism import (
     on_drives_alone,
 )
 from validation.models.options import ModelName, ModelOptions
+from validation.studies.convergence import step_factor
 
 SECTION = "The mechanism over its path"
 # What shares the solids of the assessment runs with it.

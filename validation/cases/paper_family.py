@@ -7,14 +7,14 @@ from validation.case import Absolute, Measurement, Relation
 from validation.cases.paper_statement import FORMULAS, Compute, Statement
 from validation.context import Context
 from validation.models.options import ModelName, ModelOptions
-from validation.quantities import (
+from validation.studies.quantities import (
     Deflections,
     family_compliances,
     family_deflections,
     family_frequencies,
     family_modes,
 )
-from validation.ranks import spearman
+from validation.studies.ranks import spearman
 
 ALPHAS = tuple(np.linspace(1.0, 2.0, 11).tolist())
 # Where Figs 6, 12 and 13 are drawn, as a fraction of the stroke.

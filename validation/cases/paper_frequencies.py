@@ -16,7 +16,7 @@ from validation.cases.paper_statement import (
 from validation.context import Context
 from validation.models.legs import leg_frequencies
 from validation.models.options import ModelOptions
-from validation.quantities import RobotModes, robot_modes, stroke_frequencies
+from validation.studies.quantities import RobotModes, robot_modes, stroke_frequencies
 
 # Postures at which modes are looked at.
 _STATIONS = 9

@@ -11,7 +11,7 @@ from validation.case import Absolute, Measurement, Relation, Skip
 from validation.cases.paper_statement import AS_PRINTED, POSTURES, Compute, Statement
 from validation.context import Context
 from validation.models.options import ModelOptions
-from validation.quantities import Deflections, stroke_deflections
+from validation.studies.quantities import Deflections, stroke_deflections
 
 # L_Tool of the appendix (m): from B to the tool's point P.
 _TOOL_LENGTH = 0.155

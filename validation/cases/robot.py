@@ -15,7 +15,7 @@ from validation.context import Context
 from validation.exhibits import Study
 from validation.models.biglide import static_mechanism
 from validation.models.options import ModelName, ModelOptions
-from validation.quantities import (
+from validation.studies.quantities import (
     Deflections,
     deflections_of,
     stroke_compliances,

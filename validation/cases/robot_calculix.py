@@ -18,7 +18,7 @@ from validation.cases.program.calculix import PRINTED, PRINTED_ROOT
 from validation.cases.program.guards.robot import scaled_difference
 from validation.cases.robot_solid import SECTION
 from validation.context import Context, Preset
-from validation.robot_solids import solved_robot
+from validation.solids.robots import solved_robot
 
 MODES = 10
 DIVISIONS: dict[Preset, int] = {"quick": 1, "standard": 1, "fine": 2}

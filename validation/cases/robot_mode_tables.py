@@ -1,7 +1,7 @@
 """Tables and curves of the modes of solid robots beside those of segments or beams."""
 
 from validation.exhibits import Study
-from validation.paired_robot_modes import PAIRED, PairedModes
+from validation.studies.paired_robot_modes import PAIRED, PairedModes
 
 
 def mac_table(found: PairedModes, reference: str) -> dict[str, tuple[float | str, ...]]:

@@ -16,11 +16,11 @@ from validation.cases.legs import constant_leg_of
 from validation.cases.robot_mode_tables import frequency_study, mac_study, mac_table
 from validation.cases.robot_solid import SECTION
 from validation.context import Context
-from validation.convergence import step_factor
-from validation.leg_solids import FORMAL_ORDER
-from validation.legs_in_torsion import torsion_effects, wave_error
-from validation.mode_pairing import CLOSE
-from validation.paired_robot_modes import (
+from validation.solids.legs import FORMAL_ORDER
+from validation.solids.torsion import torsion_effects, wave_error
+from validation.studies.convergence import step_factor
+from validation.studies.mode_pairing import CLOSE
+from validation.studies.paired_robot_modes import (
     PAIRED,
     BeamKind,
     BoolArray,
@@ -31,7 +31,7 @@ from validation.paired_robot_modes import (
     paired,
     solid_modes,
 )
-from validation.stroke_statics import POSTURES
+from validation.studies.stroke_statics import POSTURES
 
 FREQUENCIES = 4
 _SEGMENTS = "20 segments per leg, Timoshenko springs, rotary inertia"

@@ -16,7 +16,7 @@ from validation.cases.robot import ROUNDING_NOTE
 from validation.cases.robot_solid import SECTION
 from validation.context import Context, Preset
 from validation.models.biglide import highest_frequency
-from validation.robot_solids import full_mac, recovered, unreduced_robot
+from validation.solids.robots import full_mac, recovered, unreduced_robot
 
 MODES = 20
 DIVISIONS: dict[Preset, int] = {"quick": 1, "standard": 2, "fine": 3}

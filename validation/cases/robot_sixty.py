@@ -10,7 +10,7 @@ from lumped.biglide import Biglide
 from validation.case import Absolute, Case, Measurement
 from validation.cases.robot_solid import SECTION
 from validation.context import Context, Preset
-from validation.robot_solids import strain_energy_shares, unreduced_robot
+from validation.solids.robots import strain_energy_shares, unreduced_robot
 
 SIXTY = 60
 DIVISIONS: dict[Preset, int] = {"quick": 1, "standard": 3, "fine": 4}

@@ -11,7 +11,7 @@ from validation.case import Absolute, Case, Measurement, Relation, Relative, Ski
 from validation.cases.robot import CURVES
 from validation.context import Context, Preset
 from validation.exhibits import Study
-from validation.stroke_statics import stroke_statics
+from validation.studies.stroke_statics import stroke_statics
 
 SECTION = "The robot with solid legs"
 # Unknowns of the finest section mesh; three meshes at least are taken from the ladder.

@@ -25,7 +25,7 @@ from validation.cases.legs import (
 )
 from validation.context import Context, Preset
 from validation.exhibits import Study
-from validation.leg_solids import (
+from validation.solids.legs import (
     FORMAL_ORDER,
     GRIDS_FOR_ORDER,
     Refinement,

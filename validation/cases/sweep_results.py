@@ -7,7 +7,7 @@ from lumped.biglide import Biglide
 from lumped.errors import InputError
 from validation.case import Skip
 from validation.context import Context, Preset
-from validation.decision import Decision
+from validation.studies.decision import Decision
 from validation.sweeps.studies import (
     Curves,
     Study,

@@ -6,8 +6,8 @@ from multiprocessing.connection import Connection
 from typing import TypeVar
 
 from lumped.errors import ComputationError, InputError
-from validation.processes import children_undisturbed, end_with_parent
 from validation.run.progress import stage
+from validation.sweeps.processes import children_undisturbed, end_with_parent
 
 Q = TypeVar("Q")
 A = TypeVar("A")

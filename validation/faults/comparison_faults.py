@@ -15,7 +15,7 @@ from lumped.mechanism.joint import Joint
 from lumped.mechanism.mechanism import Posture
 from meshes.solid_mesh import SolidMesh
 from validation.faults.fault import Fault, Faulty, around, instead, result
-from validation.mode_pairing import Pairing
+from validation.studies.mode_pairing import Pairing
 
 
 def _without_weights(sound: Faulty, first: Array, second: Array, weights: Array) -> Any:
@@ -167,42 +167,42 @@ FAULTS = (
     Fault(
         "pairing.unweighted",
         "MAC without mass weighting: metres beside radians",
-        "validation.mode_pairing:mac_matrix",
+        "validation.studies.mode_pairing:mac_matrix",
         "numerics",
         around(_without_weights),
     ),
     Fault(
         "pairing.not-normalised",
         "MAC without the norm of one of the shapes",
-        "validation.mode_pairing:mac_matrix",
+        "validation.studies.mode_pairing:mac_matrix",
         "numerics",
         around(_not_normalised),
     ),
     Fault(
         "pairing.by-number",
         "Modes paired by their number instead of their shape",
-        "validation.mode_pairing:pair_modes",
+        "validation.studies.mode_pairing:pair_modes",
         "numerics",
         around(_by_number),
     ),
     Fault(
         "pairing.angle-unweighted",
         "Angle between spaces of modes without mass weighting",
-        "validation.mode_pairing:largest_angle",
+        "validation.studies.mode_pairing:largest_angle",
         "numerics",
         around(_without_weights),
     ),
     Fault(
         "pairing.no-rotary-inertia",
         "Weights of sampled twists without rotary inertia",
-        "validation.mode_pairing:centreline_weights",
+        "validation.studies.mode_pairing:centreline_weights",
         "physics",
         around(_without_rotary),
     ),
     Fault(
         "pairing.equal-weights",
         "Gauss stations with equal weights, twice the mass",
-        "validation.mode_pairing:centreline_samples",
+        "validation.studies.mode_pairing:centreline_samples",
         "numerics",
         result(_equal_lengths),
     ),

@@ -8,8 +8,8 @@ import numpy as np
 
 from lumped.arrays import Array
 from validation.case import Measurement, Relation
-from validation.convergence import Convergence, Fit
 from validation.faults.fault import Fault, Faulty, around, instead, result
+from validation.studies.convergence import Convergence, Fit
 
 
 def _negative(value: Any) -> Any:
@@ -189,8 +189,8 @@ def _fault(name: str, title: str, place: str, change: Any, kind: Any = "numerics
 
 
 _CASE = "validation.case:"
-_CONVERGENCE = "validation.convergence:"
-_REFINEMENT = "validation.leg_solids:Refinement."
+_CONVERGENCE = "validation.studies.convergence:"
+_REFINEMENT = "validation.solids.legs:Refinement."
 
 FAULTS = (
     _fault("allowance-sign", "Allowances added instead of taken off",
@@ -269,8 +269,8 @@ FAULTS = (
            f"{_REFINEMENT}uncertainty", around(_first_number)),
     _fault("uncertainty-coarser", "The uncertainty of the second finest mesh",
            f"{_REFINEMENT}uncertainty", around(_coarser_number)),
-    _fault("spearman", "Correlation of values for that of ranks", "validation.ranks:spearman",
-           instead(_by_value)),
-    _fault("kendall", "Kendall's τ with the wrong sign", "validation.ranks:kendall",
+    _fault("spearman", "Correlation of values for that of ranks",
+           "validation.studies.ranks:spearman", instead(_by_value)),
+    _fault("kendall", "Kendall's τ with the wrong sign", "validation.studies.ranks:kendall",
            result(_negative)),
 )  # fmt: skip

@@ -10,7 +10,7 @@ import numpy as np
 
 from lumped.arrays import Array
 from validation.faults.fault import Fault, Faulty, around, instead, result
-from validation.quantities import Deflections
+from validation.studies.quantities import Deflections
 
 
 def _scaled(factor: float) -> Any:
@@ -179,7 +179,7 @@ def _fault(name: str, title: str, place: str, change: Any, kind: Any = "data") -
     return Fault(f"page.{name}", title, place, kind, change)
 
 
-_QUANTITIES = "validation.quantities:"
+_QUANTITIES = "validation.studies.quantities:"
 _TEXT = "validation.report.text:"
 _TABLES = "validation.report.tables:"
 _EFFECTS = "fem.sections.end_effects:"
@@ -239,9 +239,9 @@ FAULTS = (
            f"{_TABLES}unexplained_share", instead(_difference_share)),
     _fault("junit", "JUnit skips what disagrees", "validation.results.junit:junit_xml",
            result(_failures_skipped)),
-    _fault("line", "A line with the opposite verdict", "validation.listing:outcome_line",
+    _fault("line", "A line with the opposite verdict", "validation.console.listing:outcome_line",
            result(_words_exchanged)),
-    _fault("summary", "A summary with the opposite verdicts", "validation.listing:summary",
+    _fault("summary", "A summary with the opposite verdicts", "validation.console.listing:summary",
            result(_words_exchanged)),
     _fault("mean-entry", "The mean entry of a difference for the largest",
            "validation.cases.program.guards.robot:scaled_difference",

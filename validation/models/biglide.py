@@ -17,7 +17,7 @@ from lumped.system.assembly import assembly
 from lumped.system.solution import compliance, solved
 from validation.models.legs import cached_leg, condensed_leg, leg_chain, reduced_leg
 from validation.models.options import DEFAULT_OPTIONS, STATIC, ModelName, ModelOptions
-from validation.robot_solids import half_octave_above, renewed_where_needed
+from validation.solids.robots import half_octave_above, renewed_where_needed
 
 # Of closed sections: the faces of open ones may restrain torsion by far more.
 _STIFFER_THAN_BEAMS = 1.2

@@ -15,7 +15,7 @@ from lumped.legs import ConstantLeg, GivenLeg, Leg, equivalent_leg, given_compli
 from lumped.modes import Modes
 from lumped.segments import Chain, segment_chain, segment_leg, static_leg
 from validation.models.options import DEFAULT_OPTIONS, STATIC, Ends, ModelName, ModelOptions
-from validation.robot_solids import held_solid
+from validation.solids.robots import held_solid
 
 
 def leg_matrices(

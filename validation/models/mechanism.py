@@ -30,7 +30,7 @@ from lumped.system.sweep import swept
 from validation.models import parts
 from validation.models.legs import cached_leg, condensed_leg, leg_matrices, reduced_leg
 from validation.models.options import DEFAULT_OPTIONS, STATIC, ModelName, ModelOptions
-from validation.robot_solids import half_octave_above, renewed_where_needed
+from validation.solids.robots import half_octave_above, renewed_where_needed
 
 # Bodies whose lengths differ by what twelve typed digits leave are one body.
 _ALIKE = 1e-9

@@ -15,7 +15,7 @@ from lumped.system.solution import compliance, mode_count, modes, solved, strain
 from validation.models import parts
 from validation.models.mechanism import dynamic_bodies, highest_frequency, on_drives_alone
 from validation.models.options import DEFAULT_OPTIONS, STATIC, ModelName, ModelOptions
-from validation.robot_solids import renewed_where_needed
+from validation.solids.robots import renewed_where_needed
 
 
 @dataclass(frozen=True, eq=False)

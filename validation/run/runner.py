@@ -22,8 +22,8 @@ from typing import Protocol
 from lumped.errors import ComputationError, InputError
 from validation.adequacy.assessment import Assessed, Assessment
 from validation.case import Case, Outcome
+from validation.console.suggestion import did_you_mean
 from validation.context import Preset
-from validation.processes import children_undisturbed, single_threaded
 from validation.results.records import (
     Drawn,
     Record,
@@ -34,7 +34,7 @@ from validation.results.records import (
 )
 from validation.run.worker import REMEDY, Job, serve
 from validation.store.tree import read_regular
-from validation.suggestion import did_you_mean
+from validation.sweeps.processes import children_undisturbed, single_threaded
 
 # How long (s) the scheduler sleeps before it looks whether Ctrl-C was pressed.
 _HEARTBEAT = 0.1

@@ -14,7 +14,7 @@ from lumped.robot_file import RobotFile
 from validation.cases.sweep_results import FOLDER_OPTION, GROUP, studies_read
 from validation.console.streams import complain
 from validation.context import Preset
-from validation.export import export
+from validation.export.models import export
 from validation.faults.detection import comparisons
 from validation.report.page import Report, render
 from validation.results import provenance

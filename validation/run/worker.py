@@ -21,7 +21,6 @@ from validation.adequacy.assessment import Assessed, Assessment
 from validation.case import Case, Outcome, Skip, judge
 from validation.context import Context, Preset
 from validation.exhibits import Drawing
-from validation.processes import end_with_parent
 from validation.report.text import function_name
 from validation.results.records import (
     Drawn,
@@ -31,6 +30,7 @@ from validation.results.records import (
     drawn_to_record,
     outcome_to_record,
 )
+from validation.sweeps.processes import end_with_parent
 
 # What helps where memory ran out.
 REMEDY = "choose a smaller preset or fewer --jobs"

@@ -9,7 +9,7 @@ import numpy as np
 
 from lumped.arrays import Array
 from validation.models.options import ModelName
-from validation.notebook import paragraph, table
+from validation.solve.notebook import paragraph, table
 
 # What each model listens to; anything else given on the command line is a fault.
 OPTIONS: dict[ModelName, tuple[str, ...]] = {

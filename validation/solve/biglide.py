@@ -9,11 +9,11 @@ import numpy as np
 from lumped.biglide import Biglide
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, Leg, equivalent_leg
-from validation.cost import Cost, dense_cost, require_affordable, solid_cost
 from validation.models.biglide import robot_compliance, robot_frequencies
 from validation.models.legs import leg_compliance, leg_frequencies
 from validation.models.options import STATIC, ModelName, ModelOptions
 from validation.solve.answer import DEFAULT_MODES, OF_ELEMENTS, OPTIONS, Answer, Solution
+from validation.solve.cost import Cost, dense_cost, require_affordable, solid_cost
 from validation.solve.uncertainty import beside, with_uncertainty, without_uncertainty
 
 

@@ -7,10 +7,10 @@ from typing import Any, TypeAlias
 from lumped.biglide import Biglide
 from lumped.errors import InputError
 from lumped.robot_file import RobotFile
-from validation.cost import Cost
 from validation.models.options import ModelName
 from validation.solve.answer import Solution
 from validation.solve.biglide import BiglideQuestion, checked_biglide, solve_biglide
+from validation.solve.cost import Cost
 from validation.solve.mechanism import MechanismQuestion, checked_mechanism, solve_mechanism
 
 

@@ -12,7 +12,6 @@ from lumped.mechanism.body import Prism
 from lumped.mechanism.kinematics.postures import posture, reference_posture
 from lumped.mechanism.mechanism import GROUND, Mechanism, Posture
 from lumped.models.bodies import leg_of, legs_of
-from validation.cost import Cost, dense_cost, require_affordable, solid_cost
 from validation.kinematics.poses import parsed_pose
 from validation.models.legs import leg_compliance, leg_frequencies
 from validation.models.mechanism import answers, constant_legs
@@ -20,6 +19,7 @@ from validation.models.mechanism_modes import mechanism_modes
 from validation.models.options import STATIC, ModelName, ModelOptions
 from validation.models.parts import parts_of
 from validation.solve.answer import DEFAULT_MODES, OF_ELEMENTS, OPTIONS, Answer, Solution
+from validation.solve.cost import Cost, dense_cost, require_affordable, solid_cost
 from validation.solve.pairs import paired
 
 # Eq. (25) as printed is a statement about the paper's own robot.

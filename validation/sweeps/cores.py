@@ -9,7 +9,7 @@ from queue import Empty, SimpleQueue
 from typing import Any
 
 from lumped.errors import ComputationError
-from validation.processes import children_undisturbed, end_with_parent, single_threaded
+from validation.sweeps.processes import children_undisturbed, end_with_parent, single_threaded
 from validation.sweeps.runner import Executor, Finished, Work
 
 # Seconds; see `_next`.

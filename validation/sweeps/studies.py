@@ -17,8 +17,8 @@ from lumped.arrays import Array
 from lumped.biglide import Biglide
 from lumped.errors import InputError
 from validation.context import Preset
-from validation.decision import Brief, Decision, decide
-from validation.quantities import Deflections, deflections_of
+from validation.studies.decision import Brief, Decision, decide
+from validation.studies.quantities import Deflections, deflections_of
 from validation.sweeps.journal import Journal
 from validation.sweeps.plans import (
     COARSE,

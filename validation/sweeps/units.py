@@ -26,7 +26,7 @@ from lumped.modes import dense
 from validation.models.biglide import robot_compliance, robot_frequencies, robot_legs
 from validation.models.legs import leg_matrices
 from validation.models.options import DEFAULT_OPTIONS, ModelName, ModelOptions
-from validation.robot_solids import renewed_where_needed
+from validation.solids.robots import renewed_where_needed
 
 # Few segments are some percent off, and frequencies between the postures may be higher.
 _MARGIN = 1.5

@@ -30,9 +30,15 @@ from validation.adequacy.judgement import judged
 from validation.adequacy.matrix import Matrix
 from validation.adequacy.response import Candidate, Reference, Subject
 from validation.context import Context
-from validation.leg_solids import COARSEST_WALLS, section_counts, static_ladder, static_slices
 from validation.models.options import ModelName, ModelOptions
-from validation.paired_robot_modes import PAIRED, beam_modes, divisions_of, paired, solid_modes
+from validation.solids.legs import COARSEST_WALLS, section_counts, static_ladder, static_slices
+from validation.studies.paired_robot_modes import (
+    PAIRED,
+    beam_modes,
+    divisions_of,
+    paired,
+    solid_modes,
+)
 
 # Unknowns of the section meshes that the quick reference, of fewer, is held against.
 FINER = 1900

@@ -22,9 +22,10 @@ from validation.adequacy.legs import OPEN_ENDS, own_constants, step_uncertainty
 from validation.adequacy.partners import partners
 from validation.adequacy.response import Alternative, Reference, Response, Rung, Vibration
 from validation.context import Context
-from validation.mode_pairing import centreline_samples
 from validation.models.biglide import highest_frequency
-from validation.paired_robot_modes import (
+from validation.solids.robots import held_solid
+from validation.studies.mode_pairing import centreline_samples
+from validation.studies.paired_robot_modes import (
     ELEMENTS,
     OFFERED,
     STATIONS,
@@ -36,7 +37,6 @@ from validation.paired_robot_modes import (
     sampled_modes,
     solid_modes,
 )
-from validation.robot_solids import held_solid
 
 # Second order in 1/n: twice the segments leave a quarter of the error.
 FINER_SEGMENTS = 2 * ELEMENTS
@@ -93,7 +93,7 @@ def dynamic_reference(context: Context, robot: Biglide, modes: int, postures: in
         computed_by=(
             "validation.adequacy.biglide.given_masses.leg_with_masses"
             if given
-            else "validation.paired_robot_modes.solid_modes",
+            else "validation.studies.paired_robot_modes.solid_modes",
         ),
     )
 

@@ -30,10 +30,10 @@ from validation.adequacy.legs import (
 )
 from validation.adequacy.response import Alternative, Reference, Response, Rung
 from validation.context import Context
-from validation.leg_solids import COARSEST_WALLS
 from validation.models.biglide import robot_compliance
 from validation.models.options import ModelName, ModelOptions
-from validation.robot_solids import static_leg
+from validation.solids.legs import COARSEST_WALLS
+from validation.solids.robots import static_leg
 
 SAY_ENDS = 'say how the legs\' end faces are held: ends = "rigid" or "free" in [leg1], [leg2]'
 

@@ -20,7 +20,7 @@ from validation.adequacy.response import Candidate, Reference, Response, Subject
 from validation.case import Skip
 from validation.context import Context
 from validation.models.options import ModelName, ModelOptions
-from validation.paired_robot_modes import sample_weights
+from validation.studies.paired_robot_modes import sample_weights
 
 POSTURES = 9
 _STATIC = "static: it has no masses, hence says nothing of frequencies"

@@ -32,7 +32,6 @@ from validation.adequacy.mechanism.samples import Samples, samples_of
 from validation.adequacy.partners import partners
 from validation.adequacy.response import Alternative, Reference, Response, Rung, Vibration
 from validation.context import Context
-from validation.leg_solids import COARSEST_WALLS
 from validation.models.mechanism import (
     CUTOFF,
     dynamic_bodies,
@@ -41,8 +40,9 @@ from validation.models.mechanism import (
     on_drives_alone,
 )
 from validation.models.options import ModelName, ModelOptions
-from validation.paired_robot_modes import DIVISIONS, ELEMENTS, WALL_DIVISIONS
-from validation.robot_solids import held_solid, renewed_where_needed
+from validation.solids.legs import COARSEST_WALLS
+from validation.solids.robots import held_solid, renewed_where_needed
+from validation.studies.paired_robot_modes import DIVISIONS, ELEMENTS, WALL_DIVISIONS
 
 Build = Callable[[Leg, Ends, float], LegMatrices]
 _FINER_SEGMENTS = 2 * ELEMENTS

@@ -13,7 +13,7 @@ from lumped.mechanism.mechanism import Mechanism
 from lumped.models.bodies import leg_of, legs_of
 from lumped.screws import shift, turn
 from lumped.system.assembly import System
-from validation.mode_pairing import centreline_samples
+from validation.studies.mode_pairing import centreline_samples
 
 _STATIONS = 12
 # Corners of a section, in radii of gyration.

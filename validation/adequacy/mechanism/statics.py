@@ -35,9 +35,9 @@ from validation.adequacy.legs import (
 from validation.adequacy.mechanism.path import SAY_ENDS, has_given, holds, known_legs
 from validation.adequacy.response import Alternative, Reference, Response, Rung
 from validation.context import Context
-from validation.leg_solids import COARSEST_WALLS
 from validation.models.mechanism import answers
 from validation.models.options import ModelName, ModelOptions
+from validation.solids.legs import COARSEST_WALLS
 
 Springs = Mapping[str, Array]
 

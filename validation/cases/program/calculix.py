@@ -22,8 +22,8 @@ from lumped.sections import ISection, Rectangle, Tube
 from meshes.prism.tetrahedra import tetrahedra
 from validation.case import Absolute, Case, Measurement, Relation, Relative, Skip
 from validation.context import PRESETS, Context, Preset
-from validation.convergence import order_of_errors
 from validation.exhibits import Study
+from validation.studies.convergence import order_of_errors
 
 SECTION = "CalculiX"
 CITATION = "CalculiX CrunchiX, G. Dhondt, C3D10 elements, same mesh and rigid faces (*EQUATION)"

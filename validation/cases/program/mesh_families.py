@@ -24,7 +24,7 @@ from validation.case import Absolute, Case, Measurement, Skip
 from validation.cases.legs import UNITS, constant_leg_of
 from validation.context import Context, Preset
 from validation.exhibits import Study
-from validation.leg_solids import FORMAL_ORDER, Refinement, section_counts
+from validation.solids.legs import FORMAL_ORDER, Refinement, section_counts
 
 SECTION = "Mesh families"
 PRESETS: tuple[Preset, ...] = ("standard", "fine")

@@ -11,9 +11,9 @@ from lumped.legs import ConstantLeg
 from validation.case import Absolute, Case, Measurement
 from validation.cases.legs import constant_leg_of, kind_frequencies
 from validation.context import Context, Preset
-from validation.convergence import order_of_errors
 from validation.exhibits import Study
 from validation.models.options import ModelName, ModelOptions
+from validation.studies.convergence import order_of_errors
 
 if TYPE_CHECKING:
     from lumped.segments import Layout

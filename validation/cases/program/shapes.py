@@ -16,8 +16,8 @@ from meshes.section.section_mesh import section_mesh
 from validation.case import Absolute, Case, Measurement, Relative
 from validation.cases.legs import ENTRIES
 from validation.context import PRESETS, Context, Preset
-from validation.convergence import analyse, uncertainty_of
-from validation.leg_solids import FORMAL_ORDER
+from validation.solids.legs import FORMAL_ORDER
+from validation.studies.convergence import analyse, uncertainty_of
 
 SECTION = "Section shapes"
 LENGTH = 0.8

@@ -15,8 +15,8 @@ from lumped.legs import ConstantLeg, Material
 from lumped.sections import Rectangle
 from validation.case import Allowance, Case, Measurement, Relative
 from validation.context import Context
-from validation.convergence import Convergence, analyse, uncertainty_of
 from validation.exhibits import Study
+from validation.studies.convergence import Convergence, analyse, uncertainty_of
 
 SECTION = "Published benchmarks"
 COUNTS = (8, 16, 24, 32)

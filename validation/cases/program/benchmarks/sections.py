@@ -11,8 +11,8 @@ from meshes.section.section_mesh import section_mesh
 from validation.case import Absolute, Case, Measurement
 from validation.cases.program.benchmarks.beams import SECTION
 from validation.context import Context
-from validation.convergence import analyse, uncertainty_of
-from validation.leg_solids import FORMAL_ORDER
+from validation.solids.legs import FORMAL_ORDER
+from validation.studies.convergence import analyse, uncertainty_of
 
 # J/(b h³) of rectangles b × h.
 TORSION_CONSTANTS = {

@@ -36,9 +36,9 @@ from validation.cases.program.benchmarks.beams import (
     refinement_study,
 )
 from validation.context import Context, Preset
-from validation.convergence import analyse, uncertainty_of
-from validation.leg_solids import FORMAL_ORDER
-from validation.prism_waves import WaveKind, beam_wave_frequency, prism_wave_frequency
+from validation.solids.legs import FORMAL_ORDER
+from validation.solids.waves import WaveKind, beam_wave_frequency, prism_wave_frequency
+from validation.studies.convergence import analyse, uncertainty_of
 
 _CANTILEVER = "MacNeal–Harder cantilever as a solid"
 _BEAM = "NAFEMS FV5 as a solid"

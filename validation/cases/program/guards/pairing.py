@@ -11,7 +11,7 @@ from lumped.sections import Rectangle
 from validation.case import Absolute, Case, Measurement
 from validation.cases.program.guards.robot import SECTION
 from validation.context import Context
-from validation.mode_pairing import (
+from validation.studies.mode_pairing import (
     centreline_samples,
     centreline_weights,
     largest_angle,

@@ -31,7 +31,7 @@ from validation.cases.program.guards.robot import (
     scaled_difference,
 )
 from validation.context import Context
-from validation.robot_solids import full_mac
+from validation.solids.robots import full_mac
 
 # Unlike in both planes, contracting, with a shear modulus of its own: more than 400 unknowns, so
 # that modes are found by Lanczos, in a few hundredths of a second.

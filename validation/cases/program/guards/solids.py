@@ -21,7 +21,7 @@ from validation.case import Absolute, Case, Measurement, Relative, Tolerance
 from validation.cases.legs import UNITS, constant_leg_of
 from validation.cases.program.guards.robot import SECTION, scaled_difference
 from validation.context import Context
-from validation.leg_solids import section_counts, similar_mesh, slices
+from validation.solids.legs import section_counts, similar_mesh, slices
 
 COWPER = "G. R. Cowper, J. Appl. Mech. 33 (1966) 335, against finite elements on the section"
 NU = 0.3

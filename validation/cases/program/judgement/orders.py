@@ -7,7 +7,8 @@ import numpy as np
 from validation.case import Case
 from validation.cases.program.judgement.claims import claims_case, same
 from validation.context import Context
-from validation.convergence import (
+from validation.solids.legs import Refinement
+from validation.studies.convergence import (
     analyse,
     fit_order,
     grid_convergence_index,
@@ -19,7 +20,6 @@ from validation.convergence import (
     three_grid_order,
     uncertainty_of,
 )
-from validation.leg_solids import Refinement
 
 _SOURCE = "P. J. Roache, J. Fluids Eng. 116 (1994) 405; ASME V&V 20-2009 §2"
 _SIZES = np.array([1.0, 0.5, 0.25, 0.125])

@@ -22,9 +22,9 @@ from validation.case import (
 )
 from validation.cases.program.judgement.claims import claims_case, same
 from validation.cases.program.judgement.rules import probe
+from validation.console.listing import outcome_line, summary, tolerance_text
 from validation.context import Context
 from validation.exhibits import Study, study_record
-from validation.listing import outcome_line, summary, tolerance_text
 from validation.report import tables, text
 from validation.report.figures.studies.family_plots import study_plot
 from validation.report.figures.style import csv_of

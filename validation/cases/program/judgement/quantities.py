@@ -21,10 +21,10 @@ from validation.cases.legs import constant_leg_of
 from validation.cases.program.guards.robot import scaled_difference
 from validation.cases.program.judgement.claims import claims_case, same
 from validation.context import Context
-from validation.leg_solids import section_counts
 from validation.models.biglide import robot_mechanism
 from validation.models.options import ModelName
-from validation.quantities import (
+from validation.solids.legs import section_counts
+from validation.studies.quantities import (
     Deflections,
     deflections_of,
     family_deflections,

@@ -17,7 +17,6 @@ from validation.cases.sweep_results import (
     stroke_of,
 )
 from validation.context import Context
-from validation.decision import OBJECTIVES, UNITS, Decision, Objective
 from validation.exhibits import Drawing, Figure
 from validation.report.figures.curves.lines import (
     ALPHA_LABEL,
@@ -37,6 +36,7 @@ from validation.report.figures.style import (
     plot_style,
     svg_of,
 )
+from validation.studies.decision import OBJECTIVES, UNITS, Decision, Objective
 from validation.sweeps.plans import FREE, RIGID, stroke_stations
 from validation.sweeps.studies import PLANS, POINTS, STROKE_FREQUENCIES, Curves
 

@@ -9,7 +9,6 @@ from validation.cases.paper_family import ALPHAS
 from validation.cases.robot import SECTION
 from validation.context import Context
 from validation.exhibits import Drawing, Figure
-from validation.quantities import family_frequencies
 from validation.report.figures.curves.lines import (
     BEAM,
     DYNAMIC_LINES,
@@ -38,6 +37,7 @@ from validation.report.figures.curves.panels import (
 )
 from validation.report.figures.curves.statics import FAMILY_SECTION
 from validation.report.figures.curves.sweeps import frequencies_at
+from validation.studies.quantities import family_frequencies
 
 MODES = 2
 _SIMPLIFIED_TITLE = f"First natural frequency, simplified model against beams {as_in_paper(7)}"

@@ -10,7 +10,6 @@ from lumped.arrays import Array
 from validation.cases.robot import SECTION
 from validation.context import Context
 from validation.exhibits import Drawing, Figure
-from validation.quantities import RobotModes, robot_modes
 from validation.report.figures.style import (
     BLUE,
     GREEN,
@@ -23,6 +22,7 @@ from validation.report.figures.style import (
     plot_style,
     svg_of,
 )
+from validation.studies.quantities import RobotModes, robot_modes
 
 MODES = 6
 _ID = "robot.strain-energy"

@@ -12,7 +12,6 @@ from validation.cases.program.refinement import (
     exact_frequencies,
 )
 from validation.context import Context
-from validation.convergence import order_of_errors
 from validation.exhibits import Drawing, Figure
 from validation.report.figures.curves.lines import legend_above
 from validation.report.figures.style import (
@@ -25,6 +24,7 @@ from validation.report.figures.style import (
     power_ticks,
     svg_of,
 )
+from validation.studies.convergence import order_of_errors
 
 # The element counts between which the order shows: below, higher terms count; above, rounding.
 FITTED = {"literal": (10, 160), "half": (10, 160), "beam": (10, 40)}

@@ -10,7 +10,6 @@ from validation.cases.paper_family import ALPHAS
 from validation.cases.robot import SECTION
 from validation.context import Context
 from validation.exhibits import Drawing, Figure
-from validation.quantities import LOAD, Deflections, family_deflections
 from validation.report.figures.curves.lines import (
     BEAM,
     SEGMENTS,
@@ -39,6 +38,7 @@ from validation.report.figures.curves.panels import (
     stroke_table,
 )
 from validation.report.figures.curves.sweeps import deflections_at
+from validation.studies.quantities import LOAD, Deflections, family_deflections
 
 FAMILY_SECTION = "Robots with longer legs"
 LOADS = {

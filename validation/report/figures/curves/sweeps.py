@@ -6,7 +6,7 @@ from lumped.arrays import Array
 from lumped.biglide import Biglide
 from validation.models.biglide import robot_compliance, robot_frequencies
 from validation.models.options import ModelName, ModelOptions
-from validation.quantities import Deflections, deflections_of
+from validation.studies.quantities import Deflections, deflections_of
 
 
 def stations(robot: Biglide, count: int) -> Array:

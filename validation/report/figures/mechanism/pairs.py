@@ -17,9 +17,9 @@ from validation.case import Skip
 from validation.cases.mechanism import GROUP, SECTION
 from validation.context import Context
 from validation.exhibits import Drawing, Figure
-from validation.mode_pairing import mac_matrix
 from validation.models.options import ModelOptions
 from validation.report.figures.style import MODELS, canvas, csv_of, plot_style, svg_of
+from validation.studies.mode_pairing import mac_matrix
 
 _ID = "mechanism.pairs"
 _TITLE = "Modes paired by shape with the reference's"

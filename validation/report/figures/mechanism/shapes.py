@@ -13,7 +13,6 @@ from validation.case import Skip
 from validation.cases.mechanism import SECTION
 from validation.context import Context
 from validation.exhibits import Drawing, Figure, InteractiveScene
-from validation.mode_pairing import neighbours
 from validation.models.mechanism_modes import PostureModes, mechanism_modes
 from validation.models.options import ModelName
 from validation.report.figures.mechanism.bodies import (
@@ -39,6 +38,7 @@ from validation.report.figures.pictures.drawing.rendering import (
 from validation.report.figures.pictures.drawing.scenes import interactive
 from validation.report.figures.pictures.drawing.view import fitted_view
 from validation.report.figures.style import MODELS, VERMILLION, canvas, csv_of, plot_style
+from validation.studies.mode_pairing import neighbours
 
 GROUP = "pictures"
 _MODES = 4

@@ -7,8 +7,8 @@ import numpy as np
 from lumped.arrays import Array
 from lumped.biglide import Biglide
 from validation.models.options import DEFAULT_OPTIONS
-from validation.quantities import MICRO, RobotModes
 from validation.report.figures.pictures.robot_shape import centreline_points
+from validation.studies.quantities import MICRO, RobotModes
 
 
 def segments_like(

@@ -14,7 +14,6 @@ from meshes.solid_mesh import SolidMesh
 from validation.cases.legs import constant_leg_of
 from validation.context import Context
 from validation.exhibits import Drawing, Figure
-from validation.mode_pairing import centreline_samples, centreline_weights, pair_modes
 from validation.models.legs import leg_matrices, solid_modes
 from validation.models.options import DEFAULT_OPTIONS
 from validation.report.figures.pictures.drawing.opengl import require_vtk
@@ -42,6 +41,7 @@ from validation.report.figures.pictures.drawing.view import fitted_view
 from validation.report.figures.pictures.robot import GROUP
 from validation.report.figures.pictures.robot_shape import OUTSET
 from validation.report.figures.style import MODELS, canvas, csv_of, plot_style
+from validation.studies.mode_pairing import centreline_samples, centreline_weights, pair_modes
 
 MODES = 4
 # Enough for a picture: the numbers of the report come from finer meshes.

@@ -11,7 +11,6 @@ from validation.cases.robot import SECTION
 from validation.context import Context
 from validation.exhibits import Drawing, Figure, InteractiveScene
 from validation.models.options import DEFAULT_OPTIONS
-from validation.quantities import LOAD, MICRO, RobotModes, robot_modes
 from validation.report.figures.curves.lines import as_in_paper
 from validation.report.figures.pictures.drawing.opengl import require_vtk
 from validation.report.figures.pictures.drawing.prisms import readable_factor
@@ -45,6 +44,7 @@ from validation.report.figures.pictures.robot_shape import (
     top_of_joint,
 )
 from validation.report.figures.style import MODELS, VERMILLION, canvas, csv_of, plot_style
+from validation.studies.quantities import LOAD, MICRO, RobotModes, robot_modes
 
 GROUP = "pictures"
 _MODES_TITLE = f"First two mode shapes of the robot {as_in_paper(11)}"

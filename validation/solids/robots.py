@@ -33,7 +33,7 @@ from lumped.leg_matrices import LegMatrices
 from lumped.legs import ConstantLeg, Leg, equivalent_leg, tip_compliance
 from lumped.modes import Modes
 from meshes.section.section_mesh import section_mesh
-from validation.leg_solids import COARSEST_WALLS, section_counts, static_ladder, static_slices
+from validation.solids.legs import COARSEST_WALLS, section_counts, static_ladder, static_slices
 
 T = TypeVar("T")
 

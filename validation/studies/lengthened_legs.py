@@ -14,7 +14,7 @@ from lumped.sections import Circle, Rectangle, Tube
 from meshes.prism.hexahedra import slice_count
 from meshes.section.section_mesh import section_mesh
 from validation.context import Preset
-from validation.leg_solids import section_counts
+from validation.solids.legs import section_counts
 
 # Unknowns of a rectangle's section mesh at most, elements across the smaller side of the others. A
 # round rim needs eight for its flexure (ν > 0) to reach 1e-4.

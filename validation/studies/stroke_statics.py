@@ -10,10 +10,10 @@ from lumped import vjm
 from lumped.arrays import Array
 from lumped.biglide import Biglide, with_equivalent_legs
 from lumped.legs import ConstantLeg, equivalent_leg, tip_compliance
-from validation.convergence import step_factor
-from validation.leg_solids import FORMAL_ORDER, formal_order
-from validation.quantities import Deflections, deflections_of
-from validation.robot_solids import TipCompliances, static_leg, two_meshes
+from validation.solids.legs import FORMAL_ORDER, formal_order
+from validation.solids.robots import TipCompliances, static_leg, two_meshes
+from validation.studies.convergence import step_factor
+from validation.studies.quantities import Deflections, deflections_of
 
 POSTURES = 9
 

@@ -17,8 +17,8 @@ from meshes.prism.hexahedra import hexahedra
 from meshes.section.section_blocks import Divisions
 from meshes.section.section_mesh import section_mesh
 from meshes.solid_mesh import SolidMesh
-from validation.convergence import Convergence, analyse, step_factor, uncertainty_of
-from validation.mode_pairing import centreline_samples, centreline_weights, pair_modes
+from validation.studies.convergence import Convergence, analyse, step_factor, uncertainty_of
+from validation.studies.mode_pairing import centreline_samples, centreline_weights, pair_modes
 
 # Quadratic elements: energies, and with them compliances and frequencies, converge with h⁴ …
 FORMAL_ORDER = 4.0

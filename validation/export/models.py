@@ -20,9 +20,9 @@ from lumped.legs import ConstantLeg, equivalent_leg
 from lumped.modes import dense
 from meshes.vtk_grid import grid
 from validation.context import Preset
+from validation.export.vtk_files import polyline, save
 from validation.models.biglide import robot_mechanism
 from validation.models.legs import leg_matrices
-from validation.polylines import polyline, save
 
 WRENCHES = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
 MODES = 6

@@ -12,8 +12,8 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from lumped.biglide import Biglide
-from validation import ranks
-from validation.quantities import deflections_of
+from validation.studies import ranks
+from validation.studies.quantities import deflections_of
 from validation.sweeps.journal import Journal
 from validation.sweeps.plans import SweptModel, feasible_alphas, member_units
 from validation.sweeps.runner import Executor, in_turn, sweep

@@ -24,15 +24,15 @@ from lumped.sections import Rectangle
 from lumped.segments import segment_chain, segment_leg
 from meshes.section.section_mesh import section_mesh
 from validation.context import Preset
-from validation.mode_pairing import (
+from validation.models.biglide import highest_frequency
+from validation.solids.robots import held_solid, renewed_where_needed
+from validation.studies.mode_pairing import (
     centreline_samples,
     centreline_weights,
     largest_angle,
     neighbours,
     pair_modes,
 )
-from validation.models.biglide import highest_frequency
-from validation.robot_solids import held_solid, renewed_where_needed
 
 BoolArray: TypeAlias = NDArray[np.bool_]
 BeamKind: TypeAlias = Literal["segments", "beam", "own beam"]
