@@ -33,6 +33,8 @@ def case(identifier: str, compute: Callable[[Context], Measurement], group: str 
         section="Toys",
         subject="robot",
         group=group,
+        # Of the run's robot: one of the program would solve systems to load its own.
+        subject="robot",
     )
 
 

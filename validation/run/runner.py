@@ -157,10 +157,10 @@ class _Scheduler:
                 self._bury(worker)
                 continue
             if kind == "started":
-                worker.current, worker.served = content, True
-                worker.log_from = _size(self.log)
-                worker.waiting.remove(content)
-                self.observer.started(self.tasks[content])
+                (identifier, worker.log_from), worker.served = content, True
+                worker.current = identifier
+                worker.waiting.remove(identifier)
+                self.observer.started(self.tasks[identifier])
             else:
                 worker.current = None
                 self._finish(content)

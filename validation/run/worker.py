@@ -53,7 +53,7 @@ class Job:
 def serve(connection: Connection, job: Job, log: Path) -> None:
     """Work through the lists of ids that arrive, until None does.
 
-    Sends ("started", id) and ("finished", record) for each.
+    Sends ("started", (id, size of the log so far in bytes)) and ("finished", record) for each.
     """
     _print_to(log)
     end_with_parent()
@@ -62,7 +62,8 @@ def serve(connection: Connection, job: Job, log: Path) -> None:
     with suppress(EOFError, BrokenPipeError):
         while (identifiers := connection.recv()) is not None:
             for identifier in identifiers:
-                connection.send(("started", identifier))
+                # Here, not where it is read: what the task prints may be there before.
+                connection.send(("started", (identifier, os.fstat(1).st_size)))
                 connection.send(("finished", execute(tasks[identifier], context)))
 
 
