@@ -14,10 +14,7 @@ from lumped.robot_file import load_robot
 from validation.case import Skip, judge, perturbed
 from validation.cases import (
     robot_calculix,
-    robot_modes,
-    robot_reduction,
     robot_sixty,
-    robot_solid,
 )
 from validation.context import Context
 from validation.models.biglide import robot_compliance, robot_frequencies, robot_legs
@@ -28,15 +25,6 @@ from validation.studies.paired_robot_modes import paired_modes
 
 ROBOT_FILE = load_robot("ifw")
 ROBOT = with_equivalent_legs(ROBOT_FILE.robot)
-CASES = (
-    *robot_solid.cases(),
-    *robot_solid.paper_cases(),
-    *robot_modes.cases(),
-    *robot_modes.paper_cases(),
-    *robot_reduction.cases(),
-    *robot_sixty.cases(),
-    *robot_sixty.paper_cases(),
-)
 
 
 @pytest.fixture(scope="module")
@@ -44,13 +32,7 @@ def context():
     return Context(ROBOT_FILE, "quick")
 
 
-@pytest.mark.parametrize("case", CASES, ids=lambda case: case.id)
-def test_case_agrees_and_turns(case, context):
-    outcome = judge(case, case.compute(context), 0.0)
-    assert outcome.verdict == "agree", (outcome.measurement, outcome.message)
-    assert perturbed(outcome, 3.0) == "disagree"
-
-
+# The cases of preset quick are the business of test_cases.
 @pytest.mark.parametrize("case", robot_calculix.cases(), ids=lambda case: case.id)
 def test_calculix_agrees_and_turns(case, context):
     try:

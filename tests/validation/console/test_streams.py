@@ -33,17 +33,25 @@ def shell(line, **environment):
     )
 
 
+UNWRITABLE = {
+    "> /dev/full": "No space left on device",
+    ">&-": "Bad file descriptor",
+    "2> /dev/full": "",
+    "2>&-": "",
+    "> /dev/full 2> /dev/full": "",
+    ">&- 2>&- <&-": "",
+}
+
+
 @needs_full
-@pytest.mark.parametrize("command", ["check ifw", "cases --json", "--help", "--version", "--hlep"])
 @pytest.mark.parametrize(
-    ("streams_are", "reason"),
+    ("command", "streams_are", "reason"),
     [
-        ("> /dev/full", "No space left on device"),
-        (">&-", "Bad file descriptor"),
-        ("2> /dev/full", ""),
-        ("2>&-", ""),
-        ("> /dev/full 2> /dev/full", ""),
-        (">&- 2>&- <&-", ""),
+        (command, streams_are, reason)
+        for streams_are, reason in UNWRITABLE.items()
+        for command in ("check ifw", "cases --json", "--help", "--version", "--hlep")
+        # Long results matter where it is they that cannot be written.
+        if not (command.startswith("cases") and streams_are.startswith("2>"))
     ],
 )
 def test_closed_and_full_streams_never_end_with_1_or_a_traceback(command, streams_are, reason):
@@ -55,7 +63,7 @@ def test_closed_and_full_streams_never_end_with_1_or_a_traceback(command, stream
         assert done.stderr == (f"flexproof: the results cannot be written to stdout: {reason}\n")
 
 
-@pytest.mark.parametrize("command", ["check ifw", "cases --json", "cases", "--help"])
+@pytest.mark.parametrize("command", ["check ifw", "cases --json", "--help"])
 @pytest.mark.parametrize("reader", ["head -1", "true"])
 def test_a_reader_that_leaves_early_changes_nothing(command, reader):
     done = shell(f"flexproof {command} | {reader}; exit ${{PIPESTATUS[0]}}")
