@@ -31,7 +31,6 @@ def case(identifier: str, compute: Callable[[Context], Measurement], group: str 
         tolerance_reason="made up",
         compute=compute,
         section="Toys",
-        subject="robot",
         group=group,
         # Of the run's robot: one of the program would solve systems to load its own.
         subject="robot",
