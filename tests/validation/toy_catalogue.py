@@ -32,8 +32,6 @@ def case(identifier: str, compute: Callable[[Context], Measurement], group: str 
         compute=compute,
         section="Toys",
         group=group,
-        # Of the run's robot: one of the program would solve systems to load its own.
-        subject="robot",
     )
 
 
