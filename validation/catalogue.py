@@ -13,6 +13,7 @@ from validation.cases import (
     legs,
     longer_legs,
     mechanism,
+    mechanism_motion,
     paper,
     program,
     robot,
@@ -73,7 +74,8 @@ def _of_biglide(robot_file: RobotFile) -> Sequence[Task]:
 
 
 def _of_mechanism(robot_file: RobotFile) -> Sequence[Task]:
-    return _about("robot", mechanism.cases(robot_file.mechanism))
+    described = robot_file.mechanism
+    return _about("robot", [*mechanism.cases(), *mechanism_motion.cases(described)])
 
 
 def _about(subject: About, cases: Sequence[Task]) -> list[Task]:

@@ -6,6 +6,7 @@ from functools import cache
 from hashlib import blake2b
 from typing import Any, Literal, ParamSpec, Self, TypeAlias, TypeVar
 
+import msgspec
 import numpy as np
 
 from lumped.biglide import Biglide
@@ -70,7 +71,7 @@ def memo_key(
 
 
 def fingerprint(value: object) -> str:
-    """Hash of plain data: numbers, texts, arrays, frozen dataclasses, and collections of them.
+    """Hash of plain data: numbers, texts, arrays, frozen records, and collections of them.
 
     Equal data give equal hashes in every process. Raises TypeError for anything else.
     """
@@ -99,6 +100,9 @@ def _feed(update: Callable[[bytes], object], value: Any) -> None:
             update(f"record {type(value).__module__}.{type(value).__qualname__} ".encode())
             for entry in fields(value):
                 _feed(update, getattr(value, entry.name))
+        case msgspec.Struct():
+            update(f"record {type(value).__module__}.{type(value).__qualname__} ".encode())
+            _feed(update, msgspec.structs.astuple(value))
         case _ if callable(value) and hasattr(value, "__qualname__"):
             update(f"function {value.__module__}.{value.__qualname__};".encode())
         case _:

@@ -17,11 +17,12 @@ from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
 
+from lumped.caches import forget
 from lumped.errors import ComputationError
 from lumped.robot_file import RobotFile
 from validation.case import Case, Measurement, Skip
 from validation.context import Context, Preset, memo_key
-from validation.faults.fault import PACKAGES, forget_functions
+from validation.faults.fault import PACKAGES
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -40,6 +41,7 @@ HEADLINES = (
 # Shared by right: data, geometry, meshes, small algebra; comparing itself.
 BASICS: Mapping[str, str] = {
     "lumped.arrays": "types",
+    "lumped.caches": "keeping what was computed",
     "lumped.errors": "messages",
     "lumped.legs": "the legs' data",
     "lumped.sections": "the legs' data",
@@ -84,7 +86,7 @@ class Watched(Context):
         if key in self._memo:
             return super().get(function, *args, **kwargs)
         # What another entry left in a cache would not be heard.
-        forget_functions()
+        forget()
         with _heard(self.made_by.setdefault(key, set())):
             return super().get(function, *args, **kwargs)
 

@@ -29,7 +29,6 @@ thus do not couple.
 """
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from scipy.linalg import LinAlgError, cholesky, qr, solve_triangular
@@ -38,6 +37,7 @@ from fem.bodies.solid import Ends
 from fem.couplings.end_coupling import rigid_motions, saint_venant_loads
 from fem.elements.elasticity import stiffness
 from lumped.arrays import Array, IntArray
+from lumped.caches import cached_property
 from lumped.errors import ComputationError, InputError
 from lumped.legs import ConstantLeg
 from lumped.screws import shift

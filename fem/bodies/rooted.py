@@ -8,7 +8,6 @@ of the flexibility G is G − U C⁻¹Uᵀ (fem.reduction.free_superelement, for
 """
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve, qr
@@ -24,6 +23,7 @@ from fem.solvers.renewable_factor import RenewableFactor
 from fem.solvers.sturm import Inertia, count_below
 from fem.solvers.supported_count import supported_count
 from lumped.arrays import Array, IntArray
+from lumped.caches import cached_property
 from lumped.errors import ComputationError
 from lumped.screws import shift
 

@@ -5,7 +5,6 @@ import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from difflib import get_close_matches
-from functools import cached_property
 from importlib import resources
 from importlib.resources.abc import Traversable
 from pathlib import Path
@@ -15,6 +14,7 @@ import msgspec
 
 from lumped.biglide import Biglide
 from lumped.biglide import mechanism as biglide_mechanism
+from lumped.caches import cached_property
 from lumped.errors import InputError
 from lumped.measured import Measured
 from lumped.mechanism.mechanism import Mechanism

@@ -1,8 +1,10 @@
 """Faults: each changes what its function says, goes without a trace, and is noticed."""
 
+import os
+from collections import deque
 from collections.abc import Iterator
 from dataclasses import fields, is_dataclass, replace
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 import pytest
@@ -27,11 +29,12 @@ from validation.cases import robot_solid
 from validation.cases.program import guards, judgement
 from validation.cases.program.guards import pairing, reduction, sweep, waves
 from validation.context import Context
-from validation.faults import detection
+from validation.faults import detection, trial
 from validation.faults.catalogue import FAULTS
 from validation.faults.detection import detection_power, fault_cases, is_fault
-from validation.faults.fault import around, replaced, result, sound_function
-from validation.faults.trial import SoundGroups, caught, groups_of, sound_group, tried
+from validation.faults.fault import Fault, around, fault, replaced, sound_function
+from validation.faults.sound import SoundCases, sound_cases
+from validation.faults.trial import catchers, tried
 from validation.models.biglide import robot_compliance, robot_frequencies
 from validation.models.legs import leg_matrices
 from validation.models.options import ModelOptions
@@ -43,6 +46,8 @@ TOOL = np.diag([2e-9, 3e-9, 1e-9, 4e-7, 3e-7, 5e-7])
 # The groups without a fault are computed once for all tests.
 SHARED = Context(IFW, "quick")
 BY_ID = {fault.id: fault for fault in FAULTS}
+# Looked up while tests are collected: a fault in a function that is gone is named at once.
+PLACES = {fault.where: sound_function(fault.where) for fault in FAULTS}
 
 
 def workout() -> None:
@@ -160,9 +165,17 @@ def differ(first: object, second: object) -> bool:
     )
 
 
-def test_catalogue_has_more_than_forty_faults_of_all_kinds():
-    assert len(BY_ID) == len(FAULTS) >= 40
-    assert {fault.kind for fault in FAULTS} == {"physics", "numerics", "data"}
+def test_catalogue_has_faults_of_all_rooms_and_no_two_of_one_name():
+    assert len(BY_ID) == len(FAULTS) >= 240
+    rooms = {place.split(".")[0] for place in PLACES}
+    assert rooms == {"lumped", "meshes", "fem", "validation"}
+    with pytest.raises(ValueError, match=r"two faults are called leg\.three-for-twelve"):
+        fault("leg.three-for-twelve", "again", "lumped.legs.tip_compliance")(len)
+
+
+def test_a_fault_in_a_function_that_is_gone_is_named():
+    with pytest.raises(LookupError, match=r"no function lumped\.legs\.of_another_day"):
+        sound_function("lumped.legs.of_another_day")
 
 
 # These take the place of objects of other libraries or of elements, which carry no numbers.
@@ -254,18 +267,75 @@ def length_case(identifier: str, tolerance: float) -> Case:
     )
 
 
-def test_trial_names_the_cases_that_turn_and_asks_only_groups_that_use_the_place():
-    groups = groups_of([length_case("close", 0.001), length_case("loose", 1000.0)])
-    sound = SoundGroups(groups, IFW, "quick")
-    found = tried(BY_ID["equivalent.mass-per-length"], sound)
-    assert found == {"mass": {"close": "disagree"}}
-    assert tried(BY_ID["solid.angular-frequency"], sound) == {}
+def sound(cases: list[Case]) -> SoundCases:
+    return sound_cases(cases, IFW, "quick", PLACES)
+
+
+def test_trial_names_the_cases_that_turn_and_asks_only_those_that_use_the_place():
+    close, loose = length_case("close", 0.001), length_case("loose", 1000.0)
+    apart = replace(close, id="apart", compute=lambda _: Measurement(1.0, 1.0))
+    found = tried(BY_ID["equivalent.mass-per-length"], sound([close, loose, apart]))
+    assert found == {close: "disagree", loose: "agree"}
+    assert catchers(found) == [close]
+    assert tried(BY_ID["solid.angular-frequency"], sound([close, loose, apart])) == {}
+
+
+def of_a_beam(_context: Context) -> float:
+    return ConstantLeg(1.0, Rectangle(0.1, 0.2), STEEL).timoshenko.EIy
+
+
+def of_a_mass(_context: Context) -> float:
+    return STEEL.rho
+
+
+def shared_case(identifier: str, reference: float) -> Case:
+    """Of a kept result that a fault touches, and of one that it does not."""
+
+    def compute(context: Context) -> Measurement:
+        value = context.get(of_a_beam, None) * context.get(of_a_mass, None)
+        return Measurement(value, reference)
+
+    return replace(length_case(identifier, 1e-3 * reference), compute=compute)
+
+
+STEEL = Material.isotropic(2e11, 0.3, 7800.0)
+
+
+def test_results_that_a_fault_touches_are_made_again_and_others_are_not():
+    right = 2e11 * 0.1 * 0.2**3 / 12.0 * 7800.0
+    cases = [shared_case("first", right), shared_case("second", right)]
+    ready = sound(cases)
+    place = "lumped.legs.ConstantLeg.timoshenko"
+    # The second rests on what the first computed, and uses the place all the same.
+    assert set(ready.using(place)) == set(cases)
+    left = ready.context.untouched_by(place)
+    assert [key.split()[0].split(".")[-1] for key in left._memo] == ["of_a_mass"]
+    assert set(tried(BY_ID["section.moments-swapped"], ready).values()) == {"disagree"}
+
+
+def test_cheap_cases_are_asked_first_and_dear_ones_are_spared():
+    cases = [length_case(name, 0.001) for name in ("third", "first", "second")]
+    ready = sound(cases)
+    for cost, case in enumerate([cases[1], cases[2], cases[0]]):
+        ready.done[case].seconds = float(cost)
+    found = tried(BY_ID["equivalent.mass-per-length"], ready)
+    assert [case.id for case in found] == ["first", "second"]
+
+
+@pytest.mark.parametrize("end", ["dies", "never ends"])
+def test_fault_that_ends_the_process_or_never_ends_has_been_noticed(end, monkeypatch):
+    monkeypatch.setattr(trial, "_LEAST_PATIENCE", 0.5)
+    case = length_case("close", 0.001)
+    spin = partial(iter, int, 1)
+    change = around(lambda *_: os.abort() if end == "dies" else deque(spin(), maxlen=0))
+    fatal = Fault("fatal", "fatal", "lumped.legs.constant_leg", change)
+    assert tried(fatal, sound([case])) == {case: "failed"}
 
 
 def test_fault_that_no_case_of_quick_uses_is_skipped_and_no_survivor(monkeypatch):
     monkeypatch.setattr(detection, "catalogue", lambda _: pairing.cases())
     case = next(case for case in fault_cases() if case.id == "fault.vjm.tip-joint-forgotten")
-    with pytest.raises(Skip, match=r"no comparison of preset quick uses lumped\.vjm"):
+    with pytest.raises(Skip, match="no comparison of preset quick uses lumped"):
         case.compute(Context(IFW, "quick"))
     skipped = Outcome(case, "skipped", 0.0)
     assert detection_power([skipped]).detections == ()
@@ -286,14 +356,7 @@ def test_run_of_faults_alone_sums_up_the_faults_and_no_comparisons():
 
 def test_case_that_disagrees_without_a_fault_catches_none():
     wrong = replace(length_case("wrong", 0.001), compute=lambda _: Measurement(1.0, 2.0))
-    sound = sound_group([wrong], Context(IFW, "quick"))
-    assert sound.verdicts == {"wrong": "disagree"}
-    assert caught([wrong], sound, Context(IFW, "quick")) == {}
-
-
-def test_result_and_around_leave_the_sound_function_alone():
-    assert result(lambda value: 2 * value)(lambda x: x + 1)(3) == 8
-    assert around(lambda sound, x: sound(-x))(lambda x: x + 1)(3) == -2
+    assert sound([wrong]).done == {}
 
 
 FEW_FAULTS = [

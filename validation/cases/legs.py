@@ -1,12 +1,13 @@
 """Each leg alone, root clamped: segments and beams against closed forms."""
 
-from functools import lru_cache, partial
+from functools import partial
 from math import ceil
 
 import numpy as np
 
 from fem.bodies.beam_theory import CantileverFrequency, cantilever_frequencies
 from lumped.arrays import Array
+from lumped.caches import lru_cache
 from lumped.leg_matrices import LegMatrices
 from lumped.legs import ConstantLeg, equivalent_leg, tip_compliance
 from lumped.modes import dense, solve_modes

@@ -13,8 +13,7 @@ import numpy as np
 from lumped.arrays import Array
 from lumped.legs import ConstantLeg
 from lumped.mechanism.free_twists import free_twists, interface_position
-from lumped.mechanism.kinematics.postures import posture
-from lumped.mechanism.mechanism import MOVES, Mechanism, Posture
+from lumped.mechanism.mechanism import Posture
 from lumped.system.assembly import assembly
 from lumped.system.solution import modes, solved
 from validation.adequacy.legs import solid_leg
@@ -29,7 +28,6 @@ from validation.models.mechanism import (
     constant_legs,
     filled,
     highest_frequency,
-    on_drives_alone,
 )
 from validation.models.options import ModelName, ModelOptions
 from validation.studies.convergence import step_factor
@@ -47,15 +45,12 @@ _ONE_STATICS = (
     "elements: J. S. Przemieniecki, Theory of Matrix Structural Analysis (1968), ch. 5"
 )
 _ROUNDING = "one statics, assembled in two ways: rounding, grown by the condition of slender legs"
-# Step of a difference quotient, of the size of the mechanism or in rad: it errs by its square.
-_STEP = 1e-4
 _FEW_ELEMENTS = 8
 _SECOND_ORDER = 2.0
 
 
-def cases(mechanism: Mechanism) -> tuple[Case, ...]:
+def cases() -> tuple[Case, ...]:
     """All comparisons of a mechanism's models."""
-    stationed = bool(mechanism.tool.moves)
     return (
         _case(
             "closure",
@@ -66,7 +61,6 @@ def cases(mechanism: Mechanism) -> tuple[Case, ...]:
             "the loops are closed until rounding is left",
             _closure,
         ),
-        *((_drives_case(),) if stationed else ()),
         _case(
             "statics.vjm",
             "Virtual joints along serial chains and links are one statics",
@@ -166,48 +160,6 @@ def _gap(at: Posture) -> float:
         basis = np.linalg.qr(free)[0]
         gaps.append(float(np.linalg.norm(apart - basis @ (basis.T @ apart))))
     return max(gaps)
-
-
-def _drives_case() -> Case:
-    return _case(
-        "simplified",
-        "The simplified model yields as its drives turn when the tool is moved",
-        "largest relative difference of the compliances along the moves, middle of the path",
-        "C = (QᵀKQ)⁻¹, Q the drives' motion per motion of the tool, by differences of postures",
-        Absolute(1e-5),
-        "difference quotients: the square of their step, and what closing the loops leaves of it",
-        _drives,
-        model="simplified",
-    )
-
-
-def _drives(context: Context) -> Measurement:
-    postures = path_postures(context)
-    middle = postures[len(postures) // 2]
-    mechanism = on_drives_alone(middle.mechanism)
-    driven = [joint for joint in mechanism.joints if joint.drive is not None]
-    stiffness = [joint.drive.stiffness for joint in driven if joint.drive]
-    if len(driven) != len(mechanism.tool.moves) or None in stiffness:
-        raise Skip("drives are rigid, or there are not as many as moves of the tool")
-    columns = []
-    for place, move in enumerate(mechanism.tool.moves):
-        step = np.zeros(len(middle.pose))
-        step[place] = _STEP * (1.0 if move.startswith("phi") else mechanism.size)
-        ahead, behind = (
-            posture(middle.mechanism, middle.pose + sign * step, middle) for sign in (1.0, -1.0)
-        )
-        columns.append(
-            [
-                (ahead.coordinates[joint.name][0] - behind.coordinates[joint.name][0])
-                / (2.0 * step[place])
-                for joint in driven
-            ]
-        )
-    motion = np.array(columns).T
-    expected = np.linalg.inv(motion.T @ np.diag(np.array(stiffness, dtype=float)) @ motion)
-    rows = [MOVES.index(move) for move in mechanism.tool.moves]
-    found = answers("simplified", [middle], 0)[0].compliance[np.ix_(rows, rows)]
-    return Measurement(_scaled(found, expected), 0.0)
 
 
 def _scaled(found: Array, expected: Array) -> float:

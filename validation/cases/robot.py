@@ -18,6 +18,7 @@ from validation.models.options import ModelName, ModelOptions
 from validation.studies.quantities import (
     Deflections,
     deflections_of,
+    farthest,
     stroke_compliances,
     stroke_deflections,
     stroke_frequencies,
@@ -119,7 +120,7 @@ def _static(context: Context, model: ModelName, theory: Theory, curve: str) -> M
     found: Array = getattr(_deflections(context, model, theory), curve)
     reference: Array = getattr(_deflections(context, "vjm", theory), curve)
     stations = tuple(context.robot.stations(POSTURES).tolist())
-    worst = int(np.argmax(np.abs(found / reference - 1.0)))
+    worst = farthest(found, reference)
     sweep = Study(
         id=f"robot.statics.{curve}.{model}.{theory}",
         kind="sweep",
@@ -181,7 +182,7 @@ def _frequency(context: Context, index: int) -> Measurement:
         )
         for elements in (_FINE, _COARSE)
     )
-    worst = int(np.argmax(np.abs(found[:, index] / fine[:, index] - 1.0)))
+    worst = farthest(found[:, index], fine[:, index])
     x = context.robot.stations(POSTURES)[worst]
     return Measurement(
         float(found[worst, index]),

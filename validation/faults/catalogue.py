@@ -1,28 +1,13 @@
 """All faults."""
 
-from validation.faults import (
-    beam_faults,
-    comparison_faults,
-    element_faults,
-    joint_faults,
-    judgement_faults,
-    leg_faults,
-    lumped_faults,
-    page_faults,
-    reduction_faults,
-    solid_faults,
-)
-from validation.faults.fault import Fault
+from validation.faults.fault import Fault, declared
+from validation.faults.fem import beams, elements, reduction, solids
+from validation.faults.judging import comparisons, pages, verdicts
+from validation.faults.lumped import joints, legs, robots
 
-FAULTS: tuple[Fault, ...] = (
-    *leg_faults.FAULTS,
-    *joint_faults.FAULTS,
-    *lumped_faults.FAULTS,
-    *beam_faults.FAULTS,
-    *element_faults.FAULTS,
-    *solid_faults.FAULTS,
-    *reduction_faults.FAULTS,
-    *comparison_faults.FAULTS,
-    *judgement_faults.FAULTS,
-    *page_faults.FAULTS,
-)
+# Named here for what they declare.
+LUMPED = (legs, joints, robots)
+FINITE_ELEMENTS = (beams, elements, solids, reduction)
+JUDGING = (comparisons, verdicts, pages)
+
+FAULTS: tuple[Fault, ...] = declared()

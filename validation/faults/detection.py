@@ -6,14 +6,14 @@ from functools import partial
 from typing import Any
 
 from fem.calculix.run import CalculixMissing, calculix_program
-from lumped.biglide import Biglide
 from lumped.robot_file import RobotFile
 from validation.case import Absolute, Case, Measurement, Outcome, Relation, Skip
 from validation.catalogue import catalogue
 from validation.context import Context, Preset
 from validation.faults.catalogue import FAULTS
 from validation.faults.fault import Fault
-from validation.faults.trial import SoundGroups, groups_of, tried
+from validation.faults.sound import SoundCases, sound_cases
+from validation.faults.trial import catchers, tried
 from validation.results.records import Task
 
 SECTION = "Detection power"
@@ -38,7 +38,7 @@ def fault_cases() -> tuple[Case, ...]:
             quantity="comparisons that turn from agreement to disagreement or failure",
             unit="1",
             reference_kind="closed-form",
-            citation=f"{fault.kind}, put into {fault.where}",
+            citation=f"put into {fault.where}",
             tolerance=Absolute(0.5),
             tolerance_reason="a count is a whole number: one comparison must catch the fault",
             compute=partial(_detect, fault=fault),
@@ -62,7 +62,6 @@ class Detection:
 
     id: str
     title: str
-    kind: str
     caught_by: tuple[str, ...]
     asked: Mapping[str, int]
 
@@ -136,25 +135,22 @@ def _detection(fault: Fault, outcome: Outcome) -> Detection:
     for case, group in rows:
         asked[str(group)] += case != _NONE
     caught_by = tuple(str(case) for case, _ in rows if case != _NONE)
-    return Detection(fault.id, fault.title, fault.kind, caught_by, asked)
+    return Detection(fault.id, fault.title, caught_by, asked)
 
 
 def _detect(context: Context, fault: Fault) -> Measurement:
-    file = context.robot_file
-    sound = context.get(sound_groups, file.robot, file.source, file.built_in, context.preset)
-    trial = tried(fault, sound)
-    if not trial:
-        _excuse(fault, context.preset)
-    rows = [
-        (case, group, verdict)
-        for group, caught in trial.items()
-        for case, verdict in (caught or {_NONE: "agree"}).items()
-    ]
-    count = sum(len(caught) for caught in trial.values())
+    sound = context.get(sound_run, context.robot_file, context.preset)
+    said = tried(fault, sound)
+    if not said:
+        _excuse(fault, context)
+    caught = catchers(said)
+    missed = {_group(case) for case in said} - {_group(case) for case in caught}
+    rows = [(case.id, _group(case), said[case]) for case in caught]
+    rows += [(_NONE, group, "agree") for group in sorted(missed)]
     return Measurement(
-        float(count),
+        float(len(caught)),
         reference=1.0,
-        notes=("thin ice: a single comparison notices it",) if count == 1 else (),
+        notes=("thin ice: a single comparison notices it",) if len(caught) == 1 else (),
         table={
             heading: tuple(str(row[column]) for row in rows)
             for column, heading in enumerate((_CASES, _GROUPS, _VERDICTS))
@@ -162,25 +158,34 @@ def _detect(context: Context, fault: Fault) -> Measurement:
     )
 
 
-def _excuse(fault: Fault, preset: Preset) -> None:
+def _group(case: Case) -> str:
+    return case.group or case.id
+
+
+# What mechanisms have and a biglide may do without: joints of all kinds, loops, idle motions.
+_OF_MECHANISMS = ("lumped.mechanism.", "lumped.system.", "lumped.models.")
+
+
+def _excuse(fault: Fault, context: Context) -> None:
     """Raise Skip for a fault in what this run does not use, with a good reason not to.
 
     Without one the fault has survived.
     """
-    module = fault.where.partition(":")[0]
-    if "calculix" in module:
+    if "calculix" in fault.where:
         try:
             calculix_program()
         except CalculixMissing as missing:
             raise Skip(str(missing)) from None
-    if preset == "quick":
+    if context.preset == "quick":
         raise Skip(f"no comparison of preset quick uses {fault.where}; preset standard does")
+    if context.robot_file.is_mechanism != fault.where.startswith(_OF_MECHANISMS):
+        kind = "mechanism" if context.robot_file.is_mechanism else "biglide"
+        raise Skip(f"no comparison of this {kind} uses {fault.where}; those of others do")
 
 
-def sound_groups(robot: Biglide, source: str, built_in: bool, preset: Preset) -> SoundGroups:  # noqa: FBT001
-    """The run's groups of cases, to be computed without a fault where they are needed."""
-    robot_file = RobotFile(robot, source, built_in, text="", sha256="", corrections=())
+def sound_run(robot_file: RobotFile, preset: Preset) -> SoundCases:
+    """The run's cases without a fault."""
     cases = [
         task for task in catalogue(robot_file) if isinstance(task, Case) and preset in task.presets
     ]
-    return SoundGroups(groups_of(cases), robot_file, preset)
+    return sound_cases(cases, robot_file, preset, {fault.where for fault in FAULTS})

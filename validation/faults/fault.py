@@ -1,35 +1,36 @@
 """A mistake as a small reversible change: one function of a model replaced by a faulty one."""
 
-import gc
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
-from functools import cached_property, wraps
+from functools import wraps
 from importlib import import_module
 from types import ModuleType
-from typing import Any, Literal, TypeAlias
+from typing import Any, TypeAlias, TypeVar
 
-FaultKind: TypeAlias = Literal["physics", "numerics", "data"]
+from lumped.caches import cached_property, forget
+
 Faulty: TypeAlias = Callable[..., Any]
 # From the sound function to the faulty one.
 Change: TypeAlias = Callable[[Faulty], Faulty]
+F = TypeVar("F", bound=Faulty)
 
 PACKAGES = ("lumped", "meshes", "fem", "validation")
+_DECLARED: dict[str, "Fault"] = {}
 
 
 @dataclass(frozen=True)
 class Fault:
     """A mistake that somebody could make.
 
-    `where` is "module:function", "module:Class.method" or "module:Class.property"; `change` makes
+    `where` is "module.function", "module.Class.method" or "module.Class.property"; `change` makes
     the faulty function from the sound one.
     """
 
     id: str
     title: str
     where: str
-    kind: FaultKind
     change: Change
 
     @contextmanager
@@ -39,11 +40,31 @@ class Fault:
             yield
 
 
+def fault(identifier: str, title: str, where: str) -> Callable[[F], F]:
+    """Declare that the function below, put in place of that at `where`, is a mistake."""
+    return _declared(identifier, title, where, _instead)
+
+
+def fault_around(identifier: str, title: str, where: str) -> Callable[[F], F]:
+    """The same of a function that gets the sound one, and then its arguments."""
+    return _declared(identifier, title, where, around)
+
+
+def fault_in_value(identifier: str, title: str, where: str) -> Callable[[F], F]:
+    """The same of a function that gets the sound one's value."""
+    return _declared(identifier, title, where, _of_value)
+
+
+def declared() -> tuple[Fault, ...]:
+    """The faults of all modules that have been imported."""
+    return tuple(_DECLARED.values())
+
+
 @contextmanager
 def replaced(changes: Mapping[str, Change]) -> Iterator[None]:
     """Functions by their place, each replaced in every module of this project that has it.
 
-    Values cached by the project's functions and objects are dropped, before and after.
+    What functions and objects keep of their values is dropped, before and after.
     """
     with ExitStack() as stack:
         stack.callback(forget)
@@ -54,32 +75,6 @@ def replaced(changes: Mapping[str, Change]) -> Iterator[None]:
                 setattr(holder, attribute, faulty)
         forget()
         yield
-
-
-def result(change: Callable[[Any], Any]) -> Change:
-    """The function's value is changed."""
-
-    def make(sound: Faulty) -> Faulty:
-        @wraps(sound)
-        def faulty(*args: Any, **kwargs: Any) -> Any:
-            return change(sound(*args, **kwargs))
-
-        return faulty
-
-    return make
-
-
-def instead(function: Faulty) -> Change:
-    """Another function takes its place."""
-
-    def make(sound: Faulty) -> Faulty:
-        @wraps(sound)
-        def faulty(*args: Any, **kwargs: Any) -> Any:
-            return function(*args, **kwargs)
-
-        return faulty
-
-    return make
 
 
 def around(function: Faulty) -> Change:
@@ -96,48 +91,45 @@ def around(function: Faulty) -> Change:
 
 
 def sound_function(where: str) -> Faulty:
-    """The function at a place, of a property that which computes it."""
+    """The function at a place, of a property that which computes it.
+
+    Raises LookupError where there is none.
+    """
     owner, name = _place(where)
     return _function(vars(owner)[name])
 
 
-def forget() -> None:
-    """Drop what the project's functions and objects have cached."""
-    forget_functions()
-    cached: dict[type, tuple[str, ...]] = {}
-    for thing in gc.get_objects():
-        kind = type(thing)
-        if kind not in cached:
-            cached[kind] = _cached_names(kind)
-        for name in cached[kind]:
-            vars(thing).pop(name, None)
+def _instead(function: Faulty) -> Change:
+    return around(lambda _sound, *args, **kwargs: function(*args, **kwargs))
 
 
-def forget_functions() -> None:
-    """Drop what the project's functions have cached."""
-    for module in _modules():
-        for value in list(vars(module).values()):
-            if callable(value) and hasattr(value, "cache_clear"):
-                value.cache_clear()
+def _of_value(change: Faulty) -> Change:
+    return around(lambda sound, *args, **kwargs: change(sound(*args, **kwargs)))
 
 
-def _cached_names(kind: type) -> tuple[str, ...]:
-    if str(kind.__module__).partition(".")[0] not in PACKAGES:
-        return ()
-    return tuple(
-        name
-        for base in kind.__mro__
-        for name, value in vars(base).items()
-        if isinstance(value, cached_property)
-    )
+def _declared(
+    identifier: str, title: str, where: str, how: Callable[[Faulty], Change]
+) -> Callable[[F], F]:
+    def declare(function: F) -> F:
+        if identifier in _DECLARED:
+            raise ValueError(f"two faults are called {identifier}")
+        _DECLARED[identifier] = Fault(identifier, title, where, how(function))
+        return function
+
+    return declare
 
 
 def _place(where: str) -> tuple[Any, str]:
-    module, _, path = where.partition(":")
-    *outer, name = path.split(".")
-    owner: Any = import_module(module)
-    for step in outer:
-        owner = getattr(owner, step)
+    """What holds the function, a module or a class, and its name there."""
+    *path, name = where.split(".")
+    owner: Any = None
+    for number, step in enumerate(path, start=1):
+        if isinstance(owner, ModuleType | None) and not hasattr(owner, step):
+            owner = import_module(".".join(path[:number]))
+        else:
+            owner = getattr(owner, step)
+    if name not in vars(owner):
+        raise LookupError(f"no function {where}")
     return owner, name
 
 

@@ -1,13 +1,12 @@
 """The models of one leg, each made once: of one shape, however many legs have it."""
 
-from functools import lru_cache
-
 from fem.bodies import leg_modes, solid
 from fem.bodies.beam import beam_leg
 from fem.bodies.solid import ClampedLeg
 from fem.reduction.craig_bampton import craig_bampton
 from fem.reduction.superelement import HeldLeg, held_leg, static_superelement
 from lumped.arrays import Array
+from lumped.caches import lru_cache
 from lumped.cantilever import clamped_modes, tip_compliance_of
 from lumped.errors import InputError
 from lumped.leg_matrices import LegMatrices

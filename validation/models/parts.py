@@ -5,7 +5,6 @@ Meshed, factorised and reduced once, kept on the disk (validation.parts.kept) an
 
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +16,7 @@ from fem.bodies.part import grips_of, held_part, meshed_part
 from fem.reduction.craig_bampton import reduction
 from fem.reduction.held import HeldBody
 from lumped.arrays import Array, SparseMatrix
+from lumped.caches import lru_cache
 from lumped.errors import InputError
 from lumped.mechanism.body import Body, Given
 from lumped.mechanism.body_model import BodyModel

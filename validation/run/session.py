@@ -176,9 +176,6 @@ def _refuse_what_biglides_have(request: Request) -> None:
         "--export: the files for other programs are written for a biglide (schema 1) alone": (
             request.exports
         ),
-        "--faults: the faults are those that a biglide's run has to catch; run one of schema 1": (
-            request.faults
-        ),
         "--cluster: a mechanism's run has no sweeps": request.cluster is not None,
     }
     if faults := [fault for fault, asked in refused.items() if asked]:

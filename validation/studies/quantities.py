@@ -40,6 +40,11 @@ class Deflections:
         return float(max(self.planar_x.max(), self.planar_y.max()))
 
 
+def farthest(found: Array, reference: Array) -> int:
+    """Number of the posture where one number per posture (p) is farthest off, relatively."""
+    return int(np.argmax(np.abs(found / reference - 1.0)))
+
+
 def deflections_of(compliances: Array) -> Deflections:
     """Deflections from compliances (m×6×6 or m×2×2, SI, robot axes)."""
     scale = LOAD * MICRO

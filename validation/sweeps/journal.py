@@ -7,13 +7,13 @@ folder.
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, fields
-from functools import cache
 from io import BytesIO
 from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
 
+from lumped.caches import lru_cache
 from validation.context import fingerprint
 from validation.results.provenance import suite_digest
 from validation.store.manifest import sealed, unsealed
@@ -60,6 +60,6 @@ def key_of(unit: object) -> str:
     return fingerprint((_sources(), unit))
 
 
-@cache
+@lru_cache(maxsize=None)
 def _sources() -> str:
     return suite_digest()

@@ -7,7 +7,6 @@ in a journal, so that it does not matter who computes what first.
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 from typing import TypeAlias
 
@@ -15,6 +14,7 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.biglide import Biglide
+from lumped.caches import lru_cache
 from lumped.errors import InputError
 from validation.context import Preset
 from validation.studies.decision import Brief, Decision, decide
@@ -160,7 +160,7 @@ def precompute(
             study(robot, preset, journal, executor)
 
 
-@cache
+@lru_cache(maxsize=None)
 def journal_in(folder: str) -> Journal:
     """The journal of a folder, one per process; "" for one in memory."""
     return Journal(Path(folder) if folder else None)

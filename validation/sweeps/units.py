@@ -6,7 +6,6 @@ Units and what they yield are plain data that can be sent to other processes and
 """
 
 from dataclasses import dataclass, replace
-from functools import lru_cache
 from math import floor, log10
 
 import numpy as np
@@ -19,6 +18,7 @@ from fem.reduction.superelement import HeldLeg, held_leg
 from fem.sweep import posture_model, solve_posture
 from lumped.arrays import Array, SparseMatrix
 from lumped.biglide import Biglide
+from lumped.caches import lru_cache
 from lumped.errors import ComputationError, InputError
 from lumped.leg_matrices import LegMatrices
 from lumped.legs import ConstantLeg, equivalent_leg

@@ -10,6 +10,7 @@ them are the business of the program's guards, which know postures of their own.
 import sys
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -29,8 +30,7 @@ from validation.adequacy.matrix import Matrix
 from validation.adequacy.response import Candidate, Reference, Subject
 from validation.context import Context
 from validation.faults.catalogue import FAULTS
-from validation.faults.fault import Fault
-from validation.faults.trial import listened
+from validation.faults.fault import Change, Fault, Faulty, around, replaced
 from validation.models.options import ModelName, ModelOptions
 
 MODELS: tuple[ModelName, ...] = ("vjm", "segments", "beam")
@@ -120,7 +120,17 @@ def test_a_fault_in_the_virtual_joints_makes_them_inadequate(truth: Array) -> No
 
 @pytest.mark.soak
 def test_no_fault_makes_a_wrong_model_adequate(truth: Array) -> None:
-    used = listened(statics)
+    used: set[str] = set()
+
+    def listening(where: str) -> Change:
+        def listen(sound: Faulty, *args: Any, **kwargs: Any) -> Any:
+            used.add(where)
+            return sound(*args, **kwargs)
+
+        return around(listen)
+
+    with replaced({fault.where: listening(fault.where) for fault in FAULTS}):
+        statics()
     tried = [f for f in FAULTS if f.where in used and f.where.startswith(_JUDGED)]
     assert len(tried) > 20
     assert [line for fault in tried for line in called_adequate(fault, truth)] == []

@@ -13,6 +13,7 @@ from scipy.linalg import eigh
 from fem.sections.section_constants import section_constants
 from lumped.arrays import Array
 from lumped.biglide import Biglide, scaled
+from lumped.legs import Theory
 from lumped.modes import dense
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Section, Tube
 from meshes.section.section_mesh import section_mesh
@@ -22,12 +23,13 @@ from validation.cases.program.guards.robot import scaled_difference
 from validation.cases.program.judgement.claims import claims_case, same
 from validation.context import Context
 from validation.models.biglide import robot_mechanism
-from validation.models.options import ModelName
+from validation.models.options import ModelName, ModelOptions
 from validation.solids.legs import section_counts
 from validation.studies.quantities import (
     Deflections,
     deflections_of,
     family_deflections,
+    farthest,
     robot_modes,
     stroke_compliances,
     stroke_deflections,
@@ -37,6 +39,7 @@ from validation.studies.quantities import (
 _FORCE = 1000.0  # N, what tables and figures state
 _MICROMETRE = 1e-6
 _COUNT = 5
+_THEORIES: tuple[Theory, ...] = ("euler-bernoulli", "timoshenko")
 # Statics solved twice, by condition of slender legs.
 _SAME = 1e-7
 _LAW = "Clapeyron's theorem: the work ½ F·u of the load is the strain energy"
@@ -46,6 +49,15 @@ def cases() -> tuple[Case, ...]:
     """Units and directions, work, the simplified model from geometry, energies, section meshes."""
     return (
         claims_case("deflections", "Deflections are in µm at 1000 N", "by hand", _by_hand),
+        claims_case(
+            "farthest", "The posture shown is the one that is farthest off", "by hand", _farthest
+        ),
+        claims_case(
+            "farthest-stroke",
+            "So it is of deflections over the stroke with and without shear",
+            "all postures, one after the other",
+            _farthest_over_stroke,
+        ),
         claims_case(
             "deflections-work",
             "The deflections shown are displacements, and their work is the energy of the parts",
@@ -104,6 +116,30 @@ def _by_hand(_context: Context) -> Mapping[str, bool]:
         ),
         "largest of both loads": same(found.largest_planar, 2.0 * np.sqrt(160.0)),
     }
+
+
+def _farthest(_context: Context) -> Mapping[str, bool]:
+    even = np.array([2.0, 4.0, 8.0, 16.0])
+    return {
+        f"{off:+} % at {place + 1} of 4": farthest(even * (1.0 + 0.01 * off * at), even) == place
+        for off in (1.0, -1.0)
+        for place in range(4)
+        for at in [np.where(np.arange(4) == place, 1.0, 0.5)]
+    }
+
+
+def _farthest_over_stroke(context: Context) -> Mapping[str, bool]:
+    stiff, soft = (
+        stroke_deflections("vjm", context.robot, _COUNT, ModelOptions("equivalent", theory))
+        for theory in _THEORIES
+    )
+    claims = {}
+    for curve in ("planar_x", "planar_y", "along_z"):
+        for end, step in (("left", 1), ("right", -1)):
+            one, other = getattr(stiff, curve)[::step], getattr(soft, curve)[::step]
+            off = [abs(a - b) / b for a, b in zip(one.tolist(), other.tolist(), strict=True)]
+            claims[f"{curve} from the {end}"] = off[farthest(one, other)] >= max(off) - _SAME
+    return claims
 
 
 def _work(context: Context) -> Mapping[str, bool]:

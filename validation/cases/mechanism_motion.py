@@ -1,0 +1,207 @@
+"""A mechanism in motion: what its moves stir by differences of postures, beside the assembler's.
+
+Postures come from closing the loops of rigid bodies; the assembler joins nodes by the twists that
+the joints allow. Between them stand difference quotients of frames, and nothing that they share.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.linalg import eigh
+from scipy.spatial.transform import Rotation
+
+from lumped.arrays import Array
+from lumped.mechanism.body import Body, Given, Prism, Rigid
+from lumped.mechanism.frame import Frame
+from lumped.mechanism.kinematics.mobility import mobility
+from lumped.mechanism.kinematics.postures import posture
+from lumped.mechanism.mechanism import MOVES, Mechanism, Posture
+from lumped.models.bodies import legs_of
+from lumped.system.assembly import assembly
+from lumped.system.solution import compliance, modes, solved
+from validation.adequacy.mechanism.path import path_postures
+from validation.case import Absolute, Case, Measurement, Skip
+from validation.context import Context
+from validation.models.legs import leg_matrices
+from validation.models.mechanism import constant_legs, filled, on_drives_alone
+from validation.models.options import ModelOptions
+
+# Of the size of the mechanism or in rad: difference quotients err by its square.
+_STEP = 1e-4
+_SECTION = "The mechanism over its path"
+_QUOTIENTS = (
+    "difference quotients: the square of their step, and what closing the loops leaves of it"
+)
+
+
+def cases(mechanism: Mechanism) -> tuple[Case, ...]:
+    """Compliance and frequencies on the drives alone, and idle motions."""
+    stationed = bool(mechanism.tool.moves)
+    idle = Case(
+        id="mechanism.idle",
+        title="The assembler leaves as many motions idle as the closed loops do",
+        quantity="idle motions, in the pose where the two differ most",
+        unit="1",
+        reference_kind="independent-solver",
+        citation="null space of the joints' constraints on rigid bodies",
+        tolerance=Absolute(0.5),
+        tolerance_reason="a count is a whole number",
+        compute=_idle,
+        section=_SECTION,
+        group="mechanism.lumped",
+        effort=1.0,
+        model="beam",
+    )
+    return (*_of_moves(), idle) if stationed else (idle,)
+
+
+def _of_moves() -> tuple[Case, ...]:
+    statics = Case(
+        id="mechanism.simplified",
+        title="The simplified model yields as its drives turn when the tool is moved",
+        quantity="largest relative difference of the compliances along the moves, middle of path",
+        unit="1",
+        reference_kind="independent-solver",
+        citation="C = (QᵀKQ)⁻¹, Q the drives' motion per motion of the tool",
+        tolerance=Absolute(1e-5),
+        tolerance_reason=_QUOTIENTS,
+        compute=_yielding,
+        section=_SECTION,
+        group="mechanism.lumped",
+        effort=1.0,
+        model="simplified",
+    )
+    inertia = replace(
+        statics,
+        id="mechanism.inertia",
+        title="On its drives it swings with the energy of its bodies' motions",
+        quantity="largest relative difference of the frequencies, all bodies rigid",
+        citation="QᵀKQ against Σ m vᵀv + ωᵀIω of all bodies per motion of the tool",
+        compute=_swinging,
+    )
+    return (statics, inertia)
+
+
+@dataclass(frozen=True)
+class _Moved:
+    """The middle of the path, the mechanism on its drives alone, and a little on either side.
+
+    `steps` (m or rad) of each move; `stiffness` of the drives in the order of their joints.
+    """
+
+    middle: Posture
+    mechanism: Mechanism
+    steps: Array
+    ahead: tuple[Posture, ...]
+    behind: tuple[Posture, ...]
+    stiffness: Array
+
+    @property
+    def drives(self) -> Array:
+        """QᵀKQ (moves × moves): stiffness against motions of the tool."""
+        driven = [joint.name for joint in self.mechanism.joints if joint.drive is not None]
+        motion = np.array(
+            [
+                [(one.coordinates[name][0] - other.coordinates[name][0]) for name in driven]
+                for one, other in zip(self.ahead, self.behind, strict=True)
+            ]
+        ) / (2.0 * self.steps[:, None])
+        found: Array = motion @ np.diag(self.stiffness) @ motion.T
+        return found
+
+    def velocity(self, body: str, point: Array) -> tuple[Array, Array]:
+        """Velocities of a point in body axes, and angular ones (moves × 3 each, base axes)."""
+        along, about = [], []
+        for one, other in zip(self.ahead, self.behind, strict=True):
+            first, second = one.frames[body], other.frames[body]
+            along.append((first @ Frame(point)).position - (second @ Frame(point)).position)
+            about.append(Rotation.from_matrix(first.rotation @ second.rotation.T).as_rotvec())
+        spans = 2.0 * self.steps[:, None]
+        return np.array(along) / spans, np.array(about) / spans
+
+
+def _moved(context: Context) -> _Moved:
+    postures = path_postures(context)
+    middle = postures[len(postures) // 2]
+    mechanism = on_drives_alone(middle.mechanism)
+    driven = [joint.drive for joint in mechanism.joints if joint.drive is not None]
+    stiffness = [drive.stiffness for drive in driven if drive.stiffness is not None]
+    moves = mechanism.tool.moves
+    if not len(driven) == len(stiffness) == len(moves):
+        raise Skip("drives are rigid, or there are not as many as moves of the tool")
+    steps = np.array(
+        [_STEP * (1.0 if move.startswith("phi") else mechanism.size) for move in moves]
+    )
+    ahead, behind = (
+        tuple(posture(middle.mechanism, middle.pose + sign * step, middle) for step in rows)
+        for sign in (1.0, -1.0)
+        for rows in [np.diag(steps)]
+    )
+    return _Moved(middle, mechanism, steps, ahead, behind, np.array(stiffness, dtype=float))
+
+
+def _yielding(context: Context) -> Measurement:
+    moved = _moved(context)
+    rows = [MOVES.index(move) for move in moved.mechanism.tool.moves]
+    system = assembly(moved.mechanism, {}).at(replace(moved.middle, mechanism=moved.mechanism))
+    found = compliance(solved(system))[np.ix_(rows, rows)]
+    expected = np.linalg.inv(moved.drives)
+    sizes = np.sqrt(np.diag(expected))
+    return Measurement(float(np.abs((found - expected) / np.outer(sizes, sizes)).max()), 0.0)
+
+
+def _swinging(context: Context) -> Measurement:
+    moved = _moved(context)
+    rigid = _with_rigid_legs(moved.mechanism)
+    system = assembly(rigid, {}).at(replace(moved.middle, mechanism=rigid))
+    count = len(moved.steps)
+    found = modes(solved(system), count).frequencies
+    energy = np.zeros((count, count))
+    for name, body in rigid.bodies.items():
+        if isinstance(body.shape, Rigid):
+            velocity, turning = moved.velocity(name, body.shape.centre)
+            own = turning @ moved.middle.frames[name].rotation
+            if _spins(rigid, name):
+                own[:, 0] = 0.0
+            energy += body.shape.mass * velocity @ velocity.T + own @ body.shape.inertia @ own.T
+    tool = rigid.tool
+    at_tool = rigid.bodies[tool.body].interfaces[tool.point].position
+    velocity, _ = moved.velocity(tool.body, at_tool)
+    energy += tool.mass * velocity @ velocity.T
+    expected = np.sqrt(eigh(moved.drives, energy, eigvals_only=True)) / (2.0 * np.pi)
+    return Measurement(float(np.abs(found / expected - 1.0).max()), 0.0)
+
+
+def _spins(mechanism: Mechanism, name: str) -> bool:
+    """Whether a leg between ball joints spins as it likes, and so takes no energy from that."""
+    joints = [j for j in mechanism.joints if name in {j.first.body, j.second.body}]
+    return name in legs_of(mechanism) and all(joint.kind == "spherical" for joint in joints)
+
+
+def _with_rigid_legs(mechanism: Mechanism) -> Mechanism:
+    """Legs with the inertia of lines, and as much about themselves."""
+    legs = legs_of(mechanism)
+
+    def rigid(body: Body) -> Body:
+        if not isinstance(body.shape, Prism | Given):
+            return body
+        leg = legs[body.name]
+        centre = np.array([0.5 * leg.length, 0.0, 0.0])
+        inertia = leg.mass * leg.length**2 / 12.0 * np.eye(3)
+        return replace(body, shape=Rigid(leg.mass, centre, inertia))
+
+    bodies = {name: rigid(body) for name, body in mechanism.bodies.items()}
+    return replace(mechanism, bodies=bodies)
+
+
+def _idle(context: Context) -> Measurement:
+    postures = path_postures(context)
+    mechanism = postures[0].mechanism
+    beams = {
+        name: filled(leg_matrices("beam", leg, own))
+        for name, leg, own in constant_legs(mechanism, ModelOptions(elements=1))
+    }
+    prepared = assembly(mechanism, beams)
+    counts = [(solved(prepared.at(at)).idle, mobility(at).idle) for at in postures]
+    found, expected = max(counts, key=lambda pair: abs(pair[0] - pair[1]))
+    return Measurement(float(found), float(expected))
