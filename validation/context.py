@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields, is_dataclass, replace
 from functools import cache
 from hashlib import blake2b
+from pathlib import PurePath
 from typing import Any, Literal, ParamSpec, Self, TypeAlias, TypeVar
 
 import msgspec
@@ -71,7 +72,7 @@ def memo_key(
 
 
 def fingerprint(value: object) -> str:
-    """Hash of plain data: numbers, texts, arrays, frozen records, and collections of them.
+    """Hash of plain data: numbers, texts, paths, arrays, frozen records, and collections of them.
 
     Equal data give equal hashes in every process. Raises TypeError for anything else.
     """
@@ -85,6 +86,8 @@ def _feed(update: Callable[[bytes], object], value: Any) -> None:
         case np.ndarray():
             update(f"array {value.dtype.str} {value.shape} ".encode())
             update(np.ascontiguousarray(value).tobytes())
+        case PurePath():
+            update(f"path {value};".encode())
         case None | bool() | int() | float() | complex() | str() | bytes() | np.generic():
             update(f"{type(value).__name__} {value!r};".encode())
         case tuple() | list():

@@ -11,6 +11,7 @@ from functools import partial
 import numpy as np
 
 from lumped.arrays import Array
+from lumped.leg_matrices import LegMatrices
 from lumped.legs import ConstantLeg
 from lumped.mechanism.free_twists import free_twists, interface_position
 from lumped.mechanism.mechanism import Posture
@@ -25,8 +26,7 @@ from validation.models.legs import leg_matrices, reduced_leg
 from validation.models.mechanism import (
     CUTOFF,
     answers,
-    constant_legs,
-    filled,
+    bodies_of,
     highest_frequency,
 )
 from validation.models.options import ModelName, ModelOptions
@@ -188,6 +188,8 @@ def _compliance(postures: Sequence[Posture], model: ModelName, options: ModelOpt
 def _solid(context: Context) -> Measurement:
     postures = path_postures(context)
     legs = known_legs(postures[0].mechanism)
+    if not legs:
+        raise Skip("no leg is a prism")
     if not all(isinstance(leg, ConstantLeg) for leg in legs.values()):
         raise Skip("legs known by a 6×6 have no section that could be meshed")
     fine = {
@@ -248,15 +250,13 @@ def _reduction(context: Context) -> Measurement:
     postures = path_postures(context)
     middle = postures[len(postures) // 2]
     options = ModelOptions(elements=_FEW_ELEMENTS)
-    whole = {
-        name: filled(leg_matrices("beam", leg, own))
-        for name, leg, own in constant_legs(middle.mechanism, options)
-    }
+    whole = bodies_of(middle.mechanism, options, partial(leg_matrices, "beam"))
     highest = highest_frequency([middle], MODES, options)
-    reduced = {
-        name: reduced_leg("beam", leg, own, highest, CUTOFF["beam"] * highest)
-        for name, leg, own in constant_legs(middle.mechanism, options)
-    }
+
+    def reduce(leg: ConstantLeg, own: ModelOptions) -> LegMatrices:
+        return reduced_leg("beam", leg, own, highest, CUTOFF["beam"] * highest)
+
+    reduced = bodies_of(middle.mechanism, options, reduce)
     found, expected = (
         modes(solved(assembly(middle.mechanism, bodies).at(middle)), MODES).frequencies
         for bodies in (reduced, whole)

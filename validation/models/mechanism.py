@@ -4,17 +4,19 @@ Bodies are modelled once, however many are alike and however many postures follo
 are condensed to their interfaces, which is exact; dynamic ones are reduced by Craig and Bampton.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from math import isclose
+from typing import TypeVar
 
 import numpy as np
 
 from fem.reduction.craig_bampton import CUTOFF_FACTOR
 from lumped.arrays import Array
 from lumped.errors import InputError
-from lumped.legs import ConstantLeg, equivalent_leg
+from lumped.leg_matrices import LegMatrices
+from lumped.legs import ConstantLeg, equivalent_leg, tip_compliance
 from lumped.mechanism.body import Prism
 from lumped.mechanism.body_model import BodyModel
 from lumped.mechanism.joint import Drive, Joint
@@ -22,14 +24,15 @@ from lumped.mechanism.kinematics.mobility import mobility
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.models import serial_chains
 from lumped.models.bodies import legs_of, tip_compliances
-from lumped.models.links import links
+from lumped.models.links import link, links
 from lumped.modes import dense
 from lumped.system.assembly import Assembly, assembly
 from lumped.system.solution import compliance, mode_count, modes, solved
 from lumped.system.sweep import swept
 from validation.models import parts
 from validation.models.legs import cached_leg, condensed_leg, leg_matrices, reduced_leg
-from validation.models.options import DEFAULT_OPTIONS, STATIC, ModelName, ModelOptions
+from validation.models.options import DEFAULT_OPTIONS, STATIC, ModelName, ModelOptions, PartLegs
+from validation.models.part_legs import part_models, part_springs, require_legs
 from validation.solids.robots import half_octave_above, renewed_where_needed
 
 # Bodies whose lengths differ by what twelve typed digits leave are one body.
@@ -41,6 +44,7 @@ CUTOFF = {"segments": 4.0, "beam": 4.0, "solid": CUTOFF_FACTOR}
 FEW = 600
 # Frequencies of few elements lie above the true ones (Rayleigh), those of solids by little more.
 _ESTIMATE = ModelOptions(elements=2)
+Model = TypeVar("Model", bound=BodyModel)
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,14 +75,13 @@ def answers(
     """
     if not postures:
         return []
-    if model != "solid" and options.parts == "equivalent":
-        postures = parts.with_legs(postures)
     mechanism = postures[0].mechanism
     if count and model in STATIC:
         raise InputError(f"--modes: the {model} model is static and has no frequencies")
     if model == "vjm":
-        parts.require_legs(mechanism)
+        require_legs(mechanism)
         springs = tip_compliances(mechanism, options.legs, options.theory, options.equivalent)
+        springs |= part_springs(mechanism, options)
         return [
             Answer(at, serial_chains.compliance(at, springs), np.zeros(0), mobility(at).idle)
             for at in postures
@@ -101,11 +104,10 @@ def static_bodies(
     """Models of the bodies on the twists of their interfaces alone, exact in statics."""
     if model == "links":
         springs = tip_compliances(mechanism, options.legs, options.theory, options.equivalent)
-        return dict(links(mechanism, springs)) | _condensed_parts(mechanism)
-    return {
-        name: filled(condensed_leg(model, leg, own))
-        for name, leg, own in constant_legs(mechanism, options)
-    } | _condensed_parts(mechanism)
+        whole: PartLegs = "equivalent" if options.legs == "equivalent" else "condensed"
+        own = replace(options, parts=whole)
+        return dict(links(mechanism, springs)) | part_models(mechanism, own, _link)
+    return bodies_of(mechanism, options, partial(condensed_leg, model))
 
 
 def dynamic_bodies(
@@ -118,17 +120,37 @@ def dynamic_bodies(
 
     Reduced, unless beams or segments are so few that they are solved as they stand.
     """
-    legs = constant_legs(mechanism, options)
-    if model != "solid" and sum(cached_leg(model, leg, own).size for _, leg, own in legs) <= FEW:
-        return {
-            name: filled(cached_leg(model, leg, own)) for name, leg, own in legs
-        } | _condensed_parts(mechanism)
     cutoff = CUTOFF[model] * highest
-    found = {name: filled(reduced_leg(model, leg, own, highest, cutoff)) for name, leg, own in legs}
-    if model != "solid":
-        return found | _condensed_parts(mechanism)
-    bodies = parts.parts_of(mechanism).items()
-    return found | {name: parts.reduced(body, highest, cutoff) for name, body in bodies}
+
+    def reduced(leg: ConstantLeg, own: ModelOptions) -> LegMatrices:
+        return reduced_leg(model, leg, own, highest, cutoff)
+
+    if model == "solid":
+        legs = constant_legs(mechanism, options)
+        bodies = parts.parts_of(mechanism)
+        return {name: filled(reduced(leg, own)) for name, leg, own in legs} | {
+            name: parts.reduced(body, highest, cutoff) for name, body in bodies.items()
+        }
+    whole = bodies_of(mechanism, options, partial(cached_leg, model))
+    if sum(one.size for one in whole.values()) <= FEW:
+        return whole
+    return bodies_of(mechanism, options, reduced)
+
+
+def bodies_of(
+    mechanism: Mechanism,
+    options: ModelOptions,
+    build: Callable[[ConstantLeg, ModelOptions], LegMatrices],
+) -> dict[str, BodyModel]:
+    """Every leg, and every part that a leg stands for, as `build` makes it."""
+    legs: dict[str, BodyModel] = {
+        name: filled(build(leg, own)) for name, leg, own in constant_legs(mechanism, options)
+    }
+    return legs | part_models(mechanism, options, lambda leg, own: filled(build(leg, own)))
+
+
+def _link(leg: ConstantLeg, options: ModelOptions) -> LegMatrices:
+    return link(leg.length, tip_compliance(leg.properties(options.theory), leg.length))
 
 
 def highest_frequency(
@@ -138,15 +160,17 @@ def highest_frequency(
 
     In the middle posture; rounded up in steps of half an octave, so that others share the bodies.
     """
-    (middle,) = parts.with_legs([postures[len(postures) // 2]])
+    middle = postures[len(postures) // 2]
     coarse = replace(_ESTIMATE, equivalent=options.equivalent, theory=options.theory)
     bodies: dict[str, BodyModel] = {
         name: leg_matrices("beam", leg, own)
         for name, leg, own in constant_legs(middle.mechanism, coarse)
     }
-    bodies |= _condensed_parts(middle.mechanism)
+    bodies |= part_models(middle.mechanism, coarse, partial(leg_matrices, "beam"))
     solution = solved(assembly(middle.mechanism, bodies).at(middle))
-    return half_octave_above(float(modes(solution, count).frequencies[-1]))
+    # Parts on their interfaces alone have few modes.
+    known = min(count, mode_count(solution)) if parts.parts_of(middle.mechanism) else count
+    return half_octave_above(float(modes(solution, known).frequencies[-1]))
 
 
 def _solve(prepared: Assembly, postures: Sequence[Posture], count: int) -> list[Answer]:
@@ -194,11 +218,7 @@ def constant_legs(
     return legs
 
 
-def _condensed_parts(mechanism: Mechanism) -> dict[str, BodyModel]:
-    return {name: parts.condensed(body) for name, body in parts.parts_of(mechanism).items()}
-
-
-def filled(model: BodyModel) -> BodyModel:
+def filled(model: Model) -> Model:
     """The same with dense matrices: what is reduced is small and full."""
     parts = {kind: dense(part) for kind, part in model.parts.items()}
     return replace(model, stiffness=dense(model.stiffness), mass=dense(model.mass), parts=parts)

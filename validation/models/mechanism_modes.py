@@ -12,7 +12,6 @@ from lumped.mechanism.mechanism import Posture
 from lumped.modes import Modes
 from lumped.system.assembly import System, assembly
 from lumped.system.solution import compliance, mode_count, modes, solved, strain_shares
-from validation.models import parts
 from validation.models.mechanism import dynamic_bodies, highest_frequency, on_drives_alone
 from validation.models.options import DEFAULT_OPTIONS, STATIC, ModelName, ModelOptions
 from validation.solids.robots import renewed_where_needed
@@ -50,8 +49,6 @@ def mechanism_modes(
         raise InputError(f"--modes: the {model} model is static and has no frequencies")
     if not postures:
         return []
-    if model != "solid" and options.parts == "equivalent":
-        postures = parts.with_legs(postures)
     if model == "simplified":
         rigid = on_drives_alone(postures[0].mechanism)
         prepared = assembly(rigid, {})

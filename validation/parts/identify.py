@@ -25,8 +25,9 @@ from lumped.legs import Material
 from meshes.part.interfaces import Interface
 from meshes.part.part_mesh import PartMesh
 from meshes.part.read import PartFile
-from meshes.part.volume import Grading, ladder, volume_mesh
+from meshes.part.spread import spread_over
 from validation.parts.kept import kept, key_of
+from validation.parts.meshes import RUNGS, part_mesh
 from validation.parts.refinement import refinement_uncertainty
 
 DEFAULT_UNKNOWNS = 100_000
@@ -36,12 +37,13 @@ _BOUNDS: tuple[Kind, Kind] = ("rigid", "average")
 
 @dataclass(frozen=True, eq=False)
 class Answer:
-    """What one mesh and one coupling say (SI, file axes): see `Identified`."""
+    """What one mesh and one coupling say (SI, file axes): see `Identified`; `shapes` everywhere."""
 
     stiffness: Array
     mass: Array
     compliance: Array
     frequencies: Array
+    shapes: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,6 +57,9 @@ class Identified:
     clamped, and `frequencies` (Hz) then. `refinement` of each compliance and of each frequency
     (their units; NaN for a given mesh, which cannot be refined); `bracket`: averaged less rigid.
     `unknowns` of the meshes, coarse to fine; `straightened` elements of the finest.
+
+    `places` (s×3, m) all over the part, `shares` (s, kg) of its mass there, and `shapes` (3s×6m):
+    how they move for unit twists of the interfaces.
     """
 
     part: PartFile
@@ -74,6 +79,9 @@ class Identified:
     unknowns: tuple[int, ...]
     elements: int
     straightened: int
+    places: Array
+    shares: Array
+    shapes: Array
 
     @property
     def deviation(self) -> float | None:
@@ -114,11 +122,9 @@ def _computed(
 ) -> dict[str, Any]:
     """The fields of `Identified` beside the part and its interfaces."""
     name = part.path.name
-    if part.mesh is not None:
-        meshes = iter([part.mesh])
-    else:
+    if part.mesh is None:
         require_memory(unknowns, name)
-        meshes = _meshes(part, interfaces, ladder(part, interfaces, unknowns))
+    meshes = _meshes(part, interfaces, unknowns)
     finest = next(meshes)
     meshed = meshed_part(finest, material)
     properties = meshed.properties()
@@ -127,6 +133,7 @@ def _computed(
     one = chosen.pop() if len(chosen) == 1 else None
     fine = bounds[one] if one in bounds else _answer(meshed, interfaces, None, modes, name)
     del meshed
+    rows, volumes = spread_over(finest)
     coarser = [
         (mesh.unknowns, _answer(meshed_part(mesh, material), interfaces, None, modes, name))
         for mesh in meshes
@@ -148,15 +155,19 @@ def _computed(
         "unknowns": (*(count for count, _ in reversed(coarser)), finest.unknowns),
         "elements": len(finest.cells),
         "straightened": finest.straightened,
+        "places": finest.nodes[rows],
+        "shares": material.rho * volumes,
+        "shapes": fine.shapes.reshape(len(finest.nodes), 3, -1)[rows].reshape(3 * len(rows), -1),
     }
 
 
-def _meshes(
-    part: PartFile, interfaces: Sequence[Interface], gradings: Sequence[Grading]
-) -> Iterator[PartMesh]:
-    """The meshes of the gradings, fine to coarse; the next is made while one is used."""
+def _meshes(part: PartFile, interfaces: Sequence[Interface], unknowns: int) -> Iterator[PartMesh]:
+    """The meshes, fine to coarse, the next made while one is used; or the one that is given."""
+    if part.mesh is not None:
+        yield part.mesh
+        return
     with ThreadPoolExecutor(1) as pool:
-        waiting = [pool.submit(volume_mesh, part, interfaces, g) for g in reversed(gradings)]
+        waiting = [pool.submit(part_mesh, part, interfaces, unknowns, r) for r in reversed(RUNGS)]
         while waiting:
             yield waiting.pop(0).result()
 
@@ -166,7 +177,8 @@ def _answer(
 ) -> Answer:
     body = held_part(part, grips_of(part.mesh, interfaces, coupling), name)
     frequencies = body.modes(modes).frequencies if modes else np.zeros(0)
-    return Answer(body.stiffness, body.condensed_mass, body.compliance, frequencies)
+    shapes = body.solid.transformation @ body.constraint_modes
+    return Answer(body.stiffness, body.condensed_mass, body.compliance, frequencies, shapes)
 
 
 def _refinement(answers: Sequence[Answer]) -> tuple[Array, Array]:

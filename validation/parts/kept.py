@@ -2,15 +2,16 @@
 
 A file is named by the digest of everything that its numbers depend on and begins with the digest of
 its own content, so that a damaged one is never read. It is written beside its place and moved there
-when it is whole.
+when it is whole. Of processes that need the same at the same time one computes, the others wait.
 """
 
+import fcntl
 import hashlib
 import io
 import os
 import tempfile
-from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -24,8 +25,11 @@ from meshes.part.read import PartFile
 from validation.store.cache import cache_folder
 
 # Raised where the same input gives other numbers than before: meshes, elements, reduction.
-_EDITION = 1
+_EDITION = 2
 _DIGEST = 64
+# What this process computed or read last stays in its memory.
+_MOST_IN_MEMORY = 24
+_in_memory: dict[str, dict[str, Array]] = {}
 
 
 def key_of(
@@ -45,18 +49,52 @@ def key_of(
 
 
 def kept(key: str, compute: Callable[[], Mapping[str, Any]]) -> dict[str, Array]:
-    """The arrays of that `key` from the disk, else computed and put there."""
+    """The arrays of that `key` from memory or the disk, else computed and put there."""
+    found = _in_memory.pop(key, None)
+    if found is None:
+        found = _from_disk(key, compute)
+    _in_memory[key] = found
+    if len(_in_memory) > _MOST_IN_MEMORY:
+        del _in_memory[next(iter(_in_memory))]
+    return found
+
+
+def _from_disk(key: str, compute: Callable[[], Mapping[str, Any]]) -> dict[str, Array]:
     folder = cache_folder("parts")
     if folder is None:
-        return {name: np.asarray(value) for name, value in compute().items()}
+        return _arrays(compute())
     place = folder / f"{key}.npz"
     found = _read(place)
     if found is None:
-        found = {name: np.asarray(value) for name, value in compute().items()}
-        # A cache that cannot be written costs time, not the answer.
-        with suppress(OSError):
-            _write(place, found)
+        with _alone(place):
+            found = _read(place)
+            if found is None:
+                found = _arrays(compute())
+                # A cache that cannot be written costs time, not the answer.
+                with suppress(OSError):
+                    _write(place, found)
     return found
+
+
+def _arrays(values: Mapping[str, Any]) -> dict[str, Array]:
+    return {name: np.asarray(value) for name, value in values.items()}
+
+
+@contextmanager
+def _alone(place: Path) -> Iterator[None]:
+    """Wait until no other process computes the same; the system frees locks of the dead."""
+    try:
+        place.parent.mkdir(parents=True, exist_ok=True)
+        file = place.with_suffix(".lock").open("w")
+    except OSError:
+        yield
+        return
+    with file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        try:
+            yield
+        finally:
+            place.with_suffix(".lock").unlink(missing_ok=True)
 
 
 def _read(place: Path) -> dict[str, Array] | None:

@@ -26,8 +26,15 @@ from lumped.sections import Rectangle
 from lumped.system.assembly import assembly
 from lumped.system.solution import mode_count, modes, solved
 from validation.adequacy.biglide.given_masses import MASSES, Masses, leg_with_masses
-from validation.adequacy.legs import OPEN_ENDS, SECTION_DIVISIONS, own_constants, step_uncertainty
-from validation.adequacy.mechanism.path import SAY_ENDS, has_given, holds, known_legs
+from validation.adequacy.legs import SECTION_DIVISIONS, own_constants, step_uncertainty
+from validation.adequacy.mechanism.part_ladders import part_rungs
+from validation.adequacy.mechanism.part_solids import (
+    Bodies,
+    condensed_parts,
+    refinement_share,
+    solid_parts,
+)
+from validation.adequacy.mechanism.path import has_given, holds, known_legs, left_open, offered
 from validation.adequacy.mechanism.samples import Samples, samples_of
 from validation.adequacy.partners import partners
 from validation.adequacy.response import Alternative, Reference, Response, Rung, Vibration
@@ -40,6 +47,8 @@ from validation.models.mechanism import (
     on_drives_alone,
 )
 from validation.models.options import ModelName, ModelOptions
+from validation.models.parts import parts_of
+from validation.parts.meshes import FINEST, MIDDLE
 from validation.solids.legs import COARSEST_WALLS
 from validation.solids.robots import held_solid, renewed_where_needed
 from validation.studies.paired_robot_modes import DIVISIONS, ELEMENTS, WALL_DIVISIONS
@@ -50,23 +59,16 @@ _OPEN_MASS = "where the legs' mass lies"
 _SAY_MASS = "the legs' mass distribution: a section and a material in place of the 6×6"
 
 
-def offered(judged: int) -> int:
-    """How many modes of each model are looked at to judge so many.
-
-    Legs that are alike have theirs in clusters, which a model must not show in part.
-    """
-    return max(12, 6 * judged)
-
-
 def vibration(
     samples: Samples, postures: Sequence[Posture], bodies: Mapping[str, BodyModel], count: int
 ) -> Vibration:
     """The first `count` modes in every posture with these models of the legs.
 
-    Of legs whose mass is one lump as many as have mass in every posture.
+    Of legs whose mass is one lump, and of parts condensed on their interfaces, as many as have
+    mass in every posture.
     """
     prepared = assembly(postures[0].mechanism, {name: filled(one) for name, one in bodies.items()})
-    if has_given(postures[0].mechanism):
+    if has_given(postures[0].mechanism) or parts_of(postures[0].mechanism):
         known = [mode_count(solved(prepared.at(posture))) for posture in postures]
         count = min(count, *known)
     frequencies, shapes = [], []
@@ -115,9 +117,16 @@ def model_vibration(
 
 
 def built_vibration(
-    postures: tuple[Posture, ...], build: Build, ends: Mapping[str, Ends], count: int
+    postures: tuple[Posture, ...],
+    build: Build,
+    parts: Bodies,
+    ends: Mapping[str, Ends],
+    count: int,
 ) -> Vibration:
-    """Modes with every leg as `build` makes it of leg, ends and highest frequency (Hz)."""
+    """Modes with every leg as `build` makes it of leg, ends and highest frequency (Hz).
+
+    `parts`: models of the CAD parts.
+    """
     mechanism = postures[0].mechanism
     samples, legs = samples_of(mechanism), known_legs(mechanism)
 
@@ -127,11 +136,11 @@ def built_vibration(
             key = leg if isinstance(leg, ConstantLeg) else name, ends[name]
             if key not in made:
                 made[key] = build(leg, ends[name], highest)
-        bodies = {
+        bodies: dict[str, BodyModel] = {
             name: made[leg if isinstance(leg, ConstantLeg) else name, ends[name]]
             for name, leg in legs.items()
         }
-        return vibration(samples, postures, bodies, count)
+        return vibration(samples, postures, {**bodies, **parts}, count)
 
     return _renewed(postures, count, solve)
 
@@ -151,13 +160,16 @@ def solid_vibration(
     ends: Mapping[str, Ends],
     masses: Masses | None,
     count: int,
+    rung: int = FINEST,
 ) -> Vibration:
     """Modes with prisms as solids reduced to their ends, and given legs with plausible masses.
 
-    `divisions` across rectangles, `walls` across the sections that have walls.
+    `divisions` across rectangles, `walls` across the sections that have walls; CAD parts on the
+    mesh of that `rung`.
     """
     build = partial(_reference_leg, divisions=divisions, walls=walls, masses=masses)
-    return built_vibration(postures, build, ends, count)
+    parts = solid_parts(postures, count, ends, rung)
+    return built_vibration(postures, build, parts, ends, count)
 
 
 def _reference_leg(
@@ -173,9 +185,10 @@ def own_vibration(
     postures: tuple[Posture, ...], divisions: int, ends: Mapping[str, Ends] | None, count: int
 ) -> Vibration:
     """Modes by beams of the sections' own constants; with warping, held as `ends` say."""
-    legs = known_legs(postures[0].mechanism)
+    mechanism = postures[0].mechanism
     build = partial(_own_leg, divisions=divisions, warping=ends is not None)
-    return built_vibration(postures, build, ends or dict.fromkeys(legs, "rigid"), count)
+    hold: Mapping[str, Ends] = ends or dict.fromkeys(known_legs(mechanism), "rigid")
+    return built_vibration(postures, build, condensed_parts(mechanism), hold, count)
 
 
 def _own_leg(leg: Leg, ends: Ends, highest: float, *, divisions: int, warping: bool) -> LegMatrices:
@@ -192,17 +205,22 @@ def dynamic_reference(context: Context, postures: tuple[Posture, ...], judged: i
     """Solid legs reduced to their ends or, where legs are given, a bracket of plausible masses."""
     mechanism = postures[0].mechanism
     count, weights = offered(judged), samples_of(mechanism).weights
-    given = has_given(mechanism)
+    given, parts = has_given(mechanism), bool(parts_of(mechanism))
     solid = any(isinstance(leg, ConstantLeg) for leg in known_legs(mechanism).values())
-    ends = holds(mechanism)
+    is_open = left_open(mechanism)
+    ends = dict(is_open.holds)
     masses: tuple[Masses | None, ...] = MASSES if given else (None,)
     fine = DIVISIONS[context.preset], WALL_DIVISIONS[context.preset]
     coarse = fine[0] - 1, fine[1] // 2
     ratio = min(fine[0] / coarse[0], fine[1] / coarse[1])
     if not solid:
-        # Nothing is meshed: one solution serves for both.
-        coarse, ends = fine, dict(list(ends.items())[:1])
+        # No section is meshed: one solution serves for both.
+        coarse = fine
+        ends = ends if parts else dict(list(ends.items())[:1])
     section = _section_uncertainty(context, postures, judged) if solid else 0.0
+    section = section + _part_uncertainty(
+        context, postures, (*fine, next(iter(ends.values())), masses[0], count), judged
+    )
     alternatives = []
     for (name, hold), mass in product(ends.items(), masses):
         one, other = (
@@ -213,24 +231,55 @@ def dynamic_reference(context: Context, postures: tuple[Posture, ...], judged: i
         step = step_uncertainty(found, other.frequencies[:, :judged], ratio)
         alternatives.append(
             Alternative(
-                ", ".join(part for part in (name if solid or not given else "", mass) if part),
+                ", ".join(
+                    said for said in (name if solid or parts or not given else "", mass) if said
+                ),
                 Response(vibration=other),
                 # A mode that the coarser mesh does not have is known to no digit.
                 dynamic=np.where(np.isnan(step), 1.0, step + section),
             )
         )
-    open_ends = [OPEN_ENDS] if len(ends) > 1 else []
-    says = [SAY_ENDS] if len(ends) > 1 else []
+    lacks_mass = [_OPEN_MASS] if given else []
+    says = [is_open.says] if len(ends) > 1 else []
     return Reference(
-        title="mechanism of the legs' own 6×6 and plausible masses"
-        if given
-        else "mechanism of solid legs, reduced to their ends",
+        title=_title(given=given, parts=parts, solid=solid),
         alternatives=alternatives,
-        open=" and ".join([*open_ends, *([_OPEN_MASS] if given else [])]),
+        open=" and ".join([*([is_open.what] if says else []), *lacks_mass]),
         decides="; ".join([*says, *([_SAY_MASS] if given else [])]),
         bracket=given,
         computed_by=("validation.adequacy.mechanism.dynamics.solid_vibration",),
     )
+
+
+def _title(*, given: bool, parts: bool, solid: bool) -> str:
+    if given:
+        return "mechanism of the legs' own 6×6 and plausible masses"
+    if parts:
+        return f"mechanism of its parts as solids{' and solid legs' if solid else ''}, reduced"
+    return "mechanism of solid legs, reduced to their ends"
+
+
+def _part_uncertainty(
+    context: Context,
+    postures: tuple[Posture, ...],
+    solid: tuple[int, int, Mapping[str, Ends], Masses | None, int],
+    judged: int,
+) -> Array | float:
+    """What the meshes of CAD parts leave open of frequencies (p×K, relative), held as in `solid`.
+
+    A mode that a coarser mesh does not have is known to no digit.
+    """
+    weights = samples_of(postures[0].mechanism).weights
+    finest = context.get(solid_vibration, postures, *solid)
+
+    def frequencies(rung: int) -> Array:
+        if rung == FINEST:
+            return finest.frequencies[:, :judged]
+        found = context.get(solid_vibration, postures, *solid, rung)
+        return partners(finest, found, weights, judged).frequency
+
+    share = refinement_share(postures[0].mechanism, frequencies)
+    return np.where(np.isnan(share), 1.0, share)
 
 
 def _section_uncertainty(context: Context, postures: tuple[Posture, ...], judged: int) -> Array:
@@ -257,6 +306,7 @@ def dynamic_ladders(
     judged: int,
 ) -> dict[str, tuple[Rung, ...]]:
     """Rungs for frequencies by name of the model, each ladder from the model upwards."""
+    mechanism = postures[0].mechanism
     names = [one.name for one in reference.alternatives]
 
     def same(modes: Vibration | None) -> dict[str, Response]:
@@ -274,26 +324,58 @@ def dynamic_ladders(
         ),
         Rung(cause, "beam elements of the same constants", same(found["beam"])),
     )
-    upper = () if reference.bracket else _upper(context, postures, names, judged)
+    prisms = any(isinstance(leg, ConstantLeg) for leg in known_legs(mechanism).values())
+    upper: tuple[Rung, ...] = ()
+    if prisms and not reference.bracket:
+        upper = _upper(context, postures, names, judged)
+    of_parts = part_rungs(
+        mechanism,
+        names,
+        lambda kind: Response(
+            vibration=context.get(
+                model_vibration, postures, "beam", ModelOptions(parts=kind), offered(judged)
+            )
+        ),
+    )
+    above = (*of_parts, *upper)
+    inertia = _inner_modes(context, postures, names, judged) if of_parts else ()
     shear = "shear deformation and rotary inertia left out"
     drives = Rung(
         "drives only: legs rigid and without mass", "beam elements", same(found["beam"]), "use beam"
     )
     timoshenko = "use Timoshenko"
     return {
-        "simplified": (drives, *upper),
-        "segments": (*segments, *upper),
-        "beam": upper,
+        "simplified": (drives, *above),
+        "segments": (*segments, *above),
+        "segments-condensed": (*inertia, *upper),
+        "beam": above,
         "segments-euler-bernoulli": (
             Rung(shear, "Timoshenko segments", same(found["segments"]), timoshenko),
             *segments,
-            *upper,
+            *above,
         ),
         "beam-euler-bernoulli": (
             Rung(shear, "Timoshenko beams", same(found["beam"]), timoshenko),
-            *upper,
+            *above,
         ),
     }
+
+
+def _inner_modes(
+    context: Context, postures: tuple[Posture, ...], names: Sequence[str], judged: int
+) -> tuple[Rung, ...]:
+    """From Guyan's mass to modes of the parts' own, on a coarser mesh than the reference's."""
+    hold = next(iter(holds(postures[0].mechanism).values()))
+    number = DIVISIONS[context.preset], WALL_DIVISIONS[context.preset]
+    found = context.get(solid_vibration, postures, *number, hold, None, offered(judged), MIDDLE)
+    return (
+        Rung(
+            "inertia inside the parts (Guyan's mass)",
+            "parts reduced by Craig and Bampton, the middle one of their meshes",
+            dict.fromkeys(names, Response(vibration=found)),
+            "give the parts modes of their own: model solid",
+        ),
+    )
 
 
 def _upper(

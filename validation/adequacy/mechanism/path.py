@@ -1,42 +1,45 @@
 """Where a mechanism is looked at, and what its robot file leaves open about its legs."""
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 
 from lumped.legs import Ends, GivenLeg, Leg
 from lumped.mechanism.body import Given, Prism
 from lumped.mechanism.mechanism import Mechanism, Posture
-from lumped.mechanism.part import Part
 from lumped.models.bodies import legs_of
-from validation.adequacy.legs import HOLD
-from validation.case import Skip
+from validation.adequacy.legs import HOLD, OPEN_ENDS
 from validation.context import Context, Preset
 from validation.kinematics.poses import postures_of
 from validation.models.mechanism import constant_legs
 from validation.models.options import DEFAULT_OPTIONS
+from validation.models.parts import is_held_as_said, parts_of
 
 # Poses of a long path, of a grid say, are looked at in even steps.
 MOST_POSES: Mapping[Preset, int] = {"quick": 9, "standard": 25, "fine": 81}
+_OPEN_PARTS = "how the parts' interfaces are held"
+SAY_PARTS = 'say how the faces of parts are held: coupling = "rigid", "average" or "pin"'
 SAY_ENDS = """say how the prisms' end faces are held: ends = "rigid" or "free" in [bodies]"""
 
 
 def path_postures(context: Context) -> tuple[Posture, ...]:
-    """The postures of the path, first and last among them, once per run and process.
-
-    Raises Skip for a mechanism of CAD parts, whose models a run does not hold against each other.
-    """
-    mechanism = context.robot_file.mechanism
-    parts = [name for name, body in mechanism.bodies.items() if isinstance(body.shape, Part)]
-    if parts:
-        raise Skip(f"{', '.join(parts)}: runs do not judge CAD parts; solve and identify take them")
-    return context.get(_postures, mechanism, MOST_POSES[context.preset])
+    """The postures of the path, first and last among them, once per run and process."""
+    return context.get(_postures, context.robot_file.mechanism, MOST_POSES[context.preset])
 
 
 def _postures(mechanism: Mechanism, most: int) -> tuple[Posture, ...]:
     count = len(mechanism.poses)
     chosen = np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(int))
     return tuple(postures_of(mechanism, mechanism.poses[chosen]))
+
+
+def offered(judged: int) -> int:
+    """How many modes of each model are looked at to judge so many.
+
+    Legs that are alike have theirs in clusters, which a model must not show in part.
+    """
+    return max(12, 6 * judged)
 
 
 def coordinates(mechanism: Mechanism) -> tuple[str, ...]:
@@ -46,12 +49,52 @@ def coordinates(mechanism: Mechanism) -> tuple[str, ...]:
     )
 
 
-def holds(mechanism: Mechanism) -> dict[str, dict[str, Ends]]:
-    """Ends of every leg by the name of the alternative: what is said, and what is not."""
+@dataclass(frozen=True)
+class Open:
+    """What a robot file leaves open of how ends and interfaces are held.
+
+    `what` in words, `says` what would settle it, both empty where all is said; `holds`: ends of
+    every leg and of every part by the name of the alternative ("free" ones of parts averaged).
+    """
+
+    what: str
+    says: str
+    holds: Mapping[str, Mapping[str, Ends]]
+
+
+def left_open(mechanism: Mechanism) -> Open:
+    """How legs and parts are held: what is said, and what is not."""
     said = {name: _said(mechanism, name) for name in legs_of(mechanism)}
-    if all(said.values()):
-        return {"ends as said": {name: ends or "rigid" for name, ends in said.items()}}
-    return {f"ends {hold}": {name: ends or hold for name, ends in said.items()} for hold in HOLD}
+    parts: dict[str, Ends | None] = {
+        name: "rigid" if is_held_as_said(body) else None
+        for name, body in parts_of(mechanism).items()
+    }
+    everything = {**said, **parts}
+    if all(everything.values()):
+        name = "interfaces as said" if parts and not said else "ends as said"
+        return Open("", "", {name: {name: one or "rigid" for name, one in everything.items()}})
+    open_ends, open_parts = (not all(one.values()) for one in (said, parts))
+    kinds = [name for name, is_open in (("ends", open_ends), ("interfaces", open_parts)) if is_open]
+    words = {"rigid": "rigid", "free": "free" if open_ends else "averaged"}
+    return Open(
+        " and ".join(
+            text for text, is_open in ((OPEN_ENDS, open_ends), (_OPEN_PARTS, open_parts)) if is_open
+        ),
+        "; ".join(
+            text for text, is_open in ((SAY_ENDS, open_ends), (SAY_PARTS, open_parts)) if is_open
+        ),
+        {
+            f"{' and '.join(kinds)} {words[hold]}": {
+                name: one or hold for name, one in everything.items()
+            }
+            for hold in HOLD
+        },
+    )
+
+
+def holds(mechanism: Mechanism) -> Mapping[str, Mapping[str, Ends]]:
+    """Ends of every leg and part by the name of the alternative."""
+    return left_open(mechanism).holds
 
 
 def _said(mechanism: Mechanism, name: str) -> Ends | None:

@@ -13,6 +13,7 @@ from lumped.mechanism.mechanism import Mechanism
 from lumped.models.bodies import leg_of, legs_of
 from lumped.screws import shift, turn
 from lumped.system.assembly import System
+from validation.models.parts import identified, parts_of
 from validation.studies.mode_pairing import centreline_samples
 
 _STATIONS = 12
@@ -24,7 +25,7 @@ _CORNERS = np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])
 class Samples:
     """What is sampled of a shape (k numbers), with the mass `weights` (k) of each.
 
-    `points` (m×3, body axes) of every leg, `turned` the principal axes of every rigid body.
+    `points` (m×3, body axes) of legs and parts, `turned` the principal axes of every rigid body.
     """
 
     mechanism: Mechanism
@@ -65,7 +66,7 @@ class Samples:
 
 
 def samples_of(mechanism: Mechanism) -> Samples:
-    """Samples of a mechanism: its tool, its rigid bodies with mass, and its legs."""
+    """Samples of a mechanism: its tool, its rigid bodies with mass, its legs and its parts."""
     weights = [np.full(3, mechanism.tool.mass)]
     turned = {}
     for name, body in mechanism.bodies.items():
@@ -76,6 +77,10 @@ def samples_of(mechanism: Mechanism) -> Samples:
     for name in legs_of(mechanism):
         points[name], masses = _of_leg(mechanism.bodies[name])
         weights.append(np.repeat(masses, 3))
+    for name, body in parts_of(mechanism).items():
+        part = identified(body)
+        points[name] = part.places
+        weights.append(np.repeat(part.shares, 3))
     return Samples(mechanism, points, turned, np.concatenate(weights))
 
 

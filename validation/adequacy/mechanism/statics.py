@@ -12,14 +12,13 @@ import numpy as np
 from lumped.arrays import Array
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, Ends, GivenLeg, Leg, given_compliance
-from lumped.mechanism.mechanism import Posture
+from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.models import serial_chains
 from lumped.models.bodies import tip_compliances
 from lumped.models.links import links
 from lumped.system.assembly import assembly
 from lumped.system.solution import compliance, solved
 from validation.adequacy.legs import (
-    OPEN_ENDS,
     ROUNDING,
     SECTION_DIVISIONS,
     SECTION_RATIO,
@@ -32,11 +31,21 @@ from validation.adequacy.legs import (
     step_uncertainty,
     straight_spring,
 )
-from validation.adequacy.mechanism.path import SAY_ENDS, has_given, holds, known_legs
+from validation.adequacy.mechanism.part_ladders import part_rungs
+from validation.adequacy.mechanism.part_solids import (
+    Bodies,
+    condensed_parts,
+    refinement_share,
+    solid_parts,
+)
+from validation.adequacy.mechanism.path import has_given, holds, known_legs, left_open, offered
 from validation.adequacy.response import Alternative, Reference, Response, Rung
 from validation.context import Context
 from validation.models.mechanism import answers
-from validation.models.options import ModelName, ModelOptions
+from validation.models.options import DEFAULT_OPTIONS, ModelName, ModelOptions, PartLegs
+from validation.models.part_legs import part_springs, require_legs
+from validation.models.parts import parts_of
+from validation.parts.meshes import FINEST
 from validation.solids.legs import COARSEST_WALLS
 
 Springs = Mapping[str, Array]
@@ -52,16 +61,22 @@ def is_serial(postures: Sequence[Posture]) -> str:
     """Empty where virtual joints can be summed along every leg, else why they cannot."""
     mechanism = postures[0].mechanism
     try:
-        serial_chains.serial_chains(postures[0], tip_compliances(mechanism))
+        require_legs(mechanism)
+        springs = tip_compliances(mechanism) | part_springs(mechanism, DEFAULT_OPTIONS)
+        serial_chains.serial_chains(postures[0], springs)
     except InputError as error:
         return str(error).partition("; ")[0].removeprefix(f"{mechanism.name}: ")
     return ""
 
 
-def assembled(postures: Sequence[Posture], springs: Springs) -> Array:
-    """Compliances (p×6×6) by the assembler, every leg by its tip's compliance (6×6)."""
+def assembled(postures: Sequence[Posture], springs: Springs, parts: Bodies | None = None) -> Array:
+    """Compliances (p×6×6) by the assembler, every leg by its tip's compliance (6×6).
+
+    `parts`: models of those bodies that are CAD parts; condensed on their interfaces without.
+    """
     mechanism = postures[0].mechanism
-    prepared = assembly(mechanism, links(mechanism, springs))
+    of_parts = condensed_parts(mechanism) if parts is None else parts
+    prepared = assembly(mechanism, {**links(mechanism, springs), **of_parts})
     return np.array([compliance(solved(prepared.at(posture))) for posture in postures])
 
 
@@ -77,37 +92,44 @@ def static_reference(context: Context, postures: Sequence[Posture]) -> Reference
     solids = [leg for leg in legs.values() if isinstance(leg, ConstantLeg)]
     ratio = min((solid_leg(context, leg).ratio for leg in solids), default=1.0)
     section = _section_uncertainty(context, postures, legs)
+    count = offered(context.robot_file.requirement.modes)
+    is_open = left_open(mechanism)
+
+    def answer(ends: Mapping[str, Ends], *, fine: bool = True, rung: int = FINEST) -> Array:
+        tips = {body: solid_tip(context, leg, ends[body], fine=fine) for body, leg in legs.items()}
+        return assembled(postures, tips, solid_parts(postures, count, ends, rung))
+
+    stiff = next(iter(is_open.holds.values()))
+    section = section + refinement_share(
+        mechanism, lambda rung: _diagonals(answer(stiff, rung=rung))
+    )
     alternatives = []
-    for name, ends in holds(mechanism).items():
-        coarse, fine = (
-            assembled(
-                postures,
-                {
-                    body: solid_tip(context, leg, ends[body], fine=finer)
-                    for body, leg in legs.items()
-                },
-            )
-            for finer in (False, True)
-        )
+    for name, ends in is_open.holds.items():
+        fine = answer(ends)
         step = np.full(section.shape, ROUNDING)
         if solids:
-            step = step_uncertainty(_diagonals(coarse), _diagonals(fine), ratio)
+            step = step_uncertainty(_diagonals(answer(ends, fine=False)), _diagonals(fine), ratio)
         alternatives.append(Alternative(name, Response(compliance=fine), static=step + section))
-    is_open = len(alternatives) > 1
+    own = "fem.bodies.doubling.condensed_leg" if solids else "lumped.legs.given_compliance"
     return Reference(
-        title=_title(legs),
+        title=_title(mechanism, legs),
         alternatives=alternatives,
-        open=OPEN_ENDS if is_open else "",
-        decides=SAY_ENDS if is_open else "",
+        open=is_open.what,
+        decides=is_open.says,
         computed_by=(
-            "fem.bodies.doubling.condensed_leg" if solids else "lumped.legs.given_compliance",
+            *((own,) if legs else ()),
+            *(("validation.models.parts.reduced",) if parts_of(mechanism) else ()),
             "lumped.system.solution.compliance",
         ),
     )
 
 
-def _title(legs: Mapping[str, Leg]) -> str:
+def _title(mechanism: Mechanism, legs: Mapping[str, Leg]) -> str:
     given = [name for name, leg in legs.items() if isinstance(leg, GivenLeg)]
+    if parts_of(mechanism):
+        solid = " and solid legs" if len(given) < len(legs) else ""
+        own = f", {', '.join(given)} by their own 6×6" if given else ""
+        return f"mechanism assembled from its parts as solids{solid}{own}"
     if not legs:
         return "mechanism of rigid bodies, assembled"
     if len(given) == len(legs):
@@ -144,6 +166,8 @@ def _diagonals(compliances: Array) -> Array:
 def _climbing(
     postures: Sequence[Posture],
 ) -> Callable[[Sequence[Posture], Springs], Array]:
+    if parts_of(postures[0].mechanism):
+        return assembled
     return assembled if is_serial(postures) else summed
 
 
@@ -160,6 +184,9 @@ def static_ladders(context: Context, postures: Sequence[Posture]) -> dict[str, t
 
     def everywhere(springs: Springs) -> dict[str, Response]:
         return dict.fromkeys(alternatives, joined(springs))
+
+    def idealised(parts: PartLegs) -> Response:
+        return compliances(postures, "beam", ModelOptions(parts=parts))
 
     def held(spring: Callable[[Context, Leg, Ends], Array]) -> dict[str, Response]:
         return {
@@ -212,7 +239,9 @@ def static_ladders(context: Context, postures: Sequence[Posture]) -> dict[str, t
     shear = Rung(
         "shear deformation left out",
         f"{by} with Timoshenko's cantilever",
-        everywhere(tip_compliances(mechanism, "equivalent")),
+        dict.fromkeys(alternatives, idealised("equivalent"))
+        if parts_of(mechanism)
+        else everywhere(tip_compliances(mechanism, "equivalent")),
         "use Timoshenko",
     )
     drives = Rung(
@@ -221,12 +250,15 @@ def static_ladders(context: Context, postures: Sequence[Posture]) -> dict[str, t
         as_given,
         "use vjm" if serial else "use links",
     )
+    idealisation = part_rungs(mechanism, alternatives, idealised)
+    section = (*section, *idealisation)
     return {
         "simplified": (drives, *upper),
         "vjm": upper,
         "links": upper,
         "vjm-equivalent": (*section, *upper),
         "segments": (*section, *upper),
+        "segments-condensed": upper,
         "beam": (*section, *upper),
         "segments-euler-bernoulli": (shear, *section, *upper),
         "beam-euler-bernoulli": (shear, *section, *upper),

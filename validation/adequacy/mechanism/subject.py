@@ -12,10 +12,9 @@ from validation.adequacy.mechanism.dynamics import (
     dynamic_ladders,
     dynamic_reference,
     model_vibration,
-    offered,
     simplified_vibration,
 )
-from validation.adequacy.mechanism.path import coordinates, has_given, path_postures
+from validation.adequacy.mechanism.path import coordinates, has_given, offered, path_postures
 from validation.adequacy.mechanism.samples import samples_of
 from validation.adequacy.mechanism.statics import (
     compliances,
@@ -28,6 +27,8 @@ from validation.case import Skip
 from validation.context import Context
 from validation.models.mechanism import answers
 from validation.models.options import STATIC, ModelName, ModelOptions
+from validation.models.part_legs import is_leg
+from validation.models.parts import parts_of
 
 _STATIC = "static: it has no masses, hence says nothing of frequencies"
 _NO_MASS = "neither its rigid bodies nor its tool have mass: it says nothing of frequencies"
@@ -49,6 +50,9 @@ _MODELS: Mapping[str, _Model] = {
     ),
     "links": _Model("links", "matrix structural analysis, legs as given", ModelOptions()),
     "segments": _Model("segments", "20 rigid segments per leg, Timoshenko", ModelOptions()),
+    "segments-condensed": _Model(
+        "segments", "parts condensed on their interfaces", ModelOptions(parts="condensed")
+    ),
     "beam": _Model("beam", "20 beam elements per leg, Timoshenko", ModelOptions()),
     "segments-euler-bernoulli": _Model(
         "segments", "20 rigid segments per leg, Euler–Bernoulli", _EULER
@@ -59,7 +63,11 @@ _MODELS: Mapping[str, _Model] = {
 
 def mechanism_models(mechanism: Mechanism) -> tuple[str, ...]:
     """The models that are judged; without 6×6 both kinds of virtual joints are one."""
-    return tuple(name for name in _MODELS if name != "vjm-equivalent" or has_given(mechanism))
+    parts = parts_of(mechanism).values()
+    left_out = set() if parts else {"segments-condensed"}
+    if not has_given(mechanism) and not any(is_leg(body) for body in parts):
+        left_out.add("vjm-equivalent")
+    return tuple(name for name in _MODELS if name not in left_out)
 
 
 def mechanism_subject(context: Context) -> Subject:

@@ -15,17 +15,18 @@ from lumped.requirement import STATIC_QUANTITIES
 from validation.adequacy.mechanism.dynamics import (
     dynamic_reference,
     model_vibration,
-    offered,
     simplified_vibration,
 )
-from validation.adequacy.mechanism.path import coordinates, known_legs, path_postures
+from validation.adequacy.mechanism.path import coordinates, known_legs, offered, path_postures
 from validation.adequacy.mechanism.samples import samples_of
 from validation.adequacy.mechanism.statics import compliances, is_serial, static_reference
+from validation.adequacy.mechanism.subject import mechanism_models
 from validation.adequacy.partners import partners
 from validation.cases.mechanism import GROUP, MODES, SECTION
 from validation.context import Context
 from validation.exhibits import Drawing, Figure
 from validation.models.options import ModelName, ModelOptions
+from validation.models.parts import parts_of
 from validation.report.figures.curves.lines import from_zero, legend_above, percent_scale
 from validation.report.figures.style import (
     MODELS,
@@ -50,9 +51,15 @@ _CURVES: Mapping[str, tuple[ModelName, ModelOptions, Look]] = {
     "vjm": ("vjm", ModelOptions(), MODELS["vjm"]),
     "links": ("links", ModelOptions(), Look(PURPLE, "D", ":")),
     "segments": ("segments", ModelOptions(), MODELS["segments"]),
+    "segments-condensed": (
+        "segments",
+        ModelOptions(parts="condensed"),
+        Look(MODELS["vjm"].colour, "s", "-."),
+    ),
     "beam": ("beam", ModelOptions(), MODELS["beam"]),
     "beam-euler-bernoulli": ("beam", _EULER, Look(MODELS["beam"].colour, "P", ":")),
 }
+_DYNAMIC = ("segments", "segments-condensed", "beam", "beam-euler-bernoulli")
 Curves = Mapping[str, tuple[Array, Look]]
 
 
@@ -80,12 +87,14 @@ def deflections(context: Context) -> Figure:
     postures = path_postures(context)
     found: dict[str, tuple[Array, Look]] = {}
     reference = static_reference(context, postures)
+    judged = mechanism_models(context.robot_file.mechanism)
     for name, (model, options, look) in _CURVES.items():
-        if model != "vjm" or not is_serial(postures):
+        if name in judged and (model != "vjm" or not is_serial(postures)):
             response = compliances(postures, model, options)
             found[name] = _own(response.compliance), look
     legs = known_legs(context.robot_file.mechanism).values()
-    solid = any(isinstance(leg, ConstantLeg) for leg in legs)
+    parts = parts_of(context.robot_file.mechanism)
+    solid = bool(parts) or any(isinstance(leg, ConstantLeg) for leg in legs)
     against = ""
     for one, look in zip(reference.alternatives, _SOLID, strict=False):
         name = f"solid, {one.name}" if solid else "legs' own 6×6"
@@ -102,8 +111,8 @@ def deflections(context: Context) -> Figure:
         context,
         "mechanism.deflections",
         f"{_TITLE}: along its own force of {FORCE:g} N, about its own moment of {MOMENT:g} N m",
-        "Of the loaded point. Solid legs with end faces as the file says; where it does not, "
-        "kept plane and free to warp.",
+        "Of the loaded point. Solids with ends and interfaces held as the file says; where it does "
+        "not, rigidly, and free to warp or averaged.",
         panels,
         against,
     )
@@ -118,7 +127,10 @@ def frequencies(context: Context) -> Figure:
     rigid = simplified_vibration(samples_of(postures[0].mechanism), postures, count)
     if rigid is not None:
         found["simplified"] = rigid, MODELS["simplified"]
-    for name in ("segments", "beam", "beam-euler-bernoulli"):
+    models = mechanism_models(context.robot_file.mechanism)
+    for name in _DYNAMIC:
+        if name not in models:
+            continue
         model, options, look = _CURVES[name]
         vibration = context.get(model_vibration, postures, model, options, count)
         found[name] = vibration, look

@@ -7,9 +7,8 @@ from lumped.arrays import Array
 from validation.adequacy.mechanism.dynamics import (
     dynamic_reference,
     model_vibration,
-    offered,
 )
-from validation.adequacy.mechanism.path import path_postures
+from validation.adequacy.mechanism.path import offered, path_postures
 from validation.adequacy.mechanism.samples import samples_of
 from validation.adequacy.partners import partners
 from validation.adequacy.response import Vibration

@@ -1,0 +1,129 @@
+"""Runs of robots with CAD parts: what each idealisation of a part costs against its solid."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from lumped.mechanism.body import Body
+from lumped.mechanism.part import ByCylinder, PartInterface
+from lumped.robot_file import load_robot
+from meshes.gmsh_session import gmsh_model
+from validation.adequacy.mechanism.part_solids import refinement_share
+from validation.adequacy.mechanism.path import left_open
+from validation.adequacy.robot import judged_models, robot_adequacy
+from validation.context import Context
+from validation.models import parts
+
+ROBOT = """
+schema = 2
+name = "crane"
+
+[points]
+A = [0.0, 0.0, 0.0]
+B = [0.4, 0.0, 0.0]
+
+[bodies.arm]
+step = "arm.step"
+material = { E = 2.1e11, nu = 0.3, rho = 7850.0 }
+interfaces = { A = { cylinder = { radius = 0.016 } }, B = { cylinder = { radius = 0.010 } } }
+
+[joints.A]
+type = "revolute"
+between = ["ground", "arm"]
+at = "A"
+axis = [0.0, 0.0, 1.0]
+drive = { stiffness = 1.0e6 }
+
+[tool]
+body = "arm"
+point = "B"
+moves = ["phi_z"]
+mass = 4.0
+
+[path]
+from = [0.0]
+to = [0.3]
+count = 2
+"""
+
+
+@pytest.fixture(scope="module")
+def robot_file(tmp_path_factory):
+    """An arm that tapers from 120 to 25 mm, 40 mm high, between two bores."""
+    folder = tmp_path_factory.mktemp("crane")
+    with gmsh_model("arm") as gmsh:
+        gmsh.option.setString("Geometry.OCCTargetUnit", "MM")
+        occ = gmsh.model.occ
+        corners = [(-45, -60), (430, -12.5), (430, 12.5), (-45, 60)]
+        points = [occ.addPoint(x, y, -20) for x, y in corners]
+        lines = [occ.addLine(points[i], points[(i + 1) % 4]) for i in range(4)]
+        face = occ.addPlaneSurface([occ.addCurveLoop(lines)])
+        arm = next(tag for dim, tag in occ.extrude([(2, face)], 0, 0, 40) if dim == 3)
+        bores = [(3, occ.addCylinder(x, 0, -40, 0, 0, 80, r)) for x, r in ((0, 16), (400, 10))]
+        occ.cut([(3, arm)], bores)
+        occ.synchronize()
+        gmsh.model.removeEntities(gmsh.model.getEntities(2), recursive=False)
+        gmsh.write(str(folder / "arm.step"))
+    (folder / "robot.toml").write_text(ROBOT, "utf-8")
+    return load_robot(folder / "robot.toml")
+
+
+@pytest.fixture(scope="module")
+def matrix(robot_file, tmp_path_factory):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(parts, "UNKNOWNS", 12_000)
+        patch.delenv("FLEXPROOF_CACHE", raising=False)
+        patch.setenv("XDG_CACHE_HOME", str(tmp_path_factory.mktemp("cache")))
+        return robot_adequacy(Context(robot_file, "quick"))
+
+
+def test_the_matrix_has_every_idealisation(robot_file, matrix):
+    models = [note.model for note in matrix.models]
+    assert models == list(judged_models(robot_file))
+    assert {"vjm-equivalent", "segments-condensed"} <= set(models)
+
+
+def test_the_equivalent_leg_of_a_tapered_arm_is_far_too_soft(matrix):
+    entry = matrix.entry("segments", "z")
+    assert entry.verdict == "inadequate"
+    assert entry.error > 0.1
+    assert entry.causes[0].cause == "equivalent leg in the place of the part"
+    assert entry.remedy == "condense the parts on their interfaces: --parts condensed"
+    assert abs(entry.error_with_remedy) < entry.uncertainty
+    assert matrix.entry("beam", "f1").error < -0.05
+
+
+def test_what_is_condensed_is_the_solid_within_what_is_open(matrix):
+    for model in ("vjm", "links", "segments-condensed"):
+        for quantity in ("x", "y", "z"):
+            entry = matrix.entry(model, quantity)
+            # Held rigidly the part is stiffer than averaged: half of what lies between is the
+            # error, the other half its uncertainty; the meshes' part comes on top.
+            assert -entry.uncertainty <= entry.error <= 0.0, (model, quantity)
+            assert set(entry.uncertainties) == {"meshes", "how the parts' interfaces are held"}
+    first = matrix.entry("segments-condensed", "f1")
+    # Guyan's mass adds its own, little where most of the mass sits on the tool.
+    assert abs(first.error) <= first.uncertainty + 5e-3
+
+
+def test_what_the_file_says_of_the_faces_is_not_open(robot_file):
+    mechanism = robot_file.mechanism
+    assert list(left_open(mechanism).holds) == ["interfaces rigid", "interfaces averaged"]
+    arm = mechanism.bodies["arm"]
+    said = {
+        name: PartInterface(ByCylinder(radius), "rigid")
+        for name, radius in (("A", 0.016), ("B", 0.010))
+    }
+    shape = replace(arm.shape, interfaces=said)
+    bodies = dict(mechanism.bodies) | {"arm": Body("arm", shape, arm.interfaces)}
+    settled = left_open(replace(mechanism, bodies=bodies))
+    assert (settled.what, settled.says) == ("", "")
+    assert list(settled.holds) == ["interfaces as said"]
+
+
+def test_refinement_of_second_order_leaves_what_the_series_says(robot_file):
+    """v(h) = 1 + h²: the finest of h = 2, √2, 1 is off by 1, and the index of 1.25 holds it."""
+    values = {0: np.array([5.0]), 1: np.array([3.0]), 2: np.array([2.0])}
+    share = refinement_share(robot_file.mechanism, lambda rung: values[rung])
+    assert share == pytest.approx([1.25 * 1.0 / 2.0], rel=1e-6)

@@ -1,0 +1,31 @@
+"""From a leg that stands for a part to the part itself: what each idealisation costs."""
+
+from collections.abc import Callable, Iterable
+
+from lumped.mechanism.mechanism import Mechanism
+from validation.adequacy.response import Response, Rung
+from validation.models.options import PartLegs
+from validation.models.parts import parts_of
+
+_STEPS: dict[PartLegs, tuple[str, str, str]] = {
+    "condensed": (
+        "equivalent leg in the place of the part",
+        "the part condensed on its interfaces",
+        "condense the parts on their interfaces: --parts condensed",
+    ),
+}
+
+
+def part_rungs(
+    mechanism: Mechanism, alternatives: Iterable[str], idealised: Callable[[PartLegs], Response]
+) -> tuple[Rung, ...]:
+    """Rungs above models with equivalent legs, or none where no body is a part.
+
+    `idealised` gives the response with parts idealised otherwise, all else as in the model.
+    """
+    if not parts_of(mechanism):
+        return ()
+    return tuple(
+        Rung(cause, source, dict.fromkeys(alternatives, idealised(kind)), remedy)
+        for kind, (cause, source, remedy) in _STEPS.items()
+    )

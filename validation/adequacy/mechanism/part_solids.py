@@ -1,0 +1,59 @@
+"""CAD parts of a mechanism as their solids: what models are held against, and how surely."""
+
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+
+from lumped.arrays import Array
+from lumped.legs import Ends
+from lumped.mechanism.body_model import BodyModel
+from lumped.mechanism.mechanism import Mechanism, Posture
+from validation.models.mechanism import CUTOFF, highest_frequency
+from validation.models.parts import condensed, found_in, parts_of, reduced
+from validation.parts.meshes import FINEST, RUNGS
+from validation.parts.refinement import refinement_uncertainty
+
+Bodies = Mapping[str, BodyModel]
+_FEWEST = 8
+
+
+def solid_parts(
+    postures: Sequence[Posture], count: int, ends: Mapping[str, Ends], rung: int = FINEST
+) -> dict[str, BodyModel]:
+    """Every part on one of its three meshes, reduced where `count` modes are looked at.
+
+    For those that are judged and as many again: the rest is only there to be told apart from them.
+    Statics are exact. `ends`: interfaces of which nobody said how they are held are rigid, or
+    averaged where free.
+    """
+    mechanism = postures[0].mechanism
+    if not parts_of(mechanism):
+        return {}
+    highest = highest_frequency(postures, max(_FEWEST, count // 3))
+    cutoff = CUTOFF["solid"] * highest
+    return {
+        name: reduced(body, highest, cutoff, rung, "rigid" if ends[name] == "rigid" else "average")
+        for name, body in parts_of(mechanism).items()
+    }
+
+
+def condensed_parts(mechanism: Mechanism) -> dict[str, BodyModel]:
+    """Every part on its interfaces alone, with Guyan's mass."""
+    return {name: condensed(body) for name, body in parts_of(mechanism).items()}
+
+
+def refinement_share(mechanism: Mechanism, answer: Callable[[int], Array]) -> Array | float:
+    """What the meshes of the parts leave open of the answer on the finest, relative; its shape.
+
+    `answer` gives the values on a rung of the ladder. A part that is a mesh cannot be refined: what
+    it leaves open is unknown, and taken as all of it.
+    """
+    bodies = parts_of(mechanism).values()
+    if not bodies:
+        return 0.0
+    if any(found_in(body)[0].mesh is not None for body in bodies):
+        return 1.0
+    coarse, middle, fine = (answer(rung) for rung in RUNGS)
+    left = refinement_uncertainty(coarse, middle, fine)
+    # Where nothing yields, no mesh changes that.
+    return np.divide(left, np.abs(fine), out=np.zeros_like(left), where=fine != 0.0)

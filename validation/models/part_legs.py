@@ -1,0 +1,86 @@
+"""Parts of two interfaces as legs: what lumped and beam models put in their place.
+
+A leg's x axis runs from the first interface's point to the second's, its z axis as nearly as it can
+along the z axis of the file.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from lumped.arrays import Array
+from lumped.errors import InputError
+from lumped.leg_matrices import LegMatrices
+from lumped.legs import ConstantLeg, GivenLeg, equivalent_leg, tip_compliance
+from lumped.mechanism.body import Body
+from lumped.mechanism.body_model import BodyModel
+from lumped.mechanism.frame import Frame
+from lumped.mechanism.mechanism import Mechanism
+from lumped.mechanism.placing import leg_frame
+from lumped.models.placed_leg import placed_leg
+from lumped.screws import turn_matrix
+from validation.models.options import ModelOptions
+from validation.models.parts import condensed, identified, parts_of
+
+
+def is_leg(body: Body) -> bool:
+    """Whether a part is a leg: between two interfaces."""
+    return len(body.interfaces) == 2
+
+
+def leg_axes(body: Body) -> Frame:
+    """The leg's axes in those of the body."""
+    start, end = (frame.position for frame in body.interfaces.values())
+    return leg_frame(start, end)
+
+
+def given_leg(body: Body) -> GivenLeg:
+    """A part by its identified 6×6 and its mass, leg axes."""
+    start, end = (frame.position for frame in body.interfaces.values())
+    found = identified(body)
+    compliance = turn_matrix(found.compliance, leg_axes(body).rotation.T)
+    return GivenLeg(float(np.linalg.norm(end - start)), found.total, compliance)
+
+
+def require_legs(mechanism: Mechanism) -> None:
+    """Raise InputError for parts that are no legs: those of one interface, or of three and more."""
+    others = [
+        f"bodies.{name}: a part of {len(body.interfaces)} interfaces is no link of a serial chain; "
+        "take the model links"
+        for name, body in parts_of(mechanism).items()
+        if not is_leg(body)
+    ]
+    if others:
+        raise InputError(others)
+
+
+def part_springs(mechanism: Mechanism, options: ModelOptions) -> dict[str, Array]:
+    """Compliance (6×6, SI, body axes) of every part that is a leg, as `options.legs` asks."""
+    springs = {}
+    for name, body in parts_of(mechanism).items():
+        if is_leg(body) and options.legs == "equivalent":
+            leg = equivalent_leg(given_leg(body), options.equivalent)
+            own = tip_compliance(leg.properties(options.theory), leg.length)
+            springs[name] = turn_matrix(own, leg_axes(body).rotation)
+        elif is_leg(body):
+            springs[name] = identified(body).compliance
+    return springs
+
+
+def part_models(
+    mechanism: Mechanism,
+    options: ModelOptions,
+    build: Callable[[ConstantLeg, ModelOptions], LegMatrices],
+) -> dict[str, BodyModel]:
+    """Every part as `options.parts` asks: legs in its place by `build`, or condensed.
+
+    Parts of one interface, or of three and more, are condensed in any case.
+    """
+    models = {}
+    for name, body in parts_of(mechanism).items():
+        if is_leg(body) and options.parts == "equivalent":
+            leg = build(equivalent_leg(given_leg(body), options.equivalent), options)
+            models[name] = placed_leg(leg, leg_axes(body), tuple(body.interfaces))
+        else:
+            models[name] = condensed(body)
+    return models

@@ -1,0 +1,69 @@
+"""The three meshes of a part, each made once and kept, for identification and reduction alike."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from lumped.arrays import Array
+from lumped.legs import Material
+from meshes.part.boundary import Facets
+from meshes.part.interfaces import Interface
+from meshes.part.part_mesh import PartMesh
+from meshes.part.read import PartFile
+from meshes.part.volume import Grading, ladder, volume_mesh
+from validation.parts.kept import kept, key_of
+
+COARSE, MIDDLE, FINEST = 0, 1, 2
+RUNGS = (COARSE, MIDDLE, FINEST)
+# Meshes do not depend on the material.
+_ANY = Material.isotropic(1.0, 0.0, 1.0)
+
+
+def part_mesh(
+    part: PartFile, interfaces: Sequence[Interface], unknowns: int, rung: int = FINEST
+) -> PartMesh:
+    """The part on one of three meshes, the finest of about so many `unknowns`; a mesh as it is.
+
+    Raises InputError where no mesh can be made.
+    """
+    if part.mesh is not None:
+        return part.mesh
+    key = key_of(part, interfaces, _ANY, "mesh", unknowns, rung)
+    return _unpacked(kept(key, lambda: _packed(_made(part, interfaces, unknowns, rung))))
+
+
+def _made(part: PartFile, interfaces: Sequence[Interface], unknowns: int, rung: int) -> PartMesh:
+    key = key_of(part, interfaces, _ANY, "ladder", unknowns)
+    found = kept(
+        key,
+        lambda: {"steps": [(g.size, g.sides) for g in ladder(part, interfaces, unknowns)]},
+    )
+    size, sides = found["steps"][rung].tolist()
+    return volume_mesh(part, interfaces, Grading(size, sides))
+
+
+def _packed(mesh: PartMesh) -> dict[str, Any]:
+    return {
+        "nodes": mesh.nodes,
+        "cells": mesh.cells,
+        "straightened": mesh.straightened,
+        "numbers": list(mesh.faces),
+        "counts": [len(facets.cells) for facets in mesh.faces.values()],
+        "facets": np.vstack([facets.cells for facets in mesh.faces.values()]),
+    }
+
+
+def _unpacked(found: dict[str, Array]) -> PartMesh:
+    pieces = np.split(found["facets"], np.cumsum(found["counts"])[:-1])
+    faces = {
+        int(number): Facets(cells.astype(np.int64), "tri6")
+        for number, cells in zip(found["numbers"], pieces, strict=True)
+    }
+    return PartMesh(
+        nodes=found["nodes"],
+        cells=found["cells"].astype(np.int64),
+        element="tet10",
+        faces=faces,
+        straightened=int(found["straightened"]),
+    )
