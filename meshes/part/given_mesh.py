@@ -7,7 +7,6 @@ they are in groups, and sets of nodes.
 from pathlib import Path
 from typing import Any, TypeAlias
 
-import meshio
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
@@ -74,6 +73,9 @@ def read_mesh(path: Path, unit: str | None = None) -> tuple[PartMesh, str]:
 
 
 def _raw(path: Path) -> Any:
+    # Only who reads such a file waits for its library.
+    import meshio  # noqa: PLC0415
+
     try:
         return meshio.read(path, file_format=_FORMAT[path.suffix.lower()])
     # meshio raises whatever its parser stumbles over, and exits where a format is unknown.

@@ -200,11 +200,13 @@ def _restrained(leg: ConstantLeg, divisions: tuple[int, ...]) -> Array:
     )
 
 
-def _own_frequencies(leg: ConstantLeg, divisions: tuple[int, ...], part: str, order: int) -> Array:
-    """One frequency (Hz, m values) of the beam, section constants on each of the solids' meshes."""
+def _own_frequencies(
+    leg: ConstantLeg, divisions: tuple[int, ...], kinds: tuple[tuple[str, int], ...]
+) -> Array:
+    """Frequencies (Hz, m×k) of the beam by part and order, for each of the solids' meshes."""
     beams = (own_beam(leg, number) for number in divisions)
     modes = (cantilever_frequencies(beam, leg.length, 2 * MODES) for beam in beams)
-    return np.array([_frequency_of(found, part, order) for found in modes])
+    return np.array([[_frequency_of(found, *kind) for kind in kinds] for found in modes])
 
 
 def _frequency_of(modes: tuple[CantileverFrequency, ...], part: str, order: int) -> float:
@@ -277,7 +279,8 @@ def _percent(changed: float, base: float) -> str:
 
 def _mode(context: Context, number: int, index: int) -> Measurement:
     leg = constant_leg_of(context, number)
-    exact = context.get(exact_modes, leg)[index]
+    listed = context.get(exact_modes, leg)
+    exact = listed[index]
     width, height = leg.section.extent
     depth = {"bending y": height, "bending z": width}.get(exact.part, max(width, height))
     heights = 4.0 * leg.length / (2 * exact.order - 1) / depth
@@ -288,10 +291,9 @@ def _mode(context: Context, number: int, index: int) -> Measurement:
         )
     rigid, free = (frequencies(context, number, ends) for ends in ("rigid", "free"))
     found = free.frequencies
-    own = Refinement(
-        found.divisions,
-        context.get(_own_frequencies, leg, found.divisions, exact.part, exact.order),
-    )
+    kinds = tuple((one.part, one.order) for one in listed)
+    beams = context.get(_own_frequencies, leg, found.divisions, kinds)
+    own = Refinement(found.divisions, beams[:, index])
     # As for compliances: free solid and beam have the errors of one section mesh in common.
     left = Refinement(found.divisions, found.values[:, index] - own.values)
     value, reference = float(found.values[-1, index]), float(own.values[-1])
