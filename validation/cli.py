@@ -337,14 +337,23 @@ def check(robot: str) -> int:
         A built-in robot or a robot file.
     """
     from lumped.audit.robot_audit import audit  # noqa: PLC0415
+    from lumped.mechanism.part import Part  # noqa: PLC0415
     from lumped.robot_file import load_robot  # noqa: PLC0415
     from validation.console.listing import audit_text  # noqa: PLC0415
     from validation.kinematics.poses import postures_of  # noqa: PLC0415
 
     robot_file = load_robot(robot)
+    of_parts = ""
     if robot_file.is_mechanism:
         postures_of(robot_file.mechanism, robot_file.mechanism.poses)
+        # Only where there are parts: reading them needs gmsh.
+        if any(isinstance(body.shape, Part) for body in robot_file.mechanism.bodies.values()):
+            from validation.parts.part_check import parts_text  # noqa: PLC0415
+
+            of_parts = parts_text(robot_file.mechanism)
     say(audit_text(robot, robot_file.described, audit(robot_file)))
+    if of_parts:
+        say(of_parts)
     return 0
 
 

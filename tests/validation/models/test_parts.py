@@ -92,10 +92,21 @@ def test_a_part_that_is_not_where_the_joints_are(tmp_path, capsys, old, new, mes
     assert old in text
     (tmp_path / "robot.toml").write_text(text.replace(old, new), "utf-8")
     (tmp_path / "rocker.step").write_bytes((EXAMPLES / "rocker" / "rocker.step").read_bytes())
-    assert cli.main(["solve", str(tmp_path / "robot.toml"), "--model", "links"]) == 2
-    said = capsys.readouterr().err
-    assert message in said
-    assert "bodies.rocker" in said
+    for command in (["solve", "--model", "links"], ["check"]):
+        assert cli.main([command[0], str(tmp_path / "robot.toml"), *command[1:]]) == 2
+        said = capsys.readouterr().err
+        assert message in said
+        assert "bodies.rocker" in said
+
+
+def test_checking_a_robot_opens_the_files_of_its_parts(capsys):
+    assert cli.main(["check", str(EXAMPLES / "rocker" / "robot.toml")]) == 0
+    said = capsys.readouterr().out
+    assert "rocker: rocker.step, read in mm: 343 × 263 × 60 mm" in said
+    for point, radius in (("A", 22), ("B", 16), ("C", 16)):
+        (line,) = (one for one in said.splitlines() if one.startswith(f"  {point}: face"))
+        assert f"(bore of radius {radius} mm), its axis 0 mm from the point" in line
+        assert line.endswith("rigid by default")
 
 
 @pytest.mark.parametrize(
