@@ -10,11 +10,13 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from hashlib import sha256
+from io import StringIO
 from math import isfinite
 from pathlib import Path
 
 from lumped.biglide import Biglide
 from lumped.errors import InputError
+from lumped.files import read_ordinary
 from lumped.requirement import MOST_MODES, STATIC_QUANTITIES
 from lumped.text import shown
 
@@ -78,12 +80,12 @@ def read_measured(path: Path) -> tuple[Measured, ...]:
     Coordinates of a pose stand apart by spaces. Raises InputError with one line per fault.
     """
     try:
-        with path.open(encoding="utf-8-sig", newline="") as file:
-            reader = csv.DictReader(file)
-            lacking = [name for name in _COLUMNS if name not in (reader.fieldnames or ())]
-            if lacking:
-                raise InputError(f"{path}: lacks the column {', '.join(lacking)}")
-            rows = list(reader)
+        text = read_ordinary(path, "a CSV file of measured values").decode("utf-8-sig")
+        reader = csv.DictReader(StringIO(text, newline=""))
+        lacking = [name for name in _COLUMNS if name not in (reader.fieldnames or ())]
+        if lacking:
+            raise InputError(f"{path}: lacks the column {', '.join(lacking)}")
+        rows = list(reader)
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise InputError(f"{path}: cannot be read: {error}") from error
     found, faults = [], []

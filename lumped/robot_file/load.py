@@ -16,6 +16,7 @@ from lumped.biglide import Biglide
 from lumped.biglide import mechanism as biglide_mechanism
 from lumped.caches import cached_property
 from lumped.errors import InputError
+from lumped.files import read_ordinary
 from lumped.measured import Measured
 from lumped.mechanism.mechanism import Mechanism
 from lumped.requirement import STATIC_QUANTITIES, Requirement
@@ -29,7 +30,7 @@ from lumped.robot_file.biglide import (
 from lumped.robot_file.corrections import scaled, with_printed_values
 from lumped.robot_file.mechanism.build import description_faults, mechanism_of
 from lumped.robot_file.mechanism.motion_faults import motion_faults
-from lumped.robot_file.reading import decoded, parsed, read_bytes
+from lumped.robot_file.reading import decoded, parsed
 from lumped.robot_file.tables import Accept, Correction
 from lumped.robots import RobotType
 from lumped.text import cut, visible
@@ -219,7 +220,7 @@ def _robots_folder() -> Traversable:
 
 def _read(source: str) -> bytes:
     try:
-        return read_bytes(source)
+        return read_ordinary(source, "a robot file")
     except FileNotFoundError as error:
         robots = built_in_robots()
         close = get_close_matches(source.lower(), robots, n=1)

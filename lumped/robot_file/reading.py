@@ -1,15 +1,12 @@
 """From a path to the tables of a TOML file, refused where it is none before it costs anything."""
 
 import re
-import stat
 import tomllib
-from pathlib import Path
 from typing import Any
 
 from lumped.errors import InputError
 from lumped.text import cut
 
-_LARGEST_FILE = 10_000_000
 _DEEPEST = 100
 # Strings (closed or not), comments, and what opens, closes or separates tables and keys.
 _TOKENS = re.compile(
@@ -21,33 +18,6 @@ _TOKENS = re.compile(
     r"|[\[{\]}.=,\n]",
     re.DOTALL,
 )
-
-
-def read_bytes(source: str) -> bytes:
-    """The content of an ordinary file of at most 10 MB.
-
-    Raises InputError, and FileNotFoundError where there is none.
-    """
-    path = Path(source)
-    try:
-        found = path.stat()
-        if stat.S_ISDIR(found.st_mode):
-            raise InputError(f"{source}: is a folder; must be a robot file")
-        if not stat.S_ISREG(found.st_mode):
-            raise InputError(f"{source}: is a pipe, socket or device; must be a robot file")
-        with path.open("rb") as file:
-            # Files made by the system while they are read have no size before.
-            content = file.read(_LARGEST_FILE + 1) if found.st_size <= _LARGEST_FILE else None
-    except FileNotFoundError:
-        raise
-    except (OSError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) else error
-        raise InputError(f"{source}: cannot be read ({reason}); must be a robot file") from error
-    if content is None or len(content) > _LARGEST_FILE:
-        raise InputError(
-            f"{source}: is larger than {_LARGEST_FILE // 1_000_000} MB; must be a robot file"
-        )
-    return content
 
 
 def decoded(content: bytes, source: str) -> str:

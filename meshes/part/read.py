@@ -7,6 +7,7 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.errors import InputError
+from lumped.files import require_ordinary
 from meshes.gmsh_arrays import connectivity, numbered
 from meshes.part.boundary import Facets
 from meshes.part.cad import BREP, STEP, CadModel, VolumeProperties, cad_model, naming_the_place
@@ -52,10 +53,8 @@ def require_file(path: Path) -> None:
         raise InputError(f"{path}: not a part; must be one of {', '.join(kinds)}")
     if not path.exists():
         raise InputError(f"{path}: no such file; must be a CAD file or a mesh of the part")
-    if path.is_dir():
-        raise InputError(f"{path}: is a folder; must be a CAD file or a mesh of the part")
     try:
-        empty = path.stat().st_size == 0
+        empty = require_ordinary(path, "a CAD file or a mesh of the part") == 0
         with path.open("rb"):
             pass
     except OSError as error:

@@ -8,10 +8,13 @@ from typing import Any
 import msgspec
 
 from lumped.errors import InputError
+from lumped.files import read_ordinary
 from validation.adequacy.matrix import Adequacy
 from validation.case import Verdict
 
 _FILE = "results.json"
+# Runs of large mechanisms with faults come to a few MB.
+_LARGEST = 200_000_000
 
 
 @dataclass(frozen=True)
@@ -66,7 +69,7 @@ def load_run(path: Path) -> SavedRun:
     """
     file = path / _FILE if path.is_dir() else path
     try:
-        return parse_run(file.read_bytes(), str(file))
+        return parse_run(read_ordinary(file, "results of a run", _LARGEST), str(file))
     except FileNotFoundError as error:
         place = f"holds no {_FILE}" if path.is_dir() else "no such run folder or file"
         raise InputError(f"{path}: {place}") from error

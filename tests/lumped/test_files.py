@@ -1,0 +1,54 @@
+"""Whatever is read is an ordinary file: a pipe would wait for someone to write."""
+
+import os
+
+import pytest
+
+from lumped.errors import InputError
+from lumped.files import read_ordinary
+from lumped.measured import read_measured
+from meshes.part.read import require_file
+from validation.results.saved_run import load_run
+
+READERS = {
+    "measured.csv": read_measured,
+    "results.json": load_run,
+    "fork.step": require_file,
+    "fork.brep": require_file,
+    "fork.msh": require_file,
+}
+
+
+@pytest.mark.parametrize("name", READERS)
+def test_pipes_are_refused_before_they_are_opened(name, tmp_path):
+    path = tmp_path / name
+    os.mkfifo(path)
+    with pytest.raises(InputError, match="is a pipe, socket or device; must be"):
+        READERS[name](path)
+
+
+def test_a_run_folder_with_a_pipe_for_results_is_refused(tmp_path):
+    os.mkfifo(tmp_path / "results.json")
+    with pytest.raises(InputError, match=r"results\.json: is a pipe, socket or device"):
+        load_run(tmp_path)
+
+
+@pytest.mark.parametrize("name", ["measured.csv", "results.json"])
+def test_endless_and_oversized_files_are_refused_before_they_are_read(name, tmp_path):
+    path = tmp_path / name
+    path.symlink_to("/dev/zero")
+    with pytest.raises(InputError, match="is a pipe, socket or device"):
+        READERS[name](path)
+    path.unlink()
+    with path.open("wb") as file:
+        file.truncate(300_000_000)
+    with pytest.raises(InputError, match="is larger than"):
+        READERS[name](path)
+
+
+def test_a_file_of_the_largest_size_is_read_whole(tmp_path):
+    path = tmp_path / "file"
+    path.write_bytes(b"x" * 100)
+    assert read_ordinary(path, "a file", 100) == b"x" * 100
+    with pytest.raises(InputError, match="is larger than"):
+        read_ordinary(path, "a file", 99)
