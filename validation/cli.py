@@ -251,6 +251,10 @@ def solve(
     equivalent: Literal["stiffness", "compliance"] | None = None,
     parts: Literal["equivalent", "condensed"] | None = None,
     against: Literal["simplified", "segments", "beam", "solid"] | None = None,
+    vary: tuple[str, ...] = (),
+    jobs: ProcessCount = None,
+    cluster: str | None = None,
+    csv: Path | None = None,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
     """Solve one model of the robot, or of one leg: compliance and natural frequencies.
@@ -293,6 +297,15 @@ def solve(
         interfaces, mass included.
     against
         Another model of the mechanism, whose modes are paired with these by shape (MAC).
+    vary
+        A number of the robot file over a range, bodies.rod1.section.diameter=0.02:0.06:9 say; a *
+        in the key stands for any part of a name. Given again: every combination.
+    jobs
+        With --vary: number of processes, 1 if left out.
+    cluster
+        With --vary: address of a Dask scheduler (tcp://host:port) that computes the robots.
+    csv
+        With --vary: also write the table into this file.
     json
         Print JSON for programs.
     """
@@ -300,6 +313,7 @@ def solve(
     from validation.console.waiting import in_a_process  # noqa: PLC0415
     from validation.solve import command  # noqa: PLC0415
     from validation.solve.answer import as_json, as_text  # noqa: PLC0415
+    from validation.solve.variations.command import Spread, solve_spread  # noqa: PLC0415
 
     require_address_space(TO_COMPUTE)
     robot_file = load_robot(robot)
@@ -315,9 +329,14 @@ def solve(
         "parts": parts,
     }
     given = {name: value for name, value in choices.items() if value is not None}
-    asked = command.question(
-        robot_file, model, command.Place(x, pose, leg, body), modes, given, against
-    )
+    place = command.Place(x, pose, leg, body)
+    if vary or csv or cluster or jobs:
+        if against:
+            raise InputError("--against: modes are paired for one robot; leave out --vary")
+        spread = Spread(vary, jobs or 1, cluster, csv)
+        say(solve_spread(robot_file, spread, model, place, modes, given, as_json=json))
+        return 0
+    asked = command.question(robot_file, model, place, modes, given, against)
     cost = command.checked(asked)
     if cost.seconds > _PATIENCE:
         solution = in_a_process(command.solve, asked, doing=f"{model} model, {cost}")

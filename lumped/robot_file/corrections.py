@@ -9,7 +9,7 @@ from lumped.robot_file.matrix_faults import is_finite_number
 from lumped.robot_file.tables import Correction
 from lumped.text import shown
 
-_KEY = re.compile(r"(?P<names>\w+(?:\.\w+)*)(?:\[(?P<indices>\d+(?:\s*,\s*\d+)?)\])?")
+_KEY = re.compile(r"(?P<names>[\w-]+(?:\.[\w-]+)*)(?:\[(?P<indices>\d+(?:\s*,\s*\d+)?)\])?")
 
 
 def value_at(tables: Mapping[str, Any], key: str) -> float:
@@ -59,6 +59,14 @@ def with_printed_values(
         holder, last = _holder(printed, correction.key)
         holder[last] = correction.printed
     return printed
+
+
+def with_value(tables: Mapping[str, Any], key: str, value: float) -> dict[str, Any]:
+    """The tables with another number at a key; raises LookupError where there is no such place."""
+    changed = deepcopy(dict(tables))
+    holder, last = _holder(changed, key)
+    holder[last] = value
+    return changed
 
 
 def can_be_scaled(tables: Mapping[str, Any], key: str) -> bool:

@@ -254,6 +254,14 @@ def test_a_worker_of_another_version_is_refused_by_name(tmp_path, processes):
         pass
 
 
+def test_varied_robots_are_the_same_on_the_cluster(cluster, capsys):
+    asked = ["solve", "five-bar", "--model", "beam", "--modes", "2", "--vary", "tool.mass=1:2:3"]
+    assert cli.main([*asked, "--json"]) == 0
+    here = capsys.readouterr().out
+    assert cli.main([*asked, "--json", "--cluster", cluster[0]]) == 0
+    assert capsys.readouterr().out == here
+
+
 def test_without_dask_the_message_says_how_to_get_it(monkeypatch):
     monkeypatch.setitem(sys.modules, "distributed", None)
     monkeypatch.setattr("validation.sweeps.cluster.require_scheduler", silent)

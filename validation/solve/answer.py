@@ -94,19 +94,21 @@ def as_json(solution: Solution) -> str:
         "robot": solution.robot,
         "model": solution.model,
         "options": solution.options,
-        "results": [
-            {
-                **answer.place,
-                "compliance": answer.compliance.tolist(),
-                "frequencies": [f if np.isfinite(f) else None for f in answer.frequencies.tolist()],
-                **({} if answer.idle is None else {"idle": answer.idle}),
-                **({} if answer.uncertainty is None else _record(answer.uncertainty)),
-                **_mode_records(answer),
-            }
-            for answer in solution.answers
-        ],
+        "results": [record_of(answer) for answer in solution.answers],
     }
     return json.dumps(document, allow_nan=False)
+
+
+def record_of(answer: Answer) -> dict[str, Any]:
+    """An answer's entry in the results; an infinite frequency is null."""
+    return {
+        **answer.place,
+        "compliance": answer.compliance.tolist(),
+        "frequencies": [f if np.isfinite(f) else None for f in answer.frequencies.tolist()],
+        **({} if answer.idle is None else {"idle": answer.idle}),
+        **({} if answer.uncertainty is None else _record(answer.uncertainty)),
+        **_mode_records(answer),
+    }
 
 
 def _mode_records(answer: Answer) -> dict[str, Any]:

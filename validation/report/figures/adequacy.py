@@ -5,7 +5,7 @@ from itertools import cycle
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
+from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullLocator
 
 from lumped.arrays import Array
 from validation.adequacy.matrix import Entry, Matrix
@@ -23,6 +23,7 @@ from validation.report.figures.style import (
     svg_of,
 )
 
+_POSE = "pose"
 # The deflections, and the frequencies where there are any: what is read off first.
 _STATIC, _MODES = ("x", "y", "z"), 3
 _MEANINGS = {axis: f"deflection along {axis}" for axis in _STATIC}
@@ -116,6 +117,7 @@ def _draw(axes: Axes, matrix: Matrix, quantity: str) -> None:
     axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:+g}" if value else "0"))
     axes.yaxis.set_minor_locator(NullLocator())
     axes.set_title(_MEANINGS.get(quantity, quantity))
+    axes.xaxis.set_major_locator(MaxNLocator(nbins=5, integer=label == _POSE))
     axes.set_xlabel(label)
 
 
@@ -131,7 +133,7 @@ def _abscissa(matrix: Matrix) -> tuple[Array, str]:
     poses = np.array(matrix.poses)
     if len(matrix.coordinates) == 1:
         return poses[:, 0], matrix.coordinates[0]
-    return np.arange(1.0, len(poses) + 1.0), "pose"
+    return np.arange(1.0, len(poses) + 1.0), _POSE
 
 
 def _table(matrix: Matrix) -> str:

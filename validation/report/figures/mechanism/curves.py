@@ -2,11 +2,8 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from itertools import cycle
-from typing import NamedTuple
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.ticker import MaxNLocator
 
 from lumped.arrays import Array
 from lumped.legs import ConstantLeg
@@ -27,22 +24,22 @@ from validation.context import Context
 from validation.exhibits import Drawing, Figure
 from validation.models.options import ModelName, ModelOptions
 from validation.models.parts import parts_of
-from validation.report.figures.curves.lines import from_zero, legend_above, percent_scale
+from validation.report.figures.mechanism.panels import (
+    POSE,
+    Panel,
+    columns_of,
+    compared_svg,
+    differences,
+)
 from validation.report.figures.style import (
     MODELS,
     OTHERS,
     PURPLE,
     Look,
-    canvas,
     csv_of,
-    marked,
-    plot_style,
-    svg_of,
 )
 
 FORCE, MOMENT = 1000.0, 100.0
-# in, of a row of panels and of the differences below it.
-_HIGH, _LOW = 2.0, 1.5
 _EULER = ModelOptions(theory="euler-bernoulli")
 _TITLE = "Deflection over the path"
 _FREQUENCIES = "Natural frequencies over the path"
@@ -60,14 +57,6 @@ _CURVES: Mapping[str, tuple[ModelName, ModelOptions, Look]] = {
     "beam-euler-bernoulli": ("beam", _EULER, Look(MODELS["beam"].colour, "P", ":")),
 }
 _DYNAMIC = ("segments", "segments-condensed", "beam", "beam-euler-bernoulli")
-Curves = Mapping[str, tuple[Array, Look]]
-
-
-class Panel(NamedTuple):
-    """Values by model (m, one a pose), and their `differences` from the reference in percent."""
-
-    curves: Curves
-    differences: Curves
 
 
 def drawings() -> tuple[Drawing, ...]:
@@ -106,7 +95,7 @@ def deflections(context: Context) -> Figure:
         title = f"about {name[-1]} (µrad)" if turns else f"along {name} (µm)"
         factor = 1e6 * (MOMENT if turns else FORCE)
         curves = {key: (factor * one[:, place], look) for key, (one, look) in found.items()}
-        panels[title] = Panel(curves, _differences(curves, against))
+        panels[title] = Panel(curves, differences(curves, against))
     return _figure(
         context,
         "mechanism.deflections",
@@ -184,73 +173,20 @@ def _figure(
     against: str,
     columns: int = 3,
 ) -> Figure:
-    """The panels, below each row the differences of all other curves from the one `against`."""
     postures = path_postures(context)
     x, label = _abscissa(context, postures)
-    rows = -(-len(panels) // columns)
-    with plot_style():
-        heights = rows * (_HIGH, _LOW)
-        drawn, places = canvas(2 * rows, columns, 0.8 + sum(heights), heights)
-        for axes in places:
-            axes.set_axis_off()
-        for place, (heading, panel) in enumerate(panels.items()):
-            row, column = divmod(place, columns)
-            above, below = (places[(2 * row + k) * columns + column] for k in (0, 1))
-            for axes in (above, below):
-                axes.set_axis_on()
-                axes.xaxis.set_major_locator(MaxNLocator(integer=label == "pose"))
-                if len(x) == 1:
-                    axes.set_xlim(x[0] - 0.5, x[0] + 0.5)
-            _draw(above, x, panel.curves)
-            from_zero(above)
-            above.set_title(heading)
-            above.tick_params(labelbottom=False)
-            _draw(below, x, panel.differences)
-            percent_scale(below)
-            below.set_xlabel(label)
-            if not column:
-                below.set_ylabel("difference (%)")
-        legend_above(drawn, columns=4)
-        svg = svg_of(drawn)
-    table: dict[str, Sequence[float]] = {
+    table: dict[str, list[float]] = {
         named: [float(at.pose[place]) for at in postures]
         for place, named in enumerate(coordinates(context.robot_file.mechanism))
     }
-    for heading, panel in panels.items():
-        columns_of = {f"{key}: {heading}": values for key, (values, _) in panel.curves.items()}
-        table |= {name: values.tolist() for name, values in columns_of.items()}
     return Figure(
         id=name,
         title=title,
         caption=f"{caption} Below each: what the others differ from {against}, in percent.",
         section=SECTION,
-        svg=svg,
-        data=csv_of(table),
+        svg=compared_svg(x, label, panels, columns),
+        data=csv_of(table | columns_of(panels)),
     )
-
-
-def _differences(curves: Curves, against: str) -> dict[str, tuple[Array, Look]]:
-    """All other curves in percent of the one `against`, as far as that is not zero."""
-    reference = curves[against][0]
-    known = np.where(reference != 0.0, reference, np.nan)
-    return {
-        name: (100.0 * (values / known - 1.0), look)
-        for name, (values, look) in curves.items()
-        if name != against
-    }
-
-
-def _draw(axes: Axes, x: Array, curves: Curves) -> None:
-    for rank, (name, (values, look)) in enumerate(curves.items()):
-        if np.isfinite(values).any():
-            axes.plot(
-                x,
-                values,
-                label=name,
-                linewidth=3.0 - 2.0 * rank / max(len(curves) - 1, 1),
-                markevery=marked(len(x), rank, len(curves)),
-                **look.options(),
-            )
 
 
 def _abscissa(context: Context, postures: Sequence[Posture]) -> tuple[Array, str]:
@@ -260,4 +196,4 @@ def _abscissa(context: Context, postures: Sequence[Posture]) -> tuple[Array, str
     changing = np.flatnonzero(np.ptp(poses, axis=0) > 0.0)
     if len(changing) == 1:
         return poses[:, changing[0]], named[changing[0]]
-    return np.arange(1.0, len(postures) + 1.0), "pose"
+    return np.arange(1.0, len(postures) + 1.0), POSE

@@ -1,0 +1,141 @@
+"""Robots that differ from a file's in one number or several, named by their keys.
+
+A variation is typed as KEY=FROM:TO:COUNT: "bodies.rod1.section.diameter=0.02:0.06:9". A * in the
+key stands for any part of a name: all numbers whose keys match take the same value.
+"""
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from difflib import get_close_matches
+from fnmatch import fnmatchcase
+from itertools import product
+from math import isfinite
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from lumped.errors import InputError
+from lumped.robot_file.corrections import with_value
+from lumped.robot_file.load import RobotFile, described_by
+from lumped.robot_file.matrix_faults import is_finite_number
+from lumped.text import cut, shown
+
+MOST_VALUES, MOST_ROBOTS = 1000, 10_000
+_FORM = re.compile(r"(?P<key>[^=\s]+)=(?P<start>[^:]+):(?P<to>[^:]+):(?P<count>[^:]+)")
+_ALLOWED = "must be KEY=FROM:TO:COUNT, bodies.rod1.section.diameter=0.02:0.06:9 say"
+
+
+@dataclass(frozen=True)
+class Variation:
+    """The values that the numbers at `keys` take together; `key` as it was typed."""
+
+    key: str
+    keys: tuple[str, ...]
+    values: tuple[float, ...]
+
+
+def variations_of(robot_file: RobotFile, typed: Sequence[str]) -> tuple[Variation, ...]:
+    """The variations of a robot file as typed; raises InputError with one line per fault."""
+    numbers = dict(_numbers(robot_file.tables))
+    found: list[Variation] = []
+    faults: list[str] = []
+    for text in typed:
+        try:
+            found.append(_variation(text, numbers, robot_file))
+        except InputError as error:
+            faults += error.faults
+    keys = [key for one in found for key in one.keys]
+    faults += [
+        f"--vary {key}: varied twice; must be named once"
+        for key in dict.fromkeys(keys)
+        if keys.count(key) > 1
+    ]
+    count = int(np.prod([len(one.values) for one in found], dtype=float)) if found else 0
+    if count > MOST_ROBOTS:
+        faults.append(f"--vary: {count} robots; must be at most {MOST_ROBOTS} in all")
+    if faults:
+        raise InputError(faults)
+    return tuple(found)
+
+
+def varied(
+    robot_file: RobotFile, variations: Sequence[Variation]
+) -> list[tuple[tuple[float, ...], RobotFile]]:
+    """Every combination of the values, with the robot file that has them.
+
+    Raises InputError, one line, for the first robot that cannot be: one number is one cause.
+    """
+    folder = Path() if robot_file.built_in else Path(robot_file.source).parent
+    robots = []
+    for values in product(*(one.values for one in variations)):
+        tables: Mapping[str, Any] = robot_file.tables
+        for one, value in zip(variations, values, strict=True):
+            for key in one.keys:
+                tables = with_value(tables, key, value)
+        described, faults = described_by(tables, folder)
+        if described is None:
+            raise InputError(f"--vary {told(variations, values)}: {faults[0]}")
+        robots.append((values, replace(robot_file, described=described)))
+    return robots
+
+
+def told(variations: Sequence[Variation], values: Sequence[float]) -> str:
+    """The values with their keys: "bodies.rod1.section.diameter=0.02"."""
+    pairs = zip(variations, values, strict=True)
+    return ", ".join(f"{one.key}={value:.6g}" for one, value in pairs)
+
+
+def _variation(text: str, numbers: Mapping[str, float], robot_file: RobotFile) -> Variation:
+    form = _FORM.fullmatch(text)
+    if form is None:
+        raise InputError(f"--vary {cut(text, 80)}: {_ALLOWED}")
+    key = form["key"]
+    try:
+        start, to, count = float(form["start"]), float(form["to"]), int(form["count"])
+    except ValueError:
+        raise InputError(f"--vary {cut(text, 80)}: {_ALLOWED}") from None
+    if not (isfinite(start) and isfinite(to)):
+        raise InputError(f"--vary {key}: FROM and TO must be finite numbers")
+    if not 1 <= count <= MOST_VALUES:
+        raise InputError(f"--vary {key}: COUNT = {count}: must be from 1 to {MOST_VALUES}")
+    pattern = key.replace("[", "[[]")
+    keys = tuple(one for one in numbers if fnmatchcase(one, pattern))
+    if not keys:
+        raise InputError(f"--vary {key}: {_why_not(key, numbers, robot_file)}")
+    values = np.linspace(start, to, count).tolist()
+    if all(isinstance(numbers[one], int) for one in keys) and all(v == round(v) for v in values):
+        values = [int(value) for value in values]
+    return Variation(key, keys, tuple(values))
+
+
+def _why_not(key: str, numbers: Mapping[str, float], robot_file: RobotFile) -> str:
+    held: Any = robot_file.tables
+    for part in key.split("."):
+        held = held.get(part) if isinstance(held, dict) else None
+    if held is not None:
+        return (
+            f"{shown(held)} in {robot_file.source} is no number; must name a number "
+            "(entries of a list count from 1: points.P[1], compliance[2,2])"
+        )
+    close = get_close_matches(key, list(numbers), n=1)
+    advice = f'; did you mean "{close[0]}"?' if close else ""
+    return f"{robot_file.source} has no such number{advice}"
+
+
+def _numbers(value: Any, key: str = "") -> Iterator[tuple[str, float]]:
+    """Every number of the tables by its key."""
+    if isinstance(value, Mapping):
+        for name, inner in value.items():
+            yield from _numbers(inner, f"{key}.{name}" if key else name)
+    elif isinstance(value, list):
+        for i, inner in enumerate(value, start=1):
+            if isinstance(inner, list):
+                for j, entry in enumerate(inner, start=1):
+                    if is_finite_number(entry):
+                        yield f"{key}[{i},{j}]", entry
+            elif is_finite_number(inner):
+                yield f"{key}[{i}]", inner
+    elif is_finite_number(value):
+        yield key, value

@@ -1,0 +1,90 @@
+"""Panels of several models' curves, and below each what they differ from one of them."""
+
+from collections.abc import Mapping
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator
+
+from lumped.arrays import Array
+from validation.report.figures.curves.lines import from_zero, legend_above, percent_scale
+from validation.report.figures.style import Look, canvas, marked, plot_style, svg_of
+
+# in, of a row of panels and of the differences below it.
+_HIGH, _LOW = 2.0, 1.5
+POSE = "pose"
+Curves: TypeAlias = Mapping[str, tuple[Array, Look]]
+
+
+class Panel(NamedTuple):
+    """Values by model (m, one a pose), and their `differences` from the reference in percent."""
+
+    curves: Curves
+    differences: Curves
+
+
+def compared_svg(x: Array, label: str, panels: Mapping[str, Panel], columns: int) -> str:
+    """The panels by their titles over x (m), differences below each, as SVG.
+
+    Without differences there is no row for them; x that are numbers of poses have whole ticks.
+    """
+    rows = -(-len(panels) // columns)
+    parts = 2 if any(panel.differences for panel in panels.values()) else 1
+    heights = rows * (_HIGH, _LOW)[:parts]
+    with plot_style():
+        drawn, places = canvas(parts * rows, columns, 0.8 + sum(heights), heights)
+        for axes in places:
+            axes.set_axis_off()
+        for place, (heading, panel) in enumerate(panels.items()):
+            row, column = divmod(place, columns)
+            above, lowest = (places[(parts * row + k) * columns + column] for k in (0, parts - 1))
+            _draw(above, x, label, panel.curves)
+            from_zero(above)
+            above.set_title(heading)
+            if parts > 1:
+                above.tick_params(labelbottom=False)
+                _draw(lowest, x, label, panel.differences)
+                percent_scale(lowest)
+                if not column:
+                    lowest.set_ylabel("difference (%)")
+            lowest.set_xlabel(label)
+        legend_above(drawn, columns=4)
+        return svg_of(drawn)
+
+
+def columns_of(panels: Mapping[str, Panel]) -> dict[str, list[float]]:
+    """The curves of all panels as columns of a table."""
+    return {
+        f"{key}: {heading}": values.tolist()
+        for heading, panel in panels.items()
+        for key, (values, _) in panel.curves.items()
+    }
+
+
+def differences(curves: Curves, against: str) -> dict[str, tuple[Array, Look]]:
+    """All other curves in percent of the one `against`, as far as that is not zero."""
+    reference = curves[against][0]
+    known = np.where(reference != 0.0, reference, np.nan)
+    return {
+        name: (100.0 * (values / known - 1.0), look)
+        for name, (values, look) in curves.items()
+        if name != against
+    }
+
+
+def _draw(axes: Axes, x: Array, label: str, curves: Curves) -> None:
+    axes.set_axis_on()
+    axes.xaxis.set_major_locator(MaxNLocator(integer=label == POSE))
+    if len(x) == 1 and label == POSE:
+        axes.set_xlim(x[0] - 0.5, x[0] + 0.5)
+    for rank, (name, (values, look)) in enumerate(curves.items()):
+        if np.isfinite(values).any():
+            axes.plot(
+                x,
+                values,
+                label=name,
+                linewidth=3.0 - 2.0 * rank / max(len(curves) - 1, 1),
+                markevery=marked(len(x), rank, len(curves)),
+                **look.options(),
+            )

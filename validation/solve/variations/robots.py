@@ -1,0 +1,153 @@
+"""One model of many robots that differ in some numbers of their file, here or on a cluster."""
+
+import json
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from lumped.errors import ComputationError, InputError
+from lumped.requirement import STATIC_QUANTITIES
+from lumped.robot_file import RobotFile
+from lumped.robot_file.variation import Variation, told, varied
+from validation.models.options import ModelName
+from validation.report.figures.style import csv_of
+from validation.solve import command
+from validation.solve.answer import Answer, Solution, record_of
+from validation.sweeps.runner import Executor
+
+# What is told of each deflection: µm under 1000 N, µrad under 100 N m.
+_LOADS = 3 * (1000.0,) + 3 * (100.0,)
+_MICRO = 1e6
+
+
+@dataclass(frozen=True)
+class VariedAnswers:
+    """The answers for every combination of the values of `variations`, in their order."""
+
+    variations: tuple[Variation, ...]
+    values: tuple[tuple[float, ...], ...]
+    solutions: tuple[Solution, ...]
+
+
+@dataclass(frozen=True)
+class _Unit:
+    """One robot: plain data that can be sent to other processes and machines."""
+
+    said: str
+    asked: command.Question
+
+    def __call__(self) -> Solution:
+        try:
+            return command.solve(self.asked)
+        except InputError as error:
+            raise InputError([f"--vary {self.said}: {fault}" for fault in error.faults]) from error
+        except ComputationError as error:
+            raise ComputationError(f"--vary {self.said}: {error}") from error
+
+
+def solve_varied(
+    robot_file: RobotFile,
+    variations: tuple[Variation, ...],
+    model: ModelName,
+    place: command.Place,
+    modes: int | None,
+    given: dict[str, Any],
+    executor: Executor,
+) -> VariedAnswers:
+    """Every robot of the variations by one model, asked as `command.question` asks.
+
+    Raises InputError, naming the values, before anything is computed where a robot cannot be or
+    cannot be where it is asked, ComputationError where one cannot be solved.
+    """
+    robots = varied(robot_file, variations)
+    units = []
+    for values, robot in robots:
+        said = told(variations, values)
+        asked = command.question(robot, model, place, modes, given)
+        try:
+            command.checked(asked)
+        except InputError as error:
+            raise InputError([f"--vary {said}: {fault}" for fault in error.faults]) from error
+        units.append(_Unit(said, asked))
+    solved = dict(executor(units))
+    return VariedAnswers(
+        variations,
+        tuple(values for values, _ in robots),
+        tuple(solved[number] for number in range(len(units))),
+    )
+
+
+def columns(found: VariedAnswers) -> dict[str, list[float | str]]:
+    """A row for each robot and posture: values, place, deflections and frequencies."""
+    rows = [
+        (values, answer)
+        for values, solution in zip(found.values, found.solutions, strict=True)
+        for answer in solution.answers
+    ]
+    table: dict[str, list[float | str]] = {
+        one.key: [values[place] for values, _ in rows] for place, one in enumerate(found.variations)
+    }
+    for name, value in rows[0][1].place.items():
+        places = [answer.place[name] for _, answer in rows]
+        if isinstance(value, list):
+            table |= {
+                f"{name}[{k + 1}]": [place[k] for place in places if isinstance(place, list)]
+                for k in range(len(value))
+            }
+        else:
+            table[name] = [place for place in places if not isinstance(place, list)]
+    for k, name in enumerate(STATIC_QUANTITIES[: len(rows[0][1].compliance)]):
+        unit = "µrad at 100 N m" if name.startswith("phi") else "µm at 1000 N"
+        scale = _LOADS[k] * _MICRO
+        table[f"{name} ({unit})"] = [scale * float(answer.compliance[k, k]) for _, answer in rows]
+    count = max(len(answer.frequencies) for _, answer in rows)
+    for k in range(count):
+        table[f"f{k + 1} (Hz)"] = [_frequency(answer, k) for _, answer in rows]
+    return table
+
+
+def as_csv(found: VariedAnswers) -> str:
+    """The table as CSV, all digits."""
+    return csv_of(columns(found))
+
+
+def as_text(found: VariedAnswers) -> str:
+    """The table for people."""
+    table = columns(found)
+    cells = [[heading, *(_shown(value) for value in column)] for heading, column in table.items()]
+    widths = [max(map(len, column)) for column in cells]
+    first = found.solutions[0]
+    lines = [f"{first.robot}, {first.model}, {len(found.values)} robots"]
+    lines += [
+        "  ".join(text.rjust(width) for text, width in zip(row, widths, strict=True))
+        for row in zip(*cells, strict=True)
+    ]
+    return "\n".join(lines)
+
+
+def as_json(found: VariedAnswers) -> str:
+    """The answers as JSON (schema 1): those of `solve --json`, each with its values by key."""
+    first = found.solutions[0]
+    keys = [one.key for one in found.variations]
+    document = {
+        "schema": 1,
+        "robot": first.robot,
+        "model": first.model,
+        "options": first.options,
+        "vary": [{"key": one.key, "values": list(one.values)} for one in found.variations],
+        "results": [
+            {"vary": dict(zip(keys, values, strict=True)), **record_of(answer)}
+            for values, solution in zip(found.values, found.solutions, strict=True)
+            for answer in solution.answers
+        ],
+    }
+    return json.dumps(document, allow_nan=False)
+
+
+def _frequency(answer: Answer, place: int) -> float:
+    return float(answer.frequencies[place]) if place < len(answer.frequencies) else np.nan
+
+
+def _shown(value: float | str) -> str:
+    return value if isinstance(value, str) else f"{value:.6g}"
