@@ -13,6 +13,7 @@ from validation.cases import (
     legs,
     longer_legs,
     mechanism,
+    mechanism_calculix,
     mechanism_motion,
     paper,
     program,
@@ -75,7 +76,8 @@ def _of_biglide(robot_file: RobotFile) -> Sequence[Task]:
 
 def _of_mechanism(robot_file: RobotFile) -> Sequence[Task]:
     described = robot_file.mechanism
-    return _about("robot", [*mechanism.cases(), *mechanism_motion.cases(described)])
+    of_robot = (*mechanism.cases(), *mechanism_motion.cases(described), *mechanism_calculix.cases())
+    return _about("robot", of_robot)
 
 
 def _about(subject: About, cases: Sequence[Task]) -> list[Task]:

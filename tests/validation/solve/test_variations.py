@@ -26,7 +26,7 @@ def same(found, expected):
         ("delta", "bodies.arm1.section.thickness", "thickness = 0.005", "beam"),
         ("five-bar", "points.B1[1]", "B1 = [-0.35,", "segments"),
         ("five-bar", "joints.motor1.drive.stiffness", "stiffness = 8.0e4", "simplified"),
-        ("biglide", "leg1.section.diameter", "diameter = 0.15,", "beam"),
+        ("biglide", "leg2.section.diameter", "diameter = 0.12,", "beam"),
     ],
 )
 def test_each_value_is_what_a_file_with_it_says(name, key, was, model, tmp_path, capsys):

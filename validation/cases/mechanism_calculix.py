@@ -1,0 +1,163 @@
+"""A whole mechanism with solid legs, unreduced by CalculiX, against its legs reduced."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fem.bodies.solid import SolidLeg, solid_leg, solid_leg_matrices
+from fem.calculix.leg import mass_at_stiffness_points
+from fem.calculix.mechanism import compliance_and_frequencies
+from fem.calculix.run import CalculixMissing, calculix_program
+from fem.reduction.craig_bampton import craig_bampton
+from fem.reduction.superelement import held_leg
+from lumped.arrays import Array
+from lumped.legs import ConstantLeg
+from lumped.mechanism.body import Prism
+from lumped.mechanism.body_model import BodyModel
+from lumped.mechanism.mechanism import Posture
+from lumped.sections import Rectangle
+from lumped.system.assembly import assembly
+from lumped.system.solution import compliance, modes, solved
+from meshes.prism.tetrahedra import tetrahedra
+from validation.adequacy.mechanism.path import known_legs, path_postures
+from validation.case import Absolute, Case, Measurement, Relative, Skip
+from validation.cases.mechanism import SECTION
+from validation.cases.program.calculix import PRINTED, PRINTED_ROOT
+from validation.context import Context
+from validation.models.mechanism import filled, highest_frequency
+from validation.models.parts import parts_of
+
+MODES = 10
+_GROUP = "mechanism.calculix"
+# Modes of the bodies are kept up to four times the highest frequency of the mechanism: what is
+# left out is below the printed digits.
+_CUTOFF = 4.0
+_CITATION = (
+    "CalculiX CrunchiX, C3D10, joints and rigid faces as linear equations, drives as springs; the "
+    "same meshes, not reduced"
+)
+
+
+def cases() -> tuple[Case, ...]:
+    """Statics and frequencies in the first pose of the path."""
+    return (
+        Case(
+            id="mechanism.calculix.statics",
+            title="CalculiX gives the mechanism's 6×6 compliance, legs as solid bars",
+            quantity="largest difference in units of √(c_ii c_jj), first pose of the path",
+            unit="1",
+            reference_kind="independent-solver",
+            citation=_CITATION,
+            tolerance=Absolute(1e-5),
+            tolerance_reason="the same equations: the seven printed digits, with a margin",
+            compute=_statics,
+            presets=("standard", "fine"),
+            model="solid",
+            section=SECTION,
+            group=_GROUP,
+            effort=4.0,
+        ),
+        Case(
+            id="mechanism.calculix.frequencies",
+            title=f"CalculiX gives the mechanism's first {MODES} frequencies, legs as solid bars",
+            quantity="natural frequency of the largest difference, first pose of the path",
+            unit="Hz",
+            reference_kind="independent-solver",
+            citation=_CITATION,
+            tolerance=Relative(1e-5),
+            tolerance_reason="the printed digits, and what bodies reduced with modes up to four "
+            "times the highest frequency leave",
+            compute=_frequency,
+            presets=("standard", "fine"),
+            model="solid",
+            section=SECTION,
+            group=_GROUP,
+            effort=4.0,
+        ),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Both:
+    """Compliance (6×6, SI, base axes) and frequencies (Hz) by this program and by CalculiX."""
+
+    own: Array
+    own_frequencies: Array
+    theirs: Array
+    their_frequencies: Array
+
+
+def by_both(at: Posture) -> _Both:
+    """The mechanism with legs as bars of their outer size, coarse meshes, the same for both.
+
+    Mass is summed over the points that CalculiX sums it over. Raises CalculixMissing.
+    """
+    calculix_program()
+    bars = with_bars(at)
+    highest = highest_frequency([bars], MODES)
+    legs = {
+        name: leg
+        for name, leg in known_legs(bars.mechanism).items()
+        if isinstance(leg, ConstantLeg)
+    }
+    made = {leg: _bar(leg, highest) for leg in legs.values()}
+    solids = {name: made[leg][0] for name, leg in legs.items()}
+    reduced = {name: made[leg][1] for name, leg in legs.items()}
+    solution = solved(assembly(bars.mechanism, reduced).at(bars))
+    theirs, frequencies = compliance_and_frequencies(bars, solids, MODES)
+    return _Both(compliance(solution), modes(solution, MODES).frequencies, theirs, frequencies)
+
+
+def _bar(leg: ConstantLeg, highest: float) -> tuple[SolidLeg, BodyModel]:
+    """A leg on one mesh: whole, and reduced for frequencies up to `highest` (Hz)."""
+    solid = solid_leg(leg, tetrahedra(leg.section, leg.length, 1))
+    solid = replace(solid, mass=mass_at_stiffness_points(solid.mesh, leg.material.rho))
+    held = held_leg(solid_leg_matrices(solid))
+    return solid, filled(craig_bampton(held, highest, _CUTOFF * highest).matrices)
+
+
+def with_bars(at: Posture) -> Posture:
+    """The posture with every prism as a solid bar of its outer size, its ends rigid."""
+    bodies = {
+        name: replace(body, shape=replace(shape, section=Rectangle(*shape.section.extent)))
+        if isinstance(shape := body.shape, Prism)
+        else body
+        for name, body in at.mechanism.bodies.items()
+    }
+    return replace(at, mechanism=replace(at.mechanism, bodies=bodies))
+
+
+def _found(context: Context) -> _Both:
+    at = path_postures(context)[0]
+    legs = known_legs(at.mechanism).values()
+    if parts := parts_of(at.mechanism):
+        raise Skip(f"{', '.join(parts)}: CalculiX solves mechanisms of prisms and rigid bodies")
+    if not legs or not all(isinstance(leg, ConstantLeg) for leg in legs):
+        raise Skip("legs known by a 6×6 have no section that could be meshed")
+    try:
+        return context.get(by_both, at)
+    except CalculixMissing as missing:
+        raise Skip(str(missing)) from None
+
+
+def _statics(context: Context) -> Measurement:
+    found = _found(context)
+    scale = np.sqrt(np.diag(found.own))
+    apart = float(np.abs((found.theirs - found.own) / np.outer(scale, scale)).max())
+    return Measurement(apart, 0.0, reference_uncertainty=PRINTED)
+
+
+def _frequency(context: Context) -> Measurement:
+    found = _found(context)
+    worst = int(np.argmax(np.abs(found.own_frequencies / found.their_frequencies - 1.0)))
+    return Measurement(
+        float(found.own_frequencies[worst]),
+        float(found.their_frequencies[worst]),
+        reference_uncertainty=PRINTED_ROOT * float(found.their_frequencies[worst]),
+        notes=(f"mode {worst + 1}",),
+        table={
+            "mode": tuple(float(k) for k in range(1, MODES + 1)),
+            "CalculiX (Hz)": tuple(found.their_frequencies.tolist()),
+            "reduced bodies (Hz)": tuple(found.own_frequencies.tolist()),
+        },
+    )
