@@ -1,24 +1,20 @@
 """A whole mechanism with solid legs, unreduced by CalculiX, against its legs reduced."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
-from fem.bodies.solid import SolidLeg, solid_leg, solid_leg_matrices
-from fem.calculix.leg import mass_at_stiffness_points
+from fem.bodies.solid import SolidLeg, solid_leg_matrices
 from fem.calculix.mechanism import compliance_and_frequencies
 from fem.calculix.run import CalculixMissing, calculix_program
 from fem.reduction.craig_bampton import craig_bampton
 from fem.reduction.superelement import held_leg
 from lumped.arrays import Array
 from lumped.legs import ConstantLeg
-from lumped.mechanism.body import Prism
 from lumped.mechanism.body_model import BodyModel
 from lumped.mechanism.mechanism import Posture
-from lumped.sections import Rectangle
 from lumped.system.assembly import assembly
 from lumped.system.solution import compliance, modes, solved
-from meshes.prism.tetrahedra import tetrahedra
 from validation.adequacy.mechanism.path import known_legs, path_postures
 from validation.case import Absolute, Case, Measurement, Relative, Skip
 from validation.cases.mechanism import SECTION
@@ -26,6 +22,7 @@ from validation.cases.program.calculix import PRINTED, PRINTED_ROOT
 from validation.context import Context
 from validation.models.mechanism import filled, highest_frequency
 from validation.models.parts import parts_of
+from validation.solids.bars import bar_solids, with_bars
 
 MODES = 10
 _GROUP = "mechanism.calculix"
@@ -95,36 +92,17 @@ def by_both(at: Posture) -> _Both:
     calculix_program()
     bars = with_bars(at)
     highest = highest_frequency([bars], MODES)
-    legs = {
-        name: leg
-        for name, leg in known_legs(bars.mechanism).items()
-        if isinstance(leg, ConstantLeg)
-    }
-    made = {leg: _bar(leg, highest) for leg in legs.values()}
-    solids = {name: made[leg][0] for name, leg in legs.items()}
-    reduced = {name: made[leg][1] for name, leg in legs.items()}
-    solution = solved(assembly(bars.mechanism, reduced).at(bars))
+    solids = bar_solids(bars.mechanism)
+    reduced = {solid.leg: _reduced(solid, highest) for solid in solids.values()}
+    bodies = {name: reduced[solid.leg] for name, solid in solids.items()}
+    solution = solved(assembly(bars.mechanism, bodies).at(bars))
     theirs, frequencies = compliance_and_frequencies(bars, solids, MODES)
     return _Both(compliance(solution), modes(solution, MODES).frequencies, theirs, frequencies)
 
 
-def _bar(leg: ConstantLeg, highest: float) -> tuple[SolidLeg, BodyModel]:
-    """A leg on one mesh: whole, and reduced for frequencies up to `highest` (Hz)."""
-    solid = solid_leg(leg, tetrahedra(leg.section, leg.length, 1))
-    solid = replace(solid, mass=mass_at_stiffness_points(solid.mesh, leg.material.rho))
+def _reduced(solid: SolidLeg, highest: float) -> BodyModel:
     held = held_leg(solid_leg_matrices(solid))
-    return solid, filled(craig_bampton(held, highest, _CUTOFF * highest).matrices)
-
-
-def with_bars(at: Posture) -> Posture:
-    """The posture with every prism as a solid bar of its outer size, its ends rigid."""
-    bodies = {
-        name: replace(body, shape=replace(shape, section=Rectangle(*shape.section.extent)))
-        if isinstance(shape := body.shape, Prism)
-        else body
-        for name, body in at.mechanism.bodies.items()
-    }
-    return replace(at, mechanism=replace(at.mechanism, bodies=bodies))
+    return filled(craig_bampton(held, highest, _CUTOFF * highest).matrices)
 
 
 def _found(context: Context) -> _Both:

@@ -27,10 +27,10 @@ from validation.models.legs import leg_matrices
 WRENCHES = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
 MODES = 6
 # Quadratic elements across the smaller side of the section.
-_DIVISIONS: dict[Preset, int] = {"quick": 2, "standard": 4, "fine": 6}
+DIVISIONS: dict[Preset, int] = {"quick": 2, "standard": 4, "fine": 6}
 # The matrices are meant to be looked at and tried: one element across keeps them below 1000 rows.
-_MATRIX_DIVISIONS = 1
-_STATIONS = 41
+MATRIX_DIVISIONS = 1
+STATIONS = 41
 
 _README = """\
 Models of {name}, SI units (m, N, kg, s, rad).
@@ -60,26 +60,31 @@ def export(robot: Biglide, preset: Preset, folder: Path) -> None:
 
     Raises ComputationError where a model cannot be solved, OSError where the disk refuses.
     """
-    divisions = _DIVISIONS[preset]
-    readme = _README.format(
-        name=robot.name, divisions=divisions, matrix_divisions=_MATRIX_DIVISIONS
-    )
+    divisions = DIVISIONS[preset]
+    readme = _README.format(name=robot.name, divisions=divisions, matrix_divisions=MATRIX_DIVISIONS)
     (folder / "README.txt").write_text(readme, encoding="utf-8")
     for number, described in enumerate((robot.leg1, robot.leg2), start=1):
-        leg, stem = equivalent_leg(described), f"leg{number}"
-        _write_solid(leg, divisions, folder / f"{stem}_solid.vtu")
-        coarse = solid.solid_leg(leg, solid.solid_mesh(leg, _MATRIX_DIVISIONS))
-        models = {
-            "segments": leg_matrices("segments", leg),
-            "beam": leg_matrices("beam", leg),
-            "solid": solid.solid_leg_matrices(coarse),
-        }
-        for name, matrices in models.items():
-            _write_matrix(matrices.stiffness, folder / f"{stem}_{name}_K")
-            _write_matrix(matrices.mass, folder / f"{stem}_{name}_M")
-        for name in ("segments", "beam"):
-            _write_centreline(models[name], folder / f"{stem}_{name}.vtp")
+        write_leg(equivalent_leg(described), f"leg{number}", divisions, folder)
     _write_robot(robot, folder / "robot_beam.vtp")
+
+
+def write_leg(leg: ConstantLeg, stem: str, divisions: int, folder: Path) -> None:
+    """Write one leg as solid, beam and segments, files of the name `stem`, root clamped.
+
+    Raises ComputationError where a model cannot be solved, OSError where the disk refuses.
+    """
+    _write_solid(leg, divisions, folder / f"{stem}_solid.vtu")
+    coarse = solid.solid_leg(leg, solid.solid_mesh(leg, MATRIX_DIVISIONS))
+    models = {
+        "segments": leg_matrices("segments", leg),
+        "beam": leg_matrices("beam", leg),
+        "solid": solid.solid_leg_matrices(coarse),
+    }
+    for name, matrices in models.items():
+        _write_matrix(matrices.stiffness, folder / f"{stem}_{name}_K")
+        _write_matrix(matrices.mass, folder / f"{stem}_{name}_M")
+    for name in ("segments", "beam"):
+        _write_centreline(models[name], folder / f"{stem}_{name}.vtp")
 
 
 def _write_solid(leg: ConstantLeg, divisions: int, path: Path) -> None:
@@ -88,22 +93,22 @@ def _write_solid(leg: ConstantLeg, divisions: int, path: Path) -> None:
     deflections = clamped.ends.expanded(clamped.factor.solve(clamped.ends.tip_loads()))
     modes = leg_modes.modes(clamped, MODES)
     data = grid(mesh)
-    for name, field in _named(deflections, modes.shapes).items():
+    for name, field in named_fields(deflections, modes.shapes).items():
         data.point_data[name] = field.reshape(-1, 3)
     data.field_data["frequencies"] = modes.frequencies
     save(data, path)
 
 
 def _write_centreline(leg: LegMatrices, path: Path) -> None:
-    stations = np.linspace(0.0, leg.length, _STATIONS)
+    stations = np.linspace(0.0, leg.length, STATIONS)
     twists = leg.centreline(stations)
     held = dense(leg.stiffness)[6:, 6:]
     deflections = np.zeros((leg.size, 6))
     deflections[6:] = np.linalg.solve(held, np.eye(leg.size - 6, 6))
     modes = clamped_modes(leg, MODES)
-    points = np.column_stack([stations, np.zeros((_STATIONS, 2))])
-    fields = _named(twists @ deflections, twists @ modes.shapes)
-    save(polyline([points], _vectors(fields), modes.frequencies), path)
+    points = np.column_stack([stations, np.zeros((STATIONS, 2))])
+    fields = named_fields(twists @ deflections, twists @ modes.shapes)
+    save(polyline([points], vectors_of(fields), modes.frequencies), path)
 
 
 def _write_robot(robot: Biglide, path: Path) -> None:
@@ -121,9 +126,9 @@ def _write_robot(robot: Biglide, path: Path) -> None:
     )
     for described, from_robot, root, rotation in places:
         leg = leg_matrices("beam", equivalent_leg(described))
-        stations = np.linspace(0.0, leg.length, _STATIONS)
+        stations = np.linspace(0.0, leg.length, STATIONS)
         twists = leg.centreline(stations) @ from_robot
-        fields = _vectors(_named(twists @ deflections, twists @ modes.shapes))
+        fields = vectors_of(named_fields(twists @ deflections, twists @ modes.shapes))
         lines.append(root + np.outer(stations, rotation[:, 0]))
         parts.append({name: field @ rotation.T for name, field in fields.items()})
     joined = {name: np.vstack([part[name] for part in parts]) for name in parts[0]}
@@ -139,13 +144,13 @@ def _write_matrix(matrix: SparseMatrix, path: Path) -> None:
     mmwrite(path.with_name(f"{path.name}.mtx"), coo_array(full), symmetry="symmetric")
 
 
-def _named(deflections: Array, shapes: Array) -> dict[str, Array]:
+def named_fields(deflections: Array, shapes: Array) -> dict[str, Array]:
     """Columns by name: deflections under unit wrenches, then mode shapes."""
     named = {f"displacement {w}": u for w, u in zip(WRENCHES, deflections.T, strict=True)}
     return named | {f"mode {k}": shape for k, shape in enumerate(shapes.T, start=1)}
 
 
-def _vectors(fields: Mapping[str, Array]) -> dict[str, Array]:
+def vectors_of(fields: Mapping[str, Array]) -> dict[str, Array]:
     """Twists along a centreline, flattened (6m), as displacements and rotations (m×3 each)."""
     vectors = {}
     for name, field in fields.items():

@@ -14,6 +14,7 @@ from lumped.robot_file import RobotFile
 from validation.cases.sweep_results import FOLDER_OPTION, GROUP, studies_read
 from validation.console.streams import complain
 from validation.context import Preset
+from validation.export.mechanism import export_mechanism
 from validation.export.models import export
 from validation.faults.detection import comparisons
 from validation.report.page import Report, render
@@ -134,7 +135,10 @@ def validate(request: Request, catalogue: Catalogue) -> Results:
                 progress.stage("exporting meshes, modes and matrices"),
                 folder.replacing("export") as target,
             ):
-                export(robot_file.robot, request.preset, target)
+                if robot_file.is_mechanism:
+                    export_mechanism(robot_file.mechanism, request.preset, target)
+                else:
+                    export(robot_file.robot, request.preset, target)
         folder.complete = not gathered.unfinished
     if folder.complete:
         gathered.path = request.out
@@ -173,10 +177,9 @@ def publish(gathered: Results, folder: RunFolder, findings: Sequence[Finding]) -
 def _refuse_what_biglides_have(request: Request) -> None:
     """Raise InputError for options that have nothing to do for a mechanism."""
     refused = {
-        "--export: the files for other programs are written for a biglide (schema 1) alone": (
-            request.exports
+        "--cluster: a mechanism's run has no sweeps; solve --vary has": (
+            request.cluster is not None
         ),
-        "--cluster: a mechanism's run has no sweeps": request.cluster is not None,
     }
     if faults := [fault for fault, asked in refused.items() if asked]:
         raise InputError(faults)

@@ -11,9 +11,10 @@ from lumped.mechanism.joint import Drive
 from lumped.robot_file import load_robot
 from validation.case import Skip
 from validation.cases import mechanism_calculix
-from validation.cases.mechanism_calculix import by_both, with_bars
+from validation.cases.mechanism_calculix import by_both
 from validation.context import Context
 from validation.kinematics.poses import postures_of
+from validation.solids.bars import with_bars
 
 needs_calculix = pytest.mark.skipif(
     not any(map(shutil.which, calculix_run.PROGRAMS)), reason="CalculiX (ccx) is not installed"
