@@ -1,10 +1,10 @@
 """The catalogue of faults against adequacy: no faulty model is called adequate in statics.
 
-A robot whose models are all adequate meets the faults of legs, sections, virtual joints and of
-the robot's assembly. A model whose own answer has then left the limits must not be called
-adequate, unless models and reference err alike in code that they share; there the virtual joints,
-which do not share it, must be called inadequate. Postures and screws are everybody's: faults in
-them are the business of the program's guards, which know postures of their own.
+A robot whose models are all adequate meets the faults of legs, sections, virtual joints, of the
+robot's assembly and of what they all share: postures and screws. A model whose own answer has then
+left the limits must not be called adequate, unless models and reference err alike in code that they
+share; there the virtual joints, which do not share it, must be called inadequate. Postures are
+drawn once more from points alone before anything is judged.
 """
 
 import sys
@@ -21,6 +21,7 @@ from random_robots import IFW
 
 from lumped.arrays import Array
 from lumped.biglide import Biglide
+from lumped.errors import ComputationError
 from lumped.legs import ConstantLeg, Material
 from lumped.requirement import STATIC_QUANTITIES, Requirement
 from lumped.sections import Rectangle
@@ -40,6 +41,8 @@ _JUDGED = (
     "lumped.vjm",
     "lumped.segments",
     "lumped.biglide_assembly",
+    "lumped.biglide.",
+    "lumped.screws",
 )
 LIMIT = 0.05
 
@@ -116,6 +119,17 @@ def truth() -> Array:
 def test_a_fault_in_the_virtual_joints_makes_them_inadequate(truth: Array) -> None:
     fault = next(one for one in FAULTS if one.where.startswith("lumped.vjm"))
     assert called_adequate(fault, truth) == []
+
+
+SHARED = [
+    f for f in FAULTS if f.where in ("lumped.biglide.Biglide.posture", "lumped.screws.rotation_z")
+]
+
+
+@pytest.mark.parametrize("fault", SHARED, ids=lambda fault: fault.id)
+def test_a_fault_in_the_postures_that_all_models_share_is_named(fault: Fault) -> None:
+    with fault.inject(), pytest.raises(ComputationError, match=r"the posture of leg \d is wrong"):
+        statics()
 
 
 @pytest.mark.soak

@@ -13,6 +13,7 @@ from lumped import biglide_assembly, vjm
 from lumped.arrays import Array
 from lumped.biglide import Biglide
 from lumped.legs import ConstantLeg, Ends, GivenLeg, Leg
+from validation.adequacy.biglide.closure import require_closed
 from validation.adequacy.legs import (
     HOLD,
     OPEN_ENDS,
@@ -61,7 +62,12 @@ def _said(leg: Leg) -> Ends | None:
 
 
 def static_reference(context: Context, robot: Biglide, x: Array) -> Reference:
-    """Solid or given legs, assembled; raises InputError where sections are too fine to mesh."""
+    """Solid or given legs, assembled.
+
+    Raises InputError where sections are too fine to mesh, ComputationError where a posture that all
+    models share is none of the robot.
+    """
+    require_closed(robot, x)
     legs = robot.leg1, robot.leg2
     solids = [isinstance(leg, ConstantLeg) for leg in legs]
     ratio = min(
