@@ -249,7 +249,7 @@ def solve(
     ends: Literal["rigid", "free"] | None = None,
     divisions: WholeNumber | None = None,
     equivalent: Literal["stiffness", "compliance"] | None = None,
-    parts: Literal["equivalent", "condensed"] | None = None,
+    parts: Literal["equivalent", "stepped", "condensed"] | None = None,
     against: Literal["simplified", "segments", "beam", "solid"] | None = None,
     vary: tuple[str, ...] = (),
     jobs: ProcessCount = None,
@@ -293,7 +293,8 @@ def solve(
     equivalent
         Which diagonal the constant-section leg shares with a leg's 6×6.
     parts
-        segments, beam: CAD parts as equivalent constant-section legs, or condensed on their
+        segments, beam: CAD parts as legs of one equivalent section, as legs
+        stepped in ten prismatic pieces of the parts' own sections, or condensed on their
         interfaces, mass included.
     against
         Another model of the mechanism, whose modes are paired with these by shape (MAC).

@@ -29,11 +29,11 @@ def spread_over(mesh: VolumeMesh, count: int = _COUNT) -> tuple[IntArray, Array]
         distance = apart if len(chosen) == 1 else np.minimum(distance, apart)
     centres = mesh.nodes[corners].mean(axis=1)
     _, nearest = cKDTree(places[chosen]).query(centres)
-    volumes = np.bincount(nearest, _volumes(mesh), len(chosen))
+    volumes = np.bincount(nearest, cell_volumes(mesh), len(chosen))
     return candidates[chosen], np.asarray(volumes, dtype=float)
 
 
-def _volumes(mesh: VolumeMesh) -> Array:
+def cell_volumes(mesh: VolumeMesh) -> Array:
     """Volume (M, m³) of each cell by its Jacobian at the centre."""
     kind = ELEMENTS[mesh.element]
     corners = kind.nodes[list(kind.corner_nodes)]

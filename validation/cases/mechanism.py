@@ -10,6 +10,7 @@ from functools import partial
 
 import numpy as np
 
+from fem.bodies.stepped import SteppedLeg
 from lumped.arrays import Array
 from lumped.leg_matrices import LegMatrices
 from lumped.legs import ConstantLeg
@@ -253,7 +254,7 @@ def _reduction(context: Context) -> Measurement:
     whole = bodies_of(middle.mechanism, options, partial(leg_matrices, "beam"))
     highest = highest_frequency([middle], MODES, options)
 
-    def reduce(leg: ConstantLeg, own: ModelOptions) -> LegMatrices:
+    def reduce(leg: ConstantLeg | SteppedLeg, own: ModelOptions) -> LegMatrices:
         return reduced_leg("beam", leg, own, highest, CUTOFF["beam"] * highest)
 
     reduced = bodies_of(middle.mechanism, options, reduce)

@@ -1,8 +1,11 @@
 """The models of one leg, each made once: of one shape, however many legs have it."""
 
+from functools import partial
+
 from fem.bodies import leg_modes, solid
 from fem.bodies.beam import beam_leg
 from fem.bodies.solid import ClampedLeg
+from fem.bodies.stepped import Piece, SteppedLeg, stepped_leg
 from fem.reduction.craig_bampton import craig_bampton
 from fem.reduction.superelement import HeldLeg, held_leg, static_superelement
 from lumped.arrays import Array
@@ -18,17 +21,29 @@ from validation.solids.robots import held_solid
 
 
 def leg_matrices(
-    model: ModelName, leg: ConstantLeg, options: ModelOptions = DEFAULT_OPTIONS
+    model: ModelName, leg: ConstantLeg | SteppedLeg, options: ModelOptions = DEFAULT_OPTIONS
 ) -> LegMatrices:
-    """Matrices of one free leg by `segments` or `beam`.
+    """Matrices of one free leg by `segments` or `beam`, `elements` in all pieces of a stepped one.
 
     Raises InputError for any other model.
     """
+    if isinstance(leg, SteppedLeg):
+        return stepped_leg(leg, partial(_piece, model, options, len(leg.pieces)))
     if model == "segments":
         return segment_leg(leg_chain(leg, options))
     if model != "beam":
         raise InputError(f"the {model} model has no leg matrices that suit every frequency")
     return beam_leg(leg.properties(options.theory), leg.length, options.elements)
+
+
+def _piece(model: ModelName, options: ModelOptions, count: int, piece: Piece) -> LegMatrices:
+    properties = piece.properties
+    if options.theory == "euler-bernoulli":
+        properties = properties.as_euler_bernoulli()
+    elements = max(1, round(options.elements / count))
+    if model == "segments":
+        return segment_leg(segment_chain(properties, piece.length, elements, options.layout))
+    return beam_leg(properties, piece.length, elements)
 
 
 def leg_chain(leg: ConstantLeg, options: ModelOptions) -> Chain:
@@ -38,15 +53,19 @@ def leg_chain(leg: ConstantLeg, options: ModelOptions) -> Chain:
 
 
 @lru_cache(maxsize=64)
-def cached_leg(model: ModelName, leg: ConstantLeg, options: ModelOptions) -> LegMatrices:
+def cached_leg(
+    model: ModelName, leg: ConstantLeg | SteppedLeg, options: ModelOptions
+) -> LegMatrices:
     """A leg only turns from posture to posture: its matrices are built once."""
     return leg_matrices(model, leg, options)
 
 
 @lru_cache(maxsize=64)
-def condensed_leg(model: ModelName, leg: ConstantLeg, options: ModelOptions) -> LegMatrices:
+def condensed_leg(
+    model: ModelName, leg: ConstantLeg | SteppedLeg, options: ModelOptions
+) -> LegMatrices:
     """A leg by `segments`, `beam` or `solid` on the twists of its ends alone, exact in statics."""
-    if model == "segments":
+    if model == "segments" and isinstance(leg, ConstantLeg):
         return static_leg(leg_chain(leg, options))
     return static_superelement(_held(model, leg, options)).matrices
 
@@ -54,7 +73,7 @@ def condensed_leg(model: ModelName, leg: ConstantLeg, options: ModelOptions) -> 
 @lru_cache(maxsize=32)
 def reduced_leg(
     model: ModelName,
-    leg: ConstantLeg,
+    leg: ConstantLeg | SteppedLeg,
     options: ModelOptions,
     highest: float,
     cutoff: float | None = None,
@@ -68,8 +87,8 @@ def reduced_leg(
 
 # The factors of two solid legs are what fits into small machines.
 @lru_cache(maxsize=2)
-def _held(model: ModelName, leg: ConstantLeg, options: ModelOptions) -> HeldLeg:
-    if model == "solid":
+def _held(model: ModelName, leg: ConstantLeg | SteppedLeg, options: ModelOptions) -> HeldLeg:
+    if model == "solid" and isinstance(leg, ConstantLeg):
         return held_solid(leg, options.divisions, options.ends)
     return held_leg(leg_matrices(model, leg, options))
 

@@ -12,6 +12,7 @@ from typing import TypeVar
 
 import numpy as np
 
+from fem.bodies.stepped import SteppedLeg
 from fem.reduction.craig_bampton import CUTOFF_FACTOR
 from lumped.arrays import Array
 from lumped.errors import InputError
@@ -122,7 +123,7 @@ def dynamic_bodies(
     """
     cutoff = CUTOFF[model] * highest
 
-    def reduced(leg: ConstantLeg, own: ModelOptions) -> LegMatrices:
+    def reduced(leg: ConstantLeg | SteppedLeg, own: ModelOptions) -> LegMatrices:
         return reduced_leg(model, leg, own, highest, cutoff)
 
     if model == "solid":
@@ -140,7 +141,7 @@ def dynamic_bodies(
 def bodies_of(
     mechanism: Mechanism,
     options: ModelOptions,
-    build: Callable[[ConstantLeg, ModelOptions], LegMatrices],
+    build: Callable[[ConstantLeg | SteppedLeg, ModelOptions], LegMatrices],
 ) -> dict[str, BodyModel]:
     """Every leg, and every part that a leg stands for, as `build` makes it."""
     legs: dict[str, BodyModel] = {
@@ -149,7 +150,9 @@ def bodies_of(
     return legs | part_models(mechanism, options, lambda leg, own: filled(build(leg, own)))
 
 
-def _link(leg: ConstantLeg, options: ModelOptions) -> LegMatrices:
+def _link(leg: ConstantLeg | SteppedLeg, options: ModelOptions) -> LegMatrices:
+    if isinstance(leg, SteppedLeg):
+        return condensed_leg("beam", leg, options)
     return link(leg.length, tip_compliance(leg.properties(options.theory), leg.length))
 
 

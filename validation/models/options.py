@@ -10,7 +10,7 @@ from lumped.segments import Layout
 ModelName: TypeAlias = Literal["simplified", "vjm", "links", "segments", "beam", "solid"]
 LegSprings: TypeAlias = Literal["given", "equivalent"]
 Ends: TypeAlias = Literal["rigid", "free"]
-PartLegs: TypeAlias = Literal["equivalent", "condensed"]
+PartLegs: TypeAlias = Literal["equivalent", "stepped", "condensed"]
 
 
 @dataclass(frozen=True)
@@ -20,8 +20,8 @@ class ModelOptions:
     `legs` (vjm, links): each leg's own 6×6 or that of its equivalent constant-section leg; `theory`
     (segments, beam; vjm and links with equivalent legs); `elements` per leg (segments, beam);
     `release`, `layout` (segments); `ends`, `divisions` (solid); `equivalent`: which diagonal is
-    matched; `parts` (segments, beam): CAD parts as equivalent legs, or condensed on their
-    interfaces with their mass.
+    matched; `parts` (segments, beam): CAD parts as equivalent legs, as legs stepped in prismatic
+    pieces, or condensed on their interfaces with their mass.
     """
 
     legs: LegSprings = "given"

@@ -8,30 +8,24 @@ from collections.abc import Callable
 
 import numpy as np
 
+from fem.bodies.stepped import SteppedLeg
 from lumped.arrays import Array
 from lumped.errors import InputError
 from lumped.leg_matrices import LegMatrices
 from lumped.legs import ConstantLeg, GivenLeg, equivalent_leg, tip_compliance
 from lumped.mechanism.body import Body
 from lumped.mechanism.body_model import BodyModel
-from lumped.mechanism.frame import Frame
 from lumped.mechanism.mechanism import Mechanism
-from lumped.mechanism.placing import leg_frame
 from lumped.models.placed_leg import placed_leg
 from lumped.screws import turn_matrix
 from validation.models.options import ModelOptions
-from validation.models.parts import condensed, identified, parts_of
+from validation.models.parts import condensed, identified, leg_axes, parts_of
+from validation.models.stepped_parts import stepped
 
 
 def is_leg(body: Body) -> bool:
     """Whether a part is a leg: between two interfaces."""
     return len(body.interfaces) == 2
-
-
-def leg_axes(body: Body) -> Frame:
-    """The leg's axes in those of the body."""
-    start, end = (frame.position for frame in body.interfaces.values())
-    return leg_frame(start, end)
 
 
 def given_leg(body: Body) -> GivenLeg:
@@ -70,7 +64,7 @@ def part_springs(mechanism: Mechanism, options: ModelOptions) -> dict[str, Array
 def part_models(
     mechanism: Mechanism,
     options: ModelOptions,
-    build: Callable[[ConstantLeg, ModelOptions], LegMatrices],
+    build: Callable[[ConstantLeg | SteppedLeg, ModelOptions], LegMatrices],
 ) -> dict[str, BodyModel]:
     """Every part as `options.parts` asks: legs in its place by `build`, or condensed.
 
@@ -78,9 +72,13 @@ def part_models(
     """
     models = {}
     for name, body in parts_of(mechanism).items():
-        if is_leg(body) and options.parts == "equivalent":
-            leg = build(equivalent_leg(given_leg(body), options.equivalent), options)
-            models[name] = placed_leg(leg, leg_axes(body), tuple(body.interfaces))
-        else:
+        if not is_leg(body) or options.parts == "condensed":
             models[name] = condensed(body)
+            continue
+        leg: ConstantLeg | SteppedLeg
+        if options.parts == "stepped":
+            leg = stepped(body)
+        else:
+            leg = equivalent_leg(given_leg(body), options.equivalent)
+        models[name] = placed_leg(build(leg, options), leg_axes(body), tuple(body.interfaces))
     return models

@@ -19,8 +19,10 @@ from lumped.caches import lru_cache
 from lumped.errors import InputError
 from lumped.mechanism.body import Body
 from lumped.mechanism.body_model import BodyModel
+from lumped.mechanism.frame import Frame
 from lumped.mechanism.mechanism import Mechanism
 from lumped.mechanism.part import Part
+from lumped.mechanism.placing import leg_frame
 from meshes.part.interfaces import Interface, find_interfaces
 from meshes.part.read import PartFile, read_part
 from validation.parts.identify import Identified, identify
@@ -54,6 +56,12 @@ def shape_of(body: Body) -> Part:
 def is_held_as_said(body: Body) -> bool:
     """Whether the robot file says of every interface how its faces are held."""
     return all(interface.coupling for interface in shape_of(body).interfaces.values())
+
+
+def leg_axes(body: Body) -> Frame:
+    """Axes of a part of two interfaces as a leg, in those of the body."""
+    start, end = (frame.position for frame in body.interfaces.values())
+    return leg_frame(start, end)
 
 
 def found_in(body: Body) -> tuple[PartFile, tuple[Interface, ...]]:

@@ -347,6 +347,7 @@ def dynamic_ladders(
     return {
         "simplified": (drives, *above),
         "segments": (*segments, *above),
+        "segments-stepped": (*of_parts[1:], *upper),
         "segments-condensed": (*inertia, *upper),
         "beam": above,
         "segments-euler-bernoulli": (

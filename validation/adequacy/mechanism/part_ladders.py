@@ -8,8 +8,13 @@ from validation.models.options import PartLegs
 from validation.models.parts import parts_of
 
 _STEPS: dict[PartLegs, tuple[str, str, str]] = {
+    "stepped": (
+        "one section from end to end in the place of the part",
+        "ten prismatic pieces with the part's own sections, beam elements",
+        "step the legs along the parts: --parts stepped",
+    ),
     "condensed": (
-        "equivalent leg in the place of the part",
+        "pieces of beams in the place of the part",
         "the part condensed on its interfaces",
         "condense the parts on their interfaces: --parts condensed",
     ),
@@ -17,11 +22,14 @@ _STEPS: dict[PartLegs, tuple[str, str, str]] = {
 
 
 def part_rungs(
-    mechanism: Mechanism, alternatives: Iterable[str], idealised: Callable[[PartLegs], Response]
+    mechanism: Mechanism,
+    alternatives: Iterable[str],
+    idealised: Callable[[PartLegs], Response],
 ) -> tuple[Rung, ...]:
     """Rungs above models with equivalent legs, or none where no body is a part.
 
-    `idealised` gives the response with parts idealised otherwise, all else as in the model.
+    The last one is all that stepped legs lack. `idealised` gives the response with parts idealised
+    otherwise, all else as in the model.
     """
     if not parts_of(mechanism):
         return ()

@@ -258,6 +258,7 @@ def static_ladders(context: Context, postures: Sequence[Posture]) -> dict[str, t
         "links": upper,
         "vjm-equivalent": (*section, *upper),
         "segments": (*section, *upper),
+        "segments-stepped": (*idealisation[1:], *upper),
         "segments-condensed": upper,
         "beam": (*section, *upper),
         "segments-euler-bernoulli": (shear, *section, *upper),

@@ -50,6 +50,9 @@ _MODELS: Mapping[str, _Model] = {
     ),
     "links": _Model("links", "matrix structural analysis, legs as given", ModelOptions()),
     "segments": _Model("segments", "20 rigid segments per leg, Timoshenko", ModelOptions()),
+    "segments-stepped": _Model(
+        "segments", "parts stepped in ten prismatic pieces", ModelOptions(parts="stepped")
+    ),
     "segments-condensed": _Model(
         "segments", "parts condensed on their interfaces", ModelOptions(parts="condensed")
     ),
@@ -64,7 +67,7 @@ _MODELS: Mapping[str, _Model] = {
 def mechanism_models(mechanism: Mechanism) -> tuple[str, ...]:
     """The models that are judged; without 6×6 both kinds of virtual joints are one."""
     parts = parts_of(mechanism).values()
-    left_out = set() if parts else {"segments-condensed"}
+    left_out = set() if parts else {"segments-stepped", "segments-condensed"}
     if not has_given(mechanism) and not any(is_leg(body) for body in parts):
         left_out.add("vjm-equivalent")
     return tuple(name for name in _MODELS if name not in left_out)

@@ -48,6 +48,11 @@ _CURVES: Mapping[str, tuple[ModelName, ModelOptions, Look]] = {
     "vjm": ("vjm", ModelOptions(), MODELS["vjm"]),
     "links": ("links", ModelOptions(), Look(PURPLE, "D", ":")),
     "segments": ("segments", ModelOptions(), MODELS["segments"]),
+    "segments-stepped": (
+        "segments",
+        ModelOptions(parts="stepped"),
+        Look(MODELS["segments"].colour, "^", ":"),
+    ),
     "segments-condensed": (
         "segments",
         ModelOptions(parts="condensed"),
@@ -56,7 +61,7 @@ _CURVES: Mapping[str, tuple[ModelName, ModelOptions, Look]] = {
     "beam": ("beam", ModelOptions(), MODELS["beam"]),
     "beam-euler-bernoulli": ("beam", _EULER, Look(MODELS["beam"].colour, "P", ":")),
 }
-_DYNAMIC = ("segments", "segments-condensed", "beam", "beam-euler-bernoulli")
+_DYNAMIC = ("segments", "segments-stepped", "segments-condensed", "beam", "beam-euler-bernoulli")
 
 
 def drawings() -> tuple[Drawing, ...]:

@@ -1,0 +1,166 @@
+"""Cross-sections of a part where a plane cuts its mesh: outlines, and meshes inside them."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.path import Path as Outline
+
+from lumped.arrays import Array, IntArray
+from lumped.errors import InputError
+from meshes.gmsh_arrays import connectivity, numbered
+from meshes.gmsh_session import gmsh_model
+from meshes.part.boundary import Facets
+from meshes.section.section_mesh import SectionMesh, counter_clockwise
+
+# Triangles of a facet's corners and middles: curved facets are cut as four flat ones.
+_PIECES = {
+    "tri3": ((0, 1, 2),),
+    "tri6": ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5)),
+    "quad4": ((0, 1, 2), (0, 2, 3)),
+    "quad8": ((0, 1, 2), (0, 2, 3)),
+    "quad9": ((0, 1, 2), (0, 2, 3)),
+}
+# Corners that are off the line of their neighbours by less, of the section's size, are none.
+_STRAIGHT = 2e-4
+# Edge of the triangles, of twice the area over the length of all outlines: a wall's thickness.
+_EDGE = 0.7
+
+
+@dataclass(frozen=True, eq=False)
+class Slice:
+    """One piece of a section: its outer outline and its holes (n×2 each, m, in the plane)."""
+
+    outer: Array
+    holes: tuple[Array, ...]
+
+    @property
+    def area(self) -> float:
+        """Inside the outline, less the holes (m²)."""
+        return abs(_area(self.outer)) - sum(abs(_area(hole)) for hole in self.holes)
+
+    @property
+    def centroid(self) -> Array:
+        """Of that area (2, m)."""
+        loops = [(self.outer, 1.0), *((hole, -1.0) for hole in self.holes)]
+        moments = sum(sign * abs(_area(loop)) * _centroid(loop) for loop, sign in loops)
+        return np.asarray(moments / self.area)
+
+
+def slice_of(nodes: Array, facets: Facets, origin: Array, axes: Array) -> Slice:
+    """The piece of a section that is nearest to `origin` (3, m).
+
+    The plane is that through `origin` across the first column of `axes` (3×3); outlines are in the
+    other two. `facets`: the whole boundary on `nodes`. Raises InputError where the plane misses.
+    """
+    loops = [loop for loop in _loops(nodes, facets, origin, axes) if abs(_area(loop)) > 0.0]
+    if not loops:
+        x, y, z = origin
+        raise InputError(f"the plane through ({x:.4g}, {y:.4g}, {z:.4g}) m does not cut the part")
+    inside = [
+        [Outline(other).contains_point(loop[0]) for other in loops if other is not loop]
+        for loop in loops
+    ]
+    pieces = []
+    for loop, around in zip(loops, inside, strict=True):
+        if sum(around) % 2:
+            continue
+        within = Outline(loop)
+        holes = tuple(
+            other
+            for other, theirs in zip(loops, inside, strict=True)
+            if sum(theirs) == sum(around) + 1 and within.contains_point(other[0])
+        )
+        pieces.append(Slice(loop, holes))
+    return min(pieces, key=lambda piece: float(np.linalg.norm(piece.centroid)))
+
+
+def slice_mesh(piece: Slice) -> SectionMesh:
+    """Second-order triangles inside the outlines."""
+    around = sum(
+        float(np.linalg.norm(np.diff(loop, axis=0, append=loop[:1]), axis=1).sum())
+        for loop in (piece.outer, *piece.holes)
+    )
+    with gmsh_model("section of the part") as gmsh:
+        geo = gmsh.model.geo
+        loops = []
+        for outline in (piece.outer, *piece.holes):
+            points = [geo.addPoint(0.0, y, z) for y, z in outline]
+            ends = [*points[1:], points[0]]
+            lines = [geo.addLine(a, b) for a, b in zip(points, ends, strict=True)]
+            loops.append(geo.addCurveLoop(lines))
+        geo.addPlaneSurface(loops)
+        geo.synchronize()
+        gmsh.option.setNumber("Mesh.MeshSizeMax", _EDGE * 2.0 * piece.area / around)
+        gmsh.model.mesh.generate(2)
+        gmsh.model.mesh.setOrder(2)
+        tagged = connectivity(gmsh, "tri6")
+        tags, places = numbered(gmsh, tagged)
+    flat = np.ascontiguousarray(places[:, 1:])
+    return SectionMesh(flat, counter_clockwise(flat, np.searchsorted(tags, tagged), "tri6"), "tri6")
+
+
+def _loops(nodes: Array, facets: Facets, origin: Array, axes: Array) -> list[Array]:
+    """Closed polygons (n×2) where the plane cuts the boundary."""
+    own = (nodes - origin) @ axes
+    height = own[:, 0].copy()
+    # A node in the plane is taken as just above it.
+    height[height == 0.0] = np.finfo(float).tiny
+    triangles = np.vstack([facets.cells[:, list(piece)] for piece in _PIECES[facets.element]])
+    above = height[triangles] > 0.0
+    cut = triangles[above.any(axis=1) & ~above.all(axis=1)]
+    links: dict[tuple[int, int], list[tuple[int, int]]] = {}
+    for triangle in cut.tolist():
+        crossed = [
+            (min(a, b), max(a, b))
+            for a, b in zip(triangle, [*triangle[1:], triangle[0]], strict=True)
+            if (height[a] > 0.0) != (height[b] > 0.0)
+        ]
+        first, second = crossed
+        links.setdefault(first, []).append(second)
+        links.setdefault(second, []).append(first)
+    loops = []
+    while links:
+        here = next(iter(links))
+        ring = []
+        while here in links:
+            ring.append(here)
+            here = next((other for other in links.pop(here) if other in links), here)
+        edges: IntArray = np.array(ring)
+        low, high = height[edges[:, 0]], height[edges[:, 1]]
+        share = (low / (low - high))[:, None]
+        points = own[edges[:, 0], 1:] * (1.0 - share) + own[edges[:, 1], 1:] * share
+        if len(points) > 2:
+            loops.append(_simplified(points))
+    return loops
+
+
+def _simplified(loop: Array) -> Array:
+    """The polygon without corners that lie on the line of their neighbours, or on top of them."""
+    limit = _STRAIGHT * float(np.ptp(loop, axis=0).max())
+    # What is farthest out is a corner.
+    first = int(np.argmax(np.linalg.norm(loop - loop.mean(axis=0), axis=1)))
+    loop = np.roll(loop, -first, axis=0)
+    kept = [loop[0]]
+    start = 0
+    for k in range(1, len(loop)):
+        end = loop[(k + 1) % len(loop)]
+        between = loop[start + 1 : k + 1] - kept[-1]
+        chord = end - kept[-1]
+        size = float(np.linalg.norm(chord))
+        off = np.abs(between[:, 0] * chord[1] - between[:, 1] * chord[0]) / max(size, limit)
+        if off.max() > limit:
+            kept.append(loop[k])
+            start = k
+    return np.array(kept)
+
+
+def _area(loop: Array) -> float:
+    y, z = loop.T
+    return 0.5 * float(np.sum(y * np.roll(z, -1) - np.roll(y, -1) * z))
+
+
+def _centroid(loop: Array) -> Array:
+    y, z = loop.T
+    following = np.roll(loop, -1, axis=0)
+    cross = y * following[:, 1] - following[:, 0] * z
+    return np.asarray((loop + following).T @ cross / (3.0 * cross.sum()))

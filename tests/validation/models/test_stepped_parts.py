@@ -1,0 +1,116 @@
+"""Parts as stepped legs: a tapered cantilever against its closed form, and its convergence."""
+
+import numpy as np
+import pytest
+
+from lumped.errors import InputError
+from lumped.legs import Material
+from lumped.mechanism.body import Body
+from lumped.mechanism.frame import Frame
+from lumped.mechanism.part import ByPlane, Part, PartInterface
+from meshes.gmsh_session import gmsh_model
+from meshes.part.boundary import boundary
+from meshes.part.interfaces import find_interfaces
+from meshes.part.read import read_part
+from meshes.part.slices import slice_of
+from meshes.part.volume import Grading, volume_mesh
+from validation.models import parts
+from validation.models.legs import leg_matrices
+from validation.models.options import ModelOptions
+from validation.models.stepped_parts import stepped
+
+STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
+LENGTH, WIDTH, ROOT, TIP = 0.5, 0.04, 0.06, 0.03
+ENDS = {
+    name: PartInterface(ByPlane((way, 0.0, 0.0), (x, 0.0, 0.0)), "average")
+    for name, way, x in (("A", -1.0, 0.0), ("B", 1.0, LENGTH))
+}
+
+
+@pytest.fixture(scope="module")
+def body(tmp_path_factory):
+    """A box of 500 × 40 mm whose height falls from 60 to 30 mm."""
+    path = tmp_path_factory.mktemp("taper") / "taper.step"
+    with gmsh_model("taper") as gmsh:
+        gmsh.option.setString("Geometry.OCCTargetUnit", "MM")
+        occ = gmsh.model.occ
+        corners = [(0, -30), (500, -15), (500, 15), (0, 30)]
+        points = [occ.addPoint(x, -20, z) for x, z in corners]
+        lines = [occ.addLine(points[i], points[(i + 1) % 4]) for i in range(4)]
+        face = occ.addPlaneSurface([occ.addCurveLoop(lines)])
+        occ.extrude([(2, face)], 0, 40, 0)
+        occ.synchronize()
+        gmsh.model.removeEntities(gmsh.model.getEntities(2), recursive=False)
+        gmsh.write(str(path))
+    points = {"A": Frame(), "B": Frame(np.array([LENGTH, 0.0, 0.0]))}
+    return Body("taper", Part(path, STEEL, ENDS), points)
+
+
+@pytest.fixture(scope="module")
+def legs(body, tmp_path_factory):
+    """Stepped in 2, 4 and 8 pieces."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(parts, "UNKNOWNS", 5000)
+        patch.delenv("FLEXPROOF_CACHE", raising=False)
+        patch.setenv("XDG_CACHE_HOME", str(tmp_path_factory.mktemp("cache")))
+        return {count: stepped(body, count) for count in (2, 4, 8)}
+
+
+def compliance(leg, model="beam", theory="timoshenko"):
+    """Of the tip with the root held, 6×6."""
+    matrices = leg_matrices(model, leg, ModelOptions(elements=8, theory=theory))
+    free = matrices.stiffness.toarray()[6:, 6:]
+    return np.linalg.inv(free)[:6, :6]
+
+
+# ∫dx/h and ∫dx/h³ of a height that is linear in x.
+STRETCH = LENGTH / (STEEL.E * WIDTH * (ROOT - TIP)) * np.log(ROOT / TIP)
+BEND = 12.0 * LENGTH / (STEEL.E * WIDTH * (ROOT - TIP)) * 0.5 * (1.0 / TIP**2 - 1.0 / ROOT**2)
+
+
+@pytest.mark.parametrize(("component", "exact"), [(0, STRETCH), (4, BEND)])
+def test_pieces_converge_to_the_closed_form_with_the_square_of_their_number(legs, component, exact):
+    errors = np.array(
+        [compliance(leg)[component, component] / exact - 1.0 for leg in legs.values()]
+    )
+    orders = np.log2(errors[:-1] / errors[1:])
+    # Sections in the middle of the pieces: the midpoint rule.
+    assert orders == pytest.approx([2.0, 2.0], abs=0.25)
+    assert orders[1] == pytest.approx(2.0, abs=0.08)
+    assert abs(errors[-1]) < 0.01
+
+
+def test_beams_and_segments_are_one_statics(legs):
+    scale = np.sqrt(np.diag(compliance(legs[4])))
+    for theory in ("timoshenko", "euler-bernoulli"):
+        beam, segments = (compliance(legs[4], model, theory) for model in ("beam", "segments"))
+        assert segments / np.outer(scale, scale) == pytest.approx(
+            beam / np.outer(scale, scale), abs=1e-9
+        )
+
+
+def test_mass_and_rigid_motions_are_those_of_the_part(legs):
+    matrices = leg_matrices("beam", legs[8], ModelOptions(elements=8))
+    # Areas are linear along the box: sections in the middle give its mass exactly.
+    mass = STEEL.rho * WIDTH * LENGTH * (ROOT + TIP) / 2.0
+    K, M = matrices.stiffness.toarray(), matrices.mass.toarray()
+    shift = np.zeros((len(K), 1))
+    shift[2] = shift[8] = 1.0
+    inner = -np.linalg.solve(K[12:, 12:], K[12:, :12] @ shift[:12])
+    shift[12:] = inner
+    assert np.abs(K @ shift).max() < 1e-6 * np.abs(K).max()
+    assert (shift.T @ M @ shift).item() == pytest.approx(mass, rel=1e-6)
+    twists = matrices.centreline(np.array([0.0, 0.13, LENGTH])) @ shift
+    assert twists.reshape(3, 6) == pytest.approx(np.tile([0, 0, 1, 0, 0, 0], (3, 1)), abs=1e-9)
+
+
+def test_a_section_has_the_outline_of_the_box(body):
+    part = read_part(body.shape.file)
+    mesh = volume_mesh(part, find_interfaces(part, ENDS), Grading(0.03))
+    cut = slice_of(mesh.nodes, boundary(mesh), np.array([0.2, 0.005, -0.003]), np.eye(3))
+    height = ROOT + 0.4 * (TIP - ROOT)
+    assert cut.area == pytest.approx(WIDTH * height, rel=1e-9)
+    assert cut.centroid == pytest.approx([-0.005, 0.003], abs=1e-12)
+    assert len(cut.outer) == 4
+    with pytest.raises(InputError, match="does not cut the part"):
+        slice_of(mesh.nodes, boundary(mesh), np.array([0.7, 0.0, 0.0]), np.eye(3))

@@ -1,0 +1,159 @@
+"""Parts as stepped legs: prismatic pieces with the part's own sections along its centre line."""
+
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from fem.bodies.stepped import Piece, SteppedLeg
+from fem.sections.section_constants import beam_properties, section_constants
+from lumped.arrays import Array
+from lumped.caches import lru_cache
+from lumped.errors import InputError
+from lumped.legs import BeamProperties, Material
+from lumped.mechanism.body import Body
+from lumped.screws import shift, skew
+from meshes.part.boundary import Facets, boundary
+from meshes.part.part_mesh import PartMesh
+from meshes.part.slices import Slice, slice_mesh, slice_of
+from meshes.part.spread import cell_volumes
+from meshes.section.section_mesh import SectionMesh
+from validation.models import parts
+from validation.parts.kept import kept, key_of
+from validation.parts.meshes import MIDDLE, part_mesh
+
+PIECES = 10
+# Each round cuts across the line through the centroids of the round before.
+_ROUNDS = 3
+# Axes turned by less than leaves this share of the moments as their product are principal.
+_PRINCIPAL = 1e-6
+
+
+@lru_cache(maxsize=16)
+def stepped(body: Body, pieces: int = PIECES) -> SteppedLeg:
+    """A part of two interfaces in so many pieces, leg axes.
+
+    Raises InputError where the interfaces leave nothing between them, or a plane misses the part.
+    """
+    file, interfaces = parts.found_in(body)
+    material = parts.shape_of(body).material
+    frame = parts.leg_axes(body)
+    key = key_of(file, interfaces, material, "stepped", parts.UNKNOWNS, pieces)
+
+    def compute() -> dict[str, Any]:
+        mesh = part_mesh(file, interfaces, parts.UNKNOWNS, MIDDLE)
+        own = (mesh.nodes - frame.position) @ frame.rotation
+        reach = [
+            own[np.unique(np.concatenate([mesh.faces[n].nodes for n in one.faces])), 0]
+            for one in interfaces
+        ]
+        begin, end = float(reach[0].max()), float(reach[1].min())
+        if begin >= end:
+            raise InputError(
+                f"bodies.{body.name}: its interfaces overlap along the line between them, nothing "
+                'is left for pieces; take "condensed"'
+            )
+        return _fitted(mesh, own, (begin, end), pieces, material)
+
+    found = kept(key, compute)
+    length = float(np.linalg.norm(np.subtract(*(i.point for i in reversed(interfaces)))))
+    return SteppedLeg(
+        length=length,
+        pieces=tuple(
+            Piece(start, end, axes, BeamProperties(*numbers.tolist()))
+            for start, end, axes, numbers in zip(
+                found["line"][:-1],
+                found["line"][1:],
+                found["axes"],
+                found["properties"],
+                strict=True,
+            )
+        ),
+        root_mass=found["root_mass"],
+        tip_mass=_moved(found["tip_mass"], length),
+    )
+
+
+def _fitted(
+    mesh: PartMesh, own: Array, span: tuple[float, float], count: int, material: Material
+) -> dict[str, Any]:
+    """Line, axes and properties of the pieces, masses of what is rigid (about the root)."""
+    facets = boundary(mesh)
+    line = np.zeros((count + 1, 3))
+    line[:, 0] = np.linspace(*span, count + 1)
+    for _ in range(_ROUNDS):
+        line = _through_centroids(own, facets, line)
+    axes, properties = [], []
+    for start, end in pairwise(line):
+        across = _across(end - start)
+        piece = slice_of(own, facets, 0.5 * (start + end), across)
+        turned, values = _section(piece, across, material)
+        axes.append(turned)
+        properties.append(values)
+    masses = material.rho * cell_volumes(mesh)
+    centres = own[mesh.cells].mean(axis=1)
+    before = (centres - line[0]) @ axes[0][:, 0] < 0.0
+    behind = (centres - line[-1]) @ axes[-1][:, 0] > 0.0
+    return {
+        "line": line,
+        "axes": np.array(axes),
+        "properties": np.array(properties),
+        "root_mass": _mass(masses[before], centres[before]),
+        "tip_mass": _mass(masses[behind], centres[behind]),
+    }
+
+
+def _through_centroids(own: Array, facets: Facets, line: Array) -> Array:
+    """The polygon whose pieces have the centroids of the sections in their middles."""
+    places = []
+    for start, end in pairwise(line):
+        axes, middle = _across(end - start), 0.5 * (start + end)
+        places.append(middle + axes[:, 1:] @ slice_of(own, facets, middle, axes).centroid)
+    centres = np.array(places)
+    if len(centres) == 1:
+        return np.asarray(line + centres[0] - line.mean(axis=0))
+    ends = 1.5 * centres[[0, -1]] - 0.5 * centres[[1, -2]]
+    return np.vstack([ends[:1], 0.5 * (centres[:-1] + centres[1:]), ends[1:]])
+
+
+def _across(direction: Array) -> Array:
+    """Axes (3×3, columns) with x along `direction` and z as nearly along z as it can be."""
+    x = direction / np.linalg.norm(direction)
+    y = np.cross([0.0, 0.0, 1.0], x)
+    y /= np.linalg.norm(y)
+    return np.column_stack([x, y, np.cross(x, y)])
+
+
+def _section(piece: Slice, axes: Array, material: Material) -> tuple[Array, list[float]]:
+    """Principal axes (3×3) of a section and the fields of its `BeamProperties` about them."""
+    mesh, ratio = slice_mesh(piece), material.G / material.E
+    constants = section_constants(mesh, material.nu, ratio)
+    iy, iz, product = (
+        constants.second_moment_y,
+        constants.second_moment_z,
+        constants.product_moment,
+    )
+    if abs(product) > _PRINCIPAL * max(iy, iz):
+        angle = 0.5 * np.arctan2(2.0 * product, iz - iy)
+        c, s = np.cos(angle), np.sin(angle)
+        turn = np.array([[c, -s], [s, c]])
+        axes = np.column_stack([axes[:, 0], axes[:, 1:] @ turn])
+        constants = section_constants(
+            SectionMesh(mesh.nodes @ turn, mesh.cells, mesh.element), material.nu, ratio
+        )
+    found = beam_properties(constants, material)
+    return axes, [getattr(found, name) for name in BeamProperties.__dataclass_fields__]
+
+
+def _mass(masses: Array, places: Array) -> Array:
+    """6×6 about the origin of points of `masses` (n) at `places` (n×3)."""
+    total, first = float(masses.sum()), masses @ places
+    second = (places * masses[:, None]).T @ places
+    inertia = np.trace(second) * np.eye(3) - second
+    return np.block([[total * np.eye(3), -skew(first)], [skew(first), inertia]])
+
+
+def _moved(mass: Array, length: float) -> Array:
+    """The same about the tip: twists of the root are those of the tip, carried back."""
+    back = shift(np.array([-length, 0.0, 0.0]))
+    return np.asarray(back.T @ mass @ back)
