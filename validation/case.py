@@ -103,7 +103,8 @@ class Measurement:
     `value_uncertainty`, `reference_uncertainty` and `judged_uncertainty` are the numerical
     uncertainties of both sides and of the unexplained difference (half-widths of a 95 % interval).
     The last is stated where both sides have one mesh, whose errors cancel; else it follows from the
-    other two. None: exact to rounding, nothing is discretised. `table` maps column headings to
+    other two. Either one of them is stated, or the numbers are `exact`: nothing is discretised, and
+    rounding alone is left; ValueError for neither and for both. `table` maps column headings to
     equally long columns; `studies` are convergence studies and sweeps to be shown with the case.
     `pose` is the one that the numbers belong to, where a case looks at several and takes the worst.
     `claim`: what a source says of it, read as printed and as corrected.
@@ -120,6 +121,13 @@ class Measurement:
     studies: tuple[Study, ...] = ()
     pose: tuple[float, ...] = ()
     claim: Claim | None = None
+    exact: bool = False
+
+    def __post_init__(self) -> None:
+        if self.exact is (self.numerical_uncertainty is not None):
+            raise ValueError(
+                "a measurement states its numerical uncertainty, or that it is exact to rounding"
+            )
 
     @property
     def difference(self) -> float:
@@ -135,7 +143,7 @@ class Measurement:
     def numerical_uncertainty(self) -> float | None:
         """Uncertainty of what is judged: its own, or of both sides, root sum of squares.
 
-        None where nothing is discretised.
+        None where the numbers are exact to rounding.
         """
         if self.judged_uncertainty is not None:
             return self.judged_uncertainty
@@ -289,6 +297,7 @@ def result_record(outcome: Outcome) -> dict[str, Any]:
         "relation": case.relation.value,
         "error": None,
         "unexplained": None,
+        "exact": None,
         "numerical_uncertainty": None,
         "value_uncertainty": None,
         "reference_uncertainty": None,
@@ -308,6 +317,7 @@ def result_record(outcome: Outcome) -> dict[str, Any]:
             "reference": finite(measurement.reference),
             "error": finite(measurement.difference),
             "unexplained": finite(measurement.unexplained),
+            "exact": measurement.exact,
             "numerical_uncertainty": finite(measurement.numerical_uncertainty),
             "value_uncertainty": finite(measurement.value_uncertainty),
             "reference_uncertainty": finite(measurement.reference_uncertainty),

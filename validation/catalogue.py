@@ -8,6 +8,7 @@ from validation.adequacy.assessment import ADEQUACY, MEASURED, Assessment
 from validation.adequacy.robot import robot_adequacy
 from validation.case import Case
 from validation.cases import (
+    anchors,
     decision,
     end_restraint,
     legs,
@@ -63,6 +64,7 @@ def _of_biglide(robot_file: RobotFile) -> Sequence[Task]:
         *(_about("robot", _paper()) if from_paper else ()),
         *_about("leg", [*legs.cases(), *solids.cases()]),
         *_about("robot", robot.cases()),
+        *_about("robot", anchors.cases()),
         *_about("robot", robot_solid.cases()),
         *_about("robot", robot_modes.cases()),
         *_about("robot", robot_reduction.cases()),

@@ -31,6 +31,7 @@ T = TypeVar("T")
 HEADLINES = (
     "leg?.compliance.*",
     "leg?.frequency.*",
+    "robot.anchor.*",
     "robot.statics.*",
     "robot.frequency.*",
     "robot.solid.statics-rigid.*",

@@ -60,8 +60,8 @@ def random_leg(rng: np.random.Generator, walls: float = 0.0) -> ConstantLeg:
 
 
 def ladders(leg: ConstantLeg) -> tuple[tuple[int, ...], int]:
-    """Divisions from which numbers are stated, and those of the finest solution."""
-    return ((1, 2, 3, 4), 6) if isinstance(leg.section, Rectangle) else ((2, 4), 8)
+    """Divisions from which numbers are stated, as in a run, and those of the finest solution."""
+    return ((1, 2, 3, 4), 6) if isinstance(leg.section, Rectangle) else ((4, 8), 16)
 
 
 def of_statics(leg: ConstantLeg) -> Iterator[Stated]:
@@ -73,7 +73,8 @@ def of_statics(leg: ConstantLeg) -> Iterator[Stated]:
         for count in {2, len(coarse)}:
             found = Refinement(coarse[:count], values[:count], formal_order(leg, ends))
             for i in range(6):
-                name = f"compliance, {ends}, {count} meshes"
+                walls = "" if isinstance(leg.section, Rectangle) else ", round or walled"
+                name = f"compliance, {ends}{walls}, {count} meshes"
                 yield _stated(name, found, values[-1][i, i], (i, i))
 
 

@@ -47,7 +47,7 @@ EQUAL = Case(
     citation="none: made up",
     tolerance=Absolute(0.1),
     tolerance_reason="made up",
-    compute=lambda _context: Measurement(1.0, 1.0),
+    compute=lambda _context: Measurement(1.0, 1.0, exact=True),
 )
 AT_MOST = replace(EQUAL, relation=Relation.AT_MOST)
 AT_LEAST = replace(EQUAL, relation=Relation.AT_LEAST)
@@ -69,26 +69,28 @@ AT_LEAST = replace(EQUAL, relation=Relation.AT_LEAST)
     ],
 )
 def test_the_relation_and_the_tolerance_decide(case, value, expected):
-    assert judge(case, Measurement(value, 10.0), 0.0).verdict == expected
+    assert judge(case, Measurement(value, 10.0, exact=True), 0.0).verdict == expected
 
 
 @pytest.mark.parametrize("relation", list(Relation))
 @pytest.mark.parametrize(("value", "reference"), [(nan, 1.0), (1.0, nan), (inf, 1.0), (-inf, 1.0)])
 def test_what_is_no_finite_number_never_agrees(relation, value, reference):
-    outcome = judge(replace(EQUAL, relation=relation), Measurement(value, reference), 0.0)
+    outcome = judge(
+        replace(EQUAL, relation=relation), Measurement(value, reference, exact=True), 0.0
+    )
     assert outcome.verdict == "disagree"
     assert "no finite number" in outcome.message
 
 
 def test_a_relative_tolerance_goes_by_the_size_of_the_reference():
     case = replace(EQUAL, tolerance=Relative(0.01))
-    assert judge(case, Measurement(-99.1, -100.0), 0.0).verdict == "agree"
-    assert judge(case, Measurement(-98.9, -100.0), 0.0).verdict == "disagree"
+    assert judge(case, Measurement(-99.1, -100.0, exact=True), 0.0).verdict == "agree"
+    assert judge(case, Measurement(-98.9, -100.0, exact=True), 0.0).verdict == "disagree"
 
 
 def test_a_relative_tolerance_about_zero_is_refused():
     with pytest.raises(ValueError, match="other than zero"):
-        judge(replace(EQUAL, tolerance=Relative(0.01)), Measurement(0.0, 0.0), 0.0)
+        judge(replace(EQUAL, tolerance=Relative(0.01)), Measurement(0.0, 0.0, exact=True), 0.0)
 
 
 @pytest.mark.parametrize("amount", [0.0, -1.0, nan, inf])
@@ -104,8 +106,8 @@ def test_a_case_without_a_source_is_refused():
 
 
 def test_allowances_explain_a_part_of_the_error_with_its_sign():
-    explained = Measurement(10.5, 10.0, allowances=(Allowance("shear", 0.45),))
-    opposite = Measurement(10.5, 10.0, allowances=(Allowance("shear", -0.45),))
+    explained = Measurement(10.5, 10.0, exact=True, allowances=(Allowance("shear", 0.45),))
+    opposite = Measurement(10.5, 10.0, exact=True, allowances=(Allowance("shear", -0.45),))
     assert explained.unexplained == pytest.approx(0.05)
     assert judge(EQUAL, explained, 0.0).verdict == "agree"
     assert judge(EQUAL, opposite, 0.0).verdict == "disagree"
@@ -114,7 +116,7 @@ def test_allowances_explain_a_part_of_the_error_with_its_sign():
 def test_both_uncertainties_add_as_root_sum_of_squares():
     assert Measurement(1.0, 1.0, 0.3, 0.4).numerical_uncertainty == pytest.approx(0.5)
     assert Measurement(1.0, 1.0, None, 0.4).numerical_uncertainty == pytest.approx(0.4)
-    assert Measurement(1.0, 1.0).numerical_uncertainty is None
+    assert Measurement(1.0, 1.0, exact=True).numerical_uncertainty is None
 
 
 @pytest.mark.parametrize("uncertainty", [0.11, inf, nan])
@@ -135,20 +137,20 @@ def test_an_error_beyond_all_uncertainty_is_decided():
 # the reference by three tolerances leaves at least one of excess.
 @given(st.sampled_from([EQUAL, AT_MOST, AT_LEAST]), st.floats(-0.099, 0.099))
 def test_every_agreement_near_the_reference_turns_at_three_tolerances(case, difference):
-    outcome = judge(case, Measurement(10.0 + difference, 10.0), 0.0)
+    outcome = judge(case, Measurement(10.0 + difference, 10.0, exact=True), 0.0)
     assert outcome.verdict == "agree"
     assert perturbed(outcome, 3.0) == "disagree"
     assert perturbed(outcome, 0.0) == "agree"
 
 
 def test_a_bound_far_away_is_told_from_a_sharp_one():
-    far = judge(AT_MOST, Measurement(5.0, 10.0), 0.0)
+    far = judge(AT_MOST, Measurement(5.0, 10.0, exact=True), 0.0)
     assert perturbed(far, 3.0) == "agree"
 
 
 def test_the_tolerance_keeps_its_amount_when_the_reference_moves():
     # value 1.0, reference 1.0, ±50 %: moved to −1.0 + ... a growing tolerance would never turn.
-    outcome = judge(replace(EQUAL, tolerance=Relative(0.5)), Measurement(1.0, 1.0), 0.0)
+    outcome = judge(replace(EQUAL, tolerance=Relative(0.5)), Measurement(1.0, 1.0, exact=True), 0.0)
     assert perturbed(outcome, 1.1) == "disagree"
 
 
@@ -157,9 +159,9 @@ def test_what_was_not_measured_keeps_its_verdict():
 
 
 def test_the_share_of_the_tolerance_is_the_excess_over_it():
-    assert judge(EQUAL, Measurement(9.95, 10.0), 0.0).share == pytest.approx(0.5)
-    assert judge(AT_MOST, Measurement(9.95, 10.0), 0.0).share == pytest.approx(-0.5)
-    assert judge(AT_LEAST, Measurement(9.8, 10.0), 0.0).share == pytest.approx(2.0)
+    assert judge(EQUAL, Measurement(9.95, 10.0, exact=True), 0.0).share == pytest.approx(0.5)
+    assert judge(AT_MOST, Measurement(9.95, 10.0, exact=True), 0.0).share == pytest.approx(-0.5)
+    assert judge(AT_LEAST, Measurement(9.8, 10.0, exact=True), 0.0).share == pytest.approx(2.0)
 
 
 def test_the_verdict_is_a_pure_function_of_difference_relation_and_tolerance():
@@ -186,3 +188,13 @@ def test_the_record_has_no_numbers_that_json_cannot_carry():
     assert record["value"] is None
     assert record["error"] is None
     assert record["numerical_uncertainty"] is None
+
+
+def test_a_measurement_states_its_uncertainty_or_that_it_is_exact():
+    with pytest.raises(ValueError, match="states its numerical uncertainty"):
+        Measurement(1.0, 1.0)
+    with pytest.raises(ValueError, match="exact to rounding"):
+        Measurement(1.0, 1.0, value_uncertainty=0.1, exact=True)
+    assert result_record(judge(EQUAL, Measurement(10.0, 10.0, exact=True), 0.0))["exact"] is True
+    stated = judge(EQUAL, Measurement(10.0, 10.0, reference_uncertainty=0.01), 0.0)
+    assert result_record(stated)["exact"] is False

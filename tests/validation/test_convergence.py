@@ -19,6 +19,7 @@ from validation.studies.convergence import (
     safety_factor,
     step_factor,
     three_grid_order,
+    uncertainty_of_known_orders,
 )
 
 # NASA Glenn, NPARC Alliance verification tutorial, "Examining spatial (grid) convergence":
@@ -173,3 +174,22 @@ def test_two_grids_take_the_formal_order_and_a_factor_of_three():
     # Roache: 3 |step| / (rᵖ − 1).
     assert step_factor(2.0, 2.0) == pytest.approx(1.0)
     assert step_factor(1.5, 4.0) == pytest.approx(3.0 / (1.5**4 - 1.0))
+
+
+def test_two_known_orders_are_told_apart():
+    sizes = 1.0 / np.array([1.0, 2.0, 3.0, 4.0])
+    values = 2.0 + 0.3 * sizes**1.42 - 0.5 * sizes**4
+    uncertainty = uncertainty_of_known_orders(sizes, values, (1.42, 4.0))
+    assert uncertainty == pytest.approx(1.25 * abs(values[-1] - 2.0), rel=1e-9)
+
+
+def test_what_known_orders_do_not_fit_is_added():
+    sizes = 1.0 / np.array([1.0, 2.0, 3.0, 4.0])
+    values = 2.0 + 0.3 * sizes**1.42 - 0.5 * sizes**4
+    scattered = values + np.array([0.0, 0.0, 0.01, 0.0])
+    before, after = (
+        uncertainty_of_known_orders(sizes, each, (1.42, 4.0)) for each in (values, scattered)
+    )
+    assert after > before + 1e-3
+    with pytest.raises(ValueError, match="4 grids"):
+        uncertainty_of_known_orders(sizes[:3], values[:3], (1.42, 4.0))

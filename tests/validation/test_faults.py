@@ -251,7 +251,7 @@ def test_cached_properties_do_not_outlive_a_fault():
 
 def length_case(identifier: str, tolerance: float) -> Case:
     def compute(context: Context) -> Measurement:
-        return Measurement(equivalent_leg(context.robot.leg1).mass, 69.705)
+        return Measurement(equivalent_leg(context.robot.leg1).mass, 69.705, exact=True)
 
     return Case(
         id=identifier,
@@ -273,7 +273,7 @@ def sound(cases: list[Case]) -> SoundCases:
 
 def test_trial_names_the_cases_that_turn_and_asks_only_those_that_use_the_place():
     close, loose = length_case("close", 0.001), length_case("loose", 1000.0)
-    apart = replace(close, id="apart", compute=lambda _: Measurement(1.0, 1.0))
+    apart = replace(close, id="apart", compute=lambda _: Measurement(1.0, 1.0, exact=True))
     found = tried(BY_ID["equivalent.mass-per-length"], sound([close, loose, apart]))
     assert found == {close: "disagree", loose: "agree"}
     assert catchers(found) == [close]
@@ -293,7 +293,7 @@ def shared_case(identifier: str, reference: float) -> Case:
 
     def compute(context: Context) -> Measurement:
         value = context.get(of_a_beam, None) * context.get(of_a_mass, None)
-        return Measurement(value, reference)
+        return Measurement(value, reference, exact=True)
 
     return replace(length_case(identifier, 1e-3 * reference), compute=compute)
 
@@ -346,7 +346,7 @@ def test_fault_that_no_case_of_quick_uses_is_skipped_and_no_survivor(monkeypatch
 def test_run_of_faults_alone_sums_up_the_faults_and_no_comparisons():
     case = next(case for case in fault_cases() if case.id == "fault.leg.three-for-twelve")
     table = {"caught by": ("leg1", "leg2"), "group": ("legs", "legs"), "verdict": ("disagree",) * 2}
-    outcome = judge(case, Measurement(2.0, 1.0, table=table), 0.0)
+    outcome = judge(case, Measurement(2.0, 1.0, exact=True, table=table), 0.0)
     gathered = Results({}, [case], outcomes={case.id: outcome})
     expected = "1 faults injected, all caught, 0 by a single comparison."
     assert run_summary.verdicts(gathered) == [expected]
@@ -355,7 +355,9 @@ def test_run_of_faults_alone_sums_up_the_faults_and_no_comparisons():
 
 
 def test_case_that_disagrees_without_a_fault_catches_none():
-    wrong = replace(length_case("wrong", 0.001), compute=lambda _: Measurement(1.0, 2.0))
+    wrong = replace(
+        length_case("wrong", 0.001), compute=lambda _: Measurement(1.0, 2.0, exact=True)
+    )
     assert sound([wrong]).done == {}
 
 

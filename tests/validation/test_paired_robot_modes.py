@@ -82,4 +82,4 @@ def test_where_no_modes_are_close_nothing_is_said_to_agree():
     segments = beam_modes(IFW.robot, "segments", (1, 1), 3)
     apart = replace(paired(IFW.robot, segments, segments), close=np.zeros((3, 6), dtype=bool))
     with pytest.raises(Skip, match="no two modes are close at any posture"):
-        robot_modes.smallest_shared(apart, np.ones((3, 6), dtype=bool))
+        robot_modes.smallest_shared(apart, np.ones((3, 6), dtype=bool), np.zeros((3, 6)))

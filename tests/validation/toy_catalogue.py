@@ -46,11 +46,11 @@ def agrees(_context: Context) -> Measurement:
         x=(0.0, 1.0),
         series={"beam": (1.0, 2.0)},
     )
-    return Measurement(1.0 / 3.0, 0.34, studies=(study,))
+    return Measurement(1.0 / 3.0, 0.34, exact=True, studies=(study,))
 
 
 def disagrees(_context: Context) -> Measurement:
-    return Measurement(2.0, 1.0)
+    return Measurement(2.0, 1.0, exact=True)
 
 
 def expensive(length: float) -> tuple[float, int]:
@@ -59,7 +59,7 @@ def expensive(length: float) -> tuple[float, int]:
 
 def shares(context: Context) -> Measurement:
     value, moment = context.get(expensive, context.robot.a)
-    return Measurement(value, 1.84, notes=(f"{os.getpid()} {moment}",))
+    return Measurement(value, 1.84, exact=True, notes=(f"{os.getpid()} {moment}",))
 
 
 def is_singular(_context: Context) -> Measurement:
@@ -69,7 +69,7 @@ def is_singular(_context: Context) -> Measurement:
 def has_a_bug(_context: Context) -> Measurement:
     print("this belongs into the log")  # noqa: T201
     empty: list[float] = []
-    return Measurement(empty.pop(), 1.0)
+    return Measurement(empty.pop(), 1.0, exact=True)
 
 
 def crashes(_context: Context) -> Measurement:
@@ -82,7 +82,7 @@ def starves(_context: Context) -> Measurement:
     status = Path("/proc/self/status").read_text(encoding="utf-8")
     used = 1024 * int(status.partition("VmSize:")[2].split()[0])
     resource.setrlimit(resource.RLIMIT_AS, (used + 2**22, used + 2**22))
-    return Measurement(np.linalg.solve(matrix, matrix)[0, 0], 1.0)
+    return Measurement(np.linalg.solve(matrix, matrix)[0, 0], 1.0, exact=True)
 
 
 def needs_a_program(_context: Context) -> Measurement:
@@ -91,7 +91,7 @@ def needs_a_program(_context: Context) -> Measurement:
 
 def sleeps(_context: Context) -> Measurement:
     time.sleep(60.0)
-    return Measurement(1.0, 1.0)
+    return Measurement(1.0, 1.0, exact=True)
 
 
 def draws(_context: Context) -> Figure:
@@ -146,7 +146,7 @@ def unloadable(_robot_file: RobotFile) -> Sequence[Task]:
 
 def slowly(_context: Context) -> Measurement:
     time.sleep(0.03)
-    return Measurement(1.0 / 3.0, 0.34)
+    return Measurement(1.0 / 3.0, 0.34, exact=True)
 
 
 def real(robot_file: RobotFile) -> Sequence[Task]:
@@ -163,7 +163,7 @@ def chatty(_robot_file: RobotFile) -> Sequence[Task]:
 
 
 def tells_much(_context: Context) -> Measurement:
-    return Measurement(1.0 / 3.0, 0.34, notes=("tell" * 5000,))
+    return Measurement(1.0 / 3.0, 0.34, exact=True, notes=("tell" * 5000,))
 
 
 def checks(_robot_file: RobotFile) -> Sequence[Task]:
@@ -192,11 +192,11 @@ def slowly_checked(robot_file: RobotFile) -> Sequence[Task]:
 
 
 def measured_on(context: Context) -> Measurement:
-    return Measurement(context.robot.a, 0.92)
+    return Measurement(context.robot.a, 0.92, exact=True)
 
 
 def made_now(_context: Context) -> Measurement:
-    return Measurement(1.0, 1.0, notes=(f"{os.getpid()} {time.perf_counter_ns()}",))
+    return Measurement(1.0, 1.0, exact=True, notes=(f"{os.getpid()} {time.perf_counter_ns()}",))
 
 
 def draws_check(context: Context) -> Figure:

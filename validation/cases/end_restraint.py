@@ -29,6 +29,8 @@ from validation.case import Absolute, Case, Measurement, Skip
 from validation.cases.legs import ENTRIES, constant_leg_of
 from validation.context import Context
 from validation.exhibits import Study
+from validation.solids.legs import FORMAL_ORDER
+from validation.studies.convergence import step_factor
 from validation.studies.lengthened_legs import (
     Lengthened,
     affordable_divisions,
@@ -223,6 +225,10 @@ def _exponent(context: Context, number: int, name: str) -> Measurement:
     return Measurement(
         limit_exponent(lengths, amounts),
         cause.exponent,
+        # What the longest length has changed: the term after next of the expansion in 1/s.
+        value_uncertainty=abs(
+            limit_exponent(lengths, amounts) - limit_exponent(lengths[:-1], amounts[:-1])
+        ),
         notes=(
             f"the leg as it is, length / larger side {slenderness[0]:.3g}: {cause.label}, "
             f"{100.0 * amounts[0]:.3g} %",
@@ -261,13 +267,28 @@ def _study(context: Context, number: int) -> Study:
     )
 
 
+def _mesh_factor(divisions: int, other: int) -> float:
+    """Uncertainty of a value over its step from another mesh, coarser or finer (fourth order)."""
+    if other < divisions:
+        return step_factor(divisions / other, FORMAL_ORDER)
+    ratio = other / divisions
+    return step_factor(ratio, FORMAL_ORDER) * float(ratio**FORMAL_ORDER)
+
+
 def _free(context: Context, number: int) -> Measurement:
     found = _own(context, number)
     apart = found.free / found.beam - 1.0
+    own = constant_leg_of(context, number)
+    divisions = affordable_divisions(own, context.preset)
+    other = divisions // 2 or 2
+    rougher = context.get(lengthened, own, other, context.get(doublings_needed, own, divisions))
+    length, entry = np.unravel_index(int(np.argmax(np.abs(apart))), apart.shape)
+    step = apart[length, entry] - (rougher.free / rougher.beam - 1.0)[length, entry]
     held = found.rigid / found.beam - 1.0
     return Measurement(
         float(np.abs(apart).max()),
         0.0,
+        value_uncertainty=abs(float(step)) * _mesh_factor(divisions, other),
         table={
             "compliance": _DIAGONALS,
             "free ends, off beam theory (%)": tuple((100.0 * apart[0]).tolist()),

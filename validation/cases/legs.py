@@ -14,7 +14,8 @@ from lumped.modes import dense, solve_modes
 from validation.case import Case, Measurement, Relative
 from validation.context import Context
 from validation.models.legs import leg_compliance, leg_matrices
-from validation.models.options import ModelName, ModelOptions
+from validation.models.options import BEAM_ORDER, SEGMENT_ORDER, ModelName, ModelOptions
+from validation.studies.convergence import step_factor
 
 MODES = 6
 # The tolerances of frequencies hold up to this one of a kind with the default number of elements.
@@ -122,7 +123,9 @@ def _frequencies(number: int, model: ModelName) -> list[Case]:
 def _entry(context: Context, number: int, model: ModelName, entry: tuple[int, int]) -> Measurement:
     leg = constant_leg_of(context, number)
     found = context.get(leg_compliance, model, leg, ModelOptions())
-    return Measurement(float(found[entry]), float(context.get(exact_compliance, leg)[entry]))
+    return Measurement(
+        float(found[entry]), float(context.get(exact_compliance, leg)[entry]), exact=True
+    )
 
 
 def kind_frequencies(
@@ -151,11 +154,20 @@ def _mode(context: Context, number: int, model: ModelName, index: int) -> Measur
     leg = constant_leg_of(context, number)
     exact = context.get(exact_modes, leg)[index]
     elements = _elements(exact.order)
-    options = ModelOptions(elements=elements)
-    found = context.get(kind_frequencies, leg, model, exact.part, MODES, options)
+    coarse, fine = (
+        context.get(
+            kind_frequencies, leg, model, exact.part, exact.order, ModelOptions(elements=number)
+        )[-1]
+        for number in (elements // 2, elements)
+    )
+    order = BEAM_ORDER if model == "beam" else SEGMENT_ORDER
     return Measurement(
-        float(found[exact.order - 1]),
+        float(fine),
         float(exact.frequency),
+        value_uncertainty=step_factor(elements / (elements // 2), order)
+        * float(abs(fine - coarse)),
+        # What so many elements leave is what is judged, against a root that is exact.
+        judged_uncertainty=0.0,
         notes=(f"{exact.part}, number {exact.order} of its kind, {elements} elements",),
     )
 

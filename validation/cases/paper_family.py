@@ -6,7 +6,7 @@ from lumped.arrays import Array
 from validation.case import Absolute, Measurement, Relation
 from validation.cases.paper_statement import FORMULAS, Compute, Statement
 from validation.context import Context
-from validation.models.options import ModelName, ModelOptions
+from validation.models.options import LITERAL_ORDER, SEGMENT_ORDER, ModelName, ModelOptions
 from validation.studies.quantities import (
     Deflections,
     family_compliances,
@@ -54,6 +54,7 @@ def _planar_falls(context: Context, _reading: ModelOptions) -> Measurement:
     return Measurement(
         _trend(found["centre"]),
         reference=-1.0,
+        exact=True,
         notes=(
             "At the ends of the stroke, where one leg carries the force along its axis, the "
             f"deflection is small and grows with the leg: {found['left'][0]:.2f} to "
@@ -68,14 +69,14 @@ def _planar_falls(context: Context, _reading: ModelOptions) -> Measurement:
 def _deflection_trend(attribute: str, point: str, reference: float) -> Compute:
     def compute(context: Context, _reading: ModelOptions) -> Measurement:
         curve = getattr(_family(context, "vjm", point), attribute)
-        return Measurement(_trend(curve), reference=reference)
+        return Measurement(_trend(curve), reference=reference, exact=True)
 
     return compute
 
 
 def _simplified_trend(point: str) -> Compute:
     def compute(context: Context, _reading: ModelOptions) -> Measurement:
-        return Measurement(_trend(_simplified(context, point)), reference=1.0)
+        return Measurement(_trend(_simplified(context, point)), reference=1.0, exact=True)
 
     return compute
 
@@ -83,7 +84,7 @@ def _simplified_trend(point: str) -> Compute:
 def _frequency_trend(mode: int, point: str) -> Compute:
     def compute(context: Context, reading: ModelOptions) -> Measurement:
         frequencies, _ = _modes(context, point, reading)
-        return Measurement(_trend(frequencies[:, mode]), reference=-1.0)
+        return Measurement(_trend(frequencies[:, mode]), reference=-1.0, exact=True)
 
     return compute
 
@@ -93,6 +94,7 @@ def _simplified_rises(context: Context, _reading: ModelOptions) -> Measurement:
     return Measurement(
         _trend(found["centre"]),
         reference=1.0,
+        exact=True,
         notes=(
             "At both ends of the stroke the simplified first frequency does not depend on α: "
             f"{found['left'][0]:.1f} Hz throughout.",
@@ -118,6 +120,7 @@ def _across(loads: tuple[int, ...], directions: tuple[int, ...]) -> Compute:
         return Measurement(
             100.0 * float(largest),
             reference=0.0,
+            exact=True,
             notes=(
                 "The foot's couplings of planes and z alone make any: constant-section legs have "
                 "none.",
@@ -135,7 +138,7 @@ def _lowest_two(point: str) -> Compute:
     def compute(context: Context, reading: ModelOptions) -> Measurement:
         _, along_z = _modes(context, point, reading)
         shown = (along_z[:, 0] >= _DIRECTED) & (along_z[:, 1] <= 1.0 - _DIRECTED)
-        return Measurement(float(np.sum(~shown)), reference=0.0)
+        return Measurement(float(np.sum(~shown)), reference=0.0, exact=True)
 
     return compute
 
@@ -163,6 +166,7 @@ def _shorter(refined: float, simplified: float) -> Measurement:
     return Measurement(
         refined,
         reference=simplified - step,
+        exact=True,
         notes=(f"α = {refined:g} by the refined model, {simplified:g} by the simplified one.",),
     )
 
@@ -229,6 +233,7 @@ def _frequencies_fall(point: str) -> Statement:
         f"Rigid segments: longer legs, lower first frequency ({point})",
         *_TREND,
         _frequency_trend(0, point),
+        order=SEGMENT_ORDER,
         group=_GROUP,
         sentence="Rigid segments: longer legs, lower frequencies (six curves)",
         curves={
@@ -250,6 +255,7 @@ def _lowest(point: str) -> Statement:
         Absolute(0.5),
         "a count is a whole number; a mode has a direction if 95 % of its motion goes there",
         compute,
+        order=LITERAL_ORDER,
         group=_GROUP,
         effort=2.0,
         sentence="Longer legs: a mode along z and one in the plane stay the lowest two",

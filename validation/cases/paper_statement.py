@@ -12,10 +12,13 @@ from functools import partial, update_wrapper
 from math import isfinite
 from typing import Literal, TypeAlias
 
+import numpy as np
+
 from validation.case import Case, Measurement, Relation, Tolerance, verdict
 from validation.claims import Claim, Curve
 from validation.context import Context
 from validation.models.options import DEFAULT_OPTIONS, ModelOptions
+from validation.studies.convergence import step_factor
 
 SECTION = "The paper's statements"
 # Postures over the stroke at which curves are compared.
@@ -35,7 +38,8 @@ class Statement:
     one whose number the case reports. `sentence` is what the paper says where that is more than
     the title, of all `curves` (the case's own where empty); sentences of several statements are
     one. `differs` names what sets the readings apart (empty: nothing does), `circular` why the
-    sentence counts for nothing.
+    sentence counts for nothing. `order` is that of the elements in which a number is computed,
+    zero where there are none: what half as many change of it is its uncertainty.
     """
 
     id: str
@@ -54,6 +58,7 @@ class Statement:
     judged: Literal["as printed", "as corrected"] = "as corrected"
     differs: str = ""
     circular: str = ""
+    order: float = 0.0
 
     def case(self) -> Case:
         """The statement as a case."""
@@ -104,7 +109,22 @@ class Statement:
 
 def _measured(context: Context, statement: Statement) -> Measurement:
     options = AS_PRINTED if statement.judged == "as printed" else AS_CORRECTED
-    return replace(statement.compute(context, options), claim=statement.claim(context))
+    found = replace(statement.compute(context, options), claim=statement.claim(context))
+    if not statement.order:
+        return found
+    coarse = statement.compute(context, replace(options, elements=options.elements // 2))
+    uncertain = step_factor(2.0, statement.order) * abs(found.value - coarse.value)
+    return replace(found, value_uncertainty=uncertain, exact=False)
+
+
+def sampled(number: Callable[[int], float], reference: float) -> Measurement:
+    """A number read off a curve at `POSTURES` of the stroke.
+
+    Fewer postures, which do not meet these, miss a peak by more or by less: their spread is the
+    uncertainty.
+    """
+    found = [number(postures) for postures in (POSTURES, POSTURES - 10, POSTURES - 20)]
+    return Measurement(found[0], reference, value_uncertainty=float(np.ptp(found)))
 
 
 def _finite(value: float) -> float | None:

@@ -8,32 +8,39 @@ import numpy as np
 from lumped.arrays import Array
 from lumped.robot_file.load import as_printed
 from validation.case import Absolute, Measurement, Relation, Skip
-from validation.cases.paper_statement import AS_PRINTED, POSTURES, Compute, Statement
+from validation.cases.paper_statement import (
+    POSTURES,
+    Compute,
+    Statement,
+    sampled,
+)
 from validation.context import Context
 from validation.models.options import ModelOptions
 from validation.studies.quantities import Deflections, stroke_deflections
 
 # L_Tool of the appendix (m): from B to the tool's point P.
 _TOOL_LENGTH = 0.155
+# One step of the stroke (%): a place on it is known no better.
+_PLACE = 100.0 / (POSTURES - 1)
 # The entry of the foot's compliance that the correction changed, (6,6).
 _ABOUT_Z = 5
 
 
-def _simplified(context: Context) -> Deflections:
-    return context.get(stroke_deflections, "simplified", context.robot, POSTURES)
+def _simplified(context: Context, postures: int = POSTURES) -> Deflections:
+    return context.get(stroke_deflections, "simplified", context.robot, postures)
 
 
-def _refined(context: Context) -> Deflections:
-    return context.get(stroke_deflections, "vjm", context.robot, POSTURES)
+def _refined(context: Context, postures: int = POSTURES) -> Deflections:
+    return context.get(stroke_deflections, "vjm", context.robot, postures)
 
 
 def _largest_simplified(context: Context, _reading: ModelOptions) -> Measurement:
-    return Measurement(_simplified(context).largest_planar, reference=1.1)
+    return sampled(lambda postures: _simplified(context, postures).largest_planar, reference=1.1)
 
 
 def _x_at_the_ends(context: Context, _reading: ModelOptions) -> Measurement:
     planar = _simplified(context).planar_x
-    return Measurement(max(planar[0], planar[-1]), reference=0.0)
+    return Measurement(max(planar[0], planar[-1]), reference=0.0, exact=True)
 
 
 def _y_largest_at_the_ends(context: Context, _reading: ModelOptions) -> Measurement:
@@ -41,21 +48,27 @@ def _y_largest_at_the_ends(context: Context, _reading: ModelOptions) -> Measurem
     half = POSTURES // 2
     left = int(np.argmax(planar[: half + 1]))
     right = half - int(np.argmax(planar[half:]))
-    return Measurement(100.0 * max(left, right) / (POSTURES - 1), reference=0.0)
+    return Measurement(_PLACE * max(left, right), reference=0.0, value_uncertainty=_PLACE)
 
 
 def _refined_over_simplified(context: Context, _reading: ModelOptions) -> Measurement:
-    ratio = _refined(context).largest_planar / _simplified(context).largest_planar
-    return Measurement(ratio, reference=10.0)
+    def ratio(postures: int) -> float:
+        refined, simplified = _refined(context, postures), _simplified(context, postures)
+        return refined.largest_planar / simplified.largest_planar
+
+    return sampled(ratio, reference=10.0)
 
 
 def _z_over_planar(context: Context, _reading: ModelOptions) -> Measurement:
-    refined = _refined(context)
     at_tool = replace(context.robot, tool_offset=np.array([0.0, 0.0, _TOOL_LENGTH]))
     there = context.get(stroke_deflections, "vjm", at_tool, POSTURES)
-    return Measurement(
-        float(refined.along_z.max()) / refined.largest_planar,
-        reference=3.0,
+
+    def ratio(postures: int) -> float:
+        found = _refined(context, postures)
+        return float(found.along_z.max()) / found.largest_planar
+
+    return replace(
+        sampled(ratio, reference=3.0),
         notes=(
             f"Loads act at B. At the tool's point P, {_TOOL_LENGTH:g} m along z, the ratio is "
             f"{float(there.along_z.max()) / there.largest_planar:.2f}: 'the extremity of the "
@@ -67,10 +80,15 @@ def _z_over_planar(context: Context, _reading: ModelOptions) -> Measurement:
 def _profile(curve: str, extremum: Callable[[Array], np.intp]) -> Compute:
     def compute(context: Context, _reading: ModelOptions) -> Measurement:
         place = [
-            100.0 * int(extremum(getattr(deflections, curve))) / (POSTURES - 1)
+            _PLACE * int(extremum(getattr(deflections, curve)))
             for deflections in (_refined(context), _simplified(context))
         ]
-        return Measurement(value=place[0], reference=place[1])
+        return Measurement(
+            value=place[0],
+            reference=place[1],
+            value_uncertainty=_PLACE,
+            reference_uncertainty=_PLACE,
+        )
 
     return compute
 
@@ -79,9 +97,9 @@ def _foot_stiffness(context: Context, reading: ModelOptions) -> Measurement:
     foot = context.robot.foot_compliance
     if foot is None:
         raise Skip("the robot has rigid feet")
-    if reading == AS_PRINTED:
+    if reading.release == "printed":
         printed = np.array(as_printed(context.robot_file)["foot"]["compliance"], dtype=float)
-        return Measurement(float(np.linalg.inv(printed)[1, 1]) / 1e9, reference=1.0)
+        return Measurement(float(np.linalg.inv(printed)[1, 1]) / 1e9, reference=1.0, exact=True)
     softer = foot.copy()
     softer[_ABOUT_Z, _ABOUT_Z] *= 2.0
     other = context.get(
@@ -91,6 +109,7 @@ def _foot_stiffness(context: Context, reading: ModelOptions) -> Measurement:
     return Measurement(
         float(np.linalg.inv(foot)[1, 1]) / 1e9,
         reference=1.0,
+        exact=True,
         notes=(
             "This very number chose the correction of k66, so that it bears nothing out. The "
             "joint beside the foot lets no moment about z through: with k66 twice as large the "
@@ -141,7 +160,7 @@ STATEMENTS = (
         "Simplified model: a force along y deflects most at the ends of the stroke",
         "distance of the maximum of each half from its end, of the stroke",
         "%",
-        Absolute(100.0 / (POSTURES - 1)),
+        Absolute(_PLACE),
         f"one of the {POSTURES - 1} steps of the stroke",
         _y_largest_at_the_ends,
     ),

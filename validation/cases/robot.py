@@ -14,7 +14,8 @@ from validation.case import Absolute, Case, Measurement, Relative
 from validation.context import Context
 from validation.exhibits import Study
 from validation.models.biglide import static_mechanism
-from validation.models.options import ModelName, ModelOptions
+from validation.models.options import BEAM_ORDER, SEGMENT_ORDER, ModelName, ModelOptions
+from validation.studies.convergence import step_factor
 from validation.studies.quantities import (
     Deflections,
     deflections_of,
@@ -182,13 +183,25 @@ def _frequency(context: Context, index: int) -> Measurement:
         )
         for elements in (_FINE, _COARSE)
     )
+    halved = context.get(
+        stroke_frequencies,
+        "segments",
+        context.robot,
+        POSTURES,
+        FREQUENCIES,
+        ModelOptions(elements=_COARSE // 2),
+    )
     worst = farthest(found[:, index], fine[:, index])
     x = context.robot.stations(POSTURES)[worst]
+    of_segments, of_beams = (step_factor(2.0, order) for order in (SEGMENT_ORDER, BEAM_ORDER))
+    uncertain = of_beams * float(abs(fine - coarse)[worst, index])
     return Measurement(
         float(found[worst, index]),
         float(fine[worst, index]),
-        # Fourth order: the difference to the coarser model is 15 times the finer one's error.
-        reference_uncertainty=float(abs(fine - coarse)[worst, index]),
+        value_uncertainty=of_segments * float(abs(found - halved)[worst, index]),
+        reference_uncertainty=uncertain,
+        # What 20 segments leave is what is judged: the reference alone leaves it uncertain.
+        judged_uncertainty=uncertain,
         notes=(f"largest difference at x = {x:.4g} m",),
         pose=(float(x),),
     )
@@ -206,6 +219,7 @@ def _symmetry(context: Context) -> Measurement:
     return Measurement(
         worst,
         reference=0.0,
+        exact=True,
         notes=(
             f"largest planar deflection {largest.largest_planar:.3g} µm, along z "
             f"{largest.along_z.max():.3g} µm at 1000 N",

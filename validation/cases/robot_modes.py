@@ -131,21 +131,31 @@ def _meshes(context: Context) -> tuple[LegDivisions, LegDivisions]:
 
 
 def _segments_and_solids(context: Context) -> PairedModes:
-    robot, (_, fine) = context.robot, _meshes(context)
+    return _segments_and(context, _meshes(context)[1])
+
+
+def _segments_and(context: Context, divisions: LegDivisions) -> PairedModes:
+    robot = context.robot
     return paired(
         robot,
-        context.get(beam_modes, robot, "segments", fine, POSTURES),
-        context.get(solid_modes, robot, fine, "rigid", POSTURES),
+        context.get(beam_modes, robot, "segments", divisions, POSTURES),
+        context.get(solid_modes, robot, divisions, "rigid", POSTURES),
     )
 
 
-def _own_beams_and_solids(context: Context) -> PairedModes:
-    robot, (_, fine) = context.robot, _meshes(context)
+def _own_beams_and(context: Context, divisions: LegDivisions) -> PairedModes:
+    robot = context.robot
     return paired(
         robot,
-        context.get(beam_modes, robot, "own beam", fine, POSTURES),
-        context.get(solid_modes, robot, fine, "free", POSTURES),
+        context.get(beam_modes, robot, "own beam", divisions, POSTURES),
+        context.get(solid_modes, robot, divisions, "free", POSTURES),
     )
+
+
+def _step_factor(context: Context) -> float:
+    """Uncertainty over the step between the meshes, of the leg that is refined by less."""
+    coarse, fine = _meshes(context)
+    return max(step_factor(f / c, FORMAL_ORDER) for c, f in zip(coarse, fine, strict=True))
 
 
 def _frequency(context: Context, index: int) -> Measurement:
@@ -155,7 +165,7 @@ def _frequency(context: Context, index: int) -> Measurement:
         _free_and_own(context, divisions) for divisions in (fine, coarse)
     )
     left = (value - reference)[:, index]
-    factor = max(step_factor(f / c, FORMAL_ORDER) for c, f in zip(coarse, fine, strict=True))
+    factor = _step_factor(context)
     worst = int(np.argmax(np.where(held, np.abs(left) / reference[:, index], -1.0)))
     at = worst, index
     segments = _segments_and_solids(context)
@@ -182,9 +192,7 @@ def _free_and_own(context: Context, divisions: LegDivisions) -> tuple[Array, Arr
 
     Both in the order of the beams.
     """
-    robot = context.robot
-    beams = context.get(beam_modes, robot, "own beam", divisions, POSTURES)
-    found = paired(robot, beams, context.get(solid_modes, robot, divisions, "free", POSTURES))
+    found = _own_beams_and(context, divisions)
     return found.found, found.reference
 
 
@@ -213,16 +221,22 @@ def _held_to_beams(context: Context, kind: BeamKind, modes: Sequence[int]) -> Bo
 
 
 def _mac(context: Context) -> Measurement:
-    found = _segments_and_solids(context)
-    return _smallest_mac(found, "segments", np.ones_like(found.close))
+    coarse, found = (_segments_and(context, divisions) for divisions in _meshes(context))
+    step = _step_factor(context) * np.abs(found.mac - coarse.mac)
+    return _smallest_mac(found, "segments", np.ones_like(found.close), step)
 
 
 def _mac_of_free(context: Context) -> Measurement:
     held = _held_to_beams(context, "own beam", range(PAIRED))
-    return _smallest_mac(_own_beams_and_solids(context), "beams", held)
+    coarse, found = (_own_beams_and(context, divisions) for divisions in _meshes(context))
+    step = _step_factor(context) * np.abs(found.mac - coarse.mac)
+    return _smallest_mac(found, "beams", held, step)
 
 
-def _smallest_mac(found: PairedModes, reference: str, held: BoolArray) -> Measurement:
+def _smallest_mac(
+    found: PairedModes, reference: str, held: BoolArray, uncertainty: Array
+) -> Measurement:
+    """The least MAC of a mode that is held and has no close neighbour (all p×k)."""
     alone = held & ~found.close
     if not alone.any():
         raise Skip(
@@ -240,6 +254,7 @@ def _smallest_mac(found: PairedModes, reference: str, held: BoolArray) -> Measur
     return Measurement(
         float(single[posture, mode]),
         1.0,
+        value_uncertainty=float(uncertainty[posture, mode]),
         notes=(
             f"mode {int(mode) + 1} at x = {found.x[posture]:.4g} m",
             f"{swapped} modes have another number in the solid robot",
@@ -258,21 +273,32 @@ def _left_out(held: BoolArray) -> tuple[str, ...]:
 
 
 def _close_modes(context: Context) -> Measurement:
-    found = _segments_and_solids(context)
-    return smallest_shared(found, np.ones_like(found.close))
+    coarse, found = (_segments_and(context, divisions) for divisions in _meshes(context))
+    step = _step_factor(context) * np.abs(found.shared - coarse.shared)
+    return smallest_shared(found, np.ones_like(found.close), step)
 
 
 def _spaces_of_free(context: Context) -> Measurement:
     held = _held_to_beams(context, "own beam", range(PAIRED))
-    return smallest_shared(_own_beams_and_solids(context), held)
+    coarse, found = (_own_beams_and(context, divisions) for divisions in _meshes(context))
+    step = _step_factor(context) * np.abs(found.shared - coarse.shared)
+    return smallest_shared(found, held, step)
 
 
-def smallest_shared(found: PairedModes, held: BoolArray) -> Measurement:
-    """The least shared of the spaces of close modes that are held; Skip where there are none."""
+def smallest_shared(found: PairedModes, held: BoolArray, uncertainty: Array) -> Measurement:
+    """The least shared of the spaces of close modes that are held; Skip where there are none.
+
+    `held` and the `uncertainty` of what is shared are p×k.
+    """
     close = held & found.close
     if not close.any():
         raise Skip("; ".join(("no two modes are close at any posture", *_left_out(held))))
     spaces = np.where(close, found.shared, np.inf)
     posture, mode = np.unravel_index(int(np.argmin(spaces)), spaces.shape)
     where = f"mode {int(mode) + 1} and its neighbours at x = {found.x[posture]:.4g} m"
-    return Measurement(float(spaces[posture, mode]), 1.0, notes=(where, *_left_out(held)))
+    return Measurement(
+        float(spaces[posture, mode]),
+        1.0,
+        value_uncertainty=float(uncertainty[posture, mode]),
+        notes=(where, *_left_out(held)),
+    )

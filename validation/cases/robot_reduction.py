@@ -181,6 +181,7 @@ def _frequency(context: Context) -> Measurement:
     return Measurement(
         float(worst.reduced[mode]),
         float(worst.unreduced[mode]),
+        exact=True,
         notes=(f"mode {int(mode) + 1}, {_place(worst)}",),
         table={"mode": tuple(float(k) for k in range(1, MODES + 1))}
         | {
@@ -194,7 +195,9 @@ def _frequency(context: Context) -> Measurement:
 def _mac(context: Context) -> Measurement:
     worst = min(_found(context), key=lambda one: float(one.mac.min()))
     mode = int(np.argmin(worst.mac))
-    return Measurement(float(worst.mac[mode]), 1.0, notes=(f"mode {mode + 1}, {_place(worst)}",))
+    return Measurement(
+        float(worst.mac[mode]), 1.0, exact=True, notes=(f"mode {mode + 1}, {_place(worst)}",)
+    )
 
 
 def _bound(context: Context) -> Measurement:
@@ -212,6 +215,7 @@ def _bound(context: Context) -> Measurement:
     return Measurement(
         float(shares[posture, mode]),
         0.5,
+        exact=True,
         notes=(
             f"mode {int(mode) + 1}, {_place(worst)}: error {worst.error[mode]:.2g}, bound "
             f"{worst.bound[mode]:.2g} of the frequency",

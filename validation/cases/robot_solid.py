@@ -108,8 +108,8 @@ def _curves(name: str, title: str, citation: str, tolerance: float, reason: str)
 class _Curve:
     """One deflection over the stroke (µm, m values each), named as in StrokeStatics.
 
-    Uncertainties: of `rigid` and `free` themselves, and of `rigid` less `held` and `free` less
-    `own`, which have one section mesh, whose errors they share.
+    Uncertainties: of `rigid` and `free` themselves, and of `rigid` less `held` or `torsion` and
+    `free` less `own`, which have one section mesh, whose errors they share.
     """
 
     x: Array
@@ -123,6 +123,7 @@ class _Curve:
     uncertainty_free: Array
     uncertainty_held: Array
     uncertainty_left: Array
+    uncertainty_torsion: Array
 
 
 def _curve(context: Context, curve: str) -> _Curve:
@@ -133,11 +134,17 @@ def _curve(context: Context, curve: str) -> _Curve:
             f"{'; '.join(error.faults)}: too many for preset {context.preset}; a larger preset may "
             "compute it"
         ) from error
-    (coarse_rigid, rigid), (coarse_free, free), (coarse_held, held), (coarse_own, own) = (
+    (
+        (coarse_rigid, rigid),
+        (coarse_free, free),
+        (coarse_held, held),
+        (coarse_own, own),
+        (coarse_torsion, torsion),
+    ) = (
         (getattr(coarse, curve), getattr(fine, curve))
-        for coarse, fine in (found.rigid, found.free, found.held, found.own)
+        for coarse, fine in (found.rigid, found.free, found.held, found.own, found.torsion)
     )
-    smooth, edges = found.factors
+    smooth, corners, edges = found.factors
     return _Curve(
         x=found.x,
         rigid=rigid,
@@ -145,11 +152,12 @@ def _curve(context: Context, curve: str) -> _Curve:
         held=held,
         own=own,
         textbook=getattr(found.textbook, curve),
-        torsion=getattr(found.torsion, curve),
+        torsion=torsion,
         uncertainty_rigid=edges * np.abs(rigid - coarse_rigid),
-        uncertainty_free=smooth * np.abs(free - coarse_free),
+        uncertainty_free=corners * np.abs(free - coarse_free),
         uncertainty_held=smooth * np.abs((rigid - held) - (coarse_rigid - coarse_held)),
         uncertainty_left=smooth * np.abs((free - own) - (coarse_free - coarse_own)),
+        uncertainty_torsion=smooth * np.abs((rigid - torsion) - (coarse_rigid - coarse_torsion)),
     )
 
 
@@ -222,17 +230,15 @@ def _bare(context: Context, curve: str, limit: float) -> Measurement:
 def _torsion(context: Context, curve: str) -> Measurement:
     found = _curve(context, curve)
     # Both sides have the same mesh's torsion: only what is left of the step counts.
-    return _against(found, found.rigid, found.torsion, None)
+    return _against(found, found.rigid, found.torsion, found.uncertainty_torsion)
 
 
-def _against(
-    found: _Curve, value: Array, reference: Array, uncertainty: Array | None
-) -> Measurement:
+def _against(found: _Curve, value: Array, reference: Array, uncertainty: Array) -> Measurement:
     worst = _worst(value - reference, reference)
     return Measurement(
         float(value[worst]),
         float(reference[worst]),
-        value_uncertainty=None if uncertainty is None else float(uncertainty[worst]),
+        value_uncertainty=float(uncertainty[worst]),
         notes=(f"largest difference at x = {found.x[worst]:.4g} m",),
         pose=(float(found.x[worst]),),
     )

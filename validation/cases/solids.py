@@ -1,6 +1,7 @@
 """Each leg as a 3-D solid against beam theory, every difference with its named cause."""
 
 from functools import partial
+from math import inf, nan
 
 import numpy as np
 
@@ -31,6 +32,7 @@ from validation.solids.legs import (
     Refinement,
     SolidModes,
     dynamic_ladder,
+    formal_order,
     section_counts,
     solid_compliances,
     solid_frequencies,
@@ -216,7 +218,8 @@ def _frequency_of(modes: tuple[CantileverFrequency, ...], part: str, order: int)
 def _free_entry(context: Context, number: int, entry: tuple[int, int]) -> Measurement:
     leg = constant_leg_of(context, number)
     free = compliances(context, number, "free")
-    own = Refinement(free.divisions, context.get(_own_compliances, leg, free.divisions))
+    found = context.get(_own_compliances, leg, free.divisions)
+    own = Refinement(free.divisions, found, formal_order(leg, "free"))
     # Solid and beam have one section mesh, whose errors they share: what is judged has its own.
     left = Refinement(free.divisions, free.values - own.values)
     reference = float(own.values[-1][entry])
@@ -233,7 +236,8 @@ def _free_entry(context: Context, number: int, entry: tuple[int, int]) -> Measur
 def _held_entry(context: Context, number: int, entry: tuple[int, int]) -> Measurement:
     leg = constant_leg_of(context, number)
     rigid, free = (compliances(context, number, ends) for ends in ("rigid", "free"))
-    own = Refinement(rigid.divisions, context.get(_own_compliances, leg, rigid.divisions))
+    found = context.get(_own_compliances, leg, rigid.divisions)
+    own = Refinement(rigid.divisions, found, formal_order(leg, "free"))
     taken = context.get(_restrained, leg, rigid.divisions)
     left = Refinement(rigid.divisions, rigid.values - own.values - taken)
     value, reference = float(rigid.values[-1][entry]), float(own.values[-1][entry])
@@ -377,6 +381,13 @@ def _order(context: Context, number: int, name: str) -> Measurement:
         family_title=f"Leg {number} as a solid",
         variant=f"{name}, {meaning}",
     )
+    if order is None:
+        return Measurement(nan, FORMAL_ORDER, value_uncertainty=inf, notes=notes, studies=(study,))
     return Measurement(
-        float("nan") if order is None else order, FORMAL_ORDER, notes=notes, studies=(study,)
+        order,
+        FORMAL_ORDER,
+        # What the finest mesh has changed of the order.
+        value_uncertainty=float(abs(convergence.orders[-1] - convergence.orders[-2])),
+        notes=notes,
+        studies=(study,),
     )

@@ -150,6 +150,7 @@ def _detect(context: Context, fault: Fault) -> Measurement:
     return Measurement(
         float(len(caught)),
         reference=1.0,
+        exact=True,
         notes=("thin ice: a single comparison notices it",) if len(caught) == 1 else (),
         table={
             heading: tuple(str(row[column]) for row in rows)

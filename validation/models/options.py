@@ -36,5 +36,8 @@ class ModelOptions:
 
 
 DEFAULT_OPTIONS = ModelOptions()
+# Orders in 1/elements with which frequencies converge: segments with half springs at the ends, and
+# with springs between them alone; beams of cubic shapes.
+SEGMENT_ORDER, LITERAL_ORDER, BEAM_ORDER = 2.0, 1.0, 4.0
 # Models that have no mass, so no frequencies.
 STATIC: tuple[ModelName, ...] = ("vjm", "links")

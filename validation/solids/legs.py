@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from math import ceil
 
 import numpy as np
+from scipy.optimize import brentq
 
 from fem.bodies import doubling, leg_modes, solid
 from fem.bodies.beam import beam_leg
@@ -12,19 +13,27 @@ from fem.bodies.solid import Ends
 from lumped.arrays import Array
 from lumped.cantilever import clamped_modes
 from lumped.legs import ConstantLeg
-from lumped.sections import Rectangle
+from lumped.sections import HollowRectangle, ISection, Rectangle
 from meshes.prism.hexahedra import hexahedra
 from meshes.section.section_blocks import Divisions
 from meshes.section.section_mesh import section_mesh
 from meshes.solid_mesh import SolidMesh
-from validation.studies.convergence import Convergence, analyse, step_factor, uncertainty_of
+from validation.studies.convergence import (
+    Convergence,
+    analyse,
+    step_factor,
+    uncertainty_of,
+    uncertainty_of_known_orders,
+)
 from validation.studies.mode_pairing import centreline_samples, centreline_weights, pair_modes
 
 # Quadratic elements: energies, and with them compliances and frequencies, converge with h⁴ …
 FORMAL_ORDER = 4.0
-# … but for the stresses at the edges of a rigid face that hold contraction, r^(λ − 1): energies of
-# order 2λ, λ = 0.71 for ν = 0.3 and a right angle (M. L. Williams, J. Appl. Mech. 19 (1952) 526).
-EDGE_ORDER = 1.42
+# … but for the stresses at the edges of a rigid face that hold contraction (`edge_order`) …
+# … and for the shear flow about a re-entrant right angle of the section, r^(−1/3): λ = 2/3, in
+# torsion and flexure of walled sections (the Laplacian's corner; G. Strang, G. J. Fix, An Analysis
+# of the Finite Element Method, ch. 8).
+CORNER_ORDER = 4.0 / 3.0
 # Relative rounding of compliances and frequencies: below it a refinement shows nothing.
 _ROUND_OFF = 1e-9
 _BEAM_ELEMENTS = 20
@@ -56,12 +65,16 @@ class Refinement:
     def uncertainty(self, *index: int) -> float:
         """Numerical uncertainty of one of the finest values (its unit).
 
-        With fewer than four meshes, which show no order, Roache's estimate for two.
+        With fewer than four meshes, which show no order, Roache's estimate for two. Where a corner
+        lowers the order, its term and the smooth one are told apart by their known orders.
         """
         values = self._curve(index)
         if len(values) < GRIDS_FOR_ORDER:
             ratio = self.divisions[-1] / self.divisions[-2]
             return float(abs(values[-1] - values[-2])) * step_factor(ratio, self.formal_order)
+        if self.formal_order < FORMAL_ORDER:
+            sizes = 1.0 / np.array(self.divisions, dtype=float)
+            return uncertainty_of_known_orders(sizes, values, (self.formal_order, FORMAL_ORDER))
         return uncertainty_of(self.at(*index))
 
     def _curve(self, index: tuple[int, ...]) -> Array:
@@ -77,8 +90,27 @@ class SolidModes:
 
 
 def formal_order(leg: ConstantLeg, ends: Ends) -> float:
-    """Order with which a leg's compliances and frequencies converge."""
-    return EDGE_ORDER if ends == "rigid" and leg.material.nu > 0.0 else FORMAL_ORDER
+    """Lowest order with which a leg's compliances and frequencies converge."""
+    edges = edge_order(leg.material.nu) if ends == "rigid" else FORMAL_ORDER
+    corners = isinstance(leg.section, HollowRectangle | ISection)
+    return min(edges, CORNER_ORDER if corners else FORMAL_ORDER)
+
+
+def edge_order(nu: float) -> float:
+    """Order 2λ of energies with stresses r^(λ − 1) where a free side meets a rigid face at 90°.
+
+    λ is the root below 1 of sin²(λπ/2) = (4 (1 − ν)² − λ²)/(3 − 4ν), plane strain (M. L. Williams,
+    J. Appl. Mech. 19 (1952) 526): 0.71 for ν = 0.3. Without contraction nothing is held.
+    """
+    if nu <= 0.0:
+        return FORMAL_ORDER
+
+    def misfit(exponent: float) -> float:
+        free = (4.0 * (1.0 - nu) ** 2 - exponent**2) / (3.0 - 4.0 * nu)
+        return float(np.sin(0.5 * np.pi * exponent) ** 2 - free)
+
+    # λ = 1 is a root as well, that of a uniform stress.
+    return 2.0 * float(brentq(misfit, 0.25, 1.0 - 1e-9)) if misfit(1.0 - 1e-9) > 0.0 else 2.0
 
 
 def static_ladder(leg: ConstantLeg, most: int) -> tuple[int, ...]:

@@ -27,6 +27,7 @@ LARGEST_ORDER = 12.0
 SETTLED = 0.25
 # ASME V&V 20: the smaller safety factor where the observed order is within 10 % of the formal one.
 CLOSE_TO_FORMAL = 0.10
+PROVEN = 1.25
 # The safety factor of everything else.
 UNPROVEN = 3.0
 
@@ -111,7 +112,7 @@ def asymptotic_ratio(gci_coarse: float, gci_fine: float, ratio: float, order: fl
 
 def safety_factor(observed: float, formal: float) -> float:
     """1.25 where the observed order is within 10 % of the formal one, else 3."""
-    return 1.25 if abs(observed - formal) <= CLOSE_TO_FORMAL * formal else UNPROVEN
+    return PROVEN if abs(observed - formal) <= CLOSE_TO_FORMAL * formal else UNPROVEN
 
 
 def step_factor(ratio: float, formal_order: float) -> float:
@@ -227,6 +228,23 @@ def uncertainty_of(convergence: Convergence) -> float:
     if convergence.uncertainty is not None:
         return convergence.uncertainty
     return UNPROVEN * float(np.ptp(convergence.values[-3:]))
+
+
+def uncertainty_of_known_orders(sizes: Array, values: Array, orders: tuple[float, ...]) -> float:
+    """Numerical uncertainty of the finest value where all orders are known, in its unit.
+
+    f = f∞ + Σ Cᵢ h^pᵢ by least squares, weights 1/h, on one grid more than there are unknowns at
+    least: 1.25 times what is left of the finest value, ASME's factor of proven convergence, and the
+    largest deviation from the fit. Raises ValueError for fewer grids.
+    """
+    if len(values) < len(orders) + 2:
+        raise ValueError(f"{len(orders)} orders need {len(orders) + 2} grids, not {len(values)}")
+    shape = sizes / sizes[-1]
+    weight = 1.0 / np.sqrt(shape)
+    basis = np.column_stack([np.ones_like(shape), *(shape**order for order in orders)])
+    fitted = np.linalg.lstsq(basis * weight[:, None], values * weight, rcond=None)[0]
+    residual = float(np.max(np.abs(basis @ fitted - values)))
+    return PROVEN * float(abs(fitted[0] - values[-1])) + residual
 
 
 def _plateau(sizes: Array, values: Array, formal_order: float, round_off: float) -> Convergence:

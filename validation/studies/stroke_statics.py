@@ -11,7 +11,7 @@ from lumped.arrays import Array
 from lumped.biglide import Biglide, with_equivalent_legs
 from lumped.legs import ConstantLeg, equivalent_leg, tip_compliance
 from validation.solids.legs import FORMAL_ORDER, formal_order
-from validation.solids.robots import TipCompliances, static_leg, two_meshes
+from validation.solids.robots import TipCompliances, TwoMeshes, static_leg, two_meshes
 from validation.studies.convergence import step_factor
 from validation.studies.quantities import Deflections, deflections_of
 
@@ -23,11 +23,11 @@ class StrokeStatics:
     """Deflections (µm) at the positions `x` (m) over the stroke.
 
     `rigid`, `free`: solid legs by their ends. `held`, `own`: virtual joints with legs of the
-    constants of their section meshes, end faces held or free in theory. Each on the coarser and on
-    the finer mesh. `textbook`: virtual joints with
-    legs of textbook constants; `torsion`: these but for c44, which is that of the rigid-faced
-    solid. `factors`: uncertainty over the step between both meshes, of a smooth solution and of
-    rigid faces.
+    constants of their section meshes, end faces held or free in theory. `torsion`: virtual joints
+    with legs of textbook constants but for c44, which is that of the rigid-faced solid. Each on
+    the coarser and on the finer mesh. `textbook`: legs of these constants throughout, without a
+    mesh. `factors`: uncertainty over the step between both meshes, of a smooth solution, of free
+    ends and of rigid faces.
     """
 
     x: Array
@@ -36,8 +36,8 @@ class StrokeStatics:
     held: tuple[Deflections, Deflections]
     own: tuple[Deflections, Deflections]
     textbook: Deflections
-    torsion: Deflections
-    factors: tuple[float, float]
+    torsion: tuple[Deflections, Deflections]
+    factors: tuple[float, float, float]
 
 
 def stroke_statics(robot: Biglide, most: int) -> StrokeStatics:
@@ -48,8 +48,11 @@ def stroke_statics(robot: Biglide, most: int) -> StrokeStatics:
     both = [(meshes[0].coarse, meshes[1].coarse), (meshes[0].fine, meshes[1].fine)]
     textbook = [tip_compliance(leg.timoshenko, leg.length) for leg in legs]
     torsion = [
-        _with_torsion(springs, mesh.fine.rigid)
-        for springs, mesh in zip(textbook, meshes, strict=True)
+        (
+            _with_torsion(textbook[0], first.rigid),
+            _with_torsion(textbook[1], second.rigid),
+        )
+        for first, second in both
     ]
     x = member.stations(POSTURES)
     rigid, free = (
@@ -65,15 +68,25 @@ def stroke_statics(robot: Biglide, most: int) -> StrokeStatics:
         held=(held[0], held[1]),
         own=(own[0], own[1]),
         textbook=_vjm_deflections(member, x, (textbook[0], textbook[1])),
-        torsion=_vjm_deflections(member, x, (torsion[0], torsion[1])),
+        torsion=(
+            _vjm_deflections(member, x, torsion[0]),
+            _vjm_deflections(member, x, torsion[1]),
+        ),
         # One of the legs may be refined by less than the other: its factor holds for both.
         factors=(
             max(step_factor(mesh.ratio, FORMAL_ORDER) for mesh in meshes),
-            max(
-                step_factor(mesh.ratio, formal_order(leg, "rigid"))
-                for leg, mesh in zip(legs, meshes, strict=True)
-            ),
+            _factor(legs, meshes, "free"),
+            _factor(legs, meshes, "rigid"),
         ),
+    )
+
+
+def _factor(
+    legs: tuple[ConstantLeg, ConstantLeg], meshes: tuple[TwoMeshes, TwoMeshes], ends: Ends
+) -> float:
+    return max(
+        step_factor(mesh.ratio, formal_order(leg, ends))
+        for leg, mesh in zip(legs, meshes, strict=True)
     )
 
 

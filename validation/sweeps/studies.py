@@ -118,7 +118,7 @@ def alpha_study(
     low, high = PAPER_RANGE
     asked = [alpha for alpha in plan.brief.alphas if low <= alpha <= high]
     alphas, _ = feasible_alphas(robot, asked)
-    models = (*lumped_models(plan.segments), plan.judges()[0])
+    models = (*lumped_models(plan.segments), *plan.judges())
     fractions = tuple(POINTS.values())
     units = [unit for alpha in alphas for unit in member_units(models, robot, alpha, fractions)]
     solved = sweep(units, executor, journal)

@@ -95,7 +95,9 @@ def sample_report(**changes):
         Measurement(1.001e-8, 1.0e-8, 1e-12, 2e-12, studies=(CONVERGENCE, SWEEP)),
         0.8,
     )
-    tight = judge(case("legs.tight", title="Agrees barely"), Measurement(1.0095e-8, 1.0e-8), 0.1)
+    tight = judge(
+        case("legs.tight", title="Agrees barely"), Measurement(1.0095e-8, 1.0e-8, exact=True), 0.1
+    )
     disagreeing = judge(
         case(
             "robot.beam-vjm.planar[x=0.4975]",
@@ -108,6 +110,7 @@ def sample_report(**changes):
         Measurement(
             8.97,
             8.81,
+            exact=True,
             allowances=(Allowance("shear deformation", 0.02, "physics of the beam"),),
             notes=("A note.",),
             table={"x (m)": (0.145, 0.4975), "planar (µm)": (0.42, 8.81)},
@@ -123,7 +126,7 @@ def sample_report(**changes):
             tolerance=Absolute(0.05),
             section="The paper's statements",
         ),
-        Measurement(1.063, 1.1),
+        Measurement(1.063, 1.1, exact=True),
         0.01,
     )
     failed = Outcome(case("legs.failed"), "failed", 0.2, message="leg 2: matrix is <singular>")

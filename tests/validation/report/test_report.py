@@ -111,10 +111,10 @@ def test_the_worst_comparisons_come_first():
 
 
 def test_what_verifies_the_program_is_folded_into_an_appendix_with_one_line():
-    program = judge(case("guard.a", section="Guards"), Measurement(1.001, 1.0), 0.1)
+    program = judge(case("guard.a", section="Guards"), Measurement(1.001, 1.0, exact=True), 0.1)
     skipped = Outcome(case("guard.b", section="Guards"), "skipped", 0.0, message="no CalculiX")
     over = {"section": "The robot over its stroke", "subject": "robot"}
-    robot = judge(case("robot.a", **over), Measurement(1.0, 1.0), 0.1)
+    robot = judge(case("robot.a", **over), Measurement(1.0, 1.0, exact=True), 0.1)
     report = sample_report(outcomes=(program, skipped, robot), figures=())
     assert report.program == (
         "The program: 1 of 1 checks agree, checked on 2026-01-01, flexproof 1.2"
@@ -158,7 +158,8 @@ def test_an_empty_and_an_interrupted_run_have_a_page():
 
 def test_a_study_shared_by_several_cases_is_shown_once():
     outcomes = [
-        judge(case(f"legs.{n}"), Measurement(1.0, 1.0, studies=(CONVERGENCE,)), 0.1) for n in "ab"
+        judge(case(f"legs.{n}"), Measurement(1.0, 1.0, exact=True, studies=(CONVERGENCE,)), 0.1)
+        for n in "ab"
     ]
     report = sample_report(outcomes=tuple(outcomes), figures=(study_plot(CONVERGENCE),))
     (section,) = report.appendix.sections
@@ -192,7 +193,7 @@ def test_quantities_of_several_models_share_a_row():
         model_case("solid", "c22", 2.003),
         model_case("solid", "c33", 2.004),
         model_case("solid", "c44", 2.005),
-        judge(case("leg1.other"), Measurement(1.0, 1.0), 0.1),
+        judge(case("leg1.other"), Measurement(1.0, 1.0, exact=True), 0.1),
     ]
     (grid,), rest = grids(outcomes)
     assert grid.models == ("segments", "solid")
@@ -209,7 +210,7 @@ def test_rows_of_one_quantity_are_told_apart_by_their_names():
     outcomes = [
         judge(
             case(f"order.{leg}.{way}", quantity="order", model=way, row=f"leg {leg}"),
-            Measurement(1.0, 1.0),
+            Measurement(1.0, 1.0, exact=True),
             0.1,
         )
         for leg in (1, 2)
@@ -228,7 +229,9 @@ def test_rows_of_one_quantity_are_told_apart_by_their_names():
     ],
 )
 def test_only_equal_numbers_have_an_unexplained_difference_in_per_cent(changes, reference, share):
-    outcome = judge(case(**changes), Measurement(1.01 * reference, reference, allowances=HALF), 0.1)
+    outcome = judge(
+        case(**changes), Measurement(1.01 * reference, reference, exact=True, allowances=HALF), 0.1
+    )
     assert unexplained_share(outcome) == (None if share is None else pytest.approx(share))
 
 
@@ -289,8 +292,16 @@ def test_families_with_different_abscissas_have_ids_of_their_own():
 
 def test_every_figure_names_the_function_it_is_from():
     outcomes = [
-        judge(case("legs.a", compute=never), Measurement(1.0, 1.0, studies=(CONVERGENCE,)), 0.1),
-        judge(case("legs.b", compute=other), Measurement(1.0, 1.0, studies=(CONVERGENCE,)), 0.1),
+        judge(
+            case("legs.a", compute=never),
+            Measurement(1.0, 1.0, exact=True, studies=(CONVERGENCE,)),
+            0.1,
+        ),
+        judge(
+            case("legs.b", compute=other),
+            Measurement(1.0, 1.0, exact=True, studies=(CONVERGENCE,)),
+            0.1,
+        ),
         model_case("solid", "c44", 1.9, allowances=HALF),
     ]
     drawn = replace(study_plot(SWEEP), computed_by=("validation.report.figures.made_up",))
@@ -383,7 +394,9 @@ VJM = SWEEP.series["vjm"]
 def test_chapters_answer_in_turn_whatever_came_first():
     names = ("Guards", "The paper's statements", "Leg 2", "The robot with solid legs")
     names += ("The robot over its stroke",)
-    outcomes = [judge(case(f"c.{n}", section=n), Measurement(1.0, 1.0), 0.1) for n in names]
+    outcomes = [
+        judge(case(f"c.{n}", section=n), Measurement(1.0, 1.0, exact=True), 0.1) for n in names
+    ]
     found = chapters_of(outcomes, (), plotted=False)
     assert [chapter.title for chapter in found] == [*list(CHAPTERS)[:2], "The paper", APPENDIX]
     assert [section.title for section in found[0].sections] == [names[4], names[3]]
@@ -437,7 +450,7 @@ def test_curves_that_are_errors_tend_to_zero():
 
 
 def test_a_value_that_is_no_number_is_shown_as_such():
-    outcome = judge(case(), Measurement(nan, 1.0), 0.1)
+    outcome = judge(case(), Measurement(nan, 1.0, exact=True), 0.1)
     assert "not a number" in render(sample_report(outcomes=(outcome,)))
 
 

@@ -194,9 +194,9 @@ def outcome(value):
         citation="made up",
         tolerance=Absolute(0.1),
         tolerance_reason="made up",
-        compute=lambda _context: Measurement(value, 1.0),
+        compute=lambda _context: Measurement(value, 1.0, exact=True),
     )
-    return judge(case, Measurement(value, 1.0), 0.0)
+    return judge(case, Measurement(value, 1.0, exact=True), 0.0)
 
 
 def test_drift_stands_beside_the_verdict_and_never_changes_it():

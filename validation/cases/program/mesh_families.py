@@ -159,6 +159,10 @@ def _compare(context: Context, subject: str, name: str) -> Measurement:
     return Measurement(
         (tets - hexes) / combined,
         0.0,
+        value_uncertainty=own["tetrahedra"] / combined,
+        reference_uncertainty=own["hexahedra"] / combined,
+        # Both together, which is the unit of the value.
+        judged_uncertainty=1.0,
         notes=(
             f"tetrahedra {tets:.7g} ± {own['tetrahedra']:.2g} {unit}, hexahedra {hexes:.7g} ± "
             f"{own['hexahedra']:.2g} {unit}: {100.0 * (tets / hexes - 1.0):+.2g} % apart, "

@@ -109,7 +109,10 @@ def _order(context: Context, number: int, name: str, mode: int) -> Measurement:
     counts, errors = _errors(context, number, name)
     first, last = _RANGES[name]
     used = (counts >= first) & (counts <= last)
-    order = order_of_errors(1.0 / counts[used], errors[used, mode])
+    order, before = (
+        order_of_errors(1.0 / counts[used][part], errors[used, mode][part])
+        for part in (slice(None), slice(None, -1))
+    )
     at_twenty = 100.0 * float(errors[counts == 20, mode][0])
     study = Study(
         id=f"refinement.leg{number}.{name}.{mode + 1}",
@@ -130,6 +133,8 @@ def _order(context: Context, number: int, name: str, mode: int) -> Measurement:
     return Measurement(
         order,
         _FORMAL[name][0],
+        # What the finest of the grids has changed of the fitted order.
+        value_uncertainty=abs(order - before),
         notes=(f"error with 20 elements {at_twenty:+.3g} %",),
         studies=(study,),
     )
@@ -137,12 +142,14 @@ def _order(context: Context, number: int, name: str, mode: int) -> Measurement:
 
 def _literal_coefficient(context: Context, number: int) -> Measurement:
     counts, errors = _errors(context, number, "literal")
-    coarse, fine = (counts * errors[:, 0])[-2:]
+    coarsest, coarse, fine = (counts * errors[:, 0])[-3:]
     leg = constant_leg_of(context, number)
     with_shear = _rigid_root_effect(leg)
     return Measurement(
         float(2.0 * fine - coarse),
         with_shear,
+        # Extrapolated to second order: what the finest grid has changed is three times its error.
+        value_uncertainty=float(abs(2.0 * fine - coarse - (2.0 * coarse - coarsest))),
         notes=(f"error with 20 elements {100.0 * float(errors[counts == 20, 0][0]):+.2f} %",),
     )
 

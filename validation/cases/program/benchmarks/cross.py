@@ -12,8 +12,9 @@ from lumped.arrays import Array
 from lumped.legs import ConstantLeg, Material
 from lumped.sections import Rectangle
 from validation.case import Absolute, Allowance, Case, Measurement
-from validation.cases.program.benchmarks.beams import SECTION, Cluster, family
+from validation.cases.program.benchmarks.beams import BEAM_ORDER, SECTION, Cluster, family
 from validation.context import Context
+from validation.studies.convergence import step_factor
 
 CITATION = "NAFEMS, The Standard NAFEMS Benchmarks, TNSB rev. 3 (1990), Test FV2"
 ARM = ConstantLeg(5.0, Rectangle(0.125, 0.125), Material.isotropic(2e11, 0.3, 8000.0))
@@ -148,9 +149,14 @@ def _subspace_case(cluster: Cluster) -> Case:
 
 def _subspace(context: Context, cluster: Cluster) -> Measurement:
     stations = (np.arange(_SAMPLES) + 0.5) / _SAMPLES
-    found = cluster.of(context.get(cross_shapes, COUNTS[-1], stations))
-    angles = subspace_angles(found, exact_cross_shapes(cluster, stations))
-    return Measurement(float(angles.max()), 0.0)
+    exact = exact_cross_shapes(cluster, stations)
+    coarse, fine = (
+        float(subspace_angles(cluster.of(context.get(cross_shapes, number, stations)), exact).max())
+        for number in (COUNTS[-1] // 2, COUNTS[-1])
+    )
+    return Measurement(
+        fine, 0.0, value_uncertainty=step_factor(2.0, BEAM_ORDER) * abs(coarse - fine)
+    )
 
 
 def _cross(elements: int, kinds: tuple[Kind, ...], crossing: Support) -> Frame:

@@ -121,7 +121,7 @@ def _mac(_context: Context) -> Measurement:
     shapes = _orthonormal()
     turned = 3.0 * (np.cos(_ANGLE) * shapes[:, 0] + np.sin(_ANGLE) * shapes[:, 1])
     found = mac_matrix(5.0 * shapes[:, :1], turned[:, None], _WEIGHTS)
-    return Measurement(float(found[0, 0] - np.cos(_ANGLE) ** 2), 0.0)
+    return Measurement(float(found[0, 0] - np.cos(_ANGLE) ** 2), 0.0, exact=True)
 
 
 def _partners(_context: Context) -> Measurement:
@@ -129,7 +129,7 @@ def _partners(_context: Context) -> Measurement:
     others = (shapes * np.array([-1.0, 2.0, -3.0, 0.5]))[:, order]
     found = pair_modes(shapes[:, :3], others, _WEIGHTS)
     wrong = np.sum(order[found.partner] != np.arange(3)) + np.sum(np.abs(found.mac - 1.0) > 1e-9)
-    return Measurement(float(wrong), 0.0)
+    return Measurement(float(wrong), 0.0, exact=True)
 
 
 def _sampled_beam() -> tuple[np.ndarray, np.ndarray]:
@@ -143,20 +143,20 @@ def _sampled_beam() -> tuple[np.ndarray, np.ndarray]:
 def _orthogonal(_context: Context) -> Measurement:
     shapes, weights = _sampled_beam()
     found = mac_matrix(shapes, shapes, weights)
-    return Measurement(float(np.abs(found - np.eye(len(found))).max()), 0.0)
+    return Measurement(float(np.abs(found - np.eye(len(found))).max()), 0.0, exact=True)
 
 
 def _reversed(_context: Context) -> Measurement:
     shapes, weights = _sampled_beam()
     found = pair_modes(shapes, shapes[:, ::-1], weights)
-    return Measurement(float(np.sum(found.partner != np.arange(6)[::-1])), 0.0)
+    return Measurement(float(np.sum(found.partner != np.arange(6)[::-1])), 0.0, exact=True)
 
 
 def _angle(_context: Context) -> Measurement:
     shapes = _orthonormal()
     turned = np.cos(_ANGLE) * shapes[:, 1] + np.sin(_ANGLE) * shapes[:, 2]
     second = np.column_stack([turned + shapes[:, 0], turned - shapes[:, 0]])
-    return Measurement(largest_angle(shapes[:, :2], second, _WEIGHTS) - _ANGLE, 0.0)
+    return Measurement(largest_angle(shapes[:, :2], second, _WEIGHTS) - _ANGLE, 0.0, exact=True)
 
 
 def _weights(_context: Context) -> Measurement:
@@ -180,4 +180,4 @@ def _weights(_context: Context) -> Measurement:
         )
     ]
     wanted = np.array([mass, inertia[0], inertia[1] + swing, inertia[2] + swing])
-    return Measurement(float(np.abs(found / wanted - 1.0).max()), 0.0)
+    return Measurement(float(np.abs(found / wanted - 1.0).max()), 0.0, exact=True)

@@ -220,7 +220,7 @@ def _compliance(context: Context, model: ModelName, name: str) -> Measurement:
     frame = context.get(robot_frame, robot)
     options = ModelOptions(legs="equivalent")
     found = robot_compliance(model, robot, guarded_posture(robot), options)
-    return Measurement(scaled_difference(found, frame_compliance(frame)), 0.0)
+    return Measurement(scaled_difference(found, frame_compliance(frame)), 0.0, exact=True)
 
 
 def _frequency_case(name: str) -> Case:
@@ -246,7 +246,7 @@ def _frequencies(context: Context, name: str) -> Measurement:
     options = ModelOptions(elements=ELEMENTS)
     found = robot_frequencies("beam", robot, guarded_posture(robot), MODES, options)
     reference = frame_modes(frame, MODES).frequencies
-    return Measurement(float(np.abs(found / reference - 1.0).max()), 0.0)
+    return Measurement(float(np.abs(found / reference - 1.0).max()), 0.0, exact=True)
 
 
 def _family_cases() -> tuple[Case, ...]:
@@ -285,7 +285,7 @@ def _stroke(context: Context) -> Measurement:
     robot = context.robot
     member = scaled(robot, _ALPHA)
     first, last = member.stroke
-    return Measurement(last - first, robot.leg1.length + robot.leg2.length - robot.a)
+    return Measurement(last - first, robot.leg1.length + robot.leg2.length - robot.a, exact=True)
 
 
 def _longer_by_hand(robot: Biglide) -> Biglide:
@@ -301,4 +301,4 @@ def _family(context: Context) -> Measurement:
     reference = frame_compliance(frame_of(by_hand, x, ELEMENTS))
     member = scaled(context.robot, _ALPHA)
     found = robot_compliance("beam", member, x, ModelOptions(elements=ELEMENTS))
-    return Measurement(scaled_difference(found, reference), 0.0)
+    return Measurement(scaled_difference(found, reference), 0.0, exact=True)

@@ -21,7 +21,8 @@ from validation.case import Absolute, Case, Measurement, Relative, Tolerance
 from validation.cases.legs import UNITS, constant_leg_of
 from validation.cases.program.guards.robot import SECTION, scaled_difference
 from validation.context import Context
-from validation.solids.legs import section_counts, similar_mesh, slices
+from validation.solids.legs import CORNER_ORDER, FORMAL_ORDER, section_counts, similar_mesh, slices
+from validation.studies.convergence import step_factor
 
 COWPER = "G. R. Cowper, J. Appl. Mech. 33 (1966) 335, against finite elements on the section"
 NU = 0.3
@@ -107,20 +108,42 @@ def constants_by_mesh(section: Section, divisions: int) -> SectionConstants:
 
 def _constant(context: Context, shape: str, name: str) -> Measurement:
     section, divisions = SECTIONS[shape]
-    found = context.get(constants_by_mesh, section, divisions)
-    # The material of 1 Pa, 1 kg/m³ makes the beam's constants those of the section.
-    unit = Material(E=1.0, G=1.0, nu=NU, rho=1.0)
+    coarse, found = (
+        _of_mesh(context.get(constants_by_mesh, section, number), name)
+        for number in (divisions, 2 * divisions)
+    )
+    cornered = isinstance(section, HollowRectangle | ISection)
+    order = CORNER_ORDER if cornered else FORMAL_ORDER
+    # The isotropic material of 1 Pa makes the beam's constants those of the section.
+    unit = Material.isotropic(1.0, NU, 1.0)
     beam = ConstantLeg(1.0, section, unit).timoshenko
-    pairs = {
-        "area": (beam.EA, found.area),
-        "Iy": (beam.EIy, found.second_moment_y),
-        "Iz": (beam.EIz, found.second_moment_z),
-        "J": (beam.GJ, found.torsion_constant),
-        "κy": (beam.GAy / beam.EA, found.cowper_coefficients[0]),
-        "κz": (beam.GAz / beam.EA, found.cowper_coefficients[1]),
+    textbook = {
+        "area": beam.EA,
+        "Iy": beam.EIy,
+        "Iz": beam.EIz,
+        "J": beam.GJ / unit.G,
+        "κy": beam.GAy / unit.G / beam.EA,
+        "κz": beam.GAz / unit.G / beam.EA,
     }
-    value, reference = pairs[name]
-    return Measurement(float(value), float(reference))
+    return Measurement(
+        float(textbook[name]),
+        found,
+        reference_uncertainty=step_factor(2.0, order) * abs(found - coarse),
+    )
+
+
+def _of_mesh(constants: SectionConstants, name: str) -> float:
+    along_y, along_z = constants.cowper_coefficients
+    return float(
+        {
+            "area": constants.area,
+            "Iy": constants.second_moment_y,
+            "Iz": constants.second_moment_z,
+            "J": constants.torsion_constant,
+            "κy": along_y,
+            "κz": along_z,
+        }[name]
+    )
 
 
 def _energy_case(element: SolidElement, kind: str) -> Case:
@@ -156,9 +179,9 @@ def _energy(context: Context, element: SolidElement, kind: str) -> Measurement:
     motion = (mesh.nodes @ _GRADIENT.T).ravel()
     if kind == "strain":
         found = motion @ (stiffness(mesh, _CUBIC) @ motion)
-        return Measurement(float(found), _exact_strain_energy())
+        return Measurement(float(found), _exact_strain_energy(), exact=True)
     found = motion @ (mass(mesh, _CUBIC.rho) @ motion)
-    return Measurement(float(found), _exact_kinetic_energy())
+    return Measurement(float(found), _exact_kinetic_energy(), exact=True)
 
 
 def _exact_strain_energy() -> float:
@@ -203,7 +226,7 @@ def _isotropy(context: Context, axis: str) -> Measurement:
         motion = (mesh.nodes @ gradient.T).ravel()
         return float(motion @ (energies @ motion))
 
-    return Measurement(energy(turned @ _GRADIENT @ turned.T), energy(_GRADIENT))
+    return Measurement(energy(turned @ _GRADIENT @ turned.T), energy(_GRADIENT), exact=True)
 
 
 def _free_ends_case(name: str) -> Case:
@@ -224,18 +247,32 @@ def _free_ends_case(name: str) -> Case:
     )
 
 
-def hollow_compliances() -> tuple[Array, Array]:
+def hollow_compliances(divisions: int) -> tuple[Array, Array]:
     """Tip compliances (6×6, SI) of a hollow leg: solid with free ends, and beam."""
-    section = section_mesh(_HOLLOW.section, 4)
-    condensed = doubling.condensed_leg(_HOLLOW, section, slices(_HOLLOW, 4))
+    section = section_mesh(_HOLLOW.section, divisions)
+    condensed = doubling.condensed_leg(_HOLLOW, section, slices(_HOLLOW, divisions))
     own = beam_properties(section_constants(section, NU), _HOLLOW.material)
     return doubling.tip_compliance(condensed, "free"), tip_compliance(own, _HOLLOW.length)
 
 
 def _free_ends(context: Context, name: str) -> Measurement:
-    by_solid, by_beam = context.get(hollow_compliances)
     entry = _FREE_ENTRIES[name]
-    return Measurement(float(by_solid[entry]), float(by_beam[entry]))
+    coarse, fine = (
+        tuple(float(matrix[entry]) for matrix in context.get(hollow_compliances, number))
+        for number in (2, 4)
+    )
+    factor = step_factor(2.0, CORNER_ORDER)
+    own, other = (factor * abs(after - before) for before, after in zip(coarse, fine, strict=True))
+    by_solid, by_beam = fine
+    return Measurement(
+        by_solid,
+        by_beam,
+        value_uncertainty=own,
+        reference_uncertainty=other,
+        # Both have the corners of one section mesh in common: what is left is smooth.
+        judged_uncertainty=step_factor(2.0, FORMAL_ORDER)
+        * abs((by_solid - by_beam) - (coarse[0] - coarse[1])),
+    )
 
 
 def _two_ways_case(number: int, ends: Ends) -> Case:
@@ -266,4 +303,5 @@ def _two_ways(context: Context, number: int, ends: Ends) -> Measurement:
     return Measurement(
         scaled_difference(doubling.tip_compliance(condensed, ends), solid.tip_compliance(whole)),
         0.0,
+        exact=True,
     )

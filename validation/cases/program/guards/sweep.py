@@ -111,11 +111,11 @@ def _robot_compliance(context: Context, way: str, name: str) -> Measurement:
     robot = VARIANTS[name](context.robot)
     found, _ = context.get(_WAYS[way], robot)
     frame = context.get(robot_frame, robot)
-    return Measurement(scaled_difference(found, frame_compliance(frame)), 0.0)
+    return Measurement(scaled_difference(found, frame_compliance(frame)), 0.0, exact=True)
 
 
 def _robot_frequencies(context: Context, way: str, name: str) -> Measurement:
     robot = VARIANTS[name](context.robot)
     _, found = context.get(_WAYS[way], robot)
     reference = frame_modes(context.get(robot_frame, robot), MODES).frequencies
-    return Measurement(float(np.abs(found / reference - 1.0).max()), 0.0)
+    return Measurement(float(np.abs(found / reference - 1.0).max()), 0.0, exact=True)

@@ -1,5 +1,6 @@
 """Guards of torsional waves, from which the allowances for warping along a leg are taken."""
 
+from collections.abc import Callable
 from functools import partial
 
 import numpy as np
@@ -13,12 +14,16 @@ from meshes.section.section_mesh import section_mesh
 from validation.case import Case, Measurement, Relative
 from validation.cases.program.guards.reduction import guard_case
 from validation.context import Context
+from validation.solids.legs import CORNER_ORDER
+from validation.studies.convergence import step_factor
 
 # Walls thick enough for 3-D waves and one warping function to agree, open enough to warp.
 _OPEN = ISection(width=0.1, height=0.16, flange=0.02, web=0.02)
 _THIN = ISection(width=0.1, height=0.2, flange=0.004, web=0.003)
 _STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 _QUARTER_WAVE = 0.8
+# Divisions of the section.
+_COARSE, _FINE = 2, 4
 
 
 def cases() -> tuple[Case, ...]:
@@ -52,17 +57,41 @@ def cases() -> tuple[Case, ...]:
 
 
 def _wave(_context: Context) -> Measurement:
-    mesh = section_mesh(_OPEN, 4)
+    return _refined(_wave_and_rod)
+
+
+def _wave_and_rod(divisions: int) -> tuple[float, float]:
+    mesh = section_mesh(_OPEN, divisions)
     constants = section_constants(mesh, _STEEL.nu)
     k = np.pi / (2.0 * _QUARTER_WAVE)
-    return Measurement(
+    return (
         torsion_wave(mesh, _STEEL, k) / (2.0 * np.pi),
         nonuniform_torsion.wave_frequency(constants, _STEEL, k),
     )
 
 
+def _refined(pair: Callable[[int], tuple[float, float]]) -> Measurement:
+    """Value and reference on the finer of two meshes, with what the step between them leaves."""
+    before, after = pair(_COARSE), pair(_FINE)
+    factor = step_factor(_FINE / _COARSE, CORNER_ORDER)
+    own, other = (factor * abs(f - c) for c, f in zip(before, after, strict=True))
+    value, reference = after
+    return Measurement(
+        value,
+        reference,
+        value_uncertainty=own,
+        reference_uncertainty=other,
+        # Both have the errors of one section mesh in common.
+        judged_uncertainty=factor * abs((value - reference) - (before[0] - before[1])),
+    )
+
+
 def _vlasov(_context: Context, model: str) -> Measurement:
-    mesh = section_mesh(_THIN, 4)
+    return _refined(partial(_wave_and_vlasov, model))
+
+
+def _wave_and_vlasov(model: str, divisions: int) -> tuple[float, float]:
+    mesh = section_mesh(_THIN, divisions)
     constants = section_constants(mesh, 0.0)
     m, k = Material.isotropic(2.1e11, 0.0, 7850.0), np.pi / 4.0
     polar = constants.second_moment_y + constants.second_moment_z
@@ -73,4 +102,4 @@ def _vlasov(_context: Context, model: str) -> Measurement:
         if model == "rod"
         else torsion_wave(mesh, m, k) / (2.0 * np.pi)
     )
-    return Measurement(found, float(k * np.sqrt(stiffness / inertia) / (2.0 * np.pi)))
+    return found, float(k * np.sqrt(stiffness / inertia) / (2.0 * np.pi))

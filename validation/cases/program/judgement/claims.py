@@ -35,7 +35,7 @@ def _held(context: Context, claims: Callable[[Context], Mapping[str, bool]]) -> 
     found = claims(context)
     if broken := [claim for claim, holds in found.items() if not holds]:
         raise ComputationError(f"the judgement is wrong: {'; '.join(broken)}")
-    return Measurement(float(sum(found.values())), float(len(found)))
+    return Measurement(float(sum(found.values())), float(len(found)), exact=True)
 
 
 def same(found: float | None, wanted: float | None, share: float = 1e-12) -> bool:

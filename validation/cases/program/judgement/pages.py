@@ -154,7 +154,7 @@ def _outcome(model: str, quantity: str, value: float, tolerance: float = 0.5) ->
     fields = {"id": f"{model}.{quantity}", "model": model, "quantity": quantity}
     return judge(
         Case(**{**vars(case), **fields}),
-        Measurement(value, 2.0, allowances=(Allowance("a", 0.25),)),
+        Measurement(value, 2.0, exact=True, allowances=(Allowance("a", 0.25),)),
         0.0,
     )
 
@@ -188,7 +188,9 @@ def _tables(_context: Context) -> Mapping[str, bool]:
         # 2.6 − 2 − 0.25 of 2.
         "its share": same(tables.unexplained_share(outcomes[5]), 0.175, 1e-9),
         "the smallest's share": same(tables.unexplained_share(outcomes[0]), 0.125, 1e-9),
-        "a part is explained": tables.explained(outcomes[0].measurement or Measurement(0.0, 0.0)),
+        "a part is explained": tables.explained(
+            outcomes[0].measurement or Measurement(0.0, 0.0, exact=True)
+        ),
     }
 
 

@@ -69,7 +69,7 @@ def probe(tolerance: Tolerance, relation: Relation = Relation.EQUAL) -> Case:
 
 
 def _nothing(_context: Context) -> Measurement:
-    return Measurement(0.0, 0.0)
+    return Measurement(0.0, 0.0, exact=True)
 
 
 # By columns: relation, value, reference, allowance, three uncertainties, verdict; the
@@ -112,7 +112,15 @@ _SIGNS = {"=": Relation.EQUAL, "<": Relation.AT_MOST, ">": Relation.AT_LEAST}
 def _by_hand(_context: Context) -> Mapping[str, bool]:
     found = {}
     for sign, value, reference, allowed, (u, v, w), wanted in _TABLE:
-        measured = Measurement(value, reference, u, v, w, (Allowance("made up", allowed),))
+        measured = Measurement(
+            value,
+            reference,
+            u,
+            v,
+            w,
+            (Allowance("made up", allowed),),
+            exact=(u, v, w) == (None, None, None),
+        )
         outcome = judge(probe(Relative(0.01), _SIGNS[sign]), measured, 0.0)
         found[f"{value} {sign} {reference}, {allowed} allowed, {u} {v} {w}: {wanted}"] = (
             outcome.verdict == wanted
@@ -126,7 +134,7 @@ def _by_hand(_context: Context) -> Mapping[str, bool]:
         "the judged difference's own uncertainty": same(
             replace(measured, judged_uncertainty=0.2).numerical_uncertainty, 0.2
         ),
-        "nothing discretised": Measurement(3.0, 2.0).numerical_uncertainty is None,
+        "nothing discretised": Measurement(3.0, 2.0, exact=True).numerical_uncertainty is None,
         "0.5 of 0.6 µm": same(amount.share, 0.5 / 0.6),
         "0.6 µm of 2 µm": same(amount.tolerance, 0.6),
         "1 % of −2 µm": same(Relative(0.01).at(-2.0), 0.02),

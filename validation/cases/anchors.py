@@ -1,0 +1,187 @@
+"""Absolute numbers of the robot, in µm and Hz, each by a way that shares the robot's data alone.
+
+Other comparisons hold models against each other, at the posture where they differ most; these hold
+one number of each kind, at a fixed posture, against geometry or polynomials along the legs.
+"""
+
+from functools import partial
+from itertools import pairwise
+from math import hypot, sqrt
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+
+from lumped.biglide import Biglide
+from validation.case import Case, Measurement, Relative
+from validation.cases.robot import CURVES, SECTION
+from validation.context import Context
+from validation.models.biglide import robot_compliance, robot_frequencies
+from validation.models.options import BEAM_ORDER, SEGMENT_ORDER, ModelName, ModelOptions
+from validation.studies import ritz_robot
+from validation.studies.convergence import step_factor
+from validation.studies.quantities import deflections_of, stroke_deflections
+
+_RITZ = (
+    "Ritz's method, Legendre polynomials along Timoshenko's legs (validation.studies.ritz_robot)"
+)
+_EQUIVALENT = ModelOptions(legs="equivalent")
+_STATIC: tuple[ModelName, ...] = ("vjm", "beam")
+_DYNAMIC: dict[ModelName, tuple[float, float, str]] = {
+    "beam": (BEAM_ORDER, 1e-4, "fourth order in 1/n: below 1e-5 with 20 elements"),
+    "segments": (SEGMENT_ORDER, 0.01, "the paper's 1 % for 20 elements (§3.2)"),
+}
+_FREQUENCIES = 4
+# Over the stroke: the first number is judged, the others show what it misses.
+_POSTURES = (81, 71, 61)
+_FORCE, _MICROMETRE = 1000.0, 1e-6
+
+
+def cases() -> tuple[Case, ...]:
+    """Deflections and frequencies of the models over springs, beams and drives."""
+    return (
+        Case(
+            id="robot.anchor.simplified",
+            title="The simplified model's largest planar deflection follows from geometry",
+            quantity="largest planar deflection under 1000 N over the stroke",
+            unit="µm",
+            reference_kind="closed-form",
+            citation="eqs (1), (2) by hand: virtual power of two drives; Brent's method along x",
+            tolerance=Relative(2e-3),
+            tolerance_reason=f"{_POSTURES[0]} postures miss the peak by the square of half a step",
+            compute=_simplified,
+            model="simplified",
+            section=SECTION,
+            group="robot.anchor",
+            figure="fig3",
+        ),
+        *(_deflection(model, curve) for model in _STATIC for curve in CURVES),
+        *(_frequency(model, index) for model in _DYNAMIC for index in range(_FREQUENCIES)),
+    )
+
+
+def _deflection(model: ModelName, curve: str) -> Case:
+    attribute, meaning = CURVES[curve]
+    return Case(
+        id=f"robot.anchor.{model}.{curve}",
+        title=f"At the centre {model} has Ritz's {meaning}",
+        quantity=f"{meaning}, centre of the stroke",
+        unit="µm",
+        reference_kind="independent-solver",
+        citation=_RITZ,
+        tolerance=Relative(1e-6),
+        tolerance_reason="statics of Timoshenko's legs are polynomials: rounding alone, grown by "
+        "the robot's condition",
+        compute=partial(_deflected, model=model, attribute=attribute),
+        model=model,
+        row="anchor",
+        section=SECTION,
+        group="robot.anchor",
+    )
+
+
+def _frequency(model: ModelName, index: int) -> Case:
+    _, fraction, reason = _DYNAMIC[model]
+    return Case(
+        id=f"robot.anchor.{model}.frequency[{index + 1}]",
+        title=f"At the centre frequency {index + 1} by {model} is Ritz's",
+        quantity=f"natural frequency {index + 1}, centre of the stroke",
+        unit="Hz",
+        reference_kind="independent-solver",
+        citation=_RITZ,
+        tolerance=Relative(fraction),
+        tolerance_reason=reason,
+        compute=partial(_swinging, model=model, index=index),
+        model=model,
+        row="anchor",
+        section=SECTION,
+        group="robot.anchor",
+        effort=0.3,
+    )
+
+
+def _simplified(context: Context) -> Measurement:
+    robot = context.robot
+    found = [
+        context.get(stroke_deflections, "simplified", robot, number).largest_planar
+        for number in _POSTURES
+    ]
+    return Measurement(
+        found[0],
+        context.get(largest_on_drives, robot),
+        # Postures that do not meet miss the peak by more or by less.
+        value_uncertainty=float(np.ptp(found)),
+    )
+
+
+def largest_on_drives(robot: Biglide) -> float:
+    """Largest planar deflection (µm) of B under 1000 N along x or y: legs rigid, drives elastic."""
+    first, last = robot.stroke
+    brackets = np.linspace(first, last, 12)
+    return max(
+        _on_drives(robot, place, load)
+        for load in ("x", "y")
+        for low, high in pairwise(brackets.tolist())
+        for place in (low, high, _peak(robot, low, high, load))
+    )
+
+
+def _peak(robot: Biglide, low: float, high: float, load: str) -> float:
+    found = minimize_scalar(
+        lambda x: -_on_drives(robot, x, load),
+        bounds=(low, high),
+        method="bounded",
+        options={"xatol": 1e-9},
+    )
+    return float(found.x)
+
+
+def _on_drives(robot: Biglide, x: float, load: str) -> float:
+    """Deflection (µm): with slopes tᵢ = Δxᵢ/sᵢ of the legs a slide moves by δyᵢ = tᵢ δx + δy.
+
+    Two equations for δx and δy; forces fᵢ of the drives balance the load, δyᵢ = fᵢ/K.
+    """
+    s1 = sqrt(max(robot.leg1.length**2 - x**2, 0.0))
+    s2 = sqrt(max(robot.leg2.length**2 - (robot.a - x) ** 2, 0.0))
+    # s₂ x + s₁ (a − x) over s₁ s₂ is the difference of slopes: multiplied out, no end is singular.
+    base = x * s2 + (robot.a - x) * s1
+    drives = (s1 * s2, -s1 * s2) if load == "x" else (s1 * (robot.a - x), s2 * x)
+    f1, f2 = (_FORCE * drive / base for drive in drives)
+    y1, y2 = f1 / robot.actuator_stiffness, f2 / robot.actuator_stiffness
+    along_x = s1 * s2 * (y1 - y2) / base
+    along_y = (s1 * (robot.a - x) * y1 + s2 * x * y2) / base
+    return hypot(along_x, along_y) / _MICROMETRE
+
+
+def _deflected(context: Context, model: ModelName, attribute: str) -> Measurement:
+    robot, x = context.robot, context.robot.centre
+    found = context.get(robot_compliance, model, robot, x, _EQUIVALENT)
+    reference = context.get(ritz_robot.compliance, robot, x)
+    value, by_ritz = (
+        float(getattr(deflections_of(matrix[None]), attribute)[0]) for matrix in (found, reference)
+    )
+    return Measurement(value, by_ritz, exact=True, pose=(float(x),))
+
+
+def _swinging(context: Context, model: ModelName, index: int) -> Measurement:
+    robot, x = context.robot, context.robot.centre
+    coarse, fine = (
+        context.get(
+            robot_frequencies, model, robot, x, _FREQUENCIES, ModelOptions(elements=elements)
+        )[index]
+        for elements in (10, 20)
+    )
+    reference, rougher = (
+        float(context.get(ritz_robot.frequencies, robot, x, _FREQUENCIES, degree)[index])
+        for degree in (ritz_robot.DEGREE, ritz_robot.DEGREE - 2)
+    )
+    order, _, _ = _DYNAMIC[model]
+    uncertain = abs(reference - rougher)
+    return Measurement(
+        float(fine),
+        reference,
+        value_uncertainty=step_factor(2.0, order) * float(abs(fine - coarse)),
+        reference_uncertainty=uncertain,
+        # What 20 elements leave is what is judged: the reference alone leaves it uncertain.
+        judged_uncertainty=uncertain,
+        pose=(float(x),),
+    )
