@@ -14,13 +14,18 @@ from io import StringIO
 from math import isfinite
 from pathlib import Path
 
+import numpy as np
+
 from lumped.biglide import Biglide
 from lumped.errors import InputError
 from lumped.files import read_ordinary
+from lumped.mechanism.kinematics.postures import posture
+from lumped.mechanism.mechanism import Mechanism
+from lumped.models.bodies import legs_of
 from lumped.requirement import MOST_MODES, STATIC_QUANTITIES
 from lumped.text import shown
 
-_OF_LEG = re.compile(r"leg([12])\.c([1-6])([1-6])")
+_OF_LEG = re.compile(r"([\w-]{1,40})\.c([1-6])([1-6])")
 _FREQUENCY = re.compile(r"f([1-9][0-9]?)")
 _COLUMNS = ("quantity", "pose", "value", "uncertainty", "source")
 _NAMES = (
@@ -43,10 +48,10 @@ class Measured:
     load: float = 1.0
 
     @property
-    def leg_entry(self) -> tuple[int, int, int] | None:
+    def leg_entry(self) -> tuple[str, int, int] | None:
         """Leg, row and column (from 0) of an entry of its 6×6; None for a quantity of the robot."""
         found = _OF_LEG.fullmatch(self.quantity)
-        return (int(found[1]), int(found[2]) - 1, int(found[3]) - 1) if found else None
+        return (found[1], int(found[2]) - 1, int(found[3]) - 1) if found else None
 
     @property
     def mode(self) -> int | None:
@@ -61,8 +66,6 @@ def measured_faults(one: Measured, place: str) -> list[str]:
     known = one.quantity in STATIC_QUANTITIES or one.leg_entry is not None
     if not known and not 1 <= (one.mode or 0) <= MOST_MODES:
         faults.append(f"{place}.quantity = {shown(one.quantity)}: must be one of {_NAMES}")
-    elif one.leg_entry is None and len(one.pose) != 1:
-        faults.append(f"{place}.pose: must hold one number, the position x of B in m")
     elif one.leg_entry is not None and one.pose:
         faults.append(f"{place}.pose: must be left out, a leg alone has none")
     if not (isfinite(one.value) and one.value != 0.0):
@@ -110,11 +113,24 @@ def digest(ones: Sequence[Measured]) -> str:
     return sha256(repr(ones).encode()).hexdigest()[:16]
 
 
-def pose_faults(robot: Biglide, one: Measured, place: str) -> list[str]:
-    """Why the robot cannot be where a value was measured; nothing where it can."""
+def pose_faults(robot: Biglide | Mechanism, one: Measured, place: str) -> list[str]:
+    """Why this robot has no such leg, or cannot be where a value was measured; nothing else."""
+    if one.leg_entry is not None:
+        legs = tuple(legs_of(robot)) if isinstance(robot, Mechanism) else ("leg1", "leg2")
+        known = one.leg_entry[0] in legs
+        allowed = f"must be of one of {', '.join(legs) or 'no legs'}"
+        return [] if known else [f"{place}.quantity = {shown(one.quantity)}: {allowed}"]
     try:
-        for x in one.pose:
-            robot.posture(x)
+        if isinstance(robot, Mechanism):
+            moves = robot.tool.moves
+            if len(one.pose) != len(moves):
+                said = f"as many as the tool's moves ({', '.join(moves) or 'none'}; m, rad)"
+                return [f"{place}.pose: must hold {len(moves)} numbers, {said}"]
+            posture(robot, np.array(one.pose))
+        elif len(one.pose) != 1:
+            return [f"{place}.pose: must hold one number, the position x of B in m"]
+        else:
+            robot.posture(one.pose[0])
     except InputError as error:
         return [f"{place}.pose: {fault}" for fault in error.faults]
     return []

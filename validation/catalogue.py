@@ -27,7 +27,7 @@ from validation.cases import (
     solids,
 )
 from validation.context import BUILT_IN, About
-from validation.measured.biglide import measured_matrix
+from validation.measured.matrix import measured_matrix
 from validation.report.figures import drawings, of_program
 from validation.results.records import Task
 
@@ -79,7 +79,7 @@ def _of_biglide(robot_file: RobotFile) -> Sequence[Task]:
 def _of_mechanism(robot_file: RobotFile) -> Sequence[Task]:
     described = robot_file.mechanism
     of_robot = (*mechanism.cases(), *mechanism_motion.cases(described), *mechanism_calculix.cases())
-    return _about("robot", of_robot)
+    return [*_about("robot", of_robot), *([_MEASURED] if robot_file.measured else [])]
 
 
 def _about(subject: About, cases: Sequence[Task]) -> list[Task]:

@@ -9,6 +9,7 @@ import numpy as np
 from lumped.biglide import Biglide, geometry_faults
 from lumped.legs import GivenLeg
 from lumped.measured import Measured, measured_faults, pose_faults
+from lumped.mechanism.mechanism import Mechanism
 from lumped.robot_file.corrections import can_be_scaled, correction_faults, value_at
 from lumped.robot_file.leg_table import leg_faults, leg_of, symmetric
 from lumped.robot_file.table_faults import table_faults
@@ -30,22 +31,22 @@ def biglide_faults(tables: Mapping[str, Any]) -> list[str]:
     faults += _geometry_faults(tables)
     return faults or [
         *correction_faults(tables, corrections_of(tables)),
-        *_measured_faults(tables),
-        *(
-            f"input_uncertainty[{number}].key = {shown(one.key)}: must name a number or a matrix "
-            'of this file, like "leg1.length" or "foot.compliance"'
-            for number, one in enumerate(input_uncertainties_of(tables), start=1)
-            if not can_be_scaled(tables, one.key)
-        ),
+        *evidence_faults(tables, biglide_of(tables)),
     ]
 
 
-def _measured_faults(tables: Mapping[str, Any]) -> list[str]:
-    faults, robot = [], biglide_of(tables)
+def evidence_faults(tables: Mapping[str, Any], robot: Biglide | Mechanism) -> list[str]:
+    """Measured values that this robot cannot have, uncertainties of what stands nowhere."""
+    faults = []
     for number, one in enumerate(measured_of(tables), start=1):
         place = f"measured[{number}]"
         faults += measured_faults(one, place) or pose_faults(robot, one, place)
-    return faults
+    return faults + [
+        f"input_uncertainty[{number}].key = {shown(one.key)}: must name a number or a matrix "
+        'of this file, like "leg1.length" or "foot.compliance"'
+        for number, one in enumerate(input_uncertainties_of(tables), start=1)
+        if not can_be_scaled(tables, one.key)
+    ]
 
 
 def corrections_of(tables: Mapping[str, Any]) -> tuple[Correction, ...]:

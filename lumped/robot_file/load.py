@@ -24,6 +24,7 @@ from lumped.robot_file.biglide import (
     biglide_faults,
     biglide_of,
     corrections_of,
+    evidence_faults,
     input_uncertainties_of,
     measured_of,
 )
@@ -86,20 +87,31 @@ class RobotFile:
         """The robot's name."""
         return self.described.name
 
-    def with_inputs_off(self) -> tuple[tuple[str, Biglide, Biglide], ...]:
-        """Each uncertain input by its key, with the biglide where it is a standard uncertainty off.
+    def with_inputs_off(
+        self,
+    ) -> tuple[tuple[str, Biglide | Mechanism, Biglide | Mechanism], ...]:
+        """Each uncertain input by its key, with the robot where it is a standard uncertainty off.
 
-        Below, then above what the file says.
+        Below, then above what the file says. Raises InputError where there is no such robot.
         """
-        tables = self.tables
         return tuple(
-            (
-                one.key,
-                biglide_of(scaled(tables, one.key, 1.0 - one.relative)),
-                biglide_of(scaled(tables, one.key, 1.0 + one.relative)),
-            )
-            for one in input_uncertainties_of(tables)
+            (one.key, self._scaled(one.key, -one.relative), self._scaled(one.key, one.relative))
+            for one in input_uncertainties_of(self.tables)
         )
+
+    def _scaled(self, key: str, change: float) -> Biglide | Mechanism:
+        tables = scaled(self.tables, key, 1.0 + change)
+        # What was measured and what was misprinted is as the file says.
+        for said in ("measured", "corrections"):
+            tables.pop(said, None)
+        folder = Path() if self.built_in else Path(self.source).parent
+        described, faults = described_by(tables, folder)
+        if described is None:
+            raise InputError(
+                f"{self.source}: input_uncertainty, {key} by {change:+.3g}: {fault}"
+                for fault in faults
+            )
+        return described
 
     @property
     def tables(self) -> dict[str, Any]:
@@ -195,7 +207,7 @@ def described_by(
         faults = description_faults(tables)
         mechanism = None if faults else mechanism_of(tables, folder)
         if mechanism is not None:
-            faults = motion_faults(mechanism)
+            faults = motion_faults(mechanism) or evidence_faults(tables, mechanism)
         return (None if faults else mechanism), faults
     faults = biglide_faults(tables)
     return (None if faults else biglide_of(tables)), faults

@@ -13,7 +13,7 @@ def with_measured(robot_file: RobotFile, path: Path) -> RobotFile:
 
     Raises InputError with one line per fault, where the robot cannot be at a pose too.
     """
-    robot, ones = robot_file.robot, read_measured(path)
+    robot, ones = robot_file.described, read_measured(path)
     faults = [
         fault
         for number, one in enumerate(ones, start=2)

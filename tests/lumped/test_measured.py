@@ -33,7 +33,7 @@ def test_a_csv_file_joins_the_robot_s_own_values(robot_file, tmp_path):
         Measured("f1", 113.2, 0.5, "hammer", (0.4975,)),
         Measured("leg1.c22", 1.77e-7, 2e-9, "test stand"),
     )
-    assert found[2].leg_entry == (1, 1, 1)
+    assert found[2].leg_entry == ("leg1", 1, 1)
     assert (found[1].mode, found[0].mode) == (1, None)
     assert digest(found) != digest(found[:2])
 

@@ -12,7 +12,9 @@ from lumped.robot_file.tables import (
     Accept,
     Compliance,
     Inertia,
+    InputUncertainty,
     MaterialTable,
+    MeasuredTable,
     Name,
     SectionTable,
     Table,
@@ -135,3 +137,5 @@ class MechanismTables(Table, frozen=True):
     materials: dict[Entry, MaterialTable] = field(default_factory=dict)
     path: PathTable | None = None
     accept: Accept | None = None
+    measured: list[MeasuredTable] = field(default_factory=list)
+    input_uncertainty: list[InputUncertainty] = field(default_factory=list)

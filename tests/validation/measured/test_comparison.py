@@ -10,8 +10,8 @@ from lumped.biglide import Biglide
 from lumped.measured import Measured
 from lumped.robot_file import load_robot
 from validation.context import Context
-from validation.measured.biglide import measured_matrix, predicted
 from validation.measured.comparison import Comparison, propagated
+from validation.measured.matrix import measured_matrix, predicted
 from validation.models.options import ModelOptions
 from validation.report.figures.measured import measured_figure
 from validation.report.first_screen.sentence import sentence

@@ -73,6 +73,12 @@ def mechanism_models(mechanism: Mechanism) -> tuple[str, ...]:
     return tuple(name for name in _MODELS if name not in left_out)
 
 
+def mechanism_candidates(mechanism: Mechanism) -> dict[str, tuple[ModelName, str, ModelOptions]]:
+    """The models that are judged by name: which, what they are, with which options."""
+    chosen = {name: _MODELS[name] for name in mechanism_models(mechanism)}
+    return {name: (one.kind, one.title, one.options) for name, one in chosen.items()}
+
+
 def mechanism_subject(context: Context) -> Subject:
     """Responses of all models of the run's mechanism and of what they are held against."""
     mechanism = context.robot_file.mechanism

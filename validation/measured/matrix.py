@@ -1,20 +1,33 @@
-"""What every model of the biglide says of the measured values, and how they compare."""
+"""What every model of a robot says of the measured values, and how they compare."""
 
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import TypeAlias
 
+import numpy as np
+
+from lumped.arrays import Array
 from lumped.biglide import Biglide
+from lumped.legs import Leg
 from lumped.measured import Measured
+from lumped.mechanism.kinematics.postures import posture
+from lumped.mechanism.mechanism import Mechanism
+from lumped.models.bodies import legs_of
 from lumped.requirement import STATIC_QUANTITIES, Requirement
 from validation.adequacy.biglide.subject import CANDIDATES
 from validation.adequacy.judgement import worst_of
 from validation.adequacy.matrix import MEASURED, Entry, Matrix, ModelNote
+from validation.adequacy.mechanism.path import coordinates
+from validation.adequacy.mechanism.statics import is_serial
+from validation.adequacy.mechanism.subject import mechanism_candidates
 from validation.context import Context
 from validation.measured.comparison import COVERAGE, Comparison, propagated
 from validation.models.biglide import robot_compliance, robot_frequencies
 from validation.models.legs import leg_compliance
+from validation.models.mechanism import answers
 from validation.models.options import STATIC, ModelName, ModelOptions
 
+Robot: TypeAlias = Biglide | Mechanism
 # Models of elements; the others have none and no discretisation.
 _OF_ELEMENTS = ("segments", "beam")
 # Second order in the number of elements: the error of n of them is 4/3 of what 2n change.
@@ -23,12 +36,13 @@ _OF_A_DOUBLING = 4.0 / 3.0
 
 def measured_matrix(context: Context) -> Matrix:
     """Every model by every measured quantity; the poses are those of the measurements."""
-    robot_file, robot = context.robot_file, context.robot
+    robot_file, robot = context.robot_file, context.robot_file.described
+    candidates = _candidates(robot)
     ones = robot_file.measured
     off = robot_file.with_inputs_off()
     quantities = tuple(dict.fromkeys(one.quantity for one in ones))
     entries = []
-    for name, (model, _, options) in CANDIDATES.items():
+    for name, (model, _, options) in candidates.items():
         for quantity in quantities:
             found = {
                 one: compared
@@ -41,42 +55,71 @@ def measured_matrix(context: Context) -> Matrix:
     poses = tuple(sorted({one.pose for one in ones if one.pose}))
     return Matrix(
         robot=robot.name,
-        coordinates=("x (m)",),
+        coordinates=("x (m)",) if isinstance(robot, Biglide) else coordinates(robot),
         poses=poses,
-        models=tuple(ModelNote(name, title) for name, (_, title, _) in CANDIDATES.items()),
+        models=tuple(ModelNote(name, title) for name, (_, title, _) in candidates.items()),
         quantities=quantities,
         entries=tuple(entries),
     )
 
 
-def predicted(
-    model: ModelName, robot: Biglide, one: Measured, options: ModelOptions
-) -> float | None:
+def predicted(model: ModelName, robot: Robot, one: Measured, options: ModelOptions) -> float | None:
     """The model's number for a measured value, in its unit; None where the model has none."""
     if one.leg_entry is not None:
         if model == "simplified":
             return None
-        number, row, column = one.leg_entry
-        leg = robot.leg1 if number == 1 else robot.leg2
-        return float(leg_compliance(model, leg, options)[row, column])
-    (x,) = one.pose
+        name, row, column = one.leg_entry
+        return float(leg_compliance(model, _leg(robot, name), options)[row, column])
     if one.mode is not None:
         if model in STATIC:
             return None
-        frequencies = robot_frequencies(model, robot, x, one.mode, options)
+        frequencies = _frequencies(model, robot, one, options)
         return float(frequencies[one.mode - 1]) if len(frequencies) >= one.mode else None
     index = STATIC_QUANTITIES.index(one.quantity)
-    compliance = robot_compliance(model, robot, x, options)
+    compliance = _compliance(model, robot, one, options)
+    if compliance is None:
+        return None
     # Where a model knows x and y alone it is rigid otherwise.
     return one.load * float(compliance[index, index]) if index < len(compliance) else 0.0
 
 
+def _candidates(robot: Robot) -> Mapping[str, tuple[ModelName, str, ModelOptions]]:
+    return CANDIDATES if isinstance(robot, Biglide) else mechanism_candidates(robot)
+
+
+def _leg(robot: Robot, name: str) -> Leg:
+    if isinstance(robot, Biglide):
+        return robot.leg1 if name == "leg1" else robot.leg2
+    return legs_of(robot)[name]
+
+
+def _frequencies(model: ModelName, robot: Robot, one: Measured, options: ModelOptions) -> Array:
+    count = one.mode or 0
+    if isinstance(robot, Biglide):
+        return robot_frequencies(model, robot, one.pose[0], count, options)
+    (found,) = answers(model, [posture(robot, np.array(one.pose))], count, options)
+    return found.frequencies
+
+
+def _compliance(
+    model: ModelName, robot: Robot, one: Measured, options: ModelOptions
+) -> Array | None:
+    """None where the legs are no serial chains, which virtual joints ask for."""
+    if isinstance(robot, Biglide):
+        return robot_compliance(model, robot, one.pose[0], options)
+    at = [posture(robot, np.array(one.pose))]
+    if model == "vjm" and is_serial(at):
+        return None
+    (found,) = answers(model, at, 0, options)
+    return found.compliance
+
+
 def _compared(
     model: ModelName,
-    robot: Biglide,
+    robot: Robot,
     one: Measured,
     options: ModelOptions,
-    off: tuple[tuple[str, Biglide, Biglide], ...],
+    off: tuple[tuple[str, Robot, Robot], ...],
 ) -> Comparison | None:
     value = predicted(model, robot, one, options)
     if value is None:
@@ -119,5 +162,5 @@ def _entry(
             "inputs": COVERAGE * compared.inputs / scale,
             "measurement": COVERAGE * compared.measurement / scale,
         },
-        computed_by=("validation.measured.biglide.predicted", "validation.measured.comparison"),
+        computed_by=("validation.measured.matrix.predicted", "validation.measured.comparison"),
     )

@@ -1,0 +1,111 @@
+"""Measured values of mechanisms: read, refused, and held against their models as a biglide's."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from lumped.errors import InputError
+from lumped.measured import Measured
+from lumped.models.bodies import legs_of
+from lumped.robot_file import load_robot
+from validation.catalogue import catalogue
+from validation.context import Context
+from validation.kinematics.poses import postures_of
+from validation.measured.matrix import measured_matrix
+from validation.models.legs import leg_compliance
+from validation.models.mechanism import answers
+from validation.report.figures.measured import measured_figure
+
+OWN = """
+[[measured]]
+quantity = "z"
+pose = [0.1, 0.525]
+load = 200.0
+value = {z!r}
+uncertainty = {u!r}
+source = "dial gauge"
+
+[[measured]]
+quantity = "f1"
+pose = [0.1, 0.525]
+value = 62.0
+uncertainty = 0.5
+source = "impact hammer"
+
+[[measured]]
+quantity = "rod1.c22"
+value = 1.0e-6
+uncertainty = 1.0e-8
+source = "stand"
+
+[[input_uncertainty]]
+key = "joints.motor1.drive.stiffness"
+relative = 0.1
+"""
+
+
+def written(tmp_path, changed=("", "")):
+    text = load_robot("five-bar").text + OWN.format(z=1.0e-4, u=1.0e-6).replace(*changed)
+    path = tmp_path / "mine.toml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def test_models_are_held_against_what_was_measured(tmp_path):
+    robot_file = load_robot(written(tmp_path))
+    mechanism = robot_file.mechanism
+    at = postures_of(mechanism, np.array([[0.1, 0.525]]))
+    matrix = measured_matrix(Context(robot_file, "quick"))
+    (beam,) = answers("beam", at, 1)
+    entry = matrix.entry("beam", "z")
+    assert entry.value == pytest.approx(200.0 * beam.compliance[2, 2], rel=1e-12)
+    assert entry.pose == (0.1, 0.525)
+    assert matrix.entry("beam", "f1").value == pytest.approx(beam.frequencies[0], rel=1e-9)
+    assert matrix.entry("vjm", "f1") is None
+    expected = leg_compliance("beam", legs_of(mechanism)["rod1"])
+    assert matrix.entry("beam", "rod1.c22").value == pytest.approx(expected[1, 1], rel=1e-12)
+    assert measured_figure(matrix).svg
+    assert "measured" in {task.id for task in catalogue(robot_file)}
+
+
+def test_inputs_are_a_standard_uncertainty_off_in_every_model(tmp_path):
+    """The drive turns the first frequency by what solving both robots says."""
+    robot_file = load_robot(written(tmp_path))
+    ((key, below, above),) = robot_file.with_inputs_off()
+    assert key == "joints.motor1.drive.stiffness"
+    stiffness = [
+        next(joint for joint in robot.joints if joint.name == "motor1").drive.stiffness
+        for robot in (below, above)
+    ]
+    assert stiffness == pytest.approx([7.2e4, 8.8e4])
+    entry = measured_matrix(Context(robot_file, "quick")).entry("simplified", "f1")
+    low, high = (
+        answers("simplified", postures_of(robot, np.array([[0.1, 0.525]])), 1)[0].frequencies[0]
+        for robot in (below, above)
+    )
+    assert entry.uncertainties["inputs"] == pytest.approx(1.959964 * 0.5 * (high - low) / 62.0)
+
+
+@pytest.mark.parametrize(
+    ("changed", "said"),
+    [
+        (("[0.1, 0.525]", "[0.1]"), "measured[1].pose: must hold 2 numbers, as many as the tool's"),
+        (("[0.1, 0.525]", "[0.9, 0.9]"), "measured[1].pose: five-bar, pose x = 0.9 m, y = 0.9 m"),
+        (("rod1.c22", "rod7.c22"), 'measured[3].quantity = "rod7.c22": must be of one of crank1'),
+        (("drive.stiffness", "drive.colour"), "input_uncertainty[1].key"),
+        (("62.0", "0.0"), "measured[2].value = 0.0"),
+    ],
+)
+def test_every_fault_is_named(tmp_path, changed, said):
+    with pytest.raises(InputError) as raised:
+        load_robot(written(tmp_path, changed))
+    assert any(said in fault for fault in raised.value.faults), raised.value.faults
+
+
+def test_virtual_joints_that_branch_have_no_number():
+    robot_file = load_robot("delta")
+    one = Measured("z", 1e-6, 1e-8, "gauge", tuple(robot_file.mechanism.poses[0]), 1.0)
+    matrix = measured_matrix(Context(replace(robot_file, measured=(one,)), "quick"))
+    assert matrix.entry("vjm", "z") is None
+    assert matrix.entry("links", "z") is not None
