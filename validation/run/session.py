@@ -32,6 +32,8 @@ from validation.store.run_folder import RunFolder
 from validation.sweeps.cluster import on_cluster
 from validation.sweeps.studies import precompute
 
+# How many times as long as results.json takes to write it is left alone.
+_SPARING = 20.0
 Catalogue = Callable[[RobotFile], Sequence[Task]]
 
 
@@ -206,13 +208,19 @@ def _mention_checks(gathered: Results) -> None:
 
 def _compute(job: Job, gathered: Results, folder: RunFolder, kept: Kept, jobs: int) -> None:
     begun = perf_counter() - gathered.header["seconds"]
+    due = 0.0
 
     def keep(record: Record) -> None:
         folder.keep(record)
         if is_check(gathered.add(record)):
             kept.add(record)
-        gathered.header = dict(gathered.header) | {"seconds": perf_counter() - begun}
-        folder.write("results.json", gathered.as_json())
+        nonlocal due
+        now = perf_counter()
+        gathered.header = dict(gathered.header) | {"seconds": now - begun}
+        # The journal has every record; this file is for who looks on, and grows with the run.
+        if now >= due:
+            folder.write("results.json", gathered.as_json())
+            due = now + (perf_counter() - now) * _SPARING
 
     waiting = [task for task in gathered.tasks if task.id not in gathered.done]
     with progress.showing(waiting) as observer:

@@ -17,7 +17,8 @@ from validation.case import judge
 from validation.cases.program.guards import pairing
 from validation.context import Context
 from validation.faults.catalogue import FAULTS
-from validation.faults.trial import SoundGroups, groups_of, tried
+from validation.faults.sound import sound_cases
+from validation.faults.trial import catchers, tried
 from validation.results import provenance
 from validation.results.records import is_check, outcome_to_record
 from validation.run import summary
@@ -253,8 +254,8 @@ def test_faults_are_put_to_the_checks_themselves_whatever_is_kept():
         kept.add(outcome_to_record(judge(case, case.measure(context), 0.0)))
     assert set(kept.records()) == {case.id for case in pairing.cases()}
     fault = next(one for one in FAULTS if one.id == "pairing.unweighted")
-    caught = tried(fault, SoundGroups(groups_of(pairing.cases()), IFW, "quick"))
-    assert any(caught.values())
+    said = tried(fault, sound_cases(pairing.cases(), IFW, "quick", [fault.where]))
+    assert catchers(said)
 
 
 def test_every_check_of_the_program_stands_in_the_catalogue_of_every_robot():
