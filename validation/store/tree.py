@@ -32,8 +32,10 @@ def refusals(path: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
+        named = f" ({error.filename})" if isinstance(error.filename, str) else ""
         raise StoreError(
-            f"cannot write {path}: {error.strerror or error}; what was finished before is kept"
+            f"cannot write {path}: {error.strerror or error}{named}; "
+            "what was finished before is kept"
         ) from error
 
 

@@ -8,6 +8,7 @@ from math import isnan, nan
 import pytest
 
 from lumped.errors import InputError
+from validation.store.manifest import sealed
 from validation.store.opening import open_folder
 from validation.store.replacement import ARRIVING, UNFINISHED
 from validation.store.tree import StoreError, Tree, write_atomically
@@ -68,6 +69,24 @@ def test_an_earlier_run_stays_until_the_new_one_is_whole(tmp_path):
     with open_folder(path, OTHER, "resumed") as folder:
         assert folder.path == path
         assert folder.record("a")["value"] == 2.0
+
+
+def test_units_of_sweeps_of_both_runs_find_their_places(tmp_path):
+    old, new = tmp_path / "sweeps" / f"{'0' * 32}.npz", tmp_path / "sweeps" / f"{'1' * 32}.npz"
+    finished(tmp_path)
+    old.parent.mkdir()
+    old.write_bytes(sealed(old.stem, b"earlier"))
+    with open_folder(tmp_path, OTHER, "afresh") as folder:
+        folder.keep({"id": "a", "value": 2.0})
+        folder.write("results.json", "new")
+        # Several processes write there, without a manifest.
+        (folder.path / "sweeps").mkdir()
+        (folder.path / "sweeps" / new.name).write_bytes(sealed(new.stem, b"new"))
+        folder.complete = True
+    assert new.read_bytes() == sealed(new.stem, b"new")
+    assert not old.exists()
+    assert (tmp_path / "results.json").read_text() == "new"
+    assert not (tmp_path / ARRIVING).exists()
 
 
 def test_a_run_begun_beside_an_earlier_one_and_given_up_makes_way_for_the_next(tmp_path):
