@@ -127,9 +127,7 @@ def validate(request: Request, catalogue: Catalogue) -> Results:
                 studies = studies_read(request.preset)
                 precompute(robot_file.robot, request.preset, sweeps, executor, studies)
         _compute(job, gathered, folder, kept, request.jobs)
-        if kept.why and any(is_check(task) for task in tasks):
-            unkept = f"the checks of the program cannot be kept for other runs: {kept.why}"
-            gathered.remarks = [*gathered.remarks, unkept]
+        gathered.remarks = [*gathered.remarks, *_unkept(gathered, kept)]
         with progress.stage("writing the report"):
             publish(gathered, folder, findings)
         if request.exports and not gathered.unfinished:
@@ -204,6 +202,17 @@ def _mention_checks(gathered: Results) -> None:
     if waiting:
         why = "" if waiting < len(asked) else "; none are kept for this version on this machine"
         _mention(f"{waiting} checks of the program itself are made in this run{why}")
+
+
+def _unkept(gathered: Results, kept: Kept) -> list[str]:
+    """What is to be said where checks of the program that this run made are not kept."""
+    if not gathered.selftest or not gathered.selftest["computed"]:
+        return []
+    # Workers read their sources when they start: what they found may belong to others by now.
+    if provenance.suite_digest() != gathered.header["suite_sha256"]:
+        kept.forget("the sources of flexproof changed while they were made")
+    why = f"the checks of the program cannot be kept for other runs: {kept.why}"
+    return [why] if kept.why else []
 
 
 def _compute(job: Job, gathered: Results, folder: RunFolder, kept: Kept, jobs: int) -> None:

@@ -66,11 +66,12 @@ class Kept:
         except OSError as error:
             self.path, self.why = None, f"{self.path}: {error.strerror or error}"
 
-    def forget(self) -> None:
-        """Remove what is kept: the checks are to be made again."""
+    def forget(self, why: str = "") -> None:
+        """Remove what is kept, for a reason `why`: the checks are to be made again."""
         if self.path is not None:
             with suppress(OSError):
                 self.path.unlink(missing_ok=True)
+        self.why = self.why or why
 
 
 def kept_of(header: Mapping[str, Any]) -> Kept:

@@ -167,6 +167,15 @@ def test_other_sources_libraries_and_presets_have_checks_of_their_own(toys, tmp_
     assert needed <= versions.keys()
 
 
+def test_checks_made_of_changing_sources_are_not_kept(toys, cache, tmp_path, monkeypatch):
+    digests = iter(["0", "1"])
+    monkeypatch.setattr(provenance, "suite_digest", lambda: next(digests))
+    gathered = ran(toys.checked, tmp_path / "run")
+    assert counts(gathered) == (0, 3)
+    assert any("sources of flexproof changed" in remark for remark in gathered.remarks)
+    assert list(cache.iterdir()) == []
+
+
 @pytest.mark.parametrize("place", ["a file", "off"])
 def test_where_nothing_can_be_kept_every_run_checks(toys, tmp_path, monkeypatch, place):
     if place == "off":
