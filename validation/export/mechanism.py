@@ -10,7 +10,7 @@ import numpy as np
 from fem.calculix.deck import deck_text
 from fem.calculix.mechanism import mechanism_deck
 from lumped.leg_matrices import LegMatrices
-from lumped.legs import ConstantLeg, equivalent_leg
+from lumped.legs import ConstantLeg
 from lumped.mechanism.kinematics.postures import posture, shown_pose
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.models.bodies import legs_of
@@ -68,9 +68,7 @@ def export_mechanism(mechanism: Mechanism, preset: Preset, folder: Path) -> None
     where the disk refuses.
     """
     at = posture(mechanism, mechanism.poses[len(mechanism.poses) // 2])
-    alike: dict[ConstantLeg, list[str]] = {}
-    for name, leg, _ in constant_legs(mechanism, DEFAULT_OPTIONS):
-        alike.setdefault(leg, []).append(name)
+    alike = _alike(mechanism)
     names = list(legs_of(mechanism))
     parts = ", ".join(parts_of(mechanism))
     readme = _README.format(
@@ -93,16 +91,24 @@ def export_mechanism(mechanism: Mechanism, preset: Preset, folder: Path) -> None
         (folder / "mechanism.inp").write_text(deck_text(deck), encoding="utf-8")
 
 
+def _alike(mechanism: Mechanism) -> dict[ConstantLeg, list[str]]:
+    """Every different leg with the bodies that have its shape."""
+    found: dict[ConstantLeg, list[str]] = {}
+    for name, leg, _ in constant_legs(mechanism, DEFAULT_OPTIONS):
+        found.setdefault(leg, []).append(name)
+    return found
+
+
 def _write_beams(at: Posture, path: Path) -> None:
     (found,) = mechanism_modes("beam", [at], MODES)
     system = found.system
     deflections = solved(system).displacements(system.tool.T)
     lines, fields = [], []
-    for name, described in legs_of(at.mechanism).items():
-        stations = np.linspace(0.0, equivalent_leg(described).length, STATIONS)
+    for name in legs_of(at.mechanism):
         frame, model = at.frames[name], system.models[name]
         if not isinstance(model, LegMatrices):
             raise TypeError(f"{name}: the beam model of a leg has a centreline")
+        stations = np.linspace(0.0, model.length, STATIONS)
         lines.append(frame.position + np.outer(stations, frame.rotation[:, 0]))
         twists = model.centreline(stations)
         own = vectors_of(

@@ -33,7 +33,7 @@ def modes_of(name, model="beam", count=6):
     return found
 
 
-@pytest.mark.parametrize("name", ["five-bar", "delta", "hexapod"])
+@pytest.mark.parametrize("name", ["five-bar", "3-rrr", "delta", "orthoglide", "hexapod"])
 def test_what_is_drawn_at_the_tool_moves_as_the_tool(name):
     """The nearest point drawn of the tool's body, carried to the tool by its own turn."""
     found = modes_of(name)

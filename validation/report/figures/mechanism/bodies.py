@@ -7,6 +7,7 @@ from itertools import pairwise
 import numpy as np
 
 from lumped.arrays import Array, IntArray
+from lumped.leg_matrices import LegMatrices
 from lumped.legs import equivalent_leg
 from lumped.mechanism.body import Rigid
 from lumped.mechanism.free_twists import interface_position
@@ -71,7 +72,7 @@ def legs(system: System, unknowns: Array) -> list[Moved]:
     for name in legs_of(system.posture.mechanism):
         leg = equivalent_leg(leg_of(system.posture.mechanism.bodies[name]))
         corners, bores = outlines(leg.section)
-        stations = np.linspace(0.0, leg.length, _STATIONS)
+        stations = np.linspace(0.0, _length(system, name), _STATIONS)
         points = prism_points(corners, stations)
         count, sides = len(corners), prism_faces(len(corners), _STATIONS)
         if bores:
@@ -126,9 +127,9 @@ def compared_points(system: System, unknowns: Array) -> tuple[Array, Array]:
     `unknowns` n or n×k, displacements m×3 or m×3×k.
     """
     points, moved = [], []
-    for name, leg in legs_of(system.posture.mechanism).items():
+    for name in legs_of(system.posture.mechanism):
         straight = np.zeros((COMPARED, 3))
-        straight[:, 0] = (np.arange(COMPARED) + 0.5) * leg.length / COMPARED
+        straight[:, 0] = (np.arange(COMPARED) + 0.5) * _length(system, name) / COMPARED
         places, displacements = _of_leg(system, name, straight, unknowns)
         points.append(places)
         moved.append(displacements)
@@ -141,7 +142,7 @@ def outlines_of(system: System, displaced: Array) -> Wire:
     for name in legs_of(system.posture.mechanism):
         leg = equivalent_leg(leg_of(system.posture.mechanism.bodies[name]))
         corners = _OUTSET * outlines(leg.section)[0]
-        stations = (np.arange(COMPARED) + 0.5) * leg.length / COMPARED
+        stations = (np.arange(COMPARED) + 0.5) * _length(system, name) / COMPARED
         places, moved = _of_leg(system, name, prism_points(corners, stations), displaced)
         points.append(places + moved)
         motions.append(moved)
@@ -149,6 +150,14 @@ def outlines_of(system: System, displaced: Array) -> Wire:
         begun += len(places)
     colour = MODELS["segments"].colour
     return Wire(np.vstack(points), np.vstack(pairs), colour, 2.5, np.vstack(motions))
+
+
+def _length(system: System, name: str) -> float:
+    """Length (m) of a leg as its model has it, which legs alike but for rounding share."""
+    model = system.models[name]
+    if isinstance(model, LegMatrices):
+        return model.length
+    return leg_of(system.posture.mechanism.bodies[name]).length
 
 
 def _of_leg(system: System, name: str, points: Array, unknowns: Array) -> tuple[Array, Array]:
