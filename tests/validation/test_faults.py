@@ -19,8 +19,11 @@ from fem.sections.section_constants import section_constants
 from lumped import biglide, simplified
 from lumped.errors import ComputationError
 from lumped.legs import ConstantLeg, Material, equivalent_leg
+from lumped.mechanism.kinematics.postures import posture
 from lumped.robot_file import load_robot
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Tube
+from lumped.system.assembly import assembly
+from lumped.system.solution import solved
 from meshes.prism.hexahedra import hexahedra
 from meshes.prism.tetrahedra import tetrahedra
 from meshes.section.section_mesh import section_mesh
@@ -37,6 +40,7 @@ from validation.faults.sound import SoundCases, sound_cases
 from validation.faults.trial import catchers, tried
 from validation.models.biglide import robot_compliance, robot_frequencies
 from validation.models.legs import leg_matrices
+from validation.models.mechanism import answers, on_drives_alone
 from validation.models.options import ModelOptions
 from validation.run import summary as run_summary
 from validation.run.gathered import Results
@@ -116,6 +120,18 @@ def reduction_workout() -> None:
     next(case for case in robot_solid.cases() if "rigid.along-z" in case.id).compute(context)
 
 
+def mechanism_workout() -> None:
+    """The same of mechanisms: loops of rigid bodies, joints that give, idle motions."""
+    feet = biglide.mechanism(replace(IFW.robot, tool_offset=np.array([0.05, -0.08, 0.155])))
+    for of in (load_robot("3-rrr").mechanism, load_robot("delta").mechanism, feet):
+        at = posture(of, of.poses[0])
+        for model in ("vjm", "links", "simplified"):
+            if model != "vjm" or of is feet:
+                answers(model, [at], 0)
+        answers("beam", [at], 2, ModelOptions(elements=2))
+        solved(assembly(on_drives_alone(of), {}).at(replace(at, mechanism=on_drives_alone(of))))
+
+
 @cache
 def recorded() -> dict[str, list[tuple]]:
     """Arguments with which the workout calls each place that has a fault."""
@@ -131,6 +147,7 @@ def recorded() -> dict[str, list[tuple]]:
     with replaced({fault.where: listening(fault.where) for fault in FAULTS}):
         workout()
         reduction_workout()
+        mechanism_workout()
     return calls
 
 

@@ -3,10 +3,10 @@
 from validation.faults.fault import Fault, declared
 from validation.faults.fem import beams, elements, reduction, solids
 from validation.faults.judging import comparisons, pages, verdicts
-from validation.faults.lumped import joints, legs, robots
+from validation.faults.lumped import joints, legs, mechanisms, robots
 
 # Named here for what they declare.
-LUMPED = (legs, joints, robots)
+LUMPED = (legs, joints, robots, mechanisms)
 FINITE_ELEMENTS = (beams, elements, solids, reduction)
 JUDGING = (comparisons, verdicts, pages)
 

@@ -163,10 +163,6 @@ def _group(case: Case) -> str:
     return case.group or case.id
 
 
-# What mechanisms have and a biglide may do without: joints of all kinds, loops, idle motions.
-_OF_MECHANISMS = ("lumped.mechanism.", "lumped.system.", "lumped.models.")
-
-
 def _excuse(fault: Fault, context: Context) -> None:
     """Raise Skip for a fault in what this run does not use, with a good reason not to.
 
@@ -179,9 +175,8 @@ def _excuse(fault: Fault, context: Context) -> None:
             raise Skip(str(missing)) from None
     if context.preset == "quick":
         raise Skip(f"no comparison of preset quick uses {fault.where}; preset standard does")
-    if context.robot_file.is_mechanism != fault.where.startswith(_OF_MECHANISMS):
-        kind = "mechanism" if context.robot_file.is_mechanism else "biglide"
-        raise Skip(f"no comparison of this {kind} uses {fault.where}; those of others do")
+    if context.robot_file.is_mechanism:
+        raise Skip(f"no comparison of a mechanism uses {fault.where}; those of a biglide do")
 
 
 def sound_run(robot_file: RobotFile, preset: Preset) -> SoundCases:

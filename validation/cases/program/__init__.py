@@ -9,6 +9,7 @@ from validation.cases.program import (
     calculix,
     guards,
     judgement,
+    mechanisms,
     mesh_families,
     refinement,
     shapes,
@@ -24,5 +25,6 @@ def cases() -> tuple[Case, ...]:
         *calculix.cases(),
         *benchmarks.cases(),
         *guards.cases(),
+        *mechanisms.cases(),
         *judgement.cases(),
     )

@@ -1,0 +1,286 @@
+"""Mechanisms of the program: postures and stiffness in closed form, a whole one by CalculiX.
+
+What a run of a mechanism holds against each other shares the closing of loops and the assembler;
+here both stand beside geometry, beside bars on ball joints, and beside another program.
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from fem.bodies.solid import solid_leg, solid_leg_matrices
+from fem.calculix.leg import mass_at_stiffness_points
+from fem.calculix.mechanism import compliance_and_frequencies
+from fem.calculix.run import CalculixMissing
+from fem.reduction.craig_bampton import craig_bampton
+from fem.reduction.superelement import held_leg
+from lumped.arrays import Array
+from lumped.legs import ConstantLeg
+from lumped.mechanism.body import Prism
+from lumped.mechanism.kinematics.mobility import mobility
+from lumped.mechanism.kinematics.postures import posture
+from lumped.mechanism.mechanism import Mechanism, Posture
+from lumped.models.bodies import legs_of
+from lumped.robot_file import load_robot
+from lumped.sections import Rectangle
+from lumped.system.assembly import assemble
+from lumped.system.solution import compliance, modes, solved
+from meshes.prism.tetrahedra import tetrahedra
+from validation.case import Absolute, Case, Measurement, Skip
+from validation.cases import mechanism_motion
+from validation.context import PRESETS, Context, Preset
+from validation.models.mechanism import answers
+from validation.models.options import ModelName, ModelOptions
+
+SECTION = "Mechanisms of the program"
+_GROUP = "program.mechanisms"
+_LATER: tuple[Preset, ...] = ("standard", "fine")
+# Mechanisms whose moves are tried: closed loops of rigid bodies, rods that spin.
+_MOVED = ("3-rrr", "delta")
+_MODELS: tuple[ModelName, ...] = ("beam", "links", "vjm")
+_MODES = 8
+# Frequencies (Hz) of the five-bar of square bars end below the first; modes are kept to the second.
+_HIGHEST, _CUTOFF = 1400.0, 5600.0
+_SIDE = 0.06
+
+
+def cases() -> tuple[Case, ...]:
+    """Hexapod and five-bar in closed form, moves of others, the five-bar by CalculiX."""
+    return (
+        *(
+            _case(
+                f"hexapod.stiffness[{model}, pose {number}]",
+                f"A hexapod on bars between ball joints has the stiffness of its bars ({model})",
+                "K = Σ k j jᵀ, j = (d, p × d), 1/k = L₁/EA₁ + L₂/EA₂ + 1/k_drive",
+                Absolute(1e-8),
+                "exact whatever the legs' bending: rounding, grown by their slenderness",
+                partial(_bars, model=model, place=place),
+            )
+            for model in _MODELS
+            for number, place in (("1", 0), ("last", -1))
+        ),
+        _case(
+            "delta.rods",
+            "As many motions of a Delta idle as it has rods between ball joints",
+            "a rod between two ball joints spins: one idle motion each",
+            Absolute(0.5),
+            "a count is a whole number",
+            _rods,
+        ),
+        _case(
+            "hexapod.drives",
+            "Its drives are as long as the distances of its joints",
+            "|Q − B| less that of the reference, from the numbers of the pose",
+            Absolute(1e-10),
+            "loops are closed to 1e-12 of the size",
+            _lengths,
+        ),
+        _case(
+            "five-bar.drives",
+            "The cranks of a five-bar stand where two circles meet",
+            "law of cosines in the triangles of base pivot, elbow and tool",
+            Absolute(1e-6),
+            "the rods' lengths and the drives follow from points of twelve digits",
+            _cranks,
+        ),
+        *(_moved(case, robot) for robot in _MOVED for case in _motion_of(robot)),
+        *(
+            _case(
+                f"calculix.{name}",
+                f"A five-bar of solid bars with a joint that gives way by CalculiX: {name}",
+                "CalculiX CrunchiX, G. Dhondt, the same tetrahedra, joints by *EQUATION",
+                Absolute(1e-6),
+                "seven printed digits, and a reduction cut off at four times the frequencies",
+                partial(_by_calculix, name=name),
+                presets=_LATER,
+            )
+            for name in ("statics", "frequencies")
+        ),
+    )
+
+
+def _case(
+    name: str,
+    title: str,
+    citation: str,
+    tolerance: Absolute,
+    reason: str,
+    compute: Callable[[Context], Measurement],
+    presets: tuple[Preset, ...] = PRESETS,
+) -> Case:
+    return Case(
+        id=f"program.mechanism.{name}",
+        title=title,
+        quantity="largest relative difference",
+        unit="1",
+        reference_kind="independent-solver" if "calculix" in name else "closed-form",
+        citation=citation,
+        tolerance=tolerance,
+        tolerance_reason=reason,
+        compute=compute,
+        presets=presets,
+        section=SECTION,
+        group=_GROUP,
+        effort=3.0 if "calculix" in name else 0.3,
+        subject="program",
+    )
+
+
+def _motion_of(robot: str) -> tuple[Case, ...]:
+    return mechanism_motion.cases(load_robot(robot).mechanism)
+
+
+def _moved(case: Case, robot: str) -> Case:
+    return replace(
+        case,
+        id=f"program.{case.id}[{robot}]",
+        title=f"{case.title} ({robot})",
+        compute=partial(_on, robot=robot, compute=case.compute),
+        section=SECTION,
+        group=_GROUP,
+        subject="program",
+    )
+
+
+def _on(context: Context, robot: str, compute: Callable[[Context], Measurement]) -> Measurement:
+    return compute(replace(context, robot_file=load_robot(robot)))
+
+
+def _largest(found: Array, expected: Array) -> Measurement:
+    scale = np.sqrt(np.diag(expected))
+    return Measurement(float(np.abs((found - expected) / np.outer(scale, scale)).max()), 0.0)
+
+
+def _hexapod(place: int = 0) -> tuple[Mechanism, Array, list[tuple[Array, Array]]]:
+    """Mechanism, a pose, and the ends of each leg in it by the pose's own numbers."""
+    mechanism = load_robot("hexapod").mechanism
+    pose = mechanism.poses[place]
+    centre = mechanism.reference_pose[:3]
+    turn = Rotation.from_rotvec(pose[3:]).as_matrix()
+    ends = [
+        (base, pose[:3] + turn @ (platform - centre)) for base, platform in _leg_points(mechanism)
+    ]
+    return mechanism, pose, ends
+
+
+def _leg_points(mechanism: Mechanism) -> list[tuple[Array, Array]]:
+    points = [
+        (mechanism.reference[f"strut{i}"].position, mechanism.reference[f"rod{i}"])
+        for i in range(1, 7)
+    ]
+    tips = [mechanism.bodies[f"rod{i}"].interfaces[f"Q{i}"] for i in range(1, 7)]
+    return [(base, (rod @ tip).position) for (base, rod), tip in zip(points, tips, strict=True)]
+
+
+def _bars(_context: Context, model: ModelName, place: int) -> Measurement:
+    mechanism, pose, ends = _hexapod(place)
+    drives = {joint.name: joint.drive for joint in mechanism.joints if joint.drive}
+    stiffness = np.zeros((6, 6))
+    for number, (base, platform) in enumerate(ends, start=1):
+        give = 0.0
+        for body in (f"strut{number}", f"rod{number}"):
+            shape = mechanism.bodies[body].shape
+            if isinstance(shape, Prism):
+                give += shape.length / (shape.material.E * shape.section.area)
+        drive = drives[f"drive{number}"]
+        give += 1.0 / (drive.stiffness or np.inf) if drive else 0.0
+        along = (platform - base) / np.linalg.norm(platform - base)
+        screw = np.concatenate([along, np.cross(platform - pose[:3], along)])
+        stiffness += np.outer(screw, screw) / give
+    at = posture(mechanism, pose)
+    (found,) = answers(model, [at], 0, ModelOptions(elements=1))
+    return _largest(found.compliance, np.asarray(np.linalg.inv(stiffness), dtype=float))
+
+
+def _rods(_context: Context) -> Measurement:
+    mechanism = load_robot("delta").mechanism
+    balls = [
+        {joint.first.body, joint.second.body}
+        for joint in mechanism.joints
+        if joint.kind == "spherical"
+    ]
+    rods = [name for name in legs_of(mechanism) if sum(name in pair for pair in balls) == 2]
+    found = mobility(posture(mechanism, mechanism.poses[0])).idle
+    return Measurement(float(found), float(len(rods)))
+
+
+def _lengths(_context: Context) -> Measurement:
+    mechanism, pose, ends = _hexapod()
+    at = posture(mechanism, pose)
+    # The slides' axes lead from the strut's end back to the rod's start: against the leg.
+    off = [
+        at.coordinates[f"drive{number}"][0]
+        + (np.linalg.norm(end - base) - np.linalg.norm(before - base))
+        for number, ((base, end), (_, before)) in enumerate(
+            zip(ends, _leg_points(mechanism), strict=True), start=1
+        )
+    ]
+    return Measurement(float(np.abs(off).max() / mechanism.size), 0.0)
+
+
+def _cranks(_context: Context) -> Measurement:
+    mechanism = load_robot("five-bar").mechanism
+    crank, rod = (legs_of(mechanism)[name].length for name in ("crank1", "rod1"))
+    off = []
+    for pose in mechanism.poses:
+        at = posture(mechanism, pose)
+        for number, side in ((1, 1.0), (2, -1.0)):
+            pivot = mechanism.reference[f"crank{number}"].position[:2]
+            angles = [
+                np.arctan2(*(tool - pivot)[::-1])
+                + side
+                * np.arccos(
+                    (crank**2 + (d := np.linalg.norm(tool - pivot)) ** 2 - rod**2)
+                    / (2.0 * crank * d)
+                )
+                for tool in (pose, mechanism.reference_pose)
+            ]
+            off.append(at.coordinates[f"motor{number}"][0] - (angles[0] - angles[1]))
+    return Measurement(float(np.abs(off).max()), 0.0)
+
+
+def _by_calculix(context: Context, name: str) -> Measurement:
+    try:
+        found = context.get(_five_bar_twice)
+    except CalculixMissing as missing:
+        raise Skip(str(missing)) from None
+    own, theirs = found
+    if name == "statics":
+        return _largest(theirs[0], own[0])
+    return Measurement(float(np.abs(theirs[1] / own[1] - 1.0).max()), 0.0)
+
+
+def _five_bar_twice() -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+    """Compliance (6×6) and frequencies (Hz), reduced and assembled here, and by CalculiX."""
+    at = _five_bar_of_squares()
+    solids, reduced = {}, {}
+    legs = legs_of(at.mechanism).items()
+    for name, leg in ((name, leg) for name, leg in legs if isinstance(leg, ConstantLeg)):
+        solid = solid_leg(leg, tetrahedra(leg.section, leg.length, 1))
+        solid = replace(solid, mass=mass_at_stiffness_points(solid.mesh, leg.material.rho))
+        solids[name] = solid
+        reduced[name] = craig_bampton(
+            held_leg(solid_leg_matrices(solid)), _HIGHEST, _CUTOFF
+        ).matrices
+    theirs = compliance_and_frequencies(at, solids, _MODES)
+    solution = solved(assemble(at, reduced))
+    return (compliance(solution), modes(solution, _MODES).frequencies), theirs
+
+
+def _five_bar_of_squares() -> Posture:
+    """Solid square bars, so that coarse meshes are good ones; the first joint gives way."""
+    mechanism = load_robot("five-bar").mechanism
+    root = np.random.default_rng(1).normal(size=(6, 6))
+    first, *others = mechanism.joints
+    soft = replace(first, compliance=1e-8 * (root @ root.T + np.eye(6)))
+    bodies = {
+        name: replace(body, shape=replace(body.shape, section=Rectangle(_SIDE, _SIDE)))
+        if isinstance(body.shape, Prism)
+        else body
+        for name, body in mechanism.bodies.items()
+    }
+    changed = replace(mechanism, bodies=bodies, joints=(soft, *others))
+    return posture(changed, changed.poses[0])
