@@ -123,10 +123,11 @@ def reduction_workout() -> None:
 def mechanism_workout() -> None:
     """The same of mechanisms: loops of rigid bodies, joints that give, idle motions."""
     feet = biglide.mechanism(replace(IFW.robot, tool_offset=np.array([0.05, -0.08, 0.155])))
-    for of in (load_robot("3-rrr").mechanism, load_robot("delta").mechanism, feet):
+    bars = load_robot("hexapod").mechanism
+    for of in (load_robot("3-rrr").mechanism, load_robot("delta").mechanism, bars, feet):
         at = posture(of, of.poses[0])
         for model in ("vjm", "links", "simplified"):
-            if model != "vjm" or of is feet:
+            if model != "vjm" or of in {bars, feet}:
                 answers(model, [at], 0)
         answers("beam", [at], 2, ModelOptions(elements=2))
         solved(assembly(on_drives_alone(of), {}).at(replace(at, mechanism=on_drives_alone(of))))

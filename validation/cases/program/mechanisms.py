@@ -31,6 +31,7 @@ from lumped.system.solution import compliance, modes, solved
 from meshes.prism.tetrahedra import tetrahedra
 from validation.case import Absolute, Case, Measurement, Skip
 from validation.cases import mechanism_motion
+from validation.cases.program.calculix import PRINTED, PRINTED_ROOT
 from validation.context import PRESETS, Context, Preset
 from validation.models.mechanism import answers
 from validation.models.options import ModelName, ModelOptions
@@ -151,7 +152,9 @@ def _on(context: Context, robot: str, compute: Callable[[Context], Measurement])
 
 def _largest(found: Array, expected: Array) -> Measurement:
     scale = np.sqrt(np.diag(expected))
-    return Measurement(float(np.abs((found - expected) / np.outer(scale, scale)).max()), 0.0)
+    return Measurement(
+        float(np.abs((found - expected) / np.outer(scale, scale)).max()), 0.0, exact=True
+    )
 
 
 def _hexapod(place: int = 0) -> tuple[Mechanism, Array, list[tuple[Array, Array]]]:
@@ -204,7 +207,7 @@ def _rods(_context: Context) -> Measurement:
     ]
     rods = [name for name in legs_of(mechanism) if sum(name in pair for pair in balls) == 2]
     found = mobility(posture(mechanism, mechanism.poses[0])).idle
-    return Measurement(float(found), float(len(rods)))
+    return Measurement(float(found), float(len(rods)), exact=True)
 
 
 def _lengths(_context: Context) -> Measurement:
@@ -218,7 +221,7 @@ def _lengths(_context: Context) -> Measurement:
             zip(ends, _leg_points(mechanism), strict=True), start=1
         )
     ]
-    return Measurement(float(np.abs(off).max() / mechanism.size), 0.0)
+    return Measurement(float(np.abs(off).max() / mechanism.size), 0.0, exact=True)
 
 
 def _cranks(_context: Context) -> Measurement:
@@ -239,7 +242,7 @@ def _cranks(_context: Context) -> Measurement:
                 for tool in (pose, mechanism.reference_pose)
             ]
             off.append(at.coordinates[f"motor{number}"][0] - (angles[0] - angles[1]))
-    return Measurement(float(np.abs(off).max()), 0.0)
+    return Measurement(float(np.abs(off).max()), 0.0, exact=True)
 
 
 def _by_calculix(context: Context, name: str) -> Measurement:
@@ -249,8 +252,9 @@ def _by_calculix(context: Context, name: str) -> Measurement:
         raise Skip(str(missing)) from None
     own, theirs = found
     if name == "statics":
-        return _largest(theirs[0], own[0])
-    return Measurement(float(np.abs(theirs[1] / own[1] - 1.0).max()), 0.0)
+        return replace(_largest(theirs[0], own[0]), exact=False, reference_uncertainty=PRINTED)
+    off = float(np.abs(theirs[1] / own[1] - 1.0).max())
+    return Measurement(off, 0.0, reference_uncertainty=PRINTED_ROOT)
 
 
 def _five_bar_twice() -> tuple[tuple[Array, Array], tuple[Array, Array]]:

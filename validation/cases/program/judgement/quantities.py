@@ -218,7 +218,14 @@ def _on_drives(robot: Biglide, x: float) -> Array:
 
 def _family(context: Context) -> Mapping[str, bool]:
     robot = context.robot
-    claims = {}
+    member = scaled(robot, 1.4)
+    feet = (member.foot_compliance, robot.foot_compliance)
+    claims = {
+        "feet stay as they are": bool(np.array_equal(np.asarray(feet[0]), np.asarray(feet[1]))),
+        "the stroke stays as long": same(member.stroke_length, robot.stroke_length),
+        "both legs are longer": same(member.leg1.length, 1.4 * robot.leg1.length)
+        and same(member.leg2.length, 1.4 * robot.leg2.length),
+    }
     for fraction in (0.1, 0.8):
         found = family_deflections("simplified", robot, (1.1, 1.25), fraction)
         for place, alpha in enumerate((1.1, 1.25)):
