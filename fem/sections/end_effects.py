@@ -89,7 +89,8 @@ def restrained_compliance(mesh: SectionMesh, material: Material, length: float) 
 
     That of plane, rigid faces at root and tip less that with Saint-Venant's tractions on both, work
     conjugate: nowhere positive. Exact in x for any length, so that both ends may interact. Raises
-    InputError for a section that is not symmetric about both of its axes.
+    InputError for a section that is not symmetric about both of its axes, ComputationError where
+    moduli are so different that rounding loses the slowest decay.
     """
     change = np.zeros((6, 6))
     for fields in _all_fields(mesh, material):
@@ -184,7 +185,11 @@ def _decays(fields: _Fields) -> tuple[Array, Array]:
     kept = np.argsort(np.abs(squares))[fields.chain :]
     rates = np.sqrt(squares[kept].astype(complex))
     if not np.all(rates.real > 0.0):
-        raise ComputationError("end effects: a field that does not decay along the leg")
+        # Rates are about √(G/E) of the section's size, their squares beside four zeros of a chain.
+        raise ComputationError(
+            "end effects: the slowest decay along the leg is lost in rounding; moduli (E and G, "
+            "say) or sides of the section differ by too much"
+        )
     shapes = shapes[:, kept].astype(complex)
     shapes[:p] /= rates
     return rates, np.asarray(shapes / np.linalg.norm(shapes, axis=0))

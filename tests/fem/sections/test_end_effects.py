@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose
 from fem.bodies import doubling
 from fem.sections.end_effects import decay_rates, restrained_compliance
 from fem.sections.section_constants import section_constants
-from lumped.errors import InputError
+from lumped.errors import ComputationError, InputError
 from lumped.legs import ConstantLeg, Material, tip_compliance
 from lumped.sections import HollowRectangle, ISection, Rectangle, Tube
 from meshes.section.section_mesh import section_mesh
@@ -26,6 +26,18 @@ def test_a_strip_decays_with_the_roots_of_papkovich_and_fadle():
         slowest = rates[name][0] * half
         assert slowest.real == pytest.approx(root.real, rel=2e-3)
         assert abs(slowest.imag) == pytest.approx(root.imag, rel=2e-3)
+
+
+def test_end_effects_of_a_section_soft_in_shear_reach_far_until_rounding_loses_them():
+    mesh = section_mesh(Tube(1.0, 0.15), 4)
+    far, farther = (
+        decay_rates(mesh, Material(1e11, share * 1e11, 0.3, 1.0))["tension"][0].real
+        for share in (1e-3, 1e-4)
+    )
+    # As the root of G/E.
+    assert far / farther == pytest.approx(np.sqrt(10.0), rel=2e-3)
+    with pytest.raises(ComputationError, match="slowest decay along the leg is lost in rounding"):
+        decay_rates(mesh, Material(1e11, 1e6, 0.3, 1.0))
 
 
 def test_warping_of_an_open_section_decays_as_vlasov_says():
