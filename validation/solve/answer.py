@@ -168,7 +168,8 @@ def _mode_lines(answer: Answer) -> list[str]:
         names, shares = list(answer.strain), np.array(list(answer.strain.values()))
         lines.append("  most of their strain energy in:")
         for mode, column in enumerate(shares.T, start=1):
-            largest = np.argsort(-column, kind="stable")[:_MOST_PARTS]
+            # Shares that are equal but for rounding stand in the order of the file.
+            largest = np.argsort(-column.round(6), kind="stable")[:_MOST_PARTS]
             told = [i for i in largest if column[i] >= _TOLD]
             said = ", ".join(f"{names[i]} {100.0 * column[i]:.0f} %" for i in told)
             lines.append(f"    {mode}: {said}")
