@@ -16,11 +16,14 @@ from lumped.arrays import Array
 from lumped.errors import InputError
 from lumped.legs import EquivalentBy, Leg, equivalent_leg
 from lumped.mechanism.body import leg_shape
+from lumped.mechanism.body_model import BodyModel
 from lumped.mechanism.frame import Frame
 from lumped.mechanism.joint import Drive, Joint, JointKind, Side
 from lumped.mechanism.mechanism import GROUND, Mechanism, Posture, Tool
 from lumped.mechanism.placing import leg_on, rigid_on
 from lumped.screws import rotation_z
+from lumped.segments import printed_release
+from lumped.system.assembly import System, assemble
 
 # Relative slack for a posture at the very end of the stroke, where x − end is rounding noise.
 _ROUNDING = 1e-12
@@ -239,6 +242,45 @@ def postures(robot: Biglide, positions: Iterable[float]) -> list[Posture]:
         }
         found.append(Posture(described, loaded[:2], frames, coordinates))
     return found
+
+
+def system(robot: Biglide, x: float, leg1: BodyModel, leg2: BodyModel) -> System:
+    """The robot with B at `x` (m), from models of its two legs in their own axes.
+
+    Raises InputError outside the stroke.
+    """
+    (at,) = postures(robot, (x,))
+    return assemble(at, {"leg1": leg1, "leg2": leg2})
+
+
+def printed(mechanism: Mechanism) -> Mechanism:
+    """The joints at A, C and B as eq. (25) prints their release.
+
+    Row and column of φz of a foot's stiffness are zeroed, which is a joint in series with a foot
+    whose φz is uncoupled. At B all is shared: leg 2 carries the printed joint itself
+    (`segments.with_printed_tip_joint`).
+    """
+    return replace(mechanism, joints=tuple(_printed(joint) for joint in mechanism.joints))
+
+
+def _printed(joint: Joint) -> Joint:
+    if joint.name == "hinge":
+        return replace(joint, kind="fixed", axes=np.zeros((0, 3)))
+    if joint.compliance is None or joint.kind != "revolute":
+        return joint
+    stiffness: Array = np.linalg.inv(joint.compliance).astype(float)
+    uncoupled = printed_release(stiffness)
+    uncoupled[5, 5] = stiffness[5, 5]
+    return replace(joint, compliance=np.linalg.inv(uncoupled).astype(float))
+
+
+# Bodies and joints of the mechanism in the paper's words.
+_WORDS = {"foot1 compliance": "foot 1", "foot2 compliance": "foot 2", "spring compliance": "tool"}
+
+
+def in_words(part: str) -> str:
+    """What a body or joint of the mechanism is called: "leg 1 bending z", "foot 1", "tool"."""
+    return _WORDS.get(part, part.replace("leg1", "leg 1").replace("leg2", "leg 2"))
 
 
 def _turned(before: Array, after: Array) -> Array:

@@ -23,6 +23,8 @@ from lumped.legs import BeamProperties
 from lumped.screws import move_compliance, shift
 
 Layout: TypeAlias = Literal["half", "literal"]
+# How the robot's revolute joints are released: by condensation, or as eq. (25) prints it.
+Release: TypeAlias = Literal["condensed", "printed"]
 
 # Twist components that each kind of deformation uses in a spring referred to its piece's middle.
 KINDS = {"tension": (0,), "torsion": (3,), "bending y": (2, 4), "bending z": (1, 5)}

@@ -14,20 +14,19 @@ true robot has no more eigenvalues than the reduced one with a mass λ_j³/(1 �
 the ends of each leg; and it has no fewer than the reduced one (Rayleigh).
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import block_diag, eigh
-from scipy.sparse import csr_array
 
 from fem.reduction.held import Held
 from fem.reduction.interface_modes import interface_modes
-from fem.reduction.superelement import ENDS, HeldLeg, Superelement, reduced
+from fem.reduction.superelement import HeldLeg, Superelement, reduced
 from lumped.arrays import Array
-from lumped.biglide_assembly import Mechanism
 from lumped.errors import InputError
 from lumped.modes import Modes, dense, fix_signs, solve_modes
+from lumped.system.assembly import System
 
 # The error of a frequency f falls as (f/f_cut)⁷ in tension, faster in bending. For the first twenty
 # frequencies of a robot 2.5 leaves 1e-5 at the highest (2: 3e-5, 1.5: 3e-4), and bounds it by 1e-4.
@@ -156,31 +155,33 @@ def _symmetric(matrix: Array) -> Array:
 
 
 def frequency_bounds(
-    mechanism: Mechanism, legs: Sequence[CraigBampton], count: int
+    system: System, legs: Mapping[str, CraigBampton], count: int
 ) -> FrequencyBounds:
     """Bounds on the first `count` frequencies of the robot whose legs were reduced to `legs`.
 
-    `mechanism` is the reduced robot, assembled from the `matrices` of `legs` in their order.
+    `system` is the reduced robot, assembled from the `matrices` of `legs` by name of the body.
     Raises InputError where a frequency is not below the cut-off of a leg.
     """
-    upper = solve_modes(mechanism.stiffness, mechanism.mass, count, mechanism.name).frequencies
-    cutoff = min(leg.cutoff for leg in legs)
+    upper = solve_modes(system.stiffness, system.mass, count, system.name).frequencies
+    cutoff = min(leg.cutoff for leg in legs.values())
     if upper[-1] >= cutoff:
         raise InputError(
-            f"{mechanism.name}: frequency {count} of the reduced robot is {upper[-1]:g} Hz, and "
+            f"{system.name}: frequency {count} of the reduced robot is {upper[-1]:g} Hz, and "
             f"the legs' modes are cut off at {cutoff:g} Hz: raise the cut-off or ask for fewer"
         )
-    stiffness, mass = dense(mechanism.stiffness), dense(mechanism.mass)
-    ends = [dense(csr_array(to_leg)[:ENDS]) for to_leg in mechanism.legs]
-    dropped = [e.T @ leg.truncated @ e for e, leg in zip(ends, legs, strict=True)]
+    stiffness, mass, outer = dense(system.stiffness), dense(system.mass), system.outer
+    dropped = {
+        name: system.ends[name].T @ leg.truncated @ system.ends[name] for name, leg in legs.items()
+    }
     lower = np.empty(count)
     for j, frequency in enumerate(upper):
         squared = (2.0 * np.pi * frequency) ** 2
-        added = sum(
-            squared**3 / (1.0 - (frequency / leg.cutoff) ** 2) * matrix
-            for leg, matrix in zip(legs, dropped, strict=True)
+        added = np.zeros_like(mass)
+        added[:outer, :outer] = sum(
+            squared**3 / (1.0 - (frequency / leg.cutoff) ** 2) * dropped[name]
+            for name, leg in legs.items()
         )
-        lowered = solve_modes(stiffness, mass + added, j + 1, mechanism.name)
+        lowered = solve_modes(stiffness, mass + added, j + 1, system.name)
         lower[j] = lowered.frequencies[j]
     # Where nothing is dropped both are one number but for rounding.
     return FrequencyBounds(lower=np.minimum(lower, upper), upper=upper)

@@ -53,8 +53,9 @@ class System:
         return int(self.motions.twists.shape[2])
 
     def own(self, body: str, unknowns: Array) -> Array:
-        """Unknowns of the model of `body` (body axes) from those of the system (n×m)."""
-        return np.vstack([self.ends[body] @ unknowns[: self.outer], unknowns[self.inside[body]]])
+        """Unknowns of the model of `body` (body axes) from those of the system (n or n×m)."""
+        ends = self.ends[body] @ unknowns[: self.outer]
+        return np.concatenate([ends, unknowns[self.inside[body]]])
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,7 +13,7 @@ from scipy.linalg import LinAlgError, cho_factor, cho_solve, eigh
 from scipy.linalg.blas import dtrsm
 
 from lumped.arrays import Array, IntArray
-from lumped.balance import balanced_flexibility
+from lumped.balance import balanced_flexibility, rounding_of_flexibility
 from lumped.errors import ComputationError
 from lumped.modes import Modes, dense, fix_signs
 from lumped.system.assembly import System
@@ -94,6 +94,24 @@ def compliance(solution: Solved) -> Array:
     displacements = solution.displacements(loads)
     forces = solution.system.stiffness @ displacements
     return balanced_flexibility(loads, displacements, forces, solution.system.name)
+
+
+def rounding(system: System, displacements: Array) -> Array:
+    """What rounding leaves open of toolᵀ X (m×m, SI; 95 %, of both signs), X = `displacements`.
+
+    Body by body, whose interfaces are turned (`rounding_of_flexibility`), and joint by joint: the
+    strain of a spring is a sum of as many terms as unknowns move it.
+    """
+    squares = np.zeros((displacements.shape[1],) * 2)
+    for name, model in system.models.items():
+        own = system.own(name, displacements)
+        turned = 6 * len(model.interfaces)
+        squares += rounding_of_flexibility(model.stiffness, own, turned) ** 2
+    moved = np.abs(displacements[: system.outer])
+    for rows in system.motions.springs.values():
+        terms = np.abs(rows) @ moved
+        squares += (2.0 * np.sqrt(2.0) * np.finfo(float).eps * terms.T @ terms) ** 2
+    return np.asarray(np.sqrt(squares))
 
 
 def modes(solution: Solved, count: int) -> Modes:

@@ -10,13 +10,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fem.bodies.solid import Ends
-from lumped import biglide_assembly as mechanism
 from lumped.arrays import Array
-from lumped.biglide import Biglide
+from lumped.biglide import Biglide, system
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, Material
 from lumped.robot_file import load_robot
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Section, Tube
+from lumped.system.solution import compliance
 from validation.solids.legs import (
     Refinement,
     formal_order,
@@ -125,7 +125,7 @@ def _deflections(
         static_leg(leg, of_leg[ends].values[at], ends)
         for leg, of_leg in zip(legs, solved, strict=True)
     )
-    return np.diag(mechanism.compliance(mechanism.assemble(robot, x, leg1, leg2)))[:3]
+    return np.diag(compliance(solved(system(robot, x, leg1, leg2))))[:3]
 
 
 def _stated(quantity: str, found: Refinement, finest: float, at: tuple[int, ...]) -> Stated:

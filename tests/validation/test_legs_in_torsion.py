@@ -7,12 +7,12 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fem.sections.section_constants import section_constants
-from lumped import biglide_assembly as mechanism
 from lumped.arrays import Array
-from lumped.biglide import with_equivalent_legs
+from lumped.biglide import system, with_equivalent_legs
 from lumped.legs import ConstantLeg, Material
 from lumped.robot_file import load_robot
 from lumped.sections import Circle, HollowRectangle, ISection
+from lumped.system import solution
 from meshes.section.section_mesh import section_mesh
 from validation.models.biglide import robot_legs
 from validation.solids.legs import solid_frequencies
@@ -96,8 +96,8 @@ def test_modal_torsion_has_the_share_of_strain_energy_on_its_diagonal():
     member = with_equivalent_legs(IFW)
     modes = beam_modes(IFW, "beam", (1, 1), POSTURES)
     legs = robot_legs("beam", member)
-    whole = mechanism.assemble(member, member.centre, *legs)
-    shares = strain_shares(whole, legs, mechanism.modes(whole, 6).shapes)
+    whole = solution.solved(system(member, member.centre, *legs))
+    shares = strain_shares(whole.system, solution.modes(whole, 6).shapes)
     stiffness = np.square(2.0 * np.pi * modes.frequencies[1, :6])
     for leg in (0, 1):
         found = np.diag(modes.torsion[1, leg])[:6] / stiffness

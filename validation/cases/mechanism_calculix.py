@@ -20,7 +20,8 @@ from validation.case import Absolute, Case, Measurement, Relative, Skip
 from validation.cases.mechanism import SECTION
 from validation.cases.program.calculix import PRINTED, PRINTED_ROOT
 from validation.context import Context
-from validation.models.mechanism import filled, highest_frequency
+from validation.models.legs import filled
+from validation.models.mechanism import highest_frequency
 from validation.models.parts import parts_of
 from validation.solids.bars import bar_solids, with_bars
 

@@ -23,8 +23,8 @@ from lumped.system.solution import compliance, modes, solved
 from validation.adequacy.mechanism.path import path_postures
 from validation.case import Absolute, Case, Measurement, Skip
 from validation.context import Context
-from validation.models.legs import leg_matrices
-from validation.models.mechanism import constant_legs, filled, on_drives_alone
+from validation.models.legs import filled, leg_matrices
+from validation.models.mechanism import constant_legs, on_drives_alone
 from validation.models.options import ModelOptions
 
 # Of the size of the mechanism or in rad: difference quotients err by its square.

@@ -6,14 +6,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lumped import vjm
-from lumped.balance import rounding_of_flexibility
 from lumped.biglide import Biglide
 from lumped.legs import Theory
-from lumped.statics import solve_statics
+from lumped.system.solution import rounding, solved
 from validation.case import Absolute, Case, Measurement, Relative
 from validation.context import Context
 from validation.exhibits import Study
-from validation.models.biglide import static_mechanism
+from validation.models.biglide import static_system
 from validation.models.options import BEAM_ORDER, SEGMENT_ORDER, ModelName, ModelOptions
 from validation.studies.convergence import step_factor
 from validation.studies.quantities import (
@@ -163,10 +162,8 @@ def rounded_deflections(
         springs = vjm.equivalent_leg_springs(robot, options.theory, options.equivalent)
         left_open = vjm.rounding(robot, x, springs)
     else:
-        mechanism = static_mechanism(model, robot, x, options)
-        loads = mechanism.loaded.toarray().T
-        displacements = solve_statics(mechanism.stiffness, loads, mechanism.name)
-        left_open = rounding_of_flexibility(mechanism.stiffness, displacements, mechanism.turned)
+        system = static_system(model, robot, x, options)
+        left_open = rounding(system, solved(system).displacements(system.tool.T))
     return deflections_of(left_open[np.newaxis])
 
 

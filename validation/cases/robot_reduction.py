@@ -8,9 +8,9 @@ import numpy as np
 
 from fem.reduction.craig_bampton import craig_bampton, frequency_bounds
 from fem.reduction.superelement import held_leg
-from lumped import biglide_assembly as mechanism
 from lumped.arrays import Array
-from lumped.biglide import Biglide, with_equivalent_legs
+from lumped.biglide import Biglide, system, with_equivalent_legs
+from lumped.system.solution import compliance, modes, solved
 from validation.case import Absolute, Case, Measurement, Relative
 from validation.cases.robot import ROUNDING_NOTE
 from validation.cases.robot_solid import SECTION
@@ -124,28 +124,29 @@ def reductions(
     exact = unreduced_robot(member, positions, divisions, MODES)
     held = [held_leg(leg) for leg in exact[0].legs]
     top = max(float(one.modes.frequencies[-1]) for one in exact)
-    legs = [craig_bampton(leg, max(highest, top)) for leg in held]
-    cut = [craig_bampton(leg, top, CLOSE_CUTOFF * top) for leg in held]
+    named = dict(zip(("leg1", "leg2"), held, strict=True))
+    legs = {name: craig_bampton(leg, max(highest, top)) for name, leg in named.items()}
+    cut = {name: craig_bampton(leg, top, CLOSE_CUTOFF * top) for name, leg in named.items()}
     found = []
     for x, whole in zip(positions, exact, strict=True):
-        robot_of = partial(mechanism.assemble, member, x)
-        reduced = robot_of(legs[0].matrices, legs[1].matrices)
-        modes = mechanism.modes(reduced, MODES)
+        reduced = solved(system(member, x, *(leg.matrices for leg in legs.values())))
+        swung = modes(reduced, MODES)
         sizes = np.sqrt(np.diag(whole.compliance))
         scale = np.outer(sizes, sizes)
-        difference = mechanism.compliance(reduced) - whole.compliance
-        bounds = frequency_bounds(robot_of(cut[0].matrices, cut[1].matrices), cut, MODES)
+        difference = compliance(reduced) - whole.compliance
+        closely = system(member, x, *(leg.matrices for leg in cut.values()))
+        bounds = frequency_bounds(closely, cut, MODES)
         found.append(
             Reduction(
                 x=x,
                 statics=float(np.abs(difference / scale).max()),
                 rounding=float((whole.rounding / scale).max()),
                 unreduced=whole.modes.frequencies,
-                reduced=modes.frequencies,
+                reduced=swung.frequencies,
                 mac=full_mac(
-                    whole.mechanism.mass,
+                    whole.system.mass,
                     whole.modes.shapes,
-                    recovered(reduced, legs, modes.shapes),
+                    recovered(reduced.system, legs, swung.shapes),
                 ),
                 error=1.0 - whole.modes.frequencies / bounds.upper,
                 bound=bounds.relative_width,

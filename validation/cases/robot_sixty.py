@@ -85,7 +85,7 @@ def sixty_modes(robot: Biglide, divisions: int) -> SixtyModes:
     """The first sixty modes, both legs as solids with rigid end faces, no reduction."""
     (whole,) = unreduced_robot(robot, (robot.centre,), divisions, SIXTY)
     shapes, frequencies = whole.modes.shapes, whole.modes.frequencies
-    energy = np.einsum("ij,ij->j", shapes, whole.mechanism.stiffness @ shapes)
+    energy = np.einsum("ij,ij->j", shapes, whole.system.stiffness @ shapes)
     return SixtyModes(
         x=robot.centre,
         frequencies=frequencies,

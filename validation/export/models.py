@@ -11,17 +11,17 @@ from scipy.io import mmwrite
 from scipy.sparse import coo_array, csc_array, save_npz
 
 from fem.bodies import leg_modes, solid
-from lumped import biglide_assembly as mechanism
 from lumped.arrays import Array, SparseMatrix
 from lumped.biglide import Biglide
 from lumped.cantilever import clamped_modes
 from lumped.leg_matrices import LegMatrices
 from lumped.legs import ConstantLeg, equivalent_leg
 from lumped.modes import dense
+from lumped.system.solution import modes, solved
 from meshes.vtk_grid import grid
 from validation.context import Preset
 from validation.export.vtk_files import polyline, save
-from validation.models.biglide import robot_mechanism
+from validation.models.biglide import robot_system
 from validation.models.legs import leg_matrices
 
 WRENCHES = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
@@ -91,11 +91,11 @@ def _write_solid(leg: ConstantLeg, divisions: int, path: Path) -> None:
     mesh = solid.solid_mesh(leg, divisions)
     clamped = solid.clamped_leg(solid.solid_leg(leg, mesh))
     deflections = clamped.ends.expanded(clamped.factor.solve(clamped.ends.tip_loads()))
-    modes = leg_modes.modes(clamped, MODES)
+    swung = leg_modes.modes(clamped, MODES)
     data = grid(mesh)
-    for name, field in named_fields(deflections, modes.shapes).items():
+    for name, field in named_fields(deflections, swung.shapes).items():
         data.point_data[name] = field.reshape(-1, 3)
-    data.field_data["frequencies"] = modes.frequencies
+    data.field_data["frequencies"] = swung.frequencies
     save(data, path)
 
 
@@ -105,34 +105,36 @@ def _write_centreline(leg: LegMatrices, path: Path) -> None:
     held = dense(leg.stiffness)[6:, 6:]
     deflections = np.zeros((leg.size, 6))
     deflections[6:] = np.linalg.solve(held, np.eye(leg.size - 6, 6))
-    modes = clamped_modes(leg, MODES)
+    swung = clamped_modes(leg, MODES)
     points = np.column_stack([stations, np.zeros((STATIONS, 2))])
-    fields = named_fields(twists @ deflections, twists @ modes.shapes)
-    save(polyline([points], vectors_of(fields), modes.frequencies), path)
+    fields = named_fields(twists @ deflections, twists @ swung.shapes)
+    save(polyline([points], vectors_of(fields), swung.frequencies), path)
 
 
 def _write_robot(robot: Biglide, path: Path) -> None:
     posture = robot.posture(robot.centre)
-    beams = robot_mechanism("beam", robot, robot.centre)
-    modes = mechanism.modes(beams, MODES)
-    deflections = np.linalg.solve(dense(beams.stiffness), dense(beams.loaded).T)
+    beams = robot_system("beam", robot, robot.centre)
+    solution = solved(beams)
+    found = modes(solution, MODES)
+    deflections = solution.displacements(beams.tool.T)
     lines, parts = [], []
     places = zip(
         (robot.leg1, robot.leg2),
-        beams.legs,
+        ("leg1", "leg2"),
         (posture.root1, posture.root2),
         (posture.rotation1, posture.rotation2),
         strict=True,
     )
-    for described, from_robot, root, rotation in places:
+    for described, name, root, rotation in places:
         leg = leg_matrices("beam", equivalent_leg(described))
         stations = np.linspace(0.0, leg.length, STATIONS)
-        twists = leg.centreline(stations) @ from_robot
-        fields = vectors_of(named_fields(twists @ deflections, twists @ modes.shapes))
+        twists = leg.centreline(stations)
+        moved, swung = (twists @ beams.own(name, of) for of in (deflections, found.shapes))
+        fields = vectors_of(named_fields(moved, swung))
         lines.append(root + np.outer(stations, rotation[:, 0]))
         parts.append({name: field @ rotation.T for name, field in fields.items()})
     joined = {name: np.vstack([part[name] for part in parts]) for name in parts[0]}
-    save(polyline(lines, joined, modes.frequencies), path)
+    save(polyline(lines, joined, found.frequencies), path)
 
 
 def _write_matrix(matrix: SparseMatrix, path: Path) -> None:

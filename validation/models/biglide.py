@@ -1,21 +1,20 @@
 """The models of the biglide behind one name each, as `solve` and the cases use them."""
 
+from dataclasses import replace
 from functools import partial
 
-from lumped import biglide_assembly as mechanism
 from lumped import simplified, vjm
 from lumped.arrays import Array
-from lumped.biglide import Biglide, postures
-from lumped.biglide_assembly import Mechanism
+from lumped.biglide import Biglide, postures, printed, system
 from lumped.errors import InputError
 from lumped.leg_matrices import LegMatrices
 from lumped.legs import ConstantLeg, equivalent_leg
 from lumped.models.bodies import tip_compliances
 from lumped.models.links import links
 from lumped.segments import segment_leg, static_leg, with_printed_tip_joint
-from lumped.system.assembly import assembly
-from lumped.system.solution import compliance, solved
-from validation.models.legs import cached_leg, condensed_leg, leg_chain, reduced_leg
+from lumped.system.assembly import System, assemble
+from lumped.system.solution import compliance, modes, solved
+from validation.models.legs import cached_leg, condensed_leg, filled, leg_chain, reduced_leg
 from validation.models.options import DEFAULT_OPTIONS, STATIC, ModelName, ModelOptions
 from validation.solids.robots import half_octave_above, renewed_where_needed
 
@@ -53,12 +52,45 @@ def _static_legs(robot: Biglide, options: ModelOptions) -> tuple[LegMatrices, Le
     return static_leg(chain1), static_leg(chain2)
 
 
-def robot_mechanism(
+def robot_system(
     model: ModelName, robot: Biglide, x: float, options: ModelOptions = DEFAULT_OPTIONS
-) -> Mechanism:
+) -> System:
     """The whole robot by `segments` or `beam` with B at `x` (m), equivalent legs."""
-    release = options.release if model == "segments" else "condensed"
-    return mechanism.assemble(robot, x, *robot_legs(model, robot, options), release)
+    return _joined(model, robot, x, robot_legs(model, robot, options), options)
+
+
+def static_system(
+    model: ModelName, robot: Biglide, x: float, options: ModelOptions = DEFAULT_OPTIONS
+) -> System:
+    """What the statics by `links`, `segments`, `beam` or `solid` are solved on.
+
+    Equivalent legs, but by `links` where the 6×6 as given is asked for.
+    """
+    if model == "links":
+        (at,) = postures(robot, (x,))
+        springs = tip_compliances(at.mechanism, options.legs, options.theory, options.equivalent)
+        return assemble(at, links(at.mechanism, springs))
+    if model == "segments":
+        return _joined(model, robot, x, _static_legs(robot, options), options)
+    if model == "solid":
+        leg1, leg2 = (
+            condensed_leg("solid", leg, options) for leg in _equivalent_legs(robot, options)
+        )
+        return system(robot, x, filled(leg1), filled(leg2))
+    return robot_system(model, robot, x, options)
+
+
+def _joined(
+    model: ModelName,
+    robot: Biglide,
+    x: float,
+    legs: tuple[LegMatrices, LegMatrices],
+    options: ModelOptions,
+) -> System:
+    (at,) = postures(robot, (x,))
+    if model == "segments" and options.release == "printed":
+        at = replace(at, mechanism=printed(at.mechanism))
+    return assemble(at, {"leg1": filled(legs[0]), "leg2": filled(legs[1])})
 
 
 def robot_compliance(
@@ -74,30 +106,7 @@ def robot_compliance(
             else vjm.equivalent_leg_springs(robot, options.theory, options.equivalent)
         )
         return vjm.compliance(robot, x, springs)
-    if model == "links":
-        return _links_compliance(robot, x, options)
-    return mechanism.compliance(static_mechanism(model, robot, x, options))
-
-
-def static_mechanism(
-    model: ModelName, robot: Biglide, x: float, options: ModelOptions = DEFAULT_OPTIONS
-) -> Mechanism:
-    """What the statics by `segments`, `beam` or `solid` are solved on, equivalent legs."""
-    if model == "segments":
-        return mechanism.assemble(robot, x, *_static_legs(robot, options), options.release)
-    if model == "solid":
-        leg1, leg2 = (
-            condensed_leg("solid", leg, options) for leg in _equivalent_legs(robot, options)
-        )
-        return mechanism.assemble(robot, x, leg1, leg2)
-    return robot_mechanism(model, robot, x, options)
-
-
-def _links_compliance(robot: Biglide, x: float, options: ModelOptions) -> Array:
-    (posture,) = postures(robot, (x,))
-    springs = tip_compliances(posture.mechanism, options.legs, options.theory, options.equivalent)
-    bodies = links(posture.mechanism, springs)
-    return compliance(solved(assembly(posture.mechanism, bodies).at(posture)))
+    return compliance(solved(static_system(model, robot, x, options)))
 
 
 def robot_frequencies(
@@ -117,7 +126,7 @@ def robot_frequencies(
             partial(_solid_frequencies, robot, x, count, options),
             frequencies=lambda found: found,
         )
-    return mechanism.modes(robot_mechanism(model, robot, x, options), count).frequencies
+    return modes(solved(robot_system(model, robot, x, options)), count).frequencies
 
 
 def _solid_frequencies(
@@ -126,7 +135,7 @@ def _solid_frequencies(
     leg1, leg2 = (
         reduced_leg("solid", leg, options, highest) for leg in _equivalent_legs(robot, options)
     )
-    return mechanism.modes(mechanism.assemble(robot, x, leg1, leg2), count).frequencies
+    return modes(solved(system(robot, x, filled(leg1), filled(leg2))), count).frequencies
 
 
 def highest_frequency(

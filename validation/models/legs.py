@@ -1,6 +1,8 @@
 """The models of one leg, each made once: of one shape, however many legs have it."""
 
+from dataclasses import replace
 from functools import partial
+from typing import TypeVar
 
 from fem.bodies import leg_modes, solid
 from fem.bodies.beam import beam_leg
@@ -14,10 +16,13 @@ from lumped.cantilever import clamped_modes, tip_compliance_of
 from lumped.errors import InputError
 from lumped.leg_matrices import LegMatrices
 from lumped.legs import ConstantLeg, GivenLeg, Leg, equivalent_leg, given_compliance, tip_compliance
-from lumped.modes import Modes
+from lumped.mechanism.body_model import BodyModel
+from lumped.modes import Modes, dense
 from lumped.segments import Chain, segment_chain, segment_leg, static_leg
 from validation.models.options import DEFAULT_OPTIONS, STATIC, Ends, ModelName, ModelOptions
 from validation.solids.robots import held_solid
+
+Model = TypeVar("Model", bound=BodyModel)
 
 
 def leg_matrices(
@@ -44,6 +49,12 @@ def _piece(model: ModelName, options: ModelOptions, count: int, piece: Piece) ->
     if model == "segments":
         return segment_leg(segment_chain(properties, piece.length, elements, options.layout))
     return beam_leg(properties, piece.length, elements)
+
+
+def filled(model: Model) -> Model:
+    """The same with dense matrices: what is reduced is small and full."""
+    parts = {kind: dense(part) for kind, part in model.parts.items()}
+    return replace(model, stiffness=dense(model.stiffness), mass=dense(model.mass), parts=parts)
 
 
 def leg_chain(leg: ConstantLeg, options: ModelOptions) -> Chain:

@@ -8,7 +8,6 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from math import isclose
-from typing import TypeVar
 
 import numpy as np
 
@@ -26,12 +25,17 @@ from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.models import serial_chains
 from lumped.models.bodies import legs_of, tip_compliances
 from lumped.models.links import link, links
-from lumped.modes import dense
 from lumped.system.assembly import Assembly, assembly
 from lumped.system.solution import compliance, mode_count, modes, solved
 from lumped.system.sweep import swept
 from validation.models import parts
-from validation.models.legs import cached_leg, condensed_leg, leg_matrices, reduced_leg
+from validation.models.legs import (
+    cached_leg,
+    condensed_leg,
+    filled,
+    leg_matrices,
+    reduced_leg,
+)
 from validation.models.options import DEFAULT_OPTIONS, STATIC, ModelName, ModelOptions, PartLegs
 from validation.models.part_legs import part_models, part_springs, require_legs
 from validation.solids.robots import half_octave_above, renewed_where_needed
@@ -45,7 +49,6 @@ CUTOFF = {"segments": 4.0, "beam": 4.0, "solid": CUTOFF_FACTOR}
 FEW = 600
 # Frequencies of few elements lie above the true ones (Rayleigh), those of solids by little more.
 _ESTIMATE = ModelOptions(elements=2)
-Model = TypeVar("Model", bound=BodyModel)
 
 
 @dataclass(frozen=True, eq=False)
@@ -219,12 +222,6 @@ def constant_legs(
         own = shape.ends if isinstance(shape, Prism) else None
         legs.append((name, alike, replace(options, ends=own or options.ends)))
     return legs
-
-
-def filled(model: Model) -> Model:
-    """The same with dense matrices: what is reduced is small and full."""
-    parts = {kind: dense(part) for kind, part in model.parts.items()}
-    return replace(model, stiffness=dense(model.stiffness), mass=dense(model.mass), parts=parts)
 
 
 def _are_alike(one: ConstantLeg, other: ConstantLeg) -> bool:

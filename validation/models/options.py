@@ -3,9 +3,8 @@
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
-from lumped.biglide_assembly import Release
 from lumped.legs import EquivalentBy, Theory
-from lumped.segments import Layout
+from lumped.segments import Layout, Release
 
 ModelName: TypeAlias = Literal["simplified", "vjm", "links", "segments", "beam", "solid"]
 LegSprings: TypeAlias = Literal["given", "equivalent"]

@@ -56,9 +56,9 @@ HEADLINES = (
     ),
     Headline(
         "natural frequencies of the robot",
-        (_SEGMENTS, _BEAM, Way("superelements of 3-D solids", "fem.robot_solid")),
+        (_SEGMENTS, _BEAM, Way("superelements of 3-D solids", "fem.solvers.sparse_system")),
         ("robot.frequency.*", "robot.solid.*"),
-        "the assembly of the robot (lumped.biglide_assembly); the legs share nothing",
+        "the assembly of the robot (lumped.system); the legs share nothing",
     ),
     Headline(
         "tip compliance of a leg",

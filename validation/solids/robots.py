@@ -1,6 +1,6 @@
 """Both legs of a robot as solids: meshed, reduced to their ends, and the whole robot of them."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from math import ceil, log2
 from typing import TypeVar
@@ -9,7 +9,6 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 from scipy.sparse import csr_array
 
-from fem import robot_solid
 from fem.bodies import doubling
 from fem.bodies.leg_energies import kind_energies
 from fem.bodies.solid import (
@@ -25,13 +24,16 @@ from fem.reduction.free_superelement import held_free_leg
 from fem.reduction.superelement import ENDS, HeldLeg, Superelement, ends_stiffness, held_leg
 from fem.sections.end_effects import restrained_compliance
 from fem.sections.section_constants import beam_properties, section_constants
+from fem.solvers import sparse_system
 from lumped.arrays import Array, SparseMatrix
-from lumped.biglide import Biglide, with_equivalent_legs
-from lumped.biglide_assembly import Mechanism, assemble
+from lumped.biglide import Biglide, in_words, with_equivalent_legs
+from lumped.biglide import system as robot_system
 from lumped.errors import InputError
 from lumped.leg_matrices import LegMatrices
 from lumped.legs import ConstantLeg, Leg, equivalent_leg, tip_compliance
 from lumped.modes import Modes
+from lumped.system import solution
+from lumped.system.assembly import System
 from meshes.section.section_mesh import section_mesh
 from validation.solids.legs import COARSEST_WALLS, section_counts, static_ladder, static_slices
 
@@ -83,8 +85,8 @@ def static_leg(leg: Leg, compliance: Array, model: str) -> LegMatrices:
     return LegMatrices(
         model=model,
         length=leg.length,
-        stiffness=csr_array(ends_stiffness(np.linalg.inv(compliance).astype(float), leg.length)),
-        mass=csr_array((ENDS, ENDS)),
+        stiffness=ends_stiffness(np.linalg.inv(compliance).astype(float), leg.length),
+        mass=np.zeros((ENDS, ENDS)),
         centreline=centreline,
     )
 
@@ -166,11 +168,11 @@ class UnreducedRobot:
     """A robot with both legs meshed and no reduction, in one posture.
 
     `compliance` (6×6, SI, robot axes) at the loaded point and what `rounding` leaves open of it
-    (half-widths, 95 %); `modes` with shapes on the unknowns of `mechanism`; `solids` are the legs,
+    (half-widths, 95 %); `modes` with shapes on the unknowns of `system`; `solids` are the legs,
     rigid end faces, `legs` their matrices.
     """
 
-    mechanism: Mechanism
+    system: System
     compliance: Array
     rounding: Array
     modes: Modes
@@ -193,27 +195,24 @@ def solved_robot(
 ) -> UnreducedRobot:
     """The whole robot with B at `x` (m) from two meshed legs with rigid end faces."""
     legs = solid_leg_matrices(solids[0]), solid_leg_matrices(solids[1])
-    factorised = robot_solid.factorised_robot(assemble(robot, x, *legs))
+    found = sparse_system.factorised(robot_system(robot, x, *legs))
     return UnreducedRobot(
-        mechanism=factorised.mechanism,
-        compliance=robot_solid.compliance(factorised),
-        rounding=robot_solid.rounding(factorised),
-        modes=robot_solid.modes(factorised, count),
+        system=found.system,
+        compliance=sparse_system.compliance(found),
+        rounding=sparse_system.rounding(found),
+        modes=sparse_system.modes(found, count),
         solids=solids,
         legs=legs,
     )
 
 
-def recovered(reduced: Mechanism, legs: Sequence[Superelement], shapes: Array) -> Array:
+def recovered(reduced: System, legs: Mapping[str, Superelement], shapes: Array) -> Array:
     """Shapes of the robot of reduced `legs` on the unknowns of the unreduced robot (n×m).
 
-    Both number the bodies of the robot first and alike, then the insides of the legs.
+    Both number the nodes of the robot first and alike, then the insides of the legs.
     """
-    bodies = reduced.stiffness.shape[0] - sum(leg.matrices.size - ENDS for leg in legs)
-    inner = [
-        leg.recover(to_leg @ shapes)[ENDS:] for to_leg, leg in zip(reduced.legs, legs, strict=True)
-    ]
-    return np.vstack([shapes[:bodies], *inner])
+    inner = [leg.recover(reduced.own(name, shapes))[ENDS:] for name, leg in legs.items()]
+    return np.vstack([shapes[: reduced.outer], *inner])
 
 
 def full_mac(mass: SparseMatrix, first: Array, second: Array) -> Array:
@@ -235,16 +234,15 @@ def strain_energy_shares(robot: UnreducedRobot) -> dict[str, Array]:
 
     "foot 1", …, "leg 1 bending z", …, "leg 2 section distortion" (m values each), which sum to 1.
     """
-    shapes, mechanism = robot.modes.shapes, robot.mechanism
-    energies = {
-        name: 0.5 * np.einsum("ij,ij->j", shapes, stiffness @ shapes)
-        for name, stiffness in mechanism.springs.items()
-    }
-    for number, (to_leg, solid) in enumerate(
-        zip(mechanism.legs, robot.solids, strict=True), start=1
-    ):
-        field = rigid_ends(solid.mesh).transformation @ (to_leg @ shapes)
-        kinds = kind_energies(solid, np.asarray(field))
-        energies |= {f"leg {number} {kind}": energy for kind, energy in kinds.items()}
-    total = sum(energies.values())
-    return {name: energy / total for name, energy in energies.items()}
+    kinds = {}
+    for name, solid in zip(("leg1", "leg2"), robot.solids, strict=True):
+        own = robot.system.own(name, robot.modes.shapes)
+        energies = kind_energies(solid, np.asarray(rigid_ends(solid.mesh).transformation @ own))
+        whole = sum(energies.values())
+        kinds[name] = {kind: energy / whole for kind, energy in energies.items()}
+    shares: dict[str, Array] = {}
+    for part, share in solution.strain_shares(robot.system, robot.modes.shapes).items():
+        name = in_words(part)
+        of = {f"{name} {kind}": own * share for kind, own in kinds.get(part, {}).items()}
+        shares |= of or {name: share}
+    return shares

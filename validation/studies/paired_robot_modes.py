@@ -14,17 +14,19 @@ from fem.bodies.beam import beam_leg
 from fem.bodies.solid import Ends
 from fem.reduction.craig_bampton import craig_bampton
 from fem.sections.section_constants import beam_properties, section_constants
-from lumped import biglide_assembly as mechanism
-from lumped.arrays import Array, IntArray, SparseMatrix
+from lumped.arrays import Array, IntArray
 from lumped.biglide import Biglide, with_equivalent_legs
-from lumped.biglide_assembly import Mechanism
+from lumped.biglide import postures as biglide_postures
 from lumped.leg_matrices import LegMatrices
 from lumped.legs import BeamProperties, ConstantLeg, equivalent_leg
 from lumped.sections import Rectangle
 from lumped.segments import segment_chain, segment_leg
+from lumped.system.assembly import System, assembly
+from lumped.system.solution import modes, solved
 from meshes.section.section_mesh import section_mesh
 from validation.context import Preset
 from validation.models.biglide import highest_frequency
+from validation.models.legs import filled
 from validation.solids.robots import held_solid, renewed_where_needed
 from validation.studies.mode_pairing import (
     centreline_samples,
@@ -174,20 +176,20 @@ def sampled_modes(
     member = with_equivalent_legs(robot)
     x = member.stations(postures)
     frequencies, samples, torsion = [], [], []
-    for at in x.tolist():
-        whole = mechanism.assemble(member, at, *legs)
-        modes = mechanism.modes(whole, offered)
-        frequencies.append(modes.frequencies)
-        samples.append(_sampled(whole, legs, modes.shapes))
-        torsion.append(
-            [_in_torsion(*of_leg, modes.shapes) for of_leg in zip(whole.legs, legs, strict=True)]
-        )
+    places = biglide_postures(member, x)
+    prepared = assembly(places[0].mechanism, {"leg1": filled(legs[0]), "leg2": filled(legs[1])})
+    for at in places:
+        system = prepared.at(at)
+        found = modes(solved(system), offered)
+        frequencies.append(found.frequencies)
+        samples.append(_sampled(system, legs, found.shapes))
+        torsion.append([_in_torsion(system, name, found.shapes) for name in ("leg1", "leg2")])
     return SampledModes(x, np.array(frequencies), np.array(samples), np.array(torsion))
 
 
-def _in_torsion(to_leg: SparseMatrix, leg: LegMatrices, shapes: Array) -> Array:
-    own = to_leg @ shapes
-    part = leg.parts.get("torsion")
+def _in_torsion(system: System, body: str, shapes: Array) -> Array:
+    own = system.own(body, shapes)
+    part = system.models[body].parts.get("torsion")
     size = shapes.shape[1]
     return np.zeros((size, size)) if part is None else np.asarray(own.T @ (part @ own))
 
@@ -227,12 +229,12 @@ def _pair(
     return found[first], pairing.partner[first], pairing.mac[first], close, shared, difference
 
 
-def _sampled(whole: Mechanism, legs: tuple[LegMatrices, LegMatrices], shapes: Array) -> Array:
+def _sampled(system: System, legs: tuple[LegMatrices, LegMatrices], shapes: Array) -> Array:
     """Displacement of the platform's mass, and twists of both legs' sections (k×m, SI)."""
-    rows = [(whole.loaded @ shapes)[:3]]
-    for to_leg, leg in zip(whole.legs, legs, strict=True):
+    rows = [(system.tool @ shapes)[:3]]
+    for name, leg in zip(("leg1", "leg2"), legs, strict=True):
         stations, _ = centreline_samples(leg.length, STATIONS)
-        rows.append(leg.centreline(stations) @ (to_leg @ shapes))
+        rows.append(leg.centreline(stations) @ system.own(name, shapes))
     return np.vstack(rows)
 
 

@@ -6,15 +6,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from lumped.arrays import Array
-from lumped.biglide import Biglide, scaled, with_equivalent_legs
-from lumped.biglide_assembly import Mechanism, modes
+from lumped.biglide import Biglide, in_words, scaled, with_equivalent_legs
 from lumped.leg_matrices import LegMatrices
 from lumped.modes import Modes
+from lumped.system import solution
+from lumped.system.assembly import System
 from validation.models.biglide import (
     robot_compliance,
     robot_frequencies,
     robot_legs,
-    robot_mechanism,
+    robot_system,
 )
 from validation.models.options import DEFAULT_OPTIONS, ModelName, ModelOptions
 
@@ -155,7 +156,7 @@ class RobotModes:
     rotations left out (m values each).
     """
 
-    mechanism: Mechanism
+    system: System
     legs: tuple[LegMatrices, LegMatrices]
     modes: Modes
     strain: Mapping[str, Array]
@@ -170,52 +171,40 @@ def robot_modes(
     options: ModelOptions = DEFAULT_OPTIONS,
 ) -> RobotModes:
     """The lowest `count` modes of the robot by `segments` or `beam`, with shares of energy."""
-    mechanism = robot_mechanism(model, robot, x, options)
+    system = robot_system(model, robot, x, options)
     legs = robot_legs(model, robot, options)
-    found = modes(mechanism, count)
+    found = solution.modes(solution.solved(system), count)
     return RobotModes(
-        mechanism=mechanism,
+        system=system,
         legs=legs,
         modes=found,
-        strain=strain_shares(mechanism, legs, found.shapes),
-        kinetic=kinetic_shares(mechanism, found.shapes, robot, x, legs),
+        strain=strain_shares(system, found.shapes),
+        kinetic=kinetic_shares(system, found.shapes, robot, legs),
     )
 
 
-def strain_shares(
-    mechanism: Mechanism, legs: tuple[LegMatrices, LegMatrices], shapes: Array
-) -> dict[str, Array]:
+def strain_shares(system: System, shapes: Array) -> dict[str, Array]:
     """Share of strain energy of feet, tool, and each leg's kinds in each shape (n×m)."""
-    energies = {name: _energy(stiffness, shapes) for name, stiffness in mechanism.springs.items()}
-    for number, (to_leg, leg) in enumerate(zip(mechanism.legs, legs, strict=True), start=1):
-        own = to_leg @ shapes
-        parts = leg.parts or {"all": leg.stiffness}
-        energies |= {f"leg {number} {kind}": _energy(part, own) for kind, part in parts.items()}
-    total = sum(energies.values())
-    return {name: energy / total for name, energy in energies.items()}
+    found = solution.strain_shares(system, shapes)
+    return {in_words(part): share for part, share in found.items()}
 
 
 def kinetic_shares(
-    mechanism: Mechanism,
-    shapes: Array,
-    robot: Biglide,
-    x: float,
-    legs: tuple[LegMatrices, LegMatrices],
+    system: System, shapes: Array, robot: Biglide, legs: tuple[LegMatrices, LegMatrices]
 ) -> dict[str, Array]:
     """Share of kinetic energy along x, y and z (robot axes) in each shape (n×m).
 
     Translations of the platform's mass and of both centrelines, weighted with the legs' mass.
     """
-    posture = robot.posture(x)
-    energy = robot.platform_mass * np.square((mechanism.loaded @ shapes)[:3])
-    rotations = (posture.rotation1, posture.rotation2)
+    energy = robot.platform_mass * np.square((system.tool @ shapes)[:3])
     equivalent = with_equivalent_legs(robot)
     masses = (equivalent.leg1.mass, equivalent.leg2.mass)
-    for to_leg, leg, rotation, mass in zip(mechanism.legs, legs, rotations, masses, strict=True):
+    for name, leg, mass in zip(("leg1", "leg2"), legs, masses, strict=True):
         points, weights = np.polynomial.legendre.leggauss(_CENTRELINE_POINTS)
         stations = 0.5 * leg.length * (1.0 + points)
-        twists = (leg.centreline(stations) @ (to_leg @ shapes)).reshape(len(stations), 6, -1)
-        velocities = np.einsum("ij,sjm->sim", rotation, twists[:, :3])
+        twists = leg.centreline(stations) @ system.own(name, shapes)
+        rotation = system.posture.frames[name].rotation
+        velocities = np.einsum("ij,sjm->sim", rotation, twists.reshape(len(stations), 6, -1)[:, :3])
         energy = energy + mass * np.einsum("s,sim->im", 0.5 * weights, np.square(velocities))
     shares = energy / energy.sum(axis=0)
     return dict(zip("xyz", shares, strict=True))
@@ -223,8 +212,3 @@ def kinetic_shares(
 
 # The centreline's modes up to the tenth half wave are integrated to better than 1e-3.
 _CENTRELINE_POINTS = 24
-
-
-def _energy(matrix: Array, shapes: Array) -> Array:
-    energy: Array = np.sum(shapes * (matrix @ shapes), axis=0)
-    return energy

@@ -5,11 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem.bodies.solid import Ends
-from lumped import biglide_assembly as mechanism
 from lumped import vjm
 from lumped.arrays import Array
-from lumped.biglide import Biglide, with_equivalent_legs
+from lumped.biglide import Biglide, postures, with_equivalent_legs
 from lumped.legs import ConstantLeg, equivalent_leg, tip_compliance
+from lumped.system.assembly import assembly
+from lumped.system.sweep import swept
 from validation.solids.legs import FORMAL_ORDER, formal_order
 from validation.solids.robots import TipCompliances, TwoMeshes, static_leg, two_meshes
 from validation.studies.convergence import step_factor
@@ -107,11 +108,9 @@ def _solid_deflections(
         static_leg(leg, found.rigid if ends == "rigid" else found.free, f"solid, {ends} ends")
         for leg, found in zip(legs, compliances, strict=True)
     )
-    return deflections_of(
-        np.array(
-            [mechanism.compliance(mechanism.assemble(robot, at, leg1, leg2)) for at in x.tolist()]
-        )
-    )
+    places = postures(robot, x)
+    prepared = assembly(places[0].mechanism, {"leg1": leg1, "leg2": leg2})
+    return deflections_of(swept(prepared, places, 0).compliances)
 
 
 def _vjm_deflections(robot: Biglide, x: Array, springs: tuple[Array, Array]) -> Deflections:

@@ -5,26 +5,28 @@ of its own; what is left of it is small, and a posture then costs a few hundred 
 Units and what they yield are plain data that can be sent to other processes and machines.
 """
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from math import floor, log10
 
 import numpy as np
-from scipy.sparse import csr_array
 
 from fem.bodies import solid
 from fem.reduction.craig_bampton import craig_bampton
 from fem.reduction.free_superelement import held_free_leg
 from fem.reduction.superelement import HeldLeg, held_leg
-from fem.sweep import posture_model, solve_posture
 from lumped.arrays import Array, SparseMatrix
-from lumped.biglide import Biglide
+from lumped.biglide import Biglide, postures
 from lumped.caches import lru_cache
 from lumped.errors import ComputationError, InputError
-from lumped.leg_matrices import LegMatrices
+from lumped.leg_matrices import ENDS
 from lumped.legs import ConstantLeg, equivalent_leg
+from lumped.mechanism.body_model import BodyModel
 from lumped.modes import dense
+from lumped.system.assembly import assembly
+from lumped.system.sweep import Swept, swept
 from validation.models.biglide import robot_compliance, robot_frequencies, robot_legs
-from validation.models.legs import leg_matrices
+from validation.models.legs import filled, leg_matrices
 from validation.models.options import DEFAULT_OPTIONS, ModelName, ModelOptions
 from validation.solids.robots import renewed_where_needed
 
@@ -43,15 +45,9 @@ class ReducedLeg:
     stiffness: Array
     mass: Array
 
-    def matrices(self) -> LegMatrices:
+    def model(self) -> BodyModel:
         """The leg as whoever assembles the robot takes it, without its field of displacement."""
-        return LegMatrices(
-            model="reduced",
-            length=self.length,
-            stiffness=csr_array(self.stiffness),
-            mass=csr_array(self.mass),
-            centreline=_no_field,
-        )
+        return BodyModel("reduced", ENDS, self.stiffness, self.mass, _no_field)
 
 
 @dataclass(frozen=True)
@@ -129,13 +125,8 @@ class PostureUnit:
         return renewed_where_needed(planned, solved, lambda found: found.frequencies)
 
     def _solved(self, legs: tuple[ReducedLeg, ...]) -> SolvedPostures:
-        leg1, leg2 = legs
-        model = posture_model(self.robot, leg1.matrices(), leg2.matrices())
-        solved = [solve_posture(model, x, self.frequencies) for x in self.x]
-        return SolvedPostures(
-            np.array([posture.compliance for posture in solved]),
-            np.array([posture.modes.frequencies for posture in solved]),
-        )
+        found = _swept(self.robot, [leg.model() for leg in legs], self.x, self.frequencies)
+        return SolvedPostures(found.compliances, found.frequencies)
 
     def _lumped(self) -> SolvedPostures:
         model, robot, options = self.model, self.robot, self.options
@@ -193,15 +184,20 @@ def chunks(unit: PostureUnit, size: int) -> tuple[PostureUnit, ...]:
 def expected_highest(robot: Biglide, count: int, options: ModelOptions = DEFAULT_OPTIONS) -> float:
     """Upper estimate (Hz, two digits) of frequency `count` over the stroke, few segments."""
     coarse = ModelOptions(elements=max(_ESTIMATE_ELEMENTS, count), equivalent=options.equivalent)
-    model = posture_model(robot, *robot_legs("segments", robot, coarse))
-    found = [
-        solve_posture(model, x, count).modes.frequencies[-1]
-        for x in robot.stations(_ESTIMATE_POSTURES)
-    ]
-    estimate = _MARGIN * max(found)
+    legs = [filled(leg) for leg in robot_legs("segments", robot, coarse)]
+    found = _swept(robot, legs, robot.stations(_ESTIMATE_POSTURES), count)
+    estimate = _MARGIN * float(found.frequencies[:, -1].max())
     digit = 10.0 ** (floor(log10(estimate)) - 1)
     # Rounded, so that a last bit that differs between machines makes no other unit of it.
     return float(np.ceil(estimate / digit) * digit)
+
+
+def _swept(
+    robot: Biglide, legs: Sequence[BodyModel], positions: Iterable[float], count: int
+) -> Swept:
+    places = postures(robot, positions)
+    bodies = dict(zip(("leg1", "leg2"), legs, strict=True))
+    return swept(assembly(places[0].mechanism, bodies), places, count)
 
 
 def _posture_faults(robot: Biglide, x: tuple[float, ...]) -> list[str]:
@@ -214,7 +210,5 @@ def _posture_faults(robot: Biglide, x: tuple[float, ...]) -> list[str]:
     return faults
 
 
-def _no_field(stations: Array) -> SparseMatrix:
-    raise ComputationError(
-        f"a swept leg keeps no displacements of its sections ({len(stations)} asked for)"
-    )
+def _no_field(points: Array) -> SparseMatrix:
+    raise ComputationError(f"a swept leg keeps no displacements ({len(points)} asked for)")

@@ -18,14 +18,14 @@ from fem.reduction.superelement_checks import (
     rigid_body_residual,
     rigid_motions,
 )
-from lumped.biglide import with_equivalent_legs
-from lumped.biglide_assembly import assemble, compliance, modes
+from lumped.biglide import system, with_equivalent_legs
 from lumped.errors import InputError
 from lumped.leg_matrices import LegMatrices
 from lumped.legs import ConstantLeg, Material
 from lumped.robot_file import load_robot
 from lumped.sections import Rectangle
 from lumped.segments import segment_chain, segment_leg
+from lumped.system.solution import compliance, modes, solved
 from meshes.prism.extrude import extrude, stations
 from meshes.section.section_mesh import section_mesh
 
@@ -44,6 +44,7 @@ def meshed(leg, divisions, slices):
     return solid_leg(leg, extrude(section, stations(leg.length, slices)))
 
 
+NAMES = ("leg1", "leg2")
 MODELS = {
     "segments": lambda leg: segment_leg(segment_chain(leg.timoshenko, leg.length, 20)),
     "beam": lambda leg: beam_leg(leg.timoshenko, leg.length, 12),
@@ -61,7 +62,7 @@ def legs(request):
 @pytest.fixture(scope="module")
 def unreduced_robot(legs):
     """Per posture the robot of unreduced legs and its modes."""
-    robots = [assemble(ROBOT, x, *legs[0]) for x in POSTURES]
+    robots = [solved(system(ROBOT, x, *legs[0])) for x in POSTURES]
     return [(robot, modes(robot, COUNT)) for robot in robots]
 
 
@@ -70,7 +71,7 @@ def test_robot_of_reduced_legs_is_the_unreduced_one(legs, unreduced_robot):
     unreduced, held = legs
     reduced = [craig_bampton(leg, HIGHEST) for leg in held]
     for x, (whole, exact) in zip(POSTURES, unreduced_robot, strict=True):
-        robot = assemble(ROBOT, x, *(leg.matrices for leg in reduced))
+        robot = solved(system(ROBOT, x, *(leg.matrices for leg in reduced)))
         expected = compliance(whole)
         scale = 1.0 / np.sqrt(np.diag(expected))
         difference = (compliance(robot) - expected) * scale[:, None] * scale
@@ -78,13 +79,11 @@ def test_robot_of_reduced_legs_is_the_unreduced_one(legs, unreduced_robot):
         found = modes(robot, COUNT)
         assert_allclose(found.frequencies, exact.frequencies, rtol=1e-4)
         # Both are mass-normalised, so the product of two shapes is the root of their MAC.
-        platform = robot.loaded[:3] @ found.shapes, whole.loaded[:3] @ exact.shapes
+        platform = robot.system.tool[:3] @ found.shapes, whole.system.tool[:3] @ exact.shapes
         gram = ROBOT.platform_mass * platform[0].T @ platform[1]
-        for to_reduced, to_whole, superelement, leg in zip(
-            robot.legs, whole.legs, reduced, unreduced, strict=True
-        ):
-            field = superelement.recover(to_reduced @ found.shapes)
-            gram += field.T @ (leg.mass @ (to_whole @ exact.shapes))
+        for name, superelement, leg in zip(NAMES, reduced, unreduced, strict=True):
+            field = superelement.recover(robot.system.own(name, found.shapes))
+            gram += field.T @ (leg.mass @ whole.system.own(name, exact.shapes))
         assert np.min(np.diag(gram) ** 2) > 0.9999
 
 
@@ -93,8 +92,8 @@ def test_bounds_enclose_the_true_frequencies(legs, unreduced_robot, factor):
     held = legs[1]
     reduced = [craig_bampton(leg, HIGHEST, factor * HIGHEST) for leg in held]
     for x, (_, exact) in zip(POSTURES, unreduced_robot, strict=True):
-        robot = assemble(ROBOT, x, *(leg.matrices for leg in reduced))
-        bounds = frequency_bounds(robot, reduced, COUNT)
+        robot = system(ROBOT, x, *(leg.matrices for leg in reduced))
+        bounds = frequency_bounds(robot, dict(zip(NAMES, reduced, strict=True)), COUNT)
         assert np.all(bounds.lower <= exact.frequencies * (1.0 + ROUNDING))
         assert np.all(exact.frequencies <= bounds.upper * (1.0 + ROUNDING))
         error = bounds.upper / exact.frequencies - 1.0
@@ -107,8 +106,8 @@ def test_bounds_enclose_the_true_frequencies(legs, unreduced_robot, factor):
 def test_bounds_are_not_empty(legs, unreduced_robot):
     """With a cut-off just above the highest frequency the error is real, 1e-4 and more."""
     reduced = [craig_bampton(leg, HIGHEST, 1.1 * HIGHEST) for leg in legs[1]]
-    robot = assemble(ROBOT, POSTURES[1], *(leg.matrices for leg in reduced))
-    bounds = frequency_bounds(robot, reduced, COUNT)
+    robot = system(ROBOT, POSTURES[1], *(leg.matrices for leg in reduced))
+    bounds = frequency_bounds(robot, dict(zip(NAMES, reduced, strict=True)), COUNT)
     error = bounds.upper / unreduced_robot[1][1].frequencies - 1.0
     assert error.max() > 1e-4
 
@@ -208,11 +207,11 @@ def test_robot_with_free_ends_is_the_one_in_the_null_space(free_ends):
     """An interface by work-conjugate twists, against unknowns that contain them."""
     held, unreduced = free_ends
     reduced = [craig_bampton(leg, HIGHEST) for leg in held]
-    whole = assemble(ROBOT, ROBOT.centre, *unreduced)
-    robot = assemble(ROBOT, ROBOT.centre, *(leg.matrices for leg in reduced))
+    whole = solved(system(ROBOT, ROBOT.centre, *unreduced))
+    robot = solved(system(ROBOT, ROBOT.centre, *(leg.matrices for leg in reduced)))
     assert_allclose(compliance(robot)[:3, :3], compliance(whole)[:3, :3], rtol=1e-8, atol=1e-15)
     exact = modes(whole, COUNT).frequencies
-    bounds = frequency_bounds(robot, reduced, COUNT)
+    bounds = frequency_bounds(robot.system, dict(zip(NAMES, reduced, strict=True)), COUNT)
     assert_allclose(bounds.upper, exact, rtol=1e-4)
     # The dense null space is rounded to about 1e-9 of the frequencies.
     assert np.all(bounds.lower <= exact * (1.0 + 1e-8))
@@ -226,6 +225,6 @@ def test_cut_off_below_the_asked_frequencies_is_refused():
     with pytest.raises(InputError, match=r"highest frequency = -1\.0 Hz"):
         craig_bampton(held, -1.0)
     reduced = [craig_bampton(held_leg(MODELS["beam"](leg)), 400.0, 500.0) for leg in (LEG_1, LEG_2)]
-    robot = assemble(ROBOT, ROBOT.centre, *(leg.matrices for leg in reduced))
+    robot = system(ROBOT, ROBOT.centre, *(leg.matrices for leg in reduced))
     with pytest.raises(InputError, match=r"frequency 12 .* cut off at 500 Hz"):
-        frequency_bounds(robot, reduced, 12)
+        frequency_bounds(robot, dict(zip(NAMES, reduced, strict=True)), 12)

@@ -20,13 +20,13 @@ from fem.reduction.superelement_checks import (
 )
 from fem.reduction.superelement_checks import rigid_motions as reduced_rigid_motions
 from fem.sections.section_constants import beam_properties, section_constants
-from lumped.biglide import Biglide, with_equivalent_legs
-from lumped.biglide_assembly import assemble, compliance
+from lumped.biglide import Biglide, system, with_equivalent_legs
 from lumped.errors import ComputationError, InputError
 from lumped.leg_matrices import LegMatrices
 from lumped.legs import ConstantLeg, tip_compliance
 from lumped.robot_file import load_robot
 from lumped.segments import segment_chain, segment_leg
+from lumped.system.solution import compliance, solved
 from lumped.vjm import compliance as vjm_compliance
 from lumped.vjm import equivalent_leg_springs
 from meshes.prism.extrude import extrude, stations
@@ -34,6 +34,10 @@ from meshes.section.section_mesh import section_mesh
 
 ROBOT = with_equivalent_legs(load_robot("ifw").robot)
 POSTURES = (ROBOT.stroke[0], ROBOT.centre, ROBOT.stroke[1])
+
+
+def robot_of(robot, x, *legs):
+    return solved(system(robot, x, *legs))
 
 
 def equivalent(robot: Biglide) -> tuple[ConstantLeg, ConstantLeg]:
@@ -73,9 +77,9 @@ def test_static_superelement_is_exact_in_the_robot(model):
     legs = [model(LEG_1), model(LEG_2)]
     reduced = [static_superelement(held_leg(leg)).matrices for leg in legs]
     for x in POSTURES:
-        expected = compliance(assemble(ROBOT, x, *legs))
+        expected = compliance(robot_of(ROBOT, x, *legs))
         # The limit; rounding leaves 1e-12.
-        assert scaled_difference(compliance(assemble(ROBOT, x, *reduced)), expected) < 1e-9
+        assert scaled_difference(compliance(robot_of(ROBOT, x, *reduced)), expected) < 1e-9
 
 
 @models
@@ -207,7 +211,7 @@ def test_robot_with_free_ends_is_the_vjm_with_timoshenko_legs(free_leg_2):
     springs = equivalent_leg_springs(ROBOT, "timoshenko")
     for x in ROBOT.stations(7):
         expected = vjm_compliance(ROBOT, x, springs)[:3, :3]
-        found = compliance(assemble(ROBOT, x, *legs))[:3, :3]
+        found = compliance(robot_of(ROBOT, x, *legs))[:3, :3]
         assert np.abs(found - expected).max() < 1e-3 * np.abs(expected).max()
         assert_allclose(found[2, 2], expected[2, 2], rtol=1e-3)
         # fx at an end of the stroke moves B by a fortieth of what fy does: compared as columns.

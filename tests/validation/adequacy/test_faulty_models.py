@@ -40,8 +40,9 @@ _JUDGED = (
     "lumped.legs",
     "lumped.vjm",
     "lumped.segments",
-    "lumped.biglide_assembly",
     "lumped.biglide.",
+    "lumped.system.assembly",
+    "lumped.system.solution",
     "lumped.screws",
 )
 LIMIT = 0.05

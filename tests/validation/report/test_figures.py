@@ -9,15 +9,15 @@ import pytest
 from PIL import Image
 
 from fem.bodies.solid import solid_mesh
-from lumped.biglide_assembly import compliance
 from lumped.errors import ComputationError
 from lumped.legs import ConstantLeg, Material
 from lumped.robot_file import load_robot
 from lumped.screws import rotation_z
 from lumped.sections import Circle, ISection, Rectangle
+from lumped.system.solution import compliance, solved
 from validation.case import Skip
 from validation.context import Context
-from validation.models.biglide import robot_legs, robot_mechanism
+from validation.models.biglide import robot_legs, robot_system
 from validation.report.figures import drawings
 from validation.report.figures.curves.dynamics import refined_frequencies
 from validation.report.figures.curves.energy import visible_parts
@@ -66,9 +66,9 @@ def context():
 def loaded(context):
     """The robot in beams at its centre: mechanism, legs, unknowns under 1000 N along z."""
     robot = context.robot
-    mechanism = robot_mechanism("beam", robot, robot.centre)
+    system = robot_system("beam", robot, robot.centre)
     force = np.array([0.0, 0.0, 1000.0])
-    return mechanism, robot_legs("beam", robot), load_displacement(mechanism, force)
+    return system, robot_legs("beam", robot), load_displacement(system, force)
 
 
 def volume(surface: Surface) -> float:
@@ -131,9 +131,9 @@ def test_leg_axes_turn_into_robot_axes():
 def test_the_legs_meet_at_the_loaded_point_and_move_with_it(context, loaded):
     """Mean displacement of leg 1's tip is that of B, which the 6×6 compliance gives directly."""
     robot = context.robot
-    mechanism, legs, unknowns = loaded
-    leg1, leg2 = leg_shapes(robot, robot.centre, mechanism, legs, unknowns)
-    at_b = 1000.0 * compliance(mechanism)[:3, 2]
+    system, legs, unknowns = loaded
+    leg1, leg2 = leg_shapes(robot, robot.centre, system, legs, unknowns)
+    at_b = 1000.0 * compliance(solved(system))[:3, 2]
     for leg in (leg1, leg2):
         tip, root = slice(-leg.corners, None), slice(0, leg.corners)
         assert leg.points[tip].mean(axis=0) == pytest.approx([robot.centre, 0, 0], abs=ROUNDING)
@@ -148,8 +148,8 @@ def test_the_legs_meet_at_the_loaded_point_and_move_with_it(context, loaded):
 
 def test_deformed_points_are_enlarged_and_coloured_by_their_displacement(context, loaded):
     robot = context.robot
-    mechanism, legs, unknowns = loaded
-    leg, _ = leg_shapes(robot, robot.centre, mechanism, legs, unknowns)
+    system, legs, unknowns = loaded
+    leg, _ = leg_shapes(robot, robot.centre, system, legs, unknowns)
     drawn = leg.deformed(factor=2000.0, unit=1e-6)
     assert (drawn.points - leg.points) / 2000.0 == pytest.approx(leg.displacements, abs=1e-15)
     assert drawn.values == pytest.approx(1e6 * np.linalg.norm(leg.displacements, axis=1))

@@ -10,12 +10,11 @@ from fem.reduction.craig_bampton import craig_bampton
 from fem.sections.section_constants import beam_properties
 from lumped import simplified
 from lumped.arrays import Array
-from lumped.biglide import Biglide, with_equivalent_legs
-from lumped.biglide_assembly import assemble
+from lumped.biglide import Biglide, system, with_equivalent_legs
 from lumped.leg_matrices import LegMatrices
 from lumped.legs import BeamProperties, ConstantLeg, Ends, GivenLeg, Leg, equivalent_leg
-from lumped.modes import dense
 from lumped.segments import segment_chain, segment_leg
+from lumped.system.solution import mode_count, solved
 from validation.adequacy.biglide.given_masses import MASSES, Masses, leg_with_masses
 from validation.adequacy.biglide.statics import SAY_ENDS, holds
 from validation.adequacy.legs import OPEN_ENDS, own_constants, step_uncertainty
@@ -147,16 +146,8 @@ def modes_with_masses(
 
     legs = built(robot.leg1, divisions[0], ends[0]), built(robot.leg2, divisions[1], ends[1])
     # Lumps that are points have no more modes than they and the platform have ways to go.
-    mass = dense(assemble(with_equivalent_legs(robot), robot.centre, *legs).mass)
-    return sampled_modes(robot, legs, postures, min(OFFERED, with_mass(mass)))
-
-
-def with_mass(mass: Array) -> int:
-    """Number of modes that a mass matrix (n×n) leaves: its rank, each unknown in its own unit."""
-    own = np.flatnonzero(np.diag(mass) > 0.0)
-    unit = 1.0 / np.sqrt(np.diag(mass)[own])
-    scaled = mass[np.ix_(own, own)] * unit[:, None] * unit
-    return int(np.linalg.matrix_rank(scaled, hermitian=True))
+    known = mode_count(solved(system(with_equivalent_legs(robot), robot.centre, *legs)))
+    return sampled_modes(robot, legs, postures, min(OFFERED, known))
 
 
 def model_modes(

@@ -9,10 +9,12 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
-from lumped import biglide_assembly, vjm
+from lumped import vjm
 from lumped.arrays import Array
-from lumped.biglide import Biglide
+from lumped.biglide import Biglide, postures
 from lumped.legs import ConstantLeg, Ends, GivenLeg, Leg
+from lumped.system.assembly import assembly
+from lumped.system.sweep import swept
 from validation.adequacy.biglide.closure import require_closed
 from validation.adequacy.legs import (
     HOLD,
@@ -78,12 +80,7 @@ def static_reference(context: Context, robot: Biglide, x: Array) -> Reference:
     for name, ends in holds(robot).items():
         held = list(zip(legs, ends, strict=True))
         found = [
-            np.array(
-                [
-                    _assembled(robot, at, [solid_tip(context, *one, fine=fine) for one in held])
-                    for at in x.tolist()
-                ]
-            )
+            _assembled(robot, x, [solid_tip(context, *one, fine=fine) for one in held])
             for fine in (False, True)
         ]
         diagonals = [np.diagonal(one, axis1=1, axis2=2) for one in found]
@@ -101,7 +98,7 @@ def static_reference(context: Context, robot: Biglide, x: Array) -> Reference:
         decides=SAY_ENDS if len(alternatives) > 1 else "",
         computed_by=(
             "fem.bodies.doubling.condensed_leg" if any(solids) else "lumped.legs.given_compliance",
-            "lumped.biglide_assembly.compliance",
+            "lumped.system.sweep.swept",
         ),
     )
 
@@ -135,12 +132,14 @@ def _section_uncertainty(context: Context, robot: Biglide, x: Array) -> Array:
     return step_uncertainty(joints(COARSEST_WALLS), joints(SECTION_DIVISIONS), SECTION_RATIO)
 
 
-def _assembled(robot: Biglide, x: float, tips: Sequence[Array]) -> Array:
-    leg1, leg2 = (
+def _assembled(robot: Biglide, x: Array, tips: Sequence[Array]) -> Array:
+    legs = (
         static_leg(leg, tip, "reference")
         for leg, tip in zip((robot.leg1, robot.leg2), tips, strict=True)
     )
-    return biglide_assembly.compliance(biglide_assembly.assemble(robot, x, leg1, leg2))
+    places = postures(robot, x)
+    prepared = assembly(places[0].mechanism, dict(zip(("leg1", "leg2"), legs, strict=True)))
+    return swept(prepared, places, 0).compliances
 
 
 def static_ladders(context: Context, robot: Biglide, x: Array) -> dict[str, tuple[Rung, ...]]:

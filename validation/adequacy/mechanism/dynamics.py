@@ -39,10 +39,10 @@ from validation.adequacy.mechanism.samples import Samples, samples_of
 from validation.adequacy.partners import partners
 from validation.adequacy.response import Alternative, Reference, Response, Rung, Vibration
 from validation.context import Context
+from validation.models.legs import filled
 from validation.models.mechanism import (
     CUTOFF,
     dynamic_bodies,
-    filled,
     highest_frequency,
     on_drives_alone,
 )

@@ -1,5 +1,6 @@
 """Mistakes in legs reduced to their ends, in robots of them, and in their postures."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -7,10 +8,10 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from fem.reduction.superelement import ENDS, HeldLeg, Superelement
-from fem.sweep import PostureModel
 from lumped.arrays import Array
-from lumped.biglide_assembly import Mechanism
+from lumped.mechanism.mechanism import Posture
 from lumped.modes import Modes
+from lumped.system.assembly import Outside, System
 from validation.faults.fault import Faulty, fault, fault_around, fault_in_value
 
 
@@ -159,56 +160,41 @@ def _tip_loose(held: HeldLeg) -> HeldLeg:
 
 @fault_around(
     "sweep.not-turned",
-    "Sweep: legs left in the posture of the centre",
-    "fem.sweep.PostureModel.matrices",
+    "Sweep: all postures taken for the first",
+    "lumped.system.assembly.Assembly.outside",
 )
-def _always_centre(sound: Faulty, model: PostureModel, _x: float) -> Any:
-    return sound(model, model.robot.centre)
-
-
-@fault_around(
-    "sweep.rotation-transposed",
-    "Sweep: rotation of the ends transposed",
-    "fem.sweep._TurningLeg.add",
-)
-def _turned_back(sound: Faulty, leg: Any, rotation: Array, totals: Any) -> None:
-    sound(leg, rotation.T, totals)
+def _first_for_all(sound: Faulty, self: Any, postures: Sequence[Posture]) -> Any:
+    return sound(self, [postures[0]] * len(postures))
 
 
 @fault_around(
     "sweep.coupling-not-turned",
     "Sweep: coupling of the ends with the inside not turned with the leg",
-    "fem.sweep._TurningLeg.add",
+    "lumped.system.sweep._frequencies",
 )
-def _coupling_not_turned(sound: Faulty, leg: Any, rotation: Array, totals: Any) -> None:
-    own = tuple((ends, np.zeros_like(coupling)) for ends, coupling in leg.matrices)
-    sound(replace(leg, matrices=own), rotation, totals)
-    for (_, coupling), total in zip(leg.matrices, totals, strict=True):
-        border = coupling[leg.free]
-        total[np.ix_(leg.ends, leg.inner)] += border
-        total[np.ix_(leg.inner, leg.ends)] += border.T
+def _coupling_not_turned(sound: Faulty, outside: Outside, *rest: Any) -> Any:
+    twists, structure = outside.motions.twists, outside.motions.structure
+    ends = {}
+    for name, rows in outside.ends.items():
+        first = structure.node(name, next(iter(structure.mechanism.bodies[name].interfaces)))
+        nodes = slice(first, first + rows.shape[1] // 6)
+        ends[name] = twists[:, nodes].reshape(rows.shape)
+    return sound(replace(outside, ends=ends), *rest)
 
 
 @fault_in_value(
-    "sweep.platform-missing", "Sweep: mass of the platform forgotten", "fem.sweep.posture_model"
+    "sweep.angular-frequency",
+    "Sweep: frequencies in rad/s for Hz",
+    "lumped.system.sweep._frequencies",
 )
-def _without_platform(model: PostureModel) -> PostureModel:
-    platform = np.diag([model.robot.platform_mass] * 3 + [0.0] * 3)
-    return replace(model, mass=model.mass - model.loaded.T @ platform @ model.loaded)
+def _swept_angular(frequencies: Array) -> Array:
+    return 2.0 * np.pi * frequencies
 
 
-@fault_around(
-    "sweep.leg-one-twice", "Sweep: matrices of leg 1 used for leg 2", "fem.sweep.posture_model"
-)
-def _same_leg(sound: Faulty, robot: Any, leg1: Any, _leg2: Any, *rest: Any) -> Any:
-    return sound(robot, leg1, leg1, *rest)
-
-
-@fault_in_value("sweep.angular-frequency", "Sweep: frequencies in rad/s for Hz", "fem.sweep._modes")
 @fault_in_value(
     "robot-solid.angular-frequency",
     "Robot of solids: frequencies in rad/s for Hz",
-    "fem.robot_solid.modes",
+    "fem.solvers.sparse_system.modes",
 )
 def _angular(modes: Modes) -> Modes:
     return replace(modes, frequencies=2.0 * np.pi * modes.frequencies)
@@ -217,7 +203,7 @@ def _angular(modes: Modes) -> Modes:
 @fault_in_value(
     "robot-solid.diagonal",
     "Robot of solids: coupling terms of the compliance lost",
-    "fem.robot_solid.compliance",
+    "fem.solvers.sparse_system.compliance",
 )
 def _diagonal(compliance: Array) -> Array:
     return np.diag(np.diag(compliance))
@@ -226,17 +212,16 @@ def _diagonal(compliance: Array) -> Array:
 @fault_around(
     "robot-solid.lumped-mass",
     "Robot of solids: row sums for the consistent mass",
-    "fem.robot_solid.factorised_robot",
+    "fem.solvers.sparse_system.factorised",
 )
-def _row_sums(sound: Faulty, mechanism: Mechanism) -> Any:
+def _row_sums(sound: Faulty, system: System) -> Any:
     """Mass of the interiors in row sums."""
-    mass = csr_array(mechanism.mass).tolil()
-    sums = np.asarray(csr_array(mechanism.mass).sum(axis=1)).ravel()
-    inner = sum(to_leg.shape[0] - ENDS for to_leg in mechanism.legs)
-    first = mass.shape[0] - inner
+    mass = csr_array(system.mass).tolil()
+    sums = np.asarray(csr_array(system.mass).sum(axis=1)).ravel()
+    first = system.outer
     mass[first:, first:] = 0.0
     mass.setdiag(np.where(np.arange(mass.shape[0]) < first, mass.diagonal(), np.abs(sums)))
-    return sound(replace(mechanism, mass=csr_array(mass)))
+    return sound(replace(system, mass=csr_array(mass)))
 
 
 fault_around(

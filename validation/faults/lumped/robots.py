@@ -1,136 +1,129 @@
 """Mistakes in the assembled robot, rigid segments, modes and the simplified model."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from scipy.sparse import csr_matrix
 
 from lumped.arrays import Array, SparseMatrix
-from lumped.biglide import Biglide
-from lumped.biglide_assembly import Mechanism
-from lumped.leg_matrices import LegMatrices
+from lumped.biglide import Biglide, printed
+from lumped.mechanism.body import Rigid
+from lumped.mechanism.mechanism import Mechanism
 from lumped.modes import Modes
+from lumped.screws import turn
+from lumped.system.motions import Frames, Motions
 from validation.faults.fault import Faulty, fault_around, fault_in_value
 
-
-@fault_around(
-    "robot.platform-twice", "Mass of the platform counted twice", "lumped.biglide_assembly.assemble"
-)
-def _mass_twice(sound: Faulty, robot: Biglide, *rest: Any) -> Mechanism:
-    whole: Mechanism = sound(robot, *rest)
-    platform = csr_matrix(np.diag([robot.platform_mass] * 3 + [0.0] * 3))
-    return replace(whole, mass=whole.mass + whole.loaded.T @ platform @ whole.loaded)
+_ROBOT = "lumped.biglide.mechanism"
 
 
-@fault_around(
+@fault_in_value("robot.platform-twice", "Mass of the platform counted twice", _ROBOT)
+def _mass_twice(mechanism: Mechanism) -> Mechanism:
+    return replace(mechanism, tool=replace(mechanism.tool, mass=2.0 * mechanism.tool.mass))
+
+
+@fault_in_value("robot.platform-missing", "Mass of the platform forgotten", _ROBOT)
+def _without_platform(mechanism: Mechanism) -> Mechanism:
+    return replace(mechanism, tool=replace(mechanism.tool, mass=0.0))
+
+
+@fault_in_value(
     "robot.platform-at-joint",
     "Mass of platform and tool at B instead of at the loaded point",
-    "lumped.biglide_assembly.assemble",
+    _ROBOT,
 )
-def _mass_at_joint(
-    sound: Faulty, robot: Biglide, x: float, leg1: LegMatrices, leg2: LegMatrices, *rest: Any
-) -> Mechanism:
-    whole: Mechanism = sound(robot, x, leg1, leg2, *rest)
-    at_joint: Mechanism = sound(replace(robot, tool_offset=np.zeros(3)), x, leg1, leg2, *rest)
-    return replace(whole, mass=at_joint.mass)
+def _mass_at_joint(mechanism: Mechanism) -> Mechanism:
+    platform = mechanism.bodies["platform"]
+    heavy = replace(platform, shape=Rigid(mechanism.tool.mass))
+    return _without_platform(replace(mechanism, bodies={**mechanism.bodies, "platform": heavy}))
 
 
-@fault_around(
-    "robot.offset-sign", "Tool offset in the opposite direction", "lumped.biglide_assembly._loaded"
-)
-def _offset_turned(sound: Faulty, robot: Biglide, unknowns: Any) -> SparseMatrix:
-    return sound(replace(robot, tool_offset=-robot.tool_offset), unknowns)
-
-
-@fault_around(
-    "robot.printed-release",
-    "Joints released as eq. (25) is printed: row and column of φz zeroed",
-    "lumped.biglide_assembly.assemble",
-)
-def _printed(sound: Faulty, robot: Biglide, x: float, leg1: Any, leg2: Any, *_: Any) -> Mechanism:
-    found: Mechanism = sound(robot, x, leg1, leg2, "printed")
+@fault_around("robot.offset-sign", "Tool offset in the opposite direction", _ROBOT)
+def _offset_turned(sound: Faulty, robot: Biglide) -> Mechanism:
+    found: Mechanism = sound(replace(robot, tool_offset=-robot.tool_offset))
     return found
 
 
 @fault_in_value(
-    "robot.one-foot-rigid",
-    "Foot 2 a thousand thousand times too stiff (mm for m)",
-    "lumped.biglide_assembly._springs",
+    "robot.printed-release",
+    "Joints released as eq. (25) is printed: row and column of φz zeroed",
+    _ROBOT,
 )
-def _one_foot(springs: dict[str, SparseMatrix]) -> dict[str, SparseMatrix]:
-    return springs | {"foot 2": 1e6 * springs["foot 1"]} if "foot 1" in springs else springs
+def _printed(mechanism: Mechanism) -> Mechanism:
+    return printed(mechanism)
 
 
-@fault_around(
-    "robot.foot-diagonal",
-    "Coupling terms of the foot's compliance left out",
-    "lumped.biglide_assembly._springs",
-)
-def _foot_entrywise(sound: Faulty, robot: Biglide, *rest: Any) -> dict[str, SparseMatrix]:
-    foot = robot.foot_compliance
-    if foot is not None:
-        robot = replace(robot, foot_compliance=np.diag(np.diag(foot)))
-    found: dict[str, SparseMatrix] = sound(robot, *rest)
-    return found
-
-
-@fault_around(
-    "robot.foot-unsymmetrised",
-    "Foot's matrix read from its upper triangle without symmetrising",
-    "lumped.biglide_assembly._springs",
-)
-def _foot_half_coupled(sound: Faulty, robot: Biglide, *rest: Any) -> dict[str, SparseMatrix]:
-    foot = robot.foot_compliance
-    if foot is not None:
-        robot = replace(robot, foot_compliance=np.triu(foot))
-    found: dict[str, SparseMatrix] = sound(robot, *rest)
-    return found
-
-
-@fault_around(
-    "robot.foot-in-leg-axes",
-    "Feet's compliance in the axes of leg 1",
-    "lumped.biglide_assembly.assemble",
-)
-def _foot_in_leg_axes(
-    sound: Faulty, robot: Biglide, x: float, leg1: Any, leg2: Any, *rest: Any
-) -> Mechanism:
-    foot = robot.foot_compliance
-    if foot is not None:
-        block = np.kron(np.eye(2), robot.posture(x).rotation1)
-        robot = replace(robot, foot_compliance=block @ foot @ block.T)
-    found: Mechanism = sound(robot, x, leg1, leg2, *rest)
-    return found
-
-
-@fault_around(
+@fault_in_value(
     "robot.joint-forgotten",
     "Revolute joints forgotten: the leg's φz shared with its neighbour",
-    "lumped.biglide_assembly._Unknowns._released",
+    _ROBOT,
 )
-def _held_joint(sound: Faulty, self: Any, body: Any) -> Any:
-    sound(self, body)
-    return body
+def _held_joints(mechanism: Mechanism) -> Mechanism:
+    joints = [
+        replace(joint, kind="fixed", axes=np.zeros((0, 3))) if joint.kind == "revolute" else joint
+        for joint in mechanism.joints
+    ]
+    return replace(mechanism, joints=joints)
 
 
-@fault_around(
-    "robot.leg-turned-back", "Rotation of the legs transposed", "lumped.biglide_assembly._leg_map"
-)
-def _turned_back(
-    sound: Faulty, leg: Any, rotation: Array, unknowns: Any, which: int
-) -> SparseMatrix:
-    return sound(leg, rotation.T, unknowns, which)
-
-
-@fault_around(
-    "robot.leg-one-twice", "Matrices of leg 1 used for leg 2", "lumped.biglide_assembly.assemble"
-)
-def _first_leg_twice(
-    sound: Faulty, robot: Biglide, x: float, leg1: Any, _leg2: Any, *rest: Any
+def _with_feet(
+    mechanism: Mechanism, change: Callable[[Array], Array], names: str = "foot"
 ) -> Mechanism:
-    found: Mechanism = sound(robot, x, leg1, leg1, *rest)
+    joints = [
+        joint
+        if joint.compliance is None or not joint.name.startswith(names)
+        else replace(joint, compliance=change(joint.compliance))
+        for joint in mechanism.joints
+    ]
+    return replace(mechanism, joints=joints)
+
+
+@fault_in_value(
+    "robot.one-foot-rigid", "Foot 2 a thousand thousand times too stiff (mm for m)", _ROBOT
+)
+def _one_foot(mechanism: Mechanism) -> Mechanism:
+    return _with_feet(mechanism, lambda foot: 1e-6 * foot, "foot2")
+
+
+@fault_in_value("robot.foot-diagonal", "Coupling terms of the foot's compliance left out", _ROBOT)
+def _foot_entrywise(mechanism: Mechanism) -> Mechanism:
+    return _with_feet(mechanism, lambda foot: np.diag(np.diag(foot)))
+
+
+@fault_in_value(
+    "robot.foot-unsymmetrised",
+    "Foot's matrix read from its upper triangle without symmetrising",
+    _ROBOT,
+)
+def _foot_half_coupled(mechanism: Mechanism) -> Mechanism:
+    return _with_feet(mechanism, np.triu)
+
+
+@fault_around("robot.foot-in-leg-axes", "Feet's compliance in the axes of leg 1", _ROBOT)
+def _foot_in_leg_axes(sound: Faulty, robot: Biglide) -> Mechanism:
+    foot = robot.foot_compliance
+    if foot is not None:
+        block = turn(robot.posture(robot.centre).rotation1)
+        robot = replace(robot, foot_compliance=block @ foot @ block.T)
+    found: Mechanism = sound(robot)
     return found
+
+
+@fault_around(
+    "robot.leg-turned-back", "Rotation of the legs transposed", "lumped.system.assembly._ends"
+)
+def _turned_back(sound: Faulty, moved: Motions, frames: Frames, body: str) -> Array:
+    back = {**frames.rotations, body: np.swapaxes(frames.rotations[body], -1, -2)}
+    found: Array = sound(moved, replace(frames, rotations=back), body)
+    return found
+
+
+@fault_around(
+    "robot.leg-one-twice", "Matrices of leg 1 used for leg 2", "lumped.system.assembly.assembly"
+)
+def _first_leg_twice(sound: Faulty, mechanism: Mechanism, models: Any) -> Any:
+    return sound(mechanism, dict.fromkeys(models, next(iter(models.values()), None)))
 
 
 @fault_around(
@@ -194,6 +187,11 @@ def _without_rotary(sound: Faulty, properties: Any, piece: float) -> Array:
 
 @fault_in_value(
     "modes.angular-frequency", "Frequencies in rad/s for Hz", "lumped.modes.solve_modes"
+)
+@fault_in_value(
+    "robot.angular-frequency",
+    "Frequencies of the robot in rad/s for Hz",
+    "lumped.system.solution.modes",
 )
 def _angular(modes: Modes) -> Modes:
     return replace(modes, frequencies=2.0 * np.pi * modes.frequencies)

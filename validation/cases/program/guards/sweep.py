@@ -4,16 +4,16 @@ from functools import partial
 
 import numpy as np
 
-from fem import robot_solid
 from fem.bodies.frame import modes as frame_modes
 from fem.reduction.craig_bampton import craig_bampton
 from fem.reduction.superelement import held_leg
-from fem.sweep import posture_model, solve_posture
-from lumped import biglide_assembly as mechanism
+from fem.solvers import sparse_system
 from lumped.arrays import Array
-from lumped.biglide import Biglide
+from lumped.biglide import Biglide, postures, system
 from lumped.leg_matrices import LegMatrices
 from lumped.legs import equivalent_leg
+from lumped.system import sweep
+from lumped.system.assembly import assembly
 from validation.case import Absolute, Case, Measurement, Tolerance
 from validation.cases.program.guards.reduction import guard_case
 from validation.cases.program.guards.robot import (
@@ -26,7 +26,7 @@ from validation.cases.program.guards.robot import (
     scaled_difference,
 )
 from validation.context import Context
-from validation.models.legs import leg_matrices
+from validation.models.legs import filled, leg_matrices
 from validation.models.options import ModelOptions
 
 _SWEPT_VARIANTS = ("as it is", "tool offset")
@@ -93,15 +93,18 @@ def swept(robot: Biglide) -> tuple[Array, Array]:
     """Compliance (6×6, SI) and frequencies (Hz) in the guards' posture, by a sweep."""
     highest = float(frame_modes(robot_frame(robot), MODES).frequencies[-1])
     leg1, leg2 = (craig_bampton(held_leg(leg), highest).matrices for leg in _beam_legs(robot))
-    solved = solve_posture(posture_model(robot, leg1, leg2), guarded_posture(robot), MODES)
-    return solved.compliance, solved.modes.frequencies
+    # The posture asked for is the second one: it differs from the first.
+    places = postures(robot, (robot.stroke[0], guarded_posture(robot)))
+    prepared = assembly(places[0].mechanism, {"leg1": filled(leg1), "leg2": filled(leg2)})
+    found = sweep.swept(prepared, places, MODES)
+    return found.compliances[1], found.frequencies[1]
 
 
 def sparse(robot: Biglide) -> tuple[Array, Array]:
     """The same of the unreduced robot by its sparse factor."""
-    whole = mechanism.assemble(robot, guarded_posture(robot), *_beam_legs(robot))
-    factorised = robot_solid.factorised_robot(whole)
-    return robot_solid.compliance(factorised), robot_solid.modes(factorised, MODES).frequencies
+    whole = system(robot, guarded_posture(robot), *_beam_legs(robot))
+    found = sparse_system.factorised(whole)
+    return sparse_system.compliance(found), sparse_system.modes(found, MODES).frequencies
 
 
 _WAYS = {"swept": swept, "sparse": sparse}

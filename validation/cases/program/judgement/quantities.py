@@ -23,7 +23,7 @@ from validation.cases.legs import constant_leg_of
 from validation.cases.program.guards.robot import scaled_difference
 from validation.cases.program.judgement.claims import claims_case, same
 from validation.context import Context
-from validation.models.biglide import robot_mechanism
+from validation.models.biglide import robot_system
 from validation.models.options import ModelName, ModelOptions
 from validation.solids.legs import section_counts
 from validation.studies.quantities import (
@@ -163,8 +163,8 @@ def _work(context: Context) -> Mapping[str, bool]:
         "the largest entry": _close(scaled_difference(unit + matrix, unit), sorted(entries)[-1]),
     }
     for number, x in enumerate(_stations(robot)):
-        whole = robot_mechanism("beam", robot, x)
-        stiffness, loaded = dense(whole.stiffness), dense(whole.loaded)
+        whole = robot_system("beam", robot, x)
+        stiffness, loaded = dense(whole.stiffness), whole.tool
         for axis, curve in enumerate(("planar_x", "planar_y", "along_z")):
             force = np.zeros(6)
             force[axis] = _FORCE
@@ -243,7 +243,7 @@ def _modes(context: Context, model: ModelName) -> Mapping[str, bool]:
     shown = stroke_frequencies(model, robot, _COUNT, 4)
     claims = {}
     for number, x in enumerate(_stations(robot)):
-        whole = robot_mechanism(model, robot, x)
+        whole = robot_system(model, robot, x)
         stiffness, mass = dense(whole.stiffness), dense(whole.mass)
         # 1/ω² of M against K: bodies without mass have none.
         squares = eigh(mass, stiffness, eigvals_only=True)[::-1][:4]
@@ -253,11 +253,11 @@ def _modes(context: Context, model: ModelName) -> Mapping[str, bool]:
         )
     found = robot_modes(model, robot, robot.centre, 4)
     strain, kinetic = sum(found.strain.values()), sum(found.kinetic.values())
-    shapes, whole = found.modes.shapes, found.mechanism
+    shapes, whole = found.modes.shapes, found.system
     quotients = np.sum(shapes * (dense(whole.stiffness) @ shapes), axis=0) / np.sum(
         shapes * (dense(whole.mass) @ shapes), axis=0
     )
-    moved = np.square((dense(whole.loaded) @ shapes)[:3]) * robot.platform_mass
+    moved = np.square((whole.tool @ shapes)[:3]) * robot.platform_mass
     return claims | {
         "strain shares sum to one": bool(np.allclose(strain, 1.0)),
         "kinetic shares sum to one": bool(np.allclose(kinetic, 1.0)),

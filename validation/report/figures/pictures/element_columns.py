@@ -31,7 +31,7 @@ def centrelines(robot: Biglide, x: float, found: RobotModes, mode: int) -> tuple
     return centreline_points(
         robot,
         x,
-        found.mechanism,
+        found.system,
         found.legs,
         found.modes.shapes[:, mode],
         DEFAULT_OPTIONS.elements,
@@ -63,7 +63,7 @@ def load_columns(
 ) -> Mapping[str, Array]:
     """Columns of a load case: where the elements are, and where they go (µm)."""
     points, moved = centreline_points(
-        robot, x, beam.mechanism, beam.legs, unknowns, DEFAULT_OPTIONS.elements
+        robot, x, beam.system, beam.legs, unknowns, DEFAULT_OPTIONS.elements
     )
     columns = {f"{axis} (m)": points[:, i] for i, axis in enumerate("xyz")}
     return columns | {

@@ -94,7 +94,7 @@ def mode_shapes(context: Context) -> Figure:
             largest = max(float(shape.sizes.max()) for shape in shapes)
             factor = _DRAWN * _mean_length(robot) / largest
             along_z = float(beam.kinetic["z"][mode])
-            moved = (beam.mechanism.loaded @ beam.modes.shapes[:, mode])[:3]
+            moved = (beam.system.tool @ beam.modes.shapes[:, mode])[:3]
             direction = _ASIDE if along_z > 0.5 else _ABOVE
             bodies = surroundings(robot, x, factor * moved)
             bodies += [Body(shape.deformed(factor, largest)) for shape in shapes]
@@ -149,9 +149,9 @@ def deformed_robot(context: Context) -> Figure:
         picture, panels = canvas(columns=3, height=_SMALL_HEIGHT + 0.8)
         for axes, letter, direction in zip(panels, "abc", np.eye(3), strict=True):
             name = "xyz"["abc".index(letter)]
-            unknowns = load_displacement(beam.mechanism, LOAD * direction)
-            shapes = leg_shapes(robot, x, beam.mechanism, beam.legs, unknowns)
-            loaded = beam.mechanism.loaded @ unknowns
+            unknowns = load_displacement(beam.system, LOAD * direction)
+            shapes = leg_shapes(robot, x, beam.system, beam.legs, unknowns)
+            loaded = beam.system.tool @ unknowns
             largest = max(float(shape.sizes.max()) for shape in shapes)
             factor = readable_factor(largest, _DRAWN * _mean_length(robot))
             moved = factor * loaded[:3]
@@ -171,7 +171,7 @@ def deformed_robot(context: Context) -> Figure:
             arrow(axes, scene.view, tail, head, VERMILLION)
             title = f"({letter}) {LOAD:g} N along {name}, drawn × {_grouped(factor)}"
             axes.set_title(title, fontsize=9.0)
-            lumped = load_displacement(segments.mechanism, LOAD * direction)
+            lumped = load_displacement(segments.system, LOAD * direction)
             scenes.append(_scene_of(title, scene, robot, x, segments, factor * lumped, "push"))
             colour_bar(picture, axes, scene.limits, "displacement (µm)")
             columns |= load_columns(robot, x, beam, unknowns, name)
@@ -204,7 +204,7 @@ def _scene_of(
 ) -> InteractiveScene:
     """The picture in three dimensions, the segments drawn over the beams."""
     overlay = segment_frames(
-        robot, x, segments.mechanism, segments.legs, displaced, DEFAULT_OPTIONS.elements
+        robot, x, segments.system, segments.legs, displaced, DEFAULT_OPTIONS.elements
     )
     return interactive(title, scene, [overlay], motion)
 
@@ -212,7 +212,7 @@ def _scene_of(
 def _leg_shapes(
     robot: Biglide, x: float, found: RobotModes, mode: int
 ) -> tuple[LegShape, LegShape]:
-    return leg_shapes(robot, x, found.mechanism, found.legs, found.modes.shapes[:, mode])
+    return leg_shapes(robot, x, found.system, found.legs, found.modes.shapes[:, mode])
 
 
 def _mean_length(robot: Biglide) -> float:

@@ -4,14 +4,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve
 
 from lumped.arrays import Array
 from lumped.biglide import Biglide, Places
-from lumped.biglide_assembly import Mechanism
 from lumped.leg_matrices import LegMatrices
 from lumped.legs import ConstantLeg, equivalent_leg
-from lumped.modes import dense
+from lumped.system.assembly import System
+from lumped.system.solution import solved
 from validation.report.figures.pictures.drawing.prisms import (
     Surface,
     box,
@@ -29,6 +28,7 @@ from validation.report.figures.pictures.drawing.rendering import DARK, Body, Wir
 from validation.report.figures.style import MODELS
 
 _STATIONS = 41
+_LEGS = ("leg1", "leg2")
 # How much larger than the leg the lumped model's outlines are drawn, to be seen on its surface.
 OUTSET = 1.04
 
@@ -61,29 +61,25 @@ class LegShape:
         return Wire(self.points, edges(self.corners, self.stations), colour="#8a8f98")
 
 
-def load_displacement(mechanism: Mechanism, force: Array) -> Array:
+def load_displacement(system: System, force: Array) -> Array:
     """Displacements of the robot's unknowns (n, SI) under `force` (3, N, robot axes) at P."""
     wrench = np.concatenate([force, np.zeros(3)])
-    k = dense(mechanism.stiffness)
-    scale = 1.0 / np.sqrt(np.diag(k))
-    load = mechanism.loaded.T @ wrench
-    solved = cho_solve(cho_factor(k * scale[:, None] * scale), scale * load)
-    return np.asarray(scale * solved)
+    return solved(system).displacements(system.tool.T @ wrench[:, None])[:, 0]
 
 
 def leg_shapes(
     robot: Biglide,
     x: float,
-    mechanism: Mechanism,
+    system: System,
     legs: Sequence[LegMatrices],
     unknowns: Array,
 ) -> tuple[LegShape, LegShape]:
     """Both legs displaced by `unknowns` (n) of the robot with B at `x` (m)."""
     posture = robot.posture(x)
     first, second = (
-        _leg_shape(leg, matrices, to_leg @ unknowns, rotation, root)
-        for leg, matrices, to_leg, (rotation, root) in zip(
-            _constant_legs(robot), legs, mechanism.legs, _frames(posture), strict=True
+        _leg_shape(leg, matrices, system.own(name, unknowns), rotation, root)
+        for leg, matrices, name, (rotation, root) in zip(
+            _constant_legs(robot), legs, _LEGS, _frames(posture), strict=True
         )
     )
     return first, second
@@ -110,18 +106,16 @@ def _placed(leg: ConstantLeg, rotation: Array, root: Array) -> Surface:
 def centreline_points(
     robot: Biglide,
     x: float,
-    mechanism: Mechanism,
+    system: System,
     legs: Sequence[LegMatrices],
     unknowns: Array,
     count: int,
 ) -> tuple[Array, Array]:
     """Middles (2·count × 3, m) of `count` equal pieces of each leg, and their displacements."""
     points, displacements = [], []
-    for leg, to_leg, (rotation, root) in zip(
-        legs, mechanism.legs, _frames(robot.posture(x)), strict=True
-    ):
+    for leg, name, (rotation, root) in zip(legs, _LEGS, _frames(robot.posture(x)), strict=True):
         stations = (np.arange(count) + 0.5) * leg.length / count
-        twists = (leg.centreline(stations) @ (to_leg @ unknowns)).reshape(count, 6)
+        twists = (leg.centreline(stations) @ system.own(name, unknowns)).reshape(count, 6)
         straight = np.column_stack([stations, np.zeros((count, 2))])
         points.append(root + in_robot_axes(straight, rotation))
         displacements.append(in_robot_axes(twists[:, :3], rotation))
@@ -131,7 +125,7 @@ def centreline_points(
 def segment_frames(
     robot: Biglide,
     x: float,
-    mechanism: Mechanism,
+    system: System,
     legs: Sequence[LegMatrices],
     displaced: Array,
     count: int,
@@ -141,13 +135,13 @@ def segment_frames(
     `displaced` (n) are the robot's unknowns, times the factor they are drawn with.
     """
     points, motions, pairs, begun = [], [], [], 0
-    for leg, matrices, to_leg, (rotation, root) in zip(
-        _constant_legs(robot), legs, mechanism.legs, _frames(robot.posture(x)), strict=True
+    for leg, matrices, name, (rotation, root) in zip(
+        _constant_legs(robot), legs, _LEGS, _frames(robot.posture(x)), strict=True
     ):
         stations = (np.arange(count) + 0.5) * leg.length / count
         corners = OUTSET * outline(leg.section)
         straight = prism_points(corners, stations)
-        twists = (matrices.centreline(stations) @ (to_leg @ displaced)).reshape(-1, 6)
+        twists = (matrices.centreline(stations) @ system.own(name, displaced)).reshape(-1, 6)
         moved = section_displacements(straight, np.repeat(twists, len(corners), axis=0))
         points.append(root + in_robot_axes(straight + moved, rotation))
         motions.append(in_robot_axes(moved, rotation))

@@ -1,16 +1,18 @@
 """The unreduced solid robot, sparse, against the dense solution of the same matrices."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
 from fem.bodies.solid import solid_leg, solid_leg_matrices
-from fem.robot_solid import compliance, factorised_robot, modes
-from lumped import biglide_assembly as mechanism
-from lumped.biglide import with_equivalent_legs
+from fem.solvers.sparse_system import compliance, factorised, modes
+from lumped.biglide import system, with_equivalent_legs
 from lumped.errors import ComputationError
 from lumped.robot_file import load_robot
 from lumped.segments import segment_chain, static_leg
+from lumped.system import solution
 from meshes.prism.extrude import extrude, stations
 from meshes.section.section_mesh import section_mesh
 
@@ -29,12 +31,13 @@ def legs():
 
 @pytest.mark.parametrize("x", [ROBOT.stroke[0], ROBOT.centre])
 def test_sparse_solutions_equal_dense_ones(legs, x):
-    whole = mechanism.assemble(ROBOT, x, *legs)
-    robot = factorised_robot(whole)
-    expected = mechanism.compliance(whole)
+    whole = system(ROBOT, x, *legs)
+    robot = factorised(whole)
+    dense = solution.solved(whole)
+    expected = solution.compliance(dense)
     scale = 1.0 / np.sqrt(np.diag(expected))
     assert np.abs((compliance(robot) - expected) * scale[:, None] * scale).max() < 1e-10
-    found, exact = modes(robot, 12), mechanism.modes(whole, 12)
+    found, exact = modes(robot, 12), solution.modes(dense, 12)
     assert_allclose(found.frequencies, exact.frequencies, rtol=1e-9)
     gram = found.shapes.T @ (whole.mass @ exact.shapes)
     assert_allclose(np.abs(gram), np.eye(12), atol=1e-7)
@@ -43,21 +46,19 @@ def test_sparse_solutions_equal_dense_ones(legs, x):
 
 def test_first_frequencies_at_the_centre():
     """Known values: 113.0, 184.0, 212.5, 353 Hz with both legs as solids, rigid end faces."""
-    whole = mechanism.assemble(ROBOT, ROBOT.centre, meshed(ROBOT.leg1, 12), meshed(ROBOT.leg2, 12))
-    found = modes(factorised_robot(whole), 4).frequencies
+    whole = system(ROBOT, ROBOT.centre, meshed(ROBOT.leg1, 12), meshed(ROBOT.leg2, 12))
+    found = modes(factorised(whole), 4).frequencies
     # One element across the section: torsion, a part of the first mode, is a little too stiff.
     assert_allclose(found, [113.0, 184.0, 212.5, 353.0], rtol=5e-3)
 
 
 def test_free_part_is_an_error_that_names_the_robot():
     chains = [segment_chain(leg.timoshenko, leg.length, 2) for leg in (ROBOT.leg1, ROBOT.leg2)]
-    whole = mechanism.assemble(ROBOT, ROBOT.centre, *(static_leg(chain) for chain in chains))
+    whole = system(ROBOT, ROBOT.centre, *(static_leg(chain) for chain in chains))
     loose = whole.stiffness.tolil()
     loose[2, :] = 0.0
     loose[:, 2] = 0.0
     loose[2, 2] = -1.0
-    broken = mechanism.Mechanism(
-        whole.name, loose.tocsr(), whole.mass, whole.loaded, whole.legs, whole.springs
-    )
+    broken = replace(whole, stiffness=loose.tocsr())
     with pytest.raises(ComputationError, match=r"IFW.*not positive definite"):
-        factorised_robot(broken)
+        factorised(broken)

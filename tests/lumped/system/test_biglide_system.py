@@ -1,17 +1,27 @@
 """The robot assembled from two legs: limits that can be computed by hand, and known values."""
 
+import sys
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from lumped.biglide import Biglide
-from lumped.biglide_assembly import Mechanism, assemble, compliance, modes
+sys.path.insert(0, str(Path(__file__).parent))
+
+from shared_unknowns import by_hand
+
+from lumped import biglide
+from lumped.biglide import Biglide, postures, printed
 from lumped.errors import ComputationError, InputError
 from lumped.legs import constant_leg
+from lumped.modes import solve_modes
 from lumped.screws import move_compliance
 from lumped.segments import segment_chain, segment_leg, with_printed_tip_joint
+from lumped.statics import solve_statics
+from lumped.system.assembly import assemble
+from lumped.system.solution import Solved, compliance, modes, solved
 
 # Equivalent legs of the IFW demonstrator (known values) and its foot's compliance, the
 # appendix's k_Foot with (6,6) corrected.
@@ -36,13 +46,22 @@ ROBOT = Biglide(
 )
 
 
-def build(robot: Biglide, x: float, elements: int = 20, release: str = "condensed") -> Mechanism:
+def legs_of(robot: Biglide, elements: int, release: str):
     chains = [
         segment_chain(leg.timoshenko, leg.length, elements) for leg in (robot.leg1, robot.leg2)
     ]
     if release == "printed":
         chains[1] = with_printed_tip_joint(chains[1])
-    return assemble(robot, x, *(segment_leg(chain) for chain in chains), release)
+    return [segment_leg(chain) for chain in chains]
+
+
+def build(robot: Biglide, x: float, elements: int = 20, release: str = "condensed") -> Solved:
+    legs = legs_of(robot, elements, release)
+    if release == "condensed":
+        return solved(biglide.system(robot, x, *legs))
+    (at,) = postures(robot, (x,))
+    at = replace(at, mechanism=printed(at.mechanism))
+    return solved(assemble(at, dict(zip(("leg1", "leg2"), legs, strict=True))))
 
 
 def stiff(length: float, mass: float):
@@ -106,14 +125,27 @@ def test_rigid_feet_are_the_limit_of_stiff_feet():
         assert_allclose(compliance(build(nearly, x, 2)) / scale, expected / scale, atol=1e-6)
 
 
-def test_energy_of_the_parts_is_the_whole():
-    mechanism = build(ROBOT, 0.5, 4)
-    legs = [
-        t.T @ segment_leg(segment_chain(leg.timoshenko, leg.length, 4)).stiffness @ t
-        for t, leg in zip(mechanism.legs, (ROBOT.leg1, ROBOT.leg2), strict=True)
-    ]
-    total = sum(mechanism.springs.values()) + sum(legs)
-    assert abs(total - mechanism.stiffness).max() < 1e-12 * abs(mechanism.stiffness).max()
+TOOL = np.diag([1e-9, 2e-9, 3e-9, 4e-7, 5e-7, 6e-7])
+ROBOTS = {
+    "as built": ROBOT,
+    "rigid feet": replace(ROBOT, foot_compliance=None),
+    "tool": replace(ROBOT, tool_offset=np.array([0.02, -0.03, 0.155]), tool_compliance=TOOL),
+}
+
+
+@pytest.mark.parametrize("release", ["condensed", "printed"])
+@pytest.mark.parametrize("robot", ROBOTS.values(), ids=ROBOTS)
+def test_joints_leave_what_shared_unknowns_leave(robot, release):
+    """An independent formulation: feet, hinge and tool by shared unknowns (`shared_unknowns`)."""
+    for x in robot.stations(3):
+        found = build(robot, x, 4, release)
+        stiffness, mass, loaded = by_hand(robot, x, *legs_of(robot, 4, release), release)
+        expected = loaded @ solve_statics(stiffness, loaded.T, "by hand")
+        scale = 1.0 / np.sqrt(np.diag(expected))
+        difference = (compliance(found) - expected) * scale[:, None] * scale
+        assert np.abs(difference).max() < 1e-10
+        exact = solve_modes(stiffness, mass, 10, "by hand")
+        assert_allclose(modes(found, 10).frequencies, exact.frequencies, rtol=1e-10)
 
 
 def test_posture_outside_the_stroke_is_refused():
@@ -124,5 +156,5 @@ def test_posture_outside_the_stroke_is_refused():
 def test_a_free_part_is_an_error_that_names_the_robot():
     """Aligned legs (x between two slides, both legs along x) leave B free along y."""
     robot = replace(ROBOT, a=1.625 - 2e-16, foot_compliance=None)
-    with pytest.raises(ComputationError, match="free to move"):
+    with pytest.raises(ComputationError, match="the tool is free to"):
         compliance(build(robot, robot.stroke[1], 1))
