@@ -3,7 +3,7 @@
     python tests/benchmarks/calibrate_uncertainty.py [LEGS] [PLOT]
 
 LEGS (default 200) rectangular legs, each with a robot of two more, every fourth with frequencies,
-and for every eighth a round or walled one. PLOT is the file for the figure, without it
+and for every fortieth a round or walled one. PLOT is the file for the figure, without it
 `calibration.svg` in the system's folder for temporary files. A quarter of an hour of computing.
 """
 
@@ -59,7 +59,7 @@ def _numbers(legs: int) -> Iterator[Stated]:
         if count % 4 == 0:
             yield from of_frequencies(leg)
         yield from of_robots(rng)
-    for count in range(_FIRST_WALLED, _FIRST_WALLED + legs // 8):
+    for count in range(_FIRST_WALLED, _FIRST_WALLED + legs // 40):
         yield from of_statics(random_leg(np.random.default_rng([_SEED, count]), walls=0.25))
 
 

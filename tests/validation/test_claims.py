@@ -4,10 +4,12 @@ import numpy as np
 import pytest
 
 from lumped.robot_file import load_robot
-from validation.case import judge
+from validation.case import Case, judge
 from validation.cases import paper
+from validation.catalogue import catalogue
 from validation.claims import Claim, Curve, gathered, summary
 from validation.context import Context
+from validation.exhibits import Drawing
 from validation.report.said import SaidTable
 from validation.results.records import claims_of, from_record, outcome_to_record, results
 
@@ -132,3 +134,11 @@ def test_every_statement_of_the_run_is_in_its_results_and_on_the_page(outcomes, 
 def test_claims_survive_the_journal(outcomes):
     first = outcomes[0]
     assert from_record(first.case, outcome_to_record(first)).measurement == first.measurement
+
+
+def test_figures_that_cases_name_are_drawn_in_the_run():
+    tasks = catalogue(load_robot("ifw"))
+    drawn = {task.id for task in tasks if isinstance(task, Drawing)}
+    named = {task.figure for task in tasks if isinstance(task, Case)} - {""}
+    assert named
+    assert named <= drawn

@@ -52,7 +52,7 @@ def cases() -> tuple[Case, ...]:
             model="simplified",
             section=SECTION,
             group="robot.anchor",
-            figure="fig3",
+            figure="deflection.simplified",
         ),
         *(_deflection(model, curve) for model in _STATIC for curve in CURVES),
         *(_frequency(model, index) for model in _DYNAMIC for index in range(_FREQUENCIES)),
@@ -76,6 +76,7 @@ def _deflection(model: ModelName, curve: str) -> Case:
         row="anchor",
         section=SECTION,
         group="robot.anchor",
+        figure="deflection.stroke",
     )
 
 
@@ -96,6 +97,7 @@ def _frequency(model: ModelName, index: int) -> Case:
         section=SECTION,
         group="robot.anchor",
         effort=0.3,
+        figure="frequency.stroke",
     )
 
 

@@ -32,7 +32,7 @@ FOLLOWED: dict[Objective, tuple[str, ...]] = {
 _SECTION_UNKNOWNS = 600
 # The refined lumped model of the paper for each objective.
 REFINED: dict[Objective, str] = {"deflection": "VJM", "frequency": "segments"}
-_case = partial(Case, section=SECTION, group=GROUP, presets=DECIDED)
+_case = partial(Case, section=SECTION, group=GROUP, presets=DECIDED, figure="decision.objectives")
 
 
 def cases() -> tuple[Case, ...]:

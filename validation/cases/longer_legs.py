@@ -45,6 +45,7 @@ def paper_cases() -> tuple[Case, ...]:
                 presets=_REFINED_PRESETS,
                 section=SECTION,
                 group=GROUP,
+                figure="decision.family",
                 effort=0.1,
             )
             for objective in OBJECTIVES
@@ -76,6 +77,7 @@ def _family_statics() -> list[Case]:
             model="solid",
             section=SECTION,
             group=GROUP,
+            figure="decision.family",
             effort=0.3,
         )
         for curve, (attribute, meaning) in CURVES.items()
@@ -100,6 +102,7 @@ def _family_frequencies() -> list[Case]:
             model="solid",
             section=SECTION,
             group=GROUP,
+            figure="decision.family",
             effort=0.3,
         )
         for index in range(2)

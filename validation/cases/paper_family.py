@@ -192,6 +192,7 @@ def _trends() -> tuple[Statement, ...]:
             group=_GROUP,
             sentence="Longer legs: smaller planar deflections (six curves)",
             curves=planar,
+            figure="deflection.family",
         ),
         Statement(
             "family.simplified-rises",
@@ -202,6 +203,7 @@ def _trends() -> tuple[Statement, ...]:
             group=_GROUP,
             sentence="Simplified model: longer legs, higher frequency (three points)",
             curves=rises,
+            figure="frequency.family-simplified",
         ),
     )
     per_point = (
@@ -223,6 +225,7 @@ def _z_rises(point: str) -> Statement:
         group=_GROUP,
         sentence="Longer legs: larger deflections along z (three points)",
         curves={point: compute},
+        figure="deflection.family",
     )
 
 
@@ -241,6 +244,7 @@ def _frequencies_fall(point: str) -> Statement:
             for mode, name in enumerate(("first", "second"))
         },
         differs=FORMULAS,
+        figure="frequency.family",
     )
 
 
@@ -262,6 +266,7 @@ def _lowest(point: str) -> Statement:
         curves={point: compute},
         differs=FORMULAS,
         judged="as printed",
+        figure="frequency.family",
     )
 
 
@@ -282,6 +287,7 @@ STATEMENTS = (
             "along z under planar forces": _across((0, 1), (2,)),
             "in the plane under a force along z": _across((2,), (0, 1)),
         },
+        figure="deflection.family",
     ),
     Statement(
         "family.shorter-is-best",

@@ -171,6 +171,7 @@ STATEMENTS = (
         "half a unit in the last printed digit that counts (tens)",
         _simplified_frequency,
         Relation.AT_LEAST,
+        figure="frequency.simplified",
     ),
     Statement(
         "refined.first-mode-along-z",
@@ -185,6 +186,7 @@ STATEMENTS = (
         group="paper.modes",
         effort=1.0,
         differs=FORMULAS,
+        figure="frequency.stroke",
     ),
     Statement(
         "refined.second-mode-planar",
@@ -198,6 +200,7 @@ STATEMENTS = (
         order=SEGMENT_ORDER,
         group="paper.modes",
         differs=FORMULAS,
+        figure="frequency.stroke",
     ),
     Statement(
         "refined.second-mode-leg1",
@@ -213,6 +216,7 @@ STATEMENTS = (
         sentence="Rigid segments: the second mode is due to the bending of leg 1",
         judged="as printed",
         differs=FORMULAS,
+        figure="robot.strain-energy",
     ),
     Statement(
         "refined.leg1-beam",
@@ -251,6 +255,7 @@ STATEMENTS = (
         group="paper.modes",
         curves={"first": _order_of_magnitude(0), "second": _order_of_magnitude(1)},
         differs=FORMULAS,
+        figure="frequency.stroke",
     ),
     Statement(
         "refined.actuators-alone",
@@ -264,5 +269,6 @@ STATEMENTS = (
         order=BEAM_ORDER,
         group="paper.sixty",
         effort=1.0,
+        figure="robot.strain-energy",
     ),
 )

@@ -39,7 +39,8 @@ class Statement:
     the title, of all `curves` (the case's own where empty); sentences of several statements are
     one. `differs` names what sets the readings apart (empty: nothing does), `circular` why the
     sentence counts for nothing. `order` is that of the elements in which a number is computed,
-    zero where there are none: what half as many change of it is its uncertainty.
+    zero where there are none: what half as many change of it is its uncertainty. `figure`: id
+    of the report's figure that shows it.
     """
 
     id: str
@@ -59,6 +60,7 @@ class Statement:
     differs: str = ""
     circular: str = ""
     order: float = 0.0
+    figure: str = ""
 
     def case(self) -> Case:
         """The statement as a case."""
@@ -76,6 +78,7 @@ class Statement:
             section=SECTION,
             group=self.group,
             effort=self.effort,
+            figure=self.figure,
         )
 
     def claim(self, context: Context) -> Claim:

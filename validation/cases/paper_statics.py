@@ -143,6 +143,7 @@ STATEMENTS = (
         "half a unit in the last printed digit",
         _largest_simplified,
         Relation.AT_MOST,
+        figure="deflection.simplified",
     ),
     Statement(
         "simplified.x-zero-at-ends",
@@ -153,6 +154,7 @@ STATEMENTS = (
         Absolute(1e-6),
         "a millionth of the largest deflection: s = √(L² − x²) amplifies rounding to 1e-8",
         _x_at_the_ends,
+        figure="deflection.simplified",
     ),
     Statement(
         "simplified.y-largest-at-ends",
@@ -163,6 +165,7 @@ STATEMENTS = (
         Absolute(_PLACE),
         f"one of the {POSTURES - 1} steps of the stroke",
         _y_largest_at_the_ends,
+        figure="deflection.simplified",
     ),
     Statement(
         "refined.planar-ratio",
@@ -173,6 +176,7 @@ STATEMENTS = (
         Absolute(2.9),
         "'about 10' on a scale of 5, 10, 20 covers 7.1 to 14: 10 − 10/√2 below it",
         _refined_over_simplified,
+        figure="deflection.stroke",
     ),
     Statement(
         "refined.z-ratio",
@@ -183,6 +187,7 @@ STATEMENTS = (
         Absolute(0.5),
         "half a unit in the printed digit",
         _z_over_planar,
+        figure="deflection.stroke",
     ),
     Statement(
         "refined.profile-x",
@@ -195,6 +200,7 @@ STATEMENTS = (
         _profile("planar_x", np.argmax),
         sentence=_PROFILE,
         curves={"peak under a force along x": _profile("planar_x", np.argmax)},
+        figure="deflection.stroke",
     ),
     Statement(
         "refined.profile-y",
@@ -207,5 +213,6 @@ STATEMENTS = (
         _profile("planar_y", np.argmin),
         sentence=_PROFILE,
         curves={"trough under a force along y": _profile("planar_y", np.argmin)},
+        figure="deflection.stroke",
     ),
 )

@@ -44,6 +44,7 @@ def paper_cases() -> tuple[Case, ...]:
             model="solid",
             section=SECTION,
             group="robot.solid.sixty",
+            figure="robot.solid.sixty-modes",
             effort=8.0,
         ),
     )

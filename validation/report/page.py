@@ -175,6 +175,11 @@ class Report:
         )
 
     @cached_property
+    def figure_ids(self) -> Mapping[str, str]:
+        """Titles of the figures that were computed, by id, to which comparisons lead."""
+        return {figure.id: figure.title for figure in self.figures}
+
+    @cached_property
     def second_ways(self) -> tuple[Agreement, ...]:
         """The headline numbers and the ways in which they were obtained."""
         return agreements(self.outcomes)
