@@ -68,7 +68,7 @@ def main() -> None:
     legs = int(sys.argv[1]) if len(sys.argv) > 1 else 200
     default = Path(tempfile.gettempdir()) / "calibration.svg"
     target = Path(sys.argv[2]) if len(sys.argv) > 2 else default
-    figure, axes = plt.subplots(figsize=(7.0, 4.2), layout="constrained")
+    figure, axes = plt.subplots(figsize=(10.0, 4.0), layout="constrained")
     factors = np.geomspace(0.02, 20.0, 121)
     for quantity, numbers in sorted(sample(legs).items()):
         held, width = coverage(numbers)
@@ -80,7 +80,9 @@ def main() -> None:
     axes.axvline(1.0, color="0.5", linestyle=":")
     axes.set_xlabel("half-width in units of the stated one")
     axes.set_ylabel("numbers held (%)")
-    axes.legend(fontsize="small", title="held by the stated half-width")
+    figure.legend(
+        loc="outside right upper", fontsize="small", title="held by the stated half-width"
+    )
     figure.savefig(target)
     print(target)
 
