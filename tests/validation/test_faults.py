@@ -5,6 +5,7 @@ from collections import deque
 from collections.abc import Iterator
 from dataclasses import fields, is_dataclass, replace
 from functools import cache, partial
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -406,3 +407,14 @@ def test_fault_case_of_the_run_counts_its_catchers(identifier, monkeypatch):
     assert not power.survivors
     assert len(power.records()[0]["caught_by"]) == outcome.measurement.value
     assert sum(power.detections[0].asked.values()) == outcome.measurement.value
+
+
+def test_in_the_example_of_a_robot_that_gives_everywhere_everything_gives():
+    path = Path(__file__).parents[2] / "examples" / "elastic-biglide" / "robot.toml"
+    robot = load_robot(path).robot
+    assert robot.foot_compliance is not None
+    assert robot.tool_compliance is not None
+    assert np.all(robot.tool_offset != 0.0)
+    for leg in (robot.leg1, robot.leg2):
+        assert isinstance(leg.section, Rectangle)
+        assert leg.material == Material.isotropic(2.1e11, 0.3, 7850.0)
