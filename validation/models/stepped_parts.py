@@ -12,6 +12,7 @@ from lumped.caches import lru_cache
 from lumped.errors import InputError
 from lumped.legs import BeamProperties, Material
 from lumped.mechanism.body import Body
+from lumped.mechanism.mechanism import Mechanism
 from lumped.screws import shift, skew
 from meshes.part.boundary import Facets, boundary
 from meshes.part.part_mesh import PartMesh
@@ -53,7 +54,10 @@ def stepped(body: Body, pieces: int = PIECES) -> SteppedLeg:
                 f"bodies.{body.name}: its interfaces overlap along the line between them, nothing "
                 'is left for pieces; take "condensed"'
             )
-        return _fitted(mesh, own, (begin, end), pieces, material)
+        try:
+            return _fitted(mesh, own, (begin, end), pieces, material)
+        except InputError as error:
+            raise InputError(f"bodies.{body.name}: {fault}" for fault in error.faults) from error
 
     found = kept(key, compute)
     length = float(np.linalg.norm(np.subtract(*(i.point for i in reversed(interfaces)))))
@@ -72,6 +76,16 @@ def stepped(body: Body, pieces: int = PIECES) -> SteppedLeg:
         root_mass=found["root_mass"],
         tip_mass=_moved(found["tip_mass"], length),
     )
+
+
+def why_not_stepped(mechanism: Mechanism) -> str:
+    """Empty where every part of a mechanism can be stepped, else what is in the way."""
+    try:
+        for body in parts.parts_of(mechanism).values():
+            stepped(body)
+    except InputError as error:
+        return str(error)
+    return ""
 
 
 def _fitted(

@@ -7,13 +7,18 @@ from lumped.errors import InputError
 from lumped.legs import Material
 from lumped.mechanism.body import Body
 from lumped.mechanism.frame import Frame
+from lumped.mechanism.kinematics.postures import postures
 from lumped.mechanism.part import ByPlane, Part, PartInterface
+from lumped.robot_file import load_robot
 from meshes.gmsh_session import gmsh_model
 from meshes.part.boundary import boundary
 from meshes.part.interfaces import find_interfaces
 from meshes.part.read import read_part
 from meshes.part.slices import slice_of
 from meshes.part.volume import Grading, volume_mesh
+from validation.adequacy.mechanism.part_ladders import part_rungs
+from validation.adequacy.mechanism.statics import unanswered
+from validation.adequacy.response import Response
 from validation.models import parts
 from validation.models.legs import leg_matrices
 from validation.models.options import ModelOptions
@@ -54,6 +59,68 @@ def legs(body, tmp_path_factory):
         patch.delenv("FLEXPROOF_CACHE", raising=False)
         patch.setenv("XDG_CACHE_HOME", str(tmp_path_factory.mktemp("cache")))
         return {count: stepped(body, count) for count in (2, 4, 8)}
+
+
+def test_what_cannot_be_stepped_is_told_and_judged_without(tmp_path, monkeypatch):
+    # A wide blind bore from below reaches over a narrow one from above: nothing is between them.
+    monkeypatch.setattr(parts, "UNKNOWNS", 5000)
+    monkeypatch.setenv("FLEXPROOF_CACHE", "off")
+    with gmsh_model("block") as gmsh:
+        gmsh.option.setString("Geometry.OCCTargetUnit", "MM")
+        occ = gmsh.model.occ
+        block = occ.addBox(-60, -60, -50, 140, 120, 100)
+        bores = [
+            (3, occ.addCylinder(0, 0, -50, 0, 0, 40, 30)),
+            (3, occ.addCylinder(35, 0, 10, 0, 0, 40, 10)),
+        ]
+        occ.cut([(3, block)], bores)
+        occ.synchronize()
+        gmsh.write(str(tmp_path / "block.step"))
+    (tmp_path / "robot.toml").write_text(OVERLAPPING, "utf-8")
+    mechanism = load_robot(tmp_path / "robot.toml").mechanism
+    (posture,) = postures(mechanism)
+    why = unanswered((posture,), "segments", ModelOptions(parts="stepped"))
+    assert why.startswith("bodies.arm: its interfaces overlap along the line between them")
+    assert unanswered((posture,), "segments", ModelOptions(parts="condensed")) == ""
+    idealised = []
+    rungs = part_rungs(mechanism, ("rigid",), lambda kind: idealised.append(kind) or Response())
+    assert idealised == ["condensed"]
+    assert [rung.remedy for rung in rungs] == [
+        "condense the parts on their interfaces: --parts condensed"
+    ]
+
+
+OVERLAPPING = """
+schema = 2
+name = "crank"
+
+[points]
+A = [0.0, 0.0, -0.002]
+B = [0.035, 0.0, 0.002]
+
+[bodies.arm]
+step = "block.step"
+material = { E = 2.1e11, nu = 0.3, rho = 7850.0 }
+interfaces = { A = { cylinder = { radius = 0.030 } }, B = { cylinder = { radius = 0.010 } } }
+
+[joints.A]
+type = "revolute"
+between = ["ground", "arm"]
+at = "A"
+axis = [0.0, 0.0, 1.0]
+drive = { stiffness = 1.0e6 }
+
+[tool]
+body = "arm"
+point = "B"
+moves = ["phi_z"]
+mass = 4.0
+
+[path]
+from = [0.0]
+to = [0.0]
+count = 1
+"""
 
 
 def compliance(leg, model="beam", theory="timoshenko"):

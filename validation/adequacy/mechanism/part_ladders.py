@@ -6,6 +6,7 @@ from lumped.mechanism.mechanism import Mechanism
 from validation.adequacy.response import Response, Rung
 from validation.models.options import PartLegs
 from validation.models.parts import parts_of
+from validation.models.stepped_parts import why_not_stepped
 
 _STEPS: dict[PartLegs, tuple[str, str, str]] = {
     "stepped": (
@@ -28,12 +29,14 @@ def part_rungs(
 ) -> tuple[Rung, ...]:
     """Rungs above models with equivalent legs, or none where no body is a part.
 
-    The last one is all that stepped legs lack. `idealised` gives the response with parts idealised
-    otherwise, all else as in the model.
+    The last one is all that stepped legs lack, and the only one where parts cannot be stepped.
+    `idealised` gives the response with parts idealised otherwise, all else as in the model.
     """
     if not parts_of(mechanism):
         return ()
+    unstepped = why_not_stepped(mechanism)
     return tuple(
         Rung(cause, source, dict.fromkeys(alternatives, idealised(kind)), remedy)
         for kind, (cause, source, remedy) in _STEPS.items()
+        if kind != "stepped" or not unstepped
     )

@@ -45,6 +45,7 @@ from validation.models.mechanism import answers
 from validation.models.options import DEFAULT_OPTIONS, ModelName, ModelOptions, PartLegs
 from validation.models.part_legs import part_springs, require_legs
 from validation.models.parts import parts_of
+from validation.models.stepped_parts import why_not_stepped
 from validation.parts.meshes import FINEST
 from validation.solids.legs import COARSEST_WALLS
 
@@ -67,6 +68,13 @@ def is_serial(postures: Sequence[Posture]) -> str:
     except InputError as error:
         return str(error).partition("; ")[0].removeprefix(f"{mechanism.name}: ")
     return ""
+
+
+def unanswered(postures: Sequence[Posture], model: ModelName, options: ModelOptions) -> str:
+    """Empty where a model answers for the mechanism, else why it cannot."""
+    if options.parts == "stepped":
+        return why_not_stepped(postures[0].mechanism)
+    return is_serial(postures) if model == "vjm" else ""
 
 
 def assembled(postures: Sequence[Posture], springs: Springs, parts: Bodies | None = None) -> Array:

@@ -18,9 +18,9 @@ from validation.adequacy.mechanism.path import coordinates, has_given, offered, 
 from validation.adequacy.mechanism.samples import samples_of
 from validation.adequacy.mechanism.statics import (
     compliances,
-    is_serial,
     static_ladders,
     static_reference,
+    unanswered,
 )
 from validation.adequacy.response import Candidate, Reference, Response, Subject, Vibration
 from validation.case import Skip
@@ -120,7 +120,7 @@ def mechanism_subject(context: Context) -> Subject:
 def _vibration(
     context: Context, postures: tuple[Posture, ...], model: _Model, count: int
 ) -> Vibration | None:
-    if model.kind in STATIC:
+    if model.kind in STATIC or unanswered(postures, model.kind, model.options):
         return None
     if model.kind == "simplified":
         return simplified_vibration(samples_of(postures[0].mechanism), postures, count)
@@ -129,15 +129,15 @@ def _vibration(
 
 def _candidate(postures: tuple[Posture, ...], name: str, vibration: Vibration | None) -> Candidate:
     model = _MODELS[name]
-    branches = is_serial(postures) if model.kind == "vjm" else ""
-    statics = Response() if branches else compliances(postures, model.kind, model.options)
+    unable = unanswered(postures, model.kind, model.options)
+    statics = Response() if unable else compliances(postures, model.kind, model.options)
     silent = _STATIC if model.kind in STATIC else "" if vibration else _NO_MASS
     return Candidate(
         model=name,
         title=model.title,
         response=replace(statics, vibration=vibration),
         rigid=_RIGID if name == "simplified" else "",
-        silent=branches or silent,
+        silent=unable or silent,
         computed_by=(f"validation.models.mechanism.answers({model.kind!r})",),
     )
 

@@ -16,7 +16,7 @@ from validation.adequacy.mechanism.dynamics import (
 )
 from validation.adequacy.mechanism.path import coordinates, known_legs, offered, path_postures
 from validation.adequacy.mechanism.samples import samples_of
-from validation.adequacy.mechanism.statics import compliances, is_serial, static_reference
+from validation.adequacy.mechanism.statics import compliances, static_reference, unanswered
 from validation.adequacy.mechanism.subject import mechanism_models
 from validation.adequacy.partners import partners
 from validation.cases.mechanism import GROUP, MODES, SECTION
@@ -83,7 +83,7 @@ def deflections(context: Context) -> Figure:
     reference = static_reference(context, postures)
     judged = mechanism_models(context.robot_file.mechanism)
     for name, (model, options, look) in _CURVES.items():
-        if name in judged and (model != "vjm" or not is_serial(postures)):
+        if name in judged and not unanswered(postures, model, options):
             response = compliances(postures, model, options)
             found[name] = _own(response.compliance), look
     legs = known_legs(context.robot_file.mechanism).values()
@@ -123,9 +123,9 @@ def frequencies(context: Context) -> Figure:
         found["simplified"] = rigid, MODELS["simplified"]
     models = mechanism_models(context.robot_file.mechanism)
     for name in _DYNAMIC:
-        if name not in models:
-            continue
         model, options, look = _CURVES[name]
+        if name not in models or unanswered(postures, model, options):
+            continue
         vibration = context.get(model_vibration, postures, model, options, count)
         found[name] = vibration, look
     reference = dynamic_reference(context, postures, judged)
