@@ -30,15 +30,15 @@ from lumped.system.assembly import assemble
 from lumped.system.solution import compliance, modes, solved
 from meshes.prism.tetrahedra import tetrahedra
 from validation.case import Absolute, Case, Measurement, Skip
-from validation.cases import mechanism_motion
+from validation.cases import mechanism, mechanism_motion
 from validation.cases.program.calculix import PRINTED, PRINTED_ROOT
-from validation.context import PRESETS, Context, Preset
+from validation.context import Context
 from validation.models.mechanism import answers
 from validation.models.options import ModelName, ModelOptions
 
 SECTION = "Mechanisms of the program"
 _GROUP = "program.mechanisms"
-_LATER: tuple[Preset, ...] = ("standard", "fine")
+_SOLIDS = mechanism.GROUP
 # Mechanisms whose moves are tried: closed loops of rigid bodies, rods that spin.
 _MOVED = ("3-rrr", "delta")
 _MODELS: tuple[ModelName, ...] = ("beam", "links", "vjm")
@@ -89,6 +89,11 @@ def cases() -> tuple[Case, ...]:
         ),
         *(_moved(case, robot) for robot in _MOVED for case in _motion_of(robot)),
         *(
+            _moved(case, "five-bar")
+            for case in mechanism.cases()
+            if ".statics." in case.id and case.group != _SOLIDS
+        ),
+        *(
             _case(
                 f"calculix.{name}",
                 f"A five-bar of solid bars with a joint that gives way by CalculiX: {name}",
@@ -96,7 +101,6 @@ def cases() -> tuple[Case, ...]:
                 Absolute(1e-6),
                 "seven printed digits, and a reduction cut off at four times the frequencies",
                 partial(_by_calculix, name=name),
-                presets=_LATER,
             )
             for name in ("statics", "frequencies")
         ),
@@ -110,7 +114,6 @@ def _case(
     tolerance: Absolute,
     reason: str,
     compute: Callable[[Context], Measurement],
-    presets: tuple[Preset, ...] = PRESETS,
 ) -> Case:
     return Case(
         id=f"program.mechanism.{name}",
@@ -122,7 +125,6 @@ def _case(
         tolerance=tolerance,
         tolerance_reason=reason,
         compute=compute,
-        presets=presets,
         section=SECTION,
         group=_GROUP,
         effort=3.0 if "calculix" in name else 0.3,
