@@ -186,7 +186,7 @@ class Case:
     group: str = ""
     effort: float = 0.1
     model: str = ""
-    subject: About = "program"
+    subject: About = "robot"
     row: str = ""
     figure: str = ""
 

@@ -26,7 +26,7 @@ from validation.cases import (
     robot_solid,
     solids,
 )
-from validation.context import BUILT_IN, About
+from validation.context import BUILT_IN
 from validation.measured.matrix import measured_matrix
 from validation.report.figures import drawings, of_program
 from validation.results.records import Task
@@ -61,30 +61,34 @@ def checks(_robot_file: RobotFile) -> Sequence[Task]:
 def _of_biglide(robot_file: RobotFile) -> Sequence[Task]:
     from_paper = robot_file.built_in and robot_file.source == BUILT_IN
     return (
-        *(_about("robot", _paper()) if from_paper else ()),
-        *_about("leg", [*legs.cases(), *solids.cases()]),
-        *_about("robot", robot.cases()),
-        *_about("robot", anchors.cases()),
-        *_about("robot", robot_solid.cases()),
-        *_about("robot", robot_modes.cases()),
-        *_about("robot", robot_reduction.cases()),
-        *_about("robot", robot_sixty.cases()),
-        *_about("robot", robot_calculix.cases()),
-        *_about("robot", decision.cases()),
-        *_about("leg", end_restraint.cases()),
+        *(_paper() if from_paper else ()),
+        *_of_legs((*legs.cases(), *solids.cases())),
+        *robot.cases(),
+        *anchors.cases(),
+        *robot_solid.cases(),
+        *robot_modes.cases(),
+        *robot_reduction.cases(),
+        *robot_sixty.cases(),
+        *robot_calculix.cases(),
+        *decision.cases(),
+        *_of_legs(end_restraint.cases()),
         *([_MEASURED] if robot_file.measured else []),
     )
 
 
 def _of_mechanism(robot_file: RobotFile) -> Sequence[Task]:
     described = robot_file.mechanism
-    of_robot = (*mechanism.cases(), *mechanism_motion.cases(described), *mechanism_calculix.cases())
-    return [*_about("robot", of_robot), *([_MEASURED] if robot_file.measured else [])]
+    return (
+        *mechanism.cases(),
+        *mechanism_motion.cases(described),
+        *mechanism_calculix.cases(),
+        *([_MEASURED] if robot_file.measured else []),
+    )
 
 
-def _about(subject: About, cases: Sequence[Task]) -> list[Task]:
-    """The same cases, which say something of the robot or of its legs, not of the program."""
-    return [replace(case, subject=subject) if isinstance(case, Case) else case for case in cases]
+def _of_legs(cases: Sequence[Case]) -> list[Case]:
+    """The same cases, which say something of a leg alone."""
+    return [replace(case, subject="leg") for case in cases]
 
 
 def _paper() -> Sequence[Task]:

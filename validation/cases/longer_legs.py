@@ -11,7 +11,7 @@ from validation.context import Context, Preset
 from validation.studies.decision import OBJECTIVES, Objective
 from validation.studies.ranks import spearman
 from validation.sweeps.plans import COARSE, RIGID
-from validation.sweeps.studies import POINTS
+from validation.sweeps.studies import PLANS, POINTS
 
 CURVES = {
     "planar-x": ("planar_x", "planar deflection under 1000 N along x"),
@@ -73,7 +73,8 @@ def _family_statics() -> list[Case]:
             compute=partial(
                 _family_static, attribute=attribute, limit=2.1 if curve == "along-z" else 0.01
             ),
-            presets=_REFINED_PRESETS,
+            # Two elements across the section leave 0.2 % of torsion open, more than the tolerance.
+            presets=("fine",) if curve == "along-z" else _REFINED_PRESETS,
             model="solid",
             section=SECTION,
             group=GROUP,
@@ -157,13 +158,16 @@ def _worst(
 ) -> Measurement:
     """The largest relative difference (%) of values by point of the stroke and α."""
     alphas, _ = family_of(context)
+    plan = PLANS[context.preset]
     at = np.unravel_index(int(np.argmax(np.abs(found / reference - 1.0))), found.shape)
     point, alpha = list(POINTS)[int(at[0])], alphas[int(at[1])]
     return Measurement(
         100.0 * abs(float(found[at]) / float(reference[at]) - 1.0),
         reference=limit,
-        # Of fourth order, and the meshes a factor of 1.5 apart at least.
-        value_uncertainty=100.0 * abs(float(found[at]) - float(coarse[at])) / float(reference[at]),
+        value_uncertainty=100.0
+        * plan.refinement
+        * abs(float(found[at]) - float(coarse[at]))
+        / float(reference[at]),
         notes=(
             f"Largest difference at α = {alpha:g}, {point} of the stroke: {found[at]:.5g} against "
             f"{reference[at]:.5g}.",

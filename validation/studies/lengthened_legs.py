@@ -21,7 +21,9 @@ from validation.solids.legs import section_counts
 RECTANGLE: dict[Preset, int] = {"quick": 300, "standard": 600, "fine": 1000}
 WALLS: dict[Preset, int] = {"quick": 4, "standard": 4, "fine": 8}
 ROUND: dict[Preset, int] = {"quick": 8, "standard": 8, "fine": 12}
-DOUBLINGS = 3
+# Exponents are from the three longest lengths, their uncertainty from the three before the longest
+# and falls fourfold with each doubling: a box's torsion needs the fourth.
+DOUBLINGS = 4
 # Depths over which an end effect decays that the shortest leg of an exponent must have: e⁻³ and
 # less then reach from end to end.
 _DEPTHS = 3.0
@@ -123,7 +125,7 @@ def _unknowns(leg: ConstantLeg, divisions: int) -> int:
 
 
 def doublings_needed(leg: ConstantLeg, divisions: int) -> int:
-    """Doublings after which the last three lengths are free of effects from end to end.
+    """Doublings after which the last five lengths are free of effects from end to end.
 
     The depth of an end effect is the larger side, or √(EΓ/GJ) of an open section (Vlasov).
     """

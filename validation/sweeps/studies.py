@@ -7,6 +7,7 @@ in a journal, so that it does not matter who computes what first.
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from math import inf
 from pathlib import Path
 from typing import TypeAlias
 
@@ -17,6 +18,8 @@ from lumped.biglide import Biglide
 from lumped.caches import lru_cache
 from lumped.errors import InputError
 from validation.context import Preset
+from validation.solids.legs import FORMAL_ORDER
+from validation.studies.convergence import step_factor
 from validation.studies.decision import Brief, Decision, decide
 from validation.studies.quantities import Deflections, deflections_of
 from validation.sweeps.journal import Journal
@@ -55,6 +58,16 @@ class Plan:
     coarse: int | None
     segments: int
     stations: int
+
+    @property
+    def refinement(self) -> float:
+        """Uncertainty of the finer solids over the step to them, infinite without coarser ones.
+
+        Of fourth order, that of legs without contraction (ν = 0), which no face holds.
+        """
+        if self.coarse is None:
+            return inf
+        return step_factor(self.divisions / self.coarse, FORMAL_ORDER)
 
     def judges(self) -> tuple[SweptModel, ...]:
         """The solid with rigid end faces and, to show its error, a coarser one."""

@@ -75,7 +75,9 @@ def test_shares_of_sixty_modes_sum_to_one(name, model):
     (expected,) = answers(model, at, 60)
     np.testing.assert_allclose(sum(found.strain.values()), np.ones(60), rtol=1e-12)
     np.testing.assert_allclose(found.modes.frequencies, expected.frequencies, rtol=1e-12)
-    np.testing.assert_allclose(found.compliance, expected.compliance, rtol=1e-12)
+    # Relative to the largest entry: by symmetry some are rounding alone.
+    scale = np.abs(expected.compliance).max()
+    np.testing.assert_allclose(found.compliance, expected.compliance, rtol=0, atol=1e-12 * scale)
 
 
 def test_rigid_bodies_leave_all_energy_to_the_drives():

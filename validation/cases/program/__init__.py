@@ -3,6 +3,8 @@
 They are computed on the built-in robot, whatever robot the run is about.
 """
 
+from dataclasses import replace
+
 from validation.case import Case
 from validation.cases.program import (
     benchmarks,
@@ -18,7 +20,7 @@ from validation.cases.program import (
 
 def cases() -> tuple[Case, ...]:
     """All of them, in the order of the report."""
-    return (
+    found = (
         *refinement.cases(),
         *mesh_families.cases(),
         *shapes.cases(),
@@ -28,3 +30,4 @@ def cases() -> tuple[Case, ...]:
         *mechanisms.cases(),
         *judgement.cases(),
     )
+    return tuple(replace(case, subject="program") for case in found)
