@@ -163,6 +163,7 @@ def wrong_in_dynamics(robot: Biglide) -> list[str]:
     return found
 
 
+@pytest.mark.exhaustive
 def test_verdicts_are_those_of_errors_computed_directly() -> None:
     # One of rectangles and one of walls; the other shapes are among the exhaustive ones.
     for robot in islice(chosen(len(SHAPES), chunk=11), 2):
