@@ -12,9 +12,10 @@ from scipy.optimize import linear_sum_assignment
 from lumped.arrays import Array, IntArray
 from lumped.legs import BeamProperties
 
-# Modes of one model closer than this (relative) are compared as a space: the models' difference of
-# up to 1 % turns shapes that are 5 % apart by up to a fifth of a radian, 0.96 in MAC.
-CLOSE = 0.05
+# Modes of one model closer than this (relative) are compared as a space: a difference of the models
+# by up to 1 % turns shapes that are 10 % apart by up to a tenth of a radian (Davis & Kahan, SIAM J.
+# Numer. Anal. 7 (1970) 1), 0.99 in MAC, which is what single modes must have.
+CLOSE = 0.1
 
 
 @dataclass(frozen=True)
