@@ -19,8 +19,10 @@ from validation.store.tree import Tree
 FILE = ".manifest"
 _SEAL = b"\nflexproof "
 _DIGEST = 32
-# A unit of the sweeps on its way to the disk; several processes write there, without a manifest.
-_UNIT = re.compile(r"sweeps/\.[0-9a-f]{32}\.npz\.[0-9a-f]{16}\.tmp")
+# Units of the sweeps, and one on its way to the disk; several processes write them, without a
+# manifest. What lies elsewhere is another run's or somebody's copy, whatever its seal says.
+_UNIT = re.compile(r"sweeps/([0-9a-f]{32})\.npz")
+_HALF_UNIT = re.compile(r"sweeps/\.[0-9a-f]{32}\.npz\.[0-9a-f]{16}\.tmp")
 
 
 class _Head(msgspec.Struct, frozen=True):
@@ -59,8 +61,10 @@ class Manifest:
         written = self.digests.get(name, set())
         if name in self.growing:
             return digest(content.split(b"\n", 1)[0]) in written
-        stem = name.rpartition("/")[2].partition(".")[0]
-        return digest(content) in written or unsealed(stem, content) is not None
+        unit = _UNIT.fullmatch(name)
+        return digest(content) in written or (
+            unit is not None and unsealed(unit[1], content) is not None
+        )
 
     def own(self) -> list[str]:
         """All files that are ours, the manifest last."""
@@ -93,7 +97,7 @@ class Manifest:
         self._take(line)
 
     def _is_half_written(self, name: str) -> bool:
-        return name in self.temporary or _UNIT.fullmatch(name) is not None
+        return name in self.temporary or _HALF_UNIT.fullmatch(name) is not None
 
     def _add(self, line: _Head | _Line) -> None:
         # A line that a full disk cut off does not spoil the next one.

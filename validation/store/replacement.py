@@ -67,12 +67,7 @@ def settle(tree: Tree) -> list[str]:
             earlier, arriving = manifest_of(tree), set(new.files())
             listed = manifest_of(new).digests.keys() | arriving
             # The new manifest comes last: until then a second attempt knows what was old.
-            # Units of sweeps are known by their seal wherever they lie: those that arrive are new.
-            old = [
-                name
-                for name in earlier.own()
-                if name not in listed and not name.startswith(f"{ARRIVING}/")
-            ]
+            old = [name for name in earlier.own() if name not in listed]
             for name in sorted(arriving):
                 if (obstacle := _in_the_way(tree, earlier, name)) is not None:
                     kept = tree.aside(obstacle)

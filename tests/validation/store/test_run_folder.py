@@ -76,6 +76,9 @@ def test_units_of_sweeps_of_both_runs_find_their_places(tmp_path):
     finished(tmp_path)
     old.parent.mkdir()
     old.write_bytes(sealed(old.stem, b"earlier"))
+    copy = tmp_path / "backup" / old.name
+    copy.parent.mkdir()
+    copy.write_bytes(old.read_bytes())
     with open_folder(tmp_path, OTHER, "afresh") as folder:
         folder.keep({"id": "a", "value": 2.0})
         folder.write("results.json", "new")
@@ -85,6 +88,8 @@ def test_units_of_sweeps_of_both_runs_find_their_places(tmp_path):
         folder.complete = True
     assert new.read_bytes() == sealed(new.stem, b"new")
     assert not old.exists()
+    # A copy that somebody made of a unit is theirs, whatever its seal says.
+    assert copy.read_bytes() == sealed(old.stem, b"earlier")
     assert (tmp_path / "results.json").read_text() == "new"
     assert not (tmp_path / ARRIVING).exists()
 
