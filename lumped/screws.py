@@ -1,12 +1,18 @@
-"""Twists and wrenches: how they move between points and frames.
+"""Twists and wrenches: how they move between points and frames, and plain words for them.
 
 A twist (or small displacement) is [x y z φx φy φz] (m, rad), a wrench [Fx Fy Fz Mx My Mz]
 (N, N m). Moving the reference point or turning the axes keeps the work wrench · twist.
+
+Both are a line vector u (rotation or force) with a moment w about the reference point (translation
+or moment): the line runs through r = u × w / |u|², the pitch is u·w / |u|².
 """
 
 import numpy as np
 
 from lumped.arrays import Array
+
+# Component of a unit vector, or part of the length scale, that is written as zero.
+_NOTHING = 1e-6
 
 
 def skew(vector: Array) -> Array:
@@ -57,3 +63,75 @@ def turn_matrix(matrix: Array, rotation: Array) -> Array:
     """…×6×6 compliance or stiffness in base axes from the same in local axes: D C Dᵀ."""
     block = turn(rotation)
     return block @ matrix @ np.swapaxes(block, -1, -2)
+
+
+def name_twists(twists: Array, length: float) -> str:
+    """Words for the motions spanned by `twists` (n×6, base axes); `length` (m) is the scale.
+
+    Of all bases the one with the fewest components is named: "translate along x and turn about z
+    through (0, 0.5, 0) m from the loaded point".
+    """
+    return " and ".join(
+        f"translate along {_direction(w)}"
+        if _is_nothing(u)
+        else f"turn about {_direction(u)} through {_point(u, w, length)}{_pitch(u, w, length)}"
+        for u, w in _sparsest(np.hstack([twists[:, 3:], twists[:, :3] / length]))
+    )
+
+
+def name_wrenches(wrenches: Array, length: float) -> str:
+    """Words for the loads spanned by `wrenches` (n×6, base axes); as `name_twists`."""
+    return " and ".join(
+        f"a moment about {_direction(w)}"
+        if _is_nothing(u)
+        else f"a force along {_direction(u)} through {_point(u, w, length)}{_pitch(u, w, length)}"
+        for u, w in _sparsest(np.hstack([wrenches[:, :3], wrenches[:, 3:] / length]))
+    )
+
+
+def _sparsest(screws: Array) -> list[tuple[Array, Array]]:
+    """Reduced row echelon form: rows (u, w) with as few components as the space allows."""
+    rows = screws / np.linalg.norm(screws, axis=1)[:, None]
+    done = 0
+    for column in range(6):
+        if done == len(rows):
+            break
+        pivot = done + int(np.argmax(np.abs(rows[done:, column])))
+        if abs(rows[pivot, column]) <= _NOTHING:
+            continue
+        rows[[done, pivot]] = rows[[pivot, done]]
+        rows[done] /= rows[done, column]
+        others = np.arange(len(rows)) != done
+        rows[others] -= np.outer(rows[others, column], rows[done])
+        done += 1
+    rows[np.abs(rows) <= _NOTHING * np.abs(rows).max(axis=1)[:, None]] = 0.0
+    return [(row[:3], row[3:]) for row in rows]
+
+
+def _is_nothing(vector: Array) -> bool:
+    return not np.any(vector)
+
+
+def _direction(vector: Array) -> str:
+    unit = vector / np.linalg.norm(vector)
+    unit = unit * np.sign(unit[np.argmax(np.abs(unit))])
+    if np.count_nonzero(np.abs(unit) > _NOTHING) == 1:
+        return "xyz"[int(np.argmax(unit))]
+    return _triple(unit)
+
+
+def _point(u: Array, w: Array, length: float) -> str:
+    offset = np.cross(u, w) / (u @ u)
+    if np.linalg.norm(offset) <= _NOTHING:
+        return "the loaded point"
+    return f"{_triple(offset * length)} m from the loaded point"
+
+
+def _pitch(u: Array, w: Array, length: float) -> str:
+    pitch = (u @ w) / (u @ u)
+    return "" if abs(pitch) <= _NOTHING else f" with a pitch of {pitch * length:.3g} m/rad"
+
+
+def _triple(vector: Array) -> str:
+    rounded = np.where(np.abs(vector) <= _NOTHING * np.abs(vector).max(), 0.0, vector)
+    return "(" + ", ".join(f"{value:.3g}" for value in rounded) + ")"

@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from lumped.acceptance.requirement import Requirement, with_options
 from lumped.errors import ComputationError, InputError
-from lumped.requirement import Requirement, with_options
 from lumped.robot_file import RobotFile, load_robot
 from validation.adequacy.judgement import judged
 from validation.adequacy.matrix import Entry, Matrix

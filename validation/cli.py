@@ -150,8 +150,8 @@ def run(
     """
     from dataclasses import replace  # noqa: PLC0415
 
-    from lumped.measured import digest  # noqa: PLC0415
-    from lumped.requirement import with_options  # noqa: PLC0415
+    from lumped.acceptance.measured import digest  # noqa: PLC0415
+    from lumped.acceptance.requirement import with_options  # noqa: PLC0415
     from lumped.robot_file import load_robot  # noqa: PLC0415
     from lumped.robot_file.measured import with_measured  # noqa: PLC0415
     from validation.catalogue import catalogue  # noqa: PLC0415

@@ -48,7 +48,7 @@ BASICS: Mapping[str, str] = {
     "lumped.sections": "the legs' data",
     "lumped.biglide": "the robot's data and its postures",
     "lumped.screws": "moving and turning twists",
-    "lumped.modes": "eigenvalues of small dense matrices",
+    "lumped.dense.modes": "eigenvalues of small dense matrices",
     "meshes": "one mesh for both",
     "validation": "comparing",
 }

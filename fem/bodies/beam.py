@@ -19,8 +19,8 @@ from skfem import Basis, BilinearForm, ElementLineP2, MeshLine
 from fem.elements.beam_elements import ElementLineBeam, ElementLineShearBeam
 from lumped.arrays import Array, IntArray, SparseMatrix
 from lumped.errors import InputError
-from lumped.leg_matrices import LegMatrices
 from lumped.legs import BeamProperties
+from lumped.mechanism.body_model import LegMatrices
 
 # Exact for the product of two cubics, the highest degree in the mass.
 _INTEGRATION_ORDER = 6

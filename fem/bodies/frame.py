@@ -16,12 +16,12 @@ from scipy.sparse import block_diag, csr_matrix, identity, vstack
 
 from fem.bodies.beam import beam_leg
 from lumped.arrays import Array, IntArray, SparseMatrix
+from lumped.dense.modes import Modes, solve_modes
+from lumped.dense.statics import solve_statics
 from lumped.errors import InputError
-from lumped.leg_matrices import LegMatrices
 from lumped.legs import BeamProperties
-from lumped.modes import Modes, solve_modes
+from lumped.mechanism.body_model import LegMatrices
 from lumped.screws import shift, skew, turn
-from lumped.statics import solve_statics
 
 Kind: TypeAlias = Literal["tension", "torsion", "bending y", "bending z"]
 Component: TypeAlias = Literal["x", "y", "z", "φx", "φy", "φz"]

@@ -17,8 +17,8 @@ from fem.sections.saint_venant import saint_venant
 from fem.sections.section_constants import beam_properties, constants_of, poisson_shear_ratio
 from lumped.arrays import Array
 from lumped.errors import InputError
+from lumped.models.segments import KINDS
 from lumped.screws import shift
-from lumped.segments import KINDS
 from meshes.elements import ELEMENTS
 
 DISTORTION = "section distortion"

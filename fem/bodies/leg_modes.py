@@ -13,7 +13,7 @@ from fem.solvers.modes import CertifiedModes, lowest_modes
 from fem.solvers.sturm import Inertia, count_below
 from fem.solvers.supported_count import supported_count
 from lumped.arrays import Array
-from lumped.modes import fix_signs
+from lumped.dense.modes import fix_signs
 
 
 def count_name(backend: Backend) -> str:

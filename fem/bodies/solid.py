@@ -15,10 +15,10 @@ from fem.solvers.cholesky import analyse
 from fem.solvers.factor import symmetric_product, upper_triangle
 from fem.solvers.renewable_factor import RenewableFactor
 from lumped.arrays import Array, SparseMatrix
-from lumped.balance import balanced_flexibility
+from lumped.dense.balance import balanced_flexibility
 from lumped.errors import InputError
-from lumped.leg_matrices import LegMatrices
 from lumped.legs import ConstantLeg
+from lumped.mechanism.body_model import LegMatrices
 from meshes.elements import ELEMENTS, SectionElement
 from meshes.prism.extrude import extrude, stations
 from meshes.prism.feasibility import require_leg

@@ -12,8 +12,8 @@ import numpy as np
 from scipy.sparse import block_diag, csr_array, eye_array, lil_array, vstack
 
 from lumped.arrays import Array, SparseMatrix
-from lumped.leg_matrices import LegMatrices
 from lumped.legs import BeamProperties
+from lumped.mechanism.body_model import LegMatrices
 from lumped.screws import shift, turn
 
 

@@ -13,8 +13,8 @@ from fem.bodies.beam import beam_leg
 from fem.sections.nonuniform_torsion import line_products, warping_rod
 from fem.sections.section_constants import SectionConstants, beam_properties
 from lumped.arrays import Array, SparseMatrix
-from lumped.leg_matrices import LegMatrices
 from lumped.legs import Ends, Material
+from lumped.mechanism.body_model import LegMatrices
 
 # Round sections do not warp: below this share of G I_p warping has nothing to act against.
 _NO_WARPING = 1e-4

@@ -24,8 +24,8 @@ from fem.reduction.held import Held
 from fem.reduction.interface_modes import interface_modes
 from fem.reduction.superelement import HeldLeg, Superelement, reduced
 from lumped.arrays import Array
+from lumped.dense.modes import Modes, dense, fix_signs, solve_modes
 from lumped.errors import InputError
-from lumped.modes import Modes, dense, fix_signs, solve_modes
 from lumped.system.assembly import System
 
 # The error of a frequency f falls as (f/f_cut)⁷ in tension, faster in bending. For the first twenty

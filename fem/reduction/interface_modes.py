@@ -9,8 +9,8 @@ from scipy.linalg import LinAlgError, cholesky, eigh, solve_triangular
 
 from fem.reduction.held import Held
 from lumped.arrays import Array, SparseMatrix
+from lumped.dense.modes import Modes, fix_signs
 from lumped.errors import ComputationError
-from lumped.modes import Modes, fix_signs
 
 # Below this number of unknowns all modes at once, dense, cost less than Lanczos.
 _DENSE_SIZE = 400

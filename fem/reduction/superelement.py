@@ -14,9 +14,9 @@ from scipy.sparse import csr_array
 from fem.solvers.cholesky import analyse, factorise
 from fem.solvers.factor import Factor
 from lumped.arrays import Array, SparseMatrix
-from lumped.balance import balanced_flexibility
+from lumped.dense.balance import balanced_flexibility
 from lumped.errors import ComputationError
-from lumped.leg_matrices import LegMatrices
+from lumped.mechanism.body_model import LegMatrices
 from lumped.screws import shift
 
 ENDS = 12

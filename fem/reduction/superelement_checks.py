@@ -10,7 +10,7 @@ from fem.reduction.superelement import ENDS, end_motions
 from fem.solvers.cholesky import analyse, factorise
 from lumped.arrays import Array, SparseMatrix
 from lumped.errors import ComputationError
-from lumped.leg_matrices import LegMatrices
+from lumped.mechanism.body_model import LegMatrices
 
 _SEED = 1
 

@@ -16,8 +16,8 @@ from fem.solvers.block_lanczos import Ritz, block_lanczos, merged
 from fem.solvers.factor import Factor
 from fem.solvers.sturm import Inertia
 from lumped.arrays import Array, SparseMatrix
+from lumped.dense.modes import Modes, fix_signs
 from lumped.errors import ComputationError, InputError
-from lumped.modes import Modes, fix_signs
 
 # Measured for 20 modes: 6 to 12 columns cost the same time, fewer read the factor more often, more
 # need more columns in all.

@@ -12,9 +12,9 @@ from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh
 from fem.solvers.cholesky import analyse, factorise
 from fem.solvers.factor import Factor
 from lumped.arrays import Array
-from lumped.balance import balanced_flexibility
+from lumped.dense.balance import balanced_flexibility
+from lumped.dense.modes import Modes, fix_signs
 from lumped.errors import ComputationError
-from lumped.modes import Modes, fix_signs
 from lumped.system import solution
 from lumped.system.assembly import System
 

@@ -20,9 +20,9 @@ from lumped.audit.formula_errata import (
     work_balance,
 )
 from lumped.biglide import Biglide
-from lumped.cantilever import clamped_modes
 from lumped.legs import ConstantLeg, equivalent_leg
-from lumped.segments import segment_chain, segment_leg
+from lumped.models.cantilever import clamped_modes
+from lumped.models.segments import segment_chain, segment_leg
 
 # First root of cos β cosh β = −1: the clamped-free Euler–Bernoulli beam.
 _CLAMPED_FREE_ROOT = 1.8751040687119611

@@ -1,9 +1,18 @@
-"""The one interface that carries every model of a body to whoever assembles the mechanism."""
+"""What every model of a body is, to whoever assembles the mechanism; legs have two ends besides.
+
+A leg is a body with a root, a tip and a centreline, whose sections are what is drawn.
+"""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import partial
+
+import numpy as np
+from scipy.sparse import csr_array
 
 from lumped.arrays import Array, SparseMatrix
+
+ENDS = ("root", "tip")
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,3 +40,39 @@ class BodyModel:
     def size(self) -> int:
         """Number of unknowns n."""
         return int(self.stiffness.shape[0])
+
+
+@dataclass(frozen=True, eq=False)
+class LegMatrices(BodyModel):
+    """Stiffness and mass of one free leg on (root 6, tip 6, internal) unknowns, leg axes, SI.
+
+    `length` (m) from root to tip. `centreline(stations)` gives the sparse 6m × n matrix from
+    unknowns to the section's twist at `stations` (m from the root, m values); sections move as
+    plane ones. `parts` are "tension", "torsion", "bending y" and "bending z" with their shear;
+    bending y is deflection along z (EIy), bending z along y (EIz).
+    """
+
+    interfaces: tuple[str, ...] = field(init=False, default=ENDS)
+    displacements: Callable[[Array], SparseMatrix] = field(init=False)
+    length: float = field(kw_only=True)
+    centreline: Callable[[Array], SparseMatrix] = field(kw_only=True)
+
+    def __post_init__(self) -> None:
+        moved = partial(_with_their_sections, self.centreline)
+        object.__setattr__(self, "displacements", moved)
+
+
+def _with_their_sections(
+    centreline: Callable[[Array], SparseMatrix], points: Array
+) -> SparseMatrix:
+    """3m × n: u + φ × r of the section at each of the points (m×3, leg axes)."""
+    count = len(points)
+    arm = np.zeros((count, 3, 6))
+    arm[:, :, :3] = np.eye(3)
+    y, z = points[:, 1], points[:, 2]
+    arm[:, 0, 4], arm[:, 0, 5] = z, -y
+    arm[:, 1, 3], arm[:, 2, 3] = -z, y
+    rows = np.repeat(np.arange(3 * count), 6)
+    columns = (6 * np.arange(count)[:, None, None] + np.arange(6)).repeat(3, axis=1).ravel()
+    carried = csr_array((arm.ravel(), (rows, columns)), shape=(3 * count, 6 * count))
+    return csr_array(carried @ centreline(points[:, 0]))

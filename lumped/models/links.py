@@ -9,7 +9,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from lumped.arrays import Array
-from lumped.leg_matrices import LegMatrices
+from lumped.mechanism.body_model import LegMatrices
 from lumped.mechanism.mechanism import Mechanism
 from lumped.screws import shift
 

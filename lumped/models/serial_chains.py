@@ -2,7 +2,7 @@
 
 A chain leads from the ground to what carries the tool: joints of one freedom each, one after the
 other, and 6-DOF springs at the tips of the legs, in the joints and in the drives. The rest is
-`lumped.vjm`: a formulation of its own, which shares no assembly with the other models.
+`lumped.models.vjm`: a formulation of its own, which shares no assembly with the other models.
 """
 
 from collections.abc import Iterator, Mapping
@@ -11,13 +11,13 @@ from typing import TypeAlias
 
 import numpy as np
 
-from lumped import chains, vjm
 from lumped.arrays import Array
-from lumped.chains import Chain, Element, Fixed, Spring
 from lumped.errors import ComputationError, InputError
 from lumped.mechanism.joint import FREEDOMS, Joint
 from lumped.mechanism.kinematics.postures import shown_pose
 from lumped.mechanism.mechanism import GROUND, Mechanism, Posture
+from lumped.models import chains, vjm
+from lumped.models.chains import Chain, Element, Fixed, Spring
 from lumped.screws import turn_matrix
 
 # What moves as one: a rigid body ("" for the interface) or one interface of a leg.

@@ -6,9 +6,9 @@ from typing import Any
 import msgspec
 import numpy as np
 
+from lumped.acceptance.measured import Measured, measured_faults, pose_faults
 from lumped.biglide import Biglide, geometry_faults
 from lumped.legs import GivenLeg
-from lumped.measured import Measured, measured_faults, pose_faults
 from lumped.mechanism.mechanism import Mechanism
 from lumped.robot_file.corrections import can_be_scaled, correction_faults, value_at
 from lumped.robot_file.leg_table import leg_faults, leg_of, symmetric

@@ -12,14 +12,14 @@ from typing import Any
 
 import msgspec
 
+from lumped.acceptance.measured import Measured
+from lumped.acceptance.requirement import STATIC_QUANTITIES, Requirement
 from lumped.biglide import Biglide
 from lumped.biglide import mechanism as biglide_mechanism
 from lumped.caches import cached_property
 from lumped.errors import InputError
 from lumped.files import read_ordinary
-from lumped.measured import Measured
 from lumped.mechanism.mechanism import Mechanism
-from lumped.requirement import STATIC_QUANTITIES, Requirement
 from lumped.robot_file.biglide import (
     biglide_faults,
     biglide_of,

@@ -3,8 +3,8 @@
 from dataclasses import replace
 from pathlib import Path
 
+from lumped.acceptance.measured import pose_faults, read_measured
 from lumped.errors import InputError
-from lumped.measured import pose_faults, read_measured
 from lumped.robot_file.load import RobotFile
 
 

@@ -10,8 +10,8 @@ from typing import Annotated, Literal, TypeAlias
 import msgspec
 from msgspec import Meta, Struct
 
+from lumped.acceptance.requirement import MODEL_KINDS, MOST_MODES, SMALLEST_SHARE, ModelKind
 from lumped.legs import Ends
-from lumped.requirement import MODEL_KINDS, MOST_MODES, SMALLEST_SHARE, ModelKind
 
 
 @dataclass(frozen=True)
@@ -206,7 +206,7 @@ class Correction(Table, frozen=True):
 
 
 class MeasuredTable(Table, frozen=True):
-    """One of [[measured]]; see `lumped.measured` for what is allowed of its numbers."""
+    """One of [[measured]]; see `lumped.acceptance.measured` for what is allowed of its numbers."""
 
     quantity: Text
     value: float

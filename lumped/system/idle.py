@@ -11,8 +11,7 @@ from scipy.linalg import qr
 
 from lumped.arrays import Array, IntArray
 from lumped.errors import ComputationError
-from lumped.screw_names import name_twists
-from lumped.screws import shift
+from lumped.screws import name_twists, shift
 from lumped.system.assembly import System
 
 # Without units. Rounding of a motion is about 1e-14; a posture's loops are closed to 1e-12.

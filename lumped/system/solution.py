@@ -13,9 +13,9 @@ from scipy.linalg import LinAlgError, cho_factor, cho_solve, eigh
 from scipy.linalg.blas import dtrsm
 
 from lumped.arrays import Array, IntArray
-from lumped.balance import balanced_flexibility, rounding_of_flexibility
+from lumped.dense.balance import balanced_flexibility, rounding_of_flexibility
+from lumped.dense.modes import Modes, dense, fix_signs
 from lumped.errors import ComputationError
-from lumped.modes import Modes, dense, fix_signs
 from lumped.system.assembly import System
 from lumped.system.idle import idle_motions
 

@@ -4,9 +4,9 @@ import os
 
 import pytest
 
+from lumped.acceptance.measured import read_measured
 from lumped.errors import InputError
 from lumped.files import read_ordinary
-from lumped.measured import read_measured
 from meshes.part.read import require_file
 from validation.results.saved_run import load_run
 

@@ -1,4 +1,4 @@
-"""Twists and wrenches: rigid-body kinematics by hand, and the work that must not change."""
+"""Twists and wrenches: rigid-body kinematics by hand, the work that must not change, and words."""
 
 import numpy as np
 import pytest
@@ -8,12 +8,22 @@ from hypothesis.extra.numpy import arrays
 from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
 
-from lumped.screws import move_compliance, rotation_z, shift, skew, turn, turn_matrix
+from lumped.screws import (
+    move_compliance,
+    name_twists,
+    name_wrenches,
+    rotation_z,
+    shift,
+    skew,
+    turn,
+    turn_matrix,
+)
 
 X, Y, Z = np.eye(3)
 numbers = st.floats(-10.0, 10.0, allow_subnormal=False)
 vectors = arrays(float, 3, elements=numbers)
 screws = arrays(float, 6, elements=numbers)
+LENGTH = 0.8
 
 
 @given(vectors, vectors)
@@ -75,3 +85,42 @@ def test_moved_compliance_by_hand():
     expected[1, 1], expected[1, 5], expected[5, 1], expected[5, 5] = 20.0, 10.0, 10.0, 5.0
     expected[2, 2], expected[2, 4], expected[4, 2], expected[4, 4] = 12.0, -6.0, -6.0, 3.0
     assert_allclose(moved, expected, atol=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("twists", "words"),
+    [
+        ([[0, 0, -3, 0, 0, 0]], "translate along z"),
+        ([[3, 4, 0, 0, 0, 0]], "translate along (0.6, 0.8, 0)"),
+        ([[0, 0, 0, 0, 5, 0]], "turn about y through the loaded point"),
+        # The loaded point moves along +y when the robot turns about z at 0.5 m on its −x side.
+        ([[0, 0.5, 0, 0, 0, 1]], "turn about z through (-0.5, 0, 0) m from the loaded point"),
+        (
+            [[0, 0, 0.02, 0, 0, 1]],
+            "turn about z through the loaded point with a pitch of 0.02 m/rad",
+        ),
+        (
+            [[1, 1, 0, 0, 0, 0], [1, -1, 0, 0, 0, 0]],
+            "translate along x and translate along y",
+        ),
+        (
+            [[0.3, 1, 0, 0, 0, 1], [0, 1, 0, 0, 0, 0]],
+            "turn about z through (0, 0.3, 0) m from the loaded point and translate along y",
+        ),
+    ],
+)
+def test_twists_in_words(twists, words):
+    assert name_twists(np.array(twists, dtype=float), LENGTH) == words
+
+
+@pytest.mark.parametrize(
+    ("wrenches", "words"),
+    [
+        ([[0, 7, 0, 0, 0, 0]], "a force along y through the loaded point"),
+        ([[0, 0, 0, 0, 0, 2]], "a moment about z"),
+        # r × F = (0.5, 0, 0) × (0, 1, 0) = (0, 0, 0.5)
+        ([[0, 1, 0, 0, 0, 0.5]], "a force along y through (0.5, 0, 0) m from the loaded point"),
+    ],
+)
+def test_wrenches_in_words(wrenches, words):
+    assert name_wrenches(np.array(wrenches, dtype=float), LENGTH) == words

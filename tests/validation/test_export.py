@@ -6,8 +6,8 @@ import pyvista
 from scipy.io import mmread
 from scipy.sparse import load_npz
 
-from lumped.cantilever import clamped_modes, tip_compliance_of
 from lumped.legs import equivalent_leg, tip_compliance
+from lumped.models.cantilever import clamped_modes, tip_compliance_of
 from lumped.robot_file import load_robot
 from validation.export.models import export
 from validation.models.biglide import robot_compliance, robot_frequencies

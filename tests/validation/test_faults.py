@@ -17,10 +17,11 @@ from fem.calculix import deck as calculix_deck
 from fem.calculix import leg as calculix
 from fem.calculix import mechanism as mechanism_calculix
 from fem.sections.section_constants import section_constants
-from lumped import biglide, simplified
+from lumped import biglide
 from lumped.errors import ComputationError
 from lumped.legs import ConstantLeg, Material, equivalent_leg
 from lumped.mechanism.kinematics.postures import posture
+from lumped.models import simplified
 from lumped.robot_file import load_robot
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Tube
 from lumped.system.assembly import assembly

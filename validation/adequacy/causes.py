@@ -8,8 +8,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from lumped.acceptance.requirement import STATIC_QUANTITIES
 from lumped.arrays import Array
-from lumped.requirement import STATIC_QUANTITIES
 from validation.adequacy.errors import Errors, Scale
 from validation.adequacy.matrix import Cause
 from validation.adequacy.response import Candidate, Response, Rung

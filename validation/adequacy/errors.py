@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from lumped.acceptance.requirement import ORDER, STATIC_QUANTITIES
 from lumped.arrays import Array
-from lumped.requirement import ORDER, STATIC_QUANTITIES
 from validation.adequacy.partners import Partners, partners
 from validation.adequacy.response import Alternative, Reference, Response, Subject
 

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from lumped.acceptance.requirement import ORDER, STATIC_QUANTITIES, Requirement
 from lumped.arrays import Array
-from lumped.requirement import ORDER, STATIC_QUANTITIES, Requirement
 from validation.adequacy.causes import explained, remedied
 from validation.adequacy.errors import Errors, Scale
 from validation.adequacy.matrix import Adequacy, Entry, Matrix, ModelNote

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from lumped.requirement import ORDER, STATIC_QUANTITIES
+from lumped.acceptance.requirement import ORDER, STATIC_QUANTITIES
 from validation.adequacy.matrix import Adequacy, Matrix
 
 _VERDICTS: tuple[Adequacy, ...] = ("adequate", "inadequate", "undecided")

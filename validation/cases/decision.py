@@ -6,10 +6,10 @@ from math import hypot, inf, nan
 
 import numpy as np
 
-from lumped import vjm
 from lumped.arrays import Array
 from lumped.biglide import Biglide, scaled
 from lumped.legs import equivalent_leg, tip_compliance
+from lumped.models import vjm
 from validation.case import Absolute, Allowance, Case, Measurement, Relation, Relative
 from validation.cases.sweep_results import DECIDED, GROUP, PAPER, SECTION, decision_of
 from validation.context import Context

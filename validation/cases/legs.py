@@ -8,9 +8,9 @@ import numpy as np
 from fem.bodies.beam_theory import CantileverFrequency, cantilever_frequencies
 from lumped.arrays import Array
 from lumped.caches import lru_cache
-from lumped.leg_matrices import LegMatrices
+from lumped.dense.modes import dense, solve_modes
 from lumped.legs import ConstantLeg, equivalent_leg, tip_compliance
-from lumped.modes import dense, solve_modes
+from lumped.mechanism.body_model import LegMatrices
 from validation.case import Case, Measurement, Relative
 from validation.context import Context
 from validation.models.legs import leg_compliance, leg_matrices

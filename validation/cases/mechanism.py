@@ -12,8 +12,8 @@ import numpy as np
 
 from fem.bodies.stepped import SteppedLeg
 from lumped.arrays import Array
-from lumped.leg_matrices import LegMatrices
 from lumped.legs import ConstantLeg
+from lumped.mechanism.body_model import LegMatrices
 from lumped.mechanism.free_twists import free_twists, interface_position
 from lumped.mechanism.mechanism import Posture
 from lumped.system.assembly import assembly

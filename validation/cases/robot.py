@@ -5,9 +5,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lumped import vjm
 from lumped.biglide import Biglide
 from lumped.legs import Theory
+from lumped.models import vjm
 from lumped.system.solution import rounding, solved
 from validation.case import Absolute, Case, Measurement, Relative
 from validation.context import Context

@@ -9,8 +9,8 @@ import numpy as np
 
 from fem.calculix.deck import deck_text
 from fem.calculix.mechanism import mechanism_deck
-from lumped.leg_matrices import LegMatrices
 from lumped.legs import ConstantLeg
+from lumped.mechanism.body_model import LegMatrices
 from lumped.mechanism.kinematics.postures import posture, shown_pose
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.models.bodies import legs_of

@@ -13,10 +13,10 @@ from scipy.sparse import coo_array, csc_array, save_npz
 from fem.bodies import leg_modes, solid
 from lumped.arrays import Array, SparseMatrix
 from lumped.biglide import Biglide
-from lumped.cantilever import clamped_modes
-from lumped.leg_matrices import LegMatrices
+from lumped.dense.modes import dense
 from lumped.legs import ConstantLeg, equivalent_leg
-from lumped.modes import dense
+from lumped.mechanism.body_model import LegMatrices
+from lumped.models.cantilever import clamped_modes
 from lumped.system.solution import modes, solved
 from meshes.vtk_grid import grid
 from validation.context import Preset

@@ -6,14 +6,14 @@ from typing import TypeAlias
 
 import numpy as np
 
+from lumped.acceptance.measured import Measured
+from lumped.acceptance.requirement import STATIC_QUANTITIES, Requirement
 from lumped.arrays import Array
 from lumped.biglide import Biglide
 from lumped.legs import Leg
-from lumped.measured import Measured
 from lumped.mechanism.kinematics.postures import posture
 from lumped.mechanism.mechanism import Mechanism
 from lumped.models.bodies import legs_of
-from lumped.requirement import STATIC_QUANTITIES, Requirement
 from validation.adequacy.biglide.subject import CANDIDATES
 from validation.adequacy.judgement import worst_of
 from validation.adequacy.matrix import MEASURED, Entry, Matrix, ModelNote

@@ -3,15 +3,15 @@
 from dataclasses import replace
 from functools import partial
 
-from lumped import simplified, vjm
 from lumped.arrays import Array
 from lumped.biglide import Biglide, postures, printed, system
 from lumped.errors import InputError
-from lumped.leg_matrices import LegMatrices
 from lumped.legs import ConstantLeg, equivalent_leg
+from lumped.mechanism.body_model import LegMatrices
+from lumped.models import simplified, vjm
 from lumped.models.bodies import tip_compliances
 from lumped.models.links import links
-from lumped.segments import segment_leg, static_leg, with_printed_tip_joint
+from lumped.models.segments import segment_leg, static_leg, with_printed_tip_joint
 from lumped.system.assembly import System, assemble
 from lumped.system.solution import compliance, modes, solved
 from validation.models.legs import cached_leg, condensed_leg, filled, leg_chain, reduced_leg

@@ -12,13 +12,12 @@ from fem.reduction.craig_bampton import craig_bampton
 from fem.reduction.superelement import HeldLeg, held_leg, static_superelement
 from lumped.arrays import Array
 from lumped.caches import lru_cache
-from lumped.cantilever import clamped_modes, tip_compliance_of
+from lumped.dense.modes import Modes, dense
 from lumped.errors import InputError
-from lumped.leg_matrices import LegMatrices
 from lumped.legs import ConstantLeg, GivenLeg, Leg, equivalent_leg, given_compliance, tip_compliance
-from lumped.mechanism.body_model import BodyModel
-from lumped.modes import Modes, dense
-from lumped.segments import Chain, segment_chain, segment_leg, static_leg
+from lumped.mechanism.body_model import BodyModel, LegMatrices
+from lumped.models.cantilever import clamped_modes, tip_compliance_of
+from lumped.models.segments import Chain, segment_chain, segment_leg, static_leg
 from validation.models.options import DEFAULT_OPTIONS, STATIC, Ends, ModelName, ModelOptions
 from validation.solids.robots import held_solid
 

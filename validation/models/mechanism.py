@@ -15,10 +15,9 @@ from fem.bodies.stepped import SteppedLeg
 from fem.reduction.craig_bampton import CUTOFF_FACTOR
 from lumped.arrays import Array
 from lumped.errors import InputError
-from lumped.leg_matrices import LegMatrices
 from lumped.legs import ConstantLeg, equivalent_leg, tip_compliance
 from lumped.mechanism.body import Prism
-from lumped.mechanism.body_model import BodyModel
+from lumped.mechanism.body_model import BodyModel, LegMatrices
 from lumped.mechanism.joint import Drive, Joint
 from lumped.mechanism.kinematics.mobility import mobility
 from lumped.mechanism.mechanism import Mechanism, Posture

@@ -7,9 +7,9 @@ from functools import partial
 import numpy as np
 
 from lumped.arrays import Array
+from lumped.dense.modes import Modes
 from lumped.errors import InputError
 from lumped.mechanism.mechanism import Posture
-from lumped.modes import Modes
 from lumped.system.assembly import System, assembly
 from lumped.system.solution import compliance, mode_count, modes, solved, strain_shares
 from validation.models.mechanism import dynamic_bodies, highest_frequency, on_drives_alone

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 from lumped.legs import EquivalentBy, Theory
-from lumped.segments import Layout, Release
+from lumped.models.segments import Layout, Release
 
 ModelName: TypeAlias = Literal["simplified", "vjm", "links", "segments", "beam", "solid"]
 LegSprings: TypeAlias = Literal["given", "equivalent"]

@@ -11,10 +11,9 @@ import numpy as np
 from fem.bodies.stepped import SteppedLeg
 from lumped.arrays import Array
 from lumped.errors import InputError
-from lumped.leg_matrices import LegMatrices
 from lumped.legs import ConstantLeg, GivenLeg, equivalent_leg, tip_compliance
 from lumped.mechanism.body import Body
-from lumped.mechanism.body_model import BodyModel
+from lumped.mechanism.body_model import BodyModel, LegMatrices
 from lumped.mechanism.mechanism import Mechanism
 from lumped.models.placed_leg import placed_leg
 from lumped.screws import turn_matrix

@@ -42,8 +42,8 @@ class Agreement:
         return largest_unexplained(self.outcomes)
 
 
-_VJM = Way("virtual joints, eqs (3) to (9)", "lumped.vjm")
-_SEGMENTS = Way("chain of rigid segments and springs", "lumped.segments")
+_VJM = Way("virtual joints, eqs (3) to (9)", "lumped.models.vjm")
+_SEGMENTS = Way("chain of rigid segments and springs", "lumped.models.segments")
 _BEAM = Way("beam finite elements", "fem.bodies.beam")
 _SOLID = Way("3-D solid finite elements", "fem.bodies.solid")
 

@@ -11,8 +11,8 @@ from fem.bodies import doubling, leg_modes, solid
 from fem.bodies.beam import beam_leg
 from fem.bodies.solid import Ends
 from lumped.arrays import Array
-from lumped.cantilever import clamped_modes
 from lumped.legs import ConstantLeg
+from lumped.models.cantilever import clamped_modes
 from lumped.sections import HollowRectangle, ISection, Rectangle
 from meshes.prism.hexahedra import hexahedra
 from meshes.section.section_blocks import Divisions

@@ -28,10 +28,10 @@ from fem.solvers import sparse_system
 from lumped.arrays import Array, SparseMatrix
 from lumped.biglide import Biglide, in_words, with_equivalent_legs
 from lumped.biglide import system as robot_system
+from lumped.dense.modes import Modes
 from lumped.errors import InputError
-from lumped.leg_matrices import LegMatrices
 from lumped.legs import ConstantLeg, Leg, equivalent_leg, tip_compliance
-from lumped.modes import Modes
+from lumped.mechanism.body_model import LegMatrices
 from lumped.system import solution
 from lumped.system.assembly import System
 from meshes.section.section_mesh import section_mesh

@@ -8,8 +8,8 @@ from fem.bodies import doubling
 from fem.bodies.beam import beam_leg
 from fem.sections.section_constants import SectionConstants, beam_properties, section_constants
 from lumped.arrays import Array
+from lumped.dense.modes import dense, solve_modes
 from lumped.legs import BeamProperties, ConstantLeg, tip_compliance
-from lumped.modes import dense, solve_modes
 from lumped.sections import Circle, Rectangle, Tube
 from meshes.prism.hexahedra import slice_count
 from meshes.section.section_mesh import section_mesh

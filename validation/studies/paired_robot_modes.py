@@ -17,10 +17,10 @@ from fem.sections.section_constants import beam_properties, section_constants
 from lumped.arrays import Array, IntArray
 from lumped.biglide import Biglide, with_equivalent_legs
 from lumped.biglide import postures as biglide_postures
-from lumped.leg_matrices import LegMatrices
 from lumped.legs import BeamProperties, ConstantLeg, equivalent_leg
+from lumped.mechanism.body_model import LegMatrices
+from lumped.models.segments import segment_chain, segment_leg
 from lumped.sections import Rectangle
-from lumped.segments import segment_chain, segment_leg
 from lumped.system.assembly import System, assembly
 from lumped.system.solution import modes, solved
 from meshes.section.section_mesh import section_mesh

@@ -7,8 +7,8 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.biglide import Biglide, in_words, scaled, with_equivalent_legs
-from lumped.leg_matrices import LegMatrices
-from lumped.modes import Modes
+from lumped.dense.modes import Modes
+from lumped.mechanism.body_model import LegMatrices
 from lumped.system import solution
 from lumped.system.assembly import System
 from validation.models.biglide import (

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem.bodies.solid import Ends
-from lumped import vjm
 from lumped.arrays import Array
 from lumped.biglide import Biglide, postures, with_equivalent_legs
 from lumped.legs import ConstantLeg, equivalent_leg, tip_compliance
+from lumped.models import vjm
 from lumped.system.assembly import assembly
 from lumped.system.sweep import swept
 from validation.solids.legs import FORMAL_ORDER, formal_order

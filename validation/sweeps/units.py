@@ -18,11 +18,10 @@ from fem.reduction.superelement import HeldLeg, held_leg
 from lumped.arrays import Array, SparseMatrix
 from lumped.biglide import Biglide, postures
 from lumped.caches import lru_cache
+from lumped.dense.modes import dense
 from lumped.errors import ComputationError, InputError
-from lumped.leg_matrices import ENDS
 from lumped.legs import ConstantLeg, equivalent_leg
-from lumped.mechanism.body_model import BodyModel
-from lumped.modes import dense
+from lumped.mechanism.body_model import ENDS, BodyModel
 from lumped.system.assembly import assembly
 from lumped.system.sweep import Swept, swept
 from validation.models.biglide import robot_compliance, robot_frequencies, robot_legs

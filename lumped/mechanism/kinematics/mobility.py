@@ -15,7 +15,7 @@ from lumped.arrays import Array
 from lumped.errors import InputError
 from lumped.mechanism.kinematics.closure import Closure, Placement, closure_of
 from lumped.mechanism.mechanism import MOVES, Mechanism, Posture
-from lumped.screw_names import name_twists
+from lumped.screws import name_twists
 
 # Singular values of matrices without units. Geometry is typed with six digits or more.
 _NOTHING = 1e-6

@@ -8,7 +8,7 @@ from lumped.errors import InputError
 from lumped.mechanism.kinematics.mobility import Mobility, mobility, mobility_nearby
 from lumped.mechanism.kinematics.postures import posture, reference_posture
 from lumped.mechanism.mechanism import Mechanism
-from lumped.screw_names import name_twists
+from lumped.screws import name_twists
 
 # Poses of a path that are tried before anything is computed; the others are when they come up.
 _TRIED = 32

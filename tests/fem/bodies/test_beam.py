@@ -13,11 +13,11 @@ from fem.bodies.beam_theory import (
     tension_frequencies,
     torsion_frequencies,
 )
-from lumped.cantilever import clamped_modes, tip_compliance_of
+from lumped.dense.modes import dense, solve_modes
 from lumped.errors import InputError
-from lumped.leg_matrices import LegMatrices
 from lumped.legs import BeamProperties, ConstantLeg, Material, constant_leg, tip_compliance
-from lumped.modes import dense, solve_modes
+from lumped.mechanism.body_model import LegMatrices
+from lumped.models.cantilever import clamped_modes, tip_compliance_of
 from lumped.screws import shift
 from lumped.sections import Rectangle
 

@@ -7,8 +7,8 @@ from fem.bodies.beam import beam_leg
 from fem.bodies.warping_beam import warping_beam_leg
 from fem.sections.nonuniform_torsion import cantilever_frequencies, held_torsion_compliance
 from fem.sections.section_constants import SectionConstants, beam_properties, section_constants
-from lumped.cantilever import clamped_modes, tip_compliance_of
 from lumped.legs import Material, tip_compliance
+from lumped.models.cantilever import clamped_modes, tip_compliance_of
 from lumped.sections import Circle, ISection
 from meshes.section.section_mesh import section_mesh
 

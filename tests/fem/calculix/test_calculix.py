@@ -22,9 +22,9 @@ from fem.calculix.run import (
 )
 from fem.elements.elasticity import mass
 from fem.solvers.factor import whole_matrix
+from lumped.dense.modes import solve_modes
 from lumped.errors import ComputationError, InputError
 from lumped.legs import ConstantLeg, Material
-from lumped.modes import solve_modes
 from lumped.screws import rotation_z
 from lumped.sections import ISection, Rectangle, Tube
 from meshes.prism.extrude import extrude, stations

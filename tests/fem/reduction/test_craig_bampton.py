@@ -20,11 +20,11 @@ from fem.reduction.superelement_checks import (
 )
 from lumped.biglide import system, with_equivalent_legs
 from lumped.errors import InputError
-from lumped.leg_matrices import LegMatrices
 from lumped.legs import ConstantLeg, Material
+from lumped.mechanism.body_model import LegMatrices
+from lumped.models.segments import segment_chain, segment_leg
 from lumped.robot_file import load_robot
 from lumped.sections import Rectangle
-from lumped.segments import segment_chain, segment_leg
 from lumped.system.solution import compliance, modes, solved
 from meshes.prism.extrude import extrude, stations
 from meshes.section.section_mesh import section_mesh

@@ -22,13 +22,13 @@ from fem.reduction.superelement_checks import rigid_motions as reduced_rigid_mot
 from fem.sections.section_constants import beam_properties, section_constants
 from lumped.biglide import Biglide, system, with_equivalent_legs
 from lumped.errors import ComputationError, InputError
-from lumped.leg_matrices import LegMatrices
 from lumped.legs import ConstantLeg, tip_compliance
+from lumped.mechanism.body_model import LegMatrices
+from lumped.models.segments import segment_chain, segment_leg
+from lumped.models.vjm import compliance as vjm_compliance
+from lumped.models.vjm import equivalent_leg_springs
 from lumped.robot_file import load_robot
-from lumped.segments import segment_chain, segment_leg
 from lumped.system.solution import compliance, solved
-from lumped.vjm import compliance as vjm_compliance
-from lumped.vjm import equivalent_leg_springs
 from meshes.prism.extrude import extrude, stations
 from meshes.section.section_mesh import section_mesh
 

@@ -10,8 +10,8 @@ from fem.bodies.solid import solid_leg, solid_leg_matrices
 from fem.solvers.sparse_system import compliance, factorised, modes
 from lumped.biglide import system, with_equivalent_legs
 from lumped.errors import ComputationError
+from lumped.models.segments import segment_chain, static_leg
 from lumped.robot_file import load_robot
-from lumped.segments import segment_chain, static_leg
 from lumped.system import solution
 from meshes.prism.extrude import extrude, stations
 from meshes.section.section_mesh import section_mesh

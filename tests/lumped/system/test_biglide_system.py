@@ -14,12 +14,12 @@ from shared_unknowns import by_hand
 
 from lumped import biglide
 from lumped.biglide import Biglide, postures, printed
+from lumped.dense.modes import solve_modes
+from lumped.dense.statics import solve_statics
 from lumped.errors import ComputationError, InputError
 from lumped.legs import constant_leg
-from lumped.modes import solve_modes
+from lumped.models.segments import segment_chain, segment_leg, with_printed_tip_joint
 from lumped.screws import move_compliance
-from lumped.segments import segment_chain, segment_leg, with_printed_tip_joint
-from lumped.statics import solve_statics
 from lumped.system.assembly import assemble
 from lumped.system.solution import Solved, compliance, modes, solved
 

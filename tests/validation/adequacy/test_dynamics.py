@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from lumped.acceptance.requirement import Requirement
 from lumped.biglide import Biglide
 from lumped.legs import ConstantLeg, GivenLeg, Material
-from lumped.requirement import Requirement
 from lumped.robot_file import load_robot
 from lumped.sections import ISection
 from validation.adequacy.biglide.given_masses import MASSES, Masses, leg_with_masses

@@ -19,11 +19,11 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from random_robots import IFW
 
+from lumped.acceptance.requirement import STATIC_QUANTITIES, Requirement
 from lumped.arrays import Array
 from lumped.biglide import Biglide
 from lumped.errors import ComputationError
 from lumped.legs import ConstantLeg, Material
-from lumped.requirement import STATIC_QUANTITIES, Requirement
 from lumped.sections import Rectangle
 from validation.adequacy.biglide.statics import compliances, static_reference
 from validation.adequacy.judgement import judged
@@ -38,8 +38,8 @@ MODELS: tuple[ModelName, ...] = ("vjm", "segments", "beam")
 _JUDGED = (
     "lumped.sections",
     "lumped.legs",
-    "lumped.vjm",
-    "lumped.segments",
+    "lumped.models.vjm",
+    "lumped.models.segments",
     "lumped.biglide.",
     "lumped.system.assembly",
     "lumped.system.solution",
@@ -118,7 +118,7 @@ def truth() -> Array:
 
 
 def test_a_fault_in_the_virtual_joints_makes_them_inadequate(truth: Array) -> None:
-    fault = next(one for one in FAULTS if one.where.startswith("lumped.vjm"))
+    fault = next(one for one in FAULTS if one.where.startswith("lumped.models.vjm"))
     assert called_adequate(fault, truth) == []
 
 

@@ -5,8 +5,8 @@ from dataclasses import replace
 import pytest
 
 from fem.bodies import doubling
+from lumped.acceptance.requirement import Requirement
 from lumped.legs import ConstantLeg, Leg, Material, tip_compliance
-from lumped.requirement import Requirement
 from lumped.robot_file import load_robot
 from lumped.sections import ISection
 from meshes.section.section_mesh import section_mesh

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from lumped.requirement import Requirement
+from lumped.acceptance.requirement import Requirement
 from validation.adequacy.errors import Scale
 from validation.adequacy.judgement import judged
 from validation.adequacy.matrix import Entry

@@ -18,11 +18,11 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 from random_robots import IFW, SHAPES, robots, shown
 
 from fem.bodies import doubling
-from lumped import vjm
+from lumped.acceptance.requirement import STATIC_QUANTITIES, Requirement
 from lumped.arrays import Array
 from lumped.biglide import Biglide
 from lumped.legs import ConstantLeg, Ends, equivalent_leg
-from lumped.requirement import STATIC_QUANTITIES, Requirement
+from lumped.models import vjm
 from meshes.section.section_mesh import section_mesh
 from validation.adequacy.biglide.statics import compliances, static_reference
 from validation.adequacy.biglide.subject import POSTURES, biglide_subject

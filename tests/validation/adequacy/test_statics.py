@@ -7,8 +7,8 @@ import pytest
 
 from fem.sections.nonuniform_torsion import held_torsion_compliance
 from fem.sections.section_constants import section_constants
+from lumped.acceptance.requirement import STATIC_QUANTITIES, Requirement
 from lumped.legs import ConstantLeg, Material
-from lumped.requirement import STATIC_QUANTITIES, Requirement
 from lumped.robot_file import load_robot
 from lumped.sections import ISection
 from meshes.section.section_mesh import section_mesh

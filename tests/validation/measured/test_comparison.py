@@ -6,8 +6,8 @@ from math import sqrt
 import numpy as np
 import pytest
 
+from lumped.acceptance.measured import Measured
 from lumped.biglide import Biglide
-from lumped.measured import Measured
 from lumped.robot_file import load_robot
 from validation.context import Context
 from validation.measured.comparison import Comparison, propagated

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from lumped.acceptance.measured import Measured
 from lumped.errors import InputError
-from lumped.measured import Measured
 from lumped.models.bodies import legs_of
 from lumped.robot_file import load_robot
 from validation.catalogue import catalogue

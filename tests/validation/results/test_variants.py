@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from lumped.requirement import STATIC_QUANTITIES, Requirement
+from lumped.acceptance.requirement import STATIC_QUANTITIES, Requirement
 from lumped.robot_file import RobotFile, load_robot
 from validation.adequacy.biglide.statics import compliances, static_reference
 from validation.adequacy.judgement import judged

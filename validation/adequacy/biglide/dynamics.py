@@ -8,12 +8,12 @@ from fem.bodies.beam import beam_leg
 from fem.bodies.warping_beam import warping_beam_leg
 from fem.reduction.craig_bampton import craig_bampton
 from fem.sections.section_constants import beam_properties
-from lumped import simplified
 from lumped.arrays import Array
 from lumped.biglide import Biglide, system, with_equivalent_legs
-from lumped.leg_matrices import LegMatrices
 from lumped.legs import BeamProperties, ConstantLeg, Ends, GivenLeg, Leg, equivalent_leg
-from lumped.segments import segment_chain, segment_leg
+from lumped.mechanism.body_model import LegMatrices
+from lumped.models import simplified
+from lumped.models.segments import segment_chain, segment_leg
 from lumped.system.solution import mode_count, solved
 from validation.adequacy.biglide.given_masses import MASSES, Masses, leg_with_masses
 from validation.adequacy.biglide.statics import SAY_ENDS, holds

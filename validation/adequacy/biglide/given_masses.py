@@ -14,9 +14,9 @@ from fem.bodies.beam import beam_leg
 from fem.reduction.craig_bampton import craig_bampton
 from fem.reduction.superelement import ENDS, ends_stiffness, held_leg
 from lumped.arrays import Array, SparseMatrix
-from lumped.leg_matrices import LegMatrices
+from lumped.dense.modes import dense
 from lumped.legs import GivenLeg, equivalent_leg
-from lumped.modes import dense
+from lumped.mechanism.body_model import LegMatrices
 
 Masses: TypeAlias = Literal["mass as in a prism", "mass and inertia as given"]
 MASSES: tuple[Masses, ...] = ("mass as in a prism", "mass and inertia as given")

@@ -9,10 +9,10 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
-from lumped import vjm
 from lumped.arrays import Array
 from lumped.biglide import Biglide, postures
 from lumped.legs import ConstantLeg, Ends, GivenLeg, Leg
+from lumped.models import vjm
 from lumped.system.assembly import assembly
 from lumped.system.sweep import swept
 from validation.adequacy.biglide.closure import require_closed

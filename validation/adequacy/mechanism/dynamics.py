@@ -18,9 +18,8 @@ from fem.reduction.craig_bampton import craig_bampton
 from fem.reduction.superelement import held_leg
 from fem.sections.section_constants import beam_properties
 from lumped.arrays import Array
-from lumped.leg_matrices import LegMatrices
 from lumped.legs import ConstantLeg, Ends, GivenLeg, Leg, equivalent_leg
-from lumped.mechanism.body_model import BodyModel
+from lumped.mechanism.body_model import BodyModel, LegMatrices
 from lumped.mechanism.mechanism import Posture
 from lumped.sections import Rectangle
 from lumped.system.assembly import assembly

@@ -16,7 +16,7 @@ from validation.models.options import ModelName, ModelOptions
 from validation.studies.convergence import order_of_errors
 
 if TYPE_CHECKING:
-    from lumped.segments import Layout
+    from lumped.models.segments import Layout
 
 SECTION = "Convergence of elements"
 COUNTS: dict[Preset, tuple[int, ...]] = {

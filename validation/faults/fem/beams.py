@@ -8,7 +8,7 @@ from scipy.sparse import csr_matrix, diags
 
 from fem.elements.beam_elements import ElementLineBeam
 from lumped.arrays import Array
-from lumped.leg_matrices import LegMatrices
+from lumped.mechanism.body_model import LegMatrices
 from validation.faults.fault import Faulty, fault, fault_around, fault_in_value
 
 

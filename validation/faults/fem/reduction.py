@@ -9,8 +9,8 @@ from scipy.sparse import csr_array
 
 from fem.reduction.superelement import ENDS, HeldLeg, Superelement
 from lumped.arrays import Array
+from lumped.dense.modes import Modes
 from lumped.mechanism.mechanism import Posture
-from lumped.modes import Modes
 from lumped.system.assembly import Outside, System
 from validation.faults.fault import Faulty, fault, fault_around, fault_in_value
 

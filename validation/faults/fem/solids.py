@@ -8,7 +8,7 @@ from scipy.sparse import csr_array
 
 from fem.bodies.solid import ClampedLeg, SolidLeg
 from lumped.arrays import Array
-from lumped.modes import Modes
+from lumped.dense.modes import Modes
 from validation.faults.fault import Faulty, fault, fault_around, fault_in_value
 
 

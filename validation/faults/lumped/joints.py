@@ -8,7 +8,7 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.biglide import Biglide, Places
-from lumped.chains import Chain, Element, Fixed, Joint, Spring
+from lumped.models.chains import Chain, Element, Fixed, Joint, Spring
 from lumped.screws import rotation_z, shift
 from validation.faults.fault import Faulty, fault, fault_around, fault_in_value
 
@@ -50,7 +50,7 @@ def _held(element: Element) -> Element:
 @fault_in_value(
     "vjm.tip-joint-forgotten",
     "Virtual joints: passive joint at B forgotten",
-    "lumped.vjm.biglide_chains",
+    "lumped.models.vjm.biglide_chains",
 )
 def _without_tip_joint(chains: tuple[Chain, Chain]) -> tuple[Chain, Chain]:
     first, second = chains
@@ -61,14 +61,14 @@ def _without_tip_joint(chains: tuple[Chain, Chain]) -> tuple[Chain, Chain]:
 @fault_in_value(
     "vjm.root-joints-forgotten",
     "Virtual joints: passive joints at A and C forgotten",
-    "lumped.vjm._leg",
+    "lumped.models.vjm._leg",
 )
 def _without_root_joints(chain: Chain) -> Chain:
     return (_held(chain[0]), *chain[1:])
 
 
 @fault_in_value(
-    "vjm.spring-at-root", "Virtual joints: the leg's spring at its root", "lumped.vjm._leg"
+    "vjm.spring-at-root", "Virtual joints: the leg's spring at its root", "lumped.models.vjm._leg"
 )
 def _spring_at_root(chain: Chain) -> Chain:
     joint, beam, spring = chain
@@ -76,7 +76,9 @@ def _spring_at_root(chain: Chain) -> Chain:
 
 
 @fault_in_value(
-    "vjm.half-lever", "Virtual joints: the leg's spring with a lever arm of L/2", "lumped.vjm._leg"
+    "vjm.half-lever",
+    "Virtual joints: the leg's spring with a lever arm of L/2",
+    "lumped.models.vjm._leg",
 )
 def _half_lever(chain: Chain) -> Chain:
     joint, beam, spring = chain
@@ -87,7 +89,7 @@ def _half_lever(chain: Chain) -> Chain:
 @fault_in_value(
     "vjm.foot-in-leg-axes",
     "Virtual joints: the foot's compliance in leg axes",
-    "lumped.vjm.biglide_chains",
+    "lumped.models.vjm.biglide_chains",
 )
 def _foot_behind_joint(chains: tuple[Chain, Chain]) -> tuple[Chain, Chain]:
     """The foot's spring turns with the leg."""
@@ -103,7 +105,7 @@ def _foot_behind_joint(chains: tuple[Chain, Chain]) -> tuple[Chain, Chain]:
 
 
 @fault_in_value(
-    "vjm.degrees", "Virtual joints: joint angles in degrees", "lumped.vjm.biglide_chains"
+    "vjm.degrees", "Virtual joints: joint angles in degrees", "lumped.models.vjm.biglide_chains"
 )
 def _degrees(chains: tuple[Chain, Chain]) -> tuple[Chain, Chain]:
     def turned(element: Element) -> Element:
@@ -118,7 +120,7 @@ def _degrees(chains: tuple[Chain, Chain]) -> tuple[Chain, Chain]:
 @fault(
     "vjm.lever-sign",
     "Virtual joints: Jacobians with lever arms from the end point to the joints",
-    "lumped.chains._at_end",
+    "lumped.models.chains._at_end",
 )
 def _opposite_levers(screws: list[tuple[Array, Array]], end: Array) -> Array:
     moved = [shift(point - end) @ twists for point, twists in screws]
@@ -128,7 +130,7 @@ def _opposite_levers(screws: list[tuple[Array, Array]], end: Array) -> Array:
 @fault_around(
     "vjm.chains-in-series",
     "Virtual joints: compliances of the chains added, eq. (9) for stiffness",
-    "lumped.vjm.robot_stiffness",
+    "lumped.models.vjm.robot_stiffness",
 )
 def _series(sound: Faulty, chains: Sequence[Chain]) -> Array:
     flexibility = sum(np.linalg.pinv(sound([chain])) for chain in chains)
@@ -138,7 +140,7 @@ def _series(sound: Faulty, chains: Sequence[Chain]) -> Array:
 @fault_around(
     "vjm.tool-spring-forgotten",
     "Virtual joints: the tool's compliance left out",
-    "lumped.vjm.compliance",
+    "lumped.models.vjm.compliance",
 )
 def _no_tool_spring(sound: Faulty, robot: Biglide, x: float, springs: Any) -> Array:
     found: Array = sound(replace(robot, tool_compliance=None), x, springs)
@@ -148,7 +150,7 @@ def _no_tool_spring(sound: Faulty, robot: Biglide, x: float, springs: Any) -> Ar
 @fault_around(
     "vjm.legs-exchanged",
     "Virtual joints: springs of the two legs exchanged",
-    "lumped.vjm.biglide_chains",
+    "lumped.models.vjm.biglide_chains",
 )
 def _other_spring_first(sound: Faulty, robot: Biglide, x: float, springs: Any) -> Any:
     return sound(robot, x, springs[::-1])
@@ -197,5 +199,7 @@ fault(
     "lumped.screws.move_compliance",
 )(lambda c, offset: shift(offset).T @ c @ shift(offset))
 fault_around(
-    "vjm.foot-locked", "Virtual joints: the feet's springs left out", "lumped.vjm._slide_and_foot"
+    "vjm.foot-locked",
+    "Virtual joints: the feet's springs left out",
+    "lumped.models.vjm._slide_and_foot",
 )(lambda s, robot, *rest: s(replace(robot, foot_compliance=None), *rest))

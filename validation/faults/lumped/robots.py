@@ -8,9 +8,9 @@ import numpy as np
 
 from lumped.arrays import Array, SparseMatrix
 from lumped.biglide import Biglide, printed
+from lumped.dense.modes import Modes
 from lumped.mechanism.body import Rigid
 from lumped.mechanism.mechanism import Mechanism
-from lumped.modes import Modes
 from lumped.screws import turn
 from lumped.system.motions import Frames, Motions
 from validation.faults.fault import Faulty, fault_around, fault_in_value
@@ -129,7 +129,7 @@ def _first_leg_twice(sound: Faulty, mechanism: Mechanism, models: Any) -> Any:
 @fault_around(
     "segments.literal-layout",
     "Segments without half springs at both ends",
-    "lumped.segments.segment_chain",
+    "lumped.models.segments.segment_chain",
 )
 def _literal(sound: Faulty, properties: Any, length: float, elements: int, *_: Any) -> Any:
     return sound(properties, length, max(elements, 2), "literal")
@@ -138,7 +138,7 @@ def _literal(sound: Faulty, properties: Any, length: float, elements: int, *_: A
 @fault_around(
     "segments.lever-at-element",
     "Springs at the centre of the next element instead of between two",
-    "lumped.segments._spring_matrix",
+    "lumped.models.segments._spring_matrix",
 )
 def _element_levers(sound: Faulty, chain: Any, block: Array, rows: Any) -> SparseMatrix:
     springs = tuple(
@@ -150,12 +150,12 @@ def _element_levers(sound: Faulty, chain: Any, block: Array, rows: Any) -> Spars
 @fault_around(
     "segments.spring-missing",
     "A spring of the chain missing: two elements rigid with each other",
-    "lumped.segments.segment_leg",
+    "lumped.models.segments.segment_leg",
 )
 @fault_around(
     "segments.static-spring-missing",
     "The same in the condensed chain",
-    "lumped.segments.static_leg",
+    "lumped.models.segments.static_leg",
 )
 def _one_spring_missing(sound: Faulty, chain: Any) -> Any:
     middle = len(chain.springs) // 2
@@ -167,7 +167,7 @@ def _one_spring_missing(sound: Faulty, chain: Any) -> Any:
 @fault_around(
     "segments.point-masses",
     "Elements without the inertia m l²/12 of their own length",
-    "lumped.segments._element_mass",
+    "lumped.models.segments._element_mass",
 )
 def _without_slender(sound: Faulty, properties: Any, piece: float) -> Array:
     mass: Array = sound(properties, piece).copy()
@@ -178,7 +178,7 @@ def _without_slender(sound: Faulty, properties: Any, piece: float) -> Array:
 @fault_around(
     "segments.no-rotary-inertia",
     "Elements without the section's rotary inertia",
-    "lumped.segments._element_mass",
+    "lumped.models.segments._element_mass",
 )
 def _without_rotary(sound: Faulty, properties: Any, piece: float) -> Array:
     found: Array = sound(replace(properties, rho_Iy=0.0, rho_Iz=0.0), piece)
@@ -186,7 +186,7 @@ def _without_rotary(sound: Faulty, properties: Any, piece: float) -> Array:
 
 
 @fault_in_value(
-    "modes.angular-frequency", "Frequencies in rad/s for Hz", "lumped.modes.solve_modes"
+    "modes.angular-frequency", "Frequencies in rad/s for Hz", "lumped.dense.modes.solve_modes"
 )
 @fault_in_value(
     "robot.angular-frequency",
@@ -198,7 +198,9 @@ def _angular(modes: Modes) -> Modes:
 
 
 @fault_in_value(
-    "simplified.inverse-jacobian", "Simplified model: J⁻¹ for J", "lumped.simplified.jacobian"
+    "simplified.inverse-jacobian",
+    "Simplified model: J⁻¹ for J",
+    "lumped.models.simplified.jacobian",
 )
 def _inverse_jacobian(jacobian: Array) -> Array:
     return np.asarray(np.linalg.pinv(jacobian))
@@ -207,15 +209,15 @@ def _inverse_jacobian(jacobian: Array) -> Array:
 fault_in_value(
     "simplified.transposed-jacobian",
     "Simplified model: JᵀK⁻¹J for JK⁻¹Jᵀ",
-    "lumped.simplified.jacobian",
+    "lumped.models.simplified.jacobian",
 )(lambda J: np.swapaxes(J, -1, -2))
 fault_around(
     "simplified.drives-in-parallel",
     "Simplified model: stiffness of both drives for each",
-    "lumped.simplified.drive_compliance",
+    "lumped.models.simplified.drive_compliance",
 )(lambda sound, J, K: sound(J, 2.0 * K))
 fault_in_value(
     "simplified.angular-frequency",
     "Simplified model: 2π forgotten",
-    "lumped.simplified.natural_frequencies",
+    "lumped.models.simplified.natural_frequencies",
 )(lambda frequencies: 2.0 * np.pi * frequencies)

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from lumped.acceptance.requirement import STATIC_QUANTITIES
 from lumped.errors import ComputationError, InputError
-from lumped.requirement import STATIC_QUANTITIES
 from lumped.robot_file import RobotFile
 from lumped.robot_file.variation import Variation, told, varied
 from validation.models.options import ModelName

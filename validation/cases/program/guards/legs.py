@@ -7,11 +7,11 @@ from math import pi
 import numpy as np
 
 from fem.bodies.beam_theory import Plane, bending_frequencies
-from lumped import vjm
 from lumped.arrays import Array
 from lumped.biglide import Biglide
+from lumped.dense.modes import dense
 from lumped.legs import GivenLeg, Leg
-from lumped.modes import dense
+from lumped.models import vjm
 from validation.case import Absolute, Case, Measurement
 from validation.cases.legs import constant_leg_of, kind_frequencies
 from validation.cases.program.guards.robot import ELEMENTS, SECTION, guarded_posture

@@ -5,8 +5,8 @@ from collections.abc import Callable
 import numpy as np
 
 from fem.bodies.beam import beam_leg
-from lumped.cantilever import clamped_modes
 from lumped.legs import BeamProperties, ConstantLeg, Material
+from lumped.models.cantilever import clamped_modes
 from lumped.sections import Rectangle
 from validation.case import Absolute, Case, Measurement
 from validation.cases.program.guards.robot import SECTION

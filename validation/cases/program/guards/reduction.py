@@ -18,11 +18,11 @@ from fem.reduction.free_superelement import held_free_leg
 from fem.reduction.superelement import held_leg
 from fem.reduction.superelement_checks import mass_properties, rigid_motions
 from lumped.arrays import Array
-from lumped.leg_matrices import LegMatrices
+from lumped.dense.modes import dense, solve_modes
 from lumped.legs import ConstantLeg, Material
-from lumped.modes import dense, solve_modes
+from lumped.mechanism.body_model import LegMatrices
+from lumped.models.segments import KINDS
 from lumped.sections import Rectangle
-from lumped.segments import KINDS
 from meshes.prism.hexahedra import hexahedra
 from validation.case import Absolute, Case, Measurement, Tolerance
 from validation.cases.program.guards.robot import (

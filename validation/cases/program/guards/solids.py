@@ -9,8 +9,8 @@ from fem.bodies.solid import Ends
 from fem.elements.elasticity import mass, stiffness
 from fem.sections.section_constants import SectionConstants, beam_properties, section_constants
 from lumped.arrays import Array
-from lumped.chains import axis_rotation
 from lumped.legs import ConstantLeg, Material, tip_compliance
+from lumped.models.chains import axis_rotation
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Section, Tube
 from meshes.elements import SolidElement
 from meshes.prism.hexahedra import hexahedra

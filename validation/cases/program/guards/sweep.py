@@ -10,8 +10,8 @@ from fem.reduction.superelement import held_leg
 from fem.solvers import sparse_system
 from lumped.arrays import Array
 from lumped.biglide import Biglide, postures, system
-from lumped.leg_matrices import LegMatrices
 from lumped.legs import equivalent_leg
+from lumped.mechanism.body_model import LegMatrices
 from lumped.system import sweep
 from lumped.system.assembly import assembly
 from validation.case import Absolute, Case, Measurement, Tolerance

@@ -14,8 +14,8 @@ from scipy.linalg import eigh
 from fem.sections.section_constants import section_constants
 from lumped.arrays import Array
 from lumped.biglide import Biglide, scaled
+from lumped.dense.modes import dense
 from lumped.legs import Theory
-from lumped.modes import dense
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Section, Tube
 from meshes.section.section_mesh import section_mesh
 from validation.case import Case

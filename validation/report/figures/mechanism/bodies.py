@@ -7,9 +7,9 @@ from itertools import pairwise
 import numpy as np
 
 from lumped.arrays import Array, IntArray
-from lumped.leg_matrices import LegMatrices
 from lumped.legs import equivalent_leg
 from lumped.mechanism.body import Rigid
+from lumped.mechanism.body_model import LegMatrices
 from lumped.mechanism.free_twists import interface_position
 from lumped.mechanism.joint import Joint, Side
 from lumped.mechanism.mechanism import GROUND, Mechanism

@@ -5,10 +5,10 @@ from itertools import cycle
 
 import numpy as np
 
+from lumped.acceptance.requirement import STATIC_QUANTITIES
 from lumped.arrays import Array
 from lumped.legs import ConstantLeg
 from lumped.mechanism.mechanism import Posture
-from lumped.requirement import STATIC_QUANTITIES
 from validation.adequacy.mechanism.dynamics import (
     dynamic_reference,
     model_vibration,

@@ -7,8 +7,8 @@ import numpy as np
 
 from fem.bodies import solid
 from lumped.arrays import Array, IntArray
-from lumped.cantilever import clamped_modes
 from lumped.legs import ConstantLeg
+from lumped.models.cantilever import clamped_modes
 from meshes.elements import ELEMENTS
 from meshes.solid_mesh import SolidMesh
 from validation.cases.legs import constant_leg_of

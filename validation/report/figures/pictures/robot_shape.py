@@ -7,8 +7,8 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.biglide import Biglide, Places
-from lumped.leg_matrices import LegMatrices
 from lumped.legs import ConstantLeg, equivalent_leg
+from lumped.mechanism.body_model import LegMatrices
 from lumped.system.assembly import System
 from lumped.system.solution import solved
 from validation.report.figures.pictures.drawing.prisms import (

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from lumped import simplified
 from lumped.errors import ComputationError, InputError
+from lumped.models import simplified
 
 MICROMETRE = 1e-6
 FX, FY = np.array([1000.0, 0.0]), np.array([0.0, 1000.0])

@@ -4,9 +4,9 @@ import numpy as np
 from scipy.linalg import LinAlgError, cho_factor, cho_solve
 
 from lumped.arrays import Array, SparseMatrix
-from lumped.balance import balanced_flexibility
+from lumped.dense.balance import balanced_flexibility
+from lumped.dense.modes import dense, unit_diagonal
 from lumped.errors import ComputationError
-from lumped.modes import dense, unit_diagonal
 
 # Pivots of the stiffness with unit diagonal: a chain of n elements has them down to about 1/8n³
 # (3e-8 for 160), rounding of a singular matrix leaves about 1e-16 to 1e-15.

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from scipy.linalg import cho_factor, cho_solve
 
-from lumped.balance import balanced_flexibility, rounding_of_flexibility
+from lumped.dense.balance import balanced_flexibility, rounding_of_flexibility
+from lumped.dense.modes import solve_modes
+from lumped.dense.statics import solve_statics
 from lumped.errors import ComputationError
-from lumped.modes import solve_modes
-from lumped.statics import solve_statics
 
 LOADS = np.array([[0.0], [1.0]])
 

@@ -9,11 +9,11 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
 
-from lumped import simplified, vjm
 from lumped.biglide import Biglide, scaled
-from lumped.chains import Fixed, Joint, Spring, chain_jacobians
 from lumped.errors import ComputationError, InputError
 from lumped.legs import GivenLeg, constant_leg, given_compliance
+from lumped.models import simplified, vjm
+from lumped.models.chains import Fixed, Joint, Spring, chain_jacobians
 from lumped.screws import move_compliance, rotation_z
 
 X, Y, Z = np.eye(3)

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from lumped.acceptance.measured import Measured, digest, read_measured
 from lumped.errors import InputError
-from lumped.measured import Measured, digest, read_measured
 from lumped.robot_file import load_robot
 from lumped.robot_file.measured import with_measured
 

@@ -16,13 +16,13 @@ from pathlib import Path
 
 import numpy as np
 
+from lumped.acceptance.requirement import MOST_MODES, STATIC_QUANTITIES
 from lumped.biglide import Biglide
 from lumped.errors import InputError
 from lumped.files import read_ordinary
 from lumped.mechanism.kinematics.postures import posture
 from lumped.mechanism.mechanism import Mechanism
 from lumped.models.bodies import legs_of
-from lumped.requirement import MOST_MODES, STATIC_QUANTITIES
 from lumped.text import shown
 
 _OF_LEG = re.compile(r"([\w-]{1,40})\.c([1-6])([1-6])")

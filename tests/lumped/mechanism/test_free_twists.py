@@ -5,12 +5,12 @@ from types import MappingProxyType
 import numpy as np
 import pytest
 
-from lumped.chains import axis_rotation
 from lumped.mechanism.body import Body, Rigid
 from lumped.mechanism.frame import Frame
 from lumped.mechanism.free_twists import free_twists, interface_position
 from lumped.mechanism.joint import Joint, Side
 from lumped.mechanism.mechanism import Mechanism, Posture, Tool
+from lumped.models.chains import axis_rotation
 
 AXIS = np.array([2.0, -1.0, 2.0]) / 3.0
 OTHER = np.array([1.0, 0.0, -1.0]) / np.sqrt(2.0)

@@ -3,9 +3,9 @@
 import numpy as np
 
 from lumped.arrays import Array
-from lumped.leg_matrices import LegMatrices
-from lumped.modes import Modes, dense, solve_modes
-from lumped.statics import flexibility
+from lumped.dense.modes import Modes, dense, solve_modes
+from lumped.dense.statics import flexibility
+from lumped.mechanism.body_model import LegMatrices
 
 _ROOT = 6
 

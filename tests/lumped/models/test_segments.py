@@ -8,11 +8,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
+from lumped.dense.modes import dense, solve_modes
 from lumped.errors import InputError
 from lumped.legs import BeamProperties, constant_leg, tip_compliance
-from lumped.modes import dense, solve_modes
-from lumped.screws import shift
-from lumped.segments import (
+from lumped.models.segments import (
     Chain,
     condensed_release,
     printed_release,
@@ -21,6 +20,7 @@ from lumped.segments import (
     static_leg,
     with_printed_tip_joint,
 )
+from lumped.screws import shift
 
 # Leg 1 of the IFW demonstrator as a constant section (paper §2.3 applied to its appendix).
 LENGTH = 0.85

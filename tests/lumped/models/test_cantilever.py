@@ -7,9 +7,9 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.sparse import csr_matrix, diags_array
 
-from lumped.cantilever import clamped_modes, tip_compliance_of
 from lumped.errors import ComputationError
-from lumped.leg_matrices import LegMatrices
+from lumped.mechanism.body_model import LegMatrices
+from lumped.models.cantilever import clamped_modes, tip_compliance_of
 
 SPRINGS = np.array([1e9, 2e6, 3e6, 4e5, 5e5, 6e5])
 MASSES = np.array([2.0, 2.0, 2.0, 0.1, 0.2, 0.3])

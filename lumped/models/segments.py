@@ -18,8 +18,8 @@ from scipy.sparse import coo_matrix, csr_matrix
 
 from lumped.arrays import Array, SparseMatrix
 from lumped.errors import InputError
-from lumped.leg_matrices import LegMatrices
 from lumped.legs import BeamProperties
+from lumped.mechanism.body_model import LegMatrices
 from lumped.screws import move_compliance, shift
 
 Layout: TypeAlias = Literal["half", "literal"]

@@ -11,12 +11,12 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve, solve
 
 from lumped.arrays import Array
-from lumped.balance import rounding_of_flexibility
 from lumped.biglide import Biglide
-from lumped.chains import Chain, Element, Fixed, Joint, Spring, chain_jacobians
+from lumped.dense.balance import rounding_of_flexibility
 from lumped.errors import ComputationError
 from lumped.legs import EquivalentBy, Theory, equivalent_leg, given_compliance, tip_compliance
-from lumped.screw_names import name_twists, name_wrenches
+from lumped.models.chains import Chain, Element, Fixed, Joint, Spring, chain_jacobians
+from lumped.screws import name_twists, name_wrenches
 
 # All thresholds act on matrices without units. Rounding of a 6×6 problem is about 1e-15; a robot
 # whose stiffest and softest directions are 1e12 apart is outside double precision anyway.

@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
+from lumped.acceptance.requirement import Requirement, with_options
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg
-from lumped.requirement import Requirement, with_options
 from lumped.robot_file import load_robot
 
 SMALL = """

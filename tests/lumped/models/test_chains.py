@@ -10,8 +10,8 @@ from numpy.testing import assert_allclose
 from scipy.linalg import expm
 from scipy.spatial.transform import Rotation
 
-from lumped.chains import Fixed, Joint, Spring, chain_jacobians
 from lumped.errors import InputError
+from lumped.models.chains import Fixed, Joint, Spring, chain_jacobians
 
 KINDS = ["fixed", "prismatic", "revolute", "actuated", "spring"]
 
