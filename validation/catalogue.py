@@ -15,6 +15,7 @@ from validation.cases import (
     longer_legs,
     mechanism,
     mechanism_calculix,
+    mechanism_exudyn,
     mechanism_motion,
     paper,
     program,
@@ -82,6 +83,7 @@ def _of_mechanism(robot_file: RobotFile) -> Sequence[Task]:
         *mechanism.cases(),
         *mechanism_motion.cases(described),
         *mechanism_calculix.cases(),
+        *mechanism_exudyn.cases(described),
         *([_MEASURED] if robot_file.measured else []),
     )
 

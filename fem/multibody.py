@@ -1,77 +1,124 @@
-"""A mechanism in EXUDYN: geometrically exact beams, rigid bodies, generic joints, springs.
+"""A mechanism in EXUDYN, a multibody code: geometrically exact beams, rigid bodies, generic joints.
 
 The model stands in its posture without strain; its own linearisation gives the frequencies.
+J. Gerstmayr, Multibody System Dynamics 60 (2024) 617. An optional extra, imported where it is used.
 """
 
+from importlib.metadata import PackageNotFoundError, version
 from itertools import pairwise
+from typing import Any
 
-import exudyn as exu
 import numpy as np
-from exudyn.itemInterface import (
-    GenericJoint,
-    MarkerBodyRigid,
-    MarkerNodeRigid,
-    NodeRigidBodyRotVecLG,
-    ObjectBeamGeometricallyExact,
-    ObjectConnectorRigidBodySpringDamper,
-    ObjectGround,
-    ObjectRigidBody,
-)
 from scipy.spatial.transform import Rotation
 
-from lumped.mechanism.body import Prism, Rigid
+from lumped.arrays import Array
+from lumped.errors import InputError
+from lumped.legs import equivalent_leg
+from lumped.mechanism.body import Given, Prism, Rigid
 from lumped.mechanism.free_twists import free_twists, interface_position
 from lumped.mechanism.joint import Joint, Side
-from lumped.mechanism.mechanism import GROUND, Posture
+from lumped.mechanism.mechanism import GROUND, Mechanism, Posture
+from lumped.mechanism.part import Part
 from lumped.models.bodies import leg_of
 
 # Its projection on the joints takes singular values below this one for none.
-TOLERANCE = 1e-6
+_TOLERANCE = 1e-6
 
 
-def frequencies(posture: Posture, elements: int, count: int) -> np.ndarray:
-    """The lowest `count` frequencies (Hz), idle ones included, `elements` beams a leg."""
+class ExudynMissing(Exception):  # noqa: N818  not an error: a comparison that cannot be made here
+    """EXUDYN is not installed on this machine."""
+
+
+def exudyn_version() -> str:
+    """The version of EXUDYN; raises ExudynMissing where it is not installed."""
+    try:
+        return version("exudyn")
+    except PackageNotFoundError:
+        raise ExudynMissing(
+            "EXUDYN is not installed; pip install 'flexproof[exudyn]' brings it"
+        ) from None
+
+
+def require_beams(mechanism: Mechanism) -> None:
+    """Raise InputError, one line per fault, for what is no prism, rigid body or rigid joint."""
+    faults = [
+        f"{name}: EXUDYN's beams have a section; this body is a {what}"
+        for kind, what in ((Given, "6×6"), (Part, "part"))
+        for name, body in mechanism.bodies.items()
+        if isinstance(body.shape, kind)
+    ]
+    faults += [
+        f"{name}: EXUDYN takes no body without mass"
+        for name, body in mechanism.bodies.items()
+        if isinstance(body.shape, Rigid) and name != GROUND and not body.shape.mass
+    ]
+    faults += [
+        f"{joint.name}: joints that give are not written for EXUDYN"
+        for joint in mechanism.joints
+        if joint.compliance is not None
+    ]
+    if faults:
+        raise InputError(faults)
+
+
+def frequencies(posture: Posture, elements: int, count: int) -> Array:
+    """The lowest `count` frequencies (Hz), idle ones included, `elements` beams a leg.
+
+    Raises ExudynMissing, and InputError as `require_beams` does.
+    """
+    exudyn_version()
+    require_beams(posture.mechanism)
     system = _System(posture, elements)
     system.mbs.Assemble()
     found = system.mbs.ComputeODE2Eigenvalues(
-        convert2Frequencies=True, singularValuesTolerance=TOLERANCE
+        convert2Frequencies=True, singularValuesTolerance=_TOLERANCE
     )
-    return np.sort(np.asarray(found[0]))[:count]
+    return np.sort(np.asarray(found[0], dtype=float))[:count]
 
 
 class _System:
     def __init__(self, posture: Posture, elements: int) -> None:
+        import exudyn  # noqa: PLC0415  an optional extra, and slow to import
+        from exudyn import itemInterface  # noqa: PLC0415
+
         self.posture, self.elements = posture, elements
-        container = exu.SystemContainer()
+        self.items: Any = itemInterface
+        container = exudyn.SystemContainer()
+        # It ends with its container.
         self.container, self.mbs = container, container.AddSystem()
+        self.section: Any = exudyn.BeamSection
         # Marker and rotation of what carries each interface.
-        self.markers: dict[tuple[str, str], tuple[int, np.ndarray]] = {}
+        self.markers: dict[tuple[str, str], tuple[int, Array]] = {}
         for name, body in posture.mechanism.bodies.items():
             if name == GROUND:
-                ground = self.mbs.AddObject(ObjectGround())
+                ground = self.mbs.AddObject(self.items.ObjectGround())
                 for point, frame in body.interfaces.items():
                     self._mark_body(ground, name, point, frame.position, np.eye(3))
             elif isinstance(body.shape, Prism):
                 self._add_beam(name)
-            else:
+            elif isinstance(body.shape, Rigid):
                 self._add_rigid(name, body.shape)
         self._add_tool()
         for joint in posture.mechanism.joints:
             self._add_joint(joint)
 
-    def _node(self, position: np.ndarray, rotation: np.ndarray) -> int:
+    def _node(self, position: Array, rotation: Array) -> int:
         vector = Rotation.from_matrix(rotation).as_rotvec()
-        return self.mbs.AddNode(NodeRigidBodyRotVecLG(referenceCoordinates=[*position, *vector]))
+        placed = self.items.NodeRigidBodyRotVecLG(referenceCoordinates=[*position, *vector])
+        node: int = self.mbs.AddNode(placed)
+        return node
 
-    def _mark_body(self, number, name, point, position, rotation) -> None:
-        marker = self.mbs.AddMarker(MarkerBodyRigid(bodyNumber=number, localPosition=position))
-        self.markers[name, point] = marker, rotation
+    def _mark_body(
+        self, number: int, name: str, point: str, position: Array, rotation: Array
+    ) -> None:
+        carried = self.items.MarkerBodyRigid(bodyNumber=number, localPosition=position)
+        self.markers[name, point] = self.mbs.AddMarker(carried), rotation
 
     def _add_beam(self, name: str) -> None:
         body, frame = self.posture.mechanism.bodies[name], self.posture.frames[name]
-        leg = leg_of(body)
+        leg = equivalent_leg(leg_of(body))
         p = leg.timoshenko
-        section = exu.BeamSection()
+        section = self.section()
         section.stiffnessMatrix = np.diag([p.EA, p.GAy, p.GAz, p.GJ, p.EIy, p.EIz])
         section.massPerLength = p.mu
         section.inertia = np.diag([p.rho_J, p.rho_Iy, p.rho_Iz])
@@ -81,14 +128,14 @@ class _System:
         ]
         for pair in pairwise(nodes):
             self.mbs.AddObject(
-                ObjectBeamGeometricallyExact(
+                self.items.ObjectBeamGeometricallyExact(
                     nodeNumbers=list(pair),
                     length=leg.length / self.elements,
                     sectionData=section,
                 )
             )
         for point, node in zip(body.interfaces, (nodes[0], nodes[-1]), strict=True):
-            marker = self.mbs.AddMarker(MarkerNodeRigid(nodeNumber=node))
+            marker = self.mbs.AddMarker(self.items.MarkerNodeRigid(nodeNumber=node))
             self.markers[name, point] = marker, frame.rotation
 
     def _add_rigid(self, name: str, shape: Rigid) -> None:
@@ -97,15 +144,16 @@ class _System:
         for point, place in self.posture.mechanism.bodies[name].interfaces.items():
             self._mark_body(number, name, point, place.position - shape.centre, frame.rotation)
 
-    def _rigid(self, centre: np.ndarray, rotation: np.ndarray, shape: Rigid) -> int:
+    def _rigid(self, centre: Array, rotation: Array, shape: Rigid) -> int:
         J = shape.inertia
-        return self.mbs.AddObject(
-            ObjectRigidBody(
+        number: int = self.mbs.AddObject(
+            self.items.ObjectRigidBody(
                 mass=shape.mass,
                 inertia=[J[0, 0], J[1, 1], J[2, 2], J[1, 2], J[0, 2], J[0, 1]],
                 nodeNumber=self._node(centre, rotation),
             )
         )
+        return number
 
     def _add_tool(self) -> None:
         tool = self.posture.mechanism.tool
@@ -113,12 +161,13 @@ class _System:
             return
         at = interface_position(self.posture, Side(tool.body, tool.point))
         load = self._rigid(at, np.eye(3), Rigid(tool.mass))
-        mine = self.mbs.AddMarker(MarkerBodyRigid(bodyNumber=load, localPosition=np.zeros(3)))
+        carried = self.items.MarkerBodyRigid(bodyNumber=load, localPosition=np.zeros(3))
         marker, rotation = self.markers[tool.body, tool.point]
-        self.mbs.AddObject(GenericJoint(markerNumbers=[marker, mine], rotationMarker0=rotation.T))
+        markers = [marker, self.mbs.AddMarker(carried)]
+        held = self.items.GenericJoint(markerNumbers=markers, rotationMarker0=rotation.T)
+        self.mbs.AddObject(held)
 
     def _add_joint(self, joint: Joint) -> None:
-        assert joint.compliance is None, "rigid joints alone"
         marker0, rotation0 = self.markers[joint.first.body, joint.first.point]
         marker1, rotation1 = self.markers[joint.second.body, joint.second.point]
         free = free_twists(self.posture, joint)
@@ -130,7 +179,7 @@ class _System:
             "rotationMarker0": rotation0.T @ axes,
             "rotationMarker1": rotation1.T @ axes,
         }
-        self.mbs.AddObject(GenericJoint(constrainedAxes=constrained, **frames))
+        self.mbs.AddObject(self.items.GenericJoint(constrainedAxes=constrained, **frames))
         if joint.drive is not None and joint.drive.stiffness is not None:
             stiffness, offset = np.zeros((6, 6)), np.zeros(6)
             stiffness[driven, driven] = joint.drive.stiffness
@@ -139,13 +188,13 @@ class _System:
             )
             offset[:3] = axes.T @ gap
             self.mbs.AddObject(
-                ObjectConnectorRigidBodySpringDamper(
+                self.items.ObjectConnectorRigidBodySpringDamper(
                     stiffness=stiffness, offset=list(offset), **frames
                 )
             )
 
 
-def _joint_axes(joint: Joint, free: np.ndarray) -> tuple[np.ndarray, list[int], int]:
+def _joint_axes(joint: Joint, free: Array) -> tuple[Array, list[int], int]:
     """Axes of the joint (columns, base axes), what it holds along and about them, its drive."""
     held = [1, 1, 1, 1, 1, 1]
     if joint.kind == "fixed":
@@ -156,6 +205,8 @@ def _joint_axes(joint: Joint, free: np.ndarray) -> tuple[np.ndarray, list[int], 
         first, second = free[3:, 0], free[3:, 1]
         normal = np.cross(first, second)
         return _with_x(first, normal), [1, 1, 1, 0, 0, 1], 3
+    if joint.kind == "planar":
+        return np.column_stack([free[:3, 0], free[:3, 1], free[3:, 2]]), [0, 0, 1, 1, 1, 0], 5
     axis = free[:3, 0] if joint.kind in ("prismatic", "cylindrical") else free[3:, 0]
     if joint.kind in ("prismatic", "cylindrical"):
         held[0] = 0
@@ -165,6 +216,6 @@ def _joint_axes(joint: Joint, free: np.ndarray) -> tuple[np.ndarray, list[int], 
     return _with_x(axis, across), held, 3 if joint.kind == "revolute" else 0
 
 
-def _with_x(x: np.ndarray, z: np.ndarray) -> np.ndarray:
+def _with_x(x: Array, z: Array) -> Array:
     z = z / np.linalg.norm(z)
     return np.column_stack([x, np.cross(z, x), z])

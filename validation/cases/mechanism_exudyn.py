@@ -1,0 +1,92 @@
+"""A mechanism of beams against EXUDYN, a multibody code, in the reference posture and off it."""
+
+from functools import partial
+
+import numpy as np
+
+from fem.multibody import ExudynMissing, exudyn_version, frequencies
+from lumped.arrays import Array
+from lumped.errors import InputError
+from lumped.mechanism.kinematics.postures import reference_posture
+from lumped.mechanism.mechanism import Mechanism, Posture
+from validation.adequacy.mechanism.path import path_postures
+from validation.case import Case, Measurement, Relative, Skip
+from validation.cases.mechanism import SECTION
+from validation.context import Context
+from validation.models.mechanism import Answer, answers
+from validation.studies.convergence import step_factor
+
+MODES = 6
+# Beams a leg: of second order, so that extrapolated ones are of fourth.
+_ELEMENTS = (4, 8, 16)
+_PLACES = {"reference": "the reference posture", "start": "the first pose of the path"}
+
+
+def cases(mechanism: Mechanism) -> tuple[Case, ...]:
+    """The first frequencies in two postures; in one of what does not move."""
+    places = _PLACES if mechanism.tool.moves else {"reference": _PLACES["reference"]}
+    return tuple(
+        Case(
+            id=f"mechanism.exudyn[{place}]",
+            title=f"EXUDYN gives the first {MODES} frequencies in {said}, legs as beams",
+            quantity=f"natural frequency of the largest difference, {said}",
+            unit="Hz",
+            reference_kind="independent-solver",
+            citation="EXUDYN, geometrically exact beams, generic joints and springs, linearised in "
+            "the posture; 8 and 16 beams a leg extrapolated by their second order",
+            tolerance=Relative(5e-4),
+            tolerance_reason="the step from 4 and 8 beams a leg to 8 and 16 shows what the "
+            "extrapolated frequencies leave open, 1e-4 to 3e-4",
+            compute=partial(_frequency, place=place),
+            section=SECTION,
+            group="mechanism.exudyn",
+            effort=1.0,
+            model="beam",
+        )
+        for place, said in places.items()
+    )
+
+
+def by_exudyn(at: Posture, count: int) -> tuple[Array, Array]:
+    """The first `count` frequencies (Hz) by EXUDYN, extrapolated, and their uncertainty (Hz).
+
+    Raises ExudynMissing, and InputError for what is not written for it.
+    """
+    coarse, middle, fine = (frequencies(at, number, count) for number in _ELEMENTS)
+    extrapolated, before = (
+        finer + (finer - coarser) / 3.0 for coarser, finer in ((middle, fine), (coarse, middle))
+    )
+    return extrapolated, step_factor(2.0, 4.0) * np.abs(extrapolated - before)
+
+
+def by_both(at: Posture) -> tuple[Answer, Array, Array]:
+    """The program's own beams, and EXUDYN's frequencies (Hz) with their uncertainty, idle ones out.
+
+    What idles stands first there, with the frequency that rounding gives it.
+    """
+    (own,) = answers("beam", [at], MODES)
+    found, uncertain = by_exudyn(at, MODES + own.idle)
+    return own, found[own.idle :], uncertain[own.idle :]
+
+
+def _frequency(context: Context, place: str) -> Measurement:
+    at = path_postures(context)[0]
+    at = reference_posture(at.mechanism) if place == "reference" else at
+    try:
+        own, theirs, uncertain = context.get(by_both, at)
+    except ExudynMissing as missing:
+        raise Skip(str(missing)) from None
+    except InputError as error:
+        raise Skip("; ".join(error.faults)) from None
+    worst = int(np.argmax(np.abs(own.frequencies / theirs - 1.0)))
+    return Measurement(
+        float(own.frequencies[worst]),
+        float(theirs[worst]),
+        reference_uncertainty=float(uncertain[worst]),
+        notes=(f"mode {worst + 1}; EXUDYN {exudyn_version()}",),
+        table={
+            "mode": tuple(float(k) for k in range(1, len(theirs) + 1)),
+            "EXUDYN, extrapolated (Hz)": tuple(theirs.tolist()),
+            "beam elements (Hz)": tuple(own.frequencies.tolist()),
+        },
+    )
