@@ -20,6 +20,7 @@ from lumped.robots import RobotType
 from validation.console import streams
 from validation.console.arguments import ProcessCount, WholeNumber
 from validation.console.streams import complain, say
+from validation.console.written import require_place, write
 from validation.kinematics import commands as kinematics
 from validation.parts import commands
 from validation.selftest import command as selftests
@@ -314,9 +315,11 @@ def solve(
     from validation.console.waiting import in_a_process  # noqa: PLC0415
     from validation.solve import command  # noqa: PLC0415
     from validation.solve.answer import as_json, as_text  # noqa: PLC0415
+    from validation.solve.variations import robots  # noqa: PLC0415
     from validation.solve.variations.command import Spread, solve_spread  # noqa: PLC0415
 
     require_address_space(TO_COMPUTE)
+    require_place(csv)
     robot_file = load_robot(robot)
     choices = {
         "legs": legs,
@@ -331,11 +334,14 @@ def solve(
     }
     given = {name: value for name, value in choices.items() if value is not None}
     place = command.Place(x, pose, leg, body)
-    if vary or csv or cluster or jobs:
+    if vary or csv or jobs or cluster is not None:
         if against:
             raise InputError("--against: modes are paired for one robot; leave out --vary")
-        spread = Spread(vary, jobs or 1, cluster, csv)
-        say(solve_spread(robot_file, spread, model, place, modes, given, as_json=json))
+        spread = Spread(vary, jobs or 1, cluster)
+        varied = solve_spread(robot_file, spread, model, place, modes, given)
+        say(robots.as_json(varied) if json else robots.as_text(varied))
+        if csv is not None:
+            write(csv, robots.as_csv(varied).encode())
         return 0
     asked = command.question(robot_file, model, place, modes, given, against)
     cost = command.checked(asked)

@@ -68,13 +68,24 @@ def measured_faults(one: Measured, place: str) -> list[str]:
         faults.append(f"{place}.quantity = {shown(one.quantity)}: must be one of {_NAMES}")
     elif one.leg_entry is not None and one.pose:
         faults.append(f"{place}.pose: must be left out, a leg alone has none")
-    if not (isfinite(one.value) and one.value != 0.0):
+    positive = _why_positive(one)
+    if positive and not (isfinite(one.value) and one.value > 0.0):
+        faults.append(f"{place}.value = {one.value}: must be above 0, {positive}")
+    elif not (isfinite(one.value) and one.value != 0.0):
         faults.append(f"{place}.value = {one.value}: must be a number other than 0")
     for name in ("uncertainty", "load"):
         number = getattr(one, name)
         if not (isfinite(number) and number > 0.0):
             faults.append(f"{place}.{name} = {number}: must be above 0")
     return faults
+
+
+def _why_positive(one: Measured) -> str:
+    """What the value is of which no elastic robot has a negative one; "" for couplings."""
+    if one.leg_entry is None:
+        return "a natural frequency" if one.mode else "a deflection along its own load"
+    _, row, column = one.leg_entry
+    return "an entry on the diagonal of a compliance" if row == column else ""
 
 
 def read_measured(path: Path) -> tuple[Measured, ...]:

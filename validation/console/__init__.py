@@ -1,4 +1,4 @@
-"""What lies between the commands and the shell: its streams, and the numbers that people type.
+"""What lies between commands and shell: streams, numbers that people type, files that they name.
 
 Everything the commands print goes through here, whatever became of the terminal.
 """

@@ -5,7 +5,8 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from validation.console.streams import complain, say
+from validation.console.streams import say
+from validation.console.written import require_place, write
 
 
 def kinematics(
@@ -33,12 +34,12 @@ def kinematics(
     from validation.kinematics import listing  # noqa: PLC0415
     from validation.kinematics.poses import parsed_poses, postures_of  # noqa: PLC0415
 
+    require_place(picture)
     mechanism = load_robot(robot).mechanism
     found = postures_of(mechanism, parsed_poses(mechanism, pose) if pose else mechanism.poses)
     say((listing.as_json if json else listing.as_text)(mechanism, found))
     if picture is not None:
-        from validation.kinematics.picture import write_picture  # noqa: PLC0415
+        from validation.kinematics.picture import png  # noqa: PLC0415
 
-        write_picture(picture, mechanism, found)
-        complain([f"{picture} written"], 0)
+        write(picture, png(mechanism, found))
     return 0

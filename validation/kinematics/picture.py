@@ -6,8 +6,8 @@ seen along its normal, any other from above and aside, both without perspective.
 
 from collections.abc import Sequence
 from dataclasses import replace
+from io import BytesIO
 from itertools import permutations
-from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -17,7 +17,6 @@ from matplotlib.figure import Figure as Canvas
 from matplotlib.patheffects import withStroke
 
 from lumped.arrays import Array
-from lumped.errors import InputError
 from lumped.mechanism.free_twists import interface_position
 from lumped.mechanism.joint import Joint, Side
 from lumped.mechanism.kinematics.postures import shown_pose
@@ -42,17 +41,12 @@ _SYMBOL = 0.035
 _TEXT = 7.0
 
 
-def write_picture(path: Path, mechanism: Mechanism, postures: Sequence[Posture]) -> None:
-    """Draw the middle one of the postures in full and the others as lines into a PNG file.
-
-    Raises InputError where the file cannot be written.
-    """
+def png(mechanism: Mechanism, postures: Sequence[Posture]) -> bytes:
+    """PNG of the mechanism: the middle one of the postures in full, the others as lines."""
     with plot_style():
-        canvas = picture(mechanism, postures)
-        try:
-            canvas.savefig(path, dpi=_DOTS, format="png")
-        except OSError as error:
-            raise InputError(f"{path}: cannot be written ({error.strerror})") from error
+        content = BytesIO()
+        picture(mechanism, postures).savefig(content, dpi=_DOTS, format="png")
+    return content.getvalue()
 
 
 def picture(

@@ -7,12 +7,17 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from cyclopts import Parameter
 
 from lumped.errors import InputError
+from validation.console.arguments import WholeNumber
 from validation.console.streams import complain, say
+from validation.console.written import require_place, write
 
 if TYPE_CHECKING:
     from validation.parts.identify import Identified
 
 Unit = Literal["m", "mm", "cm", "inch"]
+_FEWEST_UNKNOWNS = 1000
+# More than any mesh of three that fits into memory resolves.
+_MOST_MODES = 100
 
 
 def faces(
@@ -55,8 +60,8 @@ def faces(
     if drawn.left_out:
         complain([drawn.left_out], 0)
     else:
-        _write(folder / f"{part.name}.faces.png", drawn.png)
-    _write(folder / f"{part.name}.faces.html", page.encode())
+        write(folder / f"{part.name}.faces.png", drawn.png)
+    write(folder / f"{part.name}.faces.html", page.encode())
     return 0
 
 
@@ -67,8 +72,8 @@ def identify(
     material: str | None = None,
     unit: Unit | None = None,
     body: str | None = None,
-    unknowns: int | None = None,
-    modes: int | None = None,
+    unknowns: WholeNumber | None = None,
+    modes: WholeNumber | None = None,
     out: Path | None = None,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
@@ -99,11 +104,12 @@ def identify(
     from validation.parts import identified_text  # noqa: PLC0415
     from validation.parts.identify import DEFAULT_MODES, DEFAULT_UNKNOWNS  # noqa: PLC0415
 
-    faults = [
-        f"--{name} = {value}: must be {least} or more"
-        for name, value, least in (("unknowns", unknowns, 1000), ("modes", modes, 0))
-        if value is not None and value < least
-    ]
+    require_place(out)
+    faults = []
+    if unknowns is not None and unknowns < _FEWEST_UNKNOWNS:
+        faults.append(f"--unknowns = {unknowns}: must be {_FEWEST_UNKNOWNS} or more")
+    if modes is not None and not 0 <= modes <= _MOST_MODES:
+        faults.append(f"--modes = {modes}: must be from 0 to {_MOST_MODES}")
     if body is None and material is None:
         faults.append("--material: missing; must be given, { E = 2.1e11, nu = 0.3, rho = 7850.0 }")
     if body is not None and (interface or material or unit):
@@ -116,14 +122,14 @@ def identify(
         found = _typed(Path(part), interface, material or "", unit, size, count)
     else:
         found = _of_robot(part, body, size, count)
+    say(identified_text.as_json(found) if json else identified_text.as_text(found))
     if out is not None:
         import numpy as np  # noqa: PLC0415
 
         buffer = BytesIO()
         named: Any = identified_text.as_arrays(found)
         np.savez(buffer, **named)
-        _write(out, buffer.getvalue())
-    say(identified_text.as_json(found) if json else identified_text.as_text(found))
+        write(out, buffer.getvalue())
     return 0
 
 
@@ -153,12 +159,3 @@ def _of_robot(robot: str, body: str, size: int, modes: int) -> "Identified":
         known = ", ".join(bodies) or "none"
         raise InputError(f"--body {body}: is no part from a file; the parts of {robot}: {known}")
     return parts.identified(bodies[body], size, modes)
-
-
-def _write(path: Path, content: bytes) -> None:
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(content)
-    except OSError as error:
-        raise InputError(f"{path}: cannot be written ({error.strerror})") from error
-    complain([f"{path} written"], 0)

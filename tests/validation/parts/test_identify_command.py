@@ -94,6 +94,26 @@ def test_a_wrong_request_is_one_line_and_exit_code_2(capsys, bores, messages):
 
 
 @pytest.mark.parametrize(
+    ("option", "value", "message"),
+    [
+        ("--modes", "1.7", 'Invalid value "1.7" for --modes. Must be a whole number'),
+        ("--modes", "100000", "--modes = 100000: must be from 0 to 100"),
+        ("--unknowns", "1500.9", 'Invalid value "1500.9" for --unknowns. Must be a whole number'),
+        ("--unknowns", "999", "--unknowns = 999: must be 1000 or more"),
+        ("--out", str(ROCKER / "matrices.npz"), "rocker.step is no folder"),
+    ],
+)
+def test_a_wrong_option_is_refused_before_the_part_is_read(
+    capsys, monkeypatch, option, value, message
+):
+    monkeypatch.setattr(identifying, "identify", lambda *_: pytest.fail("computed"))
+    assert cli.main(asked(BORES, option, value)) == 2
+    said = capsys.readouterr().err
+    assert message in said
+    assert said.count("\n") == 1
+
+
+@pytest.mark.parametrize(
     ("material", "message"),
     [
         ("{ E = 2.1e11, nu = 0.3, rho = 0.0 }", "rho = 0.0: must be at least 25 kg/m³"),

@@ -1,8 +1,7 @@
-"""`solve --vary`: where the robots are computed and what is written of them."""
+"""`solve --vary`: what is asked of which robots, and where they are computed."""
 
 from contextlib import ExitStack
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 from lumped.errors import InputError
@@ -11,8 +10,7 @@ from lumped.robot_file.variation import variations_of
 from validation.console.streams import complain
 from validation.models.options import ModelName
 from validation.solve import command
-from validation.solve.variations.robots import as_csv, as_text, solve_varied
-from validation.solve.variations.robots import as_json as json_of
+from validation.solve.variations.robots import VariedAnswers, solve_varied
 from validation.sweeps.cluster import on_cluster
 from validation.sweeps.cores import on_cores
 from validation.sweeps.runner import Executor, in_turn
@@ -20,12 +18,11 @@ from validation.sweeps.runner import Executor, in_turn
 
 @dataclass(frozen=True)
 class Spread:
-    """What is varied, as typed, by how many processes or which cluster, and the table's file."""
+    """What is varied, as typed, and by how many processes or which cluster."""
 
     typed: tuple[str, ...]
     jobs: int = 1
     cluster: str | None = None
-    csv: Path | None = None
 
 
 def solve_spread(
@@ -35,10 +32,8 @@ def solve_spread(
     place: command.Place,
     modes: int | None,
     given: dict[str, Any],
-    *,
-    as_json: bool,
-) -> str:
-    """The answers as text or JSON; the table goes to a file where one is asked for.
+) -> VariedAnswers:
+    """The answers for all robots.
 
     Raises InputError with one line per fault and ComputationError.
     """
@@ -46,12 +41,8 @@ def solve_spread(
         raise InputError("--jobs, --cluster, --csv: belong to --vary; leave them out")
     variations = variations_of(robot_file, spread.typed)
     with ExitStack() as stack:
-        found = solve_varied(
-            robot_file, variations, model, place, modes, given, _executor(spread, stack)
-        )
-    if spread.csv is not None:
-        _write(spread.csv, as_csv(found))
-    return json_of(found) if as_json else as_text(found)
+        executor = _executor(spread, stack)
+        return solve_varied(robot_file, variations, model, place, modes, given, executor)
 
 
 def _executor(spread: Spread, stack: ExitStack) -> Executor:
@@ -62,10 +53,3 @@ def _executor(spread: Spread, stack: ExitStack) -> Executor:
 
 def _mention(line: str) -> None:
     complain([line], 0)
-
-
-def _write(path: Path, text: str) -> None:
-    try:
-        path.write_text(text, encoding="utf-8", newline="")
-    except OSError as error:
-        raise InputError(f"{path}: cannot be written ({error.strerror})") from error
