@@ -1,32 +1,13 @@
 """Everything a run can compute for a robot: cases and figures."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 from lumped.robot_file import RobotFile
 from validation.adequacy.assessment import ADEQUACY, MEASURED, Assessment
 from validation.adequacy.robot import robot_adequacy
-from validation.case import Case
-from validation.cases import (
-    anchors,
-    decision,
-    end_restraint,
-    legs,
-    longer_legs,
-    mechanism,
-    mechanism_calculix,
-    mechanism_exudyn,
-    mechanism_motion,
-    paper,
-    program,
-    robot,
-    robot_calculix,
-    robot_modes,
-    robot_reduction,
-    robot_sixty,
-    robot_solid,
-    solids,
-)
+from validation.cases import legs, mechanism, paper, program, robot
+from validation.cases.paper import longer_legs
+from validation.cases.robot import decision, modes, sixty, solid
 from validation.context import BUILT_IN
 from validation.measured.matrix import measured_matrix
 from validation.report.figures import drawings, of_program
@@ -63,42 +44,23 @@ def _of_biglide(robot_file: RobotFile) -> Sequence[Task]:
     from_paper = robot_file.built_in and robot_file.source == BUILT_IN
     return (
         *(_paper() if from_paper else ()),
-        *_of_legs((*legs.cases(), *solids.cases())),
+        *legs.cases(),
         *robot.cases(),
-        *anchors.cases(),
-        *robot_solid.cases(),
-        *robot_modes.cases(),
-        *robot_reduction.cases(),
-        *robot_sixty.cases(),
-        *robot_calculix.cases(),
-        *decision.cases(),
-        *_of_legs(end_restraint.cases()),
         *([_MEASURED] if robot_file.measured else []),
     )
 
 
 def _of_mechanism(robot_file: RobotFile) -> Sequence[Task]:
-    described = robot_file.mechanism
-    return (
-        *mechanism.cases(),
-        *mechanism_motion.cases(described),
-        *mechanism_calculix.cases(),
-        *mechanism_exudyn.cases(described),
-        *([_MEASURED] if robot_file.measured else []),
-    )
-
-
-def _of_legs(cases: Sequence[Case]) -> list[Case]:
-    """The same cases, which say something of a leg alone."""
-    return [replace(case, subject="leg") for case in cases]
+    measured = [_MEASURED] if robot_file.measured else []
+    return (*mechanism.cases(robot_file.mechanism), *measured)
 
 
 def _paper() -> Sequence[Task]:
     return (
         *paper.cases(),
-        *robot_solid.paper_cases(),
-        *robot_modes.paper_cases(),
-        *robot_sixty.paper_cases(),
+        *solid.paper_cases(),
+        *modes.paper_cases(),
+        *sixty.paper_cases(),
         *decision.paper_cases(),
         *longer_legs.paper_cases(),
     )

@@ -13,13 +13,13 @@ from lumped.legs import ConstantLeg, Material
 from lumped.robot_file import load_robot
 from lumped.sections import Rectangle
 from validation.case import Skip
-from validation.cases.sweep_results import decision_of
 from validation.context import Context
 from validation.models.biglide import robot_compliance
 from validation.models.options import ModelOptions
 from validation.studies.decision import Brief, Choice, Decision, Value, decide, value_of
 from validation.studies.quantities import deflections_of
 from validation.sweeps.plans import RIGID, lumped_models, solid_model, stroke_stations
+from validation.sweeps.results import decision_of
 from validation.sweeps.units import SolvedPostures
 
 IFW_FILE = load_robot("ifw")

@@ -12,7 +12,7 @@ from lumped.legs import equivalent_leg
 from lumped.robot_file import load_robot
 from validation import cli
 from validation.case import judge
-from validation.cases.robot import rounded_deflections
+from validation.cases.robot.stroke import rounded_deflections
 from validation.catalogue import catalogue
 from validation.context import Context
 from validation.models.biglide import robot_compliance

@@ -30,9 +30,9 @@ from meshes.prism.hexahedra import hexahedra
 from meshes.prism.tetrahedra import tetrahedra
 from meshes.section.section_mesh import section_mesh
 from validation.case import Absolute, Case, Measurement, Outcome, Skip, judge
-from validation.cases import robot_solid
 from validation.cases.program import guards, judgement
 from validation.cases.program.guards import pairing, reduction, sweep, waves
+from validation.cases.robot import solid as robot_solid
 from validation.context import Context
 from validation.faults import detection, trial
 from validation.faults.catalogue import FAULTS

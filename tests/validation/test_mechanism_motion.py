@@ -4,7 +4,7 @@ import pytest
 
 from lumped.robot_file import load_robot
 from validation.case import judge
-from validation.cases import mechanism_motion
+from validation.cases.mechanism import motion as mechanism_motion
 from validation.context import Context
 from validation.faults import detection
 from validation.faults.catalogue import FAULTS

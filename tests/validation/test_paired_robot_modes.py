@@ -11,7 +11,8 @@ from lumped.legs import ConstantLeg, Material
 from lumped.robot_file import load_robot
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle
 from validation.case import Skip
-from validation.cases import robot_modes, robot_solid
+from validation.cases.robot import modes as robot_modes
+from validation.cases.robot import solid as robot_solid
 from validation.context import Context
 from validation.solids.robots import two_meshes
 from validation.studies.paired_robot_modes import (

@@ -12,10 +12,7 @@ from lumped.biglide import with_equivalent_legs
 from lumped.errors import InputError
 from lumped.robot_file import load_robot
 from validation.case import Skip, judge, perturbed
-from validation.cases import (
-    robot_calculix,
-    robot_sixty,
-)
+from validation.cases.robot import calculix, sixty
 from validation.context import Context
 from validation.models.biglide import robot_compliance, robot_frequencies, robot_legs
 from validation.models.options import ModelOptions
@@ -33,7 +30,7 @@ def context():
 
 
 # The cases of preset quick are the business of test_cases.
-@pytest.mark.parametrize("case", robot_calculix.cases(), ids=lambda case: case.id)
+@pytest.mark.parametrize("case", calculix.cases(), ids=lambda case: case.id)
 def test_calculix_agrees_and_turns(case, context):
     try:
         outcome = judge(case, case.compute(context), 0.0)
@@ -45,7 +42,7 @@ def test_calculix_agrees_and_turns(case, context):
 
 def test_absent_calculix_is_a_skipped_case(monkeypatch):
     monkeypatch.setenv("PATH", "")
-    case = robot_calculix.cases()[0]
+    case = calculix.cases()[0]
     with pytest.raises(Skip, match="calculix-ccx"):
         case.compute(Context(ROBOT_FILE, "standard"))
 
@@ -95,14 +92,14 @@ def test_close_modes_are_marked_and_compared_as_spaces():
 
 
 def test_energies_of_sixty_modes_sum_to_all_of_it_and_name_every_part(context):
-    found = robot_sixty.sixty(context)
+    found = sixty.sixty(context)
     assert len(found.frequencies) == 60
     assert_allclose(sum(found.shares.values()), 1.0, rtol=1e-12)
     # Mode 4 at the centre, 353 Hz, is planar bending of leg 1 (known values and beams).
     assert found.shares["leg 1 bending z"][3] > 0.75
     # Without elastic feet no energy can be in them.
     rigid = replace(ROBOT, foot_compliance=None)
-    assert robot_sixty.in_the_feet(robot_sixty.sixty_modes(rigid, 1)).max() == 0.0
+    assert sixty.in_the_feet(sixty.sixty_modes(rigid, 1)).max() == 0.0
 
 
 def test_picture_and_table_of_sixty_modes(context):

@@ -11,7 +11,6 @@ from lumped.audit.finding import Finding
 from lumped.audit.robot_audit import audit
 from lumped.errors import InputError
 from lumped.robot_file import RobotFile
-from validation.cases.sweep_results import FOLDER_OPTION, GROUP, studies_read
 from validation.console.streams import complain
 from validation.context import Preset
 from validation.export.mechanism import export_mechanism
@@ -30,6 +29,7 @@ from validation.selftest.kept import Kept, kept_of
 from validation.store.opening import Start, open_folder
 from validation.store.run_folder import RunFolder
 from validation.sweeps.cluster import on_cluster
+from validation.sweeps.results import FOLDER_OPTION, GROUP, studies_read
 from validation.sweeps.studies import precompute
 
 # How many times as long as results.json takes to write it is left alone.

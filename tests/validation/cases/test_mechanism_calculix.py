@@ -10,8 +10,8 @@ from fem.calculix import run as calculix_run
 from lumped.mechanism.joint import Drive
 from lumped.robot_file import load_robot
 from validation.case import Skip
-from validation.cases import mechanism_calculix
-from validation.cases.mechanism_calculix import by_both
+from validation.cases.mechanism import calculix as mechanism_calculix
+from validation.cases.mechanism.calculix import by_both
 from validation.context import Context
 from validation.kinematics.poses import postures_of
 from validation.solids.bars import with_bars

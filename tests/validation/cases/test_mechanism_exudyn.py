@@ -13,8 +13,8 @@ from lumped.mechanism.joint import Drive
 from lumped.mechanism.kinematics.postures import posture, reference_posture
 from lumped.robot_file import load_robot
 from validation.case import Skip, judge
-from validation.cases import mechanism_exudyn
-from validation.cases.mechanism_exudyn import MODES, by_both
+from validation.cases.mechanism import exudyn as mechanism_exudyn
+from validation.cases.mechanism.exudyn import MODES, by_both
 from validation.context import Context
 
 needs_exudyn = pytest.mark.skipif(

@@ -30,7 +30,8 @@ from lumped.system.assembly import assemble
 from lumped.system.solution import compliance, modes, solved
 from meshes.prism.tetrahedra import tetrahedra
 from validation.case import Absolute, Case, Measurement, Skip
-from validation.cases import mechanism, mechanism_motion
+from validation.cases.mechanism import motion as mechanism_motion
+from validation.cases.mechanism import path as mechanism
 from validation.cases.program.calculix import PRINTED, PRINTED_ROOT
 from validation.context import Context
 from validation.models.mechanism import answers

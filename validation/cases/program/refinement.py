@@ -9,7 +9,7 @@ from fem.bodies.beam_theory import bending_frequencies
 from lumped.arrays import Array
 from lumped.legs import ConstantLeg
 from validation.case import Absolute, Case, Measurement
-from validation.cases.legs import constant_leg_of, kind_frequencies
+from validation.cases.legs.beams import constant_leg_of, kind_frequencies
 from validation.context import Context, Preset
 from validation.exhibits import Study
 from validation.models.options import ModelName, ModelOptions

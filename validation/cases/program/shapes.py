@@ -14,7 +14,7 @@ from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Sectio
 from meshes.prism.hexahedra import slice_count
 from meshes.section.section_mesh import section_mesh
 from validation.case import Absolute, Case, Measurement, Relative
-from validation.cases.legs import ENTRIES
+from validation.cases.legs.beams import ENTRIES
 from validation.context import PRESETS, Context, Preset
 from validation.solids.legs import FORMAL_ORDER
 from validation.studies.convergence import analyse, step_factor, uncertainty_of

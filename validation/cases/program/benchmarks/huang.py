@@ -11,7 +11,7 @@ from fem.bodies.beam_theory import Plane, bending_frequencies
 from lumped.arrays import Array
 from lumped.legs import BeamProperties
 from validation.case import Case, Measurement, Relative
-from validation.cases.legs import constant_leg_of
+from validation.cases.legs.beams import constant_leg_of
 from validation.cases.program.benchmarks.beams import SECTION
 from validation.context import Context
 

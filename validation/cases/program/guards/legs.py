@@ -13,7 +13,7 @@ from lumped.dense.modes import dense
 from lumped.legs import GivenLeg, Leg
 from lumped.models import vjm
 from validation.case import Absolute, Case, Measurement
-from validation.cases.legs import constant_leg_of, kind_frequencies
+from validation.cases.legs.beams import constant_leg_of, kind_frequencies
 from validation.cases.program.guards.robot import ELEMENTS, SECTION, guarded_posture
 from validation.context import Context
 from validation.models.biglide import robot_compliance, robot_frequencies

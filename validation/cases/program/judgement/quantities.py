@@ -19,7 +19,7 @@ from lumped.legs import Theory
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Section, Tube
 from meshes.section.section_mesh import section_mesh
 from validation.case import Case
-from validation.cases.legs import constant_leg_of
+from validation.cases.legs.beams import constant_leg_of
 from validation.cases.program.guards.robot import scaled_difference
 from validation.cases.program.judgement.claims import claims_case, same
 from validation.context import Context

@@ -7,15 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from lumped.arrays import Array
-from validation.cases.decision import MEANING
-from validation.cases.sweep_results import (
-    DECIDED,
-    GROUP,
-    SECTION,
-    decision_of,
-    family_of,
-    stroke_of,
-)
+from validation.cases.robot.decision import MEANING
 from validation.context import Context
 from validation.exhibits import Drawing, Figure
 from validation.report.figures.curves.lines import (
@@ -38,6 +30,14 @@ from validation.report.figures.style import (
 )
 from validation.studies.decision import OBJECTIVES, UNITS, Decision, Objective
 from validation.sweeps.plans import FREE, RIGID, stroke_stations
+from validation.sweeps.results import (
+    DECIDED,
+    GROUP,
+    SECTION,
+    decision_of,
+    family_of,
+    stroke_of,
+)
 from validation.sweeps.studies import PLANS, POINTS, STROKE_FREQUENCIES, Curves
 
 # From the bottom of the stack to its top: colour, marker and width (pt) of each model.

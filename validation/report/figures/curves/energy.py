@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from lumped.arrays import Array
-from validation.cases.robot import SECTION
+from validation.cases.robot.stroke import SECTION
 from validation.context import Context
 from validation.exhibits import Drawing, Figure
 from validation.report.figures.style import (

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from lumped.arrays import Array
-from validation.cases.paper_family import ALPHAS, FIGURE_POINTS
+from validation.cases.paper.family import ALPHAS, FIGURE_POINTS
 from validation.context import Context
 from validation.report.figures.curves.lines import (
     ALPHA_LABEL,

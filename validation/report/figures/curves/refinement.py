@@ -3,7 +3,7 @@
 import numpy as np
 
 from lumped.arrays import Array
-from validation.cases.legs import constant_leg_of
+from validation.cases.legs.beams import constant_leg_of
 from validation.cases.program.refinement import (
     COUNTS,
     MODES,

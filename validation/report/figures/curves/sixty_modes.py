@@ -5,8 +5,8 @@ from matplotlib.axes import Axes
 
 from fem.bodies.leg_energies import DISTORTION
 from lumped.arrays import Array
-from validation.cases.robot_sixty import ALONE, SIXTY, SixtyModes, in_the_feet, sixty
-from validation.cases.robot_solid import SECTION
+from validation.cases.robot.sixty import ALONE, SIXTY, SixtyModes, in_the_feet, sixty
+from validation.cases.robot.solid import SECTION
 from validation.context import Context
 from validation.exhibits import Drawing, Figure
 from validation.report.figures.style import (

@@ -19,7 +19,7 @@ from validation.adequacy.mechanism.samples import samples_of
 from validation.adequacy.mechanism.statics import compliances, static_reference, unanswered
 from validation.adequacy.mechanism.subject import mechanism_models
 from validation.adequacy.partners import partners
-from validation.cases.mechanism import GROUP, MODES, SECTION
+from validation.cases.mechanism.path import GROUP, MODES, SECTION
 from validation.context import Context
 from validation.exhibits import Drawing, Figure
 from validation.models.options import ModelName, ModelOptions

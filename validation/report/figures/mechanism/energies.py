@@ -11,7 +11,7 @@ from lumped.legs import ConstantLeg
 from lumped.mechanism.mechanism import Mechanism
 from validation.adequacy.mechanism.path import known_legs, path_postures
 from validation.case import Skip
-from validation.cases.mechanism import GROUP, SECTION
+from validation.cases.mechanism.path import GROUP, SECTION
 from validation.context import Context
 from validation.exhibits import Drawing, Figure
 from validation.models.mechanism_modes import PostureModes, mechanism_modes

@@ -13,7 +13,7 @@ from validation.adequacy.mechanism.samples import samples_of
 from validation.adequacy.partners import partners
 from validation.adequacy.response import Vibration
 from validation.case import Skip
-from validation.cases.mechanism import GROUP, SECTION
+from validation.cases.mechanism.path import GROUP, SECTION
 from validation.context import Context
 from validation.exhibits import Drawing, Figure
 from validation.models.options import ModelOptions

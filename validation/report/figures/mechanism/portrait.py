@@ -3,7 +3,7 @@
 from io import BytesIO
 
 from validation.adequacy.mechanism.path import path_postures
-from validation.cases.mechanism import SECTION
+from validation.cases.mechanism.path import SECTION
 from validation.context import Context
 from validation.exhibits import Drawing, Figure
 from validation.kinematics.picture import picture

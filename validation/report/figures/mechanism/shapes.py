@@ -10,7 +10,7 @@ from lumped.system.assembly import System
 from lumped.system.solution import solved
 from validation.adequacy.mechanism.path import path_postures
 from validation.case import Skip
-from validation.cases.mechanism import SECTION
+from validation.cases.mechanism.path import SECTION
 from validation.context import Context
 from validation.exhibits import Drawing, Figure, InteractiveScene
 from validation.models.mechanism_modes import PostureModes, mechanism_modes

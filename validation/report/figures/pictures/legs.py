@@ -11,7 +11,7 @@ from lumped.legs import ConstantLeg
 from lumped.models.cantilever import clamped_modes
 from meshes.elements import ELEMENTS
 from meshes.solid_mesh import SolidMesh
-from validation.cases.legs import constant_leg_of
+from validation.cases.legs.beams import constant_leg_of
 from validation.context import Context
 from validation.exhibits import Drawing, Figure
 from validation.models.legs import leg_matrices, solid_modes

@@ -3,7 +3,7 @@
 import numpy as np
 from matplotlib.figure import Figure as Canvas
 
-from validation.cases.robot import SECTION
+from validation.cases.robot.stroke import SECTION
 from validation.context import Context
 from validation.exhibits import Drawing, Figure
 from validation.report.figures.pictures.drawing.opengl import require_vtk

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 
 from lumped.arrays import Array
 from lumped.biglide import Biglide
-from validation.cases.robot import SECTION
+from validation.cases.robot.stroke import SECTION
 from validation.context import Context
 from validation.exhibits import Drawing, Figure, InteractiveScene
 from validation.models.options import DEFAULT_OPTIONS

@@ -26,7 +26,7 @@ from lumped.arrays import Array
 from lumped.legs import Material
 from lumped.sections import Circle, Tube
 from validation.case import Absolute, Case, Measurement, Skip
-from validation.cases.legs import ENTRIES, constant_leg_of
+from validation.cases.legs.beams import ENTRIES, constant_leg_of
 from validation.context import Context
 from validation.exhibits import Study
 from validation.solids.legs import FORMAL_ORDER

@@ -12,8 +12,8 @@ from lumped.arrays import Array
 from lumped.biglide import Biglide, system, with_equivalent_legs
 from lumped.system.solution import compliance, modes, solved
 from validation.case import Absolute, Case, Measurement, Relative
-from validation.cases.robot import ROUNDING_NOTE
-from validation.cases.robot_solid import SECTION
+from validation.cases.robot.solid import SECTION
+from validation.cases.robot.stroke import ROUNDING_NOTE
 from validation.context import Context, Preset
 from validation.models.biglide import highest_frequency
 from validation.solids.robots import full_mac, recovered, unreduced_robot

@@ -16,7 +16,7 @@ from meshes.prism.tetrahedra import tetrahedra
 from validation.case import Absolute, Case, Measurement, Relative, Skip
 from validation.cases.program.calculix import PRINTED, PRINTED_ROOT
 from validation.cases.program.guards.robot import scaled_difference
-from validation.cases.robot_solid import SECTION
+from validation.cases.robot.solid import SECTION
 from validation.context import Context, Preset
 from validation.solids.robots import solved_robot
 

@@ -17,7 +17,7 @@ from lumped.system.assembly import assembly
 from lumped.system.solution import compliance, modes, solved
 from validation.adequacy.mechanism.path import known_legs, path_postures
 from validation.case import Absolute, Case, Measurement, Relative, Skip
-from validation.cases.mechanism import SECTION
+from validation.cases.mechanism.path import SECTION
 from validation.cases.program.calculix import PRINTED, PRINTED_ROOT
 from validation.context import Context
 from validation.models.legs import filled

@@ -11,13 +11,13 @@ from lumped.biglide import Biglide, scaled
 from lumped.legs import equivalent_leg, tip_compliance
 from lumped.models import vjm
 from validation.case import Absolute, Allowance, Case, Measurement, Relation, Relative
-from validation.cases.sweep_results import DECIDED, GROUP, PAPER, SECTION, decision_of
 from validation.context import Context
 from validation.exhibits import Study
 from validation.solids.robots import two_meshes
 from validation.studies.decision import OBJECTIVES, UNITS, Decision, Objective
 from validation.studies.quantities import deflections_of
 from validation.sweeps.plans import COARSE, RIGID, stroke_stations
+from validation.sweeps.results import DECIDED, GROUP, PAPER, SECTION, decision_of
 from validation.sweeps.studies import PLANS
 
 MEANING: dict[Objective, str] = {

@@ -13,7 +13,7 @@ from scipy.optimize import minimize_scalar
 
 from lumped.biglide import Biglide
 from validation.case import Case, Measurement, Relative
-from validation.cases.robot import CURVES, SECTION
+from validation.cases.robot.stroke import CURVES, SECTION
 from validation.context import Context
 from validation.models.biglide import robot_compliance, robot_frequencies
 from validation.models.options import BEAM_ORDER, SEGMENT_ORDER, ModelName, ModelOptions

@@ -8,7 +8,7 @@ import numpy as np
 from lumped.arrays import Array
 from lumped.errors import InputError
 from validation.case import Absolute, Case, Measurement, Relation, Relative, Skip
-from validation.cases.robot import CURVES
+from validation.cases.robot.stroke import CURVES
 from validation.context import Context, Preset
 from validation.exhibits import Study
 from validation.studies.stroke_statics import stroke_statics

@@ -8,7 +8,7 @@ import numpy as np
 from lumped.arrays import Array
 from lumped.robot_file.load import as_printed
 from validation.case import Absolute, Measurement, Relation, Skip
-from validation.cases.paper_statement import (
+from validation.cases.paper.statement import (
     POSTURES,
     Compute,
     Statement,

@@ -6,11 +6,11 @@ import numpy as np
 
 from lumped.arrays import Array
 from validation.case import Absolute, Case, Measurement, Relation
-from validation.cases.sweep_results import GROUP, PAPER, SECTION, family_of
 from validation.context import Context, Preset
 from validation.studies.decision import OBJECTIVES, Objective
 from validation.studies.ranks import spearman
 from validation.sweeps.plans import COARSE, RIGID
+from validation.sweeps.results import GROUP, PAPER, SECTION, family_of
 from validation.sweeps.studies import PLANS, POINTS
 
 CURVES = {

@@ -15,7 +15,7 @@ from lumped.arrays import Array
 from lumped.legs import BeamProperties, ConstantLeg, tip_compliance
 from meshes.section.section_mesh import section_mesh
 from validation.case import Absolute, Allowance, Case, Measurement, Relative, Skip
-from validation.cases.legs import (
+from validation.cases.legs.beams import (
     ENTRIES,
     HUANG,
     MODES,

@@ -7,7 +7,7 @@ import numpy as np
 from fem.bodies.beam_theory import bending_frequencies
 from lumped.legs import equivalent_leg
 from validation.case import Absolute, Measurement, Relation, Relative
-from validation.cases.paper_statement import (
+from validation.cases.paper.statement import (
     AS_CORRECTED,
     AS_PRINTED,
     FORMULAS,

@@ -4,7 +4,7 @@ import numpy as np
 
 from lumped.arrays import Array
 from validation.case import Absolute, Measurement, Relation
-from validation.cases.paper_statement import FORMULAS, Compute, Statement
+from validation.cases.paper.statement import FORMULAS, Compute, Statement
 from validation.context import Context
 from validation.models.options import LITERAL_ORDER, SEGMENT_ORDER, ModelName, ModelOptions
 from validation.studies.quantities import (

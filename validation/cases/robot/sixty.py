@@ -8,7 +8,7 @@ from fem.bodies.leg_energies import DISTORTION
 from lumped.arrays import Array
 from lumped.biglide import Biglide
 from validation.case import Absolute, Case, Measurement
-from validation.cases.robot_solid import SECTION
+from validation.cases.robot.solid import SECTION
 from validation.context import Context, Preset
 from validation.solids.legs import FORMAL_ORDER
 from validation.solids.robots import strain_energy_shares, unreduced_robot

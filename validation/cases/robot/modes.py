@@ -12,9 +12,9 @@ import numpy as np
 
 from lumped.arrays import Array
 from validation.case import Absolute, Case, Measurement, Relative, Skip
-from validation.cases.legs import constant_leg_of
-from validation.cases.robot_mode_tables import frequency_study, mac_study, mac_table
-from validation.cases.robot_solid import SECTION
+from validation.cases.legs.beams import constant_leg_of
+from validation.cases.robot.mode_tables import frequency_study, mac_study, mac_table
+from validation.cases.robot.solid import SECTION
 from validation.context import Context
 from validation.solids.legs import FORMAL_ORDER
 from validation.solids.torsion import torsion_effects, wave_error

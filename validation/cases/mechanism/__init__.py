@@ -1,0 +1,18 @@
+"""Any other mechanism over its path: its models against each other, its moves, CalculiX, EXUDYN.
+
+In: the mechanism of a run. Out: cases whose subject is the robot.
+"""
+
+from lumped.mechanism.mechanism import Mechanism
+from validation.case import Case
+from validation.cases.mechanism import calculix, exudyn, motion, path
+
+
+def cases(described: Mechanism) -> tuple[Case, ...]:
+    """All of them, in the order of the report."""
+    return (
+        *path.cases(),
+        *motion.cases(described),
+        *calculix.cases(),
+        *exudyn.cases(described),
+    )

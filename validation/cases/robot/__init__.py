@@ -1,0 +1,30 @@
+"""The whole biglide over its stroke: its models against each other, and decisions made by them.
+
+In: the robot of a run. Out: cases whose subject is the robot.
+"""
+
+from validation.case import Case
+from validation.cases.robot import (
+    anchors,
+    calculix,
+    decision,
+    modes,
+    reduction,
+    sixty,
+    solid,
+    stroke,
+)
+
+
+def cases() -> tuple[Case, ...]:
+    """All of them, in the order of the report."""
+    return (
+        *stroke.cases(),
+        *anchors.cases(),
+        *solid.cases(),
+        *modes.cases(),
+        *reduction.cases(),
+        *sixty.cases(),
+        *calculix.cases(),
+        *decision.cases(),
+    )
