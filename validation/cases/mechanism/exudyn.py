@@ -11,7 +11,7 @@ from lumped.mechanism.kinematics.postures import reference_posture
 from lumped.mechanism.mechanism import Mechanism, Posture
 from validation.adequacy.mechanism.path import path_postures
 from validation.case import Case, Measurement, Relative, Skip
-from validation.cases.mechanism import SECTION
+from validation.cases.mechanism.path import SECTION
 from validation.context import Context
 from validation.models.mechanism import Answer, answers
 from validation.studies.convergence import step_factor
