@@ -152,37 +152,6 @@ def tip_compliance(condensed: CondensedLeg, ends: Ends = "rigid") -> Array:
     return np.asarray((moved + moved.T) / 2.0)
 
 
-def end_stiffness(condensed: CondensedLeg) -> Array:
-    """12×12 stiffness (SI, leg axes) of the leg with rigid ends on (root twist 6, tip twist 6).
-
-    K = Jᵀ C⁻¹ J with the relative twist q = J (root, tip): a superelement in statics.
-    """
-    half = condensed.piece.length / 2.0
-    relative = np.hstack([-shift(np.array([half, 0, 0])), shift(np.array([-half, 0, 0]))])
-    factor = _cholesky(condensed.piece.compliance, "leg with rigid ends")
-    root = solve_triangular(factor, relative, lower=True)
-    return np.asarray(root.T @ root)
-
-
-def face_stiffness(condensed: CondensedLeg) -> Array:
-    """Stiffness (2m×2m, N/m) of the leg on the nodes of its faces, root first, unknown 3·node + i.
-
-    Back from the mixed form: C⁻¹ for the relative twist, −C⁻¹H and S + HᵀC⁻¹H for deformations.
-    """
-    piece, face = condensed.piece, condensed.face
-    half = shift(np.array([piece.length / 2.0, 0.0, 0.0]))
-    deformation = face.deformations.T - face.deformations.T @ face.rigid @ face.loads.T
-    none = np.zeros_like(deformation)
-    to_deformations = np.block([[deformation, none], [none, deformation]])
-    relative = np.hstack([-half @ face.loads.T, np.linalg.inv(half) @ face.loads.T])
-    H = np.hstack([piece.twists, piece.tip_twists])
-    elastic = relative - H @ to_deformations
-    factor = _cholesky(piece.compliance, "leg with rigid ends")
-    root = solve_triangular(factor, elastic, lower=True)
-    S = to_deformations.T @ _deformation_stiffness(piece) @ to_deformations
-    return np.asarray(S + root.T @ root)
-
-
 def joined(first: Piece, second: Piece) -> Piece:
     """The two pieces end to end, the tip of `first` on the root of `second`, of equal slices."""
     length = first.length + second.length

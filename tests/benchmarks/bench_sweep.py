@@ -37,7 +37,7 @@ from validation.models.options import ModelOptions
 from validation.sweeps.cores import on_cores
 from validation.sweeps.journal import Journal
 from validation.sweeps.plans import CHUNK, stroke_stations
-from validation.sweeps.runner import Executor, reduced_legs, sweep
+from validation.sweeps.runner import Executor, sweep
 from validation.sweeps.units import LegUnit, PostureUnit, chunks, expected_highest
 
 JOBS = 2
@@ -54,7 +54,7 @@ def main() -> None:
     with on_cores(JOBS) as executor:
         warm_up(robot, executor)
         journal, legs = Journal(), leg_units(robot, DIVISIONS)
-        condensation = condense(legs, executor, journal)
+        condensation = condense(robot, legs, executor, journal)
         print(f"{'postures':>9} {'s':>7} {'ms each':>8}")
         times = []
         for count in COUNTS:
@@ -100,16 +100,16 @@ def warm_up(robot: Biglide, executor: Executor) -> None:
     print(f"start of {JOBS} processes {perf_counter() - start:.1f} s (not counted below)")
 
 
-def condense(legs: tuple[LegUnit, LegUnit], executor: Executor, journal: Journal) -> float:
-    """Reduce both legs into the journal; seconds."""
+def condense(
+    robot: Biglide, legs: tuple[LegUnit, LegUnit], executor: Executor, journal: Journal
+) -> float:
+    """Reduce both legs into the journal, and one posture; seconds."""
     for number, unit in enumerate(legs, start=1):
         size = 3 * len(solid_mesh(unit.leg, unit.options.divisions).nodes)
         print(f"leg {number}: {unit.options.divisions} divisions, {size} unknowns")
     start = perf_counter()
-    reduced = reduced_legs(legs, executor, journal)
-    elapsed = perf_counter() - start
-    print(f"reduced to {', '.join(str(len(leg.mass)) for leg in reduced)} unknowns")
-    return elapsed
+    sweep(units_of(robot, legs, 1), executor, journal)
+    return perf_counter() - start
 
 
 def seconds(

@@ -18,7 +18,7 @@ from validation.models.biglide import robot_compliance, robot_frequencies, robot
 from validation.models.options import ModelOptions
 from validation.report.figures.curves import sixty_modes
 from validation.solids.robots import full_mac, unreduced_robot
-from validation.studies.paired_robot_modes import paired_modes
+from validation.studies.paired_robot_modes import beam_modes, paired, solid_modes
 
 ROBOT_FILE = load_robot("ifw")
 ROBOT = with_equivalent_legs(ROBOT_FILE.robot)
@@ -86,7 +86,8 @@ def test_full_mac_pairs_shapes_in_any_order_and_sees_a_wrong_one():
 
 def test_close_modes_are_marked_and_compared_as_spaces():
     """At the right end modes 6 and 7 are 713 Hz and 733 Hz, 2.8 % apart (segments)."""
-    found = paired_modes(ROBOT, (1, 1), "rigid", 3)
+    segments = beam_modes(ROBOT, "segments", (1, 1), 3)
+    found = paired(ROBOT, segments, solid_modes(ROBOT, (1, 1), "rigid", 3))
     assert found.close[-1].tolist() == [False] * 5 + [True]
     assert not found.close[:-1].any()
 

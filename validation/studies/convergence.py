@@ -105,11 +105,6 @@ def grid_convergence_index(
     return safety * abs((coarse - fine) / fine) / float(ratio**order - 1.0)
 
 
-def asymptotic_ratio(gci_coarse: float, gci_fine: float, ratio: float, order: float) -> float:
-    """ratioᵖ · GCI_fine / GCI_coarse: 1 in the asymptotic range."""
-    return float(ratio**order) * gci_fine / gci_coarse
-
-
 def safety_factor(observed: float, formal: float) -> float:
     """1.25 where the observed order is within 10 % of the formal one, else 3."""
     return PROVEN if abs(observed - formal) <= CLOSE_TO_FORMAL * formal else UNPROVEN

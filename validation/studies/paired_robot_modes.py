@@ -102,15 +102,6 @@ def divisions_of(legs: Sequence[ConstantLeg], preset: Preset) -> tuple[LegDivisi
     return (coarse[0], coarse[1]), (fine[0], fine[1])
 
 
-def paired_modes(robot: Biglide, divisions: LegDivisions, ends: Ends, postures: int) -> PairedModes:
-    """Segments with their partners among solids, paired by shape."""
-    return paired(
-        robot,
-        beam_modes(robot, "segments", divisions, postures),
-        solid_modes(robot, divisions, ends, postures),
-    )
-
-
 def beam_modes(
     robot: Biglide, kind: BeamKind, divisions: LegDivisions, postures: int
 ) -> SampledModes:

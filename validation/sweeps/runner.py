@@ -9,7 +9,7 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
 from validation.sweeps.journal import Journal, key_of
-from validation.sweeps.units import LegUnit, PostureUnit, ReducedLeg, SolvedPostures
+from validation.sweeps.units import PostureUnit, ReducedLeg, SolvedPostures
 
 # A call without arguments that can be pickled.
 Work: TypeAlias = Callable[[], Any]
@@ -48,16 +48,6 @@ def sweep(
     }
     _finish(posture_work, SolvedPostures, executor, kept, "solving postures")
     return [_kept(kept, key_of(unit), SolvedPostures) for unit in units]
-
-
-def reduced_legs(
-    legs: Sequence[LegUnit], executor: Executor = in_turn, journal: Journal | None = None
-) -> list[ReducedLeg]:
-    """The reduced legs, in their order, kept like the units of `sweep`."""
-    kept = Journal() if journal is None else journal
-    work = {key_of(leg): leg.compute for leg in legs}
-    found = _finish(work, ReducedLeg, executor, kept, "condensing legs")
-    return [found[key_of(leg)] for leg in legs]
 
 
 def _finish(

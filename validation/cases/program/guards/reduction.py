@@ -15,8 +15,8 @@ from fem.bodies.solid import Ends
 from fem.couplings.end_coupling import rigid_ends
 from fem.reduction.craig_bampton import craig_bampton
 from fem.reduction.free_superelement import held_free_leg
+from fem.reduction.rigid_body import mass_properties, rigid_motions
 from fem.reduction.superelement import held_leg
-from fem.reduction.superelement_checks import mass_properties, rigid_motions
 from lumped.arrays import Array
 from lumped.dense.modes import dense, solve_modes
 from lumped.legs import ConstantLeg, Material

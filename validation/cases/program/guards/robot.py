@@ -67,11 +67,6 @@ def with_i_leg(robot: Biglide) -> Biglide:
     return replace(robot, leg1=ConstantLeg(robot.leg1.length, section, material))
 
 
-def member_of_family(robot: Biglide) -> Biglide:
-    """The robot whose legs are 1.4 times as long, the stroke as before (eqs 10, 11)."""
-    return scaled(robot, _ALPHA)
-
-
 def as_it_is(robot: Biglide) -> Biglide:
     """The run's robot."""
     return robot
