@@ -1,6 +1,7 @@
 """The two ways in which a computation can go wrong; the user answers them differently."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 
 
 class InputError(Exception):
@@ -13,3 +14,25 @@ class InputError(Exception):
 
 class ComputationError(Exception):
     """A computation failed: the message names the part of the model and the likely cause."""
+
+
+@contextmanager
+def naming(part: str) -> Iterator[None]:
+    """Errors raised within, their messages beginning with the `part` of the model; "" is none.
+
+    A message that names it already stays as it is.
+    """
+    try:
+        yield
+    except InputError as error:
+        if not part:
+            raise
+        raise InputError(_named(part, fault) for fault in error.faults) from error
+    except ComputationError as error:
+        if not part:
+            raise
+        raise ComputationError(_named(part, str(error))) from error
+
+
+def _named(part: str, message: str) -> str:
+    return message if message.startswith(f"{part}: ") else f"{part}: {message}"

@@ -3,7 +3,7 @@
 A leg's local x axis runs from its root to its tip, its local z axis is the robot's z axis.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from math import sqrt
 from typing import Literal, TypeAlias
 
@@ -99,13 +99,14 @@ class ConstantLeg:
     """Prismatic leg of `length` (m) with one section and one material.
 
     `ends`: whether its end faces are kept plane by what they are bolted to or may warp; None where
-    nobody said so.
+    nobody said so. `name` serves messages alone: alike legs are equal whatever they are called.
     """
 
     length: float
     section: Section
     material: Material
     ends: Ends | None = None
+    name: str = field(default="", compare=False)
 
     @property
     def mass(self) -> float:
@@ -122,7 +123,7 @@ class ConstantLeg:
         kappas = section.shear_coefficients(material.shear_nu)
         if min(kappas) < 0.0:
             raise ComputationError(
-                f"{section.shape}: the shear stiffness κGA = "
+                f"{self.name or 'leg'}, {section.shape}: the shear stiffness κGA = "
                 f"{min(kappas) * material.G * section.area:.3g} N is negative; the formula of κ "
                 f"does not hold for this section and ν = {material.nu:g}, Euler–Bernoulli does"
             )
@@ -156,7 +157,8 @@ class ConstantLeg:
 class GivenLeg:
     """Leg known by its 6×6 tip compliance (root clamped, leg axes, SI) and its mass (kg).
 
-    `inertia` (3×3, kg m²) and `mass_centre` (m from the root) are data for the audit alone.
+    `inertia` (3×3, kg m²) and `mass_centre` (m from the root) are data for the audit alone, `name`
+    serves messages.
     """
 
     length: float
@@ -164,6 +166,7 @@ class GivenLeg:
     compliance: Array
     inertia: Array | None = None
     mass_centre: float | None = None
+    name: str = field(default="", compare=False)
 
 
 Leg: TypeAlias = GivenLeg | ConstantLeg
@@ -207,7 +210,10 @@ def equivalent_leg(leg: Leg, by: EquivalentBy = "stiffness") -> ConstantLeg:
         return leg
     length = leg.length
     if np.linalg.eigvalsh(leg.compliance)[0] <= 0.0:
-        raise InputError("leg compliance is not positive definite: it has no equivalent leg")
+        raise InputError(
+            f"{leg.name or 'leg'}: its compliance is not positive definite, so that it has no "
+            "equivalent leg"
+        )
     if by == "stiffness":
         k11, k22, k33, k44 = np.diag(np.linalg.inv(leg.compliance))[:4]
         stiffnesses = (k11 * length, k33 * length**3 / 12.0, k22 * length**3 / 12.0, k44 * length)
@@ -215,7 +221,8 @@ def equivalent_leg(leg: Leg, by: EquivalentBy = "stiffness") -> ConstantLeg:
         c11, c22, c33, c44 = np.diag(leg.compliance)[:4]
         stiffnesses = (length / c11, length**3 / (3.0 * c33), length**3 / (3.0 * c22), length / c44)
     EA, EIy, EIz, GJ = (float(value) for value in stiffnesses)
-    return constant_leg(length, EA=EA, EIy=EIy, EIz=EIz, GJ=GJ, mass=leg.mass)
+    constant = constant_leg(length, EA=EA, EIy=EIy, EIz=EIz, GJ=GJ, mass=leg.mass)
+    return replace(constant, name=f"equivalent of {leg.name}" if leg.name else "")
 
 
 def given_compliance(leg: Leg) -> Array:

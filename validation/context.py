@@ -101,7 +101,8 @@ def _feed(update: Callable[[bytes], object], value: Any) -> None:
                 _feed(update, value[key])
         case _ if is_dataclass(value) and not isinstance(value, type):
             update(f"record {type(value).__module__}.{type(value).__qualname__} ".encode())
-            for entry in fields(value):
+            # What serves messages alone makes no other record of it.
+            for entry in (entry for entry in fields(value) if entry.compare):
                 _feed(update, getattr(value, entry.name))
         case msgspec.Struct():
             update(f"record {type(value).__module__}.{type(value).__qualname__} ".encode())

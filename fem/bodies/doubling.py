@@ -38,7 +38,7 @@ from fem.couplings.end_coupling import rigid_motions, saint_venant_loads
 from fem.elements.elasticity import stiffness
 from lumped.arrays import Array, IntArray
 from lumped.caches import cached_property
-from lumped.errors import ComputationError, InputError
+from lumped.errors import ComputationError, InputError, naming
 from lumped.legs import ConstantLeg
 from lumped.screws import shift
 from meshes.prism.extrude import extrude
@@ -121,12 +121,13 @@ def condensed_leg(leg: ConstantLeg, section: SectionMesh, slices: int) -> Conden
     for an impossible leg, triangles or fewer than one slice, ComputationError for elements that
     are folded or a slice that is not stiff.
     """
-    require_leg(leg.section, leg.length, 1)
-    if slices < 1:
-        raise InputError(f"slices = {slices}: must be at least 1")
-    mesh = extrude(section, np.array([0.0, leg.length / slices]))
-    face = _face_motions(mesh, leg)
-    one = _slice(mesh, leg, face)
+    with naming(leg.name):
+        require_leg(leg.section, leg.length, 1)
+        if slices < 1:
+            raise InputError(f"slices = {slices}: must be at least 1")
+        mesh = extrude(section, np.array([0.0, leg.length / slices]))
+        face = _face_motions(mesh, leg)
+        one = _slice(mesh, leg, face)
     piece = one
     # The binary digits of n after the first: double, and add one slice where the digit is 1.
     for digit in f"{slices:b}"[1:]:

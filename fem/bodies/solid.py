@@ -16,7 +16,7 @@ from fem.solvers.factor import symmetric_product, upper_triangle
 from fem.solvers.renewable_factor import RenewableFactor
 from lumped.arrays import Array, SparseMatrix
 from lumped.dense.balance import balanced_flexibility
-from lumped.errors import InputError
+from lumped.errors import InputError, naming
 from lumped.legs import ConstantLeg
 from lumped.mechanism.body_model import LegMatrices
 from meshes.elements import ELEMENTS, SectionElement
@@ -54,7 +54,8 @@ def solid_mesh(
     Slices are as long as these; `grading` as in `meshes.prism.extrude.stations`. Raises InputError
     where the leg or the divisions are impossible.
     """
-    require_leg(leg.section, leg.length, divisions)
+    with naming(leg.name):
+        require_leg(leg.section, leg.length, divisions)
     count = min(divisions) if isinstance(divisions, tuple) else divisions
     size = min(leg.section.extent) / count
     slices = max(2, ceil(leg.length / (_SLICE_ASPECT * size)))
@@ -64,7 +65,8 @@ def solid_mesh(
 
 def solid_leg(leg: ConstantLeg, mesh: SolidMesh) -> SolidLeg:
     """Stiffness and mass of `leg` on `mesh`; raises ComputationError for folded elements."""
-    K, scalar_mass = stiffness_and_mass(mesh, leg.material)
+    with naming(leg.name):
+        K, scalar_mass = stiffness_and_mass(mesh, leg.material)
     return SolidLeg(leg, mesh, K, on_three_components(scalar_mass))
 
 
@@ -95,10 +97,11 @@ def clamped_leg(solid: SolidLeg, ends: Ends = "rigid") -> ClampedLeg:
     mesh, mass = solid.mesh, coupling.clamped_mass(solid.mass)
     stiffness = upper_triangle(coupling.clamped_stiffness(solid.stiffness))
     kept = solid if ends == "free" else None
+    part = f"{solid.leg.name or 'leg'} as a solid, {ends} ends"
     # A caller that keeps no reference of its own has this memory for the factor.
     del solid
     symbolic = analyse(stiffness, coupling.leading_blocks)
-    factor = RenewableFactor(symbolic, stiffness, f"solid leg, {ends} ends")
+    factor = RenewableFactor(symbolic, stiffness, part)
     # At once, so that a leg which cannot be held is refused here.
     _ = factor.numeric
     return ClampedLeg(mesh, coupling, mass, factor, kept)

@@ -24,9 +24,9 @@ def leg_of(body: Body) -> Leg:
     """The leg that a body is; raises InputError for a body that is none."""
     match body.shape:
         case Prism(length, section, material):
-            return ConstantLeg(length, section, material)
+            return ConstantLeg(length, section, material, name=body.name)
         case Given(length, mass, compliance):
-            return GivenLeg(length, mass, compliance)
+            return GivenLeg(length, mass, compliance, name=body.name)
     raise InputError(f"bodies.{body.name}: is no leg")
 
 

@@ -35,7 +35,7 @@ def leg_faults(table: object, key: str, material_key: str = "") -> list[str]:
     return faults
 
 
-def leg_of(table: LegTable) -> Leg:
+def leg_of(table: LegTable, name: str) -> Leg:
     """The leg of a table without faults; its compliance is made exactly symmetric."""
     if table.compliance is not None and table.mass is not None:
         return GivenLeg(
@@ -44,6 +44,7 @@ def leg_of(table: LegTable) -> Leg:
             compliance=symmetric(table.compliance),
             inertia=None if table.inertia is None else symmetric(table.inertia),
             mass_centre=table.mass_centre,
+            name=name,
         )
     if table.section is None or table.material is None:
         raise InputError("a leg must have either compliance and mass, or section and material")
@@ -54,7 +55,7 @@ def leg_of(table: LegTable) -> Leg:
         raise InputError("a leg of a section must have a mass or a density")
     shear_modulus = isotropic.G if given.G is None else given.G
     material = replace(isotropic, G=shear_modulus, rho=density)
-    return ConstantLeg(table.length, section, material, table.ends)
+    return ConstantLeg(table.length, section, material, table.ends, name)
 
 
 def symmetric(rows: list[list[float]]) -> Array:

@@ -1,11 +1,15 @@
 """Legs: the paper's equivalents, and cantilevers from any textbook of strength of materials."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from fem.bodies.doubling import condensed_leg
+from fem.bodies.solid import solid_leg, solid_mesh
 from fem.sections.section_constants import section_constants
-from lumped.errors import ComputationError, InputError
+from lumped.errors import ComputationError, InputError, naming
 from lumped.legs import (
     ConstantLeg,
     GivenLeg,
@@ -15,6 +19,8 @@ from lumped.legs import (
     given_compliance,
     tip_compliance,
 )
+from lumped.models.bodies import legs_of
+from lumped.robot_file import load_robot
 from lumped.screws import move_compliance
 from lumped.sections import Circle, ISection, Rectangle, Tube
 from meshes.section.section_mesh import section_mesh
@@ -168,3 +174,35 @@ def test_given_compliance_is_the_legs_own_or_timoshenkos(demonstrator):
     tube = ConstantLeg(0.8, Tube(0.1, 0.01), STEEL)
     I = np.pi / 64.0 * (0.1**4 - 0.08**4)
     assert given_compliance(tube)[5, 5] == pytest.approx(0.8 / (2.1e11 * I), rel=1e-12)
+
+
+def test_alike_legs_are_equal_whatever_they_are_called():
+    first, second = replace(BEAM, name="leg 1"), replace(BEAM, name="leg 2")
+    assert first == second
+    assert hash(first) == hash(second)
+
+
+def test_a_leg_that_fails_is_named():
+    short = GivenLeg(1.0, 1.0, np.diag([1e-7, 1e-9, 1e-9, 1e-9, 3e-9, 3e-9]), name="leg 2")
+    with pytest.raises(InputError, match=r"^equivalent of leg 2: length = 1.0: shorter"):
+        solid_mesh(equivalent_leg(short), 2)
+    uneven = replace(BEAM, material=replace(STEEL, G=1e4), name="rod")
+    with pytest.raises(ComputationError, match=r"^rod: material with ν = 0.3: changes of"):
+        solid_leg(uneven, solid_mesh(uneven, 2))
+    with pytest.raises(ComputationError, match=r"^rod: material with ν = 0.3: changes of"):
+        condensed_leg(uneven, section_mesh(uneven.section, 1), 4)
+    assert load_robot("ifw").robot.leg1.name == "leg 1"
+    assert [leg.name for leg in legs_of(load_robot("five-bar").mechanism).values()] == [
+        "crank1",
+        "crank2",
+        "rod1",
+        "rod2",
+    ]
+
+
+def test_the_part_is_named_once():
+    with pytest.raises(InputError) as error, naming("leg 1"), naming("leg 1"):
+        raise InputError(["length: too short", "width: too wide"])
+    assert error.value.faults == ("leg 1: length: too short", "leg 1: width: too wide")
+    with pytest.raises(ComputationError, match=r"^loose$"), naming(""):
+        raise ComputationError("loose")

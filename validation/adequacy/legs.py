@@ -5,6 +5,7 @@ import numpy as np
 from fem.sections.nonuniform_torsion import held_torsion_compliance
 from fem.sections.section_constants import SectionConstants, beam_properties, section_constants
 from lumped.arrays import Array
+from lumped.errors import naming
 from lumped.legs import ConstantLeg, Ends, GivenLeg, Leg, given_compliance, tip_compliance
 from meshes.section.section_mesh import section_mesh
 from validation.context import Context, Preset
@@ -108,5 +109,6 @@ def restrained_spring(context: Context, leg: Leg, ends: Ends) -> Array:
 def own_constants(leg: ConstantLeg, divisions: int = SECTION_DIVISIONS) -> SectionConstants:
     """Constants of a leg's section from finite elements, without thin-wall assumptions."""
     material = leg.material
-    mesh = section_mesh(leg.section, section_counts(leg, divisions))
-    return section_constants(mesh, material.nu, material.G / material.E)
+    with naming(leg.name):
+        mesh = section_mesh(leg.section, section_counts(leg, divisions))
+        return section_constants(mesh, material.nu, material.G / material.E)

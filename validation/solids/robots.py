@@ -29,7 +29,7 @@ from lumped.arrays import Array, SparseMatrix
 from lumped.biglide import Biglide, in_words, with_equivalent_legs
 from lumped.biglide import system as robot_system
 from lumped.dense.modes import Modes
-from lumped.errors import InputError
+from lumped.errors import InputError, naming
 from lumped.legs import ConstantLeg, Leg, equivalent_leg, tip_compliance
 from lumped.mechanism.body_model import LegMatrices
 from lumped.system import solution
@@ -48,9 +48,10 @@ def meshed_leg(leg: ConstantLeg, divisions: int) -> SolidLeg:
 def held_solid(leg: ConstantLeg, divisions: int, ends: Ends) -> HeldLeg:
     """The solid leg with the twists of both ends given; `ends` as in its coupling."""
     solid = meshed_leg(leg, divisions)
-    if ends == "free":
-        return held_free_leg(clamped_leg(solid, "free"))
-    return held_leg(solid_leg_matrices(solid))
+    with naming(leg.name):
+        if ends == "free":
+            return held_free_leg(clamped_leg(solid, "free"))
+        return held_leg(solid_leg_matrices(solid))
 
 
 def renewed_where_needed(
@@ -135,19 +136,20 @@ def two_meshes(leg: ConstantLeg, most: int) -> TwoMeshes:
         coarse = fine = COARSEST_WALLS
         _require_affordable(leg, fine, most)
         along = static_slices(leg, fine), 2 * static_slices(leg, fine)
-    return TwoMeshes(
-        coarse=_compliances(leg, coarse, along[0]),
-        fine=_compliances(leg, fine, along[1]),
-        ratio=along[1] / along[0],
-    )
+    with naming(leg.name):
+        return TwoMeshes(
+            coarse=_compliances(leg, coarse, along[0]),
+            fine=_compliances(leg, fine, along[1]),
+            ratio=along[1] / along[0],
+        )
 
 
 def _require_affordable(leg: ConstantLeg, divisions: int, most: int) -> None:
     unknowns = 3 * len(section_mesh(leg.section, section_counts(leg, divisions)).nodes)
     if unknowns > most:
         raise InputError(
-            f"{leg.section.shape}: its coarsest section mesh has {unknowns} unknowns, more than "
-            f"{most}"
+            f"{leg.name or 'leg'}: the coarsest section mesh of its {leg.section.shape} has "
+            f"{unknowns} unknowns, more than {most}"
         )
 
 

@@ -89,7 +89,8 @@ def _body(given: Draft, name: str, folder: Path) -> tuple[Body, Frame]:
             section=table.section,
             material=material_of(given, table),
             ends=table.ends,
-        )
+        ),
+        name,
     )
     up = None if table.up is None else np.array(table.up, dtype=float)
     return leg_on(name, leg_shape(leg), (start, to), given.points, up)
