@@ -14,10 +14,12 @@ from validation import cli
 
 sys.path.insert(0, str(Path(__file__).parent))
 from bad_robots import KINDS, SOUND, bad_robots
+from mutated_mechanisms import mutated_mechanisms
 
 ROOT = Path(__file__).parents[3]
 SEED = 20
 COUNT, MORE = 334, 1000
+FEW_MECHANISMS, MECHANISMS = 30, 1500
 # "exit code, seconds of computing, bytes at the height" of a command, on its last line.
 MEASURED = """
 import resource, subprocess, sys
@@ -64,6 +66,32 @@ def test_each_of_many_generated_files_is_refused_in_few_short_lines(part, path, 
             assert "Traceback" not in line
 
 
+def check_mechanisms(count, path, capsys):
+    """Sound still, or refused like the others; some of every few are either."""
+    codes = []
+    for number, text in enumerate(mutated_mechanisms(count, SEED)):
+        path.write_text(text, encoding="utf-8")
+        codes.append(cli.main(["check", str(path)]))
+        printed = capsys.readouterr()
+        lines = printed.err.splitlines()
+        assert len(lines) <= 50, number
+        for line in lines:
+            assert line.startswith(f"flexproof: {path}: "), number
+            assert len(line) < 400 + len(str(path)), number
+            assert line.isprintable(), number
+        assert bool(printed.out) is (codes[-1] == 0), number
+    assert set(codes) == {0, 2}
+
+
+def test_whatever_is_done_to_a_mechanism_s_file_is_sound_or_refused(path, capsys):
+    check_mechanisms(FEW_MECHANISMS, path, capsys)
+
+
+@pytest.mark.exhaustive
+def test_whatever_is_done_to_many_files_of_mechanisms_is_sound_or_refused(path, capsys):
+    check_mechanisms(MECHANISMS, path, capsys)
+
+
 def measured(path, content):
     path.write_bytes(content)
     done = subprocess.run(
@@ -80,10 +108,12 @@ def measured(path, content):
 
 
 def assert_refused_cheaply(path, kind, content):
-    said, code, _, size = measured(path, content)
+    """Seconds of computing and bytes that it took."""
+    said, code, seconds, size = measured(path, content)
     assert code == 2, (kind, said[:500])
     assert "Traceback" not in said
     assert size < 200e6, kind
+    return seconds, size
 
 
 @pytest.mark.parametrize("number", range(len(KINDS)), ids=[kind.__name__ for kind in KINDS])
@@ -102,8 +132,10 @@ def test_all_generated_files_are_refused(path, capsys):
 
 @pytest.mark.soak
 def test_all_generated_files_in_processes_of_their_own(path):
-    for kind, content in bad_robots(COUNT + MORE, SEED):
-        assert_refused_cheaply(path, kind, content)
+    """With -s it says what the worst of them took."""
+    took = [assert_refused_cheaply(path, *one) for one in bad_robots(COUNT + MORE, SEED)]
+    seconds, size = map(max, zip(*took, strict=True))
+    sys.stdout.write(f"{len(took)} files, at most {seconds:.2f} s, {size / 1e6:.0f} MB each\n")
 
 
 def test_faults_beyond_fifty_lines_are_counted(path):
