@@ -16,7 +16,7 @@ from typing import Literal, TypeAlias
 import numpy as np
 from scipy.sparse import coo_matrix, csr_matrix
 
-from lumped.arrays import Array, SparseMatrix
+from lumped.arrays import Array, IntArray, SparseMatrix
 from lumped.errors import InputError
 from lumped.legs import BeamProperties
 from lumped.mechanism.body_model import LegMatrices
@@ -156,7 +156,7 @@ def segment_leg(chain: Chain) -> LegMatrices:
     # Chain order root, inner, tip becomes root, tip, inner.
     block = np.concatenate([[0], np.arange(2, count), [1]]) if count > 2 else np.array([0, 1])
     size = 6 * count
-    mass = _scatter([(block[[k]], body.mass) for k, body in enumerate(chain.bodies)], size)
+    mass = _scatter(block[:, None], np.array([body.mass for body in chain.bodies]), size)
     full = _spring_matrix(chain, block, tuple(range(6)))
     parts = {kind: _spring_matrix(chain, block, rows) for kind, rows in KINDS.items()}
     # A printed joint couples the kinds: then the springs do not split into parts.
@@ -206,35 +206,30 @@ def _tip_compliance(chain: Chain, spring: Spring) -> Array:
     return move_compliance(own, offset)
 
 
-def _spring_matrix(chain: Chain, block: Array, rows: Sequence[int]) -> SparseMatrix:
+def _spring_matrix(chain: Chain, block: IntArray, rows: Sequence[int]) -> SparseMatrix:
     """Σ [C₂ C₁]ᵀ K [C₂ C₁] of eq. (21), with the rows of the springs' deflection given."""
-    chosen = list(rows)
-    terms = []
-    for spring in chain.springs:
-        deflection = np.hstack(
-            [
-                -shift(np.array([spring.position - chain.bodies[spring.first].position, 0, 0])),
-                shift(np.array([spring.position - chain.bodies[spring.second].position, 0, 0])),
-            ]
-        )[chosen]
-        stiffness = spring.stiffness[np.ix_(chosen, chosen)]
-        terms.append((block[[spring.first, spring.second]], deflection.T @ stiffness @ deflection))
-    return _scatter(terms, 6 * len(chain.bodies))
+    chosen, springs = list(rows), chain.springs
+    joined = np.array([(spring.first, spring.second) for spring in springs])
+    positions = np.array([body.position for body in chain.bodies])
+    levers = np.zeros((len(springs), 2, 3))
+    levers[..., 0] = np.array([spring.position for spring in springs])[:, None] - positions[joined]
+    before, after = shift(levers).swapaxes(0, 1)
+    deflections = np.concatenate([-before, after], axis=2)[:, chosen]
+    stiffness = np.array([spring.stiffness[np.ix_(chosen, chosen)] for spring in springs])
+    terms = deflections.swapaxes(1, 2) @ stiffness @ deflections
+    return _scatter(block[joined], terms, 6 * len(chain.bodies))
 
 
-def _scatter(terms: Sequence[tuple[Array, Array]], size: int) -> SparseMatrix:
-    """Sum of dense matrices placed at 6×6 blocks, as CSR."""
-    rows, columns, values = [], [], []
-    for blocks, matrix in terms:
-        unknowns = (6 * np.asarray(blocks, dtype=int)[:, None] + np.arange(6)).ravel()
-        rows.append(np.repeat(unknowns, len(unknowns)))
-        columns.append(np.tile(unknowns, len(unknowns)))
-        values.append(matrix.ravel())
-    place = (np.concatenate(rows), np.concatenate(columns))
-    return csr_matrix(coo_matrix((np.concatenate(values), place), shape=(size, size)))
+def _scatter(blocks: IntArray, matrices: Array, size: int) -> SparseMatrix:
+    """Sum of dense matrices (s×6b×6b) placed at their 6×6 `blocks` (s×b), as CSR."""
+    unknowns = (6 * blocks[:, :, None] + np.arange(6)).reshape(len(blocks), -1)
+    width = unknowns.shape[1]
+    rows = np.repeat(unknowns, width, axis=1).ravel()
+    columns = np.tile(unknowns, (1, width)).ravel()
+    return csr_matrix(coo_matrix((matrices.ravel(), (rows, columns)), shape=(size, size)))
 
 
-def _interpolate(chain: Chain, block: Array, stations: Array) -> SparseMatrix:
+def _interpolate(chain: Chain, block: IntArray, stations: Array) -> SparseMatrix:
     """6m × n matrix of twists at `stations`, linear between the bodies' reference points."""
     positions = np.array([body.position for body in chain.bodies])
     left = np.clip(np.searchsorted(positions, stations, side="right") - 1, 0, len(positions) - 2)

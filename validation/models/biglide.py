@@ -5,6 +5,7 @@ from functools import partial
 
 from lumped.arrays import Array
 from lumped.biglide import Biglide, postures, printed, system
+from lumped.caches import lru_cache
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, equivalent_leg
 from lumped.mechanism.body_model import LegMatrices
@@ -32,9 +33,14 @@ def robot_legs(
     """
     leg1, leg2 = _equivalent_legs(robot, options)
     if model == "segments" and options.release == "printed":
-        released = with_printed_tip_joint(leg_chain(leg2, options))
-        return cached_leg(model, leg1, options), segment_leg(released)
+        return cached_leg(model, leg1, options), _released_leg(leg2, options)
     return cached_leg(model, leg1, options), cached_leg(model, leg2, options)
+
+
+@lru_cache(maxsize=64)
+def _released_leg(leg: ConstantLeg, options: ModelOptions) -> LegMatrices:
+    """A leg in segments with the joint at its tip as printed, built once as `cached_leg`."""
+    return segment_leg(with_printed_tip_joint(leg_chain(leg, options)))
 
 
 def _equivalent_legs(robot: Biglide, options: ModelOptions) -> tuple[ConstantLeg, ConstantLeg]:

@@ -62,7 +62,8 @@ def leg_chain(leg: ConstantLeg, options: ModelOptions) -> Chain:
     return segment_chain(properties, leg.length, options.elements, options.layout)
 
 
-@lru_cache(maxsize=64)
+# As many as the family of longer legs takes by all models: each is a hundred kilobytes.
+@lru_cache(maxsize=256)
 def cached_leg(
     model: ModelName, leg: ConstantLeg | SteppedLeg, options: ModelOptions
 ) -> LegMatrices:

@@ -44,7 +44,7 @@ class Report:
     against measured values. `unfinished` counts
     the pieces of work that were not computed; `drifts` (by case id) are the moves from frozen
     values, which stand in a column of their own; `power` what became of the faults, if any were
-    injected.
+    injected. The plots are drawn by so many `processes`.
     """
 
     outcomes: tuple[Outcome, ...]
@@ -58,6 +58,7 @@ class Report:
     unfinished: int = 0
     drifts: Mapping[str, Drift] = field(default_factory=dict)
     power: Power | None = None
+    processes: int = 1
 
     @cached_property
     def first(self) -> FirstScreen | None:
@@ -151,7 +152,9 @@ class Report:
         """
         drawn = {study.id for study in studies_of(self.outcomes)} | {PORTRAIT}
         figures = [figure for figure in self.figures if figure.id not in drawn]
-        return chapters_of(self.outcomes, figures, plotted=not self.unfinished)
+        return chapters_of(
+            self.outcomes, figures, plotted=not self.unfinished, processes=self.processes
+        )
 
     @property
     def chapters(self) -> tuple[Chapter, ...]:

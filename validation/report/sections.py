@@ -3,9 +3,8 @@
 Chapters answer the reader's questions in turn; what only verifies the program is an appendix.
 """
 
-import logging
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 
 from validation.case import Outcome
@@ -13,6 +12,7 @@ from validation.exhibits import Figure
 from validation.report.figures.studies.budgets import budget_figure, budgeted
 from validation.report.figures.studies.families import Family, families
 from validation.report.figures.studies.family_plots import family_plot
+from validation.report.figures.together import Draw, drawn_together
 from validation.report.said import SaidTable
 from validation.report.tables import Grid, Part, grids
 from validation.report.text import anchor
@@ -50,13 +50,15 @@ class Plot:
 class Section:
     """A group of cases with the figures that belong to it.
 
-    `plotted`: whether plots are to be drawn from the outcomes.
+    `plots` are the studies behind the comparisons, by family, `budget` the error budget of those
+    that allow for named causes.
     """
 
     title: str
     outcomes: tuple[Outcome, ...]
     figures: tuple[Figure, ...]
-    plotted: bool = True
+    plots: tuple[Plot, ...] = ()
+    budget: Figure | None = None
 
     @property
     def anchor(self) -> str:
@@ -87,23 +89,6 @@ class Section:
     def part(self) -> Part:
         """The section in one line."""
         return Part(self.title, self.outcomes)
-
-    @cached_property
-    def budget(self) -> Figure | None:
-        """The error budget of the comparisons that allow for named causes."""
-        drawn = budgeted(self.outcomes) if self.plotted else ()
-        if not drawn:
-            return None
-        title = f"{self.title}: error budget"
-        return attempted(lambda: budget_figure(f"budget.{self.anchor}", title, drawn))
-
-    @cached_property
-    def plots(self) -> tuple[Plot, ...]:
-        """The studies behind the comparisons, by family."""
-        return tuple(
-            Plot(family, attempted(partial(family_plot, family)) if self.plotted else None)
-            for family in families(self.outcomes)
-        )
 
     @cached_property
     def homes(self) -> Mapping[str, str]:
@@ -144,19 +129,22 @@ class Chapter:
 
 
 def chapters_of(
-    outcomes: Sequence[Outcome], figures: Sequence[Figure], *, plotted: bool
+    outcomes: Sequence[Outcome], figures: Sequence[Figure], *, plotted: bool, processes: int = 1
 ) -> tuple[Chapter, ...]:
-    """The chapters that have anything to show, the appendix last."""
+    """The chapters that have anything to show, the appendix last.
+
+    `plotted`: whether plots are to be drawn from the outcomes, by so many `processes`.
+    """
     names = [outcome.case.section for outcome in outcomes] + [figure.section for figure in figures]
     sections = [
         Section(
             title=name or "Further comparisons",
             outcomes=tuple(outcome for outcome in outcomes if outcome.case.section == name),
             figures=tuple(figure for figure in figures if figure.section == name),
-            plotted=plotted,
         )
         for name in dict.fromkeys(names)
     ]
+    sections = _with_plots(sections, processes if plotted else 0)
     gathered = {
         chapter: tuple(section for section in sections if _home(section) == chapter)
         for chapter in (*CHAPTERS, APPENDIX)
@@ -180,10 +168,22 @@ def _place(chapter: str, section: Section) -> int:
     return titles.index(section.title) if section.title in titles else len(titles)
 
 
-def attempted(draw: Callable[[], Figure | None]) -> Figure | None:
-    """The figure, or none: a plot that fails must not cost the report."""
-    try:
-        return draw()
-    except Exception as error:  # noqa: BLE001  whatever it is, the numbers stand in the tables
-        logging.getLogger(__name__).warning("a plot could not be drawn: %s", error)
+def _with_plots(sections: Sequence[Section], processes: int) -> list[Section]:
+    """The sections with what is drawn from their outcomes; without pictures by no process."""
+    of_section = [families(section.outcomes) for section in sections]
+    draws: list[Draw] = [partial(family_plot, one) for found in of_section for one in found]
+    draws += [partial(_budget, section) for section in sections]
+    drawn = iter(drawn_together(draws, processes) if processes else [None] * len(draws))
+    plots = [tuple(Plot(family, next(drawn)) for family in found) for found in of_section]
+    return [
+        replace(section, plots=own, budget=next(drawn))
+        for section, own in zip(sections, plots, strict=True)
+    ]
+
+
+def _budget(section: Section) -> Figure | None:
+    allowing = budgeted(section.outcomes)
+    if not allowing:
         return None
+    title = f"{section.title}: error budget"
+    return budget_figure(f"budget.{section.anchor}", title, allowing)

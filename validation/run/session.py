@@ -129,7 +129,7 @@ def validate(request: Request, catalogue: Catalogue) -> Results:
         _compute(job, gathered, folder, kept, request.jobs)
         gathered.remarks = [*gathered.remarks, *_unkept(gathered, kept)]
         with progress.stage("writing the report"):
-            publish(gathered, folder, findings)
+            publish(gathered, folder, findings, request.jobs)
         if request.exports and not gathered.unfinished:
             with (
                 progress.stage("exporting meshes, modes and matrices"),
@@ -150,7 +150,9 @@ def default_jobs() -> int:
     return usable_cores()
 
 
-def publish(gathered: Results, folder: RunFolder, findings: Sequence[Finding]) -> None:
+def publish(
+    gathered: Results, folder: RunFolder, findings: Sequence[Finding], processes: int = 1
+) -> None:
     """Write junit.xml, figures/ (all that the report shows) and report.html."""
     outcomes = gathered.in_order()
     folder.write("results.json", gathered.as_json())
@@ -167,6 +169,7 @@ def publish(gathered: Results, folder: RunFolder, findings: Sequence[Finding]) -
         unfinished=gathered.unfinished,
         drifts=gathered.drifts,
         power=gathered.power,
+        processes=processes,
     )
     for figure in report.shown:
         for name, content in figure.files.items():
