@@ -41,6 +41,7 @@ def case(identifier="legs.a", **changes):
         "tolerance_reason": "shear is in both models",
         "compute": never,
         "section": "The legs",
+        "subject": "program",
     }
     return Case(**(fields | changes))
 
