@@ -156,15 +156,15 @@ def run(
     from lumped.robot_file import load_robot  # noqa: PLC0415
     from lumped.robot_file.measured import with_measured  # noqa: PLC0415
     from validation.catalogue import catalogue  # noqa: PLC0415
-    from validation.faults.detection import is_fault, with_faults  # noqa: PLC0415
+    from validation.faults.power import names_faults  # noqa: PLC0415
     from validation.run import summary  # noqa: PLC0415
-    from validation.run.session import Request, default_jobs, validate  # noqa: PLC0415
+    from validation.run.session import Catalogue, Request, default_jobs, validate  # noqa: PLC0415
     from validation.store.tree import StoreError  # noqa: PLC0415
 
     require_address_space(TO_COMPUTE)
     start: Start = "resumed" if resume else "afresh"
     # Whoever names faults alone wants them injected.
-    faults = faults or bool(only and is_fault(only))
+    faults = faults or bool(only and names_faults(only))
     robot_file = load_robot(robot)
     robot_file = with_measured(robot_file, measured) if measured else robot_file
     asked = {"accept": " ".join(accept), "rely": " ".join(rely)}
@@ -184,8 +184,13 @@ def run(
         strict,
         selftest,
     )
+    everything: Catalogue = catalogue
+    if faults:
+        from validation.faults.detection import with_faults  # noqa: PLC0415
+
+        everything = with_faults
     try:
-        gathered = validate(request, with_faults if faults else catalogue)
+        gathered = validate(request, everything)
     except (StoreError, ComputationError) as error:
         return complain([str(error), summary.how_to_go_on(request)], 3)
     except KeyboardInterrupt:

@@ -14,10 +14,12 @@ from lumped.biglide import Biglide
 from lumped.robot_file import RobotFile, load_robot
 
 Preset: TypeAlias = Literal["quick", "standard", "fine"]
-About: TypeAlias = Literal["robot", "leg", "program"]
+About: TypeAlias = Literal["robot", "leg", "program", "faults"]
 PRESETS: tuple[Preset, ...] = ("quick", "standard", "fine")
 # The robot whose numbers the paper prints; the program itself is verified on it.
 BUILT_IN = "ifw"
+# The option that holds the run's folder of finished units of sweeps, if its session names one.
+SWEEPS_FOLDER = "sweeps"
 P = ParamSpec("P")
 T = TypeVar("T")
 

@@ -9,6 +9,8 @@ from typing import Any, Literal, TypeAlias
 from validation.context import PRESETS, About, Context, Preset
 
 StudyKind: TypeAlias = Literal["convergence", "sweep"]
+# The picture of the robot, which stands on the first screen.
+PORTRAIT = "robot.portrait"
 
 
 @dataclass(frozen=True)

@@ -36,8 +36,9 @@ from validation.cases.robot import solid as robot_solid
 from validation.context import Context
 from validation.faults import detection, trial
 from validation.faults.catalogue import FAULTS
-from validation.faults.detection import detection_power, fault_cases, is_fault
+from validation.faults.detection import fault_cases
 from validation.faults.fault import Fault, around, fault, replaced, sound_function
+from validation.faults.power import detection_power, names_faults
 from validation.faults.sound import SoundCases, sound_cases
 from validation.faults.trial import catchers, tried
 from validation.models.biglide import robot_compliance, robot_frequencies
@@ -368,8 +369,8 @@ def test_run_of_faults_alone_sums_up_the_faults_and_no_comparisons():
     gathered = Results({}, [case], outcomes={case.id: outcome})
     expected = "1 faults injected, all caught, 0 by a single comparison."
     assert run_summary.verdicts(gathered) == [expected]
-    assert is_fault("fault.*")
-    assert not is_fault("leg1.*")
+    assert names_faults("fault.*")
+    assert not names_faults("leg1.*")
 
 
 def test_case_that_disagrees_without_a_fault_catches_none():

@@ -13,10 +13,9 @@ from lumped.audit.finding import Finding
 from validation.adequacy.matrix import Matrix
 from validation.case import Outcome, Verdict
 from validation.console.listing import program_line, summary
-from validation.exhibits import Figure
-from validation.faults.detection import Power
+from validation.exhibits import PORTRAIT, Figure
+from validation.faults.power import Power
 from validation.report import scene_viewer, text
-from validation.report.figures.pictures.portrait import ID as PORTRAIT
 from validation.report.first_screen.screen import FirstScreen, first_screen
 from validation.report.first_screen.words import capital
 from validation.report.second_ways import Agreement, agreements

@@ -11,7 +11,7 @@ from validation.adequacy.assessment import ADEQUACY, MEASURED, Assessed
 from validation.adequacy.matrix import Matrix
 from validation.case import Outcome
 from validation.exhibits import Figure
-from validation.faults.detection import Power, comparisons, detection_power
+from validation.faults.power import Power, comparisons, detection_power
 from validation.results.compare import Comparison, compare
 from validation.results.drift import Drift, drifts
 from validation.results.freeze import frozen_values

@@ -5,6 +5,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
 from time import perf_counter
+from typing import TYPE_CHECKING
 
 from fem.machine import usable_cores
 from lumped.audit.finding import Finding
@@ -12,10 +13,8 @@ from lumped.audit.robot_audit import audit
 from lumped.errors import InputError
 from lumped.robot_file import RobotFile
 from validation.console.streams import complain
-from validation.context import Preset
-from validation.export.mechanism import export_mechanism
-from validation.export.models import export
-from validation.faults.detection import comparisons
+from validation.context import SWEEPS_FOLDER, Preset
+from validation.faults.power import comparisons
 from validation.report.page import Report, render
 from validation.results import provenance
 from validation.results.freeze import built_in_frozen
@@ -28,9 +27,9 @@ from validation.run.worker import Job
 from validation.selftest.kept import Kept, kept_of
 from validation.store.opening import Start, open_folder
 from validation.store.run_folder import RunFolder
-from validation.sweeps.cluster import on_cluster
-from validation.sweeps.results import FOLDER_OPTION, GROUP, studies_read
-from validation.sweeps.studies import precompute
+
+if TYPE_CHECKING:
+    from validation.sweeps.runner import Executor
 
 # How many times as long as results.json takes to write it is left alone.
 _SPARING = 20.0
@@ -98,12 +97,10 @@ def validate(request: Request, catalogue: Catalogue) -> Results:
     baseline = load_run(request.baseline) if request.baseline else None
     frozen = baseline or built_in_frozen(robot_file, request.preset)
     with ExitStack() as stack:
-        executor = None
-        if request.cluster is not None:
-            executor = stack.enter_context(on_cluster(request.cluster, _mention))
+        executor = _cluster(request, stack)
         folder = stack.enter_context(open_folder(request.out, header, request.start))
         sweeps = folder.path / "sweeps"
-        job = Job(catalogue, robot_file, request.preset, {**options, FOLDER_OPTION: str(sweeps)})
+        job = Job(catalogue, robot_file, request.preset, {**options, SWEEPS_FOLDER: str(sweeps)})
         header |= {"seconds": 0.0, "planned": len(tasks)} | folder.begun()
         header |= {"frozen_from": _named(frozen)}
         gathered = Results(
@@ -122,10 +119,9 @@ def validate(request: Request, catalogue: Catalogue) -> Results:
         elif request.selftest and request.start == "afresh" and request.only is None:
             kept.forget()
         _mention_checks(gathered)
-        if executor is not None and any(task.group == GROUP for task in tasks):
+        if executor is not None:
             with progress.stage("sweeps on the cluster"):
-                studies = studies_read(request.preset)
-                precompute(robot_file.robot, request.preset, sweeps, executor, studies)
+                _sweep(request, tasks, sweeps, executor)
         _compute(job, gathered, folder, kept, request.jobs)
         gathered.remarks = [*gathered.remarks, *_unkept(gathered, kept)]
         with progress.stage("writing the report"):
@@ -135,10 +131,7 @@ def validate(request: Request, catalogue: Catalogue) -> Results:
                 progress.stage("exporting meshes, modes and matrices"),
                 folder.replacing("export") as target,
             ):
-                if robot_file.is_mechanism:
-                    export_mechanism(robot_file.mechanism, request.preset, target)
-                else:
-                    export(robot_file.robot, request.preset, target)
+                _export(request, target)
         folder.complete = not gathered.unfinished
     if folder.complete:
         gathered.path = request.out
@@ -175,6 +168,36 @@ def publish(
         for name, content in figure.files.items():
             folder.write(f"figures/{name}", content)
     folder.write("report.html", render(report))
+
+
+# What few runs ask for is read where it is asked for: the others begin sooner.
+def _cluster(request: Request, stack: ExitStack) -> "Executor | None":
+    """What computes the sweeps elsewhere, as long as the stack stands."""
+    if request.cluster is None:
+        return None
+    from validation.sweeps.cluster import on_cluster  # noqa: PLC0415
+
+    return stack.enter_context(on_cluster(request.cluster, _mention))
+
+
+def _sweep(request: Request, tasks: Sequence[Task], sweeps: Path, executor: "Executor") -> None:
+    from validation.sweeps.results import GROUP, studies_read  # noqa: PLC0415
+    from validation.sweeps.studies import precompute  # noqa: PLC0415
+
+    if any(task.group == GROUP for task in tasks):
+        studies = studies_read(request.preset)
+        precompute(request.robot_file.robot, request.preset, sweeps, executor, studies)
+
+
+def _export(request: Request, target: Path) -> None:
+    if request.robot_file.is_mechanism:
+        from validation.export.mechanism import export_mechanism  # noqa: PLC0415
+
+        export_mechanism(request.robot_file.mechanism, request.preset, target)
+    else:
+        from validation.export.models import export  # noqa: PLC0415
+
+        export(request.robot_file.robot, request.preset, target)
 
 
 def _refuse_what_biglides_have(request: Request) -> None:

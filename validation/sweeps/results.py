@@ -6,7 +6,7 @@ from typing import TypeVar
 from lumped.biglide import Biglide
 from lumped.errors import InputError
 from validation.case import Skip
-from validation.context import Context, Preset
+from validation.context import SWEEPS_FOLDER, Context, Preset
 from validation.studies.decision import Decision
 from validation.sweeps.studies import (
     Curves,
@@ -23,8 +23,6 @@ GROUP = "decision"
 # Some sixty robots with solid legs are looked at: too many for a quick answer.
 DECIDED: tuple[Preset, ...] = ("standard", "fine")
 PAPER = "Briot, Pashkevich, Chablat, §2.3, §3.3 and conclusions"
-# The run's folder of finished units, if its session names one.
-FOLDER_OPTION = "sweeps"
 T = TypeVar("T")
 
 
@@ -67,7 +65,7 @@ def stroke(robot: Biglide, preset: Preset, folder: str) -> dict[str, Curves]:
 
 
 def _arguments(context: Context) -> tuple[Biglide, Preset, str]:
-    return context.robot, context.preset, context.options.get(FOLDER_OPTION, "")
+    return context.robot, context.preset, context.options.get(SWEEPS_FOLDER, "")
 
 
 def _or_skip(context: Context, study: Callable[[Biglide, Preset, str], T]) -> T:

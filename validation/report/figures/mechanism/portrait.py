@@ -5,9 +5,8 @@ from io import BytesIO
 from validation.adequacy.mechanism.path import path_postures
 from validation.cases.mechanism.path import SECTION
 from validation.context import Context
-from validation.exhibits import Drawing, Figure
+from validation.exhibits import PORTRAIT, Drawing, Figure
 from validation.kinematics.picture import picture
-from validation.report.figures.pictures.portrait import ID as PORTRAIT
 from validation.report.figures.style import plot_style
 
 _DOTS = 200  # per inch

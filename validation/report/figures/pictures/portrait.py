@@ -5,7 +5,7 @@ from matplotlib.figure import Figure as Canvas
 
 from validation.cases.robot.stroke import SECTION
 from validation.context import Context
-from validation.exhibits import Drawing, Figure
+from validation.exhibits import PORTRAIT, Drawing, Figure
 from validation.report.figures.pictures.drawing.opengl import require_vtk
 from validation.report.figures.pictures.drawing.rendering import (
     Body,
@@ -27,7 +27,6 @@ from validation.report.figures.pictures.robot_shape import (
 )
 from validation.report.figures.style import MODELS, WIDTH, plot_style
 
-ID = "robot.portrait"
 _TITLE = "The robot"
 _HEIGHT = 3.3  # in
 _TOWARD, _UP = np.array([0.35, -0.75, 0.9]), np.array([0.0, 0.3, 1.0])
@@ -36,7 +35,7 @@ _PATH = 41
 
 def drawings() -> tuple[Drawing, ...]:
     """The picture of the robot."""
-    return (Drawing(ID, _TITLE, portrait, section=SECTION, group="pictures", effort=1.0),)
+    return (Drawing(PORTRAIT, _TITLE, portrait, section=SECTION, group="pictures", effort=1.0),)
 
 
 def portrait(context: Context) -> Figure:
@@ -74,7 +73,7 @@ def portrait(context: Context) -> Figure:
         triad(axes, view, place=(0.06, 0.9))
         drawn = picture_of(picture)
     return Figure(
-        id=ID,
+        id=PORTRAIT,
         title=_TITLE,
         caption=(
             f"At x = {x:.4g} m; the red line is the stroke of B, {first:.4g} to {last:.4g} m. Legs "
