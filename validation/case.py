@@ -107,7 +107,8 @@ class Measurement:
     rounding alone is left; ValueError for neither and for both. `table` maps column headings to
     equally long columns; `studies` are convergence studies and sweeps to be shown with the case.
     `pose` is the one that the numbers belong to, where a case looks at several and takes the worst.
-    `claim`: what a source says of it, read as printed and as corrected.
+    `claim`: what a source says of it, read as printed and as corrected. `decides`: what there is to
+    do, or to know, where the uncertainty is too large to judge.
     """
 
     value: float
@@ -122,6 +123,7 @@ class Measurement:
     pose: tuple[float, ...] = ()
     claim: Claim | None = None
     exact: bool = False
+    decides: str = "refine the models"
 
     def __post_init__(self) -> None:
         if self.exact is (self.numerical_uncertainty is not None):
@@ -353,7 +355,7 @@ def _remark(case: Case, measurement: Measurement, tolerance: float) -> str:
     if not beyond > uncertainty:
         return (
             f"numerical uncertainty {uncertainty:.3g} {case.unit} exceeds the tolerance "
-            f"{tolerance:.3g} {case.unit}: refine the models, the comparison cannot decide"
+            f"{tolerance:.3g} {case.unit}, the comparison cannot decide: {measurement.decides}"
         )
     return ""
 

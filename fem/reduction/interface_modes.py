@@ -26,12 +26,15 @@ def interface_modes(held: Held, cutoff: float) -> Modes:
 
     Raises ComputationError where they are too many to find.
     """
-    modes = _all_modes(held) if held.size <= _DENSE_SIZE else _modes_below(held, cutoff)
+    modes = None if held.size <= _DENSE_SIZE else _modes_below(held, cutoff)
+    if modes is None:
+        modes = _all_modes(held)
     kept = modes.frequencies < cutoff
     return Modes(frequencies=modes.frequencies[kept], shapes=fix_signs(modes.shapes[:, kept]))
 
 
-def _modes_below(held: Held, cutoff: float) -> Modes:
+def _modes_below(held: Held, cutoff: float) -> Modes | None:
+    """All modes below the cut-off; None where these are a large part of all there are."""
     smallest = (2.0 * np.pi * cutoff) ** -2
     # Noise has a share in the modes of every symmetry; Lanczos finds none that its start lacks.
     noise = np.random.default_rng(_SEED).standard_normal((held.size, _BLOCK))
@@ -57,6 +60,8 @@ def _modes_below(held: Held, cutoff: float) -> Modes:
             chosen = inverse_squares > smallest
             return _ritz_modes(basis, inverse_squares[chosen], vectors[:, chosen])
         basis.append(following)
+    if limit < _LARGEST_SUBSPACE:
+        return None
     raise ComputationError(
         f"{held.model} leg, both ends held: its modes below the cut-off of {cutoff:g} Hz were not "
         f"found in {limit} Lanczos vectors; a lower cut-off is needed"

@@ -198,3 +198,12 @@ def test_a_measurement_states_its_uncertainty_or_that_it_is_exact():
     assert result_record(judge(EQUAL, Measurement(10.0, 10.0, exact=True), 0.0))["exact"] is True
     stated = judge(EQUAL, Measurement(10.0, 10.0, reference_uncertainty=0.01), 0.0)
     assert result_record(stated)["exact"] is False
+
+
+def test_an_undecided_comparison_says_what_would_decide_it():
+    meshed = Measurement(1.0, 1.0, value_uncertainty=0.2)
+    outcome = judge(EQUAL, meshed, 0.0)
+    assert outcome.verdict == "undecided"
+    assert outcome.message.endswith("the comparison cannot decide: refine the models")
+    rounded = replace(meshed, decides="no finer model narrows it")
+    assert judge(EQUAL, rounded, 0.0).message.endswith("cannot decide: no finer model narrows it")

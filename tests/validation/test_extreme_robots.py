@@ -164,7 +164,10 @@ def test_what_rounding_hides_in_three_formulations_is_undecided_or_told(number, 
             except ComputationError as error:
                 reasons.append(str(error))
                 continue
-            verdicts.add(judge(case, measurement, 0.0).verdict)
+            outcome = judge(case, measurement, 0.0)
+            verdicts.add(outcome.verdict)
+            # Finer models have rounding as well: nobody is sent to refine them.
+            assert ("no finer model" in outcome.message) is (outcome.verdict == "undecided")
             # Beside the roundings of the matrix those of its solution, some in the last place.
             known = measurement.numerical_uncertainty + 1e-13 * measurement.reference
             assert abs(measurement.difference) <= known
