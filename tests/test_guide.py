@@ -25,6 +25,8 @@ from validation.faults.detection import with_faults
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = (ROOT / "README.md", *sorted((ROOT / "docs" / "guide").glob("*.md")))
+# Pages of which an example takes a quarter of a minute.
+LONG = {"using", "programs"}
 BLOCK = re.compile(r"^```(\w+)[ ]?([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 LINK = re.compile(r"\]\(([^)#\s]+)(?:#[^)\s]*)?\)")
 # What a page may show without its being run: formulas and excerpts of files.
@@ -38,7 +40,14 @@ def blocks(page: Path) -> list[tuple[str, str, str]]:
     return BLOCK.findall(page.read_text(encoding="utf-8"))
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+@pytest.mark.parametrize(
+    "page",
+    [
+        pytest.param(page, marks=pytest.mark.exhaustive if page.stem in LONG else ())
+        for page in PAGES
+    ],
+    ids=lambda page: page.stem,
+)
 def test_the_examples_of_the_page_work(page, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     # What the guide puts in place from outside is taken back when the page has been read.

@@ -25,6 +25,7 @@ def test_solve_gives_the_numbers_of_the_command(capsys):
     assert answer.frequencies.tolist() == printed["frequencies"]
 
 
+@pytest.mark.exhaustive
 def test_the_matrix_is_that_of_a_run(judged, tmp_path):
     finished = api.run("ifw", out=tmp_path / "run", preset="quick", only="adequacy", jobs=1)
     assert (finished.exit_code, finished.verdicts) == (0, {})

@@ -105,7 +105,7 @@ def test_the_biglide_with_feet_and_tool_springs(changes):
 
 
 @needs_calculix
-@pytest.mark.slow
+@pytest.mark.exhaustive
 def test_a_delta_whose_rods_spin_idly():
     assert agree(reference_posture(of_squares("delta"))) == 6
 

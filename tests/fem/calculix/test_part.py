@@ -57,6 +57,7 @@ def test_compliance_of_rigid_and_averaged_interfaces(bar):
     )
 
 
+@pytest.mark.exhaustive
 def test_twenty_frequencies_with_its_own_mass(bar):
     mesh, interfaces = bar
     grips = grips_of(mesh, interfaces[:2])

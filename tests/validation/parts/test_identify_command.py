@@ -32,6 +32,7 @@ def cache(tmp_path, monkeypatch):
     return tmp_path / "cache" / "flexproof" / "parts"
 
 
+@pytest.mark.exhaustive
 def test_three_interfaces_in_numbers_and_from_the_cache(capsys, cache, monkeypatch, tmp_path):
     few = ["--unknowns", "9000", "--modes", "2", "--json"]
     assert cli.main(asked(BORES, *few, "--out", str(tmp_path / "rocker.npz"))) == 0

@@ -50,7 +50,7 @@ def leg(tmp_path_factory):
     return meshed.properties(), held_part(meshed, grips_of(mesh, found), "leg")
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 def test_the_solid_says_what_was_measured(leg):
     properties, body = leg
     assert properties.mass == pytest.approx(82.84, rel=1e-4)

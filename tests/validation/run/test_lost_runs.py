@@ -67,10 +67,8 @@ def undisturbed(tmp_path_factory):
     return content, time.monotonic() - begun
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    "seed", [0, *(pytest.param(seed, marks=pytest.mark.exhaustive) for seed in range(1, 5))]
-)
+@pytest.mark.exhaustive
+@pytest.mark.parametrize("seed", range(5))
 def test_a_run_killed_four_times_goes_on_to_the_same_results(undisturbed, tmp_path, seed):
     expected, duration = undisturbed
     path = tmp_path / "run"
@@ -98,6 +96,7 @@ def resumed(path):
     return ["--resume"] if path.exists() else []
 
 
+@pytest.mark.exhaustive
 def test_numbers_do_not_depend_on_the_number_of_processes(undisturbed, tmp_path):
     done = completed("real", "run", "--preset", "quick", "--out", tmp_path / "run", "--jobs", "1")
     assert done.returncode == 0, done.stderr
@@ -125,7 +124,7 @@ def test_the_second_of_two_runs_in_one_folder_is_refused(tmp_path):
     assert "go on with: flexproof run ifw" in said
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 def test_under_nohup_a_hang_up_changes_nothing(undisturbed, tmp_path):
     path = tmp_path / "run"
     asked = command("real", "run", "--preset", "quick", "--out", path, "--jobs", "2")

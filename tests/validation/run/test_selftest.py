@@ -234,6 +234,7 @@ def test_a_kill_leaves_what_was_finished_to_the_next_run(toys, cache, tmp_path):
     assert counts(ran(toys.checked, tmp_path / "next")) == (3, 0)
 
 
+@pytest.mark.exhaustive
 def test_two_runs_at_once_both_check_and_leave_what_holds(toys, tmp_path):
     both = [
         started("checked", "run", "--preset", "quick", "--out", str(tmp_path / name))

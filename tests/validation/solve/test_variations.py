@@ -62,6 +62,7 @@ def test_numbers_that_match_vary_together_and_several_in_every_combination(tmp_p
     ]
 
 
+@pytest.mark.exhaustive
 def test_processes_give_the_same_numbers(capsys):
     asked = ("five-bar", "--model", "beam", "--modes", "2", "--vary", "tool.mass=1:3:3")
     alone, together = solved(capsys, *asked), solved(capsys, *asked, "--jobs", "2")
