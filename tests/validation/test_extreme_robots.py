@@ -10,6 +10,7 @@ import pytest
 from lumped.errors import ComputationError
 from lumped.legs import equivalent_leg
 from lumped.robot_file import load_robot
+from lumped.sections import Circle, Rectangle, Tube
 from validation import cli
 from validation.case import judge
 from validation.cases.robot.stroke import rounded_deflections
@@ -17,6 +18,7 @@ from validation.catalogue import catalogue
 from validation.context import Context
 from validation.models.biglide import robot_compliance
 from validation.models.options import ModelOptions
+from validation.solve import cost
 from validation.studies.quantities import deflections_of
 
 sys.path.insert(0, str(Path(__file__).parent))
@@ -50,8 +52,8 @@ def command(tmp_path, capsys):
     return called
 
 
-def compliance(command, text, *options):
-    """The 6×6 or 2×2, physically possible; None where it is refused with a reason."""
+def answer(command, text, *options):
+    """A result of `solve`, physically possible; None where it is refused with a reason."""
     code, out, _ = command(text, "solve", "ROBOT", "--json", *options)
     assert code != 1
     if code:
@@ -63,7 +65,13 @@ def compliance(command, text, *options):
     frequencies = [f for f in result["frequencies"] if f is not None]
     assert frequencies == sorted(frequencies)
     assert all(f > 0.0 for f in frequencies)
-    return found
+    return result | {"compliance": found}
+
+
+def compliance(command, text, *options):
+    """The 6×6 or 2×2; None where it is refused."""
+    found = answer(command, text, *options)
+    return None if found is None else found["compliance"]
 
 
 def check_lumped_models(command, text):
@@ -95,7 +103,52 @@ def test_lumped_models_of_all_agree_or_say_why_not(number, command):
     check_lumped_models(command, ROBOTS[number])
 
 
+def check_solid_leg(command, text, leg, number):
+    """Free ends against Timoshenko's beam, and what rigid ones take from it."""
+    alone = ("--leg", str(number), "--model")
+    beam = compliance(command, text, *alone, "beam", "--modes", "0")
+    free, rigid = (
+        answer(command, text, *alone, "solid", "--divisions", "2", "--ends", ends)
+        for ends in ("free", "rigid")
+    )
+    if free is None or rigid is None:
+        return
+    softer, stiffer = free["compliance"], rigid["compliance"]
+    scale = np.sqrt(np.outer(np.diag(softer), np.diag(softer)))
+    # Whatever is held besides takes from the energy of every load.
+    assert np.linalg.eigvalsh((softer - stiffer) / scale)[0] > -1e-6
+    # Textbook constants of these are those of the theory; walls' are for thin ones.
+    known = isinstance(leg.section, Rectangle | Circle | Tube)
+    if not known or beam is None or free["uncertainty"] is None:
+        return
+    # κ is one for all lengths: what it leaves out of bending falls with (h/L)².
+    slope = (max(leg.section.extent) / leg.length) ** 2
+    left_open = np.array(free["uncertainty"]["compliance"]) + 0.01 * slope * np.diag(softer)
+    assert np.all(np.abs(np.diag(softer) - np.diag(beam)) < left_open + 1e-4 * np.diag(beam))
+    # End effects reach as far as the section is large.
+    taken = 1.0 - np.diag(stiffer) / np.diag(softer)
+    assert taken.max() < max(leg.section.extent) / leg.length
+
+
+@pytest.fixture
+def no_hour(monkeypatch):
+    """Solids that would take more than a minute are refused like those that take an hour."""
+    monkeypatch.setattr(cost, "_LONGEST", 60.0)
+
+
 @pytest.mark.soak
+@pytest.mark.usefixtures("no_hour")
+@pytest.mark.parametrize("number", range(COUNT))
+def test_solid_legs_are_beams_with_free_ends_and_stiffer_with_rigid_ones(number, command, tmp_path):
+    path = tmp_path / "described.toml"
+    path.write_text(ROBOTS[number], encoding="utf-8")
+    robot = load_robot(path).robot
+    for place, leg in enumerate((robot.leg1, robot.leg2), start=1):
+        check_solid_leg(command, ROBOTS[number], equivalent_leg(leg), place)
+
+
+@pytest.mark.soak
+@pytest.mark.usefixtures("no_hour")
 @pytest.mark.parametrize("number", range(COUNT))
 def test_solids_and_quick_runs_are_right_or_say_why_not(number, command, tmp_path):
     compliance(command, ROBOTS[number], "--model", "solid", "--divisions", "2")
