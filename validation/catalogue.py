@@ -12,12 +12,13 @@ from validation.context import BUILT_IN
 from validation.measured.matrix import measured_matrix
 from validation.report.figures import drawings, of_program
 from validation.results.records import Task
+from validation.solids.robots import SHARED_SOLIDS
 
 _ADEQUACY = Assessment(
     id=ADEQUACY,
     title="Which models are adequate for what",
     compute=robot_adequacy,
-    group="robot.solid.modes",
+    group=SHARED_SOLIDS,
     effort=5.0,
 )
 

@@ -317,7 +317,7 @@ def solve(
         Print JSON for programs.
     """
     from lumped.robot_file import load_robot  # noqa: PLC0415
-    from validation.console.waiting import in_a_process  # noqa: PLC0415
+    from validation.run.waiting import in_a_process  # noqa: PLC0415
     from validation.solve import command  # noqa: PLC0415
     from validation.solve.answer import as_json, as_text  # noqa: PLC0415
     from validation.solve.variations import robots  # noqa: PLC0415
@@ -370,8 +370,8 @@ def check(robot: str) -> int:
     from lumped.audit.robot_audit import audit  # noqa: PLC0415
     from lumped.mechanism.part import Part  # noqa: PLC0415
     from lumped.robot_file import load_robot  # noqa: PLC0415
-    from validation.console.listing import audit_text  # noqa: PLC0415
     from validation.kinematics.poses import postures_of  # noqa: PLC0415
+    from validation.report.listing import audit_text  # noqa: PLC0415
 
     robot_file = load_robot(robot)
     of_parts = ""
@@ -431,7 +431,7 @@ def cases(
     """
     from lumped.robot_file import load_robot  # noqa: PLC0415
     from validation.catalogue import catalogue  # noqa: PLC0415
-    from validation.console.listing import as_json, as_text  # noqa: PLC0415
+    from validation.report.listing import as_json, as_text  # noqa: PLC0415
 
     robot_file = load_robot(robot)
     tasks = catalogue(robot_file)

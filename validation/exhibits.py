@@ -8,6 +8,14 @@ from typing import Any, Literal, TypeAlias
 
 from validation.context import PRESETS, About, Context, Preset
 
+# Sections of the report that cases and figures share.
+STROKE = "The robot over its stroke"
+SOLID_ROBOT = "The robot with solid legs"
+PATH = "The mechanism over its path"
+LENGTHS = "Choosing the length of the legs"
+FAMILY = "Robots with longer legs"
+ELEMENTS = "Convergence of elements"
+
 StudyKind: TypeAlias = Literal["convergence", "sweep"]
 # The picture of the robot, which stands on the first screen.
 PORTRAIT = "robot.portrait"

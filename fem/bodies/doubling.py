@@ -42,7 +42,7 @@ from lumped.errors import ComputationError, InputError, naming
 from lumped.legs import ConstantLeg
 from lumped.screws import shift
 from meshes.prism.extrude import extrude
-from meshes.prism.feasibility import require_leg
+from meshes.section.feasibility import require_leg
 from meshes.section.section_mesh import SectionMesh
 from meshes.solid_mesh import SolidMesh
 

@@ -5,8 +5,8 @@ from math import ceil
 from lumped.sections import Section
 from meshes.elements import SectionElement, SolidElement
 from meshes.prism.extrude import extrude, stations
-from meshes.prism.feasibility import require_leg
 from meshes.quality import LARGEST_ASPECT, check
+from meshes.section.feasibility import require_leg
 from meshes.section.section_blocks import Divisions, thinnest_layer
 from meshes.section.section_mesh import section_mesh
 from meshes.solid_mesh import SolidMesh

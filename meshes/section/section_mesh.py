@@ -14,7 +14,7 @@ from lumped.sections import Section
 from meshes.elements import ELEMENTS, SectionElement
 from meshes.gmsh_arrays import connectivity, numbered
 from meshes.gmsh_session import gmsh_model
-from meshes.prism.feasibility import require_section
+from meshes.section.feasibility import require_section
 from meshes.section.section_blocks import Blocks, Divisions, section_blocks
 from meshes.section.section_outline import add_face, set_element_size
 from meshes.section.symmetry import symmetrised

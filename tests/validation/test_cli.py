@@ -13,7 +13,7 @@ import pytest
 from lumped.audit.finding import Finding
 from lumped.robot_file import load_robot
 from validation import cli
-from validation.console.listing import audit_text
+from validation.report.listing import audit_text
 from validation.store.opening import open_folder
 from validation.store.tree import Tree
 

@@ -18,7 +18,7 @@ from lumped.legs import ConstantLeg, Material
 from lumped.robot_file import load_robot, write_template
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Tube
 from validation import cli
-from validation.console.waiting import in_a_process
+from validation.run.waiting import in_a_process
 from validation.solve.cost import solid_cost
 
 ROOT = Path(__file__).parents[2]

@@ -26,8 +26,8 @@ def modules(functions):
 def test_a_solid_leg_and_beam_theory_with_held_faces_rest_on_other_code():
     (found,) = of("leg1.compliance.solid[c44]")
     assert "fem.bodies.doubling" in modules(found.value)
-    assert "fem.sections.end_effects" not in modules(found.value)
-    assert {"fem.sections.end_effects", "fem.sections.section_constants"} <= modules(
+    assert "fem.couplings.end_effects" not in modules(found.value)
+    assert {"fem.couplings.end_effects", "fem.sections.section_constants"} <= modules(
         found.reference
     )
     assert "fem.bodies.doubling" not in modules(found.reference)

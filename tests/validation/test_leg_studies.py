@@ -14,9 +14,9 @@ from lumped.sections import Circle, HollowRectangle, ISection, Rectangle
 from meshes.section.section_mesh import section_mesh
 from validation.case import Skip, judge, perturbed
 from validation.cases.legs import end_restraint
-from validation.cases.legs.beams import constant_leg_of
 from validation.cases.program import calculix, mesh_families, shapes
 from validation.context import Context
+from validation.models.legs import constant_leg_of
 from validation.report.figures.studies.family_plots import study_plot
 from validation.solids.legs import Refinement
 from validation.studies.lengthened_legs import fundamental_ratio, lengthened, limit_exponent

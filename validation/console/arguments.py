@@ -1,7 +1,8 @@
-"""Numbers on the command line, refused with what is allowed."""
+"""What people type on the command line: numbers, and names that nobody knows."""
 
 import re
 from collections.abc import Sequence
+from difflib import get_close_matches
 from typing import Annotated, TypeAlias
 
 from cyclopts import Parameter, Token
@@ -25,3 +26,9 @@ def _process_count(_type: object, tokens: Sequence[Token]) -> int:
 
 WholeNumber: TypeAlias = Annotated[int, Parameter(converter=_whole_number)]
 ProcessCount: TypeAlias = Annotated[int | None, Parameter(converter=_process_count)]
+
+
+def did_you_mean(given: str, known: Sequence[str]) -> str:
+    """A question naming the closest known name, empty where none is close."""
+    close = get_close_matches(given.strip("*?"), known, n=1, cutoff=0.5)
+    return f'did you mean "{close[0]}"?' if close else ""

@@ -4,6 +4,8 @@ from dataclasses import replace
 from functools import partial
 from typing import TypeVar
 
+import numpy as np
+
 from fem.bodies import leg_modes, solid
 from fem.bodies.beam import beam_leg
 from fem.bodies.solid import ClampedLeg
@@ -12,12 +14,13 @@ from fem.reduction.craig_bampton import craig_bampton
 from fem.reduction.superelement import HeldLeg, held_leg, static_superelement
 from lumped.arrays import Array
 from lumped.caches import lru_cache
-from lumped.dense.modes import Modes, dense
+from lumped.dense.modes import Modes, dense, solve_modes
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, GivenLeg, Leg, equivalent_leg, given_compliance, tip_compliance
 from lumped.mechanism.body_model import BodyModel, LegMatrices
 from lumped.models.cantilever import clamped_modes, tip_compliance_of
 from lumped.models.segments import Chain, segment_chain, segment_leg, static_leg
+from validation.context import Context
 from validation.models.options import DEFAULT_OPTIONS, STATIC, Ends, ModelName, ModelOptions
 from validation.solids.robots import held_solid
 
@@ -150,3 +153,31 @@ def leg_frequencies(
     if model == "solid":
         return solid_modes(constant, options.divisions, options.ends, count).frequencies
     return clamped_modes(leg_matrices(model, constant, options), count).frequencies
+
+
+def constant_leg_of(context: Context, number: int) -> ConstantLeg:
+    """The equivalent constant-section leg 1 or 2 of the run's robot."""
+    robot = context.robot
+    return context.get(equivalent_leg, robot.leg1 if number == 1 else robot.leg2)
+
+
+def kind_frequencies(
+    leg: ConstantLeg, model: ModelName, kind: str, count: int, options: ModelOptions
+) -> Array:
+    """First frequencies (Hz) of one kind of deformation of the clamped leg.
+
+    The kinds of a straight leg do not couple, so that each is solved on its own unknowns: modes
+    of two kinds at one frequency stay apart.
+    """
+    matrices = _matrices(leg, model, options)
+    stiffness = dense(matrices.parts[kind])
+    own = np.flatnonzero(np.diag(stiffness) > 0.0)
+    own = own[own >= 6]
+    pick = np.ix_(own, own)
+    return solve_modes(stiffness[pick], dense(matrices.mass)[pick], count, kind).frequencies
+
+
+@lru_cache(maxsize=8)
+def _matrices(leg: ConstantLeg, model: ModelName, options: ModelOptions) -> LegMatrices:
+    """All kinds and modes of a leg come from one set of matrices."""
+    return leg_matrices(model, leg, options)

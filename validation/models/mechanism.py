@@ -41,6 +41,8 @@ from validation.solids.robots import half_octave_above, renewed_where_needed
 
 # Bodies whose lengths differ by what twelve typed digits leave are one body.
 _ALIKE = 1e-9
+# Frequencies that are compared one by one.
+JUDGED_MODES = 4
 # Beams and segments are cheap to reduce well: the error at the highest frequency falls with the
 # seventh power of the cut-off, 1e-5 at 2.5 times and below 1e-6 at four.
 CUTOFF = {"segments": 4.0, "beam": 4.0, "solid": CUTOFF_FACTOR}

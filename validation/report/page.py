@@ -12,12 +12,12 @@ from markupsafe import Markup
 from lumped.audit.finding import Finding
 from validation.adequacy.matrix import Matrix
 from validation.case import Outcome, Verdict
-from validation.console.listing import program_line, summary
 from validation.exhibits import PORTRAIT, Figure
 from validation.faults.power import Power
 from validation.report import scene_viewer, text
 from validation.report.first_screen.screen import FirstScreen, first_screen
 from validation.report.first_screen.words import capital
+from validation.report.listing import program_line, summary
 from validation.report.second_ways import Agreement, agreements
 from validation.report.sections import APPENDIX, Chapter, chapters_of
 from validation.report.tables import Part, explained, unexplained_share

@@ -22,7 +22,7 @@ from typing import Protocol
 from lumped.errors import ComputationError, InputError
 from validation.adequacy.assessment import Assessed, Assessment
 from validation.case import Case, Outcome
-from validation.console.suggestion import did_you_mean
+from validation.console.arguments import did_you_mean
 from validation.context import Preset
 from validation.results.records import (
     Drawn,

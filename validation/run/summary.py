@@ -3,8 +3,8 @@
 from shlex import join
 
 from validation.adequacy.text import in_a_line
-from validation.console.listing import outcome_line, program_line, summary
 from validation.faults.power import comparisons
+from validation.report.listing import outcome_line, program_line, summary
 from validation.results.comparison_text import sentence
 from validation.results.records import is_check
 from validation.run.gathered import Results

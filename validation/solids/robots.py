@@ -20,9 +20,9 @@ from fem.bodies.solid import (
     solid_mesh,
 )
 from fem.couplings.end_coupling import rigid_ends
+from fem.couplings.end_effects import restrained_compliance
 from fem.reduction.free_superelement import held_free_leg
 from fem.reduction.superelement import ENDS, HeldLeg, Superelement, ends_stiffness, held_leg
-from fem.sections.end_effects import restrained_compliance
 from fem.sections.section_constants import beam_properties, section_constants
 from fem.solvers import sparse_system
 from lumped.arrays import Array, SparseMatrix
@@ -36,6 +36,9 @@ from lumped.system import solution
 from lumped.system.assembly import System
 from meshes.section.section_mesh import section_mesh
 from validation.solids.legs import COARSEST_WALLS, section_counts, static_ladder, static_slices
+
+# Tasks of this group share what is kept of the robot's solids.
+SHARED_SOLIDS = "robot.solid.modes"
 
 T = TypeVar("T")
 

@@ -11,8 +11,8 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
+from lumped.arrays import Array
 from lumped.biglide import Biglide
-from validation.studies import ranks
 from validation.studies.quantities import deflections_of
 from validation.sweeps.journal import Journal
 from validation.sweeps.plans import SweptModel, feasible_alphas, member_units
@@ -22,6 +22,10 @@ from validation.sweeps.units import PostureUnit, SolvedPostures
 Objective: TypeAlias = Literal["deflection", "frequency"]
 OBJECTIVES: tuple[Objective, ...] = ("deflection", "frequency")
 UNITS: Mapping[Objective, str] = {"deflection": "µm", "frequency": "Hz"}
+MEANING: Mapping[Objective, str] = {
+    "deflection": "largest deflection over the stroke under 1000 N along x, y or z",
+    "frequency": "smallest first frequency over the stroke",
+}
 
 # Designs whose objectives differ by less are equally good: rounding, and the reduction's error.
 _INDIFFERENT = 1e-6
@@ -119,11 +123,11 @@ class Decision:
 
     def spearman(self, label: str, objective: Objective, judge: str) -> float:
         """Rank correlation (Spearman's ρ) of the designs between a model and the judge."""
-        return ranks.spearman(self.curve(label, objective), self.curve(judge, objective))
+        return spearman(self.curve(label, objective), self.curve(judge, objective))
 
     def kendall(self, label: str, objective: Objective, judge: str) -> float:
         """Rank correlation (Kendall's τ-b) of the designs between a model and the judge."""
-        return ranks.kendall(self.curve(label, objective), self.curve(judge, objective))
+        return kendall(self.curve(label, objective), self.curve(judge, objective))
 
 
 def decide(
@@ -266,3 +270,18 @@ def _choice(
         neighbours=(bracket.left, bracket.right),
         value=values[good[0]].of(objective),
     )
+
+
+# scipy.stats takes half a second to import, in every process of a run: it waits for its use.
+def spearman(one: Sequence[float] | Array, other: Sequence[float] | Array) -> float:
+    """Spearman's ρ, −1 to 1; NaN where one of them is constant."""
+    from scipy.stats import spearmanr  # noqa: PLC0415
+
+    return float(spearmanr(one, other).statistic)
+
+
+def kendall(one: Sequence[float] | Array, other: Sequence[float] | Array) -> float:
+    """Kendall's τ-b, −1 to 1; NaN where one of them is constant."""
+    from scipy.stats import kendalltau  # noqa: PLC0415
+
+    return float(kendalltau(one, other).statistic)

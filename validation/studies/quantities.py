@@ -19,6 +19,11 @@ from validation.models.biglide import (
 )
 from validation.models.options import DEFAULT_OPTIONS, ModelName, ModelOptions
 
+# Lengths of the legs over those given, as in the paper's figures of its family.
+ALPHAS = tuple(np.linspace(1.0, 2.0, 11).tolist())
+# Where Figs 6, 12 and 13 are drawn, as a fraction of the stroke.
+FIGURE_POINTS = {"centre": 0.5, "left": 0.0, "right": 1.0}
+
 LOAD = 1000.0  # N, the paper's loads (§2.1, §2.2)
 MICRO = 1e6
 

@@ -18,7 +18,6 @@ from validation.sweeps.studies import (
 )
 
 # Cases and figures of one group share the sweeps in one process.
-SECTION = "Choosing the length of the legs"
 GROUP = "decision"
 # Some sixty robots with solid legs are looked at: too many for a quick answer.
 DECIDED: tuple[Preset, ...] = ("standard", "fine")

@@ -141,7 +141,7 @@ def _rungs(context: Context, leg: Leg) -> list[Rung]:
         ),
         Rung(
             "contraction and warping by shear held at the ends",
-            "fem.sections.end_effects, exact along the leg",
+            "fem.couplings.end_effects, exact along the leg",
             restrained,
             "add what rigid end faces take",
         ),

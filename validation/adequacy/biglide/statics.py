@@ -177,7 +177,7 @@ def static_ladders(context: Context, robot: Biglide, x: Array) -> dict[str, tupl
             ),
             Rung(
                 "contraction and warping by shear held at the ends",
-                "fem.sections.end_effects, exact along the leg",
+                "fem.couplings.end_effects, exact along the leg",
                 {
                     name: joints(both(restrained_spring, ends))
                     for name, ends in holds(robot).items()

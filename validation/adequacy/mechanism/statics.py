@@ -219,7 +219,7 @@ def static_ladders(context: Context, postures: Sequence[Posture]) -> dict[str, t
             ),
             Rung(
                 "contraction and warping by shear held at the ends",
-                "fem.sections.end_effects, exact along the leg",
+                "fem.couplings.end_effects, exact along the leg",
                 held(restrained_spring),
                 "add what rigid end faces take",
             ),

@@ -3,17 +3,12 @@
 from functools import partial
 from math import ceil
 
-import numpy as np
-
 from fem.bodies.beam_theory import CantileverFrequency, cantilever_frequencies
 from lumped.arrays import Array
-from lumped.caches import lru_cache
-from lumped.dense.modes import dense, solve_modes
-from lumped.legs import ConstantLeg, equivalent_leg, tip_compliance
-from lumped.mechanism.body_model import LegMatrices
+from lumped.legs import ConstantLeg, tip_compliance
 from validation.case import Case, Measurement, Relative
 from validation.context import Context
-from validation.models.legs import leg_compliance, leg_matrices
+from validation.models.legs import constant_leg_of, kind_frequencies, leg_compliance
 from validation.models.options import BEAM_ORDER, SEGMENT_ORDER, ModelName, ModelOptions
 from validation.studies.convergence import step_factor
 
@@ -57,12 +52,6 @@ def cases() -> tuple[Case, ...]:
         for model in LUMPED
         for case in (*_compliances(number, model), *_frequencies(number, model))
     )
-
-
-def constant_leg_of(context: Context, number: int) -> ConstantLeg:
-    """The equivalent constant-section leg 1 or 2 of the run's robot."""
-    robot = context.robot
-    return context.get(equivalent_leg, robot.leg1 if number == 1 else robot.leg2)
 
 
 def exact_compliance(leg: ConstantLeg) -> Array:
@@ -126,28 +115,6 @@ def _entry(context: Context, number: int, model: ModelName, entry: tuple[int, in
     return Measurement(
         float(found[entry]), float(context.get(exact_compliance, leg)[entry]), exact=True
     )
-
-
-def kind_frequencies(
-    leg: ConstantLeg, model: ModelName, kind: str, count: int, options: ModelOptions
-) -> Array:
-    """First frequencies (Hz) of one kind of deformation of the clamped leg.
-
-    The kinds of a straight leg do not couple, so that each is solved on its own unknowns: modes
-    of two kinds at one frequency stay apart.
-    """
-    matrices = _matrices(leg, model, options)
-    stiffness = dense(matrices.parts[kind])
-    own = np.flatnonzero(np.diag(stiffness) > 0.0)
-    own = own[own >= 6]
-    pick = np.ix_(own, own)
-    return solve_modes(stiffness[pick], dense(matrices.mass)[pick], count, kind).frequencies
-
-
-@lru_cache(maxsize=8)
-def _matrices(leg: ConstantLeg, model: ModelName, options: ModelOptions) -> LegMatrices:
-    """All kinds and modes of a leg come from one set of matrices."""
-    return leg_matrices(model, leg, options)
 
 
 def _mode(context: Context, number: int, model: ModelName, index: int) -> Measurement:

@@ -7,8 +7,8 @@ import numpy as np
 
 from fem.bodies.beam_theory import CantileverFrequency, cantilever_frequencies
 from fem.bodies.solid import Ends
+from fem.couplings.end_effects import restrained_compliance
 from fem.sections import nonuniform_torsion
-from fem.sections.end_effects import restrained_compliance
 from fem.sections.section_constants import SectionConstants, beam_properties, section_constants
 from fem.sections.waveguide import torsion_wave
 from lumped.arrays import Array
@@ -21,11 +21,11 @@ from validation.cases.legs.beams import (
     MODES,
     TIMOSHENKO,
     UNITS,
-    constant_leg_of,
     exact_modes,
 )
 from validation.context import Context, Preset
 from validation.exhibits import Study
+from validation.models.legs import constant_leg_of
 from validation.solids.legs import (
     FORMAL_ORDER,
     GRIDS_FOR_ORDER,
@@ -252,7 +252,7 @@ def _held_entry(context: Context, number: int, entry: tuple[int, int]) -> Measur
             Allowance(
                 cause="end faces kept plane and rigid: warping and contraction restrained",
                 amount=float(taken[-1][entry]),
-                source="fields that decay from held faces of the prism (fem.sections.end_effects)",
+                source="fields that decay from held faces of the prism (fem.couplings.end_effects)",
             ),
         ),
         notes=(

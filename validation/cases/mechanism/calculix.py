@@ -17,9 +17,9 @@ from lumped.system.assembly import assembly
 from lumped.system.solution import compliance, modes, solved
 from validation.adequacy.mechanism.path import known_legs, path_postures
 from validation.case import Absolute, Case, Measurement, Relative, Skip
-from validation.cases.mechanism.path import SECTION
 from validation.cases.program.calculix import PRINTED, PRINTED_ROOT
 from validation.context import Context
+from validation.exhibits import PATH
 from validation.models.legs import filled
 from validation.models.mechanism import highest_frequency
 from validation.models.parts import parts_of
@@ -51,7 +51,7 @@ def cases() -> tuple[Case, ...]:
             compute=_statics,
             presets=("standard", "fine"),
             model="solid",
-            section=SECTION,
+            section=PATH,
             group=_GROUP,
             effort=4.0,
         ),
@@ -68,7 +68,7 @@ def cases() -> tuple[Case, ...]:
             compute=_frequency,
             presets=("standard", "fine"),
             model="solid",
-            section=SECTION,
+            section=PATH,
             group=_GROUP,
             effort=4.0,
         ),

@@ -11,8 +11,8 @@ from lumped.mechanism.kinematics.postures import reference_posture
 from lumped.mechanism.mechanism import Mechanism, Posture
 from validation.adequacy.mechanism.path import path_postures
 from validation.case import Case, Measurement, Relative, Skip
-from validation.cases.mechanism.path import SECTION
 from validation.context import Context
+from validation.exhibits import PATH
 from validation.models.mechanism import Answer, answers
 from validation.studies.convergence import step_factor
 
@@ -38,7 +38,7 @@ def cases(mechanism: Mechanism) -> tuple[Case, ...]:
             tolerance_reason="the step from 4 and 8 beams a leg to 8 and 16 shows what the "
             "extrapolated frequencies leave open, 1e-4 to 3e-4",
             compute=partial(_frequency, place=place),
-            section=SECTION,
+            section=PATH,
             group="mechanism.exudyn",
             effort=1.0,
             model="beam",

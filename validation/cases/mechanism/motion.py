@@ -23,13 +23,13 @@ from lumped.system.solution import compliance, modes, solved
 from validation.adequacy.mechanism.path import path_postures
 from validation.case import Absolute, Case, Measurement, Skip
 from validation.context import Context
+from validation.exhibits import PATH
 from validation.models.legs import filled, leg_matrices
 from validation.models.mechanism import constant_legs, on_drives_alone
 from validation.models.options import ModelOptions
 
 # Of the size of the mechanism or in rad: difference quotients err by its square.
 _STEP = 1e-4
-_SECTION = "The mechanism over its path"
 _QUOTIENTS = (
     "difference quotients: the square of their step, and what closing the loops leaves of it"
 )
@@ -48,7 +48,7 @@ def cases(mechanism: Mechanism) -> tuple[Case, ...]:
         tolerance=Absolute(0.5),
         tolerance_reason="a count is a whole number",
         compute=_idle,
-        section=_SECTION,
+        section=PATH,
         group="mechanism.lumped",
         effort=1.0,
         model="beam",
@@ -67,7 +67,7 @@ def _of_moves() -> tuple[Case, ...]:
         tolerance=Absolute(1e-5),
         tolerance_reason=_QUOTIENTS,
         compute=_yielding,
-        section=_SECTION,
+        section=PATH,
         group="mechanism.lumped",
         effort=1.0,
         model="simplified",

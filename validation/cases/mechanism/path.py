@@ -23,22 +23,20 @@ from validation.adequacy.mechanism.path import known_legs, path_postures
 from validation.adequacy.mechanism.statics import assembled, is_serial
 from validation.case import Absolute, Case, Measurement, Relative, Skip
 from validation.context import Context
+from validation.exhibits import PATH
 from validation.models.legs import leg_matrices, reduced_leg
 from validation.models.mechanism import (
     CUTOFF,
+    JUDGED_MODES,
     answers,
     bodies_of,
     highest_frequency,
 )
 from validation.models.options import ModelName, ModelOptions
 from validation.solids.legs import FORMAL_ORDER
-from validation.solids.robots import TipCompliances
+from validation.solids.robots import SHARED_SOLIDS, TipCompliances
 from validation.studies.convergence import step_factor
 
-SECTION = "The mechanism over its path"
-# What shares the solids of the assessment runs with it.
-GROUP = "robot.solid.modes"
-MODES = 4
 _LUMPED = "mechanism.lumped"
 _EULER = ModelOptions(theory="euler-bernoulli", legs="equivalent")
 _TIMOSHENKO = ModelOptions(legs="equivalent")
@@ -96,15 +94,16 @@ def cases() -> tuple[Case, ...]:
             Absolute(1e-4),
             "no cause is left: the mesh alone, 0.003 % and less of a leg",
             _solid,
-            group=GROUP,
+            group=SHARED_SOLIDS,
             model="solid",
             effort=10.0,
         ),
-        *(_frequency_case(index) for index in range(MODES)),
+        *(_frequency_case(index) for index in range(JUDGED_MODES)),
         _case(
             "reduction",
             "Bodies reduced by Craig and Bampton have the frequencies of the whole mechanism",
-            f"largest relative difference of the first {MODES} frequencies, middle of the path",
+            f"largest relative difference of the first {JUDGED_MODES} frequencies, "
+            "middle of the path",
             "the same beams without reduction, dense",
             Absolute(1e-6),
             "modes of the bodies up to four times the highest frequency leave less than that",
@@ -140,7 +139,7 @@ def _case(
         tolerance=tolerance,
         tolerance_reason=reason,
         compute=compute,
-        section=SECTION,
+        section=PATH,
         group=group,
         effort=effort,
         model=model,
@@ -235,7 +234,7 @@ def _frequency_case(index: int) -> Case:
         tolerance_reason="springs between rigid segments are second order in 1/n: what doubling "
         "their number changes is the uncertainty",
         compute=partial(_frequency, index=index),
-        section=SECTION,
+        section=PATH,
         group=_LUMPED,
         model="segments",
     )
@@ -258,7 +257,7 @@ _REFINED: tuple[tuple[ModelName, int], ...] = (("segments", 20), ("segments", 40
 def _frequencies(
     postures: tuple[Posture, ...], model: ModelName, options: ModelOptions
 ) -> tuple[float, ...]:
-    (found,) = answers(model, postures, MODES, options)
+    (found,) = answers(model, postures, JUDGED_MODES, options)
     return tuple(found.frequencies.tolist())
 
 
@@ -267,14 +266,14 @@ def _reduction(context: Context) -> Measurement:
     middle = postures[len(postures) // 2]
     options = ModelOptions(elements=_FEW_ELEMENTS)
     whole = bodies_of(middle.mechanism, options, partial(leg_matrices, "beam"))
-    highest = highest_frequency([middle], MODES, options)
+    highest = highest_frequency([middle], JUDGED_MODES, options)
 
     def reduce(leg: ConstantLeg | SteppedLeg, own: ModelOptions) -> LegMatrices:
         return reduced_leg("beam", leg, own, highest, CUTOFF["beam"] * highest)
 
     reduced = bodies_of(middle.mechanism, options, reduce)
     found, expected = (
-        modes(solved(assembly(middle.mechanism, bodies).at(middle)), MODES).frequencies
+        modes(solved(assembly(middle.mechanism, bodies).at(middle)), JUDGED_MODES).frequencies
         for bodies in (reduced, whole)
     )
     return Measurement(float(np.max(np.abs(found / expected - 1.0))), 0.0, exact=True)

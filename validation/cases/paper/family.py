@@ -7,18 +7,17 @@ from validation.case import Absolute, Measurement, Relation
 from validation.cases.paper.statement import FORMULAS, Compute, Statement
 from validation.context import Context
 from validation.models.options import LITERAL_ORDER, SEGMENT_ORDER, ModelName, ModelOptions
+from validation.studies.decision import spearman
 from validation.studies.quantities import (
+    ALPHAS,
+    FIGURE_POINTS,
     Deflections,
     family_compliances,
     family_deflections,
     family_frequencies,
     family_modes,
 )
-from validation.studies.ranks import spearman
 
-ALPHAS = tuple(np.linspace(1.0, 2.0, 11).tolist())
-# Where Figs 6, 12 and 13 are drawn, as a fraction of the stroke.
-FIGURE_POINTS = {"centre": 0.5, "left": 0.0, "right": 1.0}
 EQUIVALENT = ModelOptions(legs="equivalent")
 _GROUP = "paper.family"
 # Two values of a curve closer than this (relative) are equal: a curve that rounding alone moves

@@ -7,10 +7,10 @@ import numpy as np
 from lumped.arrays import Array
 from validation.case import Absolute, Case, Measurement, Relation
 from validation.context import Context, Preset
-from validation.studies.decision import OBJECTIVES, Objective
-from validation.studies.ranks import spearman
+from validation.exhibits import LENGTHS
+from validation.studies.decision import OBJECTIVES, Objective, spearman
 from validation.sweeps.plans import COARSE, RIGID
-from validation.sweeps.results import GROUP, PAPER, SECTION, family_of
+from validation.sweeps.results import GROUP, PAPER, family_of
 from validation.sweeps.studies import PLANS, POINTS
 
 CURVES = {
@@ -43,7 +43,7 @@ def paper_cases() -> tuple[Case, ...]:
                 "exchange of neighbours among five designs or more, 12/n(n² − 1)",
                 compute=partial(_contradiction, objective=objective),
                 presets=_REFINED_PRESETS,
-                section=SECTION,
+                section=LENGTHS,
                 group=GROUP,
                 figure="decision.family",
                 effort=0.1,
@@ -76,7 +76,7 @@ def _family_statics() -> list[Case]:
             # Two elements across the section leave 0.2 % of torsion open, more than the tolerance.
             presets=("fine",) if curve == "along-z" else _REFINED_PRESETS,
             model="solid",
-            section=SECTION,
+            section=LENGTHS,
             group=GROUP,
             figure="decision.family",
             effort=0.3,
@@ -101,7 +101,7 @@ def _family_frequencies() -> list[Case]:
             compute=partial(_family_frequency, index=index),
             presets=_REFINED_PRESETS,
             model="solid",
-            section=SECTION,
+            section=LENGTHS,
             group=GROUP,
             figure="decision.family",
             effort=0.3,

@@ -36,10 +36,11 @@ from validation.cases.program.calculix import PRINTED, PRINTED_ROOT
 from validation.context import Context
 from validation.models.mechanism import answers
 from validation.models.options import ModelName, ModelOptions
+from validation.solids.robots import SHARED_SOLIDS
 
 SECTION = "Mechanisms of the program"
 _GROUP = "program.mechanisms"
-_SOLIDS = mechanism.GROUP
+
 # Mechanisms whose moves are tried: closed loops of rigid bodies, rods that spin.
 _MOVED = ("3-rrr", "delta")
 _MODELS: tuple[ModelName, ...] = ("beam", "links", "vjm")
@@ -92,7 +93,7 @@ def cases() -> tuple[Case, ...]:
         *(
             _moved(case, "five-bar")
             for case in mechanism.cases()
-            if ".statics." in case.id and case.group != _SOLIDS
+            if ".statics." in case.id and case.group != SHARED_SOLIDS
         ),
         *(
             _case(

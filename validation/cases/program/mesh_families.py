@@ -21,9 +21,10 @@ from meshes.prism.hexahedra import hexahedra
 from meshes.prism.tetrahedra import tetrahedra
 from meshes.solid_mesh import SolidMesh
 from validation.case import Absolute, Case, Measurement, Skip
-from validation.cases.legs.beams import UNITS, constant_leg_of
+from validation.cases.legs.beams import UNITS
 from validation.context import Context, Preset
 from validation.exhibits import Study
+from validation.models.legs import constant_leg_of
 from validation.solids.legs import FORMAL_ORDER, Refinement, section_counts
 
 SECTION = "Mesh families"

@@ -1,7 +1,6 @@
 """Convergence on element count, with observed orders held against theory."""
 
 from functools import partial
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -9,22 +8,17 @@ from fem.bodies.beam_theory import bending_frequencies
 from lumped.arrays import Array
 from lumped.legs import ConstantLeg
 from validation.case import Absolute, Case, Measurement
-from validation.cases.legs.beams import constant_leg_of, kind_frequencies
-from validation.context import Context, Preset
-from validation.exhibits import Study
-from validation.models.options import ModelName, ModelOptions
+from validation.context import Context
+from validation.exhibits import ELEMENTS, Study
+from validation.models.legs import constant_leg_of
 from validation.studies.convergence import order_of_errors
+from validation.studies.element_refinement import (
+    COUNTS,
+    MODES,
+    element_frequencies,
+    exact_frequencies,
+)
 
-if TYPE_CHECKING:
-    from lumped.models.segments import Layout
-
-SECTION = "Convergence of elements"
-COUNTS: dict[Preset, tuple[int, ...]] = {
-    "quick": (5, 10, 20, 40, 80),
-    "standard": (5, 10, 20, 40, 80, 160),
-    "fine": (5, 10, 20, 40, 80, 160),
-}
-MODES = 3
 # Elements between which the orders are fitted.
 _RANGES = {"half": (10, 160), "literal": (20, 160), "beam": (10, 40)}
 EXACT = "T. C. Huang, J. Appl. Mech. 28 (1961) 579, exact Timoshenko cantilever"
@@ -49,7 +43,7 @@ def cases() -> tuple[Case, ...]:
                     compute=partial(_order, number=number, name=name, mode=mode),
                     model=name,
                     row=f"leg {number}, frequency {mode + 1}",
-                    section=SECTION,
+                    section=ELEMENTS,
                     group=f"refinement.{number}.{name}",
                 )
                 for mode in range(MODES)
@@ -65,7 +59,7 @@ def cases() -> tuple[Case, ...]:
                 tolerance=Absolute(1e-3),
                 tolerance_reason="extrapolated to 1/n = 0 from the two finest: 1/n² remains",
                 compute=partial(_literal_coefficient, number=number),
-                section=SECTION,
+                section=ELEMENTS,
                 group=f"refinement.{number}.literal",
             )
         )
@@ -77,25 +71,6 @@ _FORMAL: dict[str, tuple[float, float, str]] = {
     "literal": (1.0, 0.1, "fit from 20 elements on, where 1/n² terms still count a few per cent"),
     "beam": (4.0, 0.1, "fit from 10 to 40 elements; beyond, rounding takes over"),
 }
-
-
-def element_frequencies(leg: ConstantLeg, name: str, counts: tuple[int, ...]) -> Array:
-    """First bending frequencies along z (len(counts) × 3, Hz) for each number of elements."""
-    model: ModelName = "beam" if name == "beam" else "segments"
-    layout: Layout = "literal" if name == "literal" else "half"
-    return np.array(
-        [
-            kind_frequencies(
-                leg, model, "bending y", MODES, ModelOptions(elements=elements, layout=layout)
-            )
-            for elements in counts
-        ]
-    )
-
-
-def exact_frequencies(leg: ConstantLeg) -> Array:
-    """The same frequencies (3, Hz) of the exact Timoshenko cantilever."""
-    return bending_frequencies(leg.timoshenko, leg.length, "y", MODES)
 
 
 def _errors(context: Context, number: int, name: str) -> tuple[Array, Array]:

@@ -13,8 +13,9 @@ from scipy.optimize import minimize_scalar
 
 from lumped.biglide import Biglide
 from validation.case import Case, Measurement, Relative
-from validation.cases.robot.stroke import CURVES, SECTION
+from validation.cases.robot.stroke import CURVES
 from validation.context import Context
+from validation.exhibits import STROKE
 from validation.models.biglide import robot_compliance, robot_frequencies
 from validation.models.options import BEAM_ORDER, SEGMENT_ORDER, ModelName, ModelOptions
 from validation.studies import ritz_robot
@@ -50,7 +51,7 @@ def cases() -> tuple[Case, ...]:
             tolerance_reason=f"{_POSTURES[0]} postures miss the peak by the square of half a step",
             compute=_simplified,
             model="simplified",
-            section=SECTION,
+            section=STROKE,
             group="robot.anchor",
             figure="deflection.simplified",
         ),
@@ -74,7 +75,7 @@ def _deflection(model: ModelName, curve: str) -> Case:
         compute=partial(_deflected, model=model, attribute=attribute),
         model=model,
         row="anchor",
-        section=SECTION,
+        section=STROKE,
         group="robot.anchor",
         figure="deflection.stroke",
     )
@@ -94,7 +95,7 @@ def _frequency(model: ModelName, index: int) -> Case:
         compute=partial(_swinging, model=model, index=index),
         model=model,
         row="anchor",
-        section=SECTION,
+        section=STROKE,
         group="robot.anchor",
         effort=0.3,
         figure="frequency.stroke",

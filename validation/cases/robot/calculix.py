@@ -16,8 +16,8 @@ from meshes.prism.tetrahedra import tetrahedra
 from validation.case import Absolute, Case, Measurement, Relative, Skip
 from validation.cases.program.calculix import PRINTED, PRINTED_ROOT
 from validation.cases.program.guards.robot import scaled_difference
-from validation.cases.robot.solid import SECTION
 from validation.context import Context, Preset
+from validation.exhibits import SOLID_ROBOT
 from validation.solids.robots import solved_robot
 
 MODES = 10
@@ -48,7 +48,7 @@ def _posture(place: str) -> tuple[Case, Case]:
             compute=partial(_statics, place=place),
             presets=("standard", "fine"),
             model="solid",
-            section=SECTION,
+            section=SOLID_ROBOT,
             group="robot.solid.calculix",
             effort=3.0,
         ),
@@ -65,7 +65,7 @@ def _posture(place: str) -> tuple[Case, Case]:
             compute=partial(_frequency, place=place),
             presets=("standard", "fine"),
             model="solid",
-            section=SECTION,
+            section=SOLID_ROBOT,
             group="robot.solid.calculix",
             effort=3.0,
         ),

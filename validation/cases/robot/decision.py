@@ -12,18 +12,14 @@ from lumped.legs import equivalent_leg, tip_compliance
 from lumped.models import vjm
 from validation.case import Absolute, Allowance, Case, Measurement, Relation, Relative
 from validation.context import Context
-from validation.exhibits import Study
+from validation.exhibits import LENGTHS, Study
 from validation.solids.robots import two_meshes
-from validation.studies.decision import OBJECTIVES, UNITS, Decision, Objective
+from validation.studies.decision import MEANING, OBJECTIVES, UNITS, Decision, Objective
 from validation.studies.quantities import deflections_of
 from validation.sweeps.plans import COARSE, RIGID, stroke_stations
-from validation.sweeps.results import DECIDED, GROUP, PAPER, SECTION, decision_of
+from validation.sweeps.results import DECIDED, GROUP, PAPER, decision_of
 from validation.sweeps.studies import PLANS
 
-MEANING: dict[Objective, str] = {
-    "deflection": "largest deflection over the stroke under 1000 N along x, y or z",
-    "frequency": "smallest first frequency over the stroke",
-}
 FOLLOWED: dict[Objective, tuple[str, ...]] = {
     "deflection": ("VJM", "segments", "beam"),
     "frequency": ("segments", "beam"),
@@ -32,7 +28,7 @@ FOLLOWED: dict[Objective, tuple[str, ...]] = {
 _SECTION_UNKNOWNS = 600
 # The refined lumped model of the paper for each objective.
 REFINED: dict[Objective, str] = {"deflection": "VJM", "frequency": "segments"}
-_case = partial(Case, section=SECTION, group=GROUP, presets=DECIDED, figure="decision.objectives")
+_case = partial(Case, section=LENGTHS, group=GROUP, presets=DECIDED, figure="decision.objectives")
 
 
 def cases() -> tuple[Case, ...]:
@@ -226,7 +222,7 @@ def _restraint(context: Context, decision: Decision) -> Allowance:
     return Allowance(
         cause="end faces kept plane and rigid: torsional warping restrained",
         amount=100.0 * (free / free_best - held / held_best),
-        source="virtual joints with c44 of prisms of held end faces (fem.sections.end_effects)",
+        source="virtual joints with c44 of prisms of held end faces (fem.couplings.end_effects)",
     )
 
 

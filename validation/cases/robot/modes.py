@@ -12,11 +12,12 @@ import numpy as np
 
 from lumped.arrays import Array
 from validation.case import Absolute, Case, Measurement, Relative, Skip
-from validation.cases.legs.beams import constant_leg_of
 from validation.cases.robot.mode_tables import frequency_study, mac_study, mac_table
-from validation.cases.robot.solid import SECTION
 from validation.context import Context
+from validation.exhibits import SOLID_ROBOT
+from validation.models.legs import constant_leg_of
 from validation.solids.legs import FORMAL_ORDER
+from validation.solids.robots import SHARED_SOLIDS
 from validation.solids.torsion import torsion_effects, wave_error
 from validation.studies.convergence import step_factor
 from validation.studies.mode_pairing import CLOSE
@@ -47,8 +48,8 @@ _shape_case = partial(
     reference_kind="independent-solver",
     tolerance=Absolute(_SHAPE),
     model="solid",
-    section=SECTION,
-    group="robot.solid.modes",
+    section=SOLID_ROBOT,
+    group=SHARED_SOLIDS,
     effort=3.0,
 )
 _mac_case = partial(
@@ -118,8 +119,8 @@ def _frequencies() -> list[Case]:
             "wave is longer than three section heights",
             compute=partial(_frequency, index=index),
             model="solid",
-            section=SECTION,
-            group="robot.solid.modes",
+            section=SOLID_ROBOT,
+            group=SHARED_SOLIDS,
             effort=3.0,
         )
         for index in range(FREQUENCIES)

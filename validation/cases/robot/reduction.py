@@ -12,9 +12,9 @@ from lumped.arrays import Array
 from lumped.biglide import Biglide, system, with_equivalent_legs
 from lumped.system.solution import compliance, modes, solved
 from validation.case import Absolute, Case, Measurement, Relative
-from validation.cases.robot.solid import SECTION
 from validation.cases.robot.stroke import BEYOND_ROUNDING
 from validation.context import Context, Preset
+from validation.exhibits import SOLID_ROBOT
 from validation.models.biglide import highest_frequency
 from validation.solids.robots import full_mac, recovered, unreduced_robot
 
@@ -90,7 +90,7 @@ def _case(
         tolerance_reason=reason,
         compute=partial(compute),
         model="solid",
-        section=SECTION,
+        section=SOLID_ROBOT,
         group="robot.solid.reduction",
         effort=2.0,
     )

@@ -1,24 +1,14 @@
-"""The first sixty modes of the robot with solid legs, and where their strain energy sits."""
-
-from dataclasses import dataclass
+"""The first sixty modes of the solid robot: energies that add up, none due to actuators alone."""
 
 import numpy as np
 
 from fem.bodies.leg_energies import DISTORTION
-from lumped.arrays import Array
-from lumped.biglide import Biglide
 from validation.case import Absolute, Case, Measurement
-from validation.cases.robot.solid import SECTION
-from validation.context import Context, Preset
+from validation.context import Context
+from validation.exhibits import SOLID_ROBOT
 from validation.solids.legs import FORMAL_ORDER
-from validation.solids.robots import strain_energy_shares, unreduced_robot
+from validation.solids.sixty import ALONE, COARSE, DIVISIONS, SIXTY, in_the_feet, sixty, sixty_modes
 from validation.studies.convergence import step_factor
-
-SIXTY = 60
-DIVISIONS: dict[Preset, int] = {"quick": 1, "standard": 3, "fine": 4}
-_COARSE = 1
-# Share of the strain energy above which a mode is due to a part alone.
-ALONE = 0.95
 
 
 def cases() -> tuple[Case, ...]:
@@ -42,7 +32,7 @@ def paper_cases() -> tuple[Case, ...]:
             # A count needs a second mesh to be believed, which a quick answer has no time for.
             presets=("standard", "fine"),
             model="solid",
-            section=SECTION,
+            section=SOLID_ROBOT,
             group="robot.solid.sixty",
             figure="robot.solid.sixty-modes",
             effort=8.0,
@@ -62,56 +52,18 @@ def _energy_balance() -> Case:
         tolerance_reason="convergence of the modes, squared in their energy",
         compute=_balance,
         model="solid",
-        section=SECTION,
+        section=SOLID_ROBOT,
         group="robot.solid.sixty",
         effort=3.0,
     )
-
-
-@dataclass(frozen=True)
-class SixtyModes:
-    """Frequencies (Hz) of the first modes of the solid robot at the centre of its stroke.
-
-    `shares` of the strain energy as in `strain_energy_shares`; `balance`: the parts' energy over
-    ω²/2, less one (m values each).
-    """
-
-    x: float
-    frequencies: Array
-    shares: dict[str, Array]
-    balance: Array
-
-
-def sixty_modes(robot: Biglide, divisions: int) -> SixtyModes:
-    """The first sixty modes, both legs as solids with rigid end faces, no reduction."""
-    (whole,) = unreduced_robot(robot, (robot.centre,), divisions, SIXTY)
-    shapes, frequencies = whole.modes.shapes, whole.modes.frequencies
-    energy = np.einsum("ij,ij->j", shapes, whole.system.stiffness @ shapes)
-    return SixtyModes(
-        x=robot.centre,
-        frequencies=frequencies,
-        shares=strain_energy_shares(whole),
-        balance=energy / np.square(2.0 * np.pi * frequencies) - 1.0,
-    )
-
-
-def sixty(context: Context) -> SixtyModes:
-    """The first sixty modes on the preset's meshes."""
-    return context.get(sixty_modes, context.robot, DIVISIONS[context.preset])
-
-
-def in_the_feet(found: SixtyModes) -> Array:
-    """Share of each mode's strain energy in both feet (m values)."""
-    feet = [share for part, share in found.shares.items() if part.startswith("foot")]
-    return np.sum(feet, axis=0) if feet else np.zeros(len(found.frequencies))
 
 
 def _actuators_alone(context: Context) -> Measurement:
     found = sixty(context)
     feet = in_the_feet(found)
     most = int(np.argmax(feet))
-    coarse = in_the_feet(context.get(sixty_modes, context.robot, _COARSE))
-    factor = step_factor(DIVISIONS[context.preset] / _COARSE, FORMAL_ORDER)
+    coarse = in_the_feet(context.get(sixty_modes, context.robot, COARSE))
+    factor = step_factor(DIVISIONS[context.preset] / COARSE, FORMAL_ORDER)
     counts = [float(np.sum(shares > ALONE)) for shares in (feet, coarse)]
     return Measurement(
         counts[0],

@@ -10,10 +10,9 @@ from lumped.errors import InputError
 from validation.case import Absolute, Case, Measurement, Relation, Relative, Skip
 from validation.cases.robot.stroke import CURVES
 from validation.context import Context, Preset
-from validation.exhibits import Study
+from validation.exhibits import SOLID_ROBOT, Study
 from validation.studies.stroke_statics import stroke_statics
 
-SECTION = "The robot with solid legs"
 # Unknowns of the finest section mesh; three meshes at least are taken from the ladder.
 UNKNOWNS: dict[Preset, int] = {"quick": 900, "standard": 900, "fine": 2000}
 # Relative tolerance of deflections.
@@ -29,7 +28,7 @@ def cases() -> tuple[Case, ...]:
             title="Solid legs with rigid end faces give the {} of virtual joints whose legs have "
             "held faces",
             citation=_CITATION + "Timoshenko legs of the sections' own finite-element constants, "
-            "less what held faces take from them (fem.sections.end_effects)",
+            "less what held faces take from them (fem.couplings.end_effects)",
             tolerance=_STATICS,
             reason="end effects decay as Saint-Venant's theory of the prism says: the mesh alone, "
             "0.1 %",
@@ -77,7 +76,7 @@ def _bare_case(curve: str, limit: float, tolerance: float, reason: str) -> Case:
         compute=partial(_bare, curve=attribute, limit=limit),
         relation=Relation.AT_MOST,
         model="solid",
-        section=SECTION,
+        section=SOLID_ROBOT,
         group="robot.solid.statics",
         effort=1.0,
     )
@@ -96,7 +95,7 @@ def _curves(name: str, title: str, citation: str, tolerance: float, reason: str)
             tolerance_reason=reason,
             compute=partial(_COMPUTE[name], curve=attribute),
             model="solid",
-            section=SECTION,
+            section=SOLID_ROBOT,
             group="robot.solid.statics",
             effort=1.0,
         )

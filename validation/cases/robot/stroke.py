@@ -11,7 +11,7 @@ from lumped.models import vjm
 from lumped.system.solution import rounding, solved
 from validation.case import Absolute, Case, Measurement, Relative
 from validation.context import Context
-from validation.exhibits import Study
+from validation.exhibits import STROKE, Study
 from validation.models.biglide import static_system
 from validation.models.options import BEAM_ORDER, SEGMENT_ORDER, ModelName, ModelOptions
 from validation.studies.convergence import step_factor
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
 
 POSTURES = 9
 FREQUENCIES = 4
-SECTION = "The robot over its stroke"
 # What a comparison says whose uncertainties are those of rounding alone.
 BEYOND_ROUNDING = (
     "double precision leaves so much open where stiffnesses differ widely or legs nearly align, "
@@ -68,7 +67,7 @@ def _statics() -> list[Case]:
             compute=partial(_static, model=model, theory=theory, curve=attribute),
             model=model,
             row=theory,
-            section=SECTION,
+            section=STROKE,
             group="robot.statics",
         )
         for model in ("segments", "beam")
@@ -90,7 +89,7 @@ def _frequencies() -> list[Case]:
             tolerance_reason="the paper's 1 % for 20 elements (§3.2)",
             compute=partial(_frequency, index=index),
             model="segments",
-            section=SECTION,
+            section=STROKE,
             group="robot.frequencies",
             effort=0.3,
         )
@@ -110,7 +109,7 @@ def _given_legs() -> Case:
         tolerance_reason="rounding alone",
         compute=_symmetry,
         model="vjm",
-        section=SECTION,
+        section=STROKE,
         group="robot.statics",
     )
 

@@ -237,10 +237,10 @@ def _failures_skipped(text: str) -> str:
 
 
 @fault_in_value(
-    "page.line", "A line with the opposite verdict", "validation.console.listing.outcome_line"
+    "page.line", "A line with the opposite verdict", "validation.report.listing.outcome_line"
 )
 @fault_in_value(
-    "page.summary", "A summary with the opposite verdicts", "validation.console.listing.summary"
+    "page.summary", "A summary with the opposite verdicts", "validation.report.listing.summary"
 )
 def _words_exchanged(text: str) -> str:
     return text.replace("disagree", "AGREE").replace("agree", "disagree").replace("AGREE", "agree")
@@ -260,13 +260,15 @@ def _half_of_it(change: Array) -> Array:
     return 0.5 * change
 
 
-@fault_around("page.one-held-face", "One held face for two", "fem.sections.end_effects._change")
+@fault_around("page.one-held-face", "One held face for two", "fem.couplings.end_effects._change")
 def _one_end_only(sound: Faulty, fields: Any, length: float) -> Any:
     return 0.5 * sound(fields, length)
 
 
 @fault_in_value(
-    "page.real-decay", "Only the real part of fields that decay", "fem.sections.end_effects._decays"
+    "page.real-decay",
+    "Only the real part of fields that decay",
+    "fem.couplings.end_effects._decays",
 )
 def _slow_decay(found: tuple[Array, Array]) -> tuple[Array, Array]:
     return found[0], np.real(found[1]).astype(complex)
@@ -275,7 +277,7 @@ def _slow_decay(found: tuple[Array, Array]) -> tuple[Array, Array]:
 @fault_in_value(
     "page.axial-decay",
     "Fields that decay with twice their warping",
-    "fem.sections.end_effects._decays",
+    "fem.couplings.end_effects._decays",
 )
 def _rates_doubled(found: tuple[Array, Array]) -> tuple[Array, Array]:
     rates, shapes = found
@@ -285,7 +287,7 @@ def _rates_doubled(found: tuple[Array, Array]) -> tuple[Array, Array]:
 @fault_in_value(
     "page.section-state",
     "Saint-Venant's states without the section's own displacement",
-    "fem.sections.end_effects._polynomial",
+    "fem.couplings.end_effects._polynomial",
 )
 def _without_middle(coefficients: list[Array]) -> list[Array]:
     return [0.0 * coefficients[0], *coefficients[1:]]

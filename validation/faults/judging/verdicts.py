@@ -23,7 +23,7 @@ from validation.studies.convergence import Convergence, Fit
     "validation.studies.convergence.order_of_errors",
 )
 @fault_in_value(
-    "judgement.kendall", "Kendall's τ with the wrong sign", "validation.studies.ranks.kendall"
+    "judgement.kendall", "Kendall's τ with the wrong sign", "validation.studies.decision.kendall"
 )
 def _negative(value: Any) -> Any:
     return -value
@@ -333,7 +333,7 @@ def _nothing_oscillates(sound: Faulty, *args: Any) -> Any:
 @fault(
     "judgement.spearman",
     "Correlation of values for that of ranks",
-    "validation.studies.ranks.spearman",
+    "validation.studies.decision.spearman",
 )
 def _by_value(one: Any, other: Any) -> float:
     return float(np.corrcoef(np.asarray(one) ** 3, np.asarray(other) ** 3)[0, 1])

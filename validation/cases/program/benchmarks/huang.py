@@ -11,9 +11,9 @@ from fem.bodies.beam_theory import Plane, bending_frequencies
 from lumped.arrays import Array
 from lumped.legs import BeamProperties
 from validation.case import Case, Measurement, Relative
-from validation.cases.legs.beams import constant_leg_of
 from validation.cases.program.benchmarks.beams import SECTION
 from validation.context import Context
+from validation.models.legs import constant_leg_of
 
 CITATION = "T. C. Huang, J. Appl. Mech. 28 (1961) 579; Legendre–Ritz solution of the same beam"
 PLANES: tuple[Plane, ...] = ("y", "z")

@@ -13,11 +13,10 @@ from lumped.dense.modes import dense
 from lumped.legs import GivenLeg, Leg
 from lumped.models import vjm
 from validation.case import Absolute, Case, Measurement
-from validation.cases.legs.beams import constant_leg_of, kind_frequencies
 from validation.cases.program.guards.robot import ELEMENTS, SECTION, guarded_posture
 from validation.context import Context
 from validation.models.biglide import robot_compliance, robot_frequencies
-from validation.models.legs import leg_matrices
+from validation.models.legs import constant_leg_of, kind_frequencies, leg_matrices
 from validation.models.options import BEAM_ORDER, ModelName, ModelOptions
 from validation.studies.convergence import step_factor
 

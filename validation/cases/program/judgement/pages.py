@@ -22,10 +22,10 @@ from validation.case import (
 )
 from validation.cases.program.judgement.claims import claims_case, same
 from validation.cases.program.judgement.rules import probe
-from validation.console.listing import outcome_line, summary, tolerance_text
 from validation.context import Context
 from validation.exhibits import Study, study_record
 from validation.report import tables, text
+from validation.report.listing import outcome_line, summary, tolerance_text
 from validation.results.junit import junit_xml
 
 _SOURCE = "every number that is shown, read back as a reader would"

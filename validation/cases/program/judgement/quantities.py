@@ -19,11 +19,11 @@ from lumped.legs import Theory
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Section, Tube
 from meshes.section.section_mesh import section_mesh
 from validation.case import Case
-from validation.cases.legs.beams import constant_leg_of
 from validation.cases.program.guards.robot import scaled_difference
 from validation.cases.program.judgement.claims import claims_case, same
 from validation.context import Context
 from validation.models.biglide import robot_system
+from validation.models.legs import constant_leg_of
 from validation.models.options import ModelName, ModelOptions
 from validation.solids.legs import section_counts
 from validation.studies.quantities import (

@@ -7,9 +7,8 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from lumped.arrays import Array
-from validation.cases.robot.decision import MEANING
 from validation.context import Context
-from validation.exhibits import Drawing, Figure
+from validation.exhibits import LENGTHS, Drawing, Figure
 from validation.report.figures.curves.lines import (
     ALPHA_LABEL,
     PLACES,
@@ -28,12 +27,11 @@ from validation.report.figures.style import (
     plot_style,
     svg_of,
 )
-from validation.studies.decision import OBJECTIVES, UNITS, Decision, Objective
+from validation.studies.decision import MEANING, OBJECTIVES, UNITS, Decision, Objective
 from validation.sweeps.plans import FREE, RIGID, stroke_stations
 from validation.sweeps.results import (
     DECIDED,
     GROUP,
-    SECTION,
     decision_of,
     family_of,
     stroke_of,
@@ -66,12 +64,12 @@ def drawings() -> tuple[Drawing, ...]:
             "decision.objectives",
             _DECISION_TITLE,
             objectives,
-            section=SECTION,
+            section=LENGTHS,
             group=GROUP,
             presets=DECIDED,
         ),
-        Drawing("decision.family", _FAMILY_TITLE, longer_legs, section=SECTION, group=GROUP),
-        Drawing("decision.stroke", _STROKE_TITLE, over_the_stroke, section=SECTION, group=GROUP),
+        Drawing("decision.family", _FAMILY_TITLE, longer_legs, section=LENGTHS, group=GROUP),
+        Drawing("decision.stroke", _STROKE_TITLE, over_the_stroke, section=LENGTHS, group=GROUP),
     )
 
 
@@ -111,7 +109,7 @@ def objectives(context: Context) -> Figure:
         id="decision.objectives",
         title=_DECISION_TITLE,
         caption=" ".join((*verdicts, *(f"Impossible: {f}." for f in decision.impossible))),
-        section=SECTION,
+        section=LENGTHS,
         svg=svg,
         data=csv_of(columns),
     )
@@ -149,7 +147,7 @@ def longer_legs(context: Context) -> Figure:
             f"robot with solid legs goes from {rises[0]:.1f} to {rises[-1]:.1f} µm along z and its "
             f"first frequency from {falls[0]:.1f} to {falls[-1]:.1f} Hz."
         ),
-        section=SECTION,
+        section=LENGTHS,
         svg=svg,
         data=csv_of(columns),
     )
@@ -183,7 +181,7 @@ def over_the_stroke(context: Context) -> Figure:
             "along z rigid end faces, which restrain warping, make the solid up to "
             f"{100.0 * _stiffer(here):.2g} % stiffer than the virtual joints."
         ),
-        section=SECTION,
+        section=LENGTHS,
         svg=svg,
         data=csv_of({"x (m)": x.tolist()} | _table(here, "")),
     )

@@ -5,10 +5,8 @@ from collections.abc import Mapping, Sequence
 from matplotlib.axes import Axes
 
 from lumped.arrays import Array
-from validation.cases.paper.family import ALPHAS
-from validation.cases.robot.stroke import SECTION
 from validation.context import Context
-from validation.exhibits import Drawing, Figure
+from validation.exhibits import FAMILY, STROKE, Drawing, Figure
 from validation.report.figures.curves.lines import (
     BEAM,
     DYNAMIC_LINES,
@@ -35,9 +33,8 @@ from validation.report.figures.curves.panels import (
     panels_svg,
     stroke_table,
 )
-from validation.report.figures.curves.statics import FAMILY_SECTION
 from validation.report.figures.curves.sweeps import frequencies_at
-from validation.studies.quantities import family_frequencies
+from validation.studies.quantities import ALPHAS, family_frequencies
 
 MODES = 2
 _SIMPLIFIED_TITLE = f"First natural frequency, simplified model against beams {as_in_paper(7)}"
@@ -57,14 +54,14 @@ def drawings() -> tuple[Drawing, ...]:
             "frequency.simplified",
             _SIMPLIFIED_TITLE,
             simplified_frequency,
-            section=SECTION,
+            section=STROKE,
             group=_GROUP,
         ),
         Drawing(
             "frequency.stroke",
             _STROKE_TITLE,
             refined_frequencies,
-            section=SECTION,
+            section=STROKE,
             group=_GROUP,
             effort=2.0,
         ),
@@ -72,14 +69,14 @@ def drawings() -> tuple[Drawing, ...]:
             "frequency.family-simplified",
             _FAMILY_SIMPLIFIED_TITLE,
             simplified_family,
-            section=FAMILY_SECTION,
+            section=FAMILY,
             group=_GROUP,
         ),
         Drawing(
             "frequency.family",
             _FAMILY_TITLE,
             refined_family,
-            section=FAMILY_SECTION,
+            section=FAMILY,
             group=_GROUP,
         ),
     )
@@ -107,7 +104,7 @@ def simplified_frequency(context: Context) -> Figure:
         id="frequency.simplified",
         title=_SIMPLIFIED_TITLE,
         caption=" ".join([*caption, *notes]),
-        section=SECTION,
+        section=STROKE,
         svg=panels_svg(
             x,
             STROKE_LABEL,
@@ -147,7 +144,7 @@ def refined_frequencies(context: Context) -> Figure:
         id="frequency.stroke",
         title=_STROKE_TITLE,
         caption=" ".join([*caption, *notes]),
-        section=SECTION,
+        section=STROKE,
         svg=panels_svg(x, STROKE_LABEL, panels, named, columns=1, height=3.9, against=BEAM),
         data=stroke_table(x, _columns(gathered)),
     )
@@ -172,7 +169,7 @@ def simplified_family(context: Context) -> Figure:
         id="frequency.family-simplified",
         title=_FAMILY_SIMPLIFIED_TITLE,
         caption=" ".join([*caption, *notes]),
-        section=FAMILY_SECTION,
+        section=FAMILY,
         svg=family_svg(
             family_panels(
                 found, lambda gathered: _stacks(gathered)[:1], "first natural frequency (Hz)"
@@ -211,7 +208,7 @@ def refined_family(context: Context) -> Figure:
         id="frequency.family",
         title=_FAMILY_TITLE,
         caption=" ".join([*caption, *notes]),
-        section=FAMILY_SECTION,
+        section=FAMILY,
         svg=family_svg(family_panels(found, _stacks, "natural frequency (Hz)"), named),
         data=family_table({point: _columns(gathered) for point, gathered in found.items()}),
     )

@@ -7,9 +7,8 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from lumped.arrays import Array
-from validation.cases.robot.stroke import SECTION
 from validation.context import Context
-from validation.exhibits import Drawing, Figure
+from validation.exhibits import STROKE, Drawing, Figure
 from validation.report.figures.style import (
     BLUE,
     GREEN,
@@ -55,7 +54,7 @@ _MEANINGS = {"bending y": "bending out of the plane", "bending z": "bending in t
 
 def drawings() -> tuple[Drawing, ...]:
     """The strain energy of the first modes at the centre of the stroke."""
-    return (Drawing(_ID, _TITLE, strain_energy, section=SECTION, group="figures.dynamics"),)
+    return (Drawing(_ID, _TITLE, strain_energy, section=STROKE, group="figures.dynamics"),)
 
 
 def strain_energy(context: Context) -> Figure:
@@ -75,7 +74,7 @@ def strain_energy(context: Context) -> Figure:
         id=_ID,
         title=_TITLE,
         caption=_caption(beam, robot.centre),
-        section=SECTION,
+        section=STROKE,
         svg=svg,
         data=_table({"beam FE": beam, "segments": segments}),
     )

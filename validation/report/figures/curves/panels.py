@@ -8,7 +8,6 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from lumped.arrays import Array
-from validation.cases.paper.family import ALPHAS, FIGURE_POINTS
 from validation.context import Context
 from validation.report.figures.curves.lines import (
     ALPHA_LABEL,
@@ -24,6 +23,7 @@ from validation.report.figures.curves.lines import (
 )
 from validation.report.figures.curves.sweeps import stations
 from validation.report.figures.style import canvas, csv_of, plot_style, svg_of
+from validation.studies.quantities import ALPHAS, FIGURE_POINTS
 
 T = TypeVar("T")
 Stack = Mapping[Line, Array]

@@ -3,16 +3,9 @@
 import numpy as np
 
 from lumped.arrays import Array
-from validation.cases.legs.beams import constant_leg_of
-from validation.cases.program.refinement import (
-    COUNTS,
-    MODES,
-    SECTION,
-    element_frequencies,
-    exact_frequencies,
-)
 from validation.context import Context
-from validation.exhibits import Drawing, Figure
+from validation.exhibits import ELEMENTS, Drawing, Figure
+from validation.models.legs import constant_leg_of
 from validation.report.figures.curves.lines import legend_above
 from validation.report.figures.style import (
     MODELS,
@@ -25,6 +18,12 @@ from validation.report.figures.style import (
     svg_of,
 )
 from validation.studies.convergence import order_of_errors
+from validation.studies.element_refinement import (
+    COUNTS,
+    MODES,
+    element_frequencies,
+    exact_frequencies,
+)
 
 # The element counts between which the order shows: below, higher terms count; above, rounding.
 FITTED = {"literal": (10, 160), "half": (10, 160), "beam": (10, 40)}
@@ -45,7 +44,7 @@ def drawings() -> tuple[Drawing, ...]:
             _ID,
             _TITLE,
             convergence_on_elements,
-            section=SECTION,
+            section=ELEMENTS,
             group="figures.refinement",
             effort=3.0,
             subject="program",
@@ -98,7 +97,7 @@ def convergence_on_elements(context: Context) -> Figure:
         id=_ID,
         title=_TITLE,
         caption=_caption(context, counts),
-        section=SECTION,
+        section=ELEMENTS,
         svg=svg,
         data=csv_of(columns),
     )

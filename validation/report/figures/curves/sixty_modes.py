@@ -5,10 +5,8 @@ from matplotlib.axes import Axes
 
 from fem.bodies.leg_energies import DISTORTION
 from lumped.arrays import Array
-from validation.cases.robot.sixty import ALONE, SIXTY, SixtyModes, in_the_feet, sixty
-from validation.cases.robot.solid import SECTION
 from validation.context import Context
-from validation.exhibits import Drawing, Figure
+from validation.exhibits import SOLID_ROBOT, Drawing, Figure
 from validation.report.figures.style import (
     BLUE,
     GREEN,
@@ -21,6 +19,7 @@ from validation.report.figures.style import (
     plot_style,
     svg_of,
 )
+from validation.solids.sixty import ALONE, SIXTY, SixtyModes, in_the_feet, sixty
 
 _ID = "robot.solid.sixty-modes"
 _TITLE = f"Where the strain energy of the first {SIXTY} modes of the solid robot sits"
@@ -39,7 +38,9 @@ _MEANINGS = {"bending y": "bending out of the plane", "bending z": "bending in t
 
 def drawings() -> tuple[Drawing, ...]:
     """The energies of the first sixty modes at the centre of the stroke."""
-    return (Drawing(_ID, _TITLE, energies, section=SECTION, group="robot.solid.sixty", effort=8.0),)
+    return (
+        Drawing(_ID, _TITLE, energies, section=SOLID_ROBOT, group="robot.solid.sixty", effort=8.0),
+    )
 
 
 def energies(context: Context) -> Figure:
@@ -58,7 +59,7 @@ def energies(context: Context) -> Figure:
         id=_ID,
         title=_TITLE,
         caption=_caption(found),
-        section=SECTION,
+        section=SOLID_ROBOT,
         svg=svg,
         data=_table(found),
     )

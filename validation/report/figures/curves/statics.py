@@ -6,10 +6,8 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from lumped.arrays import Array
-from validation.cases.paper.family import ALPHAS
-from validation.cases.robot.stroke import SECTION
 from validation.context import Context
-from validation.exhibits import Drawing, Figure
+from validation.exhibits import FAMILY, STROKE, Drawing, Figure
 from validation.report.figures.curves.lines import (
     BEAM,
     SEGMENTS,
@@ -38,9 +36,8 @@ from validation.report.figures.curves.panels import (
     stroke_table,
 )
 from validation.report.figures.curves.sweeps import deflections_at
-from validation.studies.quantities import LOAD, Deflections, family_deflections
+from validation.studies.quantities import ALPHAS, LOAD, Deflections, family_deflections
 
-FAMILY_SECTION = "Robots with longer legs"
 LOADS = {
     "planar_x": ("x", "planar"),
     "planar_y": ("y", "planar"),
@@ -62,21 +59,21 @@ def drawings() -> tuple[Drawing, ...]:
             "deflection.simplified",
             _SIMPLIFIED_TITLE,
             simplified_deflections,
-            section=SECTION,
+            section=STROKE,
             group=_GROUP,
         ),
         Drawing(
             "deflection.stroke",
             _STROKE_TITLE,
             all_deflections,
-            section=SECTION,
+            section=STROKE,
             group=_GROUP,
         ),
         Drawing(
             "deflection.family",
             _FAMILY_TITLE,
             deflections_of_the_family,
-            section=FAMILY_SECTION,
+            section=FAMILY,
             group=_GROUP,
         ),
     )
@@ -120,7 +117,7 @@ def simplified_deflections(context: Context) -> Figure:
         id="deflection.simplified",
         title=_SIMPLIFIED_TITLE,
         caption=" ".join([*caption, *notes]),
-        section=SECTION,
+        section=STROKE,
         svg=panels_svg(x, STROKE_LABEL, panels, logarithmic, columns=2, against=BEAM),
         data=stroke_table(x, _columns(gathered)),
     )
@@ -141,7 +138,7 @@ def all_deflections(context: Context) -> Figure:
         id="deflection.stroke",
         title=_STROKE_TITLE,
         caption=" ".join(["Deflections of the loaded point.", *_reading(gathered), *notes]),
-        section=SECTION,
+        section=STROKE,
         svg=panels_svg(
             x, STROKE_LABEL, panels, all_from_zero, columns=3, legend_columns=3, against=VJM_GIVEN
         ),
@@ -177,7 +174,7 @@ def deflections_of_the_family(context: Context) -> Figure:
         id="deflection.family",
         title=_FAMILY_TITLE,
         caption=" ".join([*_family_reading(found), *notes]),
-        section=FAMILY_SECTION,
+        section=FAMILY,
         svg=family_svg(panels, rows_alike, height=6.6),
         data=family_table({point: _columns(gathered) for point, gathered in found.items()}),
     )

@@ -19,9 +19,9 @@ from validation.adequacy.mechanism.samples import samples_of
 from validation.adequacy.mechanism.statics import compliances, static_reference, unanswered
 from validation.adequacy.mechanism.subject import mechanism_models
 from validation.adequacy.partners import partners
-from validation.cases.mechanism.path import GROUP, MODES, SECTION
 from validation.context import Context
-from validation.exhibits import Drawing, Figure
+from validation.exhibits import PATH, Drawing, Figure
+from validation.models.mechanism import JUDGED_MODES
 from validation.models.options import ModelName, ModelOptions
 from validation.models.parts import parts_of
 from validation.report.figures.mechanism.panels import (
@@ -38,6 +38,7 @@ from validation.report.figures.style import (
     Look,
     csv_of,
 )
+from validation.solids.robots import SHARED_SOLIDS
 
 FORCE, MOMENT = 1000.0, 100.0
 _EULER = ModelOptions(theory="euler-bernoulli")
@@ -73,7 +74,7 @@ def drawings() -> tuple[Drawing, ...]:
 
 
 def _drawing(name: str, title: str, draw: Callable[[Context], Figure], effort: float) -> Drawing:
-    return Drawing(name, title, draw, section=SECTION, group=GROUP, effort=effort)
+    return Drawing(name, title, draw, section=PATH, group=SHARED_SOLIDS, effort=effort)
 
 
 def deflections(context: Context) -> Figure:
@@ -144,7 +145,7 @@ def frequencies(context: Context) -> Figure:
         if name != against
     }
     panels = {}
-    for mode in range(min(MODES, judged)):
+    for mode in range(min(JUDGED_MODES, judged)):
         panels[f"f{mode + 1} (Hz)"] = Panel(
             {key: (one.frequencies[:, mode], look) for key, (one, look) in found.items()},
             {key: (one[:, mode], found[key][1]) for key, one in paired.items()},
@@ -188,7 +189,7 @@ def _figure(
         id=name,
         title=title,
         caption=f"{caption} Below each: what the others differ from {against}, in percent.",
-        section=SECTION,
+        section=PATH,
         svg=compared_svg(x, label, panels, columns),
         data=csv_of(table | columns_of(panels)),
     )

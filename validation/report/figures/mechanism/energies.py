@@ -11,9 +11,8 @@ from lumped.legs import ConstantLeg
 from lumped.mechanism.mechanism import Mechanism
 from validation.adequacy.mechanism.path import known_legs, path_postures
 from validation.case import Skip
-from validation.cases.mechanism.path import GROUP, SECTION
 from validation.context import Context
-from validation.exhibits import Drawing, Figure
+from validation.exhibits import PATH, Drawing, Figure
 from validation.models.mechanism_modes import PostureModes, mechanism_modes
 from validation.models.parts import parts_of
 from validation.report.figures.curves.lines import legend_above
@@ -30,6 +29,7 @@ from validation.report.figures.style import (
     plot_style,
     svg_of,
 )
+from validation.solids.robots import SHARED_SOLIDS
 
 _ID = "mechanism.strain-energy"
 SIXTY = 60
@@ -49,7 +49,7 @@ Shares = Mapping[str, Array]
 
 def drawings() -> tuple[Drawing, ...]:
     """The energies of the first sixty modes."""
-    return (Drawing(_ID, _TITLE, energies, section=SECTION, group=GROUP, effort=2.0),)
+    return (Drawing(_ID, _TITLE, energies, section=PATH, group=SHARED_SOLIDS, effort=2.0),)
 
 
 def energies(context: Context) -> Figure:
@@ -80,7 +80,7 @@ def energies(context: Context) -> Figure:
         f"{found.modes.frequencies[0]:.4g} to {found.modes.frequencies[-1]:.4g} Hz. Bending y is "
         "deflection along a leg's own z axis, bending z along its y axis, both with their shear. "
         "Bodies of one shape are taken together; the table of the figure has each by itself.",
-        section=SECTION,
+        section=PATH,
         svg=svg,
         data=csv_of(columns),
     )

@@ -13,11 +13,11 @@ from validation.adequacy.mechanism.samples import samples_of
 from validation.adequacy.partners import partners
 from validation.adequacy.response import Vibration
 from validation.case import Skip
-from validation.cases.mechanism.path import GROUP, SECTION
 from validation.context import Context
-from validation.exhibits import Drawing, Figure
+from validation.exhibits import PATH, Drawing, Figure
 from validation.models.options import ModelOptions
 from validation.report.figures.style import MODELS, canvas, csv_of, plot_style, svg_of
+from validation.solids.robots import SHARED_SOLIDS
 from validation.studies.mode_pairing import mac_matrix
 
 _ID = "mechanism.pairs"
@@ -26,7 +26,7 @@ _TITLE = "Modes paired by shape with the reference's"
 
 def drawings() -> tuple[Drawing, ...]:
     """The pairing in the middle of the path."""
-    return (Drawing(_ID, _TITLE, pairs, section=SECTION, group=GROUP, effort=2.0),)
+    return (Drawing(_ID, _TITLE, pairs, section=PATH, group=SHARED_SOLIDS, effort=2.0),)
 
 
 def pairs(context: Context) -> Figure:
@@ -74,7 +74,7 @@ def pairs(context: Context) -> Figure:
         "criterion, dark where two shapes are one; blocks are modes of almost one frequency, of "
         "which any mixture is a mode. Right: frequencies of partners; a mode without one is left "
         "out.",
-        section=SECTION,
+        section=PATH,
         svg=svg,
         data=csv_of(columns),
     )

@@ -3,9 +3,8 @@
 from io import BytesIO
 
 from validation.adequacy.mechanism.path import path_postures
-from validation.cases.mechanism.path import SECTION
 from validation.context import Context
-from validation.exhibits import PORTRAIT, Drawing, Figure
+from validation.exhibits import PATH, PORTRAIT, Drawing, Figure
 from validation.kinematics.picture import picture
 from validation.report.figures.style import plot_style
 
@@ -15,7 +14,7 @@ _HALF = 4.2  # in, beside the errors
 
 def drawings() -> tuple[Drawing, ...]:
     """The picture."""
-    return (Drawing(PORTRAIT, "The mechanism", portrait, section=SECTION, group="pictures"),)
+    return (Drawing(PORTRAIT, "The mechanism", portrait, section=PATH, group="pictures"),)
 
 
 def portrait(context: Context) -> Figure:
@@ -31,6 +30,6 @@ def portrait(context: Context) -> Figure:
         title="The mechanism",
         caption="In the middle of its path; thin lines: first and last pose. Driven joints are "
         "orange, the loaded point red.",
-        section=SECTION,
+        section=PATH,
         png=content.getvalue(),
     )

@@ -10,9 +10,8 @@ from lumped.system.assembly import System
 from lumped.system.solution import solved
 from validation.adequacy.mechanism.path import path_postures
 from validation.case import Skip
-from validation.cases.mechanism.path import SECTION
 from validation.context import Context
-from validation.exhibits import Drawing, Figure, InteractiveScene
+from validation.exhibits import PATH, Drawing, Figure, InteractiveScene
 from validation.models.mechanism_modes import PostureModes, mechanism_modes
 from validation.models.options import ModelName
 from validation.models.parts import parts_of
@@ -63,7 +62,7 @@ def drawings() -> tuple[Drawing, ...]:
             "mechanism.mode-shapes",
             _SHAPES,
             mode_shapes,
-            section=SECTION,
+            section=PATH,
             group=GROUP,
             effort=4.0,
         ),
@@ -71,7 +70,7 @@ def drawings() -> tuple[Drawing, ...]:
             "mechanism.deformed",
             _LOADED,
             deformed,
-            section=SECTION,
+            section=PATH,
             group=GROUP,
             effort=3.0,
         ),
@@ -270,7 +269,7 @@ def _figure(
         id=name,
         title=title,
         caption=caption,
-        section=SECTION,
+        section=PATH,
         png=png,
         left_out=left_out,
         data=csv_of(columns),

@@ -11,10 +11,9 @@ from lumped.legs import ConstantLeg
 from lumped.models.cantilever import clamped_modes
 from meshes.elements import ELEMENTS
 from meshes.solid_mesh import SolidMesh
-from validation.cases.legs.beams import constant_leg_of
 from validation.context import Context
 from validation.exhibits import Drawing, Figure
-from validation.models.legs import leg_matrices, solid_modes
+from validation.models.legs import constant_leg_of, leg_matrices, solid_modes
 from validation.models.options import DEFAULT_OPTIONS
 from validation.report.figures.pictures.drawing.opengl import require_vtk
 from validation.report.figures.pictures.drawing.prisms import (

@@ -3,9 +3,8 @@
 import numpy as np
 from matplotlib.figure import Figure as Canvas
 
-from validation.cases.robot.stroke import SECTION
 from validation.context import Context
-from validation.exhibits import PORTRAIT, Drawing, Figure
+from validation.exhibits import PORTRAIT, STROKE, Drawing, Figure
 from validation.report.figures.pictures.drawing.opengl import require_vtk
 from validation.report.figures.pictures.drawing.rendering import (
     Body,
@@ -35,7 +34,7 @@ _PATH = 41
 
 def drawings() -> tuple[Drawing, ...]:
     """The picture of the robot."""
-    return (Drawing(PORTRAIT, _TITLE, portrait, section=SECTION, group="pictures", effort=1.0),)
+    return (Drawing(PORTRAIT, _TITLE, portrait, section=STROKE, group="pictures", effort=1.0),)
 
 
 def portrait(context: Context) -> Figure:
@@ -79,7 +78,7 @@ def portrait(context: Context) -> Figure:
             f"At x = {x:.4g} m; the red line is the stroke of B, {first:.4g} to {last:.4g} m. Legs "
             "known by a 6×6 alone are drawn with the section of their equivalent."
         ),
-        section=SECTION,
+        section=STROKE,
         png=drawn.png,
         left_out=drawn.left_out,
         scenes=(interactive(_TITLE, scene),),

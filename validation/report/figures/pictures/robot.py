@@ -7,9 +7,8 @@ from matplotlib.axes import Axes
 
 from lumped.arrays import Array
 from lumped.biglide import Biglide
-from validation.cases.robot.stroke import SECTION
 from validation.context import Context
-from validation.exhibits import Drawing, Figure, InteractiveScene
+from validation.exhibits import STROKE, Drawing, Figure, InteractiveScene
 from validation.models.options import DEFAULT_OPTIONS
 from validation.report.figures.curves.lines import as_in_paper
 from validation.report.figures.pictures.drawing.opengl import require_vtk
@@ -63,7 +62,7 @@ def drawings() -> tuple[Drawing, ...]:
             "robot.mode-shapes",
             _MODES_TITLE,
             mode_shapes,
-            section=SECTION,
+            section=STROKE,
             group=GROUP,
             effort=3.0,
         ),
@@ -71,7 +70,7 @@ def drawings() -> tuple[Drawing, ...]:
             "robot.deformed",
             f"The robot under {LOAD:g} N along x, y and z",
             deformed_robot,
-            section=SECTION,
+            section=STROKE,
             group=GROUP,
             effort=2.0,
         ),
@@ -129,7 +128,7 @@ def mode_shapes(context: Context) -> Figure:
                 *said,
             ]
         ),
-        section=SECTION,
+        section=STROKE,
         png=drawn.png,
         left_out=drawn.left_out,
         data=csv_of({heading: column.tolist() for heading, column in columns.items()}),
@@ -185,7 +184,7 @@ def deformed_robot(context: Context) -> Figure:
             f"loaded point moves {', '.join(said)}. The red arrow is the load; "
             "orange frames in three dimensions: the segments of the lumped model."
         ),
-        section=SECTION,
+        section=STROKE,
         png=drawn.png,
         left_out=drawn.left_out,
         data=csv_of({heading: column.tolist() for heading, column in columns.items()}),

@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fem.bodies import doubling
-from fem.sections.end_effects import decay_rates, restrained_compliance
+from fem.couplings.end_effects import decay_rates, restrained_compliance
 from fem.sections.section_constants import section_constants
 from lumped.errors import ComputationError, InputError
 from lumped.legs import ConstantLeg, Material, tip_compliance

@@ -1,0 +1,54 @@
+"""The first sixty modes of the robot with solid legs, and where their strain energy sits."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from lumped.arrays import Array
+from lumped.biglide import Biglide
+from validation.context import Context, Preset
+from validation.solids.robots import strain_energy_shares, unreduced_robot
+
+SIXTY = 60
+DIVISIONS: dict[Preset, int] = {"quick": 1, "standard": 3, "fine": 4}
+COARSE = 1
+# Share of the strain energy above which a mode is due to a part alone.
+ALONE = 0.95
+
+
+@dataclass(frozen=True)
+class SixtyModes:
+    """Frequencies (Hz) of the first modes of the solid robot at the centre of its stroke.
+
+    `shares` of the strain energy as in `strain_energy_shares`; `balance`: the parts' energy over
+    ω²/2, less one (m values each).
+    """
+
+    x: float
+    frequencies: Array
+    shares: dict[str, Array]
+    balance: Array
+
+
+def sixty_modes(robot: Biglide, divisions: int) -> SixtyModes:
+    """The first sixty modes, both legs as solids with rigid end faces, no reduction."""
+    (whole,) = unreduced_robot(robot, (robot.centre,), divisions, SIXTY)
+    shapes, frequencies = whole.modes.shapes, whole.modes.frequencies
+    energy = np.einsum("ij,ij->j", shapes, whole.system.stiffness @ shapes)
+    return SixtyModes(
+        x=robot.centre,
+        frequencies=frequencies,
+        shares=strain_energy_shares(whole),
+        balance=energy / np.square(2.0 * np.pi * frequencies) - 1.0,
+    )
+
+
+def sixty(context: Context) -> SixtyModes:
+    """The first sixty modes on the preset's meshes."""
+    return context.get(sixty_modes, context.robot, DIVISIONS[context.preset])
+
+
+def in_the_feet(found: SixtyModes) -> Array:
+    """Share of each mode's strain energy in both feet (m values)."""
+    feet = [share for part, share in found.shares.items() if part.startswith("foot")]
+    return np.sum(feet, axis=0) if feet else np.zeros(len(found.frequencies))
