@@ -84,6 +84,8 @@ def validate(request: Request, catalogue: Catalogue) -> Results:
     robot_file = request.robot_file
     if robot_file.is_mechanism:
         _refuse_what_biglides_have(request)
+    elif request.exports:
+        _refuse_large_exports(request)
     listed = catalogue(robot_file)
     if request.selftest is False:
         listed = [task for task in listed if not is_check(task)]
@@ -209,6 +211,17 @@ def _refuse_what_biglides_have(request: Request) -> None:
     }
     if faults := [fault for fault, asked in refused.items() if asked]:
         raise InputError(faults)
+
+
+def _refuse_large_exports(request: Request) -> None:
+    """Raise InputError for legs whose solids are too large to be written."""
+    from validation.export.models import DIVISIONS  # noqa: PLC0415
+    from validation.solids.size import too_large  # noqa: PLC0415
+
+    robot, divisions = request.robot_file.robot, DIVISIONS[request.preset]
+    reason = too_large((robot.leg1, robot.leg2), (divisions, divisions), request.preset)
+    if reason:
+        raise InputError(f"--export: {reason}")
 
 
 def _mention(line: str) -> None:

@@ -6,8 +6,10 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.biglide import Biglide
+from validation.case import Skip
 from validation.context import Context, Preset
 from validation.solids.robots import strain_energy_shares, unreduced_robot
+from validation.solids.size import too_large
 
 SIXTY = 60
 DIVISIONS: dict[Preset, int] = {"quick": 1, "standard": 3, "fine": 4}
@@ -44,8 +46,11 @@ def sixty_modes(robot: Biglide, divisions: int) -> SixtyModes:
 
 
 def sixty(context: Context) -> SixtyModes:
-    """The first sixty modes on the preset's meshes."""
-    return context.get(sixty_modes, context.robot, DIVISIONS[context.preset])
+    """The first sixty modes on the preset's meshes; raises Skip where legs are too slender."""
+    robot, divisions = context.robot, DIVISIONS[context.preset]
+    if reason := too_large((robot.leg1, robot.leg2), (divisions, divisions), context.preset):
+        raise Skip(reason)
+    return context.get(sixty_modes, robot, divisions)
 
 
 def in_the_feet(found: SixtyModes) -> Array:

@@ -5,13 +5,12 @@ measured on legs of all shapes. Times are those of one ordinary core, good to a 
 """
 
 from dataclasses import dataclass
-from math import ceil, inf
+from math import inf
 
 from fem.machine import available_memory
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg
-from lumped.sections import Section
-from meshes.section.section_blocks import section_blocks, sides_of
+from validation.solids.size import solid_unknowns
 
 # Entries of a Cholesky factor of a solid leg over n^(4/3), 9 to 14 for legs of all shapes with
 # 3000 to 120 000 unknowns; bytes for each with CHOLMOD's own copies; flops of the factorisation in
@@ -44,7 +43,7 @@ class Cost:
 
 def solid_cost(legs: tuple[ConstantLeg, ...], divisions: int, modes: int) -> Cost:
     """Cost of solid legs, factorised together, each with its mass and the first `modes`."""
-    sizes = [_solid_unknowns(leg, divisions) for leg in legs]
+    sizes = [solid_unknowns(leg, divisions) for leg in legs]
     entries = [_ENTRIES * n ** (4.0 / 3.0) for n in sizes]
     memory = sum(
         _BYTES_PER_ENTRY * L + (_BYTES_PER_UNKNOWN + 24.0 * modes) * n
@@ -54,23 +53,6 @@ def solid_cost(legs: tuple[ConstantLeg, ...], divisions: int, modes: int) -> Cos
     flops = sum(_FLOPS * L**2 / n + 4.0 * solves * L for n, L in zip(sizes, entries, strict=True))
     seconds = _SECONDS_PER_UNKNOWN * sum(sizes) + flops / _FLOPS_PER_SECOND
     return Cost(sum(sizes), memory, seconds)
-
-
-def _solid_unknowns(leg: ConstantLeg, divisions: int) -> float:
-    """Unknowns of quadratic hexahedra; nodes that blocks of the section share count twice."""
-    size = min(leg.section.extent) / divisions
-    slices = max(2, ceil(leg.length / size))
-    return 3.0 * _section_nodes(leg.section, divisions, size) * (2.0 * slices + 1.0)
-
-
-def _section_nodes(section: Section, divisions: int, size: float) -> float:
-    try:
-        blocks = section_blocks(section, divisions)
-    except InputError:
-        # A shape that a user has added: as many squares as its area holds, four nodes each.
-        return 4.0 * section.area / size**2
-    sides = (sides_of(blocks, corners) for corners in blocks.corners)
-    return float(sum((2 * across + 1) * (2 * along + 1) for across, along in sides))
 
 
 def dense_cost(unknowns: int, postures: int) -> Cost:

@@ -23,6 +23,7 @@ from validation.adequacy.response import Alternative, Reference, Response, Rung,
 from validation.context import Context
 from validation.models.biglide import highest_frequency
 from validation.solids.robots import held_solid
+from validation.solids.size import too_large
 from validation.studies.mode_pairing import centreline_samples
 from validation.studies.paired_robot_modes import (
     ELEMENTS,
@@ -57,6 +58,10 @@ def dynamic_reference(context: Context, robot: Biglide, modes: int, postures: in
     nothing_open: dict[str, tuple[Ends, Ends]] = {"": ("rigid", "rigid")}
     ends = holds(robot) if solid else nothing_open
     divisions = divisions_of([equivalent_leg(leg) for leg in legs], context.preset)
+    meshed = [which for which, leg in enumerate(legs) if isinstance(leg, ConstantLeg)]
+    finest = [divisions[1][which] for which in meshed]
+    if reason := too_large([legs[which] for which in meshed], finest, context.preset):
+        return Reference("none", (), decides=reason)
     ratio = min(fine / coarse for coarse, fine in zip(*divisions, strict=True))
     if not solid:
         # Nothing is meshed: one solution serves for both.

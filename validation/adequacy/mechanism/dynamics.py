@@ -50,6 +50,7 @@ from validation.models.parts import parts_of
 from validation.parts.meshes import FINEST, MIDDLE
 from validation.solids.legs import COARSEST_WALLS
 from validation.solids.robots import held_solid, renewed_where_needed
+from validation.solids.size import too_large
 from validation.studies.paired_robot_modes import DIVISIONS, ELEMENTS, WALL_DIVISIONS
 
 Build = Callable[[Leg, Ends, float], LegMatrices]
@@ -205,13 +206,17 @@ def dynamic_reference(context: Context, postures: tuple[Posture, ...], judged: i
     mechanism = postures[0].mechanism
     count, weights = offered(judged), samples_of(mechanism).weights
     given, parts = has_given(mechanism), bool(parts_of(mechanism))
-    solid = any(isinstance(leg, ConstantLeg) for leg in known_legs(mechanism).values())
     is_open = left_open(mechanism)
     ends = dict(is_open.holds)
     masses: tuple[Masses | None, ...] = MASSES if given else (None,)
     fine = DIVISIONS[context.preset], WALL_DIVISIONS[context.preset]
     coarse = fine[0] - 1, fine[1] // 2
+    meshed = [leg for leg in known_legs(mechanism).values() if isinstance(leg, ConstantLeg)]
+    divisions = [fine[0] if isinstance(leg.section, Rectangle) else fine[1] for leg in meshed]
+    if reason := too_large(meshed, divisions, context.preset):
+        return Reference("none", (), decides=reason)
     ratio = min(fine[0] / coarse[0], fine[1] / coarse[1])
+    solid = bool(meshed)
     if not solid:
         # No section is meshed: one solution serves for both.
         coarse = fine

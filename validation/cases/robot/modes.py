@@ -18,6 +18,7 @@ from validation.exhibits import SOLID_ROBOT
 from validation.models.legs import constant_leg_of
 from validation.solids.legs import FORMAL_ORDER
 from validation.solids.robots import SHARED_SOLIDS
+from validation.solids.size import too_large
 from validation.solids.torsion import torsion_effects, wave_error
 from validation.studies.convergence import step_factor
 from validation.studies.mode_pairing import CLOSE
@@ -128,7 +129,12 @@ def _frequencies() -> list[Case]:
 
 
 def _meshes(context: Context) -> tuple[LegDivisions, LegDivisions]:
-    return divisions_of([constant_leg_of(context, number) for number in (1, 2)], context.preset)
+    """Coarser and finer divisions of both legs; raises Skip where these are too slender."""
+    legs = [constant_leg_of(context, number) for number in (1, 2)]
+    coarse, fine = divisions_of(legs, context.preset)
+    if reason := too_large(legs, fine, context.preset):
+        raise Skip(reason)
+    return coarse, fine
 
 
 def _segments_and_solids(context: Context) -> PairedModes:

@@ -11,6 +11,7 @@ from lumped.legs import ConstantLeg
 from lumped.models.cantilever import clamped_modes
 from meshes.elements import ELEMENTS
 from meshes.solid_mesh import SolidMesh
+from validation.case import Skip
 from validation.context import Context
 from validation.exhibits import Drawing, Figure
 from validation.models.legs import constant_leg_of, leg_matrices, solid_modes
@@ -40,6 +41,7 @@ from validation.report.figures.pictures.drawing.view import fitted_view
 from validation.report.figures.pictures.robot import GROUP
 from validation.report.figures.pictures.robot_shape import OUTSET
 from validation.report.figures.style import MODELS, canvas, csv_of, plot_style
+from validation.solids.size import too_large
 from validation.studies.mode_pairing import centreline_samples, centreline_weights, pair_modes
 
 MODES = 4
@@ -102,6 +104,8 @@ def leg_mode_shapes(context: Context, number: int) -> Figure:
     """Four panels: the first modes of leg 1 or 2, root clamped."""
     require_vtk()
     leg = constant_leg_of(context, number)
+    if reason := too_large([leg], [DIVISIONS], context.preset):
+        raise Skip(reason)
     found = context.get(leg_modes, leg, MODES)
     faces = boundary_faces(found.mesh)
     said, scenes = [], []

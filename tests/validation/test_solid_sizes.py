@@ -1,0 +1,120 @@
+"""Solids of slender legs: counted before they are made, left out of runs that they would fill."""
+
+from dataclasses import replace
+
+import pytest
+
+from fem.bodies.solid import solid_mesh
+from lumped.acceptance.requirement import Requirement
+from lumped.errors import InputError
+from lumped.legs import ConstantLeg, Material
+from lumped.robot_file import load_robot
+from lumped.sections import Circle, Rectangle
+from validation.adequacy.biglide.dynamics import dynamic_reference, vibrations
+from validation.adequacy.judgement import judged
+from validation.adequacy.mechanism import dynamics as of_mechanisms
+from validation.adequacy.mechanism.path import path_postures
+from validation.adequacy.response import Candidate, Reference, Response, Subject
+from validation.case import Skip
+from validation.catalogue import catalogue
+from validation.context import Context
+from validation.run.session import Request, validate
+from validation.solids.size import LARGEST, solid_unknowns, too_large
+from validation.studies.paired_robot_modes import sample_weights
+
+STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
+IFW = load_robot("ifw")
+# Half a millimetre wide elements over 0.85 m and 50 mm: 1700 slices of 100.
+BLADE = ConstantLeg(0.85, Rectangle(0.001, 0.05), STEEL, name="leg 1")
+SLENDER = replace(
+    IFW, described=replace(IFW.robot, leg1=BLADE, leg2=BLADE), built_in=False, source="blade.toml"
+)
+REASON = r"^leg 1 as a solid of 2 divisions has about 1e\+07.* unknowns, preset quick takes 100000"
+
+
+@pytest.fixture
+def context(monkeypatch):
+    """Of a quick run in which no solid may be meshed."""
+    monkeypatch.setattr("validation.solids.robots.solid_mesh", refused)
+    return Context(SLENDER, "quick")
+
+
+def refused(*_):
+    pytest.fail("a solid of ten million unknowns is meshed")
+
+
+@pytest.mark.parametrize("divisions", [1, 2, 3])
+def test_unknowns_are_those_of_the_mesh(divisions):
+    leg = ConstantLeg(0.5, Rectangle(0.1, 0.06), STEEL)
+    assert solid_unknowns(leg, divisions) == 3 * len(solid_mesh(leg, divisions).nodes)
+    # The five blocks of a circle share the nodes on their edges, at worst 45 on 25 places.
+    disc = ConstantLeg(0.5, Circle(0.1), STEEL)
+    counted, meshed = solid_unknowns(disc, divisions), 3 * len(solid_mesh(disc, divisions).nodes)
+    assert meshed <= counted <= 1.8 * meshed
+
+
+def test_what_a_run_takes_is_said_leg_by_leg():
+    stout = ConstantLeg(0.5, Rectangle(0.1, 0.06), STEEL, name="leg 2")
+    assert too_large([stout, stout], [2, 2], "quick") == ""
+    said = too_large([BLADE, stout], [2, 2], "fine")
+    assert said.startswith("leg 1 as a solid of 2 divisions has about 1e+07")
+    assert "leg 2" not in said
+    assert f"preset fine takes {LARGEST['fine']}" in said
+
+
+@pytest.mark.parametrize(
+    ("case", "divisions"),
+    [
+        ("robot.solid.frequency[1]", 2),
+        ("robot.solid.free.mac", 2),
+        ("robot.solid.reduction.statics", 1),
+        ("robot.solid.sixty.energy", 1),
+    ],
+)
+def test_comparisons_with_solids_too_large_for_a_run_are_skipped(case, divisions, context):
+    found = next(one for one in catalogue(SLENDER) if one.id == case)
+    with pytest.raises(Skip, match=f"^leg 1 as a solid of {divisions} divisions? has about"):
+        found.compute(context)
+
+
+def test_frequencies_without_such_a_reference_are_undecided_with_the_reason(context):
+    robot = SLENDER.robot
+    reference = dynamic_reference(context, robot, 2, 3)
+    found = vibrations(context, robot, 3)["beam"]
+    subject = Subject(
+        robot=robot.name,
+        coordinates=("x (m)",),
+        poses=robot.stations(3)[:, None],
+        weights=sample_weights(robot),
+        candidates=[Candidate("beam", "beam", Response(vibration=found))],
+        statics=Reference("none", ()),
+        dynamics=reference,
+    )
+    matrix = judged(subject, Requirement(modes=2))
+    for quantity in ("f1", "f2", "order"):
+        entry = matrix.entry("beam", quantity)
+        assert entry.verdict == "undecided"
+        assert "unknowns, preset quick takes 100000" in entry.reason
+
+
+def test_so_are_those_of_a_mechanism(tmp_path, monkeypatch):
+    text = load_robot("five-bar").text
+    thin = 'section = { shape = "rectangle", width = 0.001, height = 0.050 }'
+    thick = (
+        'section = { shape = "hollow-rectangle", width = 0.050, height = 0.060, thickness = 0.005 }'
+    )
+    assert thick in text
+    path = tmp_path / "blades.toml"
+    path.write_text(text.replace(thick, thin), encoding="utf-8")
+    context = Context(load_robot(path), "quick")
+    monkeypatch.setattr(of_mechanisms, "held_solid", refused)
+    reference = of_mechanisms.dynamic_reference(context, path_postures(context), 2)
+    assert len(reference.alternatives) == 0
+    assert reference.decides.startswith("rod1 as a solid of 2 divisions has about")
+
+
+def test_their_export_is_refused_before_anything_is_computed(tmp_path):
+    request = Request(SLENDER, "quick", tmp_path / "run", 1, exports=True)
+    with pytest.raises(InputError, match=REASON.replace("^", "^--export: ")):
+        validate(request, catalogue)
+    assert not (tmp_path / "run").exists()

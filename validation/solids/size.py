@@ -1,0 +1,52 @@
+"""How large solids of legs are, counted from the blocks of their sections, and what a run takes.
+
+A preset says how fine a mesh is; how many unknowns follow depends on how slender the legs are.
+"""
+
+from collections.abc import Sequence
+from math import ceil
+
+from lumped.errors import InputError
+from lumped.legs import ConstantLeg, Leg, equivalent_leg
+from lumped.sections import Section
+from meshes.section.section_blocks import section_blocks, sides_of
+from validation.context import Preset
+
+# Unknowns of one solid that a run factorises: some 20 s and 2 GB, 60 s and 5 GB, 3 min and 13 GB.
+LARGEST: dict[Preset, int] = {"quick": 100_000, "standard": 200_000, "fine": 400_000}
+
+
+def solid_unknowns(leg: ConstantLeg, divisions: int) -> float:
+    """Unknowns of quadratic hexahedra; nodes that blocks of the section share count twice."""
+    size = min(leg.section.extent) / divisions
+    slices = max(2, ceil(leg.length / size))
+    return 3.0 * _section_nodes(leg.section, divisions, size) * (2.0 * slices + 1.0)
+
+
+def too_large(legs: Sequence[Leg], divisions: Sequence[int], preset: Preset) -> str:
+    """Which of `legs`, meshed with so many `divisions`, a run does not take, and why; or ""."""
+    most = LARGEST[preset]
+    reasons = []
+    for leg, number in zip(legs, divisions, strict=True):
+        constant = equivalent_leg(leg)
+        unknowns = solid_unknowns(constant, number)
+        if unknowns > most:
+            name = constant.name or "a leg"
+            across = f"{number} division{'s' if number > 1 else ''}"
+            reasons.append(f"{name} as a solid of {across} has about {unknowns:.2g}")
+    if not reasons:
+        return ""
+    return (
+        f"{' and '.join(reasons)} unknowns, preset {preset} takes {most}; "
+        "solve --model solid says what one answer would take"
+    )
+
+
+def _section_nodes(section: Section, divisions: int, size: float) -> float:
+    try:
+        blocks = section_blocks(section, divisions)
+    except InputError:
+        # A shape that a user has added: as many squares as its area holds, four nodes each.
+        return 4.0 * section.area / size**2
+    sides = (sides_of(blocks, corners) for corners in blocks.corners)
+    return float(sum((2 * across + 1) * (2 * along + 1) for across, along in sides))
