@@ -21,9 +21,9 @@ from lumped.mechanism.frame import Frame
 from lumped.mechanism.joint import Drive, Joint, JointKind, Side
 from lumped.mechanism.mechanism import GROUND, Mechanism, Posture, Tool
 from lumped.mechanism.placing import leg_on, rigid_on
-from lumped.models.segments import printed_release
 from lumped.screws import rotation_z
 from lumped.system.assembly import System, assemble
+from lumped.system.joint_motion import printed_release
 
 # Relative slack for a posture at the very end of the stroke, where x − end is rounding noise.
 _ROUNDING = 1e-12

@@ -3,6 +3,7 @@
 import ast
 import re
 import subprocess
+from collections import Counter
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -64,11 +65,14 @@ def test_imports_go_one_way(floor):
     assert not wrong
 
 
-def test_no_module_imports_itself_in_a_circle():
+def arrows() -> dict[str, set[str]]:
+    """What each module imports of the house."""
     names = {".".join(m.relative_to(ROOT).with_suffix("").parts): m for m in MODULES}
     names = {name.removesuffix(".__init__"): module for name, module in names.items()}
-    arrows = {name: imported_modules(module, names) - {name} for name, module in names.items()}
+    return {name: imported_modules(module, names) - {name} for name, module in names.items()}
 
+
+def in_circles(arrows: Mapping[str, set[str]]) -> list[str]:
     def reached(start: str) -> set[str]:
         seen, todo = set(), [start]
         while todo:
@@ -77,7 +81,26 @@ def test_no_module_imports_itself_in_a_circle():
             todo += onwards
         return seen
 
-    assert [name for name in names if name in reached(name)] == []
+    return [name for name in arrows if name in reached(name)]
+
+
+def test_no_module_imports_itself_in_a_circle():
+    assert in_circles(arrows()) == []
+
+
+def test_rooms_look_one_way():
+    """A room is a folder of a floor, or a module that lies loose on it."""
+    rooms: dict[str, set[str]] = {}
+    for name, imported in arrows().items():
+        room = ".".join(name.split(".")[:2])
+        rooms.setdefault(room, set()).update(".".join(one.split(".")[:2]) for one in imported)
+    assert in_circles({room: found - {room} for room, found in rooms.items()}) == []
+
+
+def test_at_most_nine_modules_lie_loose_in_a_room():
+    loose = Counter(module.parent for module in MODULES if module.name != "__init__.py")
+    crowded = {str(room.relative_to(ROOT)): count for room, count in loose.items() if count > 9}
+    assert crowded == {}
 
 
 def test_every_module_and_public_name_is_documented():

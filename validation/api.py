@@ -18,10 +18,10 @@ from validation.adequacy.response import Subject
 from validation.adequacy.robot import robot_subject
 from validation.case import Skip
 from validation.context import Context, Preset
+from validation.drawing.text import percent
 from validation.models.options import ModelName
 from validation.report.first_screen.sentence import sentence
 from validation.report.first_screen.table import pose_text, table_of
-from validation.report.text import percent
 from validation.solve import notebook
 from validation.solve.answer import Solution
 from validation.solve.command import Place, question

@@ -22,8 +22,8 @@ from validation.console.arguments import ProcessCount, WholeNumber
 from validation.console.streams import complain, say
 from validation.console.written import require_place, write
 from validation.kinematics import commands as kinematics
-from validation.parts import commands
-from validation.selftest import command as selftests
+from validation.run import selftest as selftests
+from validation.solve import parts as commands
 
 if TYPE_CHECKING:
     from lumped.robot_file import RobotFile
@@ -156,7 +156,7 @@ def run(
     from lumped.robot_file import load_robot  # noqa: PLC0415
     from lumped.robot_file.measured import with_measured  # noqa: PLC0415
     from validation.catalogue import catalogue  # noqa: PLC0415
-    from validation.faults.power import names_faults  # noqa: PLC0415
+    from validation.report.detection import names_faults  # noqa: PLC0415
     from validation.run import summary  # noqa: PLC0415
     from validation.run.session import Catalogue, Request, default_jobs, validate  # noqa: PLC0415
     from validation.store.tree import StoreError  # noqa: PLC0415
@@ -379,7 +379,7 @@ def check(robot: str) -> int:
         postures_of(robot_file.mechanism, robot_file.mechanism.poses)
         # Only where there are parts: reading them needs gmsh.
         if any(isinstance(body.shape, Part) for body in robot_file.mechanism.bodies.values()):
-            from validation.parts.part_check import parts_text  # noqa: PLC0415
+            from validation.models.part_check import parts_text  # noqa: PLC0415
 
             of_parts = parts_text(robot_file.mechanism)
     say(audit_text(robot, robot_file.described, audit(robot_file)))

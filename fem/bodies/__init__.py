@@ -1,4 +1,4 @@
-"""Models of one body: beams, prisms as solids, their statics and certified modes.
+"""Solid models of one body: prisms and parts, their statics and certified modes.
 
 In: legs and meshes. Out: compliances, modes, matrices on the interfaces.
 """

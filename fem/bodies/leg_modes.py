@@ -8,10 +8,10 @@ from scipy.sparse import csr_array
 
 from fem.bodies.solid import ClampedLeg
 from fem.couplings.end_coupling import RigidEnds
+from fem.solvers.certificate.sturm import Inertia, count_below
+from fem.solvers.certificate.supported_count import supported_count
 from fem.solvers.factor import Backend, upper_triangle
 from fem.solvers.modes import CertifiedModes, lowest_modes
-from fem.solvers.sturm import Inertia, count_below
-from fem.solvers.supported_count import supported_count
 from lumped.arrays import Array
 from lumped.dense.modes import fix_signs
 
@@ -25,7 +25,8 @@ def clamped_count(clamped: ClampedLeg, backend: Backend) -> Callable[[float], In
     """Inertia of K − σM of a clamped leg, its ends rigid or free, as a function of σ (rad²/s²).
 
     Free ends: that of K − σM on the displacements with B_rootᵀu = 0. CHOLMOD counts with supports
-    (fem.solvers.supported_count), and where these give no sign by LDLᵀ (fem.solvers.sturm).
+    (fem.solvers.certificate.supported_count), and where these give no sign by LDLᵀ
+    (fem.solvers.certificate.sturm).
     """
     mesh, ends, factor = clamped.mesh, clamped.ends, clamped.factor
     K, M, constraints = factor.triangle, clamped.mass, None

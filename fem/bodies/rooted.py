@@ -16,12 +16,12 @@ from scipy.sparse.linalg import LinearOperator
 
 from fem.bodies.leg_modes import count_name
 from fem.couplings.coupled_solid import CoupledSolid
+from fem.solvers.certificate.sturm import Inertia, count_below
+from fem.solvers.certificate.supported_count import supported_count
 from fem.solvers.cholesky import analyse
 from fem.solvers.factor import upper_triangle
 from fem.solvers.modes import CertifiedModes, lowest_modes
 from fem.solvers.renewable_factor import RenewableFactor
-from fem.solvers.sturm import Inertia, count_below
-from fem.solvers.supported_count import supported_count
 from lumped.arrays import Array, IntArray
 from lumped.caches import cached_property
 from lumped.errors import ComputationError

@@ -13,8 +13,8 @@ import numpy as np
 from scipy.sparse.linalg import LinearOperator
 
 from fem.solvers.block_lanczos import Ritz, block_lanczos, merged
+from fem.solvers.certificate.sturm import Inertia
 from fem.solvers.factor import Factor
-from fem.solvers.sturm import Inertia
 from lumped.arrays import Array, SparseMatrix
 from lumped.dense.modes import Modes, fix_signs
 from lumped.errors import ComputationError, InputError

@@ -6,9 +6,9 @@ from lumped.arrays import Array
 from lumped.audit.finding import Finding, Severity
 from lumped.biglide import Biglide
 from lumped.legs import equivalent_leg
-from lumped.models.segments import condensed_release, printed_release
 from lumped.models.simplified import drive_compliance, jacobian
 from lumped.screws import shift, turn, turn_matrix
+from lumped.system.joint_motion import condensed_release, printed_release
 
 # Number of elements of a leg in §3.2, and a small rigid rotation (rad).
 _ELEMENTS = 20

@@ -21,6 +21,7 @@ from lumped.errors import InputError
 from lumped.legs import BeamProperties
 from lumped.mechanism.body_model import LegMatrices
 from lumped.screws import move_compliance, shift
+from lumped.system.joint_motion import printed_release
 
 Layout: TypeAlias = Literal["half", "literal"]
 # How the robot's revolute joints are released: by condensation, or as eq. (25) prints it.
@@ -134,20 +135,6 @@ def with_printed_tip_joint(chain: Chain) -> Chain:
     at_tip = lever.T @ last.stiffness @ lever
     printed = replace(last, position=chain.length, stiffness=printed_release(at_tip))
     return replace(chain, springs=(*others, printed))
-
-
-def printed_release(stiffness: Array) -> Array:
-    """Eq. (25): K_R = I₅ K_S I₅, row and column of φz zeroed (6×6)."""
-    keep = np.array([1.0, 1.0, 1.0, 1.0, 1.0, 0.0])
-    released: Array = stiffness * keep[:, None] * keep
-    return released
-
-
-def condensed_release(stiffness: Array) -> Array:
-    """Revolute joint about z in series with a spring: K_S − K_S e₆ e₆ᵀ K_S / k₆₆ (6×6)."""
-    column = stiffness[:, 5]
-    released: Array = stiffness - np.outer(column, column) / stiffness[5, 5]
-    return released
 
 
 def segment_leg(chain: Chain) -> LegMatrices:

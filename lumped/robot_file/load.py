@@ -20,7 +20,7 @@ from lumped.caches import cached_property
 from lumped.errors import InputError
 from lumped.files import read_ordinary
 from lumped.mechanism.mechanism import Mechanism
-from lumped.robot_file.biglide import (
+from lumped.robot_file.biglide.build import (
     biglide_faults,
     biglide_of,
     corrections_of,
@@ -28,7 +28,7 @@ from lumped.robot_file.biglide import (
     input_uncertainties_of,
     measured_of,
 )
-from lumped.robot_file.corrections import scaled, with_printed_values
+from lumped.robot_file.biglide.corrections import scaled, with_printed_values
 from lumped.robot_file.mechanism.build import description_faults, mechanism_of
 from lumped.robot_file.mechanism.motion_faults import motion_faults
 from lumped.robot_file.reading import decoded, parsed

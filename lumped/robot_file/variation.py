@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from lumped.errors import InputError
-from lumped.robot_file.corrections import with_value
+from lumped.robot_file.biglide.corrections import with_value
 from lumped.robot_file.load import RobotFile, described_by
 from lumped.robot_file.matrix_faults import is_finite_number
 from lumped.text import cut, shown

@@ -105,3 +105,17 @@ def _root(compliance: Array) -> Array:
     values, vectors = np.linalg.eigh(0.5 * (compliance + np.swapaxes(compliance, -1, -2)))
     root: Array = vectors * np.sqrt(np.maximum(values, 0.0))[..., None, :]
     return root
+
+
+def printed_release(stiffness: Array) -> Array:
+    """Eq. (25): K_R = I₅ K_S I₅, row and column of φz zeroed (6×6)."""
+    keep = np.array([1.0, 1.0, 1.0, 1.0, 1.0, 0.0])
+    released: Array = stiffness * keep[:, None] * keep
+    return released
+
+
+def condensed_release(stiffness: Array) -> Array:
+    """Revolute joint about z in series with a spring: K_S − K_S e₆ e₆ᵀ K_S / k₆₆ (6×6)."""
+    column = stiffness[:, 5]
+    released: Array = stiffness - np.outer(column, column) / stiffness[5, 5]
+    return released

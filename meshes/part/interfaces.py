@@ -17,7 +17,7 @@ from lumped.mechanism.part import (
     PartInterface,
 )
 from meshes.part.faces import Face
-from meshes.part.read import PartFile
+from meshes.part.reading.read import PartFile
 
 DEFAULT_COUPLING: Coupling = "rigid"
 WHY_RIGID = (

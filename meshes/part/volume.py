@@ -15,10 +15,10 @@ from lumped.arrays import IntArray
 from lumped.errors import InputError
 from meshes.gmsh_arrays import connectivity, numbered
 from meshes.part.boundary import Facets
-from meshes.part.cad import CadModel, cad_model, naming_the_place
 from meshes.part.interfaces import Interface
 from meshes.part.part_mesh import PartMesh
-from meshes.part.read import PartFile
+from meshes.part.reading.cad import CadModel, cad_model, naming_the_place
+from meshes.part.reading.read import PartFile
 from meshes.part.straighten import straightened
 
 # Each mesh of a ladder has elements shorter by this: three meshes then span a factor of two.

@@ -28,9 +28,9 @@ from fem.bodies.leg_modes import clamped_count, count_name  # noqa: E402
 from fem.bodies.solid import clamped_leg, solid_leg, tip_compliance  # noqa: E402
 from fem.calculix.leg import compliance_and_frequencies  # noqa: E402
 from fem.calculix.run import CalculixMissing, calculix_program  # noqa: E402
+from fem.solvers.certificate.sturm import Inertia  # noqa: E402
 from fem.solvers.cholesky import default_backend  # noqa: E402
 from fem.solvers.modes import lowest_modes  # noqa: E402
-from fem.solvers.sturm import Inertia  # noqa: E402
 from lumped.legs import ConstantLeg, Material  # noqa: E402
 from lumped.sections import Rectangle  # noqa: E402
 from meshes.prism.tetrahedra import tetrahedra  # noqa: E402

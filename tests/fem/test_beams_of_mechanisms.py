@@ -16,7 +16,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "lumped" / "system"))
 
 from random_mechanisms import random_posture
 
-from fem.bodies.beam import beam_leg
+from fem.beams.beam import beam_leg
 from fem.reduction.superelement import held_leg, static_superelement
 from lumped.errors import ComputationError
 from lumped.models.bodies import legs_of, tip_compliances

@@ -7,7 +7,7 @@ import pytest
 from lumped.acceptance.measured import read_measured
 from lumped.errors import InputError
 from lumped.files import read_ordinary
-from meshes.part.read import require_file
+from meshes.part.reading.read import require_file
 from validation.results.saved_run import load_run
 
 READERS = {

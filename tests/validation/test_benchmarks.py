@@ -6,8 +6,8 @@ from math import pi, sqrt
 import numpy as np
 import pytest
 
-from fem.bodies.beam_theory import bending_frequencies
-from fem.bodies.frame import Member
+from fem.beams.beam_theory import bending_frequencies
+from fem.beams.frame import Member
 from fem.bodies.leg_modes import modes
 from fem.bodies.solid import section_twists
 from lumped.legs import ConstantLeg, Material

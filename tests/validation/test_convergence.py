@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from validation.studies.convergence import (
+from validation.agreement.convergence import (
     analyse,
     classify,
     fit_order,

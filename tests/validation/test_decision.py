@@ -16,10 +16,10 @@ from validation.case import Skip
 from validation.context import Context
 from validation.models.biglide import robot_compliance
 from validation.models.options import ModelOptions
-from validation.studies.decision import Brief, Choice, Decision, Value, decide, value_of
 from validation.studies.quantities import deflections_of
+from validation.sweeps.decision import Brief, Choice, Decision, Value, decide, value_of
 from validation.sweeps.plans import RIGID, lumped_models, solid_model, stroke_stations
-from validation.sweeps.results import decision_of
+from validation.sweeps.studies import decision_of
 from validation.sweeps.units import SolvedPostures
 
 IFW_FILE = load_robot("ifw")

@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 from scipy.sparse import issparse
 
-from fem.bodies import beam_theory, doubling, leg_modes, solid
-from fem.bodies.frame import Frame, Member, PointMass, assemble
+from fem.beams import beam_theory
+from fem.beams.frame import Frame, Member, PointMass, assemble
+from fem.bodies import doubling, leg_modes, solid
 from fem.calculix import deck as calculix_deck
 from fem.calculix import leg as calculix
 from fem.calculix import mechanism as mechanism_calculix
@@ -38,13 +39,13 @@ from validation.faults import detection, trial
 from validation.faults.catalogue import FAULTS
 from validation.faults.detection import fault_cases
 from validation.faults.fault import Fault, around, fault, replaced, sound_function
-from validation.faults.power import detection_power, names_faults
 from validation.faults.sound import SoundCases, sound_cases
 from validation.faults.trial import catchers, tried
 from validation.models.biglide import robot_compliance, robot_frequencies
 from validation.models.legs import leg_matrices
 from validation.models.mechanism import answers, on_drives_alone
 from validation.models.options import ModelOptions
+from validation.report.detection import detection_power, names_faults
 from validation.run import summary as run_summary
 from validation.run.gathered import Results
 

@@ -57,11 +57,11 @@ def test_a_comparison_of_a_thing_with_itself_is_told():
         Absolute(1.0), "made up", own_by_itself,
     )  # fmt: skip
     (found,) = independence([case], ROBOT_FILE, "quick")
-    assert "fem.bodies.beam" in modules(found.shared)
+    assert "fem.beams.beam" in modules(found.shared)
     assert found.value == found.reference
     text = as_text([found])
     assert "both rest on" in text
-    assert "fem.bodies.beam:beam_leg" in text
+    assert "fem.beams.beam:beam_leg" in text
 
 
 def test_headlines_are_the_robot_and_its_legs():

@@ -16,9 +16,9 @@ from lumped.system import solution
 from meshes.section.section_mesh import section_mesh
 from validation.models.biglide import robot_legs
 from validation.solids.legs import solid_frequencies
-from validation.solids.torsion import torsion_effects, wave_error, with_torsion
 from validation.studies.paired_robot_modes import SampledModes, beam_modes
 from validation.studies.quantities import strain_shares
+from validation.studies.torsion import torsion_effects, wave_error, with_torsion
 
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 IFW = load_robot("ifw").robot

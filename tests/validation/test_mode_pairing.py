@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
 from lumped.legs import constant_leg
-from validation.studies.mode_pairing import (
+from validation.agreement.mode_pairing import (
     centreline_samples,
     centreline_weights,
     largest_angle,

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from fem.bodies.beam import beam_leg
+from fem.beams.beam import beam_leg
 from lumped.biglide import system, with_equivalent_legs
 from lumped.errors import ComputationError, InputError
 from lumped.legs import Material
@@ -23,8 +23,8 @@ from lumped.sections import ISection
 from lumped.system import solution
 from validation.models.biglide import robot_compliance, robot_frequencies
 from validation.models.options import ModelOptions
-from validation.studies.decision import Brief
 from validation.sweeps.cores import on_cores
+from validation.sweeps.decision import Brief
 from validation.sweeps.journal import Journal, key_of
 from validation.sweeps.plans import (
     FREE,

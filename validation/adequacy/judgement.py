@@ -9,9 +9,8 @@ from lumped.acceptance.requirement import ORDER, STATIC_QUANTITIES, Requirement
 from lumped.arrays import Array
 from validation.adequacy.causes import explained, remedied
 from validation.adequacy.errors import Errors, Scale
-from validation.adequacy.matrix import Adequacy, Entry, Matrix, ModelNote
+from validation.adequacy.matrix import Adequacy, Entry, Matrix, ModelNote, notes_of_part
 from validation.adequacy.response import Candidate, Reference, Subject
-from validation.adequacy.text import notes_of_part
 
 _FINER = "a finer reference: a larger preset"
 

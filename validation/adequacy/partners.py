@@ -6,7 +6,7 @@ import numpy as np
 
 from lumped.arrays import Array, IntArray
 from validation.adequacy.response import Vibration
-from validation.studies.mode_pairing import mac_matrix, neighbours, pair_rectangular
+from validation.agreement.mode_pairing import mac_matrix, neighbours, pair_rectangular
 
 # A mode that has less than half of its (mass-weighted, squared) shape in common is another one.
 ALIKE = 0.5

@@ -10,9 +10,9 @@ from validation.catalogue import catalogue
 from validation.context import Context, Preset
 from validation.faults.catalogue import FAULTS
 from validation.faults.fault import Fault
-from validation.faults.power import CASES, GROUPS, NONE, PREFIX, VERDICTS
 from validation.faults.sound import SoundCases, sound_cases
 from validation.faults.trial import catchers, tried
+from validation.report.detection import CASES, GROUPS, NONE, PREFIX, VERDICTS
 from validation.results.records import Task
 
 SECTION = "Detection power"

@@ -21,8 +21,8 @@ from lumped.mechanism.free_twists import interface_position
 from lumped.mechanism.joint import Joint, Side
 from lumped.mechanism.kinematics.postures import shown_pose
 from lumped.mechanism.mechanism import GROUND, Mechanism, Posture
+from validation.drawing.style import ORANGE, VERMILLION, plot_style
 from validation.kinematics.solids import Face, Matter, body_faces, is_leg, joint_faces, on_ground
-from validation.report.figures.style import ORANGE, VERMILLION, plot_style
 
 _COLOURS: dict[Matter, str] = {
     "leg": "#9db8cc",

@@ -6,10 +6,10 @@ from typing import TypeVar
 
 import numpy as np
 
+from fem.beams.beam import beam_leg
+from fem.beams.stepped import Piece, SteppedLeg, stepped_leg
 from fem.bodies import leg_modes, solid
-from fem.bodies.beam import beam_leg
 from fem.bodies.solid import ClampedLeg
-from fem.bodies.stepped import Piece, SteppedLeg, stepped_leg
 from fem.reduction.craig_bampton import craig_bampton
 from fem.reduction.superelement import HeldLeg, held_leg, static_superelement
 from lumped.arrays import Array

@@ -11,7 +11,7 @@ from math import isclose
 
 import numpy as np
 
-from fem.bodies.stepped import SteppedLeg
+from fem.beams.stepped import SteppedLeg
 from fem.reduction.craig_bampton import CUTOFF_FACTOR
 from lumped.arrays import Array
 from lumped.errors import InputError

@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from fem.bodies.stepped import SteppedLeg
+from fem.beams.stepped import SteppedLeg
 from lumped.arrays import Array
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, GivenLeg, equivalent_leg, tip_compliance

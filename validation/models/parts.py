@@ -24,7 +24,7 @@ from lumped.mechanism.mechanism import Mechanism
 from lumped.mechanism.part import Part
 from lumped.mechanism.placing import leg_frame
 from meshes.part.interfaces import Interface, find_interfaces
-from meshes.part.read import PartFile, read_part
+from meshes.part.reading.read import PartFile, read_part
 from validation.parts.identify import Identified, identify
 from validation.parts.kept import kept, key_of
 from validation.parts.meshes import FINEST, part_mesh

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from fem.bodies.stepped import Piece, SteppedLeg
+from fem.beams.stepped import Piece, SteppedLeg
 from fem.sections.section_constants import beam_properties, section_constants
 from lumped.arrays import Array
 from lumped.caches import lru_cache

@@ -5,7 +5,7 @@ from typing import Any
 
 from lumped.mechanism.part import METRES
 from meshes.part.faces import Face
-from meshes.part.read import PartFile
+from meshes.part.reading.read import PartFile
 
 
 def as_text(part: PartFile) -> str:

@@ -13,10 +13,10 @@ from matplotlib.figure import Figure as Canvas
 from lumped.arrays import Array
 from meshes.part.boundary import area_vectors
 from meshes.part.faces import Face
-from meshes.part.read import PartFile
-from validation.report.figures.pictures.drawing.opengl import require_vtk
-from validation.report.figures.pictures.drawing.prisms import Surface
-from validation.report.figures.pictures.drawing.rendering import (
+from meshes.part.reading.read import PartFile
+from validation.drawing.opengl import require_vtk
+from validation.drawing.prisms import Surface
+from validation.drawing.rendering import (
     Body,
     Picture,
     Scene,
@@ -26,10 +26,10 @@ from validation.report.figures.pictures.drawing.rendering import (
     triad,
     write,
 )
-from validation.report.figures.pictures.drawing.scenes import interactive
-from validation.report.figures.pictures.drawing.view import View, fitted_view, pixels
-from validation.report.figures.style import WIDTH
-from validation.report.text import base64
+from validation.drawing.scenes import interactive
+from validation.drawing.style import WIDTH
+from validation.drawing.text import base64
+from validation.drawing.view import View, fitted_view, pixels
 
 # Light, so that black numbers are read on all of them; neighbours in number differ.
 _COLOURS = ("#9ecae1", "#fdd0a2", "#a1d99b", "#dadaeb", "#fee391", "#c7c7c7", "#f4b6c2", "#8dd3c7")

@@ -24,7 +24,7 @@ from lumped.arrays import Array
 from lumped.legs import Material
 from meshes.part.interfaces import Interface
 from meshes.part.part_mesh import PartMesh
-from meshes.part.read import PartFile
+from meshes.part.reading.read import PartFile
 from meshes.part.spread import spread_over
 from validation.parts.kept import kept, key_of
 from validation.parts.meshes import RUNGS, part_mesh

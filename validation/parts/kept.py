@@ -21,7 +21,7 @@ import numpy as np
 from lumped.arrays import Array
 from lumped.legs import Material
 from meshes.part.interfaces import Interface
-from meshes.part.read import PartFile
+from meshes.part.reading.read import PartFile
 from validation.store.cache import cache_folder
 
 # Raised where the same input gives other numbers than before: meshes, elements, reduction.

@@ -12,9 +12,10 @@ from markupsafe import Markup
 from lumped.audit.finding import Finding
 from validation.adequacy.matrix import Matrix
 from validation.case import Outcome, Verdict
+from validation.drawing import text
 from validation.exhibits import PORTRAIT, Figure
-from validation.faults.power import Power
-from validation.report import scene_viewer, text
+from validation.report import scene_viewer
+from validation.report.detection import Power
 from validation.report.first_screen.screen import FirstScreen, first_screen
 from validation.report.first_screen.words import capital
 from validation.report.listing import program_line, summary

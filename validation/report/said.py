@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from validation.claims import Claim, Standing, summary
-from validation.report.figures.style import csv_of
-from validation.report.text import number
+from validation.drawing.style import csv_of
+from validation.drawing.text import number
 
 # How far a sentence holds, in the words and the colours of the page.
 HOLDS: Mapping[Standing, str] = {

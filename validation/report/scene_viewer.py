@@ -3,7 +3,7 @@
 import gzip
 from importlib.resources import files
 
-from validation.report.text import base64
+from validation.drawing.text import base64
 
 # The viewer asks this place for an icon of its own; the report asks no network for anything.
 _ICONS = b"https://kitware.github.io/vtk-js/icon/"

@@ -44,7 +44,7 @@ class Agreement:
 
 _VJM = Way("virtual joints, eqs (3) to (9)", "lumped.models.vjm")
 _SEGMENTS = Way("chain of rigid segments and springs", "lumped.models.segments")
-_BEAM = Way("beam finite elements", "fem.bodies.beam")
+_BEAM = Way("beam finite elements", "fem.beams.beam")
 _SOLID = Way("3-D solid finite elements", "fem.bodies.solid")
 
 HEADLINES = (
@@ -74,7 +74,7 @@ HEADLINES = (
     Headline(
         "natural frequencies of a leg",
         (
-            Way("roots of the transcendental equation", "fem.bodies.beam_theory"),
+            Way("roots of the transcendental equation", "fem.beams.beam_theory"),
             Way(
                 "Ritz's method in Legendre polynomials", "validation.cases.program.benchmarks.huang"
             ),

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property, partial
 
 from validation.case import Outcome
+from validation.drawing.text import anchor
 from validation.exhibits import FAMILY, LENGTHS, SOLID_ROBOT, STROKE, Figure
 from validation.report.figures.studies.budgets import budget_figure, budgeted
 from validation.report.figures.studies.families import Family, families
@@ -15,7 +16,6 @@ from validation.report.figures.studies.family_plots import family_plot
 from validation.report.figures.together import Draw, drawn_together
 from validation.report.said import SaidTable
 from validation.report.tables import Grid, Part, grids
-from validation.report.text import anchor
 from validation.results.records import claims_of
 
 # Chapters in their order, with their sections as they follow each other; sections that stand in no

@@ -11,7 +11,7 @@ from validation.adequacy.assessment import ADEQUACY, MEASURED, Assessed
 from validation.adequacy.matrix import Matrix
 from validation.case import Outcome
 from validation.exhibits import Figure
-from validation.faults.power import Power, comparisons, detection_power
+from validation.report.detection import Power, comparisons, detection_power
 from validation.results.compare import Comparison, compare
 from validation.results.drift import Drift, drifts
 from validation.results.freeze import frozen_values
@@ -26,7 +26,7 @@ from validation.results.records import (
     still_holding,
 )
 from validation.results.saved_run import SavedRun, parse_run
-from validation.selftest.kept import CHECKED, Kept
+from validation.run.kept_checks import CHECKED, Kept
 from validation.store.run_folder import RunFolder
 
 

@@ -14,7 +14,7 @@ from lumped.errors import InputError
 from lumped.robot_file import RobotFile
 from validation.console.streams import complain
 from validation.context import SWEEPS_FOLDER, Preset
-from validation.faults.power import comparisons
+from validation.report.detection import comparisons
 from validation.report.page import Report, render
 from validation.results import provenance
 from validation.results.freeze import built_in_frozen
@@ -23,8 +23,8 @@ from validation.results.records import Record, Task, is_check
 from validation.results.saved_run import SavedRun, load_run
 from validation.run import progress, runner
 from validation.run.gathered import Results
+from validation.run.kept_checks import Kept, kept_of
 from validation.run.worker import Job
-from validation.selftest.kept import Kept, kept_of
 from validation.store.opening import Start, open_folder
 from validation.store.run_folder import RunFolder
 
@@ -183,8 +183,11 @@ def _cluster(request: Request, stack: ExitStack) -> "Executor | None":
 
 
 def _sweep(request: Request, tasks: Sequence[Task], sweeps: Path, executor: "Executor") -> None:
-    from validation.sweeps.results import GROUP, studies_read  # noqa: PLC0415
-    from validation.sweeps.studies import precompute  # noqa: PLC0415
+    from validation.sweeps.studies import (  # noqa: PLC0415
+        GROUP,
+        precompute,
+        studies_read,
+    )
 
     if any(task.group == GROUP for task in tasks):
         studies = studies_read(request.preset)

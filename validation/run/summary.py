@@ -2,8 +2,8 @@
 
 from shlex import join
 
-from validation.adequacy.text import in_a_line
-from validation.faults.power import comparisons
+from validation.adequacy.matrix import in_a_line
+from validation.report.detection import comparisons
 from validation.report.listing import outcome_line, program_line, summary
 from validation.results.comparison_text import sentence
 from validation.results.records import is_check

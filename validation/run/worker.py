@@ -20,8 +20,8 @@ from lumped.robot_file import RobotFile
 from validation.adequacy.assessment import Assessed, Assessment
 from validation.case import Case, Outcome, Skip, judge
 from validation.context import Context, Preset
+from validation.drawing.text import function_name
 from validation.exhibits import Drawing
-from validation.report.text import function_name
 from validation.results.records import (
     Drawn,
     Record,

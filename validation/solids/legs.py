@@ -7,8 +7,8 @@ from math import ceil
 import numpy as np
 from scipy.optimize import brentq
 
+from fem.beams.beam import beam_leg
 from fem.bodies import doubling, leg_modes, solid
-from fem.bodies.beam import beam_leg
 from fem.bodies.solid import Ends
 from lumped.arrays import Array
 from lumped.legs import ConstantLeg
@@ -18,14 +18,14 @@ from meshes.prism.hexahedra import hexahedra
 from meshes.section.section_blocks import Divisions
 from meshes.section.section_mesh import section_mesh
 from meshes.solid_mesh import SolidMesh
-from validation.studies.convergence import (
+from validation.agreement.convergence import (
     Convergence,
     analyse,
     step_factor,
     uncertainty_of,
     uncertainty_of_known_orders,
 )
-from validation.studies.mode_pairing import centreline_samples, centreline_weights, pair_modes
+from validation.agreement.mode_pairing import centreline_samples, centreline_weights, pair_modes
 
 # Quadratic elements: energies, and with them compliances and frequencies, converge with h⁴ …
 FORMAL_ORDER = 4.0

@@ -10,10 +10,10 @@ from lumped.errors import InputError
 from lumped.legs import Leg, equivalent_leg
 from lumped.sections import Section
 from meshes.section.section_blocks import element_count
+from validation.agreement.convergence import step_factor
 from validation.models.options import ModelOptions
 from validation.solids.legs import formal_order
 from validation.solve.answer import Answer, MeshUncertainty
-from validation.studies.convergence import step_factor
 
 # Elements of one mesh to those of the other, in size: walls of one element across keep that one,
 # so that half the divisions come to 1.3.

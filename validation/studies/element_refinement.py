@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem.bodies.beam_theory import bending_frequencies
+from fem.beams.beam_theory import bending_frequencies
 from lumped.arrays import Array
 from lumped.legs import ConstantLeg
 from validation.context import Preset

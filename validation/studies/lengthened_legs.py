@@ -4,8 +4,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from fem.beams.beam import beam_leg
 from fem.bodies import doubling
-from fem.bodies.beam import beam_leg
 from fem.sections.section_constants import SectionConstants, beam_properties, section_constants
 from lumped.arrays import Array
 from lumped.dense.modes import dense, solve_modes

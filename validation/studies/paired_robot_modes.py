@@ -10,7 +10,7 @@ from typing import Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from fem.bodies.beam import beam_leg
+from fem.beams.beam import beam_leg
 from fem.bodies.solid import Ends
 from fem.reduction.craig_bampton import craig_bampton
 from fem.sections.section_constants import beam_properties, section_constants
@@ -24,17 +24,17 @@ from lumped.sections import Rectangle
 from lumped.system.assembly import System, assembly
 from lumped.system.solution import modes, solved
 from meshes.section.section_mesh import section_mesh
-from validation.context import Preset
-from validation.models.biglide import highest_frequency
-from validation.models.legs import filled
-from validation.solids.robots import held_solid, renewed_where_needed
-from validation.studies.mode_pairing import (
+from validation.agreement.mode_pairing import (
     centreline_samples,
     centreline_weights,
     largest_angle,
     neighbours,
     pair_modes,
 )
+from validation.context import Preset
+from validation.models.biglide import highest_frequency
+from validation.models.legs import filled
+from validation.solids.robots import held_solid, renewed_where_needed
 
 BoolArray: TypeAlias = NDArray[np.bool_]
 BeamKind: TypeAlias = Literal["segments", "beam", "own beam"]

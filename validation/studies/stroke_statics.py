@@ -11,9 +11,9 @@ from lumped.legs import ConstantLeg, equivalent_leg, tip_compliance
 from lumped.models import vjm
 from lumped.system.assembly import assembly
 from lumped.system.sweep import swept
+from validation.agreement.convergence import step_factor
 from validation.solids.legs import FORMAL_ORDER, formal_order
 from validation.solids.robots import TipCompliances, TwoMeshes, static_leg, two_meshes
-from validation.studies.convergence import step_factor
 from validation.studies.quantities import Deflections, deflections_of
 
 POSTURES = 9

@@ -9,7 +9,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from math import inf
 from pathlib import Path
-from typing import TypeAlias
+from typing import TypeAlias, TypeVar
 
 import numpy as np
 
@@ -17,11 +17,12 @@ from lumped.arrays import Array
 from lumped.biglide import Biglide
 from lumped.caches import lru_cache
 from lumped.errors import InputError
-from validation.context import Preset
+from validation.agreement.convergence import step_factor
+from validation.case import Skip
+from validation.context import SWEEPS_FOLDER, Context, Preset
 from validation.solids.legs import FORMAL_ORDER
-from validation.studies.convergence import step_factor
-from validation.studies.decision import Brief, Decision, decide
 from validation.studies.quantities import Deflections, deflections_of
+from validation.sweeps.decision import Brief, Decision, decide
 from validation.sweeps.journal import Journal
 from validation.sweeps.plans import (
     COARSE,
@@ -184,3 +185,60 @@ def _curves(parts: list[SolvedPostures]) -> Curves:
         deflections_of(np.concatenate([part.compliances for part in parts])),
         np.concatenate([part.frequencies for part in parts]),
     )
+
+
+# Cases and figures of one group share the sweeps in one process.
+GROUP = "decision"
+# Some sixty robots with solid legs are looked at: too many for a quick answer.
+DECIDED: tuple[Preset, ...] = ("standard", "fine")
+PAPER = "Briot, Pashkevich, Chablat, §2.3, §3.3 and conclusions"
+T = TypeVar("T")
+
+
+def studies_read(preset: Preset) -> tuple[Study, ...]:
+    """The sweeps that cases and figures of a preset read."""
+    curves = alpha_study, stroke_study
+    return (decision_study, *curves) if preset in DECIDED else curves
+
+
+def decision_of(context: Context) -> Decision:
+    """The decision of the run; skips the case where no robot of the family is possible."""
+    return _or_skip(context, decided)
+
+
+def family_of(context: Context) -> tuple[tuple[float, ...], dict[tuple[str, str], Curves]]:
+    """α of the paper's range and all models along it, by (label, point of the stroke)."""
+    return _or_skip(context, family)
+
+
+def stroke_of(context: Context) -> dict[str, Curves]:
+    """All models over the stroke, by label."""
+    return context.get(stroke, *_arguments(context))
+
+
+def decided(robot: Biglide, preset: Preset, folder: str) -> Decision:
+    """The decision for a robot, from the journal in `folder` as far as it goes."""
+    return decision_study(robot, preset, journal_in(folder))
+
+
+def family(
+    robot: Biglide, preset: Preset, folder: str
+) -> tuple[tuple[float, ...], dict[tuple[str, str], Curves]]:
+    """The family at three points of the stroke, likewise."""
+    return alpha_study(robot, preset, journal_in(folder))
+
+
+def stroke(robot: Biglide, preset: Preset, folder: str) -> dict[str, Curves]:
+    """All models over the stroke, likewise."""
+    return stroke_study(robot, preset, journal_in(folder))
+
+
+def _arguments(context: Context) -> tuple[Biglide, Preset, str]:
+    return context.robot, context.preset, context.options.get(SWEEPS_FOLDER, "")
+
+
+def _or_skip(context: Context, study: Callable[[Biglide, Preset, str], T]) -> T:
+    try:
+        return context.get(study, *_arguments(context))
+    except InputError as error:
+        raise Skip("; ".join(error.faults)) from error

@@ -7,10 +7,10 @@ from fem.bodies.leg_modes import clamped_count, modes
 from fem.bodies.solid import clamped_leg, solid_leg, solid_mesh
 from fem.elements.elasticity import mass
 from fem.solvers.block_lanczos import block_lanczos
+from fem.solvers.certificate.sturm import Inertia, count_below
 from fem.solvers.cholesky import analyse, factorise
 from fem.solvers.factor import whole_matrix
 from fem.solvers.modes import MissedModesError, certify, lowest_modes
-from fem.solvers.sturm import Inertia, count_below
 from lumped.errors import ComputationError, InputError
 from lumped.legs import ConstantLeg, Material
 from lumped.sections import Circle, Rectangle, Tube

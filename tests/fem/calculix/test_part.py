@@ -13,7 +13,7 @@ from lumped.legs import Material
 from lumped.mechanism.part import ByCylinder, ByPlane, PartInterface
 from meshes.gmsh_session import gmsh_model
 from meshes.part.interfaces import find_interfaces
-from meshes.part.read import read_part
+from meshes.part.reading.read import read_part
 from meshes.part.volume import Grading, volume_mesh
 
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)

@@ -13,7 +13,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 
 from superelement_checks import free_frequencies, rigid_body_residual
 
-from fem.bodies.beam import beam_leg
+from fem.beams.beam import beam_leg
 from fem.bodies.solid import clamped_leg, solid_leg, solid_leg_matrices
 from fem.reduction.craig_bampton import craig_bampton, frequency_bounds
 from fem.reduction.free_superelement import held_free_leg

@@ -13,7 +13,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 
 from superelement_checks import asymmetry, grounding, rigid_body_residual
 
-from fem.bodies.beam import beam_leg
+from fem.beams.beam import beam_leg
 from fem.bodies.solid import clamped_leg, section_twists, solid_leg, solid_leg_matrices
 from fem.couplings.end_coupling import rigid_ends, rigid_motions
 from fem.reduction.free_superelement import held_free_leg

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fem.bodies.beam import beam_leg
+from fem.beams.beam import beam_leg
 from lumped.legs import ConstantLeg, Material
 from lumped.mechanism.frame import Frame
 from lumped.mechanism.placing import leg_frame

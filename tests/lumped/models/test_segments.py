@@ -13,14 +13,13 @@ from lumped.errors import InputError
 from lumped.legs import BeamProperties, constant_leg, tip_compliance
 from lumped.models.segments import (
     Chain,
-    condensed_release,
-    printed_release,
     segment_chain,
     segment_leg,
     static_leg,
     with_printed_tip_joint,
 )
 from lumped.screws import shift
+from lumped.system.joint_motion import condensed_release, printed_release
 
 # Leg 1 of the IFW demonstrator as a constant section (paper §2.3 applied to its appendix).
 LENGTH = 0.85

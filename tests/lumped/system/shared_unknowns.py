@@ -10,8 +10,8 @@ its φz acts on the leg's root itself, and leg 2, which carries the joint, share
 import numpy as np
 
 from lumped.dense.modes import dense
-from lumped.models.segments import printed_release
 from lumped.screws import shift, turn
+from lumped.system.joint_motion import printed_release
 
 
 def by_hand(robot, x, leg1, leg2, release="condensed"):

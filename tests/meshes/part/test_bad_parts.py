@@ -3,7 +3,7 @@
 import pytest
 
 from lumped.errors import InputError
-from meshes.part.read import read_part
+from meshes.part.reading.read import read_part
 
 
 def two_solids(occ, s):

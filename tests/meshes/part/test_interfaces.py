@@ -6,7 +6,7 @@ import pytest
 from lumped.errors import InputError
 from lumped.mechanism.part import ByCylinder, ByFaces, ByName, ByPlane, PartInterface
 from meshes.part.interfaces import find_interfaces
-from meshes.part.read import read_part
+from meshes.part.reading.read import read_part
 
 
 @pytest.fixture(scope="module")

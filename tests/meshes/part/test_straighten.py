@@ -7,7 +7,7 @@ from lumped.errors import ComputationError
 from lumped.mechanism.part import ByPlane, PartInterface
 from meshes.elements import ELEMENTS
 from meshes.part.interfaces import find_interfaces
-from meshes.part.read import read_part
+from meshes.part.reading.read import read_part
 from meshes.part.straighten import straightened
 from meshes.part.volume import Grading, volume_mesh
 from meshes.shape_functions import gradients, quadrature, values

@@ -12,8 +12,7 @@ from lumped.sections import ISection
 from meshes.section.section_mesh import section_mesh
 from validation.adequacy.biglide.leg import leg_subject
 from validation.adequacy.judgement import judged
-from validation.adequacy.matrix import Matrix
-from validation.adequacy.text import notes_of_part
+from validation.adequacy.matrix import Matrix, notes_of_part
 from validation.context import Context
 
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)

@@ -3,8 +3,15 @@
 import pytest
 
 from validation.adequacy.assessment import Assessed, Assessment
-from validation.adequacy.matrix import Adequacy, Cause, Entry, Matrix, ModelNote, entry_record
-from validation.adequacy.text import in_a_line
+from validation.adequacy.matrix import (
+    Adequacy,
+    Cause,
+    Entry,
+    Matrix,
+    ModelNote,
+    entry_record,
+    in_a_line,
+)
 from validation.results.records import assessed_to_record, from_record
 
 STATICS = ("x", "y", "z", "phi_x", "phi_y", "phi_z")

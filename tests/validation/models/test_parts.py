@@ -16,7 +16,7 @@ from lumped.robot_file import load_robot
 from lumped.sections import Rectangle
 from meshes.gmsh_session import gmsh_model
 from meshes.part.interfaces import find_interfaces
-from meshes.part.read import read_part
+from meshes.part.reading.read import read_part
 from meshes.part.volume import Grading, volume_mesh
 from validation import cli
 from validation.models import parts

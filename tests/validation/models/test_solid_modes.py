@@ -7,7 +7,7 @@ tool, with the mass that is there.
 import numpy as np
 import pytest
 
-from fem.bodies.beam import beam_leg
+from fem.beams.beam import beam_leg
 from fem.reduction.craig_bampton import craig_bampton
 from fem.reduction.superelement import held_leg
 from fem.sections.section_constants import beam_properties, section_constants

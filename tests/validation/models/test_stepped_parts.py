@@ -13,7 +13,7 @@ from lumped.robot_file import load_robot
 from meshes.gmsh_session import gmsh_model
 from meshes.part.boundary import boundary
 from meshes.part.interfaces import find_interfaces
-from meshes.part.read import read_part
+from meshes.part.reading.read import read_part
 from meshes.part.slices import slice_of
 from meshes.part.volume import Grading, volume_mesh
 from validation.adequacy.mechanism.part_ladders import part_rungs

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh
 
-from fem.bodies.beam import beam_leg
+from fem.beams.beam import beam_leg
 from fem.bodies.part import grips_of, held_part, meshed_part
 from fem.reduction.craig_bampton import reduction
 from fem.reduction.held import HeldBody
@@ -19,7 +19,7 @@ from lumped.legs import GivenLeg, Material, equivalent_leg, tip_compliance
 from lumped.mechanism.part import ByCylinder, PartInterface
 from lumped.models.cantilever import clamped_modes
 from meshes.part.interfaces import find_interfaces
-from meshes.part.read import read_part
+from meshes.part.reading.read import read_part
 from meshes.part.volume import Grading, volume_mesh
 
 EXAMPLES = Path(__file__).resolve().parents[3] / "examples"

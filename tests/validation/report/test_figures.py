@@ -17,6 +17,22 @@ from lumped.sections import Circle, ISection, Rectangle
 from lumped.system.solution import compliance, solved
 from validation.case import Skip
 from validation.context import Context
+from validation.drawing import opengl
+from validation.drawing.prisms import (
+    Surface,
+    box,
+    edges,
+    end_faces,
+    in_robot_axes,
+    outline,
+    pin,
+    prism_faces,
+    prism_points,
+    readable_factor,
+    section_displacements,
+)
+from validation.drawing.rendering import Body, Scene, render
+from validation.drawing.view import fitted_view, pixels
 from validation.models.biglide import robot_legs, robot_system
 from validation.report.figures import drawings
 from validation.report.figures.curves.dynamics import refined_frequencies
@@ -33,22 +49,6 @@ from validation.report.figures.curves.lines import (
 from validation.report.figures.curves.refinement import fitted_order
 from validation.report.figures.curves.statics import simplified_deflections
 from validation.report.figures.curves.sweeps import stations
-from validation.report.figures.pictures.drawing import opengl
-from validation.report.figures.pictures.drawing.prisms import (
-    Surface,
-    box,
-    edges,
-    end_faces,
-    in_robot_axes,
-    outline,
-    pin,
-    prism_faces,
-    prism_points,
-    readable_factor,
-    section_displacements,
-)
-from validation.report.figures.pictures.drawing.rendering import Body, Scene, render
-from validation.report.figures.pictures.drawing.view import fitted_view, pixels
 from validation.report.figures.pictures.legs import boundary_faces, kind_of
 from validation.report.figures.pictures.robot import deformed_robot
 from validation.report.figures.pictures.robot_shape import leg_shapes, load_displacement

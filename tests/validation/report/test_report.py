@@ -18,12 +18,13 @@ sys.path.insert(0, str(Path(__file__).parent))
 from report_sample import CONVERGENCE, PIXEL, SWEEP, case, never, sample_report
 
 from validation.case import Absolute, Allowance, Measurement, Outcome, Relation, judge
+from validation.drawing import text
+from validation.drawing.style import canvas, csv_of, plot_style, power_ticks, svg_of
 from validation.exhibits import Figure, InteractiveScene, Study
-from validation.report import sections, text
+from validation.report import sections
 from validation.report.figures.studies.budgets import budget_figure, budgeted
 from validation.report.figures.studies.families import families
 from validation.report.figures.studies.family_plots import study_plot
-from validation.report.figures.style import canvas, csv_of, plot_style, power_ticks, svg_of
 from validation.report.page import render
 from validation.report.second_ways import HEADLINES
 from validation.report.sections import APPENDIX, CHAPTERS, chapters_of

@@ -12,11 +12,11 @@ sys.path.insert(0, str(Path(__file__).parent))
 from chromium import EXECUTABLE, browser
 from report_sample import PIXEL, sample_report
 
+from validation.drawing.prisms import box
+from validation.drawing.rendering import Body, Scene
+from validation.drawing.scenes import interactive
+from validation.drawing.view import fitted_view
 from validation.exhibits import Figure
-from validation.report.figures.pictures.drawing.prisms import box
-from validation.report.figures.pictures.drawing.rendering import Body, Scene
-from validation.report.figures.pictures.drawing.scenes import interactive
-from validation.report.figures.pictures.drawing.view import fitted_view
 from validation.report.page import render
 
 pytestmark = pytest.mark.skipif(EXECUTABLE is None, reason="no Chromium (Debian: chromium)")

@@ -22,8 +22,8 @@ from validation.faults.trial import catchers, tried
 from validation.results import provenance
 from validation.results.records import is_check, outcome_to_record
 from validation.run import summary
+from validation.run.kept_checks import kept_of
 from validation.run.session import Request, validate
-from validation.selftest.kept import kept_of
 
 HERE = Path(__file__).parents[1]
 IFW = load_robot("ifw")

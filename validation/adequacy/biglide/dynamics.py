@@ -4,8 +4,8 @@ from itertools import product
 
 import numpy as np
 
-from fem.bodies.beam import beam_leg
-from fem.bodies.warping_beam import warping_beam_leg
+from fem.beams.beam import beam_leg
+from fem.beams.warping_beam import warping_beam_leg
 from fem.reduction.craig_bampton import craig_bampton
 from fem.sections.section_constants import beam_properties
 from lumped.arrays import Array
@@ -20,11 +20,11 @@ from validation.adequacy.biglide.statics import SAY_ENDS, holds
 from validation.adequacy.legs import OPEN_ENDS, own_constants, step_uncertainty
 from validation.adequacy.partners import partners
 from validation.adequacy.response import Alternative, Reference, Response, Rung, Vibration
+from validation.agreement.mode_pairing import centreline_samples
 from validation.context import Context
 from validation.models.biglide import highest_frequency
 from validation.solids.robots import held_solid
 from validation.solids.size import too_large
-from validation.studies.mode_pairing import centreline_samples
 from validation.studies.paired_robot_modes import (
     ELEMENTS,
     OFFERED,

@@ -10,7 +10,7 @@ from typing import Literal, TypeAlias
 import numpy as np
 from scipy.sparse import csr_array
 
-from fem.bodies.beam import beam_leg
+from fem.beams.beam import beam_leg
 from fem.reduction.craig_bampton import craig_bampton
 from fem.reduction.superelement import ENDS, ends_stiffness, held_leg
 from lumped.arrays import Array, SparseMatrix

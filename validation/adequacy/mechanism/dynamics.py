@@ -12,8 +12,8 @@ from itertools import product
 
 import numpy as np
 
-from fem.bodies.beam import beam_leg
-from fem.bodies.warping_beam import warping_beam_leg
+from fem.beams.beam import beam_leg
+from fem.beams.warping_beam import warping_beam_leg
 from fem.reduction.craig_bampton import craig_bampton
 from fem.reduction.superelement import held_leg
 from fem.sections.section_constants import beam_properties

@@ -13,8 +13,8 @@ from lumped.mechanism.mechanism import Mechanism
 from lumped.models.bodies import leg_of, legs_of
 from lumped.screws import shift, turn
 from lumped.system.assembly import System
+from validation.agreement.mode_pairing import centreline_samples
 from validation.models.parts import identified, parts_of
-from validation.studies.mode_pairing import centreline_samples
 
 _STATIONS = 12
 # Corners of a section, in radii of gyration.

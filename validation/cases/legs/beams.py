@@ -3,14 +3,14 @@
 from functools import partial
 from math import ceil
 
-from fem.bodies.beam_theory import CantileverFrequency, cantilever_frequencies
+from fem.beams.beam_theory import CantileverFrequency, cantilever_frequencies
 from lumped.arrays import Array
 from lumped.legs import ConstantLeg, tip_compliance
+from validation.agreement.convergence import step_factor
 from validation.case import Case, Measurement, Relative
 from validation.context import Context
 from validation.models.legs import constant_leg_of, kind_frequencies, leg_compliance
 from validation.models.options import BEAM_ORDER, SEGMENT_ORDER, ModelName, ModelOptions
-from validation.studies.convergence import step_factor
 
 MODES = 6
 # The tolerances of frequencies hold up to this one of a kind with the default number of elements.

@@ -25,13 +25,13 @@ import numpy as np
 from lumped.arrays import Array
 from lumped.legs import Material
 from lumped.sections import Circle, Tube
+from validation.agreement.convergence import step_factor
 from validation.case import Absolute, Case, Measurement, Skip
 from validation.cases.legs.beams import ENTRIES
 from validation.context import Context
 from validation.exhibits import Study
 from validation.models.legs import constant_leg_of
 from validation.solids.legs import FORMAL_ORDER
-from validation.studies.convergence import step_factor
 from validation.studies.lengthened_legs import (
     Lengthened,
     affordable_divisions,

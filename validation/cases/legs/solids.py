@@ -5,7 +5,7 @@ from math import inf, nan
 
 import numpy as np
 
-from fem.bodies.beam_theory import CantileverFrequency, cantilever_frequencies
+from fem.beams.beam_theory import CantileverFrequency, cantilever_frequencies
 from fem.bodies.solid import Ends
 from fem.couplings.end_effects import restrained_compliance
 from fem.sections import nonuniform_torsion

@@ -10,11 +10,11 @@ from lumped.errors import InputError
 from lumped.mechanism.kinematics.postures import reference_posture
 from lumped.mechanism.mechanism import Mechanism, Posture
 from validation.adequacy.mechanism.path import path_postures
+from validation.agreement.convergence import step_factor
 from validation.case import Case, Measurement, Relative, Skip
 from validation.context import Context
 from validation.exhibits import PATH
 from validation.models.mechanism import Answer, answers
-from validation.studies.convergence import step_factor
 
 MODES = 6
 # Beams a leg: of second order, so that extrapolated ones are of fourth.

@@ -10,7 +10,7 @@ from functools import partial
 
 import numpy as np
 
-from fem.bodies.stepped import SteppedLeg
+from fem.beams.stepped import SteppedLeg
 from lumped.arrays import Array
 from lumped.legs import ConstantLeg
 from lumped.mechanism.body_model import LegMatrices
@@ -21,6 +21,7 @@ from lumped.system.solution import modes, solved
 from validation.adequacy.legs import solid_leg
 from validation.adequacy.mechanism.path import known_legs, path_postures
 from validation.adequacy.mechanism.statics import assembled, is_serial
+from validation.agreement.convergence import step_factor
 from validation.case import Absolute, Case, Measurement, Relative, Skip
 from validation.context import Context
 from validation.exhibits import PATH
@@ -35,7 +36,6 @@ from validation.models.mechanism import (
 from validation.models.options import ModelName, ModelOptions
 from validation.solids.legs import FORMAL_ORDER
 from validation.solids.robots import SHARED_SOLIDS, TipCompliances
-from validation.studies.convergence import step_factor
 
 _LUMPED = "mechanism.lumped"
 _EULER = ModelOptions(theory="euler-bernoulli", legs="equivalent")

@@ -7,7 +7,6 @@ from validation.case import Absolute, Measurement, Relation
 from validation.cases.paper.statement import FORMULAS, Compute, Statement
 from validation.context import Context
 from validation.models.options import LITERAL_ORDER, SEGMENT_ORDER, ModelName, ModelOptions
-from validation.studies.decision import spearman
 from validation.studies.quantities import (
     ALPHAS,
     FIGURE_POINTS,
@@ -17,6 +16,7 @@ from validation.studies.quantities import (
     family_frequencies,
     family_modes,
 )
+from validation.sweeps.decision import spearman
 
 EQUIVALENT = ModelOptions(legs="equivalent")
 _GROUP = "paper.family"

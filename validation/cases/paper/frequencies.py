@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from fem.bodies.beam_theory import bending_frequencies
+from fem.beams.beam_theory import bending_frequencies
 from lumped.legs import equivalent_leg
 from validation.case import Absolute, Measurement, Relation, Relative
 from validation.cases.paper.statement import (

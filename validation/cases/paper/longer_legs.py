@@ -8,10 +8,9 @@ from lumped.arrays import Array
 from validation.case import Absolute, Case, Measurement, Relation
 from validation.context import Context, Preset
 from validation.exhibits import LENGTHS
-from validation.studies.decision import OBJECTIVES, Objective, spearman
+from validation.sweeps.decision import OBJECTIVES, Objective, spearman
 from validation.sweeps.plans import COARSE, RIGID
-from validation.sweeps.results import GROUP, PAPER, family_of
-from validation.sweeps.studies import PLANS, POINTS
+from validation.sweeps.studies import GROUP, PAPER, PLANS, POINTS, family_of
 
 CURVES = {
     "planar-x": ("planar_x", "planar deflection under 1000 N along x"),

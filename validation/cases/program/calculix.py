@@ -20,10 +20,10 @@ from lumped.arrays import Array
 from lumped.legs import ConstantLeg, Material
 from lumped.sections import ISection, Rectangle, Tube
 from meshes.prism.tetrahedra import tetrahedra
+from validation.agreement.convergence import order_of_errors
 from validation.case import Absolute, Case, Measurement, Relation, Relative, Skip
 from validation.context import PRESETS, Context, Preset
 from validation.exhibits import Study
-from validation.studies.convergence import order_of_errors
 
 SECTION = "CalculiX"
 CITATION = "CalculiX CrunchiX, G. Dhondt, C3D10 elements, same mesh and rigid faces (*EQUATION)"

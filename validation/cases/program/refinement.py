@@ -4,14 +4,14 @@ from functools import partial
 
 import numpy as np
 
-from fem.bodies.beam_theory import bending_frequencies
+from fem.beams.beam_theory import bending_frequencies
 from lumped.arrays import Array
 from lumped.legs import ConstantLeg
+from validation.agreement.convergence import order_of_errors
 from validation.case import Absolute, Case, Measurement
 from validation.context import Context
 from validation.exhibits import ELEMENTS, Study
 from validation.models.legs import constant_leg_of
-from validation.studies.convergence import order_of_errors
 from validation.studies.element_refinement import (
     COUNTS,
     MODES,

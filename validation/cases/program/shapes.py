@@ -13,11 +13,11 @@ from lumped.legs import ConstantLeg, Material, tip_compliance
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Section, Tube
 from meshes.prism.hexahedra import slice_count
 from meshes.section.section_mesh import section_mesh
+from validation.agreement.convergence import analyse, step_factor, uncertainty_of
 from validation.case import Absolute, Case, Measurement, Relative
 from validation.cases.legs.beams import ENTRIES
 from validation.context import PRESETS, Context, Preset
 from validation.solids.legs import FORMAL_ORDER
-from validation.studies.convergence import analyse, step_factor, uncertainty_of
 
 SECTION = "Section shapes"
 LENGTH = 0.8

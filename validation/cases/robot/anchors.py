@@ -12,6 +12,7 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from lumped.biglide import Biglide
+from validation.agreement.convergence import step_factor
 from validation.case import Case, Measurement, Relative
 from validation.cases.robot.stroke import CURVES
 from validation.context import Context
@@ -19,7 +20,6 @@ from validation.exhibits import STROKE
 from validation.models.biglide import robot_compliance, robot_frequencies
 from validation.models.options import BEAM_ORDER, SEGMENT_ORDER, ModelName, ModelOptions
 from validation.studies import ritz_robot
-from validation.studies.convergence import step_factor
 from validation.studies.quantities import deflections_of, stroke_deflections
 
 _RITZ = (

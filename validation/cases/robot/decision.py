@@ -14,11 +14,10 @@ from validation.case import Absolute, Allowance, Case, Measurement, Relation, Re
 from validation.context import Context
 from validation.exhibits import LENGTHS, Study
 from validation.solids.robots import two_meshes
-from validation.studies.decision import MEANING, OBJECTIVES, UNITS, Decision, Objective
 from validation.studies.quantities import deflections_of
+from validation.sweeps.decision import MEANING, OBJECTIVES, UNITS, Decision, Objective
 from validation.sweeps.plans import COARSE, RIGID, stroke_stations
-from validation.sweeps.results import DECIDED, GROUP, PAPER, decision_of
-from validation.sweeps.studies import PLANS
+from validation.sweeps.studies import DECIDED, GROUP, PAPER, PLANS, decision_of
 
 FOLLOWED: dict[Objective, tuple[str, ...]] = {
     "deflection": ("VJM", "segments", "beam"),

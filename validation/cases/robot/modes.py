@@ -11,6 +11,8 @@ from functools import partial
 import numpy as np
 
 from lumped.arrays import Array
+from validation.agreement.convergence import step_factor
+from validation.agreement.mode_pairing import CLOSE
 from validation.case import Absolute, Case, Measurement, Relative, Skip
 from validation.cases.robot.mode_tables import frequency_study, mac_study, mac_table
 from validation.context import Context
@@ -19,9 +21,6 @@ from validation.models.legs import constant_leg_of
 from validation.solids.legs import FORMAL_ORDER
 from validation.solids.robots import SHARED_SOLIDS
 from validation.solids.size import too_large
-from validation.solids.torsion import torsion_effects, wave_error
-from validation.studies.convergence import step_factor
-from validation.studies.mode_pairing import CLOSE
 from validation.studies.paired_robot_modes import (
     PAIRED,
     BeamKind,
@@ -34,6 +33,7 @@ from validation.studies.paired_robot_modes import (
     solid_modes,
 )
 from validation.studies.stroke_statics import POSTURES
+from validation.studies.torsion import torsion_effects, wave_error
 
 FREQUENCIES = 4
 _SEGMENTS = "20 segments per leg, Timoshenko springs, rotary inertia"

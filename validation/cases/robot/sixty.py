@@ -3,12 +3,12 @@
 import numpy as np
 
 from fem.bodies.leg_energies import DISTORTION
+from validation.agreement.convergence import step_factor
 from validation.case import Absolute, Case, Measurement
 from validation.context import Context
 from validation.exhibits import SOLID_ROBOT
 from validation.solids.legs import FORMAL_ORDER
 from validation.solids.sixty import ALONE, COARSE, DIVISIONS, SIXTY, in_the_feet, sixty, sixty_modes
-from validation.studies.convergence import step_factor
 
 
 def cases() -> tuple[Case, ...]:

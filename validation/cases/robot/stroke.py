@@ -9,12 +9,12 @@ from lumped.biglide import Biglide
 from lumped.legs import Theory
 from lumped.models import vjm
 from lumped.system.solution import rounding, solved
+from validation.agreement.convergence import step_factor
 from validation.case import Absolute, Case, Measurement, Relative
 from validation.context import Context
 from validation.exhibits import STROKE, Study
 from validation.models.biglide import static_system
 from validation.models.options import BEAM_ORDER, SEGMENT_ORDER, ModelName, ModelOptions
-from validation.studies.convergence import step_factor
 from validation.studies.quantities import (
     Deflections,
     deflections_of,

@@ -26,7 +26,7 @@ def _without(**data: float) -> Faulty:
     return bending
 
 
-@fault_around("beam.three-for-twelve", "Beam elements: a third of EI", "fem.bodies.beam._bending")
+@fault_around("beam.three-for-twelve", "Beam elements: a third of EI", "fem.beams.beam._bending")
 def _hermite(sound: Faulty, mesh: Any, **data: Any) -> Any:
     return sound(mesh, **data | {"EI": data["EI"] / 3.0})
 
@@ -34,16 +34,14 @@ def _hermite(sound: Faulty, mesh: Any, **data: Any) -> Any:
 @fault_in_value(
     "beam.lumped-mass",
     "Beam elements: row sums for the consistent mass",
-    "fem.bodies.beam.beam_leg",
+    "fem.beams.beam.beam_leg",
 )
 def _row_sums(leg: LegMatrices) -> LegMatrices:
     sums = np.asarray(np.abs(leg.mass).sum(axis=1)).ravel()
     return replace(leg, mass=csr_matrix(diags(sums)))
 
 
-@fault_around(
-    "beam.quadrature", "Beam elements: two points of integration", "fem.bodies.beam.Basis"
-)
+@fault_around("beam.quadrature", "Beam elements: two points of integration", "fem.beams.beam.Basis")
 def _few_points(sound: Faulty, *args: Any, **kwargs: Any) -> Any:
     return sound(*args, **kwargs | {"intorder": 2})
 
@@ -61,7 +59,7 @@ def _turned_functions(sound: Faulty, self: Any, mapping: Any, X: Array, i: int, 
     return type(w)(-np.asarray(w), grad=-w.grad), theta
 
 
-@fault_around("beam.element-missing", "Beam one element too short", "fem.bodies.beam.beam_leg")
+@fault_around("beam.element-missing", "Beam one element too short", "fem.beams.beam.beam_leg")
 def _one_element_less(sound: Faulty, properties: Any, length: float, elements: int) -> Any:
     return sound(properties, length * (1.0 - 1.0 / (elements + 1)), elements)
 
@@ -69,7 +67,7 @@ def _one_element_less(sound: Faulty, properties: Any, length: float, elements: i
 @fault_around(
     "beam.shear-of-other-plane",
     "Beam elements: half the shear stiffness along y",
-    "fem.bodies.beam.beam_leg",
+    "fem.beams.beam.beam_leg",
 )
 def _crossed_planes(sound: Faulty, properties: Any, *rest: Any) -> Any:
     p = properties
@@ -79,7 +77,7 @@ def _crossed_planes(sound: Faulty, properties: Any, *rest: Any) -> Any:
 @fault(
     "closed-form.free-free-waves",
     "Closed form: half waves of a free bar for quarter waves",
-    "fem.bodies.beam_theory._quarter_waves",
+    "fem.beams.beam_theory._quarter_waves",
 )
 def _even_waves(speed_squared: float, length: float, count: int) -> Array:
     orders = np.arange(1, count + 1)
@@ -89,7 +87,7 @@ def _even_waves(speed_squared: float, length: float, count: int) -> Array:
 @fault_around(
     "closed-form.rotary-inertia",
     "Closed form: rotary inertia left out of Huang's equation",
-    "fem.bodies.beam_theory._piece_stiffness",
+    "fem.beams.beam_theory._piece_stiffness",
 )
 def _without_rotation(sound: Faulty, beam: Any, l: float, omega: float) -> Array:
     found: Array = sound(replace(beam, rho_I=0.0), l, omega)
@@ -99,7 +97,7 @@ def _without_rotation(sound: Faulty, beam: Any, l: float, omega: float) -> Array
 @fault_in_value(
     "frame.left-handed",
     "Frame members in left-handed axes: y and z exchanged",
-    "fem.bodies.frame._member_axes",
+    "fem.beams.frame._member_axes",
 )
 def _left_handed(axes: Array) -> Array:
     return axes[:, [0, 2, 1]]
@@ -108,7 +106,7 @@ def _left_handed(axes: Array) -> Array:
 @fault(
     "frame.mass-in-rotations",
     "Frame: mass of a body entered for its rotations as well",
-    "fem.bodies.frame._inertia",
+    "fem.beams.frame._inertia",
 )
 def _arm_without(body: Any) -> Array:
     return np.diag([body.mass] * 6).astype(float)
@@ -117,33 +115,33 @@ def _arm_without(body: Any) -> Array:
 fault_around(
     "beam.rotation-sign",
     "Beam elements: φy = +w′ where deflection is along z",
-    "fem.bodies.beam._bending",
+    "fem.beams.beam._bending",
 )(_with_signs(1.0, 1.0))
 fault_around(
     "beam.deflection-sign",
     "Beam elements: deflection with the opposite sign of the twist's",
-    "fem.bodies.beam._bending",
+    "fem.beams.beam._bending",
 )(_with_signs(-1.0, 1.0))
 fault_around(
-    "beam.shear-left-out", "Beam elements: shear deformation left out", "fem.bodies.beam._bending"
+    "beam.shear-left-out", "Beam elements: shear deformation left out", "fem.beams.beam._bending"
 )(_without(GA=np.inf))
 fault_around(
     "beam.rotary-inertia-left-out",
     "Beam elements: rotary inertia left out",
-    "fem.bodies.beam._bending",
+    "fem.beams.beam._bending",
 )(_without(rho_I=0.0))
 fault(
     "beam.inner-unknowns-left-out",
     "Timoshenko elements without unknowns of their own inside: second order",
-    "fem.bodies.beam.ElementLineShearBeam",
+    "fem.beams.beam.ElementLineShearBeam",
 )(ElementLineBeam)
 fault(
     "beam.shear-length",
     "Λ = κGA/EI·l² forgotten: shear functions of a slender beam",
-    "fem.bodies.beam.ElementLineShearBeam",
+    "fem.beams.beam.ElementLineShearBeam",
 )(lambda square: ElementLineBeam(0.0 * square))
 fault_around(
     "closed-form.roots-shifted",
     "Closed form: roots of clamped–free bending without the first",
-    "fem.bodies.beam_theory.euler_bernoulli_roots",
+    "fem.beams.beam_theory.euler_bernoulli_roots",
 )(lambda sound, count: sound(count + 1)[1:])

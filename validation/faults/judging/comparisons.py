@@ -14,19 +14,19 @@ from lumped.legs import BeamProperties, Material
 from lumped.mechanism.joint import Joint
 from lumped.mechanism.mechanism import Posture
 from meshes.solid_mesh import SolidMesh
+from validation.agreement.mode_pairing import Pairing
 from validation.faults.fault import Faulty, fault, fault_around, fault_in_value
-from validation.studies.mode_pairing import Pairing
 
 
 @fault_around(
     "pairing.unweighted",
     "MAC without mass weighting: metres beside radians",
-    "validation.studies.mode_pairing.mac_matrix",
+    "validation.agreement.mode_pairing.mac_matrix",
 )
 @fault_around(
     "pairing.angle-unweighted",
     "Angle between spaces of modes without mass weighting",
-    "validation.studies.mode_pairing.largest_angle",
+    "validation.agreement.mode_pairing.largest_angle",
 )
 def _without_weights(sound: Faulty, first: Array, second: Array, weights: Array) -> Any:
     return sound(first, second, np.ones_like(weights))
@@ -35,7 +35,7 @@ def _without_weights(sound: Faulty, first: Array, second: Array, weights: Array)
 @fault_around(
     "pairing.by-number",
     "Modes paired by their number instead of their shape",
-    "validation.studies.mode_pairing.pair_modes",
+    "validation.agreement.mode_pairing.pair_modes",
 )
 def _by_number(sound: Faulty, first: Array, second: Array, weights: Array) -> Pairing:
     found: Pairing = sound(first, second[:, : first.shape[1]], weights)
@@ -46,7 +46,7 @@ def _by_number(sound: Faulty, first: Array, second: Array, weights: Array) -> Pa
 @fault_around(
     "pairing.not-normalised",
     "MAC without the norm of one of the shapes",
-    "validation.studies.mode_pairing.mac_matrix",
+    "validation.agreement.mode_pairing.mac_matrix",
 )
 def _not_normalised(sound: Faulty, first: Array, second: Array, weights: Array) -> Array:
     largest: Array = np.sqrt(weights)[:, None] * first
@@ -58,7 +58,7 @@ def _not_normalised(sound: Faulty, first: Array, second: Array, weights: Array) 
 @fault_around(
     "pairing.no-rotary-inertia",
     "Weights of sampled twists without rotary inertia",
-    "validation.studies.mode_pairing.centreline_weights",
+    "validation.agreement.mode_pairing.centreline_weights",
 )
 def _without_rotary(sound: Faulty, properties: BeamProperties, lengths: Array) -> Array:
     found: Array = sound(replace(properties, rho_J=0.0, rho_Iy=0.0, rho_Iz=0.0), lengths)
@@ -68,7 +68,7 @@ def _without_rotary(sound: Faulty, properties: BeamProperties, lengths: Array) -
 @fault_in_value(
     "pairing.equal-weights",
     "Gauss stations with equal weights, twice the mass",
-    "validation.studies.mode_pairing.centreline_samples",
+    "validation.agreement.mode_pairing.centreline_samples",
 )
 def _equal_lengths(found: tuple[Array, Array]) -> tuple[Array, Array]:
     stations, lengths = found

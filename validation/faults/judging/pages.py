@@ -156,29 +156,29 @@ def _rounded(value: float | None) -> float | None:
     return None if value is None else float(f"{value:.3g}")
 
 
-@fault_in_value("page.minus", "Minus signs lost", "validation.report.text.number")
-@fault_in_value("page.percent-sign", "The sign of an error lost", "validation.report.text.percent")
+@fault_in_value("page.minus", "Minus signs lost", "validation.drawing.text.number")
+@fault_in_value("page.percent-sign", "The sign of an error lost", "validation.drawing.text.percent")
 def _minus_lost(text: str) -> str:
     return text.replace("−", "")
 
 
-@fault_in_value("page.power", "Powers of ten lost", "validation.report.text.number")
+@fault_in_value("page.power", "Powers of ten lost", "validation.drawing.text.number")
 def _power_lost(text: str) -> str:
     return text.partition("\u00a0×")[0]
 
 
-@fault_around("page.digits", "One digit shown", "validation.report.text.number")
+@fault_around("page.digits", "One digit shown", "validation.drawing.text.number")
 def _two_digits(sound: Faulty, value: Any, digits: int = 5) -> Any:
     return sound(value, min(digits, 1))
 
 
-@fault_around("page.fraction", "Fractions shown as percent", "validation.report.text.percent")
+@fault_around("page.fraction", "Fractions shown as percent", "validation.drawing.text.percent")
 def _no_percent(sound: Faulty, fraction: float, **signed: bool) -> Any:
     return sound(0.01 * fraction, **signed)
 
 
 @fault_in_value(
-    "page.csv", "Columns of a CSV under the wrong heading", "validation.report.figures.style.csv_of"
+    "page.csv", "Columns of a CSV under the wrong heading", "validation.drawing.style.csv_of"
 )
 def _columns_moved(text: str) -> str:
     rows = list(csv.reader(io.StringIO(text)))
@@ -316,5 +316,7 @@ fault_in_value(
     "page.record-tolerance", "A record with twice its tolerance", "validation.case.result_record"
 )(_field("tolerance", "tolerance", 2.0))
 fault_in_value(
-    "page.tolerance-text", "Tolerances shown in the wrong power", "validation.report.text.tolerance"
+    "page.tolerance-text",
+    "Tolerances shown in the wrong power",
+    "validation.drawing.text.tolerance",
 )(lambda text: text.replace("0.", "0.0"))

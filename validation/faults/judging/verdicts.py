@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from lumped.arrays import Array
+from validation.agreement.convergence import Convergence, Fit
 from validation.case import Measurement, Relation
 from validation.faults.fault import Faulty, fault, fault_around, fault_in_value
-from validation.studies.convergence import Convergence, Fit
 
 
 @fault_in_value(
@@ -20,10 +20,10 @@ from validation.studies.convergence import Convergence, Fit
 @fault_in_value(
     "judgement.errors-sign",
     "Order of errors with the wrong sign",
-    "validation.studies.convergence.order_of_errors",
+    "validation.agreement.convergence.order_of_errors",
 )
 @fault_in_value(
-    "judgement.kendall", "Kendall's τ with the wrong sign", "validation.studies.decision.kendall"
+    "judgement.kendall", "Kendall's τ with the wrong sign", "validation.sweeps.decision.kendall"
 )
 def _negative(value: Any) -> Any:
     return -value
@@ -212,7 +212,7 @@ def _scaled(sound: Faulty, self: Any, reference: float) -> Any:
 @fault(
     "judgement.richardson-sign",
     "Extrapolation away from the limit",
-    "validation.studies.convergence.richardson",
+    "validation.agreement.convergence.richardson",
 )
 def _the_other_way(middle: float, fine: float, ratio: float, order: float) -> float:
     return fine - (fine - middle) / float(ratio**order - 1.0)
@@ -221,7 +221,7 @@ def _the_other_way(middle: float, fine: float, ratio: float, order: float) -> fl
 @fault(
     "judgement.richardson-middle",
     "Extrapolation from the second finest grid",
-    "validation.studies.convergence.richardson",
+    "validation.agreement.convergence.richardson",
 )
 def _from_the_middle(middle: float, fine: float, ratio: float, order: float) -> float:
     return middle + (fine - middle) / float(ratio**order - 1.0)
@@ -230,7 +230,7 @@ def _from_the_middle(middle: float, fine: float, ratio: float, order: float) -> 
 @fault_around(
     "judgement.gci-bare",
     "Grid convergence index without a safety factor",
-    "validation.studies.convergence.grid_convergence_index",
+    "validation.agreement.convergence.grid_convergence_index",
 )
 def _without_safety(sound: Faulty, *args: float) -> Any:
     return sound(*args[:-1], 1.0)
@@ -239,7 +239,7 @@ def _without_safety(sound: Faulty, *args: float) -> Any:
 @fault_around(
     "judgement.order-ratios",
     "Order from grids with their ratios exchanged",
-    "validation.studies.convergence.three_grid_order",
+    "validation.agreement.convergence.three_grid_order",
 )
 def _ratios_exchanged(sound: Faulty, coarse: float, middle: float, fine: float, *r: float) -> Any:
     return sound(coarse, middle, fine, *r[::-1])
@@ -248,7 +248,7 @@ def _ratios_exchanged(sound: Faulty, coarse: float, middle: float, fine: float, 
 @fault_in_value(
     "judgement.order-more",
     "Observed order one too high",
-    "validation.studies.convergence.three_grid_order",
+    "validation.agreement.convergence.three_grid_order",
 )
 def _one_order_more(order: float) -> float:
     return order + 1.0
@@ -257,7 +257,7 @@ def _one_order_more(order: float) -> float:
 @fault_in_value(
     "judgement.fit-limit",
     "A fit's limit moved by its coefficient",
-    "validation.studies.convergence.fit_order",
+    "validation.agreement.convergence.fit_order",
 )
 def _finest_is_limit(fit: Fit) -> Fit:
     return replace(fit, limit=fit.limit + fit.coefficient * 0.1)
@@ -266,7 +266,7 @@ def _finest_is_limit(fit: Fit) -> Fit:
 @fault(
     "judgement.gci-safety",
     "Uncertainty without its safety factor",
-    "validation.studies.convergence.safety_factor",
+    "validation.agreement.convergence.safety_factor",
 )
 def _optimistic(_observed: float, _formal: float) -> float:
     return 1.25
@@ -275,7 +275,7 @@ def _optimistic(_observed: float, _formal: float) -> float:
 @fault_around(
     "judgement.order-uncapped",
     "Observed orders above the formal one not capped",
-    "validation.studies.convergence.analyse",
+    "validation.agreement.convergence.analyse",
 )
 def _uncapped(sound: Faulty, sizes: Array, values: Array, _formal: float, *rest: Any) -> Any:
     return sound(sizes, values, 12.0, *rest)
@@ -284,7 +284,7 @@ def _uncapped(sound: Faulty, sizes: Array, values: Array, _formal: float, *rest:
 @fault(
     "judgement.uncertainty-last-step",
     "The last step for the uncertainty",
-    "validation.studies.convergence.uncertainty_of",
+    "validation.agreement.convergence.uncertainty_of",
 )
 def _last_step(convergence: Convergence) -> float:
     return float(abs(convergence.values[-1] - convergence.values[-2]))
@@ -293,7 +293,7 @@ def _last_step(convergence: Convergence) -> float:
 @fault_around(
     "judgement.order-sizes",
     "Orders with mesh sizes in the wrong order",
-    "validation.studies.convergence.pairwise_orders",
+    "validation.agreement.convergence.pairwise_orders",
 )
 def _in_sizes(sound: Faulty, sizes: Array, values: Array) -> Any:
     return sound(sizes[::-1], values)
@@ -323,7 +323,7 @@ def _coarser_number(sound: Faulty, self: Any, *index: int) -> Any:
 @fault_around(
     "judgement.oscillation",
     "Oscillating values taken for monotone",
-    "validation.studies.convergence.classify",
+    "validation.agreement.convergence.classify",
 )
 def _nothing_oscillates(sound: Faulty, *args: Any) -> Any:
     found = sound(*args)
@@ -333,7 +333,7 @@ def _nothing_oscillates(sound: Faulty, *args: Any) -> Any:
 @fault(
     "judgement.spearman",
     "Correlation of values for that of ranks",
-    "validation.studies.decision.spearman",
+    "validation.sweeps.decision.spearman",
 )
 def _by_value(one: Any, other: Any) -> float:
     return float(np.corrcoef(np.asarray(one) ** 3, np.asarray(other) ** 3)[0, 1])
@@ -350,10 +350,10 @@ fault_in_value(
 fault_in_value(
     "judgement.step-factor",
     "Two grids without a safety factor",
-    "validation.studies.convergence.step_factor",
+    "validation.agreement.convergence.step_factor",
 )(_times(1.0 / 3.0))
 fault_in_value(
     "judgement.uncertainty-quarter",
     "A quarter of the uncertainty",
-    "validation.studies.convergence.uncertainty_of",
+    "validation.agreement.convergence.uncertainty_of",
 )(_times(0.25))

@@ -9,9 +9,7 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullLoca
 
 from lumped.arrays import Array
 from validation.adequacy.matrix import Entry, Matrix
-from validation.exhibits import Figure
-from validation.report.figures.curves.lines import legend_above
-from validation.report.figures.style import (
+from validation.drawing.style import (
     BLUE,
     MODELS,
     OTHERS,
@@ -22,6 +20,8 @@ from validation.report.figures.style import (
     plot_style,
     svg_of,
 )
+from validation.exhibits import Figure
+from validation.report.figures.curves.lines import legend_above
 
 _POSE = "pose"
 # The deflections, and the frequencies where there are any: what is read off first.

@@ -6,10 +6,10 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from validation.adequacy.matrix import Entry, Matrix
+from validation.drawing.style import BLACK, OTHERS, canvas, csv_of, plot_style, svg_of
 from validation.exhibits import Figure
 from validation.report.figures.adequacy import look_of_model
 from validation.report.figures.curves.lines import legend_above
-from validation.report.figures.style import BLACK, OTHERS, canvas, csv_of, plot_style, svg_of
 
 _COLUMNS = 3
 

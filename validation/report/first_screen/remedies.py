@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from validation.adequacy.matrix import Entry, Matrix
+from validation.drawing.text import percent
 from validation.report.first_screen.words import SIGNS, capital, error_text, subject
-from validation.report.text import percent
 
 # How many causes a line names.
 _FOREMOST = 2

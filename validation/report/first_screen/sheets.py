@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from validation.adequacy.matrix import Entry, Matrix
+from validation.drawing.text import number, percent
 from validation.report.first_screen.table import cell_of, pose_text
 from validation.report.first_screen.words import (
     SIGNS,
@@ -11,7 +12,6 @@ from validation.report.first_screen.words import (
     is_frequency,
     model_name,
 )
-from validation.report.text import number, percent
 
 _UNITS = {"x": "m/N", "y": "m/N", "z": "m/N", "order": "Hz"}
 _ROTATION, _HERTZ = "rad/(N m)", "Hz"

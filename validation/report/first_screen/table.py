@@ -4,9 +4,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from validation.adequacy.matrix import MEASURED, Adequacy, Entry, Matrix, ModelNote
-from validation.report.figures.style import csv_of
+from validation.drawing.style import csv_of
+from validation.drawing.text import anchor, number, percent
 from validation.report.first_screen.words import SIGNS, capital, error_text, model_name
-from validation.report.text import anchor, number, percent
 
 MARKS: Mapping[Adequacy, str] = {"adequate": "✓", "inadequate": "✗", "undecided": "?"}
 

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from itertools import groupby
 from math import ceil
 
-from validation.report.text import number, percent
+from validation.drawing.text import number, percent
 
 # With its verb's number: singular names take "is", plural ones "are".
 _MODELS: Mapping[str, tuple[str, bool]] = {

@@ -10,8 +10,8 @@ from lumped.acceptance.requirement import STATIC_QUANTITIES
 from lumped.errors import ComputationError, InputError
 from lumped.robot_file import RobotFile
 from lumped.robot_file.variation import Variation, told, varied
+from validation.drawing.style import csv_of
 from validation.models.options import ModelName
-from validation.report.figures.style import csv_of
 from validation.solve import command
 from validation.solve.answer import Answer, Solution, record_of
 from validation.sweeps.runner import Executor

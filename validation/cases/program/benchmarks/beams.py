@@ -9,14 +9,14 @@ from functools import partial
 
 import numpy as np
 
-from fem.bodies.frame import Frame, Member, Support, assemble, displacements, modes
+from fem.beams.frame import Frame, Member, Support, assemble, displacements, modes
 from lumped.arrays import Array
 from lumped.legs import ConstantLeg, Material
 from lumped.sections import Rectangle
+from validation.agreement.convergence import Convergence, analyse, uncertainty_of
 from validation.case import Allowance, Case, Measurement, Relative
 from validation.context import Context
 from validation.exhibits import Study
-from validation.studies.convergence import Convergence, analyse, uncertainty_of
 
 SECTION = "Published benchmarks"
 COUNTS = (8, 16, 24, 32)

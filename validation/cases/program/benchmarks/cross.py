@@ -7,14 +7,14 @@ import numpy as np
 from scipy.linalg import null_space, subspace_angles
 from scipy.optimize import brentq
 
-from fem.bodies.frame import Frame, Kind, Member, Support, assemble, modes
+from fem.beams.frame import Frame, Kind, Member, Support, assemble, modes
 from lumped.arrays import Array
 from lumped.legs import ConstantLeg, Material
 from lumped.sections import Rectangle
+from validation.agreement.convergence import step_factor
 from validation.case import Absolute, Allowance, Case, Measurement
 from validation.cases.program.benchmarks.beams import BEAM_ORDER, SECTION, Cluster, family
 from validation.context import Context
-from validation.studies.convergence import step_factor
 
 CITATION = "NAFEMS, The Standard NAFEMS Benchmarks, TNSB rev. 3 (1990), Test FV2"
 ARM = ConstantLeg(5.0, Rectangle(0.125, 0.125), Material.isotropic(2e11, 0.3, 8000.0))

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.polynomial import legendre
 from scipy.linalg import eigh
 
-from fem.bodies.beam_theory import Plane, bending_frequencies
+from fem.beams.beam_theory import Plane, bending_frequencies
 from lumped.arrays import Array
 from lumped.legs import BeamProperties
 from validation.case import Case, Measurement, Relative

@@ -8,11 +8,11 @@ from fem.sections.section_constants import section_constants
 from lumped.arrays import Array
 from lumped.sections import Rectangle, rectangle_torsion_constant
 from meshes.section.section_mesh import section_mesh
+from validation.agreement.convergence import analyse, uncertainty_of
 from validation.case import Absolute, Case, Measurement
 from validation.cases.program.benchmarks.beams import SECTION
 from validation.context import Context
 from validation.solids.legs import FORMAL_ORDER
-from validation.studies.convergence import analyse, uncertainty_of
 
 # J/(b h³) of rectangles b × h.
 TORSION_CONSTANTS = {

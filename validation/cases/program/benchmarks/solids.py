@@ -20,6 +20,7 @@ from lumped.arrays import Array
 from lumped.legs import ConstantLeg
 from meshes.prism.extrude import extrude, stations
 from meshes.section.section_mesh import section_mesh
+from validation.agreement.convergence import analyse, uncertainty_of
 from validation.case import Allowance, Case, Measurement
 from validation.cases.program.benchmarks.beams import (
     DEEP,
@@ -38,7 +39,6 @@ from validation.cases.program.benchmarks.beams import (
 from validation.context import Context, Preset
 from validation.solids.legs import FORMAL_ORDER
 from validation.solids.waves import WaveKind, beam_wave_frequency, prism_wave_frequency
-from validation.studies.convergence import analyse, uncertainty_of
 
 _CANTILEVER = "MacNeal–Harder cantilever as a solid"
 _BEAM = "NAFEMS FV5 as a solid"

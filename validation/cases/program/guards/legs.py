@@ -6,19 +6,19 @@ from math import pi
 
 import numpy as np
 
-from fem.bodies.beam_theory import Plane, bending_frequencies
+from fem.beams.beam_theory import Plane, bending_frequencies
 from lumped.arrays import Array
 from lumped.biglide import Biglide
 from lumped.dense.modes import dense
 from lumped.legs import GivenLeg, Leg
 from lumped.models import vjm
+from validation.agreement.convergence import step_factor
 from validation.case import Absolute, Case, Measurement
 from validation.cases.program.guards.robot import ELEMENTS, SECTION, guarded_posture
 from validation.context import Context
 from validation.models.biglide import robot_compliance, robot_frequencies
 from validation.models.legs import constant_leg_of, kind_frequencies, leg_matrices
 from validation.models.options import BEAM_ORDER, ModelName, ModelOptions
-from validation.studies.convergence import step_factor
 
 _LUMPED: tuple[ModelName, ...] = ("segments", "beam")
 _PLANES: tuple[Plane, ...] = ("y", "z")

@@ -4,20 +4,20 @@ from collections.abc import Callable
 
 import numpy as np
 
-from fem.bodies.beam import beam_leg
+from fem.beams.beam import beam_leg
 from lumped.legs import BeamProperties, ConstantLeg, Material
 from lumped.models.cantilever import clamped_modes
 from lumped.sections import Rectangle
-from validation.case import Absolute, Case, Measurement
-from validation.cases.program.guards.robot import SECTION
-from validation.context import Context
-from validation.studies.mode_pairing import (
+from validation.agreement.mode_pairing import (
     centreline_samples,
     centreline_weights,
     largest_angle,
     mac_matrix,
     pair_modes,
 )
+from validation.case import Absolute, Case, Measurement
+from validation.cases.program.guards.robot import SECTION
+from validation.context import Context
 
 # Masses and inertias differ by powers of ten, as those of metres and radians do.
 _WEIGHTS = np.array([2.0, 0.05, 7.0, 0.3])

@@ -11,7 +11,7 @@ from math import sqrt
 import numpy as np
 from scipy.sparse import csr_array
 
-from fem.bodies.frame import (
+from fem.beams.frame import (
     AssembledFrame,
     Frame,
     Member,
@@ -20,7 +20,7 @@ from fem.bodies.frame import (
     assemble,
     displacements,
 )
-from fem.bodies.frame import modes as frame_modes
+from fem.beams.frame import modes as frame_modes
 from lumped.arrays import Array, SparseMatrix
 from lumped.biglide import Biglide, scaled
 from lumped.legs import ConstantLeg, Material, equivalent_leg
@@ -42,7 +42,7 @@ _SAME_REASON = (
 )
 _OFFSET = np.array([0.05, -0.08, 0.155])
 _TOOL = np.diag([2e-9, 3e-9, 1e-9, 4e-7, 3e-7, 5e-7])
-_FRAME = "the same robot as a frame of Timoshenko beams, placed by coordinates (fem.bodies.frame)"
+_FRAME = "the same robot as a frame of Timoshenko beams, placed by coordinates (fem.beams.frame)"
 
 
 def with_offset(robot: Biglide) -> Biglide:

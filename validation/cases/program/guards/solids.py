@@ -17,13 +17,13 @@ from meshes.prism.hexahedra import hexahedra
 from meshes.prism.tetrahedra import tetrahedra
 from meshes.section.section_mesh import section_mesh
 from meshes.solid_mesh import SolidMesh
+from validation.agreement.convergence import step_factor
 from validation.case import Absolute, Case, Measurement, Relative, Tolerance
 from validation.cases.legs.beams import UNITS
 from validation.cases.program.guards.robot import SECTION, scaled_difference
 from validation.context import Context
 from validation.models.legs import constant_leg_of
 from validation.solids.legs import CORNER_ORDER, FORMAL_ORDER, section_counts, similar_mesh, slices
-from validation.studies.convergence import step_factor
 
 COWPER = "G. R. Cowper, J. Appl. Mech. 33 (1966) 335, against finite elements on the section"
 NU = 0.3

@@ -4,7 +4,7 @@ from functools import partial
 
 import numpy as np
 
-from fem.bodies.frame import modes as frame_modes
+from fem.beams.frame import modes as frame_modes
 from fem.reduction.craig_bampton import craig_bampton
 from fem.reduction.superelement import held_leg
 from fem.solvers import sparse_system
@@ -34,9 +34,7 @@ _SWEPT_VARIANTS = ("as it is", "tool offset")
 
 def cases() -> tuple[Case, ...]:
     """Compliance and frequencies by both ways, with and without a tool offset."""
-    frame = (
-        "the same robot as a frame of Timoshenko beams, placed by coordinates (fem.bodies.frame)"
-    )
+    frame = "the same robot as a frame of Timoshenko beams, placed by coordinates (fem.beams.frame)"
     reduced = (
         f"largest relative difference of the first {MODES}",
         frame,

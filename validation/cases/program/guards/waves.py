@@ -11,11 +11,11 @@ from fem.sections.waveguide import torsion_wave
 from lumped.legs import Material
 from lumped.sections import ISection
 from meshes.section.section_mesh import section_mesh
+from validation.agreement.convergence import step_factor
 from validation.case import Case, Measurement, Relative
 from validation.cases.program.guards.reduction import guard_case
 from validation.context import Context
 from validation.solids.legs import CORNER_ORDER
-from validation.studies.convergence import step_factor
 
 # Walls thick enough for 3-D waves and one warping function to agree, open enough to warp.
 _OPEN = ISection(width=0.1, height=0.16, flange=0.02, web=0.02)

@@ -4,11 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from validation.case import Case
-from validation.cases.program.judgement.claims import claims_case, same
-from validation.context import Context
-from validation.solids.legs import Refinement
-from validation.studies.convergence import (
+from validation.agreement.convergence import (
     analyse,
     fit_order,
     grid_convergence_index,
@@ -20,6 +16,10 @@ from validation.studies.convergence import (
     three_grid_order,
     uncertainty_of,
 )
+from validation.case import Case
+from validation.cases.program.judgement.claims import claims_case, same
+from validation.context import Context
+from validation.solids.legs import Refinement
 
 _SOURCE = "P. J. Roache, J. Fluids Eng. 116 (1994) 405; ASME V&V 20-2009 §2"
 _SIZES = np.array([1.0, 0.5, 0.25, 0.125])

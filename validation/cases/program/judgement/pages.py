@@ -23,8 +23,9 @@ from validation.case import (
 from validation.cases.program.judgement.claims import claims_case, same
 from validation.cases.program.judgement.rules import probe
 from validation.context import Context
+from validation.drawing import text
 from validation.exhibits import Study, study_record
-from validation.report import tables, text
+from validation.report import tables
 from validation.report.listing import outcome_line, summary, tolerance_text
 from validation.results.junit import junit_xml
 
@@ -232,8 +233,8 @@ def _curves(_context: Context) -> Mapping[str, bool]:
         limits={"vjm": 4.0},
     )
     # Only who computes the claims waits for the plots' library.
+    from validation.drawing.style import csv_of  # noqa: PLC0415
     from validation.report.figures.studies.family_plots import study_plot  # noqa: PLC0415
-    from validation.report.figures.style import csv_of  # noqa: PLC0415
 
     rows = list(csv.reader(io.StringIO(study_plot(study).data)))
     columns = dict(zip(rows[0], zip(*rows[1:], strict=True), strict=True))
@@ -273,8 +274,8 @@ def _shown(_context: Context) -> Mapping[str, bool]:
     suite = ET.fromstring(junit_xml(outcomes, "made up")).find("testsuite")  # noqa: S314
     series = {name: tuple(rng.uniform(0.0, 1.0, 4).tolist()) for name in models}
     study = Study("random", "sweep", "made up", "x", "y", "µm", (1.0, 2.0, 3.0, 4.0), series)
+    from validation.drawing.style import csv_of  # noqa: PLC0415
     from validation.report.figures.studies.family_plots import study_plot  # noqa: PLC0415
-    from validation.report.figures.style import csv_of  # noqa: PLC0415
 
     written = csv_of({"x": study.x, **series})
     read = list(csv.reader(io.StringIO(written)))

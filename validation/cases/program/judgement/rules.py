@@ -20,7 +20,7 @@ from validation.case import (
 )
 from validation.cases.program.judgement.claims import claims_case, same
 from validation.context import Context
-from validation.studies.decision import kendall, spearman
+from validation.sweeps.decision import kendall, spearman
 
 _RANDOM = 300
 _RULE = "README, what the verdict means: E less the allowances within the tolerance, and so its "

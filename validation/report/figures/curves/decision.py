@@ -8,16 +8,7 @@ from matplotlib.axes import Axes
 
 from lumped.arrays import Array
 from validation.context import Context
-from validation.exhibits import LENGTHS, Drawing, Figure
-from validation.report.figures.curves.lines import (
-    ALPHA_LABEL,
-    PLACES,
-    as_in_paper,
-    from_zero,
-    legend_above,
-    plain_log,
-)
-from validation.report.figures.style import (
+from validation.drawing.style import (
     MODELS,
     PURPLE,
     Look,
@@ -27,16 +18,28 @@ from validation.report.figures.style import (
     plot_style,
     svg_of,
 )
-from validation.studies.decision import MEANING, OBJECTIVES, UNITS, Decision, Objective
+from validation.exhibits import LENGTHS, Drawing, Figure
+from validation.report.figures.curves.lines import (
+    ALPHA_LABEL,
+    PLACES,
+    as_in_paper,
+    from_zero,
+    legend_above,
+    plain_log,
+)
+from validation.sweeps.decision import MEANING, OBJECTIVES, UNITS, Decision, Objective
 from validation.sweeps.plans import FREE, RIGID, stroke_stations
-from validation.sweeps.results import (
+from validation.sweeps.studies import (
     DECIDED,
     GROUP,
+    PLANS,
+    POINTS,
+    STROKE_FREQUENCIES,
+    Curves,
     decision_of,
     family_of,
     stroke_of,
 )
-from validation.sweeps.studies import PLANS, POINTS, STROKE_FREQUENCIES, Curves
 
 # From the bottom of the stack to its top: colour, marker and width (pt) of each model.
 LOOKS: Mapping[str, tuple[Look, float]] = {

@@ -8,8 +8,7 @@ from matplotlib.axes import Axes
 
 from lumped.arrays import Array
 from validation.context import Context
-from validation.exhibits import STROKE, Drawing, Figure
-from validation.report.figures.style import (
+from validation.drawing.style import (
     BLUE,
     GREEN,
     ORANGE,
@@ -21,6 +20,7 @@ from validation.report.figures.style import (
     plot_style,
     svg_of,
 )
+from validation.exhibits import STROKE, Drawing, Figure
 from validation.studies.quantities import RobotModes, robot_modes
 
 MODES = 6

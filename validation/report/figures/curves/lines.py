@@ -15,8 +15,8 @@ from matplotlib.figure import Figure as Canvas
 from lumped.arrays import Array
 from lumped.errors import ComputationError
 from validation.context import Preset
+from validation.drawing.style import BLUE, MODELS, PURPLE, Look, marked
 from validation.models.options import DEFAULT_OPTIONS, ModelName, ModelOptions
-from validation.report.figures.style import BLUE, MODELS, PURPLE, Look, marked
 
 ALPHA_LABEL = "relative leg length α"
 PLACES = {"centre": "centre of the stroke", "left": "left end", "right": "right end"}

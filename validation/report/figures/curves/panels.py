@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 
 from lumped.arrays import Array
 from validation.context import Context
+from validation.drawing.style import canvas, csv_of, plot_style, svg_of
 from validation.report.figures.curves.lines import (
     ALPHA_LABEL,
     PLACES,
@@ -22,7 +23,6 @@ from validation.report.figures.curves.lines import (
     percent_scale,
 )
 from validation.report.figures.curves.sweeps import stations
-from validation.report.figures.style import canvas, csv_of, plot_style, svg_of
 from validation.studies.quantities import ALPHAS, FIGURE_POINTS
 
 T = TypeVar("T")

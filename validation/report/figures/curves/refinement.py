@@ -3,11 +3,9 @@
 import numpy as np
 
 from lumped.arrays import Array
+from validation.agreement.convergence import order_of_errors
 from validation.context import Context
-from validation.exhibits import ELEMENTS, Drawing, Figure
-from validation.models.legs import constant_leg_of
-from validation.report.figures.curves.lines import legend_above
-from validation.report.figures.style import (
+from validation.drawing.style import (
     MODELS,
     PURPLE,
     Look,
@@ -17,7 +15,9 @@ from validation.report.figures.style import (
     power_ticks,
     svg_of,
 )
-from validation.studies.convergence import order_of_errors
+from validation.exhibits import ELEMENTS, Drawing, Figure
+from validation.models.legs import constant_leg_of
+from validation.report.figures.curves.lines import legend_above
 from validation.studies.element_refinement import (
     COUNTS,
     MODES,

@@ -6,8 +6,7 @@ from matplotlib.axes import Axes
 from fem.bodies.leg_energies import DISTORTION
 from lumped.arrays import Array
 from validation.context import Context
-from validation.exhibits import SOLID_ROBOT, Drawing, Figure
-from validation.report.figures.style import (
+from validation.drawing.style import (
     BLUE,
     GREEN,
     ORANGE,
@@ -19,6 +18,7 @@ from validation.report.figures.style import (
     plot_style,
     svg_of,
 )
+from validation.exhibits import SOLID_ROBOT, Drawing, Figure
 from validation.solids.sixty import ALONE, SIXTY, SixtyModes, in_the_feet, sixty
 
 _ID = "robot.solid.sixty-modes"

@@ -15,8 +15,7 @@ from lumped.mechanism.joint import Joint, Side
 from lumped.mechanism.mechanism import GROUND, Mechanism
 from lumped.models.bodies import leg_of, legs_of
 from lumped.system.assembly import System
-from validation.kinematics.solids import Face, body_faces, joint_faces, on_ground, outlines
-from validation.report.figures.pictures.drawing.prisms import (
+from validation.drawing.prisms import (
     Surface,
     edges,
     end_faces,
@@ -24,8 +23,9 @@ from validation.report.figures.pictures.drawing.prisms import (
     prism_faces,
     prism_points,
 )
-from validation.report.figures.pictures.drawing.rendering import DARK, GREY, Body, Wire
-from validation.report.figures.style import MODELS, ORANGE
+from validation.drawing.rendering import DARK, GREY, Body, Wire
+from validation.drawing.style import MODELS, ORANGE
+from validation.kinematics.solids import Face, body_faces, joint_faces, on_ground, outlines
 
 _STATIONS = 15
 # Places along a leg where another model's outlines are drawn over it, slightly larger.

@@ -20,6 +20,13 @@ from validation.adequacy.mechanism.statics import compliances, static_reference,
 from validation.adequacy.mechanism.subject import mechanism_models
 from validation.adequacy.partners import partners
 from validation.context import Context
+from validation.drawing.style import (
+    MODELS,
+    OTHERS,
+    PURPLE,
+    Look,
+    csv_of,
+)
 from validation.exhibits import PATH, Drawing, Figure
 from validation.models.mechanism import JUDGED_MODES
 from validation.models.options import ModelName, ModelOptions
@@ -30,13 +37,6 @@ from validation.report.figures.mechanism.panels import (
     columns_of,
     compared_svg,
     differences,
-)
-from validation.report.figures.style import (
-    MODELS,
-    OTHERS,
-    PURPLE,
-    Look,
-    csv_of,
 )
 from validation.solids.robots import SHARED_SOLIDS
 

@@ -12,11 +12,7 @@ from lumped.mechanism.mechanism import Mechanism
 from validation.adequacy.mechanism.path import known_legs, path_postures
 from validation.case import Skip
 from validation.context import Context
-from validation.exhibits import PATH, Drawing, Figure
-from validation.models.mechanism_modes import PostureModes, mechanism_modes
-from validation.models.parts import parts_of
-from validation.report.figures.curves.lines import legend_above
-from validation.report.figures.style import (
+from validation.drawing.style import (
     BLUE,
     GREEN,
     ORANGE,
@@ -29,6 +25,10 @@ from validation.report.figures.style import (
     plot_style,
     svg_of,
 )
+from validation.exhibits import PATH, Drawing, Figure
+from validation.models.mechanism_modes import PostureModes, mechanism_modes
+from validation.models.parts import parts_of
+from validation.report.figures.curves.lines import legend_above
 from validation.solids.robots import SHARED_SOLIDS
 
 _ID = "mechanism.strain-energy"

@@ -12,13 +12,13 @@ from validation.adequacy.mechanism.path import offered, path_postures
 from validation.adequacy.mechanism.samples import samples_of
 from validation.adequacy.partners import partners
 from validation.adequacy.response import Vibration
+from validation.agreement.mode_pairing import mac_matrix
 from validation.case import Skip
 from validation.context import Context
+from validation.drawing.style import MODELS, canvas, csv_of, plot_style, svg_of
 from validation.exhibits import PATH, Drawing, Figure
 from validation.models.options import ModelOptions
-from validation.report.figures.style import MODELS, canvas, csv_of, plot_style, svg_of
 from validation.solids.robots import SHARED_SOLIDS
-from validation.studies.mode_pairing import mac_matrix
 
 _ID = "mechanism.pairs"
 _TITLE = "Modes paired by shape with the reference's"

@@ -8,8 +8,8 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 from lumped.arrays import Array
+from validation.drawing.style import Look, canvas, marked, plot_style, svg_of
 from validation.report.figures.curves.lines import from_zero, legend_above, percent_scale
-from validation.report.figures.style import Look, canvas, marked, plot_style, svg_of
 
 # in, of a row of panels and of the differences below it.
 _HIGH, _LOW = 2.0, 1.5

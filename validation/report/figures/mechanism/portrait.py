@@ -4,9 +4,9 @@ from io import BytesIO
 
 from validation.adequacy.mechanism.path import path_postures
 from validation.context import Context
+from validation.drawing.style import plot_style
 from validation.exhibits import PATH, PORTRAIT, Drawing, Figure
 from validation.kinematics.picture import picture
-from validation.report.figures.style import plot_style
 
 _DOTS = 200  # per inch
 _HALF = 4.2  # in, beside the errors

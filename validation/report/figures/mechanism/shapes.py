@@ -9,8 +9,24 @@ from lumped.models.bodies import legs_of
 from lumped.system.assembly import System
 from lumped.system.solution import solved
 from validation.adequacy.mechanism.path import path_postures
+from validation.agreement.mode_pairing import neighbours
 from validation.case import Skip
 from validation.context import Context
+from validation.drawing.opengl import require_vtk
+from validation.drawing.prisms import readable_factor
+from validation.drawing.rendering import (
+    Scene,
+    arrow,
+    colour_bar,
+    panel_pixels,
+    picture_of,
+    show,
+    squares,
+    triad,
+)
+from validation.drawing.scenes import interactive
+from validation.drawing.style import MODELS, VERMILLION, canvas, csv_of, plot_style
+from validation.drawing.view import fitted_view
 from validation.exhibits import PATH, Drawing, Figure, InteractiveScene
 from validation.models.mechanism_modes import PostureModes, mechanism_modes
 from validation.models.options import ModelName
@@ -23,22 +39,6 @@ from validation.report.figures.mechanism.bodies import (
     rails,
     surroundings,
 )
-from validation.report.figures.pictures.drawing.opengl import require_vtk
-from validation.report.figures.pictures.drawing.prisms import readable_factor
-from validation.report.figures.pictures.drawing.rendering import (
-    Scene,
-    arrow,
-    colour_bar,
-    panel_pixels,
-    picture_of,
-    show,
-    squares,
-    triad,
-)
-from validation.report.figures.pictures.drawing.scenes import interactive
-from validation.report.figures.pictures.drawing.view import fitted_view
-from validation.report.figures.style import MODELS, VERMILLION, canvas, csv_of, plot_style
-from validation.studies.mode_pairing import neighbours
 
 GROUP = "pictures"
 _MODES = 4

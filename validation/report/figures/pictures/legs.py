@@ -11,13 +11,11 @@ from lumped.legs import ConstantLeg
 from lumped.models.cantilever import clamped_modes
 from meshes.elements import ELEMENTS
 from meshes.solid_mesh import SolidMesh
+from validation.agreement.mode_pairing import centreline_samples, centreline_weights, pair_modes
 from validation.case import Skip
 from validation.context import Context
-from validation.exhibits import Drawing, Figure
-from validation.models.legs import constant_leg_of, leg_matrices, solid_modes
-from validation.models.options import DEFAULT_OPTIONS
-from validation.report.figures.pictures.drawing.opengl import require_vtk
-from validation.report.figures.pictures.drawing.prisms import (
+from validation.drawing.opengl import require_vtk
+from validation.drawing.prisms import (
     Surface,
     edges,
     frames,
@@ -25,7 +23,7 @@ from validation.report.figures.pictures.drawing.prisms import (
     prism_points,
     section_displacements,
 )
-from validation.report.figures.pictures.drawing.rendering import (
+from validation.drawing.rendering import (
     Body,
     Scene,
     Wire,
@@ -36,13 +34,15 @@ from validation.report.figures.pictures.drawing.rendering import (
     squares,
     triad,
 )
-from validation.report.figures.pictures.drawing.scenes import interactive
-from validation.report.figures.pictures.drawing.view import fitted_view
+from validation.drawing.scenes import interactive
+from validation.drawing.style import MODELS, canvas, csv_of, plot_style
+from validation.drawing.view import fitted_view
+from validation.exhibits import Drawing, Figure
+from validation.models.legs import constant_leg_of, leg_matrices, solid_modes
+from validation.models.options import DEFAULT_OPTIONS
 from validation.report.figures.pictures.robot import GROUP
 from validation.report.figures.pictures.robot_shape import OUTSET
-from validation.report.figures.style import MODELS, canvas, csv_of, plot_style
 from validation.solids.size import too_large
-from validation.studies.mode_pairing import centreline_samples, centreline_weights, pair_modes
 
 MODES = 4
 # Enough for a picture: the numbers of the report come from finer meshes.

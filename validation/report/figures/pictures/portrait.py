@@ -4,9 +4,8 @@ import numpy as np
 from matplotlib.figure import Figure as Canvas
 
 from validation.context import Context
-from validation.exhibits import PORTRAIT, STROKE, Drawing, Figure
-from validation.report.figures.pictures.drawing.opengl import require_vtk
-from validation.report.figures.pictures.drawing.rendering import (
+from validation.drawing.opengl import require_vtk
+from validation.drawing.rendering import (
     Body,
     Scene,
     Wire,
@@ -16,15 +15,16 @@ from validation.report.figures.pictures.drawing.rendering import (
     triad,
     write,
 )
-from validation.report.figures.pictures.drawing.scenes import interactive
-from validation.report.figures.pictures.drawing.view import fitted_view
+from validation.drawing.scenes import interactive
+from validation.drawing.style import MODELS, WIDTH, plot_style
+from validation.drawing.view import fitted_view
+from validation.exhibits import PORTRAIT, STROKE, Drawing, Figure
 from validation.report.figures.pictures.robot_shape import (
     legs_at_rest,
     slide_places,
     surroundings,
     top_of_joint,
 )
-from validation.report.figures.style import MODELS, WIDTH, plot_style
 
 _TITLE = "The robot"
 _HEIGHT = 3.3  # in

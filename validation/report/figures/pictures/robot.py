@@ -8,12 +8,9 @@ from matplotlib.axes import Axes
 from lumped.arrays import Array
 from lumped.biglide import Biglide
 from validation.context import Context
-from validation.exhibits import STROKE, Drawing, Figure, InteractiveScene
-from validation.models.options import DEFAULT_OPTIONS
-from validation.report.figures.curves.lines import as_in_paper
-from validation.report.figures.pictures.drawing.opengl import require_vtk
-from validation.report.figures.pictures.drawing.prisms import readable_factor
-from validation.report.figures.pictures.drawing.rendering import (
+from validation.drawing.opengl import require_vtk
+from validation.drawing.prisms import readable_factor
+from validation.drawing.rendering import (
     Body,
     Scene,
     arrow,
@@ -25,8 +22,12 @@ from validation.report.figures.pictures.drawing.rendering import (
     triad,
     write,
 )
-from validation.report.figures.pictures.drawing.scenes import Motion, interactive
-from validation.report.figures.pictures.drawing.view import View, fitted_view
+from validation.drawing.scenes import Motion, interactive
+from validation.drawing.style import MODELS, VERMILLION, canvas, csv_of, plot_style
+from validation.drawing.view import View, fitted_view
+from validation.exhibits import STROKE, Drawing, Figure, InteractiveScene
+from validation.models.options import DEFAULT_OPTIONS
+from validation.report.figures.curves.lines import as_in_paper
 from validation.report.figures.pictures.element_columns import (
     load_columns,
     segments_like,
@@ -42,7 +43,6 @@ from validation.report.figures.pictures.robot_shape import (
     surroundings,
     top_of_joint,
 )
-from validation.report.figures.style import MODELS, VERMILLION, canvas, csv_of, plot_style
 from validation.studies.quantities import LOAD, MICRO, RobotModes, robot_modes
 
 GROUP = "pictures"

@@ -11,7 +11,7 @@ from lumped.legs import ConstantLeg, equivalent_leg
 from lumped.mechanism.body_model import LegMatrices
 from lumped.system.assembly import System
 from lumped.system.solution import solved
-from validation.report.figures.pictures.drawing.prisms import (
+from validation.drawing.prisms import (
     Surface,
     box,
     edges,
@@ -24,8 +24,8 @@ from validation.report.figures.pictures.drawing.prisms import (
     prism_points,
     section_displacements,
 )
-from validation.report.figures.pictures.drawing.rendering import DARK, Body, Wire
-from validation.report.figures.style import MODELS
+from validation.drawing.rendering import DARK, Body, Wire
+from validation.drawing.style import MODELS
 
 _STATIONS = 41
 _LEGS = ("leg1", "leg2")

@@ -15,8 +15,7 @@ from matplotlib.patches import Patch
 
 from lumped.arrays import Array
 from validation.case import Allowance, Measurement, Outcome
-from validation.exhibits import Figure
-from validation.report.figures.style import (
+from validation.drawing.style import (
     BLUE,
     GREEN,
     ORANGE,
@@ -31,7 +30,8 @@ from validation.report.figures.style import (
     plot_style,
     svg_of,
 )
-from validation.report.text import function_name
+from validation.drawing.text import function_name
+from validation.exhibits import Figure
 
 # Colour and hatch of the causes: the hatch tells them apart in black and white.
 _LOOKS = (

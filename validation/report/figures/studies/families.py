@@ -5,8 +5,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from validation.case import Outcome
+from validation.drawing.text import function_name
 from validation.exhibits import Study
-from validation.report.text import function_name
 
 
 @dataclass(frozen=True)

@@ -11,9 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure as Canvas
 
 from lumped.arrays import Array
-from validation.exhibits import Figure, Study
-from validation.report.figures.studies.families import Curve, Family, alone
-from validation.report.figures.style import (
+from validation.drawing.style import (
     OTHERS,
     PURPLE,
     Frame,
@@ -27,6 +25,8 @@ from validation.report.figures.style import (
     power_ticks,
     svg_of,
 )
+from validation.exhibits import Figure, Study
+from validation.report.figures.studies.families import Curve, Family, alone
 
 
 def family_plot(family: Family) -> Figure:

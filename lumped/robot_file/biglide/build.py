@@ -10,7 +10,7 @@ from lumped.acceptance.measured import Measured, measured_faults, pose_faults
 from lumped.biglide import Biglide, geometry_faults
 from lumped.legs import GivenLeg
 from lumped.mechanism.mechanism import Mechanism
-from lumped.robot_file.corrections import can_be_scaled, correction_faults, value_at
+from lumped.robot_file.biglide.corrections import can_be_scaled, correction_faults, value_at
 from lumped.robot_file.leg_table import leg_faults, leg_of, symmetric
 from lumped.robot_file.table_faults import table_faults
 from lumped.robot_file.tables import (

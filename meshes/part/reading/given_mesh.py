@@ -18,7 +18,7 @@ from lumped.mechanism.part import METRES
 from meshes.elements import ELEMENTS, SolidElement
 from meshes.part.boundary import Facets, boundary, smooth_faces
 from meshes.part.part_mesh import PartMesh
-from meshes.part.units import chosen_unit, require_plausible
+from meshes.part.reading.units import chosen_unit, require_plausible
 from meshes.quality import quality
 from meshes.solid_mesh import VolumeMesh
 

@@ -40,7 +40,7 @@ def faces(
     json
         Print JSON for programs, and draw nothing.
     """
-    from meshes.part.read import read_part  # noqa: PLC0415
+    from meshes.part.reading.read import read_part  # noqa: PLC0415
     from validation.parts import face_list  # noqa: PLC0415
 
     found = read_part(part, unit)
@@ -138,7 +138,7 @@ def _typed(
 ) -> "Identified":
     """What was typed of a part, identified."""
     from meshes.part.interfaces import find_interfaces  # noqa: PLC0415
-    from meshes.part.read import read_part  # noqa: PLC0415
+    from meshes.part.reading.read import read_part  # noqa: PLC0415
     from validation.parts import identify as identifying  # noqa: PLC0415
     from validation.parts import request  # noqa: PLC0415
 

@@ -5,8 +5,8 @@ import pytest
 from scipy.linalg import eigh, eigvalsh, null_space
 from scipy.sparse import csr_array
 
+from fem.solvers.certificate.sturm import Inertia, count_below, dissect, inertia
 from fem.solvers.ordering import block_graph
-from fem.solvers.sturm import Inertia, count_below, dissect, inertia
 
 BACKENDS = [
     "cholmod",

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from fem.bodies.beam_theory import (
+from fem.beams.beam_theory import (
     bending_frequencies,
     cantilever_frequencies,
     euler_bernoulli_roots,

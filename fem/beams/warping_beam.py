@@ -1,4 +1,4 @@
-"""A beam whose sections warp: the frame member of `fem.bodies.beam` with non-uniform torsion.
+"""A beam whose sections warp: the frame member of `fem.beams.beam` with non-uniform torsion.
 
 Torsion of `fem.sections.nonuniform_torsion` in place of Saint-Venant's: besides its rotation every
 section has a warping intensity χ, quadratic along each element, which end faces may hold. Where
@@ -9,7 +9,7 @@ import numpy as np
 from scipy.sparse import block_array, block_diag, csr_array, csr_matrix, hstack
 from skfem import Basis, ElementLineP2, MeshLine
 
-from fem.bodies.beam import beam_leg
+from fem.beams.beam import beam_leg
 from fem.sections.nonuniform_torsion import line_products, warping_rod
 from fem.sections.section_constants import SectionConstants, beam_properties
 from lumped.arrays import Array, SparseMatrix

@@ -13,10 +13,10 @@ from matplotlib.figure import Figure as Canvas
 from numpy.typing import NDArray
 
 from lumped.arrays import Array, IntArray
-from validation.report.figures.pictures.drawing.opengl import MESSAGE, usable_window
-from validation.report.figures.pictures.drawing.prisms import Surface
-from validation.report.figures.pictures.drawing.view import View, pixels
-from validation.report.figures.style import WIDTH
+from validation.drawing.opengl import MESSAGE, usable_window
+from validation.drawing.prisms import Surface
+from validation.drawing.style import WIDTH
+from validation.drawing.view import View, pixels
 
 # Told apart by colour-blind readers, and light against dark when printed in grey.
 COLOUR_MAP = "viridis"

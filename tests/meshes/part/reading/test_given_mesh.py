@@ -8,7 +8,7 @@ from lumped.errors import InputError
 from lumped.mechanism.part import ByCylinder, ByName, PartInterface
 from meshes.gmsh_session import gmsh_model
 from meshes.part.interfaces import find_interfaces
-from meshes.part.read import read_part
+from meshes.part.reading.read import read_part
 
 
 @pytest.fixture(scope="module")

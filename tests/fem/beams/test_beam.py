@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem.bodies.beam import beam_leg
-from fem.bodies.beam_theory import (
+from fem.beams.beam import beam_leg
+from fem.beams.beam_theory import (
     bending_frequencies,
     cantilever_frequencies,
     tension_frequencies,

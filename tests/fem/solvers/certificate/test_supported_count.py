@@ -5,9 +5,9 @@ from scipy.linalg import eigvalsh, null_space
 import fem.bodies.leg_modes
 from fem.bodies.leg_modes import clamped_count
 from fem.bodies.solid import clamped_leg, solid_leg
+from fem.solvers.certificate.supported_count import separator_supports, supported_count
 from fem.solvers.factor import upper_triangle, whole_matrix
 from fem.solvers.modes import MissedModesError, certify
-from fem.solvers.supported_count import separator_supports, supported_count
 from lumped.legs import ConstantLeg, Material
 from lumped.sections import ISection, Rectangle
 from meshes.prism.extrude import extrude, stations

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from lumped.errors import InputError
-from meshes.part.read import read_part
+from meshes.part.reading.read import read_part
 
 
 def test_a_box_is_as_large_as_it_was_drawn(box_step):

@@ -15,9 +15,9 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 
 from lumped.arrays import Array
+from validation.drawing.rendering import Body, Scene, Wire, add_to
+from validation.drawing.text import base64
 from validation.exhibits import InteractiveScene
-from validation.report.figures.pictures.drawing.rendering import Body, Scene, Wire, add_to
-from validation.report.text import base64
 
 _ADDRESS = re.compile(r"(?<=[\"{])[0-9a-f]{16}(?=[\"}-])")
 # The earliest date that a ZIP archive can carry.

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from fem.bodies.beam import beam_leg
-from fem.bodies.warping_beam import warping_beam_leg
+from fem.beams.beam import beam_leg
+from fem.beams.warping_beam import warping_beam_leg
 from fem.sections.nonuniform_torsion import cantilever_frequencies, held_torsion_compliance
 from fem.sections.section_constants import SectionConstants, beam_properties, section_constants
 from lumped.legs import Material, tip_compliance

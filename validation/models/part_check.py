@@ -6,7 +6,7 @@ from lumped.arrays import Array
 from lumped.errors import InputError
 from lumped.mechanism.mechanism import Mechanism
 from meshes.part.interfaces import Interface
-from meshes.part.read import PartFile
+from meshes.part.reading.read import PartFile
 from validation.models.parts import found_in, parts_of
 
 

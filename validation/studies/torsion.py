@@ -18,8 +18,8 @@ from lumped.arrays import Array
 from lumped.biglide import Biglide
 from lumped.legs import ConstantLeg
 from meshes.section.section_mesh import section_mesh
+from validation.agreement.mode_pairing import CLOSE
 from validation.solids.legs import section_counts
-from validation.studies.mode_pairing import CLOSE
 from validation.studies.paired_robot_modes import SampledModes, paired
 
 # A torsional mode on its way to its own frequency may pass others, with which it mixes: what counts

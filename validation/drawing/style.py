@@ -21,7 +21,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure as Canvas
 
-from validation.report.text import power_of_ten
+from validation.drawing.text import power_of_ten
 
 WIDTH = 7.4  # in, of every plot
 LINE_HEIGHT = 0.165  # in, of a line in a legend

@@ -13,9 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csr_array
 
+from fem.solvers.certificate.sturm import Inertia
 from fem.solvers.factor import NotPositiveDefiniteError, SeparatedFactor, upper_triangle
 from fem.solvers.renewable_factor import RenewableFactor
-from fem.solvers.sturm import Inertia
 from lumped.arrays import Array, IntArray, SparseMatrix
 
 # Separators that carry supports, one number after the other until Ã is positive definite.

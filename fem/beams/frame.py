@@ -1,6 +1,6 @@
 """Frames in space: prismatic beam members between nodes, supports, springs and point masses.
 
-Members are those of `fem.bodies.beam`, so that statics under loads at the nodes are exact and
+Members are those of `fem.beams.beam`, so that statics under loads at the nodes are exact and
 frequencies converge with the fourth power of the element's length. Nodes have six unknowns in
 frame axes; what the members add inside stays in member axes. For small frames: the matrices are
 solved densely.
@@ -14,7 +14,7 @@ from typing import Literal, TypeAlias, get_args
 import numpy as np
 from scipy.sparse import block_diag, csr_matrix, identity, vstack
 
-from fem.bodies.beam import beam_leg
+from fem.beams.beam import beam_leg
 from lumped.arrays import Array, IntArray, SparseMatrix
 from lumped.dense.modes import Modes, solve_modes
 from lumped.dense.statics import solve_statics

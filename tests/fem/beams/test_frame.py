@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem.bodies.frame import (
+from fem.beams.frame import (
     Frame,
     Member,
     PointMass,

@@ -10,11 +10,18 @@ from lumped.errors import InputError
 from lumped.files import require_ordinary
 from meshes.gmsh_arrays import connectivity, numbered
 from meshes.part.boundary import Facets
-from meshes.part.cad import BREP, STEP, CadModel, VolumeProperties, cad_model, naming_the_place
 from meshes.part.faces import Face, face_of
-from meshes.part.given_mesh import MESHES, read_mesh
 from meshes.part.part_mesh import PartMesh
-from meshes.part.units import describe
+from meshes.part.reading.cad import (
+    BREP,
+    STEP,
+    CadModel,
+    VolumeProperties,
+    cad_model,
+    naming_the_place,
+)
+from meshes.part.reading.given_mesh import MESHES, read_mesh
+from meshes.part.reading.units import describe
 
 # Sides of a full circle and pieces along the part of the surface that faces are recognised on.
 _SIDES, _PIECES = 24.0, 25.0

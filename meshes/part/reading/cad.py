@@ -16,7 +16,7 @@ from lumped.arrays import Array
 from lumped.errors import ComputationError, InputError
 from lumped.mechanism.part import METRES
 from meshes.gmsh_session import gmsh_model
-from meshes.part.units import chosen_unit, describe, require_plausible, step_unit
+from meshes.part.reading.units import chosen_unit, describe, require_plausible, step_unit
 
 STEP, BREP = (".step", ".stp"), (".brep", ".brp")
 
