@@ -44,6 +44,23 @@ def test_poses_are_typed_with_commas_and_negative_ones_too(capsys):
     assert "motor1  revolute        +0.000°  driven" in printed.split("pose 2:")[1]
 
 
+@pytest.mark.parametrize(
+    ("robot", "joint", "pose", "factor", "unit"),
+    [
+        ("five-bar", "motor1", "-0.1,0.5", 180.0 / np.pi, "°"),
+        ("hexapod", "drive1", "0.02,0.01,0.68,0,0,0", 1e3, " mm"),
+    ],
+)
+def test_people_read_degrees_and_millimetres(robot, joint, pose, factor, unit, capsys):
+    assert cli.main(["kinematics", robot, "--pose", pose, "--json"]) == 0
+    (found,) = json.loads(capsys.readouterr().out)["results"]
+    (value,) = found["coordinates"][joint]
+    assert abs(value) > 1e-3
+    assert cli.main(["kinematics", robot, "--pose", pose]) == 0
+    (line,) = (one for one in capsys.readouterr().out.splitlines() if f"  {joint} " in f"{one} ")
+    assert f"{factor * value:+.3f}{unit}" in line
+
+
 def test_every_wrong_pose_is_named_with_exit_code_2(capsys):
     assert cli.main(["kinematics", "five-bar", "--pose", "1,2,3", "--pose", "a,b"]) == 2
     faults = capsys.readouterr().err.splitlines()

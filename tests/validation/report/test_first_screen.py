@@ -4,6 +4,7 @@ import csv
 import io
 import re
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -161,6 +162,18 @@ def test_pose_and_verdict_are_in_the_csv():
     found = next(row for row in rows if (row["model"], row["quantity"]) == ("simplified", "y"))
     assert (found["verdict"], found["x (m)"], found["error"]) == ("inadequate", "0.4975", "-0.87")
     assert found["error with remedy"] == "0.002"
+    # Of distinct numbers each stands under its own heading.
+    one = replace(
+        sample_matrix().entries[0],
+        error=-0.1,
+        uncertainty=0.02,
+        limit=0.05,
+        value=9.0,
+        expected=10.0,
+    )
+    (row,) = csv.DictReader(io.StringIO(csv_of_matrix(sample_matrix(entries=(one,)))))
+    headings = ("error", "uncertainty", "limit", "value", "reference value")
+    assert [row[name] for name in headings] == ["-0.1", "0.02", "0.05", "9.0", "10.0"]
 
 
 def test_entries_of_the_same_cause_and_remedy_share_a_line():

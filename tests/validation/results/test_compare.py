@@ -122,6 +122,23 @@ def test_a_reference_that_moves_is_drift_too():
     assert not comparison.worsened
 
 
+def test_programs_are_told_what_moved_from_where_to_where():
+    moved = replace(STEADY, value=1.25, numerical_uncertainty=0.02, seconds=3.5, unit="Hz")
+    told = as_dict(compare(run_of(STEADY), run_of(moved)))
+    assert told["drifted"] == [
+        {
+            "id": "steady",
+            "what": "value",
+            "unit": "Hz",
+            "before": 1.0,
+            "after": 1.25,
+            "drift": 0.25,
+            "allowed": 0.02,
+        }
+    ]
+    assert told["seconds"] == [{"id": "steady", "before": 1.0, "after": 3.5}]
+
+
 def test_the_text_names_everything_that_changed():
     before = run_of(STEADY, replace(STEADY, id="worse"), replace(STEADY, id="gone"))
     after = run_of(

@@ -248,6 +248,18 @@ def test_messages_with_control_characters_are_still_xml(toys):
     assert error.get("message") == "?[31mred? <&>"
 
 
+def test_ci_systems_are_told_how_many_failed_and_how_many_were_left_out(toys):
+    case = toys.case("toy.counted", toys.agrees)
+    told = {"agree": 1, "disagree": 2, "failed": 3, "skipped": 4, "undecided": 5}
+    outcomes = [Outcome(case, verdict, 0.5) for verdict, n in told.items() for _ in range(n)]
+    suite = ET.fromstring(junit_xml(outcomes, "toys")).find("testsuite")  # noqa: S314  our own
+    counts = {name: int(suite.get(name)) for name in ("tests", "failures", "errors", "skipped")}
+    assert counts == {"tests": 15, "failures": 2, "errors": 3, "skipped": 9}
+    assert float(suite.get("time")) == 7.5
+    for kind, name in (("failures", "failure"), ("errors", "error"), ("skipped", "skipped")):
+        assert len(suite.findall(f"testcase/{name}")) == counts[kind]
+
+
 def test_an_unknown_case_is_refused_with_a_suggestion(toys, robot_file):
     with pytest.raises(InputError, match=r'did you mean "toy\.agrees"'):
         runner.select(toys.sound(robot_file), "quick", "toy.agree")

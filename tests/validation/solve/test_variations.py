@@ -60,6 +60,11 @@ def test_numbers_that_match_vary_together_and_several_in_every_combination(tmp_p
     assert [float(row["z (µm at 1000 N)"]) for row in rows] == [
         pytest.approx(1e9 * one["compliance"][2][2], rel=1e-12) for one in found["results"]
     ]
+    assert [float(row["phi_x (µrad at 100 N m)"]) for row in rows] == [
+        pytest.approx(1e8 * one["compliance"][3][3], rel=1e-12) for one in found["results"]
+    ]
+    keys = ("bodies.rod*.section.diameter", "tool.mass")
+    assert [tuple(float(row[key]) for key in keys) for row in rows] == values
 
 
 @pytest.mark.exhaustive
