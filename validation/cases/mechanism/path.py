@@ -12,6 +12,7 @@ import numpy as np
 
 from fem.beams.stepped import SteppedLeg
 from lumped.arrays import Array
+from lumped.errors import InputError
 from lumped.legs import ConstantLeg
 from lumped.mechanism.body_model import LegMatrices
 from lumped.mechanism.free_twists import free_twists, interface_position
@@ -194,9 +195,11 @@ def _solid(context: Context) -> Measurement:
         raise Skip("no leg is a prism")
     if not all(isinstance(leg, ConstantLeg) for leg in legs.values()):
         raise Skip("legs known by a 6×6 have no section that could be meshed")
-    meshes = {
-        name: solid_leg(context, leg) for name, leg in legs.items() if isinstance(leg, ConstantLeg)
-    }
+    prisms = {name: leg for name, leg in legs.items() if isinstance(leg, ConstantLeg)}
+    try:
+        meshes = {name: solid_leg(context, leg) for name, leg in prisms.items()}
+    except InputError as error:
+        raise Skip(f"{error}; a larger preset may compute it") from error
     coarse, fine = (
         _off_beams(postures, {name: getattr(both, which) for name, both in meshes.items()})
         for which in ("coarse", "fine")
