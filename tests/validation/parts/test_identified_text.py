@@ -10,7 +10,7 @@ import pytest
 from lumped.mechanism.placing import leg_frame
 from lumped.screws import turn_matrix
 from meshes.part.interfaces import Interface
-from meshes.part.read import PartFile
+from meshes.part.reading.read import PartFile
 from validation.parts.identified_text import as_text, toml
 from validation.parts.identify import Identified
 
