@@ -2,6 +2,7 @@
 
 import ast
 import re
+import runpy
 import subprocess
 from collections import Counter
 from collections.abc import Mapping
@@ -159,3 +160,8 @@ def test_what_is_computed_of_models_is_kept_where_it_can_be_forgotten():
         if "cache" in alias.name
     ]
     assert not wrong
+
+
+def test_the_drawing_of_the_house_is_as_its_imports_are():
+    script = runpy.run_path(str(ROOT / "docs" / "pictures" / "architecture.py"))
+    assert script["drawing"]() == script["PICTURE"].read_text(encoding="utf-8")
