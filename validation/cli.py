@@ -154,7 +154,7 @@ def run(
     from lumped.acceptance.measured import digest  # noqa: PLC0415
     from lumped.acceptance.requirement import with_options  # noqa: PLC0415
     from lumped.robot_file import load_robot  # noqa: PLC0415
-    from lumped.robot_file.measured import with_measured  # noqa: PLC0415
+    from lumped.robot_file.load import with_measured  # noqa: PLC0415
     from validation.catalogue import catalogue  # noqa: PLC0415
     from validation.report.detection import names_faults  # noqa: PLC0415
     from validation.run import summary  # noqa: PLC0415

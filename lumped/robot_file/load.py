@@ -3,7 +3,7 @@
 import hashlib
 import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from importlib import resources
 from importlib.resources.abc import Traversable
@@ -12,7 +12,7 @@ from typing import Any
 
 import msgspec
 
-from lumped.acceptance.measured import Measured
+from lumped.acceptance.measured import Measured, pose_faults, read_measured
 from lumped.acceptance.requirement import STATIC_QUANTITIES, Requirement
 from lumped.biglide import Biglide
 from lumped.biglide import mechanism as biglide_mechanism
@@ -241,3 +241,19 @@ def _read(source: str) -> bytes:
             f"{source}: no such file; must be a robot file or a built-in robot "
             f"({', '.join(robots)}){advice}"
         ) from error
+
+
+def with_measured(robot_file: RobotFile, path: Path) -> RobotFile:
+    """The robot file with the measured values of a CSV file after its own.
+
+    Raises InputError with one line per fault, where the robot cannot be at a pose too.
+    """
+    robot, ones = robot_file.described, read_measured(path)
+    faults = [
+        fault
+        for number, one in enumerate(ones, start=2)
+        for fault in pose_faults(robot, one, f"{path}: line {number}")
+    ]
+    if faults:
+        raise InputError(faults)
+    return replace(robot_file, measured=(*robot_file.measured, *ones))

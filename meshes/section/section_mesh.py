@@ -8,8 +8,10 @@ from dataclasses import dataclass
 from types import ModuleType
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from lumped.arrays import Array, IntArray
+from lumped.errors import ComputationError
 from lumped.sections import Section
 from meshes.elements import ELEMENTS, SectionElement
 from meshes.gmsh_arrays import connectivity, numbered
@@ -17,7 +19,6 @@ from meshes.gmsh_session import gmsh_model
 from meshes.section.feasibility import require_section
 from meshes.section.section_blocks import Blocks, Divisions, section_blocks
 from meshes.section.section_outline import add_face, set_element_size
-from meshes.section.symmetry import symmetrised
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,3 +99,20 @@ def counter_clockwise(nodes: Array, cells: IntArray, element: SectionElement) ->
     (ay, az), (by, bz) = (first - origin).T, (last - origin).T
     clockwise = ay * bz < az * by
     return np.where(clockwise[:, None], cells[:, _REVERSED[element]], cells)
+
+
+def symmetrised(nodes: Array, part: str) -> Array:
+    """Nodes (N×2) moved to the mean of their own places and those of their mirror images.
+
+    Gmsh spaces points on arcs to about 1e-9 of their length; a section symmetric to rounding has
+    products of inertia and couplings that vanish to rounding. Raises ComputationError naming
+    `part` where a node has no mirror image within 1e-6 of the section's size.
+    """
+    tolerance = 1e-6 * float(np.ptp(nodes, axis=0).max())
+    for mirror in ([-1.0, 1.0], [1.0, -1.0]):
+        images = nodes * mirror
+        distance, partner = cKDTree(images).query(nodes)
+        if distance.max() > tolerance:
+            raise ComputationError(f"{part}: the mesh is not symmetric about its section's axes")
+        nodes = (nodes + images[partner]) / 2.0
+    return nodes

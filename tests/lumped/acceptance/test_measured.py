@@ -6,7 +6,7 @@ import pytest
 from lumped.acceptance.measured import Measured, digest, read_measured
 from lumped.errors import InputError
 from lumped.robot_file import load_robot
-from lumped.robot_file.measured import with_measured
+from lumped.robot_file.load import with_measured
 
 GOOD = """quantity,pose,value,uncertainty,source,load
 x,0.4975,8.9e-6,1e-7,laser tracker,1000

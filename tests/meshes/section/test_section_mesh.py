@@ -8,8 +8,7 @@ from scipy.spatial import cKDTree
 
 from lumped.errors import ComputationError, InputError
 from lumped.sections import Circle, HollowRectangle, Rectangle, Tube
-from meshes.section.section_mesh import section_mesh
-from meshes.section.symmetry import symmetrised
+from meshes.section.section_mesh import section_mesh, symmetrised
 
 ELEMENTS_OF_SECTIONS = ["quad4", "quad9", "tri3", "tri6"]
 every_element = pytest.mark.parametrize("element", ELEMENTS_OF_SECTIONS)
