@@ -4,12 +4,16 @@ A way of its own to deflections and frequencies. It takes nothing but the robot'
 no springs between segments, no assembler; joints are linear constraints on the polynomials.
 """
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 import numpy as np
 from numpy.polynomial import legendre
-from scipy.linalg import block_diag, eigh, null_space, solve
+from scipy.linalg import LinAlgError, block_diag, eigh, null_space, solve
 
 from lumped.arrays import Array
 from lumped.biglide import Biglide, with_equivalent_legs
+from lumped.errors import ComputationError
 from lumped.legs import BeamProperties, ConstantLeg, equivalent_leg
 
 # Statics of Timoshenko beams are cubic; modes up to the sixth converge geometrically.
@@ -19,17 +23,33 @@ _WITHOUT_TURNING = slice(0, 5)  # of a twist: all but the rotation about z, whic
 
 
 def compliance(robot: Biglide, x: float, degree: int = DEGREE) -> Array:
-    """6×6 compliance (SI, robot axes) at the loaded point with B at `x` (m), equivalent legs."""
+    """6×6 compliance (SI, robot axes) at the loaded point with B at `x` (m), equivalent legs.
+
+    Raises ComputationError where rounding leaves the stiffness indefinite; `frequencies` too.
+    """
     stiffness, _, loaded = _system(robot, x, degree)
-    return np.asarray(loaded @ solve(stiffness, loaded.T, assume_a="pos"))
+    with _definite(robot, x, degree):
+        return np.asarray(loaded @ solve(stiffness, loaded.T, assume_a="pos"))
 
 
 def frequencies(robot: Biglide, x: float, count: int, degree: int = DEGREE) -> Array:
     """First natural frequencies (Hz, ascending) with B at `x` (m), equivalent legs."""
     stiffness, mass, _ = _system(robot, x, degree)
     # Of M against K: motions without mass have the eigenvalue zero.
-    squares = eigh(mass, stiffness, eigvals_only=True)[::-1][:count]
+    with _definite(robot, x, degree):
+        squares = eigh(mass, stiffness, eigvals_only=True)[::-1][:count]
     return np.asarray(1.0 / (2.0 * np.pi * np.sqrt(squares)))
+
+
+@contextmanager
+def _definite(robot: Biglide, x: float, degree: int) -> Iterator[None]:
+    try:
+        yield
+    except LinAlgError as error:
+        raise ComputationError(
+            f"{robot.name} by polynomials of degree {degree} at x = {x:.6g} m: the stiffness is "
+            "not positive definite; stiffnesses differ by more than double precision resolves"
+        ) from error
 
 
 def _system(robot: Biglide, x: float, degree: int) -> tuple[Array, Array, Array]:

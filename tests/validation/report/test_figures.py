@@ -47,7 +47,11 @@ from validation.report.figures.curves.lines import (
     spread,
 )
 from validation.report.figures.curves.refinement import fitted_order
-from validation.report.figures.curves.statics import simplified_deflections
+from validation.report.figures.curves.statics import (
+    deflections_of_the_family,
+    family_deflections,
+    simplified_deflections,
+)
 from validation.report.figures.curves.sweeps import stations
 from validation.report.figures.pictures.legs import boundary_faces, kind_of
 from validation.report.figures.pictures.robot import deformed_robot
@@ -327,3 +331,17 @@ def test_the_deformed_robot_is_a_picture_of_modest_size(context):
     assert 0.02 < coloured.mean() < 0.5
     assert (picture[0, 0] == 255).all()
     assert len(figure.png) < 250_000
+
+
+def family_by_the_simplified_model_alone(model, *rest):
+    if model != "simplified":
+        raise ComputationError("lost in rounding")
+    return family_deflections(model, *rest)
+
+
+def test_a_family_that_only_the_simplified_model_can_compute_is_drawn(monkeypatch):
+    place = "validation.report.figures.curves.statics.family_deflections"
+    monkeypatch.setattr(place, family_by_the_simplified_model_alone)
+    drawn = deflections_of_the_family(Context(load_robot("ifw"), "quick"))
+    assert drawn.caption.startswith("Legs α times as long, stroke and sections unchanged. Left out")
+    assert "along z" not in drawn.caption

@@ -232,11 +232,13 @@ def _reading(gathered: Mapping[Line, Deflections]) -> list[str]:
 
 
 def _family_reading(found: Mapping[str, Mapping[Line, Deflections]]) -> list[str]:
-    centre = {line: d for line, d in found["centre"].items() if line is not SIMPLIFIED}
-    reference = list(centre.values())[-1]
-    planar, along_z = reference.planar_x, reference.along_z
+    drawn = "Legs α times as long, stroke and sections unchanged."
+    centre = [d for line, d in found["centre"].items() if line is not SIMPLIFIED]
+    if not centre:
+        return [drawn]
+    planar, along_z = centre[-1].planar_x, centre[-1].along_z
     return [
-        "Legs α times as long, stroke and sections unchanged.",
+        drawn,
         f"At the centre the planar deflection under a force along x {course(planar)} from "
         f"{planar[0]:.1f} to {planar[-1]:.1f} µm, the one along z {course(along_z)} from "
         f"{along_z[0]:.0f} to {along_z[-1]:.0f} µm.",
