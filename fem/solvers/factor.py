@@ -24,9 +24,9 @@ class NotPositiveDefiniteError(ComputationError):
     def __init__(self, part: str, unknown: int) -> None:
         self.unknown = unknown
         super().__init__(
-            f"{part}: the matrix is not positive definite (a part free to move as a rigid body, a "
-            f"negative material constant, or a shift above the first eigenvalue) at unknown "
-            f"{unknown}"
+            f"{part}: the matrix is not positive definite at unknown {unknown} (a part free to "
+            "move as a rigid body, a negative material constant, stiffnesses that differ by more "
+            "than rounding allows, or a shift above the first eigenvalue)"
         )
 
 
