@@ -6,7 +6,7 @@ ASME V&V 10 and 20). The numerical uncertainty of both sides never widens the to
 exceeds it, the comparison is undecided and does not count as agreement.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import Enum
 from functools import cached_property
@@ -97,6 +97,24 @@ class Allowance:
 
 
 @dataclass(frozen=True)
+class Elsewhere:
+    """The same comparison at another place than the measurement's own: in another pose or mode.
+
+    Nothing is allowed for there. `uncertainty` is that of value − reference, None where exact.
+    """
+
+    where: str
+    value: float
+    reference: float
+    uncertainty: float | None = None
+
+    @property
+    def difference(self) -> float:
+        """E = value − reference."""
+        return self.value - self.reference
+
+
+@dataclass(frozen=True)
 class Measurement:
     """What a case computed, in the unit of the case.
 
@@ -106,7 +124,8 @@ class Measurement:
     other two. Either one of them is stated, or the numbers are `exact`: nothing is discretised, and
     rounding alone is left; ValueError for neither and for both. `table` maps column headings to
     equally long columns; `studies` are convergence studies and sweeps to be shown with the case.
-    `pose` is the one that the numbers belong to, where a case looks at several and takes the worst.
+    `pose` is the one that the numbers belong to. Where a case looks at several places it is fixed
+    beforehand, so that runs can be compared, and `elsewhere` has the others, judged as well.
     `claim`: what a source says of it, read as printed and as corrected. `decides`: what there is to
     do, or to know, where the uncertainty is too large to judge.
     """
@@ -121,6 +140,7 @@ class Measurement:
     table: Mapping[str, tuple[float | str, ...]] = field(default_factory=dict)
     studies: tuple[Study, ...] = ()
     pose: tuple[float, ...] = ()
+    elsewhere: tuple[Elsewhere, ...] = ()
     claim: Claim | None = None
     exact: bool = False
     decides: str = "refine the models"
@@ -227,10 +247,15 @@ class Outcome:
 
     @property
     def share(self) -> float:
-        """Unexplained error on the wrong side over tolerance: above 1 the case disagrees."""
+        """Unexplained error on the wrong side over tolerance, the largest: above 1 it disagrees."""
         if self.measurement is None:
             return nan
-        return self.case.relation.excess(self.measurement.unexplained) / self.tolerance
+        own = self.case.relation.excess(self.measurement.unexplained) / self.tolerance
+        others = (
+            self.case.relation.excess(one.difference) / self.case.tolerance.at(one.reference)
+            for one in self.measurement.elsewhere
+        )
+        return max(own, *others, own)
 
 
 def verdict(
@@ -251,18 +276,43 @@ def verdict(
 
 
 def judge(case: Case, measurement: Measurement, seconds: float) -> Outcome:
-    """The outcome of a case that was computed.
+    """The outcome of a case that was computed: the worst verdict of all places it looked at.
 
     Raises ValueError for a relative tolerance about a reference of zero.
     """
     tolerance = case.tolerance.at(measurement.reference)
     uncertainty = measurement.numerical_uncertainty
-    return Outcome(
-        case=case,
-        verdict=verdict(measurement.unexplained, case.relation, tolerance, uncertainty),
-        seconds=seconds,
-        measurement=measurement,
-        message=_remark(case, measurement, tolerance),
+    said = verdict(measurement.unexplained, case.relation, tolerance, uncertainty)
+    message = _remark(case, measurement, tolerance)
+    for one in measurement.elsewhere:
+        allowed = case.tolerance.at(one.reference)
+        there = verdict(one.difference, case.relation, allowed, one.uncertainty)
+        if _GRAVITY[there] > _GRAVITY[said]:
+            said = there
+            message = (
+                f"{there} at {one.where}: {one.value:.6g} {case.unit} against {one.reference:.6g} "
+                f"{case.unit}, tolerance {allowed:.3g} {case.unit}"
+            )
+    return Outcome(case, said, seconds, measurement, message)
+
+
+_GRAVITY: Mapping[Verdict, int] = {"agree": 0, "undecided": 1, "disagree": 2}
+
+
+def others(
+    places: Sequence[str],
+    values: Iterable[float],
+    references: Iterable[float],
+    uncertainties: Iterable[float] | None,
+    but: int,
+) -> tuple[Elsewhere, ...]:
+    """A comparison at all `places` but the one of that number, which is the measurement's own."""
+    known = [None] * len(places) if uncertainties is None else [float(u) for u in uncertainties]
+    found = zip(places, values, references, known, strict=True)
+    return tuple(
+        Elsewhere(place, float(value), float(reference), uncertainty)
+        for number, (place, value, reference, uncertainty) in enumerate(found)
+        if number != but
     )
 
 
@@ -313,6 +363,7 @@ def result_record(outcome: Outcome) -> dict[str, Any]:
         "notes": [],
         "table": {},
         "pose": [],
+        "elsewhere": [],
     }
     if measurement is not None:
         record |= {
@@ -331,6 +382,15 @@ def result_record(outcome: Outcome) -> dict[str, Any]:
             "tolerance": finite(outcome.tolerance),
             "notes": list(measurement.notes),
             "pose": list(measurement.pose),
+            "elsewhere": [
+                {
+                    "where": one.where,
+                    "value": finite(one.value),
+                    "reference": finite(one.reference),
+                    "uncertainty": finite(one.uncertainty),
+                }
+                for one in measurement.elsewhere
+            ],
             "table": {
                 heading: [entry if isinstance(entry, str) else finite(entry) for entry in column]
                 for heading, column in measurement.table.items()

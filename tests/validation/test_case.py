@@ -1,7 +1,7 @@
 """Verdicts: when a case agrees, and that every case is able to fail."""
 
 from dataclasses import replace
-from math import inf, nan
+from math import inf, isnan, nan
 
 import pytest
 from hypothesis import given
@@ -11,11 +11,13 @@ from validation.case import (
     Absolute,
     Allowance,
     Case,
+    Elsewhere,
     Measurement,
     Outcome,
     Relation,
     Relative,
     judge,
+    others,
     perturbed,
     result_record,
     verdict,
@@ -207,3 +209,46 @@ def test_an_undecided_comparison_says_what_would_decide_it():
     assert outcome.message.endswith("the comparison cannot decide: refine the models")
     rounded = replace(meshed, decides="no finer model narrows it")
     assert judge(EQUAL, rounded, 0.0).message.endswith("cannot decide: no finer model narrows it")
+
+
+@pytest.mark.parametrize(
+    ("value", "uncertainty", "expected"),
+    [
+        (2.02, None, "agree"),
+        (2.02, 0.03, "agree"),
+        (2.06, None, "disagree"),
+        (1.94, 0.01, "disagree"),
+        (2.02, 0.06, "undecided"),
+        (nan, None, "disagree"),
+    ],
+)
+def test_a_case_is_judged_at_every_place_it_looks_at(value, uncertainty, expected):
+    # 2.5 % of what the reference is there, not of the 1.0 in the measurement's own place.
+    there = Elsewhere("x = 0.2 m", value, 2.0, uncertainty)
+    measured = Measurement(1.0, 1.0, exact=True, elsewhere=(Elsewhere("x = 0", 3.0, 3.0), there))
+    outcome = judge(replace(EQUAL, tolerance=Relative(0.025)), measured, 0.0)
+    assert outcome.verdict == expected
+    assert ("x = 0.2 m" in outcome.message) is (expected != "agree")
+    if not isnan(value):
+        assert outcome.share == pytest.approx(abs(value - 2.0) / 0.05)
+
+
+def test_the_graver_verdict_is_kept_wherever_it_was_given():
+    undecided = Elsewhere("there", 1.0, 1.0, 1.0)
+    measured = Measurement(2.0, 1.0, exact=True, elsewhere=(undecided,))
+    assert judge(EQUAL, measured, 0.0).verdict == "disagree"
+    wrong = Elsewhere("far", 2.0, 1.0)
+    measured = Measurement(1.0, 1.0, exact=True, elsewhere=(undecided, wrong, undecided))
+    outcome = judge(EQUAL, measured, 0.0)
+    assert (outcome.verdict, outcome.message.split(":")[0]) == ("disagree", "disagree at far")
+
+
+def test_the_other_places_are_all_but_its_own():
+    found = others(["a", "b", "c"], [1.0, 2.0, 3.0], [4.0, 5.0, 6.0], [0.1, 0.2, 0.3], 1)
+    assert found == (Elsewhere("a", 1.0, 4.0, 0.1), Elsewhere("c", 3.0, 6.0, 0.3))
+    exact = others(["a", "b"], [1.0, 2.0], [4.0, 5.0], None, 0)
+    assert exact == (Elsewhere("b", 2.0, 5.0),)
+    record = result_record(judge(EQUAL, Measurement(1.0, 1.0, exact=True, elsewhere=exact), 0.0))
+    assert record["elsewhere"] == [
+        {"where": "b", "value": 2.0, "reference": 5.0, "uncertainty": None}
+    ]

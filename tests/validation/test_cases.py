@@ -44,7 +44,7 @@ def long_ones_apart(cases):
         yield pytest.param(case, marks=marks, id=case.id)
 
 
-@pytest.mark.parametrize("case", long_ones_apart(CASES))
+@pytest.mark.parametrize("case", list(long_ones_apart(CASES)))
 def test_case_agrees_and_turns_when_its_reference_moves_by_three_tolerances(case):
     try:
         measurement = case.compute(CONTEXT if "quick" in case.presets else DECIDING)

@@ -13,8 +13,9 @@ import numpy as np
 from lumped.arrays import Array
 from validation.agreement.convergence import step_factor
 from validation.agreement.mode_pairing import CLOSE
-from validation.case import Absolute, Case, Measurement, Relative, Skip
+from validation.case import Absolute, Case, Measurement, Relative, Skip, others
 from validation.cases.robot.mode_tables import frequency_study, mac_study, mac_table
+from validation.cases.robot.stroke import at_stations, largest_difference
 from validation.context import Context
 from validation.exhibits import SOLID_ROBOT
 from validation.models.legs import constant_leg_of
@@ -110,8 +111,7 @@ def _frequencies() -> list[Case]:
             id=f"robot.solid.frequency[{index + 1}]",
             title=f"Frequency {index + 1} of the robot with solid legs, ends free to warp, is that "
             "of beams",
-            quantity=f"natural frequency {index + 1}, posture of the largest difference, paired "
-            "by shape",
+            quantity=f"natural frequency {index + 1}, middle of the stroke, paired by shape",
             unit="Hz",
             reference_kind="independent-solver",
             citation=_OWN,
@@ -171,24 +171,28 @@ def _frequency(context: Context, index: int) -> Measurement:
     (value, reference), (coarse_value, coarse_reference) = (
         _free_and_own(context, divisions) for divisions in (fine, coarse)
     )
-    left = (value - reference)[:, index]
     factor = _step_factor(context)
-    worst = int(np.argmax(np.where(held, np.abs(left) / reference[:, index], -1.0)))
-    at = worst, index
     segments = _segments_and_solids(context)
+    # Of the postures where it is held, the one in the middle of the stroke or nearest to it.
+    (postures,) = np.nonzero(held)
+    own = int(np.argmin(np.abs(postures - POSTURES // 2)))
+    at = int(postures[own]), index
+    # Constants and solid have the errors of one section mesh in common.
+    judged = factor * np.abs((value - reference) - (coarse_value - coarse_reference))[:, index]
+    stations = segments.x[postures].tolist()
+    frequencies = value[postures, index], reference[postures, index]
     return Measurement(
         float(value[at]),
         float(reference[at]),
         value_uncertainty=float(factor * abs(value[at] - coarse_value[at])),
         reference_uncertainty=float(factor * abs(reference[at] - coarse_reference[at])),
-        # Constants and solid have the errors of one section mesh in common.
-        judged_uncertainty=float(
-            factor * abs(left[worst] - (coarse_value[at] - coarse_reference[at]))
-        ),
-        pose=(float(segments.x[worst]),),
+        judged_uncertainty=float(judged[at[0]]),
+        pose=(stations[own],),
+        elsewhere=others(at_stations(stations), *frequencies, judged[postures], own),
         notes=(
-            f"largest difference at x = {segments.x[worst]:.4g} m; there segments have "
-            f"{segments.reference[at]:.5g} Hz, solids with rigid faces {segments.found[at]:.5g} Hz",
+            largest_difference(stations, *frequencies),
+            f"at x = {stations[own]:.4g} m segments have {segments.reference[at]:.5g} Hz, solids "
+            f"with rigid faces {segments.found[at]:.5g} Hz",
         ),
         studies=(frequency_study(segments, FREQUENCIES),),
     )

@@ -11,7 +11,7 @@ from fem.reduction.superelement import held_leg
 from lumped.arrays import Array
 from lumped.biglide import Biglide, system, with_equivalent_legs
 from lumped.system.solution import compliance, modes, solved
-from validation.case import Absolute, Case, Measurement, Relative, Skip
+from validation.case import Absolute, Case, Measurement, Relative, Skip, others
 from validation.cases.robot.stroke import BEYOND_ROUNDING
 from validation.context import Context, Preset
 from validation.exhibits import SOLID_ROBOT
@@ -43,7 +43,7 @@ def cases() -> tuple[Case, ...]:
         _case(
             "frequencies",
             f"Reduced legs give the first {MODES} frequencies of the unreduced robot",
-            "natural frequency of the largest difference",
+            f"frequency {MODES} at the left end of the stroke, the others beside it",
             "Hz",
             "the cut-off is chosen for 1e-4 at the highest frequency asked for",
             Relative(1e-4),
@@ -182,14 +182,17 @@ def _statics(context: Context) -> Measurement:
 
 def _frequency(context: Context) -> Measurement:
     found = _found(context)
-    errors = np.array([np.abs(one.reduced / one.unreduced - 1.0) for one in found])
-    posture, mode = np.unravel_index(int(np.argmax(errors)), errors.shape)
-    worst = found[int(posture)]
+    places = [f"mode {mode + 1}, {_place(one)}" for one in found for mode in range(MODES)]
+    reduced = np.concatenate([one.reduced for one in found])
+    unreduced = np.concatenate([one.unreduced for one in found])
+    # The highest mode has the largest error of a reduction.
+    own = MODES - 1
     return Measurement(
-        float(worst.reduced[mode]),
-        float(worst.unreduced[mode]),
+        float(reduced[own]),
+        float(unreduced[own]),
         exact=True,
-        notes=(f"mode {int(mode) + 1}, {_place(worst)}",),
+        elsewhere=others(places, reduced, unreduced, None, own),
+        notes=(places[own],),
         table={"mode": tuple(float(k) for k in range(1, MODES + 1))}
         | {
             f"{model}, x = {one.x:.4g} m (Hz)": tuple(values.tolist())

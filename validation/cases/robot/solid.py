@@ -7,10 +7,11 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.errors import InputError
-from validation.case import Absolute, Case, Measurement, Relation, Relative, Skip
-from validation.cases.robot.stroke import CURVES
+from validation.case import Absolute, Case, Measurement, Relation, Relative, Skip, others
+from validation.cases.robot.stroke import CURVES, at_stations, largest_difference
 from validation.context import Context, Preset
 from validation.exhibits import SOLID_ROBOT, Study
+from validation.studies.quantities import farthest
 from validation.studies.stroke_statics import stroke_statics
 
 # Unknowns of the finest section mesh; three meshes at least are taken from the ladder.
@@ -87,7 +88,7 @@ def _curves(name: str, title: str, citation: str, tolerance: float, reason: str)
         Case(
             id=f"robot.solid.statics-{name}.{curve}",
             title=title.format(meaning),
-            quantity=f"{meaning}, posture of the largest difference",
+            quantity=f"{meaning}, middle of the stroke",
             unit="µm",
             reference_kind="independent-solver",
             citation=citation,
@@ -162,31 +163,29 @@ def _curve(context: Context, curve: str) -> _Curve:
 
 def _decided(measurement: Measurement, context: Context) -> Measurement:
     """The measurement; Skip where two meshes, three times their step, leave it undecided."""
-    tolerance = _STATICS * abs(measurement.reference)
-    uncertainty = measurement.numerical_uncertainty or 0.0
-    if abs(measurement.unexplained) <= tolerance < uncertainty:
-        raise Skip(
-            f"two meshes of these sections show no order, and their uncertainty of "
-            f"{100.0 * uncertainty / abs(measurement.reference):.2g} % exceeds the tolerance in "
-            f"preset {context.preset}; a larger preset may decide"
-        )
+    places = [
+        (measurement.unexplained, measurement.reference, measurement.numerical_uncertainty),
+        *((one.difference, one.reference, one.uncertainty) for one in measurement.elsewhere),
+    ]
+    for difference, reference, uncertainty in places:
+        if abs(difference) <= _STATICS * abs(reference) < (uncertainty or 0.0):
+            raise Skip(
+                f"two meshes of these sections show no order, and their uncertainty of "
+                f"{100.0 * (uncertainty or 0.0) / abs(reference):.2g} % exceeds the tolerance in "
+                f"preset {context.preset}; a larger preset may decide"
+            )
     return measurement
 
 
 def _rigid(context: Context, curve: str) -> Measurement:
     found = _curve(context, curve)
-    worst = _worst(found.rigid - found.held, found.held)
     share = 100.0 * (found.rigid / found.textbook - 1.0)
-    measured = Measurement(
-        float(found.rigid[worst]),
-        float(found.held[worst]),
-        value_uncertainty=float(found.uncertainty_rigid[worst]),
-        judged_uncertainty=float(found.uncertainty_held[worst]),
-        pose=(float(found.x[worst]),),
-        notes=(
-            f"largest difference at x = {found.x[worst]:.4g} m; held faces take up to "
-            f"{100.0 * np.max(1.0 - found.held / found.own):.3g} %",
+    taken = f"held faces take up to {100.0 * np.max(1.0 - found.held / found.own):.3g} %"
+    measured = replace(
+        _in_the_middle(
+            found, found.rigid, found.held, found.uncertainty_rigid, found.uncertainty_held
         ),
+        notes=(largest_difference(found.x.tolist(), found.rigid, found.held), taken),
         table={
             "x (m)": tuple(found.x.tolist()),
             "virtual joints, textbook legs (µm)": tuple(found.textbook.tolist()),
@@ -202,52 +201,52 @@ def _rigid(context: Context, curve: str) -> Measurement:
 
 def _free(context: Context, curve: str) -> Measurement:
     found = _curve(context, curve)
-    worst = _worst(found.free - found.own, found.own)
-    measured = Measurement(
-        float(found.free[worst]),
-        float(found.own[worst]),
-        value_uncertainty=float(found.uncertainty_free[worst]),
-        judged_uncertainty=float(found.uncertainty_left[worst]),
-        notes=(f"largest difference at x = {found.x[worst]:.4g} m",),
-        pose=(float(found.x[worst]),),
+    measured = _in_the_middle(
+        found, found.free, found.own, found.uncertainty_free, found.uncertainty_left
     )
     return _decided(measured, context)
 
 
 def _bare(context: Context, curve: str, limit: float) -> Measurement:
     found = _curve(context, curve)
-    raw = _against(found, found.rigid, found.textbook, found.uncertainty_rigid)
-    percent = 100.0 / abs(raw.reference)
-    return replace(
-        raw,
-        value=percent * abs(raw.difference),
-        reference=limit,
-        value_uncertainty=percent * (raw.value_uncertainty or 0.0),
+    worst = farthest(found.rigid, found.textbook)
+    percent = 100.0 / abs(found.textbook[worst])
+    return Measurement(
+        float(percent * abs(found.rigid - found.textbook)[worst]),
+        limit,
+        value_uncertainty=float(percent * found.uncertainty_rigid[worst]),
+        notes=(largest_difference(found.x.tolist(), found.rigid, found.textbook),),
+        pose=(float(found.x[worst]),),
     )
 
 
 def _torsion(context: Context, curve: str) -> Measurement:
     found = _curve(context, curve)
     # Both sides have the same mesh's torsion: only what is left of the step counts.
-    return _against(found, found.rigid, found.torsion, found.uncertainty_torsion)
+    uncertainty = found.uncertainty_torsion
+    return _in_the_middle(found, found.rigid, found.torsion, uncertainty, uncertainty)
 
 
-def _against(found: _Curve, value: Array, reference: Array, uncertainty: Array) -> Measurement:
-    worst = _worst(value - reference, reference)
+def _in_the_middle(
+    found: _Curve, value: Array, reference: Array, uncertainty: Array, judged: Array
+) -> Measurement:
+    """Value and reference in the middle of the stroke, all postures judged.
+
+    `uncertainty` is that of the value, `judged` that of the difference.
+    """
+    stations, middle = found.x.tolist(), len(found.x) // 2
     return Measurement(
-        float(value[worst]),
-        float(reference[worst]),
-        value_uncertainty=float(uncertainty[worst]),
-        notes=(f"largest difference at x = {found.x[worst]:.4g} m",),
-        pose=(float(found.x[worst]),),
+        float(value[middle]),
+        float(reference[middle]),
+        value_uncertainty=float(uncertainty[middle]),
+        judged_uncertainty=float(judged[middle]),
+        notes=(largest_difference(stations, value, reference),),
+        pose=(stations[middle],),
+        elsewhere=others(at_stations(stations), value, reference, judged, middle),
     )
 
 
 _COMPUTE = {"rigid": _rigid, "free": _free, "torsion": _torsion}
-
-
-def _worst(difference: Array, reference: Array) -> int:
-    return int(np.argmax(np.abs(difference / reference)))
 
 
 def _study(curve: str, found: _Curve) -> Study:

@@ -1,16 +1,17 @@
 """The whole robot over its stroke: virtual joints, segments and beams against each other."""
 
+from collections.abc import Sequence
 from functools import partial
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from lumped.arrays import Array
 from lumped.biglide import Biglide
 from lumped.legs import Theory
 from lumped.models import vjm
 from lumped.system.solution import rounding, solved
 from validation.agreement.convergence import step_factor
-from validation.case import Absolute, Case, Measurement, Relative
+from validation.case import Absolute, Case, Measurement, Relative, others
 from validation.context import Context
 from validation.exhibits import STROKE, Study
 from validation.models.biglide import static_system
@@ -24,10 +25,9 @@ from validation.studies.quantities import (
     stroke_frequencies,
 )
 
-if TYPE_CHECKING:
-    from lumped.arrays import Array
-
 POSTURES = 9
+# Where cases compare, so that runs can be compared; the other postures are judged beside it.
+MIDDLE = POSTURES // 2
 FREQUENCIES = 4
 # What a comparison says whose uncertainties are those of rounding alone.
 BEYOND_ROUNDING = (
@@ -57,7 +57,7 @@ def _statics() -> list[Case]:
         Case(
             id=f"robot.statics.{model}-vjm.{curve}[{theory}]",
             title=f"The {model} model gives the virtual joints' {meaning} ({theory} legs)",
-            quantity=f"{meaning}, posture of the largest difference",
+            quantity=f"{meaning}, middle of the stroke",
             unit="µm",
             reference_kind="independent-solver",
             citation="virtual joint method, eqs (3) to (9), same equivalent legs",
@@ -81,7 +81,7 @@ def _frequencies() -> list[Case]:
         Case(
             id=f"robot.frequency.segments-beam[{index + 1}]",
             title=f"Frequency {index + 1} of the robot in segments is that of the beam model",
-            quantity=f"natural frequency {index + 1}, posture of the largest difference",
+            quantity=f"natural frequency {index + 1}, middle of the stroke",
             unit="Hz",
             reference_kind="finer-model",
             citation=f"Timoshenko beams, {_FINE} elements per leg, consistent mass",
@@ -123,7 +123,6 @@ def _static(context: Context, model: ModelName, theory: Theory, curve: str) -> M
     found: Array = getattr(_deflections(context, model, theory), curve)
     reference: Array = getattr(_deflections(context, "vjm", theory), curve)
     stations = tuple(context.robot.stations(POSTURES).tolist())
-    worst = farthest(found, reference)
     sweep = Study(
         id=f"robot.statics.{curve}.{model}.{theory}",
         kind="sweep",
@@ -138,19 +137,33 @@ def _static(context: Context, model: ModelName, theory: Theory, curve: str) -> M
         variant=_NAMES[theory],
     )
     open_of_value, open_of_reference = (
-        float(getattr(_rounding(context, name, theory, stations[worst]), curve)[0])
+        np.array([float(getattr(_rounding(context, name, theory, x), curve)[0]) for x in stations])
         for name in (model, _JOINTS)
     )
+    uncertain = np.hypot(open_of_value, open_of_reference)
     return Measurement(
-        float(found[worst]),
-        float(reference[worst]),
-        value_uncertainty=open_of_value,
-        reference_uncertainty=open_of_reference,
-        notes=(f"largest difference at x = {stations[worst]:.4g} m",),
+        float(found[MIDDLE]),
+        float(reference[MIDDLE]),
+        value_uncertainty=float(open_of_value[MIDDLE]),
+        reference_uncertainty=float(open_of_reference[MIDDLE]),
+        notes=(largest_difference(stations, found, reference),),
         decides=BEYOND_ROUNDING,
-        pose=(float(stations[worst]),),
+        pose=(stations[MIDDLE],),
+        elsewhere=others(at_stations(stations), found, reference, uncertain, MIDDLE),
         studies=(sweep,),
     )
+
+
+def at_stations(stations: Sequence[float]) -> list[str]:
+    """The postures of a stroke by the place of B (m), for messages."""
+    return [f"x = {x:.4g} m" for x in stations]
+
+
+def largest_difference(stations: Sequence[float], found: Array, reference: Array) -> str:
+    """Where over the stroke a difference is largest, relatively: for the reader alone."""
+    worst = farthest(found, reference)
+    percent = 100.0 * abs(float(found[worst] / reference[worst]) - 1.0)
+    return f"largest difference over the stroke at x = {stations[worst]:.4g} m: {percent:.2g} %"
 
 
 def _rounding(context: Context, model: ModelName, theory: Theory, x: float) -> Deflections:
@@ -192,19 +205,20 @@ def _frequency(context: Context, index: int) -> Measurement:
         FREQUENCIES,
         ModelOptions(elements=_COARSE // 2),
     )
-    worst = farthest(found[:, index], fine[:, index])
-    x = context.robot.stations(POSTURES)[worst]
+    value, reference = found[:, index], fine[:, index]
+    stations = context.robot.stations(POSTURES).tolist()
     of_segments, of_beams = (step_factor(2.0, order) for order in (SEGMENT_ORDER, BEAM_ORDER))
-    uncertain = of_beams * float(abs(fine - coarse)[worst, index])
+    uncertain = of_beams * np.abs(fine - coarse)[:, index]
     return Measurement(
-        float(found[worst, index]),
-        float(fine[worst, index]),
-        value_uncertainty=of_segments * float(abs(found - halved)[worst, index]),
-        reference_uncertainty=uncertain,
+        float(value[MIDDLE]),
+        float(reference[MIDDLE]),
+        value_uncertainty=of_segments * float(abs(value - halved[:, index])[MIDDLE]),
+        reference_uncertainty=float(uncertain[MIDDLE]),
         # What 20 segments leave is what is judged: the reference alone leaves it uncertain.
-        judged_uncertainty=uncertain,
-        notes=(f"largest difference at x = {x:.4g} m",),
-        pose=(float(x),),
+        judged_uncertainty=float(uncertain[MIDDLE]),
+        notes=(largest_difference(stations, value, reference),),
+        pose=(stations[MIDDLE],),
+        elsewhere=others(at_stations(stations), value, reference, uncertain, MIDDLE),
     )
 
 
