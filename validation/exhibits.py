@@ -32,6 +32,8 @@ class Study:
     `limits` maps curves to the value they tend to (exact or extrapolated; zero for curves that are
     relative errors). Cases may share a study by giving equal ones: it is shown once.
 
+    `modes` names, for curves that are modes, the model and the number of the mode.
+
     Studies of one `family` and one x are drawn in the same axes, under `family_title`; where two of
     them have a series of the same name, `variant` tells whose it is.
     """
@@ -52,6 +54,7 @@ class Study:
     family: str = ""
     family_title: str = ""
     variant: str = ""
+    modes: Mapping[str, tuple[str, int]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         _require_file_name(self.id)

@@ -68,6 +68,8 @@ def _entry_cases(number: int, name: str) -> tuple[Case, Case]:
     entry_case = partial(
         Case,
         quantity=f"compliance {name}, {meaning}",
+        label=f"{name}, {meaning}",
+        headline="tip compliance of a leg",
         unit=UNITS[(i > 2, j > 2)],
         reference_kind="closed-form",
         tolerance=Relative(_TORSION if name == "c44" else _BENDING),
@@ -106,6 +108,8 @@ def _frequencies(number: int) -> list[Case]:
             title=f"Leg {number}: frequency {index + 1} of the solid with free ends is the "
             "Timoshenko beam's",
             quantity=f"natural frequency {index + 1}, clamped-free",
+            label=f"frequency {index + 1}",
+            headline="natural frequencies of a leg",
             unit="Hz",
             reference_kind="closed-form",
             citation=f"{HUANG}; section constants by finite elements",

@@ -49,4 +49,9 @@ def frequency_study(found: PairedModes, count: int) -> Study:
             for k in range(count)
             for model, values in (("segments", found.reference), ("solid", found.found))
         },
+        modes={
+            f"{model}, mode {k + 1}": (model, k + 1)
+            for k in range(count)
+            for model in ("segments", "solid")
+        },
     )

@@ -14,7 +14,7 @@ from lumped.arrays import Array
 from lumped.legs import ConstantLeg, Material
 from lumped.sections import Rectangle
 from validation.agreement.convergence import Convergence, analyse, uncertainty_of
-from validation.case import Allowance, Case, Measurement, Relative
+from validation.case import Allowance, Case, Headline, Measurement, Relative
 from validation.context import Context
 from validation.exhibits import Study
 
@@ -96,7 +96,16 @@ TWIST_NOTE = (
 def cases() -> tuple[Case, ...]:
     """The single members."""
     return (
-        *family("fv5.beam", "NAFEMS FV5 by Timoshenko beams", deep_beam, FV5_CLUSTERS, FV5, COUNTS),
+        *family(
+            "fv5.beam",
+            "NAFEMS FV5 by Timoshenko beams",
+            deep_beam,
+            FV5_CLUSTERS,
+            FV5,
+            COUNTS,
+            row="fv5",
+            headline="frequencies of a deep beam",
+        ),
         *family("test71", "NAFEMS Test 71", slender_cantilever, TEST_71_CLUSTERS, TEST_71, COUNTS),
         *(_macneal_case(name) for name in MACNEAL_TARGETS),
     )
@@ -153,16 +162,21 @@ def family(
     citation: str,
     counts: tuple[int, ...],
     explain: Callable[[Cluster], tuple[Allowance, ...]] = same_theory,
+    row: str = "",
+    headline: Headline = "",
 ) -> list[Case]:
     """One case per cluster of the frame that `build` makes for a number of elements per member.
 
-    `explain` names what a cluster has that the theory of its target has not.
+    `explain` names what a cluster has that the theory of its target has not; `row` and `headline`
+    are those of the cases, the row `name` if left out.
     """
     return [
         Case(
             id=f"benchmark.{name}[{cluster.label}]",
             title=f"{title}: {cluster.meaning}",
             quantity=f"natural frequency {cluster.label}, worst of the cluster",
+            label=f"frequency {cluster.label}",
+            headline=headline,
             unit="Hz",
             reference_kind="published",
             citation=citation,
@@ -180,7 +194,7 @@ def family(
                 explain=explain,
             ),
             model="beam",
-            row=name.partition(".")[0],
+            row=row or name,
             section=SECTION,
             group=f"benchmark.{name}",
             effort=1.0 / len(clusters),

@@ -203,7 +203,7 @@ def _percent(measurement: Measurement, amount: float) -> float:
 
 
 def _names(outcomes: Sequence[Outcome]) -> list[str]:
-    """A name for each row: its quantity, or its title where two rows share a quantity."""
+    """A name for each row: its label or quantity, or its title where two rows share it."""
     names = [_name(outcome) for outcome in outcomes]
     return [
         outcome.case.title if names.count(name) > 1 else name
@@ -212,10 +212,7 @@ def _names(outcomes: Sequence[Outcome]) -> list[str]:
 
 
 def _name(outcome: Outcome) -> str:
-    """The quantity, without what all rows share."""
-    name = outcome.case.quantity.partition(", worst")[0].removeprefix("compliance ")
-    name = name.replace("natural frequency", "frequency").replace(", clamped-free", "")
-    return name.partition(", posture of the larg")[0]
+    return outcome.case.label or outcome.case.quantity
 
 
 def _table(outcomes: Sequence[Outcome]) -> str:

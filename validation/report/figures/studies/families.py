@@ -1,6 +1,5 @@
 """Studies that belong together, in the same axes: refinement with its order, sweeps of models."""
 
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -21,6 +20,16 @@ class Curve:
     def values(self) -> tuple[float, ...]:
         """The values of the curve, in the unit of its study."""
         return self.study.series[self.name]
+
+    @property
+    def model(self) -> str:
+        """What the curve shares its look with: the model of a mode, else nothing but itself."""
+        return self.study.modes[self.name][0] if self.name in self.study.modes else self.label
+
+    @property
+    def mode(self) -> int | None:
+        """The number of the mode that it is of its model, if it is one."""
+        return self.study.modes[self.name][1] if self.name in self.study.modes else None
 
     @property
     def limit(self) -> float | None:
@@ -131,7 +140,7 @@ def _capitalised(title: str) -> str:
 
 
 def _spoken(name: str) -> str:
-    return re.sub(r"^vjm\b", "VJM", name)
+    return "VJM" if name == "vjm" else name
 
 
 def _label(name: str, study: Study, members: Sequence[Study]) -> str:

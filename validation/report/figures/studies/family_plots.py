@@ -1,6 +1,5 @@
 """Plots of families of studies: refinement with its order and uncertainty, sweeps of models."""
 
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import cycle
@@ -63,9 +62,9 @@ def _reading(family: Family) -> list[str]:
 def _sweep(family: Family) -> Canvas:
     """All curves over one parameter; wide ones below thin ones, so that equal curves all show.
 
-    Modes of one model ("beam, mode 2") share its look and its entry in the legend.
+    Modes of one model share its look and its entry in the legend.
     """
-    models = [_MODE.sub("", curve.label) for curve in family.curves]
+    models = [curve.model for curve in family.curves]
     looks = _sweep_looks(list(dict.fromkeys(models)))
     ranks = list(looks)
     frame = Frame(left=0.95, between=0.0, entries=-(-len(ranks) // 3), right=0.7)
@@ -80,10 +79,9 @@ def _sweep(family: Family) -> Canvas:
             markevery=marked(len(curve.study.x), rank, len(ranks)),
             **looks[model].options(),
         )
-        mode = _MODE.search(curve.label)
-        if mode and rank == 0:
+        if curve.mode is not None and rank == 0:
             axes.annotate(
-                mode[0].lstrip(", "),
+                f"mode {curve.mode}",
                 (curve.study.x[-1], curve.values[-1]),
                 xytext=(8.0, -3.0),
                 textcoords="offset points",
@@ -100,7 +98,6 @@ def _sweep(family: Family) -> Canvas:
     return picture
 
 
-_MODE = re.compile(r", mode \d+$")
 _WIDEST, _THINNEST, _PLAIN = 4.4, 1.2, 1.6  # pt
 # How long a label (characters) the vertical axis of a sweep has room for.
 _AXIS_CHARACTERS = 36
