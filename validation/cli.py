@@ -345,6 +345,7 @@ def solve(
         spread = Spread(vary, jobs or 1, cluster)
         varied = solve_spread(robot_file, spread, model, place, modes, given)
         say(robots.as_json(varied) if json else robots.as_text(varied))
+        complain(robots.without_say(varied), 0)
         if csv is not None:
             write(csv, robots.as_csv(varied).encode())
         return 0

@@ -98,6 +98,16 @@ def test_what_cannot_be_varied_is_one_clear_line(typed, said, capsys):
     assert not captured.out
 
 
+def test_a_number_that_changes_no_answer_is_told(capsys):
+    asked = ["solve", "five-bar", "--vary", "tool.mass=1:2:2", "--model"]
+    assert main([*asked, "vjm"]) == 0
+    said = "flexproof: --vary tool.mass: changes no answer of the vjm model\n"
+    assert capsys.readouterr().err == said
+    assert main([*asked, "beam", "--modes", "1", "--vary", "path.count=3:9:2"]) == 0
+    said = "flexproof: --vary path.count: changes no answer of the beam model\n"
+    assert capsys.readouterr().err == said
+
+
 def test_a_pose_out_of_reach_is_named_with_the_value(capsys):
     asked = ["solve", "delta", "--model", "beam", "--pose", "0.1,0.0,-0.95"]
     assert main([*asked, "--vary", "tool.mass=1:2:2"]) == 2

@@ -78,6 +78,28 @@ def solve_varied(
     )
 
 
+def without_say(found: VariedAnswers) -> list[str]:
+    """A line for every number that was varied and changes no answer."""
+    lines = []
+    for place, one in enumerate(found.variations):
+        first: dict[tuple[float, ...], Solution] = {}
+        changes = False
+        for values, solution in zip(found.values, found.solutions, strict=True):
+            others = values[:place] + values[place + 1 :]
+            changes = changes or not _alike(first.setdefault(others, solution), solution)
+        if len(one.values) > 1 and not changes:
+            model = found.solutions[0].model
+            lines.append(f"--vary {one.key}: changes no answer of the {model} model")
+    return lines
+
+
+def _alike(one: Solution, other: Solution) -> bool:
+    return all(
+        np.array_equal(a.compliance, b.compliance) and np.array_equal(a.frequencies, b.frequencies)
+        for a, b in zip(one.answers, other.answers, strict=True)
+    )
+
+
 def columns(found: VariedAnswers) -> dict[str, list[float | str]]:
     """A row for each robot and posture: values, place, deflections and frequencies."""
     rows = [
