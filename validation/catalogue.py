@@ -1,8 +1,9 @@
 """Everything a run can compute for a robot: cases and figures."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from lumped.robot_file import RobotFile
+from lumped.robot_file.variation import variations_of
 from validation.adequacy.assessment import ADEQUACY, MEASURED, Assessment
 from validation.adequacy.robot import robot_adequacy
 from validation.cases import legs, mechanism, paper, program, robot
@@ -10,7 +11,7 @@ from validation.cases.paper import longer_legs
 from validation.cases.robot import decision, modes, sixty, solid
 from validation.context import BUILT_IN
 from validation.measured.matrix import measured_matrix
-from validation.report.figures import drawings, of_program
+from validation.report.figures import drawings, of_program, of_variations
 from validation.results.records import Task
 from validation.solids.robots import SHARED_SOLIDS
 
@@ -39,6 +40,16 @@ def catalogue(robot_file: RobotFile) -> Sequence[Task]:
 def checks(_robot_file: RobotFile) -> Sequence[Task]:
     """What verifies the program, the same whatever the robot."""
     return (*program.cases(), *of_program())
+
+
+def with_variations(
+    robot_file: RobotFile,
+    *,
+    listed: Callable[[RobotFile], Sequence[Task]],
+    typed: tuple[str, ...],
+) -> Sequence[Task]:
+    """What `listed` lists for a robot, and figures of the numbers varied as `typed`."""
+    return (*listed(robot_file), *of_variations(variations_of(robot_file, typed)))
 
 
 def _of_biglide(robot_file: RobotFile) -> Sequence[Task]:

@@ -106,6 +106,7 @@ def run(
     strict: Annotated[bool, Parameter(negative="")] = False,
     measured: Path | None = None,
     selftest: bool | None = None,
+    vary: tuple[str, ...] = (),
 ) -> int:
     """Validate a robot's lumped models and write a report.
 
@@ -134,7 +135,7 @@ def run(
         that none catches ends with exit code 1. --only 'fault.*' injects them and nothing else.
     cluster
         Address of a Dask scheduler (tcp://host:port) that computes the sweeps over α, leg lengths
-        and postures; needs the extra "cluster".
+        and postures, and those of --vary; needs the extra "cluster".
     accept
         Accepted relative error of a model, deflection=0.03 say, in place of the robot file's; also
         frequency, modes, or one quantity (x y z phi_x phi_y phi_z f1 f2 … order).
@@ -148,6 +149,10 @@ def run(
     selftest
         Make the checks of the program itself again, or leave them out. Otherwise those that are
         kept for this version and machine are shown, and made where none are.
+    vary
+        A number of the robot file over a range, bodies.rod1.section.diameter=0.02:0.06:9 say: all
+        models over it, as figures; a * in the key stands for any part of a name. May be given
+        again for figures over another number.
     """
     from dataclasses import replace  # noqa: PLC0415
 
@@ -169,6 +174,7 @@ def run(
     robot_file = with_measured(robot_file, measured) if measured else robot_file
     asked = {"accept": " ".join(accept), "rely": " ".join(rely)}
     asked["measured"] = digest(robot_file.measured) if measured else ""
+    asked["vary"] = " ".join(vary)
     request = Request(
         replace(robot_file, requirement=with_options(robot_file.requirement, accept, rely)),
         preset,
@@ -183,6 +189,7 @@ def run(
         {option: given for option, given in asked.items() if given},
         strict,
         selftest,
+        vary,
     )
     everything: Catalogue = catalogue
     if faults:
@@ -261,6 +268,7 @@ def solve(
     jobs: ProcessCount = None,
     cluster: str | None = None,
     csv: Path | None = None,
+    picture: Path | None = None,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
     """Solve one model of the robot, or of one leg: compliance and natural frequencies.
@@ -313,6 +321,9 @@ def solve(
         With --vary: address of a Dask scheduler (tcp://host:port) that computes the robots.
     csv
         With --vary: also write the table into this file.
+    picture
+        With --vary: draw deflections and frequencies over the first number into this PNG file, a
+        curve for each combination of the others.
     json
         Print JSON for programs.
     """
@@ -325,6 +336,7 @@ def solve(
 
     require_address_space(TO_COMPUTE)
     require_place(csv)
+    require_place(picture)
     robot_file = load_robot(robot)
     choices = {
         "legs": legs,
@@ -339,15 +351,19 @@ def solve(
     }
     given = {name: value for name, value in choices.items() if value is not None}
     place = command.Place(x, pose, leg, body)
-    if vary or csv or jobs or cluster is not None:
+    if vary or csv or jobs or picture or cluster is not None:
         if against:
             raise InputError("--against: modes are paired for one robot; leave out --vary")
-        spread = Spread(vary, jobs or 1, cluster)
+        spread = Spread(vary, jobs or 1, cluster, drawn=picture is not None)
         varied = solve_spread(robot_file, spread, model, place, modes, given)
         say(robots.as_json(varied) if json else robots.as_text(varied))
         complain(robots.without_say(varied), 0)
         if csv is not None:
             write(csv, robots.as_csv(varied).encode())
+        if picture is not None:
+            from validation.solve.variations.picture import png  # noqa: PLC0415
+
+            write(picture, png(robot_file, varied))
         return 0
     asked = command.question(robot_file, model, place, modes, given, against)
     cost = command.checked(asked)

@@ -3,7 +3,10 @@
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
+import numpy as np
+
 from lumped.arrays import Array
+from lumped.errors import InputError
 
 JointKind: TypeAlias = Literal[
     "fixed", "revolute", "prismatic", "cylindrical", "universal", "spherical", "planar"
@@ -27,6 +30,12 @@ FREEDOMS: dict[JointKind, int] = {
     "spherical": 3,
     "planar": 3,
 }
+
+
+# Sine of the angle below which two directions are one: what six digits give.
+SMALLEST_SINE = 1e-5
+# Rounding of a unit vector's length.
+_UNIT = 1e-9
 
 
 @dataclass(frozen=True)
@@ -58,6 +67,7 @@ class Joint:
     first body, the second in the second), none for fixed and spherical ones. Interfaces may be
     apart along the axis of a prismatic or cylindrical joint. `compliance` (6×6, SI, base axes of
     the reference posture, fixed to the first body) is the joint's own give, in series.
+    Raises InputError for axes that are not as said.
     """
 
     name: str
@@ -67,3 +77,25 @@ class Joint:
     axes: Array
     drive: Drive | None = None
     compliance: Array | None = None
+
+    def __post_init__(self) -> None:
+        if faults := self._faults():
+            raise InputError(f"joint {self.name}: {fault}" for fault in faults)
+
+    def _faults(self) -> list[str]:
+        """What would silently be another joint: axes too few, not of unit length, or parallel."""
+        count = AXES[self.kind]
+        if np.shape(self.axes) != (count, 3):
+            shape = "×".join(map(str, np.shape(self.axes)))
+            return [f"axes {shape}: a {self.kind} joint has {count}×3"]
+        lengths = np.linalg.norm(self.axes, axis=1)
+        faults = [
+            f"axis {place} has length {length:.6g}: must be a unit vector"
+            for place, length in enumerate(lengths, start=1)
+            if not abs(length - 1.0) <= _UNIT
+        ]
+        if not faults and count > 1 and np.linalg.norm(np.cross(*self.axes)) < SMALLEST_SINE:
+            faults.append("axes are parallel: the joint would turn about one alone")
+        if self.compliance is not None and np.shape(self.compliance) != (6, 6):
+            faults.append("compliance must be 6×6")
+        return faults

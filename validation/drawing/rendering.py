@@ -185,6 +185,24 @@ def triad(
         axes.text(tip[0], tip[1], name, ha="center", va="center", fontsize=9.0)
 
 
+# Where a triad may stand, in the order of preference (shares of width and height).
+_CORNERS = ((0.08, 0.92), (0.78, 0.92), (0.08, 0.3), (0.78, 0.3))
+_HALF_TRIAD, _CLEAR = 18.0, 26.0  # pt
+
+
+def clear_corner(scene: Scene) -> tuple[float, float]:
+    """The first place for a triad that no body covers, else the one farthest from all."""
+    per_point = DOTS_PER_INCH / 72.0
+    drawn = pixels(scene.view, np.vstack([body.surface.points for body in scene.bodies]))
+
+    def away(place: tuple[float, float]) -> float:
+        centre = np.array(place) * scene.view.size + per_point * _HALF_TRIAD * np.array([1.0, -1.0])
+        return float(np.linalg.norm(drawn - centre, axis=1).min()) / per_point
+
+    clear = [place for place in _CORNERS if away(place) > _CLEAR]
+    return clear[0] if clear else max(_CORNERS, key=away)
+
+
 def colour_bar(
     picture: Canvas,
     axes: Axes | list[Axes],

@@ -194,20 +194,20 @@ def power_ticks(axis: Axis) -> None:
     decades = np.log10(high / low) if 0.0 < low < high else 0.0
     parts = (1.0, 2.0, 5.0) if decades < _FEW_DECADES else (1.0,)
     axis.set_major_locator(mpl.ticker.LogLocator(10.0, subs=parts, numticks=8))
-    axis.set_major_formatter(mpl.ticker.FuncFormatter(lambda value, _: _power_text(value)))
+    axis.set_major_formatter(mpl.ticker.FuncFormatter(lambda value, _: short_number(value)))
     axis.set_minor_locator(mpl.ticker.NullLocator())
 
 
 _FEW_DECADES = 1.5
 
 
-def _power_text(value: float) -> str:
+def short_number(value: float) -> str:
     """A tick as in print: "0.02", "500", "10⁻⁶", "2 × 10⁻⁶"."""
-    if 1e-3 <= value < 1e4:
-        return f"{value:.3g}"
-    mantissa, _, exponent = f"{value:.0e}".partition("e")
-    power = power_of_ten(int(exponent))
-    return power if mantissa == "1" else f"{mantissa} × {power}"
+    if 1e-3 <= abs(value) < 1e4 or value == 0.0:
+        return f"{value:.4g}"
+    mantissa, _, exponent = f"{value:.2e}".partition("e")
+    power, digits = power_of_ten(int(exponent)), f"{float(mantissa):g}"
+    return power if digits == "1" else f"{digits} × {power}"
 
 
 def marked(points: int, rank: int, ranks: int) -> list[int]:

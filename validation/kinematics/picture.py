@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from io import BytesIO
 from itertools import permutations
+from textwrap import fill
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -39,6 +40,8 @@ _WIDTH = 9.0
 # Radius of a joint's symbol, of the size of the mechanism.
 _SYMBOL = 0.035
 _TEXT = 7.0
+# Letters of a title in an inch.
+_LETTERS = 12.0
 
 
 def png(mechanism: Mechanism, postures: Sequence[Posture]) -> bytes:
@@ -70,7 +73,8 @@ def picture(
     axes = canvas.add_subplot()
     axes.set_aspect("equal")
     axes.set_axis_off()
-    axes.set_title(f"{mechanism.name}, {shown_pose(mechanism, shown.pose) or 'reference posture'}")
+    title = f"{mechanism.name}, {shown_pose(mechanism, shown.pose) or 'reference posture'}"
+    axes.set_title(fill(title, round(_LETTERS * width)))
     _draw_lines(axes, postures, view)
     _draw_faces(axes, faces, view)
     _draw_ground(axes, shown, view, radius)

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING
@@ -12,6 +13,7 @@ from lumped.audit.finding import Finding
 from lumped.audit.robot_audit import audit
 from lumped.errors import InputError
 from lumped.robot_file import RobotFile
+from lumped.robot_file.variation import Variation
 from validation.console.streams import complain
 from validation.context import SWEEPS_FOLDER, Preset
 from validation.report.detection import comparisons
@@ -42,8 +44,9 @@ class Request:
 
     `only` is a shell-style pattern of ids. `baseline` is the folder or results.json of an earlier
     run to be compared with. `exports`: whether meshes, fields and matrices are wanted as files.
-    `cluster` is the address of a Dask scheduler that computes the sweeps. `asked` are options that
-    changed the robot file's requirement, as typed; `strict`: undecided counts as inadequate.
+    `vary` are numbers of the robot file with their values, as typed. `cluster` is the address of a
+    Dask scheduler that computes the sweeps. `asked` are options that changed the robot file's
+    requirement, as typed; `strict`: undecided counts as inadequate.
     `selftest`: whether the checks of the program are made again, left out, or, None, taken as they
     are kept and made where they are not.
     """
@@ -61,6 +64,7 @@ class Request:
     asked: Mapping[str, str] = field(default_factory=dict)
     strict: bool = False
     selftest: bool | None = None
+    vary: tuple[str, ...] = ()
 
     @property
     def options(self) -> Mapping[str, str]:
@@ -82,10 +86,12 @@ def validate(request: Request, catalogue: Catalogue) -> Results:
     ComputationError where workers cannot start or the export fails.
     """
     robot_file = request.robot_file
-    if robot_file.is_mechanism:
-        _refuse_what_biglides_have(request)
-    elif request.exports:
+    if request.cluster is not None and robot_file.is_mechanism and not request.vary:
+        raise InputError("--cluster: a mechanism's run has no sweeps but those of --vary")
+    if request.exports and not robot_file.is_mechanism:
         _refuse_large_exports(request)
+    _variations(request)
+    catalogue = _with_figures(catalogue, request)
     listed = catalogue(robot_file)
     if request.selftest is False:
         listed = [task for task in listed if not is_check(task)]
@@ -185,13 +191,38 @@ def _cluster(request: Request, stack: ExitStack) -> "Executor | None":
 def _sweep(request: Request, tasks: Sequence[Task], sweeps: Path, executor: "Executor") -> None:
     from validation.sweeps.studies import (  # noqa: PLC0415
         GROUP,
+        journal_in,
         precompute,
         studies_read,
     )
 
-    if any(task.group == GROUP for task in tasks):
-        studies = studies_read(request.preset)
-        precompute(request.robot_file.robot, request.preset, sweeps, executor, studies)
+    robot_file, preset = request.robot_file, request.preset
+    groups = {task.group for task in tasks}
+    if GROUP in groups:
+        precompute(robot_file.robot, preset, sweeps, executor, studies_read(preset))
+    for number, variation in enumerate(_variations(request), start=1):
+        if f"vary.{number}" in groups:
+            from validation.variations.curves import variation_study  # noqa: PLC0415
+
+            variation_study(robot_file, variation, preset, journal_in(str(sweeps)), executor)
+
+
+def _variations(request: Request) -> tuple[Variation, ...]:
+    """What is varied; raises InputError where one of the robots cannot be, or not in the pose."""
+    if not request.vary:
+        return ()
+    from validation.variations.robots import checked_variations  # noqa: PLC0415
+
+    return checked_variations(request.robot_file, request.vary)
+
+
+def _with_figures(catalogue: Catalogue, request: Request) -> Catalogue:
+    """The catalogue with the figures of what is varied."""
+    if not request.vary:
+        return catalogue
+    from validation.catalogue import with_variations  # noqa: PLC0415
+
+    return partial(with_variations, listed=catalogue, typed=request.vary)
 
 
 def _export(request: Request, target: Path) -> None:
@@ -203,17 +234,6 @@ def _export(request: Request, target: Path) -> None:
         from validation.export.models import export  # noqa: PLC0415
 
         export(request.robot_file.robot, request.preset, target)
-
-
-def _refuse_what_biglides_have(request: Request) -> None:
-    """Raise InputError for options that have nothing to do for a mechanism."""
-    refused = {
-        "--cluster: a mechanism's run has no sweeps; solve --vary has": (
-            request.cluster is not None
-        ),
-    }
-    if faults := [fault for fault, asked in refused.items() if asked]:
-        raise InputError(faults)
 
 
 def _refuse_large_exports(request: Request) -> None:

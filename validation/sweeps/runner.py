@@ -3,7 +3,7 @@
 from collections.abc import Callable, Generator, Mapping, Sequence
 from contextlib import closing
 from functools import partial
-from typing import Any, TypeAlias, TypeVar
+from typing import Any, Protocol, TypeAlias, TypeVar
 
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
@@ -18,6 +18,7 @@ Finished: TypeAlias = Generator[tuple[int, Any], None, None]
 # Computes calls in any order.
 Executor: TypeAlias = Callable[[Sequence[Work]], Finished]
 T = TypeVar("T")
+Result_co = TypeVar("Result_co", covariant=True)
 
 
 def in_turn(calls: Sequence[Work]) -> Finished:
@@ -48,6 +49,29 @@ def sweep(
     }
     _finish(posture_work, SolvedPostures, executor, kept, "solving postures")
     return [_kept(kept, key_of(unit), SolvedPostures) for unit in units]
+
+
+class Unit(Protocol[Result_co]):
+    """Plain data that stand for a result, and can be sent to other processes and machines."""
+
+    def compute(self) -> Result_co:
+        """The result."""
+
+
+def computed(
+    units: Sequence[Unit[T]],
+    kind: Callable[..., T],
+    executor: Executor,
+    journal: Journal,
+    what: str,
+) -> list[T]:
+    """What the units yield, a `kind` each, in their order, kept like the units of `sweep`.
+
+    `what` is being done, for the progress display.
+    """
+    work = {key_of(unit): unit.compute for unit in units}
+    found = _finish(work, kind, executor, journal, what)
+    return [found[key_of(unit)] for unit in units]
 
 
 def _finish(

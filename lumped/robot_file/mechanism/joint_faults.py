@@ -5,15 +5,13 @@ from collections.abc import Iterator
 import numpy as np
 
 from lumped.arrays import Array
-from lumped.mechanism.joint import AXES, FREEDOMS
+from lumped.mechanism.joint import AXES, FREEDOMS, SMALLEST_SINE
 from lumped.mechanism.mechanism import GROUND
 from lumped.robot_file.mechanism.draft import Draft, wrong_name
 from lumped.robot_file.mechanism.tables import JointTable
 
 # Kinds whose two points may lie apart, along the axis.
 _EXTENDED = ("prismatic", "cylindrical")
-# Sine of the angle below which two directions are one: what six digits give.
-_ALONG = 1e-5
 # Length of a direction below which it is none: its square would be lost.
 _NO_DIRECTION = 1e-9
 
@@ -116,7 +114,7 @@ def _axis_faults(draft: Draft, joint: JointTable, key: str) -> Iterator[str]:
         if np.linalg.norm(direction) < _NO_DIRECTION:
             yield f"{key}.{wanted} = {list(direction)}: must not be zero, it is a direction"
             return
-    if len(directions) == 2 and _sine(*directions) < _ALONG:
+    if len(directions) == 2 and _sine(*directions) < SMALLEST_SINE:
         yield (
             f"{key}.axes = {[list(direction) for direction in directions]}: must not be parallel; "
             "a universal joint turns about two directions"
@@ -124,7 +122,7 @@ def _axis_faults(draft: Draft, joint: JointTable, key: str) -> Iterator[str]:
     if len(directions) == 1 and way is not None and joint.type in _EXTENDED:
         first, second = points_of(joint)
         apart = float(np.linalg.norm(way))
-        if _sine(directions[0], way) > _ALONG:
+        if _sine(directions[0], way) > SMALLEST_SINE:
             yield (
                 f"{key}.axis = {list(directions[0])}: must point from {first} to {second} or back, "
                 f"which are {apart:.3g} m apart; left out, it does"

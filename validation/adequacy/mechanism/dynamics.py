@@ -18,6 +18,7 @@ from fem.reduction.craig_bampton import craig_bampton
 from fem.reduction.superelement import held_leg
 from fem.sections.section_constants import beam_properties
 from lumped.arrays import Array
+from lumped.caches import lru_cache
 from lumped.legs import ConstantLeg, Ends, GivenLeg, Leg, equivalent_leg
 from lumped.mechanism.body_model import BodyModel, LegMatrices
 from lumped.mechanism.mechanism import Posture
@@ -177,7 +178,14 @@ def _reference_leg(
 ) -> LegMatrices:
     if isinstance(leg, GivenLeg):
         return leg_with_masses(leg, masses or MASSES[0], highest)
-    number = divisions if isinstance(leg.section, Rectangle) else walls
+    return _reduced_solid(
+        leg, divisions if isinstance(leg.section, Rectangle) else walls, ends, highest
+    )
+
+
+# Robots that differ in one number share most of their legs.
+@lru_cache(maxsize=16)
+def _reduced_solid(leg: ConstantLeg, number: int, ends: Ends, highest: float) -> LegMatrices:
     return craig_bampton(held_solid(leg, number, ends), highest).matrices
 
 

@@ -4,7 +4,10 @@ Curves and pictures are computed in the run like cases (`drawings`); plots of st
 are drawn when the page is made, from what the cases brought.
 """
 
+from collections.abc import Sequence
+
 from lumped.robot_file import RobotFile
+from lumped.robot_file.variation import Variation
 from validation.exhibits import Drawing
 
 
@@ -18,6 +21,13 @@ def of_program() -> tuple[Drawing, ...]:
     from validation.report.figures.curves import refinement  # noqa: PLC0415
 
     return refinement.drawings()
+
+
+def of_variations(variations: Sequence[Variation]) -> tuple[Drawing, ...]:
+    """The figures of the numbers of the robot file that a run varies."""
+    from validation.report.figures.mechanism.variations import drawings  # noqa: PLC0415
+
+    return drawings(variations)
 
 
 def _of_mechanism() -> tuple[Drawing, ...]:

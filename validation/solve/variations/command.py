@@ -18,11 +18,15 @@ from validation.sweeps.runner import Executor, in_turn
 
 @dataclass(frozen=True)
 class Spread:
-    """What is varied, as typed, and by how many processes or which cluster."""
+    """What is varied, as typed, and by how many processes or which cluster.
+
+    `drawn`: whether the answers are to be a picture, too.
+    """
 
     typed: tuple[str, ...]
     jobs: int = 1
     cluster: str | None = None
+    drawn: bool = False
 
 
 def solve_spread(
@@ -38,8 +42,12 @@ def solve_spread(
     Raises InputError with one line per fault and ComputationError.
     """
     if not spread.typed:
-        raise InputError("--jobs, --cluster, --csv: belong to --vary; leave them out")
+        raise InputError("--jobs, --cluster, --csv, --picture: belong to --vary; leave them out")
     variations = variations_of(robot_file, spread.typed)
+    if spread.drawn:
+        from validation.solve.variations.picture import require_few_curves  # noqa: PLC0415
+
+        require_few_curves(variations, max(1, len(place.poses) + len(place.x)))
     with ExitStack() as stack:
         executor = _executor(spread, stack)
         return solve_varied(robot_file, variations, model, place, modes, given, executor)

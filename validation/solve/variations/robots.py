@@ -1,6 +1,7 @@
 """One model of many robots that differ in some numbers of their file, here or on a cluster."""
 
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -119,13 +120,18 @@ def columns(found: VariedAnswers) -> dict[str, list[float | str]]:
             }
         else:
             table[name] = [place for place in places if not isinstance(place, list)]
-    for k, name in enumerate(STATIC_QUANTITIES[: len(rows[0][1].compliance)]):
+    return table | quantities([answer for _, answer in rows])
+
+
+def quantities(answers: Sequence[Answer]) -> dict[str, list[float | str]]:
+    """Deflections under their own loads and frequencies, a number for each answer."""
+    table: dict[str, list[float | str]] = {}
+    for k, name in enumerate(STATIC_QUANTITIES[: len(answers[0].compliance)]):
         unit = "µrad at 100 N m" if name.startswith("phi") else "µm at 1000 N"
         scale = _LOADS[k] * _MICRO
-        table[f"{name} ({unit})"] = [scale * float(answer.compliance[k, k]) for _, answer in rows]
-    count = max(len(answer.frequencies) for _, answer in rows)
-    for k in range(count):
-        table[f"f{k + 1} (Hz)"] = [_frequency(answer, k) for _, answer in rows]
+        table[f"{name} ({unit})"] = [scale * float(one.compliance[k, k]) for one in answers]
+    for k in range(max(len(one.frequencies) for one in answers)):
+        table[f"f{k + 1} (Hz)"] = [_frequency(one, k) for one in answers]
     return table
 
 

@@ -1,24 +1,20 @@
 """Deflections and frequencies over the path by all models, and how far they are apart."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import cycle
 
 import numpy as np
 
 from lumped.acceptance.requirement import STATIC_QUANTITIES
 from lumped.arrays import Array
-from lumped.legs import ConstantLeg
 from lumped.mechanism.mechanism import Posture
-from validation.adequacy.mechanism.dynamics import (
-    dynamic_reference,
-    model_vibration,
-    simplified_vibration,
+from validation.adequacy.mechanism.compared import (
+    Compared,
+    compared_compliances,
+    compared_frequencies,
+    is_model,
 )
-from validation.adequacy.mechanism.path import coordinates, known_legs, offered, path_postures
-from validation.adequacy.mechanism.samples import samples_of
-from validation.adequacy.mechanism.statics import compliances, static_reference, unanswered
-from validation.adequacy.mechanism.subject import mechanism_models
-from validation.adequacy.partners import partners
+from validation.adequacy.mechanism.path import coordinates, has_given, path_postures
 from validation.context import Context
 from validation.drawing.style import (
     MODELS,
@@ -29,40 +25,29 @@ from validation.drawing.style import (
 )
 from validation.exhibits import PATH, Drawing, Figure
 from validation.models.mechanism import JUDGED_MODES
-from validation.models.options import ModelName, ModelOptions
-from validation.models.parts import parts_of
-from validation.report.figures.mechanism.panels import (
-    POSE,
-    Panel,
-    columns_of,
-    compared_svg,
-    differences,
-)
+from validation.report.figures.mechanism.panels import POSE, Panel, columns_of, compared_svg
 from validation.solids.robots import SHARED_SOLIDS
 
 FORCE, MOMENT = 1000.0, 100.0
-_EULER = ModelOptions(theory="euler-bernoulli")
+OWN_LOADS = f"along its own force of {FORCE:g} N, about its own moment of {MOMENT:g} N m"
+HELD = (
+    "Solids with ends and interfaces held as the file says; where it does not, rigidly, and free "
+    "to warp or averaged."
+)
+ONE_SHAPE = "In ascending order; differences are those of modes of one shape."
 _TITLE = "Deflection over the path"
 _FREQUENCIES = "Natural frequencies over the path"
-_CURVES: Mapping[str, tuple[ModelName, ModelOptions, Look]] = {
-    "simplified": ("simplified", ModelOptions(), MODELS["simplified"]),
-    "vjm": ("vjm", ModelOptions(), MODELS["vjm"]),
-    "links": ("links", ModelOptions(), Look(PURPLE, "D", ":")),
-    "segments": ("segments", ModelOptions(), MODELS["segments"]),
-    "segments-stepped": (
-        "segments",
-        ModelOptions(parts="stepped"),
-        Look(MODELS["segments"].colour, "^", ":"),
-    ),
-    "segments-condensed": (
-        "segments",
-        ModelOptions(parts="condensed"),
-        Look(MODELS["vjm"].colour, "s", "-."),
-    ),
-    "beam": ("beam", ModelOptions(), MODELS["beam"]),
-    "beam-euler-bernoulli": ("beam", _EULER, Look(MODELS["beam"].colour, "P", ":")),
+_LOOKS: Mapping[str, Look] = {
+    "simplified": MODELS["simplified"],
+    "vjm": MODELS["vjm"],
+    "links": Look(PURPLE, "D", ":"),
+    "segments": MODELS["segments"],
+    "segments-stepped": Look(MODELS["segments"].colour, "^", ":"),
+    "segments-condensed": Look(MODELS["vjm"].colour, "s", "-."),
+    "beam": MODELS["beam"],
+    "beam-euler-bernoulli": Look(MODELS["beam"].colour, "P", ":"),
 }
-_DYNAMIC = ("segments", "segments-stepped", "segments-condensed", "beam", "beam-euler-bernoulli")
+_SOLID = (MODELS["solid"], Look(MODELS["solid"].colour, MODELS["solid"].marker, "--"))
 
 
 def drawings() -> tuple[Drawing, ...]:
@@ -79,95 +64,60 @@ def _drawing(name: str, title: str, draw: Callable[[Context], Figure], effort: f
 
 def deflections(context: Context) -> Figure:
     """A panel for each direction, under a force or a moment along it."""
-    postures = path_postures(context)
-    found: dict[str, tuple[Array, Look]] = {}
-    reference = static_reference(context, postures)
-    judged = mechanism_models(context.robot_file.mechanism)
-    for name, (model, options, look) in _CURVES.items():
-        if name in judged and not unanswered(postures, model, options):
-            response = compliances(postures, model, options)
-            found[name] = _own(response.compliance), look
-    legs = known_legs(context.robot_file.mechanism).values()
-    parts = parts_of(context.robot_file.mechanism)
-    solid = bool(parts) or any(isinstance(leg, ConstantLeg) for leg in legs)
-    against = ""
-    for one, look in zip(reference.alternatives, _SOLID, strict=False):
-        name = f"solid, {one.name}" if solid else "legs' own 6×6"
-        found[name] = _own(one.response.compliance), look
-        against = against or name
-    panels = {}
-    for place, name in enumerate(STATIC_QUANTITIES):
-        turns = name.startswith("phi")
-        title = f"about {name[-1]} (µrad)" if turns else f"along {name} (µm)"
-        factor = 1e6 * (MOMENT if turns else FORCE)
-        curves = {key: (factor * one[:, place], look) for key, (one, look) in found.items()}
-        panels[title] = Panel(curves, differences(curves, against))
+    found = compared_compliances(context, path_postures(context))
     return _figure(
         context,
         "mechanism.deflections",
-        f"{_TITLE}: along its own force of {FORCE:g} N, about its own moment of {MOMENT:g} N m",
-        "Of the loaded point. Solids with ends and interfaces held as the file says; where it does "
-        "not, rigidly, and free to warp or averaged.",
-        panels,
-        against,
+        f"{_TITLE}: {OWN_LOADS}",
+        f"Of the loaded point. {HELD}",
+        deflection_panels(found),
+        found.against,
     )
 
 
 def frequencies(context: Context) -> Figure:
     """A panel for each of the first frequencies, in ascending order at each pose."""
-    postures = path_postures(context)
     judged = context.robot_file.requirement.modes
-    count = offered(judged)
-    found = {}
-    rigid = simplified_vibration(samples_of(postures[0].mechanism), postures, count)
-    if rigid is not None:
-        found["simplified"] = rigid, MODELS["simplified"]
-    models = mechanism_models(context.robot_file.mechanism)
-    for name in _DYNAMIC:
-        model, options, look = _CURVES[name]
-        if name not in models or unanswered(postures, model, options):
-            continue
-        vibration = context.get(model_vibration, postures, model, options, count)
-        found[name] = vibration, look
-    reference = dynamic_reference(context, postures, judged)
-    looks = cycle(OTHERS) if reference.bracket else iter(_SOLID)
-    against = ""
-    for one, look in zip(reference.alternatives, looks, strict=False):
-        if one.response.vibration is not None:
-            label = one.name if reference.bracket else f"solid, {one.name}"
-            found[label] = one.response.vibration, look
-            against = against or label
-    first, weights = found[against][0], samples_of(context.robot_file.mechanism).weights
-    own = first.frequencies[:, :judged]
-    paired = {
-        name: 100.0 * (partners(first, one, weights, judged).frequency / own - 1.0)
-        for name, (one, _) in found.items()
-        if name != against
-    }
-    panels = {}
-    for mode in range(min(JUDGED_MODES, judged)):
-        panels[f"f{mode + 1} (Hz)"] = Panel(
-            {key: (one.frequencies[:, mode], look) for key, (one, look) in found.items()},
-            {key: (one[:, mode], found[key][1]) for key, one in paired.items()},
-        )
+    found = compared_frequencies(context, path_postures(context), judged)
     return _figure(
         context,
         "mechanism.frequencies",
         _FREQUENCIES,
-        "In ascending order at each pose; differences are those of modes of one shape.",
-        panels,
-        against,
+        ONE_SHAPE,
+        frequency_panels(found, bracket=has_given(context.robot_file.mechanism)),
+        found.against,
         columns=2,
     )
 
 
-_SOLID = (MODELS["solid"], Look(MODELS["solid"].colour, MODELS["solid"].marker, "--"))
+def deflection_panels(found: Compared) -> dict[str, Panel]:
+    """Compliances (p×6, SI) as deflections under `FORCE` and `MOMENT`, a panel each."""
+    panels = {}
+    for place, name in enumerate(STATIC_QUANTITIES):
+        turns = name.startswith("phi")
+        title = f"about {name[-1]} (µrad)" if turns else f"along {name} (µm)"
+        panels[title] = _panel(found, place, 1e6 * (MOMENT if turns else FORCE), iter(_SOLID))
+    return panels
 
 
-def _own(compliance: Array | None) -> Array:
-    if compliance is None:
-        raise ValueError("a static model has a compliance")
-    return np.diagonal(compliance, axis1=1, axis2=2)
+def frequency_panels(found: Compared, *, bracket: bool) -> dict[str, Panel]:
+    """The first frequencies (p×k, Hz), a panel each; a `bracket` has many alternatives."""
+    count = min(JUDGED_MODES, found.values[found.against].shape[1])
+    return {
+        f"f{mode + 1} (Hz)": _panel(found, mode, 1.0, cycle(OTHERS) if bracket else iter(_SOLID))
+        for mode in range(count)
+    }
+
+
+def _panel(found: Compared, place: int, factor: float, others: Iterator[Look]) -> Panel:
+    looks = {name: _LOOKS[name] if is_model(name) else next(others) for name in found.values}
+    return Panel(
+        {name: (factor * values[:, place], looks[name]) for name, values in found.values.items()},
+        {
+            name: (100.0 * values[:, place], looks[name])
+            for name, values in found.differences.items()
+        },
+    )
 
 
 def _figure(

@@ -5,15 +5,18 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.ticker import MaxNLocator
+from matplotlib.figure import Figure as Canvas
+from matplotlib.ticker import FuncFormatter, MaxNLocator
 
 from lumped.arrays import Array
-from validation.drawing.style import Look, canvas, marked, plot_style, svg_of
+from validation.drawing.style import Look, canvas, marked, plot_style, short_number, svg_of
 from validation.report.figures.curves.lines import from_zero, legend_above, percent_scale
 
 # in, of a row of panels and of the differences below it.
 _HIGH, _LOW = 2.0, 1.5
 POSE = "pose"
+# Intervals of an axis at most; letters that fit below all axes of a row.
+_TICKS, _ROOM = 4, 87
 Curves: TypeAlias = Mapping[str, tuple[Array, Look]]
 
 
@@ -25,32 +28,37 @@ class Panel(NamedTuple):
 
 
 def compared_svg(x: Array, label: str, panels: Mapping[str, Panel], columns: int) -> str:
-    """The panels by their titles over x (m), differences below each, as SVG.
+    """The panels as `compared` draws them, as SVG."""
+    with plot_style():
+        return svg_of(compared(x, label, panels, columns))
+
+
+def compared(x: Array, label: str, panels: Mapping[str, Panel], columns: int) -> Canvas:
+    """The panels by their titles over x (m), differences below each; draw in the style of plots.
 
     Without differences there is no row for them; x that are numbers of poses have whole ticks.
     """
     rows = -(-len(panels) // columns)
     parts = 2 if any(panel.differences for panel in panels.values()) else 1
     heights = rows * (_HIGH, _LOW)[:parts]
-    with plot_style():
-        drawn, places = canvas(parts * rows, columns, 0.8 + sum(heights), heights)
-        for axes in places:
-            axes.set_axis_off()
-        for place, (heading, panel) in enumerate(panels.items()):
-            row, column = divmod(place, columns)
-            above, lowest = (places[(parts * row + k) * columns + column] for k in (0, parts - 1))
-            _draw(above, x, label, panel.curves)
-            from_zero(above)
-            above.set_title(heading)
-            if parts > 1:
-                above.tick_params(labelbottom=False)
-                _draw(lowest, x, label, panel.differences)
-                percent_scale(lowest)
-                if not column:
-                    lowest.set_ylabel("difference (%)")
-            lowest.set_xlabel(label)
-        legend_above(drawn, columns=4)
-        return svg_of(drawn)
+    drawn, places = canvas(parts * rows, columns, 0.8 + sum(heights), heights)
+    for axes in places:
+        axes.set_axis_off()
+    for place, (heading, panel) in enumerate(panels.items()):
+        row, column = divmod(place, columns)
+        above, lowest = (places[(parts * row + k) * columns + column] for k in (0, parts - 1))
+        _draw(above, x, label, panel.curves)
+        from_zero(above)
+        above.set_title(heading)
+        if parts > 1:
+            above.tick_params(labelbottom=False)
+            _draw(lowest, x, label, panel.differences)
+            percent_scale(lowest)
+            if not column:
+                lowest.set_ylabel("difference (%)")
+        lowest.set_xlabel(_fitting(label, columns))
+    legend_above(drawn, columns=4)
+    return drawn
 
 
 def columns_of(panels: Mapping[str, Panel]) -> dict[str, list[float]]:
@@ -62,20 +70,16 @@ def columns_of(panels: Mapping[str, Panel]) -> dict[str, list[float]]:
     }
 
 
-def differences(curves: Curves, against: str) -> dict[str, tuple[Array, Look]]:
-    """All other curves in percent of the one `against`, as far as that is not zero."""
-    reference = curves[against][0]
-    known = np.where(reference != 0.0, reference, np.nan)
-    return {
-        name: (100.0 * (values / known - 1.0), look)
-        for name, (values, look) in curves.items()
-        if name != against
-    }
+def _fitting(label: str, columns: int) -> str:
+    """The end of a label that is longer than an axis."""
+    room = _ROOM // columns
+    return label if len(label) <= room else f"…{label[1 - room :]}"
 
 
 def _draw(axes: Axes, x: Array, label: str, curves: Curves) -> None:
     axes.set_axis_on()
-    axes.xaxis.set_major_locator(MaxNLocator(integer=label == POSE))
+    axes.xaxis.set_major_locator(MaxNLocator(_TICKS, integer=label == POSE))
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: short_number(value)))
     if len(x) == 1 and label == POSE:
         axes.set_xlim(x[0] - 0.5, x[0] + 0.5)
     for rank, (name, (values, look)) in enumerate(curves.items()):

@@ -17,6 +17,7 @@ from validation.drawing.prisms import readable_factor
 from validation.drawing.rendering import (
     Scene,
     arrow,
+    clear_corner,
     colour_bar,
     panel_pixels,
     picture_of,
@@ -99,7 +100,7 @@ def mode_shapes(context: Context) -> Figure:
             show(axes, scene)
             points, lumped = compared_points(segments.system, like)
             squares(axes, scene.view, points + factor * lumped, MODELS["segments"].colour)
-            triad(axes, scene.view, place=(0.08, 0.92))
+            triad(axes, scene.view, place=clear_corner(scene))
             title = f"({'abcd'[mode]}) mode {mode + 1}: {frequency:.1f} Hz"
             axes.set_title(title)
             overlay = outlines_of(segments.system, factor * like)
@@ -153,7 +154,7 @@ def deformed(context: Context) -> Figure:
                 np.array([tail, head]),
             )
             show(axes, scene)
-            triad(axes, scene.view, place=(0.1, 0.92))
+            triad(axes, scene.view, place=clear_corner(scene))
             arrow(axes, scene.view, tail, head, VERMILLION)
             title = f"({'abc'[place]}) {FORCE:g} N along {name}, drawn × {factor:g}"
             axes.set_title(title, fontsize=9.0)

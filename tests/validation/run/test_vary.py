@@ -1,0 +1,158 @@
+"""`run --vary`: figures of all models over a number of the robot file."""
+
+import csv
+import json
+import re
+
+import numpy as np
+import pytest
+
+from lumped.robot_file import load_robot
+from lumped.robot_file.key_units import unit_of
+from validation.cli import main
+from validation.drawing.style import short_number
+
+CRANE = """
+schema = 2
+name = "crane"
+[points]
+A = [0.0, 0.0, 0.0]
+P = [0.0, 0.5, 0.0]
+[bodies.arm]
+from = "A"
+to = "P"
+section = { shape = "rectangle", width = 0.06, height = 0.04 }
+material = { E = 2.1e11, nu = 0.0, rho = 7850.0 }
+[joints.motor]
+type = "revolute"
+between = ["ground", "arm"]
+at = "A"
+axis = [0.0, 0.0, 1.0]
+drive = { stiffness = 5.0e4 }
+[tool]
+body = "arm"
+point = "P"
+moves = ["x"]
+mass = 1.0
+[path]
+from = [0.0]
+to = [0.2]
+count = 3
+[accept]
+modes = 2
+"""
+WIDTH = "bodies.arm.section.width=0.04:0.08:3"
+MASS = "tool.mass=1:3:2"
+
+
+@pytest.fixture
+def crane(tmp_path):
+    path = tmp_path / "crane.toml"
+    path.write_text(CRANE, encoding="utf-8")
+    return path
+
+
+def table(folder, name):
+    rows = csv.DictReader((folder / "figures" / f"{name}.csv").open(encoding="utf-8"))
+    columns = list(rows)
+    return {key: np.array([float(row[key]) for row in columns]) for key in columns[0]}
+
+
+def run_of(crane, folder, *options):
+    asked = ["run", str(crane), "--preset", "quick", "--only", "vary.*", "--out", str(folder)]
+    return main([*asked, *options])
+
+
+def test_curves_are_what_the_models_answer(crane, tmp_path, capsys):
+    """Those of `solve --vary`; a slender bar's solid is its beam but for what held ends take."""
+    folder = tmp_path / "report"
+    assert run_of(crane, folder, "--vary", WIDTH, "--vary", MASS) == 0
+    capsys.readouterr()
+    deflections = table(folder, "vary.1.deflections")
+    frequencies = table(folder, "vary.1.frequencies")
+    label = "bodies.arm.section.width (m)"
+    np.testing.assert_allclose(deflections[label], [0.04, 0.06, 0.08])
+    pose = "0.1"
+    for model in ("beam", "segments", "simplified"):
+        asked = ["solve", str(crane), "--model", model, "--pose", pose, "--vary", WIDTH]
+        assert main([*asked, "--modes", "2", "--json"]) == 0
+        found = json.loads(capsys.readouterr().out)["results"]
+        compliances = np.array([one["compliance"] for one in found])
+        np.testing.assert_allclose(
+            deflections[f"{model}: along x (µm)"], 1e9 * compliances[:, 0, 0], rtol=1e-9
+        )
+        np.testing.assert_allclose(
+            deflections[f"{model}: about z (µrad)"], 1e8 * compliances[:, 5, 5], rtol=1e-9
+        )
+        own = np.array([one["frequencies"] for one in found])
+        for mode in range(own.shape[1]):
+            np.testing.assert_allclose(
+                frequencies[f"{model}: f{mode + 1} (Hz)"], own[:, mode], rtol=1e-6
+            )
+    solid = frequencies["solid, ends rigid: f1 (Hz)"]
+    np.testing.assert_allclose(solid, frequencies["beam: f1 (Hz)"], rtol=5e-3)
+    heavier = table(folder, "vary.2.frequencies")
+    assert (np.diff(heavier["solid, ends free: f1 (Hz)"]) < 0.0).all()
+    page = (folder / "report.html").read_text(encoding="utf-8")
+    assert "Design parameters" in page
+    assert "differ from solid, ends rigid, in percent" in page
+    header = json.loads((folder / "results.json").read_text(encoding="utf-8"))["run"]
+    assert header["options"]["vary"] == f"{WIDTH} {MASS}"
+
+
+def test_a_biglide_is_varied_like_any_mechanism(tmp_path):
+    """Feet as joints that give, legs by their 6×6: deflections fall as the tool's leg stiffens."""
+    folder = tmp_path / "report"
+    asked = ["--vary", "foot.compliance[3,3]=1e-9:4e-9:2"]
+    assert run_of("ifw", folder, *asked) == 0
+    along_z = table(folder, "vary.1.deflections")
+    assert "foot.compliance[3,3] (m/N)" in along_z
+    assert (np.diff(along_z["vjm: along z (µm)"]) > 0.0).all()
+
+
+@pytest.mark.parametrize(
+    ("typed", "said"),
+    [
+        (["--vary", "bodies.leg.section.width=1:2:3"], "has no such number; did you mean"),
+        (["--vary", "tool.mass=1:-1:3"], "--vary tool.mass=-1: tool.mass = -1"),
+        (["--vary", MASS, "--vary", "points.A[2]=0.0:0.45:2"], "--vary points.A[2]=0.45: "),
+        (["--cluster", "tcp://127.0.0.1:1"], "--cluster: a mechanism's run has no sweeps but"),
+    ],
+)
+def test_what_cannot_be_varied_is_one_clear_line(typed, said, crane, tmp_path, capsys):
+    folder = tmp_path / "report"
+    assert run_of(crane, folder, *typed) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert said in line
+    assert not folder.exists()
+
+
+@pytest.mark.parametrize(
+    ("robot", "key", "unit"),
+    [
+        ("delta", "bodies.rod1l.section.diameter", "m"),
+        ("delta", "joints.motor1.drive.stiffness", "N m/rad"),
+        ("orthoglide", "joints.drive_x.drive.stiffness", "N/m"),
+        ("delta", "points.A1[1]", "m"),
+        ("delta", "materials.steel.rho", "kg/m³"),
+        ("delta", "materials.steel.nu", ""),
+        ("delta", "tool.mass", "kg"),
+        ("3-rrr", "path.from[3]", "rad"),
+        ("3-rrr", "path.count", ""),
+        ("3-rrr", "bodies.platform.inertia[1,1]", "kg m²"),
+        ("ifw", "leg1.compliance[2,6]", "rad/N"),
+        ("ifw", "foot.compliance[6,6]", "rad/(N m)"),
+        ("ifw", "leg1.compliance[1,1]", "m/N"),
+        ("ifw", "geometry.a", "m"),
+        ("ifw", "actuators.stiffness", "N/m"),
+    ],
+)
+def test_units(robot, key, unit):
+    assert unit_of(load_robot(robot).tables, key) == unit
+
+
+def test_ticks_say_the_number():
+    told = {0.0: "0", 0.0125: "0.0125", -1000.0: "-1000", 1250.0: "1250", 150000.0: "1.5 × 10⁵"}
+    told |= {1e-6: "10⁻⁶", 2e-6: "2 × 10⁻⁶", 500.0: "500"}
+    assert {value: short_number(value) for value in told} == told
+    assert not any(re.search("e[+-]", text) for text in told.values())

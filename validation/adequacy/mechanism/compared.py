@@ -1,0 +1,120 @@
+"""What all models say of a mechanism in some postures, and how far they are from its solids."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from lumped.arrays import Array
+from lumped.legs import ConstantLeg
+from lumped.mechanism.mechanism import Posture
+from validation.adequacy.mechanism.dynamics import (
+    dynamic_reference,
+    model_vibration,
+    simplified_vibration,
+)
+from validation.adequacy.mechanism.path import known_legs, offered
+from validation.adequacy.mechanism.samples import samples_of
+from validation.adequacy.mechanism.statics import compliances, static_reference, unanswered
+from validation.adequacy.mechanism.subject import mechanism_models
+from validation.adequacy.partners import partners
+from validation.context import Context
+from validation.models.options import ModelName, ModelOptions
+from validation.models.parts import parts_of
+
+_EULER = ModelOptions(theory="euler-bernoulli")
+# From the bottom of a stack of curves to its top.
+_MODELS: Mapping[str, tuple[ModelName, ModelOptions]] = {
+    "simplified": ("simplified", ModelOptions()),
+    "vjm": ("vjm", ModelOptions()),
+    "links": ("links", ModelOptions()),
+    "segments": ("segments", ModelOptions()),
+    "segments-stepped": ("segments", ModelOptions(parts="stepped")),
+    "segments-condensed": ("segments", ModelOptions(parts="condensed")),
+    "beam": ("beam", ModelOptions()),
+    "beam-euler-bernoulli": ("beam", _EULER),
+}
+_DYNAMIC = ("segments", "segments-stepped", "segments-condensed", "beam", "beam-euler-bernoulli")
+
+
+@dataclass(frozen=True, eq=False)
+class Compared:
+    """One quantity or several in p postures by all models and, last, by the alternatives.
+
+    `values` maps their names to p×k numbers, `differences` all but `against`, the first
+    alternative, to what they differ from it (p×k, relative, NaN where there is nothing to compare).
+    """
+
+    values: Mapping[str, Array]
+    differences: Mapping[str, Array]
+    against: str
+
+
+def compared_compliances(context: Context, postures: tuple[Posture, ...]) -> Compared:
+    """Compliance (p×6, SI) along and about each axis, under its own force and moment."""
+    mechanism = postures[0].mechanism
+    found = {}
+    for name, (model, options) in _answering(postures).items():
+        found[name] = _own(compliances(postures, model, options).compliance)
+    legs, parts = known_legs(mechanism).values(), parts_of(mechanism)
+    solid = bool(parts) or any(isinstance(leg, ConstantLeg) for leg in legs)
+    against = ""
+    for one in static_reference(context, postures).alternatives:
+        name = f"solid, {one.name}" if solid else "legs' own 6×6"
+        found[name] = _own(one.response.compliance)
+        against = against or name
+    reference = found[against]
+    known = np.where(reference != 0.0, reference, np.nan)
+    differences = {name: values / known - 1.0 for name, values in found.items() if name != against}
+    return Compared(found, differences, against)
+
+
+def compared_frequencies(context: Context, postures: tuple[Posture, ...], judged: int) -> Compared:
+    """The first frequencies (p×`judged`, Hz), ascending; differences of modes of one shape."""
+    count = offered(judged)
+    mechanism = postures[0].mechanism
+    found = {}
+    rigid = simplified_vibration(samples_of(mechanism), postures, count)
+    if rigid is not None:
+        found["simplified"] = rigid
+    for name, (model, options) in _answering(postures).items():
+        if name in _DYNAMIC:
+            found[name] = context.get(model_vibration, postures, model, options, count)
+    reference = dynamic_reference(context, postures, judged)
+    against = ""
+    for one in reference.alternatives:
+        if one.response.vibration is not None:
+            name = one.name if reference.bracket else f"solid, {one.name}"
+            found[name] = one.response.vibration
+            against = against or name
+    first, weights = found[against], samples_of(mechanism).weights
+    own = first.frequencies[:, :judged]
+    return Compared(
+        {name: one.frequencies[:, :judged] for name, one in found.items()},
+        {
+            name: partners(first, one, weights, judged).frequency / own - 1.0
+            for name, one in found.items()
+            if name != against
+        },
+        against,
+    )
+
+
+def is_model(name: str) -> bool:
+    """Whether a curve is a model's, not one of the alternatives that models are held against."""
+    return name in _MODELS
+
+
+def _answering(postures: Sequence[Posture]) -> dict[str, tuple[ModelName, ModelOptions]]:
+    judged = mechanism_models(postures[0].mechanism)
+    return {
+        name: asked
+        for name, asked in _MODELS.items()
+        if name in judged and not unanswered(postures, *asked)
+    }
+
+
+def _own(compliance: Array | None) -> Array:
+    if compliance is None:
+        raise ValueError("a static model has a compliance")
+    return np.diagonal(compliance, axis1=1, axis2=2)
