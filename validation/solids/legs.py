@@ -51,11 +51,16 @@ _STATIONS = 24
 
 @dataclass(frozen=True)
 class Refinement:
-    """Values (m×…) on m similar meshes with `divisions` across the section, coarse to fine."""
+    """Values (m×…) on m similar meshes with `divisions` across the section, coarse to fine.
+
+    `free`: where end faces are held, the same with ends free to warp and contract, on the same
+    meshes: all but the stresses at the held edges is in both.
+    """
 
     divisions: tuple[int, ...]
     values: Array
     formal_order: float = FORMAL_ORDER
+    free: "Refinement | None" = None
 
     def at(self, *index: int) -> Convergence:
         """Convergence of one of the values; raises ValueError for fewer than four meshes."""
@@ -65,11 +70,17 @@ class Refinement:
     def uncertainty(self, *index: int) -> float:
         """Numerical uncertainty of one of the finest values (its unit).
 
-        With fewer than four meshes, which show no order, Roache's estimate for two. Where a corner
+        With fewer than four meshes, which show no order, Roache's estimate for two: of what held
+        edges change by their own order, of all else by that of free ends. On four, where a corner
         lowers the order, its term and the smooth one are told apart by their known orders.
         """
         values = self._curve(index)
         if len(values) < GRIDS_FOR_ORDER:
+            if self.free is not None:
+                edges = Refinement(
+                    self.divisions, self.values - self.free.values, self.formal_order
+                )
+                return self.free.uncertainty(*index) + edges.uncertainty(*index)
             ratio = self.divisions[-1] / self.divisions[-2]
             return float(abs(values[-1] - values[-2])) * step_factor(ratio, self.formal_order)
         if self.formal_order < FORMAL_ORDER:
@@ -183,15 +194,17 @@ def solid_compliances(leg: ConstantLeg, divisions: tuple[int, ...]) -> dict[Ends
         )
         for number in divisions
     ]
-    both: tuple[Ends, ...] = ("rigid", "free")
-    return {
-        ends: Refinement(
-            divisions,
-            np.array([doubling.tip_compliance(mesh, ends) for mesh in condensed]),
-            formal_order(leg, ends),
-        )
-        for ends in both
-    }
+    both: tuple[Ends, Ends] = ("rigid", "free")
+    rigid, free = (
+        np.array([doubling.tip_compliance(mesh, ends) for mesh in condensed]) for ends in both
+    )
+    relaxed = Refinement(divisions, free, formal_order(leg, "free"))
+    return {"rigid": held(leg, rigid, relaxed), "free": relaxed}
+
+
+def held(leg: ConstantLeg, values: Array, free: Refinement) -> Refinement:
+    """Values (m×…) of a leg with rigid faces, beside those of `free` ends on the same meshes."""
+    return Refinement(free.divisions, values, formal_order(leg, "rigid"), free)
 
 
 def solid_frequencies(

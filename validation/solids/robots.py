@@ -28,6 +28,7 @@ from fem.solvers import sparse_system
 from lumped.arrays import Array, SparseMatrix
 from lumped.biglide import Biglide, in_words, with_equivalent_legs
 from lumped.biglide import system as robot_system
+from lumped.caches import lru_cache
 from lumped.dense.modes import Modes
 from lumped.errors import InputError, naming
 from lumped.legs import ConstantLeg, Leg, equivalent_leg, tip_compliance
@@ -124,7 +125,18 @@ class TwoMeshes:
 
 
 def two_meshes(leg: ConstantLeg, most: int) -> TwoMeshes:
-    """Tip compliances of a leg by doubling, on its two finest meshes.
+    """Tip compliances of a leg by doubling, on the meshes of `mesh_pair`."""
+    coarse, fine = mesh_pair(leg, most)
+    with naming(leg.name):
+        return TwoMeshes(
+            coarse=_compliances(leg, *coarse),
+            fine=_compliances(leg, *fine),
+            ratio=fine[1] / coarse[1],
+        )
+
+
+def mesh_pair(leg: ConstantLeg, most: int) -> tuple[tuple[int, int], tuple[int, int]]:
+    """Divisions of the section and slices along it of the two finest meshes, coarse and fine.
 
     Their section meshes have at most `most` unknowns. Where one alone of thin walls can have so
     few, both share it and the coarser one is half as fine along the leg: what the section mesh
@@ -134,17 +146,10 @@ def two_meshes(leg: ConstantLeg, most: int) -> TwoMeshes:
     ladder = static_ladder(leg, most)
     if ladder:
         coarse, fine = ladder[-2:]
-        along = static_slices(leg, coarse), static_slices(leg, fine)
-    else:
-        coarse = fine = COARSEST_WALLS
-        _require_affordable(leg, fine, most)
-        along = static_slices(leg, fine), 2 * static_slices(leg, fine)
-    with naming(leg.name):
-        return TwoMeshes(
-            coarse=_compliances(leg, coarse, along[0]),
-            fine=_compliances(leg, fine, along[1]),
-            ratio=along[1] / along[0],
-        )
+        return (coarse, static_slices(leg, coarse)), (fine, static_slices(leg, fine))
+    _require_affordable(leg, COARSEST_WALLS, most)
+    along = static_slices(leg, COARSEST_WALLS)
+    return (COARSEST_WALLS, along), (COARSEST_WALLS, 2 * along)
 
 
 def _require_affordable(leg: ConstantLeg, divisions: int, most: int) -> None:
@@ -157,15 +162,37 @@ def _require_affordable(leg: ConstantLeg, divisions: int, most: int) -> None:
 
 
 def _compliances(leg: ConstantLeg, divisions: int, along: int) -> TipCompliances:
-    mesh, material = section_mesh(leg.section, section_counts(leg, divisions)), leg.material
-    condensed = doubling.condensed_leg(leg, mesh, along)
-    constants = section_constants(mesh, material.nu, material.G / material.E)
     return TipCompliances(
-        rigid=doubling.tip_compliance(condensed, "rigid"),
-        free=doubling.tip_compliance(condensed, "free"),
-        own=tip_compliance(beam_properties(constants, material), leg.length),
-        restrained=restrained_compliance(mesh, material, leg.length),
+        rigid=doubled_tip(leg, divisions, along, "rigid"),
+        free=doubled_tip(leg, divisions, along, "free"),
+        own=own_tip(leg, divisions),
+        restrained=restrained_tip(leg, divisions),
     )
+
+
+def doubled_tip(leg: ConstantLeg, divisions: int, along: int, ends: Ends) -> Array:
+    """Tip compliance (6×6, SI, leg axes) of the solid leg by doubling."""
+    return doubling.tip_compliance(_condensed(leg, divisions, along), ends)
+
+
+def own_tip(leg: ConstantLeg, divisions: int) -> Array:
+    """The Timoshenko cantilever's with the constants of the same section mesh."""
+    mesh, material = section_mesh(leg.section, section_counts(leg, divisions)), leg.material
+    constants = section_constants(mesh, material.nu, material.G / material.E)
+    return tip_compliance(beam_properties(constants, material), leg.length)
+
+
+def restrained_tip(leg: ConstantLeg, divisions: int) -> Array:
+    """What rigid faces take from it in theory."""
+    mesh = section_mesh(leg.section, section_counts(leg, divisions))
+    return restrained_compliance(mesh, leg.material, leg.length)
+
+
+# Both kinds of ends in turn of the same leg.
+@lru_cache(maxsize=2)
+def _condensed(leg: ConstantLeg, divisions: int, along: int) -> doubling.CondensedLeg:
+    mesh = section_mesh(leg.section, section_counts(leg, divisions))
+    return doubling.condensed_leg(leg, mesh, along)
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from lumped.arrays import Array
 from lumped.biglide import Biglide, in_words, scaled, with_equivalent_legs
@@ -26,6 +27,8 @@ FIGURE_POINTS = {"centre": 0.5, "left": 0.0, "right": 1.0}
 
 LOAD = 1000.0  # N, the paper's loads (§2.1, §2.2)
 MICRO = 1e6
+# Digits of differences that are more than rounding.
+_DIGITS = 8
 
 
 @dataclass(frozen=True)
@@ -46,9 +49,32 @@ class Deflections:
         return float(max(self.planar_x.max(), self.planar_y.max()))
 
 
-def farthest(found: Array, reference: Array) -> int:
-    """Number of the posture where one number per posture (p) is farthest off, relatively."""
-    return int(np.argmax(np.abs(found / reference - 1.0)))
+def farthest(found: Array, reference: Array, known: NDArray[np.bool_] | None = None) -> int:
+    """Number of the posture (of p) that is farthest off, relatively, among those `known`.
+
+    Of those off by rounding alone that of the largest number: rounding differs from machine to
+    machine. What is not there where it should be is farthest of all.
+    """
+    looked = np.ones(len(reference), dtype=bool) if known is None else known
+    with np.errstate(divide="ignore", invalid="ignore"):
+        off = np.round(np.abs(found / reference - 1.0), _DIGITS)
+    off = np.where(looked, np.where(np.isnan(off), np.inf, off), -1.0)
+    return int(np.lexsort((np.where(looked, reference, -np.inf), off))[-1])
+
+
+def farthest_entry(found: Array, reference: Array) -> tuple[float, float]:
+    """The entries of two compliances (…×n×n) that differ most, in units of √(c_ii c_jj).
+
+    The unit is the power of two next to that of the reference, so that both numbers stay what they
+    are. Of entries that differ by rounding alone the largest: rounding differs from machine to
+    machine.
+    """
+    sizes = np.sqrt(np.abs(np.diagonal(reference, axis1=-2, axis2=-1)))
+    scale = sizes[..., :, None] * sizes[..., None, :]
+    scale = np.exp2(np.round(np.log2(np.where(scale > 0.0, scale, 1.0))))
+    ours, theirs = (found / scale).ravel(), (reference / scale).ravel()
+    at = np.lexsort((np.abs(theirs), np.round(np.abs(ours - theirs), _DIGITS)))[-1]
+    return float(ours[at]), float(theirs[at])
 
 
 def deflections_of(compliances: Array) -> Deflections:

@@ -7,7 +7,6 @@ import sys
 import warnings
 from dataclasses import replace
 from html.parser import HTMLParser
-from importlib.util import find_spec
 from math import nan
 from pathlib import Path
 
@@ -21,12 +20,12 @@ from validation.case import Absolute, Allowance, Measurement, Outcome, Relation,
 from validation.drawing import text
 from validation.drawing.style import canvas, csv_of, plot_style, power_ticks, svg_of
 from validation.exhibits import Figure, InteractiveScene, Study
+from validation.independence.listing import NOTHING, Row, as_table, from_table
 from validation.report import sections
 from validation.report.figures.studies.budgets import budget_figure, budgeted
 from validation.report.figures.studies.families import families
 from validation.report.figures.studies.family_plots import study_plot
 from validation.report.page import render
-from validation.report.second_ways import HEADLINES
 from validation.report.sections import APPENDIX, CHAPTERS, chapters_of
 from validation.report.tables import grids, unexplained_share
 
@@ -403,11 +402,19 @@ def test_chapters_answer_in_turn_whatever_came_first():
     assert [section.title for section in found[0].sections] == [names[4], names[3]]
 
 
-def test_every_second_way_is_a_module_of_this_project():
-    for headline in HEADLINES:
-        assert len(headline.ways) > 1
-        for way in headline.ways:
-            assert find_spec(way.module) is not None, way.module
+def test_headline_numbers_stand_with_what_their_comparisons_rest_on():
+    row = Row("first screen", "deflections by beam", "robot.x[…] (6)", "fem.b", "ritz.c", NOTHING)
+    other = replace(row, number="frequencies by beam", shared="fem.both")
+    listed = judge(
+        case("guard.independence[biglide]", unit="1", tolerance=Absolute(0.5)),
+        Measurement(1.0, 0.0, exact=True, table=as_table([row, other])),
+        0.1,
+    )
+    assert from_table(listed.measurement.table) == (row, other)
+    shown = render(sample_report(outcomes=(listed,)))
+    assert "A biglide: 1 of 2 numbers have an independent comparison" in shown
+    assert "<strong>nothing</strong>" in shown
+    assert "fem.both" in shown
 
 
 def test_scenes_are_in_the_page_and_the_viewer_is_there_once():

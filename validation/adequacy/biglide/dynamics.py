@@ -224,26 +224,26 @@ def _rigid_legs(robot: Biglide, x: float, velocity: Array, slides: Array) -> Arr
 
 def vibrations(context: Context, robot: Biglide, postures: int) -> dict[str, Vibration | None]:
     """What every model says of natural modes, by name; None where it has no masses."""
-    _, fine = divisions_of(
-        [equivalent_leg(leg) for leg in (robot.leg1, robot.leg2)], context.preset
-    )
-
-    def timoshenko(kind: str) -> Vibration:
-        return vibration(context.get(beam_modes, robot, kind, fine, postures))  # type: ignore[arg-type]
-
-    def euler(kind: str) -> Vibration:
-        found = context.get(model_modes, robot, kind, "euler-bernoulli", ELEMENTS, postures)
-        return vibration(found)
-
     return {
-        "simplified": simplified_modes(robot, postures),
+        "simplified": vibration_of(context, robot, "simplified", postures),
         "vjm": None,
         "vjm-equivalent": None,
-        "segments": timoshenko("segments"),
-        "beam": timoshenko("beam"),
-        "segments-euler-bernoulli": euler("segments"),
-        "beam-euler-bernoulli": euler("beam"),
-    }
+    } | {name: vibration_of(context, robot, name, postures) for name in _OF_ELEMENTS}
+
+
+_OF_ELEMENTS = ("segments", "beam", "segments-euler-bernoulli", "beam-euler-bernoulli")
+
+
+def vibration_of(context: Context, robot: Biglide, name: str, postures: int) -> Vibration:
+    """What one of the models that have masses says of natural modes."""
+    if name == "simplified":
+        return context.get(simplified_modes, robot, postures)
+    kind, _, theory = name.partition("-")
+    if theory:
+        return vibration(context.get(model_modes, robot, kind, theory, ELEMENTS, postures))
+    legs = [equivalent_leg(leg) for leg in (robot.leg1, robot.leg2)]
+    _, fine = divisions_of(legs, context.preset)
+    return vibration(context.get(beam_modes, robot, kind, fine, postures))  # type: ignore[arg-type]
 
 
 def dynamic_ladders(

@@ -27,7 +27,7 @@ from validation.models.legs import leg_compliance
 from validation.models.options import ModelName, ModelOptions
 
 _EULER = ModelOptions(theory="euler-bernoulli", legs="equivalent")
-_MODELS: Mapping[str, tuple[ModelName, ModelOptions]] = {
+MODELS: Mapping[str, tuple[ModelName, ModelOptions]] = {
     "vjm": ("vjm", ModelOptions()),
     "vjm-equivalent": ("vjm", ModelOptions(legs="equivalent")),
     "segments": ("segments", ModelOptions()),
@@ -41,7 +41,7 @@ def leg_subject(context: Context, leg: Leg, name: str) -> Subject:
     """A leg and its models, statics alone; InputError where its section is too fine to mesh."""
     rungs = _rungs(context, leg)
     candidates = []
-    for model, (kind, options) in _MODELS.items():
+    for model, (kind, options) in MODELS.items():
         shears = () if options.theory == "timoshenko" else (_shear(leg),)
         equivalent = rungs if model != "vjm" else [r for r in rungs if "equivalent" not in r.cause]
         candidates.append(

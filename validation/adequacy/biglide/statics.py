@@ -80,7 +80,7 @@ def static_reference(context: Context, robot: Biglide, x: Array) -> Reference:
     for name, ends in holds(robot).items():
         held = list(zip(legs, ends, strict=True))
         found = [
-            _assembled(robot, x, [solid_tip(context, *one, fine=fine) for one in held])
+            assembled_legs(robot, x, [solid_tip(context, *one, fine=fine) for one in held])
             for fine in (False, True)
         ]
         diagonals = [np.diagonal(one, axis1=1, axis2=2) for one in found]
@@ -132,7 +132,8 @@ def _section_uncertainty(context: Context, robot: Biglide, x: Array) -> Array:
     return step_uncertainty(joints(COARSEST_WALLS), joints(SECTION_DIVISIONS), SECTION_RATIO)
 
 
-def _assembled(robot: Biglide, x: Array, tips: Sequence[Array]) -> Array:
+def assembled_legs(robot: Biglide, x: Array, tips: Sequence[Array]) -> Array:
+    """Compliances (p×6×6) by the assembler, both legs by the compliances of their `tips` (6×6)."""
     legs = (
         static_leg(leg, tip, "reference")
         for leg, tip in zip((robot.leg1, robot.leg2), tips, strict=True)

@@ -37,11 +37,12 @@ from validation.models.mechanism import (
 from validation.models.options import ModelName, ModelOptions
 from validation.solids.legs import FORMAL_ORDER
 from validation.solids.robots import SHARED_SOLIDS, TipCompliances
+from validation.studies.quantities import farthest_entry
 
 _LUMPED = "mechanism.lumped"
 _EULER = ModelOptions(theory="euler-bernoulli", legs="equivalent")
 _TIMOSHENKO = ModelOptions(legs="equivalent")
-_STATICS = "largest difference of the 6×6 over the path, in units of √(c_ii c_jj)"
+_STATICS = "entry of the 6×6 that differs most over the path, in units of √(c_ii c_jj)"
 _ONE_STATICS = (
     "Frames of prismatic members are exact in statics at their nodes, whatever the number of "
     "elements: J. S. Przemieniecki, Theory of Matrix Structural Analysis (1968), ch. 5"
@@ -165,13 +166,6 @@ def _gap(at: Posture) -> float:
     return max(gaps)
 
 
-def _scaled(found: Array, expected: Array) -> float:
-    """Largest difference of matrices (…×n×n) in units of √(c_ii c_jj) of the second."""
-    sizes = np.sqrt(np.abs(np.diagonal(expected, axis1=-2, axis2=-1)))
-    scale = sizes[..., :, None] * sizes[..., None, :]
-    return float(np.max(np.abs(found - expected) / np.where(scale > 0.0, scale, 1.0)))
-
-
 def _same_statics(
     context: Context,
     first: tuple[ModelName, ModelOptions],
@@ -180,11 +174,14 @@ def _same_statics(
     postures = path_postures(context)
     if first[0] == "vjm" and (branches := is_serial(postures)):
         raise Skip(branches)
-    found, expected = (_compliance(postures, *model) for model in (first, second))
-    return Measurement(_scaled(found, expected), 0.0, exact=True)
+    found, expected = (context.get(path_compliances, postures, *model) for model in (first, second))
+    return Measurement(*farthest_entry(found, expected), exact=True)
 
 
-def _compliance(postures: Sequence[Posture], model: ModelName, options: ModelOptions) -> Array:
+def path_compliances(
+    postures: tuple[Posture, ...], model: ModelName, options: ModelOptions
+) -> Array:
+    """Compliances (p×6×6, SI, base axes) by a model."""
     return np.array([one.compliance for one in answers(model, postures, 0, options)])
 
 

@@ -5,7 +5,6 @@ In: the robot of a run. Out: cases whose subject is the robot.
 
 from validation.case import Case
 from validation.cases.robot import (
-    anchors,
     calculix,
     decision,
     modes,
@@ -20,7 +19,6 @@ def cases() -> tuple[Case, ...]:
     """All of them, in the order of the report."""
     return (
         *stroke.cases(),
-        *anchors.cases(),
         *solid.cases(),
         *modes.cases(),
         *reduction.cases(),

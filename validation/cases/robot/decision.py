@@ -141,7 +141,7 @@ def _cost(context: Context, label: str, objective: Objective) -> Measurement:
     return Measurement(
         cost,
         reference=0.0,
-        value_uncertainty=_mesh_effect(decision, choice.best, objective),
+        value_uncertainty=_mesh_effect(context, decision, choice.best, objective),
         # Of a loss, which compares two designs that were looked at. What lies between the designs
         # is beyond both searches alike and no error of either.
         reference_uncertainty=100.0
@@ -165,21 +165,18 @@ def _sampling_effect(
     return hypot(*(decision.sampling(alpha, objective, RIGID) for alpha in alphas))
 
 
-def _mesh_effect(decision: Decision, alpha: float, objective: Objective) -> float:
+def _mesh_effect(context: Context, decision: Decision, alpha: float, objective: Objective) -> float:
     """What the meshes leave open (%) of the loss at α."""
     return _judged_coarsely(
-        decision, lambda judge: 100.0 * decision.cost_at(alpha, objective, judge)
+        context, decision, lambda judge: 100.0 * decision.cost_at(alpha, objective, judge)
     )
 
 
-def _judged_coarsely(decision: Decision, number: Callable[[str], float]) -> float:
-    """Change of a number from the coarser mesh of the judging solids to the finer one.
-
-    Of fourth order, and the meshes a factor of 1.5 apart at least: no less than what is left.
-    """
+def _judged_coarsely(context: Context, decision: Decision, number: Callable[[str], float]) -> float:
+    """What the judging solids' mesh leaves open of a number, by the step from their coarser one."""
     if COARSE not in decision.values:
         return inf
-    return abs(number(RIGID) - number(COARSE))
+    return PLANS[context.preset].refinement * abs(number(RIGID) - number(COARSE))
 
 
 def _rank(context: Context, label: str, objective: Objective) -> Measurement:
@@ -189,7 +186,7 @@ def _rank(context: Context, label: str, objective: Objective) -> Measurement:
         decision.spearman(label, objective, RIGID),
         reference=1.0,
         value_uncertainty=_judged_coarsely(
-            decision, lambda judge: decision.spearman(label, objective, judge)
+            context, decision, lambda judge: decision.spearman(label, objective, judge)
         ),
         notes=(f"Kendall's τ = {tau:.3f} over {len(decision.alphas)} designs.",),
         studies=(objective_study(decision, objective),),
@@ -206,7 +203,7 @@ def _price(context: Context, objective: Objective) -> Measurement:
     return Measurement(
         in_per_cent_of_best(REFINED[objective]),
         in_per_cent_of_best(RIGID),
-        reference_uncertainty=_judged_coarsely(decision, in_per_cent_of_best),
+        reference_uncertainty=_judged_coarsely(context, decision, in_per_cent_of_best),
         allowances=(_restraint(context, decision),) if objective == "deflection" else (),
         notes=(_indifference(decision, objective), *_impossible(decision)),
     )
@@ -257,6 +254,7 @@ def _smallest_loss(context: Context, objective: Objective) -> Measurement:
         min(costs),
         reference=0.0,
         value_uncertainty=_judged_coarsely(
+            context,
             decision,
             lambda judge: min(100.0 * decision.cost(label, objective, judge) for label in labels),
         ),

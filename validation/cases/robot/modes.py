@@ -119,7 +119,6 @@ def _frequencies() -> list[Case]:
             tolerance_reason="Timoshenko's theory is approximate in dynamics: below 1 % while the "
             "wave is longer than three section heights",
             compute=partial(_frequency, index=index),
-            headline="natural frequencies of the robot",
             model="solid",
             section=SOLID_ROBOT,
             group=SHARED_SOLIDS,

@@ -153,7 +153,9 @@ def _curve(context: Context, curve: str) -> _Curve:
         own=own,
         textbook=getattr(found.textbook, curve),
         torsion=torsion,
-        uncertainty_rigid=edges * np.abs(rigid - coarse_rigid),
+        # What free ends change of it is not the held edges'.
+        uncertainty_rigid=corners * np.abs(free - coarse_free)
+        + edges * np.abs((rigid - free) - (coarse_rigid - coarse_free)),
         uncertainty_free=corners * np.abs(free - coarse_free),
         uncertainty_held=smooth * np.abs((rigid - held) - (coarse_rigid - coarse_held)),
         uncertainty_left=smooth * np.abs((free - own) - (coarse_free - coarse_own)),

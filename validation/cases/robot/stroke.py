@@ -67,7 +67,6 @@ def _statics() -> list[Case]:
             compute=partial(_static, model=model, theory=theory, curve=attribute),
             model=model,
             row=theory,
-            headline="deflections of the robot",
             section=STROKE,
             group="robot.statics",
         )
@@ -89,7 +88,6 @@ def _frequencies() -> list[Case]:
             tolerance=Relative(0.01),
             tolerance_reason="the paper's 1 % for 20 elements (§3.2)",
             compute=partial(_frequency, index=index),
-            headline="natural frequencies of the robot",
             model="segments",
             section=STROKE,
             group="robot.frequencies",

@@ -14,7 +14,7 @@ from lumped.arrays import Array
 from lumped.legs import ConstantLeg, Material
 from lumped.sections import Rectangle
 from validation.agreement.convergence import Convergence, analyse, uncertainty_of
-from validation.case import Allowance, Case, Headline, Measurement, Relative
+from validation.case import Allowance, Case, Measurement, Relative
 from validation.context import Context
 from validation.exhibits import Study
 
@@ -104,7 +104,6 @@ def cases() -> tuple[Case, ...]:
             FV5,
             COUNTS,
             row="fv5",
-            headline="frequencies of a deep beam",
         ),
         *family("test71", "NAFEMS Test 71", slender_cantilever, TEST_71_CLUSTERS, TEST_71, COUNTS),
         *(_macneal_case(name) for name in MACNEAL_TARGETS),
@@ -163,12 +162,11 @@ def family(
     counts: tuple[int, ...],
     explain: Callable[[Cluster], tuple[Allowance, ...]] = same_theory,
     row: str = "",
-    headline: Headline = "",
 ) -> list[Case]:
     """One case per cluster of the frame that `build` makes for a number of elements per member.
 
-    `explain` names what a cluster has that the theory of its target has not; `row` and `headline`
-    are those of the cases, the row `name` if left out.
+    `explain` names what a cluster has that the theory of its target has not; `row` is
+    that of the cases, `name` if left out.
     """
     return [
         Case(
@@ -176,7 +174,6 @@ def family(
             title=f"{title}: {cluster.meaning}",
             quantity=f"natural frequency {cluster.label}, worst of the cluster",
             label=f"frequency {cluster.label}",
-            headline=headline,
             unit="Hz",
             reference_kind="published",
             citation=citation,

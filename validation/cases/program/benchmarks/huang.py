@@ -43,7 +43,6 @@ def _case(number: int, plane: Plane, order: int) -> Case:
         tolerance=Relative(1e-7),
         tolerance_reason="both are exact but for rounding, which the Ritz matrices of a slender "
         "leg grow by the square of its slenderness times the fourth power of the degree",
-        headline="natural frequencies of a leg",
         compute=partial(_roots, number=number, plane=plane, order=order),
         section=SECTION,
         group=f"benchmark.huang.{number}",

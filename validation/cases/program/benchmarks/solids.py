@@ -151,7 +151,6 @@ def _fv5_case(cluster: Cluster) -> Case:
         title=f"{_BEAM}: {cluster.meaning}",
         quantity=f"natural frequency {cluster.label}, worst of the cluster",
         label=f"frequency {cluster.label}",
-        headline="frequencies of a deep beam",
         unit="Hz",
         reference_kind="published",
         citation=FV5,

@@ -1,4 +1,4 @@
-"""Absolute numbers of the robot, in µm and Hz, each by a way that shares the robot's data alone.
+"""Absolute numbers of the biglide, in µm and Hz, by ways that share the robot's data alone.
 
 Other comparisons hold models against each other, at the posture where they differ most; these hold
 one number of each kind, at a fixed posture, against geometry or polynomials along the legs.
@@ -14,17 +14,15 @@ from scipy.optimize import minimize_scalar
 from lumped.biglide import Biglide
 from validation.agreement.convergence import step_factor
 from validation.case import Case, Measurement, Relative
+from validation.cases.anchors.quantities import RITZ
 from validation.cases.robot.stroke import CURVES
 from validation.context import Context
 from validation.exhibits import STROKE
 from validation.models.biglide import robot_compliance, robot_frequencies
 from validation.models.options import BEAM_ORDER, SEGMENT_ORDER, ModelName, ModelOptions
-from validation.studies import ritz_robot
 from validation.studies.quantities import deflections_of, stroke_deflections
+from validation.studies.ritz import biglide as ritz
 
-_RITZ = (
-    "Ritz's method, Legendre polynomials along Timoshenko's legs (validation.studies.ritz_robot)"
-)
 _EQUIVALENT = ModelOptions(legs="equivalent")
 _STATIC: tuple[ModelName, ...] = ("vjm", "beam")
 _DYNAMIC: dict[ModelName, tuple[float, float, str]] = {
@@ -34,7 +32,7 @@ _DYNAMIC: dict[ModelName, tuple[float, float, str]] = {
 _FREQUENCIES = 4
 # Over the stroke: the first number is judged, the others show what it misses.
 _POSTURES = (81, 71, 61)
-_FORCE, _MICROMETRE = 1000.0, 1e-6
+FORCE, _MICROMETRE = 1000.0, 1e-6
 
 
 def cases() -> tuple[Case, ...]:
@@ -60,6 +58,28 @@ def cases() -> tuple[Case, ...]:
     )
 
 
+def paper_cases() -> tuple[Case, ...]:
+    """What the paper prints as its model: joints released by zeros, eq. (25)."""
+    return tuple(
+        Case(
+            id=f"robot.anchor.printed.frequency[{index + 1}]",
+            title=f"At the centre frequency {index + 1} in segments, eq. (25) printed, is Ritz's",
+            quantity=f"natural frequency {index + 1}, eq. (25) as printed, centre of the stroke",
+            unit="Hz",
+            reference_kind="independent-solver",
+            citation=RITZ,
+            tolerance=Relative(0.01),
+            tolerance_reason="the paper's 1 % for 20 elements (§3.2)",
+            compute=partial(_printed, index=index),
+            model="segments",
+            section=STROKE,
+            group="robot.anchor",
+            effort=0.3,
+        )
+        for index in range(_FREQUENCIES)
+    )
+
+
 def _deflection(model: ModelName, curve: str) -> Case:
     attribute, meaning = CURVES[curve]
     return Case(
@@ -68,7 +88,7 @@ def _deflection(model: ModelName, curve: str) -> Case:
         quantity=f"{meaning}, centre of the stroke",
         unit="µm",
         reference_kind="independent-solver",
-        citation=_RITZ,
+        citation=RITZ,
         tolerance=Relative(1e-6),
         tolerance_reason="statics of Timoshenko's legs are polynomials: rounding alone, grown by "
         "the robot's condition",
@@ -89,7 +109,7 @@ def _frequency(model: ModelName, index: int) -> Case:
         quantity=f"natural frequency {index + 1}, centre of the stroke",
         unit="Hz",
         reference_kind="independent-solver",
-        citation=_RITZ,
+        citation=RITZ,
         tolerance=Relative(fraction),
         tolerance_reason=reason,
         compute=partial(_swinging, model=model, index=index),
@@ -139,26 +159,35 @@ def _peak(robot: Biglide, low: float, high: float, load: str) -> float:
 
 
 def _on_drives(robot: Biglide, x: float, load: str) -> float:
-    """Deflection (µm): with slopes tᵢ = Δxᵢ/sᵢ of the legs a slide moves by δyᵢ = tᵢ δx + δy.
+    """Planar deflection (µm) under 1000 N along x or y."""
+    force = (FORCE, 0.0) if load == "x" else (0.0, FORCE)
+    return hypot(*yielding_drives(robot, x, force)) / _MICROMETRE
 
-    Two equations for δx and δy; forces fᵢ of the drives balance the load, δyᵢ = fᵢ/K.
+
+def yielding_drives(robot: Biglide, x: float, force: tuple[float, float]) -> tuple[float, float]:
+    """Displacement (m) along x and y of B: rigid legs, elastic drives, by virtual power.
+
+    With slopes tᵢ = Δxᵢ/sᵢ of the legs a slide moves by δyᵢ = tᵢ δx + δy: two equations for δx and
+    δy; forces fᵢ of the drives balance the load, δyᵢ = fᵢ/K.
     """
     s1 = sqrt(max(robot.leg1.length**2 - x**2, 0.0))
     s2 = sqrt(max(robot.leg2.length**2 - (robot.a - x) ** 2, 0.0))
     # s₂ x + s₁ (a − x) over s₁ s₂ is the difference of slopes: multiplied out, no end is singular.
     base = x * s2 + (robot.a - x) * s1
-    drives = (s1 * s2, -s1 * s2) if load == "x" else (s1 * (robot.a - x), s2 * x)
-    f1, f2 = (_FORCE * drive / base for drive in drives)
+    along, across = force
+    f1 = (along * s1 * s2 + across * s1 * (robot.a - x)) / base
+    f2 = (across * s2 * x - along * s1 * s2) / base
     y1, y2 = f1 / robot.actuator_stiffness, f2 / robot.actuator_stiffness
-    along_x = s1 * s2 * (y1 - y2) / base
-    along_y = (s1 * (robot.a - x) * y1 + s2 * x * y2) / base
-    return hypot(along_x, along_y) / _MICROMETRE
+    return (
+        s1 * s2 * (y1 - y2) / base,
+        (s1 * (robot.a - x) * y1 + s2 * x * y2) / base,
+    )
 
 
 def _deflected(context: Context, model: ModelName, attribute: str) -> Measurement:
     robot, x = context.robot, context.robot.centre
     found = context.get(robot_compliance, model, robot, x, _EQUIVALENT)
-    reference = context.get(ritz_robot.compliance, robot, x)
+    reference = context.get(ritz.compliance, robot, x)
     value, by_ritz = (
         float(getattr(deflections_of(matrix[None]), attribute)[0]) for matrix in (found, reference)
     )
@@ -174,8 +203,8 @@ def _swinging(context: Context, model: ModelName, index: int) -> Measurement:
         for elements in (10, 20)
     )
     reference, rougher = (
-        float(context.get(ritz_robot.frequencies, robot, x, _FREQUENCIES, degree)[index])
-        for degree in (ritz_robot.DEGREE, ritz_robot.DEGREE - 2)
+        float(context.get(ritz.frequencies, robot, x, _FREQUENCIES, "timoshenko", degree)[index])
+        for degree in (ritz.DEGREE, ritz.DEGREE - 2)
     )
     order, _, _ = _DYNAMIC[model]
     uncertain = abs(reference - rougher)
@@ -186,5 +215,19 @@ def _swinging(context: Context, model: ModelName, index: int) -> Measurement:
         reference_uncertainty=uncertain,
         # What 20 elements leave is what is judged: the reference alone leaves it uncertain.
         judged_uncertainty=uncertain,
+        pose=(float(x),),
+    )
+
+
+def _printed(context: Context, index: int) -> Measurement:
+    robot, x = context.robot, context.robot.centre
+    options = ModelOptions(release="printed")
+    found = context.get(robot_frequencies, "segments", robot, x, _FREQUENCIES, options)
+    reference = context.get(ritz.frequencies_as_printed, robot, x, _FREQUENCIES)
+    return Measurement(
+        float(found[index]),
+        float(reference[index]),
+        # What 20 elements leave is what is judged, against polynomials that leave nothing.
+        judged_uncertainty=0.0,
         pose=(float(x),),
     )

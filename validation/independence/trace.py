@@ -1,4 +1,4 @@
-"""What value and reference of a comparison rest on, seen while they are computed.
+"""What value and reference of a comparison rest on, heard while they are computed.
 
 A case takes its expensive results from the memo of its context, one entry for each of its sides.
 Which functions of the project make an entry is heard while it is made. Which side an entry belongs
@@ -10,7 +10,6 @@ import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, fields, is_dataclass, replace
-from fnmatch import fnmatch
 from itertools import islice
 from types import FrameType
 from typing import Any, ParamSpec, TypeVar
@@ -22,41 +21,50 @@ from lumped.errors import ComputationError
 from lumped.robot_file import RobotFile
 from validation.case import Case, Measurement, Skip
 from validation.context import Context, Preset, memo_key
-from validation.faults.fault import PACKAGES
 
 P = ParamSpec("P")
 T = TypeVar("T")
 
-# What designers read off: the comparisons of the robot and of its legs.
-HEADLINES = (
-    "leg?.compliance.*",
-    "leg?.frequency.*",
-    "robot.anchor.*",
-    "robot.statics.*",
-    "robot.frequency.*",
-    "robot.solid.statics-rigid.*",
-    "robot.solid.statics-free.*",
-    "robot.solid.frequency*",
-    "robot.solid.calculix.*",
-)
 # Shared by right: data, geometry, meshes, small algebra; comparing itself.
 BASICS: Mapping[str, str] = {
     "lumped.arrays": "types",
     "lumped.caches": "keeping what was computed",
     "lumped.errors": "messages",
+    "lumped.acceptance": "what is asked",
+    "lumped.robot_file": "reading the file",
     "lumped.legs": "the legs' data",
     "lumped.sections": "the legs' data",
     "lumped.biglide": "the robot's data and its postures",
+    "lumped.mechanism.body": "the mechanism's data",
+    "lumped.mechanism.frame": "the mechanism's data",
+    "lumped.mechanism.joint": "the mechanism's data",
+    "lumped.mechanism.mechanism": "the mechanism's data",
+    "lumped.mechanism.placing": "the mechanism's data",
+    "lumped.mechanism.free_twists": "where joints are and what their kinds let free; polynomials "
+    "have a list of their own",
+    "lumped.mechanism.kinematics": "postures, of which polynomials measure that they close",
+    "lumped.models.bodies": "the legs' data",
     "lumped.screws": "moving and turning twists",
+    "fem.couplings.end_coupling:rigid_motions": "moving the nodes of a face",
     "lumped.dense.modes": "eigenvalues of small dense matrices",
     "meshes": "one mesh for both",
-    "validation": "comparing",
+    "validation": "asking and comparing",
 }
-# A number disturbed by this share; a side moves if it does by more than rounding.
-_DISTURBED, _MOVED = 0.02, 1e-9
+# Of named basics what is a way of its own to a number.
+_OWN = (
+    "validation.studies.ritz",
+    "lumped.legs:tip_compliance",
+    "lumped.models.bodies:tip_compliances",
+)
+# A number disturbed by this share, so little that no other pose or mode is farthest off for it; a
+# side moves if it does by more than this. What is not disturbed is the same to the last bit.
+_DISTURBED, _MOVED = 1e-9, 1e-13
+# The packages of this program.
+_FLOORS = ("lumped", "meshes", "fem", "validation")
 # Arrays of one entry that are tried.
 _TRIED = 60
-_DATA = "lumped.legs.equivalent_leg "
+# What both sides are about: the robot's data and its postures.
+_DATA = ("lumped.legs.equivalent_leg ", "validation.adequacy.mechanism.path._postures ")
 
 
 @dataclass(frozen=True)
@@ -66,6 +74,11 @@ class Independence:
     case: Case
     value: frozenset[str]
     reference: frozenset[str]
+
+    @property
+    def independent(self) -> bool:
+        """Whether both sides are told, and share named basics alone."""
+        return bool(self.value and self.reference and not self.shared)
 
     @property
     def shared(self) -> frozenset[str]:
@@ -101,14 +114,15 @@ class Watched(Context):
 
 
 def is_basic(function: str) -> bool:
-    """Whether a function belongs to a named basic."""
-    module = function.partition(":")[0]
-    return any(module == basic or module.startswith(f"{basic}.") for basic in BASICS)
+    """Whether a function ("module:function") belongs to a named basic."""
+    return any(_is_of(function, basic) for basic in BASICS) and not any(
+        _is_of(function, own) for own in _OWN
+    )
 
 
-def headlines(cases: Sequence[Case]) -> list[Case]:
-    """The cases about what designers read off."""
-    return [case for case in cases if any(fnmatch(case.id, one) for one in HEADLINES)]
+def _is_of(function: str, named: str) -> bool:
+    """Whether it is the function, or in the module or room, of that name."""
+    return function == named or function.startswith((f"{named}:", f"{named}."))
 
 
 def independence(
@@ -139,6 +153,9 @@ def _moved(case: Case, context: Watched, key: str, sound: Measurement) -> tuple[
     for other in islice(disturbed(context.entry(key)), _TRIED):
         with suppress(Skip, ComputationError, ValueError):
             wrong = case.measure(context.with_other(key, other))
+            if wrong.pose != sound.pose:
+                # Another pose is farthest off now, which moves both numbers.
+                continue
             value |= _differs(wrong.value, sound.value)
             reference |= _differs(wrong.reference, sound.reference) or any(
                 _differs(one.amount, two.amount)
@@ -178,7 +195,7 @@ def _heard(functions: set[str]) -> Iterator[None]:
     def listen(frame: FrameType, event: str, _argument: object) -> None:
         if event == "call":
             module = frame.f_globals.get("__name__", "")
-            if module.partition(".")[0] in PACKAGES:
+            if module.partition(".")[0] in _FLOORS:
                 functions.add(f"{module}:{frame.f_code.co_name}")
 
     former = sys.getprofile()
@@ -187,31 +204,3 @@ def _heard(functions: set[str]) -> Iterator[None]:
         yield
     finally:
         sys.setprofile(former)
-
-
-def as_text(found: Sequence[Independence]) -> str:
-    """A paragraph for each case: modules of both sides, and what they share beyond the basics."""
-    lines = [
-        line
-        for one in found
-        for line in (
-            one.case.id,
-            f"    {one.case.title}",
-            f"    value rests on      {_modules(one.value - one.reference)}",
-            f"    reference rests on  {_modules(one.reference - one.value)}",
-            f"    both rest on        {_shared(one)}",
-        )
-    ]
-    basics = ", ".join(f"{module} ({what})" for module, what in BASICS.items())
-    return "\n".join([*lines, "", f"named basics: {basics}"])
-
-
-def _shared(one: Independence) -> str:
-    if not (one.value or one.reference):
-        return "not told: neither side moved with an entry of the memo"
-    return ", ".join(sorted(one.shared)) or "named basics alone"
-
-
-def _modules(functions: frozenset[str]) -> str:
-    own = {one.partition(":")[0] for one in functions if not is_basic(one)}
-    return ", ".join(sorted(own)) or "closed forms of the comparison itself"

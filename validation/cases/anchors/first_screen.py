@@ -1,0 +1,183 @@
+"""Every number of the biglide's first screen by polynomials along its legs, or by hand.
+
+The numbers are those that the models are judged by, at the postures that they are judged at; what
+they are held against shares the robot's data with them and nothing else.
+"""
+
+from functools import partial
+from math import inf, pi, sqrt
+
+import numpy as np
+
+from lumped.acceptance.requirement import STATIC_QUANTITIES
+from lumped.arrays import Array
+from lumped.biglide import Biglide
+from lumped.legs import Theory
+from validation.adequacy.biglide.dynamics import vibration_of
+from validation.adequacy.biglide.statics import compliances
+from validation.adequacy.biglide.subject import CANDIDATES, POSTURES
+from validation.case import Case, Measurement, Relative
+from validation.cases.anchors.quantities import EXACT, RITZ, in_shown_units, static_case
+from validation.cases.anchors.robot import yielding_drives
+from validation.context import Context
+from validation.exhibits import STROKE
+from validation.models.options import STATIC
+from validation.studies.quantities import farthest
+from validation.studies.ritz import biglide as ritz
+
+_BY_HAND = "virtual power of two drives, by hand"
+# As many frequencies as drives has the simplified model.
+_DRIVES = 2
+# What 20 elements of the models leave of the first frequencies.
+_DYNAMIC = {
+    "beam": (1e-4, "fourth order in 1/n: below 1e-5 with 20 elements"),
+    "segments": (0.01, "the paper's 1 % for 20 elements (§3.2)"),
+    "simplified": (1e-9, "two by two numbers: rounding alone"),
+}
+# Where a leg lies across the drives one direction is rigid: rounding alone yields in it.
+_RIGID = 1e-12
+# What the simplified model says something of.
+_IN_THE_PLANE = ("x", "y")
+
+
+def cases(modes: int) -> tuple[Case, ...]:
+    """Deflections, rotations and so many frequencies of every model of the first screen."""
+    return (
+        *(
+            static_case(
+                f"robot.anchor.statics[{model}, {quantity}]",
+                quantity,
+                model=model,
+                of="The robot",
+                places="posture of the largest difference",
+                citation=_BY_HAND if model == "simplified" else RITZ,
+                compute=partial(_static, model=model, quantity=quantity),
+                section=STROKE,
+                group="robot.anchor",
+            )
+            for model in CANDIDATES
+            for quantity in (_IN_THE_PLANE if model == "simplified" else STATIC_QUANTITIES)
+        ),
+        *(
+            _frequency_case(model, index, modes)
+            for model, (kind, _, _) in CANDIDATES.items()
+            if kind not in STATIC
+            for index in range(min(modes, _DRIVES) if kind == "simplified" else modes)
+        ),
+    )
+
+
+def _frequency_case(model: str, index: int, modes: int) -> Case:
+    tolerance, reason = _DYNAMIC[CANDIDATES[model][0]]
+    return Case(
+        id=f"robot.anchor.frequencies[{model}, {index + 1}]",
+        title=f"The robot: frequency {index + 1} by {model}, obtained once more without its code",
+        quantity=f"natural frequency {index + 1}, posture of the largest difference",
+        unit="Hz",
+        reference_kind="independent-solver",
+        citation=_BY_HAND if model == "simplified" else RITZ,
+        tolerance=Relative(tolerance),
+        tolerance_reason=reason,
+        compute=partial(_frequency, model=model, index=index, modes=modes),
+        model=model,
+        row="The robot, first screen",
+        section=STROKE,
+        # Of the models' modes, which the assessment needs as well.
+        group="robot.solid.modes",
+        effort=0.3,
+        figure="frequency.stroke",
+    )
+
+
+def shown_statics(robot: Biglide, model: str) -> Array:
+    """Diagonal of the 6×6 (postures × 6, SI) as the first screen has it."""
+    kind, _, options = CANDIDATES[model]
+    found = compliances(kind, robot, robot.stations(POSTURES), options).compliance
+    return np.zeros((POSTURES, 6)) if found is None else np.diagonal(found, axis1=1, axis2=2)
+
+
+def expected_statics(robot: Biglide, legs: ritz.Legs, degree: int) -> Array:
+    """The same by polynomials of `degree`."""
+    x = robot.stations(POSTURES).tolist()
+    return np.array([np.diag(ritz.compliance(robot, at, legs, degree)) for at in x])
+
+
+def expected_frequencies(robot: Biglide, theory: Theory, count: int, degree: int) -> Array:
+    """The same by polynomials of `degree`."""
+    return np.array(
+        [
+            ritz.frequencies(robot, x, count, theory, degree)
+            for x in robot.stations(POSTURES).tolist()
+        ]
+    )
+
+
+def yielding(robot: Biglide) -> Array:
+    """Compliances along x and y (postures × 2, m/N) of rigid legs on elastic drives."""
+    return np.array(
+        [
+            [yielding_drives(robot, x, (1.0, 0.0))[0], yielding_drives(robot, x, (0.0, 1.0))[1]]
+            for x in robot.stations(POSTURES).tolist()
+        ]
+    )
+
+
+def swinging(robot: Biglide) -> Array:
+    """Both frequencies (postures × 2, Hz) of the platform's mass on them, inf where rigid."""
+    return np.array([_two_frequencies(robot, x) for x in robot.stations(POSTURES).tolist()])
+
+
+def _two_frequencies(robot: Biglide, x: float) -> tuple[float, float]:
+    """1/ω² = m c of both principal compliances c, from trace and determinant of the 2×2."""
+    xx, yx = yielding_drives(robot, x, (1.0, 0.0))
+    xy, yy = yielding_drives(robot, x, (0.0, 1.0))
+    middle, product = 0.5 * (xx + yy), max(xx * yy - xy * yx, 0.0)
+    softest = middle + sqrt(max(middle**2 - product, 0.0))
+    stiffest = product / softest
+    mass = robot.platform_mass
+    rigid = stiffest <= _RIGID * softest
+    return (
+        1.0 / (2.0 * pi * sqrt(mass * softest)),
+        inf if rigid else 1.0 / (2.0 * pi * sqrt(mass * stiffest)),
+    )
+
+
+def _static(context: Context, model: str, quantity: str) -> Measurement:
+    robot, index = context.robot, STATIC_QUANTITIES.index(quantity)
+    found = context.get(shown_statics, robot, model)[:, index]
+    if model == "simplified":
+        expected = other = context.get(yielding, robot)[:, index]
+    else:
+        legs: ritz.Legs = "given" if model == "vjm" else CANDIDATES[model][2].theory
+        expected, other = (
+            context.get(expected_statics, robot, legs, degree)[:, index] for degree in EXACT
+        )
+    # At an end of the stroke rigid legs do not let B move along x: rounding is compared with none.
+    at = farthest(found, expected, expected > _RIGID * expected.max())
+    return Measurement(
+        in_shown_units(found[at], quantity),
+        in_shown_units(expected[at], quantity),
+        # Both degrees are exact: what sets them apart is what rounding leaves.
+        reference_uncertainty=in_shown_units(abs(expected[at] - other[at]), quantity),
+        pose=(float(robot.stations(POSTURES)[at]),),
+    )
+
+
+def _frequency(context: Context, model: str, index: int, modes: int) -> Measurement:
+    robot, theory = context.robot, CANDIDATES[model][2].theory
+    found = vibration_of(context, robot, model, POSTURES).frequencies[:, index]
+    if model == "simplified":
+        expected = rougher = context.get(swinging, robot)[:, index]
+    else:
+        expected, rougher = (
+            context.get(expected_frequencies, robot, theory, modes, degree)[:, index]
+            for degree in (ritz.DEGREE, ritz.DEGREE - 2)
+        )
+    at = farthest(found, expected, np.isfinite(expected))
+    return Measurement(
+        float(found[at]),
+        float(expected[at]),
+        # What 20 elements leave is what is judged: the reference alone leaves it uncertain.
+        judged_uncertainty=float(abs(expected[at] - rougher[at])),
+        pose=(float(robot.stations(POSTURES)[at]),),
+    )

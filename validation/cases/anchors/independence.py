@@ -1,0 +1,96 @@
+"""The program's check that no headline number is without an independent comparison."""
+
+from functools import partial
+
+from fem.calculix.run import CalculixMissing, calculix_program
+from lumped.robot_file import RobotFile, load_robot
+from validation.case import Absolute, Case, Measurement
+from validation.cases import anchors, legs, mechanism, robot
+from validation.context import Context
+from validation.independence.headlines import headline_numbers
+from validation.independence.listing import as_table, rows, without
+from validation.independence.trace import independence
+
+SECTION = "Independence"
+# A biglide with everything that the paper says, and a mechanism of closed loops.
+_TRACED = {"biglide": "ifw", "mechanism": "five-bar"}
+# Comparisons of one model with another of this program that take long: `cases --independence` lists
+# them as well.
+_LONG = (
+    "leg1.compliance.solid",
+    "leg2.compliance.solid",
+    "robot.frequency.",
+    "robot.solid.calculix.frequencies[left",
+    "robot.solid.calculix.statics[left",
+    "robot.solid.frequency[",
+    "robot.solid.statics-",
+    "mechanism.frequency.",
+    "mechanism.inertia",
+    "mechanism.reduction",
+    "mechanism.simplified",
+    "mechanism.statics.",
+)
+
+
+def cases() -> tuple[Case, ...]:
+    """Of a biglide and of a mechanism: the code is the same whatever the robot of the run."""
+    return tuple(
+        Case(
+            id=f"guard.independence[{kind}]",
+            title=f"Every headline number of a {kind} has a comparison whose sides share no code",
+            quantity="headline numbers without one",
+            unit="1",
+            reference_kind="closed-form",
+            citation="functions heard while each side is computed; a side is what moves with it",
+            tolerance=Absolute(0.5),
+            tolerance_reason="a count is a whole number",
+            compute=partial(_wanting, name=name),
+            section=SECTION,
+            subject="program",
+            group=f"guard.independence.{kind}",
+            effort=10.0,
+        )
+        for kind, name in _TRACED.items()
+    )
+
+
+def comparisons(robot_file: RobotFile) -> tuple[Case, ...]:
+    """The comparisons that are about headline numbers of a built-in robot."""
+    modes = robot_file.requirement.modes
+    if robot_file.is_mechanism:
+        described = robot_file.mechanism
+        found = (*mechanism.cases(described), *anchors.of_mechanism(described, modes))
+    else:
+        found = (
+            *legs.cases(),
+            *robot.cases(),
+            *anchors.of_biglide(modes),
+            *anchors.paper_cases(),
+        )
+    numbers = headline_numbers(robot_file)
+    return tuple(
+        case
+        for case in found
+        if any(one.is_compared_by(case) for one in numbers) and not case.id.startswith(_LONG)
+    )
+
+
+def _wanting(context: Context, name: str) -> Measurement:
+    del context  # traced on robots of its own, in the smallest preset
+    robot_file = load_robot(name)
+    numbers = headline_numbers(robot_file)
+    found = independence(comparisons(robot_file), robot_file, "quick")
+    wanting = without(numbers, found)
+    notes = [f"{one.number} ({one.shown}): none is independent" for one in wanting]
+    try:
+        calculix_program()
+    except CalculixMissing as missing:
+        notes.append(f"{missing}: what only CalculiX compares is not counted")
+        wanting = tuple(one for one in wanting if not one.calculix)
+    return Measurement(
+        float(len(wanting)),
+        0.0,
+        exact=True,
+        notes=tuple(notes),
+        table=as_table(rows(numbers, found)),
+    )

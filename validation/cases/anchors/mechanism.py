@@ -1,0 +1,178 @@
+"""Every number of a mechanism's first screen by polynomials along its legs.
+
+The numbers are those that the models are judged by, in the poses that they are judged in. What
+they are held against takes the frames of the bodies, measures anew that they close every joint,
+and shares nothing else: neither what eliminates joints nor what sums chains, elements or segments.
+"""
+
+from functools import partial
+from math import inf
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lumped.acceptance.requirement import STATIC_QUANTITIES
+from lumped.arrays import Array
+from lumped.legs import Theory
+from lumped.mechanism.mechanism import Mechanism, Posture
+from validation.adequacy.mechanism.path import path_postures
+from validation.adequacy.mechanism.statics import compliances, is_serial
+from validation.adequacy.mechanism.subject import mechanism_candidates
+from validation.case import Case, Measurement, Relative, Skip
+from validation.cases.anchors.quantities import EXACT, RITZ, in_shown_units, static_case
+from validation.context import Context
+from validation.exhibits import PATH
+from validation.models.mechanism import answers
+from validation.models.options import STATIC, ModelName, ModelOptions
+from validation.models.parts import parts_of
+from validation.studies.quantities import farthest
+from validation.studies.ritz import mechanism as ritz
+
+_GROUP = "mechanism.lumped"
+# What yields by less, of the largest of its unit, is rounding of rigid.
+_RIGID = 1e-11
+_DYNAMIC = {
+    "beam": (1e-4, "fourth order in 1/n: below 1e-5 with 20 elements"),
+    "segments": (0.01, "second order in 1/n: below 1 % with 20 segments"),
+    "simplified": (1e-7, "rigid bodies on springs: rounding alone, grown by idle motions"),
+}
+
+
+def cases(mechanism: Mechanism, modes: int) -> tuple[Case, ...]:
+    """Deflections, rotations and so many frequencies of every model of the first screen."""
+    if parts_of(mechanism):
+        return ()
+    models = mechanism_candidates(mechanism)
+    return (
+        *(
+            static_case(
+                f"mechanism.anchor.statics[{model}, {quantity}]",
+                quantity,
+                model=model,
+                of="The mechanism",
+                places="pose of the largest difference",
+                citation=RITZ,
+                compute=partial(_static, model=model, quantity=quantity),
+                section=PATH,
+                group=_GROUP,
+            )
+            for model in models
+            for quantity in STATIC_QUANTITIES
+        ),
+        *(
+            _frequency_case(model, kind, index, modes)
+            for model, (kind, _, _) in models.items()
+            if kind not in STATIC
+            for index in range(modes)
+        ),
+    )
+
+
+def _frequency_case(model: str, kind: ModelName, index: int, modes: int) -> Case:
+    tolerance, reason = _DYNAMIC[kind]
+    return Case(
+        id=f"mechanism.anchor.frequencies[{model}, {index + 1}]",
+        title=f"The mechanism: frequency {index + 1} by {model}, obtained once more without its "
+        "code",
+        quantity=f"natural frequency {index + 1}, middle of the path",
+        unit="Hz",
+        reference_kind="independent-solver",
+        citation=RITZ,
+        tolerance=Relative(tolerance),
+        tolerance_reason=reason,
+        compute=partial(_frequency, model=model, index=index, modes=modes),
+        model=model,
+        row="The mechanism, first screen",
+        section=PATH,
+        group=_GROUP,
+        effort=0.2,
+    )
+
+
+def shown_statics(postures: tuple[Posture, ...], kind: ModelName, options: ModelOptions) -> Array:
+    """Diagonal of the 6×6 (poses × 6, SI) as the first screen has it."""
+    found = compliances(postures, kind, options).compliance
+    return np.zeros((len(postures), 6)) if found is None else np.diagonal(found, axis1=1, axis2=2)
+
+
+def expected_statics(
+    postures: tuple[Posture, ...], kind: str, theory: Theory, degree: int
+) -> Array:
+    """The same by polynomials; `kind` "rigid" legs, legs "given" by their 6×6, or "equivalent"."""
+    if kind == "rigid":
+        return np.array([np.diag(ritz.on_drives(at, 0)[0]) for at in postures])
+    given = kind == "given"
+    return np.array([np.diag(ritz.compliance(at, theory, degree, given=given)) for at in postures])
+
+
+def shown_frequencies(at: Posture, kind: ModelName, options: ModelOptions, modes: int) -> Array:
+    """The first frequencies (Hz) by the model; fewer where it has no more."""
+    return answers(kind, [at], modes, options)[0].frequencies
+
+
+def expected_frequencies(at: Posture, theory: Theory, degree: int, modes: int) -> Array:
+    """The same by polynomials of `degree`, rigid legs of degree 0."""
+    if not degree:
+        return ritz.on_drives(at, modes)[1]
+    return ritz.frequencies(at, modes, theory, degree)
+
+
+def _model(context: Context, model: str) -> tuple[ModelName, ModelOptions]:
+    kind, _, options = mechanism_candidates(context.robot_file.mechanism)[model]
+    return kind, options
+
+
+def _static(context: Context, model: str, quantity: str) -> Measurement:
+    postures, index = path_postures(context), STATIC_QUANTITIES.index(quantity)
+    kind, options = _model(context, model)
+    if kind == "vjm" and (branches := is_serial(postures)):
+        raise Skip(branches)
+    found = context.get(shown_statics, postures, kind, options)
+    legs = "given" if kind in STATIC and options.legs == "given" else "equivalent"
+    legs = "rigid" if kind == "simplified" else legs
+    expected, other = (
+        context.get(expected_statics, postures, legs, options.theory, degree) for degree in EXACT
+    )
+    size = postures[0].mechanism.size
+    known = _yielding(expected, size) | _yielding(found, size)
+    if not known[:, index].any():
+        raise Skip(f"{model}: bodies and drives do not let the tool move so")
+    at = farthest(found[:, index], expected[:, index], known[:, index])
+    return Measurement(
+        in_shown_units(found[at, index], quantity),
+        in_shown_units(expected[at, index], quantity),
+        # Both degrees are exact: what sets them apart is what rounding leaves.
+        reference_uncertainty=in_shown_units(abs(expected[at, index] - other[at, index]), quantity),
+        pose=tuple(postures[at].pose.tolist()),
+    )
+
+
+def _yielding(numbers: Array, size: float) -> NDArray[np.bool_]:
+    """Where numbers (poses × 6) are more than rounding of the softest, by the size (m)."""
+    units = np.array([1.0] * 3 + [size**2] * 3)
+    return np.asarray(numbers * units > _RIGID * np.max(numbers * units))
+
+
+def _frequency(context: Context, model: str, index: int, modes: int) -> Measurement:
+    postures = path_postures(context)
+    middle = postures[len(postures) // 2]
+    kind, options = _model(context, model)
+    found = context.get(shown_frequencies, middle, kind, options, modes)
+    degrees = (0, 0) if kind == "simplified" else (ritz.DEGREE, ritz.DEGREE - 2)
+    expected, rougher = (
+        context.get(expected_frequencies, middle, options.theory, degree, modes)
+        for degree in degrees
+    )
+    if index >= max(len(found), len(expected)):
+        raise Skip(f"{model} has {len(found)} modes")
+    value, reference, other = (
+        float(numbers[index]) if index < len(numbers) else inf
+        for numbers in (found, expected, rougher)
+    )
+    return Measurement(
+        value,
+        reference,
+        # What elements leave is what is judged: the reference alone leaves it uncertain.
+        judged_uncertainty=abs(reference - other),
+        pose=tuple(middle.pose.tolist()),
+    )

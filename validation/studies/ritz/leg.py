@@ -1,0 +1,125 @@
+"""A leg by polynomials, by its 6×6 or rigid: its energies on coefficients, twists of its ends.
+
+Neither elements nor springs between segments, and no algebra of the other models.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.polynomial import legendre
+from scipy.linalg import null_space
+
+from lumped.arrays import Array
+from lumped.legs import BeamProperties
+
+# Statics of Timoshenko beams are cubic; modes converge geometrically.
+STATIC_DEGREE = 3
+_FIELDS = 6  # u, v, w, φx, φy, φz of a leg, leg axes
+
+
+@dataclass(frozen=True, eq=False)
+class RitzLeg:
+    """A leg on n coefficients, SI, leg axes.
+
+    Twice its energies, `stiffness` and `mass` (n×n); twists of its `root` and `tip` (6×n); rows of
+    `shut` (c×n) must vanish: the shear strains that Euler and Bernoulli leave out.
+    """
+
+    stiffness: Array
+    mass: Array
+    root: Array
+    tip: Array
+    shut: Array
+
+    @property
+    def size(self) -> int:
+        """How many coefficients there are."""
+        return len(self.stiffness)
+
+
+def of_beam(beam: BeamProperties, length: float, degree: int) -> RitzLeg:
+    """Legendre polynomials of `degree` in each of displacements and rotations of a prism."""
+    points, weights = legendre.leggauss(degree + 1)
+    weights = 0.5 * length * weights
+    values: Array = np.asarray(legendre.legvander(points, degree), dtype=np.float64)
+    of_unit = legendre.legval(points, legendre.legder(np.eye(degree + 1))).T
+    slopes: Array = np.asarray(of_unit * 2.0 / length, dtype=np.float64)
+    size = _FIELDS * (degree + 1)
+
+    def field(number: int, of: Array) -> Array:
+        return placed(of, number * (degree + 1), size)
+
+    u, v, w, about_x, about_y, about_z = range(_FIELDS)
+    strains = (
+        (beam.EA, field(u, slopes)),
+        (beam.GJ, field(about_x, slopes)),
+        (beam.EIy, field(about_y, slopes)),
+        (beam.EIz, field(about_z, slopes)),
+        (beam.GAy, field(v, slopes) - field(about_z, values)),
+        (beam.GAz, field(w, slopes) + field(about_y, values)),
+    )
+    inertias = (beam.mu, beam.mu, beam.mu, beam.rho_J, beam.rho_Iy, beam.rho_Iz)
+    motions = (field(number, values) for number in range(_FIELDS))
+    ends = (legendre.legvander(np.array([end]), degree) for end in (-1.0, 1.0))
+    root, tip = (np.asarray(np.kron(np.eye(_FIELDS), end), dtype=np.float64) for end in ends)
+    return RitzLeg(
+        stiffness=_sum([k * (e.T * weights) @ e for k, e in strains if np.isfinite(k)], size),
+        mass=_sum([m * (f.T * weights) @ f for m, f in zip(inertias, motions, strict=True)], size),
+        root=root,
+        tip=tip,
+        shut=np.vstack([np.zeros((0, size)), *(e for k, e in strains if not np.isfinite(k))]),
+    )
+
+
+def of_compliance(compliance: Array, length: float) -> RitzLeg:
+    """A leg known by its 6×6 at the tip, root clamped; massless, on the twists of its ends."""
+    root, tip = np.vsplit(np.eye(12), 2)
+    bent = tip - carried(np.array([length, 0.0, 0.0])) @ root
+    stiffness = np.asarray(bent.T @ np.linalg.solve(compliance, bent))
+    return RitzLeg(
+        0.5 * (stiffness + stiffness.T), np.zeros((12, 12)), root, tip, np.zeros((0, 12))
+    )
+
+
+def between_ends(prism: RitzLeg) -> Array:
+    """Coefficients (n×12) of the shape that a prism takes when its ends, root first, are moved."""
+    ends = np.vstack([prism.root, prism.tip])
+    free, moved = null_space(ends), np.linalg.pinv(ends)
+    left = np.linalg.solve(free.T @ prism.stiffness @ free, free.T @ prism.stiffness @ moved)
+    return np.asarray(moved - free @ left)
+
+
+def field_at(length: float, station: float, degree: int) -> Array:
+    """Twist (6×n, leg axes) of the centreline at `station` (m) on the coefficients of `of_beam`."""
+    place = np.array([2.0 * station / length - 1.0])
+    return np.asarray(np.kron(np.eye(_FIELDS), legendre.legvander(place, degree)), dtype=np.float64)
+
+
+def rigid(length: float) -> RitzLeg:
+    """A rigid leg without mass, on the twist of its root."""
+    tip = carried(np.array([length, 0.0, 0.0]))
+    return RitzLeg(np.zeros((6, 6)), np.zeros((6, 6)), np.eye(6), tip, np.zeros((0, 6)))
+
+
+def placed(block: Array, first: int, total: int) -> Array:
+    """The columns of `block` from number `first` on among `total`, zeros elsewhere."""
+    wide = np.zeros((len(block), total))
+    wide[:, first : first + block.shape[1]] = block
+    return wide
+
+
+def carried(offset: Array) -> Array:
+    """Twist (6×6) at a point `offset` (3, m) away on the same body: u + φ × r."""
+    x, y, z = offset
+    moved = np.eye(6)
+    moved[:3, 3:] = [[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]]
+    return moved
+
+
+def scaled_rows(matrix: Array) -> Array:
+    """Conditions of unit size, so that none is taken for rounding."""
+    return np.asarray(matrix / np.linalg.norm(matrix, axis=1, keepdims=True))
+
+
+def _sum(parts: list[Array], size: int) -> Array:
+    return np.asarray(sum(parts, start=np.zeros((size, size))))

@@ -1,0 +1,278 @@
+"""Any mechanism of prisms and rigid bodies by the method of Ritz, in a posture that closes.
+
+Unknowns are the coefficients of the legs, the twists of the rigid bodies, and what the joints let
+happen; joints are linear constraints between them. Nothing is eliminated joint by joint, and
+where bodies are is read off the frames, whose joints are measured here once more.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import block_diag, eigh, null_space, pinvh
+
+from lumped.arrays import Array
+from lumped.errors import ComputationError
+from lumped.legs import ConstantLeg, GivenLeg, Theory, equivalent_leg
+from lumped.mechanism.body import Given, Prism, Rigid
+from lumped.mechanism.joint import Joint, Side
+from lumped.mechanism.mechanism import GROUND, Mechanism, Posture
+from validation.studies.ritz import leg as ritz_leg
+from validation.studies.ritz.leg import RitzLeg, carried, placed, scaled_rows
+
+# Modes up to the second of a bar between its joints, to six digits.
+DEGREE = 8
+# Frequencies are sought about this one (Hz), so that idle motions, at zero, stay apart.
+_ABOUT = 20.0
+# Eigenvalues of stiffness below this share of the largest are idle motions.
+_IDLE = 1e-15
+# Squares of frequencies below this share of that one are idle motions.
+_STILL = 1e-4
+# Shares of the largest inertia over stiffness below which a motion has no mass.
+_MASSLESS = 1e-14
+# Gaps of joints, of the size of the mechanism or in rad: loops are closed to 1e-12.
+_CLOSED = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class _System:
+    """Stiffness and mass (n×n) and twist of the loaded point (6×n, base axes), SI."""
+
+    stiffness: Array
+    mass: Array
+    loaded: Array
+
+
+def compliance(
+    at: Posture,
+    theory: Theory = "timoshenko",
+    degree: int = ritz_leg.STATIC_DEGREE,
+    *,
+    given: bool = True,
+) -> Array:
+    """6×6 compliance (SI, base axes) at the loaded point; prisms as beams of `theory`.
+
+    Legs known by their 6×6 are that, or their equivalent prisms where not `given`. Raises
+    ComputationError where the posture's joints are not closed.
+    """
+    legs = {
+        name: ritz_leg.of_compliance(shape.compliance, shape.length)
+        if given and isinstance(shape, Given)
+        else _beam(shape, theory, degree)
+        for name, shape in _legs(at.mechanism)
+    }
+    return _compliance(_system(at, legs))
+
+
+def of_springs(at: Posture, springs: Mapping[str, Array]) -> Array:
+    """The same with legs of these 6×6 tip compliances (leg axes)."""
+    legs = {
+        name: ritz_leg.of_compliance(springs[name], shape.length)
+        for name, shape in _legs(at.mechanism)
+    }
+    return _compliance(_system(at, legs))
+
+
+def frequencies(
+    at: Posture, count: int, theory: Theory = "timoshenko", degree: int = DEGREE
+) -> Array:
+    """First natural frequencies (Hz, ascending), idle motions left out; prisms as beams."""
+    legs = {name: _beam(shape, theory, degree) for name, shape in _legs(at.mechanism)}
+    return _frequencies(_system(at, legs), count)
+
+
+def on_drives(at: Posture, count: int) -> tuple[Array, Array]:
+    """Compliance and up to `count` frequencies with rigid legs without mass, elastic drives."""
+    legs = {name: ritz_leg.rigid(shape.length) for name, shape in _legs(at.mechanism)}
+    system = _system(at, legs, simplified=True)
+    return _compliance(system), _frequencies(system, count)
+
+
+def _legs(mechanism: Mechanism) -> list[tuple[str, Prism | Given]]:
+    shapes = ((name, body.shape) for name, body in mechanism.bodies.items())
+    return [(name, shape) for name, shape in shapes if isinstance(shape, Prism | Given)]
+
+
+def _beam(shape: Prism | Given, theory: Theory, degree: int) -> RitzLeg:
+    if isinstance(shape, Given):
+        leg = equivalent_leg(GivenLeg(shape.length, shape.mass, shape.compliance))
+    else:
+        leg = ConstantLeg(shape.length, shape.section, shape.material)
+    return ritz_leg.of_beam(leg.properties(theory), leg.length, degree)
+
+
+def _compliance(system: _System) -> Array:
+    # Forces at the tool do no work on idle motions, which the pseudo-inverse leaves out.
+    inverse = pinvh(system.stiffness, rtol=_IDLE * len(system.stiffness))
+    return np.asarray(system.loaded @ inverse @ system.loaded.T)
+
+
+def _frequencies(system: _System, count: int) -> Array:
+    shift = (2.0 * np.pi * _ABOUT) ** 2
+    # Of M against K + σM: idle motions have 1/σ, motions without mass zero, and those without
+    # either are left out.
+    values, vectors = eigh(system.stiffness + shift * system.mass)
+    kept = values > _IDLE * len(values) * values[-1]
+    roots = vectors[:, kept] / np.sqrt(values[kept])
+    inverse = np.linalg.eigvalsh(roots.T @ system.mass @ roots)[::-1]
+    squares = 1.0 / inverse[inverse > _MASSLESS * inverse[0]] - shift
+    squares = squares[squares > _STILL * shift][:count]
+    return np.asarray(np.sqrt(squares) / (2.0 * np.pi))
+
+
+def _system(at: Posture, legs: Mapping[str, RitzLeg], *, simplified: bool = False) -> _System:
+    """Of the unknowns that the joints leave; `simplified`: joints do not give but for drives."""
+    _require_closed(at)
+    mechanism = at.mechanism
+    shapes = {name: body.shape for name, body in mechanism.bodies.items() if name != GROUND}
+    joints = [_Joint.of(at, joint, simplified=simplified) for joint in mechanism.joints]
+    sizes = [legs[name].size if name in legs else 6 for name in shapes]
+    sizes += [joint.motions.shape[1] for joint in joints]
+    firsts = np.concatenate([[0], np.cumsum(sizes)])
+    total = int(firsts[-1])
+    first_of = dict(zip(shapes, firsts.tolist(), strict=False))
+
+    def twist(side: Side, place: Array) -> Array:
+        """Twist (6×total, base axes) at `place` of what a side of a joint belongs to."""
+        if side.body == GROUND:
+            return np.zeros((6, total))
+        frame, first = at.frames[side.body], first_of[side.body]
+        if side.body not in legs:
+            return carried(place - frame.position) @ placed(np.eye(6), first, total)
+        names = list(mechanism.bodies[side.body].interfaces)
+        end = legs[side.body].root if side.point == names[0] else legs[side.body].tip
+        turned = block_diag(frame.rotation, frame.rotation) @ end
+        return carried(place - _place(at, side)) @ placed(turned, first, total)
+
+    stiffness, mass = (
+        block_diag(
+            *(getattr(legs[name], kind) if name in legs else np.zeros((6, 6)) for name in shapes),
+            *(
+                np.diag(joint.springs if kind == "stiffness" else 0.0 * joint.springs)
+                for joint in joints
+            ),
+        )
+        for kind in ("stiffness", "mass")
+    )
+    for name, shape in shapes.items():
+        if isinstance(shape, Rigid):
+            frame = at.frames[name]
+            centre = twist(Side(name, ""), frame.position + frame.rotation @ shape.centre)
+            inertia = frame.rotation @ shape.inertia @ frame.rotation.T
+            mass += shape.mass * centre[:3].T @ centre[:3] + centre[3:].T @ inertia @ centre[3:]
+    tool = Side(mechanism.tool.body, mechanism.tool.point)
+    loaded = twist(tool, _place(at, tool))
+    mass += mechanism.tool.mass * loaded[:3].T @ loaded[:3]
+    shut = [placed(leg.shut, first_of[name], total) for name, leg in legs.items()]
+    for joint, first in zip(joints, firsts[len(shapes) :].tolist(), strict=False):
+        apart = twist(joint.second, joint.place) - twist(joint.first, joint.place)
+        shut.append(apart - placed(joint.motions, first, total))
+    free = null_space(scaled_rows(np.vstack(shut)))
+    return _System(free.T @ stiffness @ free, free.T @ mass @ free, loaded @ free)
+
+
+@dataclass(frozen=True, eq=False)
+class _Joint:
+    """Relative twists (6×k, base axes) at `place` that a joint lets happen, and their springs."""
+
+    first: Side
+    second: Side
+    place: Array
+    motions: Array
+    springs: Array
+
+    @classmethod
+    def of(cls, at: Posture, joint: Joint, *, simplified: bool) -> "_Joint":
+        turned, _ = _turned(at, joint)
+        motions, springs = [], []
+        for number, twist in enumerate(_free(at, joint).T):
+            stiffness: float | None = 0.0
+            if joint.drive is not None and number == 0:
+                special = joint.drive.simplified if simplified else None
+                stiffness = joint.drive.stiffness if special is None else special
+            if stiffness is not None:
+                motions.append(twist)
+                springs.append(stiffness)
+        if joint.compliance is not None and not simplified:
+            # Along eigenvectors of its compliance, in series with all the rest.
+            gives, along = np.linalg.eigh(joint.compliance)
+            own = block_diag(turned, turned) @ along
+            for give, twist in zip(gives, own.T, strict=True):
+                if give > 0.0:
+                    motions.append(twist)
+                    springs.append(1.0 / give)
+        columns = np.array(motions).reshape(len(motions), 6).T
+        return cls(joint.first, joint.second, _place(at, joint.first), columns, np.array(springs))
+
+
+def _free(at: Posture, joint: Joint) -> Array:
+    """Free relative twists (6×k) by what the kind of joint is, the drive's first."""
+    first, second = _turned(at, joint)
+    axes = joint.axes @ first.T
+    along, about = (
+        np.vstack([np.eye(3), np.zeros((3, 3))]),
+        np.vstack([np.zeros((3, 3)), np.eye(3)]),
+    )
+    slide, turn = along @ axes[:1].T, about @ axes[:1].T
+    match joint.kind:
+        case "fixed":
+            free = np.zeros((6, 0))
+        case "prismatic":
+            free = slide
+        case "revolute":
+            free = turn
+        case "cylindrical":
+            free = np.hstack([slide, turn])
+        case "universal":
+            free = about @ np.column_stack([axes[0], second @ joint.axes[1]])
+        case "spherical":
+            free = about
+        case "planar":
+            free = np.hstack([along @ null_space(axes[:1]), turn])
+    return free
+
+
+def _turned(at: Posture, joint: Joint) -> tuple[Array, Array]:
+    """Rotations of both bodies since the reference posture."""
+    first, second = (
+        at.frames[side.body].rotation @ at.mechanism.reference[side.body].rotation.T
+        for side in (joint.first, joint.second)
+    )
+    return first, second
+
+
+def _place(at: Posture, side: Side) -> Array:
+    frame = at.frames[side.body]
+    own = at.mechanism.bodies[side.body].interfaces[side.point].position
+    return np.asarray(frame.position + frame.rotation @ own)
+
+
+def _require_closed(at: Posture) -> None:
+    """Raise ComputationError where a joint's sides have gone where it does not let them."""
+    for joint in at.mechanism.joints:
+        if (gap := max(_gaps(at, joint))) > _CLOSED:
+            raise ComputationError(f"joint {joint.name}: open by {gap:.2g} in the posture")
+
+
+def _gaps(at: Posture, joint: Joint) -> tuple[float, float]:
+    """Of positions (over the size of the mechanism) and of directions (rad)."""
+    first, second = _turned(at, joint)
+    apart = (_place(at, joint.second) - _place(at, joint.first)) / at.mechanism.size
+    axis = first @ joint.axes[0] if len(joint.axes) else np.zeros(3)
+    relative = first.T @ second
+    match joint.kind:
+        case "prismatic" | "cylindrical":
+            apart = np.cross(axis, apart)
+        case "planar":
+            apart = np.atleast_1d(axis @ apart)
+    match joint.kind:
+        case "spherical":
+            turned = np.zeros(1)
+        case "universal":
+            angles = joint.axes[0] @ relative @ joint.axes[1] - joint.axes[0] @ joint.axes[1]
+            turned = np.atleast_1d(angles)
+        case "fixed" | "prismatic":
+            turned = (relative - np.eye(3)).ravel()
+        case _:
+            turned = (relative - np.eye(3)) @ joint.axes[0]
+    return float(np.linalg.norm(apart)), float(np.linalg.norm(turned))
