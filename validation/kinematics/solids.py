@@ -1,6 +1,10 @@
-"""Bodies with their true sections, and joints as the field draws them, as polygons in base axes."""
+"""Bodies as they are, and joints as the field draws them, as polygons in base axes.
+
+Prisms have their true sections, CAD parts their surface.
+"""
 
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Literal, TypeAlias
@@ -8,7 +12,9 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from lumped.arrays import Array
+from lumped.errors import InputError
 from lumped.mechanism.body import Body, Given, Prism
+from lumped.mechanism.frame import Frame
 from lumped.mechanism.free_twists import (
     across_axis,
     interface_position,
@@ -16,7 +22,9 @@ from lumped.mechanism.free_twists import (
 )
 from lumped.mechanism.joint import Joint
 from lumped.mechanism.mechanism import GROUND, Posture
+from lumped.mechanism.part import Part
 from lumped.sections import Circle, HollowRectangle, ISection, Section, Tube
+from validation.models.parts import found_in
 
 Matter: TypeAlias = Literal["leg", "other leg", "rigid", "hole", "joint", "drive"]
 _FACETS = 20
@@ -36,13 +44,22 @@ class Face:
 
 
 def body_faces(posture: Posture, name: str, size: float) -> Iterator[Face]:
-    """Faces of a body: a prism with its section, anything else as plate or bars between points."""
+    """Faces of a body: prisms and parts as they are, else plate or bars between points.
+
+    So a part whose file cannot be read, of which others complain.
+    """
     body = posture.mechanism.bodies[name]
     frame = posture.frames[name]
     points = np.array([(frame @ place).position for place in body.interfaces.values()])
     if isinstance(body.shape, Prism):
         outline, bores = outlines(body.shape.section)
         yield from _extruded(outline, frame.position, frame.rotation, body.shape.length, bores)
+        return
+    if isinstance(body.shape, Part):
+        with suppress(InputError):
+            yield from _surface(body, frame)
+            return
+        yield from _plate(points, _THIN * size)
         return
     if is_leg(body):
         radius = 0.02 * float(np.linalg.norm(points[1] - points[0]))
@@ -102,8 +119,16 @@ def on_ground(joint: Joint) -> bool:
 
 
 def is_leg(body: Body) -> bool:
-    """Whether a body runs from one point to another."""
-    return isinstance(body.shape, Prism | Given)
+    """Whether a body runs from one point to another, by its data or its shape."""
+    return isinstance(body.shape, Prism | Given | Part) and len(body.interfaces) == 2
+
+
+def _surface(body: Body, frame: Frame) -> Iterator[Face]:
+    file, _ = found_in(body)
+    places = frame.position + file.surface @ frame.rotation.T
+    for face in file.faces:
+        for corners in face.facets.corners:
+            yield Face(places[corners], "leg")
 
 
 def _circle(radius: float) -> Array:

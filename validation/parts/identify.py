@@ -28,7 +28,7 @@ from meshes.part.reading.read import PartFile
 from meshes.part.spread import spread_over
 from validation.parts.kept import kept, key_of
 from validation.parts.meshes import RUNGS, part_mesh
-from validation.parts.refinement import refinement_uncertainty
+from validation.parts.refinement import compliance_uncertainty, refinement_uncertainty
 
 DEFAULT_UNKNOWNS = 100_000
 DEFAULT_MODES = 6
@@ -189,6 +189,6 @@ def _refinement(answers: Sequence[Answer]) -> tuple[Array, Array]:
         )
     fine, middle, coarse = answers
     return (
-        refinement_uncertainty(coarse.compliance, middle.compliance, fine.compliance),
+        compliance_uncertainty(coarse.compliance, middle.compliance, fine.compliance),
         refinement_uncertainty(coarse.frequencies, middle.frequencies, fine.frequencies),
     )

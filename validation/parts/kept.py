@@ -25,11 +25,19 @@ from meshes.part.reading.read import PartFile
 from validation.store.cache import cache_folder
 
 # Raised where the same input gives other numbers than before: meshes, elements, reduction.
-_EDITION = 3
+_EDITION = 4
 _DIGEST = 64
 # What this process computed or read last stays in its memory.
 _MOST_IN_MEMORY = 24
 _in_memory: dict[str, dict[str, Array]] = {}
+# Who collects what is asked for, the innermost last.
+_collecting: list[dict[str, dict[str, Array]]] = []
+# Not empty while it is only looked at what is there.
+_looking: list[bool] = []
+
+
+class _NotKept(Exception):  # noqa: N818  ends a look at what is kept, never leaves this module
+    pass
 
 
 def key_of(
@@ -53,31 +61,72 @@ def kept(key: str, compute: Callable[[], Mapping[str, Any]]) -> dict[str, Array]
     found = _in_memory.pop(key, None)
     if found is None:
         found = _from_disk(key, compute)
+    _remember(key, found)
+    for collected in _collecting:
+        collected[key] = found
+    return found
+
+
+@contextmanager
+def collected() -> Iterator[dict[str, dict[str, Array]]]:
+    """All arrays, by key, that are asked for in this context, computed or read."""
+    entries: dict[str, dict[str, Array]] = {}
+    _collecting.append(entries)
+    try:
+        yield entries
+    finally:
+        _collecting.pop()
+
+
+def put(entries: Mapping[str, dict[str, Array]]) -> None:
+    """Keep what another machine computed as if it had been computed here."""
+    folder = cache_folder("parts")
+    for key, arrays in entries.items():
+        _remember(key, arrays)
+        if folder is not None and not (folder / f"{key}.npz").exists():
+            with suppress(OSError):
+                _write(folder / f"{key}.npz", arrays)
+
+
+def is_kept(ask: Callable[[], object]) -> bool:
+    """Whether what `ask` asks for is all kept, so that nothing is computed for it."""
+    _looking.append(True)
+    try:
+        ask()
+    except _NotKept:
+        return False
+    finally:
+        _looking.pop()
+    return True
+
+
+def _computed(compute: Callable[[], Mapping[str, Any]]) -> dict[str, Array]:
+    if _looking:
+        raise _NotKept
+    return {name: np.asarray(value) for name, value in compute().items()}
+
+
+def _remember(key: str, found: dict[str, Array]) -> None:
     _in_memory[key] = found
     if len(_in_memory) > _MOST_IN_MEMORY:
         del _in_memory[next(iter(_in_memory))]
-    return found
 
 
 def _from_disk(key: str, compute: Callable[[], Mapping[str, Any]]) -> dict[str, Array]:
     folder = cache_folder("parts")
     if folder is None:
-        return _arrays(compute())
+        return _computed(compute)
     place = folder / f"{key}.npz"
     found = _read(place)
     if found is None:
         with _alone(place):
             found = _read(place)
             if found is None:
-                found = _arrays(compute())
+                found = _computed(compute)
                 # A cache that cannot be written costs time, not the answer.
                 with suppress(OSError):
                     _write(place, found)
     return found
-
-
-def _arrays(values: Mapping[str, Any]) -> dict[str, Array]:
-    return {name: np.asarray(value) for name, value in values.items()}
 
 
 @contextmanager

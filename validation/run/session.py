@@ -1,7 +1,7 @@
 """A run from start to end: choose the cases, compute them, keep and publish what comes out."""
 
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -11,11 +11,13 @@ from typing import TYPE_CHECKING
 from fem.machine import usable_cores
 from lumped.audit.finding import Finding
 from lumped.audit.robot_audit import audit
-from lumped.errors import InputError
+from lumped.errors import ComputationError, InputError
+from lumped.mechanism.mechanism import Mechanism
+from lumped.mechanism.part import Part
 from lumped.robot_file import RobotFile
 from lumped.robot_file.variation import Variation
 from validation.console.streams import complain
-from validation.context import SWEEPS_FOLDER, Preset
+from validation.context import SWEEPS_FOLDER, Context, Preset
 from validation.report.detection import comparisons
 from validation.report.page import Report, render
 from validation.results import provenance
@@ -27,6 +29,7 @@ from validation.run import progress, runner
 from validation.run.gathered import Results
 from validation.run.kept_checks import Kept, kept_of
 from validation.run.worker import Job
+from validation.store.cache import cache_folder
 from validation.store.opening import Start, open_folder
 from validation.store.run_folder import RunFolder
 
@@ -86,8 +89,8 @@ def validate(request: Request, catalogue: Catalogue) -> Results:
     ComputationError where workers cannot start or the export fails.
     """
     robot_file = request.robot_file
-    if request.cluster is not None and robot_file.is_mechanism and not request.vary:
-        raise InputError("--cluster: a mechanism's run has no sweeps but those of --vary")
+    if request.cluster is not None and robot_file.is_mechanism:
+        _require_work_for_a_cluster(request)
     if request.exports and not robot_file.is_mechanism:
         _refuse_large_exports(request)
     _variations(request)
@@ -130,6 +133,8 @@ def validate(request: Request, catalogue: Catalogue) -> Results:
         if executor is not None:
             with progress.stage("sweeps on the cluster"):
                 _sweep(request, tasks, sweeps, executor)
+        if any(not is_check(task) for task in tasks if task.id not in gathered.done):
+            _prepare(robot_file, request.preset, executor, request.jobs)
         _compute(job, gathered, folder, kept, request.jobs)
         gathered.remarks = [*gathered.remarks, *_unkept(gathered, kept)]
         with progress.stage("writing the report"):
@@ -225,6 +230,32 @@ def _with_figures(catalogue: Catalogue, request: Request) -> Catalogue:
     return partial(with_variations, listed=catalogue, typed=request.vary)
 
 
+def _has_parts(mechanism: Mechanism) -> bool:
+    """Whether any body is a CAD part or a mesh."""
+    return any(isinstance(body.shape, Part) for body in mechanism.bodies.values())
+
+
+def _prepare(robot_file: RobotFile, preset: Preset, cluster: "Executor | None", jobs: int) -> None:
+    """Mesh and reduce the parts of a mechanism on the `cluster`, else on `jobs` cores, and keep it.
+
+    Raises what the cluster raises where it is lost.
+    """
+    if not robot_file.is_mechanism or not _has_parts(robot_file.mechanism):
+        return
+    # Meshes and solvers, of which most runs ask for none.
+    from validation.adequacy.mechanism.parts_ahead import prepare_parts  # noqa: PLC0415
+    from validation.sweeps.cores import on_cores  # noqa: PLC0415
+
+    context = Context(robot_file, preset)
+    with progress.stage("meshing and reducing parts"):
+        if cluster is not None:
+            prepare_parts(context, cluster, carried=True)
+        elif cache_folder("parts") is not None:
+            # What is lost here is computed by whoever asks for it, who also says what is wrong.
+            with suppress(ComputationError, InputError), on_cores(jobs) as cores:
+                prepare_parts(context, cores, carried=False)
+
+
 def _export(request: Request, target: Path) -> None:
     if request.robot_file.is_mechanism:
         from validation.export.mechanism import export_mechanism  # noqa: PLC0415
@@ -234,6 +265,14 @@ def _export(request: Request, target: Path) -> None:
         from validation.export.models import export  # noqa: PLC0415
 
         export(request.robot_file.robot, request.preset, target)
+
+
+def _require_work_for_a_cluster(request: Request) -> None:
+    """Raise InputError for a mechanism whose run has nothing that a cluster could compute."""
+    if not request.vary and not _has_parts(request.robot_file.mechanism):
+        raise InputError(
+            "--cluster: a mechanism's run has no sweeps but those of --vary, and this one no parts"
+        )
 
 
 def _refuse_large_exports(request: Request) -> None:

@@ -22,19 +22,26 @@ def solid_parts(
 ) -> dict[str, BodyModel]:
     """Every part on one of its three meshes, reduced where `count` modes are looked at.
 
-    For those that are judged and as many again: the rest is only there to be told apart from them.
     Statics are exact. `ends`: interfaces of which nobody said how they are held are rigid, or
     averaged where free.
     """
     mechanism = postures[0].mechanism
     if not parts_of(mechanism):
         return {}
-    highest = highest_frequency(postures, max(_FEWEST, count // 3))
-    cutoff = CUTOFF["solid"] * highest
+    highest, cutoff = highest_of_parts(postures, count)
     return {
         name: reduced(body, highest, cutoff, rung, "rigid" if ends[name] == "rigid" else "average")
         for name, body in parts_of(mechanism).items()
     }
+
+
+def highest_of_parts(postures: Sequence[Posture], count: int) -> tuple[float, float]:
+    """Frequency (Hz) up to which parts are reduced where `count` modes are looked at, and cut-off.
+
+    For those that are judged and as many again: the rest is only there to be told apart from them.
+    """
+    highest = highest_frequency(postures, max(_FEWEST, count // 3))
+    return highest, CUTOFF["solid"] * highest
 
 
 def condensed_parts(mechanism: Mechanism) -> dict[str, BodyModel]:

@@ -1,0 +1,52 @@
+"""What three meshes leave open: series whose limit is known, and parts at random."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from meshes.part.volume import RATIO
+from validation.parts.refinement import compliance_uncertainty, refinement_uncertainty
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from random_parts import random_part, stated
+
+H = np.array([RATIO**2, RATIO, 1.0])
+
+
+@pytest.mark.parametrize(("order", "width"), [(1.0, 1.5), (1.42, 1.5), (2.0, 1.5), (4.0, 9.0)])
+def test_a_series_of_one_order_is_held(order, width):
+    values = 2.0 + np.outer(0.01 * H**order, [0.3, -0.1])
+    found = refinement_uncertainty(*values)
+    # Beyond the second order much wider than it would have to be: it is not believed.
+    assert found / np.abs(values[-1] - 2.0) == pytest.approx([width, width], rel=1e-5)
+
+
+def test_one_number_by_chance_is_no_order():
+    # The second number hardly changed in the last step, the others say of which order meshes are.
+    values = np.array([[1.04, 2.2], [1.02, 2.1], [1.01, 2.0999]])
+    assert refinement_uncertainty(*values)[1] > 0.05
+    # Where refinement brings nothing nearer, the first order is all that is granted.
+    worse = refinement_uncertainty(*values[::-1])
+    assert worse == pytest.approx(1.5 * np.array([0.02, 0.1]) / (RATIO - 1.0), rel=1e-6)
+
+
+def test_entries_of_a_compliance_are_relative_to_the_diagonal():
+    fine = np.diag([1e-8, 1e-6])
+    change = np.array([[1e-10, 1e-10], [1e-10, 1e-8]])
+    first, last = (compliance_uncertainty(fine + 2 * s * change, fine + s * change, fine)
+                   for s in (1.0, 10.0))  # fmt: skip
+    assert last == pytest.approx(10.0 * first, rel=1e-6)
+    assert first == pytest.approx(1.5 * change / (RATIO - 1.0), rel=1e-4)
+
+
+@pytest.mark.parametrize("number", [13, 20])
+def test_parts_at_random_are_held(number, tmp_path, monkeypatch):
+    """Two quick ones of the two hundred of tests/benchmarks/calibrate_parts.py."""
+    monkeypatch.setenv("FLEXPROOF_CACHE", "off")
+    numbers = list(stated(random_part(np.random.default_rng([1, number])), tmp_path))
+    assert len(numbers) == 6
+    assert all(abs(error) <= uncertainty for _, uncertainty, error in numbers)
+    assert all(0.0 < uncertainty < 0.06 for _, uncertainty, _ in numbers)

@@ -1,0 +1,200 @@
+"""Parts at random: tapered boxes and tubes as STEP files, and their solutions on other meshes.
+
+The truth of a part is computed without its file: hexahedra of 27 nodes in slices, the section's
+mesh drawn in along the part, both graded towards the edges where stresses are singular.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+
+from fem.bodies.part import held_part, meshed_part
+from fem.couplings.grips import Grip
+from lumped.arrays import Array
+from lumped.legs import Material
+from lumped.mechanism.part import ByPlane, PartInterface
+from lumped.sections import Circle, HollowRectangle, Rectangle, Section, Tube
+from meshes.gmsh_session import gmsh_model
+from meshes.part.boundary import Facets
+from meshes.part.interfaces import find_interfaces
+from meshes.part.part_mesh import PartMesh
+from meshes.part.reading.read import read_part
+from meshes.prism.extrude import extrude, stations
+from meshes.section.section_mesh import SectionMesh, section_mesh
+from validation.parts.identify import identify
+
+# Slices at the ends are shorter than in the middle by this, elements at the edges of sections too.
+_GRADING = 8.0
+# Elements across a solid section, a wall, and between walls; divisions of round sections.
+_ACROSS, _WALL, _BETWEEN, _ROUND = 6, 2, 4, 8
+
+
+@dataclass(frozen=True)
+class RandomPart:
+    """A prism of `section` and `length` (m) whose sides along y and z shrink to `taper` at x = L.
+
+    Its ends are held by `coupling`.
+    """
+
+    section: Section
+    length: float
+    taper: tuple[float, float]
+    material: Material
+    coupling: str
+    unknowns: int
+
+    @property
+    def ends(self) -> dict[str, PartInterface]:
+        """Its two end faces."""
+        at = (("A", -1.0, 0.0), ("B", 1.0, self.length))
+        return {
+            name: PartInterface(ByPlane((way, 0.0, 0.0), (x, 0.0, 0.0)), self.coupling)
+            for name, way, x in at
+        }
+
+
+def random_part(rng: np.random.Generator) -> RandomPart:
+    """A box or a tube, solid or hollow, two and a half to eight sides long."""
+    size, ratio = rng.uniform(0.06, 0.2), rng.uniform(0.6, 1.0)
+    width, height = rng.permutation([size, ratio * size]).tolist()
+    wall = rng.uniform(0.1, 0.2) * ratio * size
+    shapes: tuple[Section, ...] = (
+        Rectangle(width, height),
+        HollowRectangle(width, height, wall),
+        Circle(size),
+        Tube(size, wall),
+    )
+    section = shapes[rng.choice(4, p=[0.3, 0.35, 0.15, 0.2])]
+    along_y, along_z = rng.uniform(0.5, 1.0, 2).tolist()
+    return RandomPart(
+        section,
+        float(rng.uniform(2.5, 8.0) * size),
+        (along_y, along_y if isinstance(section, Circle | Tube) else along_z),
+        Material.isotropic(2.1e11, float(rng.uniform(0.2, 0.35)), 7850.0),
+        str(rng.choice(["rigid", "average"])),
+        int(rng.uniform(6e3, 1.5e4)),
+    )
+
+
+def written(part: RandomPart, path: Path) -> Path:
+    """The part as STEP in millimetres."""
+    section = part.section
+    with gmsh_model("random part") as gmsh:
+        gmsh.option.setString("Geometry.OCCTargetUnit", "MM")
+        occ = gmsh.model.occ
+
+        def loft(width: float, height: float) -> tuple[int, int]:
+            wires = []
+            for x, (y, z) in ((0.0, (1.0, 1.0)), (1e3 * part.length, part.taper)):
+                corners = [(-y, -z), (y, -z), (y, z), (-y, z)]
+                points = [occ.addPoint(x, a * width * 500, b * height * 500) for a, b in corners]
+                lines = [occ.addLine(points[i], points[(i + 1) % 4]) for i in range(4)]
+                wires.append(occ.addWire(lines))
+            return next(one for one in occ.addThruSections(wires, makeRuled=True) if one[0] == 3)
+
+        def cone(diameter: float) -> tuple[int, int]:
+            radius = 500.0 * diameter
+            tip = radius * part.taper[0]
+            return 3, occ.addCone(0.0, 0.0, 0.0, 1e3 * part.length, 0.0, 0.0, radius, tip)
+
+        match section:
+            case Rectangle(width, height):
+                loft(width, height)
+            case HollowRectangle(width, height, wall):
+                occ.cut([loft(width, height)], [loft(width - 2 * wall, height - 2 * wall)])
+            case Circle(diameter):
+                cone(diameter)
+            case Tube(diameter, wall):
+                occ.cut([cone(diameter)], [cone(diameter - 2.0 * wall)])
+        occ.synchronize()
+        gmsh.model.removeEntities(gmsh.model.getEntities(2), recursive=False)
+        gmsh.write(str(path))
+    return path
+
+
+def graded(start: float, end: float, count: int) -> Array:
+    """Places from start to end (count + 1), closer at both ends."""
+    return start + stations(end - start, count, _GRADING)
+
+
+def _section(section: Section, fineness: float) -> SectionMesh:
+    """Rectangles in rows and columns closer at the edges; round ones as for legs."""
+
+    def number(count: int) -> int:
+        return max(2, round(count * fineness))
+
+    match section:
+        case Rectangle(width, height):
+            lines = [graded(-a / 2.0, a / 2.0, number(_ACROSS)) for a in (width, height)]
+            return _rows(*lines)
+        case HollowRectangle(width, height, wall):
+            lines = []
+            for side in (width, height):
+                inner = side / 2.0 - wall
+                places = (-side / 2.0, -inner, inner, side / 2.0)
+                counts = (number(_WALL), number(_BETWEEN), number(_WALL))
+                pieces = [
+                    graded(*ends, n) for ends, n in zip(pairwise(places), counts, strict=True)
+                ]
+                lines.append(np.unique(np.concatenate(pieces).round(15)))
+            return _rows(*lines, hole=number(_WALL))
+    return section_mesh(section, number(_ROUND))
+
+
+def _rows(across: Array, up: Array, hole: int = 0) -> SectionMesh:
+    """quad9 between lines of y and z; without what is inside the first `hole` rows all round."""
+
+    def halved(lines: Array) -> Array:
+        places = np.empty(2 * len(lines) - 1)
+        places[::2], places[1::2] = lines, (lines[1:] + lines[:-1]) / 2.0
+        return places
+
+    y, z = halved(across), halved(up)
+    columns, rows = len(across) - 1, len(up) - 1
+    kept = np.ones((columns, rows), dtype=bool)
+    if hole:
+        kept[hole : columns - hole, hole : rows - hole] = False
+    i, j = (2 * place for place in np.nonzero(kept))
+    # Corners counter-clockwise, middles of the sides, centre.
+    steps = [(0, 0), (2, 0), (2, 2), (0, 2), (1, 0), (2, 1), (1, 2), (0, 1), (1, 1)]
+    tagged = np.column_stack([(i + a) * len(z) + (j + b) for a, b in steps])
+    tags, cells = np.unique(tagged, return_inverse=True)
+    nodes = np.column_stack([y[tags // len(z)], z[tags % len(z)]])
+    return SectionMesh(nodes, cells.reshape(tagged.shape), "quad9")
+
+
+def true_compliance(part: RandomPart, fineness: float = 1.0) -> Array:
+    """Compliance (6×6, SI) of the tip on graded hexahedra."""
+    mesh = _section(part.section, fineness)
+    slices = round(fineness * (10 + part.length / np.ptp(mesh.nodes, axis=0).min()))
+    solid = extrude(mesh, stations(part.length, slices, _GRADING))
+    nodes = solid.nodes.copy()
+    nodes[:, 1:] *= 1.0 - (nodes[:, :1] / part.length) * (1.0 - np.array(part.taper))
+    faces = {
+        number: Facets(end.nodes[end.mesh.cells], "quad9")
+        for number, end in enumerate((solid.root, solid.tip))
+    }
+    hexahedra = PartMesh(nodes=nodes, cells=solid.cells, element=solid.element, faces=faces)
+    grips = [
+        Grip(part.coupling, faces[number], np.array([number * part.length, 0.0, 0.0]))
+        for number in (0, 1)
+    ]
+    return held_part(meshed_part(hexahedra, part.material), grips, "hexahedra").compliance
+
+
+def stated(part: RandomPart, folder: Path) -> Iterator[tuple[str, float, float]]:
+    """Of each number of the six on the diagonal: what it is, uncertainty and error, relative.
+
+    Uncertainty as it is stated by identification, which sees the file alone.
+    """
+    file = read_part(written(part, folder / "part.step"))
+    found = identify(file, find_interfaces(file, part.ends), part.material, part.unknowns, modes=0)
+    true = np.diag(true_compliance(part))
+    uncertainty = np.diag(found.compliance_refinement) / true
+    errors = np.diag(found.compliance) / true - 1.0
+    kind = type(part.section).__name__
+    for one, error in zip(uncertainty, errors, strict=True):
+        yield f"{kind}, {part.coupling}", float(one), float(error)

@@ -1,0 +1,115 @@
+"""CAD parts of a run before anything else: meshed, identified and reduced side by side.
+
+Parts do not know of each other, and neither do the meshes of one: each is work of its own for a
+core of this machine or a worker of a cluster. What comes out lies where the comparisons look for
+it (validation.parts.kept), so that these compute nothing of it again.
+"""
+
+import tempfile
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+
+from lumped.arrays import Array
+from lumped.errors import ComputationError, InputError
+from lumped.mechanism.body import Body
+from lumped.mechanism.mechanism import Posture
+from validation.adequacy.mechanism.part_solids import highest_of_parts
+from validation.adequacy.mechanism.path import left_open, offered, path_postures
+from validation.context import Context
+from validation.models import parts
+from validation.models.stepped_parts import stepped
+from validation.parts import kept
+from validation.parts.meshes import COARSE, FINEST, MIDDLE
+
+Question = Callable[[Body], object]
+# Computes calls in any order; yields the number of a call and its result.
+Executor = Callable[[Sequence["PartWork"]], Iterable[tuple[int, dict[str, dict[str, Array]]]]]
+
+
+@dataclass(frozen=True)
+class PartWork:
+    """What is asked of a part, with the `content` of its file for who does not have that.
+
+    `carried`: whether what was computed comes back with the answer: from another machine.
+    """
+
+    body: Body
+    content: bytes
+    ask: Question
+    carried: bool
+
+    def __call__(self) -> dict[str, dict[str, Array]]:
+        """Arrays by key, as they are kept; what is impossible is left to who asks for it again."""
+        with self._at_hand() as body, kept.collected() as entries:
+            _try(self.ask, body)
+            return dict(entries) if self.carried else {}
+
+    @contextmanager
+    def _at_hand(self) -> Iterator[Body]:
+        """The body with its file on this machine."""
+        shape = parts.shape_of(self.body)
+        if not self.carried:
+            yield self.body
+            return
+        with tempfile.TemporaryDirectory(prefix="flexproof-part-") as folder:
+            here = Path(folder) / shape.file.name
+            here.write_bytes(self.content)
+            yield replace(self.body, shape=replace(shape, file=here))
+
+
+def prepare_parts(context: Context, executor: Executor, *, carried: bool) -> None:
+    """Compute what a run asks of the mechanism's parts: first what they are, then as solids.
+
+    Raises what the executor raises where a process or the cluster is lost.
+    """
+    mechanism = context.robot_file.mechanism
+    bodies = {
+        kept.key_of(*parts.found_in(body), parts.shape_of(body).material): body
+        for body in parts.parts_of(mechanism).values()
+    }
+    _finish([(body, _as_it_is) for body in bodies.values()], executor, carried=carried)
+    postures = path_postures(context)
+    _finish(list(_reductions(context, postures, bodies.values())), executor, carried=carried)
+
+
+def _as_it_is(body: Body) -> None:
+    parts.identified(body)
+    stepped(body)
+
+
+def _reductions(
+    context: Context, postures: Sequence[Posture], bodies: Iterable[Body]
+) -> Iterator[tuple[Body, Question]]:
+    """The finest meshes first: they take longest."""
+    is_open = left_open(context.robot_file.mechanism)
+    highest, cutoff = highest_of_parts(postures, offered(context.robot_file.requirement.modes))
+    holds = tuple(is_open.holds.values())
+    for rung in (FINEST, MIDDLE, COARSE):
+        # The coarser meshes are those of the uncertainty: of the first way of holding.
+        for ends in holds if rung == FINEST else holds[:1]:
+            for body in bodies:
+                hold: parts.Hold = "rigid" if ends[body.name] == "rigid" else "average"
+                yield (
+                    body,
+                    partial(parts.reduced, highest=highest, cutoff=cutoff, rung=rung, hold=hold),
+                )
+
+
+def _try(ask: Question, body: Body) -> None:
+    with suppress(InputError, ComputationError):
+        ask(body)
+
+
+def _finish(asked: Sequence[tuple[Body, Question]], executor: Executor, *, carried: bool) -> None:
+    """Have computed what is not kept already, and keep it."""
+    work = [
+        PartWork(body, parts.shape_of(body).file.read_bytes() if carried else b"", ask, carried)
+        for body, ask in asked
+        if not kept.is_kept(partial(_try, ask, body))
+    ]
+    if work:
+        for _, entries in executor(work):
+            kept.put(entries)
