@@ -18,7 +18,7 @@ from fem.calculix.run import CalculixMissing
 from fem.reduction.craig_bampton import craig_bampton
 from fem.reduction.superelement import held_leg
 from lumped.arrays import Array
-from lumped.legs import ConstantLeg
+from lumped.legs import ConstantLeg, Material
 from lumped.mechanism.body import Prism
 from lumped.mechanism.kinematics.mobility import mobility
 from lumped.mechanism.kinematics.postures import posture
@@ -48,6 +48,7 @@ _MODES = 8
 # Frequencies (Hz) of the five-bar of square bars end below the first; modes are kept to the second.
 _HIGHEST, _CUTOFF = 1400.0, 5600.0
 _SIDE = 0.06
+_CUBIC = Material(E=2.1e11, G=0.6e11, nu=0.2, rho=7850.0)
 
 
 def cases() -> tuple[Case, ...]:
@@ -279,13 +280,18 @@ def _five_bar_twice() -> tuple[tuple[Array, Array], tuple[Array, Array]]:
 
 
 def _five_bar_of_squares() -> Posture:
-    """Solid square bars, so that coarse meshes are good ones; the first joint gives way."""
+    """Solid square bars, so that coarse meshes are good ones; the first joint gives way.
+
+    Of a cubic material, whose axes turn with the bars.
+    """
     mechanism = load_robot("five-bar").mechanism
     root = np.random.default_rng(1).normal(size=(6, 6))
     first, *others = mechanism.joints
     soft = replace(first, compliance=1e-8 * (root @ root.T + np.eye(6)))
     bodies = {
-        name: replace(body, shape=replace(body.shape, section=Rectangle(_SIDE, _SIDE)))
+        name: replace(
+            body, shape=replace(body.shape, section=Rectangle(_SIDE, _SIDE), material=_CUBIC)
+        )
         if isinstance(body.shape, Prism)
         else body
         for name, body in mechanism.bodies.items()

@@ -219,13 +219,13 @@ def _without_platform(made: MechanismDeck) -> MechanismDeck:
 
 @fault_around(
     "robot-calculix.joints-held",
-    "CalculiX deck of the robot: revolute joints at A and C forgotten",
+    "CalculiX deck of the robot: passive revolute joints forgotten",
     "fem.calculix.mechanism._freedoms",
 )
-def _feet_held(sound: Faulty, posture: Posture, *rest: Any) -> Any:
+def _pins_held(sound: Faulty, posture: Posture, *rest: Any) -> Any:
     joints = [
         replace(joint, kind="fixed", axes=np.zeros((0, 3)))
-        if joint.name.startswith("foot")
+        if joint.kind == "revolute" and joint.drive is None
         else joint
         for joint in posture.mechanism.joints
     ]
