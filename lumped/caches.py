@@ -40,6 +40,11 @@ def lru_cache(maxsize: int | None) -> Callable[[Callable[P, T]], Callable[P, T]]
     return kept
 
 
+def on_forget(clear: Callable[[], None]) -> None:
+    """Have `forget` call this too, for what is kept in another way."""
+    _FUNCTIONS.append(clear)
+
+
 def forget() -> None:
     """Drop what functions and objects keep."""
     for clear in _FUNCTIONS:

@@ -15,6 +15,7 @@ from lumped.robot_file import RobotFile
 from validation.case import Case, Skip, Verdict, judge
 from validation.context import Context, Preset, memo_key
 from validation.faults.fault import Change, Faulty, around, replaced
+from validation.store.cache import nothing_kept
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -127,7 +128,7 @@ def sound_cases(
     """What the cases do without a fault, as far as they agree."""
     context = Listening(robot_file, preset)
     done = {}
-    with replaced({place: _listening(place, context) for place in places}):
+    with replaced({place: _listening(place, context) for place in places}), nothing_kept():
         for case in cases:
             with context.heard() as work:
                 verdict = verdict_of(case, context)

@@ -18,6 +18,7 @@ from typing import cast
 from validation.case import Case, Verdict
 from validation.faults.fault import Fault
 from validation.faults.sound import SoundCases, verdict_of
+from validation.store.cache import nothing_kept
 
 # Catchers after which dearer cases are spared.
 ENOUGH = 2
@@ -80,7 +81,7 @@ def _testimony(fault: Fault, sound: SoundCases, cases: Sequence[Case]) -> Iterat
 def _testify(fault: Fault, sound: SoundCases, cases: Sequence[Case], writing: int) -> None:
     context = sound.context.untouched_by(fault.where)
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    with fault.inject():
+    with fault.inject(), nothing_kept():
         for case in cases:
             usual = sound.seconds(case, fault.where)
             patience = process_time() + max(_PATIENCE * usual, _LEAST_PATIENCE)

@@ -150,8 +150,7 @@ def _computed(
         "frequencies": fine.frequencies,
         "compliance_refinement": refinement[0],
         "frequency_refinement": refinement[1],
-        "compliance_bracket": bounds["average"].compliance - bounds["rigid"].compliance,
-        "frequency_bracket": bounds["average"].frequencies - bounds["rigid"].frequencies,
+        **_bracket(**bounds),
         "unknowns": (*(count for count, _ in reversed(coarser)), finest.unknowns),
         "elements": len(finest.cells),
         "straightened": finest.straightened,
@@ -179,6 +178,13 @@ def _answer(
     frequencies = body.modes(modes).frequencies if modes else np.zeros(0)
     shapes = body.solid.transformation @ body.constraint_modes
     return Answer(body.stiffness, body.condensed_mass, body.compliance, frequencies, shapes)
+
+
+def _bracket(rigid: Answer, average: Answer) -> dict[str, Array]:
+    return {
+        "compliance_bracket": average.compliance - rigid.compliance,
+        "frequency_bracket": average.frequencies - rigid.frequencies,
+    }
 
 
 def _refinement(answers: Sequence[Answer]) -> tuple[Array, Array]:

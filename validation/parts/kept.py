@@ -19,6 +19,7 @@ import gmsh
 import numpy as np
 
 from lumped.arrays import Array
+from lumped.caches import on_forget
 from lumped.legs import Material
 from meshes.part.interfaces import Interface
 from meshes.part.reading.read import PartFile
@@ -30,6 +31,7 @@ _DIGEST = 64
 # What this process computed or read last stays in its memory.
 _MOST_IN_MEMORY = 24
 _in_memory: dict[str, dict[str, Array]] = {}
+on_forget(_in_memory.clear)
 # Who collects what is asked for, the innermost last.
 _collecting: list[dict[str, dict[str, Array]]] = []
 # Not empty while it is only looked at what is there.

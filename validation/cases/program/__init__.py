@@ -13,6 +13,7 @@ from validation.cases.program import (
     judgement,
     mechanisms,
     mesh_families,
+    parts,
     refinement,
     shapes,
 )
@@ -28,6 +29,7 @@ def cases() -> tuple[Case, ...]:
         *benchmarks.cases(),
         *guards.cases(),
         *mechanisms.cases(),
+        *parts.cases(),
         *judgement.cases(),
     )
     return tuple(replace(case, subject="program") for case in found)

@@ -19,6 +19,7 @@ from validation.agreement.convergence import (
 from validation.case import Case
 from validation.cases.program.judgement.claims import claims_case, same
 from validation.context import Context
+from validation.parts.refinement import refinement_uncertainty
 from validation.solids.legs import Refinement
 
 _SOURCE = "P. J. Roache, J. Fluids Eng. 116 (1994) 405; ASME V&V 20-2009 §2"
@@ -43,6 +44,12 @@ def cases() -> tuple[Case, ...]:
             "Of powers at random the limit is found, and held by the uncertainty",
             _SOURCE,
             _at_random,
+        ),
+        claims_case(
+            "orders-parts",
+            "Uncertainties of parts hold the error of sequences whose limit is known",
+            _SOURCE,
+            _of_parts,
         ),
     )
 
@@ -85,6 +92,28 @@ def _by_hand(_context: Context) -> Mapping[str, bool]:
         and restless.behaviour == "oscillating",
         "growing steps diverge": analyse(_SIZES, apart, 2.0).behaviour == "diverging",
         "errors h³ fall with order 3": same(order_of_errors(_SIZES, 7.0 * _SIZES**3), 3.0, 1e-9),
+    }
+
+
+def _of_parts(_context: Context) -> Mapping[str, bool]:
+    """Three meshes, each shorter by √2 than the one before: f = 5 + 0.1 hᵖ, h = 2, √2, 1."""
+
+    def found(*errors: float) -> float:
+        return float(refinement_uncertainty(*(np.array([5.0 + e]) for e in errors))[0])
+
+    by_order = {p: found(*(0.1 * 2.0 ** (p * k / 2.0) for k in (2, 1, 0))) for p in (0.5, 1, 2, 6)}
+    step = 0.1 * (2.0**3 - 1.0)
+    slow = 0.1 * (2.0**0.25 - 1.0)
+    rounding = 5e-9
+    return {
+        "orders 1 and 2: 1.25 of the error": same(by_order[1], 0.125, 1e-6)
+        and same(by_order[2], 0.125, 1e-6),
+        "order 6 is taken as 4": same(by_order[6], 1.25 * step / 3.0, 1e-6),
+        "order 1/2 is taken as 1": same(by_order[0.5], 1.25 * slow / (2.0**0.5 - 1.0), 1e-6),
+        "what goes up and down: three times the larger step": same(
+            found(0.1, 0.3, 0.25), 0.6, 1e-6
+        ),
+        "what stands still is rounded": same(found(0.0, 0.0, 0.0), rounding, 1e-6),
     }
 
 

@@ -1,0 +1,13 @@
+"""Parts of the program: drawn and meshed by gmsh, written to files, and read as a user's are.
+
+What is made of them stands beside integrals over the drawing, beside counted forces and beside
+another program.
+"""
+
+from validation.case import Case
+from validation.cases.program.parts import fork, shaft, wedge
+
+
+def cases() -> tuple[Case, ...]:
+    """A shaft in closed form and in a robot, a fork of three interfaces, a stepped wedge."""
+    return (*shaft.cases(), *fork.cases(), *wedge.cases())

@@ -1,0 +1,102 @@
+"""A hollow box of falling height as a stepped leg: its pieces are those of the drawing.
+
+All its faces are plane, so that sections cut from a mesh are exact whatever the mesh.
+"""
+
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from types import ModuleType
+
+import numpy as np
+
+from lumped.arrays import Array
+from lumped.legs import Material
+from lumped.mechanism.body import Body
+from lumped.mechanism.frame import Frame
+from lumped.mechanism.part import ByPlane, Part, PartInterface
+from lumped.models.cantilever import tip_compliance_of
+from validation.case import Absolute, Case, Measurement
+from validation.cases.program.parts.drawing import meshed
+from validation.context import Context
+from validation.models.legs import leg_matrices
+from validation.models.options import ModelOptions
+from validation.models.stepped_parts import stepped
+
+_STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
+# Along x, width, heights at both ends, and width and height of the hole through it (mm).
+_LENGTH, _WIDTH, _HEIGHTS, _HOLE = 300.0, 40.0, (60.0, 40.0), (20.0, 16.0)
+_SIZE, _PIECES = 30.0, 5
+_MM = 1e-3
+
+
+def cases() -> tuple[Case, ...]:
+    """Compliance and mass of the pieces."""
+    return (
+        Case(
+            id="program.parts.wedge.stepped",
+            title="A hollow box of falling height, stepped, is a row of prisms as drawn",
+            quantity="largest relative difference: stretch, bending, their levers, and mass",
+            unit="1",
+            reference_kind="closed-form",
+            citation="Σ lᵢ Lᵢᵀ diag(1/EAᵢ, 1/EIᵢ) Lᵢ, A = bh − b′h′ and 12 I = bh³ − b′h′³ in the "
+            "middle of each piece",
+            tolerance=Absolute(1e-6),
+            tolerance_reason="plane faces are cut exactly; line and places are rounded in the file",
+            compute=_stepped,
+            section="Parts of the program",
+            group="program.parts.wedge",
+            effort=0.5,
+            subject="program",
+        ),
+    )
+
+
+def pieces() -> tuple[Array, float]:
+    """Compliance (6×6, tip, root held) and mass (kg) of the stepped leg, from a mesh in mm."""
+    ends = {
+        name: PartInterface(ByPlane((way, 0.0, 0.0), (x * _MM, 0.0, 0.0)))
+        for name, way, x in (("A", -1.0, 0.0), ("B", 1.0, _LENGTH))
+    }
+    places = {"A": Frame(), "B": Frame(np.array([_LENGTH * _MM, 0.0, 0.0]))}
+    with TemporaryDirectory(prefix="wedge-") as folder:
+        file = meshed(Path(folder) / "wedge.msh", _drawn, _SIZE, 4.0)
+        leg = stepped(Body("wedge", Part(file, _STEEL, ends, "mm"), places), _PIECES)
+    matrices = leg_matrices("beam", leg, ModelOptions(elements=_PIECES))
+    mass = sum(piece.properties.mu * piece.length for piece in leg.pieces)
+    rest = leg.root_mass[0, 0] + leg.tip_mass[0, 0]
+    return tip_compliance_of(matrices), float(mass + rest)
+
+
+def _drawn(kernel: ModuleType) -> None:
+    root, tip = (height / 2.0 for height in _HEIGHTS)
+    corners = [(0.0, -root), (_LENGTH, -tip), (_LENGTH, tip), (0.0, root)]
+    points = [kernel.addPoint(x, -_WIDTH / 2.0, z) for x, z in corners]
+    lines = [kernel.addLine(points[i], points[(i + 1) % 4]) for i in range(4)]
+    face = kernel.addPlaneSurface([kernel.addCurveLoop(lines)])
+    solid = [one for one in kernel.extrude([(2, face)], 0.0, _WIDTH, 0.0) if one[0] == 3]
+    b, h = _HOLE
+    hole = kernel.addBox(-_LENGTH, -b / 2.0, -h / 2.0, 3.0 * _LENGTH, b, h)
+    kernel.cut(solid, [(3, hole)])
+    kernel.remove([(2, face)], recursive=True)
+
+
+def _stepped(context: Context) -> Measurement:
+    found, mass = context.get(pieces)
+    expected, weight = np.zeros((6, 6)), 0.0
+    (b, h), (root, tip) = _HOLE, _HEIGHTS
+    length = _LENGTH / _PIECES
+    for x in length * (np.arange(_PIECES) + 0.5):
+        height, to_tip = root + (tip - root) * x / _LENGTH, _LENGTH - x
+        area = _WIDTH * height - b * h
+        about_y = (_WIDTH * height**3 - b * h**3) / 12.0
+        about_z = (height * _WIDTH**3 - h * b**3) / 12.0
+        expected[0, 0] += length / area / _MM
+        expected[4, 4] += length / about_y / _MM**3
+        expected[5, 5] += length / about_z / _MM**3
+        expected[2, 4] -= length * to_tip / about_y / _MM**2
+        expected[1, 5] += length * to_tip / about_z / _MM**2
+        weight += _STEEL.rho * area * length * _MM**3
+    expected /= _STEEL.E
+    entries = np.nonzero(expected)
+    off = [*(found[entries] / expected[entries] - 1.0), mass / weight - 1.0]
+    return Measurement(float(np.abs(off).max()), 0.0, exact=True)
