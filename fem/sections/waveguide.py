@@ -6,6 +6,8 @@ Vib. 185 (1995) 531). The lowest torsional wave is Saint-Venant's, ω = k√(GJ/
 excess at finite k is due to the stiffness and inertia of warping, relative order (k · side)².
 """
 
+from typing import Literal
+
 import numpy as np
 from scipy.linalg import eigh
 
@@ -21,12 +23,32 @@ def torsion_wave(mesh: SectionMesh, material: Material, wave_number: float) -> f
     The mode is told from bending and tension by its share of motion in a rotation of the section.
     """
     quad = section_quadrature(mesh)
+    return _wave_like(_rotation(mesh, quad), quad, material, wave_number)
+
+
+def bending_wave(
+    mesh: SectionMesh, material: Material, wave_number: float, along: Literal["y", "z"]
+) -> float:
+    """Angular frequency (rad/s) of the wave of `wave_number` k (rad/m) that bends along y or z.
+
+    Timoshenko's is that of its section's own constants as k → 0. At finite k contraction by
+    Poisson's ratio stiffens it, relative order (k · side)², and the section's warping by shear
+    softens it, (k · side)⁴.
+    """
+    motion = np.zeros((len(mesh.nodes), 3))
+    motion[:, "xyz".index(along)] = 1.0
+    return _wave_like(motion.ravel(), section_quadrature(mesh), material, wave_number)
+
+
+def _wave_like(
+    motion: Array, quad: SectionQuadrature, material: Material, wave_number: float
+) -> float:
+    """The wave with the largest share of a `motion` of the section (3N), of the lowest ones."""
     stiffness = _stiffness(quad, material, wave_number)
     mass = _mass(quad, material.rho)
     # Two bendings, tension and torsion are the four lowest; two more in case higher ones cross.
     values, shapes = eigh(stiffness, mass, subset_by_index=[0, 5])
-    rotation = _rotation(mesh, quad)
-    share = np.square(shapes.T @ mass @ rotation) / (rotation @ mass @ rotation)
+    share = np.square(shapes.T @ mass @ motion) / (motion @ mass @ motion)
     return float(np.sqrt(values[np.argmax(share)]))
 
 

@@ -1,4 +1,4 @@
-"""Guards of torsional waves, from which the allowances for warping along a leg are taken."""
+"""Guards of waves along a leg: torsional ones, from which allowances are taken, and bending."""
 
 from collections.abc import Callable
 from functools import partial
@@ -7,19 +7,21 @@ import numpy as np
 
 from fem.sections import nonuniform_torsion
 from fem.sections.section_constants import section_constants
-from fem.sections.waveguide import torsion_wave
+from fem.sections.waveguide import bending_wave, torsion_wave
 from lumped.legs import Material
-from lumped.sections import ISection
+from lumped.sections import ISection, Rectangle
 from meshes.section.section_mesh import section_mesh
 from validation.agreement.convergence import step_factor
 from validation.case import Case, Measurement, Relative
 from validation.cases.program.guards.reduction import guard_case
 from validation.context import Context
 from validation.solids.legs import CORNER_ORDER
+from validation.solids.waves import prism_wave_frequency
 
 # Walls thick enough for 3-D waves and one warping function to agree, open enough to warp.
 _OPEN = ISection(width=0.1, height=0.16, flange=0.02, web=0.02)
 _THIN = ISection(width=0.1, height=0.2, flange=0.004, web=0.003)
+_BAR = Rectangle(width=0.06, height=0.1)
 _STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 _QUARTER_WAVE = 0.8
 # Divisions of the section.
@@ -38,6 +40,16 @@ def cases() -> tuple[Case, ...]:
             "warping raises it by 8.1 %; one function for the shear of thick walls is 1.4 % of "
             "that off, whatever the wave length (measured)",
             _wave,
+            unit="Hz",
+        ),
+        guard_case(
+            "waves.bending",
+            "The bending wave of a rectangle on a mesh of its section is that of polynomials",
+            "frequency of the wave six heights long, ν = 0.3",
+            "Ritz's method on polynomials of the whole section, validation.solids.waves",
+            Relative(2e-4),
+            "one theory of elasticity, by elements and by polynomials; Timoshenko's is 0.4 % lower",
+            lambda _context: _refined(_bending),
             unit="Hz",
         ),
         *(
@@ -84,6 +96,12 @@ def _refined(pair: Callable[[int], tuple[float, float]]) -> Measurement:
         # Both have the errors of one section mesh in common.
         judged_uncertainty=factor * abs((value - reference) - (before[0] - before[1])),
     )
+
+
+def _bending(divisions: int) -> tuple[float, float]:
+    k = 2.0 * np.pi / (6.0 * _BAR.height)
+    wave = bending_wave(section_mesh(_BAR, divisions), _STEEL, k, "z")
+    return wave / (2.0 * np.pi), prism_wave_frequency(_BAR, _STEEL, "bending", k)
 
 
 def _vlasov(_context: Context, model: str) -> Measurement:
