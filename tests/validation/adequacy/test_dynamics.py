@@ -10,8 +10,8 @@ from lumped.biglide import Biglide
 from lumped.legs import ConstantLeg, GivenLeg, Material
 from lumped.robot_file import load_robot
 from lumped.sections import ISection
-from validation.adequacy.biglide.given_masses import MASSES, Masses, leg_with_masses
 from validation.adequacy.biglide.subject import biglide_subject
+from validation.adequacy.common.given_masses import MASSES, Masses, leg_with_masses
 from validation.adequacy.judgement import judged
 from validation.adequacy.matrix import Entry, Matrix
 from validation.context import Context

@@ -15,11 +15,16 @@ from lumped.mechanism.body_model import LegMatrices
 from lumped.models import simplified
 from lumped.models.segments import segment_chain, segment_leg
 from lumped.system.solution import mode_count, solved
-from validation.adequacy.biglide.given_masses import MASSES, Masses, leg_with_masses
 from validation.adequacy.biglide.statics import SAY_ENDS, holds
-from validation.adequacy.legs import OPEN_ENDS, own_constants, step_uncertainty
-from validation.adequacy.partners import partners
-from validation.adequacy.response import Alternative, Reference, Response, Rung, Vibration
+from validation.adequacy.common.given_masses import MASSES, Masses, leg_with_masses
+from validation.adequacy.common.ladders import Refined, dynamic_rungs, dynamic_upper_rungs
+from validation.adequacy.common.references import (
+    dynamic_reference_of,
+    largest_change,
+    meshed_alternative,
+)
+from validation.adequacy.legs import OPEN_ENDS, own_constants
+from validation.adequacy.response import Reference, Rung, Vibration
 from validation.agreement.mode_pairing import centreline_samples
 from validation.context import Context
 from validation.models.biglide import highest_frequency
@@ -40,8 +45,6 @@ from validation.studies.paired_robot_modes import (
 
 # Second order in 1/n: twice the segments leave a quarter of the error.
 FINER_SEGMENTS = 2 * ELEMENTS
-_OPEN_MASS = "where the legs' mass lies"
-_SAY_MASS = "the legs' mass distribution: a section and a material in place of the 6×6"
 
 
 def vibration(modes: SampledModes) -> Vibration:
@@ -74,31 +77,20 @@ def dynamic_reference(context: Context, robot: Biglide, modes: int, postures: in
             vibration(_reference_modes(context, robot, number, hold, mass, postures))
             for number in divisions
         )
-        found = partners(fine, coarse, weights, modes).frequency
-        step = step_uncertainty(found, fine.frequencies[:, :modes], ratio)
-        alternatives.append(
-            Alternative(
-                ", ".join(part for part in (name, mass) if part),
-                Response(vibration=fine),
-                # A mode that the coarser mesh does not have is known to no digit.
-                dynamic=np.where(np.isnan(step), 1.0, step + section),
-            )
-        )
-    open_ends = [OPEN_ENDS] if len(ends) > 1 else []
-    says = [SAY_ENDS] if len(ends) > 1 else []
-    return Reference(
-        title="robot of the legs' own 6×6 and plausible masses"
+        said = ", ".join(part for part in (name, mass) if part)
+        alternatives.append(meshed_alternative(said, coarse, fine, weights, modes, ratio, section))
+    several = len(ends) > 1
+    return dynamic_reference_of(
+        "robot of the legs' own 6×6 and plausible masses"
         if given
         else "robot of solid legs, reduced to their ends",
-        alternatives=alternatives,
-        open=" and ".join([*open_ends, *([_OPEN_MASS] if given else [])]),
-        decides="; ".join([*says, *([_SAY_MASS] if given else [])]),
-        bracket=given,
-        computed_by=(
-            "validation.adequacy.biglide.given_masses.leg_with_masses"
-            if given
-            else "validation.studies.paired_robot_modes.solid_modes",
-        ),
+        alternatives,
+        "validation.adequacy.common.given_masses.leg_with_masses"
+        if given
+        else "validation.studies.paired_robot_modes.solid_modes",
+        left_open=OPEN_ENDS if several else "",
+        says=SAY_ENDS if several else "",
+        given=given,
     )
 
 
@@ -112,9 +104,7 @@ def _section_uncertainty(
     """
     coarse = vibration(context.get(beam_modes, robot, "own beam", divisions, postures))
     fine = vibration(context.get(own_modes, robot, None, postures))
-    found = partners(fine, coarse, sample_weights(robot), modes).frequency
-    change = np.abs(found / fine.frequencies[:, :modes] - 1.0)
-    return np.asarray(np.nanmax(change, axis=1, keepdims=True, initial=0.0))
+    return largest_change(coarse, fine, sample_weights(robot), modes)
 
 
 def _reference_modes(
@@ -255,83 +245,15 @@ def dynamic_ladders(
 ) -> dict[str, tuple[Rung, ...]]:
     """Rungs for frequencies by name of the model, each ladder from the model upwards."""
     names = [one.name for one in reference.alternatives]
-
-    def same(modes: Vibration | None) -> dict[str, Response]:
-        return dict.fromkeys(names, Response(vibration=modes))
-
     finer = context.get(model_modes, robot, "segments", "timoshenko", FINER_SEGMENTS, postures)
-    cause = f"discretisation (n = {ELEMENTS})"
-    segments = (
-        Rung(
-            cause,
-            f"{FINER_SEGMENTS} segments, then beam elements",
-            same(vibration(finer)),
-            f"n = {FINER_SEGMENTS}",
-        ),
-        Rung(cause, "beam elements of the same constants", same(found["beam"])),
-    )
     upper = () if reference.bracket else _upper(context, robot, names, postures)
-    shear = "shear deformation and rotary inertia left out"
-    return {
-        "simplified": (
-            Rung(
-                "drives only: legs and feet rigid",
-                "beam elements",
-                same(found["beam"]),
-                "use beam",
-            ),
-            *upper,
-        ),
-        "vjm": (),
-        "vjm-equivalent": (),
-        "segments": (*segments, *upper),
-        "beam": upper,
-        "segments-euler-bernoulli": (
-            Rung(shear, "Timoshenko segments", same(found["segments"]), "use Timoshenko"),
-            *segments,
-            *upper,
-        ),
-        "beam-euler-bernoulli": (
-            Rung(shear, "Timoshenko beams", same(found["beam"]), "use Timoshenko"),
-            *upper,
-        ),
-    }
+    refined = Refined(ELEMENTS, vibration(finer))
+    return dynamic_rungs(names, found, refined, upper, "legs and feet rigid")
 
 
 def _upper(context: Context, robot: Biglide, names: list[str], postures: int) -> tuple[Rung, ...]:
-    own = Response(vibration=vibration(context.get(own_modes, robot, None, postures)))
-    warping = {
-        name: Response(vibration=vibration(context.get(own_modes, robot, ends, postures)))
-        for name, ends in holds(robot).items()
-    }
-    return (
-        Rung(
-            "textbook section constants",
-            "fem.sections.section_constants, beam elements",
-            dict.fromkeys(names, own),
-            "take the section's constants from finite elements",
-        ),
-        Rung(
-            "warping: held at the ends, and non-uniform torsion between them",
-            "beams with Reissner's torsion, the section's own Γ",
-            warping,
-            "add the warping stiffness",
-        ),
-    )
+    def own(ends: tuple[Ends, Ends] | None) -> Vibration:
+        return vibration(context.get(own_modes, robot, ends, postures))
 
-
-def bracket_note(robot: Biglide, reference: Reference, modes: int) -> tuple[str, ...]:
-    """What plausible masses leave open of the frequencies, in words."""
-    if not reference.bracket:
-        return ()
-    middle = len(robot.stations(9)) // 2
-    answers = (one.response.vibration for one in reference.alternatives)
-    found = np.array([answer.frequencies[middle, :modes] for answer in answers if answer])
-    spans = [
-        f"f{k + 1} {low:.4g} to {high:.4g} Hz"
-        for k, (low, high) in enumerate(zip(found.min(axis=0), found.max(axis=0), strict=True))
-    ]
-    return (
-        f"frequencies cannot be judged without the legs' mass distribution; plausible ones give "
-        f"{', '.join(spans)} at x = {robot.centre:.4g} m",
-    )
+    warping = {name: own(ends) for name, ends in holds(robot).items()}
+    return dynamic_upper_rungs(names, own(None), warping)

@@ -16,6 +16,7 @@ from lumped.models import vjm
 from lumped.system.assembly import assembly
 from lumped.system.sweep import swept
 from validation.adequacy.biglide.closure import require_closed
+from validation.adequacy.common.ladders import given_leg_rungs, shear_rung, static_upper_rungs
 from validation.adequacy.legs import (
     HOLD,
     OPEN_ENDS,
@@ -38,6 +39,7 @@ from validation.models.options import ModelName, ModelOptions
 from validation.solids.legs import COARSEST_WALLS
 from validation.solids.robots import static_leg
 
+_BY = "virtual joints"
 SAY_ENDS = 'say how the legs\' end faces are held: ends = "rigid" or "free" in [leg1], [leg2]'
 
 
@@ -160,65 +162,30 @@ def static_ladders(context: Context, robot: Biglide, x: Array) -> dict[str, tupl
         return spring(context, legs[0], ends[0]), spring(context, legs[1], ends[1])
 
     given = any(isinstance(leg, GivenLeg) for leg in legs)
-    upper: list[Rung] = []
+    upper: tuple[Rung, ...] = ()
     if not all(isinstance(leg, GivenLeg) for leg in legs):
-        own = own_spring(context, legs[0]), own_spring(context, legs[1])
-        upper = [
-            Rung(
-                "textbook section constants",
-                "fem.section_constants, tip of the cantilever",
-                everywhere(joints(own)),
-                "take the section's constants from finite elements",
-            ),
-            Rung(
-                "warping held at the ends",
-                "Reissner's torsion with held ends, the section's own Γ",
-                {name: joints(both(held_spring, ends)) for name, ends in holds(robot).items()},
-                "add the warping stiffness",
-            ),
-            Rung(
-                "contraction and warping by shear held at the ends",
-                "fem.couplings.end_effects, exact along the leg",
-                {
-                    name: joints(both(restrained_spring, ends))
-                    for name, ends in holds(robot).items()
-                },
-                "add what rigid end faces take",
-            ),
-        ]
+        upper = static_upper_rungs(
+            everywhere(joints((own_spring(context, legs[0]), own_spring(context, legs[1])))),
+            {name: joints(both(held_spring, ends)) for name, ends in holds(robot).items()},
+            {name: joints(both(restrained_spring, ends)) for name, ends in holds(robot).items()},
+        )
     as_given = everywhere(joints(vjm.given_leg_springs(robot)))
-    section = [
-        Rung(
-            "equivalent leg: another diagonal than the 6×6",
-            "virtual joints with the straight leg's entries of the 6×6",
-            everywhere(joints((straight_spring(legs[0]), straight_spring(legs[1])))),
-        ),
-        Rung(
-            "equivalent leg: couplings of the 6×6 left out",
-            "virtual joints with the 6×6 as given",
-            as_given,
-            "take the 6×6 with its couplings",
-        ),
-    ]
-    equivalent = [*section, *upper] if given else upper
-    shear = Rung(
-        "shear deformation left out",
-        "virtual joints with Timoshenko's cantilever",
-        everywhere(compliances("vjm", robot, x, ModelOptions(legs="equivalent"))),
-        "use Timoshenko",
-    )
+    straight = everywhere(joints((straight_spring(legs[0]), straight_spring(legs[1]))))
+    equivalent = (*(given_leg_rungs(_BY, straight, as_given) if given else ()), *upper)
+    timoshenko = everywhere(compliances("vjm", robot, x, ModelOptions(legs="equivalent")))
+    shear = shear_rung(_BY, timoshenko)
     drives = Rung(
         "drives only: legs and feet rigid",
-        "virtual joints with the legs as given",
+        f"{_BY} with the legs as given",
         as_given,
         "use vjm",
     )
     return {
         "simplified": (drives, *upper),
-        "vjm": tuple(upper),
-        "vjm-equivalent": tuple(equivalent),
-        "segments": tuple(equivalent),
-        "beam": tuple(equivalent),
+        "vjm": upper,
+        "vjm-equivalent": equivalent,
+        "segments": equivalent,
+        "beam": equivalent,
         "segments-euler-bernoulli": (shear, *equivalent),
         "beam-euler-bernoulli": (shear, *equivalent),
     }

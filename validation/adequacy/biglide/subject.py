@@ -9,13 +9,13 @@ from lumped.biglide import Biglide, with_equivalent_legs
 from lumped.errors import InputError
 from lumped.legs import GivenLeg
 from validation.adequacy.biglide.dynamics import (
-    bracket_note,
     dynamic_ladders,
     dynamic_reference,
     vibrations,
 )
 from validation.adequacy.biglide.leg import leg_subject
 from validation.adequacy.biglide.statics import compliances, static_ladders, static_reference
+from validation.adequacy.common.references import bracketed_frequencies
 from validation.adequacy.response import Candidate, Reference, Response, Subject
 from validation.case import Skip
 from validation.context import Context
@@ -74,7 +74,7 @@ def biglide_subject(context: Context) -> Subject:
             title=title,
             response=Response(compliances(model, robot, x, options).compliance, found[name]),
             static_rungs=ladders[name],
-            dynamic_rungs=rungs[name],
+            dynamic_rungs=rungs.get(name, ()),
             rigid=_RIGID if model == "simplified" else "",
             silent=_STATIC if model == "vjm" else "",
             computed_by=(f"validation.models.biglide.robot_compliance({model!r})",),
@@ -90,7 +90,7 @@ def biglide_subject(context: Context) -> Subject:
         candidates=candidates,
         statics=statics,
         dynamics=dynamics,
-        notes=bracket_note(robot, dynamics, modes),
+        notes=bracketed_frequencies(dynamics, modes, f"at x = {robot.centre:.4g} m"),
         parts=(
             leg_subject(context, robot.leg1, "leg 1"),
             leg_subject(context, robot.leg2, "leg 2"),

@@ -25,8 +25,14 @@ from lumped.mechanism.mechanism import Posture
 from lumped.sections import Rectangle
 from lumped.system.assembly import assembly
 from lumped.system.solution import mode_count, modes, solved
-from validation.adequacy.biglide.given_masses import MASSES, Masses, leg_with_masses
-from validation.adequacy.legs import SECTION_DIVISIONS, own_constants, step_uncertainty
+from validation.adequacy.common.given_masses import MASSES, Masses, leg_with_masses
+from validation.adequacy.common.ladders import Refined, dynamic_rungs, dynamic_upper_rungs
+from validation.adequacy.common.references import (
+    dynamic_reference_of,
+    largest_change,
+    meshed_alternative,
+)
+from validation.adequacy.legs import SECTION_DIVISIONS, own_constants
 from validation.adequacy.mechanism.part_ladders import part_rungs
 from validation.adequacy.mechanism.part_solids import (
     Bodies,
@@ -37,7 +43,7 @@ from validation.adequacy.mechanism.part_solids import (
 from validation.adequacy.mechanism.path import has_given, holds, known_legs, left_open, offered
 from validation.adequacy.mechanism.samples import Samples, samples_of
 from validation.adequacy.partners import partners
-from validation.adequacy.response import Alternative, Reference, Response, Rung, Vibration
+from validation.adequacy.response import Reference, Response, Rung, Vibration
 from validation.context import Context
 from validation.models.legs import filled
 from validation.models.mechanism import (
@@ -56,8 +62,6 @@ from validation.studies.paired_robot_modes import DIVISIONS, ELEMENTS, WALL_DIVI
 
 Build = Callable[[Leg, Ends, float], LegMatrices]
 _FINER_SEGMENTS = 2 * ELEMENTS
-_OPEN_MASS = "where the legs' mass lies"
-_SAY_MASS = "the legs' mass distribution: a section and a material in place of the 6×6"
 
 
 def vibration(
@@ -239,27 +243,20 @@ def dynamic_reference(context: Context, postures: tuple[Posture, ...], judged: i
             context.get(solid_vibration, postures, *number, hold, mass, count)
             for number in (coarse, fine)
         )
-        found = partners(other, one, weights, judged).frequency
-        step = step_uncertainty(found, other.frequencies[:, :judged], ratio)
+        said = (name if solid or parts or not given else "", mass)
         alternatives.append(
-            Alternative(
-                ", ".join(
-                    said for said in (name if solid or parts or not given else "", mass) if said
-                ),
-                Response(vibration=other),
-                # A mode that the coarser mesh does not have is known to no digit.
-                dynamic=np.where(np.isnan(step), 1.0, step + section),
+            meshed_alternative(
+                ", ".join(filter(None, said)), one, other, weights, judged, ratio, section
             )
         )
-    lacks_mass = [_OPEN_MASS] if given else []
-    says = [is_open.says] if len(ends) > 1 else []
-    return Reference(
-        title=_title(given=given, parts=parts, solid=solid),
-        alternatives=alternatives,
-        open=" and ".join([*([is_open.what] if says else []), *lacks_mass]),
-        decides="; ".join([*says, *([_SAY_MASS] if given else [])]),
-        bracket=given,
-        computed_by=("validation.adequacy.mechanism.dynamics.solid_vibration",),
+    several = len(ends) > 1
+    return dynamic_reference_of(
+        _title(given=given, parts=parts, solid=solid),
+        alternatives,
+        "validation.adequacy.mechanism.dynamics.solid_vibration",
+        left_open=is_open.what if several else "",
+        says=is_open.says if several else "",
+        given=given,
     )
 
 
@@ -305,9 +302,7 @@ def _section_uncertainty(context: Context, postures: tuple[Posture, ...], judged
         context.get(own_vibration, postures, number, None, count)
         for number in (COARSEST_WALLS, SECTION_DIVISIONS)
     )
-    found = partners(fine, coarse, weights, judged).frequency
-    change = np.abs(found / fine.frequencies[:, :judged] - 1.0)
-    return np.asarray(np.nanmax(change, axis=1, keepdims=True, initial=0.0))
+    return largest_change(coarse, fine, weights, judged)
 
 
 def dynamic_ladders(
@@ -321,21 +316,8 @@ def dynamic_ladders(
     mechanism = postures[0].mechanism
     names = [one.name for one in reference.alternatives]
 
-    def same(modes: Vibration | None) -> dict[str, Response]:
-        return dict.fromkeys(names, Response(vibration=modes))
-
     more = ModelOptions(elements=_FINER_SEGMENTS)
     finer = context.get(model_vibration, postures, "segments", more, offered(judged))
-    cause = f"discretisation (n = {ELEMENTS})"
-    segments = (
-        Rung(
-            cause,
-            f"{_FINER_SEGMENTS} segments, then beam elements",
-            same(finer),
-            f"n = {_FINER_SEGMENTS}",
-        ),
-        Rung(cause, "beam elements of the same constants", same(found["beam"])),
-    )
     prisms = any(isinstance(leg, ConstantLeg) for leg in known_legs(mechanism).values())
     upper: tuple[Rung, ...] = ()
     if prisms and not reference.bracket:
@@ -351,26 +333,12 @@ def dynamic_ladders(
     )
     above = (*of_parts, *upper)
     inertia = _inner_modes(context, postures, names, judged) if of_parts else ()
-    shear = "shear deformation and rotary inertia left out"
-    drives = Rung(
-        "drives only: legs rigid and without mass", "beam elements", same(found["beam"]), "use beam"
+    rungs = dynamic_rungs(
+        names, found, Refined(ELEMENTS, finer), above, "legs rigid and without mass"
     )
-    timoshenko = "use Timoshenko"
-    return {
-        "simplified": (drives, *above),
-        "segments": (*segments, *above),
+    return rungs | {
         "segments-stepped": (*of_parts[1:], *upper),
         "segments-condensed": (*inertia, *upper),
-        "beam": above,
-        "segments-euler-bernoulli": (
-            Rung(shear, "Timoshenko segments", same(found["segments"]), timoshenko),
-            *segments,
-            *above,
-        ),
-        "beam-euler-bernoulli": (
-            Rung(shear, "Timoshenko beams", same(found["beam"]), timoshenko),
-            *above,
-        ),
     }
 
 
@@ -395,24 +363,9 @@ def _upper(
     context: Context, postures: tuple[Posture, ...], names: Sequence[str], judged: int
 ) -> tuple[Rung, ...]:
     count = offered(judged)
-    own = context.get(own_vibration, postures, SECTION_DIVISIONS, None, count)
-    warping = {
-        name: Response(
-            vibration=context.get(own_vibration, postures, SECTION_DIVISIONS, ends, count)
-        )
-        for name, ends in holds(postures[0].mechanism).items()
-    }
-    return (
-        Rung(
-            "textbook section constants",
-            "fem.sections.section_constants, beam elements",
-            dict.fromkeys(names, Response(vibration=own)),
-            "take the section's constants from finite elements",
-        ),
-        Rung(
-            "warping: held at the ends, and non-uniform torsion between them",
-            "beams with Reissner's torsion, the section's own Γ",
-            warping,
-            "add the warping stiffness",
-        ),
-    )
+
+    def own(ends: Mapping[str, Ends] | None) -> Vibration:
+        return context.get(own_vibration, postures, SECTION_DIVISIONS, ends, count)
+
+    warping = {name: own(ends) for name, ends in holds(postures[0].mechanism).items()}
+    return dynamic_upper_rungs(names, own(None), warping)

@@ -18,6 +18,7 @@ from lumped.models.bodies import tip_compliances
 from lumped.models.links import links
 from lumped.system.assembly import assembly
 from lumped.system.solution import compliance, solved
+from validation.adequacy.common.ladders import given_leg_rungs, shear_rung, static_upper_rungs
 from validation.adequacy.legs import (
     ROUNDING,
     SECTION_DIVISIONS,
@@ -204,26 +205,8 @@ def static_ladders(context: Context, postures: Sequence[Posture]) -> dict[str, t
 
     upper: tuple[Rung, ...] = ()
     if any(isinstance(leg, ConstantLeg) for leg in legs.values()):
-        upper = (
-            Rung(
-                "textbook section constants",
-                "fem.section_constants, tip of the cantilever",
-                everywhere({name: own_spring(context, leg) for name, leg in legs.items()}),
-                "take the section's constants from finite elements",
-            ),
-            Rung(
-                "warping held at the ends",
-                "Reissner's torsion with held ends, the section's own Γ",
-                held(held_spring),
-                "add the warping stiffness",
-            ),
-            Rung(
-                "contraction and warping by shear held at the ends",
-                "fem.couplings.end_effects, exact along the leg",
-                held(restrained_spring),
-                "add what rigid end faces take",
-            ),
-        )
+        own = {name: own_spring(context, leg) for name, leg in legs.items()}
+        upper = static_upper_rungs(everywhere(own), held(held_spring), held(restrained_spring))
     as_given = everywhere(tip_compliances(mechanism))
     section: tuple[Rung, ...] = ()
     if has_given(mechanism):
@@ -231,27 +214,13 @@ def static_ladders(context: Context, postures: Sequence[Posture]) -> dict[str, t
             name: straight_spring(leg) if isinstance(leg, GivenLeg) else given_compliance(leg)
             for name, leg in legs.items()
         }
-        section = (
-            Rung(
-                "equivalent leg: another diagonal than the 6×6",
-                f"{by} with the straight leg's entries of the 6×6",
-                everywhere(straight),
-            ),
-            Rung(
-                "equivalent leg: couplings of the 6×6 left out",
-                f"{by} with the 6×6 as given",
-                as_given,
-                "take the 6×6 with its couplings",
-            ),
-        )
-    shear = Rung(
-        "shear deformation left out",
-        f"{by} with Timoshenko's cantilever",
+        section = given_leg_rungs(by, everywhere(straight), as_given)
+    timoshenko = (
         dict.fromkeys(alternatives, idealised("equivalent"))
         if parts_of(mechanism)
-        else everywhere(tip_compliances(mechanism, "equivalent")),
-        "use Timoshenko",
+        else everywhere(tip_compliances(mechanism, "equivalent"))
     )
+    shear = shear_rung(by, timoshenko)
     drives = Rung(
         "drives only: bodies and joints rigid",
         f"{by} with the legs as given",

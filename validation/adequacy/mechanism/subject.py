@@ -8,6 +8,7 @@ import numpy as np
 
 from lumped.errors import InputError
 from lumped.mechanism.mechanism import Mechanism, Posture
+from validation.adequacy.common.references import bracketed_frequencies
 from validation.adequacy.mechanism.dynamics import (
     dynamic_ladders,
     dynamic_reference,
@@ -22,7 +23,7 @@ from validation.adequacy.mechanism.statics import (
     static_reference,
     unanswered,
 )
-from validation.adequacy.response import Candidate, Reference, Response, Subject, Vibration
+from validation.adequacy.response import Candidate, Response, Subject, Vibration
 from validation.case import Skip
 from validation.context import Context
 from validation.models.mechanism import answers
@@ -113,7 +114,11 @@ def mechanism_subject(context: Context) -> Subject:
         candidates=candidates,
         statics=statics,
         dynamics=dynamics,
-        notes=(*_path_note(mechanism, postures), *_idle_note(postures), *_bracket(dynamics, count)),
+        notes=(
+            *_path_note(mechanism, postures),
+            *_idle_note(postures),
+            *bracketed_frequencies(dynamics, count, "in the middle of the path"),
+        ),
     )
 
 
@@ -152,20 +157,3 @@ def _idle_note(postures: tuple[Posture, ...]) -> tuple[str, ...]:
     idle = answers("simplified", postures[:1], 0)[0].idle
     what = "mobilities do" if idle > 1 else "mobility does"
     return (f"{idle} idle {what} not move the tool; no frequency counts them",) if idle else ()
-
-
-def _bracket(reference: Reference, modes: int) -> tuple[str, ...]:
-    """What plausible masses leave open of the frequencies in the middle of the path, in words."""
-    if not reference.bracket:
-        return ()
-    answered = [one.response.vibration for one in reference.alternatives]
-    middle = len(answered[0].frequencies) // 2 if answered[0] else 0
-    found = np.array([one.frequencies[middle, :modes] for one in answered if one])
-    spans = [
-        f"f{k + 1} {low:.4g} to {high:.4g} Hz"
-        for k, (low, high) in enumerate(zip(found.min(axis=0), found.max(axis=0), strict=True))
-    ]
-    return (
-        "frequencies cannot be judged without the legs' mass distribution; plausible ones give "
-        f"{', '.join(spans)} in the middle of the path",
-    )

@@ -19,9 +19,9 @@ from lumped.legs import ConstantLeg, Ends, GivenLeg, given_compliance
 from lumped.sections import Circle, Rectangle
 from meshes.prism.tetrahedra import tetrahedra
 from validation.adequacy.biglide.dynamics import modes_with_masses
-from validation.adequacy.biglide.given_masses import MASSES, Masses
 from validation.adequacy.biglide.statics import assembled_legs
 from validation.adequacy.biglide.subject import POSTURES
+from validation.adequacy.common.given_masses import MASSES, Masses
 from validation.adequacy.legs import UNKNOWNS
 from validation.agreement.convergence import PROVEN, step_factor
 from validation.case import Case, Measurement, Relative, Skip
