@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from lumped.arrays import Array
+from lumped.errors import ComputationError, InputError
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,6 +58,16 @@ class Reference:
     decides: str = ""
     bracket: bool = False
     computed_by: tuple[str, ...] = ()
+
+
+# What solids of a leg may end with: walls too thin to mesh, a material that they lose in rounding.
+UNSOLVED = (InputError, ComputationError)
+
+
+def no_reference(error: Exception) -> Reference:
+    """What there is where solids cannot be made of a leg: nothing is decided, and it says why."""
+    why = f"no reference: {error}"
+    return Reference("none", (), decides=f"{why}; a larger preset may compute one")
 
 
 @dataclass(frozen=True, eq=False)

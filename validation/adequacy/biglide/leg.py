@@ -21,7 +21,16 @@ from validation.adequacy.legs import (
     step_uncertainty,
     straight_spring,
 )
-from validation.adequacy.response import Alternative, Candidate, Reference, Response, Rung, Subject
+from validation.adequacy.response import (
+    UNSOLVED,
+    Alternative,
+    Candidate,
+    Reference,
+    Response,
+    Rung,
+    Subject,
+    no_reference,
+)
 from validation.context import Context
 from validation.models.legs import leg_compliance
 from validation.models.options import ModelName, ModelOptions
@@ -38,8 +47,13 @@ MODELS: Mapping[str, tuple[ModelName, ModelOptions]] = {
 
 
 def leg_subject(context: Context, leg: Leg, name: str) -> Subject:
-    """A leg and its models, statics alone; InputError where its section is too fine to mesh."""
-    rungs = _rungs(context, leg)
+    """A leg and its models, statics alone."""
+    rungs: list[Rung] = []
+    try:
+        reference = _reference(context, leg)
+        rungs = _rungs(context, leg)
+    except UNSOLVED as error:
+        reference = no_reference(error)
     candidates = []
     for model, (kind, options) in MODELS.items():
         shears = () if options.theory == "timoshenko" else (_shear(leg),)
@@ -59,7 +73,7 @@ def leg_subject(context: Context, leg: Leg, name: str) -> Subject:
         poses=np.zeros((1, 0)),
         weights=np.zeros(0),
         candidates=candidates,
-        statics=_reference(context, leg),
+        statics=reference,
         dynamics=Reference("none", ()),
     )
 

@@ -1,13 +1,13 @@
 """The biglide with its models and references, ready to be judged."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from lumped.arrays import Array
 from lumped.biglide import Biglide, with_equivalent_legs
-from lumped.errors import InputError
 from lumped.legs import GivenLeg
+from validation.adequacy.biglide.closure import require_closed
 from validation.adequacy.biglide.dynamics import (
     dynamic_ladders,
     dynamic_reference,
@@ -16,8 +16,15 @@ from validation.adequacy.biglide.dynamics import (
 from validation.adequacy.biglide.leg import leg_subject
 from validation.adequacy.biglide.statics import compliances, static_ladders, static_reference
 from validation.adequacy.common.references import bracketed_frequencies
-from validation.adequacy.response import Candidate, Reference, Response, Subject
-from validation.case import Skip
+from validation.adequacy.response import (
+    UNSOLVED,
+    Candidate,
+    Reference,
+    Response,
+    Rung,
+    Subject,
+    no_reference,
+)
 from validation.context import Context
 from validation.models.options import ModelName, ModelOptions
 from validation.studies.paired_robot_modes import sample_weights
@@ -56,24 +63,29 @@ _LEGS_AS_GIVEN = ("simplified", "vjm")
 
 
 def biglide_subject(context: Context) -> Subject:
-    """Responses of all models of the run's robot and of what they are held against."""
+    """Responses of all models of the run's robot and of what they are held against.
+
+    Raises ComputationError where a posture that all models share is none of the robot.
+    """
     robot = context.robot
     x = robot.stations(POSTURES)
-    try:
-        statics = static_reference(context, robot, x)
-    except InputError as error:
-        raise Skip(f"{error}; a larger preset may compute it") from error
+    # Models of a posture that is none of the robot agree on nothing: that is not left undecided.
+    require_closed(robot, x)
+    statics, ladders = _statics(context, robot, x)
     modes = context.robot_file.requirement.modes
-    dynamics = dynamic_reference(context, robot, modes, POSTURES)
     found = vibrations(context, robot, POSTURES)
-    rungs = dynamic_ladders(context, robot, found, dynamics, POSTURES)
-    ladders = static_ladders(context, robot, x)
+    rungs: Mapping[str, Sequence[Rung]] = {}
+    try:
+        dynamics = dynamic_reference(context, robot, modes, POSTURES)
+        rungs = dynamic_ladders(context, robot, found, dynamics, POSTURES)
+    except UNSOLVED as error:
+        dynamics = no_reference(error)
     candidates = [
         Candidate(
             model=name,
             title=title,
             response=Response(compliances(model, robot, x, options).compliance, found[name]),
-            static_rungs=ladders[name],
+            static_rungs=ladders.get(name, ()),
             dynamic_rungs=rungs.get(name, ()),
             rigid=_RIGID if model == "simplified" else "",
             silent=_STATIC if model == "vjm" else "",
@@ -99,10 +111,20 @@ def biglide_subject(context: Context) -> Subject:
     )
 
 
+def _statics(
+    context: Context, robot: Biglide, x: Array
+) -> tuple[Reference, Mapping[str, Sequence[Rung]]]:
+    """What deflections are held against, and what leads there, by model; none without solids."""
+    try:
+        return static_reference(context, robot, x), static_ladders(context, robot, x)
+    except UNSOLVED as error:
+        return no_reference(error), {}
+
+
 def _on_equivalent_legs(context: Context, robot: Biglide, x: Array) -> Subject:
     """Statics of the models that put equivalent legs for given ones, against solids of those."""
     member = with_equivalent_legs(robot)
-    ladders = static_ladders(context, member, x)
+    statics, ladders = _statics(context, member, x)
     return Subject(
         robot="equivalent legs",
         coordinates=("x (m)",),
@@ -113,12 +135,12 @@ def _on_equivalent_legs(context: Context, robot: Biglide, x: Array) -> Subject:
                 model=name,
                 title=title,
                 response=compliances(model, robot, x, options),
-                static_rungs=ladders[name],
+                static_rungs=ladders.get(name, ()),
                 computed_by=(f"validation.models.biglide.robot_compliance({model!r})",),
             )
             for name, (model, title, options) in CANDIDATES.items()
             if name not in _LEGS_AS_GIVEN
         ],
-        statics=static_reference(context, member, x),
+        statics=statics,
         dynamics=Reference("none", ()),
     )

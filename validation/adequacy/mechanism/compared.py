@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lumped.arrays import Array
+from lumped.errors import ComputationError
 from lumped.legs import ConstantLeg
 from lumped.mechanism.mechanism import Posture
 from validation.adequacy.mechanism.dynamics import (
@@ -51,7 +52,10 @@ class Compared:
 
 
 def compared_compliances(context: Context, postures: tuple[Posture, ...]) -> Compared:
-    """Compliance (p×6, SI) along and about each axis, under its own force and moment."""
+    """Compliance (p×6, SI) along and about each axis, under its own force and moment.
+
+    Raises InputError or ComputationError where there is no reference.
+    """
     mechanism = postures[0].mechanism
     found = {}
     for name, (model, options) in _answering(postures).items():
@@ -70,7 +74,10 @@ def compared_compliances(context: Context, postures: tuple[Posture, ...]) -> Com
 
 
 def compared_frequencies(context: Context, postures: tuple[Posture, ...], judged: int) -> Compared:
-    """The first frequencies (p×`judged`, Hz), ascending; differences of modes of one shape."""
+    """The first frequencies (p×`judged`, Hz), ascending; differences of modes of one shape.
+
+    Raises InputError or ComputationError where there is no reference.
+    """
     count = offered(judged)
     mechanism = postures[0].mechanism
     found = {}
@@ -87,6 +94,8 @@ def compared_frequencies(context: Context, postures: tuple[Posture, ...], judged
             name = one.name if reference.bracket else f"solid, {one.name}"
             found[name] = one.response.vibration
             against = against or name
+    if not against:
+        raise ComputationError(reference.decides)
     first, weights = found[against], samples_of(mechanism).weights
     own = first.frequencies[:, :judged]
     return Compared(

@@ -1,12 +1,11 @@
 """Any mechanism with its models and references, ready to be judged."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
-from lumped.errors import InputError
 from lumped.mechanism.mechanism import Mechanism, Posture
 from validation.adequacy.common.references import bracketed_frequencies
 from validation.adequacy.mechanism.dynamics import (
@@ -23,8 +22,15 @@ from validation.adequacy.mechanism.statics import (
     static_reference,
     unanswered,
 )
-from validation.adequacy.response import Candidate, Response, Subject, Vibration
-from validation.case import Skip
+from validation.adequacy.response import (
+    UNSOLVED,
+    Candidate,
+    Response,
+    Rung,
+    Subject,
+    Vibration,
+    no_reference,
+)
 from validation.context import Context
 from validation.models.mechanism import answers
 from validation.models.options import STATIC, ModelName, ModelOptions
@@ -85,23 +91,26 @@ def mechanism_subject(context: Context) -> Subject:
     mechanism = context.robot_file.mechanism
     postures = path_postures(context)
     count = context.robot_file.requirement.modes
-    try:
-        statics = static_reference(context, postures)
-    except InputError as error:
-        raise Skip(f"{error}; a larger preset may compute it") from error
-    dynamics = dynamic_reference(context, postures, count)
     found = {
         name: _vibration(context, postures, _MODELS[name], offered(count))
         for name in mechanism_models(mechanism)
     }
-    static, dynamic = (
-        static_ladders(context, postures),
-        dynamic_ladders(context, postures, found, dynamics, count),
-    )
+    static: Mapping[str, Sequence[Rung]] = {}
+    dynamic: Mapping[str, Sequence[Rung]] = {}
+    try:
+        statics = static_reference(context, postures)
+        static = static_ladders(context, postures)
+    except UNSOLVED as error:
+        statics = no_reference(error)
+    try:
+        dynamics = dynamic_reference(context, postures, count)
+        dynamic = dynamic_ladders(context, postures, found, dynamics, count)
+    except UNSOLVED as error:
+        dynamics = no_reference(error)
     candidates = [
         replace(
             _candidate(postures, name, found[name]),
-            static_rungs=static[name],
+            static_rungs=static.get(name, ()),
             dynamic_rungs=dynamic.get(name, ()),
         )
         for name in found

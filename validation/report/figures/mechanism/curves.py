@@ -15,6 +15,8 @@ from validation.adequacy.mechanism.compared import (
     is_model,
 )
 from validation.adequacy.mechanism.path import coordinates, has_given, path_postures
+from validation.adequacy.response import UNSOLVED
+from validation.case import Skip
 from validation.context import Context
 from validation.drawing.style import (
     MODELS,
@@ -64,7 +66,10 @@ def _drawing(name: str, title: str, draw: Callable[[Context], Figure], effort: f
 
 def deflections(context: Context) -> Figure:
     """A panel for each direction, under a force or a moment along it."""
-    found = compared_compliances(context, path_postures(context))
+    try:
+        found = compared_compliances(context, path_postures(context))
+    except UNSOLVED as error:
+        raise Skip(str(error)) from error
     return _figure(
         context,
         "mechanism.deflections",
@@ -78,7 +83,10 @@ def deflections(context: Context) -> Figure:
 def frequencies(context: Context) -> Figure:
     """A panel for each of the first frequencies, in ascending order at each pose."""
     judged = context.robot_file.requirement.modes
-    found = compared_frequencies(context, path_postures(context), judged)
+    try:
+        found = compared_frequencies(context, path_postures(context), judged)
+    except UNSOLVED as error:
+        raise Skip(str(error)) from error
     return _figure(
         context,
         "mechanism.frequencies",

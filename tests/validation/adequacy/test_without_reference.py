@@ -1,0 +1,77 @@
+"""What solids cannot take leaves undecided what hangs on it, says why, and judges the rest."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from lumped.biglide import Biglide
+from lumped.errors import ComputationError
+from lumped.robot_file import load_robot
+from validation.adequacy.biglide import subject
+from validation.adequacy.biglide.closure import require_closed
+from validation.adequacy.robot import robot_adequacy
+from validation.context import Context
+
+FOIL = '{ shape = "tube", diameter = 0.12, thickness = 5e-5 }'
+SOLID = '{ shape = "rectangle", width = 0.1, height = 0.06 }'
+ROBOT = """schema = 1
+name = "one sound leg"
+type = "biglide"
+geometry = {{ a = 0.9 }}
+platform = {{ mass = 30.0 }}
+actuators = {{ stiffness = 5.0e8 }}
+[leg1]
+length = 0.8
+section = {sound}
+material = {{ E = 2.1e11, nu = 0.3, rho = 7850.0 }}
+ends = "rigid"
+[leg2]
+length = 0.8
+section = {section}
+material = {{ E = 2.1e11, nu = {nu}, rho = 7850.0 }}
+ends = "rigid"
+"""
+
+
+@pytest.mark.parametrize(
+    ("section", "nu", "said"),
+    [
+        (FOIL, "0.3", "leg 2: the coarsest section mesh of its tube has"),
+        (SOLID, "0.4999999999999", "solid elements lose the softer in rounding"),
+    ],
+    ids=["walls too thin", "incompressible"],
+)
+def test_one_leg_without_solids_leaves_the_robot_undecided_and_the_other_judged(
+    tmp_path: Path, section: str, nu: str, said: str
+) -> None:
+    path = tmp_path / "robot.toml"
+    path.write_text(ROBOT.format(sound=SOLID, section=section, nu=nu))
+    matrix = robot_adequacy(Context(load_robot(str(path)), "quick"))
+    statics = [entry for entry in matrix.entries if entry.quantity in ("x", "z", "phi_x")]
+    assert {entry.model for entry in statics} >= {"simplified", "vjm", "segments", "beam"}
+    assert {entry.verdict for entry in matrix.entries} == {"undecided"}
+    assert all(said in entry.reason for entry in statics)
+    sound, other = matrix.parts
+    assert {entry.verdict for entry in sound.entries} >= {"adequate"}
+    assert {entry.verdict for entry in other.entries} == {"undecided"}
+
+
+def test_postures_that_are_none_of_the_robot_are_not_left_undecided(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def open_loops(_robot: Biglide, _x: object) -> None:
+        raise ComputationError("the posture of leg 1 is wrong")
+
+    monkeypatch.setattr(subject, require_closed.__name__, open_loops)
+    with pytest.raises(ComputationError, match="posture of leg 1"):
+        subject.biglide_subject(Context(load_robot("ifw"), "quick"))
+
+
+def test_a_mechanism_of_foils_is_undecided(tmp_path: Path) -> None:
+    path = tmp_path / "five-bar.toml"
+    text = load_robot("five-bar").text
+    path.write_text(re.sub(r"section = \{[^}]*\}", f"section = {FOIL}", text))
+    matrix = robot_adequacy(Context(load_robot(str(path)), "quick"))
+    assert {entry.verdict for entry in matrix.entries} == {"undecided"}
+    assert all("unknowns" in entry.reason for entry in matrix.entries)
