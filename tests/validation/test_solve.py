@@ -1,17 +1,21 @@
 """`flexproof solve`: what is typed is heard or refused."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from lumped.legs import ConstantLeg, Material, equivalent_leg
+from lumped.mechanism.body import Prism
 from lumped.robot_file import load_robot
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Tube
 from meshes.section.section_mesh import section_mesh
 from validation import cli
 from validation.models.options import ModelOptions
 from validation.solve.cost import solid_cost
+from validation.solve.mechanism import MechanismQuestion, solve_mechanism
 from validation.solve.uncertainty import beside
 
 # Leg 1 by its 6×6, leg 2 by section and material.
@@ -129,6 +133,36 @@ def test_solids_say_the_uncertainty_of_their_mesh(robot, capsys):
         assert stated["compliance"][i] == pytest.approx(factor * step)
     step = abs(coarse["frequencies"][0] - fine["frequencies"][0])
     assert stated["frequencies"][0] == pytest.approx(factor * step)
+
+
+def test_solids_of_a_mechanism_say_the_uncertainty_of_their_mesh():
+    """The step between both meshes by the lowest order of its legs."""
+    mechanism = load_robot("five-bar").mechanism
+    bodies = {
+        name: replace(
+            body, shape=replace(body.shape, section=Rectangle(*body.shape.section.extent))
+        )
+        if isinstance(body.shape, Prism)
+        else body
+        for name, body in mechanism.bodies.items()
+    }
+    solid = replace(mechanism, bodies=bodies)
+
+    def answer(divisions):
+        question = MechanismQuestion(solid, "solid", (), None, 1, {"divisions": divisions})
+        return solve_mechanism(question).answers[0]
+
+    coarse, fine = answer(1), answer(2)
+    assert fine.uncertainty.divisions == 1
+    steps = np.abs(np.diag(coarse.compliance) - np.diag(fine.compliance))
+    factors = fine.uncertainty.compliance / steps
+    # One factor for all, Roache's: orders 2λ(ν = 0.33) to 4, elements 1.5 to 2 times as large.
+    assert factors == pytest.approx(factors[0])
+    assert 3.0 / (2.0**4 - 1.0) < factors[0] < 3.0 / (1.5**1.3 - 1.0)
+    step = abs(coarse.frequencies[0] - fine.frequencies[0])
+    assert fine.uncertainty.frequencies[0] == pytest.approx(factors[0] * step, rel=1e-6)
+    # Torsion of the bars, on elements one and two across, is what is known worst.
+    assert np.argmax(fine.uncertainty.compliance / np.diag(fine.compliance)) in (2, 3)
 
 
 SECTIONS = [

@@ -21,6 +21,7 @@ from validation.models.parts import parts_of
 from validation.solve.answer import DEFAULT_MODES, OF_ELEMENTS, OPTIONS, Answer, Solution
 from validation.solve.cost import Cost, dense_cost, require_affordable, solid_cost
 from validation.solve.pairs import paired
+from validation.solve.uncertainty import beside, with_uncertainty, without_uncertainty
 
 # Eq. (25) as printed is a statement about the paper's own robot.
 _BIGLIDE_ALONE = ("release",)
@@ -88,13 +89,43 @@ def solve_mechanism(question: MechanismQuestion) -> Solution:
         for name, value in asdict(options).items()
         if name in _listens(model) and name not in _unheard(mechanism)
     }
-    if question.body is not None:
-        found = [_of_body(mechanism, model, question.body, count, options)]
-    else:
+
+    def answered(options: ModelOptions) -> list[Answer]:
+        if question.body is not None:
+            return [_of_body(mechanism, model, question.body, count, options)]
         typed = [parsed_pose(mechanism, text) for text in question.poses]
         at = [posture(mechanism, pose) for pose in typed] or [reference_posture(mechanism)]
-        found = _in_postures(question, at, options)
+        return _in_postures(question, at, options)
+
+    found = answered(options)
+    legs = _meshed(question, mechanism, options)
+    # Parts have meshes of their own, whose uncertainty identifying them says.
+    if legs and (question.body is not None or not parts_of(mechanism)):
+        other = beside(options, legs)
+        if other.divisions < options.divisions or _affordable(question, other):
+            found = with_uncertainty(found, answered(other), legs, options)
+        else:
+            found = without_uncertainty(found, other.divisions)
     return Solution(mechanism.name, model, heard, tuple(found))
+
+
+def _meshed(
+    question: MechanismQuestion, mechanism: Mechanism, options: ModelOptions
+) -> list[ConstantLeg]:
+    """The legs that are solids here, each shape once."""
+    if question.model != "solid":
+        return []
+    legs = constant_legs(mechanism, options)
+    return list({leg: None for name, leg, _ in legs if question.body in (None, name)})
+
+
+def _affordable(question: MechanismQuestion, options: ModelOptions) -> bool:
+    """Whether the mesh that says the uncertainty can be had, where it is the finer of the two."""
+    try:
+        _cost(replace(question, given={**question.given, "divisions": options.divisions}))
+    except InputError:
+        return False
+    return True
 
 
 def _in_postures(
