@@ -69,6 +69,7 @@ def _statics() -> list[Case]:
             row=theory,
             section=STROKE,
             group="robot.statics",
+            figure="deflection.stroke",
         )
         for model in ("segments", "beam")
         for theory in THEORIES
@@ -91,6 +92,7 @@ def _frequencies() -> list[Case]:
             model="segments",
             section=STROKE,
             group="robot.frequencies",
+            figure="frequency.stroke",
             effort=0.3,
         )
         for index in range(FREQUENCIES)
