@@ -4,6 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from lumped.arrays import Array
 from validation.agreement.convergence import (
     analyse,
     fit_order,
@@ -96,24 +97,32 @@ def _by_hand(_context: Context) -> Mapping[str, bool]:
 
 
 def _of_parts(_context: Context) -> Mapping[str, bool]:
-    """Three meshes, each shorter by √2 than the one before: f = 5 + 0.1 hᵖ, h = 2, √2, 1."""
+    """Three meshes, each finer by √2 than the one before: f = 5 + 0.1 hᵖ, h = 2, √2, 1."""
 
-    def found(*errors: float) -> float:
-        return float(refinement_uncertainty(*(np.array([5.0 + e]) for e in errors))[0])
+    def found(*errors: float | tuple[float, ...]) -> Array:
+        return refinement_uncertainty(*(5.0 + np.atleast_1d(e) for e in errors))
 
-    by_order = {p: found(*(0.1 * 2.0 ** (p * k / 2.0) for k in (2, 1, 0))) for p in (0.5, 1, 2, 6)}
-    step = 0.1 * (2.0**3 - 1.0)
+    def power(p: float) -> tuple[float, float, float]:
+        return 0.1 * 2.0**p, 0.1 * 2.0 ** (p / 2.0), 0.1
+
+    by_order = {p: float(found(*power(p))[0]) for p in (0.5, 1, 2, 6)}
     slow = 0.1 * (2.0**0.25 - 1.0)
-    rounding = 5e-9
+    # Both numbers' changes fall by 2√2 − 1 together: (2 + 2 − √2) over (1 + √2 − 1).
+    fall = 2.0**1.5 - 1.0
+    quick, other = found(*zip(power(2), power(1), strict=True))
     return {
-        "orders 1 and 2: 1.25 of the error": same(by_order[1], 0.125, 1e-6)
-        and same(by_order[2], 0.125, 1e-6),
-        "order 6 is taken as 4": same(by_order[6], 1.25 * step / 3.0, 1e-6),
-        "order 1/2 is taken as 1": same(by_order[0.5], 1.25 * slow / (2.0**0.5 - 1.0), 1e-6),
-        "what goes up and down: three times the larger step": same(
-            found(0.1, 0.3, 0.25), 0.6, 1e-6
+        "orders 1 and 2: 1.5 of the error": same(by_order[1], 0.15, 1e-6)
+        and same(by_order[2], 0.15, 1e-6),
+        "order 6 is taken as 2, from the larger change": same(by_order[6], 4.2, 1e-6),
+        "order 1/2 is taken as 1": same(by_order[0.5], 1.5 * slow / (2.0**0.5 - 1.0), 1e-6),
+        "changes that grow are of order 1": same(
+            float(found(0.1, 0.15, 0.05)[0]), 0.15 / (2.0**0.5 - 1.0), 1e-6
         ),
-        "what stands still is rounded": same(found(0.0, 0.0, 0.0), rounding, 1e-6),
+        "numbers of one answer have one order": same(
+            float(quick), 1.5 * 0.2 / fall / (fall - 1.0), 1e-6
+        )
+        and same(float(other), 0.075, 1e-6),
+        "what stands still is rounded": same(float(found(0.0, 0.0, 0.0)[0]), 5e-9, 1e-6),
     }
 
 
