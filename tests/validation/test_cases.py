@@ -37,10 +37,15 @@ def test_ids_are_unique_and_every_case_names_its_source():
     assert all(case.citation and case.tolerance_reason for case in CASES)
 
 
+# Comparisons of ten seconds each.
+LONG = ("program.parts.fork.calculix.", "guard.independence")
+
+
 def long_ones_apart(cases):
     """Each robot of the decision is made of solids: half a minute for a handful of comparisons."""
     for case in cases:
-        marks = () if "quick" in case.presets else pytest.mark.exhaustive
+        short = "quick" in case.presets and not case.id.startswith(LONG)
+        marks = () if short else pytest.mark.exhaustive
         yield pytest.param(case, marks=marks, id=case.id)
 
 

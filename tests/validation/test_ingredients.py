@@ -29,8 +29,14 @@ CONTEXT = Watched(ROBOT_FILE, "quick")
 # An ingredient is wrong by so much, more than any tolerance; a shown number that moves by fewer
 # tolerances than these need not turn the verdict.
 WRONG, MOVED = 0.15, 3.0
-# The robot's own data, which both sides are about.
-DATA = ("lumped.legs.equivalent_leg ", "validation.cases.program.guards.solids.block ")
+# The robot's own data, which both sides are about; that postures close has cases of its own.
+DATA = (
+    "lumped.legs.equivalent_leg ",
+    "validation.adequacy.mechanism.path._postures ",
+    "validation.cases.program.guards.solids.block ",
+)
+# Cases that take ten seconds each time they are computed, with every ingredient.
+LONG = ("program.parts.fork.calculix.", "guard.independence")
 # Arrays of one ingredient that are tried: the first legs, meshes, postures of many alike.
 MOST = 8
 
@@ -58,7 +64,17 @@ def cancelled(case: Case) -> list[str]:
     return found
 
 
-@pytest.mark.parametrize("case", CASES, ids=lambda case: case.id)
+@pytest.mark.parametrize(
+    "case",
+    [
+        pytest.param(
+            case,
+            id=case.id,
+            marks=[pytest.mark.soak] if case.id.startswith(LONG) else [],
+        )
+        for case in CASES
+    ],
+)
 def test_no_ingredient_cancels_from_what_is_judged(case):
     try:
         assert cancelled(case) == []

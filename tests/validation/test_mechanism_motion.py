@@ -50,5 +50,5 @@ def test_run_of_a_mechanism_tries_its_faults_and_passes_over_those_of_biglides(m
     cases = {case.id: case for case in fault_cases()}
     caught = cases["fault.system.centre"].compute(context)
     assert caught.table["caught by"] == ("mechanism.inertia",)
-    with pytest.raises(Exception, match=r"no comparison of a mechanism uses lumped\.vjm"):
+    with pytest.raises(Exception, match=r"no comparison of a mechanism uses lumped\.models\.vjm"):
         cases["fault.vjm.tip-joint-forgotten"].compute(context)
