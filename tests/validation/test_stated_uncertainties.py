@@ -15,8 +15,14 @@ from validation.solids.legs import edge_order
 LEFT_OUT = ("decision.", "family.", "paper.decision.")
 
 
-@pytest.mark.exhaustive
-@pytest.mark.parametrize("name", ["ifw", "biglide"])
+# Every comparison of a robot is computed: a minute and a half each.
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param("ifw", marks=pytest.mark.exhaustive),
+        pytest.param("biglide", marks=pytest.mark.soak),
+    ],
+)
 def test_every_case_states_an_uncertainty_or_is_exact(name):
     context = Context(load_robot(name), "quick")
     cases = [

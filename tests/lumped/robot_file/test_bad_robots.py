@@ -87,7 +87,7 @@ def test_whatever_is_done_to_a_mechanism_s_file_is_sound_or_refused(path, capsys
     check_mechanisms(FEW_MECHANISMS, path, capsys)
 
 
-@pytest.mark.exhaustive
+@pytest.mark.soak
 def test_whatever_is_done_to_many_files_of_mechanisms_is_sound_or_refused(path, capsys):
     check_mechanisms(MECHANISMS, path, capsys)
 
