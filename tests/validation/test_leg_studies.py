@@ -10,10 +10,10 @@ from fem.bodies import doubling
 from fem.calculix import run as calculix_run
 from lumped.legs import ConstantLeg, Material
 from lumped.robot_file import load_robot
-from lumped.sections import Circle, HollowRectangle, ISection, Rectangle
+from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Tube
 from meshes.section.section_mesh import section_mesh
 from validation.case import Skip, judge, perturbed
-from validation.cases.legs import end_restraint
+from validation.cases.legs import end_restraint, solids
 from validation.cases.program import calculix, mesh_families, shapes
 from validation.context import Context
 from validation.models.legs import constant_leg_of
@@ -212,3 +212,12 @@ def test_legs_that_are_no_rectangles_skip_the_families_of_leg_1():
     context = Context(replace(ROBOT_FILE, described=robot), "standard")
     with pytest.raises(Skip, match="leg 1 is a circle"):
         mesh_families.cases()[0].compute(context)
+
+
+@pytest.mark.parametrize("section", [Circle(0.1), Tube(0.12, 0.01)])
+def test_torsion_of_round_legs_knows_no_warping_whatever_rounding_leaves_of_it(section):
+    """A tube's warping constant was 2e-33 m⁶, and the reference of its torsion not a number."""
+    wave, tip = solids._warping_waves(ConstantLeg(0.8, section, STEEL), 1)
+    assert tip == 1.0
+    # Round sections stay plane: the wave is Saint-Venant's but for the mesh of the rim.
+    assert wave == pytest.approx(1.0, abs=1e-6)
