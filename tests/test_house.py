@@ -12,6 +12,8 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 FLOORS = ("lumped", "meshes", "fem", "validation")
+# The script that draws the house knows its rooms and who imports whom.
+MAP = runpy.run_path(str(ROOT / "docs" / "pictures" / "architecture.py"))
 MODULES = [path for floor in FLOORS for path in sorted((ROOT / floor).rglob("*.py"))]
 HOME = re.compile(r"(?<![\w./])/(?:home|Users|root|work|tmp)/[A-Za-z0-9_.-]|[A-Z]:\\\\Users")
 # What a lock or a script may name by host: the homes of projects, never an index of packages.
@@ -28,17 +30,6 @@ def imports(module: Path) -> set[str]:
             assert node.level == 0, f"{module}: relative import"
             found.add(str(node.module).split(".")[0])
     return found
-
-
-def imported_modules(module: Path, names: Mapping[str, Path]) -> set[str]:
-    """Modules of the house that a module imports, in functions and for types alone too."""
-    found = set()
-    for node in ast.walk(ast.parse(module.read_text(encoding="utf-8"))):
-        if isinstance(node, ast.Import):
-            found |= {alias.name for alias in node.names}
-        elif isinstance(node, ast.ImportFrom):
-            found |= {str(node.module), *(f"{node.module}.{alias.name}" for alias in node.names)}
-    return found & set(names)
 
 
 def tracked() -> list[Path]:
@@ -67,10 +58,9 @@ def test_imports_go_one_way(floor):
 
 
 def arrows() -> dict[str, set[str]]:
-    """What each module imports of the house."""
-    names = {".".join(m.relative_to(ROOT).with_suffix("").parts): m for m in MODULES}
-    names = {name.removesuffix(".__init__"): module for name, module in names.items()}
-    return {name: imported_modules(module, names) - {name} for name, module in names.items()}
+    """What each module imports of the house, in functions and for types alone too."""
+    known = MAP["modules"]()
+    return {name: MAP["imports"](path, known) - {name} for name, path in known.items()}
 
 
 def in_circles(arrows: Mapping[str, set[str]]) -> list[str]:
@@ -93,8 +83,7 @@ def test_rooms_look_one_way():
     """A room is a folder of a floor, or a module that lies loose on it."""
     rooms: dict[str, set[str]] = {}
     for name, imported in arrows().items():
-        room = ".".join(name.split(".")[:2])
-        rooms.setdefault(room, set()).update(".".join(one.split(".")[:2]) for one in imported)
+        rooms.setdefault(MAP["room_of"](name), set()).update(map(MAP["room_of"], imported))
     assert in_circles({room: found - {room} for room, found in rooms.items()}) == []
 
 
@@ -163,5 +152,4 @@ def test_what_is_computed_of_models_is_kept_where_it_can_be_forgotten():
 
 
 def test_the_drawing_of_the_house_is_as_its_imports_are():
-    script = runpy.run_path(str(ROOT / "docs" / "pictures" / "architecture.py"))
-    assert script["drawing"]() == script["PICTURE"].read_text(encoding="utf-8")
+    assert MAP["drawing"]() == MAP["PICTURE"].read_text(encoding="utf-8")

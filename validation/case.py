@@ -257,7 +257,7 @@ class Outcome:
             self.case.relation.excess(one.difference) / self.case.tolerance.at(one.reference)
             for one in self.measurement.elsewhere
         )
-        return max(own, *others, own)
+        return max([own, *others])
 
 
 def verdict(

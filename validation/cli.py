@@ -385,7 +385,6 @@ def check(robot: str) -> int:
         A built-in robot or a robot file.
     """
     from lumped.audit.robot_audit import audit  # noqa: PLC0415
-    from lumped.mechanism.part import Part  # noqa: PLC0415
     from lumped.robot_file import load_robot  # noqa: PLC0415
     from validation.kinematics.poses import postures_of  # noqa: PLC0415
     from validation.report.listing import audit_text  # noqa: PLC0415
@@ -395,7 +394,7 @@ def check(robot: str) -> int:
     if robot_file.is_mechanism:
         postures_of(robot_file.mechanism, robot_file.mechanism.poses)
         # Only where there are parts: reading them needs gmsh.
-        if any(isinstance(body.shape, Part) for body in robot_file.mechanism.bodies.values()):
+        if robot_file.mechanism.parts:
             from validation.models.part_check import parts_text  # noqa: PLC0415
 
             of_parts = parts_text(robot_file.mechanism)

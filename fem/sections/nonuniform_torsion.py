@@ -21,6 +21,9 @@ from lumped.legs import Material
 
 # Quadratic elements: the third mode is right to 1e-7.
 _ELEMENTS = 40
+# Γ over I_p²/A of a section that does not warp, a round one: rounding alone. So little warping
+# does as little to a frequency, which then is Saint-Venant's.
+_UNWARPED = 1e-9
 
 
 @dataclass(frozen=True)
@@ -67,6 +70,9 @@ def cantilever_frequencies(
     constants: SectionConstants, material: Material, length: float, count: int
 ) -> Array:
     """Torsional frequencies (Hz) of a rod held at its root, both ends free to warp."""
+    if not _warps(constants):
+        waves = (2.0 * np.arange(1, count + 1) - 1.0) * np.pi / (2.0 * length)
+        return np.array([_saint_venant(constants, material, wave) for wave in waves.tolist()])
     basis = Basis(MeshLine(np.linspace(0.0, length, _ELEMENTS + 1)), ElementLineP2())
     gradients, coupling, product = (matrix.toarray() for matrix in line_products(basis))
     rod = warping_rod(constants, material)
@@ -87,12 +93,25 @@ def cantilever_frequencies(
 
 def wave_frequency(constants: SectionConstants, material: Material, wave_number: float) -> float:
     """Frequency (Hz) of the torsional wave of `wave_number` (rad/m) in an endless rod."""
+    if not _warps(constants):
+        return _saint_venant(constants, material, wave_number)
     rod, k = warping_rod(constants, material), wave_number
     stiffness = np.array(
         [[rod.twist * k**2, -rod.shear * k], [-rod.shear * k, rod.shear + rod.bimoment * k**2]]
     )
     values = eigh(stiffness, np.diag([rod.rotary, rod.warping]), eigvals_only=True)
     return float(np.sqrt(values[0]) / (2.0 * np.pi))
+
+
+def _warps(constants: SectionConstants) -> bool:
+    polar = constants.second_moment_y + constants.second_moment_z
+    return constants.warping_constant * constants.area > _UNWARPED * polar**2
+
+
+def _saint_venant(constants: SectionConstants, material: Material, wave_number: float) -> float:
+    polar = constants.second_moment_y + constants.second_moment_z
+    speed = np.sqrt(material.G * constants.torsion_constant / (material.rho * polar))
+    return float(wave_number * speed / (2.0 * np.pi))
 
 
 def line_products(basis: Basis) -> tuple[SparseMatrix, SparseMatrix, SparseMatrix]:

@@ -9,6 +9,7 @@ from lumped.arrays import Array
 from lumped.mechanism.body import Body
 from lumped.mechanism.frame import Frame
 from lumped.mechanism.joint import Joint
+from lumped.mechanism.part import Part
 
 GROUND = "ground"
 # What a pose may prescribe of the loaded point, in the order of a twist.
@@ -54,6 +55,11 @@ class Mechanism:
         return np.append(place.position, np.zeros(3))[
             [MOVES.index(move) for move in self.tool.moves]
         ]
+
+    @property
+    def parts(self) -> dict[str, Body]:
+        """The bodies that are parts, CAD or meshes, by name."""
+        return {name: body for name, body in self.bodies.items() if isinstance(body.shape, Part)}
 
     @property
     def size(self) -> float:

@@ -17,7 +17,7 @@ from lumped.robot_file import load_robot
 from validation.case import Allowance, Case, Measurement, Relation, Skip, judge
 from validation.catalogue import catalogue
 from validation.context import Context
-from validation.independence.trace import Watched, disturbed
+from validation.independence.trace import DATA, Watched, disturbed
 
 ROBOT_FILE = load_robot("ifw")
 CASES = [
@@ -29,12 +29,8 @@ CONTEXT = Watched(ROBOT_FILE, "quick")
 # An ingredient is wrong by so much, more than any tolerance; a shown number that moves by fewer
 # tolerances than these need not turn the verdict.
 WRONG, MOVED = 0.15, 3.0
-# The robot's own data, which both sides are about; that postures close has cases of its own.
-DATA = (
-    "lumped.legs.equivalent_leg ",
-    "validation.adequacy.mechanism.path._postures ",
-    "validation.cases.program.guards.solids.block ",
-)
+# What both sides are about; that postures close has cases of its own.
+GIVEN = (*DATA, "validation.cases.program.guards.solids.block ")
 # Cases that take ten seconds each time they are computed, with every ingredient.
 LONG = ("program.parts.fork.calculix.", "guard.independence")
 # Arrays of one ingredient that are tried: the first legs, meshes, postures of many alike.
@@ -46,7 +42,7 @@ def cancelled(case: Case) -> list[str]:
     CONTEXT.asked.clear()
     sound = case.compute(CONTEXT)
     found = []
-    for key in sorted(key for key in CONTEXT.asked if not key.startswith(DATA)):
+    for key in sorted(key for key in CONTEXT.asked if not key.startswith(GIVEN)):
         for number, other in enumerate(islice(disturbed(CONTEXT.entry(key), WRONG), MOST)):
             with suppress(Skip, ComputationError, ValueError):
                 wrong = case.compute(CONTEXT.with_other(key, other))

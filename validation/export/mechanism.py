@@ -29,7 +29,6 @@ from validation.export.vtk_files import polyline, save
 from validation.models.mechanism import constant_legs
 from validation.models.mechanism_modes import mechanism_modes
 from validation.models.options import DEFAULT_OPTIONS
-from validation.models.parts import parts_of
 from validation.solids.bars import bar_solids, with_bars
 
 _README = """\
@@ -70,7 +69,7 @@ def export_mechanism(mechanism: Mechanism, preset: Preset, folder: Path) -> None
     at = posture(mechanism, mechanism.poses[len(mechanism.poses) // 2])
     alike = _alike(mechanism)
     names = list(legs_of(mechanism))
-    parts = ", ".join(parts_of(mechanism))
+    parts = ", ".join(mechanism.parts)
     readme = _README.format(
         name=mechanism.name,
         alike="\n".join(f"    {', '.join(ones)}" for ones in alike.values()),

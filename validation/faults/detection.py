@@ -12,7 +12,6 @@ from validation.faults.catalogue import FAULTS
 from validation.faults.fault import Fault
 from validation.faults.sound import SoundCases, sound_cases
 from validation.faults.trial import catchers, tried
-from validation.models.parts import parts_of
 from validation.report.detection import CASES, GROUPS, NONE, PREFIX, VERDICTS
 from validation.results.records import Task
 
@@ -96,7 +95,7 @@ def sound_run(robot_file: RobotFile, preset: Preset) -> SoundCases:
     Of a robot with parts those of the program alone: OpenCASCADE meshes with threads of its own,
     which a copy of this process does not have, and would wait for them for ever.
     """
-    alone = robot_file.is_mechanism and parts_of(robot_file.mechanism)
+    alone = robot_file.is_mechanism and robot_file.mechanism.parts
     cases = [
         task
         for task in catalogue(robot_file)

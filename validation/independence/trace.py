@@ -64,7 +64,7 @@ _FLOORS = ("lumped", "meshes", "fem", "validation")
 # Arrays of one entry that are tried.
 _TRIED = 60
 # What both sides are about: the robot's data and its postures.
-_DATA = ("lumped.legs.equivalent_leg ", "validation.adequacy.mechanism.path._postures ")
+DATA = ("lumped.legs.equivalent_leg ", "validation.adequacy.mechanism.path._postures ")
 
 
 @dataclass(frozen=True)
@@ -141,7 +141,7 @@ def _of_case(case: Case, context: Watched) -> Independence:
     context.asked.clear()
     sound = case.measure(context)
     sides: tuple[set[str], set[str]] = set(), set()
-    for key in sorted(key for key in context.asked if not key.startswith(_DATA)):
+    for key in sorted(key for key in context.asked if not key.startswith(DATA)):
         for moved, side in zip(_moved(case, context, key, sound), sides, strict=True):
             side.update(context.made_by.get(key, set()) if moved else ())
     return Independence(case, frozenset(sides[0]), frozenset(sides[1]))

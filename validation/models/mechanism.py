@@ -132,7 +132,7 @@ def dynamic_bodies(
 
     if model == "solid":
         legs = constant_legs(mechanism, options)
-        bodies = parts.parts_of(mechanism)
+        bodies = mechanism.parts
         return {name: filled(reduced(leg, own)) for name, leg, own in legs} | {
             name: parts.reduced(body, highest, cutoff) for name, body in bodies.items()
         }
@@ -176,7 +176,7 @@ def highest_frequency(
     bodies |= part_models(middle.mechanism, coarse, partial(leg_matrices, "beam"))
     solution = solved(assembly(middle.mechanism, bodies).at(middle))
     # Parts on their interfaces alone have few modes.
-    known = min(count, mode_count(solution)) if parts.parts_of(middle.mechanism) else count
+    known = min(count, mode_count(solution)) if middle.mechanism.parts else count
     return half_octave_above(float(modes(solution, known).frequencies[-1]))
 
 

@@ -7,7 +7,7 @@ from lumped.errors import InputError
 from lumped.mechanism.mechanism import Mechanism
 from meshes.part.interfaces import Interface
 from meshes.part.reading.read import PartFile
-from validation.models.parts import found_in, parts_of
+from validation.models.parts import found_in
 
 
 def parts_text(mechanism: Mechanism) -> str:
@@ -17,7 +17,7 @@ def parts_text(mechanism: Mechanism) -> str:
     """
     faults: list[str] = []
     lines: list[str] = []
-    for name, body in parts_of(mechanism).items():
+    for name, body in mechanism.parts.items():
         try:
             file, interfaces = found_in(body)
         except InputError as error:

@@ -18,7 +18,7 @@ from lumped.mechanism.mechanism import Mechanism
 from lumped.models.placed_leg import placed_leg
 from lumped.screws import turn_matrix
 from validation.models.options import ModelOptions
-from validation.models.parts import condensed, identified, leg_axes, parts_of
+from validation.models.parts import condensed, identified, leg_axes
 from validation.models.stepped_parts import stepped
 
 
@@ -40,7 +40,7 @@ def require_legs(mechanism: Mechanism) -> None:
     others = [
         f"bodies.{name}: a part of {len(body.interfaces)} interfaces is no link of a serial chain; "
         "take the model links"
-        for name, body in parts_of(mechanism).items()
+        for name, body in mechanism.parts.items()
         if not is_leg(body)
     ]
     if others:
@@ -50,7 +50,7 @@ def require_legs(mechanism: Mechanism) -> None:
 def part_springs(mechanism: Mechanism, options: ModelOptions) -> dict[str, Array]:
     """Compliance (6×6, SI, body axes) of every part that is a leg, as `options.legs` asks."""
     springs = {}
-    for name, body in parts_of(mechanism).items():
+    for name, body in mechanism.parts.items():
         if is_leg(body) and options.legs == "equivalent":
             leg = equivalent_leg(given_leg(body), options.equivalent)
             own = tip_compliance(leg.properties(options.theory), leg.length)
@@ -70,7 +70,7 @@ def part_models(
     Parts of one interface, or of three and more, are condensed in any case.
     """
     models = {}
-    for name, body in parts_of(mechanism).items():
+    for name, body in mechanism.parts.items():
         if not is_leg(body) or options.parts == "condensed":
             models[name] = condensed(body)
             continue

@@ -20,7 +20,6 @@ from lumped.errors import InputError
 from lumped.mechanism.body import Body
 from lumped.mechanism.body_model import BodyModel
 from lumped.mechanism.frame import Frame
-from lumped.mechanism.mechanism import Mechanism
 from lumped.mechanism.part import Part
 from lumped.mechanism.placing import leg_frame
 from meshes.part.interfaces import Interface, find_interfaces
@@ -34,11 +33,6 @@ UNKNOWNS = 60_000
 _MODES = 6
 
 Hold: TypeAlias = Literal["rigid", "average"]
-
-
-def parts_of(mechanism: Mechanism) -> dict[str, Body]:
-    """The bodies that are parts, by name."""
-    return {name: body for name, body in mechanism.bodies.items() if isinstance(body.shape, Part)}
 
 
 @lru_cache(maxsize=16)

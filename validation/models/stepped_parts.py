@@ -81,7 +81,7 @@ def stepped(body: Body, pieces: int = PIECES) -> SteppedLeg:
 def why_not_stepped(mechanism: Mechanism) -> str:
     """Empty where every part of a mechanism can be stepped, else what is in the way."""
     try:
-        for body in parts.parts_of(mechanism).values():
+        for body in mechanism.parts.values():
             stepped(body)
     except InputError as error:
         return str(error)

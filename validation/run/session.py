@@ -12,8 +12,6 @@ from fem.machine import usable_cores
 from lumped.audit.finding import Finding
 from lumped.audit.robot_audit import audit
 from lumped.errors import ComputationError, InputError
-from lumped.mechanism.mechanism import Mechanism
-from lumped.mechanism.part import Part
 from lumped.robot_file import RobotFile
 from lumped.robot_file.variation import Variation
 from validation.console.streams import complain
@@ -93,7 +91,7 @@ def validate(request: Request, catalogue: Catalogue) -> Results:
         _require_work_for_a_cluster(request)
     if request.exports and not robot_file.is_mechanism:
         _refuse_large_exports(request)
-    _variations(request)
+    variations = _variations(request)
     catalogue = _with_figures(catalogue, request)
     listed = catalogue(robot_file)
     if request.selftest is False:
@@ -132,7 +130,7 @@ def validate(request: Request, catalogue: Catalogue) -> Results:
         _mention_checks(gathered)
         if executor is not None:
             with progress.stage("sweeps on the cluster"):
-                _sweep(request, tasks, sweeps, executor)
+                _sweep(request, variations, tasks, sweeps, executor)
         if any(not is_check(task) for task in tasks if task.id not in gathered.done):
             _prepare(robot_file, request.preset, executor, request.jobs)
         _compute(job, gathered, folder, kept, request.jobs)
@@ -193,7 +191,13 @@ def _cluster(request: Request, stack: ExitStack) -> "Executor | None":
     return stack.enter_context(on_cluster(request.cluster, _mention))
 
 
-def _sweep(request: Request, tasks: Sequence[Task], sweeps: Path, executor: "Executor") -> None:
+def _sweep(
+    request: Request,
+    variations: Sequence[Variation],
+    tasks: Sequence[Task],
+    sweeps: Path,
+    executor: "Executor",
+) -> None:
     from validation.sweeps.studies import (  # noqa: PLC0415
         GROUP,
         journal_in,
@@ -205,7 +209,7 @@ def _sweep(request: Request, tasks: Sequence[Task], sweeps: Path, executor: "Exe
     groups = {task.group for task in tasks}
     if GROUP in groups:
         precompute(robot_file.robot, preset, sweeps, executor, studies_read(preset))
-    for number, variation in enumerate(_variations(request), start=1):
+    for number, variation in enumerate(variations, start=1):
         if f"vary.{number}" in groups:
             from validation.variations.curves import variation_study  # noqa: PLC0415
 
@@ -230,17 +234,12 @@ def _with_figures(catalogue: Catalogue, request: Request) -> Catalogue:
     return partial(with_variations, listed=catalogue, typed=request.vary)
 
 
-def _has_parts(mechanism: Mechanism) -> bool:
-    """Whether any body is a CAD part or a mesh."""
-    return any(isinstance(body.shape, Part) for body in mechanism.bodies.values())
-
-
 def _prepare(robot_file: RobotFile, preset: Preset, cluster: "Executor | None", jobs: int) -> None:
     """Mesh and reduce the parts of a mechanism on the `cluster`, else on `jobs` cores, and keep it.
 
     Raises what the cluster raises where it is lost.
     """
-    if not robot_file.is_mechanism or not _has_parts(robot_file.mechanism):
+    if not robot_file.is_mechanism or not robot_file.mechanism.parts:
         return
     # Meshes and solvers, of which most runs ask for none.
     from validation.adequacy.mechanism.parts_ahead import prepare_parts  # noqa: PLC0415
@@ -269,7 +268,7 @@ def _export(request: Request, target: Path) -> None:
 
 def _require_work_for_a_cluster(request: Request) -> None:
     """Raise InputError for a mechanism whose run has nothing that a cluster could compute."""
-    if not request.vary and not _has_parts(request.robot_file.mechanism):
+    if not request.vary and not request.robot_file.mechanism.parts:
         raise InputError(
             "--cluster: a mechanism's run has no sweeps but those of --vary, and this one no parts"
         )

@@ -17,7 +17,6 @@ from validation.models.legs import leg_compliance, leg_frequencies
 from validation.models.mechanism import answers, constant_legs
 from validation.models.mechanism_modes import mechanism_modes
 from validation.models.options import STATIC, ModelName, ModelOptions
-from validation.models.parts import parts_of
 from validation.solve.answer import DEFAULT_MODES, OF_ELEMENTS, OPTIONS, Answer, Solution
 from validation.solve.cost import Cost, dense_cost, require_affordable, solid_cost
 from validation.solve.pairs import paired
@@ -100,7 +99,7 @@ def solve_mechanism(question: MechanismQuestion) -> Solution:
     found = answered(options)
     legs = _meshed(question, mechanism, options)
     # Parts have meshes of their own, whose uncertainty identifying them says.
-    if legs and (question.body is not None or not parts_of(mechanism)):
+    if legs and (question.body is not None or not mechanism.parts):
         other = beside(options, legs)
         if other.divisions < options.divisions or _affordable(question, other):
             found = with_uncertainty(found, answered(other), legs, options)
@@ -211,7 +210,7 @@ def _option_faults(mechanism: Mechanism, model: ModelName, given: dict[str, Any]
 
 def _unheard(mechanism: Mechanism) -> tuple[str, ...]:
     """What changes nothing where every leg is a prism, or where no body is a part from a file."""
-    if parts_of(mechanism):
+    if mechanism.parts:
         return ()
     prisms = all(isinstance(leg, ConstantLeg) for leg in legs_of(mechanism).values())
     return ("legs", "equivalent", "parts") if prisms else ("parts",)
@@ -225,7 +224,7 @@ def _body_faults(
     if body not in names:
         rigid = body in mechanism.bodies and body != GROUND
         what = "is rigid" if rigid else "no such body"
-        if body in parts_of(mechanism):
+        if body in mechanism.parts:
             what = "is a part from a file, see flexproof identify ROBOT --body"
         faults.append(f"--body {body}: {what}; must be one of {', '.join(names)}")
     if poses:

@@ -12,7 +12,6 @@ from validation.adequacy.partners import Partners, partners
 from validation.adequacy.response import Vibration
 from validation.models.mechanism_modes import PostureModes, mechanism_modes
 from validation.models.options import ModelName, ModelOptions
-from validation.models.parts import parts_of
 
 # Modes of the other model besides as many as asked: a partner may come later in its order.
 _BESIDES = 6
@@ -53,7 +52,7 @@ def paired(found: Sequence[PostureModes], against: ModelName, options: ModelOpti
     """
     postures = [one.posture for one in found]
     mechanism = postures[0].mechanism
-    if parts_of(mechanism):
+    if mechanism.parts:
         raise InputError("--against: modes of bodies from files are not compared by shape")
     samples, count = samples_of(mechanism), len(found[0].modes.frequencies)
     others = mechanism_modes(against, postures, count + _BESIDES, options)

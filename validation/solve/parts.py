@@ -154,7 +154,7 @@ def _of_robot(robot: str, body: str, size: int, modes: int) -> "Identified":
     from lumped.robot_file import load_robot  # noqa: PLC0415
     from validation.models import parts  # noqa: PLC0415
 
-    bodies = parts.parts_of(load_robot(robot).mechanism)
+    bodies = load_robot(robot).mechanism.parts
     if body not in bodies:
         known = ", ".join(bodies) or "none"
         raise InputError(f"--body {body}: is no part from a file; the parts of {robot}: {known}")

@@ -21,7 +21,6 @@ from validation.adequacy.mechanism.subject import mechanism_models
 from validation.adequacy.partners import partners
 from validation.context import Context
 from validation.models.options import ModelName, ModelOptions
-from validation.models.parts import parts_of
 
 _EULER = ModelOptions(theory="euler-bernoulli")
 # From the bottom of a stack of curves to its top.
@@ -60,7 +59,7 @@ def compared_compliances(context: Context, postures: tuple[Posture, ...]) -> Com
     found = {}
     for name, (model, options) in _answering(postures).items():
         found[name] = _own(compliances(postures, model, options).compliance)
-    legs, parts = known_legs(mechanism).values(), parts_of(mechanism)
+    legs, parts = known_legs(mechanism).values(), mechanism.parts
     solid = bool(parts) or any(isinstance(leg, ConstantLeg) for leg in legs)
     against = ""
     for one in static_reference(context, postures).alternatives:

@@ -53,7 +53,6 @@ from validation.models.mechanism import (
     on_drives_alone,
 )
 from validation.models.options import ModelName, ModelOptions
-from validation.models.parts import parts_of
 from validation.parts.meshes import FINEST, MIDDLE
 from validation.solids.legs import COARSEST_WALLS
 from validation.solids.robots import held_solid, renewed_where_needed
@@ -73,7 +72,7 @@ def vibration(
     mass in every posture.
     """
     prepared = assembly(postures[0].mechanism, {name: filled(one) for name, one in bodies.items()})
-    if has_given(postures[0].mechanism) or parts_of(postures[0].mechanism):
+    if has_given(postures[0].mechanism) or postures[0].mechanism.parts:
         known = [mode_count(solved(prepared.at(posture))) for posture in postures]
         count = min(count, *known)
     frequencies, shapes = [], []
@@ -217,7 +216,7 @@ def dynamic_reference(context: Context, postures: tuple[Posture, ...], judged: i
     """Solid legs reduced to their ends or, where legs are given, a bracket of plausible masses."""
     mechanism = postures[0].mechanism
     count, weights = offered(judged), samples_of(mechanism).weights
-    given, parts = has_given(mechanism), bool(parts_of(mechanism))
+    given, parts = has_given(mechanism), bool(mechanism.parts)
     is_open = left_open(mechanism)
     ends = dict(is_open.holds)
     masses: tuple[Masses | None, ...] = MASSES if given else (None,)

@@ -5,7 +5,6 @@ from collections.abc import Callable, Iterable
 from lumped.mechanism.mechanism import Mechanism
 from validation.adequacy.response import Response, Rung
 from validation.models.options import PartLegs
-from validation.models.parts import parts_of
 from validation.models.stepped_parts import why_not_stepped
 
 _STEPS: dict[PartLegs, tuple[str, str, str]] = {
@@ -32,7 +31,7 @@ def part_rungs(
     The last one is all that stepped legs lack, and the only one where parts cannot be stepped.
     `idealised` gives the response with parts idealised otherwise, all else as in the model.
     """
-    if not parts_of(mechanism):
+    if not mechanism.parts:
         return ()
     unstepped = why_not_stepped(mechanism)
     return tuple(

@@ -9,7 +9,7 @@ from lumped.legs import Ends
 from lumped.mechanism.body_model import BodyModel
 from lumped.mechanism.mechanism import Mechanism, Posture
 from validation.models.mechanism import CUTOFF, highest_frequency
-from validation.models.parts import condensed, found_in, parts_of, reduced
+from validation.models.parts import condensed, found_in, reduced
 from validation.parts.meshes import FINEST, RUNGS
 from validation.parts.refinement import refinement_uncertainty
 
@@ -26,12 +26,12 @@ def solid_parts(
     averaged where free.
     """
     mechanism = postures[0].mechanism
-    if not parts_of(mechanism):
+    if not mechanism.parts:
         return {}
     highest, cutoff = highest_of_parts(postures, count)
     return {
         name: reduced(body, highest, cutoff, rung, "rigid" if ends[name] == "rigid" else "average")
-        for name, body in parts_of(mechanism).items()
+        for name, body in mechanism.parts.items()
     }
 
 
@@ -46,7 +46,7 @@ def highest_of_parts(postures: Sequence[Posture], count: int) -> tuple[float, fl
 
 def condensed_parts(mechanism: Mechanism) -> dict[str, BodyModel]:
     """Every part on its interfaces alone, with Guyan's mass."""
-    return {name: condensed(body) for name, body in parts_of(mechanism).items()}
+    return {name: condensed(body) for name, body in mechanism.parts.items()}
 
 
 def refinement_share(mechanism: Mechanism, answer: Callable[[int], Array]) -> Array | float:
@@ -55,7 +55,7 @@ def refinement_share(mechanism: Mechanism, answer: Callable[[int], Array]) -> Ar
     `answer` gives the values on a rung of the ladder. A part that is a mesh cannot be refined: what
     it leaves open is unknown, and taken as all of it.
     """
-    bodies = parts_of(mechanism).values()
+    bodies = mechanism.parts.values()
     if not bodies:
         return 0.0
     if any(found_in(body)[0].mesh is not None for body in bodies):

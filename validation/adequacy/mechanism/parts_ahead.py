@@ -68,7 +68,7 @@ def prepare_parts(context: Context, executor: Executor, *, carried: bool) -> Non
     mechanism = context.robot_file.mechanism
     bodies = {
         kept.key_of(*parts.found_in(body), parts.shape_of(body).material): body
-        for body in parts.parts_of(mechanism).values()
+        for body in mechanism.parts.values()
     }
     _finish([(body, _as_it_is) for body in bodies.values()], executor, carried=carried)
     postures = path_postures(context)

@@ -14,7 +14,7 @@ from validation.context import Context, Preset
 from validation.kinematics.poses import postures_of
 from validation.models.mechanism import constant_legs
 from validation.models.options import DEFAULT_OPTIONS
-from validation.models.parts import is_held_as_said, parts_of
+from validation.models.parts import is_held_as_said
 
 # Poses of a long path, of a grid say, are looked at in even steps.
 MOST_POSES: Mapping[Preset, int] = {"quick": 9, "standard": 25, "fine": 81}
@@ -66,8 +66,7 @@ def left_open(mechanism: Mechanism) -> Open:
     """How legs and parts are held: what is said, and what is not."""
     said = {name: _said(mechanism, name) for name in legs_of(mechanism)}
     parts: dict[str, Ends | None] = {
-        name: "rigid" if is_held_as_said(body) else None
-        for name, body in parts_of(mechanism).items()
+        name: "rigid" if is_held_as_said(body) else None for name, body in mechanism.parts.items()
     }
     everything = {**said, **parts}
     if all(everything.values()):

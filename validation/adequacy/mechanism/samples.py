@@ -14,7 +14,7 @@ from lumped.models.bodies import leg_of, legs_of
 from lumped.screws import shift, turn
 from lumped.system.assembly import System
 from validation.agreement.mode_pairing import centreline_samples
-from validation.models.parts import identified, parts_of
+from validation.models.parts import identified
 
 _STATIONS = 12
 # Corners of a section, in radii of gyration.
@@ -77,7 +77,7 @@ def samples_of(mechanism: Mechanism) -> Samples:
     for name in legs_of(mechanism):
         points[name], masses = _of_leg(mechanism.bodies[name])
         weights.append(np.repeat(masses, 3))
-    for name, body in parts_of(mechanism).items():
+    for name, body in mechanism.parts.items():
         part = identified(body)
         points[name] = part.places
         weights.append(np.repeat(part.shares, 3))

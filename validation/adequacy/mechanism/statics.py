@@ -45,7 +45,6 @@ from validation.context import Context
 from validation.models.mechanism import answers
 from validation.models.options import DEFAULT_OPTIONS, ModelName, ModelOptions, PartLegs
 from validation.models.part_legs import part_springs, require_legs
-from validation.models.parts import parts_of
 from validation.models.stepped_parts import why_not_stepped
 from validation.parts.meshes import FINEST
 from validation.solids.legs import COARSEST_WALLS
@@ -127,7 +126,7 @@ def static_reference(context: Context, postures: Sequence[Posture]) -> Reference
         decides=is_open.says,
         computed_by=(
             *((own,) if legs else ()),
-            *(("validation.models.parts.reduced",) if parts_of(mechanism) else ()),
+            *(("validation.models.parts.reduced",) if mechanism.parts else ()),
             "lumped.system.solution.compliance",
         ),
     )
@@ -135,7 +134,7 @@ def static_reference(context: Context, postures: Sequence[Posture]) -> Reference
 
 def _title(mechanism: Mechanism, legs: Mapping[str, Leg]) -> str:
     given = [name for name, leg in legs.items() if isinstance(leg, GivenLeg)]
-    if parts_of(mechanism):
+    if mechanism.parts:
         solid = " and solid legs" if len(given) < len(legs) else ""
         own = f", {', '.join(given)} by their own 6×6" if given else ""
         return f"mechanism assembled from its parts as solids{solid}{own}"
@@ -175,7 +174,7 @@ def _diagonals(compliances: Array) -> Array:
 def _climbing(
     postures: Sequence[Posture],
 ) -> Callable[[Sequence[Posture], Springs], Array]:
-    if parts_of(postures[0].mechanism):
+    if postures[0].mechanism.parts:
         return assembled
     return assembled if is_serial(postures) else summed
 
@@ -217,7 +216,7 @@ def static_ladders(context: Context, postures: Sequence[Posture]) -> dict[str, t
         section = given_leg_rungs(by, everywhere(straight), as_given)
     timoshenko = (
         dict.fromkeys(alternatives, idealised("equivalent"))
-        if parts_of(mechanism)
+        if mechanism.parts
         else everywhere(tip_compliances(mechanism, "equivalent"))
     )
     shear = shear_rung(by, timoshenko)

@@ -35,7 +35,6 @@ from validation.context import Context
 from validation.models.mechanism import answers
 from validation.models.options import STATIC, ModelName, ModelOptions
 from validation.models.part_legs import is_leg
-from validation.models.parts import parts_of
 
 _STATIC = "static: it has no masses, hence says nothing of frequencies"
 _NO_MASS = "neither its rigid bodies nor its tool have mass: it says nothing of frequencies"
@@ -73,7 +72,7 @@ _MODELS: Mapping[str, _Model] = {
 
 def mechanism_models(mechanism: Mechanism) -> tuple[str, ...]:
     """The models that are judged; without 6×6 both kinds of virtual joints are one."""
-    parts = parts_of(mechanism).values()
+    parts = mechanism.parts.values()
     left_out = set() if parts else {"segments-stepped", "segments-condensed"}
     if not has_given(mechanism) and not any(is_leg(body) for body in parts):
         left_out.add("vjm-equivalent")

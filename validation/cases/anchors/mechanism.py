@@ -24,7 +24,6 @@ from validation.context import Context
 from validation.exhibits import PATH
 from validation.models.mechanism import answers
 from validation.models.options import STATIC, ModelName, ModelOptions
-from validation.models.parts import parts_of
 from validation.studies.quantities import farthest
 from validation.studies.ritz import mechanism as ritz
 
@@ -40,7 +39,7 @@ _DYNAMIC = {
 
 def cases(mechanism: Mechanism, modes: int) -> tuple[Case, ...]:
     """Deflections, rotations and so many frequencies of every model of the first screen."""
-    if parts_of(mechanism):
+    if mechanism.parts:
         return ()
     models = mechanism_candidates(mechanism)
     return (

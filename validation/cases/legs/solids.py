@@ -48,9 +48,6 @@ SECTION_DIVISIONS, WAVE_DIVISIONS = 16, 4
 _TORSION, _BENDING = 1e-3, 2e-4
 # Wave length of the shortest mode, in section heights, that beam theory is held to.
 SHORTEST_WAVE = 3.0
-# Warping constant over J d² of a section that does not warp, by rounding alone; what so little
-# warping does to a frequency of torsion is of the same order.
-_UNWARPED = 1e-9
 
 
 def cases() -> tuple[Case, ...]:
@@ -339,9 +336,6 @@ def _warping_waves(leg: ConstantLeg, order: int) -> tuple[float, float]:
         material.G * coarse.torsion_constant / (material.rho * polar)
     )
     wave = torsion_wave(section, material, wave_number) / saint_venant
-    size = max(leg.section.extent)
-    if constants.warping_constant <= _UNWARPED * constants.torsion_constant * size**2:
-        return float(wave), 1.0
     relaxed = nonuniform_torsion.cantilever_frequencies(constants, material, leg.length, order)[-1]
     tip = relaxed / nonuniform_torsion.wave_frequency(constants, material, wave_number)
     return float(wave), float(tip)

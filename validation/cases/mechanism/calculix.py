@@ -20,7 +20,6 @@ from validation.context import Context
 from validation.exhibits import PATH
 from validation.models.legs import filled
 from validation.models.mechanism import highest_frequency
-from validation.models.parts import parts_of
 from validation.solids.bars import bar_meshes, bar_solids, with_bars
 from validation.studies.quantities import farthest_entry
 
@@ -111,7 +110,7 @@ def _reduced(solid: SolidLeg, highest: float) -> BodyModel:
 def _found(context: Context) -> tuple[Answers, Answers]:
     at = path_postures(context)[0]
     legs = known_legs(at.mechanism).values()
-    if parts := parts_of(at.mechanism):
+    if parts := at.mechanism.parts:
         raise Skip(f"{', '.join(parts)}: CalculiX solves mechanisms of prisms and rigid bodies")
     if not legs or not all(isinstance(leg, ConstantLeg) for leg in legs):
         raise Skip("legs known by a 6×6 have no section that could be meshed")

@@ -27,7 +27,6 @@ from validation.drawing.style import (
 )
 from validation.exhibits import PATH, Drawing, Figure
 from validation.models.mechanism_modes import PostureModes, mechanism_modes
-from validation.models.parts import parts_of
 from validation.report.figures.curves.lines import legend_above
 from validation.solids.robots import SHARED_SOLIDS
 
@@ -89,7 +88,7 @@ def energies(context: Context) -> Figure:
 def _sixty(context: Context) -> PostureModes:
     postures = path_postures(context)
     middle = (postures[len(postures) // 2],)
-    if parts_of(middle[0].mechanism):
+    if middle[0].mechanism.parts:
         raise Skip("parts are no beams: their energy is not of one kind of deformation")
     if not known_legs(middle[0].mechanism):
         raise Skip("all bodies are rigid: their modes sit in the drives and joints alone")

@@ -31,7 +31,6 @@ from validation.drawing.view import fitted_view
 from validation.exhibits import PATH, Drawing, Figure, InteractiveScene
 from validation.models.mechanism_modes import PostureModes, mechanism_modes
 from validation.models.options import ModelName
-from validation.models.parts import parts_of
 from validation.report.figures.mechanism.bodies import (
     Moved,
     compared_points,
@@ -180,7 +179,7 @@ def deformed(context: Context) -> Figure:
 def _middle(context: Context, model: ModelName, besides: int) -> PostureModes:
     postures = path_postures(context)
     middle = (postures[len(postures) // 2],)
-    if parts_of(middle[0].mechanism):
+    if middle[0].mechanism.parts:
         raise Skip("parts are drawn by flexproof faces, not as beams")
     if not legs_of(middle[0].mechanism):
         raise Skip("all bodies are rigid: there are no shapes to be drawn")
