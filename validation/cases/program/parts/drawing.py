@@ -6,6 +6,8 @@ from types import ModuleType
 
 from meshes.gmsh_session import gmsh_model
 
+SECTION = "Parts of the program"
+
 
 def meshed(path: Path, draw: Callable[[ModuleType], None], size: float, sides: float) -> Path:
     """The mesh, in mm, of what `draw(kernel)` adds to an empty model, in mm.

@@ -4,9 +4,7 @@ Two bores have one radius and are told apart by their places; one of them is bro
 two faces. Every interface is held in another way.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from types import ModuleType
@@ -29,14 +27,13 @@ from lumped.mechanism.part import ByCylinder, PartInterface
 from meshes.part.interfaces import Interface, find_interfaces
 from meshes.part.part_mesh import PartMesh
 from meshes.part.reading.read import read_part
-from validation.agreement.convergence import step_factor
-from validation.case import Absolute, Case, Measurement, ReferenceKind, Skip
+from validation.agreement.differences import farthest_off, refined
+from validation.case import Absolute, Measurement, Skip
+from validation.case_group import CaseGroup
 from validation.cases.program.calculix import PRINTED, PRINTED_ROOT
-from validation.cases.program.parts.drawing import meshed
+from validation.cases.program.parts.drawing import SECTION, meshed
 from validation.context import Context
 
-SECTION = "Parts of the program"
-_GROUP = "program.parts.fork"
 _STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 # Along x, y and z (mm); the slot opens the far end from x = 150 between z = ±5.
 _BAR, _SLOT, _GAP = (200.0, 40.0, 30.0), 150.0, 10.0
@@ -49,101 +46,14 @@ _MODES = 8
 _MM = 1e-3
 
 
-def cases() -> tuple[Case, ...]:
-    """Faces, forces, mass, and CalculiX."""
-    return (
-        _case(
-            "faces",
-            "Interfaces of a fork hold the faces of the drawing, wherever they are broken",
-            "largest distance of held nodes and points from the drawn bore and its ends, in radii",
-            "closed-form",
-            "radii and places of the drawing",
-            1e-6,
-            "places are written with fifteen digits, held nodes lie on the true surface",
-            _faces,
-        ),
-        _case(
-            "means",
-            "Averaged bores move as the means of a field over them by hand",
-            "largest relative difference: u_z = x² and u_x = z³ about its middle",
-            "closed-form",
-            "∫x² dA/A = r²/2; turned about y by ∫z⁴ dA/∫(x² + z²) dA",
-            1e-3,
-            "circles of a dozen curved sides",
-            _means,
-        ),
-        *(
-            _case(
-                f"forces.{kind}",
-                f"A {kind} interface passes on the wrench that acts on it, and is not torn",
-                "largest resultant that is not the wrench, force where none acts, of one newton; "
-                "displacement of held nodes that is not the interface's",
-                "closed-form",
-                "equilibrium, counted from the nodes' forces Ku at drawn places",
-                1e-6,
-                "rounding, grown by the part's slenderness",
-                partial(_forces, kind=kind),
-            )
-            for kind in get_args(Kind)
-        ),
-        _case(
-            "mass",
-            "A fork's mass, centre and inertia are those of a bar less its holes",
-            "largest relative difference",
-            "closed-form",
-            "boxes and cylinders of the drawing",
-            1e-3,
-            "circles of a dozen curved sides",
-            _mass,
-        ),
-        _case(
-            "calculix.statics",
-            "Compliance between three interfaces, one of them averaged, by CalculiX",
-            "largest entry of the difference over √(Cii Cjj), all 144",
-            "independent-solver",
-            "CalculiX CrunchiX, G. Dhondt, C3D10 elements, same mesh",
-            1e-6,
-            "CalculiX prints seven digits",
-            _statics,
-        ),
-        _case(
-            "calculix.frequencies",
-            f"{_MODES} frequencies of the fork, held at one bore, by CalculiX",
-            "largest relative difference",
-            "independent-solver",
-            "CalculiX CrunchiX, G. Dhondt, C3D10 elements, same mesh and mass rule",
-            1e-6,
-            "CalculiX prints seven digits of the eigenvalue",
-            _frequencies,
-        ),
-    )
-
-
-def _case(
-    name: str,
-    title: str,
-    quantity: str,
-    kind: ReferenceKind,
-    citation: str,
-    tolerance: float,
-    reason: str,
-    compute: Callable[[Context], Measurement],
-) -> Case:
-    return Case(
-        id=f"program.parts.fork.{name}",
-        title=title,
-        quantity=quantity,
-        unit="1",
-        reference_kind=kind,
-        citation=citation,
-        tolerance=Absolute(tolerance),
-        tolerance_reason=reason,
-        compute=compute,
-        section=SECTION,
-        group=_GROUP,
-        effort=1.0,
-        subject="program",
-    )
+cases = CaseGroup(
+    section=SECTION,
+    group="program.parts.fork",
+    unit="1",
+    reference_kind="closed-form",
+    effort=1.0,
+    subject="program",
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -182,6 +92,14 @@ def _height(name: str) -> float:
     return _BAR[2] - (_GAP if _BORES[name][1] > _SLOT else 0.0)
 
 
+@cases.case(
+    "program.parts.fork.faces",
+    "Interfaces of a fork hold the faces of the drawing, wherever they are broken",
+    quantity="largest distance of held nodes and points from the drawn bore and its ends, in radii",
+    citation="radii and places of the drawing",
+    tolerance=Absolute(1e-6),
+    tolerance_reason="places are written with fifteen digits, held nodes lie on the true surface",
+)
 def _faces(context: Context) -> Measurement:
     found = context.get(fork, _SIDES[1])
     off = []
@@ -195,13 +113,21 @@ def _faces(context: Context) -> Measurement:
             np.abs(np.linalg.norm(away[:, :2], axis=1) / r - 1.0).max(),
             *(np.array(ends) / (_MM * _BAR[2] / 2.0) - [-1.0, 1.0]),
         ]
-    return Measurement(float(np.abs(off).max()), 0.0, exact=True)
+    return farthest_off(off)
 
 
+@cases.case(
+    "program.parts.fork.means",
+    "Averaged bores move as the means of a field over them by hand",
+    quantity="largest relative difference: u_z = x² and u_x = z³ about its middle",
+    citation="∫x² dA/A = r²/2; turned about y by ∫z⁴ dA/∫(x² + z²) dA",
+    tolerance=Absolute(1e-3),
+    tolerance_reason="circles of a dozen curved sides",
+)
 def _means(context: Context) -> Measurement:
     coarse, fine = (_off_means(context.get(fork, sides)) for sides in _SIDES)
     # Arcs through three points leave the fourth power of their length.
-    return Measurement(fine, 0.0, value_uncertainty=step_factor(_RATIO, 4.0) * abs(fine - coarse))
+    return refined(coarse, fine, order=4.0, ratio=_RATIO)
 
 
 def _off_means(found: Fork) -> float:
@@ -226,6 +152,16 @@ def _off_means(found: Fork) -> float:
     return float(np.max(off))
 
 
+@cases.case(
+    "program.parts.fork.forces.{kind}",
+    "A {kind} interface passes on the wrench that acts on it, and is not torn",
+    over={"kind": get_args(Kind)},
+    quantity="largest resultant that is not the wrench, force where none acts, of one newton; "
+    "displacement of held nodes that is not the interface's",
+    citation="equilibrium, counted from the nodes' forces Ku at drawn places",
+    tolerance=Absolute(1e-6),
+    tolerance_reason="rounding, grown by the part's slenderness",
+)
 def _forces(context: Context, kind: Kind) -> Measurement:
     found = context.get(fork, _SIDES[1])
     part = meshed_part(found.mesh, _STEEL)
@@ -253,7 +189,7 @@ def _forces(context: Context, kind: Kind) -> Measurement:
         if number == 1:
             off.append(_torn(grip, away, moved[grip.nodes], body.compliance[:6]))
     off.append(np.abs(nodal[inside]).max())
-    return Measurement(float(max(off)), 0.0, exact=True)
+    return farthest_off(off)
 
 
 def _torn(grip: Grip, away: Array, moved: Array, twists: Array) -> float:
@@ -270,9 +206,17 @@ def _torn(grip: Grip, away: Array, moved: Array, twists: Array) -> float:
     return 0.0 if grip.kind == "average" else float(np.abs(off).max() / np.abs(moved).max())
 
 
+@cases.case(
+    "program.parts.fork.mass",
+    "A fork's mass, centre and inertia are those of a bar less its holes",
+    quantity="largest relative difference",
+    citation="boxes and cylinders of the drawing",
+    tolerance=Absolute(1e-3),
+    tolerance_reason="circles of a dozen curved sides",
+)
 def _mass(context: Context) -> Measurement:
     coarse, fine = (_off_drawing(context.get(fork, sides)) for sides in _SIDES)
-    return Measurement(fine, 0.0, value_uncertainty=step_factor(_RATIO, 2.0) * abs(fine - coarse))
+    return refined(coarse, fine, order=2.0, ratio=_RATIO)
 
 
 def _off_drawing(found: Fork) -> float:
@@ -313,6 +257,15 @@ def _bore(name: str) -> tuple[float, float, Array]:
     return -float(np.pi) * r**2 * h, x, np.array([across, across, r**2 / 2.0])
 
 
+@cases.case(
+    "program.parts.fork.calculix.statics",
+    "Compliance between three interfaces, one of them averaged, by CalculiX",
+    quantity="largest entry of the difference over √(Cii Cjj), all 144",
+    reference_kind="independent-solver",
+    citation="CalculiX CrunchiX, G. Dhondt, C3D10 elements, same mesh",
+    tolerance=Absolute(1e-6),
+    tolerance_reason="CalculiX prints seven digits",
+)
 def _statics(context: Context) -> Measurement:
     found = context.get(fork, _SIDES[1])
     grips = grips_of(found.mesh, found.interfaces)
@@ -326,6 +279,15 @@ def _statics(context: Context) -> Measurement:
     return Measurement(float(apart.max()), 0.0, reference_uncertainty=PRINTED)
 
 
+@cases.case(
+    "program.parts.fork.calculix.frequencies",
+    f"{_MODES} frequencies of the fork, held at one bore, by CalculiX",
+    quantity="largest relative difference",
+    reference_kind="independent-solver",
+    citation="CalculiX CrunchiX, G. Dhondt, C3D10 elements, same mesh and mass rule",
+    tolerance=Absolute(1e-6),
+    tolerance_reason="CalculiX prints seven digits of the eigenvalue",
+)
 def _frequencies(context: Context) -> Measurement:
     found = context.get(fork, _SIDES[1])
     grips = grips_of(found.mesh, found.interfaces[:2])

@@ -4,9 +4,8 @@ Rod theory of a cone leaves out the square of its slope, 2e-4 here. One end's po
 axis, so that every transport of a twist or a wrench has a number to be wrong in.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from types import ModuleType
@@ -20,16 +19,15 @@ from lumped.mechanism.part import ByPlane, PartInterface
 from lumped.robot_file import load_robot
 from meshes.part.interfaces import find_interfaces
 from meshes.part.reading.read import read_part
-from validation.agreement.convergence import step_factor
-from validation.case import Absolute, Case, Measurement
-from validation.cases.program.parts.drawing import meshed
+from validation.agreement.differences import farthest_off, refined
+from validation.case import Absolute, Measurement
+from validation.case_group import CaseGroup
+from validation.cases.program.parts.drawing import SECTION, meshed
 from validation.context import Context
 from validation.models.mechanism import answers
 from validation.models.options import ModelName, ModelOptions, PartLegs
 from validation.parts.identify import Identified, identify
 
-SECTION = "Parts of the program"
-_GROUP = "program.parts.shaft"
 _STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 _LENGTH, _ROOT, _TIP = 0.4, 0.030, 0.024
 _START = np.array([0.05, -0.02, 0.03])
@@ -56,54 +54,16 @@ _RODS = (
 _INTEGRAL = "∫Lᵀ diag(1/EA, 1/κGA, 1/κGA, 1/GJ, 1/EI, 1/EI) L ds over the drawing, κ by Cowper 1966"
 
 
-def cases() -> tuple[Case, ...]:
-    """The shaft by itself, and as the crank of a robot in every model."""
-    return (
-        _case(
-            "compliance",
-            "A conical shaft has the compliance of its sections",
-            _INTEGRAL,
-            _ROD,
-            _RODS,
-            _compliance,
-        ),
-        _case(
-            "mass",
-            "Read as a mesh in millimetres it has the drawing's mass, centre and inertia",
-            "integrals over its discs",
-            5e-4,
-            "circles of a dozen curved sides",
-            _mass,
-        ),
-        _case(
-            "rigid",
-            "Condensed on its ends it moves rigidly as the whole does; averaged ends give no less",
-            "its own mass, centre and inertia, seen from the first end; no forces between the ends",
-            1e-9,
-            "rounding, grown by the condition of a slender part",
-            _rigid,
-        ),
-        *(
-            _case(
-                f"crank.{model}{f'.{parts}' if parts == 'condensed' else ''}",
-                f"As the crank of a robot it gives as much as its drive and its sections ({model})",
-                f"{_INTEGRAL}, turned, and the drive's angle",
-                _ROD,
-                _RODS,
-                partial(_crank, model=model),
-            )
-            for model, parts in _MODELS
-        ),
-        _case(
-            "crank.frequencies",
-            "A heavy mass on the crank swings on the crank's own springs",
-            "ω² = eigenvalues of C⁻¹/m, C the translations' compliance; the shaft's mass is left "
-            "out, a thousandth",
-            2e-3,
-            "the shaft's own mass, at most half of a thousandth in frequency, and rod theory",
-            _frequencies,
-        ),
-    )
+cases = CaseGroup(
+    section=SECTION,
+    group="program.parts.shaft",
+    quantity="largest relative difference",
+    unit="1",
+    reference_kind="closed-form",
+    presets=("standard", "fine"),
+    effort=2.0,
+    subject="program",
+)
 
 
 _MODELS: tuple[tuple[ModelName, PartLegs], ...] = (
@@ -112,32 +72,6 @@ _MODELS: tuple[tuple[ModelName, PartLegs], ...] = (
     ("segments", "condensed"),
     ("solid", "condensed"),
 )
-
-
-def _case(
-    name: str,
-    title: str,
-    citation: str,
-    tolerance: float,
-    reason: str,
-    compute: Callable[[Context], Measurement],
-) -> Case:
-    return Case(
-        id=f"program.parts.shaft.{name}",
-        title=title,
-        quantity="largest relative difference",
-        unit="1",
-        reference_kind="closed-form",
-        citation=citation,
-        tolerance=Absolute(tolerance),
-        tolerance_reason=reason,
-        compute=compute,
-        section=SECTION,
-        group=_GROUP,
-        effort=2.0,
-        presets=("standard", "fine"),
-        subject="program",
-    )
 
 
 def identified(sides: float) -> Identified:
@@ -243,13 +177,48 @@ def _apart(found: Array, expected: Array) -> float:
     return float(np.abs((found - expected) / np.outer(scale, scale)).max())
 
 
+@cases.case(
+    "program.parts.shaft.compliance",
+    "A conical shaft has the compliance of its sections",
+    citation=_INTEGRAL,
+    tolerance=Absolute(_ROD),
+    tolerance_reason=_RODS,
+)
 def _compliance(context: Context) -> Measurement:
     expected = _sum(_all())
-    return _of_two(
-        *(_apart(context.get(identified, sides).compliance, expected) for sides in _SIDES)
-    )
+    apart = (_apart(context.get(identified, sides).compliance, expected) for sides in _SIDES)
+    return refined(*apart, order=_ORDER, ratio=_RATIO)
 
 
+@cases.case(
+    "program.parts.shaft.mass",
+    "Read as a mesh in millimetres it has the drawing's mass, centre and inertia",
+    citation="integrals over its discs",
+    tolerance=Absolute(5e-4),
+    tolerance_reason="circles of a dozen curved sides",
+)
+def _mass(context: Context) -> Measurement:
+    total, centre, inertia = _weight()
+    off = []
+    for sides in _SIDES:
+        found = context.get(identified, sides)
+        apart = [
+            abs(found.total / total - 1.0),
+            np.abs(found.centre - centre).max() / _LENGTH,
+            np.abs(found.inertia - inertia).max() / np.abs(inertia).max(),
+        ]
+        off.append(float(max(apart)))
+    return refined(*off, order=_OF_ARCS, ratio=_RATIO)
+
+
+@cases.case(
+    "program.parts.shaft.rigid",
+    "Condensed on its ends it moves rigidly as the whole does; averaged ends give no less",
+    citation="its own mass, centre and inertia, seen from the first end; no forces between the "
+    "ends",
+    tolerance=Absolute(1e-9),
+    tolerance_reason="rounding, grown by the condition of a slender part",
+)
 def _rigid(context: Context) -> Measurement:
     found = context.get(identified, _SIDES[1])
     rigid = np.vstack([np.eye(6), _carried(_END - _START).T])
@@ -264,25 +233,7 @@ def _rigid(context: Context) -> Measurement:
         # Elastic forces of a rigid motion, beside those of a motion of one end.
         np.abs(found.stiffness @ rigid).max() / np.abs(found.stiffness).max(),
     ]
-    return Measurement(float(max(off)), 0.0, exact=True)
-
-
-def _mass(context: Context) -> Measurement:
-    total, centre, inertia = _weight()
-    off = []
-    for sides in _SIDES:
-        found = context.get(identified, sides)
-        apart = [
-            abs(found.total / total - 1.0),
-            np.abs(found.centre - centre).max() / _LENGTH,
-            np.abs(found.inertia - inertia).max() / np.abs(inertia).max(),
-        ]
-        off.append(float(max(apart)))
-    return _of_two(off[0], off[1], _OF_ARCS)
-
-
-def _of_two(coarse: float, fine: float, order: float = _ORDER) -> Measurement:
-    return Measurement(fine, 0.0, value_uncertainty=step_factor(_RATIO, order) * abs(fine - coarse))
+    return farthest_off(np.maximum(off, 0.0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -366,13 +317,34 @@ def _crank_by_hand() -> Array:
     return np.asarray(D @ _sum(_all()) @ D.T + np.outer(swing, swing) / _DRIVE)
 
 
+@cases.case(
+    lambda model, parts: (
+        f"program.parts.shaft.crank.{model}{'.condensed' * (parts == 'condensed')}"
+    ),
+    "As the crank of a robot it gives as much as its drive and its sections ({model})",
+    over={"model, parts": _MODELS},
+    citation=f"{_INTEGRAL}, turned, and the drive's angle",
+    tolerance=Absolute(_ROD),
+    tolerance_reason=_RODS,
+)
 def _crank(context: Context, model: ModelName) -> Measurement:
     expected = _crank_by_hand()
-    return _of_two(*(_apart(context.get(crank, s).compliance[model], expected) for s in _SIDES))
+    apart = (_apart(context.get(crank, s).compliance[model], expected) for s in _SIDES)
+    return refined(*apart, order=_ORDER, ratio=_RATIO)
 
 
+@cases.case(
+    "program.parts.shaft.crank.frequencies",
+    "A heavy mass on the crank swings on the crank's own springs",
+    citation="ω² = eigenvalues of C⁻¹/m, C the translations' compliance; the shaft's mass is left "
+    "out, a thousandth",
+    tolerance=Absolute(2e-3),
+    tolerance_reason="the shaft's own mass, at most half of a thousandth in frequency, and rod "
+    "theory",
+)
 def _frequencies(context: Context) -> Measurement:
     springs = np.linalg.eigvalsh(_crank_by_hand()[:3, :3])[::-1]
     expected = 1.0 / (2.0 * np.pi * np.sqrt(_TIP_MASS * springs))
     found = (context.get(crank, sides).frequencies for sides in _SIDES)
-    return _of_two(*(float(np.abs(one / expected - 1.0).max()) for one in found))
+    off = (np.abs(one / expected - 1.0).max() for one in found)
+    return refined(*off, order=_ORDER, ratio=_RATIO)

@@ -15,8 +15,10 @@ from lumped.mechanism.body import Body
 from lumped.mechanism.frame import Frame
 from lumped.mechanism.part import ByPlane, Part, PartInterface
 from lumped.models.cantilever import tip_compliance_of
-from validation.case import Absolute, Case, Measurement
-from validation.cases.program.parts.drawing import meshed
+from validation.agreement.differences import farthest_off
+from validation.case import Absolute, Measurement
+from validation.case_group import CaseGroup
+from validation.cases.program.parts.drawing import SECTION, meshed
 from validation.context import Context
 from validation.models.legs import leg_matrices
 from validation.models.options import ModelOptions
@@ -29,26 +31,7 @@ _SIZE, _PIECES = 30.0, 5
 _MM = 1e-3
 
 
-def cases() -> tuple[Case, ...]:
-    """Compliance and mass of the pieces."""
-    return (
-        Case(
-            id="program.parts.wedge.stepped",
-            title="A hollow box of falling height, stepped, is a row of prisms as drawn",
-            quantity="largest relative difference: stretch, bending, their levers, and mass",
-            unit="1",
-            reference_kind="closed-form",
-            citation="Σ lᵢ Lᵢᵀ diag(1/EAᵢ, 1/EIᵢ) Lᵢ, A = bh − b′h′ and 12 I = bh³ − b′h′³ in the "
-            "middle of each piece",
-            tolerance=Absolute(1e-6),
-            tolerance_reason="plane faces are cut exactly; line and places are rounded in the file",
-            compute=_stepped,
-            section="Parts of the program",
-            group="program.parts.wedge",
-            effort=0.5,
-            subject="program",
-        ),
-    )
+cases = CaseGroup(section=SECTION, group="program.parts.wedge", effort=0.5, subject="program")
 
 
 def pieces() -> tuple[Array, float]:
@@ -80,6 +63,17 @@ def _drawn(kernel: ModuleType) -> None:
     kernel.remove([(2, face)], recursive=True)
 
 
+@cases.case(
+    "program.parts.wedge.stepped",
+    "A hollow box of falling height, stepped, is a row of prisms as drawn",
+    quantity="largest relative difference: stretch, bending, their levers, and mass",
+    unit="1",
+    reference_kind="closed-form",
+    citation="Σ lᵢ Lᵢᵀ diag(1/EAᵢ, 1/EIᵢ) Lᵢ, A = bh − b′h′ and 12 I = bh³ − b′h′³ in the middle "
+    "of each piece",
+    tolerance=Absolute(1e-6),
+    tolerance_reason="plane faces are cut exactly; line and places are rounded in the file",
+)
 def _stepped(context: Context) -> Measurement:
     found, mass = context.get(pieces)
     expected, weight = np.zeros((6, 6)), 0.0
@@ -99,4 +93,4 @@ def _stepped(context: Context) -> Measurement:
     expected /= _STEEL.E
     entries = np.nonzero(expected)
     off = [*(found[entries] / expected[entries] - 1.0), mass / weight - 1.0]
-    return Measurement(float(np.abs(off).max()), 0.0, exact=True)
+    return farthest_off(off)

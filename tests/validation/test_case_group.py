@@ -1,0 +1,120 @@
+"""Declared cases: order, parameters, templates, and what is said of a wrong declaration."""
+
+import pytest
+
+from validation.agreement.differences import farthest_off, refined
+from validation.case import Absolute, Measurement
+from validation.case_group import CaseGroup
+
+COMMON = {
+    "quantity": "a number",
+    "unit": "1",
+    "reference_kind": "closed-form",
+    "citation": "by hand",
+    "tolerance": Absolute(0.5),
+    "tolerance_reason": "a count",
+}
+
+
+def exact(*values):
+    return Measurement(float(sum(values)), 0.0, exact=True)
+
+
+def test_cases_stand_in_the_order_of_parameters_of_the_group_then_of_declaration():
+    cases = CaseGroup(over={"leg": (1, 2)}, **COMMON)
+
+    @cases.case(
+        "leg{leg}.{name}",
+        "Leg {leg}: {name}, {size:.1f}",
+        over={"name, size": [("a", 1.25), ("b", 2.5)]},
+        tolerance=lambda size: Absolute(2.0 * size),
+        effort=3.0,
+    )
+    def named(context, leg, size):
+        return exact(context, leg, size)
+
+    @cases.case("leg{leg}.last", "Leg {leg}", unit="{leg} m")
+    def last(context):
+        return exact(context)
+
+    found = cases()
+    assert [case.id for case in found] == [
+        *("leg1.a", "leg1.b", "leg1.last"),
+        *("leg2.a", "leg2.b", "leg2.last"),
+    ]
+    assert [case.title for case in found[:2]] == ["Leg 1: a, 1.2", "Leg 1: b, 2.5"]
+    assert [case.tolerance for case in found[:3]] == [Absolute(a) for a in (2.5, 5.0, 0.5)]
+    assert [case.effort for case in found[1:3]] == [3.0, 0.1]
+    assert found[5].unit == "2 m"
+    # 100 + leg + size; what names no parameter is given none.
+    assert [case.compute(100.0).value for case in found] == [
+        *(102.25, 103.5, 100.0),
+        *(103.25, 104.5, 100.0),
+    ]
+    assert found[2].compute is last
+
+
+def test_parameters_may_follow_from_others_and_from_what_a_robot_file_gives():
+    cases = CaseGroup(**COMMON)
+
+    @cases.case(
+        "{model}.{mode}",
+        "{model}",
+        over={"model": ("beam", "rigid"), "mode": lambda model, modes: range(modes[model])},
+    )
+    def one(context, mode):
+        return exact(context, mode)
+
+    assert [case.id for case in cases(modes={"beam": 2, "rigid": 1})] == [
+        "beam.0",
+        "beam.1",
+        "rigid.0",
+    ]
+
+
+def test_braces_of_a_case_without_parameters_are_braces():
+    cases = CaseGroup(**COMMON)
+    cases.case("one", "The set {a}")(exact)
+    assert cases()[0].title == "The set {a}"
+
+
+@pytest.mark.parametrize(
+    ("declaration", "fault"),
+    [
+        ({"title": "{lenght}"}, KeyError),
+        ({"over": {"a, b": [(1,)]}}, ValueError),
+        ({"quantity": ""}, ValueError),
+        ({"effrot": 1.0}, TypeError),
+        ({"tolerance": lambda size: Absolute(2.0 * size)}, TypeError),
+    ],
+)
+def test_a_wrong_declaration_is_an_error_when_cases_are_listed(declaration, fault):
+    cases = CaseGroup(over={"length": (1, 2)}, **COMMON)
+    title, over = declaration.pop("title", "One"), declaration.pop("over", None)
+    cases.case("{length}", title, over=over, **declaration)(exact)
+    with pytest.raises(fault):
+        cases()
+
+
+def test_a_parameter_that_no_one_gives_is_an_error_when_cases_are_listed():
+    cases = CaseGroup(over={"length": (1, 2)}, **COMMON)
+
+    @cases.case("{length}", "One")
+    def misspelt(context, lenght):
+        return exact(context, lenght)
+
+    with pytest.raises(TypeError, match="lenght"):
+        cases()
+
+
+def test_the_farthest_of_numbers_that_should_be_zero():
+    assert farthest_off([0.0, -3.0, 2.0]) == Measurement(3.0, 0.0, exact=True)
+    assert farthest_off([1.0, float("nan")]).value != 1.0
+
+
+def test_two_meshes_leave_their_step_by_order_and_ratio():
+    # 3/(2² − 1) = 1 and 3/(√2⁴ − 1) = 1 of the step.
+    for order, ratio in ((2.0, 2.0), (4.0, 2.0**0.5)):
+        found = refined(1.5, 1.25, 1.0, order=order, ratio=ratio)
+        assert (found.value, found.reference) == (1.25, 1.0)
+        assert found.value_uncertainty == pytest.approx(0.25)

@@ -1,0 +1,129 @@
+"""Cases declared where they are computed, and said once what many of them have in common.
+
+    cases = CaseGroup(section="Parts of the program", group="program.parts.fork", unit="1")
+
+    @cases.case(
+        "program.parts.fork.forces.{kind}",
+        "A {kind} interface passes on the wrench that acts on it, and is not torn",
+        over={"kind": ("rigid", "pin", "average")},
+        quantity="largest resultant that is not the wrench",
+        ...
+    )
+    def _forces(context: Context, kind: Kind) -> Measurement: ...
+
+`cases()` has them in the order of their declaration. One declaration is as many cases as there are
+parameters to take it over: texts are templates of them ("{kind}", "{entry.unit}", "{alpha:g}"), and
+any field, the parameters of a later key of `over` too, may be a function of those it names. What
+computes a case is given the parameters that it names.
+"""
+
+from collections.abc import Callable, Iterable, Mapping
+from functools import partial
+from inspect import signature
+from typing import Any, TypeAlias, TypedDict, TypeVar, Unpack
+
+from validation.case import Case, Measurement, ReferenceKind, Relation, Tolerance
+from validation.context import About, Preset
+
+T = TypeVar("T")
+Field: TypeAlias = T | Callable[..., T]
+# Values by the parameter's name; by several names, "name, limit", tuples of values.
+Over: TypeAlias = Mapping[str, Field[Iterable[Any]]]
+Compute = TypeVar("Compute", bound=Callable[..., Measurement])
+
+
+class CaseFields(TypedDict, total=False):
+    """Fields of a `Case`, or functions of parameters that make them; texts are templates."""
+
+    quantity: Field[str]
+    unit: Field[str]
+    reference_kind: Field[ReferenceKind]
+    citation: Field[str]
+    tolerance: Field[Tolerance]
+    tolerance_reason: Field[str]
+    relation: Field[Relation]
+    presets: Field[tuple[Preset, ...]]
+    section: Field[str]
+    group: Field[str]
+    effort: Field[float]
+    model: Field[str]
+    subject: Field[About]
+    row: Field[str]
+    figure: Field[str]
+    label: Field[str]
+
+
+class CaseGroup:
+    """Cases with fields in `common`, all of them taken `over` the same parameters.
+
+    The parameters of the group are the outermost: all its cases for the first value, then all for
+    the next.
+    """
+
+    def __init__(self, *, over: Over | None = None, **common: Unpack[CaseFields]) -> None:
+        self._over = over or {}
+        self._common = common
+        self._declared: list[tuple[Callable[..., Measurement], Over, dict[str, Any]]] = []
+
+    def case(
+        self,
+        identifier: Field[str],
+        title: Field[str],
+        *,
+        over: Over | None = None,
+        **fields: Unpack[CaseFields],
+    ) -> Callable[[Compute], Compute]:
+        """Declare a case, or one for each combination of the parameters, by what computes it."""
+
+        def declare(compute: Compute) -> Compute:
+            own = {**self._common, "id": identifier, "title": title, **fields}
+            self._declared.append((compute, over or {}, own))
+            return compute
+
+        return declare
+
+    def __call__(self, **given: Any) -> tuple[Case, ...]:
+        """All cases; `given` parameters are those that a robot's file decides.
+
+        Raises KeyError for a template, TypeError for a function with a parameter that is not there.
+        """
+        return tuple(
+            _case(compute, row, fields)
+            for outer in _rows(given, self._over)
+            for compute, over, fields in self._declared
+            for row in _rows(outer, over)
+        )
+
+
+def _case(
+    compute: Callable[..., Measurement], row: Mapping[str, Any], fields: Mapping[str, Any]
+) -> Case:
+    named = _named(compute, row)
+    signature(compute).bind("context", **named)
+    return Case(
+        compute=partial(compute, **named) if named else compute,
+        **{name: _of(row, field) for name, field in fields.items()},
+    )
+
+
+def _rows(given: Mapping[str, Any], over: Over) -> list[dict[str, Any]]:
+    """Every combination of parameters, the last one of `over` changing fastest."""
+    rows = [dict(given)]
+    for key, values in over.items():
+        names = key.split(", ")
+        rows = [
+            row | dict(zip(names, value if len(names) > 1 else (value,), strict=True))
+            for row in rows
+            for value in _of(row, values)
+        ]
+    return rows
+
+
+def _of(row: Mapping[str, Any], field: Any) -> Any:
+    if isinstance(field, str):
+        return field.format(**row) if row else field
+    return field(**_named(field, row)) if callable(field) else field
+
+
+def _named(function: Callable[..., Any], row: Mapping[str, Any]) -> dict[str, Any]:
+    return {name: row[name] for name in signature(function).parameters if name in row}
