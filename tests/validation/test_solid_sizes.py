@@ -15,7 +15,7 @@ from validation.adequacy.biglide.dynamics import dynamic_reference, vibrations
 from validation.adequacy.judgement import judged
 from validation.adequacy.mechanism import dynamics as of_mechanisms
 from validation.adequacy.mechanism.path import path_postures
-from validation.adequacy.response import Candidate, Reference, Response, Subject
+from validation.adequacy.response import Candidate, Reference, Subject
 from validation.case import Skip
 from validation.catalogue import catalogue
 from validation.context import Context
@@ -87,7 +87,7 @@ def test_frequencies_without_such_a_reference_are_undecided_with_the_reason(cont
         coordinates=("x (m)",),
         poses=robot.stations(3)[:, None],
         weights=sample_weights(robot),
-        candidates=[Candidate("beam", "beam", Response(vibration=found))],
+        candidates=[Candidate("beam", "beam", found)],
         statics=Reference("none", ()),
         dynamics=reference,
     )

@@ -35,8 +35,11 @@ def explained(
     sources: dict[str, str] = {REST: "error less the causes named"}
     last = errors
     for rung in rungs_of(candidate, quantity):
-        after = scale.errors(_responses(scale, rung, quantity), quantity)
+        responses = _responses(scale, rung, quantity)
+        after = scale.errors(responses, quantity)
         if after is None or after.missing[:, pose].any():
+            if unsolved := next(filter(None, (one.unsolved(quantity) for one in responses)), ""):
+                sources[REST] += f"; {rung.cause} cannot be computed: {unsolved}"
             break
         amount = float(np.mean(last.error[:, pose] - after.error[:, pose]))
         amounts[rung.cause] = amounts.get(rung.cause, 0.0) + amount

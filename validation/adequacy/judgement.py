@@ -46,7 +46,7 @@ def _entry(scale: Scale, candidate: Candidate, quantity: str, limit: float) -> E
     same = [candidate.response] * len(reference.alternatives)
     errors = scale.errors(same, quantity)
     if errors is None:
-        return None if reference.alternatives else _unknown(scale, candidate, quantity, limit)
+        return _unknown(scale, candidate, quantity, limit)
     verdicts = verdicts_of(errors, limit, reference)
     low, high = errors.interval
     middle, half = 0.5 * (low + high), 0.5 * (high - low)
@@ -81,12 +81,12 @@ def _entry(scale: Scale, candidate: Candidate, quantity: str, limit: float) -> E
 
 
 def _unknown(scale: Scale, candidate: Candidate, quantity: str, limit: float) -> Entry | None:
-    """The entry of a quantity without reference; None where the candidate is silent of it too."""
-    response = candidate.response
+    """The entry of what has no reference or is not solved; None where the candidate is silent."""
+    response, reference = candidate.response, scale.reference(quantity)
+    unsolved = response.unsolved(quantity)
     static = quantity in STATIC_QUANTITIES
-    if (response.compliance if static else response.vibration) is None:
+    if (response.compliance if static else response.vibration) is None and not unsolved:
         return None
-    reference = scale.reference(quantity)
     return Entry(
         model=candidate.model,
         quantity=quantity,
@@ -96,7 +96,7 @@ def _unknown(scale: Scale, candidate: Candidate, quantity: str, limit: float) ->
         verdict="undecided",
         pose=_pose(scale.subject, 0),
         reference=reference.title,
-        reason=reference.decides,
+        reason=f"{candidate.model}: {unsolved}" if unsolved else reference.decides,
         computed_by=candidate.computed_by,
     )
 

@@ -1,8 +1,10 @@
 """What a model answers to unit wrenches at the tool and to being left to vibrate, pose by pose."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TypeAlias
 
+from lumped.acceptance.requirement import STATIC_QUANTITIES
 from lumped.arrays import Array
 from lumped.errors import ComputationError, InputError
 
@@ -23,11 +25,18 @@ class Vibration:
 class Response:
     """One model at p poses: `compliance` (p×6×6, SI, base axes, at the loaded point), `vibration`.
 
-    Zeros in the compliance mean rigid. None where the model has no masses, or no statics.
+    Zeros in the compliance mean rigid. None where the model has no masses, or no statics; where it
+    has them and cannot be solved, `unsolved_statics` and `unsolved_modes` say why.
     """
 
     compliance: Array | None = None
     vibration: Vibration | None = None
+    unsolved_statics: str = ""
+    unsolved_modes: str = ""
+
+    def unsolved(self, quantity: str) -> str:
+        """Why there is nothing of a quantity that there could be; "" where there is, or cannot."""
+        return self.unsolved_statics if quantity in STATIC_QUANTITIES else self.unsolved_modes
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,6 +71,30 @@ class Reference:
 
 # What solids of a leg may end with: walls too thin to mesh, a material that they lose in rounding.
 UNSOLVED = (InputError, ComputationError)
+# What a model of a sound robot may end with.
+REFUSED = (ComputationError,)
+Refusals: TypeAlias = tuple[type[Exception], ...]
+
+
+def statics_of(solve: Callable[[], Array], refusals: Refusals = REFUSED) -> Response:
+    """The compliances that `solve` gives, or why there are none: all else is judged without."""
+    try:
+        return Response(compliance=solve())
+    except refusals as error:
+        return Response(unsolved_statics=str(error))
+
+
+def together(statics: Response, modes: Response) -> Response:
+    """One response of the compliances of the first and the modes of the second."""
+    return replace(statics, vibration=modes.vibration, unsolved_modes=modes.unsolved_modes)
+
+
+def modes_of(solve: Callable[[], Vibration | None], refusals: Refusals = REFUSED) -> Response:
+    """The modes that `solve` gives, or why there are none; None where nothing has mass."""
+    try:
+        return Response(vibration=solve())
+    except refusals as error:
+        return Response(unsolved_modes=str(error))
 
 
 def no_reference(error: Exception) -> Reference:

@@ -29,7 +29,7 @@ from lumped.sections import Rectangle
 from validation.adequacy.biglide.statics import compliances, static_reference
 from validation.adequacy.judgement import judged
 from validation.adequacy.matrix import Matrix
-from validation.adequacy.response import Candidate, Reference, Subject
+from validation.adequacy.response import Candidate, Reference, Response, Subject
 from validation.context import Context
 from validation.faults.catalogue import FAULTS
 from validation.faults.fault import Change, Fault, Faulty, around, replaced
@@ -58,7 +58,9 @@ def statics() -> tuple[dict[str, Array], Matrix]:
     x = subject_robot.stations(5)
     robot_file = replace(IFW, described=subject_robot, built_in=False, source="faulty.toml")
     reference = static_reference(Context(robot_file, "quick"), subject_robot, x)
-    responses = {model: compliances(model, subject_robot, x, ModelOptions()) for model in MODELS}
+    responses = {
+        model: Response(compliances(model, subject_robot, x, ModelOptions())) for model in MODELS
+    }
     subject = Subject(
         robot="faulty",
         coordinates=("x (m)",),

@@ -28,7 +28,7 @@ from validation.adequacy.biglide.statics import compliances, static_reference
 from validation.adequacy.biglide.subject import POSTURES, biglide_subject
 from validation.adequacy.judgement import judged
 from validation.adequacy.matrix import Matrix
-from validation.adequacy.response import Candidate, Reference, Subject
+from validation.adequacy.response import Candidate, Reference, Response, Subject
 from validation.context import Context
 from validation.models.options import ModelName, ModelOptions
 from validation.solids.legs import COARSEST_WALLS, section_counts, static_ladder, static_slices
@@ -80,7 +80,7 @@ def static_matrices(robot: Biglide) -> list[Matrix]:
         poses=x[:, None],
         weights=np.zeros(0),
         candidates=[
-            Candidate(name, name, compliances(model, robot, x, options))
+            Candidate(name, name, Response(compliances(model, robot, x, options)))
             for name, (model, options) in MODELS.items()
         ],
         statics=static_reference(context_of(robot), robot, x),
@@ -131,8 +131,7 @@ def wrong_in_statics(robot: Biglide) -> list[str]:
     x = robot.stations(POSTURES)
     errors = {}
     for name, (model, options) in MODELS.items():
-        found = compliances(model, robot, x, options).compliance
-        assert found is not None
+        found = compliances(model, robot, x, options)
         own = np.diagonal(found, axis1=1, axis2=2)
         errors |= {
             (name, q): own[:, i] / expected[:, i] - 1.0 for i, q in enumerate(STATIC_QUANTITIES)

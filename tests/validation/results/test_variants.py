@@ -11,7 +11,7 @@ from lumped.acceptance.requirement import STATIC_QUANTITIES, Requirement
 from lumped.robot_file import RobotFile, load_robot
 from validation.adequacy.biglide.statics import compliances, static_reference
 from validation.adequacy.judgement import judged
-from validation.adequacy.response import Candidate, Reference, Subject
+from validation.adequacy.response import Candidate, Reference, Response, Subject
 from validation.context import Context
 from validation.models.biglide import robot_compliance
 from validation.models.options import ModelOptions
@@ -56,7 +56,7 @@ def saved(robot_file: RobotFile) -> SavedRun:
         poses=x[:, None],
         weights=np.zeros(0),
         candidates=[
-            Candidate(model, model, compliances(model, robot, x, ModelOptions()))
+            Candidate(model, model, Response(compliances(model, robot, x, ModelOptions())))
             for model in ("vjm", "beam")
         ],
         statics=static_reference(Context(robot_file, "quick"), robot, x),

@@ -1,5 +1,7 @@
 """Natural modes of the biglide over its stroke: models, ladders of causes, and the reference."""
 
+from collections.abc import Mapping
+from functools import partial
 from itertools import product
 
 import numpy as np
@@ -24,7 +26,14 @@ from validation.adequacy.common.references import (
     meshed_alternative,
 )
 from validation.adequacy.legs import OPEN_ENDS, own_constants
-from validation.adequacy.response import Reference, Rung, Vibration
+from validation.adequacy.response import (
+    UNSOLVED,
+    Reference,
+    Response,
+    Rung,
+    Vibration,
+    modes_of,
+)
 from validation.agreement.mode_pairing import centreline_samples
 from validation.context import Context
 from validation.models.biglide import highest_frequency
@@ -212,16 +221,21 @@ def _rigid_legs(robot: Biglide, x: float, velocity: Array, slides: Array) -> Arr
     return np.concatenate(rows)
 
 
-def vibrations(context: Context, robot: Biglide, postures: int) -> dict[str, Vibration | None]:
-    """What every model says of natural modes, by name; None where it has no masses."""
-    return {
-        "simplified": vibration_of(context, robot, "simplified", postures),
-        "vjm": None,
-        "vjm-equivalent": None,
-    } | {name: vibration_of(context, robot, name, postures) for name in _OF_ELEMENTS}
+_WITH_MASSES = (
+    "simplified",
+    "segments",
+    "beam",
+    "segments-euler-bernoulli",
+    "beam-euler-bernoulli",
+)
 
 
-_OF_ELEMENTS = ("segments", "beam", "segments-euler-bernoulli", "beam-euler-bernoulli")
+def vibrations(context: Context, robot: Biglide, postures: int) -> dict[str, Response]:
+    """What every model says of natural modes, by name: nothing where it has no masses."""
+    return {"vjm": Response(), "vjm-equivalent": Response()} | {
+        name: modes_of(partial(vibration_of, context, robot, name, postures))
+        for name in _WITH_MASSES
+    }
 
 
 def vibration_of(context: Context, robot: Biglide, name: str, postures: int) -> Vibration:
@@ -239,21 +253,23 @@ def vibration_of(context: Context, robot: Biglide, name: str, postures: int) -> 
 def dynamic_ladders(
     context: Context,
     robot: Biglide,
-    found: dict[str, Vibration | None],
+    found: Mapping[str, Response],
     reference: Reference,
     postures: int,
 ) -> dict[str, tuple[Rung, ...]]:
     """Rungs for frequencies by name of the model, each ladder from the model upwards."""
     names = [one.name for one in reference.alternatives]
-    finer = context.get(model_modes, robot, "segments", "timoshenko", FINER_SEGMENTS, postures)
+    if not names:
+        return {}
+    segments = robot, "segments", "timoshenko", FINER_SEGMENTS, postures
+    finer = modes_of(lambda: vibration(context.get(model_modes, *segments)))
     upper = () if reference.bracket else _upper(context, robot, names, postures)
-    refined = Refined(ELEMENTS, vibration(finer))
-    return dynamic_rungs(names, found, refined, upper, "legs and feet rigid")
+    return dynamic_rungs(names, found, Refined(ELEMENTS, finer), upper, "legs and feet rigid")
 
 
 def _upper(context: Context, robot: Biglide, names: list[str], postures: int) -> tuple[Rung, ...]:
-    def own(ends: tuple[Ends, Ends] | None) -> Vibration:
-        return vibration(context.get(own_modes, robot, ends, postures))
+    def own(ends: tuple[Ends, Ends] | None) -> Response:
+        return modes_of(lambda: vibration(context.get(own_modes, robot, ends, postures)), UNSOLVED)
 
     warping = {name: own(ends) for name, ends in holds(robot).items()}
     return dynamic_upper_rungs(names, own(None), warping)

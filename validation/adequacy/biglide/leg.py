@@ -3,12 +3,13 @@
 What a robot's feet and its other leg hide, the leg alone shows: torsion of open sections, say.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import partial
 
 import numpy as np
 
 from lumped.arrays import Array
-from lumped.legs import Ends, GivenLeg, Leg
+from lumped.legs import Ends, GivenLeg, Leg, given_compliance
 from validation.adequacy.biglide.statics import SAY_ENDS
 from validation.adequacy.legs import (
     HOLD,
@@ -30,6 +31,7 @@ from validation.adequacy.response import (
     Rung,
     Subject,
     no_reference,
+    statics_of,
 )
 from validation.context import Context
 from validation.models.legs import leg_compliance
@@ -48,12 +50,10 @@ MODELS: Mapping[str, tuple[ModelName, ModelOptions]] = {
 
 def leg_subject(context: Context, leg: Leg, name: str) -> Subject:
     """A leg and its models, statics alone."""
-    rungs: list[Rung] = []
     try:
-        reference = _reference(context, leg)
-        rungs = _rungs(context, leg)
+        reference, rungs = _reference(context, leg), _rungs(context, leg)
     except UNSOLVED as error:
-        reference = no_reference(error)
+        reference, rungs = no_reference(error), []
     candidates = []
     for model, (kind, options) in MODELS.items():
         shears = () if options.theory == "timoshenko" else (_shear(leg),)
@@ -62,7 +62,7 @@ def leg_subject(context: Context, leg: Leg, name: str) -> Subject:
             Candidate(
                 model=model,
                 title=model,
-                response=Response(leg_compliance(kind, leg, options)[None]),
+                response=_response(kind, leg, options),
                 static_rungs=(*shears, *equivalent),
                 computed_by=("validation.models.legs.leg_compliance",),
             )
@@ -78,14 +78,18 @@ def leg_subject(context: Context, leg: Leg, name: str) -> Subject:
     )
 
 
+def _response(model: ModelName, leg: Leg, options: ModelOptions) -> Response:
+    return statics_of(lambda: leg_compliance(model, leg, options)[None])
+
+
 def _holds(leg: Leg) -> dict[str, Ends]:
     if isinstance(leg, GivenLeg):
         return {"as given": "rigid"}
     return {leg.ends: leg.ends} if leg.ends else {hold: hold for hold in HOLD}
 
 
-def _everywhere(leg: Leg, compliance: Array) -> dict[str, Response]:
-    return dict.fromkeys(_holds(leg), Response(compliance[None]))
+def _everywhere(leg: Leg, spring: Callable[[], Array]) -> dict[str, Response]:
+    return dict.fromkeys(_holds(leg), statics_of(lambda: spring()[None], UNSOLVED))
 
 
 def _reference(context: Context, leg: Leg) -> Reference:
@@ -111,7 +115,7 @@ def _reference(context: Context, leg: Leg) -> Reference:
 
 
 def _shear(leg: Leg) -> Rung:
-    timoshenko = leg_compliance("vjm", leg, ModelOptions(legs="equivalent"))
+    timoshenko = partial(leg_compliance, "vjm", leg, ModelOptions(legs="equivalent"))
     return Rung(
         "shear deformation left out",
         "Timoshenko's cantilever",
@@ -126,37 +130,39 @@ def _rungs(context: Context, leg: Leg) -> list[Rung]:
             Rung(
                 "equivalent leg: another diagonal than the 6×6",
                 "the straight leg's entries of the 6×6",
-                _everywhere(leg, straight_spring(leg)),
+                _everywhere(leg, partial(straight_spring, leg)),
             ),
             Rung(
                 "equivalent leg: couplings of the 6×6 left out",
                 "the 6×6 as given",
-                _everywhere(leg, leg.compliance),
+                _everywhere(leg, partial(given_compliance, leg)),
                 "take the 6×6 with its couplings",
             ),
         ]
-    own = own_spring(context, leg)
-    warped, restrained = (
-        {name: Response(spring(context, leg, hold)[None]) for name, hold in _holds(leg).items()}
-        for spring in (held_spring, restrained_spring)
-    )
+
+    def held(spring: Callable[[Context, Leg, Ends], Array]) -> dict[str, Response]:
+        def solved(hold: Ends) -> Response:
+            return statics_of(lambda: spring(context, leg, hold)[None], UNSOLVED)
+
+        return {name: solved(hold) for name, hold in _holds(leg).items()}
+
     return [
         Rung(
             "textbook section constants",
             "fem.sections.section_constants",
-            _everywhere(leg, own),
+            _everywhere(leg, partial(own_spring, context, leg)),
             "take the section's constants from finite elements",
         ),
         Rung(
             "warping held at the ends",
             "Reissner's torsion with held ends, the section's own Γ",
-            warped,
+            held(held_spring),
             "add the warping stiffness",
         ),
         Rung(
             "contraction and warping by shear held at the ends",
             "fem.couplings.end_effects, exact along the leg",
-            restrained,
+            held(restrained_spring),
             "add what rigid end faces take",
         ),
     ]

@@ -6,12 +6,13 @@ that.
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 
 import numpy as np
 
 from lumped.arrays import Array
 from lumped.biglide import Biglide, postures
-from lumped.legs import ConstantLeg, Ends, GivenLeg, Leg
+from lumped.legs import ConstantLeg, Ends, GivenLeg, Leg, given_compliance
 from lumped.models import vjm
 from lumped.system.assembly import assembly
 from lumped.system.sweep import swept
@@ -32,7 +33,14 @@ from validation.adequacy.legs import (
     step_uncertainty,
     straight_spring,
 )
-from validation.adequacy.response import Alternative, Reference, Response, Rung
+from validation.adequacy.response import (
+    UNSOLVED,
+    Alternative,
+    Reference,
+    Response,
+    Rung,
+    statics_of,
+)
 from validation.context import Context
 from validation.models.biglide import robot_compliance
 from validation.models.options import ModelName, ModelOptions
@@ -43,13 +51,13 @@ _BY = "virtual joints"
 SAY_ENDS = 'say how the legs\' end faces are held: ends = "rigid" or "free" in [leg1], [leg2]'
 
 
-def compliances(model: ModelName, robot: Biglide, x: Array, options: ModelOptions) -> Response:
-    """What a model of the biglide answers; where it knows x and y alone, it is rigid."""
+def compliances(model: ModelName, robot: Biglide, x: Array, options: ModelOptions) -> Array:
+    """What a model answers at `x` (p×6×6, SI); where it knows x and y alone, it is rigid."""
     found = np.zeros((len(x), 6, 6))
     for at, station in enumerate(x.tolist()):
         known = robot_compliance(model, robot, station, options)
         found[at, : len(known), : len(known)] = known
-    return Response(compliance=found)
+    return found
 
 
 def holds(robot: Biglide) -> dict[str, tuple[Ends, Ends]]:
@@ -150,30 +158,35 @@ def static_ladders(context: Context, robot: Biglide, x: Array) -> dict[str, tupl
     names = tuple(holds(robot))
     legs = robot.leg1, robot.leg2
 
-    def joints(springs: tuple[Array, Array]) -> Response:
-        return Response(np.array([vjm.compliance(robot, at, springs) for at in x.tolist()]))
+    def joints(spring: Callable[[Leg, Ends], Array], ends: tuple[Ends, Ends]) -> Array:
+        first, second = (spring(leg, hold) for leg, hold in zip(legs, ends, strict=True))
+        return np.array([vjm.compliance(robot, at, (first, second)) for at in x.tolist()])
 
-    def everywhere(response: Response) -> Mapping[str, Response]:
-        return dict.fromkeys(names, response)
+    def held(spring: Callable[[Leg, Ends], Array]) -> Mapping[str, Response]:
+        return {
+            name: statics_of(partial(joints, spring, ends), UNSOLVED)
+            for name, ends in holds(robot).items()
+        }
 
-    def both(
-        spring: Callable[[Context, Leg, Ends], Array], ends: tuple[Ends, Ends]
-    ) -> tuple[Array, Array]:
-        return spring(context, legs[0], ends[0]), spring(context, legs[1], ends[1])
+    def everywhere(spring: Callable[[Leg], Array]) -> Mapping[str, Response]:
+        one = partial(joints, lambda leg, _: spring(leg), HOLD)
+        return dict.fromkeys(names, statics_of(one, UNSOLVED))
 
     given = any(isinstance(leg, GivenLeg) for leg in legs)
     upper: tuple[Rung, ...] = ()
     if not all(isinstance(leg, GivenLeg) for leg in legs):
         upper = static_upper_rungs(
-            everywhere(joints((own_spring(context, legs[0]), own_spring(context, legs[1])))),
-            {name: joints(both(held_spring, ends)) for name, ends in holds(robot).items()},
-            {name: joints(both(restrained_spring, ends)) for name, ends in holds(robot).items()},
+            everywhere(partial(own_spring, context)),
+            held(partial(held_spring, context)),
+            held(partial(restrained_spring, context)),
         )
-    as_given = everywhere(joints(vjm.given_leg_springs(robot)))
-    straight = everywhere(joints((straight_spring(legs[0]), straight_spring(legs[1]))))
-    equivalent = (*(given_leg_rungs(_BY, straight, as_given) if given else ()), *upper)
-    timoshenko = everywhere(compliances("vjm", robot, x, ModelOptions(legs="equivalent")))
-    shear = shear_rung(_BY, timoshenko)
+    as_given = everywhere(given_compliance)
+    equivalent = (
+        *(given_leg_rungs(_BY, everywhere(straight_spring), as_given) if given else ()),
+        *upper,
+    )
+    timoshenko = partial(compliances, "vjm", robot, x, ModelOptions(legs="equivalent"))
+    shear = shear_rung(_BY, dict.fromkeys(names, statics_of(timoshenko)))
     drives = Rung(
         "drives only: legs and feet rigid",
         f"{_BY} with the legs as given",

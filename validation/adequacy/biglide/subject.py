@@ -1,6 +1,7 @@
 """The biglide with its models and references, ready to be judged."""
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 
 import numpy as np
 
@@ -20,10 +21,11 @@ from validation.adequacy.response import (
     UNSOLVED,
     Candidate,
     Reference,
-    Response,
     Rung,
     Subject,
     no_reference,
+    statics_of,
+    together,
 )
 from validation.context import Context
 from validation.models.options import ModelName, ModelOptions
@@ -74,17 +76,18 @@ def biglide_subject(context: Context) -> Subject:
     statics, ladders = _statics(context, robot, x)
     modes = context.robot_file.requirement.modes
     found = vibrations(context, robot, POSTURES)
-    rungs: Mapping[str, Sequence[Rung]] = {}
     try:
         dynamics = dynamic_reference(context, robot, modes, POSTURES)
-        rungs = dynamic_ladders(context, robot, found, dynamics, POSTURES)
     except UNSOLVED as error:
         dynamics = no_reference(error)
+    rungs = dynamic_ladders(context, robot, found, dynamics, POSTURES)
     candidates = [
         Candidate(
             model=name,
             title=title,
-            response=Response(compliances(model, robot, x, options).compliance, found[name]),
+            response=together(
+                statics_of(partial(compliances, model, robot, x, options)), found[name]
+            ),
             static_rungs=ladders.get(name, ()),
             dynamic_rungs=rungs.get(name, ()),
             rigid=_RIGID if model == "simplified" else "",
@@ -116,9 +119,10 @@ def _statics(
 ) -> tuple[Reference, Mapping[str, Sequence[Rung]]]:
     """What deflections are held against, and what leads there, by model; none without solids."""
     try:
-        return static_reference(context, robot, x), static_ladders(context, robot, x)
+        reference = static_reference(context, robot, x)
     except UNSOLVED as error:
         return no_reference(error), {}
+    return reference, static_ladders(context, robot, x)
 
 
 def _on_equivalent_legs(context: Context, robot: Biglide, x: Array) -> Subject:
@@ -134,7 +138,7 @@ def _on_equivalent_legs(context: Context, robot: Biglide, x: Array) -> Subject:
             Candidate(
                 model=name,
                 title=title,
-                response=compliances(model, robot, x, options),
+                response=statics_of(partial(compliances, model, robot, x, options)),
                 static_rungs=ladders.get(name, ()),
                 computed_by=(f"validation.models.biglide.robot_compliance({model!r})",),
             )

@@ -6,7 +6,7 @@ Sources say by what; the responses are the robot's own.
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from validation.adequacy.response import Response, Rung, Vibration
+from validation.adequacy.response import Response, Rung
 
 _TIMOSHENKO = "use Timoshenko"
 
@@ -16,12 +16,12 @@ class Refined:
     """Segments on their way to beams: `finer` ones, twice as many as the model's `elements`."""
 
     elements: int
-    finer: Vibration
+    finer: Response
 
 
 def dynamic_rungs(
     names: Sequence[str],
-    found: Mapping[str, Vibration | None],
+    found: Mapping[str, Response],
     refined: Refined,
     above: tuple[Rung, ...],
     rigid: str,
@@ -31,8 +31,8 @@ def dynamic_rungs(
     `names` of the alternatives; `found` are the models' modes; `rigid` is what is in `simplified`.
     """
 
-    def same(modes: Vibration | None) -> dict[str, Response]:
-        return dict.fromkeys(names, Response(vibration=modes))
+    def same(modes: Response) -> dict[str, Response]:
+        return dict.fromkeys(names, modes)
 
     cause, twice = f"discretisation (n = {refined.elements})", 2 * refined.elements
     segments = (
@@ -58,20 +58,20 @@ def dynamic_rungs(
 
 
 def dynamic_upper_rungs(
-    names: Sequence[str], own: Vibration, warping: Mapping[str, Vibration]
+    names: Sequence[str], own: Response, warping: Mapping[str, Response]
 ) -> tuple[Rung, ...]:
     """From textbook constants to the sections' `own`, and to `warping` by alternative."""
     return (
         Rung(
             "textbook section constants",
             "fem.sections.section_constants, beam elements",
-            dict.fromkeys(names, Response(vibration=own)),
+            dict.fromkeys(names, own),
             "take the section's constants from finite elements",
         ),
         Rung(
             "warping: held at the ends, and non-uniform torsion between them",
             "beams with Reissner's torsion, the section's own Γ",
-            {name: Response(vibration=one) for name, one in warping.items()},
+            warping,
             "add the warping stiffness",
         ),
     )

@@ -43,7 +43,14 @@ from validation.adequacy.mechanism.part_solids import (
 from validation.adequacy.mechanism.path import has_given, holds, known_legs, left_open, offered
 from validation.adequacy.mechanism.samples import Samples, samples_of
 from validation.adequacy.partners import partners
-from validation.adequacy.response import Reference, Response, Rung, Vibration
+from validation.adequacy.response import (
+    UNSOLVED,
+    Reference,
+    Response,
+    Rung,
+    Vibration,
+    modes_of,
+)
 from validation.context import Context
 from validation.models.legs import filled
 from validation.models.mechanism import (
@@ -307,16 +314,23 @@ def _section_uncertainty(context: Context, postures: tuple[Posture, ...], judged
 def dynamic_ladders(
     context: Context,
     postures: tuple[Posture, ...],
-    found: Mapping[str, Vibration | None],
+    found: Mapping[str, Response],
     reference: Reference,
     judged: int,
 ) -> dict[str, tuple[Rung, ...]]:
     """Rungs for frequencies by name of the model, each ladder from the model upwards."""
     mechanism = postures[0].mechanism
     names = [one.name for one in reference.alternatives]
+    if not names:
+        return {}
 
-    more = ModelOptions(elements=_FINER_SEGMENTS)
-    finer = context.get(model_vibration, postures, "segments", more, offered(judged))
+    def solved_by(model: ModelName, options: ModelOptions) -> Response:
+        return modes_of(
+            partial(context.get, model_vibration, postures, model, options, offered(judged)),
+            UNSOLVED,
+        )
+
+    finer = solved_by("segments", ModelOptions(elements=_FINER_SEGMENTS))
     prisms = any(isinstance(leg, ConstantLeg) for leg in known_legs(mechanism).values())
     upper: tuple[Rung, ...] = ()
     if prisms and not reference.bracket:
@@ -324,11 +338,7 @@ def dynamic_ladders(
     of_parts = part_rungs(
         mechanism,
         names,
-        lambda kind: Response(
-            vibration=context.get(
-                model_vibration, postures, "beam", ModelOptions(parts=kind), offered(judged)
-            )
-        ),
+        lambda kind: solved_by("beam", ModelOptions(parts=kind)),
     )
     above = (*of_parts, *upper)
     inertia = _inner_modes(context, postures, names, judged) if of_parts else ()
@@ -347,12 +357,13 @@ def _inner_modes(
     """From Guyan's mass to modes of the parts' own, on a coarser mesh than the reference's."""
     hold = next(iter(holds(postures[0].mechanism).values()))
     number = DIVISIONS[context.preset], WALL_DIVISIONS[context.preset]
-    found = context.get(solid_vibration, postures, *number, hold, None, offered(judged), MIDDLE)
+    asked = postures, *number, hold, None, offered(judged), MIDDLE
+    found = modes_of(partial(context.get, solid_vibration, *asked), UNSOLVED)
     return (
         Rung(
             "inertia inside the parts (Guyan's mass)",
             "parts reduced by Craig and Bampton, the middle one of their meshes",
-            dict.fromkeys(names, Response(vibration=found)),
+            dict.fromkeys(names, found),
             "give the parts modes of their own: model solid",
         ),
     )
@@ -363,8 +374,9 @@ def _upper(
 ) -> tuple[Rung, ...]:
     count = offered(judged)
 
-    def own(ends: Mapping[str, Ends] | None) -> Vibration:
-        return context.get(own_vibration, postures, SECTION_DIVISIONS, ends, count)
+    def own(ends: Mapping[str, Ends] | None) -> Response:
+        asked = postures, SECTION_DIVISIONS, ends, count
+        return modes_of(partial(context.get, own_vibration, *asked), UNSOLVED)
 
     warping = {name: own(ends) for name, ends in holds(postures[0].mechanism).items()}
     return dynamic_upper_rungs(names, own(None), warping)

@@ -6,6 +6,7 @@ chains; it shares no code with the assembler.
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 
 import numpy as np
 
@@ -40,7 +41,14 @@ from validation.adequacy.mechanism.part_solids import (
     solid_parts,
 )
 from validation.adequacy.mechanism.path import has_given, holds, known_legs, left_open, offered
-from validation.adequacy.response import Alternative, Reference, Response, Rung
+from validation.adequacy.response import (
+    UNSOLVED,
+    Alternative,
+    Reference,
+    Response,
+    Rung,
+    statics_of,
+)
 from validation.context import Context
 from validation.models.mechanism import answers
 from validation.models.options import DEFAULT_OPTIONS, ModelName, ModelOptions, PartLegs
@@ -52,10 +60,9 @@ from validation.solids.legs import COARSEST_WALLS
 Springs = Mapping[str, Array]
 
 
-def compliances(postures: Sequence[Posture], model: ModelName, options: ModelOptions) -> Response:
-    """What a model of the mechanism answers to unit wrenches at the loaded point."""
-    found = answers(model, postures, 0, options)
-    return Response(compliance=np.array([answer.compliance for answer in found]))
+def compliances(postures: Sequence[Posture], model: ModelName, options: ModelOptions) -> Array:
+    """What a model of the mechanism answers to unit wrenches at the loaded point (p×6×6, SI)."""
+    return np.array([answer.compliance for answer in answers(model, postures, 0, options)])
 
 
 def is_serial(postures: Sequence[Posture]) -> str:
@@ -187,37 +194,41 @@ def static_ladders(context: Context, postures: Sequence[Posture]) -> dict[str, t
     serial = climb is summed
     by = "virtual joints" if serial else "links"
 
-    def joined(springs: Springs) -> Response:
-        return Response(climb(postures, springs))
+    def joined(springs: Callable[[], Springs]) -> Response:
+        return statics_of(lambda: climb(postures, springs()), UNSOLVED)
 
-    def everywhere(springs: Springs) -> dict[str, Response]:
+    def everywhere(springs: Callable[[], Springs]) -> dict[str, Response]:
         return dict.fromkeys(alternatives, joined(springs))
 
+    def each(spring: Callable[[Leg], Array]) -> dict[str, Response]:
+        return everywhere(lambda: {body: spring(leg) for body, leg in legs.items()})
+
     def idealised(parts: PartLegs) -> Response:
-        return compliances(postures, "beam", ModelOptions(parts=parts))
+        return statics_of(
+            partial(compliances, postures, "beam", ModelOptions(parts=parts)), UNSOLVED
+        )
 
     def held(spring: Callable[[Context, Leg, Ends], Array]) -> dict[str, Response]:
-        return {
-            name: joined({body: spring(context, leg, ends[body]) for body, leg in legs.items()})
-            for name, ends in alternatives.items()
-        }
+        def springs(ends: Mapping[str, Ends]) -> Springs:
+            return {body: spring(context, leg, ends[body]) for body, leg in legs.items()}
+
+        return {name: joined(partial(springs, ends)) for name, ends in alternatives.items()}
+
+    def straight(leg: Leg) -> Array:
+        return straight_spring(leg) if isinstance(leg, GivenLeg) else given_compliance(leg)
 
     upper: tuple[Rung, ...] = ()
     if any(isinstance(leg, ConstantLeg) for leg in legs.values()):
-        own = {name: own_spring(context, leg) for name, leg in legs.items()}
-        upper = static_upper_rungs(everywhere(own), held(held_spring), held(restrained_spring))
-    as_given = everywhere(tip_compliances(mechanism))
+        own = each(partial(own_spring, context))
+        upper = static_upper_rungs(own, held(held_spring), held(restrained_spring))
+    as_given = everywhere(partial(tip_compliances, mechanism))
     section: tuple[Rung, ...] = ()
     if has_given(mechanism):
-        straight = {
-            name: straight_spring(leg) if isinstance(leg, GivenLeg) else given_compliance(leg)
-            for name, leg in legs.items()
-        }
-        section = given_leg_rungs(by, everywhere(straight), as_given)
+        section = given_leg_rungs(by, each(straight), as_given)
     timoshenko = (
         dict.fromkeys(alternatives, idealised("equivalent"))
         if mechanism.parts
-        else everywhere(tip_compliances(mechanism, "equivalent"))
+        else everywhere(partial(tip_compliances, mechanism, "equivalent"))
     )
     shear = shear_rung(by, timoshenko)
     drives = Rung(

@@ -1,11 +1,13 @@
 """Any mechanism with its models and references, ready to be judged."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
+from lumped.mechanism.kinematics.mobility import mobility
 from lumped.mechanism.mechanism import Mechanism, Posture
 from validation.adequacy.common.references import bracketed_frequencies
 from validation.adequacy.mechanism.dynamics import (
@@ -26,13 +28,14 @@ from validation.adequacy.response import (
     UNSOLVED,
     Candidate,
     Response,
-    Rung,
     Subject,
     Vibration,
+    modes_of,
     no_reference,
+    statics_of,
+    together,
 )
 from validation.context import Context
-from validation.models.mechanism import answers
 from validation.models.options import STATIC, ModelName, ModelOptions
 from validation.models.part_legs import is_leg
 
@@ -91,21 +94,19 @@ def mechanism_subject(context: Context) -> Subject:
     postures = path_postures(context)
     count = context.robot_file.requirement.modes
     found = {
-        name: _vibration(context, postures, _MODELS[name], offered(count))
+        name: modes_of(partial(_vibration, context, postures, _MODELS[name], offered(count)))
         for name in mechanism_models(mechanism)
     }
-    static: Mapping[str, Sequence[Rung]] = {}
-    dynamic: Mapping[str, Sequence[Rung]] = {}
     try:
         statics = static_reference(context, postures)
-        static = static_ladders(context, postures)
     except UNSOLVED as error:
         statics = no_reference(error)
     try:
         dynamics = dynamic_reference(context, postures, count)
-        dynamic = dynamic_ladders(context, postures, found, dynamics, count)
     except UNSOLVED as error:
         dynamics = no_reference(error)
+    static = static_ladders(context, postures) if statics.alternatives else {}
+    dynamic = dynamic_ladders(context, postures, found, dynamics, count)
     candidates = [
         replace(
             _candidate(postures, name, found[name]),
@@ -140,15 +141,19 @@ def _vibration(
     return context.get(model_vibration, postures, model.kind, model.options, count)
 
 
-def _candidate(postures: tuple[Posture, ...], name: str, vibration: Vibration | None) -> Candidate:
+def _candidate(postures: tuple[Posture, ...], name: str, found: Response) -> Candidate:
     model = _MODELS[name]
     unable = unanswered(postures, model.kind, model.options)
-    statics = Response() if unable else compliances(postures, model.kind, model.options)
-    silent = _STATIC if model.kind in STATIC else "" if vibration else _NO_MASS
+    statics = Response()
+    if not unable:
+        statics = statics_of(partial(compliances, postures, model.kind, model.options))
+    silent = _STATIC if model.kind in STATIC else ""
+    if not silent and found.vibration is None and not found.unsolved_modes:
+        silent = _NO_MASS
     return Candidate(
         model=name,
         title=model.title,
-        response=replace(statics, vibration=vibration),
+        response=together(statics, found),
         rigid=_RIGID if name == "simplified" else "",
         silent=unable or silent,
         computed_by=(f"validation.models.mechanism.answers({model.kind!r})",),
@@ -162,6 +167,6 @@ def _path_note(mechanism: Mechanism, postures: tuple[Posture, ...]) -> tuple[str
 
 
 def _idle_note(postures: tuple[Posture, ...]) -> tuple[str, ...]:
-    idle = answers("simplified", postures[:1], 0)[0].idle
+    idle = mobility(postures[0]).idle
     what = "mobilities do" if idle > 1 else "mobility does"
     return (f"{idle} idle {what} not move the tool; no frequency counts them",) if idle else ()

@@ -92,8 +92,8 @@ def _frequency_case(model: str, index: int, modes: int) -> Case:
 def shown_statics(robot: Biglide, model: str) -> Array:
     """Diagonal of the 6×6 (postures × 6, SI) as the first screen has it."""
     kind, _, options = CANDIDATES[model]
-    found = compliances(kind, robot, robot.stations(POSTURES), options).compliance
-    return np.zeros((POSTURES, 6)) if found is None else np.diagonal(found, axis1=1, axis2=2)
+    found = compliances(kind, robot, robot.stations(POSTURES), options)
+    return np.diagonal(found, axis1=1, axis2=2)
 
 
 def expected_statics(robot: Biglide, legs: ritz.Legs, degree: int) -> Array:

@@ -90,8 +90,7 @@ def _frequency_case(model: str, kind: ModelName, index: int, modes: int) -> Case
 
 def shown_statics(postures: tuple[Posture, ...], kind: ModelName, options: ModelOptions) -> Array:
     """Diagonal of the 6×6 (poses × 6, SI) as the first screen has it."""
-    found = compliances(postures, kind, options).compliance
-    return np.zeros((len(postures), 6)) if found is None else np.diagonal(found, axis1=1, axis2=2)
+    return np.diagonal(compliances(postures, kind, options), axis1=1, axis2=2)
 
 
 def expected_statics(

@@ -1,0 +1,109 @@
+"""One model that cannot be solved leaves its own entries undecided, and all others judged."""
+
+import sys
+from functools import cache, wraps
+from pathlib import Path
+
+from lumped.acceptance.requirement import STATIC_QUANTITIES
+from lumped.errors import ComputationError
+from lumped.robot_file import load_robot
+from validation.adequacy.biglide import dynamics, leg, statics
+from validation.adequacy.causes import REST
+from validation.adequacy.matrix import Matrix
+from validation.adequacy.mechanism import dynamics as mechanism_dynamics
+from validation.adequacy.mechanism import statics as mechanism_statics
+from validation.adequacy.robot import robot_adequacy
+from validation.context import Context
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+from extreme_robots import extreme_robots
+
+ROBOTS = list(extreme_robots(60, 7))
+
+
+def matrix_of(robot: str) -> Matrix:
+    return robot_adequacy(Context(load_robot(robot), "quick"))
+
+
+@cache
+def untouched_matrix(robot: str) -> Matrix:
+    return matrix_of(robot)
+
+
+def refusing(monkeypatch, module, function, refused, *, place=0):
+    """`function` of the module refuses where `refused` says so of its argument at `place`."""
+    own = getattr(module, function)
+
+    @wraps(own)
+    def refuse(*args, **kwargs):
+        if refused(args[place]):
+            raise ComputationError(f"{args[place]} refused: lost in rounding")
+        return own(*args, **kwargs)
+
+    monkeypatch.setattr(module, function, refuse)
+
+
+def test_robots_that_models_cannot_solve_are_undecided_and_their_legs_judged(tmp_path):
+    # Legs that nearly align, a thin tube of 10⁶ Pa beside a given leg: at the end of the stroke
+    # nothing holds the platform by what double precision resolves.
+    path = tmp_path / "robot.toml"
+    path.write_text(ROBOTS[21], encoding="utf-8")
+    matrix = matrix_of(str(path))
+    for model, said in (
+        ("vjm", "the platform is free to turn"),
+        ("segments", "the stiffness matrix is not positive definite"),
+        ("beam", "the stiffness matrix is not positive definite"),
+    ):
+        for one in matrix.of_model(model):
+            assert one.reason.startswith(f"{model}: extreme 21")
+            assert said in one.reason
+    assert {one.verdict for one in matrix.entries} == {"undecided"}
+    assert {one.verdict for one in matrix.parts[1].of_model("vjm")} == {"adequate"}
+
+
+def test_a_biglide_is_judged_without_the_model_that_refuses(monkeypatch):
+    untouched = untouched_matrix("ifw")
+    refusing(monkeypatch, statics, "robot_compliance", lambda model: model == "segments")
+    refusing(monkeypatch, leg, "leg_compliance", lambda model: model == "segments")
+    refusing(monkeypatch, dynamics, "model_modes", lambda model: model == "beam", place=1)
+    matrix = matrix_of("ifw")
+    assert [(one.model, one.quantity) for one in matrix.entries] == [
+        (one.model, one.quantity) for one in untouched.entries
+    ]
+    for now, before in zip(matrix.entries, untouched.entries, strict=True):
+        static = now.quantity in STATIC_QUANTITIES
+        if now.model.startswith("segments") if static else now.model == "beam-euler-bernoulli":
+            assert (now.verdict, now.error) == ("undecided", None)
+            name = "segments" if static else "beam"
+            assert now.reason == f"{now.model}: {name} refused: lost in rounding"
+        else:
+            assert now == before
+    for part in (*matrix.parts, matrix.formulation):
+        assert {one.verdict for one in part.of_model("segments")} == {"undecided"}
+        assert "undecided" not in {one.verdict for one in part.of_model("beam")}
+
+
+def test_a_mechanism_is_judged_without_the_model_that_refuses(monkeypatch):
+    untouched = untouched_matrix("five-bar")
+    refusing(monkeypatch, mechanism_statics, "answers", lambda model: model == "segments")
+    refusing(monkeypatch, mechanism_dynamics, "dynamic_bodies", lambda model: model == "segments")
+    matrix = matrix_of("five-bar")
+    assert len(matrix.entries) == len(untouched.entries)
+    for now, before in zip(matrix.entries, untouched.entries, strict=True):
+        if now.model.startswith("segments"):
+            assert now.verdict == "undecided"
+            assert now.reason == f"{now.model}: segments refused: lost in rounding"
+        else:
+            assert now == before
+
+
+def test_a_step_that_is_not_solved_ends_the_causes_and_says_why(monkeypatch):
+    untouched = untouched_matrix("five-bar")
+    refusing(monkeypatch, mechanism_statics, "own_spring", lambda _: True)
+    matrix = matrix_of("five-bar")
+    for now, before in zip(matrix.entries, untouched.entries, strict=True):
+        assert (now.verdict, now.error) == (before.verdict, before.error)
+    wrong = next(one for one in matrix.of_model("simplified") if one.error is not None)
+    (rest,) = (cause for cause in wrong.causes if cause.cause == REST)
+    assert "refused: lost in rounding" in rest.source
