@@ -15,17 +15,19 @@ the ends of each leg; and it has no fewer than the reduced one (Rayleigh).
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 from scipy.linalg import block_diag, eigh
 
+from fem.reduction.counted_modes import counted_modes
 from fem.reduction.held import Held
-from fem.reduction.interface_modes import interface_modes
 from fem.reduction.superelement import HeldLeg, Superelement, reduced
 from lumped.arrays import Array
-from lumped.dense.modes import Modes, dense, fix_signs, solve_modes
+from lumped.dense.modes import Modes, dense, fix_signs
 from lumped.errors import InputError
+from lumped.system import solution
 from lumped.system.assembly import System
 
 # The error of a frequency f falls as (f/f_cut)⁷ in tension, faster in bending. For the first twenty
@@ -50,6 +52,20 @@ class CraigBampton(Superelement):
     truncated: Array
 
 
+class Truncated(Protocol):
+    """A reduced body, with what `frequency_bounds` asks of it."""
+
+    @property
+    def cutoff(self) -> float:
+        """Frequency (Hz) below which all modes with its interfaces held are kept."""
+        ...
+
+    @property
+    def truncated(self) -> Array:
+        """W (6m×6m), the dropped modes' Σ p pᵀ/ω_k⁶ on the twists of its interfaces."""
+        ...
+
+
 @dataclass(frozen=True)
 class FrequencyBounds:
     """The unreduced robot's frequencies (Hz, ascending) lie between `lower` and `upper`."""
@@ -67,7 +83,8 @@ class FrequencyBounds:
 class Reduction:
     """A body of any number of interfaces on (their twists, amplitudes) q: u = `recovery` q.
 
-    `stiffness`, `mass` (r×r); `cutoff`, `frequencies`, `truncated` as in `CraigBampton`.
+    `stiffness`, `mass` (r×r); `cutoff`, `frequencies`, `truncated` as in `CraigBampton`; `counted`
+    as in `fem.reduction.counted_modes`.
     """
 
     recovery: Array
@@ -76,6 +93,7 @@ class Reduction:
     cutoff: float
     frequencies: Array
     truncated: Array
+    counted: int | None
 
 
 def craig_bampton(
@@ -108,7 +126,7 @@ def reduction(held: Held, highest_frequency: float, cutoff: float | None = None)
             f"cut-off = {chosen:g} Hz: must be above the highest frequency asked for, "
             f"{highest_frequency:g} Hz ({CUTOFF_FACTOR:g} times that is usual)"
         )
-    modes = interface_modes(held, chosen)
+    modes = counted_modes(held, chosen)
     constraint = held.constraint_modes
     momenta = held.mass @ constraint
     ends_mass = constraint.T @ momenta
@@ -120,9 +138,10 @@ def reduction(held: Held, highest_frequency: float, cutoff: float | None = None)
         recovery=np.hstack([constraint, shapes]),
         stiffness=block_diag(held.stiffness, np.diag(squared)),
         mass=np.block([[ends_mass, participation.T], [participation, np.eye(len(squared))]]),
-        cutoff=chosen,
+        cutoff=modes.cutoff,
         frequencies=modes.frequencies,
         truncated=truncated,
+        counted=modes.counted,
     )
 
 
@@ -154,34 +173,33 @@ def _symmetric(matrix: Array) -> Array:
     return np.asarray(0.5 * (matrix + matrix.T))
 
 
-def frequency_bounds(
-    system: System, legs: Mapping[str, CraigBampton], count: int
-) -> FrequencyBounds:
+def frequency_bounds(system: System, legs: Mapping[str, Truncated], count: int) -> FrequencyBounds:
     """Bounds on the first `count` frequencies of the robot whose legs were reduced to `legs`.
 
-    `system` is the reduced robot, assembled from the `matrices` of `legs` by name of the body.
+    `system` is the reduced robot, assembled from the matrices of `legs` by name of the body.
     Raises InputError where a frequency is not below the cut-off of a leg.
     """
-    upper = solve_modes(system.stiffness, system.mass, count, system.name).frequencies
+    whole = replace(system, stiffness=dense(system.stiffness), mass=dense(system.mass))
+    upper = solution.modes(solution.solved(whole), count).frequencies
     cutoff = min(leg.cutoff for leg in legs.values())
     if upper[-1] >= cutoff:
         raise InputError(
             f"{system.name}: frequency {count} of the reduced robot is {upper[-1]:g} Hz, and "
             f"the legs' modes are cut off at {cutoff:g} Hz: raise the cut-off or ask for fewer"
         )
-    stiffness, mass, outer = dense(system.stiffness), dense(system.mass), system.outer
+    outer = system.outer
     dropped = {
         name: system.ends[name].T @ leg.truncated @ system.ends[name] for name, leg in legs.items()
     }
     lower = np.empty(count)
     for j, frequency in enumerate(upper):
         squared = (2.0 * np.pi * frequency) ** 2
-        added = np.zeros_like(mass)
+        added = np.zeros_like(whole.mass)
         added[:outer, :outer] = sum(
             squared**3 / (1.0 - (frequency / leg.cutoff) ** 2) * dropped[name]
             for name, leg in legs.items()
         )
-        lowered = solve_modes(stiffness, mass + added, j + 1, system.name)
-        lower[j] = lowered.frequencies[j]
+        heavier = replace(whole, mass=whole.mass + added)
+        lower[j] = solution.modes(solution.solved(heavier), j + 1).frequencies[j]
     # Where nothing is dropped both are one number but for rounding.
     return FrequencyBounds(lower=np.minimum(lower, upper), upper=upper)

@@ -7,7 +7,7 @@ pay twice: the factor is read once for all of them, and a mode that repeats is f
 import numpy as np
 from scipy.linalg import LinAlgError, cholesky, eigh, solve_triangular
 
-from fem.reduction.held import Held
+from fem.reduction.held import Swinging
 from lumped.arrays import Array, SparseMatrix
 from lumped.dense.modes import Modes, fix_signs
 from lumped.errors import ComputationError
@@ -21,23 +21,24 @@ _CONVERGED = 1e-9
 _SEED = 1
 
 
-def interface_modes(held: Held, cutoff: float) -> Modes:
+def interface_modes(held: Swinging, cutoff: float, search: int = 0) -> Modes:
     """All modes below `cutoff` (Hz) with both ends held; shapes (n×m) mass-normalised, on u.
 
-    Raises ComputationError where they are too many to find.
+    Every number of a `search` starts from noise of its own. Raises ComputationError where they are
+    too many to find.
     """
-    modes = None if held.size <= _DENSE_SIZE else _modes_below(held, cutoff)
+    modes = None if held.size <= _DENSE_SIZE else _modes_below(held, cutoff, _SEED + search)
     if modes is None:
         modes = _all_modes(held)
     kept = modes.frequencies < cutoff
     return Modes(frequencies=modes.frequencies[kept], shapes=fix_signs(modes.shapes[:, kept]))
 
 
-def _modes_below(held: Held, cutoff: float) -> Modes | None:
+def _modes_below(held: Swinging, cutoff: float, seed: int) -> Modes | None:
     """All modes below the cut-off; None where these are a large part of all there are."""
     smallest = (2.0 * np.pi * cutoff) ** -2
     # Noise has a share in the modes of every symmetry; Lanczos finds none that its start lacks.
-    noise = np.random.default_rng(_SEED).standard_normal((held.size, _BLOCK))
+    noise = np.random.default_rng(seed).standard_normal((held.size, _BLOCK))
     block, _ = _orthonormal(held.mass, held.flexibility(noise))
     basis = [block]
     projected = np.zeros((0, 0))
@@ -102,7 +103,7 @@ def _ritz_modes(basis: list[Array], inverse_squares: Array, vectors: Array) -> M
     return Modes(1.0 / (2.0 * np.pi * np.sqrt(inverse_squares[::-1])), shapes)
 
 
-def _all_modes(held: Held) -> Modes:
+def _all_modes(held: Swinging) -> Modes:
     """All modes with mass: with A = S Sᵀ, Sᵀ M S w = w/λ and φ = √λ S w."""
     flexibility = held.flexibility(np.eye(held.size))
     scale = np.sqrt(np.maximum(np.diag(flexibility), np.finfo(float).tiny))

@@ -50,6 +50,10 @@ class HeldLeg:
         """Number of unknowns n."""
         return int(self.constraint_modes.shape[0])
 
+    @property
+    def inertia(self) -> None:
+        """Not counted: legs are prisms, whose modes are those of beams, all kinds in order."""
+
 
 @dataclass(frozen=True, eq=False)
 class Superelement:

@@ -112,6 +112,8 @@ def static_bodies(
         whole: PartLegs = "equivalent" if options.legs == "equivalent" else "condensed"
         own = replace(options, parts=whole)
         return dict(links(mechanism, springs)) | part_models(mechanism, own, _link)
+    if model == "solid":
+        options = replace(options, parts="condensed")
     return bodies_of(mechanism, options, partial(condensed_leg, model))
 
 

@@ -4,10 +4,11 @@ Meshed, factorised and reduced once, kept on the disk and in memory (validation.
 """
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
+import numpy as np
 from scipy.sparse import csr_array
 from scipy.spatial import cKDTree
 
@@ -16,7 +17,7 @@ from fem.reduction.craig_bampton import reduction
 from fem.reduction.held import HeldBody
 from lumped.arrays import Array, SparseMatrix
 from lumped.caches import lru_cache
-from lumped.errors import InputError
+from lumped.errors import ComputationError, InputError
 from lumped.mechanism.body import Body
 from lumped.mechanism.body_model import BodyModel
 from lumped.mechanism.frame import Frame
@@ -33,6 +34,20 @@ UNKNOWNS = 60_000
 _MODES = 6
 
 Hold: TypeAlias = Literal["rigid", "average"]
+
+
+@dataclass(frozen=True, eq=False)
+class ReducedPart(BodyModel):
+    """A part reduced by Craig and Bampton for frequencies up to `highest` (Hz).
+
+    With its interfaces held `counted` modes lie below `cutoff` (Hz), by inertia, and all are kept;
+    `truncated` W (6m×6m) is what bounds the error (fem.reduction.craig_bampton).
+    """
+
+    highest: float = field(kw_only=True)
+    cutoff: float = field(kw_only=True)
+    counted: int = field(kw_only=True)
+    truncated: Array = field(kw_only=True)
 
 
 @lru_cache(maxsize=16)
@@ -87,10 +102,11 @@ def condensed(body: Body) -> BodyModel:
 
 def reduced(
     body: Body, highest: float, cutoff: float, rung: int = FINEST, hold: Hold = "rigid"
-) -> BodyModel:
+) -> ReducedPart:
     """One of the part's meshes, reduced by Craig and Bampton for frequencies up to `highest` (Hz).
 
-    `hold`: how interfaces are held of which the robot file does not say it.
+    `hold`: how interfaces are held of which the robot file does not say it. Raises ComputationError
+    where it has not the modes that were counted.
     """
     file, known = found_in(body)
     shape = shape_of(body)
@@ -108,13 +124,39 @@ def reduced(
             "mass": found.mass,
             "nodes": mesh.nodes,
             "recovery": rooted.solid.transformation @ found.recovery,
+            "cutoff": found.cutoff,
+            "counted": found.counted,
+            "truncated": found.truncated,
         }
 
     key = key_of(file, interfaces, shape.material, "reduced", UNKNOWNS, rung, highest, cutoff)
     found = kept(key, compute)
     moved = _of_nearest(found["nodes"], found["recovery"])
     names = tuple(body.interfaces)
-    return BodyModel("solid, reduced", names, found["stiffness"], found["mass"], moved)
+    model = ReducedPart(
+        "solid, reduced",
+        names,
+        found["stiffness"],
+        found["mass"],
+        moved,
+        highest=highest,
+        cutoff=float(found["cutoff"]),
+        counted=int(found["counted"]),
+        truncated=found["truncated"],
+    )
+    _require_counted(model, body.name)
+    return model
+
+
+def _require_counted(part: ReducedPart, name: str) -> None:
+    """Raise ComputationError unless there are as many modes below the cut-off as were counted."""
+    squared = np.diag(part.stiffness)[6 * len(part.interfaces) :]
+    kept_modes = int((squared < (2.0 * np.pi * part.cutoff) ** 2).sum())
+    if kept_modes != part.counted:
+        raise ComputationError(
+            f"{name}, reduced: {part.counted} modes were counted below {part.cutoff:.6g} Hz with "
+            f"its interfaces held, {kept_modes} are in its reduction"
+        )
 
 
 def _of_nearest(nodes: Array, recovery: Array) -> Callable[[Array], SparseMatrix]:

@@ -73,7 +73,9 @@ def _compliances(found: Identified) -> list[str]:
 
 
 def _frequencies(found: Identified) -> list[str]:
-    lines = [f"frequencies with {found.interfaces[0].name} clamped (Hz); as above"]
+    lines = [
+        f"frequencies with {found.interfaces[0].name} clamped (Hz), none missing by count; as above"
+    ]
     rows = zip(found.frequencies, found.frequency_refinement, found.frequency_bracket, strict=True)
     for number, (value, refinement, bracket) in enumerate(rows, start=1):
         lines.append(

@@ -45,13 +45,33 @@ class MeshUncertainty:
 
 
 @dataclass(frozen=True)
+class PartUncertainty:
+    """What the CAD parts of a mechanism leave open: diagonal of its 6×6 (SI), frequencies (Hz).
+
+    `compliance`, `frequencies`: half-widths of 95 % intervals by the three meshes of each part,
+    infinite for a part that is a mesh; `compliance_bracket`, `frequency_bracket`: with averaged
+    interfaces less with rigid ones, of those of which nobody says how they are held. `reduction`:
+    most by which frequencies are too high for the modes that were dropped; `counted`: by part, how
+    many lie below which frequency (Hz) with its interfaces held, all of them kept.
+    """
+
+    compliance: Array
+    frequencies: Array
+    compliance_bracket: Array
+    frequency_bracket: Array
+    reduction: Array
+    counted: Mapping[str, tuple[int, float]]
+
+
+@dataclass(frozen=True)
 class Answer:
     """Compliance (6×6 or 2×2, SI) and frequencies (Hz, ascending) at one posture or of one leg.
 
     `place` is {"x": m}, {"pose": [m or rad]}, {"leg": 1 or 2} or {"body": name}; `idle` counts the
     mobilities of a mechanism that do not move its tool; `strain` maps its drives, joints and bodies
     to their shares of each mode's strain energy, `pairs` is the record of the modes' partners in
-    another model; `uncertainty` is that of the mesh where one is known, None else.
+    another model; `uncertainty` is that of the mesh of prisms where one is known, None else, and
+    `of_parts` that of CAD parts.
     """
 
     place: dict[str, float | int | str | list[float]]
@@ -59,6 +79,7 @@ class Answer:
     frequencies: Array
     idle: int | None = None
     uncertainty: MeshUncertainty | None = None
+    of_parts: PartUncertainty | None = None
     strain: Mapping[str, Array] = field(default_factory=dict)
     pairs: Mapping[str, Any] = field(default_factory=dict)
 
@@ -107,6 +128,7 @@ def record_of(answer: Answer) -> dict[str, Any]:
         "frequencies": [f if np.isfinite(f) else None for f in answer.frequencies.tolist()],
         **({} if answer.idle is None else {"idle": answer.idle}),
         **({} if answer.uncertainty is None else _record(answer.uncertainty)),
+        **({} if answer.of_parts is None else {"parts": _part_record(answer.of_parts)}),
         **_mode_records(answer),
     }
 
@@ -128,6 +150,26 @@ def _record(uncertainty: MeshUncertainty) -> dict[str, Any]:
         "frequencies": uncertainty.frequencies.tolist(),
     }
     return {"uncertainty": found}
+
+
+def _part_record(found: PartUncertainty) -> dict[str, Any]:
+    known = bool(np.isfinite(found.compliance).all())
+    return {
+        "uncertainty": {
+            "compliance": found.compliance.tolist(),
+            "frequencies": found.frequencies.tolist(),
+        }
+        if known
+        else None,
+        "averaged_less_rigid": {
+            "compliance": found.compliance_bracket.tolist(),
+            "frequencies": found.frequency_bracket.tolist(),
+        },
+        "reduction": found.reduction.tolist(),
+        "modes_counted": {
+            name: {"count": count, "below": below} for name, (count, below) in found.counted.items()
+        },
+    }
 
 
 def as_text(solution: Solution) -> str:
@@ -158,6 +200,8 @@ def _answer_lines(answer: Answer) -> list[str]:
         lines.append(f"  {answer.idle} idle mobilities, which do not move the tool")
     if answer.uncertainty is not None:
         lines += _uncertainty_lines(answer, answer.uncertainty)
+    if answer.of_parts is not None:
+        lines += _part_lines(answer, answer.of_parts)
     return lines
 
 
@@ -191,15 +235,42 @@ def _uncertainty_lines(answer: Answer, found: MeshUncertainty) -> list[str]:
             f"  uncertainty of the mesh: not known; the mesh that would tell it, --divisions "
             f"{found.divisions}, is too large"
         ]
-    names = ("x", "y", "z", "φx", "φy", "φz")
-    shares = 100.0 * found.compliance / np.abs(np.diag(answer.compliance))
-    lines = [
+    return [
         f"  uncertainty of the mesh (95 %, from the one of --divisions {found.divisions}):",
-        "    " + ", ".join(f"{n} {s:.2g} %" for n, s in zip(names, shares, strict=True)),
+        *_share_lines(answer, found.compliance, found.frequencies),
     ]
+
+
+def _part_lines(answer: Answer, found: PartUncertainty) -> list[str]:
+    """What meshes, holding and reduction of CAD parts leave open."""
+    if np.isfinite(found.compliance).all():
+        lines = ["  uncertainty of the parts' meshes (95 %, from three of each):"]
+        lines += _share_lines(answer, found.compliance, found.frequencies)
+    else:
+        lines = ["  uncertainty of the parts' meshes: not known, a mesh that is given has no other"]
+    if found.compliance_bracket.any():
+        lines.append("  with averaged interfaces less with rigid ones, of which nobody says it:")
+        lines += _share_lines(answer, found.compliance_bracket, found.frequency_bracket, "+.2g")
+    if found.counted and len(answer.frequencies):
+        counts = ", ".join(
+            f"{name} {count} below {below:.4g} Hz" for name, (count, below) in found.counted.items()
+        )
+        most = 100.0 * float(np.max(found.reduction / answer.frequencies))
+        lines.append(f"  modes of the parts with interfaces held, counted and all kept: {counts};")
+        lines.append(f"    those dropped lower no frequency by more than {most:.1g} %")
+    return lines
+
+
+def _share_lines(
+    answer: Answer, compliance: Array, frequencies: Array, digits: str = ".2g"
+) -> list[str]:
+    """Shares of the diagonal of the compliance and of the frequencies, in percent."""
+    names = ("x", "y", "z", "φx", "φy", "φz")
+    shares = 100.0 * compliance / np.abs(np.diag(answer.compliance))
+    lines = ["    " + ", ".join(f"{n} {s:{digits}} %" for n, s in zip(names, shares, strict=True))]
     if len(answer.frequencies):
-        shares = 100.0 * found.frequencies / answer.frequencies
-        lines.append("    frequencies " + ", ".join(f"{share:.2g} %" for share in shares))
+        shares = 100.0 * frequencies / answer.frequencies
+        lines.append("    frequencies " + ", ".join(f"{share:{digits}} %" for share in shares))
     return lines
 
 

@@ -14,13 +14,20 @@ from lumped.mechanism.mechanism import GROUND, Mechanism, Posture
 from lumped.models.bodies import leg_of, legs_of
 from validation.kinematics.poses import parsed_pose
 from validation.models.legs import leg_compliance, leg_frequencies
-from validation.models.mechanism import answers, constant_legs
+from validation.models.mechanism import answers, constant_legs, static_bodies
 from validation.models.mechanism_modes import mechanism_modes
 from validation.models.options import STATIC, ModelName, ModelOptions
-from validation.solve.answer import DEFAULT_MODES, OF_ELEMENTS, OPTIONS, Answer, Solution
+from validation.solve.answer import (
+    DEFAULT_MODES,
+    OF_ELEMENTS,
+    OPTIONS,
+    Answer,
+    PartUncertainty,
+    Solution,
+)
 from validation.solve.cost import Cost, dense_cost, require_affordable, solid_cost
 from validation.solve.pairs import paired
-from validation.solve.uncertainty import beside, with_uncertainty, without_uncertainty
+from validation.solve.uncertainty import beside, of_parts, with_uncertainty, without_uncertainty
 
 # Eq. (25) as printed is a statement about the paper's own robot.
 _BIGLIDE_ALONE = ("release",)
@@ -89,20 +96,20 @@ def solve_mechanism(question: MechanismQuestion) -> Solution:
         if name in _listens(model) and name not in _unheard(mechanism)
     }
 
-    def answered(options: ModelOptions) -> list[Answer]:
+    typed = [parsed_pose(mechanism, text) for text in question.poses]
+    at = [posture(mechanism, pose) for pose in typed] or [reference_posture(mechanism)]
+
+    def answered(options: ModelOptions, *, alone: bool = False) -> list[Answer]:
         if question.body is not None:
             return [_of_body(mechanism, model, question.body, count, options)]
-        typed = [parsed_pose(mechanism, text) for text in question.poses]
-        at = [posture(mechanism, pose) for pose in typed] or [reference_posture(mechanism)]
-        return _in_postures(question, at, options)
+        return _in_postures(question, at, options, alone=alone)
 
     found = answered(options)
     legs = _meshed(question, mechanism, options)
-    # Parts have meshes of their own, whose uncertainty identifying them says.
-    if legs and (question.body is not None or not mechanism.parts):
+    if legs:
         other = beside(options, legs)
         if other.divisions < options.divisions or _affordable(question, other):
-            found = with_uncertainty(found, answered(other), legs, options)
+            found = with_uncertainty(found, answered(other, alone=True), legs, options)
         else:
             found = without_uncertainty(found, other.divisions)
     return Solution(mechanism.name, model, heard, tuple(found))
@@ -128,22 +135,30 @@ def _affordable(question: MechanismQuestion, options: ModelOptions) -> bool:
 
 
 def _in_postures(
-    question: MechanismQuestion, at: Sequence[Posture], options: ModelOptions
+    question: MechanismQuestion, at: Sequence[Posture], options: ModelOptions, *, alone: bool
 ) -> list[Answer]:
-    model, count = question.model, question.count
+    """The answers, unless `alone` with what parts among the solids leave open."""
+    model, count, mechanism = question.model, question.count, question.mechanism
+    left_open = model == "solid" and not alone and bool(mechanism.parts)
+    parts: list[PartUncertainty | None] = [None] * len(at)
     if not count:
+        if left_open:
+            parts = [*of_parts(at, static_bodies(model, mechanism, options), 0)]
         return [
-            Answer(_place(one.posture), one.compliance, one.frequencies, one.idle)
-            for one in answers(model, at, 0, options)
+            Answer(_place(one.posture), one.compliance, one.frequencies, one.idle, of_parts=part)
+            for one, part in zip(answers(model, at, 0, options), parts, strict=True)
         ]
     found = mechanism_modes(model, at, count, options)
     pairs = paired(found, question.against, options) if question.against else None
+    if left_open:
+        parts = [*of_parts(at, found[0].system.models, count)]
     return [
         Answer(
             _place(one.posture),
             one.compliance,
             one.modes.frequencies,
             one.idle,
+            of_parts=parts[place],
             strain=one.strain,
             pairs=pairs.record(place) if pairs else {},
         )

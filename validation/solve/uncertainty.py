@@ -1,20 +1,32 @@
-"""Numerical uncertainty of what `solve` says of the biglide's solids, from one more mesh."""
+"""Numerical uncertainty of what `solve` says of solids, from other meshes of prisms and parts."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from math import cbrt, sqrt
 
 import numpy as np
 
+from fem.reduction.craig_bampton import frequency_bounds
+from lumped.arrays import Array
 from lumped.errors import InputError
 from lumped.legs import Leg, equivalent_leg
+from lumped.mechanism.body_model import BodyModel
+from lumped.mechanism.mechanism import Posture
 from lumped.sections import Section
+from lumped.system.assembly import System, assembly
+from lumped.system.sweep import swept
 from meshes.section.section_blocks import element_count
+from validation.adequacy.mechanism.part_solids import UNKNOWN, refinement_share
 from validation.agreement.convergence import step_factor
+from validation.models.mechanism import CUTOFF
 from validation.models.options import ModelOptions
+from validation.models.parts import Hold, ReducedPart, is_held_as_said, reduced
+from validation.parts.meshes import FINEST
 from validation.solids.legs import formal_order
-from validation.solve.answer import Answer, MeshUncertainty
+from validation.solve.answer import Answer, MeshUncertainty, PartUncertainty
 
+# Parts are reduced for statics alone by modes up to here (Hz), where they have none.
+_STILL = 1e-3
 # Elements of one mesh to those of the other, in size: walls of one element across keep that one,
 # so that half the divisions come to 1.3.
 _RATIO = 1.25
@@ -90,3 +102,53 @@ def without_uncertainty(answers: Sequence[Answer], divisions: int) -> list[Answe
         )
         for one in answers
     ]
+
+
+def of_parts(
+    postures: Sequence[Posture], models: Mapping[str, BodyModel], count: int
+) -> list[PartUncertainty]:
+    """What the parts of a mechanism, solids among its `models`, leave open in every posture.
+
+    Of its compliance and `count` frequencies: each part on its three meshes, and with averaged
+    interfaces in the place of rigid ones where the robot file does not say how they are held. All
+    other bodies as they are.
+    """
+    mechanism = postures[0].mechanism
+    bodies = mechanism.parts
+    solids = {name: one for name, one in models.items() if isinstance(one, ReducedPart)}
+    highest = max((one.highest for one in solids.values()), default=_STILL)
+
+    def again(rung: int, hold: Hold = "rigid") -> Array:
+        own = {
+            name: reduced(body, highest, CUTOFF["solid"] * highest, rung, hold)
+            for name, body in bodies.items()
+        }
+        found = swept(assembly(mechanism, {**models, **own}), postures, count)
+        diagonals = np.diagonal(found.compliances, axis1=1, axis2=2)
+        return np.hstack([diagonals, found.frequencies])
+
+    fine = again(FINEST)
+    share = refinement_share(mechanism, again)
+    left = np.where(np.equal(share, UNKNOWN), np.inf, share * np.abs(fine))
+    said = all(is_held_as_said(body) for body in bodies.values())
+    bracket = np.zeros_like(fine) if said else again(FINEST, "average") - fine
+    prepared = assembly(mechanism, models)
+    return [
+        PartUncertainty(
+            compliance=of_meshes[:6],
+            frequencies=of_meshes[6:],
+            compliance_bracket=of_holding[:6],
+            frequency_bracket=of_holding[6:],
+            reduction=_bound(prepared.at(at), solids, count),
+            counted={name: (one.counted, one.cutoff) for name, one in solids.items()},
+        )
+        for at, of_meshes, of_holding in zip(postures, left, bracket, strict=True)
+    ]
+
+
+def _bound(system: System, solids: Mapping[str, ReducedPart], count: int) -> Array:
+    """Most by which the first frequencies (Hz) are too high for the modes that parts have not."""
+    if not count:
+        return np.zeros(0)
+    found = frequency_bounds(system, solids, count)
+    return np.asarray(found.upper - found.lower)

@@ -1,7 +1,9 @@
 """Runs of robots with CAD parts: what each idealisation of a part costs against its solid."""
 
 import pickle
+import sys
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,7 +11,6 @@ import pytest
 from lumped.mechanism.body import Body
 from lumped.mechanism.part import ByCylinder, PartInterface
 from lumped.robot_file import load_robot
-from meshes.gmsh_session import gmsh_model
 from validation.adequacy.mechanism.part_solids import refinement_share, solid_parts
 from validation.adequacy.mechanism.parts_ahead import prepare_parts
 from validation.adequacy.mechanism.path import left_open, offered, path_postures
@@ -18,58 +19,13 @@ from validation.context import Context
 from validation.models import parts
 from validation.parts import kept, meshes
 
-ROBOT = """
-schema = 2
-name = "crane"
-
-[points]
-A = [0.0, 0.0, 0.0]
-B = [0.4, 0.0, 0.0]
-
-[bodies.arm]
-step = "arm.step"
-material = { E = 2.1e11, nu = 0.3, rho = 7850.0 }
-interfaces = { A = { cylinder = { radius = 0.016 } }, B = { cylinder = { radius = 0.010 } } }
-
-[joints.A]
-type = "revolute"
-between = ["ground", "arm"]
-at = "A"
-axis = [0.0, 0.0, 1.0]
-drive = { stiffness = 1.0e6 }
-
-[tool]
-body = "arm"
-point = "B"
-moves = ["phi_z"]
-mass = 4.0
-
-[path]
-from = [0.0]
-to = [0.3]
-count = 2
-"""
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from crane import write_crane
 
 
 @pytest.fixture(scope="module")
 def robot_file(tmp_path_factory):
-    """An arm that tapers from 120 to 25 mm, 40 mm high, between two bores."""
-    folder = tmp_path_factory.mktemp("crane")
-    with gmsh_model("arm") as gmsh:
-        gmsh.option.setString("Geometry.OCCTargetUnit", "MM")
-        occ = gmsh.model.occ
-        corners = [(-45, -60), (430, -12.5), (430, 12.5), (-45, 60)]
-        points = [occ.addPoint(x, y, -20) for x, y in corners]
-        lines = [occ.addLine(points[i], points[(i + 1) % 4]) for i in range(4)]
-        face = occ.addPlaneSurface([occ.addCurveLoop(lines)])
-        arm = next(tag for dim, tag in occ.extrude([(2, face)], 0, 0, 40) if dim == 3)
-        bores = [(3, occ.addCylinder(x, 0, -40, 0, 0, 80, r)) for x, r in ((0, 16), (400, 10))]
-        occ.cut([(3, arm)], bores)
-        occ.synchronize()
-        gmsh.model.removeEntities(gmsh.model.getEntities(2), recursive=False)
-        gmsh.write(str(folder / "arm.step"))
-    (folder / "robot.toml").write_text(ROBOT, "utf-8")
-    return load_robot(folder / "robot.toml")
+    return load_robot(write_crane(tmp_path_factory.mktemp("crane")))
 
 
 @pytest.fixture(scope="module")

@@ -15,6 +15,8 @@ from validation.parts.refinement import refinement_uncertainty
 
 Bodies = Mapping[str, BodyModel]
 _FEWEST = 8
+# Share of an answer that is left open where nothing tells it: all of it.
+UNKNOWN = 1.0
 
 
 def solid_parts(
@@ -59,7 +61,7 @@ def refinement_share(mechanism: Mechanism, answer: Callable[[int], Array]) -> Ar
     if not bodies:
         return 0.0
     if any(found_in(body)[0].mesh is not None for body in bodies):
-        return 1.0
+        return UNKNOWN
     coarse, middle, fine = (answer(rung) for rung in RUNGS)
     left = refinement_uncertainty(coarse, middle, fine)
     # Where nothing yields, no mesh changes that.

@@ -9,5 +9,5 @@ from validation.cases.program.parts import fork, shaft, wedge
 
 
 def cases() -> tuple[Case, ...]:
-    """A shaft in closed form and in a robot, a fork of three interfaces, a stepped wedge."""
+    """A shaft in closed form and in a robot, a fork of three interfaces, a wedge."""
     return (*shaft.cases(), *fork.cases(), *wedge.cases())

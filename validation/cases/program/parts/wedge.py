@@ -1,4 +1,4 @@
-"""A hollow box of falling height as a stepped leg: its pieces are those of the drawing.
+"""A hollow box of falling height: its pieces as a stepped leg, and its modes with held ends.
 
 All its faces are plane, so that sections cut from a mesh are exact whatever the mesh.
 """
@@ -8,13 +8,21 @@ from tempfile import TemporaryDirectory
 from types import ModuleType
 
 import numpy as np
+from scipy.linalg import eigh
 
+from fem.bodies.part import grips_of, held_part, meshed_part
+from fem.elements.elasticity import on_three_components
+from fem.reduction.craig_bampton import reduction
+from fem.reduction.held import HeldBody
 from lumped.arrays import Array
+from lumped.errors import ComputationError
 from lumped.legs import Material
 from lumped.mechanism.body import Body
 from lumped.mechanism.frame import Frame
 from lumped.mechanism.part import ByPlane, Part, PartInterface
 from lumped.models.cantilever import tip_compliance_of
+from meshes.part.interfaces import find_interfaces
+from meshes.part.reading.read import read_part
 from validation.agreement.differences import farthest_off
 from validation.case import Absolute, Measurement
 from validation.case_group import CaseGroup
@@ -28,6 +36,8 @@ _STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 # Along x, width, heights at both ends, and width and height of the hole through it (mm).
 _LENGTH, _WIDTH, _HEIGHTS, _HOLE = 300.0, 40.0, (60.0, 40.0), (20.0, 16.0)
 _SIZE, _PIECES = 30.0, 5
+# Of the mesh whose modes are counted (mm), and up to where (Hz).
+_COARSE, _CUTOFF = 60.0, 2e4
 _MM = 1e-3
 
 
@@ -36,18 +46,21 @@ cases = CaseGroup(section=SECTION, group="program.parts.wedge", effort=0.5, subj
 
 def pieces() -> tuple[Array, float]:
     """Compliance (6×6, tip, root held) and mass (kg) of the stepped leg, from a mesh in mm."""
-    ends = {
-        name: PartInterface(ByPlane((way, 0.0, 0.0), (x * _MM, 0.0, 0.0)))
-        for name, way, x in (("A", -1.0, 0.0), ("B", 1.0, _LENGTH))
-    }
     places = {"A": Frame(), "B": Frame(np.array([_LENGTH * _MM, 0.0, 0.0]))}
     with TemporaryDirectory(prefix="wedge-") as folder:
         file = meshed(Path(folder) / "wedge.msh", _drawn, _SIZE, 4.0)
-        leg = stepped(Body("wedge", Part(file, _STEEL, ends, "mm"), places), _PIECES)
+        leg = stepped(Body("wedge", Part(file, _STEEL, _ends(), "mm"), places), _PIECES)
     matrices = leg_matrices("beam", leg, ModelOptions(elements=_PIECES))
     mass = sum(piece.properties.mu * piece.length for piece in leg.pieces)
     rest = leg.root_mass[0, 0] + leg.tip_mass[0, 0]
     return tip_compliance_of(matrices), float(mass + rest)
+
+
+def _ends() -> dict[str, PartInterface]:
+    return {
+        name: PartInterface(ByPlane((way, 0.0, 0.0), (x * _MM, 0.0, 0.0)))
+        for name, way, x in (("A", -1.0, 0.0), ("B", 1.0, _LENGTH))
+    }
 
 
 def _drawn(kernel: ModuleType) -> None:
@@ -94,3 +107,33 @@ def _stepped(context: Context) -> Measurement:
     entries = np.nonzero(expected)
     off = [*(found[entries] / expected[entries] - 1.0), mass / weight - 1.0]
     return farthest_off(off)
+
+
+@cases.case(
+    "program.parts.wedge.count",
+    "Reduced, a hollow box has all modes with held ends below the cut-off, counted",
+    quantity=f"number below {_CUTOFF:g} Hz",
+    unit="1",
+    reference_kind="independent-solver",
+    citation="all eigenvalues of the nodes that no end holds, dense (LAPACK)",
+    tolerance=Absolute(0.5),
+    tolerance_reason="a whole number",
+)
+def _counted(_: Context) -> Measurement:
+    with TemporaryDirectory(prefix="wedge-") as folder:
+        part = read_part(meshed(Path(folder) / "wedge.msh", _drawn, _COARSE, 4.0), "mm")
+    if part.mesh is None:
+        raise ComputationError("wedge: read as no mesh")
+    whole = meshed_part(part.mesh, _STEEL)
+    grips = grips_of(part.mesh, find_interfaces(part, _ends()), "rigid")
+    found = reduction(HeldBody(held_part(whole, grips, "wedge")), _CUTOFF / 2.0, _CUTOFF)
+    x = part.mesh.nodes[:, 0] / (_MM * _LENGTH)
+    inside = np.flatnonzero((x > 1e-6) & (x < 1.0 - 1e-6))
+    free = (3 * inside[:, None] + np.arange(3)).ravel()
+    K, M = (
+        matrix[free][:, free].toarray()
+        for matrix in (whole.stiffness, on_three_components(whole.scalar_mass))
+    )
+    squared = eigh(K, M, eigvals_only=True)
+    below = int((squared < (2.0 * np.pi * found.cutoff) ** 2).sum())
+    return Measurement(float(found.counted or 0), float(below), exact=True)

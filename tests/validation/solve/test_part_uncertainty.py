@@ -1,0 +1,132 @@
+"""What `solve` says of robots with CAD parts as solids: what is left open, and statics alone."""
+
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from lumped.mechanism.kinematics.postures import reference_posture
+from lumped.robot_file import load_robot
+from lumped.system.assembly import assembly
+from lumped.system.solution import modes, solved
+from validation.models import parts
+from validation.models.mechanism import CUTOFF, answers, dynamic_bodies
+from validation.solve.answer import as_json, as_text
+from validation.solve.mechanism import MechanismQuestion, solve_mechanism
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from crane import write_crane
+
+COUNT = 4
+
+
+@pytest.fixture(scope="module", autouse=True)
+def coarse(tmp_path_factory):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(parts, "UNKNOWNS", 6_000)
+        patch.delenv("FLEXPROOF_CACHE", raising=False)
+        patch.setenv("XDG_CACHE_HOME", str(tmp_path_factory.mktemp("cache")))
+        yield patch
+
+
+@pytest.fixture(scope="module")
+def file(tmp_path_factory):
+    return write_crane(tmp_path_factory.mktemp("crane"))
+
+
+def solution_of(file, count=COUNT):
+    return solve_mechanism(
+        MechanismQuestion(load_robot(file).mechanism, "solid", (), None, count, {})
+    )
+
+
+def values(answer):
+    return np.concatenate([np.diag(answer.compliance), answer.frequencies])
+
+
+@pytest.fixture(scope="module")
+def solution(file):
+    return solution_of(file)
+
+
+def test_the_meshes_leave_open_what_a_far_finer_one_changes(solution, file, coarse):
+    (own,) = solution.answers
+    at = [reference_posture(load_robot(file).mechanism)]
+    with coarse.context() as patch:
+        patch.setattr(parts, "UNKNOWNS", 20_000)
+        (finer,) = answers("solid", at, COUNT)
+    apart = np.abs(values(finer) - values(own))
+    half_widths = np.concatenate([own.of_parts.compliance, own.of_parts.frequencies])
+    # Intervals of 95 %, from the coarsest ladder that this arm has: one of ten may miss.
+    assert (apart <= half_widths).sum() >= len(apart) - 1
+    assert (apart <= 1.5 * half_widths).all()
+    # Worth something: percents of a mesh this coarse, not more.
+    assert (half_widths <= 0.1 * values(own)).all()
+
+
+def test_the_bracket_is_what_the_file_changes_when_it_says_so(solution, file):
+    (own,) = solution.answers
+    text, said = file.read_text("utf-8"), {}
+    for coupling in ("rigid", "average"):
+        other = file.with_name(f"{coupling}.toml")
+        other.write_text(text.replace(" } }", f' }}, coupling = "{coupling}" }}'), "utf-8")
+        (said[coupling],) = solution_of(other).answers
+        assert not said[coupling].of_parts.compliance_bracket.any()
+    bracket = np.concatenate([own.of_parts.compliance_bracket, own.of_parts.frequency_bracket])
+    assert bracket == pytest.approx(values(said["average"]) - values(said["rigid"]), rel=1e-6)
+    # An averaged interface is the softer one.
+    assert (bracket[:6] > 0.0).all()
+    assert (bracket[6:] < 0.0).all()
+
+
+def test_dropped_modes_lower_no_frequency_by_more_than_is_said(solution, file):
+    (own,) = solution.answers
+    ((count, below),) = own.of_parts.counted.values()
+    mechanism = load_robot(file).mechanism
+    at = reference_posture(mechanism)
+    arm = dynamic_bodies("solid", mechanism, 4.0 * below / CUTOFF["solid"])["arm"]
+    assert arm.counted > count
+    exact = modes(solved(assembly(mechanism, {"arm": arm}).at(at)), COUNT).frequencies
+    too_high = own.frequencies - exact
+    rounding = 1e-9 * exact
+    assert (too_high >= -rounding).all()
+    assert (too_high <= own.of_parts.reduction + rounding).all()
+    assert (own.of_parts.reduction < 1e-3 * exact).all()
+
+
+def test_statics_alone_are_those_of_the_part(solution, file):
+    """Of the part, not of a prism that is equivalent to it; the same is left open."""
+    (dynamic,), (static,) = solution.answers, solution_of(file, 0).answers
+    assert static.compliance == pytest.approx(dynamic.compliance, rel=1e-6, abs=1e-15)
+    assert static.of_parts.compliance == pytest.approx(dynamic.of_parts.compliance, rel=1e-4)
+
+
+def test_people_and_programs_are_told(solution):
+    text = as_text(solution)
+    assert "uncertainty of the parts' meshes (95 %, from three of each):" in text
+    assert "with averaged interfaces less with rigid ones" in text
+    assert "counted and all kept: arm " in text
+    (record,) = json.loads(as_json(solution))["results"]
+    (own,) = solution.answers
+    assert record["parts"]["uncertainty"]["frequencies"] == own.of_parts.frequencies.tolist()
+    assert record["parts"]["modes_counted"]["arm"]["count"] == own.of_parts.counted["arm"][0]
+
+
+def test_a_reduction_that_lacks_a_mode_is_refused(file, monkeypatch):
+    arm = load_robot(file).mechanism.bodies["arm"]
+    sound = parts.kept
+
+    def without_a_mode(key, compute):
+        found = dict(sound(key, compute))
+        if "counted" in found:
+            rest = np.delete(np.arange(len(found["stiffness"])), 12)
+            found |= {name: found[name][np.ix_(rest, rest)] for name in ("stiffness", "mass")}
+        return found
+
+    whole = parts.reduced(arm, 1000.0, 2500.0)
+    monkeypatch.setattr(parts, "kept", without_a_mode)
+    message = f"arm, reduced: {whole.counted} modes were counted below 2500 Hz"
+    with pytest.raises(parts.ComputationError, match=message):
+        parts.reduced(arm, 1000.0, 2500.0)
