@@ -1,5 +1,6 @@
 """The bodies of a mechanism that are legs, and what they are as springs."""
 
+from dataclasses import replace
 from typing import Literal, TypeAlias
 
 from lumped.arrays import Array
@@ -14,7 +15,7 @@ from lumped.legs import (
     given_compliance,
     tip_compliance,
 )
-from lumped.mechanism.body import Body, Given, Prism
+from lumped.mechanism.body import Body, Given, Prism, leg_shape
 from lumped.mechanism.mechanism import Mechanism
 
 LegSprings: TypeAlias = Literal["given", "equivalent"]
@@ -37,6 +38,17 @@ def legs_of(mechanism: Mechanism) -> dict[str, Leg]:
         for name, body in mechanism.bodies.items()
         if isinstance(body.shape, Prism | Given)
     }
+
+
+def on_equivalent_legs(mechanism: Mechanism, by: EquivalentBy = "stiffness") -> Mechanism:
+    """The mechanism with constant-section legs in place of those known by their 6×6."""
+    bodies = {
+        name: replace(body, shape=leg_shape(equivalent_leg(leg_of(body), by)))
+        if isinstance(body.shape, Given)
+        else body
+        for name, body in mechanism.bodies.items()
+    }
+    return replace(mechanism, bodies=bodies)
 
 
 def tip_compliances(

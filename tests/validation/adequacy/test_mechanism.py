@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from lumped.errors import InputError
+from lumped.legs import equivalent_leg
 from lumped.mechanism.body import Given, Prism
 from lumped.mechanism.kinematics.postures import reference_posture
 from lumped.models.bodies import legs_of, tip_compliances
@@ -14,18 +15,22 @@ from lumped.robot_file import load_robot
 from lumped.system.assembly import assembly
 from lumped.system.solution import modes, solved
 from validation import api, cli
+from validation.adequacy.legs import HOLD
 from validation.adequacy.mechanism.path import MOST_POSES, holds, path_postures
 from validation.adequacy.mechanism.samples import samples_of
 from validation.adequacy.mechanism.statics import assembled, is_serial, summed
 from validation.adequacy.robot import judged_models, robot_adequacy
 from validation.catalogue import catalogue
 from validation.context import Context
-from validation.models.legs import leg_matrices
-from validation.models.mechanism import constant_legs
+from validation.models.legs import leg_compliance, leg_matrices
+from validation.models.mechanism import answers, constant_legs
 from validation.models.options import ModelOptions
+from validation.report.first_screen.sentence import sentence
 from validation.run.session import Request, validate
 
 BEAMS = ("beam", "segments")
+# Of the legs of the five-bar.
+KINDS = ("crank", "rod")
 
 
 @pytest.fixture(scope="module")
@@ -132,12 +137,21 @@ def test_what_a_mechanism_does_not_have_is_refused_before_anything_is_written(tm
     assert not (tmp_path / "out").exists()
 
 
-def test_legs_known_by_a_matrix_leave_frequencies_between_plausible_masses():
+def twice_as_soft_along_z(tip):
+    """No straight leg is: its deflection alone, not what it turns under a force."""
+    soft = tip.copy()
+    soft[2, 2] *= 2.0
+    return soft
+
+
+@pytest.fixture(scope="module")
+def with_given_cranks():
+    """The five-bar in its first pose, cranks known by a 6×6, and its matrix."""
     robot_file = load_robot("five-bar")
     mechanism = robot_file.mechanism
     tips, legs = tip_compliances(mechanism), legs_of(mechanism)
     given = {
-        name: Given(leg.length, leg.mass, tips[name])
+        name: Given(leg.length, leg.mass, twice_as_soft_along_z(tips[name]))
         for name, leg in legs.items()
         if name.startswith("crank")
     }
@@ -146,7 +160,35 @@ def test_legs_known_by_a_matrix_leave_frequencies_between_plausible_masses():
         for name, body in mechanism.bodies.items()
     }
     described = replace(mechanism, bodies=bodies, poses=mechanism.poses[:1])
-    matrix = robot_adequacy(Context(replace(robot_file, described=described), "quick"))
+    context = Context(replace(robot_file, described=described), "quick")
+    return context, robot_adequacy(context)
+
+
+def test_legs_known_by_a_matrix_leave_frequencies_between_plausible_masses(with_given_cranks):
+    _, matrix = with_given_cranks
     assert [matrix.entry(model, "x").verdict for model in ("vjm", "links")] == ["adequate"] * 2
     assert matrix.entry("beam", "f1").verdict == "undecided"
     assert "mass distribution" in matrix.entry("beam", "f1").reason
+
+
+def test_models_on_equivalent_legs_are_held_against_solids_of_those_too(with_given_cranks):
+    context, matrix = with_given_cranks
+    robot_file, postures = context.robot_file, path_postures(context)
+    legs = {n: equivalent_leg(leg) for n, leg in legs_of(robot_file.mechanism).items()}
+    assert [note.model for note in matrix.formulation.models] == [
+        name for name in judged_models(robot_file) if name not in ("simplified", "vjm", "links")
+    ]
+    # Assembled from solids of the equivalent legs, ends held and free; both of a kind are alike.
+    solids = []
+    for options in (ModelOptions(ends=ends) for ends in HOLD):
+        tips = {kind: leg_compliance("solid", legs[f"{kind}1"], options) for kind in KINDS}
+        solids.append({f"{kind}{number}": tips[kind] for kind in KINDS for number in (1, 2)})
+    expected = [assembled(postures, tips)[0, 2, 2] for tips in solids]
+    for model in BEAMS:
+        (found,) = answers(model, postures, 0)
+        own = matrix.formulation.entry(model, "z")
+        error = np.mean(found.compliance[2, 2] / np.array(expected) - 1.0)
+        assert own.error == pytest.approx(error, abs=1e-3)
+        assert own.verdict == "adequate"
+        assert matrix.entry(model, "z").verdict == "inadequate"
+    assert "of solids of the same equivalent legs: the formulation holds" in sentence(matrix)

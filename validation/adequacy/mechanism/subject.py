@@ -1,6 +1,6 @@
 """Any mechanism with its models and references, ready to be judged."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import NamedTuple
@@ -9,6 +9,7 @@ import numpy as np
 
 from lumped.mechanism.kinematics.mobility import mobility
 from lumped.mechanism.mechanism import Mechanism, Posture
+from lumped.models.bodies import on_equivalent_legs
 from validation.adequacy.common.references import bracketed_frequencies
 from validation.adequacy.mechanism.dynamics import (
     dynamic_ladders,
@@ -27,7 +28,9 @@ from validation.adequacy.mechanism.statics import (
 from validation.adequacy.response import (
     UNSOLVED,
     Candidate,
+    Reference,
     Response,
+    Rung,
     Subject,
     Vibration,
     modes_of,
@@ -71,6 +74,8 @@ _MODELS: Mapping[str, _Model] = {
     ),
     "beam-euler-bernoulli": _Model("beam", "20 beam elements per leg, Euler–Bernoulli", _EULER),
 }
+# Those whose legs are rigid or the robot's own; all others stand on equivalent legs.
+_LEGS_AS_GIVEN = ("simplified", "vjm", "links")
 
 
 def mechanism_models(mechanism: Mechanism) -> tuple[str, ...]:
@@ -97,15 +102,11 @@ def mechanism_subject(context: Context) -> Subject:
         name: modes_of(partial(_vibration, context, postures, _MODELS[name], offered(count)))
         for name in mechanism_models(mechanism)
     }
-    try:
-        statics = static_reference(context, postures)
-    except UNSOLVED as error:
-        statics = no_reference(error)
+    statics, static = _statics(context, postures)
     try:
         dynamics = dynamic_reference(context, postures, count)
     except UNSOLVED as error:
         dynamics = no_reference(error)
-    static = static_ladders(context, postures) if statics.alternatives else {}
     dynamic = dynamic_ladders(context, postures, found, dynamics, count)
     candidates = [
         replace(
@@ -128,6 +129,49 @@ def mechanism_subject(context: Context) -> Subject:
             *_idle_note(postures),
             *bracketed_frequencies(dynamics, count, "in the middle of the path"),
         ),
+        formulation=_on_equivalent_legs(context, postures),
+    )
+
+
+def _statics(
+    context: Context, postures: Sequence[Posture]
+) -> tuple[Reference, Mapping[str, Sequence[Rung]]]:
+    """What deflections are held against, and what leads there, by model; none without solids."""
+    try:
+        reference = static_reference(context, postures)
+    except UNSOLVED as error:
+        return no_reference(error), {}
+    return reference, static_ladders(context, postures)
+
+
+def _on_equivalent_legs(context: Context, postures: tuple[Posture, ...]) -> Subject | None:
+    """Statics of the models that put equivalent legs for given ones, against solids of those.
+
+    None where no leg is given; nor beside parts, whose own idealisation would be in it.
+    """
+    mechanism = postures[0].mechanism
+    if not has_given(mechanism) or mechanism.parts:
+        return None
+    member = on_equivalent_legs(mechanism)
+    solids = [replace(posture, mechanism=member) for posture in postures]
+    statics, ladders = _statics(context, solids)
+    return Subject(
+        robot="equivalent legs",
+        coordinates=coordinates(mechanism),
+        poses=np.array([posture.pose for posture in postures]),
+        weights=np.zeros(0),
+        candidates=[
+            replace(
+                _candidate(postures, name, Response()),
+                static_rungs=ladders.get(name, ()),
+                # Of frequencies nothing is asked here.
+                silent=unanswered(postures, _MODELS[name].kind, _MODELS[name].options),
+            )
+            for name in mechanism_models(mechanism)
+            if name not in _LEGS_AS_GIVEN
+        ],
+        statics=statics,
+        dynamics=Reference("none", ()),
     )
 
 

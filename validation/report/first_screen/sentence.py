@@ -22,6 +22,8 @@ from validation.report.first_screen.words import (
 
 # Errors beyond this are told as factors.
 _FACTOR = 0.5
+# What holds to a thousandth simply holds.
+_WORTH_SAYING = 1e-3
 # Nothing at all where the reference yields: the model's number is zero up to rounding.
 _ABSENT = 1e-9
 
@@ -205,7 +207,7 @@ def _rounded_off(
     good, open_ = group[0].those("adequate"), group[0].those("undecided")
     holds = "holds" if singular else "hold"
     if good and not said and not open_:
-        return f"{holds} for {what}"
+        return f"{holds} for {what}{_within(group)}"
     parts = [f"{holds} {place_of(entry.quantity for entry in good)}"] if _named(good) else []
     parts += said
     if open_:
@@ -213,6 +215,18 @@ def _rounded_off(
     if len(parts) > 1 and parts[0].startswith(holds):
         return f"{parts[0]} but {listed(parts[1:])}"
     return listed(parts)
+
+
+def _within(group: Sequence[_Opinion]) -> str:
+    """How far what holds may be off, all that is left open included."""
+    sizes = [
+        abs(entry.error or 0.0) + (entry.uncertainty or 0.0)
+        for opinion in group
+        for entry in opinion.those("adequate")
+        if entry.quantity != "order"
+    ]
+    widest = max(sizes, default=0.0)
+    return f" within {at_most(widest)}" if widest >= _WORTH_SAYING else ""
 
 
 def _named(entries: Sequence[Entry]) -> bool:
