@@ -13,8 +13,9 @@
 
 `cases()` has them in the order of their declaration. One declaration is as many cases as there are
 parameters to take it over: texts are templates of them ("{kind}", "{entry.unit}", "{alpha:g}"), and
-any field, the parameters of a later key of `over` too, may be a function of those it names. What
-computes a case is given the parameters that it names.
+any field, the parameters of a later key of `over` too, may be a function of those it names. A
+parameter with the name of a field, such as `model`, is that field where the declaration says
+nothing else of it. What computes a case is given the parameters that it names.
 """
 
 from collections.abc import Callable, Iterable, Mapping
@@ -63,7 +64,7 @@ class CaseGroup:
     def __init__(self, *, over: Over | None = None, **common: Unpack[CaseFields]) -> None:
         self._over = over or {}
         self._common = common
-        self._declared: list[tuple[Callable[..., Measurement], Over, dict[str, Any]]] = []
+        self._declared: list[Callable[..., tuple[Case, ...]]] = []
 
     def case(
         self,
@@ -76,11 +77,18 @@ class CaseGroup:
         """Declare a case, or one for each combination of the parameters, by what computes it."""
 
         def declare(compute: Compute) -> Compute:
-            own = {**self._common, "id": identifier, "title": title, **fields}
-            self._declared.append((compute, over or {}, own))
+            own = {"id": identifier, "title": title, **fields}
+            self._declared.append(partial(_cases, compute, over or {}, self._common, own))
             return compute
 
         return declare
+
+    def family(self, *, over: Over | None = None, **fields: Unpack[CaseFields]) -> "CaseGroup":
+        """A group within this one, in its place; it has these `fields` in common as well."""
+        common: CaseFields = {**self._common, **fields}
+        within = CaseGroup(over=over, **common)
+        self._declared.append(within)
+        return within
 
     def __call__(self, **given: Any) -> tuple[Case, ...]:
         """All cases; `given` parameters are those that a robot's file decides.
@@ -88,18 +96,34 @@ class CaseGroup:
         Raises KeyError for a template, TypeError for a function with a parameter that is not there.
         """
         return tuple(
-            _case(compute, row, fields)
-            for outer in _rows(given, self._over)
-            for compute, over, fields in self._declared
-            for row in _rows(outer, over)
+            case
+            for row in _rows(given, self._over)
+            for declared in self._declared
+            for case in declared(**row)
         )
 
 
+def _cases(
+    compute: Callable[..., Measurement],
+    over: Over,
+    common: CaseFields,
+    own: Mapping[str, Any],
+    /,
+    **given: Any,
+) -> tuple[Case, ...]:
+    return tuple(_case(compute, row, common, own) for row in _rows(given, over))
+
+
 def _case(
-    compute: Callable[..., Measurement], row: Mapping[str, Any], fields: Mapping[str, Any]
+    compute: Callable[..., Measurement],
+    row: Mapping[str, Any],
+    common: CaseFields,
+    own: Mapping[str, Any],
 ) -> Case:
     named = _named(compute, row)
     signature(compute).bind("context", **named)
+    from_row = {name: row[name] for name in CaseFields.__annotations__ if name in row}
+    fields = {**common, **from_row, **own}
     return Case(
         compute=partial(compute, **named) if named else compute,
         **{name: _of(row, field) for name, field in fields.items()},

@@ -72,6 +72,34 @@ def test_parameters_may_follow_from_others_and_from_what_a_robot_file_gives():
     ]
 
 
+def test_a_parameter_with_the_name_of_a_field_is_that_field():
+    cases = CaseGroup(section="Robot", model="none", **COMMON)
+    rows = [("beam", Absolute(1.0)), ("solid", Absolute(2.0))]
+    cases.case("{model}", "One", over={"model, tolerance": rows})(exact)
+    cases.case("own.{model}", "Two", over={"model, tolerance": rows}, model="")(exact)
+    found = cases()
+    assert [case.model for case in found] == ["beam", "solid", "", ""]
+    assert [case.tolerance.amount for case in found] == [1.0, 2.0, 1.0, 2.0]
+
+
+def test_a_family_stands_in_its_place_and_changes_what_is_in_common():
+    cases = CaseGroup(section="Robot", group="all", **COMMON)
+    cases.case("first", "First")(exact)
+    family = cases.family(over={"name": "ab"}, group="of {name}")
+    cases.case("last", "Last")(exact)
+    family.case("{name}.one", "One")(exact)
+    family.case("{name}.two", "Two", over={"at": (1, 2)}, unit="m{at}")(exact)
+    found = cases()
+    assert [case.id for case in found] == [
+        "first",
+        *("a.one", "a.two", "a.two", "b.one", "b.two", "b.two"),
+        "last",
+    ]
+    assert [case.group for case in found] == ["all", *["of a"] * 3, *["of b"] * 3, "all"]
+    assert {case.section for case in found} == {"Robot"}
+    assert [case.unit for case in found[2:4]] == ["m1", "m2"]
+
+
 def test_braces_of_a_case_without_parameters_are_braces():
     cases = CaseGroup(**COMMON)
     cases.case("one", "The set {a}")(exact)

@@ -6,9 +6,7 @@ exact to degree 2 where products of shape functions have 4. Frequencies are ther
 CalculiX's rule on both sides, and what the rule does to them is shown to vanish with the mesh.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 
@@ -21,7 +19,8 @@ from lumped.legs import ConstantLeg, Material
 from lumped.sections import ISection, Rectangle, Tube
 from meshes.prism.tetrahedra import tetrahedra
 from validation.agreement.convergence import order_of_errors
-from validation.case import Absolute, Case, Measurement, Relation, Relative, Skip
+from validation.case import Absolute, Measurement, Relation, Relative, Skip
+from validation.case_group import CaseGroup
 from validation.context import PRESETS, Context, Preset
 from validation.exhibits import Study
 
@@ -81,89 +80,15 @@ class SideBySide:
     same_mass: Array
 
 
-def cases() -> tuple[Case, ...]:
-    """Compliance and frequencies of three shapes, and the order at which the mass rules meet."""
-    return (
-        *(case for name in SPECIMENS for case in (_compliance_case(name), _frequency_case(name))),
-        _mass_case(),
-    )
-
-
-def _compliance_case(name: str) -> Case:
-    return _case(
-        name,
-        id=f"calculix.{name}.compliance",
-        title=f"{name}: the tip compliance is CalculiX's on the same mesh",
-        quantity="largest entry of the difference over √(Cii Cjj), all 36",
-        unit="1",
-        tolerance=Absolute(1e-6),
-        tolerance_reason="CalculiX prints seven digits, ±5e-7; the same equations leave no more",
-        compute=partial(_compliance, name=name),
-    )
-
-
-def _frequency_case(name: str) -> Case:
-    return _case(
-        name,
-        id=f"calculix.{name}.frequencies",
-        title=f"{name}: {MODES} frequencies with CalculiX's mass rule are CalculiX's on the same "
-        "mesh",
-        quantity=f"the natural frequency of the first {MODES} that is farthest off",
-        unit="Hz",
-        tolerance=Relative(1e-6),
-        tolerance_reason="CalculiX prints seven digits of the eigenvalue, ±2.5e-7 of its root; "
-        "with its mass rule the equations are the same",
-        compute=partial(_frequency, name=name),
-    )
-
-
-def _case(
-    name: str,
-    *,
-    id: str,  # noqa: A002  the field of Case
-    title: str,
-    quantity: str,
-    unit: str,
-    tolerance: Absolute | Relative,
-    tolerance_reason: str,
-    compute: Callable[[Context], Measurement],
-) -> Case:
-    return Case(
-        id=id,
-        title=title,
-        quantity=quantity,
-        unit=unit,
-        reference_kind="independent-solver",
-        citation=CITATION,
-        tolerance=tolerance,
-        tolerance_reason=tolerance_reason,
-        compute=compute,
-        presets=SPECIMENS[name].presets,
-        section=SECTION,
-        group=f"calculix.{name}",
-        effort=1.0,
-    )
-
-
-def _mass_case() -> Case:
-    return Case(
-        id="calculix.mass-rule.order",
-        title="What CalculiX's mass rule does to frequencies vanishes with the mesh",
-        quantity="fitted order in the divisions of the section",
-        unit="1",
-        reference_kind="closed-form",
-        citation="U. Banerjee, J. E. Osborn, Numer. Math. 56 (1990) 735: a rule exact to degree "
-        "2k − 2 for elements of degree k = 2 leaves eigenvalues an error of order h³",
-        tolerance=Absolute(0.75),
-        tolerance_reason="at least order 3 less 0.75: unstructured meshes are not similar to each "
-        "other, three and more of them show their order to within a half",
-        compute=_mass_order,
-        relation=Relation.AT_LEAST,
-        presets=_LATER,
-        section=SECTION,
-        group="calculix.mass-rule",
-        effort=2.0,
-    )
+cases = CaseGroup(section=SECTION)
+_specimens = cases.family(
+    over={"name": SPECIMENS},
+    reference_kind="independent-solver",
+    citation=CITATION,
+    presets=lambda name: SPECIMENS[name].presets,
+    group="calculix.{name}",
+    effort=1.0,
+)
 
 
 def side_by_side(leg: ConstantLeg, divisions: int) -> SideBySide:
@@ -202,6 +127,14 @@ def _solved(context: Context, name: str) -> SideBySide:
         raise Skip(str(missing)) from None
 
 
+@_specimens.case(
+    "calculix.{name}.compliance",
+    "{name}: the tip compliance is CalculiX's on the same mesh",
+    quantity="largest entry of the difference over √(Cii Cjj), all 36",
+    unit="1",
+    tolerance=Absolute(1e-6),
+    tolerance_reason="CalculiX prints seven digits, ±5e-7; the same equations leave no more",
+)
 def _compliance(context: Context, name: str) -> Measurement:
     found = _solved(context, name)
     scale = np.sqrt(np.diag(found.compliance))
@@ -220,6 +153,15 @@ def _compliance(context: Context, name: str) -> Measurement:
     )
 
 
+@_specimens.case(
+    "calculix.{name}.frequencies",
+    f"{{name}}: {MODES} frequencies with CalculiX's mass rule are CalculiX's on the same mesh",
+    quantity=f"the natural frequency of the first {MODES} that is farthest off",
+    unit="Hz",
+    tolerance=Relative(1e-6),
+    tolerance_reason="CalculiX prints seven digits of the eigenvalue, ±2.5e-7 of its root; with "
+    "its mass rule the equations are the same",
+)
 def _frequency(context: Context, name: str) -> Measurement:
     found = _solved(context, name)
     theirs = found.their_frequencies
@@ -245,6 +187,22 @@ def _frequency(context: Context, name: str) -> Measurement:
     )
 
 
+@cases.case(
+    "calculix.mass-rule.order",
+    "What CalculiX's mass rule does to frequencies vanishes with the mesh",
+    quantity="fitted order in the divisions of the section",
+    unit="1",
+    reference_kind="closed-form",
+    citation="U. Banerjee, J. E. Osborn, Numer. Math. 56 (1990) 735: a rule exact to degree "
+    "2k − 2 for elements of degree k = 2 leaves eigenvalues an error of order h³",
+    tolerance=Absolute(0.75),
+    tolerance_reason="at least order 3 less 0.75: unstructured meshes are not similar to each "
+    "other, three and more of them show their order to within a half",
+    relation=Relation.AT_LEAST,
+    presets=_LATER,
+    group="calculix.mass-rule",
+    effort=2.0,
+)
 def _mass_order(context: Context) -> Measurement:
     divisions = MASS_DIVISIONS[context.preset]
     effects = np.array([context.get(mass_rule_effect, MASS_LEG, number) for number in divisions])

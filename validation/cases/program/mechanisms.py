@@ -29,7 +29,9 @@ from lumped.sections import Rectangle
 from lumped.system.assembly import assemble
 from lumped.system.solution import compliance, modes, solved
 from meshes.prism.tetrahedra import tetrahedra
+from validation.agreement.differences import farthest_off
 from validation.case import Absolute, Case, Measurement, Skip
+from validation.case_group import CaseGroup
 from validation.cases.mechanism import motion as mechanism_motion
 from validation.cases.mechanism import path as mechanism
 from validation.cases.program.calculix import PRINTED, PRINTED_ROOT
@@ -54,89 +56,37 @@ _CUBIC = Material(E=2.1e11, G=0.6e11, nu=0.2, rho=7850.0)
 def cases() -> tuple[Case, ...]:
     """Hexapod and five-bar in closed form, moves of others, the five-bar by CalculiX."""
     return (
+        *_in_closed_form(),
         *(
-            _case(
-                f"hexapod.stiffness[{model}, pose {number}]",
-                f"A hexapod on bars between ball joints has the stiffness of its bars ({model})",
-                "K = Σ k j jᵀ, j = (d, p × d), 1/k = L₁/EA₁ + L₂/EA₂ + 1/k_drive",
-                Absolute(1e-8),
-                "exact whatever the legs' bending: rounding, grown by their slenderness",
-                partial(_bars, model=model, place=place),
-            )
-            for model in _MODELS
-            for number, place in (("1", 0), ("last", -1))
+            _moved(case, robot)
+            for robot in _MOVED
+            for case in mechanism_motion.cases(load_robot(robot).mechanism)
         ),
-        _case(
-            "delta.rods",
-            "As many motions of a Delta idle as it has rods between ball joints",
-            "a rod between two ball joints spins: one idle motion each",
-            Absolute(0.5),
-            "a count is a whole number",
-            _rods,
-        ),
-        _case(
-            "hexapod.drives",
-            "Its drives are as long as the distances of its joints",
-            "|Q − B| less that of the reference, from the numbers of the pose",
-            Absolute(1e-10),
-            "loops are closed to 1e-12 of the size",
-            _lengths,
-        ),
-        _case(
-            "five-bar.drives",
-            "The cranks of a five-bar stand where two circles meet",
-            "law of cosines in the triangles of base pivot, elbow and tool",
-            Absolute(1e-6),
-            "the rods' lengths and the drives follow from points of twelve digits",
-            _cranks,
-        ),
-        *(_moved(case, robot) for robot in _MOVED for case in _motion_of(robot)),
         *(
             _moved(case, "five-bar")
             for case in mechanism.cases()
             if ".statics." in case.id and case.group != SHARED_SOLIDS
         ),
-        *(
-            _case(
-                f"calculix.{name}",
-                f"A five-bar of solid bars with a joint that gives way by CalculiX: {name}",
-                "CalculiX CrunchiX, G. Dhondt, the same tetrahedra, joints by *EQUATION",
-                Absolute(1e-6),
-                "seven printed digits, and a reduction cut off at four times the frequencies",
-                partial(_by_calculix, name=name),
-            )
-            for name in ("statics", "frequencies")
-        ),
+        *_by_others(),
     )
 
 
-def _case(
-    name: str,
-    title: str,
-    citation: str,
-    tolerance: Absolute,
-    reason: str,
-    compute: Callable[[Context], Measurement],
-) -> Case:
-    return Case(
-        id=f"program.mechanism.{name}",
-        title=title,
-        quantity="largest relative difference",
-        unit="1",
-        reference_kind="independent-solver" if "calculix" in name else "closed-form",
-        citation=citation,
-        tolerance=tolerance,
-        tolerance_reason=reason,
-        compute=compute,
-        section=SECTION,
-        group=_GROUP,
-        effort=3.0 if "calculix" in name else 0.3,
-        subject="program",
-    )
-
-
-def _motion_of(robot: str) -> tuple[Case, ...]:
-    return mechanism_motion.cases(load_robot(robot).mechanism)
+_in_closed_form = CaseGroup(
+    quantity="largest relative difference",
+    unit="1",
+    reference_kind="closed-form",
+    section=SECTION,
+    group=_GROUP,
+    effort=0.3,
+)
+_by_others = CaseGroup(
+    quantity="largest relative difference",
+    unit="1",
+    reference_kind="independent-solver",
+    section=SECTION,
+    group=_GROUP,
+    effort=3.0,
+)
 
 
 def _moved(case: Case, robot: str) -> Case:
@@ -157,9 +107,7 @@ def _on(context: Context, robot: str, compute: Callable[[Context], Measurement])
 
 def _largest(found: Array, expected: Array) -> Measurement:
     scale = np.sqrt(np.diag(expected))
-    return Measurement(
-        float(np.abs((found - expected) / np.outer(scale, scale)).max()), 0.0, exact=True
-    )
+    return farthest_off((found - expected) / np.outer(scale, scale))
 
 
 def _hexapod(place: int = 0) -> tuple[Mechanism, Array, list[tuple[Array, Array]]]:
@@ -183,6 +131,15 @@ def _leg_points(mechanism: Mechanism) -> list[tuple[Array, Array]]:
     return [(base, (rod @ tip).position) for (base, rod), tip in zip(points, tips, strict=True)]
 
 
+@_in_closed_form.case(
+    "program.mechanism.hexapod.stiffness[{model}, pose {number}]",
+    "A hexapod on bars between ball joints has the stiffness of its bars ({model})",
+    over={"model": _MODELS, "number, place": (("1", 0), ("last", -1))},
+    citation="K = Σ k j jᵀ, j = (d, p × d), 1/k = L₁/EA₁ + L₂/EA₂ + 1/k_drive",
+    tolerance=Absolute(1e-8),
+    tolerance_reason="exact whatever the legs' bending: rounding, grown by their slenderness",
+    model="",
+)
 def _bars(_context: Context, model: ModelName, place: int) -> Measurement:
     mechanism, pose, ends = _hexapod(place)
     drives = {joint.name: joint.drive for joint in mechanism.joints if joint.drive}
@@ -203,6 +160,13 @@ def _bars(_context: Context, model: ModelName, place: int) -> Measurement:
     return _largest(found.compliance, np.asarray(np.linalg.inv(stiffness), dtype=float))
 
 
+@_in_closed_form.case(
+    "program.mechanism.delta.rods",
+    "As many motions of a Delta idle as it has rods between ball joints",
+    citation="a rod between two ball joints spins: one idle motion each",
+    tolerance=Absolute(0.5),
+    tolerance_reason="a count is a whole number",
+)
 def _rods(_context: Context) -> Measurement:
     mechanism = load_robot("delta").mechanism
     balls = [
@@ -215,6 +179,13 @@ def _rods(_context: Context) -> Measurement:
     return Measurement(float(found), float(len(rods)), exact=True)
 
 
+@_in_closed_form.case(
+    "program.mechanism.hexapod.drives",
+    "Its drives are as long as the distances of its joints",
+    citation="|Q − B| less that of the reference, from the numbers of the pose",
+    tolerance=Absolute(1e-10),
+    tolerance_reason="loops are closed to 1e-12 of the size",
+)
 def _lengths(_context: Context) -> Measurement:
     mechanism, pose, ends = _hexapod()
     at = posture(mechanism, pose)
@@ -226,9 +197,16 @@ def _lengths(_context: Context) -> Measurement:
             zip(ends, _leg_points(mechanism), strict=True), start=1
         )
     ]
-    return Measurement(float(np.abs(off).max() / mechanism.size), 0.0, exact=True)
+    return farthest_off(np.array(off) / mechanism.size)
 
 
+@_in_closed_form.case(
+    "program.mechanism.five-bar.drives",
+    "The cranks of a five-bar stand where two circles meet",
+    citation="law of cosines in the triangles of base pivot, elbow and tool",
+    tolerance=Absolute(1e-6),
+    tolerance_reason="the rods' lengths and the drives follow from points of twelve digits",
+)
 def _cranks(_context: Context) -> Measurement:
     mechanism = load_robot("five-bar").mechanism
     crank, rod = (legs_of(mechanism)[name].length for name in ("crank1", "rod1"))
@@ -247,9 +225,17 @@ def _cranks(_context: Context) -> Measurement:
                 for tool in (pose, mechanism.reference_pose)
             ]
             off.append(at.coordinates[f"motor{number}"][0] - (angles[0] - angles[1]))
-    return Measurement(float(np.abs(off).max()), 0.0, exact=True)
+    return farthest_off(off)
 
 
+@_by_others.case(
+    "program.mechanism.calculix.{name}",
+    "A five-bar of solid bars with a joint that gives way by CalculiX: {name}",
+    over={"name": ("statics", "frequencies")},
+    citation="CalculiX CrunchiX, G. Dhondt, the same tetrahedra, joints by *EQUATION",
+    tolerance=Absolute(1e-6),
+    tolerance_reason="seven printed digits, and a reduction cut off at four times the frequencies",
+)
 def _by_calculix(context: Context, name: str) -> Measurement:
     try:
         found = context.get(_five_bar_twice)

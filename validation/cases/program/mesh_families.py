@@ -7,7 +7,6 @@ where their finest values differ by no more than both uncertainties together.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 from math import hypot
 
 import numpy as np
@@ -20,7 +19,8 @@ from lumped.sections import Circle, Rectangle
 from meshes.prism.hexahedra import hexahedra
 from meshes.prism.tetrahedra import tetrahedra
 from meshes.solid_mesh import SolidMesh
-from validation.case import Absolute, Case, Measurement, Skip
+from validation.case import Absolute, Measurement, Skip
+from validation.case_group import CaseGroup
 from validation.cases.legs.beams import UNITS
 from validation.context import Context, Preset
 from validation.exhibits import Study
@@ -89,28 +89,7 @@ SUBJECTS = {
 }
 
 
-def cases() -> tuple[Case, ...]:
-    """Compliances and frequencies of both subjects."""
-    return tuple(_case(subject, name) for subject in SUBJECTS for name in QUANTITIES)
-
-
-def _case(subject: str, name: str) -> Case:
-    return Case(
-        id=f"mesh-families.{subject}[{name}]",
-        title=f"Hexahedra and tetrahedra agree on {name} of {SUBJECTS[subject].meaning}",
-        quantity="difference of the families over their combined numerical uncertainty",
-        unit="1",
-        reference_kind="finer-model",
-        citation="tet10 by gmsh's unstructured mesher against extruded hex27; GCI per family "
-        "(Roache 1994; Celik et al. 2008), root sum of squares",
-        tolerance=Absolute(1.0),
-        tolerance_reason="the stated uncertainties are the claim: no difference beyond them",
-        compute=partial(_compare, subject=subject, name=name),
-        presets=PRESETS,
-        section=SECTION,
-        group=f"mesh-families.{subject}",
-        effort=1.0,
-    )
+cases = CaseGroup(section=SECTION)
 
 
 def by_hexahedra(leg: ConstantLeg, divisions: tuple[int, ...]) -> Refinement:
@@ -146,6 +125,23 @@ def _solved(leg: ConstantLeg, mesh: SolidMesh) -> Array:
     return np.concatenate([compliance, modes(clamped, MODES).frequencies])
 
 
+@cases.case(
+    "mesh-families.{subject}[{name}]",
+    lambda subject, name: (
+        f"Hexahedra and tetrahedra agree on {name} of {SUBJECTS[subject].meaning}"
+    ),
+    over={"subject": SUBJECTS, "name": QUANTITIES},
+    quantity="difference of the families over their combined numerical uncertainty",
+    unit="1",
+    reference_kind="finer-model",
+    citation="tet10 by gmsh's unstructured mesher against extruded hex27; GCI per family "
+    "(Roache 1994; Celik et al. 2008), root sum of squares",
+    tolerance=Absolute(1.0),
+    tolerance_reason="the stated uncertainties are the claim: no difference beyond them",
+    presets=PRESETS,
+    group="mesh-families.{subject}",
+    effort=1.0,
+)
 def _compare(context: Context, subject: str, name: str) -> Measurement:
     chosen, index = SUBJECTS[subject], QUANTITIES[name]
     leg = chosen.leg(context)

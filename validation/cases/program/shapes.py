@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 
@@ -14,7 +13,8 @@ from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Sectio
 from meshes.prism.hexahedra import slice_count
 from meshes.section.section_mesh import section_mesh
 from validation.agreement.convergence import analyse, step_factor, uncertainty_of
-from validation.case import Absolute, Case, Measurement, Relative
+from validation.case import Absolute, Measurement, Relative
+from validation.case_group import CaseGroup
 from validation.cases.legs.beams import ENTRIES
 from validation.context import PRESETS, Context, Preset
 from validation.solids.legs import FORMAL_ORDER
@@ -49,58 +49,13 @@ class ClosedForm:
 
     quantity: str
     unit: str
-    shape: str
     nu: float
     found: Callable[[SectionConstants], float]
     exact: float
     citation: str
 
 
-def cases() -> tuple[Case, ...]:
-    """Every shape in both materials, and every constant that has a closed form."""
-    return (
-        *(_free_case(shape, material) for shape in SHAPES for material in MATERIALS),
-        *(_constant_case(name, form) for name, form in CLOSED_FORMS.items()),
-    )
-
-
-def _free_case(shape: str, material: str) -> Case:
-    fine = _needs_fine_rim(SHAPES[shape], MATERIALS[material])
-    return Case(
-        id=f"shape.{shape}.free[{material}]",
-        title=f"{shape}, {material}: with free ends the solid is the beam of its own constants",
-        quantity="largest relative difference of the six diagonal tip compliances",
-        unit="1",
-        reference_kind="closed-form",
-        citation="Clapeyron's theorem on Saint-Venant's exact solution: C = ∫ of unit resultants "
-        "over EA … κGA, κ by strain energy, constants by finite elements on the section",
-        tolerance=Absolute(1e-4),
-        tolerance_reason="nothing but the mesh is left: 1.4e-5 at most on these; 1e-4 is what the "
-        "project asks for",
-        compute=partial(_free, shape=shape, material=material),
-        presets=_LATER if fine else PRESETS,
-        section=SECTION,
-        group=f"shape.{shape}",
-        effort=0.4,
-    )
-
-
-def _constant_case(name: str, form: ClosedForm) -> Case:
-    return Case(
-        id=f"shape.{form.shape}.constant[{name.partition('.')[2]}]",
-        title=f"{form.shape}: {form.quantity} by finite elements is the closed form",
-        quantity=form.quantity,
-        unit=form.unit,
-        reference_kind="closed-form",
-        citation=form.citation,
-        tolerance=Relative(2e-5),
-        tolerance_reason="the finest mesh of 32 divisions is off by 4e-7 at most and states an "
-        "uncertainty of 2e-6: ten times that",
-        compute=partial(_constant, name=name),
-        section=SECTION,
-        group=f"shape.{form.shape}",
-        effort=0.1,
-    )
+cases = CaseGroup(section=SECTION, group="shape.{shape}", reference_kind="closed-form")
 
 
 def _needs_fine_rim(section: Section, material: Material) -> bool:
@@ -123,6 +78,22 @@ def refined_constants(section: Section, nu: float) -> tuple[SectionConstants, ..
     return tuple(section_constants(section_mesh(section, n), nu) for n in DIVISIONS)
 
 
+@cases.case(
+    "shape.{shape}.free[{material}]",
+    "{shape}, {material}: with free ends the solid is the beam of its own constants",
+    over={"shape": SHAPES, "material": MATERIALS},
+    quantity="largest relative difference of the six diagonal tip compliances",
+    unit="1",
+    citation="Clapeyron's theorem on Saint-Venant's exact solution: C = ∫ of unit resultants over "
+    "EA … κGA, κ by strain energy, constants by finite elements on the section",
+    tolerance=Absolute(1e-4),
+    tolerance_reason="nothing but the mesh is left: 1.4e-5 at most on these; 1e-4 is what the "
+    "project asks for",
+    presets=lambda shape, material: (
+        _LATER if _needs_fine_rim(SHAPES[shape], MATERIALS[material]) else PRESETS
+    ),
+    effort=0.4,
+)
 def _free(context: Context, shape: str, material: str) -> Measurement:
     section, of = SHAPES[shape], MATERIALS[material]
     divisions = 8 if _needs_fine_rim(section, of) else 4
@@ -141,14 +112,6 @@ def _free(context: Context, shape: str, material: str) -> Measurement:
             "difference (%)": tuple((100.0 * apart).tolist()),
         },
     )
-
-
-def _constant(context: Context, name: str) -> Measurement:
-    form = CLOSED_FORMS[name]
-    refined = context.get(refined_constants, SHAPES[form.shape], form.nu)
-    values = np.array([form.found(constants) for constants in refined])
-    convergence = analyse(1.0 / np.array(DIVISIONS, dtype=float), values, FORMAL_ORDER)
-    return Measurement(float(values[-1]), form.exact, value_uncertainty=uncertainty_of(convergence))
 
 
 def _torsion(constants: SectionConstants) -> float:
@@ -181,53 +144,52 @@ def renton_circle(nu: float) -> float:
     return 1.0 / (7.0 / 6.0 + (nu / (1.0 + nu)) ** 2 / 6.0)
 
 
-def _closed_forms() -> dict[str, ClosedForm]:
-    forms = {}
+def _closed_forms() -> list[tuple[str, str, ClosedForm]]:
+    """Shape, name of the constant, and its form."""
+    forms = []
     for shape in ("rectangle", "circle", "tube"):
         section = SHAPES[shape]
-        forms[f"{shape}.J"] = ClosedForm(
-            "torsion constant", "m⁴", shape, 0.0, _torsion, section.torsion_constant, _SAINT_VENANT
+        torsion = section.torsion_constant
+        forms.append(
+            (
+                shape,
+                "J",
+                ClosedForm("torsion constant", "m⁴", 0.0, _torsion, torsion, _SAINT_VENANT),
+            )
         )
         for nu in (0.0, _POISSON):
-            along_y, _ = section.shear_coefficients(nu)
-            forms[f"{shape}.cowper,ν={nu:g}"] = ClosedForm(
-                "shear coefficient, mean displacement",
-                "1",
-                shape,
-                nu,
-                _cowper_y,
-                along_y,
-                _COWPER,
+            kappa, _ = section.shear_coefficients(nu)
+            form = ClosedForm(
+                "shear coefficient, mean displacement", "1", nu, _cowper_y, kappa, _COWPER
             )
+            forms.append((shape, f"cowper,ν={nu:g}", form))
     width, height = SHAPES["rectangle"].extent
-    forms["rectangle.renton-y,ν=0.3"] = ClosedForm(
-        "shear coefficient along y, strain energy",
-        "1",
-        "rectangle",
-        _POISSON,
-        _energy_y,
-        renton_rectangle(width, height, _POISSON),
-        _RENTON,
+    by_energy = (
+        ("rectangle", "-y", " along y", _energy_y, renton_rectangle(width, height, _POISSON)),
+        ("rectangle", "-z", " along z", _energy_z, renton_rectangle(height, width, _POISSON)),
+        ("circle", "", "", _energy_y, renton_circle(_POISSON)),
     )
-    forms["rectangle.renton-z,ν=0.3"] = ClosedForm(
-        "shear coefficient along z, strain energy",
-        "1",
-        "rectangle",
-        _POISSON,
-        _energy_z,
-        renton_rectangle(height, width, _POISSON),
-        _RENTON,
-    )
-    forms["circle.renton,ν=0.3"] = ClosedForm(
-        "shear coefficient, strain energy",
-        "1",
-        "circle",
-        _POISSON,
-        _energy_y,
-        renton_circle(_POISSON),
-        _RENTON,
-    )
+    for shape, end, along, found, kappa in by_energy:
+        quantity = f"shear coefficient{along}, strain energy"
+        form = ClosedForm(quantity, "1", _POISSON, found, kappa, _RENTON)
+        forms.append((shape, f"renton{end},ν={_POISSON:g}", form))
     return forms
 
 
-CLOSED_FORMS = _closed_forms()
+@cases.case(
+    "shape.{shape}.constant[{name}]",
+    "{shape}: {form.quantity} by finite elements is the closed form",
+    over={"shape, name, form": _closed_forms()},
+    quantity="{form.quantity}",
+    unit="{form.unit}",
+    citation="{form.citation}",
+    tolerance=Relative(2e-5),
+    tolerance_reason="the finest mesh of 32 divisions is off by 4e-7 at most and states an "
+    "uncertainty of 2e-6: ten times that",
+    effort=0.1,
+)
+def _constant(context: Context, shape: str, form: ClosedForm) -> Measurement:
+    refined = context.get(refined_constants, SHAPES[shape], form.nu)
+    values = np.array([form.found(constants) for constants in refined])
+    convergence = analyse(1.0 / np.array(DIVISIONS, dtype=float), values, FORMAL_ORDER)
+    return Measurement(float(values[-1]), form.exact, value_uncertainty=uncertainty_of(convergence))

@@ -323,6 +323,7 @@ def _crank_by_hand() -> Array:
     ),
     "As the crank of a robot it gives as much as its drive and its sections ({model})",
     over={"model, parts": _MODELS},
+    model="",
     citation=f"{_INTEGRAL}, turned, and the drive's angle",
     tolerance=Absolute(_ROD),
     tolerance_reason=_RODS,
