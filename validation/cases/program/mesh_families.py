@@ -88,7 +88,6 @@ SUBJECTS = {
     ),
 }
 
-
 cases = CaseGroup(section=SECTION)
 
 

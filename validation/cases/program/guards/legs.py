@@ -1,7 +1,6 @@
 """Guards of single legs and of the simplified model, against what the robot file says."""
 
 from dataclasses import replace
-from functools import partial
 from math import pi
 
 import numpy as np
@@ -12,61 +11,19 @@ from lumped.biglide import Biglide
 from lumped.dense.modes import dense
 from lumped.legs import GivenLeg, Leg
 from lumped.models import vjm
-from validation.agreement.convergence import step_factor
-from validation.case import Absolute, Case, Measurement
+from validation.agreement.differences import farthest_off, refined
+from validation.case import Absolute, Measurement
+from validation.case_group import CaseGroup
 from validation.cases.program.guards.robot import ELEMENTS, SECTION, guarded_posture
 from validation.context import Context
 from validation.models.biglide import robot_compliance, robot_frequencies
 from validation.models.legs import constant_leg_of, kind_frequencies, leg_matrices
 from validation.models.options import BEAM_ORDER, ModelName, ModelOptions
 
-_LUMPED: tuple[ModelName, ...] = ("segments", "beam")
-_PLANES: tuple[Plane, ...] = ("y", "z")
 _ROOTS = 3
 
-
-def cases() -> tuple[Case, ...]:
-    """The simplified model, and both legs."""
-    return (
-        *_simplified_cases(),
-        *(_mass_case(number, model) for number in (1, 2) for model in _LUMPED),
-        *(_equivalent_case(number) for number in (1, 2)),
-        *(_slender_case(number, plane) for number in (1, 2) for plane in _PLANES),
-    )
-
-
-def _simplified_cases() -> tuple[Case, ...]:
-    citation = "virtual joints with legs a million times stiffer than the drives, feet along y"
-    return (
-        Case(
-            id="guard.simplified.compliance",
-            title="The simplified model is the robot whose feet yield along y alone",
-            quantity="largest difference of the 2×2 in units of its largest entry",
-            unit="1",
-            reference_kind="independent-solver",
-            citation=citation,
-            tolerance=Absolute(1e-4),
-            tolerance_reason="the legs' own compliance, a millionth, by the square of lever arms",
-            compute=_simplified_compliance,
-            model="simplified",
-            section=SECTION,
-            group="guard.simplified",
-        ),
-        Case(
-            id="guard.simplified.frequency",
-            title="The simplified frequencies are those of the mass on that compliance",
-            quantity="largest relative difference of both frequencies",
-            unit="1",
-            reference_kind="closed-form",
-            citation=f"ω² = 1/(m c) for both principal compliances c; {citation}",
-            tolerance=Absolute(1e-4),
-            tolerance_reason="as for the compliance",
-            compute=_simplified_frequencies,
-            model="simplified",
-            section=SECTION,
-            group="guard.simplified",
-        ),
-    )
+cases = CaseGroup(section=SECTION, group="guard.legs", unit="1", reference_kind="closed-form")
+_STIFF = "virtual joints with legs a million times stiffer than the drives, feet along y"
 
 
 def drive_compliance_by_joints(robot: Biglide) -> Array:
@@ -79,39 +36,52 @@ def drive_compliance_by_joints(robot: Biglide) -> Array:
     return vjm.compliance(plain, guarded_posture(robot), (stiff, stiff))[:2, :2]
 
 
+@cases.case(
+    "guard.simplified.compliance",
+    "The simplified model is the robot whose feet yield along y alone",
+    quantity="largest difference of the 2×2 in units of its largest entry",
+    reference_kind="independent-solver",
+    citation=_STIFF,
+    tolerance=Absolute(1e-4),
+    tolerance_reason="the legs' own compliance, a millionth, by the square of lever arms",
+    model="simplified",
+    group="guard.simplified",
+)
 def _simplified_compliance(context: Context) -> Measurement:
     robot = context.robot
     reference = context.get(drive_compliance_by_joints, robot)
     found = robot_compliance("simplified", robot, guarded_posture(robot))
-    return Measurement(
-        float(np.abs(found - reference).max() / np.abs(reference).max()), 0.0, exact=True
-    )
+    return farthest_off((found - reference) / np.abs(reference).max())
 
 
+@cases.case(
+    "guard.simplified.frequency",
+    "The simplified frequencies are those of the mass on that compliance",
+    quantity="largest relative difference of both frequencies",
+    citation=f"ω² = 1/(m c) for both principal compliances c; {_STIFF}",
+    tolerance=Absolute(1e-4),
+    tolerance_reason="as for the compliance",
+    model="simplified",
+    group="guard.simplified",
+)
 def _simplified_frequencies(context: Context) -> Measurement:
     robot = context.robot
     principal = np.linalg.eigvalsh(context.get(drive_compliance_by_joints, robot))
     reference = 1.0 / (2.0 * pi * np.sqrt(robot.platform_mass * principal[::-1]))
     found = robot_frequencies("simplified", robot, guarded_posture(robot), 2)
-    return Measurement(float(np.abs(found / reference - 1.0).max()), 0.0, exact=True)
+    return farthest_off(found / reference - 1.0)
 
 
-def _mass_case(number: int, model: ModelName) -> Case:
-    return Case(
-        id=f"guard.leg{number}.mass[{model}]",
-        title=f"Leg {number} by {model} weighs what the robot file says, about its middle",
-        quantity="largest difference of mass, m L/2 and m L²/3 + ρI L in units of m, m L, m L²",
-        unit="1",
-        reference_kind="closed-form",
-        citation="kinetic energy of a prism in its rigid motions, from mass, length, section",
-        tolerance=Absolute(1e-9),
-        tolerance_reason="consistent masses and rigid elements carry rigid motions exactly",
-        compute=partial(_mass, number=number, model=model),
-        section=SECTION,
-        group="guard.legs",
-    )
-
-
+@cases.case(
+    "guard.leg{number}.mass[{model}]",
+    "Leg {number} by {model} weighs what the robot file says, about its middle",
+    over={"number": (1, 2), "model": ("segments", "beam")},
+    quantity="largest difference of mass, m L/2 and m L²/3 + ρI L in units of m, m L, m L²",
+    citation="kinetic energy of a prism in its rigid motions, from mass, length, section",
+    tolerance=Absolute(1e-9),
+    tolerance_reason="consistent masses and rigid elements carry rigid motions exactly",
+    model="",
+)
 def _mass(context: Context, number: int, model: ModelName) -> Measurement:
     robot = context.robot
     given: Leg = robot.leg1 if number == 1 else robot.leg2
@@ -133,11 +103,12 @@ def _mass(context: Context, number: int, model: ModelName) -> Measurement:
         (1, 5): mass * length / 2.0,
         (4, 4): mass * (length**2 / 3.0 + gyration),
     }
-    worst = max(
-        abs(found[i, j] - value) / (mass * length ** ((i > 2) + (j > 2)))
-        for (i, j), value in wanted.items()
+    return farthest_off(
+        [
+            (found[i, j] - value) / (mass * length ** ((i > 2) + (j > 2)))
+            for (i, j), value in wanted.items()
+        ]
     )
-    return Measurement(float(worst), 0.0, exact=True)
 
 
 def _rigid_motions(stiffness: Array, length: float) -> Array:
@@ -153,23 +124,16 @@ def _rigid_motions(stiffness: Array, length: float) -> Array:
     return motions
 
 
-def _equivalent_case(number: int) -> Case:
-    return Case(
-        id=f"guard.leg{number}.equivalent",
-        title=f"The equivalent leg {number} has the first four stiffnesses of the given one",
-        quantity="largest relative difference of K11, K22, K33, K44 with the root clamped",
-        unit="1",
-        reference_kind="closed-form",
-        citation="paper §2.3: the same first four diagonal terms of the stiffness matrix; "
-        "one Euler–Bernoulli element",
-        tolerance=Absolute(1e-9),
-        tolerance_reason="rounding",
-        compute=partial(_equivalent, number=number),
-        section=SECTION,
-        group="guard.legs",
-    )
-
-
+@cases.case(
+    "guard.leg{number}.equivalent",
+    "The equivalent leg {number} has the first four stiffnesses of the given one",
+    over={"number": (1, 2)},
+    quantity="largest relative difference of K11, K22, K33, K44 with the root clamped",
+    citation="paper §2.3: the same first four diagonal terms of the stiffness matrix; one "
+    "Euler–Bernoulli element",
+    tolerance=Absolute(1e-9),
+    tolerance_reason="rounding",
+)
 def _equivalent(context: Context, number: int) -> Measurement:
     robot = context.robot
     given: Leg = robot.leg1 if number == 1 else robot.leg2
@@ -193,25 +157,18 @@ def _equivalent(context: Context, number: int) -> Measurement:
     condensed = stiffness[6:12, 6:12] - stiffness[6:12, 12:] @ np.linalg.solve(
         stiffness[12:, 12:], stiffness[12:, 6:12]
     )
-    return Measurement(float(np.abs(np.diag(condensed)[:4] / wanted - 1.0).max()), 0.0, exact=True)
+    return farthest_off(np.diag(condensed)[:4] / wanted - 1.0)
 
 
-def _slender_case(number: int, plane: Plane) -> Case:
-    return Case(
-        id=f"guard.leg{number}.euler-bernoulli[{plane}]",
-        title=f"Leg {number} without shear: bending {plane} of Hermite beams is the closed form's",
-        quantity=f"largest relative difference of the first {_ROOTS} frequencies",
-        unit="1",
-        reference_kind="closed-form",
-        citation="(βL)² √(EI/μ)/L² with the roots of cos βL cosh βL = −1",
-        tolerance=Absolute(1e-4),
-        tolerance_reason="fourth order in 1/n: 2e-5 for the third frequency with 20 elements",
-        compute=partial(_slender, number=number, plane=plane),
-        section=SECTION,
-        group="guard.legs",
-    )
-
-
+@cases.case(
+    "guard.leg{number}.euler-bernoulli[{plane}]",
+    "Leg {number} without shear: bending {plane} of Hermite beams is the closed form's",
+    over={"number": (1, 2), "plane": ("y", "z")},
+    quantity=f"largest relative difference of the first {_ROOTS} frequencies",
+    citation="(βL)² √(EI/μ)/L² with the roots of cos βL cosh βL = −1",
+    tolerance=Absolute(1e-4),
+    tolerance_reason="fourth order in 1/n: 2e-5 for the third frequency with 20 elements",
+)
 def _slender(context: Context, number: int, plane: Plane) -> Measurement:
     leg = constant_leg_of(context, number)
     coarse, fine = (
@@ -226,9 +183,5 @@ def _slender(context: Context, number: int, plane: Plane) -> Measurement:
     )
     exact = bending_frequencies(leg.properties("euler-bernoulli"), leg.length, plane, _ROOTS)
     worst = int(np.argmax(np.abs(fine / exact - 1.0)))
-    return Measurement(
-        float(abs(fine[worst] / exact[worst] - 1.0)),
-        0.0,
-        value_uncertainty=step_factor(2.0, BEAM_ORDER)
-        * float(abs(fine[worst] - coarse[worst]) / exact[worst]),
-    )
+    off = (abs(one[worst] / exact[worst] - 1.0) for one in (coarse, fine))
+    return refined(*off, order=BEAM_ORDER)

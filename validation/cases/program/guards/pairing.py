@@ -1,13 +1,12 @@
 """Guards of the pairing of modes: shapes whose MAC, partners and angle can be written down."""
 
-from collections.abc import Callable
-
 import numpy as np
 
 from fem.beams.beam import beam_leg
 from lumped.legs import BeamProperties, ConstantLeg, Material
 from lumped.models.cantilever import clamped_modes
 from lumped.sections import Rectangle
+from validation.agreement.differences import farthest_off
 from validation.agreement.mode_pairing import (
     centreline_samples,
     centreline_weights,
@@ -15,7 +14,8 @@ from validation.agreement.mode_pairing import (
     mac_matrix,
     pair_modes,
 )
-from validation.case import Absolute, Case, Measurement
+from validation.case import Absolute, Measurement
+from validation.case_group import CaseGroup
 from validation.cases.program.guards.robot import SECTION
 from validation.context import Context
 
@@ -24,90 +24,9 @@ _WEIGHTS = np.array([2.0, 0.05, 7.0, 0.3])
 _ANGLE = 0.4
 _LEG = ConstantLeg(0.85, Rectangle(0.1, 0.16), Material.isotropic(2.1e11, 0.3, 7850.0))
 
-
-def cases() -> tuple[Case, ...]:
-    """All of them."""
-    return (
-        _case(
-            "mac",
-            "MAC of two shapes at a known angle in the product of the masses",
-            "difference of the MAC from cos² of the angle",
-            "MAC = cos² of the angle in that product (Allemang and Brown, IMAC 1982)",
-            1e-12,
-            "rounding",
-            _mac,
-        ),
-        _case(
-            "partners",
-            "Modes in another order and with other signs find their partners",
-            "modes with a wrong partner",
-            "a permutation of orthogonal shapes",
-            0.5,
-            "a count: nothing but none will do",
-            _partners,
-        ),
-        _case(
-            "orthogonal",
-            "Sampled modes of a clamped beam are orthogonal to each other",
-            "largest difference of the MAC between them from the unit matrix",
-            "orthogonality of modes in the product of the masses, rotary inertia included",
-            1e-7,
-            "24 Gauss stations integrate the first modes to 1e-4 and better, squared in MAC",
-            _orthogonal,
-        ),
-        _case(
-            "reversed",
-            "Modes of a clamped beam find themselves in reversed order",
-            "modes with a wrong partner",
-            "each is its own partner",
-            0.5,
-            "a count: nothing but none will do",
-            _reversed,
-        ),
-        _case(
-            "angle",
-            "The largest angle between two spaces of known angle",
-            "largest principal angle less the known one (rad)",
-            "Bjorck and Golub, Math. Comp. 27 (1973) 579, in the product of the masses",
-            1e-9,
-            "rounding; angles are found to the root of it at worst",
-            _angle,
-        ),
-        _case(
-            "weights",
-            "Weights on a centreline are the masses of a rigid leg",
-            "largest relative difference of m, ρJ L, ρIy L + m L²/3 and ρIz L + m L²/3",
-            "kinetic energy of a prism in its rigid motions about the root",
-            1e-12,
-            "Gauss stations integrate polynomials exactly",
-            _weights,
-        ),
-    )
-
-
-def _case(
-    name: str,
-    title: str,
-    quantity: str,
-    citation: str,
-    tolerance: float,
-    reason: str,
-    compute: Callable[[Context], Measurement],
-) -> Case:
-    return Case(
-        id=f"guard.pairing.{name}",
-        title=title,
-        quantity=quantity,
-        unit="rad" if name == "angle" else "1",
-        reference_kind="closed-form",
-        citation=citation,
-        tolerance=Absolute(tolerance),
-        tolerance_reason=reason,
-        compute=compute,
-        section=SECTION,
-        group="guard.pairing",
-        effort=0.01,
-    )
+cases = CaseGroup(
+    section=SECTION, group="guard.pairing", unit="1", reference_kind="closed-form", effort=0.01
+)
 
 
 def _orthonormal() -> np.ndarray:
@@ -117,6 +36,14 @@ def _orthonormal() -> np.ndarray:
     return np.asarray(orthogonal / np.sqrt(_WEIGHTS)[:, None])
 
 
+@cases.case(
+    "guard.pairing.mac",
+    "MAC of two shapes at a known angle in the product of the masses",
+    quantity="difference of the MAC from cos² of the angle",
+    citation="MAC = cos² of the angle in that product (Allemang and Brown, IMAC 1982)",
+    tolerance=Absolute(1e-12),
+    tolerance_reason="rounding",
+)
 def _mac(_context: Context) -> Measurement:
     shapes = _orthonormal()
     turned = 3.0 * (np.cos(_ANGLE) * shapes[:, 0] + np.sin(_ANGLE) * shapes[:, 1])
@@ -124,6 +51,14 @@ def _mac(_context: Context) -> Measurement:
     return Measurement(float(found[0, 0] - np.cos(_ANGLE) ** 2), 0.0, exact=True)
 
 
+@cases.case(
+    "guard.pairing.partners",
+    "Modes in another order and with other signs find their partners",
+    quantity="modes with a wrong partner",
+    citation="a permutation of orthogonal shapes",
+    tolerance=Absolute(0.5),
+    tolerance_reason="a count: nothing but none will do",
+)
 def _partners(_context: Context) -> Measurement:
     shapes, order = _orthonormal(), np.array([2, 0, 3, 1])
     others = (shapes * np.array([-1.0, 2.0, -3.0, 0.5]))[:, order]
@@ -140,18 +75,44 @@ def _sampled_beam() -> tuple[np.ndarray, np.ndarray]:
     return np.asarray(shapes), centreline_weights(_LEG.timoshenko, lengths)
 
 
+@cases.case(
+    "guard.pairing.orthogonal",
+    "Sampled modes of a clamped beam are orthogonal to each other",
+    quantity="largest difference of the MAC between them from the unit matrix",
+    citation="orthogonality of modes in the product of the masses, rotary inertia included",
+    tolerance=Absolute(1e-7),
+    tolerance_reason="24 Gauss stations integrate the first modes to 1e-4 and better, squared in "
+    "MAC",
+)
 def _orthogonal(_context: Context) -> Measurement:
     shapes, weights = _sampled_beam()
     found = mac_matrix(shapes, shapes, weights)
-    return Measurement(float(np.abs(found - np.eye(len(found))).max()), 0.0, exact=True)
+    return farthest_off(found - np.eye(len(found)))
 
 
+@cases.case(
+    "guard.pairing.reversed",
+    "Modes of a clamped beam find themselves in reversed order",
+    quantity="modes with a wrong partner",
+    citation="each is its own partner",
+    tolerance=Absolute(0.5),
+    tolerance_reason="a count: nothing but none will do",
+)
 def _reversed(_context: Context) -> Measurement:
     shapes, weights = _sampled_beam()
     found = pair_modes(shapes, shapes[:, ::-1], weights)
     return Measurement(float(np.sum(found.partner != np.arange(6)[::-1])), 0.0, exact=True)
 
 
+@cases.case(
+    "guard.pairing.angle",
+    "The largest angle between two spaces of known angle",
+    quantity="largest principal angle less the known one (rad)",
+    unit="rad",
+    citation="Bjorck and Golub, Math. Comp. 27 (1973) 579, in the product of the masses",
+    tolerance=Absolute(1e-9),
+    tolerance_reason="rounding; angles are found to the root of it at worst",
+)
 def _angle(_context: Context) -> Measurement:
     shapes = _orthonormal()
     turned = np.cos(_ANGLE) * shapes[:, 1] + np.sin(_ANGLE) * shapes[:, 2]
@@ -159,6 +120,14 @@ def _angle(_context: Context) -> Measurement:
     return Measurement(largest_angle(shapes[:, :2], second, _WEIGHTS) - _ANGLE, 0.0, exact=True)
 
 
+@cases.case(
+    "guard.pairing.weights",
+    "Weights on a centreline are the masses of a rigid leg",
+    quantity="largest relative difference of m, ρJ L, ρIy L + m L²/3 and ρIz L + m L²/3",
+    citation="kinetic energy of a prism in its rigid motions about the root",
+    tolerance=Absolute(1e-12),
+    tolerance_reason="Gauss stations integrate polynomials exactly",
+)
 def _weights(_context: Context) -> Measurement:
     beam: BeamProperties = _LEG.timoshenko
     stations, lengths = centreline_samples(_LEG.length, 24)
@@ -180,4 +149,4 @@ def _weights(_context: Context) -> Measurement:
         )
     ]
     wanted = np.array([mass, inertia[0], inertia[1] + swing, inertia[2] + swing])
-    return Measurement(float(np.abs(found / wanted - 1.0).max()), 0.0, exact=True)
+    return farthest_off(found / wanted - 1.0)

@@ -3,9 +3,7 @@
 It is small: what is guarded here is otherwise seen in expensive comparisons alone.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 
@@ -24,7 +22,9 @@ from lumped.mechanism.body_model import LegMatrices
 from lumped.models.segments import KINDS
 from lumped.sections import Rectangle
 from meshes.prism.hexahedra import hexahedra
-from validation.case import Absolute, Case, Measurement, Tolerance
+from validation.agreement.differences import farthest_off
+from validation.case import Absolute, Measurement
+from validation.case_group import CaseGroup
 from validation.cases.program.guards.robot import (
     MODES,
     SECTION,
@@ -39,7 +39,6 @@ _LEG = ConstantLeg(
     0.6, Rectangle(0.08, 0.14), Material(E=2.1e11, G=0.7 * 2.1e11 / 2.6, nu=0.3, rho=7850.0)
 )
 _SLICES = 6
-_BOTH: tuple[Ends, ...] = ("rigid", "free")
 _REDUCED = "the same mesh without reduction (fem.bodies.solid)"
 
 
@@ -61,90 +60,10 @@ class ReducedSolid:
     moved: Array
 
 
-def cases() -> tuple[Case, ...]:
-    """All of them."""
-    return (
-        *(case for ends in _BOTH for case in _solid_cases(ends)),
-        _energies_case(),
-    )
-
-
-def guard_case(
-    identifier: str,
-    title: str,
-    quantity: str,
-    citation: str,
-    tolerance: Tolerance,
-    reason: str,
-    compute: Callable[[Context], Measurement],
-    unit: str = "1",
-) -> Case:
-    """A guard of the group that is the first word of its identifier."""
-    return Case(
-        id=f"guard.{identifier}",
-        title=title,
-        quantity=quantity,
-        unit=unit,
-        reference_kind="closed-form",
-        citation=citation,
-        tolerance=tolerance,
-        tolerance_reason=reason,
-        compute=compute,
-        section=SECTION,
-        group=f"guard.{identifier.partition('.')[0]}",
-        effort=0.05,
-    )
-
-
-def _solid_cases(ends: Ends) -> tuple[Case, ...]:
-    return (
-        guard_case(
-            f"reduction.compliance[{ends}]",
-            f"A reduced solid leg has the tip compliance of its mesh ({ends} ends)",
-            "largest difference of the 6×6 in units of √(c_ii c_jj)",
-            _REDUCED,
-            Absolute(1e-7),
-            "exact in theory: rounding, by the condition of a solid",
-            partial(_compliance, ends=ends),
-        ),
-        guard_case(
-            f"reduction.frequency[{ends}]",
-            f"A reduced solid leg, clamped at its root, has the frequencies of its mesh ({ends} "
-            "ends)",
-            f"largest relative difference of the first {MODES}",
-            _REDUCED,
-            Absolute(1e-4),
-            "the cut-off is chosen for 1e-4 at the highest frequency asked for",
-            partial(_frequencies, ends=ends),
-        ),
-        guard_case(
-            f"reduction.mac[{ends}]",
-            f"… and its shapes, recovered on all unknowns of the mesh ({ends} ends)",
-            f"smallest mass-weighted MAC of the first {MODES}",
-            _REDUCED,
-            Absolute(1e-4),
-            "shapes are right to the root of the frequencies' 1e-4",
-            partial(_mac, ends=ends),
-        ),
-        guard_case(
-            f"reduction.mass[{ends}]",
-            f"A reduced solid leg weighs what it did, about the same point ({ends} ends)",
-            "largest relative difference of mass, centre and moments of inertia",
-            "a homogeneous block: m, L/2, m (b² + h²)/12 …",
-            Absolute(1e-9),
-            "rigid motions are among those of the ends: rounding alone",
-            partial(_mass, ends=ends),
-        ),
-        guard_case(
-            f"reduction.rigid-motion[{ends}]",
-            f"A reduced solid leg whose ends move as one body moves as that body ({ends} ends)",
-            "largest difference of displacements on the mesh, rotations about the root by 1/L",
-            "u + φ × r",
-            Absolute(1e-7),
-            "constraint modes hold rigid motions exactly: rounding, by the condition of a solid",
-            partial(_rigid_motion, ends=ends),
-        ),
-    )
+cases = CaseGroup(
+    section=SECTION, group="guard.reduction", unit="1", reference_kind="closed-form", effort=0.05
+)
+_held = cases.family(over={"ends": ("rigid", "free")})
 
 
 def reduced_solid_leg(ends: Ends) -> ReducedSolid:
@@ -185,52 +104,79 @@ def _rigid_fields(points: Array) -> Array:
     return np.column_stack([*shifted, *turned])
 
 
+@_held.case(
+    "guard.reduction.compliance[{ends}]",
+    "A reduced solid leg has the tip compliance of its mesh ({ends} ends)",
+    quantity="largest difference of the 6×6 in units of √(c_ii c_jj)",
+    citation=_REDUCED,
+    tolerance=Absolute(1e-7),
+    tolerance_reason="exact in theory: rounding, by the condition of a solid",
+)
 def _compliance(context: Context, ends: Ends) -> Measurement:
     found = context.get(reduced_solid_leg, ends)
     return Measurement(scaled_difference(found.compliance, found.full_compliance), 0.0, exact=True)
 
 
+@_held.case(
+    "guard.reduction.frequency[{ends}]",
+    "A reduced solid leg, clamped at its root, has the frequencies of its mesh ({ends} ends)",
+    quantity=f"largest relative difference of the first {MODES}",
+    citation=_REDUCED,
+    tolerance=Absolute(1e-4),
+    tolerance_reason="the cut-off is chosen for 1e-4 at the highest frequency asked for",
+)
 def _frequencies(context: Context, ends: Ends) -> Measurement:
     found = context.get(reduced_solid_leg, ends)
-    return Measurement(
-        float(np.abs(found.frequencies / found.full_frequencies - 1.0).max()), 0.0, exact=True
-    )
+    return farthest_off(found.frequencies / found.full_frequencies - 1.0)
 
 
+@_held.case(
+    "guard.reduction.mac[{ends}]",
+    "… and its shapes, recovered on all unknowns of the mesh ({ends} ends)",
+    quantity=f"smallest mass-weighted MAC of the first {MODES}",
+    citation=_REDUCED,
+    tolerance=Absolute(1e-4),
+    tolerance_reason="shapes are right to the root of the frequencies' 1e-4",
+)
 def _mac(context: Context, ends: Ends) -> Measurement:
     return Measurement(float(context.get(reduced_solid_leg, ends).mac.min()), 1.0, exact=True)
 
 
+@_held.case(
+    "guard.reduction.mass[{ends}]",
+    "A reduced solid leg weighs what it did, about the same point ({ends} ends)",
+    quantity="largest relative difference of mass, centre and moments of inertia",
+    citation="a homogeneous block: m, L/2, m (b² + h²)/12 …",
+    tolerance=Absolute(1e-9),
+    tolerance_reason="rigid motions are among those of the ends: rounding alone",
+)
 def _mass(context: Context, ends: Ends) -> Measurement:
     leg = context.get(reduced_solid_leg, ends).matrices
     found = mass_properties(leg, rigid_motions(leg))
     b, h, l = _LEG.section.extent[0], _LEG.section.extent[1], _LEG.length
     mass = _LEG.material.rho * b * h * l
     inertia = mass / 12.0 * np.diag([b**2 + h**2, l**2 + h**2, l**2 + b**2])
-    worst = max(
-        abs(found.mass / mass - 1.0),
-        float(np.abs(found.centre / l - np.array([0.5, 0.0, 0.0])).max()),
-        float(np.abs(found.inertia - inertia).max() / inertia.max()),
-    )
-    return Measurement(worst, 0.0, exact=True)
+    off = [
+        found.mass / mass - 1.0,
+        *(found.centre / l - np.array([0.5, 0.0, 0.0])),
+        *((found.inertia - inertia) / inertia.max()).ravel(),
+    ]
+    return farthest_off(off)
 
 
+@_held.case(
+    "guard.reduction.rigid-motion[{ends}]",
+    "A reduced solid leg whose ends move as one body moves as that body ({ends} ends)",
+    quantity="largest difference of displacements on the mesh, rotations about the root by 1/L",
+    citation="u + φ × r",
+    tolerance=Absolute(1e-7),
+    tolerance_reason="constraint modes hold rigid motions exactly: rounding, by the condition of a "
+    "solid",
+)
 def _rigid_motion(context: Context, ends: Ends) -> Measurement:
     moved = context.get(reduced_solid_leg, ends).moved
     scale = np.array([1.0, 1.0, 1.0, *[1.0 / _LEG.length] * 3])
-    return Measurement(float(np.abs(moved * scale).max()), 0.0, exact=True)
-
-
-def _energies_case() -> Case:
-    return guard_case(
-        "reduction.energies",
-        "A solid leg under one resultant has the energy of that kind alone",
-        "largest part of the strain energy that is in another kind",
-        "Clapeyron: Saint-Venant's exact solution is tension, torsion or bending and no more",
-        Absolute(0.005),
-        "so coarse a mesh leaves 5e-4 to the distortion of the section: ten times that",
-        _energies,
-    )
+    return farthest_off(moved * scale)
 
 
 def loaded_solid_energies() -> dict[str, Array]:
@@ -242,6 +188,15 @@ def loaded_solid_energies() -> dict[str, Array]:
     return kind_energies(whole, np.asarray(fields))
 
 
+@cases.case(
+    "guard.reduction.energies",
+    "A solid leg under one resultant has the energy of that kind alone",
+    quantity="largest part of the strain energy that is in another kind",
+    citation="Clapeyron: Saint-Venant's exact solution is tension, torsion or bending and no more",
+    tolerance=Absolute(0.005),
+    tolerance_reason="so coarse a mesh leaves 5e-4 to the distortion of the section: ten times "
+    "that",
+)
 def _energies(context: Context) -> Measurement:
     found = context.get(loaded_solid_energies)
     total = np.sum(list(found.values()), axis=0)

@@ -5,7 +5,6 @@ Masses and stiffnesses are taken from the robot file again, and so are the membe
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 from math import sqrt
 
 import numpy as np
@@ -25,7 +24,9 @@ from lumped.arrays import Array, SparseMatrix
 from lumped.biglide import Biglide, scaled
 from lumped.legs import ConstantLeg, Material, equivalent_leg
 from lumped.sections import ISection
-from validation.case import Absolute, Case, Measurement, Relative
+from validation.agreement.differences import farthest_off
+from validation.case import Absolute, Measurement, Relative
+from validation.case_group import CaseGroup
 from validation.context import Context
 from validation.models.biglide import robot_compliance, robot_frequencies
 from validation.models.options import ModelName, ModelOptions
@@ -33,7 +34,6 @@ from validation.models.options import ModelName, ModelOptions
 SECTION = "Guards"
 ELEMENTS = 12
 MODES = 6
-_STATIC: tuple[ModelName, ...] = ("vjm", "segments", "beam")
 _UPWARDS = (0.0, 0.0, 1.0)
 _SAME = 1e-7
 _SAME_REASON = (
@@ -81,14 +81,9 @@ VARIANTS: dict[str, Callable[[Biglide], Biglide]] = {
     "I-section": with_i_leg,
 }
 
-
-def cases() -> tuple[Case, ...]:
-    """The robot in several variants, and a member of its family."""
-    return (
-        *(_compliance_case(model, name) for name in VARIANTS for model in _STATIC),
-        *(_frequency_case(name) for name in VARIANTS),
-        *_family_cases(),
-    )
+cases = CaseGroup(
+    section=SECTION, group="guard.robot", unit="1", reference_kind="independent-solver"
+)
 
 
 def frame_of(robot: Biglide, x: float, elements: int) -> AssembledFrame:
@@ -191,25 +186,17 @@ def robot_frame(robot: Biglide) -> AssembledFrame:
     return frame_of(robot, guarded_posture(robot), ELEMENTS)
 
 
-def _compliance_case(model: ModelName, name: str) -> Case:
-    return Case(
-        id=f"guard.robot.compliance.{model}[{name}]",
-        title=f"The robot's compliance by {model} is that of a frame of beams ({name})",
-        quantity="largest difference of the 6×6 in units of √(c_ii c_jj)",
-        unit="1",
-        reference_kind="independent-solver",
-        citation=_FRAME,
-        tolerance=Absolute(_SAME),
-        tolerance_reason=_SAME_REASON,
-        compute=partial(_compliance, model=model, name=name),
-        model=model,
-        row=name,
-        section=SECTION,
-        group="guard.robot",
-        effort=0.03,
-    )
-
-
+@cases.case(
+    "guard.robot.compliance.{model}[{name}]",
+    "The robot's compliance by {model} is that of a frame of beams ({name})",
+    over={"name": VARIANTS, "model": ("vjm", "segments", "beam")},
+    quantity="largest difference of the 6×6 in units of √(c_ii c_jj)",
+    citation=_FRAME,
+    tolerance=Absolute(_SAME),
+    tolerance_reason=_SAME_REASON,
+    row="{name}",
+    effort=0.03,
+)
 def _compliance(context: Context, model: ModelName, name: str) -> Measurement:
     robot = VARIANTS[name](context.robot)
     frame = context.get(robot_frame, robot)
@@ -218,64 +205,39 @@ def _compliance(context: Context, model: ModelName, name: str) -> Measurement:
     return Measurement(scaled_difference(found, frame_compliance(frame)), 0.0, exact=True)
 
 
-def _frequency_case(name: str) -> Case:
-    return Case(
-        id=f"guard.robot.frequency[{name}]",
-        title=f"The robot's first frequencies by beams are those of a frame of beams ({name})",
-        quantity=f"largest relative difference of the first {MODES}",
-        unit="1",
-        reference_kind="independent-solver",
-        citation=_FRAME,
-        tolerance=Absolute(_SAME),
-        tolerance_reason=_SAME_REASON,
-        compute=partial(_frequencies, name=name),
-        section=SECTION,
-        group="guard.robot",
-        effort=0.03,
-    )
-
-
+@cases.case(
+    "guard.robot.frequency[{name}]",
+    "The robot's first frequencies by beams are those of a frame of beams ({name})",
+    over={"name": VARIANTS},
+    quantity=f"largest relative difference of the first {MODES}",
+    citation=_FRAME,
+    tolerance=Absolute(_SAME),
+    tolerance_reason=_SAME_REASON,
+    effort=0.03,
+)
 def _frequencies(context: Context, name: str) -> Measurement:
     robot = VARIANTS[name](context.robot)
     frame = context.get(robot_frame, robot)
     options = ModelOptions(elements=ELEMENTS)
     found = robot_frequencies("beam", robot, guarded_posture(robot), MODES, options)
     reference = frame_modes(frame, MODES).frequencies
-    return Measurement(float(np.abs(found / reference - 1.0).max()), 0.0, exact=True)
+    return farthest_off(found / reference - 1.0)
 
 
-def _family_cases() -> tuple[Case, ...]:
-    citation = "eqs (10), (11): legs α times as long, d = L1 + L2 − a and everything else kept"
-    return (
-        Case(
-            id="guard.family.stroke",
-            title=f"The stroke does not change with α ({_ALPHA:g})",
-            quantity="stroke length d",
-            unit="m",
-            reference_kind="closed-form",
-            citation=citation,
-            tolerance=Relative(1e-9),
-            tolerance_reason="rounding",
-            compute=_stroke,
-            section=SECTION,
-            group="guard.family",
-        ),
-        Case(
-            id="guard.family.compliance",
-            title=f"Member α = {_ALPHA:g} of the family is the frame with longer legs",
-            quantity="largest difference of the 6×6 in units of √(c_ii c_jj)",
-            unit="1",
-            reference_kind="independent-solver",
-            citation=f"{citation}; {_FRAME}",
-            tolerance=Absolute(_SAME),
-            tolerance_reason=_SAME_REASON,
-            compute=_family,
-            section=SECTION,
-            group="guard.family",
-        ),
-    )
+_family = cases.family(group="guard.family")
+_LONGER = "eqs (10), (11): legs α times as long, d = L1 + L2 − a and everything else kept"
 
 
+@_family.case(
+    "guard.family.stroke",
+    f"The stroke does not change with α ({_ALPHA:g})",
+    quantity="stroke length d",
+    unit="m",
+    reference_kind="closed-form",
+    citation=_LONGER,
+    tolerance=Relative(1e-9),
+    tolerance_reason="rounding",
+)
 def _stroke(context: Context) -> Measurement:
     robot = context.robot
     member = scaled(robot, _ALPHA)
@@ -290,7 +252,15 @@ def _longer_by_hand(robot: Biglide) -> Biglide:
     return replace(robot, a=a, leg1=leg1, leg2=leg2)
 
 
-def _family(context: Context) -> Measurement:
+@_family.case(
+    "guard.family.compliance",
+    f"Member α = {_ALPHA:g} of the family is the frame with longer legs",
+    quantity="largest difference of the 6×6 in units of √(c_ii c_jj)",
+    citation=f"{_LONGER}; {_FRAME}",
+    tolerance=Absolute(_SAME),
+    tolerance_reason=_SAME_REASON,
+)
+def _longer(context: Context) -> Measurement:
     by_hand = _longer_by_hand(context.robot)
     x = guarded_posture(by_hand)
     reference = frame_compliance(frame_of(by_hand, x, ELEMENTS))

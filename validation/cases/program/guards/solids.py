@@ -1,6 +1,6 @@
 """Guards of sections and solids: textbook constants, uniform strains, two ways through one mesh."""
 
-from functools import partial
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -18,7 +18,8 @@ from meshes.prism.tetrahedra import tetrahedra
 from meshes.section.section_mesh import section_mesh
 from meshes.solid_mesh import SolidMesh
 from validation.agreement.convergence import step_factor
-from validation.case import Absolute, Case, Measurement, Relative, Tolerance
+from validation.case import Absolute, Measurement, Relative, Tolerance
+from validation.case_group import CaseGroup
 from validation.cases.legs.beams import UNITS
 from validation.cases.program.guards.robot import SECTION, scaled_difference
 from validation.context import Context
@@ -59,47 +60,21 @@ _GRADIENT = np.array([[1.0, 0.3, -0.2], [-0.5, 0.7, 0.4], [0.6, -0.1, -0.8]])
 _HOLLOW = ConstantLeg(
     0.6, HollowRectangle(0.08, 0.16, 0.016), Material.isotropic(2.1e11, NU, 7850.0)
 )
-_FREE_ENTRIES = {"c22": (1, 1), "c33": (2, 2), "c44": (3, 3), "c35": (2, 4)}
+_FREE_ENTRIES = (("c22", (1, 1)), ("c33", (2, 2)), ("c44", (3, 3)), ("c35", (2, 4)))
 ELEMENTS: tuple[SolidElement, ...] = ("hex8", "hex27", "tet4", "tet10")
 
-
-def cases() -> tuple[Case, ...]:
-    """Constants of sections, energies of elements, and legs solved in two ways."""
-    ends: tuple[Ends, ...] = ("rigid", "free")
-    return (
-        *(_constant_case(shape, name) for shape in SECTIONS for name in QUANTITIES),
-        *(_energy_case(element, kind) for element in ELEMENTS for kind in ("strain", "kinetic")),
-        *(_isotropy_case(axis) for axis in "xyz"),
-        *(_free_ends_case(name) for name in _FREE_ENTRIES),
-        *(_two_ways_case(number, hold) for number in (1, 2) for hold in ends),
-    )
+cases = CaseGroup(section=SECTION)
 
 
-def _constant_case(shape: str, name: str) -> Case:
-    tolerance, reason = _tolerance(shape, name)
-    meaning, unit = QUANTITIES[name]
-    return Case(
-        id=f"guard.section.{shape}[{name}]",
-        title=f"Textbook {meaning} of a section ({shape})",
-        quantity=meaning,
-        unit=unit,
-        reference_kind="independent-solver",
-        citation=COWPER if name in {"κy", "κz"} else "finite elements on the section's own mesh",
-        tolerance=tolerance,
-        tolerance_reason=reason,
-        compute=partial(_constant, shape=shape, name=name),
-        section=SECTION,
-        group="guard.sections",
-        effort=0.02,
-    )
-
-
-def _tolerance(shape: str, name: str) -> tuple[Tolerance, str]:
-    section, _ = SECTIONS[shape]
-    thin = isinstance(section, HollowRectangle | ISection) and name in {"J", "κy", "κz"}
-    if isinstance(section, ISection) and name == "κy":
-        return _FLANGES
-    return _THIN if thin else _EXACT
+def _constants() -> Iterator[tuple[str, str, str, str, Tolerance, str]]:
+    """Shape, name, meaning and unit of each constant, and how near its textbook formula is."""
+    for shape, (section, _) in SECTIONS.items():
+        for name, (meaning, unit) in QUANTITIES.items():
+            thin = isinstance(section, HollowRectangle | ISection) and name in {"J", "κy", "κz"}
+            near = _THIN if thin else _EXACT
+            if isinstance(section, ISection) and name == "κy":
+                near = _FLANGES
+            yield shape, name, meaning, unit, *near
 
 
 def constants_by_mesh(section: Section, divisions: int) -> SectionConstants:
@@ -107,6 +82,17 @@ def constants_by_mesh(section: Section, divisions: int) -> SectionConstants:
     return section_constants(section_mesh(section, divisions), NU)
 
 
+@cases.case(
+    "guard.section.{shape}[{name}]",
+    "Textbook {quantity} of a section ({shape})",
+    over={"shape, name, quantity, unit, tolerance, tolerance_reason": tuple(_constants())},
+    reference_kind="independent-solver",
+    citation=lambda name: (
+        COWPER if name in {"κy", "κz"} else "finite elements on the section's own mesh"
+    ),
+    group="guard.sections",
+    effort=0.02,
+)
 def _constant(context: Context, shape: str, name: str) -> Measurement:
     section, divisions = SECTIONS[shape]
     coarse, found = (
@@ -147,23 +133,6 @@ def _of_mesh(constants: SectionConstants, name: str) -> float:
     )
 
 
-def _energy_case(element: SolidElement, kind: str) -> Case:
-    return Case(
-        id=f"guard.element.{kind}[{element}]",
-        title=f"{element}: {kind} energy of a linear displacement is exact (cubic material)",
-        quantity=f"twice the {kind} energy",
-        unit="J" if kind == "strain" else "kg m²",
-        reference_kind="closed-form",
-        citation="V (C11 Σεii² + 2 C12 Σεii εjj + C44 Σγij²), ρ∫|Hx|² dV on a rectangular block",
-        tolerance=Relative(1e-9),
-        tolerance_reason="every element holds linear displacements exactly (patch test)",
-        compute=partial(_energy, element=element, kind=kind),
-        section=SECTION,
-        group="guard.elements",
-        effort=0.05,
-    )
-
-
 def block(element: SolidElement) -> SolidMesh:
     """A rectangular block in one kind of element."""
     match element:
@@ -175,6 +144,18 @@ def block(element: SolidElement) -> SolidMesh:
             return tetrahedra(_BLOCK, _BLOCK_LENGTH, 1, order=2)
 
 
+@cases.case(
+    "guard.element.{kind}[{element}]",
+    "{element}: {kind} energy of a linear displacement is exact (cubic material)",
+    over={"element": ELEMENTS, "kind, unit": (("strain", "J"), ("kinetic", "kg m²"))},
+    quantity="twice the {kind} energy",
+    reference_kind="closed-form",
+    citation="V (C11 Σεii² + 2 C12 Σεii εjj + C44 Σγij²), ρ∫|Hx|² dV on a rectangular block",
+    tolerance=Relative(1e-9),
+    tolerance_reason="every element holds linear displacements exactly (patch test)",
+    group="guard.elements",
+    effort=0.05,
+)
 def _energy(context: Context, element: SolidElement, kind: str) -> Measurement:
     mesh = context.get(block, element)
     motion = (mesh.nodes @ _GRADIENT.T).ravel()
@@ -201,23 +182,19 @@ def _exact_kinetic_energy() -> float:
     return float(_CUBIC.rho * np.trace(_GRADIENT @ second_moments @ _GRADIENT.T))
 
 
-def _isotropy_case(axis: str) -> Case:
-    return Case(
-        id=f"guard.material.isotropic[{axis}]",
-        title=f"A solid of isotropic material does not know its axes: strain turned about {axis}",
-        quantity="twice the strain energy of the strain turned by 45°",
-        unit="J",
-        reference_kind="closed-form",
-        citation="isotropy: the energy of a strain does not depend on its direction",
-        tolerance=Relative(1e-9),
-        tolerance_reason="linear displacements are exact in every element",
-        compute=partial(_isotropy, axis=axis),
-        section=SECTION,
-        group="guard.elements",
-        effort=0.05,
-    )
-
-
+@cases.case(
+    "guard.material.isotropic[{axis}]",
+    "A solid of isotropic material does not know its axes: strain turned about {axis}",
+    over={"axis": "xyz"},
+    quantity="twice the strain energy of the strain turned by 45°",
+    unit="J",
+    reference_kind="closed-form",
+    citation="isotropy: the energy of a strain does not depend on its direction",
+    tolerance=Relative(1e-9),
+    tolerance_reason="linear displacements are exact in every element",
+    group="guard.elements",
+    effort=0.05,
+)
 def _isotropy(context: Context, axis: str) -> Measurement:
     mesh = context.get(block, "hex8")
     energies = stiffness(mesh, Material.isotropic(2.1e11, NU, 7850.0))
@@ -230,24 +207,6 @@ def _isotropy(context: Context, axis: str) -> Measurement:
     return Measurement(energy(turned @ _GRADIENT @ turned.T), energy(_GRADIENT), exact=True)
 
 
-def _free_ends_case(name: str) -> Case:
-    return Case(
-        id=f"guard.solid.free-ends[{name}]",
-        title=f"Hollow leg with ends free to warp: {name} of the solid is the beam's",
-        quantity=f"compliance {name}",
-        unit=UNITS[_FREE_ENTRIES[name][0] > 2, _FREE_ENTRIES[name][1] > 2],
-        reference_kind="independent-solver",
-        citation="Timoshenko cantilever with the constants of its own section mesh, κ by energy",
-        tolerance=Relative(1e-3),
-        tolerance_reason="beam theory is exact for Saint-Venant's ends; a coarse mesh of the walls",
-        compute=partial(_free_ends, name=name),
-        model="solid",
-        section=SECTION,
-        group="guard.free-ends",
-        effort=0.3,
-    )
-
-
 def hollow_compliances(divisions: int) -> tuple[Array, Array]:
     """Tip compliances (6×6, SI) of a hollow leg: solid with free ends, and beam."""
     section = section_mesh(_HOLLOW.section, divisions)
@@ -256,8 +215,21 @@ def hollow_compliances(divisions: int) -> tuple[Array, Array]:
     return doubling.tip_compliance(condensed, "free"), tip_compliance(own, _HOLLOW.length)
 
 
-def _free_ends(context: Context, name: str) -> Measurement:
-    entry = _FREE_ENTRIES[name]
+@cases.case(
+    "guard.solid.free-ends[{name}]",
+    "Hollow leg with ends free to warp: {name} of the solid is the beam's",
+    over={"name, entry": _FREE_ENTRIES},
+    quantity="compliance {name}",
+    unit=lambda entry: UNITS[entry[0] > 2, entry[1] > 2],
+    reference_kind="independent-solver",
+    citation="Timoshenko cantilever with the constants of its own section mesh, κ by energy",
+    tolerance=Relative(1e-3),
+    tolerance_reason="beam theory is exact for Saint-Venant's ends; a coarse mesh of the walls",
+    model="solid",
+    group="guard.free-ends",
+    effort=0.3,
+)
+def _free_ends(context: Context, entry: tuple[int, int]) -> Measurement:
     coarse, fine = (
         tuple(float(matrix[entry]) for matrix in context.get(hollow_compliances, number))
         for number in (2, 4)
@@ -276,24 +248,20 @@ def _free_ends(context: Context, name: str) -> Measurement:
     )
 
 
-def _two_ways_case(number: int, ends: Ends) -> Case:
-    return Case(
-        id=f"guard.leg{number}.two-ways[{ends}]",
-        title=f"Leg {number}: compliance by doubling and by one sparse system ({ends} ends)",
-        quantity="largest difference of the 6×6 in units of √(c_ii c_jj)",
-        unit="1",
-        reference_kind="independent-solver",
-        citation="sparse Cholesky of the whole mesh (fem.bodies.solid), the same elements",
-        tolerance=Absolute(1e-7),
-        tolerance_reason="one discrete model solved in two ways: rounding, by the condition of a "
-        "slender solid",
-        compute=partial(_two_ways, number=number, ends=ends),
-        section=SECTION,
-        group=f"guard.leg{number}.two-ways",
-        effort=0.5,
-    )
-
-
+@cases.case(
+    "guard.leg{number}.two-ways[{ends}]",
+    "Leg {number}: compliance by doubling and by one sparse system ({ends} ends)",
+    over={"number": (1, 2), "ends": ("rigid", "free")},
+    quantity="largest difference of the 6×6 in units of √(c_ii c_jj)",
+    unit="1",
+    reference_kind="independent-solver",
+    citation="sparse Cholesky of the whole mesh (fem.bodies.solid), the same elements",
+    tolerance=Absolute(1e-7),
+    tolerance_reason="one discrete model solved in two ways: rounding, by the condition of a "
+    "slender solid",
+    group="guard.leg{number}.two-ways",
+    effort=0.5,
+)
 def _two_ways(context: Context, number: int, ends: Ends) -> Measurement:
     leg = constant_leg_of(context, number)
     divisions = 1 if isinstance(leg.section, Rectangle) else 4

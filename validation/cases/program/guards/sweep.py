@@ -1,8 +1,7 @@
 """Guards of sweeps and of the sparse robot: with beams for legs both are the frame of beams."""
 
-from functools import partial
-
-import numpy as np
+from collections.abc import Callable
+from typing import TypeAlias
 
 from fem.beams.frame import modes as frame_modes
 from fem.reduction.craig_bampton import craig_bampton
@@ -14,11 +13,13 @@ from lumped.legs import equivalent_leg
 from lumped.mechanism.body_model import LegMatrices
 from lumped.system import sweep
 from lumped.system.assembly import assembly
-from validation.case import Absolute, Case, Measurement, Tolerance
-from validation.cases.program.guards.reduction import guard_case
+from validation.agreement.differences import farthest_off
+from validation.case import Absolute, Measurement
+from validation.case_group import CaseGroup
 from validation.cases.program.guards.robot import (
     ELEMENTS,
     MODES,
+    SECTION,
     VARIANTS,
     frame_compliance,
     guarded_posture,
@@ -28,55 +29,6 @@ from validation.cases.program.guards.robot import (
 from validation.context import Context
 from validation.models.legs import filled, leg_matrices
 from validation.models.options import ModelOptions
-
-_SWEPT_VARIANTS = ("as it is", "tool offset")
-
-
-def cases() -> tuple[Case, ...]:
-    """Compliance and frequencies by both ways, with and without a tool offset."""
-    frame = "the same robot as a frame of Timoshenko beams, placed by coordinates (fem.beams.frame)"
-    reduced = (
-        f"largest relative difference of the first {MODES}",
-        frame,
-        Absolute(1e-4),
-        "the cut-off of the reduced legs is chosen for 1e-4; the same elements otherwise",
-    )
-    rounding = (
-        "largest difference of the 6×6 in units of √(c_ii c_jj)",
-        frame,
-        Absolute(1e-7),
-        "one statics and one set of elements: rounding, grown by the condition of slender legs",
-    )
-    ways: dict[str, tuple[str, Tolerance, str]] = {
-        "swept": ("A posture of a sweep", *reduced[2:]),
-        "sparse": (
-            "The sparse solution of the unreduced robot",
-            Absolute(1e-7),
-            "the same elements: rounding and the convergence of Lanczos",
-        ),
-    }
-    return tuple(
-        case
-        for way, (title, tolerance, reason) in ways.items()
-        for name in _SWEPT_VARIANTS
-        for case in (
-            guard_case(
-                f"sweep.{way}.compliance[{name}]",
-                f"{title} has the compliance of a frame of beams ({name})",
-                *rounding,
-                partial(_robot_compliance, way=way, name=name),
-            ),
-            guard_case(
-                f"sweep.{way}.frequency[{name}]",
-                f"{title} has the first frequencies of a frame of beams ({name})",
-                reduced[0],
-                frame,
-                tolerance,
-                reason,
-                partial(_robot_frequencies, way=way, name=name),
-            ),
-        )
-    )
 
 
 def _beam_legs(robot: Biglide) -> tuple[LegMatrices, LegMatrices]:
@@ -105,18 +57,61 @@ def sparse(robot: Biglide) -> tuple[Array, Array]:
     return sparse_system.compliance(found), sparse_system.modes(found, MODES).frequencies
 
 
-_WAYS = {"swept": swept, "sparse": sparse}
+Solve: TypeAlias = Callable[[Biglide], tuple[Array, Array]]
+_ROUNDED = Absolute(1e-7)
+# By each way: what is solved, how near its frequencies are, and why.
+_WAYS = (
+    (
+        "swept",
+        "A posture of a sweep",
+        Absolute(1e-4),
+        "the cut-off of the reduced legs is chosen for 1e-4; the same elements otherwise",
+        swept,
+    ),
+    (
+        "sparse",
+        "The sparse solution of the unreduced robot",
+        _ROUNDED,
+        "the same elements: rounding and the convergence of Lanczos",
+        sparse,
+    ),
+)
+cases = CaseGroup(
+    over={"way, what, close, reason, solve": _WAYS, "name": ("as it is", "tool offset")},
+    unit="1",
+    reference_kind="closed-form",
+    citation="the same robot as a frame of Timoshenko beams, placed by coordinates "
+    "(fem.beams.frame)",
+    section=SECTION,
+    group="guard.sweep",
+    effort=0.05,
+)
 
 
-def _robot_compliance(context: Context, way: str, name: str) -> Measurement:
+@cases.case(
+    "guard.sweep.{way}.compliance[{name}]",
+    "{what} has the compliance of a frame of beams ({name})",
+    quantity="largest difference of the 6×6 in units of √(c_ii c_jj)",
+    tolerance=_ROUNDED,
+    tolerance_reason="one statics and one set of elements: rounding, grown by the condition of "
+    "slender legs",
+)
+def _robot_compliance(context: Context, solve: Solve, name: str) -> Measurement:
     robot = VARIANTS[name](context.robot)
-    found, _ = context.get(_WAYS[way], robot)
+    found, _ = context.get(solve, robot)
     frame = context.get(robot_frame, robot)
     return Measurement(scaled_difference(found, frame_compliance(frame)), 0.0, exact=True)
 
 
-def _robot_frequencies(context: Context, way: str, name: str) -> Measurement:
+@cases.case(
+    "guard.sweep.{way}.frequency[{name}]",
+    "{what} has the first frequencies of a frame of beams ({name})",
+    quantity=f"largest relative difference of the first {MODES}",
+    tolerance=lambda close: close,
+    tolerance_reason="{reason}",
+)
+def _robot_frequencies(context: Context, solve: Solve, name: str) -> Measurement:
     robot = VARIANTS[name](context.robot)
-    _, found = context.get(_WAYS[way], robot)
+    _, found = context.get(solve, robot)
     reference = frame_modes(context.get(robot_frame, robot), MODES).frequencies
-    return Measurement(float(np.abs(found / reference - 1.0).max()), 0.0, exact=True)
+    return farthest_off(found / reference - 1.0)

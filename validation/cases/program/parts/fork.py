@@ -45,7 +45,6 @@ _SIDES = (10.0, 10.0 * _RATIO)
 _MODES = 8
 _MM = 1e-3
 
-
 cases = CaseGroup(
     section=SECTION,
     group="program.parts.fork",

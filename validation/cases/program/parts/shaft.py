@@ -53,7 +53,6 @@ _RODS = (
 )
 _INTEGRAL = "∫Lᵀ diag(1/EA, 1/κGA, 1/κGA, 1/GJ, 1/EI, 1/EI) L ds over the drawing, κ by Cowper 1966"
 
-
 cases = CaseGroup(
     section=SECTION,
     group="program.parts.shaft",

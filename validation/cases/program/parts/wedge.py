@@ -40,7 +40,6 @@ _SIZE, _PIECES = 30.0, 5
 _COARSE, _CUTOFF = 60.0, 2e4
 _MM = 1e-3
 
-
 cases = CaseGroup(section=SECTION, group="program.parts.wedge", effort=0.5, subject="program")
 
 
