@@ -33,6 +33,11 @@ Over: TypeAlias = Mapping[str, Field[Iterable[Any]]]
 Compute = TypeVar("Compute", bound=Callable[..., Measurement])
 
 
+def numbered(count: int) -> tuple[tuple[int, int], ...]:
+    """Indices from 0 with numbers from 1, as in `over={"index, mode": numbered(6)}`."""
+    return tuple((index, index + 1) for index in range(count))
+
+
 class CaseFields(TypedDict, total=False):
     """Fields of a `Case`, or functions of parameters that make them; texts are templates."""
 
@@ -89,6 +94,11 @@ class CaseGroup:
         within = CaseGroup(over=over, **common)
         self._declared.append(within)
         return within
+
+    def like(self, **fields: Unpack[CaseFields]) -> "CaseGroup":
+        """A group of its own with the same parameters and fields, but for these, and no cases."""
+        common: CaseFields = {**self._common, **fields}
+        return CaseGroup(over=self._over, **common)
 
     def __call__(self, **given: Any) -> tuple[Case, ...]:
         """All cases; `given` parameters are those that a robot's file decides.

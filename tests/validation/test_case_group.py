@@ -4,7 +4,7 @@ import pytest
 
 from validation.agreement.differences import farthest_off, refined
 from validation.case import Absolute, Measurement
-from validation.case_group import CaseGroup
+from validation.case_group import CaseGroup, numbered
 
 COMMON = {
     "quantity": "a number",
@@ -60,16 +60,17 @@ def test_parameters_may_follow_from_others_and_from_what_a_robot_file_gives():
     @cases.case(
         "{model}.{mode}",
         "{model}",
-        over={"model": ("beam", "rigid"), "mode": lambda model, modes: range(modes[model])},
+        over={
+            "model": ("beam", "rigid"),
+            "index, mode": lambda model, modes: numbered(modes[model]),
+        },
     )
-    def one(context, mode):
-        return exact(context, mode)
+    def one(context, index):
+        return exact(context, index)
 
-    assert [case.id for case in cases(modes={"beam": 2, "rigid": 1})] == [
-        "beam.0",
-        "beam.1",
-        "rigid.0",
-    ]
+    found = cases(modes={"beam": 2, "rigid": 1})
+    assert [case.id for case in found] == ["beam.1", "beam.2", "rigid.1"]
+    assert [case.compute(10.0).value for case in found] == [10.0, 11.0, 10.0]
 
 
 def test_a_parameter_with_the_name_of_a_field_is_that_field():
@@ -98,6 +99,18 @@ def test_a_family_stands_in_its_place_and_changes_what_is_in_common():
     assert [case.group for case in found] == ["all", *["of a"] * 3, *["of b"] * 3, "all"]
     assert {case.section for case in found} == {"Robot"}
     assert [case.unit for case in found[2:4]] == ["m1", "m2"]
+
+
+def test_a_group_like_another_has_its_parameters_and_fields_but_none_of_its_cases():
+    cases = CaseGroup(over={"name": "ab"}, section="Robot", group="one", **COMMON)
+    cases.case("{name}", "One")(exact)
+    other = cases.like(group="other")
+    other.case("other.{name}", "Two")(exact)
+    assert [case.id for case in cases()] == ["a", "b"]
+    assert [(case.id, case.group) for case in other()] == [
+        ("other.a", "other"),
+        ("other.b", "other"),
+    ]
 
 
 def test_braces_of_a_case_without_parameters_are_braces():

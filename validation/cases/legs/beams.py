@@ -1,13 +1,13 @@
 """Each leg alone, root clamped: segments and beams against closed forms."""
 
-from functools import partial
 from math import ceil
 
 from fem.beams.beam_theory import CantileverFrequency, cantilever_frequencies
 from lumped.arrays import Array
 from lumped.legs import ConstantLeg, tip_compliance
 from validation.agreement.convergence import step_factor
-from validation.case import Case, Measurement, Relative
+from validation.case import Measurement, Relative
+from validation.case_group import CaseGroup, numbered
 from validation.context import Context
 from validation.models.legs import constant_leg_of, kind_frequencies, leg_compliance
 from validation.models.options import BEAM_ORDER, SEGMENT_ORDER, ModelName, ModelOptions
@@ -29,29 +29,31 @@ ENTRIES = {
 UNITS = {(False, False): "m/N", (True, True): "rad/(N m)", (False, True): "m/(N m)"}
 TIMOSHENKO = "S. P. Timoshenko, Phil. Mag. 41 (1921) 744; c = ∫ of unit resultants over EA … κGA"
 HUANG = "T. C. Huang, J. Appl. Mech. 28 (1961) 579, exact Timoshenko cantilever, solved here"
-LUMPED: tuple[ModelName, ...] = ("segments", "beam")
-_FREQUENCY_TOLERANCE = {
-    "segments": (
-        0.02,
+
+
+# Model, and how near its frequencies are.
+_LUMPED = (
+    (
+        "segments",
+        Relative(0.02),
         "second order in 1/n: mode k with n elements is off by k²/n², below 2 % with 20 for the "
         "third of its kind and as many more for a higher one",
     ),
-    "beam": (
-        1e-4,
+    (
+        "beam",
+        Relative(1e-4),
         "fourth order in 1/n: below 1e-5 with 20 elements for the third of its kind and as many "
         "more for a higher one, ten times that for rounding and roots",
     ),
-}
-
-
-def cases() -> tuple[Case, ...]:
-    """Cases of both legs in segments and beams."""
-    return tuple(
-        case
-        for number in (1, 2)
-        for model in LUMPED
-        for case in (*_compliances(number, model), *_frequencies(number, model))
-    )
+)
+cases = CaseGroup(
+    over={"number": (1, 2), "model, near, reason": _LUMPED},
+    reference_kind="closed-form",
+    row="leg {number}",
+    section="Leg {number}",
+    group="leg{number}.lumped",
+    effort=0.01,
+)
 
 
 def exact_compliance(leg: ConstantLeg) -> Array:
@@ -64,61 +66,37 @@ def exact_modes(leg: ConstantLeg) -> tuple[CantileverFrequency, ...]:
     return cantilever_frequencies(leg.timoshenko, leg.length, MODES)
 
 
-def _compliances(number: int, model: ModelName) -> list[Case]:
-    return [
-        Case(
-            id=f"leg{number}.compliance.{model}[{name}]",
-            title=f"Leg {number}: {name} of the {model} model is the cantilever's",
-            quantity=f"compliance {name}, {meaning}",
-            unit=UNITS[(i > 2, j > 2)],
-            reference_kind="closed-form",
-            citation=TIMOSHENKO,
-            tolerance=Relative(1e-9),
-            tolerance_reason="both are exact in statics: rounding alone, grown by n⁴",
-            compute=partial(_entry, number=number, model=model, entry=(i, j)),
-            label=f"{name}, {meaning}",
-            model=model,
-            row=f"leg {number}",
-            section=f"Leg {number}",
-            group=f"leg{number}.lumped",
-            effort=0.01,
-        )
-        for name, (i, j, meaning) in ENTRIES.items()
-    ]
-
-
-def _frequencies(number: int, model: ModelName) -> list[Case]:
-    fraction, reason = _FREQUENCY_TOLERANCE[model]
-    return [
-        Case(
-            id=f"leg{number}.frequency.{model}[{index + 1}]",
-            title=f"Leg {number}: frequency {index + 1} of the {model} model is exact",
-            quantity=f"natural frequency {index + 1}, clamped-free",
-            label=f"frequency {index + 1}",
-            unit="Hz",
-            reference_kind="closed-form",
-            citation=HUANG,
-            tolerance=Relative(fraction),
-            tolerance_reason=reason,
-            compute=partial(_mode, number=number, model=model, index=index),
-            model=model,
-            row=f"leg {number}",
-            section=f"Leg {number}",
-            group=f"leg{number}.lumped",
-            effort=0.01,
-        )
-        for index in range(MODES)
-    ]
-
-
-def _entry(context: Context, number: int, model: ModelName, entry: tuple[int, int]) -> Measurement:
+@cases.case(
+    "leg{number}.compliance.{model}[{name}]",
+    "Leg {number}: {name} of the {model} model is the cantilever's",
+    over={"name, entry": ENTRIES.items()},
+    quantity="compliance {name}, {entry[2]}",
+    unit=lambda entry: UNITS[entry[0] > 2, entry[1] > 2],
+    citation=TIMOSHENKO,
+    tolerance=Relative(1e-9),
+    tolerance_reason="both are exact in statics: rounding alone, grown by n⁴",
+    label="{name}, {entry[2]}",
+)
+def _entry(
+    context: Context, number: int, model: ModelName, entry: tuple[int, int, str]
+) -> Measurement:
     leg = constant_leg_of(context, number)
     found = context.get(leg_compliance, model, leg, ModelOptions())
-    return Measurement(
-        float(found[entry]), float(context.get(exact_compliance, leg)[entry]), exact=True
-    )
+    exact = context.get(exact_compliance, leg)
+    return Measurement(float(found[entry[:2]]), float(exact[entry[:2]]), exact=True)
 
 
+@cases.case(
+    "leg{number}.frequency.{model}[{mode}]",
+    "Leg {number}: frequency {mode} of the {model} model is exact",
+    over={"index, mode": numbered(MODES)},
+    quantity="natural frequency {mode}, clamped-free",
+    label="frequency {mode}",
+    unit="Hz",
+    citation=HUANG,
+    tolerance=lambda near: near,
+    tolerance_reason="{reason}",
+)
 def _mode(context: Context, number: int, model: ModelName, index: int) -> Measurement:
     leg = constant_leg_of(context, number)
     exact = context.get(exact_modes, leg)[index]

@@ -26,7 +26,8 @@ from lumped.arrays import Array
 from lumped.legs import Material
 from lumped.sections import Circle, Tube
 from validation.agreement.convergence import step_factor
-from validation.case import Absolute, Case, Measurement, Skip
+from validation.case import Absolute, Measurement, Skip
+from validation.case_group import CaseGroup
 from validation.cases.legs.beams import ENTRIES
 from validation.context import Context
 from validation.exhibits import Study
@@ -63,55 +64,6 @@ class Cause:
     claim: str
     exponent: float
     amounts: Callable[[Context, int], Array]
-
-
-def cases() -> tuple[Case, ...]:
-    """Exponents of every cause, and free ends against beam theory, for both legs."""
-    return tuple(
-        case
-        for number in (1, 2)
-        for case in (
-            *(_exponent_case(number, name, cause) for name, cause in CAUSES.items()),
-            _free_case(number),
-        )
-    )
-
-
-def _exponent_case(number: int, name: str, cause: Cause) -> Case:
-    return Case(
-        id=f"restraint.leg{number}.exponent[{name}]",
-        title=f"Leg {number}: {cause.claim} with the slenderness to the power {cause.exponent:g}",
-        quantity=f"exponent of the slenderness, {cause.label}",
-        unit="1",
-        reference_kind="closed-form",
-        citation=THEORY,
-        tolerance=Absolute(0.05),
-        tolerance_reason="local exponents of three lengths, extrapolated in 1/s: the term after "
-        "next leaves 0.02 at most; the nearest other cause is a whole power away",
-        compute=partial(_exponent, number=number, name=name),
-        section=SECTION,
-        group=f"restraint.leg{number}",
-        effort=0.5,
-    )
-
-
-def _free_case(number: int) -> Case:
-    return Case(
-        id=f"restraint.leg{number}.free",
-        title=f"Leg {number}: with ends free to warp and contract the solid is a Timoshenko beam",
-        quantity="largest relative difference of the six diagonal compliances, all lengths",
-        unit="1",
-        reference_kind="closed-form",
-        citation="Clapeyron's theorem on Saint-Venant's exact solution: C = ∫ of unit resultants "
-        "over EA … κGA, κ by strain energy",
-        tolerance=Absolute(1e-4),
-        tolerance_reason="no cause is left: the mesh alone, 0.003 % and less; 1e-4 is what the "
-        "project asks for",
-        compute=partial(_free, number=number),
-        section=SECTION,
-        group=f"restraint.leg{number}",
-        effort=0.5,
-    )
 
 
 def _study_of(context: Context, number: int, material: Material) -> Lengthened:
@@ -213,8 +165,27 @@ CAUSES: dict[str, Cause] = {
 }
 
 
-def _exponent(context: Context, number: int, name: str) -> Measurement:
-    cause = CAUSES[name]
+cases = CaseGroup(
+    over={"number": (1, 2)},
+    unit="1",
+    reference_kind="closed-form",
+    section=SECTION,
+    group="restraint.leg{number}",
+    effort=0.5,
+)
+
+
+@cases.case(
+    "restraint.leg{number}.exponent[{name}]",
+    "Leg {number}: {cause.claim} with the slenderness to the power {cause.exponent:g}",
+    over={"name, cause": CAUSES.items()},
+    quantity="exponent of the slenderness, {cause.label}",
+    citation=THEORY,
+    tolerance=Absolute(0.05),
+    tolerance_reason="local exponents of three lengths, extrapolated in 1/s: the term after next "
+    "leaves 0.02 at most; the nearest other cause is a whole power away",
+)
+def _exponent(context: Context, number: int, cause: Cause) -> Measurement:
     lengths = _own(context, number).lengths
     amounts = cause.amounts(context, number)
     if amounts[-1] < _ROUND_OFF:
@@ -276,6 +247,16 @@ def _mesh_factor(divisions: int, other: int) -> float:
     return step_factor(ratio, FORMAL_ORDER) * float(ratio**FORMAL_ORDER)
 
 
+@cases.case(
+    "restraint.leg{number}.free",
+    "Leg {number}: with ends free to warp and contract the solid is a Timoshenko beam",
+    quantity="largest relative difference of the six diagonal compliances, all lengths",
+    citation="Clapeyron's theorem on Saint-Venant's exact solution: C = ∫ of unit resultants over "
+    "EA … κGA, κ by strain energy",
+    tolerance=Absolute(1e-4),
+    tolerance_reason="no cause is left: the mesh alone, 0.003 % and less; 1e-4 is what the project "
+    "asks for",
+)
 def _free(context: Context, number: int) -> Measurement:
     found = _own(context, number)
     apart = found.free / found.beam - 1.0

@@ -1,6 +1,6 @@
 """Each leg as a 3-D solid against beam theory, every difference with its named cause."""
 
-from functools import partial
+from collections.abc import Iterator
 from math import inf, nan
 
 import numpy as np
@@ -14,7 +14,8 @@ from fem.sections.waveguide import torsion_wave
 from lumped.arrays import Array
 from lumped.legs import BeamProperties, ConstantLeg, tip_compliance
 from meshes.section.section_mesh import section_mesh
-from validation.case import Absolute, Allowance, Case, Measurement, Relative, Skip
+from validation.case import Absolute, Allowance, Measurement, Relative, Skip
+from validation.case_group import CaseGroup, numbered
 from validation.cases.legs.beams import (
     ENTRIES,
     HUANG,
@@ -50,104 +51,24 @@ _TORSION, _BENDING = 1e-3, 2e-4
 SHORTEST_WAVE = 3.0
 
 
-def cases() -> tuple[Case, ...]:
-    """Compliances, frequencies and orders of convergence of both legs as solids."""
-    return tuple(
-        case
-        for number in (1, 2)
-        for case in (*_compliances(number), *_frequencies(number), *_orders(number))
-    )
+def _entries() -> Iterator[tuple[str, tuple[int, int], str, str, Relative, str]]:
+    """Each entry's name, place, meaning and unit, and what the meshes leave of it."""
+    for name, (i, j, meaning) in ENTRIES.items():
+        near, left = (_TORSION, "0.1 % in torsion") if name == "c44" else (_BENDING, "0.02 %")
+        unit = UNITS[(i > 2, j > 2)]
+        yield name, (i, j), meaning, unit, Relative(near), f"what is left is the mesh: {left}"
 
 
-def _compliances(number: int) -> list[Case]:
-    return [case for name in ENTRIES for case in _entry_cases(number, name)]
-
-
-def _entry_cases(number: int, name: str) -> tuple[Case, Case]:
-    i, j, meaning = ENTRIES[name]
-    entry_case = partial(
-        Case,
-        quantity=f"compliance {name}, {meaning}",
-        label=f"{name}, {meaning}",
-        unit=UNITS[(i > 2, j > 2)],
-        reference_kind="closed-form",
-        tolerance=Relative(_TORSION if name == "c44" else _BENDING),
-        section=f"Leg {number}",
-        group=f"leg{number}.solid",
-        effort=0.5,
-    )
-    left = "what is left is the mesh: " + ("0.1 % in torsion" if name == "c44" else "0.02 %")
-    return (
-        entry_case(
-            id=f"leg{number}.compliance.solid[{name}]",
-            title=f"Leg {number}: {name} of the solid with rigid faces is the Timoshenko "
-            "cantilever's less what faces held plane take from it",
-            citation=f"{TIMOSHENKO}; section constants by finite elements",
-            tolerance_reason="end effects decay as Saint-Venant's theory of the prism says; "
-            + left,
-            compute=partial(_held_entry, number=number, entry=(i, j)),
-            model="solid",
-            row=f"leg {number}",
-        ),
-        entry_case(
-            id=f"leg{number}.compliance.solid-free[{name}]",
-            title=f"Leg {number}: {name} of the solid with free ends is the Timoshenko "
-            "cantilever's",
-            citation=f"{TIMOSHENKO}; section constants by finite elements",
-            tolerance_reason=f"beam theory is exact for ends free to warp and contract; {left}",
-            compute=partial(_free_entry, number=number, entry=(i, j)),
-        ),
-    )
-
-
-def _frequencies(number: int) -> list[Case]:
-    return [
-        Case(
-            id=f"leg{number}.frequency.solid[{index + 1}]",
-            title=f"Leg {number}: frequency {index + 1} of the solid with free ends is the "
-            "Timoshenko beam's",
-            quantity=f"natural frequency {index + 1}, clamped-free",
-            label=f"frequency {index + 1}",
-            unit="Hz",
-            reference_kind="closed-form",
-            citation=f"{HUANG}; section constants by finite elements",
-            tolerance=Relative(0.01),
-            tolerance_reason="Timoshenko's theory is approximate in dynamics: below 1 % while "
-            "the wave is longer than three section heights",
-            compute=partial(_mode, number=number, index=index),
-            model="solid",
-            row=f"leg {number}",
-            section=f"Leg {number}",
-            group=f"leg{number}.modes",
-            effort=2.0,
-        )
-        for index in range(MODES)
-    ]
-
-
-def _orders(number: int) -> list[Case]:
-    return [
-        Case(
-            id=f"refinement.leg{number}.solid.order[{name}]",
-            title=f"Leg {number}, quadratic solid: {name} converges with the order of energies",
-            quantity="fitted order in the divisions of the section",
-            unit="1",
-            reference_kind="closed-form",
-            citation="twice the order of the gradients: h⁴ for smooth solutions. For ν > 0 ends "
-            "are free: held against contraction the edges of a rigid face have singular stresses "
-            "(M. L. Williams, J. Appl. Mech. 19 (1952) 526), which leave order 1.5 to 2",
-            tolerance=Absolute(1.0),
-            tolerance_reason="edges of rigid end faces lower the order locally, coarse meshes "
-            "raise it: between 3 and 5 the extrapolation holds within the safety factor",
-            compute=partial(_order, number=number, name=name),
-            model="solid",
-            row=f"leg {number}, {name}",
-            section="Refinement",
-            group=f"leg{number}.solid",
-            effort=0.5,
-        )
-        for name in ("c22", "c44")
-    ]
+cases = CaseGroup(
+    over={"number": (1, 2)}, reference_kind="closed-form", section="Leg {number}", effort=0.5
+)
+_compliances = cases.family(
+    over={"name, entry, meaning, unit, tolerance, left": tuple(_entries())},
+    quantity="compliance {name}, {meaning}",
+    label="{name}, {meaning}",
+    citation=f"{TIMOSHENKO}; section constants by finite elements",
+    group="leg{number}.solid",
+)
 
 
 def compliances(context: Context, number: int, ends: Ends) -> Refinement:
@@ -217,24 +138,14 @@ def _frequency_of(modes: tuple[CantileverFrequency, ...], part: str, order: int)
     return next(float(m.frequency) for m in modes if (m.part, m.order) == (part, order))
 
 
-def _free_entry(context: Context, number: int, entry: tuple[int, int]) -> Measurement:
-    leg = constant_leg_of(context, number)
-    free = compliances(context, number, "free")
-    found = context.get(_own_compliances, leg, free.divisions)
-    own = Refinement(free.divisions, found, formal_order(leg, "free"))
-    # Solid and beam have one section mesh, whose errors they share: what is judged has its own.
-    left = Refinement(free.divisions, free.values - own.values)
-    reference = float(own.values[-1][entry])
-    _require_decided(left, entry, reference, context.preset)
-    return Measurement(
-        float(free.values[-1][entry]),
-        reference,
-        value_uncertainty=free.uncertainty(*entry),
-        reference_uncertainty=own.uncertainty(*entry),
-        judged_uncertainty=left.uncertainty(*entry),
-    )
-
-
+@_compliances.case(
+    "leg{number}.compliance.solid[{name}]",
+    "Leg {number}: {name} of the solid with rigid faces is the Timoshenko cantilever's less what "
+    "faces held plane take from it",
+    tolerance_reason="end effects decay as Saint-Venant's theory of the prism says; {left}",
+    model="solid",
+    row="leg {number}",
+)
 def _held_entry(context: Context, number: int, entry: tuple[int, int]) -> Measurement:
     leg = constant_leg_of(context, number)
     rigid, free = (compliances(context, number, ends) for ends in ("rigid", "free"))
@@ -264,6 +175,29 @@ def _held_entry(context: Context, number: int, entry: tuple[int, int]) -> Measur
     )
 
 
+@_compliances.case(
+    "leg{number}.compliance.solid-free[{name}]",
+    "Leg {number}: {name} of the solid with free ends is the Timoshenko cantilever's",
+    tolerance_reason="beam theory is exact for ends free to warp and contract; {left}",
+)
+def _free_entry(context: Context, number: int, entry: tuple[int, int]) -> Measurement:
+    leg = constant_leg_of(context, number)
+    free = compliances(context, number, "free")
+    found = context.get(_own_compliances, leg, free.divisions)
+    own = Refinement(free.divisions, found, formal_order(leg, "free"))
+    # Solid and beam have one section mesh, whose errors they share: what is judged has its own.
+    left = Refinement(free.divisions, free.values - own.values)
+    reference = float(own.values[-1][entry])
+    _require_decided(left, entry, reference, context.preset)
+    return Measurement(
+        float(free.values[-1][entry]),
+        reference,
+        value_uncertainty=free.uncertainty(*entry),
+        reference_uncertainty=own.uncertainty(*entry),
+        judged_uncertainty=left.uncertainty(*entry),
+    )
+
+
 def _require_decided(
     left: Refinement, entry: tuple[int, int], reference: float, preset: Preset
 ) -> None:
@@ -283,6 +217,22 @@ def _percent(changed: float, base: float) -> str:
     return f"{100.0 * (changed / base - 1.0):+.3g} %"
 
 
+@cases.case(
+    "leg{number}.frequency.solid[{mode}]",
+    "Leg {number}: frequency {mode} of the solid with free ends is the Timoshenko beam's",
+    over={"index, mode": numbered(MODES)},
+    quantity="natural frequency {mode}, clamped-free",
+    label="frequency {mode}",
+    unit="Hz",
+    citation=f"{HUANG}; section constants by finite elements",
+    tolerance=Relative(0.01),
+    tolerance_reason="Timoshenko's theory is approximate in dynamics: below 1 % while the wave is "
+    "longer than three section heights",
+    model="solid",
+    row="leg {number}",
+    group="leg{number}.modes",
+    effort=2.0,
+)
 def _mode(context: Context, number: int, index: int) -> Measurement:
     leg = constant_leg_of(context, number)
     listed = context.get(exact_modes, leg)
@@ -352,6 +302,23 @@ def _wave_notes(part: str, wave: float, tip: float) -> tuple[str, ...]:
     )
 
 
+@cases.case(
+    "refinement.leg{number}.solid.order[{name}]",
+    "Leg {number}, quadratic solid: {name} converges with the order of energies",
+    over={"name": ("c22", "c44")},
+    quantity="fitted order in the divisions of the section",
+    unit="1",
+    citation="twice the order of the gradients: h⁴ for smooth solutions. For ν > 0 ends are free: "
+    "held against contraction the edges of a rigid face have singular stresses (M. L. Williams, "
+    "J. Appl. Mech. 19 (1952) 526), which leave order 1.5 to 2",
+    tolerance=Absolute(1.0),
+    tolerance_reason="edges of rigid end faces lower the order locally, coarse meshes raise it: "
+    "between 3 and 5 the extrapolation holds within the safety factor",
+    model="solid",
+    row="leg {number}, {name}",
+    section="Refinement",
+    group="leg{number}.solid",
+)
 def _order(context: Context, number: int, name: str) -> Measurement:
     contracts = constant_leg_of(context, number).material.nu > 0.0
     found = compliances(context, number, "free" if contracts else "rigid")

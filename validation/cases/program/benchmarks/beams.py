@@ -15,6 +15,7 @@ from lumped.legs import ConstantLeg, Material
 from lumped.sections import Rectangle
 from validation.agreement.convergence import Convergence, analyse, uncertainty_of
 from validation.case import Allowance, Case, Measurement, Relative
+from validation.case_group import CaseGroup
 from validation.context import Context
 from validation.exhibits import Study
 
@@ -81,12 +82,12 @@ TEST_71_CLUSTERS = tuple(
     for k, target in enumerate((1.010, 6.327, 17.716, 34.717, 57.390, 85.730), start=1)
 )
 # Component of the tip, reference (m or rad per N or N m), what it is.
-MACNEAL_TARGETS: dict[str, tuple[int, float, str]] = {
-    "extension": (0, 3.0e-5, "extension under a unit force"),
-    "in-plane": (1, 0.1081, "deflection in the plane of the larger side under a unit force"),
-    "out-of-plane": (2, 0.4321, "deflection out of that plane under a unit force"),
-    "twist": (3, 0.034109, "twist under a unit torque"),
-}
+MACNEAL_TARGETS = (
+    ("extension", 0, 3.0e-5, "extension under a unit force"),
+    ("in-plane", 1, 0.1081, "deflection in the plane of the larger side under a unit force"),
+    ("out-of-plane", 2, 0.4321, "deflection out of that plane under a unit force"),
+    ("twist", 3, 0.034109, "twist under a unit torque"),
+)
 TWIST_NOTE = (
     "the published twist, 0.03208, is 6 % below Saint-Venant's T L/GJ = 0.034109, which is the "
     "reference here"
@@ -106,7 +107,7 @@ def cases() -> tuple[Case, ...]:
             row="fv5",
         ),
         *family("test71", "NAFEMS Test 71", slender_cantilever, TEST_71_CLUSTERS, TEST_71, COUNTS),
-        *(_macneal_case(name) for name in MACNEAL_TARGETS),
+        *straight_cantilevers(),
     )
 
 
@@ -274,26 +275,25 @@ def cluster_study(
     )
 
 
-def _macneal_case(name: str) -> Case:
-    return Case(
-        id=f"benchmark.macneal-harder.beam[{name}]",
-        title=f"MacNeal–Harder cantilever by a Timoshenko beam: {name}",
-        quantity=MACNEAL_TARGETS[name][2],
-        unit="rad" if name == "twist" else "m",
-        reference_kind="closed-form" if name == "twist" else "published",
-        citation=MACNEAL_HARDER,
-        tolerance=TOLERANCE,
-        tolerance_reason="0.1 % of the theory column, which has four digits; the beam is exact",
-        compute=partial(_macneal, name=name),
-        model="beam",
-        row=name,
-        section=SECTION,
-        group="benchmark.macneal-harder",
-    )
+straight_cantilevers = CaseGroup(
+    over={"name, component, target, quantity": MACNEAL_TARGETS},
+    unit=lambda name: "rad" if name == "twist" else "m",
+    reference_kind=lambda name: "closed-form" if name == "twist" else "published",
+    citation=MACNEAL_HARDER,
+    tolerance=TOLERANCE,
+    model="beam",
+    row="{name}",
+    section=SECTION,
+    group="benchmark.macneal-harder",
+)
 
 
-def _macneal(_context: Context, name: str) -> Measurement:
-    component, target, _ = MACNEAL_TARGETS[name]
+@straight_cantilevers.case(
+    "benchmark.macneal-harder.beam[{name}]",
+    "MacNeal–Harder cantilever by a Timoshenko beam: {name}",
+    tolerance_reason="0.1 % of the theory column, which has four digits; the beam is exact",
+)
+def _macneal(_context: Context, name: str, component: int, target: float) -> Measurement:
     wrench = np.zeros((12, 1))
     wrench[6 + component] = 1.0
     found = displacements(assemble(straight_cantilever()), wrench)

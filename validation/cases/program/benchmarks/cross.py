@@ -1,6 +1,5 @@
 """NAFEMS FV2, the pin-ended double cross: clusters of seven equal frequencies, and their shapes."""
 
-from functools import partial
 from math import cos, pi, sin, sqrt, tan, tanh
 
 import numpy as np
@@ -11,8 +10,9 @@ from fem.beams.frame import Frame, Kind, Member, Support, assemble, modes
 from lumped.arrays import Array
 from lumped.legs import ConstantLeg, Material
 from lumped.sections import Rectangle
-from validation.agreement.convergence import step_factor
+from validation.agreement.differences import refined
 from validation.case import Absolute, Allowance, Case, Measurement
+from validation.case_group import CaseGroup
 from validation.cases.program.benchmarks.beams import BEAM_ORDER, SECTION, Cluster, family
 from validation.context import Context
 
@@ -49,7 +49,7 @@ def cases() -> tuple[Case, ...]:
             COUNTS,
             stretching,
         ),
-        *(_subspace_case(cluster) for cluster in CLUSTERS),
+        *_subspaces(),
     )
 
 
@@ -130,23 +130,22 @@ def cross_shapes(elements: int, stations: Array) -> Array:
     return np.vstack([(leg.centreline(at) @ own @ shapes)[1::6] for leg, own in frame.members])
 
 
-def _subspace_case(cluster: Cluster) -> Case:
-    return Case(
-        id=f"benchmark.fv2.subspace[{cluster.label}]",
-        title=f"NAFEMS FV2, shapes: {cluster.meaning}",
-        quantity=f"largest principal angle to the exact shapes of modes {cluster.label}",
-        unit="rad",
-        reference_kind="closed-form",
-        citation=f"{CITATION}; Euler–Bernoulli shapes sin kπs and sin βs/sin β − sinh βs/sinh β",
-        tolerance=Absolute(1e-3),
-        tolerance_reason="shapes enter a frequency squared: 0.1 % of it is an angle of 0.03, and "
-        "this is a thirtieth of that",
-        compute=partial(_subspace, cluster=cluster),
-        section=SECTION,
-        group="benchmark.fv2.bending",
-    )
+_subspaces = CaseGroup(section=SECTION)
 
 
+@_subspaces.case(
+    "benchmark.fv2.subspace[{cluster.label}]",
+    "NAFEMS FV2, shapes: {cluster.meaning}",
+    over={"cluster": CLUSTERS},
+    quantity="largest principal angle to the exact shapes of modes {cluster.label}",
+    unit="rad",
+    reference_kind="closed-form",
+    citation=f"{CITATION}; Euler–Bernoulli shapes sin kπs and sin βs/sin β − sinh βs/sinh β",
+    tolerance=Absolute(1e-3),
+    tolerance_reason="shapes enter a frequency squared: 0.1 % of it is an angle of 0.03, and this "
+    "is a thirtieth of that",
+    group="benchmark.fv2.bending",
+)
 def _subspace(context: Context, cluster: Cluster) -> Measurement:
     stations = (np.arange(_SAMPLES) + 0.5) / _SAMPLES
     exact = exact_cross_shapes(cluster, stations)
@@ -154,9 +153,7 @@ def _subspace(context: Context, cluster: Cluster) -> Measurement:
         float(subspace_angles(cluster.of(context.get(cross_shapes, number, stations)), exact).max())
         for number in (COUNTS[-1] // 2, COUNTS[-1])
     )
-    return Measurement(
-        fine, 0.0, value_uncertainty=step_factor(2.0, BEAM_ORDER) * abs(coarse - fine)
-    )
+    return refined(coarse, fine, order=BEAM_ORDER)
 
 
 def _cross(elements: int, kinds: tuple[Kind, ...], crossing: Support) -> Frame:

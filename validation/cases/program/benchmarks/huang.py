@@ -1,6 +1,5 @@
 """Huang's equation for the clamped–free Timoshenko beam, its roots found in a second way."""
 
-from functools import partial
 from math import pi
 
 import numpy as np
@@ -10,7 +9,8 @@ from scipy.linalg import eigh
 from fem.beams.beam_theory import Plane, bending_frequencies
 from lumped.arrays import Array
 from lumped.legs import BeamProperties
-from validation.case import Case, Measurement, Relative
+from validation.case import Measurement, Relative
+from validation.case_group import CaseGroup
 from validation.cases.program.benchmarks.beams import SECTION
 from validation.context import Context
 from validation.models.legs import constant_leg_of
@@ -22,33 +22,22 @@ MODES = 3
 _DEGREE = 20
 
 
-def cases() -> tuple[Case, ...]:
-    """The first roots for the slenderness and shear ratio of both legs, in both planes."""
-    return tuple(
-        _case(number, plane, order)
-        for number in (1, 2)
-        for plane in PLANES
-        for order in range(1, MODES + 1)
-    )
+cases = CaseGroup(section=SECTION)
 
 
-def _case(number: int, plane: Plane, order: int) -> Case:
-    return Case(
-        id=f"benchmark.huang.leg{number}[{plane}{order}]",
-        title=f"Leg {number}: root {order} of Huang's equation, bending {plane}",
-        quantity=f"natural frequency {order} of bending {plane}, clamped-free Timoshenko beam",
-        unit="Hz",
-        reference_kind="independent-solver",
-        citation=CITATION,
-        tolerance=Relative(1e-7),
-        tolerance_reason="both are exact but for rounding, which the Ritz matrices of a slender "
-        "leg grow by the square of its slenderness times the fourth power of the degree",
-        compute=partial(_roots, number=number, plane=plane, order=order),
-        section=SECTION,
-        group=f"benchmark.huang.{number}",
-    )
-
-
+@cases.case(
+    "benchmark.huang.leg{number}[{plane}{order}]",
+    "Leg {number}: root {order} of Huang's equation, bending {plane}",
+    over={"number": (1, 2), "plane": PLANES, "order": range(1, MODES + 1)},
+    quantity="natural frequency {order} of bending {plane}, clamped-free Timoshenko beam",
+    unit="Hz",
+    reference_kind="independent-solver",
+    citation=CITATION,
+    tolerance=Relative(1e-7),
+    tolerance_reason="both are exact but for rounding, which the Ritz matrices of a slender leg "
+    "grow by the square of its slenderness times the fourth power of the degree",
+    group="benchmark.huang.{number}",
+)
 def _roots(context: Context, number: int, plane: Plane, order: int) -> Measurement:
     leg = constant_leg_of(context, number)
     roots = context.get(bending_frequencies, leg.timoshenko, leg.length, plane, MODES)

@@ -1,7 +1,5 @@
 """Published torsion constants of rectangles, by the series and by finite elements."""
 
-from functools import partial
-
 import numpy as np
 
 from fem.sections.section_constants import section_constants
@@ -9,7 +7,8 @@ from lumped.arrays import Array
 from lumped.sections import Rectangle, rectangle_torsion_constant
 from meshes.section.section_mesh import section_mesh
 from validation.agreement.convergence import analyse, uncertainty_of
-from validation.case import Absolute, Case, Measurement
+from validation.case import Absolute, Measurement
+from validation.case_group import CaseGroup
 from validation.cases.program.benchmarks.beams import SECTION
 from validation.context import Context
 from validation.solids.legs import FORMAL_ORDER
@@ -31,65 +30,43 @@ SOURCE = "S. P. Timoshenko, J. N. Goodier, Theory of Elasticity, §109, table of
 DIVISIONS = (4, 8, 12, 16)
 
 
-def cases() -> tuple[Case, ...]:
-    """Every published ratio of sides, both ways."""
-    return (
-        *(_series_case(ratio) for ratio in TORSION_CONSTANTS),
-        *(_mesh_case(ratio) for ratio in TORSION_CONSTANTS),
-    )
+cases = CaseGroup(
+    quantity="J/(b h³)",
+    unit="1",
+    reference_kind="published",
+    citation=SOURCE,
+    row="b/h = {ratio:g}",
+    section=SECTION,
+)
 
 
-def _series_case(ratio: float) -> Case:
-    return Case(
-        id=f"benchmark.torsion.series[b/h={ratio:g}]",
-        title=f"Torsion constant of a rectangle, b/h = {ratio:g}, by Saint-Venant's series",
-        quantity="J/(b h³)",
-        unit="1",
-        reference_kind="published",
-        citation=SOURCE,
-        tolerance=Absolute(1e-6),
-        tolerance_reason="the last published digit",
-        compute=partial(_series, ratio=ratio),
-        model="series",
-        row=f"b/h = {ratio:g}",
-        section=SECTION,
-        group="benchmark.torsion.series",
-    )
+@cases.case(
+    "benchmark.torsion.series[b/h={ratio:g}]",
+    "Torsion constant of a rectangle, b/h = {ratio:g}, by Saint-Venant's series",
+    over={"ratio, published": TORSION_CONSTANTS.items()},
+    tolerance=Absolute(1e-6),
+    tolerance_reason="the last published digit",
+    model="series",
+    group="benchmark.torsion.series",
+)
+def _series(_context: Context, ratio: float, published: float) -> Measurement:
+    return Measurement(rectangle_torsion_constant(ratio, 1.0) / ratio, published, exact=True)
 
 
-def _mesh_case(ratio: float) -> Case:
-    return Case(
-        id=f"benchmark.torsion.mesh[b/h={ratio:g}]",
-        title=f"Torsion constant of a rectangle, b/h = {ratio:g}, by finite elements",
-        quantity="J/(b h³)",
-        unit="1",
-        reference_kind="published",
-        citation=SOURCE,
-        tolerance=Absolute(4e-6),
-        tolerance_reason="the last published digit, and two and a half times the uncertainty of "
-        "the finest mesh, which is 1.2e-6 for a square and less for all others",
-        compute=partial(_mesh, ratio=ratio),
-        model="mesh",
-        row=f"b/h = {ratio:g}",
-        section=SECTION,
-        group="benchmark.torsion.mesh",
-    )
-
-
-def _series(_context: Context, ratio: float) -> Measurement:
-    return Measurement(
-        rectangle_torsion_constant(ratio, 1.0) / ratio, TORSION_CONSTANTS[ratio], exact=True
-    )
-
-
-def _mesh(context: Context, ratio: float) -> Measurement:
+@cases.case(
+    "benchmark.torsion.mesh[b/h={ratio:g}]",
+    "Torsion constant of a rectangle, b/h = {ratio:g}, by finite elements",
+    over={"ratio, published": TORSION_CONSTANTS.items()},
+    tolerance=Absolute(4e-6),
+    tolerance_reason="the last published digit, and two and a half times the uncertainty of the "
+    "finest mesh, which is 1.2e-6 for a square and less for all others",
+    model="mesh",
+    group="benchmark.torsion.mesh",
+)
+def _mesh(context: Context, ratio: float, published: float) -> Measurement:
     found = context.get(torsion_constants, ratio, DIVISIONS) / ratio
     convergence = analyse(1.0 / np.array(DIVISIONS, dtype=float), found, FORMAL_ORDER)
-    return Measurement(
-        float(found[-1]),
-        TORSION_CONSTANTS[ratio],
-        value_uncertainty=uncertainty_of(convergence),
-    )
+    return Measurement(float(found[-1]), published, value_uncertainty=uncertainty_of(convergence))
 
 
 def torsion_constants(ratio: float, divisions: tuple[int, ...]) -> Array:

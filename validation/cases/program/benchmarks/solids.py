@@ -6,7 +6,6 @@ supported mode is made of half waves, and there it is the prism's exact wave les
 """
 
 from dataclasses import dataclass, replace
-from functools import partial
 from math import log2, pi
 
 import numpy as np
@@ -22,12 +21,11 @@ from meshes.prism.extrude import extrude, stations
 from meshes.section.section_mesh import section_mesh
 from validation.agreement.convergence import analyse, uncertainty_of
 from validation.case import Allowance, Case, Measurement
+from validation.case_group import CaseGroup
 from validation.cases.program.benchmarks.beams import (
     DEEP,
     FV5,
     FV5_CLUSTERS,
-    MACNEAL_HARDER,
-    MACNEAL_TARGETS,
     SECTION,
     STRAIGHT,
     TOLERANCE,
@@ -35,6 +33,7 @@ from validation.cases.program.benchmarks.beams import (
     Cluster,
     cluster_study,
     refinement_study,
+    straight_cantilevers,
 )
 from validation.context import Context, Preset
 from validation.solids.legs import FORMAL_ORDER
@@ -79,34 +78,35 @@ FV5_WAVES = dict(
 
 def cases() -> tuple[Case, ...]:
     """Both solids, from the standard preset on."""
-    return (
-        *(_macneal_case(name) for name in MACNEAL_TARGETS),
-        *(_fv5_case(cluster) for cluster in FV5_CLUSTERS),
-    )
+    return (*_straight(), *_deep())
 
 
-def _macneal_case(name: str) -> Case:
-    return Case(
-        id=f"benchmark.macneal-harder.solid[{name}]",
-        title=f"{_CANTILEVER}: {name}",
-        quantity=MACNEAL_TARGETS[name][2],
-        unit="rad" if name == "twist" else "m",
-        reference_kind="closed-form" if name == "twist" else "published",
-        citation=MACNEAL_HARDER,
-        tolerance=TOLERANCE,
-        tolerance_reason=_SOLID_REASON,
-        compute=partial(_macneal, name=name),
-        presets=_SOLID_PRESETS,
-        model="solid",
-        row=name,
-        section=SECTION,
-        group="benchmark.macneal-harder.solid",
-        effort=1.2,
-    )
+_straight = straight_cantilevers.like(
+    tolerance_reason=_SOLID_REASON,
+    presets=_SOLID_PRESETS,
+    model="solid",
+    group="benchmark.macneal-harder.solid",
+    effort=1.2,
+)
+_deep = CaseGroup(
+    over={"cluster": FV5_CLUSTERS},
+    reference_kind="published",
+    citation=FV5,
+    tolerance=TOLERANCE,
+    tolerance_reason=_SOLID_REASON,
+    presets=_SOLID_PRESETS,
+    model="solid",
+    row="fv5",
+    section=SECTION,
+    group="benchmark.fv5.solid",
+    effort=0.5,
+)
 
 
-def _macneal(context: Context, name: str) -> Measurement:
-    component, target, quantity = MACNEAL_TARGETS[name]
+@_straight.case("benchmark.macneal-harder.solid[{name}]", f"{_CANTILEVER}: {{name}}")
+def _macneal(
+    context: Context, name: str, component: int, target: float, quantity: str
+) -> Measurement:
     found = context.get(straight_solid_compliances, STRAIGHT_DIVISIONS)[:, component]
     sizes = 1.0 / np.array(STRAIGHT_DIVISIONS, dtype=float)
     convergence = analyse(sizes, found, FORMAL_ORDER, round_off=1e-9)
@@ -145,27 +145,13 @@ def extruded(leg: ConstantLeg, divisions: int, slices: int) -> solid.SolidLeg:
     return solid.solid_leg(leg, extrude(section, stations(leg.length, slices)))
 
 
-def _fv5_case(cluster: Cluster) -> Case:
-    return Case(
-        id=f"benchmark.fv5.solid[{cluster.label}]",
-        title=f"{_BEAM}: {cluster.meaning}",
-        quantity=f"natural frequency {cluster.label}, worst of the cluster",
-        label=f"frequency {cluster.label}",
-        unit="Hz",
-        reference_kind="published",
-        citation=FV5,
-        tolerance=TOLERANCE,
-        tolerance_reason=_SOLID_REASON,
-        compute=partial(_fv5, cluster=cluster),
-        presets=_SOLID_PRESETS,
-        model="solid",
-        row="fv5",
-        section=SECTION,
-        group="benchmark.fv5.solid",
-        effort=0.5,
-    )
-
-
+@_deep.case(
+    "benchmark.fv5.solid[{cluster.label}]",
+    f"{_BEAM}: {{cluster.meaning}}",
+    quantity="natural frequency {cluster.label}, worst of the cluster",
+    label="frequency {cluster.label}",
+    unit="Hz",
+)
 def _fv5(context: Context, cluster: Cluster) -> Measurement:
     found = cluster.of(context.get(deep_solid_frequencies, FV5_DIVISIONS))
     values = found[:, cluster.worst(found[-1])]
