@@ -10,9 +10,10 @@ from lumped.acceptance.requirement import Requirement
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, Material
 from lumped.robot_file import load_robot
-from lumped.sections import Circle, Rectangle
+from lumped.sections import Circle, Rectangle, Tube
 from validation.adequacy.biglide.dynamics import dynamic_reference, vibrations
 from validation.adequacy.judgement import judged
+from validation.adequacy.legs import finer_statics, solid_leg
 from validation.adequacy.mechanism import dynamics as of_mechanisms
 from validation.adequacy.mechanism.path import path_postures
 from validation.adequacy.response import Candidate, Reference, Subject
@@ -20,7 +21,7 @@ from validation.case import Skip
 from validation.catalogue import catalogue
 from validation.context import Context
 from validation.run.session import Request, validate
-from validation.solids.size import LARGEST, solid_unknowns, too_large
+from validation.solids.size import LARGEST, larger_preset, solid_unknowns, too_large
 from validation.studies.paired_robot_modes import sample_weights
 
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
@@ -130,3 +131,72 @@ def test_their_export_is_refused_before_anything_is_computed(tmp_path):
     with pytest.raises(InputError, match=REASON.replace("^", "^--export: ")):
         validate(request, catalogue)
     assert not (tmp_path / "run").exists()
+
+
+def test_a_larger_preset_is_named_where_one_takes_it_and_none_where_not():
+    assert larger_preset("quick", lambda one: one == "fine") == "preset fine"
+    assert larger_preset("quick", lambda _: True) == "preset standard"
+    assert larger_preset("quick", lambda one: one == "quick") == "no preset"
+    assert larger_preset("fine", lambda _: True) == "no preset"
+
+
+def foils(thickness: float) -> Context:
+    leg = ConstantLeg(0.85, Tube(0.12, thickness), STEEL, name="leg 1")
+    robot = replace(IFW.robot, leg1=leg, leg2=leg)
+    return Context(replace(IFW, described=robot, built_in=False, source="foils.toml"), "quick")
+
+
+# Unknowns of the coarsest section meshes of such tubes: 864, 1728, 4248 and 16 992.
+@pytest.mark.parametrize(
+    ("case", "thickness", "said"),
+    [
+        (
+            "leg1.compliance.solid-free[c22]",
+            1e-3,
+            "more than 1000 unknowns.* preset fine takes them$",
+        ),
+        (
+            "leg1.compliance.solid-free[c22]",
+            5e-4,
+            "more than 1000 unknowns.* no preset takes them$",
+        ),
+        (
+            "robot.solid.statics-rigid.planar-x",
+            5e-4,
+            "too many for preset quick; preset fine takes it$",
+        ),
+        (
+            "robot.solid.statics-rigid.planar-x",
+            2e-4,
+            "too many for preset quick; no preset takes it$",
+        ),
+    ],
+)
+def test_a_skipped_solid_names_the_preset_that_takes_it_or_says_that_none_does(
+    case, thickness, said
+):
+    found = next(one for one in catalogue(IFW) if one.id == case)
+    with pytest.raises(Skip, match=said):
+        found.compute(foils(thickness))
+
+
+@pytest.mark.parametrize(
+    ("thickness", "said"), [(2e-4, "preset fine takes it$"), (5e-5, "no preset takes it$")]
+)
+def test_a_reference_too_large_names_the_preset_that_takes_it(thickness, said):
+    context = foils(thickness)
+    with pytest.raises(InputError, match=said):
+        solid_leg(context, context.robot.leg1)
+
+
+def test_an_undecided_entry_is_sent_to_a_preset_that_is_finer_if_any():
+    # 0.1 m by 0.06 m: 900 unknowns are six divisions, and so they are at standard; fine has more.
+    leg = ConstantLeg(0.5, Rectangle(0.1, 0.06), STEEL)
+    for preset, said in (
+        ("quick", "preset fine"),
+        ("standard", "preset fine"),
+        ("fine", "no preset"),
+    ):
+        assert (
+            finer_statics(Context(IFW, preset), [leg]) == f"a finer reference: {said} computes one"
+        )

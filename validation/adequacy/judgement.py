@@ -12,8 +12,6 @@ from validation.adequacy.errors import Errors, Scale
 from validation.adequacy.matrix import Adequacy, Entry, Matrix, ModelNote, notes_of_part
 from validation.adequacy.response import Candidate, Reference, Subject
 
-_FINER = "a finer reference: a larger preset"
-
 
 def judged(subject: Subject, requirement: Requirement) -> Matrix:
     """The matrix of a robot: every candidate by every quantity that it says anything of.
@@ -157,10 +155,11 @@ def _reason(
         rigid = quantity in STATIC_QUANTITIES and not errors.value[:, pose].any()
         return candidate.rigid if rigid else ""
     if reference.bracket or errors.missing[:, pose].any():
-        return reference.decides or _FINER
+        return reference.decides or reference.finer
     parts = _parts(errors, reference, pose)
     widest = max(parts, key=lambda name: parts[name])
-    return reference.decides if widest == reference.open and reference.decides else _FINER
+    decides = widest == reference.open and reference.decides
+    return reference.decides if decides else reference.finer
 
 
 def _expected(errors: Errors, pose: int) -> float:

@@ -1,16 +1,20 @@
 """Legs as their robot's reference has them, and the springs by which ladders climb towards it."""
 
+from collections.abc import Iterable
+
 import numpy as np
 
 from fem.sections.nonuniform_torsion import held_torsion_compliance
 from fem.sections.section_constants import SectionConstants, beam_properties, section_constants
 from lumped.arrays import Array
-from lumped.errors import naming
+from lumped.errors import InputError, naming
 from lumped.legs import ConstantLeg, Ends, GivenLeg, Leg, given_compliance, tip_compliance
 from meshes.section.section_mesh import section_mesh
+from validation.adequacy.response import finer_by
 from validation.context import Context, Preset
 from validation.solids.legs import COARSEST_WALLS, section_counts, static_ladder
-from validation.solids.robots import TwoMeshes, two_meshes
+from validation.solids.robots import TwoMeshes, has_meshes, mesh_pair, two_meshes
+from validation.solids.size import larger_preset
 
 # Unknowns of the finest section mesh of a solid leg; the second number where the first one does not
 # allow two meshes of its walls.
@@ -45,22 +49,41 @@ def step_uncertainty(coarse: Array, fine: Array, ratio: float) -> Array:
 def solid_leg(context: Context, leg: ConstantLeg) -> TwoMeshes:
     """Tip compliances of a leg as a solid on two meshes, once per run and process.
 
-    Raises InputError where even one section mesh has too many unknowns.
+    Raises InputError where even one section mesh has too many unknowns, with the larger preset that
+    takes it.
     """
-    return context.get(two_meshes, leg, _most(context, leg))
+    most = _most(context.preset, leg)
+    try:
+        return context.get(two_meshes, leg, most)
+    except InputError as error:
+        if has_meshes(leg, most):
+            raise
+        takes = larger_preset(context.preset, lambda one: has_meshes(leg, _most(one, leg)))
+        raise InputError(f"{error}; {takes} takes it") from error
+
+
+def finer_statics(context: Context, legs: Iterable[Leg]) -> str:
+    """What would make solids of these legs finer: a larger preset, or nothing."""
+    solids = [leg for leg in legs if isinstance(leg, ConstantLeg)]
+
+    def finer(preset: Preset) -> bool:
+        now = [mesh_pair(leg, _most(context.preset, leg)) for leg in solids]
+        return [mesh_pair(leg, _most(preset, leg)) for leg in solids] != now
+
+    return finer_by(larger_preset(context.preset, finer))
 
 
 def shares_section(context: Context, leg: Leg) -> bool:
     """Whether both solids of a leg have one section mesh, the only one that is affordable."""
     if not isinstance(leg, ConstantLeg):
         return False
-    return not context.get(static_ladder, leg, _most(context, leg))
+    return not context.get(static_ladder, leg, _most(context.preset, leg))
 
 
-def _most(context: Context, leg: ConstantLeg) -> int:
+def _most(preset: Preset, leg: ConstantLeg) -> int:
     """Unknowns of the finest section mesh: more where few do not allow two meshes."""
-    first, second = UNKNOWNS[context.preset]
-    return first if context.get(static_ladder, leg, first) else second
+    first, second = UNKNOWNS[preset]
+    return first if static_ladder(leg, first) else second
 
 
 def solid_tip(context: Context, leg: Leg, ends: Ends, *, fine: bool) -> Array:

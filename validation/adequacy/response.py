@@ -57,14 +57,16 @@ class Alternative:
 class Reference:
     """The best there is for a robot: one or more alternatives, where the user left something open.
 
-    `title` says what it is, `open` what was left open and `decides` what would settle it; where
-    `bracket` is set, the alternatives only bracket the plausible: nothing is decided by them.
+    `title` says what it is, `open` what was left open and `decides` what would settle it; `finer`
+    what would make it more certain. Where `bracket` is set, the alternatives only bracket the
+    plausible: nothing is decided by them.
     """
 
     title: str
     alternatives: Sequence[Alternative]
     open: str = ""
     decides: str = ""
+    finer: str = "a finer reference"
     bracket: bool = False
     computed_by: tuple[str, ...] = ()
 
@@ -99,8 +101,12 @@ def modes_of(solve: Callable[[], Vibration | None], refusals: Refusals = REFUSED
 
 def no_reference(error: Exception) -> Reference:
     """What there is where solids cannot be made of a leg: nothing is decided, and it says why."""
-    why = f"no reference: {error}"
-    return Reference("none", (), decides=f"{why}; a larger preset may compute one")
+    return Reference("none", (), decides=f"no reference: {error}")
+
+
+def finer_by(preset: str) -> str:
+    """What would make a reference finer: "preset fine", say, or "no preset"."""
+    return f"a finer reference: {preset} computes one"
 
 
 @dataclass(frozen=True, eq=False)

@@ -147,18 +147,23 @@ def mesh_pair(leg: ConstantLeg, most: int) -> tuple[tuple[int, int], tuple[int, 
     if ladder:
         coarse, fine = ladder[-2:]
         return (coarse, static_slices(leg, coarse)), (fine, static_slices(leg, fine))
-    _require_affordable(leg, COARSEST_WALLS, most)
-    along = static_slices(leg, COARSEST_WALLS)
-    return (COARSEST_WALLS, along), (COARSEST_WALLS, 2 * along)
-
-
-def _require_affordable(leg: ConstantLeg, divisions: int, most: int) -> None:
-    unknowns = 3 * len(section_mesh(leg.section, section_counts(leg, divisions)).nodes)
-    if unknowns > most:
+    if (unknowns := _coarsest_unknowns(leg)) > most:
         raise InputError(
             f"{leg.name or 'leg'}: the coarsest section mesh of its {leg.section.shape} has "
             f"{unknowns} unknowns, more than {most}"
         )
+    along = static_slices(leg, COARSEST_WALLS)
+    return (COARSEST_WALLS, along), (COARSEST_WALLS, 2 * along)
+
+
+def has_meshes(leg: ConstantLeg, most: int) -> bool:
+    """Whether there is a `mesh_pair` of a leg."""
+    return bool(static_ladder(leg, most)) or _coarsest_unknowns(leg) <= most
+
+
+def _coarsest_unknowns(leg: ConstantLeg) -> int:
+    counts = section_counts(leg, COARSEST_WALLS)
+    return 3 * len(section_mesh(leg.section, counts).nodes)
 
 
 def _compliances(leg: ConstantLeg, divisions: int, along: int) -> TipCompliances:

@@ -3,14 +3,14 @@
 A preset says how fine a mesh is; how many unknowns follow depends on how slender the legs are.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from math import ceil
 
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, Leg, equivalent_leg
 from lumped.sections import Section
 from meshes.section.section_blocks import section_blocks, sides_of
-from validation.context import Preset
+from validation.context import PRESETS, Preset
 
 # Unknowns of one solid that a run factorises: some 20 s and 2 GB, 50 s and 5 GB, 7 min and 29 GB
 # (where a machine has less, the factorisation refuses). A hundred ordinary robots drawn at random
@@ -42,6 +42,15 @@ def too_large(legs: Sequence[Leg], divisions: Sequence[int], preset: Preset) -> 
         f"{' and '.join(reasons)} unknowns, preset {preset} takes {most}; "
         "solve --model solid says what one answer would take"
     )
+
+
+def larger_preset(preset: Preset, takes: Callable[[Preset], bool]) -> str:
+    """The first preset beyond this one that `takes` what this one does not: "preset fine".
+
+    "no preset" where none does.
+    """
+    larger = PRESETS[PRESETS.index(preset) + 1 :]
+    return next((f"preset {one}" for one in larger if takes(one)), "no preset")
 
 
 def _section_nodes(section: Section, divisions: int, size: float) -> float:

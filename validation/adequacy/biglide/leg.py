@@ -15,6 +15,7 @@ from validation.adequacy.legs import (
     HOLD,
     OPEN_ENDS,
     ROUNDING,
+    finer_statics,
     held_spring,
     own_spring,
     restrained_spring,
@@ -110,6 +111,7 @@ def _reference(context: Context, leg: Leg) -> Reference:
         alternatives=alternatives,
         open="" if leg.ends else OPEN_ENDS,
         decides="" if leg.ends else SAY_ENDS,
+        finer=finer_statics(context, [leg]),
         computed_by=("fem.bodies.doubling.condensed_leg",),
     )
 

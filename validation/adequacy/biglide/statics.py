@@ -24,6 +24,7 @@ from validation.adequacy.legs import (
     ROUNDING,
     SECTION_DIVISIONS,
     SECTION_RATIO,
+    finer_statics,
     held_spring,
     own_spring,
     restrained_spring,
@@ -106,6 +107,7 @@ def static_reference(context: Context, robot: Biglide, x: Array) -> Reference:
         alternatives=alternatives,
         open=OPEN_ENDS if len(alternatives) > 1 else "",
         decides=SAY_ENDS if len(alternatives) > 1 else "",
+        finer=finer_statics(context, legs),
         computed_by=(
             "fem.bodies.doubling.condensed_leg" if any(solids) else "lumped.legs.given_compliance",
             "lumped.system.sweep.swept",

@@ -47,11 +47,13 @@ def dynamic_reference_of(
     *,
     left_open: str,
     says: str,
+    finer: str,
     given: bool,
 ) -> Reference:
     """The reference of frequencies: where legs are `given` without their mass, a bracket alone.
 
-    `left_open` and what `says` it are of ends and interfaces, empty where the file says all.
+    `left_open` and what `says` it are of ends and interfaces, empty where the file says all;
+    `finer` is what would leave less of the meshes.
     """
     masses = given * [_OPEN_MASS], given * [_SAY_MASS]
     return Reference(
@@ -59,6 +61,7 @@ def dynamic_reference_of(
         alternatives=alternatives,
         open=" and ".join([*filter(None, [left_open]), *masses[0]]),
         decides="; ".join([*filter(None, [says]), *masses[1]]),
+        finer=finer,
         bracket=given,
         computed_by=(computed_by,),
     )

@@ -35,6 +35,7 @@ from validation.adequacy.common.references import (
 from validation.adequacy.legs import SECTION_DIVISIONS, own_constants
 from validation.adequacy.mechanism.part_ladders import part_rungs
 from validation.adequacy.mechanism.part_solids import (
+    FINER_PARTS,
     Bodies,
     condensed_parts,
     refinement_share,
@@ -49,9 +50,10 @@ from validation.adequacy.response import (
     Response,
     Rung,
     Vibration,
+    finer_by,
     modes_of,
 )
-from validation.context import Context
+from validation.context import Context, Preset
 from validation.models.legs import filled
 from validation.models.mechanism import (
     CUTOFF,
@@ -63,7 +65,7 @@ from validation.models.options import ModelName, ModelOptions
 from validation.parts.meshes import FINEST, MIDDLE
 from validation.solids.legs import COARSEST_WALLS
 from validation.solids.robots import held_solid, renewed_where_needed
-from validation.solids.size import too_large
+from validation.solids.size import larger_preset, too_large
 from validation.studies.paired_robot_modes import DIVISIONS, ELEMENTS, WALL_DIVISIONS
 
 Build = Callable[[Leg, Ends, float], LegMatrices]
@@ -230,8 +232,7 @@ def dynamic_reference(context: Context, postures: tuple[Posture, ...], judged: i
     fine = DIVISIONS[context.preset], WALL_DIVISIONS[context.preset]
     coarse = fine[0] - 1, fine[1] // 2
     meshed = [leg for leg in known_legs(mechanism).values() if isinstance(leg, ConstantLeg)]
-    divisions = [fine[0] if isinstance(leg.section, Rectangle) else fine[1] for leg in meshed]
-    if reason := too_large(meshed, divisions, context.preset):
+    if reason := _too_large(meshed, context.preset):
         return Reference("none", (), decides=reason)
     ratio = min(fine[0] / coarse[0], fine[1] / coarse[1])
     solid = bool(meshed)
@@ -262,8 +263,18 @@ def dynamic_reference(context: Context, postures: tuple[Posture, ...], judged: i
         "validation.adequacy.mechanism.dynamics.solid_vibration",
         left_open=is_open.what if several else "",
         says=is_open.says if several else "",
+        finer=FINER_PARTS
+        if parts
+        else finer_by(larger_preset(context.preset, lambda one: not _too_large(meshed, one))),
         given=given,
     )
+
+
+def _too_large(legs: Sequence[ConstantLeg], preset: Preset) -> str:
+    """Why a preset does not mesh these legs; or ""."""
+    numbers = DIVISIONS[preset], WALL_DIVISIONS[preset]
+    divisions = [numbers[not isinstance(leg.section, Rectangle)] for leg in legs]
+    return too_large(legs, divisions, preset)
 
 
 def _title(*, given: bool, parts: bool, solid: bool) -> str:

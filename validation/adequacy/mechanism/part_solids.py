@@ -17,6 +17,8 @@ Bodies = Mapping[str, BodyModel]
 _FEWEST = 8
 # Share of an answer that is left open where nothing tells it: all of it.
 UNKNOWN = 1.0
+# The meshes of parts are of one size in all presets.
+FINER_PARTS = "finer meshes of the parts than any preset makes"
 
 
 def solid_parts(

@@ -24,6 +24,7 @@ from validation.adequacy.legs import (
     ROUNDING,
     SECTION_DIVISIONS,
     SECTION_RATIO,
+    finer_statics,
     held_spring,
     own_spring,
     restrained_spring,
@@ -35,6 +36,7 @@ from validation.adequacy.legs import (
 )
 from validation.adequacy.mechanism.part_ladders import part_rungs
 from validation.adequacy.mechanism.part_solids import (
+    FINER_PARTS,
     Bodies,
     condensed_parts,
     refinement_share,
@@ -131,6 +133,7 @@ def static_reference(context: Context, postures: Sequence[Posture]) -> Reference
         alternatives=alternatives,
         open=is_open.what,
         decides=is_open.says,
+        finer=FINER_PARTS if mechanism.parts else finer_statics(context, legs.values()),
         computed_by=(
             *((own,) if legs else ()),
             *(("validation.models.parts.reduced",) if mechanism.parts else ()),

@@ -1,7 +1,8 @@
 """Each leg as a 3-D solid against beam theory, every difference with its named cause."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from math import inf, nan
+from typing import TypeAlias
 
 import numpy as np
 
@@ -39,7 +40,10 @@ from validation.solids.legs import (
     solid_frequencies,
     static_ladder,
 )
+from validation.solids.size import larger_preset
 
+# Divisions of the meshes of a leg that have at most so many unknowns.
+Ladder: TypeAlias = Callable[[ConstantLeg, int], tuple[int, ...]]
 # Unknowns of the largest section mesh for statics by doubling, and of the largest solid for modes.
 STATICS: dict[Preset, int] = {"quick": 1000, "standard": 2000, "fine": 4000}
 DYNAMICS: dict[Preset, int] = {"quick": 9_000, "standard": 30_000, "fine": 100_000}
@@ -74,27 +78,29 @@ _compliances = cases.family(
 def compliances(context: Context, number: int, ends: Ends) -> Refinement:
     """Tip compliances of leg 1 or 2 on the preset's meshes."""
     leg = constant_leg_of(context, number)
-    divisions = context.get(static_ladder, leg, STATICS[context.preset])
-    _require(divisions, STATICS, context.preset, "section meshes")
+    divisions = _divisions(context, leg, static_ladder, STATICS, "section meshes")
     return context.get(solid_compliances, leg, divisions)[ends]
 
 
 def frequencies(context: Context, number: int, ends: Ends) -> SolidModes:
     """Frequencies of leg 1 or 2 on the preset's meshes."""
     leg = constant_leg_of(context, number)
-    divisions = context.get(dynamic_ladder, leg, DYNAMICS[context.preset])
-    _require(divisions, DYNAMICS, context.preset, "solid meshes")
+    divisions = _divisions(context, leg, dynamic_ladder, DYNAMICS, "solid meshes")
     return context.get(solid_frequencies, leg, divisions, ends, MODES)
 
 
-def _require(
-    divisions: tuple[int, ...], limits: dict[Preset, int], preset: Preset, what: str
-) -> None:
-    if not divisions:
-        raise Skip(
-            f"two {what} of this section have more than {limits[preset]} unknowns, too many for "
-            f"preset {preset}; a larger preset may compute it"
-        )
+def _divisions(
+    context: Context, leg: ConstantLeg, ladder: Ladder, limits: Mapping[Preset, int], what: str
+) -> tuple[int, ...]:
+    """Divisions of the meshes that the preset allows; Skip where these are fewer than two."""
+    most = limits[context.preset]
+    if divisions := context.get(ladder, leg, most):
+        return divisions
+    takes = larger_preset(context.preset, lambda one: bool(ladder(leg, limits[one])))
+    raise Skip(
+        f"two {what} of this section have more than {most} unknowns, too many for preset "
+        f"{context.preset}; {takes} takes them"
+    )
 
 
 def own_constants(leg: ConstantLeg, divisions: int = SECTION_DIVISIONS) -> SectionConstants:
@@ -154,7 +160,7 @@ def _held_entry(context: Context, number: int, entry: tuple[int, int]) -> Measur
     taken = context.get(_restrained, leg, rigid.divisions)
     left = Refinement(rigid.divisions, rigid.values - own.values - taken)
     value, reference = float(rigid.values[-1][entry]), float(own.values[-1][entry])
-    _require_decided(left, entry, reference, context.preset)
+    _require_decided(context, number, left, entry, reference)
     return Measurement(
         value,
         reference,
@@ -188,7 +194,7 @@ def _free_entry(context: Context, number: int, entry: tuple[int, int]) -> Measur
     # Solid and beam have one section mesh, whose errors they share: what is judged has its own.
     left = Refinement(free.divisions, free.values - own.values)
     reference = float(own.values[-1][entry])
-    _require_decided(left, entry, reference, context.preset)
+    _require_decided(context, number, left, entry, reference)
     return Measurement(
         float(free.values[-1][entry]),
         reference,
@@ -199,17 +205,19 @@ def _free_entry(context: Context, number: int, entry: tuple[int, int]) -> Measur
 
 
 def _require_decided(
-    left: Refinement, entry: tuple[int, int], reference: float, preset: Preset
+    context: Context, number: int, left: Refinement, entry: tuple[int, int], reference: float
 ) -> None:
     """Raise Skip where too few meshes for an order, three times their step, cannot decide."""
     tolerance = (_TORSION if entry == (3, 3) else _BENDING) * abs(reference)
     uncertainty = left.uncertainty(*entry)
     undecided = abs(left.values[-1][entry]) <= tolerance < uncertainty
     if undecided and len(left.divisions) < GRIDS_FOR_ORDER:
+        leg, preset = constant_leg_of(context, number), context.preset
+        has = larger_preset(preset, lambda one: static_ladder(leg, STATICS[one]) != left.divisions)
         raise Skip(
             f"{len(left.divisions)} meshes of this section are affordable in preset {preset}: they "
             f"show no order, and their uncertainty of {100.0 * uncertainty / abs(reference):.2g} % "
-            "exceeds the tolerance; a larger preset may decide"
+            f"exceeds the tolerance; {has} has finer ones"
         )
 
 

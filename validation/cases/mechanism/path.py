@@ -196,7 +196,7 @@ def _solid(context: Context) -> Measurement:
     try:
         meshes = {name: solid_leg(context, leg) for name, leg in prisms.items()}
     except InputError as error:
-        raise Skip(f"{error}; a larger preset may compute it") from error
+        raise Skip(str(error)) from error
     coarse, fine = (
         _off_beams(postures, {name: getattr(both, which) for name, both in meshes.items()})
         for which in ("coarse", "fine")

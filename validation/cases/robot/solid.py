@@ -11,6 +11,9 @@ from validation.case import Absolute, Case, Measurement, Relation, Relative, Ski
 from validation.cases.robot.stroke import CURVES, at_stations, largest_difference
 from validation.context import Context, Preset
 from validation.exhibits import SOLID_ROBOT, Study
+from validation.models.legs import constant_leg_of
+from validation.solids.robots import has_meshes, mesh_pair
+from validation.solids.size import larger_preset
 from validation.studies.quantities import farthest
 from validation.studies.stroke_statics import stroke_statics
 
@@ -130,9 +133,11 @@ def _curve(context: Context, curve: str) -> _Curve:
     try:
         found = context.get(stroke_statics, context.robot, UNKNOWNS[context.preset])
     except InputError as error:
+        if _meshed(context, context.preset):
+            raise
+        takes = larger_preset(context.preset, lambda one: bool(_meshed(context, one)))
         raise Skip(
-            f"{'; '.join(error.faults)}: too many for preset {context.preset}; a larger preset may "
-            "compute it"
+            f"{'; '.join(error.faults)}: too many for preset {context.preset}; {takes} takes it"
         ) from error
     (
         (coarse_rigid, rigid),
@@ -163,6 +168,18 @@ def _curve(context: Context, curve: str) -> _Curve:
     )
 
 
+def _meshed(context: Context, preset: Preset) -> list[tuple[tuple[int, int], tuple[int, int]]]:
+    """Both meshes of each leg with a preset's unknowns; [] where one leg has none."""
+    legs = [constant_leg_of(context, number) for number in (1, 2)]
+    if not all(has_meshes(leg, UNKNOWNS[preset]) for leg in legs):
+        return []
+    return [mesh_pair(leg, UNKNOWNS[preset]) for leg in legs]
+
+
+def _is_finer(context: Context, preset: Preset) -> bool:
+    return _meshed(context, preset) != _meshed(context, context.preset)
+
+
 def _decided(measurement: Measurement, context: Context) -> Measurement:
     """The measurement; Skip where two meshes, three times their step, leave it undecided."""
     places = [
@@ -171,10 +188,11 @@ def _decided(measurement: Measurement, context: Context) -> Measurement:
     ]
     for difference, reference, uncertainty in places:
         if abs(difference) <= _STATICS * abs(reference) < (uncertainty or 0.0):
+            has = larger_preset(context.preset, partial(_is_finer, context))
             raise Skip(
                 f"two meshes of these sections show no order, and their uncertainty of "
                 f"{100.0 * (uncertainty or 0.0) / abs(reference):.2g} % exceeds the tolerance in "
-                f"preset {context.preset}; a larger preset may decide"
+                f"preset {context.preset}; {has} has finer ones"
             )
     return measurement
 
