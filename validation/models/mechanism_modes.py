@@ -52,7 +52,9 @@ def mechanism_modes(
     if model == "simplified":
         rigid = on_drives_alone(postures[0].mechanism)
         prepared = assembly(rigid, {})
-        return [_found(prepared.at(replace(at, mechanism=rigid)), at, count) for at in postures]
+        return [
+            posture_modes(prepared.at(replace(at, mechanism=rigid)), at, count) for at in postures
+        ]
     return renewed_where_needed(
         highest_frequency(postures, count, options),
         partial(_of_bodies, model, postures, count, options),
@@ -69,10 +71,11 @@ def _of_bodies(
 ) -> list[PostureModes]:
     mechanism = postures[0].mechanism
     prepared = assembly(mechanism, dynamic_bodies(model, mechanism, highest, options))
-    return [_found(prepared.at(at), at, count) for at in postures]
+    return [posture_modes(prepared.at(at), at, count) for at in postures]
 
 
-def _found(system: System, posture: Posture, count: int) -> PostureModes:
+def posture_modes(system: System, posture: Posture, count: int) -> PostureModes:
+    """The lowest `count` modes of an assembled system; of rigid bodies as many as there are."""
     solution = solved(system)
     wanted = count if system.models else min(count, mode_count(solution))
     found = modes(solution, wanted) if wanted else Modes(np.zeros(0), np.zeros((system.size, 0)))

@@ -24,14 +24,18 @@ from lumped.mechanism.frame import Frame
 from lumped.mechanism.part import Part
 from lumped.mechanism.placing import leg_frame
 from meshes.part.interfaces import Interface, find_interfaces
+from meshes.part.part_mesh import PartMesh
 from meshes.part.reading.read import PartFile, read_part
 from validation.parts.identify import Identified, identify
 from validation.parts.kept import kept, key_of
-from validation.parts.meshes import FINEST, part_mesh
+from validation.parts.meshes import COARSE, FINEST, part_mesh
 
 # Unknowns of the finest of the three meshes on which a robot's part is identified and reduced.
 UNKNOWNS = 60_000
 _MODES = 6
+# Nodes that a displacement between them is taken from; nearer than this share of the part a point
+# is a node.
+_NEIGHBOURS, _AT_NODE = 16, 1e-9
 
 Hold: TypeAlias = Literal["rigid", "average"]
 
@@ -93,10 +97,16 @@ def identified(body: Body, unknowns: int | None = None, modes: int = _MODES) -> 
     return identify(file, interfaces, shape_of(body).material, unknowns or UNKNOWNS, modes)
 
 
+def coarsest_mesh(body: Body) -> PartMesh:
+    """The coarsest of the part's meshes, body axes, or the one that is given: enough to draw it."""
+    file, interfaces = found_in(body)
+    return part_mesh(file, interfaces, UNKNOWNS, COARSE)
+
+
 def condensed(body: Body) -> BodyModel:
     """The part by the twists of its interfaces alone: exact in statics, mass by Guyan (1965)."""
     found = identified(body)
-    moved = _of_nearest(found.places, found.shapes)
+    moved = interpolated(found.places, found.shapes)
     return BodyModel("condensed", tuple(body.interfaces), found.stiffness, found.mass, moved)
 
 
@@ -131,7 +141,7 @@ def reduced(
 
     key = key_of(file, interfaces, shape.material, "reduced", UNKNOWNS, rung, highest, cutoff)
     found = kept(key, compute)
-    moved = _of_nearest(found["nodes"], found["recovery"])
+    moved = interpolated(found["nodes"], found["recovery"])
     names = tuple(body.interfaces)
     model = ReducedPart(
         "solid, reduced",
@@ -159,12 +169,28 @@ def _require_counted(part: ReducedPart, name: str) -> None:
         )
 
 
-def _of_nearest(nodes: Array, recovery: Array) -> Callable[[Array], SparseMatrix]:
-    """Displacements of the node next to each point, from the recovery (3N×n) of all nodes."""
+def interpolated(nodes: Array, recovery: Array) -> Callable[[Array], SparseMatrix]:
+    """Displacements at any points, from the recovery (3N×n) of those at `nodes` (N×3).
+
+    At a node its own, elsewhere the mean of the nearest whose weights give linear fields exactly.
+    """
+    fields = recovery.reshape(len(nodes), -1)
+    size = float(np.ptp(nodes, axis=0).max())
 
     def displacements(points: Array) -> SparseMatrix:
-        _, nearest = cKDTree(nodes).query(points)
-        rows = recovery.reshape(len(nodes), 3, -1)[nearest]
-        return csr_array(rows.reshape(3 * len(points), -1))
+        count = min(_NEIGHBOURS, len(nodes))
+        away, nearest = cKDTree(nodes).query(points, k=np.arange(1, count + 1))
+        weights = np.eye(1, count).repeat(len(points), axis=0)
+        between = away[:, 0] > _AT_NODE * size
+        arms = (nodes[nearest] - points[:, None])[between] / away[between, -1][:, None, None]
+        linear = np.concatenate([np.ones((*arms.shape[:2], 1)), arms], axis=2)
+        # Least Σ w²|arm|² with Σ w = 1 and Σ w·arm = 0.
+        scaled = linear / np.linalg.norm(arms, axis=2, keepdims=True)
+        inverse = np.linalg.pinv(np.swapaxes(scaled, 1, 2), rcond=1e-6)
+        weights[between] = inverse[..., 0] / np.linalg.norm(arms, axis=2)
+        rows = np.repeat(np.arange(len(points)), count)
+        shape = (len(points), len(nodes))
+        mean = csr_array((weights.ravel(), (rows, nearest.ravel())), shape=shape)
+        return csr_array((mean @ fields).reshape(3 * len(points), -1))
 
     return displacements

@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from lumped.errors import InputError
 from validation.adequacy.mechanism.samples import Samples, samples_of
 from validation.adequacy.partners import Partners, partners
 from validation.adequacy.response import Vibration
@@ -47,13 +46,10 @@ class Pairs:
 def paired(found: Sequence[PostureModes], against: ModelName, options: ModelOptions) -> Pairs:
     """Partners of all modes of `found` by mass-weighted MAC.
 
-    Modes that lie close together count by the space that they span. Raises InputError where bodies
-    are parts from files, whose shapes are not sampled.
+    Modes that lie close together count by the space that they span.
     """
     postures = [one.posture for one in found]
     mechanism = postures[0].mechanism
-    if mechanism.parts:
-        raise InputError("--against: modes of bodies from files are not compared by shape")
     samples, count = samples_of(mechanism), len(found[0].modes.frequencies)
     others = mechanism_modes(against, postures, count + _BESIDES, options)
     own, other = (vibration_of(samples, ones) for ones in (found, others))

@@ -2,7 +2,9 @@
 
 import csv
 import io
+import sys
 import zipfile
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,10 +15,20 @@ from lumped.mechanism.kinematics.postures import reference_posture
 from lumped.robot_file import load_robot
 from validation.context import Context
 from validation.kinematics.poses import postures_of
+from validation.models import parts
 from validation.models.mechanism import answers
 from validation.models.mechanism_modes import mechanism_modes
 from validation.report.figures.mechanism import curves, energies, pairs, shapes
-from validation.report.figures.mechanism.bodies import compared_points, legs, surroundings
+from validation.report.figures.mechanism.bodies import (
+    compared_points,
+    elastic,
+    legs,
+    surroundings,
+)
+from validation.report.figures.mechanism.drawn_modes import finite_elements, segments
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from crane import write_crane
 
 
 @pytest.fixture(scope="module")
@@ -130,3 +142,64 @@ def test_differences_are_from_the_first_reference(five_bar):
     assert 0.0 < abs(beam) < 0.05
     assert "differ from solid, ends" in figure.caption
     assert "<svg" in figure.svg
+
+
+@pytest.fixture(scope="module")
+def crane(tmp_path_factory):
+    """A robot of one CAD part, on coarse meshes."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(parts, "UNKNOWNS", 6_000)
+        patch.delenv("FLEXPROOF_CACHE", raising=False)
+        patch.setenv("XDG_CACHE_HOME", str(tmp_path_factory.mktemp("cache")))
+        yield Context(load_robot(write_crane(tmp_path_factory.mktemp("crane"))), "quick")
+
+
+def test_a_part_is_drawn_as_its_solid_moves(crane):
+    """Of a bore that is held rigidly the surface goes with the interface's twist."""
+    found = finite_elements(crane, 4)
+    system, posture = found.system, found.posture
+    (expected,) = answers("solid", [posture], 4)
+    np.testing.assert_allclose(found.modes.frequencies, expected.frequencies, rtol=1e-5)
+    shape = found.modes.shapes[:, 1]
+    (arm,) = elastic(system, shape)
+    for name, radius in (("A", 0.016), ("B", 0.010)):
+        place = interface_position(posture, Side("arm", name))
+        twist = system.motions.at("arm", name, place) @ shape[: system.outer]
+        arms = arm.points - place
+        bore = np.abs(np.linalg.norm(arms[:, :2], axis=1) - radius) < 1e-6
+        assert bore.sum() > 20
+        moved = twist[:3] + np.cross(twist[3:], arms[bore])
+        # Its coarsest mesh has nodes of its own: displacements come from those around them.
+        off = np.abs(arm.displacements[bore] - moved).max()
+        assert off <= 0.02 * arm.sizes.max(), name
+
+
+def test_the_condensed_part_is_drawn_where_its_solid_is(crane):
+    solid, lumped = finite_elements(crane, 4), segments(crane, 8)
+    like = shapes._like(solid, lumped, 0)
+    _, fine = compared_points(solid.system, solid.modes.shapes[:, 0])
+    _, coarse = compared_points(lumped.system, like)
+    assert np.linalg.norm(fine - coarse) <= 0.02 * np.linalg.norm(fine)
+
+
+def test_shapes_and_energies_of_parts_are_told(crane):
+    figure = shapes.mode_shapes(crane)
+    assert "Parts as solids in the middle of the path" in figure.caption
+    assert {row["body"] for row in table(figure)} == {"arm"}
+    assert len(figure.scenes) == 4
+    rows = table(energies.energies(crane))
+    assert len(rows) >= 4
+    for row in rows:
+        assert float(row["A drive (%)"]) + float(row["arm (%)"]) == pytest.approx(100.0, abs=1e-9)
+
+
+def test_displacements_between_nodes_give_linear_fields_exactly():
+    rng = np.random.default_rng(5)
+    nodes, points = rng.random((300, 3)), rng.random((40, 3))
+    gradient, shift = rng.standard_normal((3, 3)), rng.standard_normal(3)
+    field = (nodes @ gradient.T + shift).reshape(-1, 1)
+    found = (parts.interpolated(nodes, field)(points)).toarray().reshape(-1, 3)
+    np.testing.assert_allclose(found, points @ gradient.T + shift, atol=1e-12)
+    bent = np.sin(9.0 * nodes).reshape(-1, 1)
+    at_nodes = parts.interpolated(nodes, bent)(nodes[:7]).toarray()
+    np.testing.assert_array_equal(at_nodes, bent[:21])

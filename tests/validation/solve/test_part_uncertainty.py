@@ -114,6 +114,15 @@ def test_people_and_programs_are_told(solution):
     assert record["parts"]["modes_counted"]["arm"]["count"] == own.of_parts.counted["arm"][0]
 
 
+def test_its_modes_have_partners_among_those_of_another_model(file):
+    question = MechanismQuestion(load_robot(file).mechanism, "solid", (), None, 2, {}, "segments")
+    (answer,) = solve_mechanism(question).answers
+    first = answer.pairs["pairs"][0]
+    # An equivalent leg swings alike, at a frequency of its own.
+    assert first["partner"] == 1
+    assert first["mac"] > 0.95
+
+
 def test_a_reduction_that_lacks_a_mode_is_refused(file, monkeypatch):
     arm = load_robot(file).mechanism.bodies["arm"]
     sound = parts.kept

@@ -9,7 +9,7 @@ from lumped.legs import Ends
 from lumped.mechanism.body_model import BodyModel
 from lumped.mechanism.mechanism import Mechanism, Posture
 from validation.models.mechanism import CUTOFF, highest_frequency
-from validation.models.parts import condensed, found_in, reduced
+from validation.models.parts import ReducedPart, condensed, found_in, reduced
 from validation.parts.meshes import FINEST, RUNGS
 from validation.parts.refinement import refinement_uncertainty
 
@@ -23,7 +23,7 @@ FINER_PARTS = "finer meshes of the parts than any preset makes"
 
 def solid_parts(
     postures: Sequence[Posture], count: int, ends: Mapping[str, Ends], rung: int = FINEST
-) -> dict[str, BodyModel]:
+) -> dict[str, ReducedPart]:
     """Every part on one of its three meshes, reduced where `count` modes are looked at.
 
     Statics are exact. `ends`: interfaces of which nobody said how they are held are rigid, or

@@ -15,6 +15,7 @@ from lumped.mechanism.joint import Joint, Side
 from lumped.mechanism.mechanism import GROUND, Mechanism
 from lumped.models.bodies import leg_of, legs_of
 from lumped.system.assembly import System
+from meshes.part.boundary import Facets
 from validation.drawing.prisms import (
     Surface,
     edges,
@@ -26,11 +27,16 @@ from validation.drawing.prisms import (
 from validation.drawing.rendering import DARK, GREY, Body, Wire
 from validation.drawing.style import MODELS, ORANGE
 from validation.kinematics.solids import Face, body_faces, joint_faces, on_ground, outlines
+from validation.models.parts import coarsest_mesh, identified
 
 _STATIONS = 15
 # Places along a leg where another model's outlines are drawn over it, slightly larger.
 COMPARED = 6
 _OUTSET = 1.06
+# Pieces of a part's surface below which arcs would be seen as polygons; more fill the page.
+_FEW = 1500
+# Corners, then the middles of sides, as the triangles between them.
+_IN_FOUR = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]])
 # Radius of a joint's symbol, of the size of the mechanism; a drum is longer than the thinner of the
 # legs that it joins is thick.
 _SYMBOL, _THROUGH = 0.04, 1.12
@@ -66,6 +72,30 @@ class Moved:
         return Wire(self.points, self.pairs, colour="#8a8f98")
 
 
+def elastic(system: System, unknowns: Array) -> list[Moved]:
+    """Legs and CAD parts, displaced by the unknowns (n) of the system."""
+    return [*legs(system, unknowns), *parts(system, unknowns)]
+
+
+def parts(system: System, unknowns: Array) -> list[Moved]:
+    """CAD parts by the surface of their coarsest mesh, with the edges between their faces."""
+    found = []
+    for name, body in system.posture.mechanism.parts.items():
+        mesh = coarsest_mesh(body)
+        few = sum(len(facets.cells) for facets in mesh.faces.values()) < _FEW
+        pieces = [_flat(facets, few=few) for facets in mesh.faces.values()]
+        nodes = np.unique(np.concatenate(pieces))
+        found.append(
+            Moved(
+                *_of_body(system, name, mesh.nodes[nodes], unknowns),
+                faces=np.searchsorted(nodes, np.concatenate(pieces)),
+                pairs=np.searchsorted(nodes, np.concatenate([_rim(piece) for piece in pieces])),
+                deformable=True,
+            )
+        )
+    return found
+
+
 def legs(system: System, unknowns: Array) -> list[Moved]:
     """Legs with their true sections, displaced by the unknowns (n) of the system."""
     found = []
@@ -83,7 +113,7 @@ def legs(system: System, unknowns: Array) -> list[Moved]:
             caps = end_faces(count, _STATIONS)
         found.append(
             Moved(
-                *_of_leg(system, name, points, unknowns),
+                *_of_body(system, name, points, unknowns),
                 faces=np.vstack([sides, caps]),
                 pairs=edges(count, _STATIONS),
                 deformable=True,
@@ -122,34 +152,77 @@ def rails(system: System) -> Iterator[Wire]:
 
 
 def compared_points(system: System, unknowns: Array) -> tuple[Array, Array]:
-    """`COMPARED` places on the centreline of each leg (m, base axes), their displacements.
+    """`COMPARED` places of each leg and part (m, base axes), their displacements.
+
+    On the centreline of legs, in a row from the first interface of a part to its last one.
 
     `unknowns` n or n×k, displacements m×3 or m×3×k.
     """
     points, moved = [], []
+    own: dict[str, Array] = {}
     for name in legs_of(system.posture.mechanism):
         straight = np.zeros((COMPARED, 3))
         straight[:, 0] = (np.arange(COMPARED) + 0.5) * _length(system, name) / COMPARED
-        places, displacements = _of_leg(system, name, straight, unknowns)
+        own[name] = straight
+    for name in system.posture.mechanism.parts:
+        own[name] = _in_a_row(system.posture.mechanism, name)
+    for name, within in own.items():
+        places, displacements = _of_body(system, name, within, unknowns)
         points.append(places)
         moved.append(displacements)
     return np.vstack(points), np.concatenate(moved)
 
 
 def outlines_of(system: System, displaced: Array) -> Wire:
-    """Outlines of the legs at the same places, `displaced` (n, times the factor drawn) moved."""
+    """Outlines of the legs at the same places, `displaced` (n, times the factor drawn) moved.
+
+    Of parts the edges between their faces.
+    """
     points, motions, pairs, begun = [], [], [], 0
     for name in legs_of(system.posture.mechanism):
         leg = equivalent_leg(leg_of(system.posture.mechanism.bodies[name]))
         corners = _OUTSET * outlines(leg.section)[0]
         stations = (np.arange(COMPARED) + 0.5) * _length(system, name) / COMPARED
-        places, moved = _of_leg(system, name, prism_points(corners, stations), displaced)
+        places, moved = _of_body(system, name, prism_points(corners, stations), displaced)
         points.append(places + moved)
         motions.append(moved)
         pairs.append(frames(len(corners), COMPARED) + begun)
         begun += len(places)
+    for part in parts(system, displaced):
+        points.append(part.points + part.displacements)
+        motions.append(part.displacements)
+        pairs.append(part.pairs + begun)
+        begun += len(part.points)
     colour = MODELS["segments"].colour
     return Wire(np.vstack(points), np.vstack(pairs), colour, 2.5, np.vstack(motions))
+
+
+def _in_a_row(mechanism: Mechanism, part: str) -> Array:
+    """Places (`COMPARED`×3, body axes) of a part next to a line from its first interface on.
+
+    To its last one; places where its displacements are known whatever the model.
+    """
+    body = mechanism.parts[part]
+    ends = [frame.position for frame in body.interfaces.values()]
+    shares = (np.arange(COMPARED) + 0.5)[:, None] / COMPARED
+    line = ends[0] + shares * (ends[-1] - ends[0])
+    places = identified(body).places
+    away = np.linalg.norm(line[:, None] - places, axis=2)
+    return np.asarray(places[np.argmin(away, axis=1)])
+
+
+def _flat(facets: Facets, *, few: bool) -> IntArray:
+    """Flat polygons (f×c) of the pieces of a face; curved triangles in four where they are few."""
+    if few and facets.element == "tri6":
+        return np.asarray(facets.cells[:, _IN_FOUR].reshape(-1, 3))
+    return facets.corners
+
+
+def _rim(corners: IntArray) -> IntArray:
+    """Edges (e×2) of the facets (f×c) of a face that one of them alone has."""
+    sides = np.stack([corners, np.roll(corners, -1, axis=1)], axis=2).reshape(-1, 2)
+    edges_of, counts = np.unique(np.sort(sides, axis=1), axis=0, return_counts=True)
+    return np.asarray(edges_of[counts == 1])
 
 
 def _length(system: System, name: str) -> float:
@@ -160,8 +233,8 @@ def _length(system: System, name: str) -> float:
     return leg_of(system.posture.mechanism.bodies[name]).length
 
 
-def _of_leg(system: System, name: str, points: Array, unknowns: Array) -> tuple[Array, Array]:
-    """Places (base axes) of points of a leg (n×3, body axes) and their displacements."""
+def _of_body(system: System, name: str, points: Array, unknowns: Array) -> tuple[Array, Array]:
+    """Places (base axes) of points of a body (n×3, body axes) and their displacements."""
     frame = system.posture.frames[name]
     columns = unknowns.reshape(system.size, -1)
     own = system.models[name].displacements(points) @ system.own(name, columns)

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from lumped.arrays import Array
 from lumped.legs import ConstantLeg
 from lumped.mechanism.mechanism import Mechanism
-from validation.adequacy.mechanism.path import known_legs, path_postures
+from validation.adequacy.mechanism.path import known_legs
 from validation.case import Skip
 from validation.context import Context
 from validation.drawing.style import (
@@ -26,10 +26,12 @@ from validation.drawing.style import (
     svg_of,
 )
 from validation.exhibits import PATH, Drawing, Figure
-from validation.models.mechanism_modes import PostureModes, mechanism_modes
+from validation.models.mechanism_modes import PostureModes
 from validation.report.figures.curves.lines import legend_above
+from validation.report.figures.mechanism.drawn_modes import finite_elements
 from validation.solids.robots import SHARED_SOLIDS
 
+_PARTS = "parts"
 _ID = "mechanism.strain-energy"
 SIXTY = 60
 _TITLE = "Where the strain energy of the first modes sits"
@@ -40,6 +42,7 @@ _KINDS = {
     "bending z": ORANGE,
     "torsion": PURPLE,
     "tension": SKY,
+    _PARTS: "#7a7f87",
 }
 # Bodies: none of the colours above.
 _BODIES = ("#8c6d46", "#b9a7d6", "#7f9f3f", "#444444", YELLOW, "#a8c7c9", "#c98ca7", "#5b5ea6")
@@ -75,10 +78,10 @@ def energies(context: Context) -> Figure:
     return Figure(
         id=_ID,
         title=_TITLE,
-        caption=f"The first {count} modes of the beam model in the middle of the path, "
-        f"{found.modes.frequencies[0]:.4g} to {found.modes.frequencies[-1]:.4g} Hz. Bending y is "
-        "deflection along a leg's own z axis, bending z along its y axis, both with their shear. "
-        "Bodies of one shape are taken together; the table of the figure has each by itself.",
+        caption=f"The first {count} modes of the {_model(mechanism)} in the middle of the path, "
+        f"{found.modes.frequencies[0]:.4g} to {found.modes.frequencies[-1]:.4g} Hz. "
+        f"{_kinds_said(mechanism)}Bodies of one shape are taken together; the table of the figure "
+        "has each by itself.",
         section=PATH,
         svg=svg,
         data=csv_of(columns),
@@ -86,14 +89,23 @@ def energies(context: Context) -> Figure:
 
 
 def _sixty(context: Context) -> PostureModes:
-    postures = path_postures(context)
-    middle = (postures[len(postures) // 2],)
-    if middle[0].mechanism.parts:
-        raise Skip("parts are no beams: their energy is not of one kind of deformation")
-    if not known_legs(middle[0].mechanism):
+    mechanism = context.robot_file.mechanism
+    if not (known_legs(mechanism) or mechanism.parts):
         raise Skip("all bodies are rigid: their modes sit in the drives and joints alone")
-    (found,) = context.get(mechanism_modes, "beam", middle, SIXTY)
-    return found
+    return finite_elements(context, SIXTY)
+
+
+def _model(mechanism: Mechanism) -> str:
+    return "model of parts as solids" if mechanism.parts else "beam model"
+
+
+def _kinds_said(mechanism: Mechanism) -> str:
+    if not known_legs(mechanism):
+        return "Parts bend, twist and stretch at once. "
+    return (
+        "Bending y is deflection along a leg's own z axis, bending z along its y axis, both with "
+        "their shear. "
+    )
 
 
 def _by_kind(strain: Shares, mechanism: Mechanism) -> Shares:
@@ -101,14 +113,17 @@ def _by_kind(strain: Shares, mechanism: Mechanism) -> Shares:
     found: dict[str, Array] = {}
     for part, share in strain.items():
         name, _, kind = part.partition(" ")
-        kind = kind if name in legs else "drives" if kind == "drive" else "give of joints"
+        if name in mechanism.parts:
+            kind = _PARTS
+        elif name not in legs:
+            kind = "drives" if kind == "drive" else "give of joints"
         found[kind] = found.get(kind, np.zeros(len(share))) + share
     return {kind: found[kind] for kind in _KINDS if kind in found}
 
 
 def _by_body(strain: Shares, mechanism: Mechanism) -> tuple[Shares, Mapping[str, str]]:
     """Shares of drives, of joints and of legs, those of one shape together, and their colours."""
-    groups: dict[object, list[str]] = {}
+    groups: dict[object, list[str]] = {name: [name] for name in mechanism.parts}
     for name, leg in known_legs(mechanism).items():
         groups.setdefault(leg if isinstance(leg, ConstantLeg) else name, []).append(name)
     label = {name: _listed(names) for names in groups.values() for name in names}

@@ -8,7 +8,6 @@ from lumped.arrays import Array
 from lumped.models.bodies import legs_of
 from lumped.system.assembly import System
 from lumped.system.solution import solved
-from validation.adequacy.mechanism.path import path_postures
 from validation.agreement.mode_pairing import neighbours
 from validation.case import Skip
 from validation.context import Context
@@ -29,16 +28,17 @@ from validation.drawing.scenes import interactive
 from validation.drawing.style import MODELS, VERMILLION, canvas, csv_of, plot_style
 from validation.drawing.view import fitted_view
 from validation.exhibits import PATH, Drawing, Figure, InteractiveScene
-from validation.models.mechanism_modes import PostureModes, mechanism_modes
-from validation.models.options import ModelName
+from validation.models.mechanism_modes import PostureModes
 from validation.report.figures.mechanism.bodies import (
     Moved,
     compared_points,
-    legs,
+    elastic,
     outlines_of,
     rails,
     surroundings,
 )
+from validation.report.figures.mechanism.drawn_modes import finite_elements
+from validation.report.figures.mechanism.drawn_modes import segments as segments_beside
 
 GROUP = "pictures"
 _MODES = 4
@@ -80,7 +80,7 @@ def drawings() -> tuple[Drawing, ...]:
 def mode_shapes(context: Context) -> Figure:
     """A panel for each mode: beams coloured by displacement, places of the segments over them."""
     require_vtk()
-    beam, segments = _middle(context, "beam", 0), _middle(context, "segments", _BESIDES)
+    beam, segments = _drawn(context)
     frequencies = beam.modes.frequencies[:_MODES]
     rows = -(-len(frequencies) // 2)
     columns: dict[str, list[float | str]] = _places(beam.system)
@@ -92,7 +92,7 @@ def mode_shapes(context: Context) -> Figure:
         for mode, (axes, frequency) in enumerate(zip(panels, frequencies, strict=False)):
             shape = beam.modes.shapes[:, mode]
             like = _like(beam, segments, mode)
-            moved = legs(beam.system, shape)
+            moved = elastic(beam.system, shape)
             largest = max(float(one.sizes.max()) for one in moved)
             factor = _DRAWN * beam.posture.mechanism.size / largest
             scene = _scene(beam.system, moved, shape, factor, largest, 1.0, (2, _HEIGHT))
@@ -114,9 +114,9 @@ def mode_shapes(context: Context) -> Figure:
     return _figure(
         "mechanism.mode-shapes",
         _SHAPES,
-        "Beam model in the middle of the path, legs coloured by displacement, thin lines: at rest. "
-        "Orange squares: the same mode of the segments; orange outlines in three dimensions. Of "
-        "modes of one frequency any mixture is one.",
+        f"{_drawn_by(beam)} in the middle of the path, coloured by displacement, thin lines: at "
+        f"rest. Orange squares: the same mode {_beside(beam)}; orange outlines in three "
+        "dimensions. Of modes of one frequency any mixture is one.",
         drawn.png,
         drawn.left_out,
         columns,
@@ -127,7 +127,7 @@ def mode_shapes(context: Context) -> Figure:
 def deformed(context: Context) -> Figure:
     """A panel for each force, each with its own scale."""
     require_vtk()
-    beam, segments = _middle(context, "beam", 0), _middle(context, "segments", _BESIDES)
+    beam, segments = _drawn(context)
     size = beam.posture.mechanism.size
     columns: dict[str, list[float | str]] = _places(beam.system)
     said, scenes = [], []
@@ -135,7 +135,7 @@ def deformed(context: Context) -> Figure:
         picture, panels = canvas(1, 3, _SMALL_HEIGHT + 0.8)
         for place, (axes, name) in enumerate(zip(panels, "xyz", strict=True)):
             shape, lumped = (_under(one.system, place) for one in (beam, segments))
-            moved = legs(beam.system, shape)
+            moved = elastic(beam.system, shape)
             largest = max(float(one.sizes.max()) for one in moved)
             factor = readable_factor(largest, _DRAWN * size)
             tool, tip = _tool(beam.system), (beam.system.tool @ shape)[:3]
@@ -166,9 +166,9 @@ def deformed(context: Context) -> Figure:
     return _figure(
         "mechanism.deformed",
         _LOADED,
-        "Beam model in the middle of the path, each picture with the enlargement named above it. "
-        f"The loaded point moves {', '.join(said)}. Red arrow: the force; orange outlines in three "
-        "dimensions: the segments.",
+        f"{_drawn_by(beam)} in the middle of the path, each picture with the enlargement named "
+        f"above it. The loaded point moves {', '.join(said)}. Red arrow: the force; orange "
+        f"outlines in three dimensions: the same {_beside(beam)}.",
         drawn.png,
         drawn.left_out,
         columns,
@@ -176,15 +176,25 @@ def deformed(context: Context) -> Figure:
     )
 
 
-def _middle(context: Context, model: ModelName, besides: int) -> PostureModes:
-    postures = path_postures(context)
-    middle = (postures[len(postures) // 2],)
-    if middle[0].mechanism.parts:
-        raise Skip("parts are drawn by flexproof faces, not as beams")
-    if not legs_of(middle[0].mechanism):
+def _drawn(context: Context) -> tuple[PostureModes, PostureModes]:
+    """Finite elements, and the segments beside them."""
+    mechanism = context.robot_file.mechanism
+    if not (legs_of(mechanism) or mechanism.parts):
         raise Skip("all bodies are rigid: there are no shapes to be drawn")
-    (found,) = context.get(mechanism_modes, model, middle, _MODES + besides)
-    return found
+    return finite_elements(context, _MODES), segments_beside(context, _MODES + _BESIDES)
+
+
+def _drawn_by(drawn: PostureModes) -> str:
+    mechanism = drawn.posture.mechanism
+    if not mechanism.parts:
+        return "Beam model"
+    return "Parts as solids" + (" and other legs as beams" if legs_of(mechanism) else "")
+
+
+def _beside(drawn: PostureModes) -> str:
+    if not drawn.posture.mechanism.parts:
+        return "of the segments"
+    return "with parts condensed on their interfaces"
 
 
 def _like(beam: PostureModes, segments: PostureModes, mode: int) -> Array:
@@ -245,7 +255,7 @@ def _tool(system: System) -> Array:
 
 def _places(system: System) -> dict[str, list[float | str]]:
     points, _ = compared_points(system, np.zeros(system.size))
-    names = list(legs_of(system.posture.mechanism))
+    names = [*legs_of(system.posture.mechanism), *system.posture.mechanism.parts]
     each = len(points) // len(names)
     found: dict[str, list[float | str]] = {"body": [name for name in names for _ in range(each)]}
     return found | {f"{axis} (m)": points[:, i].tolist() for i, axis in enumerate("xyz")}
