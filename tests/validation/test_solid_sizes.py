@@ -5,12 +5,14 @@ from dataclasses import replace
 
 import pytest
 
+from fem.bodies import doubling
 from fem.bodies.solid import solid_mesh
 from lumped.acceptance.requirement import Requirement
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, Material
 from lumped.robot_file import load_robot
-from lumped.sections import Circle, Rectangle, Tube
+from lumped.sections import Circle, HollowRectangle, Rectangle, Tube
+from meshes.section.section_mesh import section_mesh
 from validation.adequacy.biglide.dynamics import dynamic_reference, vibrations
 from validation.adequacy.judgement import judged
 from validation.adequacy.legs import finer_statics, solid_leg
@@ -21,7 +23,14 @@ from validation.case import Skip
 from validation.catalogue import catalogue
 from validation.context import Context
 from validation.run.session import Request, validate
-from validation.solids.size import LARGEST, larger_preset, solid_unknowns, too_large
+from validation.solids import size
+from validation.solids.size import (
+    LARGEST,
+    face_too_large,
+    larger_preset,
+    solid_unknowns,
+    too_large,
+)
 from validation.studies.paired_robot_modes import sample_weights
 
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
@@ -77,6 +86,32 @@ def test_comparisons_with_solids_too_large_for_a_run_are_skipped(case, divisions
     found = next(one for one in catalogue(SLENDER) if one.id == case)
     with pytest.raises(Skip, match=f"^leg 1 as a solid of {divisions} divisions? has about"):
         found.compute(context)
+
+
+@pytest.mark.parametrize("divisions", [1, 2, 4])
+def test_unknowns_of_an_end_face_are_those_of_its_mesh(divisions, monkeypatch):
+    leg = ConstantLeg(0.5, Rectangle(0.1, 0.06), STEEL, name="leg 1")
+    nodes = len(section_mesh(leg.section, divisions).nodes)
+    monkeypatch.setitem(size.LARGEST_FACE, "quick", 3 * nodes)
+    assert face_too_large(leg, divisions, "quick") == ""
+    monkeypatch.setitem(size.LARGEST_FACE, "quick", 3 * nodes - 1)
+    assert face_too_large(leg, divisions, "quick").startswith("leg 1: an end face of its rectangle")
+
+
+@pytest.mark.parametrize("case", ["restraint.leg2.exponent[torsion]", "restraint.leg2.free"])
+@pytest.mark.parametrize(
+    ("thickness", "said"), [(3e-4, "takes 1500; preset standard takes it"), (1e-5, "no preset")]
+)
+def test_walls_too_thin_for_full_matrices_of_an_end_face_are_skipped(
+    case, thickness, said, monkeypatch
+):
+    # Elements as wide as a wall is thick or so: the matrices of a face grow with its square.
+    monkeypatch.setattr(doubling, "condensed_leg", refused)
+    foil = ConstantLeg(0.85, HollowRectangle(0.05, 0.05, thickness), STEEL, name="leg 2")
+    thin = replace(IFW, described=replace(IFW.robot, leg2=foil), built_in=False, source="foil.toml")
+    found = next(one for one in catalogue(thin) if one.id == case)
+    with pytest.raises(Skip, match=f"^leg 2: an end face of its hollow-rectangle .*{said}"):
+        found.compute(Context(thin, "quick"))
 
 
 def test_frequencies_without_such_a_reference_are_undecided_with_the_reason(context):

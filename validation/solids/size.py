@@ -16,6 +16,9 @@ from validation.context import PRESETS, Preset
 # (where a machine has less, the factorisation refuses). A hundred ordinary robots drawn at random
 # have at most 34 000, 108 000 and 675 000.
 LARGEST: dict[Preset, int] = {"quick": 100_000, "standard": 200_000, "fine": 800_000}
+# Unknowns of one end face, between which doubling has full matrices: some 10, 50 and 200 s for a
+# series of lengths, up to 1, 3 and 8 GB. Walls of a fiftieth of their section have a third of it.
+LARGEST_FACE: dict[Preset, int] = {"quick": 1500, "standard": 2500, "fine": 4000}
 
 
 def solid_unknowns(leg: ConstantLeg, divisions: int) -> float:
@@ -41,6 +44,19 @@ def too_large(legs: Sequence[Leg], divisions: Sequence[int], preset: Preset) -> 
     return (
         f"{' and '.join(reasons)} unknowns, preset {preset} takes {most}; "
         "solve --model solid says what one answer would take"
+    )
+
+
+def face_too_large(leg: ConstantLeg, divisions: int, preset: Preset) -> str:
+    """Why a run does not condense `leg`, meshed with so many `divisions`, to its ends; or ""."""
+    size = min(leg.section.extent) / divisions
+    unknowns = 3.0 * _section_nodes(leg.section, divisions, size)
+    most = LARGEST_FACE[preset]
+    if unknowns <= most:
+        return ""
+    return (
+        f"{leg.name or 'a leg'}: an end face of its {leg.section.shape} with {divisions} divisions "
+        f"has about {unknowns:.2g} unknowns, preset {preset} takes {most}"
     )
 
 

@@ -23,16 +23,17 @@ from functools import partial
 import numpy as np
 
 from lumped.arrays import Array
-from lumped.legs import Material
+from lumped.legs import ConstantLeg, Material
 from lumped.sections import Circle, Tube
 from validation.agreement.convergence import step_factor
 from validation.case import Absolute, Measurement, Skip
 from validation.case_group import CaseGroup
 from validation.cases.legs.beams import ENTRIES
-from validation.context import Context
+from validation.context import Context, Preset
 from validation.exhibits import Study
 from validation.models.legs import constant_leg_of
 from validation.solids.legs import FORMAL_ORDER
+from validation.solids.size import face_too_large, larger_preset
 from validation.studies.lengthened_legs import (
     Lengthened,
     affordable_divisions,
@@ -69,9 +70,16 @@ class Cause:
 def _study_of(context: Context, number: int, material: Material) -> Lengthened:
     own = constant_leg_of(context, number)
     divisions = affordable_divisions(own, context.preset)
+    if reason := _too_large(own, context.preset):
+        takes = larger_preset(context.preset, lambda one: not _too_large(own, one))
+        raise Skip(f"{reason}; {takes} takes it")
     leg = replace(own, material=material)
     doublings = context.get(doublings_needed, own, divisions)
     return context.get(lengthened, leg, divisions, doublings)
+
+
+def _too_large(leg: ConstantLeg, preset: Preset) -> str:
+    return face_too_large(leg, affordable_divisions(leg, preset), preset)
 
 
 def _own(context: Context, number: int) -> Lengthened:
