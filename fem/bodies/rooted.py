@@ -20,10 +20,11 @@ from fem.solvers.certificate.sturm import Inertia, count_below
 from fem.solvers.certificate.supported_count import supported_count
 from fem.solvers.cholesky import analyse
 from fem.solvers.factor import upper_triangle
-from fem.solvers.modes import CertifiedModes, lowest_modes
+from fem.solvers.modes import CertifiedModes, lowest_modes, searched_modes
 from fem.solvers.renewable_factor import RenewableFactor
 from lumped.arrays import Array, IntArray
 from lumped.caches import cached_property
+from lumped.dense.modes import Modes
 from lumped.errors import ComputationError
 from lumped.screws import shift
 
@@ -129,6 +130,10 @@ class RootedBody:
         return lowest_modes(
             self.factor, self.rooted_mass(), count, self._count, self.name, count_name(backend)
         )
+
+    def uncounted_modes(self, count: int) -> Modes:
+        """The same as the search finds them: nothing proves that none is missing."""
+        return searched_modes(self.factor, self.rooted_mass(), count, self.name)
 
     def held_inertia(self, sigma: float) -> Inertia:
         """Of K − σM (σ in rad²/s²) on what moves with the twists of all interfaces held."""

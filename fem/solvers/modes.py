@@ -134,6 +134,17 @@ def lowest_modes(
     return _certified(ritz, mode_count, sigma, certificate)
 
 
+def searched_modes(
+    factor: Factor, M: SparseMatrix | LinearOperator, mode_count: int, part: str
+) -> Modes:
+    """The first search of `lowest_modes`, without its count, which takes as long."""
+    n = M.shape[0]
+    block = np.random.default_rng(_SEED).standard_normal((n, _BLOCK)) / np.sqrt(n)
+    ritz = block_lanczos(factor, M, block, mode_count, part)
+    frequencies = np.sqrt(ritz.values[:mode_count]) / (2.0 * np.pi)
+    return Modes(frequencies, fix_signs(ritz.vectors[:, :mode_count]))
+
+
 def _certified(ritz: Ritz, mode_count: int, sigma: float, certificate: str) -> CertifiedModes:
     return CertifiedModes(
         frequencies=np.sqrt(ritz.values[:mode_count]) / (2.0 * np.pi),

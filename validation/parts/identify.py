@@ -129,9 +129,12 @@ def _computed(
     meshed = meshed_part(finest, material)
     properties = meshed.properties()
     chosen = {interface.coupling for interface in interfaces}
-    bounds = {kind: _answer(meshed, interfaces, kind, modes, name) for kind in _BOUNDS}
     one = chosen.pop() if len(chosen) == 1 else None
-    fine = bounds[one] if one in bounds else _answer(meshed, interfaces, None, modes, name)
+    fine = _answer(meshed, interfaces, None, modes, name, certified=True)
+    bounds = {
+        kind: fine if kind == one else _answer(meshed, interfaces, kind, modes, name)
+        for kind in _BOUNDS
+    }
     del meshed
     rows, volumes = spread_over(finest)
     coarser = [
@@ -172,10 +175,23 @@ def _meshes(part: PartFile, interfaces: Sequence[Interface], unknowns: int) -> I
 
 
 def _answer(
-    part: MeshedPart, interfaces: Sequence[Interface], coupling: Kind | None, modes: int, name: str
+    part: MeshedPart,
+    interfaces: Sequence[Interface],
+    coupling: Kind | None,
+    modes: int,
+    name: str,
+    *,
+    certified: bool = False,
 ) -> Answer:
+    """Modes are counted where they are what is stated: `certified`.
+
+    One that were missed where they are only taken off these would be seen in what is left open.
+    """
     body = held_part(part, grips_of(part.mesh, interfaces, coupling), name)
-    frequencies = body.modes(modes).frequencies if modes else np.zeros(0)
+    frequencies = np.zeros(0)
+    if modes:
+        found = body.modes(modes) if certified else body.uncounted_modes(modes)
+        frequencies = found.frequencies
     shapes = body.solid.transformation @ body.constraint_modes
     return Answer(body.stiffness, body.condensed_mass, body.compliance, frequencies, shapes)
 
