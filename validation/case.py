@@ -100,18 +100,25 @@ class Allowance:
 class Elsewhere:
     """The same comparison at another place than the measurement's own: in another pose or mode.
 
-    Nothing is allowed for there. `uncertainty` is that of value − reference, None where exact.
+    `uncertainty` is that of what is judged there, None where exact, `allowed` what the
+    measurement's named causes explain there (signed, unit of the case).
     """
 
     where: str
     value: float
     reference: float
     uncertainty: float | None = None
+    allowed: float = 0.0
 
     @property
     def difference(self) -> float:
         """E = value − reference."""
         return self.value - self.reference
+
+    @property
+    def unexplained(self) -> float:
+        """E less what is allowed for."""
+        return self.difference - self.allowed
 
 
 @dataclass(frozen=True)
@@ -254,7 +261,7 @@ class Outcome:
             return nan
         own = self.case.relation.excess(self.measurement.unexplained) / self.tolerance
         others = (
-            self.case.relation.excess(one.difference) / self.case.tolerance.at(one.reference)
+            self.case.relation.excess(one.unexplained) / self.case.tolerance.at(one.reference)
             for one in self.measurement.elsewhere
         )
         return max([own, *others])
@@ -288,12 +295,13 @@ def judge(case: Case, measurement: Measurement, seconds: float) -> Outcome:
     message = _remark(case, measurement, tolerance)
     for one in measurement.elsewhere:
         allowed = case.tolerance.at(one.reference)
-        there = verdict(one.difference, case.relation, allowed, one.uncertainty)
+        there = verdict(one.unexplained, case.relation, allowed, one.uncertainty)
         if _GRAVITY[there] > _GRAVITY[said]:
             said = there
+            explained = f" and {one.allowed:.3g} explained" if one.allowed else ""
             message = (
                 f"{there} at {one.where}: {one.value:.6g} {case.unit} against {one.reference:.6g} "
-                f"{case.unit}, tolerance {allowed:.3g} {case.unit}"
+                f"{case.unit}{explained}, tolerance {allowed:.3g} {case.unit}"
             )
     return Outcome(case, said, seconds, measurement, message)
 
@@ -307,13 +315,15 @@ def others(
     references: Iterable[float],
     uncertainties: Iterable[float] | None,
     but: int,
+    allowed: Iterable[float] | None = None,
 ) -> tuple[Elsewhere, ...]:
     """A comparison at all `places` but the one of that number, which is the measurement's own."""
     known = [None] * len(places) if uncertainties is None else [float(u) for u in uncertainties]
-    found = zip(places, values, references, known, strict=True)
+    explained = [0.0] * len(places) if allowed is None else [float(a) for a in allowed]
+    found = zip(places, values, references, known, explained, strict=True)
     return tuple(
-        Elsewhere(place, float(value), float(reference), uncertainty)
-        for number, (place, value, reference, uncertainty) in enumerate(found)
+        Elsewhere(place, float(value), float(reference), uncertainty, own)
+        for number, (place, value, reference, uncertainty, own) in enumerate(found)
         if number != but
     )
 
@@ -390,6 +400,7 @@ def result_record(outcome: Outcome) -> dict[str, Any]:
                     "value": finite(one.value),
                     "reference": finite(one.reference),
                     "uncertainty": finite(one.uncertainty),
+                    "allowed": finite(one.allowed),
                 }
                 for one in measurement.elsewhere
             ],

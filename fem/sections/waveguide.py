@@ -45,7 +45,7 @@ def _wave_like(
 ) -> float:
     """The wave with the largest share of a `motion` of the section (3N), of the lowest ones."""
     stiffness = _stiffness(quad, material, wave_number)
-    mass = _mass(quad, material.rho)
+    mass = mass_matrix(quad, material.rho)
     # Two bendings, tension and torsion are the four lowest; two more in case higher ones cross.
     values, shapes = eigh(stiffness, mass, subset_by_index=[0, 5])
     share = np.square(shapes.T @ mass @ motion) / (motion @ mass @ motion)
@@ -91,7 +91,8 @@ def elasticity(material: Material) -> Array:
     return matrix
 
 
-def _mass(quad: SectionQuadrature, rho: float) -> Array:
+def mass_matrix(quad: SectionQuadrature, rho: float) -> Array:
+    """3N×3N mass per length (kg/m) of displacements constant along the leg."""
     scalar = np.einsum("iq,jq,mq->mij", quad.shapes, quad.shapes, rho * quad.weights)
     cells, count, _ = scalar.shape
     blocks = np.einsum("mij,ab->miajb", scalar, np.eye(3))

@@ -250,5 +250,17 @@ def test_the_other_places_are_all_but_its_own():
     assert exact == (Elsewhere("b", 2.0, 5.0),)
     record = result_record(judge(EQUAL, Measurement(1.0, 1.0, exact=True, elsewhere=exact), 0.0))
     assert record["elsewhere"] == [
-        {"where": "b", "value": 2.0, "reference": 5.0, "uncertainty": None}
+        {"where": "b", "value": 2.0, "reference": 5.0, "uncertainty": None, "allowed": 0.0}
     ]
+
+
+def test_what_is_allowed_at_another_place_is_taken_off_there():
+    there = others(["a", "b"], [1.0, 2.2], [1.0, 2.0], None, 0, [0.0, 0.2])
+    measured = Measurement(1.0, 1.0, exact=True, elsewhere=there)
+    outcome = judge(EQUAL, measured, 0.0)
+    assert outcome.verdict == "agree"
+    assert outcome.share == pytest.approx(0.0, abs=1e-12)
+    without = replace(measured, elsewhere=(replace(there[0], allowed=0.0),))
+    assert judge(EQUAL, without, 0.0).verdict == "disagree"
+    wrong = replace(measured, elsewhere=(replace(there[0], allowed=-0.3),))
+    assert "-0.3 explained" in judge(EQUAL, wrong, 0.0).message

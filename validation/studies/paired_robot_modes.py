@@ -17,7 +17,7 @@ from fem.sections.section_constants import beam_properties, section_constants
 from lumped.arrays import Array, IntArray
 from lumped.biglide import Biglide, with_equivalent_legs
 from lumped.biglide import postures as biglide_postures
-from lumped.legs import BeamProperties, ConstantLeg, equivalent_leg
+from lumped.legs import ConstantLeg, equivalent_leg
 from lumped.mechanism.body_model import LegMatrices
 from lumped.models.segments import segment_chain, segment_leg
 from lumped.sections import Rectangle
@@ -149,15 +149,17 @@ def _constant_legs(robot: Biglide) -> tuple[ConstantLeg, ConstantLeg]:
 def _beam(leg: ConstantLeg, kind: BeamKind, divisions: int) -> LegMatrices:
     if kind == "segments":
         return segment_leg(segment_chain(leg.timoshenko, leg.length, ELEMENTS))
-    properties = _own_beam(leg, divisions) if kind == "own beam" else leg.timoshenko
-    return beam_leg(properties, leg.length, ELEMENTS)
+    if kind == "own beam":
+        return own_beam(leg, divisions)
+    return beam_leg(leg.timoshenko, leg.length, ELEMENTS)
 
 
-def _own_beam(leg: ConstantLeg, divisions: int) -> BeamProperties:
+def own_beam(leg: ConstantLeg, divisions: int) -> LegMatrices:
     """Timoshenko beam of the constants of the very section mesh that the solid has."""
     material = leg.material
     mesh = section_mesh(leg.section, divisions)
-    return beam_properties(section_constants(mesh, material.nu, material.G / material.E), material)
+    constants = section_constants(mesh, material.nu, material.G / material.E)
+    return beam_leg(beam_properties(constants, material), leg.length, ELEMENTS)
 
 
 def sampled_modes(

@@ -5,13 +5,14 @@ In: the mechanism of a run. Out: cases whose subject is the robot.
 
 from lumped.mechanism.mechanism import Mechanism
 from validation.case import Case
-from validation.cases.mechanism import calculix, exudyn, motion, path
+from validation.cases.mechanism import calculix, exudyn, motion, path, solids
 
 
 def cases(described: Mechanism) -> tuple[Case, ...]:
     """All of them, in the order of the report."""
     return (
         *path.cases(),
+        *solids.cases(),
         *motion.cases(described),
         *calculix.cases(),
         *exudyn.cases(described),

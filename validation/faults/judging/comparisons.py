@@ -95,7 +95,7 @@ def _one_wave_more(sound: Faulty, constants: Any, material: Material, k: float) 
 @fault_in_value(
     "waveguide.mass",
     "Waves in a leg: inertia of motion along z left out",
-    "fem.sections.waveguide._mass",
+    "fem.sections.waveguide.mass_matrix",
 )
 def _one_direction_massless(matrix: Array) -> Array:
     changed = matrix.copy()

@@ -287,7 +287,7 @@ def _rates_doubled(found: tuple[Array, Array]) -> tuple[Array, Array]:
 @fault_in_value(
     "page.section-state",
     "Saint-Venant's states without the section's own displacement",
-    "fem.couplings.end_effects._polynomial",
+    "fem.couplings.section_fields._polynomial",
 )
 def _without_middle(coefficients: list[Array]) -> list[Array]:
     return [0.0 * coefficients[0], *coefficients[1:]]

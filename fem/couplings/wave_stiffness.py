@@ -1,0 +1,126 @@
+"""Dynamic stiffness of a prism by the waves of 3-D elasticity in it.
+
+At an angular frequency ω a beam moves in twelve fields e^{γx}: one wave of tension and one of
+torsion and two of bending in either plane, one that travels and one that fades, each to both sides.
+Among the fields of a prism on its section's mesh (`fem.couplings.section_fields`) those that move
+the section as a whole are like them. What sets both dynamic stiffnesses apart, forces over motions
+of the ends, is what beam theory leaves out between ends that are free to warp: contraction by
+Poisson's ratio and warping by shear along the wave, and walls that bend under their own inertia.
+Ends have Saint-Venant's tractions and the motions that are conjugate to them.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import lu_factor, lu_solve
+
+from fem.couplings.section_fields import SectionFields, saint_venant_states, section_fields
+from lumped.arrays import Array, IntArray
+from lumped.errors import ComputationError
+from lumped.legs import Material
+from meshes.section.section_mesh import SectionMesh
+
+# Factors, the second where the first iterations have led, and iterations with each.
+_SHIFTS, _ITERATIONS = 2, 20
+# Relative distance of a shift from what may be an eigenvalue to the last digit.
+_ASIDE = 1e-5
+# Relative change of γ² with which it is found.
+_CONVERGED = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class PrismWaves:
+    """Waves of tension, of torsion, or of bending in one plane.
+
+    `tractions` (n×m): nodal forces of unit wrenches on a section; `rigidity`: EA, GJ or EI.
+    """
+
+    fields: SectionFields
+    tractions: Array
+    rigidity: float
+
+    @property
+    def signs(self) -> tuple[float, ...]:
+        """Those of γ² of its waves: −1 travels, 1 fades."""
+        return (-1.0, 1.0) if self.fields.chain == 2 else (-1.0,)
+
+    @property
+    def ends(self) -> IntArray:
+        """Its motions (2m) among the twists of root and tip (12)."""
+        return np.concatenate([self.fields.twists, np.add(self.fields.twists, 6)])
+
+    def stiffness(self, length: float, omega: float) -> Array:
+        """Dynamic stiffness (2m×2m, SI, leg axes) between its `ends`, at `omega` (rad/s).
+
+        Raises ComputationError where a wave is none of a beam's any more.
+        """
+        return _stiffness(self, length, omega)
+
+
+def prism_waves(mesh: SectionMesh, material: Material) -> tuple[PrismWaves, ...]:
+    """All kinds of the section `mesh`.
+
+    Raises InputError where it is not symmetric about both axes.
+    """
+    kinds = []
+    for fields in section_fields(mesh, material):
+        forces = saint_venant_states(fields, 0.0).forces
+        resultants = fields.rigid.T @ forces
+        # The first state has unit strain, twist or curvature.
+        rigidity = float(abs(resultants[-1, 0]))
+        kinds.append(PrismWaves(fields, forces @ np.linalg.inv(resultants), rigidity))
+    return tuple(kinds)
+
+
+def _stiffness(kind: PrismWaves, length: float, omega: float) -> Array:
+    fields = kind.fields
+    rates, columns = [], []
+    for square, shape in (_wave(kind, omega, sign) for sign in kind.signs):
+        for root in (np.sqrt(complex(square)), -np.sqrt(complex(square))):
+            # γ² has both signs of γ, with u_x = p′/γ of either.
+            own = shape.astype(complex)
+            own[: fields.axial] /= root
+            rates.append(root)
+            columns.append(own)
+    gamma, shapes = np.array(rates), np.column_stack(columns)
+    forces = fields.E0 @ (shapes * gamma) + fields.E1 @ shapes
+    motions, acting = [], []
+    for x, outward in ((0.0, -1.0), (length, 1.0)):
+        along = np.exp(gamma * x)
+        motions.append(kind.tractions.T @ (shapes * along))
+        acting.append(outward * (fields.rigid.T @ (forces * along)))
+    found = np.linalg.solve(np.vstack(motions).T, np.vstack(acting).T).T.real
+    return np.asarray(0.5 * (found + found.T))
+
+
+def _wave(kind: PrismWaves, omega: float, sign: float) -> tuple[float, Array]:
+    """γ² and (p′, q) of the wave of a `sign` that moves as a slender beam does.
+
+    By inverse iteration from the beam's, γ⁴ = ω²μ/EI or γ² = −ω²μ/EA, and a plane section.
+    """
+    fields = kind.fields
+    rigid = fields.rigid[:, 0]
+    slowness = omega**2 * (rigid @ fields.mass @ rigid) / kind.rigidity
+    shape = rigid
+    if fields.chain == 2:
+        slowness = np.sqrt(slowness)
+        # w′ = ±φ, as the twist counts it; p′ = γp.
+        turned = 1.0 if fields.twists == (1, 5) else -1.0
+        shape = rigid + sign * slowness * turned * fields.rigid[:, 1]
+    left, right = fields.squares_problem(omega)
+    square = float(sign * slowness)
+    for _ in range(_SHIFTS):
+        shift = (1.0 + _ASIDE) * square
+        factor = lu_factor(left - shift * right)
+        for _ in range(_ITERATIONS):
+            following = lu_solve(factor, right @ shape)
+            before, square = square, shift + float(shape @ shape) / float(shape @ following)
+            shape = following / np.linalg.norm(following)
+            if abs(square - before) <= _CONVERGED * abs(square):
+                if square * sign > 0.0:
+                    return square, shape
+                break
+    raise ComputationError(
+        f"waves: none of {fields.name} as a beam has it at {omega / (2.0 * np.pi):.4g} Hz, near "
+        "which walls of the section move by themselves"
+    )

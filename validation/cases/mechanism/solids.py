@@ -1,0 +1,190 @@
+"""Modes of a mechanism with solid legs, ends free to warp, against beams of their own constants.
+
+What Timoshenko's theory is worth in dynamics, waves along the legs say from their sections alone;
+with that, both are one to a thousandth.
+"""
+
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from fem.reduction.craig_bampton import craig_bampton
+from fem.reduction.superelement import held_leg
+from lumped.arrays import Array
+from lumped.legs import ConstantLeg, Ends
+from lumped.mechanism.mechanism import Posture
+from lumped.sections import Rectangle
+from validation.adequacy.mechanism.dynamics import solid_vibration, vibration
+from validation.adequacy.mechanism.path import known_legs, offered, path_postures
+from validation.adequacy.mechanism.samples import samples_of
+from validation.adequacy.partners import partners
+from validation.agreement.convergence import step_factor
+from validation.case import Absolute, Allowance, Case, Measurement, Relative, Skip
+from validation.context import Context
+from validation.exhibits import PATH
+from validation.models.mechanism import CUTOFF, highest_frequency
+from validation.solids.legs import FORMAL_ORDER
+from validation.solids.robots import SHARED_SOLIDS
+from validation.solids.size import too_large
+from validation.studies.leg_waves import WAVES, WAVES_SOURCE, wave_changes, waves_of
+from validation.studies.paired_robot_modes import DIVISIONS, WALL_DIVISIONS, own_beam
+
+MODES = 6
+_OWN = "20 Timoshenko beam elements per leg, constants of the solids' own section meshes"
+# Absolute tolerance of MAC.
+_SHAPE = 0.01
+
+
+@dataclass(frozen=True, eq=False)
+class FreeModes:
+    """The first modes (k) of beams of their own constants in one posture, and of solids.
+
+    Frequencies (Hz) `beams`, `solids` of the same shapes, relative `changes` of those of beams by
+    the waves in the legs, and `likeness` of the shapes, of close modes as a space.
+    """
+
+    beams: Array
+    solids: Array
+    changes: Array
+    likeness: Array
+
+
+def cases() -> tuple[Case, ...]:
+    """The first frequencies and shapes, middle of the path."""
+    return (
+        *(
+            Case(
+                id=f"mechanism.solid.frequency[{index + 1}]",
+                title=f"Frequency {index + 1} of solids with free ends is that of beams and of the "
+                "waves in them",
+                quantity=f"natural frequency {index + 1}, middle of the path, paired by shape",
+                unit="Hz",
+                reference_kind="independent-solver",
+                citation=_OWN,
+                tolerance=Relative(1e-3),
+                tolerance_reason="what waves of 3-D elasticity say of beam theory is allowed for: "
+                "what is left has no name",
+                compute=partial(_frequency, index=index),
+                model="solid",
+                section=PATH,
+                group=SHARED_SOLIDS,
+                effort=5.0,
+            )
+            for index in range(MODES)
+        ),
+        Case(
+            id="mechanism.solid.likeness",
+            title=f"The first {MODES} modes of solids with free ends have the shapes of beams",
+            quantity="smallest MAC, of close modes that of their space",
+            unit="1",
+            reference_kind="independent-solver",
+            citation=_OWN,
+            tolerance=Absolute(_SHAPE),
+            tolerance_reason="0.99 is the project's measure of one and the same mode",
+            compute=_likeness,
+            model="solid",
+            section=PATH,
+            group=SHARED_SOLIDS,
+            effort=5.0,
+        ),
+    )
+
+
+def free_modes(postures: tuple[Posture, ...], divisions: int, walls: int, count: int) -> FreeModes:
+    """Beams and solids of one section mesh in the only one of `postures`."""
+    mechanism = postures[0].mechanism
+    legs = {
+        name: leg for name, leg in known_legs(mechanism).items() if isinstance(leg, ConstantLeg)
+    }
+    numbers = {
+        name: divisions if isinstance(leg.section, Rectangle) else walls
+        for name, leg in legs.items()
+    }
+    samples = samples_of(mechanism)
+    highest = highest_frequency(postures, count)
+    alike = {leg: own_beam(leg, numbers[name]) for name, leg in legs.items()}
+    reduced = {
+        leg: craig_bampton(held_leg(beam), highest, CUTOFF["beam"] * highest).matrices
+        for leg, beam in alike.items()
+    }
+    beams = {name: reduced[leg] for name, leg in legs.items()}
+    own = vibration(samples, postures, beams, count)
+    free: dict[str, Ends] = dict.fromkeys(legs, "free")
+    solids = solid_vibration(postures, divisions, walls, free, None, count)
+    found = partners(own, solids, samples.weights, MODES)
+    changes = wave_changes(postures, beams, waves_of(legs, numbers), offered=count, count=MODES)
+    return FreeModes(own.frequencies[0, :MODES], found.frequency[0], changes[0], found.likeness[0])
+
+
+def _meshes(context: Context) -> tuple[tuple[Posture, ...], tuple[int, int], tuple[int, int]]:
+    """The middle posture, and coarse and fine divisions across rectangles and across walls."""
+    postures = path_postures(context)
+    middle = (postures[len(postures) // 2],)
+    mechanism = middle[0].mechanism
+    legs = list(known_legs(mechanism).values())
+    prisms = [leg for leg in legs if isinstance(leg, ConstantLeg)]
+    if mechanism.parts or not prisms or len(prisms) < len(legs):
+        raise Skip("not all of its legs are prisms, whose waves are known")
+    fine = DIVISIONS[context.preset], WALL_DIVISIONS[context.preset]
+    numbers = [fine[0] if isinstance(leg.section, Rectangle) else fine[1] for leg in prisms]
+    if reason := too_large(prisms, numbers, context.preset):
+        raise Skip(reason)
+    return middle, (fine[0] - 1, fine[1] // 2), fine
+
+
+def _both(context: Context) -> tuple[FreeModes, FreeModes, float]:
+    """Both meshes and what the finer one's step means (uncertainty over change)."""
+    middle, coarse, fine = _meshes(context)
+    count = offered(MODES)
+    ratio = min(f / c for c, f in zip(coarse, fine, strict=True))
+    found, rougher = (context.get(free_modes, middle, *number, count) for number in (fine, coarse))
+    return found, rougher, step_factor(ratio, FORMAL_ORDER)
+
+
+def _frequency(context: Context, index: int) -> Measurement:
+    found, rougher, factor = _both(context)
+    change = float(found.changes[index])
+    if not np.isfinite(change):
+        raise Skip("beams have no such mode: walls of the legs move by themselves at its frequency")
+    value, reference = float(found.solids[index]), float(found.beams[index])
+    left, rougher_left = (
+        one.solids[index] - one.beams[index] * (1.0 + one.changes[index])
+        for one in (found, rougher)
+    )
+    return Measurement(
+        value,
+        reference,
+        value_uncertainty=float(factor * abs(value - rougher.solids[index])),
+        reference_uncertainty=float(factor * abs(reference - rougher.beams[index])),
+        # Constants, waves and solids have the errors of one section mesh in common.
+        judged_uncertainty=float(factor * abs(left - rougher_left)),
+        allowances=(Allowance(WAVES, change * reference, WAVES_SOURCE),),
+        table=_table(found),
+    )
+
+
+def _table(found: FreeModes) -> dict[str, tuple[float | str, ...]]:
+    apart = found.solids / found.beams - 1.0
+    columns = {
+        "mode": np.arange(1.0, MODES + 1.0),
+        "beams (Hz)": found.beams,
+        "solids (Hz)": found.solids,
+        "solids off beams (%)": 100.0 * apart,
+        "by waves in the legs (%)": 100.0 * found.changes,
+        "left (%)": 100.0 * (apart - found.changes),
+        "MAC": found.likeness,
+    }
+    return {heading: tuple(column.tolist()) for heading, column in columns.items()}
+
+
+def _likeness(context: Context) -> Measurement:
+    found, rougher, factor = _both(context)
+    mode = int(np.argmin(found.likeness))
+    return Measurement(
+        float(found.likeness[mode]),
+        1.0,
+        value_uncertainty=float(factor * abs(found.likeness[mode] - rougher.likeness[mode])),
+        notes=(f"mode {mode + 1}",),
+        table=_table(found),
+    )
