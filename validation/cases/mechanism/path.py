@@ -13,7 +13,7 @@ import numpy as np
 from fem.beams.stepped import SteppedLeg
 from lumped.arrays import Array
 from lumped.errors import InputError
-from lumped.legs import ConstantLeg
+from lumped.legs import ConstantLeg, Ends
 from lumped.mechanism.body_model import LegMatrices
 from lumped.mechanism.free_twists import free_twists, interface_position
 from lumped.mechanism.mechanism import Posture
@@ -43,6 +43,7 @@ _LUMPED = "mechanism.lumped"
 _EULER = ModelOptions(theory="euler-bernoulli", legs="equivalent")
 _TIMOSHENKO = ModelOptions(legs="equivalent")
 _STATICS = "entry of the 6×6 that differs most over the path, in units of √(c_ii c_jj)"
+_DIAGONAL = "largest relative difference of the six diagonal compliances over the path"
 _ONE_STATICS = (
     "Frames of prismatic members are exact in statics at their nodes, whatever the number of "
     "elements: J. S. Przemieniecki, Theory of Matrix Structural Analysis (1968), ch. 5"
@@ -91,14 +92,26 @@ def cases() -> tuple[Case, ...]:
         _case(
             "statics.solid",
             "Solids with free ends are Timoshenko beams of the sections' own constants",
-            "largest relative difference of the six diagonal compliances over the path",
+            _DIAGONAL,
             "Clapeyron's theorem on Saint-Venant's exact solution, constants of the same mesh",
             Absolute(1e-4),
             "no cause is left: the mesh alone, 0.003 % and less of a leg",
-            _solid,
+            partial(_solid, ends="free"),
             group=SHARED_SOLIDS,
             model="solid",
             effort=10.0,
+        ),
+        _case(
+            "statics.solid-held",
+            "Solids with rigid ends are those beams less what held faces take from them",
+            _DIAGONAL,
+            "Saint-Venant's end effects on the same mesh of the section, exact along the legs "
+            "(fem.couplings.end_effects)",
+            Absolute(1e-4),
+            "no cause is left: thin slices of the legs alone",
+            partial(_solid, ends="rigid"),
+            group=SHARED_SOLIDS,
+            model="solid",
         ),
         *(_frequency_case(index) for index in range(JUDGED_MODES)),
         _case(
@@ -185,7 +198,7 @@ def path_compliances(
     return np.array([one.compliance for one in answers(model, postures, 0, options)])
 
 
-def _solid(context: Context) -> Measurement:
+def _solid(context: Context, ends: Ends) -> Measurement:
     postures = path_postures(context)
     legs = known_legs(postures[0].mechanism)
     if not legs:
@@ -198,7 +211,7 @@ def _solid(context: Context) -> Measurement:
     except InputError as error:
         raise Skip(str(error)) from error
     coarse, fine = (
-        _off_beams(postures, {name: getattr(both, which) for name, both in meshes.items()})
+        _off_beams(postures, {name: getattr(both, which) for name, both in meshes.items()}, ends)
         for which in ("coarse", "fine")
     )
     worst = np.unravel_index(int(np.argmax(np.abs(fine))), fine.shape)
@@ -210,13 +223,15 @@ def _solid(context: Context) -> Measurement:
     )
 
 
-def _off_beams(postures: Sequence[Posture], legs: Mapping[str, TipCompliances]) -> Array:
-    """Relative difference of the diagonal compliances (p×6) by solids of free ends from beams."""
+def _off_beams(
+    postures: Sequence[Posture], legs: Mapping[str, TipCompliances], ends: Ends
+) -> Array:
+    """Relative difference of the diagonal compliances (p×6) by solids from beams of such ends."""
     solids, beams = (
         np.diagonal(assembled(postures, springs), axis1=1, axis2=2)
         for springs in (
-            {name: one.free for name, one in legs.items()},
-            {name: one.own for name, one in legs.items()},
+            {name: one.free if ends == "free" else one.rigid for name, one in legs.items()},
+            {name: one.own if ends == "free" else one.held for name, one in legs.items()},
         )
     )
     return np.asarray(solids / beams - 1.0)

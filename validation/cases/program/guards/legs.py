@@ -5,7 +5,12 @@ from math import pi
 
 import numpy as np
 
-from fem.beams.beam_theory import Plane, bending_frequencies
+from fem.beams.beam_theory import (
+    Plane,
+    bending_frequencies,
+    tension_frequencies,
+    torsion_frequencies,
+)
 from lumped.arrays import Array
 from lumped.biglide import Biglide
 from lumped.dense.modes import dense
@@ -21,6 +26,7 @@ from validation.models.legs import constant_leg_of, kind_frequencies, leg_matric
 from validation.models.options import BEAM_ORDER, ModelName, ModelOptions
 
 _ROOTS = 3
+_BARS = {"tension": tension_frequencies, "torsion": torsion_frequencies}
 
 cases = CaseGroup(section=SECTION, group="guard.legs", unit="1", reference_kind="closed-form")
 _STIFF = "virtual joints with legs a million times stiffer than the drives, feet along y"
@@ -182,6 +188,27 @@ def _slender(context: Context, number: int, plane: Plane) -> Measurement:
         for elements in (10, 20)
     )
     exact = bending_frequencies(leg.properties("euler-bernoulli"), leg.length, plane, _ROOTS)
+    worst = int(np.argmax(np.abs(fine / exact - 1.0)))
+    off = (abs(one[worst] / exact[worst] - 1.0) for one in (coarse, fine))
+    return refined(*off, order=BEAM_ORDER)
+
+
+@cases.case(
+    "guard.leg{number}.quarter-waves[{kind}]",
+    "Leg {number} in {kind}: quarter waves of beam elements are the closed form's",
+    over={"number": (1, 2), "kind": tuple(_BARS)},
+    quantity=f"largest relative difference of the first {_ROOTS} frequencies",
+    citation="(2i − 1)/4L times the speed of a wave in a bar, clamped-free",
+    tolerance=Absolute(1e-4),
+    tolerance_reason="fourth order in 1/n: 2e-5 for the third frequency with 20 elements",
+)
+def _bars(context: Context, number: int, kind: str) -> Measurement:
+    leg = constant_leg_of(context, number)
+    coarse, fine = (
+        kind_frequencies(leg, "beam", kind, _ROOTS, ModelOptions(elements=elements))
+        for elements in (10, 20)
+    )
+    exact = _BARS[kind](leg.timoshenko, leg.length, _ROOTS)
     worst = int(np.argmax(np.abs(fine / exact - 1.0)))
     off = (abs(one[worst] / exact[worst] - 1.0) for one in (coarse, fine))
     return refined(*off, order=BEAM_ORDER)
