@@ -28,6 +28,8 @@ from lumped.text import shown
 _OF_LEG = re.compile(r"([\w-]{1,40})\.c([1-6])([1-6])")
 _FREQUENCY = re.compile(r"f([1-9][0-9]?)")
 _COLUMNS = ("quantity", "pose", "value", "uncertainty", "source")
+# Units of translations, then of rotations, under a force and under a moment.
+_OF_COMPLIANCE = (("m/N", "1/N"), ("1/N", "rad/(N m)"))
 _NAMES = (
     f"{' '.join(STATIC_QUANTITIES)}, f1 to f{MOST_MODES} or an entry of a leg's 6×6 like leg1.c22"
 )
@@ -52,6 +54,16 @@ class Measured:
         """Leg, row and column (from 0) of an entry of its 6×6; None for a quantity of the robot."""
         found = _OF_LEG.fullmatch(self.quantity)
         return (found[1], int(found[2]) - 1, int(found[3]) - 1) if found else None
+
+    @property
+    def unit(self) -> str:
+        """SI unit of the value: of a deflection or rotation under its load, Hz, of a compliance."""
+        if self.leg_entry is not None:
+            _, row, column = self.leg_entry
+            return _OF_COMPLIANCE[row > 2][column > 2]
+        if self.mode is not None:
+            return "Hz"
+        return "rad" if self.quantity.startswith("phi") else "m"
 
     @property
     def mode(self) -> int | None:

@@ -6,8 +6,6 @@ from typing import Any, Literal, TypeAlias
 
 from lumped.acceptance.requirement import ORDER, STATIC_QUANTITIES
 
-# How the reference of an entry begins that is a measured value.
-MEASURED = "measured: "
 Adequacy: TypeAlias = Literal["adequate", "inadequate", "undecided"]
 
 
@@ -33,7 +31,8 @@ class Entry:
     meshes and from what the user did not say. `value` and `expected` are the model's and the
     reference's numbers there (m/N, rad/(N m), Hz; of "order": Hz), `errors` and `spreads` error and
     uncertainty at every pose, `values` the model's numbers there. `reason` says why a verdict is
-    not "adequate" where no number does, and what would decide where it is undecided.
+    not "adequate" where no number does, and what would decide where it is undecided. `measured`:
+    the reference is a measured value, of which `unit` is that of `value` and `expected`.
     """
 
     model: str
@@ -55,6 +54,8 @@ class Entry:
     spreads: tuple[float | None, ...] = ()
     values: tuple[float | None, ...] = ()
     computed_by: tuple[str, ...] = ()
+    measured: bool = False
+    unit: str = ""
 
 
 @dataclass(frozen=True)
@@ -147,6 +148,7 @@ def entry_record(entry: Entry) -> dict[str, Any]:
         "value": entry.value,
         "expected": entry.expected,
         "uncertainties": dict(entry.uncertainties),
+        "measured": entry.measured,
     }
 
 

@@ -1,6 +1,6 @@
 """What every model of a robot says of the measured values, and how they compare."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TypeAlias
 
@@ -16,7 +16,7 @@ from lumped.mechanism.mechanism import Mechanism
 from lumped.models.bodies import legs_of
 from validation.adequacy.biglide.subject import CANDIDATES
 from validation.adequacy.judgement import worst_of
-from validation.adequacy.matrix import MEASURED, Entry, Matrix, ModelNote
+from validation.adequacy.matrix import Entry, Matrix, ModelNote
 from validation.adequacy.mechanism.path import coordinates
 from validation.adequacy.mechanism.statics import is_serial
 from validation.adequacy.mechanism.subject import mechanism_candidates
@@ -41,6 +41,7 @@ def measured_matrix(context: Context) -> Matrix:
     ones = robot_file.measured
     off = robot_file.with_inputs_off()
     quantities = tuple(dict.fromkeys(one.quantity for one in ones))
+    poses = tuple(sorted({one.pose for one in ones if one.pose}))
     entries = []
     for name, (model, _, options) in candidates.items():
         for quantity in quantities:
@@ -51,8 +52,7 @@ def measured_matrix(context: Context) -> Matrix:
                 and (compared := _compared(model, robot, one, options, off))
             }
             if found:
-                entries.append(_entry(name, quantity, found, robot_file.requirement))
-    poses = tuple(sorted({one.pose for one in ones if one.pose}))
+                entries.append(_entry(name, quantity, found, robot_file.requirement, poses))
     return Matrix(
         robot=robot.name,
         coordinates=("x (m)",) if isinstance(robot, Biglide) else coordinates(robot),
@@ -137,7 +137,11 @@ def _compared(
 
 
 def _entry(
-    model: str, quantity: str, found: Mapping[Measured, Comparison], requirement: Requirement
+    model: str,
+    quantity: str,
+    found: Mapping[Measured, Comparison],
+    requirement: Requirement,
+    poses: Sequence[tuple[float, ...]],
 ) -> Entry:
     limit = requirement.limit(quantity) if "." not in quantity else requirement.deflection
     verdicts = {one: compared.verdict(limit) for one, compared in found.items()}
@@ -145,6 +149,15 @@ def _entry(
     alike = [one for one in found if verdicts[one] == verdict]
     worst = max(alike, key=lambda one: abs(found[one].error / one.value))
     compared, scale = found[worst], abs(worst.value)
+    # Of several values in one pose the one that is farthest off.
+    at = [
+        max(
+            ((one, compared) for one, compared in found.items() if one.pose == pose),
+            key=lambda pair: abs(pair[1].error / pair[0].value),
+            default=None,
+        )
+        for pose in poses
+    ]
     return Entry(
         model=model,
         quantity=quantity,
@@ -153,7 +166,7 @@ def _entry(
         limit=limit,
         verdict=verdict,
         pose=worst.pose,
-        reference=f"{MEASURED}{worst.source}",
+        reference=f"measured: {worst.source}",
         reason="" if verdict != "undecided" else "a smaller validation uncertainty would decide",
         value=compared.value,
         expected=worst.value,
@@ -162,5 +175,12 @@ def _entry(
             "inputs": COVERAGE * compared.inputs / scale,
             "measurement": COVERAGE * compared.measurement / scale,
         },
+        errors=tuple(pair and pair[1].error / abs(pair[0].value) for pair in at),
+        spreads=tuple(
+            pair and COVERAGE * pair[1].validation_uncertainty / abs(pair[0].value) for pair in at
+        ),
+        values=tuple(pair and pair[1].value for pair in at),
+        measured=True,
+        unit=worst.unit,
         computed_by=("validation.measured.matrix.predicted", "validation.measured.comparison"),
     )

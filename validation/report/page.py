@@ -75,9 +75,14 @@ class Report:
         return first_screen(self.measured, plotted=not self.unfinished, measured=True)
 
     @property
+    def answered(self) -> FirstScreen | None:
+        """What the answer is taken from: references that were computed, else measured ones."""
+        return self.first or self.measurements
+
+    @property
     def sentence(self) -> str:
         """The answer in one sentence: whether the models may be trusted."""
-        return self.first.sentence if self.first else self.checks
+        return self.answered.sentence if self.answered else self.checks
 
     @property
     def checks(self) -> str:

@@ -43,6 +43,7 @@ class SavedEntry:
     error: float | None = None
     uncertainty: float | None = None
     reference: str = ""
+    measured: bool = False
     poses: tuple[tuple[float, ...], ...] = ()
     values: tuple[float | None, ...] = ()
 

@@ -4,7 +4,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from validation.adequacy.matrix import MEASURED
 from validation.results.drift import same_pose
 from validation.results.saved_run import SavedEntry, SavedRun
 
@@ -65,8 +64,7 @@ def adequacy_changes(before: SavedRun, after: SavedRun) -> tuple[AdequacyChange,
 
 def _name(entry: SavedEntry) -> str:
     """The quantity; by a measured reference it stands beside that by a computed one."""
-    measured = entry.reference.startswith(MEASURED)
-    return f"{entry.quantity} (measured)" if measured else entry.quantity
+    return f"{entry.quantity} (measured)" if entry.measured else entry.quantity
 
 
 def _flat(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:

@@ -16,8 +16,9 @@ def verdicts(gathered: Results) -> list[str]:
     outcomes = gathered.in_order()
     worst = [o for o in outcomes if o.verdict in {"disagree", "undecided", "failed"}]
     compared, power = comparisons(outcomes), gathered.power
-    # A run of faults alone makes no comparison of its own that could be summed up.
-    said = [summary(compared, gathered.unfinished)] if compared or not power else []
+    # A run of faults or of measured values alone makes no comparison that could be summed up.
+    nothing = not compared and (power or gathered.measured)
+    said = [] if nothing else [summary(compared, gathered.unfinished)]
     return [
         *(outcome_line(outcome) for outcome in worst),
         *said,
@@ -30,7 +31,9 @@ def adequacy(gathered: Results) -> list[str]:
     lines = [f"relied on, and not adequate: {', '.join(gathered.refused)}"]
     lines = lines if gathered.refused else []
     lines += [f"adequacy: {one.message}" for one in gathered.assessed.values() if one.message]
-    return [*lines, in_a_line(gathered.matrix)] if gathered.matrix else lines
+    lines += [in_a_line(gathered.matrix)] if gathered.matrix else []
+    measured = gathered.measured
+    return [*lines, f"against measured values: {in_a_line(measured)}"] if measured else lines
 
 
 def program(gathered: Results) -> str:

@@ -116,3 +116,19 @@ def test_every_fault_of_a_robot_file_is_named(robot_file, tmp_path, changed, sai
     with pytest.raises(InputError) as raised:
         load_robot(path)
     assert any(said in fault for fault in raised.value.faults), raised.value.faults
+
+
+@pytest.mark.parametrize(
+    ("quantity", "unit"),
+    [
+        ("z", "m"),
+        ("phi_x", "rad"),
+        ("f2", "Hz"),
+        ("leg1.c33", "m/N"),
+        ("leg1.c26", "1/N"),
+        ("rod1.c53", "1/N"),
+        ("leg2.c44", "rad/(N m)"),
+    ],
+)
+def test_units(quantity, unit):
+    assert Measured(quantity, 1.0, 0.1, "gauge").unit == unit

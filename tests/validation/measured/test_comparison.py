@@ -108,7 +108,12 @@ def test_measured_values_join_the_matrix_as_a_reference_of_their_own(robot_file)
     more = measured_matrix(Context(replace(robot_file, measured=ones), "quick"))
     assert more.entry("vjm", "z").verdict == "inadequate"
     assert more.entry("vjm", "z").pose == (robot.stroke[0],)
+    assert more.poses == ((robot.stroke[0],), (x,))
+    assert more.entry("vjm", "z").errors == pytest.approx(
+        [predicted("vjm", robot, ones[1], ModelOptions()) / ones[1].value - 1.0, 0.0]
+    )
     assert more.entry("beam", "leg1.c33").pose == ()
+    assert more.entry("beam", "leg1.c33").errors == (None, None)
     assert more.entry("simplified", "leg1.c33") is None
     assert measured_figure(more).svg
     assert "leg1.c33" in sentence(more)

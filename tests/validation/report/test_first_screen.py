@@ -15,6 +15,7 @@ from matrix_sample import POSES, UNKNOWN, entry, sample_matrix, undecided
 from report_sample import sample_report
 
 from validation.adequacy.matrix import ModelNote
+from validation.drawing.text import number
 from validation.exhibits import Figure
 from validation.report.figures.adequacy import error_figure
 from validation.report.first_screen.remedies import remedies_of
@@ -98,6 +99,11 @@ def test_the_sentence_says_what_holds_what_is_off_and_what_could_not_be_judged()
         (
             [flat("beam", "f2", 0.0, error=None, errors=(None,), verdict="inadequate")],
             "Beams lack the modes of f2.",
+        ),
+        # A coupling that was measured.
+        (
+            [flat("beam", "leg1.c26", -8.1)],
+            "Beams give leg1.c26 the other sign.",
         ),
         ([], "No model could be judged."),
     ],
@@ -232,7 +238,7 @@ def test_poses_of_several_coordinates_are_drawn_by_their_number():
 
 def test_legs_and_measured_values_have_tables_and_sheets_of_their_own():
     by_gauge = tuple(
-        flat(model, "z", size, reference="measured: gauge", uncertainties={"measurement": 0.01})
+        flat(model, "z", size, measured=True, reference="measured: gauge", unit="m")
         for model, size in (("vjm", 0.01), ("segments", -0.2))
     )
     leg = sample_matrix(robot="leg 1", notes=())
@@ -252,3 +258,9 @@ def test_legs_and_measured_values_have_tables_and_sheets_of_their_own():
     assert markup.index('id="leg_1-matrix"') > markup.index('id="Its_legs"')
     assert markup.index("against solids of the same legs</h3>") > markup.index('id="leg_1-matrix"')
     assert "measured.values" in {figure.id for figure in report.shown}
+    # By itself it is the answer.
+    alone = render(sample_report(matrix=None, measured=report.measured))
+    assert alone.count('<table class="adequacy"') == 1
+    assert "segments are 20" in alone[: alone.index("<main>")]
+    assert '<a href="#measured">' in alone
+    assert f"<dd>{number(by_gauge[1].value, 6)} m</dd>" in alone

@@ -23,7 +23,11 @@ def measured_figure(matrix: Matrix) -> Figure | None:
     with plot_style():
         picture, panels = canvas(rows, columns, 0.7 + 2.1 * rows)
         for axes, quantity in zip(panels, shown, strict=False):
-            _draw(axes, [entry for entry in matrix.entries if entry.quantity == quantity])
+            entries = [entry for entry in matrix.entries if entry.quantity == quantity]
+            if any(sum(error is not None for error in entry.errors) > 1 for entry in entries):
+                _draw_over_poses(axes, matrix, entries)
+            else:
+                _draw(axes, entries)
         for axes in panels[len(shown) :]:
             axes.set_axis_off()
         for axes in panels[::columns]:
@@ -35,8 +39,8 @@ def measured_figure(matrix: Matrix) -> Figure | None:
         title="Measured values, and what the models say",
         caption=(
             "Black: measured, with the 95 % interval of its own uncertainty. Models with that of "
-            "numerics and uncertain inputs. Each at the pose that decides, divided by what was "
-            "measured there."
+            "numerics and uncertain inputs. Each divided by what was measured there; over the "
+            "poses where there are several, with the 95 % interval of all three."
         ),
         section="measured",
         svg=svg,
@@ -76,6 +80,32 @@ def _draw(axes: Axes, entries: list[Entry]) -> None:
     axes.axhline(1.0, color="#999999", linewidth=0.8)
     axes.set_xticks([])
     axes.set_title(entries[0].quantity if entries else "")
+
+
+def _draw_over_poses(axes: Axes, matrix: Matrix, entries: list[Entry]) -> None:
+    others = cycle(OTHERS)
+    single = len(matrix.coordinates) == 1
+    places = [pose[0] if single else number for number, pose in enumerate(matrix.poses, start=1)]
+    for entry in entries:
+        found = [
+            (place, 1.0 + error, spread)
+            for place, error, spread in zip(places, entry.errors, entry.spreads, strict=True)
+            if error is not None
+        ]
+        look = look_of_model(entry.model) or next(others)
+        axes.errorbar(
+            *np.array(found).T,
+            color=look.colour,
+            marker=look.marker,
+            linestyle=look.line,
+            capsize=3,
+            label=entry.model,
+        )
+    known = [place for place, _, _ in found]
+    axes.plot(known, np.ones(len(known)), color=BLACK, marker="o", linestyle="", label="measured")
+    axes.axhline(1.0, color="#999999", linewidth=0.8)
+    axes.set_xlabel(matrix.coordinates[0] if single else "pose")
+    axes.set_title(entries[0].quantity)
 
 
 def _part(entry: Entry, name: str) -> float:

@@ -47,7 +47,7 @@ class _Opinion:
         """Larger for what is worse."""
         if self.those("absent"):
             return 1e9
-        off = [abs(entry.error or 0.0) for entry in self.those("low", "high")]
+        off = [abs(entry.error or 0.0) for entry in self.those("low", "high", "opposite")]
         return max(off) if off else 1e8 if self.those("undecided") else 0.0
 
 
@@ -106,6 +106,8 @@ def _off_by_their_legs(matrix: Matrix, formulation: Matrix, model: str) -> list[
 def _kind(entry: Entry) -> str:
     if entry.verdict != "inadequate":
         return entry.verdict
+    if entry.error is not None and entry.error < -1.0 - _ABSENT:
+        return "opposite"
     if entry.error is None or entry.error <= -1.0 + _ABSENT:
         absent = not any(error is not None and error > -1.0 + _ABSENT for error in entry.errors)
         return "absent" if absent else "low"
@@ -188,6 +190,9 @@ def _dynamic_predicate(group: Sequence[_Opinion], singular: bool) -> str:  # noq
         if found:
             names = place_of(dict.fromkeys(entry.quantity for entry in found))
             said.append(f"{gives} {names} {_how_much(found)} {how}")
+    turned = [entry.quantity for entry in group[0].those("opposite")]
+    if turned:
+        said.append(f"{gives} {place_of(turned)} the other sign")
     lacking = [entry for entry in group[0].those("absent") if entry.quantity != "order"]
     if lacking:
         lack = "lacks" if singular else "lack"

@@ -46,7 +46,7 @@ def _sheet(matrix: Matrix, entry: Entry) -> Sheet:
 
 
 def _numbers(matrix: Matrix, entry: Entry) -> list[tuple[str, str]]:
-    unit = _unit(entry.quantity)
+    unit = entry.unit or _unit(entry.quantity)
     lines = [("Worst at", pose_text(matrix, entry.pose))]
     if entry.value is not None:
         lines.append(("Value", f"{number(entry.value, 6)} {unit}"))
@@ -88,7 +88,8 @@ def _meaning(quantity: str) -> str:
         return f"rotation about {quantity[-1]}"
     if is_frequency(quantity):
         return f"natural frequency {quantity[1:]}"
-    return SIGNS.get(quantity, quantity)
+    leg, dot, entry = quantity.partition(".")
+    return f"{entry} of the 6×6 of {leg}" if dot else SIGNS.get(quantity, quantity)
 
 
 def _unit(quantity: str) -> str:

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from validation.adequacy.matrix import MEASURED, Adequacy, Entry, Matrix, ModelNote
+from validation.adequacy.matrix import Adequacy, Entry, Matrix, ModelNote
 from validation.drawing.style import csv_of
 from validation.drawing.text import anchor, number, percent
 from validation.report.first_screen.words import SIGNS, capital, error_text, model_name
@@ -116,7 +116,7 @@ def csv_of_matrix(matrix: Matrix) -> str:
 
 def _kind(entry: Entry) -> str:
     """Sheets of one model and quantity by different references are told apart."""
-    return ".measured" if entry.reference.startswith(MEASURED) else ""
+    return ".measured" if entry.measured else ""
 
 
 def _text(entry: Entry) -> str:
