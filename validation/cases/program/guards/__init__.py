@@ -5,7 +5,16 @@ in again from the beginning.
 """
 
 from validation.case import Case
-from validation.cases.program.guards import legs, pairing, reduction, robot, solids, sweep, waves
+from validation.cases.program.guards import (
+    ends,
+    legs,
+    pairing,
+    reduction,
+    robot,
+    solids,
+    sweep,
+    waves,
+)
 
 
 def cases() -> tuple[Case, ...]:
@@ -16,6 +25,7 @@ def cases() -> tuple[Case, ...]:
         *solids.cases(),
         *reduction.cases(),
         *waves.cases(),
+        *ends.cases(),
         *sweep.cases(),
         *pairing.cases(),
     )
