@@ -20,7 +20,7 @@ from lumped.robots import RobotType
 from validation.console import streams
 from validation.console.arguments import ProcessCount, WholeNumber
 from validation.console.streams import complain, say
-from validation.console.written import require_place, write
+from validation.console.written import require_apart, require_place, shown, write
 from validation.kinematics import commands as kinematics
 from validation.run import selftest as selftests
 from validation.solve import parts as commands
@@ -205,7 +205,7 @@ def run(
     complain([*gathered.remarks, *summary.left_out(gathered)], 0)
     changes, worsened = summary.changes(gathered)
     say("\n".join([*summary.verdicts(gathered), summary.program(gathered), *changes]))
-    say(f"report: {gathered.path / 'report.html'}")
+    say(f"report: {shown(gathered.path / 'report.html')}")
     for line in summary.adequacy(gathered):
         say(line)
     if gathered.unfinished:
@@ -335,8 +335,9 @@ def solve(
     from validation.solve.variations.command import Spread, solve_spread  # noqa: PLC0415
 
     require_address_space(TO_COMPUTE)
-    require_place(csv)
-    require_place(picture)
+    require_place(csv, ".csv")
+    require_place(picture, ".png")
+    require_apart(csv, picture)
     robot_file = load_robot(robot)
     choices = {
         "legs": legs,
@@ -422,7 +423,8 @@ def new(
     from lumped.robot_file import write_template  # noqa: PLC0415
 
     write_template(file, robot_type)
-    say(f"{file} written; describe your robot in it, then: flexproof check {file}")
+    name = shown(file)
+    say(f"{name} written; describe your robot in it, then: flexproof check {name}")
     return 0
 
 

@@ -77,6 +77,14 @@ def test_a_new_robot_file_is_sound_and_no_file_is_overwritten(tmp_path, capsys):
     assert path.read_bytes() == content
 
 
+def test_a_name_of_two_lines_is_said_in_one(tmp_path, capsys):
+    path = tmp_path / "a\nforged.toml"
+    assert cli.main(["new", str(path)]) == 0
+    printed = capsys.readouterr().out
+    assert len(printed.splitlines()) == 1
+    assert "a\\x0aforged.toml written" in printed
+
+
 def test_the_audit_of_the_built_in_robot_is_shown(capsys):
     assert cli.main(["check", "ifw"]) == 0
     used, errata = capsys.readouterr().out.split("misprints and errors of the source")

@@ -1,21 +1,33 @@
-"""Files that a user names for results: refused before those are computed, written after."""
+"""Files that a user names for results: refused before those are computed, written after.
+
+A file that is there is replaced only by one of its kind, as its name ends: never a robot file or a
+drawing by the table made of it.
+"""
 
 import os
+from contextlib import suppress
 from pathlib import Path
 
 from lumped.errors import InputError
+from lumped.text import visible
 from validation.console.streams import complain
 
 
-def require_place(path: Path | None) -> None:
+def require_place(path: Path | None, kind: str) -> None:
     """Raise InputError where no file can be written to `path`, before anything is computed for it.
 
-    Folders that it lacks count as there: `write` makes them. None asks for no file.
+    Folders that it lacks count as there: `write` makes them. `kind` is the ending (".csv", say) of
+    files that are replaced. None asks for no file.
     """
     if path is None:
         return
     if path.is_dir():
         raise InputError(f"{path}: cannot be written (is a folder); must be a file")
+    if path.is_file() and path.resolve().suffix.lower() != kind:
+        raise InputError(
+            f"{path}: exists already, and only {kind} files are replaced; must be the name of a "
+            "new file or end so"
+        )
     nearest = next(place for place in (path, *path.absolute().parents) if place.exists())
     if nearest != path and not nearest.is_dir():
         raise InputError(f"{path}: cannot be written ({nearest} is no folder)")
@@ -23,11 +35,44 @@ def require_place(path: Path | None) -> None:
         raise InputError(f"{path}: cannot be written ({nearest} is not yours to write to)")
 
 
+def require_apart(*paths: Path | None) -> None:
+    """Raise InputError where two results are to go into one file."""
+    named = [path.absolute() for path in paths if path is not None]
+    if len(set(named)) < len(named):
+        raise InputError(f"{paths[0]}: is named for two results; each must have a file of its own")
+
+
 def write(path: Path, content: bytes) -> None:
-    """Write a file, and say so; raises InputError with the system's reason."""
+    """Write a file whole, and say so; raises InputError with the system's reason.
+
+    What was there stays until all is written; a link is replaced, not what it leads to.
+    """
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(content)
+        if path.exists() and not path.is_file():
+            # A device or a pipe.
+            path.write_bytes(content)
+        else:
+            _replace(path, content)
     except OSError as error:
         raise InputError(f"{path}: cannot be written ({error.strerror})") from error
     complain([f"{path} written"], 0)
+
+
+def _replace(path: Path, content: bytes) -> None:
+    beside = path.with_name(f".{path.name[:200]}.{os.getpid()}")
+    # Never one that is there, nor what a link leads to.
+    with beside.open("xb") as file:
+        try:
+            file.write(content)
+            file.flush()
+            beside.replace(path)
+        except BaseException:
+            with suppress(OSError):
+                beside.unlink()
+            raise
+
+
+def shown(path: Path) -> str:
+    """The path in one line of output."""
+    return visible(str(path))

@@ -34,7 +34,7 @@ def kinematics(
     from validation.kinematics import listing  # noqa: PLC0415
     from validation.kinematics.poses import parsed_poses, postures_of  # noqa: PLC0415
 
-    require_place(picture)
+    require_place(picture, ".png")
     mechanism = load_robot(robot).mechanism
     found = postures_of(mechanism, parsed_poses(mechanism, pose) if pose else mechanism.poses)
     say((listing.as_json if json else listing.as_text)(mechanism, found))

@@ -7,6 +7,7 @@ from fem.machine import TO_COMPUTE, require_address_space
 from lumped.errors import ComputationError
 from validation.console.arguments import ProcessCount
 from validation.console.streams import complain, say
+from validation.console.written import shown
 
 if TYPE_CHECKING:
     from validation.context import Preset
@@ -45,7 +46,7 @@ def selftest(
     complain([*gathered.remarks, *summary.left_out(gathered)], 0)
     say("\n".join([*summary.verdicts(gathered), summary.program(gathered)]))
     if out is not None:
-        say(f"report: {gathered.path / 'report.html'}")
+        say(f"report: {shown(gathered.path / 'report.html')}")
     if gathered.unfinished:
         complain(["interrupted; runs take what was finished, and make the other checks"], 3)
     return gathered.exit_code()

@@ -104,7 +104,7 @@ def identify(
     from validation.parts import identified_text  # noqa: PLC0415
     from validation.parts.identify import DEFAULT_MODES, DEFAULT_UNKNOWNS  # noqa: PLC0415
 
-    require_place(out)
+    require_place(out, ".npz")
     faults = []
     if unknowns is not None and unknowns < _FEWEST_UNKNOWNS:
         faults.append(f"--unknowns = {unknowns}: must be {_FEWEST_UNKNOWNS} or more")
