@@ -33,9 +33,9 @@ Over: TypeAlias = Mapping[str, Field[Iterable[Any]]]
 Compute = TypeVar("Compute", bound=Callable[..., Measurement])
 
 
-def numbered(count: int) -> tuple[tuple[int, int], ...]:
+def numbered(modes: int) -> tuple[tuple[int, int], ...]:
     """Indices from 0 with numbers from 1, as in `over={"index, mode": numbered(6)}`."""
-    return tuple((index, index + 1) for index in range(count))
+    return tuple((index, index + 1) for index in range(modes))
 
 
 class CaseFields(TypedDict, total=False):

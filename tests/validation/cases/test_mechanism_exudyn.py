@@ -50,7 +50,7 @@ def test_a_drive_that_is_off_is_seen(monkeypatch):
 
     def verdicts():
         context = Context(load_robot("five-bar"), "quick")
-        cases = mechanism_exudyn.cases(mechanism)
+        cases = mechanism_exudyn.cases(mechanism=mechanism)
         return [judge(case, case.measure(context), 0.0).verdict for case in cases]
 
     assert verdicts() == ["agree", "agree"]
@@ -95,7 +95,7 @@ def test_a_frame_on_a_plane(tmp_path):
     path = tmp_path / "propped.toml"
     path.write_text(_PROPPED, encoding="utf-8")
     mechanism = load_robot(path).mechanism
-    assert len(mechanism_exudyn.cases(mechanism)) == 1
+    assert len(mechanism_exudyn.cases(mechanism=mechanism)) == 1
     own, theirs, uncertain = by_both(reference_posture(mechanism))
     np.testing.assert_allclose(own.frequencies, theirs, rtol=5e-4)
     assert (np.abs(own.frequencies - theirs) < uncertain).all()
@@ -108,7 +108,7 @@ def test_without_exudyn_the_cases_say_so(monkeypatch):
         raise multibody.PackageNotFoundError
 
     monkeypatch.setattr(multibody, "version", missing)
-    for case in mechanism_exudyn.cases(robot.mechanism):
+    for case in mechanism_exudyn.cases(mechanism=robot.mechanism):
         with pytest.raises(Skip, match=r"flexproof\[exudyn\]"):
             case.measure(Context(robot, "quick"))
 

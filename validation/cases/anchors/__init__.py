@@ -16,15 +16,15 @@ def of_biglide(modes: int) -> tuple[Case, ...]:
     return (
         *(replace(case, subject="leg") for case in alone),
         *robot.cases(),
-        *first_screen.cases(modes),
+        *first_screen.cases(modes=modes),
         *reference.cases(),
-        *reference.cases_of_masses(modes),
+        *reference.cases_of_masses(modes=modes),
     )
 
 
 def of_mechanism(described: Mechanism, modes: int) -> tuple[Case, ...]:
     """Of any other mechanism."""
-    return mechanism.cases(described, modes)
+    return mechanism.cases(mechanism=described, modes=modes)
 
 
 def paper_cases() -> tuple[Case, ...]:

@@ -4,7 +4,6 @@ The numbers are those that the models are judged by, at the postures that they a
 they are held against shares the robot's data with them and nothing else.
 """
 
-from functools import partial
 from math import inf, pi, sqrt
 
 import numpy as np
@@ -16,77 +15,44 @@ from lumped.legs import Theory
 from validation.adequacy.biglide.dynamics import vibration_of
 from validation.adequacy.biglide.statics import compliances
 from validation.adequacy.biglide.subject import CANDIDATES, POSTURES
-from validation.case import Case, Measurement, Relative
-from validation.cases.anchors.quantities import EXACT, RITZ, in_shown_units, static_case
+from validation.case import Measurement, Relative
+from validation.case_group import numbered
+from validation.cases.anchors.quantities import (
+    EXACT,
+    RITZ,
+    SHOWN,
+    TITLE,
+    in_shown_units,
+    statics,
+)
 from validation.cases.anchors.robot import yielding_drives
 from validation.context import Context
 from validation.exhibits import STROKE
-from validation.models.options import STATIC
 from validation.studies.quantities import farthest
 from validation.studies.ritz import biglide as ritz
 
 _BY_HAND = "virtual power of two drives, by hand"
 # As many frequencies as drives has the simplified model.
 _DRIVES = 2
-# What 20 elements of the models leave of the first frequencies.
 _DYNAMIC = {
-    "beam": (1e-4, "fourth order in 1/n: below 1e-5 with 20 elements"),
-    "segments": (0.01, "the paper's 1 % for 20 elements (§3.2)"),
-    "simplified": (1e-9, "two by two numbers: rounding alone"),
+    "beam": (Relative(1e-4), "fourth order in 1/n: below 1e-5 with 20 elements"),
+    "segments": (Relative(0.01), "the paper's 1 % for 20 elements (§3.2)"),
+    "simplified": (Relative(1e-9), "two by two numbers: rounding alone"),
 }
 # Where a leg lies across the drives one direction is rigid: rounding alone yields in it.
 _RIGID = 1e-12
-# What the simplified model says something of.
-_IN_THE_PLANE = ("x", "y")
 
 
-def cases(modes: int) -> tuple[Case, ...]:
-    """Deflections, rotations and so many frequencies of every model of the first screen."""
-    return (
-        *(
-            static_case(
-                f"robot.anchor.statics[{model}, {quantity}]",
-                quantity,
-                model=model,
-                of="The robot",
-                places="posture of the largest difference",
-                citation=_BY_HAND if model == "simplified" else RITZ,
-                compute=partial(_static, model=model, quantity=quantity),
-                section=STROKE,
-                group="robot.anchor",
-            )
-            for model in CANDIDATES
-            for quantity in (_IN_THE_PLANE if model == "simplified" else STATIC_QUANTITIES)
-        ),
-        *(
-            _frequency_case(model, index, modes)
-            for model, (kind, _, _) in CANDIDATES.items()
-            if kind not in STATIC
-            for index in range(min(modes, _DRIVES) if kind == "simplified" else modes)
-        ),
-    )
+def _entries(model: str) -> tuple[tuple[str, str, str], ...]:
+    """The simplified model says something of the plane alone."""
+    return SHOWN[:2] if model == "simplified" else SHOWN
 
 
-def _frequency_case(model: str, index: int, modes: int) -> Case:
-    tolerance, reason = _DYNAMIC[CANDIDATES[model][0]]
-    return Case(
-        id=f"robot.anchor.frequencies[{model}, {index + 1}]",
-        title=f"The robot: frequency {index + 1} by {model}, obtained once more without its code",
-        quantity=f"natural frequency {index + 1}, posture of the largest difference",
-        unit="Hz",
-        reference_kind="independent-solver",
-        citation=_BY_HAND if model == "simplified" else RITZ,
-        tolerance=Relative(tolerance),
-        tolerance_reason=reason,
-        compute=partial(_frequency, model=model, index=index, modes=modes),
-        model=model,
-        row="The robot, first screen",
-        section=STROKE,
-        # Of the models' modes, which the assessment needs as well.
-        group="robot.solid.modes",
-        effort=0.3,
-        figure="frequency.stroke",
-    )
+def _by(model: str) -> str:
+    return _BY_HAND if model == "simplified" else RITZ
+
+
+cases = statics.like(citation=_by, section=STROKE, group="robot.anchor")
 
 
 def shown_statics(robot: Biglide, model: str) -> Array:
@@ -142,8 +108,14 @@ def _two_frequencies(robot: Biglide, x: float) -> tuple[float, float]:
     )
 
 
-def _static(context: Context, model: str, quantity: str) -> Measurement:
-    robot, index = context.robot, STATIC_QUANTITIES.index(quantity)
+@cases.case(
+    "robot.anchor.statics[{model}, {entry}]",
+    TITLE,
+    over={"of": ("The robot",), "model": CANDIDATES, "entry, said, unit": _entries},
+    quantity="{said}, posture of the largest difference",
+)
+def _static(context: Context, model: str, entry: str) -> Measurement:
+    robot, index = context.robot, STATIC_QUANTITIES.index(entry)
     found = context.get(shown_statics, robot, model)[:, index]
     if model == "simplified":
         expected = other = context.get(yielding, robot)[:, index]
@@ -155,14 +127,35 @@ def _static(context: Context, model: str, quantity: str) -> Measurement:
     # At an end of the stroke rigid legs do not let B move along x: rounding is compared with none.
     at = farthest(found, expected, expected > _RIGID * expected.max())
     return Measurement(
-        in_shown_units(found[at], quantity),
-        in_shown_units(expected[at], quantity),
+        in_shown_units(found[at], entry),
+        in_shown_units(expected[at], entry),
         # Both degrees are exact: what sets them apart is what rounding leaves.
-        reference_uncertainty=in_shown_units(abs(expected[at] - other[at]), quantity),
+        reference_uncertainty=in_shown_units(abs(expected[at] - other[at]), entry),
         pose=(float(robot.stations(POSTURES)[at]),),
     )
 
 
+@cases.case(
+    "robot.anchor.frequencies[{model}, {mode}]",
+    "The robot: frequency {mode} by {model}, obtained once more without its code",
+    over={
+        "model, tolerance, tolerance_reason": tuple(
+            (model, *_DYNAMIC[kind])
+            for model, (kind, _, _) in CANDIDATES.items()
+            if kind in _DYNAMIC
+        ),
+        "index, mode": lambda model, modes: numbered(
+            min(modes, _DRIVES) if model == "simplified" else modes
+        ),
+    },
+    quantity="natural frequency {mode}, posture of the largest difference",
+    unit="Hz",
+    row="The robot, first screen",
+    # Of the models' modes, which the assessment needs as well.
+    group="robot.solid.modes",
+    effort=0.3,
+    figure="frequency.stroke",
+)
 def _frequency(context: Context, model: str, index: int, modes: int) -> Measurement:
     robot, theory = context.robot, CANDIDATES[model][2].theory
     found = vibration_of(context, robot, model, POSTURES).frequencies[:, index]

@@ -1,11 +1,11 @@
 """The program's check that no headline number is without an independent comparison."""
 
 from dataclasses import replace
-from functools import partial
 
 from fem.calculix.run import CalculixMissing, calculix_program
 from lumped.robot_file import RobotFile, load_robot
 from validation.case import Absolute, Case, Measurement
+from validation.case_group import CaseGroup
 from validation.cases import anchors, legs, mechanism, robot
 from validation.context import Context
 from validation.independence.headlines import headline_numbers
@@ -13,8 +13,6 @@ from validation.independence.listing import as_table, rows, without
 from validation.independence.trace import independence
 
 SECTION = "Independence"
-# A biglide with everything that the paper says, and a mechanism of closed loops.
-_TRACED = {"biglide": "ifw", "mechanism": "five-bar"}
 # Comparisons of one model with another of this program that take long: `cases --independence` lists
 # them as well.
 _LONG = (
@@ -32,27 +30,7 @@ _LONG = (
     "mechanism.statics.",
 )
 
-
-def cases() -> tuple[Case, ...]:
-    """Of a biglide and of a mechanism: the code is the same whatever the robot of the run."""
-    return tuple(
-        Case(
-            id=f"guard.independence[{kind}]",
-            title=f"Every headline number of a {kind} has a comparison whose sides share no code",
-            quantity="headline numbers without one",
-            unit="1",
-            reference_kind="closed-form",
-            citation="functions heard while each side is computed; a side is what moves with it",
-            tolerance=Absolute(0.5),
-            tolerance_reason="a count is a whole number",
-            compute=partial(_wanting, name=name),
-            section=SECTION,
-            subject="program",
-            group=f"guard.independence.{kind}",
-            effort=10.0,
-        )
-        for kind, name in _TRACED.items()
-    )
+cases = CaseGroup(section=SECTION, subject="program")
 
 
 def comparisons(robot_file: RobotFile) -> tuple[Case, ...]:
@@ -84,6 +62,20 @@ def _of_like_legs(robot_file: RobotFile) -> RobotFile:
     return replace(robot_file, described=replace(robot, leg2=robot.leg1))
 
 
+@cases.case(
+    "guard.independence[{kind}]",
+    "Every headline number of a {kind} has a comparison whose sides share no code",
+    # A biglide with everything that the paper says, and a mechanism of closed loops.
+    over={"kind, name": (("biglide", "ifw"), ("mechanism", "five-bar"))},
+    quantity="headline numbers without one",
+    unit="1",
+    reference_kind="closed-form",
+    citation="functions heard while each side is computed; a side is what moves with it",
+    tolerance=Absolute(0.5),
+    tolerance_reason="a count is a whole number",
+    group="guard.independence.{kind}",
+    effort=10.0,
+)
 def _wanting(context: Context, name: str) -> Measurement:
     del context  # traced on robots of its own, in the smallest preset
     robot_file = _of_like_legs(load_robot(name))

@@ -1,7 +1,5 @@
 """Every number of a leg alone on the first screen by polynomials along it."""
 
-from functools import partial
-
 import numpy as np
 
 from lumped.acceptance.requirement import STATIC_QUANTITIES
@@ -9,31 +7,13 @@ from lumped.arrays import Array
 from lumped.biglide import Biglide
 from lumped.legs import Leg
 from validation.adequacy.biglide.leg import MODELS
-from validation.case import Case, Measurement
-from validation.cases.anchors.quantities import RITZ, in_shown_units, static_case
+from validation.case import Measurement
+from validation.cases.anchors.quantities import SHOWN, TITLE, in_shown_units, statics
 from validation.context import Context
 from validation.models.legs import leg_compliance
 from validation.studies.ritz import biglide as ritz
 
-
-def cases() -> tuple[Case, ...]:
-    """Deflections and rotations of both legs by every model."""
-    return tuple(
-        static_case(
-            f"leg{number}.anchor[{model}, {quantity}]",
-            quantity,
-            model=model,
-            of=f"Leg {number}, root clamped",
-            places="",
-            citation=RITZ,
-            compute=partial(_entry, number=number, model=model, quantity=quantity),
-            section=f"Leg {number}",
-            group=f"leg{number}.lumped",
-        )
-        for number in (1, 2)
-        for model in MODELS
-        for quantity in STATIC_QUANTITIES
-    )
+cases = statics.like(section="Leg {number}", group="leg{number}.lumped")
 
 
 def shown(leg: Leg, model: str) -> Array:
@@ -51,11 +31,20 @@ def _leg(robot: Biglide, number: int) -> Leg:
     return robot.leg1 if number == 1 else robot.leg2
 
 
-def _entry(context: Context, number: int, model: str, quantity: str) -> Measurement:
-    leg, index = _leg(context.robot, number), STATIC_QUANTITIES.index(quantity)
+@cases.case(
+    "leg{number}.anchor[{model}, {entry}]",
+    TITLE,
+    over={
+        "number, of": tuple((number, f"Leg {number}, root clamped") for number in (1, 2)),
+        "model": MODELS,
+        "entry, said, unit": SHOWN,
+    },
+)
+def _entry(context: Context, number: int, model: str, entry: str) -> Measurement:
+    leg, index = _leg(context.robot, number), STATIC_QUANTITIES.index(entry)
     legs: ritz.Legs = "given" if model == "vjm" else MODELS[model][1].theory
     return Measurement(
-        in_shown_units(context.get(shown, leg, model)[index], quantity),
-        in_shown_units(context.get(expected, leg, legs)[index], quantity),
+        in_shown_units(context.get(shown, leg, model)[index], entry),
+        in_shown_units(context.get(expected, leg, legs)[index], entry),
         exact=True,
     )

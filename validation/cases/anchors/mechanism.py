@@ -5,7 +5,7 @@ they are held against takes the frames of the bodies, measures anew that they cl
 and shares nothing else: neither what eliminates joints nor what sums chains, elements or segments.
 """
 
-from functools import partial
+from collections.abc import Mapping
 from math import inf
 
 import numpy as np
@@ -18,8 +18,9 @@ from lumped.mechanism.mechanism import Mechanism, Posture
 from validation.adequacy.mechanism.path import path_postures
 from validation.adequacy.mechanism.statics import compliances, is_serial
 from validation.adequacy.mechanism.subject import mechanism_candidates
-from validation.case import Case, Measurement, Relative, Skip
-from validation.cases.anchors.quantities import EXACT, RITZ, in_shown_units, static_case
+from validation.case import Measurement, Relative, Skip
+from validation.case_group import numbered
+from validation.cases.anchors.quantities import EXACT, SHOWN, TITLE, in_shown_units, statics
 from validation.context import Context
 from validation.exhibits import PATH
 from validation.models.mechanism import answers
@@ -27,65 +28,30 @@ from validation.models.options import STATIC, ModelName, ModelOptions
 from validation.studies.quantities import farthest
 from validation.studies.ritz import mechanism as ritz
 
-_GROUP = "mechanism.lumped"
 # What yields by less, of the largest of its unit, is rounding of rigid.
 _RIGID = 1e-11
 _DYNAMIC = {
-    "beam": (1e-4, "fourth order in 1/n: below 1e-5 with 20 elements"),
-    "segments": (0.01, "second order in 1/n: below 1 % with 20 segments"),
-    "simplified": (1e-7, "rigid bodies on springs: rounding alone, grown by idle motions"),
+    "beam": (Relative(1e-4), "fourth order in 1/n: below 1e-5 with 20 elements"),
+    "segments": (Relative(0.01), "second order in 1/n: below 1 % with 20 segments"),
+    "simplified": (
+        Relative(1e-7),
+        "rigid bodies on springs: rounding alone, grown by idle motions",
+    ),
 }
 
 
-def cases(mechanism: Mechanism, modes: int) -> tuple[Case, ...]:
-    """Deflections, rotations and so many frequencies of every model of the first screen."""
-    if mechanism.parts:
-        return ()
-    models = mechanism_candidates(mechanism)
-    return (
-        *(
-            static_case(
-                f"mechanism.anchor.statics[{model}, {quantity}]",
-                quantity,
-                model=model,
-                of="The mechanism",
-                places="pose of the largest difference",
-                citation=RITZ,
-                compute=partial(_static, model=model, quantity=quantity),
-                section=PATH,
-                group=_GROUP,
-            )
-            for model in models
-            for quantity in STATIC_QUANTITIES
-        ),
-        *(
-            _frequency_case(model, kind, index, modes)
-            for model, (kind, _, _) in models.items()
-            if kind not in STATIC
-            for index in range(modes)
-        ),
-    )
+def _models(mechanism: Mechanism) -> Mapping[str, tuple[ModelName, str, ModelOptions]]:
+    """Those of the first screen; none where a part is no leg of polynomials."""
+    return {} if mechanism.parts else mechanism_candidates(mechanism)
 
 
-def _frequency_case(model: str, kind: ModelName, index: int, modes: int) -> Case:
-    tolerance, reason = _DYNAMIC[kind]
-    return Case(
-        id=f"mechanism.anchor.frequencies[{model}, {index + 1}]",
-        title=f"The mechanism: frequency {index + 1} by {model}, obtained once more without its "
-        "code",
-        quantity=f"natural frequency {index + 1}, middle of the path",
-        unit="Hz",
-        reference_kind="independent-solver",
-        citation=RITZ,
-        tolerance=Relative(tolerance),
-        tolerance_reason=reason,
-        compute=partial(_frequency, model=model, index=index, modes=modes),
-        model=model,
-        row="The mechanism, first screen",
-        section=PATH,
-        group=_GROUP,
-        effort=0.2,
-    )
+def _of_modes(mechanism: Mechanism) -> list[tuple[str, Relative, str]]:
+    """Models that have modes, how near their frequencies are, and why."""
+    models = _models(mechanism).items()
+    return [(model, *_DYNAMIC[kind]) for model, (kind, _, _) in models if kind in _DYNAMIC]
+
+
+cases = statics.like(section=PATH, group="mechanism.lumped")
 
 
 def shown_statics(postures: tuple[Posture, ...], kind: ModelName, options: ModelOptions) -> Array:
@@ -120,8 +86,14 @@ def _model(context: Context, model: str) -> tuple[ModelName, ModelOptions]:
     return kind, options
 
 
-def _static(context: Context, model: str, quantity: str) -> Measurement:
-    postures, index = path_postures(context), STATIC_QUANTITIES.index(quantity)
+@cases.case(
+    "mechanism.anchor.statics[{model}, {entry}]",
+    TITLE,
+    over={"of": ("The mechanism",), "model": _models, "entry, said, unit": SHOWN},
+    quantity="{said}, pose of the largest difference",
+)
+def _static(context: Context, model: str, entry: str) -> Measurement:
+    postures, index = path_postures(context), STATIC_QUANTITIES.index(entry)
     kind, options = _model(context, model)
     if kind == "vjm" and (branches := is_serial(postures)):
         raise Skip(branches)
@@ -137,10 +109,10 @@ def _static(context: Context, model: str, quantity: str) -> Measurement:
         raise Skip(f"{model}: bodies and drives do not let the tool move so")
     at = farthest(found[:, index], expected[:, index], known[:, index])
     return Measurement(
-        in_shown_units(found[at, index], quantity),
-        in_shown_units(expected[at, index], quantity),
+        in_shown_units(found[at, index], entry),
+        in_shown_units(expected[at, index], entry),
         # Both degrees are exact: what sets them apart is what rounding leaves.
-        reference_uncertainty=in_shown_units(abs(expected[at, index] - other[at, index]), quantity),
+        reference_uncertainty=in_shown_units(abs(expected[at, index] - other[at, index]), entry),
         pose=tuple(postures[at].pose.tolist()),
     )
 
@@ -151,6 +123,18 @@ def _yielding(numbers: Array, size: float) -> NDArray[np.bool_]:
     return np.asarray(numbers * units > _RIGID * np.max(numbers * units))
 
 
+@cases.case(
+    "mechanism.anchor.frequencies[{model}, {mode}]",
+    "The mechanism: frequency {mode} by {model}, obtained once more without its code",
+    over={
+        "model, tolerance, tolerance_reason": _of_modes,
+        "index, mode": numbered,
+    },
+    quantity="natural frequency {mode}, middle of the path",
+    unit="Hz",
+    row="The mechanism, first screen",
+    effort=0.2,
+)
 def _frequency(context: Context, model: str, index: int, modes: int) -> Measurement:
     postures = path_postures(context)
     middle = postures[len(postures) // 2]

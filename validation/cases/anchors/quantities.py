@@ -1,10 +1,8 @@
 """What the first screen's static quantities are called and measured in, one comparison for each."""
 
-from collections.abc import Callable
-
 from lumped.acceptance.requirement import STATIC_QUANTITIES
-from validation.case import Case, Measurement, Relative
-from validation.context import PRESETS, Context, Preset
+from validation.case import Relative
+from validation.case_group import CaseGroup
 
 LOAD = 1000.0  # N or N m
 _ALONG = STATIC_QUANTITIES[:3]
@@ -32,36 +30,17 @@ def in_shown_units(compliance: float, quantity: str) -> float:
     return float(compliance) * LOAD / (_MICRO if quantity in _ALONG else _MILLI)
 
 
-def static_case(
-    identifier: str,
-    quantity: str,
-    *,
-    model: str,
-    of: str,
-    places: str,
-    citation: str,
-    compute: Callable[[Context], Measurement],
-    section: str,
-    group: str,
-    presets: tuple[Preset, ...] = PRESETS,
-    tolerance: float = 1e-6,
-    reason: str = "statics of legs are cubic polynomials: rounding alone, grown by the condition",
-) -> Case:
-    """A number of `of` by a `model`, at `places`, against what is computed without it."""
-    return Case(
-        id=identifier,
-        title=f"{of}: {meaning(quantity)} by {model}, obtained once more without its code",
-        quantity=f"{meaning(quantity)}{', ' + places if places else ''}",
-        unit=unit(quantity),
-        reference_kind="independent-solver",
-        citation=citation,
-        tolerance=Relative(tolerance),
-        tolerance_reason=reason,
-        compute=compute,
-        model=model,
-        row=f"{of}, first screen",
-        section=section,
-        group=group,
-        presets=presets,
-        effort=0.05,
-    )
+# The static quantities with what is said of them and their units.
+SHOWN = tuple((quantity, meaning(quantity), unit(quantity)) for quantity in STATIC_QUANTITIES)
+# A number of `of` by a model against what is computed without it.
+TITLE = "{of}: {said} by {model}, obtained once more without its code"
+statics = CaseGroup(
+    quantity="{said}",
+    reference_kind="independent-solver",
+    citation=RITZ,
+    tolerance=Relative(1e-6),
+    tolerance_reason="statics of legs are cubic polynomials: rounding alone, grown by the "
+    "condition",
+    row="{of}, first screen",
+    effort=0.05,
+)

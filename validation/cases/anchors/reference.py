@@ -6,8 +6,6 @@ solids are stiffest. Where the legs are known by a 6×6, the robot of those is w
 against, and polynomials join them.
 """
 
-from functools import partial
-
 import numpy as np
 
 from fem.calculix.leg import compliance_and_frequencies
@@ -24,8 +22,9 @@ from validation.adequacy.biglide.subject import POSTURES
 from validation.adequacy.common.given_masses import MASSES, Masses
 from validation.adequacy.legs import UNKNOWNS
 from validation.agreement.convergence import PROVEN, step_factor
-from validation.case import Case, Measurement, Relative, Skip
-from validation.cases.anchors.quantities import RITZ, in_shown_units, static_case
+from validation.case import Measurement, Relative, Skip
+from validation.case_group import CaseGroup, numbered
+from validation.cases.anchors.quantities import RITZ, SHOWN, TITLE, in_shown_units, statics
 from validation.context import Context, Preset
 from validation.exhibits import SOLID_ROBOT
 from validation.models.legs import constant_leg_of
@@ -40,90 +39,19 @@ from validation.studies.ritz import biglide as ritz
 DIVISIONS: dict[Preset, tuple[int, int]] = {"quick": (1, 2), "standard": (1, 2), "fine": (2, 3)}
 _ALONE = "CalculiX CrunchiX, C3D10, six unit wrenches on a rigid face"
 _JOINED = f"{_ALONE}; the legs' 6×6 joined by Ritz's method (validation.studies.ritz)"
-_TOLERANCE = 0.03
+_TOLERANCE = Relative(0.03)
 _REASON = (
     "two families of meshes that share nothing but the shape: torsion on tetrahedra, one or two "
     "across the smaller side, is 2.4 and 1 % off"
 )
 
 
-def cases() -> tuple[Case, ...]:
-    """Deflections and rotations of the robot of solid legs."""
-    return tuple(
-        static_case(
-            f"robot.anchor.reference[{quantity}]",
-            quantity,
-            model="solid",
-            of="The robot of solid legs, rigid faces",
-            places="posture of the largest difference",
-            citation=_JOINED,
-            compute=partial(_robot, quantity=quantity),
-            section=SOLID_ROBOT,
-            group="robot.anchor.reference",
-            presets=("standard", "fine"),
-            tolerance=_TOLERANCE,
-            reason=_REASON,
-        )
-        for quantity in STATIC_QUANTITIES
-    ) + tuple(
-        static_case(
-            f"robot.anchor.own[{quantity}]",
-            quantity,
-            model="assembled",
-            of="The robot of its legs' own 6×6",
-            places="posture of the largest difference",
-            citation="the legs' 6×6 joined by Ritz's method (validation.studies.ritz)",
-            compute=partial(_own, quantity=quantity),
-            section=SOLID_ROBOT,
-            group="robot.anchor",
-        )
-        for quantity in STATIC_QUANTITIES
-    )
-
-
-def cases_of_masses(modes: int) -> tuple[Case, ...]:
-    """Frequencies of the robot of the legs' own 6×6 with each of the plausible masses."""
-    return tuple(
-        Case(
-            id=f"robot.anchor.masses[{masses}, {index + 1}]",
-            title=f"The robot of its legs' own 6×6, {masses}: frequency {index + 1}, obtained once "
-            "more without its code",
-            quantity=f"natural frequency {index + 1}, posture of the largest difference",
-            unit="Hz",
-            reference_kind="independent-solver",
-            citation=RITZ,
-            tolerance=Relative(1e-4),
-            tolerance_reason="20 beam elements between the ends, reduced: below 1e-5",
-            compute=partial(_swinging, masses=masses, index=index, modes=modes),
-            section=SOLID_ROBOT,
-            group="robot.solid.modes",
-            effort=0.2,
-        )
-        for masses in MASSES
-        for index in range(modes)
-    )
-
-
-def cases_of_legs() -> tuple[Case, ...]:
-    """The same of both legs alone."""
-    return tuple(
-        static_case(
-            f"leg{number}.anchor.reference[{quantity}]",
-            quantity,
-            model="solid",
-            of=f"Leg {number} as a solid, rigid faces, root clamped",
-            places="",
-            citation=_ALONE,
-            compute=partial(_leg, number=number, quantity=quantity),
-            section=f"Leg {number}",
-            group="robot.anchor.reference",
-            presets=("standard", "fine"),
-            tolerance=_TOLERANCE,
-            reason=_REASON,
-        )
-        for number in (1, 2)
-        for quantity in STATIC_QUANTITIES
-    )
+_LATER: tuple[Preset, ...] = ("standard", "fine")
+_AT = "{said}, posture of the largest difference"
+cases = statics.like(section=SOLID_ROBOT)
+cases_of_legs = statics.like(section="Leg {number}")
+# Of the robot of the legs' own 6×6 with each of the plausible masses.
+cases_of_masses = CaseGroup(section=SOLID_ROBOT)
 
 
 def solid_tips(leg: ConstantLeg, most: int) -> Array:
@@ -172,21 +100,6 @@ def joined_statics(robot: Biglide) -> Array:
     )
 
 
-def _own(context: Context, quantity: str) -> Measurement:
-    robot, index = context.robot, STATIC_QUANTITIES.index(quantity)
-    if not all(isinstance(leg, GivenLeg) for leg in (robot.leg1, robot.leg2)):
-        raise Skip("the legs are prisms: the robot of solids is what others are held against")
-    found = context.get(own_statics, robot)[:, index]
-    expected = context.get(joined_statics, robot)[:, index]
-    at = farthest(found, expected)
-    return Measurement(
-        in_shown_units(found[at], quantity),
-        in_shown_units(expected[at], quantity),
-        exact=True,
-        pose=(float(robot.stations(POSTURES)[at]),),
-    )
-
-
 def expected_swinging(robot: Biglide, masses: Masses, count: int) -> Array:
     """Frequencies (postures × count, Hz) by polynomials."""
     lumped = masses != MASSES[0]
@@ -198,6 +111,20 @@ def expected_swinging(robot: Biglide, masses: Masses, count: int) -> Array:
     )
 
 
+@cases_of_masses.case(
+    "robot.anchor.masses[{masses}, {mode}]",
+    "The robot of its legs' own 6×6, {masses}: frequency {mode}, obtained once more without its "
+    "code",
+    over={"masses": MASSES, "index, mode": numbered},
+    quantity="natural frequency {mode}, posture of the largest difference",
+    unit="Hz",
+    reference_kind="independent-solver",
+    citation=RITZ,
+    tolerance=Relative(1e-4),
+    tolerance_reason="20 beam elements between the ends, reduced: below 1e-5",
+    group="robot.solid.modes",
+    effort=0.2,
+)
 def _swinging(context: Context, masses: Masses, index: int, modes: int) -> Measurement:
     robot = context.robot
     if not all(isinstance(leg, GivenLeg) for leg in (robot.leg1, robot.leg2)):
@@ -236,8 +163,22 @@ def _most(context: Context) -> int:
     return UNKNOWNS[context.preset][0]
 
 
-def _robot(context: Context, quantity: str) -> Measurement:
-    robot, index = context.robot, STATIC_QUANTITIES.index(quantity)
+@cases.case(
+    "robot.anchor.reference[{entry}]",
+    TITLE,
+    over={
+        "of, model": [("The robot of solid legs, rigid faces", "solid")],
+        "entry, said, unit": SHOWN,
+    },
+    quantity=_AT,
+    citation=_JOINED,
+    tolerance=_TOLERANCE,
+    tolerance_reason=_REASON,
+    presets=_LATER,
+    group="robot.anchor.reference",
+)
+def _robot(context: Context, entry: str) -> Measurement:
+    robot, index = context.robot, STATIC_QUANTITIES.index(entry)
     legs = constant_leg_of(context, 1), constant_leg_of(context, 2)
     _require_affordable(context, *legs)
     solid = [context.get(solid_tips, leg, _most(context)) for leg in legs]
@@ -245,15 +186,57 @@ def _robot(context: Context, quantity: str) -> Measurement:
     found = context.get(assembled_statics, robot, solid[0], solid[1])
     expected = context.get(polynomial_statics, robot, theirs[0], theirs[1])
     at = farthest(found[1, :, index], expected[1, :, index])
-    return _measured(found[:, at, index], expected[:, at, index], quantity, legs, context)
+    return _measured(found[:, at, index], expected[:, at, index], entry, legs, context)
 
 
-def _leg(context: Context, number: int, quantity: str) -> Measurement:
-    index, leg = STATIC_QUANTITIES.index(quantity), constant_leg_of(context, number)
+@cases.case(
+    "robot.anchor.own[{entry}]",
+    TITLE,
+    over={
+        "of, model": [("The robot of its legs' own 6×6", "assembled")],
+        "entry, said, unit": SHOWN,
+    },
+    quantity=_AT,
+    citation="the legs' 6×6 joined by Ritz's method (validation.studies.ritz)",
+    group="robot.anchor",
+)
+def _own(context: Context, entry: str) -> Measurement:
+    robot, index = context.robot, STATIC_QUANTITIES.index(entry)
+    if not all(isinstance(leg, GivenLeg) for leg in (robot.leg1, robot.leg2)):
+        raise Skip("the legs are prisms: the robot of solids is what others are held against")
+    found = context.get(own_statics, robot)[:, index]
+    expected = context.get(joined_statics, robot)[:, index]
+    at = farthest(found, expected)
+    return Measurement(
+        in_shown_units(found[at], entry),
+        in_shown_units(expected[at], entry),
+        exact=True,
+        pose=(float(robot.stations(POSTURES)[at]),),
+    )
+
+
+@cases_of_legs.case(
+    "leg{number}.anchor.reference[{entry}]",
+    TITLE,
+    over={
+        "number, of, model": tuple(
+            (number, f"Leg {number} as a solid, rigid faces, root clamped", "solid")
+            for number in (1, 2)
+        ),
+        "entry, said, unit": SHOWN,
+    },
+    citation=_ALONE,
+    tolerance=_TOLERANCE,
+    tolerance_reason=_REASON,
+    presets=_LATER,
+    group="robot.anchor.reference",
+)
+def _leg(context: Context, number: int, entry: str) -> Measurement:
+    index, leg = STATIC_QUANTITIES.index(entry), constant_leg_of(context, number)
     _require_affordable(context, leg)
     found = context.get(solid_tips, leg, _most(context))[:, index, index]
     expected = _by_calculix(context, leg)[:, index, index]
-    return _measured(found, expected, quantity, (leg,), context)
+    return _measured(found, expected, entry, (leg,), context)
 
 
 def _by_calculix(context: Context, leg: ConstantLeg) -> Array:
@@ -266,7 +249,7 @@ def _by_calculix(context: Context, leg: ConstantLeg) -> Array:
 def _measured(
     found: Array,
     expected: Array,
-    quantity: str,
+    entry: str,
     legs: tuple[ConstantLeg, ...],
     context: Context,
 ) -> Measurement:
@@ -275,10 +258,8 @@ def _measured(
     coarse_across, across = DIVISIONS[context.preset]
     pairs = [mesh_pair(leg, _most(context)) for leg in legs]
     ratio = min(fine / coarse for (_, coarse), (_, fine) in pairs)
-    value, reference = (in_shown_units(numbers[1], quantity) for numbers in (found, expected))
-    steps = [
-        abs(in_shown_units(numbers[1] - numbers[0], quantity)) for numbers in (found, expected)
-    ]
+    value, reference = (in_shown_units(numbers[1], entry) for numbers in (found, expected))
+    steps = [abs(in_shown_units(numbers[1] - numbers[0], entry)) for numbers in (found, expected)]
     return Measurement(
         value,
         reference,

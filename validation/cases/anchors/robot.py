@@ -4,7 +4,6 @@ Other comparisons hold models against each other, at the posture where they diff
 one number of each kind, at a fixed posture, against geometry or polynomials along the legs.
 """
 
-from functools import partial
 from itertools import pairwise
 from math import hypot, sqrt
 
@@ -13,7 +12,8 @@ from scipy.optimize import minimize_scalar
 
 from lumped.biglide import Biglide
 from validation.agreement.convergence import step_factor
-from validation.case import Case, Measurement, Relative
+from validation.case import Measurement, Relative
+from validation.case_group import CaseGroup, numbered
 from validation.cases.anchors.quantities import RITZ
 from validation.cases.robot.stroke import CURVES
 from validation.context import Context
@@ -24,104 +24,37 @@ from validation.studies.quantities import deflections_of, stroke_deflections
 from validation.studies.ritz import biglide as ritz
 
 _EQUIVALENT = ModelOptions(legs="equivalent")
-_STATIC: tuple[ModelName, ...] = ("vjm", "beam")
-_DYNAMIC: dict[ModelName, tuple[float, float, str]] = {
-    "beam": (BEAM_ORDER, 1e-4, "fourth order in 1/n: below 1e-5 with 20 elements"),
-    "segments": (SEGMENT_ORDER, 0.01, "the paper's 1 % for 20 elements (§3.2)"),
-}
+_DYNAMIC = (
+    ("beam", BEAM_ORDER, Relative(1e-4), "fourth order in 1/n: below 1e-5 with 20 elements"),
+    ("segments", SEGMENT_ORDER, Relative(0.01), "the paper's 1 % for 20 elements (§3.2)"),
+)
 _FREQUENCIES = 4
 # Over the stroke: the first number is judged, the others show what it misses.
 _POSTURES = (81, 71, 61)
 FORCE, _MICROMETRE = 1000.0, 1e-6
 
-
-def cases() -> tuple[Case, ...]:
-    """Deflections and frequencies of the models over springs, beams and drives."""
-    return (
-        Case(
-            id="robot.anchor.simplified",
-            title="The simplified model's largest planar deflection follows from geometry",
-            quantity="largest planar deflection under 1000 N over the stroke",
-            unit="µm",
-            reference_kind="closed-form",
-            citation="eqs (1), (2) by hand: virtual power of two drives; Brent's method along x",
-            tolerance=Relative(2e-3),
-            tolerance_reason=f"{_POSTURES[0]} postures miss the peak by the square of half a step",
-            compute=_simplified,
-            model="simplified",
-            section=STROKE,
-            group="robot.anchor",
-            figure="deflection.simplified",
-        ),
-        *(_deflection(model, curve) for model in _STATIC for curve in CURVES),
-        *(_frequency(model, index) for model in _DYNAMIC for index in range(_FREQUENCIES)),
-    )
+cases = CaseGroup(
+    reference_kind="independent-solver",
+    citation=RITZ,
+    section=STROKE,
+    group="robot.anchor",
+)
+# What the paper prints as its model: joints released by zeros, eq. (25).
+paper_cases = cases.like()
 
 
-def paper_cases() -> tuple[Case, ...]:
-    """What the paper prints as its model: joints released by zeros, eq. (25)."""
-    return tuple(
-        Case(
-            id=f"robot.anchor.printed.frequency[{index + 1}]",
-            title=f"At the centre frequency {index + 1} in segments, eq. (25) printed, is Ritz's",
-            quantity=f"natural frequency {index + 1}, eq. (25) as printed, centre of the stroke",
-            unit="Hz",
-            reference_kind="independent-solver",
-            citation=RITZ,
-            tolerance=Relative(0.01),
-            tolerance_reason="the paper's 1 % for 20 elements (§3.2)",
-            compute=partial(_printed, index=index),
-            model="segments",
-            section=STROKE,
-            group="robot.anchor",
-            effort=0.3,
-        )
-        for index in range(_FREQUENCIES)
-    )
-
-
-def _deflection(model: ModelName, curve: str) -> Case:
-    attribute, meaning = CURVES[curve]
-    return Case(
-        id=f"robot.anchor.{model}.{curve}",
-        title=f"At the centre {model} has Ritz's {meaning}",
-        quantity=f"{meaning}, centre of the stroke",
-        unit="µm",
-        reference_kind="independent-solver",
-        citation=RITZ,
-        tolerance=Relative(1e-6),
-        tolerance_reason="statics of Timoshenko's legs are polynomials: rounding alone, grown by "
-        "the robot's condition",
-        compute=partial(_deflected, model=model, attribute=attribute),
-        model=model,
-        row="anchor",
-        section=STROKE,
-        group="robot.anchor",
-        figure="deflection.stroke",
-    )
-
-
-def _frequency(model: ModelName, index: int) -> Case:
-    _, fraction, reason = _DYNAMIC[model]
-    return Case(
-        id=f"robot.anchor.{model}.frequency[{index + 1}]",
-        title=f"At the centre frequency {index + 1} by {model} is Ritz's",
-        quantity=f"natural frequency {index + 1}, centre of the stroke",
-        unit="Hz",
-        reference_kind="independent-solver",
-        citation=RITZ,
-        tolerance=Relative(fraction),
-        tolerance_reason=reason,
-        compute=partial(_swinging, model=model, index=index),
-        model=model,
-        row="anchor",
-        section=STROKE,
-        group="robot.anchor",
-        effort=0.3,
-        figure="frequency.stroke",
-    )
-
-
+@cases.case(
+    "robot.anchor.simplified",
+    "The simplified model's largest planar deflection follows from geometry",
+    quantity="largest planar deflection under 1000 N over the stroke",
+    unit="µm",
+    reference_kind="closed-form",
+    citation="eqs (1), (2) by hand: virtual power of two drives; Brent's method along x",
+    tolerance=Relative(2e-3),
+    tolerance_reason=f"{_POSTURES[0]} postures miss the peak by the square of half a step",
+    model="simplified",
+    figure="deflection.simplified",
+)
 def _simplified(context: Context) -> Measurement:
     robot = context.robot
     found = [
@@ -184,6 +117,18 @@ def yielding_drives(robot: Biglide, x: float, force: tuple[float, float]) -> tup
     )
 
 
+@cases.case(
+    "robot.anchor.{model}.{name}",
+    "At the centre {model} has Ritz's {meaning}",
+    over={"model": ("vjm", "beam"), "name, attribute, meaning": CURVES},
+    quantity="{meaning}, centre of the stroke",
+    unit="µm",
+    tolerance=Relative(1e-6),
+    tolerance_reason="statics of Timoshenko's legs are polynomials: rounding alone, grown by the "
+    "robot's condition",
+    row="anchor",
+    figure="deflection.stroke",
+)
 def _deflected(context: Context, model: ModelName, attribute: str) -> Measurement:
     robot, x = context.robot, context.robot.centre
     found = context.get(robot_compliance, model, robot, x, _EQUIVALENT)
@@ -194,7 +139,20 @@ def _deflected(context: Context, model: ModelName, attribute: str) -> Measuremen
     return Measurement(value, by_ritz, exact=True, pose=(float(x),))
 
 
-def _swinging(context: Context, model: ModelName, index: int) -> Measurement:
+@cases.case(
+    "robot.anchor.{model}.frequency[{mode}]",
+    "At the centre frequency {mode} by {model} is Ritz's",
+    over={
+        "model, order, tolerance, tolerance_reason": _DYNAMIC,
+        "index, mode": numbered(_FREQUENCIES),
+    },
+    quantity="natural frequency {mode}, centre of the stroke",
+    unit="Hz",
+    row="anchor",
+    effort=0.3,
+    figure="frequency.stroke",
+)
+def _swinging(context: Context, model: ModelName, order: float, index: int) -> Measurement:
     robot, x = context.robot, context.robot.centre
     coarse, fine = (
         context.get(
@@ -206,7 +164,6 @@ def _swinging(context: Context, model: ModelName, index: int) -> Measurement:
         float(context.get(ritz.frequencies, robot, x, _FREQUENCIES, "timoshenko", degree)[index])
         for degree in (ritz.DEGREE, ritz.DEGREE - 2)
     )
-    order, _, _ = _DYNAMIC[model]
     uncertain = abs(reference - rougher)
     return Measurement(
         float(fine),
@@ -219,6 +176,17 @@ def _swinging(context: Context, model: ModelName, index: int) -> Measurement:
     )
 
 
+@paper_cases.case(
+    "robot.anchor.printed.frequency[{mode}]",
+    "At the centre frequency {mode} in segments, eq. (25) printed, is Ritz's",
+    over={"index, mode": numbered(_FREQUENCIES)},
+    quantity="natural frequency {mode}, eq. (25) as printed, centre of the stroke",
+    unit="Hz",
+    tolerance=Relative(0.01),
+    tolerance_reason="the paper's 1 % for 20 elements (§3.2)",
+    model="segments",
+    effort=0.3,
+)
 def _printed(context: Context, index: int) -> Measurement:
     robot, x = context.robot, context.robot.centre
     options = ModelOptions(release="printed")

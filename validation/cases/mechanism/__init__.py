@@ -13,7 +13,7 @@ def cases(described: Mechanism) -> tuple[Case, ...]:
     return (
         *path.cases(),
         *solids.cases(),
-        *motion.cases(described),
+        *motion.cases(mechanism=described),
         *calculix.cases(),
-        *exudyn.cases(described),
+        *exudyn.cases(mechanism=described),
     )

@@ -14,7 +14,8 @@ from lumped.mechanism.mechanism import Posture
 from lumped.system.assembly import assembly
 from lumped.system.solution import compliance, modes, solved
 from validation.adequacy.mechanism.path import known_legs, path_postures
-from validation.case import Absolute, Case, Measurement, Relative, Skip, others
+from validation.case import Absolute, Measurement, Relative, Skip, others
+from validation.case_group import CaseGroup
 from validation.cases.program.calculix import PRINTED, PRINTED_ROOT
 from validation.context import Context
 from validation.exhibits import PATH
@@ -33,44 +34,15 @@ _CITATION = (
     "same meshes, not reduced"
 )
 
-
-def cases() -> tuple[Case, ...]:
-    """Statics and frequencies in the first pose of the path."""
-    return (
-        Case(
-            id="mechanism.calculix.statics",
-            title="CalculiX gives the mechanism's 6×6 compliance, legs as solid bars",
-            quantity="entry of the 6×6 that differs most, in units of √(c_ii c_jj), first pose",
-            unit="1",
-            reference_kind="independent-solver",
-            citation=_CITATION,
-            tolerance=Absolute(1e-5),
-            tolerance_reason="the same equations: the seven printed digits, with a margin",
-            compute=_statics,
-            presets=("standard", "fine"),
-            model="solid",
-            section=PATH,
-            group=_GROUP,
-            effort=4.0,
-        ),
-        Case(
-            id="mechanism.calculix.frequencies",
-            title=f"CalculiX gives the mechanism's first {MODES} frequencies, legs as solid bars",
-            quantity="first natural frequency, the others beside it, first pose of the path",
-            unit="Hz",
-            reference_kind="independent-solver",
-            citation=_CITATION,
-            tolerance=Relative(1e-5),
-            tolerance_reason="the printed digits, and what bodies reduced with modes up to four "
-            "times the highest frequency leave",
-            compute=_frequency,
-            presets=("standard", "fine"),
-            model="solid",
-            section=PATH,
-            group=_GROUP,
-            effort=4.0,
-        ),
-    )
+cases = CaseGroup(
+    reference_kind="independent-solver",
+    citation=_CITATION,
+    presets=("standard", "fine"),
+    model="solid",
+    section=PATH,
+    group=_GROUP,
+    effort=4.0,
+)
 
 
 Answers: TypeAlias = tuple[Array, Array]
@@ -121,12 +93,29 @@ def _found(context: Context) -> tuple[Answers, Answers]:
     return context.get(by_reduced, at), theirs
 
 
+@cases.case(
+    "mechanism.calculix.statics",
+    "CalculiX gives the mechanism's 6×6 compliance, legs as solid bars",
+    quantity="entry of the 6×6 that differs most, in units of √(c_ii c_jj), first pose",
+    unit="1",
+    tolerance=Absolute(1e-5),
+    tolerance_reason="the same equations: the seven printed digits, with a margin",
+)
 def _statics(context: Context) -> Measurement:
     (own, _), (theirs, _) = _found(context)
     value, reference = farthest_entry(own, theirs)
     return Measurement(value, reference, reference_uncertainty=PRINTED)
 
 
+@cases.case(
+    "mechanism.calculix.frequencies",
+    f"CalculiX gives the mechanism's first {MODES} frequencies, legs as solid bars",
+    quantity="first natural frequency, the others beside it, first pose of the path",
+    unit="Hz",
+    tolerance=Relative(1e-5),
+    tolerance_reason="the printed digits, and what bodies reduced with modes up to four times the "
+    "highest frequency leave",
+)
 def _frequency(context: Context) -> Measurement:
     (_, own), (_, theirs) = _found(context)
     names = [f"mode {k + 1}" for k in range(len(theirs))]

@@ -1,7 +1,5 @@
 """A mechanism of beams against EXUDYN, a multibody code, in the reference posture and off it."""
 
-from functools import partial
-
 import numpy as np
 
 from fem.multibody import ExudynMissing, exudyn_version, frequencies
@@ -11,7 +9,8 @@ from lumped.mechanism.kinematics.postures import reference_posture
 from lumped.mechanism.mechanism import Mechanism, Posture
 from validation.adequacy.mechanism.path import path_postures
 from validation.agreement.convergence import step_factor
-from validation.case import Case, Measurement, Relative, Skip, others
+from validation.case import Measurement, Relative, Skip, others
+from validation.case_group import CaseGroup
 from validation.context import Context
 from validation.exhibits import PATH
 from validation.models.mechanism import Answer, answers
@@ -19,32 +18,14 @@ from validation.models.mechanism import Answer, answers
 MODES = 6
 # Beams a leg: of second order, so that extrapolated ones are of fourth.
 _ELEMENTS = (4, 8, 16)
-_PLACES = {"reference": "the reference posture", "start": "the first pose of the path"}
+
+cases = CaseGroup(section=PATH, group="mechanism.exudyn", effort=1.0, model="beam")
 
 
-def cases(mechanism: Mechanism) -> tuple[Case, ...]:
-    """The first frequencies in two postures; in one of what does not move."""
-    places = _PLACES if mechanism.tool.moves else {"reference": _PLACES["reference"]}
-    return tuple(
-        Case(
-            id=f"mechanism.exudyn[{place}]",
-            title=f"EXUDYN gives the first {MODES} frequencies in {said}, legs as beams",
-            quantity=f"first natural frequency, the others beside it, {said}",
-            unit="Hz",
-            reference_kind="independent-solver",
-            citation="EXUDYN, geometrically exact beams, generic joints and springs, linearised in "
-            "the posture; 8 and 16 beams a leg extrapolated by their second order",
-            tolerance=Relative(5e-4),
-            tolerance_reason="the step from 4 and 8 beams a leg to 8 and 16 shows what the "
-            "extrapolated frequencies leave open, 1e-4 to 3e-4",
-            compute=partial(_frequency, place=place),
-            section=PATH,
-            group="mechanism.exudyn",
-            effort=1.0,
-            model="beam",
-        )
-        for place, said in places.items()
-    )
+def _places(mechanism: Mechanism) -> list[tuple[str, str]]:
+    """Postures to compare in, and what they are called; what does not move has one."""
+    places = [("reference", "the reference posture"), ("start", "the first pose of the path")]
+    return places if mechanism.tool.moves else places[:1]
 
 
 def by_exudyn(at: Posture, count: int) -> tuple[Array, Array]:
@@ -69,6 +50,19 @@ def by_both(at: Posture) -> tuple[Answer, Array, Array]:
     return own, found[own.idle :], uncertain[own.idle :]
 
 
+@cases.case(
+    "mechanism.exudyn[{place}]",
+    f"EXUDYN gives the first {MODES} frequencies in {{said}}, legs as beams",
+    over={"place, said": _places},
+    quantity="first natural frequency, the others beside it, {said}",
+    unit="Hz",
+    reference_kind="independent-solver",
+    citation="EXUDYN, geometrically exact beams, generic joints and springs, linearised in the "
+    "posture; 8 and 16 beams a leg extrapolated by their second order",
+    tolerance=Relative(5e-4),
+    tolerance_reason="the step from 4 and 8 beams a leg to 8 and 16 shows what the extrapolated "
+    "frequencies leave open, 1e-4 to 3e-4",
+)
 def _frequency(context: Context, place: str) -> Measurement:
     at = path_postures(context)[0]
     at = reference_posture(at.mechanism) if place == "reference" else at
@@ -79,12 +73,11 @@ def _frequency(context: Context, place: str) -> Measurement:
     except InputError as error:
         raise Skip("; ".join(error.faults)) from None
     names = [f"mode {k + 1}" for k in range(len(theirs))]
-    uncertainty = uncertain
     return Measurement(
         float(own.frequencies[0]),
         float(theirs[0]),
-        reference_uncertainty=float(uncertainty[0]),
-        elsewhere=others(names, own.frequencies, theirs, uncertainty, 0),
+        reference_uncertainty=float(uncertain[0]),
+        elsewhere=others(names, own.frequencies, theirs, uncertain, 0),
         notes=(f"{names[0]}; EXUDYN {exudyn_version()}",),
         table={
             "mode": tuple(float(k) for k in range(1, len(theirs) + 1)),

@@ -21,7 +21,8 @@ from lumped.models.bodies import legs_of
 from lumped.system.assembly import assembly
 from lumped.system.solution import compliance, modes, solved
 from validation.adequacy.mechanism.path import path_postures
-from validation.case import Absolute, Case, Measurement, Skip
+from validation.case import Absolute, Measurement, Skip
+from validation.case_group import CaseGroup
 from validation.context import Context
 from validation.exhibits import PATH
 from validation.models.legs import filled, leg_matrices
@@ -34,53 +35,20 @@ _QUOTIENTS = (
     "difference quotients: the square of their step, and what closing the loops leaves of it"
 )
 
-
-def cases(mechanism: Mechanism) -> tuple[Case, ...]:
-    """Compliance and frequencies on the drives alone, and idle motions."""
-    stationed = bool(mechanism.tool.moves)
-    idle = Case(
-        id="mechanism.idle",
-        title="The assembler leaves as many motions idle as the closed loops do",
-        quantity="idle motions, in the pose where the two differ most",
-        unit="1",
-        reference_kind="independent-solver",
-        citation="null space of the joints' constraints on rigid bodies",
-        tolerance=Absolute(0.5),
-        tolerance_reason="a count is a whole number",
-        compute=_idle,
-        section=PATH,
-        group="mechanism.lumped",
-        effort=1.0,
-        model="beam",
-    )
-    return (*_of_moves(), idle) if stationed else (idle,)
-
-
-def _of_moves() -> tuple[Case, ...]:
-    statics = Case(
-        id="mechanism.simplified",
-        title="The simplified model yields as its drives turn when the tool is moved",
-        quantity="largest relative difference of the compliances along the moves, middle of path",
-        unit="1",
-        reference_kind="independent-solver",
-        citation="C = (QᵀKQ)⁻¹, Q the drives' motion per motion of the tool",
-        tolerance=Absolute(1e-5),
-        tolerance_reason=_QUOTIENTS,
-        compute=_yielding,
-        section=PATH,
-        group="mechanism.lumped",
-        effort=1.0,
-        model="simplified",
-    )
-    inertia = replace(
-        statics,
-        id="mechanism.inertia",
-        title="On its drives it swings with the energy of its bodies' motions",
-        quantity="largest relative difference of the frequencies, all bodies rigid",
-        citation="QᵀKQ against Σ m vᵀv + ωᵀIω of all bodies per motion of the tool",
-        compute=_swinging,
-    )
-    return (statics, inertia)
+cases = CaseGroup(
+    unit="1",
+    reference_kind="independent-solver",
+    section=PATH,
+    group="mechanism.lumped",
+    effort=1.0,
+)
+# Once where the tool moves, else not at all.
+_of_moves = cases.family(
+    over={"moves": lambda mechanism: [mechanism.tool.moves] if mechanism.tool.moves else []},
+    tolerance=Absolute(1e-5),
+    tolerance_reason=_QUOTIENTS,
+    model="simplified",
+)
 
 
 @dataclass(frozen=True)
@@ -148,6 +116,12 @@ def _refined(context: Context, apart: Callable[[_Moved], float]) -> Measurement:
     return Measurement(found, 0.0, value_uncertainty=abs(by_twice_the_step - found))
 
 
+@_of_moves.case(
+    "mechanism.simplified",
+    "The simplified model yields as its drives turn when the tool is moved",
+    quantity="largest relative difference of the compliances along the moves, middle of path",
+    citation="C = (QᵀKQ)⁻¹, Q the drives' motion per motion of the tool",
+)
 def _yielding(context: Context) -> Measurement:
     return _refined(context, _yielding_apart)
 
@@ -161,6 +135,12 @@ def _yielding_apart(moved: _Moved) -> float:
     return float(np.abs((found - expected) / np.outer(sizes, sizes)).max())
 
 
+@_of_moves.case(
+    "mechanism.inertia",
+    "On its drives it swings with the energy of its bodies' motions",
+    quantity="largest relative difference of the frequencies, all bodies rigid",
+    citation="QᵀKQ against Σ m vᵀv + ωᵀIω of all bodies per motion of the tool",
+)
 def _swinging(context: Context) -> Measurement:
     return _refined(context, _swinging_apart)
 
@@ -208,6 +188,15 @@ def _with_rigid_legs(mechanism: Mechanism) -> Mechanism:
     return replace(mechanism, bodies=bodies)
 
 
+@cases.case(
+    "mechanism.idle",
+    "The assembler leaves as many motions idle as the closed loops do",
+    quantity="idle motions, in the pose where the two differ most",
+    citation="null space of the joints' constraints on rigid bodies",
+    tolerance=Absolute(0.5),
+    tolerance_reason="a count is a whole number",
+    model="beam",
+)
 def _idle(context: Context) -> Measurement:
     postures = path_postures(context)
     mechanism = postures[0].mechanism

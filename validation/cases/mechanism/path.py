@@ -5,7 +5,7 @@ against the motion of the tool, chains of virtual joints against the assembler, 
 links, solids against beams of their own constants, reduced bodies against whole ones.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 
 import numpy as np
@@ -23,7 +23,9 @@ from validation.adequacy.legs import solid_leg
 from validation.adequacy.mechanism.path import known_legs, path_postures
 from validation.adequacy.mechanism.statics import assembled, is_serial
 from validation.agreement.convergence import step_factor
-from validation.case import Absolute, Case, Measurement, Relative, Skip
+from validation.agreement.differences import farthest_off, refined
+from validation.case import Absolute, Measurement, Relative, Skip
+from validation.case_group import CaseGroup, numbered
 from validation.context import Context
 from validation.exhibits import PATH
 from validation.models.legs import leg_matrices, reduced_leg
@@ -39,128 +41,35 @@ from validation.solids.legs import FORMAL_ORDER
 from validation.solids.robots import SHARED_SOLIDS, TipCompliances
 from validation.studies.quantities import farthest_entry
 
-_LUMPED = "mechanism.lumped"
 _EULER = ModelOptions(theory="euler-bernoulli", legs="equivalent")
 _TIMOSHENKO = ModelOptions(legs="equivalent")
 _STATICS = "entry of the 6×6 that differs most over the path, in units of √(c_ii c_jj)"
-_DIAGONAL = "largest relative difference of the six diagonal compliances over the path"
 _ONE_STATICS = (
     "Frames of prismatic members are exact in statics at their nodes, whatever the number of "
     "elements: J. S. Przemieniecki, Theory of Matrix Structural Analysis (1968), ch. 5"
 )
 _ROUNDING = "one statics, assembled in two ways: rounding, grown by the condition of slender legs"
+_OF_ELEMENTS = (("beam", Absolute(1e-9)), ("segments", Absolute(1e-8)))
 _FEW_ELEMENTS = 8
 _SECOND_ORDER = 2.0
 
-
-def cases() -> tuple[Case, ...]:
-    """All comparisons of a mechanism's models."""
-    return (
-        _case(
-            "closure",
-            "Every joint is closed in every pose",
-            "largest gap of a joint over the path, of the size of the mechanism",
-            "positions of both sides, read off the bodies' frames",
-            Absolute(1e-12),
-            "the loops are closed until rounding is left",
-            _closure,
-        ),
-        _case(
-            "statics.vjm",
-            "Virtual joints along serial chains and links are one statics",
-            _STATICS,
-            _ONE_STATICS,
-            Absolute(1e-9),
-            _ROUNDING,
-            partial(_same_statics, first=("vjm", ModelOptions()), second=("links", ModelOptions())),
-            model="vjm",
-        ),
-        *(
-            _case(
-                f"statics.{model}[{options.theory}]",
-                f"Links and {model} of {options.theory} theory are one statics",
-                _STATICS,
-                _ONE_STATICS,
-                Absolute(1e-8 if model == "segments" else 1e-9),
-                _ROUNDING,
-                partial(_same_statics, first=(model, options), second=("links", options)),
-                model=model,
-            )
-            for options in (_EULER, _TIMOSHENKO)
-            for model in _OF_ELEMENTS
-        ),
-        _case(
-            "statics.solid",
-            "Solids with free ends are Timoshenko beams of the sections' own constants",
-            _DIAGONAL,
-            "Clapeyron's theorem on Saint-Venant's exact solution, constants of the same mesh",
-            Absolute(1e-4),
-            "no cause is left: the mesh alone, 0.003 % and less of a leg",
-            partial(_solid, ends="free"),
-            group=SHARED_SOLIDS,
-            model="solid",
-            effort=10.0,
-        ),
-        _case(
-            "statics.solid-held",
-            "Solids with rigid ends are those beams less what held faces take from them",
-            _DIAGONAL,
-            "Saint-Venant's end effects on the same mesh of the section, exact along the legs "
-            "(fem.couplings.end_effects)",
-            Absolute(1e-4),
-            "no cause is left: thin slices of the legs alone",
-            partial(_solid, ends="rigid"),
-            group=SHARED_SOLIDS,
-            model="solid",
-        ),
-        *(_frequency_case(index) for index in range(JUDGED_MODES)),
-        _case(
-            "reduction",
-            "Bodies reduced by Craig and Bampton have the frequencies of the whole mechanism",
-            f"largest relative difference of the first {JUDGED_MODES} frequencies, "
-            "middle of the path",
-            "the same beams without reduction, dense",
-            Absolute(1e-6),
-            "modes of the bodies up to four times the highest frequency leave less than that",
-            _reduction,
-            model="beam",
-        ),
-    )
+cases = CaseGroup(
+    unit="1",
+    reference_kind="independent-solver",
+    section=PATH,
+    group="mechanism.lumped",
+    effort=1.0,
+)
 
 
-_OF_ELEMENTS: tuple[ModelName, ...] = ("beam", "segments")
-
-
-def _case(
-    name: str,
-    title: str,
-    quantity: str,
-    citation: str,
-    tolerance: Absolute,
-    reason: str,
-    compute: Callable[[Context], Measurement],
-    *,
-    group: str = _LUMPED,
-    model: str = "",
-    effort: float = 1.0,
-) -> Case:
-    return Case(
-        id=f"mechanism.{name}",
-        title=title,
-        quantity=quantity,
-        unit="1",
-        reference_kind="independent-solver",
-        citation=citation,
-        tolerance=tolerance,
-        tolerance_reason=reason,
-        compute=compute,
-        section=PATH,
-        group=group,
-        effort=effort,
-        model=model,
-    )
-
-
+@cases.case(
+    "mechanism.closure",
+    "Every joint is closed in every pose",
+    quantity="largest gap of a joint over the path, of the size of the mechanism",
+    citation="positions of both sides, read off the bodies' frames",
+    tolerance=Absolute(1e-12),
+    tolerance_reason="the loops are closed until rounding is left",
+)
 def _closure(context: Context) -> Measurement:
     postures = path_postures(context)
     size = context.robot_file.mechanism.size
@@ -179,15 +88,28 @@ def _gap(at: Posture) -> float:
     return max(gaps)
 
 
-def _same_statics(
-    context: Context,
-    first: tuple[ModelName, ModelOptions],
-    second: tuple[ModelName, ModelOptions],
-) -> Measurement:
+_of_links = cases.family(
+    quantity=_STATICS, citation=_ONE_STATICS, tolerance=Absolute(1e-9), tolerance_reason=_ROUNDING
+)
+
+
+@_of_links.case(
+    "mechanism.statics.{model}[{options.theory}]",
+    "Links and {model} of {options.theory} theory are one statics",
+    over={"options": (_EULER, _TIMOSHENKO), "model, tolerance": _OF_ELEMENTS},
+)
+@_of_links.case(
+    "mechanism.statics.{model}",
+    "Virtual joints along serial chains and links are one statics",
+    over={"model, options": [("vjm", ModelOptions())]},
+)
+def _same_statics(context: Context, model: ModelName, options: ModelOptions) -> Measurement:
     postures = path_postures(context)
-    if first[0] == "vjm" and (branches := is_serial(postures)):
+    if model == "vjm" and (branches := is_serial(postures)):
         raise Skip(branches)
-    found, expected = (context.get(path_compliances, postures, *model) for model in (first, second))
+    found, expected = (
+        context.get(path_compliances, postures, one, options) for one in (model, "links")
+    )
     return Measurement(*farthest_entry(found, expected), exact=True)
 
 
@@ -198,6 +120,30 @@ def path_compliances(
     return np.array([one.compliance for one in answers(model, postures, 0, options)])
 
 
+_of_solids = cases.family(
+    quantity="largest relative difference of the six diagonal compliances over the path",
+    tolerance=Absolute(1e-4),
+    group=SHARED_SOLIDS,
+    model="solid",
+)
+
+
+@_of_solids.case(
+    "mechanism.statics.solid-held",
+    "Solids with rigid ends are those beams less what held faces take from them",
+    over={"ends": ("rigid",)},
+    citation="Saint-Venant's end effects on the same mesh of the section, exact along the legs "
+    "(fem.couplings.end_effects)",
+    tolerance_reason="no cause is left: thin slices of the legs alone",
+)
+@_of_solids.case(
+    "mechanism.statics.solid",
+    "Solids with free ends are Timoshenko beams of the sections' own constants",
+    over={"ends": ("free",)},
+    citation="Clapeyron's theorem on Saint-Venant's exact solution, constants of the same mesh",
+    tolerance_reason="no cause is left: the mesh alone, 0.003 % and less of a leg",
+    effort=10.0,
+)
 def _solid(context: Context, ends: Ends) -> Measurement:
     postures = path_postures(context)
     legs = known_legs(postures[0].mechanism)
@@ -237,24 +183,19 @@ def _off_beams(
     return np.asarray(solids / beams - 1.0)
 
 
-def _frequency_case(index: int) -> Case:
-    return Case(
-        id=f"mechanism.frequency.segments[{index + 1}]",
-        title=f"Frequency {index + 1} in segments is that of beams, middle of the path",
-        quantity=f"natural frequency {index + 1}",
-        unit="Hz",
-        reference_kind="independent-solver",
-        citation="Timoshenko beam elements of the same constants, fourth order",
-        tolerance=Relative(0.01),
-        tolerance_reason="springs between rigid segments are second order in 1/n: what doubling "
-        "their number changes is the uncertainty",
-        compute=partial(_frequency, index=index),
-        section=PATH,
-        group=_LUMPED,
-        model="segments",
-    )
-
-
+@cases.case(
+    "mechanism.frequency.segments[{mode}]",
+    "Frequency {mode} in segments is that of beams, middle of the path",
+    over={"index, mode": numbered(JUDGED_MODES)},
+    quantity="natural frequency {mode}",
+    unit="Hz",
+    citation="Timoshenko beam elements of the same constants, fourth order",
+    tolerance=Relative(0.01),
+    tolerance_reason="springs between rigid segments are second order in 1/n: what doubling their "
+    "number changes is the uncertainty",
+    model="segments",
+    effort=0.1,
+)
 def _frequency(context: Context, index: int) -> Measurement:
     postures = path_postures(context)
     middle = (postures[len(postures) // 2],)
@@ -262,8 +203,7 @@ def _frequency(context: Context, index: int) -> Measurement:
         context.get(_frequencies, middle, model, ModelOptions(elements=elements))[index]
         for model, elements in _REFINED
     )
-    step = step_factor(2.0, _SECOND_ORDER) * abs(fine - coarse)
-    return Measurement(float(fine), float(beam), value_uncertainty=float(step))
+    return refined(coarse, fine, beam, order=_SECOND_ORDER)
 
 
 _REFINED: tuple[tuple[ModelName, int], ...] = (("segments", 20), ("segments", 40), ("beam", 20))
@@ -276,6 +216,17 @@ def _frequencies(
     return tuple(found.frequencies.tolist())
 
 
+@cases.case(
+    "mechanism.reduction",
+    "Bodies reduced by Craig and Bampton have the frequencies of the whole mechanism",
+    quantity=f"largest relative difference of the first {JUDGED_MODES} frequencies, middle of the "
+    "path",
+    citation="the same beams without reduction, dense",
+    tolerance=Absolute(1e-6),
+    tolerance_reason="modes of the bodies up to four times the highest frequency leave less than "
+    "that",
+    model="beam",
+)
 def _reduction(context: Context) -> Measurement:
     postures = path_postures(context)
     middle = postures[len(postures) // 2]
@@ -291,4 +242,4 @@ def _reduction(context: Context) -> Measurement:
         modes(solved(assembly(middle.mechanism, bodies).at(middle)), JUDGED_MODES).frequencies
         for bodies in (reduced, whole)
     )
-    return Measurement(float(np.max(np.abs(found / expected - 1.0))), 0.0, exact=True)
+    return farthest_off(found / expected - 1.0)

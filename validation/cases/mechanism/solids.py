@@ -5,7 +5,6 @@ with that, both are one to a thousandth.
 """
 
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 
@@ -20,7 +19,8 @@ from validation.adequacy.mechanism.path import known_legs, offered, path_posture
 from validation.adequacy.mechanism.samples import samples_of
 from validation.adequacy.partners import partners
 from validation.agreement.convergence import step_factor
-from validation.case import Absolute, Allowance, Case, Measurement, Relative, Skip
+from validation.case import Absolute, Allowance, Measurement, Relative, Skip
+from validation.case_group import CaseGroup, numbered
 from validation.context import Context
 from validation.exhibits import PATH
 from validation.models.mechanism import CUTOFF, highest_frequency
@@ -50,45 +50,14 @@ class FreeModes:
     likeness: Array
 
 
-def cases() -> tuple[Case, ...]:
-    """The first frequencies and shapes, middle of the path."""
-    return (
-        *(
-            Case(
-                id=f"mechanism.solid.frequency[{index + 1}]",
-                title=f"Frequency {index + 1} of solids with free ends is that of beams and of the "
-                "waves in them",
-                quantity=f"natural frequency {index + 1}, middle of the path, paired by shape",
-                unit="Hz",
-                reference_kind="independent-solver",
-                citation=_OWN,
-                tolerance=Relative(1e-3),
-                tolerance_reason="what waves of 3-D elasticity say of beam theory is allowed for: "
-                "what is left has no name",
-                compute=partial(_frequency, index=index),
-                model="solid",
-                section=PATH,
-                group=SHARED_SOLIDS,
-                effort=5.0,
-            )
-            for index in range(MODES)
-        ),
-        Case(
-            id="mechanism.solid.likeness",
-            title=f"The first {MODES} modes of solids with free ends have the shapes of beams",
-            quantity="smallest MAC, of close modes that of their space",
-            unit="1",
-            reference_kind="independent-solver",
-            citation=_OWN,
-            tolerance=Absolute(_SHAPE),
-            tolerance_reason="0.99 is the project's measure of one and the same mode",
-            compute=_likeness,
-            model="solid",
-            section=PATH,
-            group=SHARED_SOLIDS,
-            effort=5.0,
-        ),
-    )
+cases = CaseGroup(
+    reference_kind="independent-solver",
+    citation=_OWN,
+    model="solid",
+    section=PATH,
+    group=SHARED_SOLIDS,
+    effort=5.0,
+)
 
 
 def free_modes(postures: tuple[Posture, ...], divisions: int, walls: int, count: int) -> FreeModes:
@@ -142,6 +111,16 @@ def _both(context: Context) -> tuple[FreeModes, FreeModes, float]:
     return found, rougher, step_factor(ratio, FORMAL_ORDER)
 
 
+@cases.case(
+    "mechanism.solid.frequency[{mode}]",
+    "Frequency {mode} of solids with free ends is that of beams and of the waves in them",
+    over={"index, mode": numbered(MODES)},
+    quantity="natural frequency {mode}, middle of the path, paired by shape",
+    unit="Hz",
+    tolerance=Relative(1e-3),
+    tolerance_reason="what waves of 3-D elasticity say of beam theory is allowed for: what is left "
+    "has no name",
+)
 def _frequency(context: Context, index: int) -> Measurement:
     found, rougher, factor = _both(context)
     change = float(found.changes[index])
@@ -178,6 +157,14 @@ def _table(found: FreeModes) -> dict[str, tuple[float | str, ...]]:
     return {heading: tuple(column.tolist()) for heading, column in columns.items()}
 
 
+@cases.case(
+    "mechanism.solid.likeness",
+    f"The first {MODES} modes of solids with free ends have the shapes of beams",
+    quantity="smallest MAC, of close modes that of their space",
+    unit="1",
+    tolerance=Absolute(_SHAPE),
+    tolerance_reason="0.99 is the project's measure of one and the same mode",
+)
 def _likeness(context: Context) -> Measurement:
     found, rougher, factor = _both(context)
     mode = int(np.argmin(found.likeness))

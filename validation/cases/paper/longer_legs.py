@@ -1,114 +1,56 @@
 """The family of robots with longer legs, as solids, at the three points of Figs 6 and 13."""
 
-from functools import partial
-
 import numpy as np
 
 from lumped.arrays import Array
-from validation.case import Absolute, Case, Measurement, Relation
+from validation.case import Absolute, Measurement, Relation
+from validation.case_group import CaseGroup, numbered
+from validation.cases.robot.stroke import CURVES
 from validation.context import Context, Preset
 from validation.exhibits import LENGTHS
 from validation.sweeps.decision import OBJECTIVES, Objective, spearman
 from validation.sweeps.plans import COARSE, RIGID
 from validation.sweeps.studies import GROUP, PAPER, PLANS, POINTS, family_of
 
-CURVES = {
-    "planar-x": ("planar_x", "planar deflection under 1000 N along x"),
-    "planar-y": ("planar_y", "planar deflection under 1000 N along y"),
-    "along-z": ("along_z", "deflection along z under 1000 N along z"),
-}
 _REFINED_PRESETS: tuple[Preset, ...] = ("standard", "fine")
 
 
-def paper_cases() -> tuple[Case, ...]:
-    """What the paper's family shows with solid legs; for the paper's robot alone.
-
-    That rigid faces change next to nothing but torsion is true of its legs, rectangles of ν = 0.
-    For any other robot `robot.solid.statics-…` judges every cause by its own size.
-    """
-    return (
-        *_family_statics(),
-        *_family_frequencies(),
-        *(
-            Case(
-                id=f"paper.decision.contradiction[{objective}]",
-                title=f"Solid legs order the family by {objective} against the simplified model",
-                quantity="Spearman's ρ of simplified and solid over the family, centre of stroke",
-                unit="1",
-                reference_kind="paper-statement",
-                citation=PAPER,
-                tolerance=Absolute(0.1),
-                tolerance_reason="the paper's 'in contradiction': opposite order, but for an "
-                "exchange of neighbours among five designs or more, 12/n(n² − 1)",
-                compute=partial(_contradiction, objective=objective),
-                presets=_REFINED_PRESETS,
-                section=LENGTHS,
-                group=GROUP,
-                figure="decision.family",
-                effort=0.1,
-            )
-            for objective in OBJECTIVES
-        ),
-    )
+# That rigid faces change next to nothing but torsion is true of the paper's legs, rectangles of
+# ν = 0. For any other robot `robot.solid.statics-…` judges every cause by its own size.
+paper_cases = CaseGroup(
+    presets=_REFINED_PRESETS, section=LENGTHS, group=GROUP, figure="decision.family"
+)
+_differences = paper_cases.family(
+    unit="%",
+    reference_kind="independent-solver",
+    relation=Relation.AT_MOST,
+    model="solid",
+    effort=0.3,
+)
+_BENDING = "bending and tension with ν = 0 are exact, what is left is the mesh"
+_TORSION = "rigid end faces restrain warping: stiffer in torsion and with it along z"
+# Limit and tolerance (%) of each curve, why, and presets: two elements across the section leave
+# 0.2 % of torsion open, more than the tolerance.
+_LIMITS = (
+    (0.01, Absolute(0.005), _BENDING, _REFINED_PRESETS),
+    (0.01, Absolute(0.005), _BENDING, _REFINED_PRESETS),
+    (2.1, Absolute(0.05), _TORSION, ("fine",)),
+)
 
 
-def _family_statics() -> list[Case]:
-    return [
-        Case(
-            id=f"family.statics.solid-vjm.{curve}",
-            title=f"Longer legs as solids give the virtual joints' {meaning}",
-            quantity=f"largest difference in {meaning} over α and the points of the stroke",
-            unit="%",
-            reference_kind="independent-solver",
-            citation="virtual joint method, eqs (3) to (9), same equivalent legs",
-            tolerance=Absolute(0.05 if curve == "along-z" else 0.005),
-            relation=Relation.AT_MOST,
-            tolerance_reason="rounding of the bound; "
-            + (
-                "rigid end faces restrain warping: stiffer in torsion and with it along z"
-                if curve == "along-z"
-                else "bending and tension with ν = 0 are exact, what is left is the mesh"
-            ),
-            compute=partial(
-                _family_static, attribute=attribute, limit=2.1 if curve == "along-z" else 0.01
-            ),
-            # Two elements across the section leave 0.2 % of torsion open, more than the tolerance.
-            presets=("fine",) if curve == "along-z" else _REFINED_PRESETS,
-            model="solid",
-            section=LENGTHS,
-            group=GROUP,
-            figure="decision.family",
-            effort=0.3,
-        )
-        for curve, (attribute, meaning) in CURVES.items()
-    ]
-
-
-def _family_frequencies() -> list[Case]:
-    return [
-        Case(
-            id=f"family.frequency.solid-segments[{index + 1}]",
-            title=f"Longer legs as solids give frequency {index + 1} of the robot in segments",
-            quantity=f"largest difference in frequency {index + 1} over α and the points of the "
-            "stroke",
-            unit="%",
-            reference_kind="independent-solver",
-            citation="Timoshenko segments, paper §3.2",
-            tolerance=Absolute(0.5),
-            relation=Relation.AT_MOST,
-            tolerance_reason="rounding of the paper's 1 % for 20 segments (§3.2)",
-            compute=partial(_family_frequency, index=index),
-            presets=_REFINED_PRESETS,
-            model="solid",
-            section=LENGTHS,
-            group=GROUP,
-            figure="decision.family",
-            effort=0.3,
-        )
-        for index in range(2)
-    ]
-
-
+@paper_cases.case(
+    "paper.decision.contradiction[{objective}]",
+    "Solid legs order the family by {objective} against the simplified model",
+    over={"objective": OBJECTIVES},
+    quantity="Spearman's ρ of simplified and solid over the family, centre of stroke",
+    unit="1",
+    reference_kind="paper-statement",
+    citation=PAPER,
+    tolerance=Absolute(0.1),
+    tolerance_reason="the paper's 'in contradiction': opposite order, but for an exchange of "
+    "neighbours among five designs or more, 12/n(n² − 1)",
+    effort=0.1,
+)
 def _contradiction(context: Context, objective: Objective) -> Measurement:
     alphas, curves = family_of(context)
     simple = curves["simplified", "centre"]
@@ -134,6 +76,18 @@ def _contradiction(context: Context, objective: Objective) -> Measurement:
     )
 
 
+@_differences.case(
+    "family.statics.solid-vjm.{name}",
+    "Longer legs as solids give the virtual joints' {meaning}",
+    over={
+        "name, attribute, meaning, limit, tolerance, why, presets": tuple(
+            (*curve, *limits) for curve, limits in zip(CURVES, _LIMITS, strict=True)
+        )
+    },
+    quantity="largest difference in {meaning} over α and the points of the stroke",
+    citation="virtual joint method, eqs (3) to (9), same equivalent legs",
+    tolerance_reason="rounding of the bound; {why}",
+)
 def _family_static(context: Context, attribute: str, limit: float) -> Measurement:
     _, curves = family_of(context)
 
@@ -143,6 +97,15 @@ def _family_static(context: Context, attribute: str, limit: float) -> Measuremen
     return _worst(context, values(RIGID), values(COARSE), values("VJM"), limit)
 
 
+@_differences.case(
+    "family.frequency.solid-segments[{mode}]",
+    "Longer legs as solids give frequency {mode} of the robot in segments",
+    over={"index, mode": numbered(2)},
+    quantity="largest difference in frequency {mode} over α and the points of the stroke",
+    citation="Timoshenko segments, paper §3.2",
+    tolerance=Absolute(0.5),
+    tolerance_reason="rounding of the paper's 1 % for 20 segments (§3.2)",
+)
 def _family_frequency(context: Context, index: int) -> Measurement:
     _, curves = family_of(context)
 

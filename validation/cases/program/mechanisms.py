@@ -60,7 +60,7 @@ def cases() -> tuple[Case, ...]:
         *(
             _moved(case, robot)
             for robot in _MOVED
-            for case in mechanism_motion.cases(load_robot(robot).mechanism)
+            for case in mechanism_motion.cases(mechanism=load_robot(robot).mechanism)
         ),
         *(
             _moved(case, "five-bar")

@@ -1,7 +1,6 @@
 """The robot with solid legs, elastic feet and tool, unreduced, against CalculiX."""
 
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 
@@ -13,7 +12,8 @@ from lumped.arrays import Array
 from lumped.biglide import Biglide, postures, with_equivalent_legs
 from lumped.legs import equivalent_leg
 from meshes.prism.tetrahedra import tetrahedra
-from validation.case import Absolute, Case, Measurement, Relative, Skip, others
+from validation.case import Absolute, Measurement, Relative, Skip, others
+from validation.case_group import CaseGroup
 from validation.cases.program.calculix import PRINTED, PRINTED_ROOT
 from validation.context import Context, Preset
 from validation.exhibits import SOLID_ROBOT
@@ -30,48 +30,16 @@ _CITATION = (
     "6×6 springs"
 )
 
-
-def cases() -> tuple[Case, ...]:
-    """Statics and frequencies at two postures."""
-    return tuple(case for place in PLACES for case in _posture(place))
-
-
-def _posture(place: str) -> tuple[Case, Case]:
-    return (
-        Case(
-            id=f"robot.solid.calculix.statics[{place}]",
-            title=f"CalculiX gives the robot's 6×6 compliance, {place} of the stroke",
-            quantity="entry of the 6×6 that differs most, in units of √(c_ii c_jj)",
-            unit="1",
-            reference_kind="independent-solver",
-            citation=_CITATION,
-            tolerance=Absolute(1e-4),
-            tolerance_reason="the same equations: the seven printed digits, with a margin",
-            compute=partial(_statics, place=place),
-            presets=("standard", "fine"),
-            model="solid",
-            section=SOLID_ROBOT,
-            group="robot.solid.calculix",
-            effort=3.0,
-        ),
-        Case(
-            id=f"robot.solid.calculix.frequencies[{place}]",
-            title=f"CalculiX gives the robot's first {MODES} frequencies, {place} of the stroke",
-            quantity="first natural frequency, the others beside it",
-            unit="Hz",
-            reference_kind="independent-solver",
-            citation=_CITATION,
-            tolerance=Relative(1e-4),
-            tolerance_reason="the same equations once the mass is summed over the same points: "
-            "the seven printed digits, with a margin",
-            compute=partial(_frequency, place=place),
-            presets=("standard", "fine"),
-            model="solid",
-            section=SOLID_ROBOT,
-            group="robot.solid.calculix",
-            effort=3.0,
-        ),
-    )
+cases = CaseGroup(
+    over={"place": PLACES},
+    reference_kind="independent-solver",
+    citation=_CITATION,
+    presets=("standard", "fine"),
+    model="solid",
+    section=SOLID_ROBOT,
+    group="robot.solid.calculix",
+    effort=3.0,
+)
 
 
 @dataclass(frozen=True)
@@ -128,12 +96,29 @@ def _found(context: Context, place: str) -> tuple[Sparse, Array, Array]:
     return context.get(by_sparse, *question), *theirs
 
 
+@cases.case(
+    "robot.solid.calculix.statics[{place}]",
+    "CalculiX gives the robot's 6×6 compliance, {place} of the stroke",
+    quantity="entry of the 6×6 that differs most, in units of √(c_ii c_jj)",
+    unit="1",
+    tolerance=Absolute(1e-4),
+    tolerance_reason="the same equations: the seven printed digits, with a margin",
+)
 def _statics(context: Context, place: str) -> Measurement:
     ours, theirs, _ = _found(context, place)
     value, reference = farthest_entry(ours.compliance, theirs)
     return Measurement(value, reference, reference_uncertainty=PRINTED)
 
 
+@cases.case(
+    "robot.solid.calculix.frequencies[{place}]",
+    f"CalculiX gives the robot's first {MODES} frequencies, {{place}} of the stroke",
+    quantity="first natural frequency, the others beside it",
+    unit="Hz",
+    tolerance=Relative(1e-4),
+    tolerance_reason="the same equations once the mass is summed over the same points: the seven "
+    "printed digits, with a margin",
+)
 def _frequency(context: Context, place: str) -> Measurement:
     ours, _, theirs = _found(context, place)
     names = [f"mode {k + 1}" for k in range(len(theirs))]

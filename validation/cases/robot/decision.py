@@ -1,7 +1,6 @@
 """Decisions by lumped models, judged by solid legs: the best length of the legs and its price."""
 
 from collections.abc import Callable, Sequence
-from functools import partial
 from math import hypot, inf, nan
 
 import numpy as np
@@ -10,7 +9,8 @@ from lumped.arrays import Array
 from lumped.biglide import Biglide, scaled
 from lumped.legs import equivalent_leg, tip_compliance
 from lumped.models import vjm
-from validation.case import Absolute, Allowance, Case, Measurement, Relation, Relative
+from validation.case import Absolute, Allowance, Measurement, Relation, Relative
+from validation.case_group import CaseGroup
 from validation.context import Context
 from validation.exhibits import LENGTHS, Study
 from validation.solids.robots import two_meshes
@@ -27,117 +27,31 @@ FOLLOWED: dict[Objective, tuple[str, ...]] = {
 _SECTION_UNKNOWNS = 600
 # The refined lumped model of the paper for each objective.
 REFINED: dict[Objective, str] = {"deflection": "VJM", "frequency": "segments"}
-_case = partial(Case, section=LENGTHS, group=GROUP, presets=DECIDED, figure="decision.objectives")
+
+cases = CaseGroup(
+    presets=DECIDED, section=LENGTHS, group=GROUP, effort=0.1, figure="decision.objectives"
+)
+# The paper's conclusion, with solid legs as the judge. How well the lumped models decide is a
+# finding about its legs (ν = 0, slenderness 2 to 5): thin walls or open sections, for which
+# textbook constants are 10 % off, may well choose otherwise.
+paper_cases = cases.like(reference_kind="finer-model", unit="%")
+_OBJECTIVES = tuple((objective, MEANING[objective]) for objective in OBJECTIVES)
 
 
-def cases() -> tuple[Case, ...]:
-    """What the decisions of all models cost, whatever the robot."""
-    return tuple(_search(objective) for objective in OBJECTIVES)
-
-
-def paper_cases() -> tuple[Case, ...]:
-    """The paper's conclusion, with solid legs as the judge; for the paper's robot alone.
-
-    How well the lumped models decide is a finding about its legs (ν = 0, slenderness 2 to 5): thin
-    walls or open sections, for which textbook constants are 10 % off, may well choose otherwise.
-    """
-    return (
-        *_costs(),
-        *_ranks(),
-        *_prices(),
-        _case(
-            id="paper.decision.longest",
-            title="The simplified model has nothing against the longest legs",
-            quantity="largest α among its best by deflection",
-            unit="1",
-            reference_kind="paper-statement",
-            citation=PAPER,
-            tolerance=Absolute(0.1),
-            tolerance_reason="a tenth of the paper's range of α",
-            compute=_longest,
-            effort=0.1,
-        ),
-    )
-
-
-def _search(objective: Objective) -> Case:
-    return _case(
-        id=f"decision.{objective}.search",
-        title=f"No model's α by {objective} is better in the solid's terms than the solid's own",
-        quantity=f"smallest loss in the solid's {MEANING[objective]} of all choices",
-        unit="%",
-        reference_kind="closed-form",
-        citation="a minimum: nothing that was looked at lies below it",
-        tolerance=Absolute(1.0),
-        tolerance_reason="the models halve about optima of their own and may come upon an α that "
-        "the solid's search passed by: a design within 1 % of the best is a good one",
-        compute=partial(_smallest_loss, objective=objective),
-        relation=Relation.AT_LEAST,
-        effort=0.1,
-    )
-
-
-def _costs() -> list[Case]:
-    return [
-        _case(
-            id=f"decision.{objective}.cost[{label}]",
-            title=f"The α that {label} chooses by {objective} is as good as the solid's own",
-            quantity=f"loss in the solid's {MEANING[objective]}",
-            unit="%",
-            reference_kind="finer-model",
-            citation="the best α of the robot with solid legs, rigid end faces, same search",
-            tolerance=Absolute(1.0),
-            tolerance_reason="a design within 1 % of the best is a good one",
-            compute=partial(_cost, label=label, objective=objective),
-            effort=1.0,
-        )
-        for objective in OBJECTIVES
-        for label in FOLLOWED[objective]
-    ]
-
-
-def _ranks() -> list[Case]:
-    return [
-        _case(
-            id=f"decision.{objective}.rank[{label}]",
-            title=f"By {objective} {label} puts the designs into the solid's order",
-            quantity="Spearman's rank correlation over the grid of α",
-            unit="1",
-            reference_kind="finer-model",
-            citation="robot with solid legs, rigid end faces",
-            tolerance=Absolute(0.06),
-            tolerance_reason="one exchange of neighbours among six designs, 12/n(n² − 1)",
-            compute=partial(_rank, label=label, objective=objective),
-            effort=0.1,
-        )
-        for objective in OBJECTIVES
-        for label in FOLLOWED[objective]
-    ]
-
-
-def _prices() -> list[Case]:
-    return [
-        _case(
-            id=f"decision.{objective}.price",
-            title=f"What the simplified model's α costs by {objective}: {REFINED[objective]} and "
-            "solid agree",
-            quantity=f"{MEANING[objective]}, at the simplified model's α in per cent of the best",
-            unit="%",
-            reference_kind="finer-model",
-            citation="the same ratio in terms of the robot with solid legs",
-            tolerance=Relative(0.02),
-            tolerance_reason="1 % for each of the two values of the ratio",
-            compute=partial(_price, objective=objective),
-            effort=0.1,
-        )
-        for objective in OBJECTIVES
-    ]
-
-
-def _cost(context: Context, label: str, objective: Objective) -> Measurement:
+@paper_cases.case(
+    "decision.{objective}.cost[{by}]",
+    "The α that {by} chooses by {objective} is as good as the solid's own",
+    over={"objective, meaning": _OBJECTIVES, "by": lambda objective: FOLLOWED[objective]},
+    quantity="loss in the solid's {meaning}",
+    citation="the best α of the robot with solid legs, rigid end faces, same search",
+    tolerance=Absolute(1.0),
+    tolerance_reason="a design within 1 % of the best is a good one",
+    effort=1.0,
+)
+def _cost(context: Context, by: str, objective: Objective) -> Measurement:
     decision = decision_of(context)
-    choice, own = decision.choices[label, objective], decision.choices[RIGID, objective]
-    cost = 100.0 * decision.cost(label, objective, RIGID)
+    choice, own = decision.choices[by, objective], decision.choices[RIGID, objective]
+    cost = 100.0 * decision.cost(by, objective, RIGID)
     return Measurement(
         cost,
         reference=0.0,
@@ -147,7 +61,7 @@ def _cost(context: Context, label: str, objective: Objective) -> Measurement:
         reference_uncertainty=100.0
         * _sampling_effect(decision, (choice.best, own.best), objective),
         notes=(
-            f"{label} chooses α = {choice.best:.4g}, the solid {own.best:.4g} "
+            f"{by} chooses α = {choice.best:.4g}, the solid {own.best:.4g} "
             f"({own.value:.4g} {UNITS[objective]}); between the designs of its search the solid "
             f"may gain another {100.0 * decision.resolution(objective, RIGID):.2g} %.",
             *_impossible(decision),
@@ -179,20 +93,41 @@ def _judged_coarsely(context: Context, decision: Decision, number: Callable[[str
     return PLANS[context.preset].refinement * abs(number(RIGID) - number(COARSE))
 
 
-def _rank(context: Context, label: str, objective: Objective) -> Measurement:
+@paper_cases.case(
+    "decision.{objective}.rank[{by}]",
+    "By {objective} {by} puts the designs into the solid's order",
+    over={"objective": OBJECTIVES, "by": lambda objective: FOLLOWED[objective]},
+    quantity="Spearman's rank correlation over the grid of α",
+    unit="1",
+    citation="robot with solid legs, rigid end faces",
+    tolerance=Absolute(0.06),
+    tolerance_reason="one exchange of neighbours among six designs, 12/n(n² − 1)",
+)
+def _rank(context: Context, by: str, objective: Objective) -> Measurement:
     decision = decision_of(context)
-    tau = decision.kendall(label, objective, RIGID)
+    tau = decision.kendall(by, objective, RIGID)
     return Measurement(
-        decision.spearman(label, objective, RIGID),
+        decision.spearman(by, objective, RIGID),
         reference=1.0,
         value_uncertainty=_judged_coarsely(
-            context, decision, lambda judge: decision.spearman(label, objective, judge)
+            context, decision, lambda judge: decision.spearman(by, objective, judge)
         ),
         notes=(f"Kendall's τ = {tau:.3f} over {len(decision.alphas)} designs.",),
         studies=(objective_study(decision, objective),),
     )
 
 
+@paper_cases.case(
+    "decision.{objective}.price",
+    lambda objective: (
+        f"What the simplified model's α costs by {objective}: {REFINED[objective]} and solid agree"
+    ),
+    over={"objective, meaning": _OBJECTIVES},
+    quantity="{meaning}, at the simplified model's α in per cent of the best",
+    citation="the same ratio in terms of the robot with solid legs",
+    tolerance=Relative(0.02),
+    tolerance_reason="1 % for each of the two values of the ratio",
+)
 def _price(context: Context, objective: Objective) -> Measurement:
     decision = decision_of(context)
 
@@ -244,6 +179,19 @@ def largest_deflections(robot: Biglide, alpha: float, postures: int) -> tuple[fl
     return largest(own), largest(held)
 
 
+@cases.case(
+    "decision.{objective}.search",
+    "No model's α by {objective} is better in the solid's terms than the solid's own",
+    over={"objective, meaning": _OBJECTIVES},
+    quantity="smallest loss in the solid's {meaning} of all choices",
+    unit="%",
+    reference_kind="closed-form",
+    citation="a minimum: nothing that was looked at lies below it",
+    tolerance=Absolute(1.0),
+    tolerance_reason="the models halve about optima of their own and may come upon an α that the "
+    "solid's search passed by: a design within 1 % of the best is a good one",
+    relation=Relation.AT_LEAST,
+)
 def _smallest_loss(context: Context, objective: Objective) -> Measurement:
     decision = decision_of(context)
     labels = [label for label, of in decision.choices if of == objective]
@@ -290,6 +238,16 @@ def _indifference(decision: Decision, objective: Objective) -> str:
     )
 
 
+@paper_cases.case(
+    "paper.decision.longest",
+    "The simplified model has nothing against the longest legs",
+    quantity="largest α among its best by deflection",
+    unit="1",
+    reference_kind="paper-statement",
+    citation=PAPER,
+    tolerance=Absolute(0.1),
+    tolerance_reason="a tenth of the paper's range of α",
+)
 def _longest(context: Context) -> Measurement:
     decision = decision_of(context)
     shortest, longest = decision.choices["simplified", "deflection"].indifferent

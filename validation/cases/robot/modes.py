@@ -7,7 +7,6 @@ segments, which the paper computes with.
 """
 
 from collections.abc import Sequence
-from functools import partial
 
 import numpy as np
 
@@ -17,7 +16,8 @@ from lumped.biglide import postures as biglide_postures
 from lumped.legs import equivalent_leg
 from validation.agreement.convergence import step_factor
 from validation.agreement.mode_pairing import CLOSE
-from validation.case import Absolute, Allowance, Case, Measurement, Relative, Skip, others
+from validation.case import Absolute, Allowance, Measurement, Relative, Skip, others
+from validation.case_group import CaseGroup, numbered
 from validation.cases.robot.mode_tables import frequency_study, mac_study, mac_table
 from validation.cases.robot.stroke import at_stations, largest_difference
 from validation.context import Context
@@ -45,94 +45,26 @@ from validation.studies.torsion import torsion_effects, wave_error
 
 FREQUENCIES = 4
 _SEGMENTS = "20 segments per leg, Timoshenko springs, rotary inertia"
+# Relative tolerance of frequencies, absolute one of MAC.
+_DYNAMICS, _SHAPE = 0.01, 0.01
 _OWN = "20 Timoshenko beam elements per leg, constants of the solids' own section meshes"
-# Relative tolerance of frequencies.
-_DYNAMICS = 0.01
-# Absolute tolerance of MAC.
-_SHAPE = 0.01
 
-_shape_case = partial(
-    Case,
+cases = CaseGroup(
     unit="1",
     reference_kind="independent-solver",
+    citation=_OWN,
     tolerance=Absolute(_SHAPE),
     model="solid",
     section=SOLID_ROBOT,
     group=SHARED_SOLIDS,
     effort=3.0,
 )
-_mac_case = partial(
-    _shape_case,
-    quantity="smallest MAC outside mode crossings",
-    tolerance_reason="0.99 is the project's measure of one and the same mode",
-)
-_spaces_case = partial(
-    _shape_case,
-    quantity="smallest squared cosine of the largest angle between the spaces",
-    tolerance_reason="the same measure as for single modes, cos² of an angle",
-)
-
-
-def cases() -> tuple[Case, ...]:
-    """Frequencies against segments, shapes against beams of the sections' own constants."""
-    return (
-        *_frequencies(),
-        _mac_case(
-            id="robot.solid.free.mac",
-            title=f"The first {PAIRED} modes of the robot with solid legs, ends free to warp, are "
-            "those of beams",
-            citation=_OWN,
-            compute=_mac_of_free,
-        ),
-        _spaces_case(
-            id="robot.solid.free.mac-of-close-modes",
-            title=f"Modes closer than {100.0 * CLOSE:g} % span the same space in both (free ends, "
-            "beams)",
-            citation=_OWN,
-            compute=_spaces_of_free,
-        ),
-    )
-
-
-def paper_cases() -> tuple[Case, ...]:
-    """Shapes of the paper's robot, whose rectangles of ν = 0 leave 1 % between all models."""
-    return (
-        _mac_case(
-            id="robot.solid.mac",
-            title=f"The first {PAIRED} modes of the solid robot are those of segments",
-            citation=_SEGMENTS,
-            compute=_mac,
-        ),
-        _spaces_case(
-            id="robot.solid.mac-of-close-modes",
-            title=f"Modes closer than {100.0 * CLOSE:g} % span the same space in both models",
-            citation=_SEGMENTS,
-            compute=_close_modes,
-        ),
-    )
-
-
-def _frequencies() -> list[Case]:
-    return [
-        Case(
-            id=f"robot.solid.frequency[{index + 1}]",
-            title=f"Frequency {index + 1} of the robot with solid legs, ends free to warp, is that "
-            "of beams",
-            quantity=f"natural frequency {index + 1}, middle of the stroke, paired by shape",
-            unit="Hz",
-            reference_kind="independent-solver",
-            citation=_OWN,
-            tolerance=Relative(_DYNAMICS),
-            tolerance_reason="Timoshenko's theory is approximate in dynamics; what waves of 3-D "
-            "elasticity say of that is allowed for, and leaves a few tenths of it",
-            compute=partial(_frequency, index=index),
-            model="solid",
-            section=SOLID_ROBOT,
-            group=SHARED_SOLIDS,
-            effort=3.0,
-        )
-        for index in range(FREQUENCIES)
-    ]
+# Shapes of the paper's robot, whose rectangles of ν = 0 leave 1 % between all models.
+paper_cases = cases.like(citation=_SEGMENTS)
+_SMALLEST = "smallest MAC outside mode crossings"
+_ONE_MODE = "0.99 is the project's measure of one and the same mode"
+_SPACES = "smallest squared cosine of the largest angle between the spaces"
+_ONE_SPACE = "the same measure as for single modes, cos² of an angle"
 
 
 def _meshes(context: Context) -> tuple[LegDivisions, LegDivisions]:
@@ -172,6 +104,16 @@ def _step_factor(context: Context) -> float:
     return max(step_factor(f / c, FORMAL_ORDER) for c, f in zip(coarse, fine, strict=True))
 
 
+@cases.case(
+    "robot.solid.frequency[{mode}]",
+    "Frequency {mode} of the robot with solid legs, ends free to warp, is that of beams",
+    over={"index, mode": numbered(FREQUENCIES)},
+    quantity="natural frequency {mode}, middle of the stroke, paired by shape",
+    unit="Hz",
+    tolerance=Relative(_DYNAMICS),
+    tolerance_reason="Timoshenko's theory is approximate in dynamics; what waves of 3-D "
+    "elasticity say of that is allowed for, and leaves a few tenths of it",
+)
 def _frequency(context: Context, index: int) -> Measurement:
     coarse, fine = _meshes(context)
     changes, coarse_changes = (context.get(_by_waves, context.robot, d) for d in (fine, coarse))
@@ -259,12 +201,24 @@ def _held_to_beams(context: Context, kind: BeamKind, modes: Sequence[int]) -> Bo
     return held
 
 
+@paper_cases.case(
+    "robot.solid.mac",
+    f"The first {PAIRED} modes of the solid robot are those of segments",
+    quantity=_SMALLEST,
+    tolerance_reason=_ONE_MODE,
+)
 def _mac(context: Context) -> Measurement:
     coarse, found = (_segments_and(context, divisions) for divisions in _meshes(context))
     step = _step_factor(context) * np.abs(found.mac - coarse.mac)
     return _smallest_mac(found, "segments", np.ones_like(found.close), step)
 
 
+@cases.case(
+    "robot.solid.free.mac",
+    f"The first {PAIRED} modes of the robot with solid legs, ends free to warp, are those of beams",
+    quantity=_SMALLEST,
+    tolerance_reason=_ONE_MODE,
+)
 def _mac_of_free(context: Context) -> Measurement:
     held = _held_to_beams(context, "own beam", range(PAIRED))
     coarse, found = (_own_beams_and(context, divisions) for divisions in _meshes(context))
@@ -311,12 +265,24 @@ def _left_out(held: BoolArray) -> tuple[str, ...]:
     return (f"{count} of {held.size} modes left out, {why}",) if count else ()
 
 
+@paper_cases.case(
+    "robot.solid.mac-of-close-modes",
+    f"Modes closer than {100.0 * CLOSE:g} % span the same space in both models",
+    quantity=_SPACES,
+    tolerance_reason=_ONE_SPACE,
+)
 def _close_modes(context: Context) -> Measurement:
     coarse, found = (_segments_and(context, divisions) for divisions in _meshes(context))
     step = _step_factor(context) * np.abs(found.shared - coarse.shared)
     return smallest_shared(found, np.ones_like(found.close), step)
 
 
+@cases.case(
+    "robot.solid.free.mac-of-close-modes",
+    f"Modes closer than {100.0 * CLOSE:g} % span the same space in both (free ends, beams)",
+    quantity=_SPACES,
+    tolerance_reason=_ONE_SPACE,
+)
 def _spaces_of_free(context: Context) -> Measurement:
     held = _held_to_beams(context, "own beam", range(PAIRED))
     coarse, found = (_own_beams_and(context, divisions) for divisions in _meshes(context))

@@ -1,8 +1,6 @@
 """The robot of reduced solid legs against the same robot without reduction."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 
@@ -11,7 +9,8 @@ from fem.reduction.superelement import held_leg
 from lumped.arrays import Array
 from lumped.biglide import Biglide, system, with_equivalent_legs
 from lumped.system.solution import compliance, modes, solved
-from validation.case import Absolute, Case, Measurement, Relative, Skip, others
+from validation.case import Absolute, Measurement, Relative, Skip, others
+from validation.case_group import CaseGroup
 from validation.cases.robot.stroke import BEYOND_ROUNDING
 from validation.context import Context, Preset
 from validation.exhibits import SOLID_ROBOT
@@ -27,74 +26,15 @@ CLOSE_CUTOFF = 1.1
 _ROUNDING = 1e-9
 _UNREDUCED = "the same meshes without reduction, sparse Cholesky and Lanczos"
 
-
-def cases() -> tuple[Case, ...]:
-    """Statics, frequencies, shapes and the stated error of the reduction at two postures."""
-    return (
-        _case(
-            "statics",
-            "Reduced legs give the statics of the unreduced robot",
-            "largest difference of the 6×6 in units of √(c_ii c_jj)",
-            "1",
-            "exact in theory: rounding of the factor of the whole robot alone",
-            Absolute(1e-9),
-            _statics,
-        ),
-        _case(
-            "frequencies",
-            f"Reduced legs give the first {MODES} frequencies of the unreduced robot",
-            f"frequency {MODES} at the left end of the stroke, the others beside it",
-            "Hz",
-            "the cut-off is chosen for 1e-4 at the highest frequency asked for",
-            Relative(1e-4),
-            _frequency,
-        ),
-        _case(
-            "mac",
-            f"Reduced legs give the first {MODES} shapes, recovered on all unknowns of the mesh",
-            "smallest mass-weighted MAC",
-            "1",
-            "shapes are right to the root of the frequencies' 1e-4",
-            Absolute(1e-4),
-            _mac,
-        ),
-        _case(
-            "bound",
-            "The stated error of the reduction bounds the true one",
-            "largest true error as a share of its bound, legs cut off at "
-            f"{CLOSE_CUTOFF:g} times the highest frequency",
-            "1",
-            "between 0 (Rayleigh: the reduced robot is never too soft) and 1 (the bound)",
-            Absolute(0.5),
-            _bound,
-        ),
-    )
-
-
-def _case(
-    name: str,
-    title: str,
-    quantity: str,
-    unit: str,
-    reason: str,
-    tolerance: Absolute | Relative,
-    compute: Callable[[Context], Measurement],
-) -> Case:
-    return Case(
-        id=f"robot.solid.reduction.{name}",
-        title=title,
-        quantity=quantity,
-        unit=unit,
-        reference_kind="finer-model",
-        citation=_UNREDUCED,
-        tolerance=tolerance,
-        tolerance_reason=reason,
-        compute=partial(compute),
-        model="solid",
-        section=SOLID_ROBOT,
-        group="robot.solid.reduction",
-        effort=2.0,
-    )
+cases = CaseGroup(
+    unit="1",
+    reference_kind="finer-model",
+    citation=_UNREDUCED,
+    model="solid",
+    section=SOLID_ROBOT,
+    group="robot.solid.reduction",
+    effort=2.0,
+)
 
 
 @dataclass(frozen=True)
@@ -167,6 +107,13 @@ def _found(context: Context) -> tuple[Reduction, ...]:
     return context.get(reductions, robot, positions, DIVISIONS[context.preset], highest)
 
 
+@cases.case(
+    "robot.solid.reduction.statics",
+    "Reduced legs give the statics of the unreduced robot",
+    quantity="largest difference of the 6×6 in units of √(c_ii c_jj)",
+    tolerance=Absolute(1e-9),
+    tolerance_reason="exact in theory: rounding of the factor of the whole robot alone",
+)
 def _statics(context: Context) -> Measurement:
     worst = max(_found(context), key=lambda one: one.statics)
     # Both eliminate one stiffness matrix, each in an order of its own.
@@ -180,6 +127,14 @@ def _statics(context: Context) -> Measurement:
     )
 
 
+@cases.case(
+    "robot.solid.reduction.frequencies",
+    f"Reduced legs give the first {MODES} frequencies of the unreduced robot",
+    quantity=f"frequency {MODES} at the left end of the stroke, the others beside it",
+    unit="Hz",
+    tolerance=Relative(1e-4),
+    tolerance_reason="the cut-off is chosen for 1e-4 at the highest frequency asked for",
+)
 def _frequency(context: Context) -> Measurement:
     found = _found(context)
     places = [f"mode {mode + 1}, {_place(one)}" for one in found for mode in range(MODES)]
@@ -202,6 +157,13 @@ def _frequency(context: Context) -> Measurement:
     )
 
 
+@cases.case(
+    "robot.solid.reduction.mac",
+    f"Reduced legs give the first {MODES} shapes, recovered on all unknowns of the mesh",
+    quantity="smallest mass-weighted MAC",
+    tolerance=Absolute(1e-4),
+    tolerance_reason="shapes are right to the root of the frequencies' 1e-4",
+)
 def _mac(context: Context) -> Measurement:
     worst = min(_found(context), key=lambda one: float(one.mac.min()))
     mode = int(np.argmin(worst.mac))
@@ -210,6 +172,14 @@ def _mac(context: Context) -> Measurement:
     )
 
 
+@cases.case(
+    "robot.solid.reduction.bound",
+    "The stated error of the reduction bounds the true one",
+    quantity="largest true error as a share of its bound, legs cut off at "
+    f"{CLOSE_CUTOFF:g} times the highest frequency",
+    tolerance=Absolute(0.5),
+    tolerance_reason="between 0 (Rayleigh: the reduced robot is never too soft) and 1 (the bound)",
+)
 def _bound(context: Context) -> Measurement:
     found = _found(context)
     shares = np.array(

@@ -4,60 +4,31 @@ import numpy as np
 
 from fem.bodies.leg_energies import DISTORTION
 from validation.agreement.convergence import step_factor
-from validation.case import Absolute, Case, Measurement
+from validation.case import Absolute, Measurement
+from validation.case_group import CaseGroup
 from validation.context import Context
 from validation.exhibits import SOLID_ROBOT
 from validation.solids.legs import FORMAL_ORDER
 from validation.solids.sixty import ALONE, COARSE, DIVISIONS, SIXTY, in_the_feet, sixty, sixty_modes
 
-
-def cases() -> tuple[Case, ...]:
-    """Whether the energies of all parts add up."""
-    return (_energy_balance(),)
-
-
-def paper_cases() -> tuple[Case, ...]:
-    """The paper's statement on the actuators, by solids."""
-    return (
-        Case(
-            id="paper.solid.none-due-to-the-actuators",
-            title=f"None of the first {SIXTY} modes of the solid robot is due to the feet alone",
-            quantity=f"modes with more than {100.0 * ALONE:g} % of the strain energy in the feet",
-            unit="1",
-            reference_kind="paper-statement",
-            citation="paper §3.2, the 60 first modes",
-            tolerance=Absolute(0.5),
-            tolerance_reason="a count: nothing but none will do",
-            compute=_actuators_alone,
-            # A count needs a second mesh to be believed, which a quick answer has no time for.
-            presets=("standard", "fine"),
-            model="solid",
-            section=SOLID_ROBOT,
-            group="robot.solid.sixty",
-            figure="robot.solid.sixty-modes",
-            effort=8.0,
-        ),
-    )
+cases = CaseGroup(unit="1", model="solid", section=SOLID_ROBOT, group="robot.solid.sixty")
+# The paper's statement on the actuators, by solids.
+paper_cases = cases.like()
 
 
-def _energy_balance() -> Case:
-    return Case(
-        id="robot.solid.sixty.energy",
-        title=f"The parts' energies of the first {SIXTY} modes are Rayleigh's",
-        quantity="largest relative difference of the parts' strain energy from ω²/2",
-        unit="1",
-        reference_kind="closed-form",
-        citation="Rayleigh's quotient of a mode of unit modal mass",
-        tolerance=Absolute(1e-8),
-        tolerance_reason="convergence of the modes, squared in their energy",
-        compute=_balance,
-        model="solid",
-        section=SOLID_ROBOT,
-        group="robot.solid.sixty",
-        effort=3.0,
-    )
-
-
+@paper_cases.case(
+    "paper.solid.none-due-to-the-actuators",
+    f"None of the first {SIXTY} modes of the solid robot is due to the feet alone",
+    quantity=f"modes with more than {100.0 * ALONE:g} % of the strain energy in the feet",
+    reference_kind="paper-statement",
+    citation="paper §3.2, the 60 first modes",
+    tolerance=Absolute(0.5),
+    tolerance_reason="a count: nothing but none will do",
+    # A count needs a second mesh to be believed, which a quick answer has no time for.
+    presets=("standard", "fine"),
+    figure="robot.solid.sixty-modes",
+    effort=8.0,
+)
 def _actuators_alone(context: Context) -> Measurement:
     found = sixty(context)
     feet = in_the_feet(found)
@@ -82,6 +53,16 @@ def _actuators_alone(context: Context) -> Measurement:
     )
 
 
+@cases.case(
+    "robot.solid.sixty.energy",
+    f"The parts' energies of the first {SIXTY} modes are Rayleigh's",
+    quantity="largest relative difference of the parts' strain energy from ω²/2",
+    reference_kind="closed-form",
+    citation="Rayleigh's quotient of a mode of unit modal mass",
+    tolerance=Absolute(1e-8),
+    tolerance_reason="convergence of the modes, squared in their energy",
+    effort=3.0,
+)
 def _balance(context: Context) -> Measurement:
     found = sixty(context)
     worst = int(np.argmax(np.abs(found.balance)))

@@ -7,7 +7,8 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.errors import InputError
-from validation.case import Absolute, Case, Measurement, Relation, Relative, Skip, others
+from validation.case import Absolute, Measurement, Relation, Relative, Skip, others
+from validation.case_group import CaseGroup
 from validation.cases.robot.stroke import CURVES, at_stations, largest_difference
 from validation.context import Context, Preset
 from validation.exhibits import SOLID_ROBOT, Study
@@ -23,88 +24,28 @@ UNKNOWNS: dict[Preset, int] = {"quick": 900, "standard": 900, "fine": 2000}
 _STATICS = 1e-3
 _CITATION = "virtual joint method, eqs (3) to (9), "
 
-
-def cases() -> tuple[Case, ...]:
-    """Both kinds of ends over the stroke, every difference with its named cause."""
-    return (
-        *_curves(
-            name="rigid",
-            title="Solid legs with rigid end faces give the {} of virtual joints whose legs have "
-            "held faces",
-            citation=_CITATION + "Timoshenko legs of the sections' own finite-element constants, "
-            "less what held faces take from them (fem.couplings.end_effects)",
-            tolerance=_STATICS,
-            reason="end effects decay as Saint-Venant's theory of the prism says: the mesh alone, "
-            "0.1 %",
-        ),
-        *_curves(
-            name="free",
-            title="Solid legs with ends free to warp give the virtual joints' {}",
-            citation=_CITATION + "Timoshenko legs of the sections' own finite-element constants",
-            tolerance=_STATICS,
-            reason="with Saint-Venant's tractions both are one theory: the mesh alone, 0.1 %",
-        ),
-    )
-
-
-def paper_cases() -> tuple[Case, ...]:
-    """What holds of the paper's robot (ν = 0) without any allowance."""
-    planar = "ν = 0: rigid faces restrain torsion alone, which no planar load causes"
-    along_z = "torsional warping restrained at rigid faces: 2 % at these slendernesses"
-    bare = (
-        _bare_case("planar-x", 0.01, 0.005, planar),
-        _bare_case("planar-y", 0.01, 0.005, planar),
-        _bare_case("along-z", 2.1, 0.1, along_z),
-    )
-    torsion = _curves(
-        name="torsion",
-        title="Rigid end faces change hardly anything but torsion: {}",
-        citation=_CITATION + "equivalent legs whose c44 alone is that of the rigid-faced solid",
-        tolerance=5e-4,
-        reason="what is left is warping by shear forces, restrained as well: 0.02 % (measured)",
-    )
-    return (*bare, torsion[2])
-
-
-def _bare_case(curve: str, limit: float, tolerance: float, reason: str) -> Case:
-    attribute, meaning = CURVES[curve]
-    return Case(
-        id=f"robot.solid.statics-bare.{curve}",
-        title=f"Solid legs with rigid end faces, nothing allowed for: {meaning}",
-        quantity="largest difference from the virtual joints over the stroke",
-        unit="%",
-        reference_kind="independent-solver",
-        citation=_CITATION + "same equivalent legs (Timoshenko)",
-        tolerance=Absolute(tolerance),
-        tolerance_reason=f"rounding of the bound; {reason}",
-        compute=partial(_bare, curve=attribute, limit=limit),
-        relation=Relation.AT_MOST,
-        model="solid",
-        section=SOLID_ROBOT,
-        group="robot.solid.statics",
-        effort=1.0,
-    )
-
-
-def _curves(name: str, title: str, citation: str, tolerance: float, reason: str) -> list[Case]:
-    return [
-        Case(
-            id=f"robot.solid.statics-{name}.{curve}",
-            title=title.format(meaning),
-            quantity=f"{meaning}, middle of the stroke",
-            unit="µm",
-            reference_kind="independent-solver",
-            citation=citation,
-            tolerance=Relative(tolerance),
-            tolerance_reason=reason,
-            compute=partial(_COMPUTE[name], curve=attribute),
-            model="solid",
-            section=SOLID_ROBOT,
-            group="robot.solid.statics",
-            effort=1.0,
-        )
-        for curve, (attribute, meaning) in CURVES.items()
-    ]
+cases = CaseGroup(
+    unit="µm",
+    reference_kind="independent-solver",
+    tolerance=Relative(_STATICS),
+    model="solid",
+    section=SOLID_ROBOT,
+    group="robot.solid.statics",
+    effort=1.0,
+)
+# What holds of the paper's robot (ν = 0) without any allowance.
+paper_cases = cases.like()
+_CURVE = "name, curve, meaning"
+_MIDDLE = "{meaning}, middle of the stroke"
+_OWN = _CITATION + "Timoshenko legs of the sections' own finite-element constants"
+_PLANAR = "ν = 0: rigid faces restrain torsion alone, which no planar load causes"
+_ALONG_Z = "torsional warping restrained at rigid faces: 2 % at these slendernesses"
+# Bound and tolerance (%) of each curve, and why.
+_BARE = (
+    (0.01, Absolute(0.005), _PLANAR),
+    (0.01, Absolute(0.005), _PLANAR),
+    (2.1, Absolute(0.1), _ALONG_Z),
+)
 
 
 @dataclass(frozen=True)
@@ -197,6 +138,16 @@ def _decided(measurement: Measurement, context: Context) -> Measurement:
     return measurement
 
 
+@cases.case(
+    "robot.solid.statics-rigid.{name}",
+    "Solid legs with rigid end faces give the {meaning} of virtual joints whose legs have held "
+    "faces",
+    over={_CURVE: CURVES},
+    quantity=_MIDDLE,
+    citation=_OWN + ", less what held faces take from them (fem.couplings.end_effects)",
+    tolerance_reason="end effects decay as Saint-Venant's theory of the prism says: the mesh "
+    "alone, 0.1 %",
+)
 def _rigid(context: Context, curve: str) -> Measurement:
     found = _curve(context, curve)
     share = 100.0 * (found.rigid / found.textbook - 1.0)
@@ -219,6 +170,14 @@ def _rigid(context: Context, curve: str) -> Measurement:
     return _decided(measured, context)
 
 
+@cases.case(
+    "robot.solid.statics-free.{name}",
+    "Solid legs with ends free to warp give the virtual joints' {meaning}",
+    over={_CURVE: CURVES},
+    quantity=_MIDDLE,
+    citation=_OWN,
+    tolerance_reason="with Saint-Venant's tractions both are one theory: the mesh alone, 0.1 %",
+)
 def _free(context: Context, curve: str) -> Measurement:
     found = _curve(context, curve)
     measured = _in_the_middle(
@@ -227,6 +186,20 @@ def _free(context: Context, curve: str) -> Measurement:
     return _decided(measured, context)
 
 
+@paper_cases.case(
+    "robot.solid.statics-bare.{name}",
+    "Solid legs with rigid end faces, nothing allowed for: {meaning}",
+    over={
+        f"{_CURVE}, limit, tolerance, why": tuple(
+            (*curve, *bare) for curve, bare in zip(CURVES, _BARE, strict=True)
+        )
+    },
+    quantity="largest difference from the virtual joints over the stroke",
+    unit="%",
+    citation=_CITATION + "same equivalent legs (Timoshenko)",
+    tolerance_reason="rounding of the bound; {why}",
+    relation=Relation.AT_MOST,
+)
 def _bare(context: Context, curve: str, limit: float) -> Measurement:
     found = _curve(context, curve)
     worst = farthest(found.rigid, found.textbook)
@@ -240,6 +213,16 @@ def _bare(context: Context, curve: str, limit: float) -> Measurement:
     )
 
 
+@paper_cases.case(
+    "robot.solid.statics-torsion.{name}",
+    "Rigid end faces change hardly anything but torsion: {meaning}",
+    over={_CURVE: CURVES[2:]},
+    quantity=_MIDDLE,
+    citation=_CITATION + "equivalent legs whose c44 alone is that of the rigid-faced solid",
+    tolerance=Relative(5e-4),
+    tolerance_reason="what is left is warping by shear forces, restrained as well: 0.02 % "
+    "(measured)",
+)
 def _torsion(context: Context, curve: str) -> Measurement:
     found = _curve(context, curve)
     # Both sides have the same mesh's torsion: only what is left of the step counts.
@@ -264,9 +247,6 @@ def _in_the_middle(
         pose=(stations[middle],),
         elsewhere=others(at_stations(stations), value, reference, judged, middle),
     )
-
-
-_COMPUTE = {"rigid": _rigid, "free": _free, "torsion": _torsion}
 
 
 def _study(curve: str, found: _Curve) -> Study:

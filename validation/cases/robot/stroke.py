@@ -1,7 +1,6 @@
 """The whole robot over its stroke: virtual joints, segments and beams against each other."""
 
 from collections.abc import Sequence
-from functools import partial
 
 import numpy as np
 
@@ -11,7 +10,8 @@ from lumped.legs import Theory
 from lumped.models import vjm
 from lumped.system.solution import rounding, solved
 from validation.agreement.convergence import step_factor
-from validation.case import Absolute, Case, Measurement, Relative, others
+from validation.case import Absolute, Measurement, Relative, others
+from validation.case_group import CaseGroup, numbered
 from validation.context import Context
 from validation.exhibits import STROKE, Study
 from validation.models.biglide import static_system
@@ -35,85 +35,18 @@ BEYOND_ROUNDING = (
     "and no finer model narrows it"
 )
 _JOINTS: ModelName = "vjm"
-CURVES = {
-    "planar-x": ("planar_x", "planar deflection under 1000 N along x"),
-    "planar-y": ("planar_y", "planar deflection under 1000 N along y"),
-    "along-z": ("along_z", "deflection along z under 1000 N along z"),
-}
-_MEANINGS = dict(CURVES.values())
+# Name, attribute of `Deflections`, and meaning.
+CURVES = (
+    ("planar-x", "planar_x", "planar deflection under 1000 N along x"),
+    ("planar-y", "planar_y", "planar deflection under 1000 N along y"),
+    ("along-z", "along_z", "deflection along z under 1000 N along z"),
+)
 THEORIES: tuple[Theory, ...] = ("euler-bernoulli", "timoshenko")
 _NAMES: dict[Theory, str] = {"euler-bernoulli": "Euler–Bernoulli", "timoshenko": "Timoshenko"}
 # A finer beam model for the discretisation error of the frequencies.
 _FINE, _COARSE = 40, 20
 
-
-def cases() -> tuple[Case, ...]:
-    """Statics of three formulations, and frequencies of two, over the stroke."""
-    return (*_statics(), *_frequencies(), _given_legs())
-
-
-def _statics() -> list[Case]:
-    return [
-        Case(
-            id=f"robot.statics.{model}-vjm.{curve}[{theory}]",
-            title=f"The {model} model gives the virtual joints' {meaning} ({theory} legs)",
-            quantity=f"{meaning}, middle of the stroke",
-            unit="µm",
-            reference_kind="independent-solver",
-            citation="virtual joint method, eqs (3) to (9), same equivalent legs",
-            tolerance=Relative(1e-7),
-            tolerance_reason="three formulations of one statics: rounding alone may differ, grown "
-            "by the robot's condition, 1e8 with slender open legs (EA L² over GJ) or legs in line",
-            compute=partial(_static, model=model, theory=theory, curve=attribute),
-            model=model,
-            row=theory,
-            section=STROKE,
-            group="robot.statics",
-            figure="deflection.stroke",
-        )
-        for model in ("segments", "beam")
-        for theory in THEORIES
-        for curve, (attribute, meaning) in CURVES.items()
-    ]
-
-
-def _frequencies() -> list[Case]:
-    return [
-        Case(
-            id=f"robot.frequency.segments-beam[{index + 1}]",
-            title=f"Frequency {index + 1} of the robot in segments is that of the beam model",
-            quantity=f"natural frequency {index + 1}, middle of the stroke",
-            unit="Hz",
-            reference_kind="finer-model",
-            citation=f"Timoshenko beams, {_FINE} elements per leg, consistent mass",
-            tolerance=Relative(0.01),
-            tolerance_reason="the paper's 1 % for 20 elements (§3.2)",
-            compute=partial(_frequency, index=index),
-            model="segments",
-            section=STROKE,
-            group="robot.frequencies",
-            figure="frequency.stroke",
-            effort=0.3,
-        )
-        for index in range(FREQUENCIES)
-    ]
-
-
-def _given_legs() -> Case:
-    return Case(
-        id="robot.statics.vjm-symmetric",
-        title="The virtual joints' compliance with the legs as given is symmetric and positive",
-        quantity="asymmetry of the 6×6 in units of √(c_ii c_jj), or the negative eigenvalue",
-        unit="1",
-        reference_kind="closed-form",
-        citation="Maxwell and Betti: the work of two loads does not depend on their order",
-        tolerance=Absolute(1e-9),
-        tolerance_reason="rounding alone",
-        compute=_symmetry,
-        model="vjm",
-        section=STROKE,
-        group="robot.statics",
-    )
+cases = CaseGroup(section=STROKE, group="robot.statics")
 
 
 def _deflections(context: Context, model: ModelName, theory: Theory) -> Deflections:
@@ -121,7 +54,23 @@ def _deflections(context: Context, model: ModelName, theory: Theory) -> Deflecti
     return context.get(stroke_deflections, model, context.robot, POSTURES, options)
 
 
-def _static(context: Context, model: ModelName, theory: Theory, curve: str) -> Measurement:
+@cases.case(
+    "robot.statics.{model}-vjm.{name}[{theory}]",
+    "The {model} model gives the virtual joints' {meaning} ({theory} legs)",
+    over={"model": ("segments", "beam"), "theory": THEORIES, "name, curve, meaning": CURVES},
+    quantity="{meaning}, middle of the stroke",
+    unit="µm",
+    reference_kind="independent-solver",
+    citation="virtual joint method, eqs (3) to (9), same equivalent legs",
+    tolerance=Relative(1e-7),
+    tolerance_reason="three formulations of one statics: rounding alone may differ, grown by the "
+    "robot's condition, 1e8 with slender open legs (EA L² over GJ) or legs in line",
+    row="{theory}",
+    figure="deflection.stroke",
+)
+def _static(
+    context: Context, model: ModelName, theory: Theory, curve: str, meaning: str
+) -> Measurement:
     found: Array = getattr(_deflections(context, model, theory), curve)
     reference: Array = getattr(_deflections(context, "vjm", theory), curve)
     stations = tuple(context.robot.stations(POSTURES).tolist())
@@ -135,7 +84,7 @@ def _static(context: Context, model: ModelName, theory: Theory, curve: str) -> M
         x=stations,
         series={"vjm": tuple(reference.tolist()), model: tuple(found.tolist())},
         family=f"robot.statics.{curve}",
-        family_title=f"{_MEANINGS[curve]}: models of equivalent legs",
+        family_title=f"{meaning}: models of equivalent legs",
         variant=_NAMES[theory],
     )
     open_of_value, open_of_reference = (
@@ -186,6 +135,21 @@ def rounded_deflections(
     return deflections_of(left_open[np.newaxis])
 
 
+@cases.case(
+    "robot.frequency.segments-beam[{mode}]",
+    "Frequency {mode} of the robot in segments is that of the beam model",
+    over={"index, mode": numbered(FREQUENCIES)},
+    quantity="natural frequency {mode}, middle of the stroke",
+    unit="Hz",
+    reference_kind="finer-model",
+    citation=f"Timoshenko beams, {_FINE} elements per leg, consistent mass",
+    tolerance=Relative(0.01),
+    tolerance_reason="the paper's 1 % for 20 elements (§3.2)",
+    model="segments",
+    group="robot.frequencies",
+    figure="frequency.stroke",
+    effort=0.3,
+)
 def _frequency(context: Context, index: int) -> Measurement:
     found = context.get(stroke_frequencies, "segments", context.robot, POSTURES, FREQUENCIES)
     fine, coarse = (
@@ -224,6 +188,17 @@ def _frequency(context: Context, index: int) -> Measurement:
     )
 
 
+@cases.case(
+    "robot.statics.vjm-symmetric",
+    "The virtual joints' compliance with the legs as given is symmetric and positive",
+    quantity="asymmetry of the 6×6 in units of √(c_ii c_jj), or the negative eigenvalue",
+    unit="1",
+    reference_kind="closed-form",
+    citation="Maxwell and Betti: the work of two loads does not depend on their order",
+    tolerance=Absolute(1e-9),
+    tolerance_reason="rounding alone",
+    model="vjm",
+)
 def _symmetry(context: Context) -> Measurement:
     compliances = context.get(stroke_compliances, "vjm", context.robot, POSTURES)
     worst = 0.0
