@@ -25,8 +25,8 @@ from validation.faults.detection import with_faults
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = (ROOT / "README.md", *sorted((ROOT / "docs" / "guide").glob("*.md")))
-# Pages of which an example takes a quarter of a minute.
-LONG = {"using", "programs"}
+# Pages whose examples take ten seconds and more.
+LONG = {"using", "programs", "mechanisms", "cases"}
 BLOCK = re.compile(r"^```(\w+)[ ]?([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 LINK = re.compile(r"\]\(([^)#\s]+)(?:#[^)\s]*)?\)")
 # What a page may show without its being run: formulas and excerpts of files.

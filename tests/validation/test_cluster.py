@@ -184,7 +184,7 @@ def test_something_else_at_the_address(greeting, said, monkeypatch):
         answering.join()
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 def test_no_worker_is_said_and_the_run_goes_on_when_one_comes(tmp_path, monkeypatch, processes):
     monkeypatch.setattr("validation.sweeps.cluster._PATIENCE", 1.0)
     scheduler, address = started_scheduler(tmp_path)
@@ -231,7 +231,7 @@ def test_a_scheduler_that_dies_loses_nothing_that_was_finished(tmp_path, monkeyp
         assert_allclose(there.frequencies, here.frequencies, rtol=1e-12)
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 def test_a_worker_of_another_version_is_refused_by_name(tmp_path, processes):
     other = tmp_path / "other"
     for package in ("lumped", "meshes", "fem", "validation"):

@@ -79,6 +79,7 @@ def test_a_robot_file_is_collected_as_one_item_per_model_and_quantity(folder, fi
     assert "Traceback" not in finished.stdout
 
 
+@pytest.mark.exhaustive
 def test_undecided_fails_where_that_is_asked_for(folder, finished):
     assert re.search(r"SKIPPED .*segments, f1: undecided", finished.stdout)
     chosen = ["--flexproof", "mine.toml", "-k", "segments.f1 and not euler"]

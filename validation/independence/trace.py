@@ -87,22 +87,15 @@ class Independence:
 
 
 @dataclass(frozen=True)
-class Watched(Context):
-    """A context that hears which functions make its memo's entries, and which are asked for."""
+class Asked(Context):
+    """A context that notes which entries of its memo are asked for, and lets one be exchanged."""
 
-    made_by: dict[str, set[str]] = field(default_factory=dict, repr=False, compare=False)
     asked: set[str] = field(default_factory=set, repr=False, compare=False)
 
     def get(self, function: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
         """As that of a context."""
-        key = memo_key(function, args, kwargs)
-        self.asked.add(key)
-        if key in self._memo:
-            return super().get(function, *args, **kwargs)
-        # What another entry left in a cache would not be heard.
-        forget()
-        with _heard(self.made_by.setdefault(key, set())):
-            return super().get(function, *args, **kwargs)
+        self.asked.add(memo_key(function, args, kwargs))
+        return super().get(function, *args, **kwargs)
 
     def with_other(self, key: str, value: object) -> Context:
         """A plain context with one entry exchanged."""
@@ -111,6 +104,23 @@ class Watched(Context):
     def entry(self, key: str) -> object:
         """What the memo holds."""
         return self._memo[key]
+
+
+@dataclass(frozen=True)
+class Watched(Asked):
+    """A context that hears which functions make its memo's entries, too."""
+
+    made_by: dict[str, set[str]] = field(default_factory=dict, repr=False, compare=False)
+
+    def get(self, function: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
+        """As that of a context."""
+        key = memo_key(function, args, kwargs)
+        if key in self._memo:
+            return super().get(function, *args, **kwargs)
+        # What another entry left in a cache would not be heard.
+        forget()
+        with _heard(self.made_by.setdefault(key, set())):
+            return super().get(function, *args, **kwargs)
 
 
 def is_basic(function: str) -> bool:

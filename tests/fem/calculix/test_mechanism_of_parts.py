@@ -98,6 +98,7 @@ def two_arms(tmp_path_factory):
     return mechanism, volume_mesh(part, found, Grading(0.02)), found
 
 
+@pytest.mark.exhaustive
 @pytest.mark.skipif(
     not any(map(shutil.which, calculix_run.PROGRAMS)), reason="CalculiX (ccx) is not installed"
 )

@@ -116,7 +116,21 @@ def assert_refused_cheaply(path, kind, content):
     return seconds, size
 
 
-@pytest.mark.parametrize("number", range(len(KINDS)), ids=[kind.__name__ for kind in KINDS])
+# A process each: the largest ones first, all with the random sets.
+HEAVY = {"_nested", "_matrix", "_noise", "_digits"}
+
+
+@pytest.mark.parametrize(
+    "number",
+    [
+        pytest.param(
+            number,
+            id=kind.__name__,
+            marks=() if kind.__name__ in HEAVY else pytest.mark.exhaustive,
+        )
+        for number, kind in enumerate(KINDS)
+    ],
+)
 def test_a_file_of_each_kind_takes_little_memory_in_a_process_of_its_own(number, path):
     kind, content = list(bad_robots(len(KINDS), SEED + 1))[number]
     assert_refused_cheaply(path, kind, content)

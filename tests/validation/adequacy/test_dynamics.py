@@ -49,11 +49,6 @@ def flanged(flanged_robot: Biglide) -> Matrix:
     return adequacy(flanged_robot)
 
 
-@pytest.fixture(scope="module")
-def paper() -> Matrix:
-    return adequacy(load_robot("ifw").robot)
-
-
 @pytest.mark.parametrize("model", BEAMS)
 def test_what_fails_on_equivalent_legs_holds_on_solids_of_the_same_legs(
     paper: Matrix, model: str

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from lumped.text import visible
+from validation import cli
 from validation.console import streams
 
 ROOT = Path(__file__).parents[3]
@@ -50,8 +51,8 @@ UNWRITABLE = {
         (command, streams_are, reason)
         for streams_are, reason in UNWRITABLE.items()
         for command in ("check ifw", "cases --json", "--help", "--version", "--hlep")
-        # Long results matter where it is they that cannot be written.
-        if not (command.startswith("cases") and streams_are.startswith("2>"))
+        # Long results matter where it is they alone that cannot be written.
+        if not (command.startswith("cases") and "2>" in streams_are)
     ],
 )
 def test_closed_and_full_streams_never_end_with_1_or_a_traceback(command, streams_are, reason):
@@ -63,8 +64,10 @@ def test_closed_and_full_streams_never_end_with_1_or_a_traceback(command, stream
         assert done.stderr == (f"flexproof: the results cannot be written to stdout: {reason}\n")
 
 
-@pytest.mark.parametrize("command", ["check ifw", "cases --json", "--help"])
-@pytest.mark.parametrize("reader", ["head -1", "true"])
+@pytest.mark.parametrize(
+    ("command", "reader"),
+    [("check ifw", "true"), ("cases --json", "head -1"), ("--help", "head -1")],
+)
 def test_a_reader_that_leaves_early_changes_nothing(command, reader):
     done = shell(f"flexproof {command} | {reader}; exit ${{PIPESTATUS[0]}}")
     assert (done.returncode, done.stderr) == (0, "")
@@ -74,7 +77,6 @@ def test_a_reader_that_leaves_early_changes_nothing(command, reader):
     "environment",
     [
         {"LC_ALL": "C"},
-        {"LC_ALL": "POSIX"},
         {"PYTHONIOENCODING": "ascii"},
     ],
     ids=str,
@@ -100,10 +102,10 @@ def test_a_name_of_any_script_is_shown_where_the_terminal_can():
     assert "no-such-robot-µ-é-中-α: no such file" in done.stderr
 
 
-def test_json_is_the_same_whatever_the_locale():
-    asked = "flexproof cases --json"
-    plain, full = shell(asked, LC_ALL="C"), shell(asked, LC_ALL="C.UTF-8")
-    assert json.loads(plain.stdout) == json.loads(full.stdout)
+def test_json_is_the_same_whatever_the_locale(capsys):
+    plain = shell("flexproof cases --json", LC_ALL="C")
+    assert cli.main(["cases", "--json"]) == 0
+    assert json.loads(plain.stdout) == json.loads(capsys.readouterr().out)
 
 
 @pytest.mark.parametrize("kilobytes", [200_000, 500_000])

@@ -99,7 +99,14 @@ def test_every_number_of_the_first_screen_is_a_headline_number(name):
             assert any(number.is_compared_by(case) for case in cases), number.number
 
 
-@pytest.mark.parametrize("case", check.cases(), ids=lambda case: case.id)
+# A biglide's numbers are many: a quarter of a minute.
+MANY = {"guard.independence[biglide]": pytest.mark.exhaustive}
+
+
+@pytest.mark.parametrize(
+    "case",
+    [pytest.param(case, id=case.id, marks=MANY.get(case.id, ())) for case in check.cases()],
+)
 def test_no_headline_number_is_without_an_independent_comparison(case):
     measured = case.measure(Context(ROBOT_FILE, "quick"))
     assert measured.value == 0.0, measured.notes

@@ -36,6 +36,7 @@ def coarse(monkeypatch, tmp_path):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
 
 
+@pytest.mark.exhaustive
 @pytest.mark.usefixtures("coarse")
 def test_a_rocker_of_three_bores_in_every_model_that_takes_it():
     robot = load_robot(EXAMPLES / "rocker" / "robot.toml")

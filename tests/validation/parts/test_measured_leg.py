@@ -62,7 +62,7 @@ def test_the_solid_says_what_was_measured(leg):
     assert with_platform == pytest.approx([103.2, 127.1], rel=3e-3)
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 def test_a_condensed_leg_is_right_and_the_equivalent_one_is_not(leg):
     properties, body = leg
     reduced = reduction(HeldBody(body), 600.0)

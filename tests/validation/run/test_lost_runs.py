@@ -183,6 +183,7 @@ def test_ctrl_c_on_a_terminal_ends_the_run(tmp_path):
     assert json.loads((tmp_path / "run" / "results.json").read_text())["run"]["unfinished"] == 1
 
 
+@pytest.mark.exhaustive
 @pytest.mark.skipif(os.geteuid() != 0, reason="only root can mount a small disk")
 def test_a_full_disk_ends_with_a_clear_message_and_keeps_what_was_done(tmp_path):
     disk = tmp_path / "disk"

@@ -63,6 +63,7 @@ def run_of(crane, folder, *options):
     return main([*asked, *options])
 
 
+@pytest.mark.exhaustive
 def test_curves_are_what_the_models_answer(crane, tmp_path, capsys):
     """Those of `solve --vary`; a slender bar's solid is its beam but for what held ends take."""
     folder = tmp_path / "report"

@@ -110,7 +110,7 @@ def biglide_subject(context: Context) -> Subject:
             leg_subject(context, robot.leg1, "leg 1"),
             leg_subject(context, robot.leg2, "leg 2"),
         ),
-        formulation=_on_equivalent_legs(context, robot, x) if given else None,
+        formulation=on_equivalent_legs(context, robot, x) if given else None,
     )
 
 
@@ -125,7 +125,7 @@ def _statics(
     return reference, static_ladders(context, robot, x)
 
 
-def _on_equivalent_legs(context: Context, robot: Biglide, x: Array) -> Subject:
+def on_equivalent_legs(context: Context, robot: Biglide, x: Array) -> Subject:
     """Statics of the models that put equivalent legs for given ones, against solids of those."""
     member = with_equivalent_legs(robot)
     statics, ladders = _statics(context, member, x)
