@@ -236,6 +236,17 @@ def test_what_rounding_hides_in_three_formulations_is_undecided_or_told(number, 
     assert "disagree" not in verdicts
 
 
+def test_what_rounding_hides_from_polynomials_is_no_disagreement(tmp_path):
+    # A foil of an I-section beside a strip: stiffnesses 10¹⁵ apart, polynomials off by 3e-3.
+    path = tmp_path / "robot.toml"
+    path.write_text(ROBOTS[0], encoding="utf-8")
+    robot_file = load_robot(path)
+    context = Context(robot_file, "quick")
+    cases = [case for case in catalogue(robot_file) if case.id.startswith("leg2.anchor[")]
+    outcomes = [judge(case, case.compute(context), 0.0) for case in cases]
+    assert {outcome.verdict for outcome in outcomes} == {"agree", "undecided"}
+
+
 def test_polynomials_that_rounding_leaves_indefinite_are_told(tmp_path):
     # Legs that nearly align, one of them a hundred thousand times as soft in bending.
     path = tmp_path / "robot.toml"

@@ -14,13 +14,14 @@ from typing import TypeAlias, TypeVar
 import numpy as np
 
 from lumped.arrays import Array
-from lumped.biglide import Biglide
+from lumped.biglide import Biglide, scaled
 from lumped.caches import lru_cache
 from lumped.errors import InputError
 from validation.agreement.convergence import step_factor
 from validation.case import Skip
 from validation.context import SWEEPS_FOLDER, Context, Preset
 from validation.solids.legs import FORMAL_ORDER
+from validation.solids.size import too_large
 from validation.studies.quantities import Deflections, deflections_of
 from validation.sweeps.decision import Brief, Decision, decide
 from validation.sweeps.journal import Journal
@@ -110,8 +111,12 @@ class Curves:
 def stroke_study(
     robot: Biglide, preset: Preset, journal: Journal, executor: Executor = in_turn
 ) -> dict[str, Curves]:
-    """All models over the stroke of the robot, at `stroke_stations(robot, plan.stations)`."""
+    """All models over the stroke of the robot, at `stroke_stations(robot, plan.stations)`.
+
+    Raises InputError where its legs are too large as solids for a run.
+    """
     plan = PLANS[preset]
+    _require_affordable(robot, preset)
     x = stroke_stations(robot, plan.stations)
     free = solid_model(FREE, "free", plan.divisions)
     models = (*lumped_models(plan.segments), free, *plan.judges()[:1])
@@ -126,12 +131,13 @@ def alpha_study(
 ) -> tuple[tuple[float, ...], dict[tuple[str, str], Curves]]:
     """α of the paper's range, and all models along it at each of `POINTS`, by (label, point).
 
-    Raises InputError where no α of the range is possible.
+    Raises InputError where no α of the range is possible, or legs are too large as solids.
     """
     plan = PLANS[preset]
     low, high = PAPER_RANGE
     asked = [alpha for alpha in plan.brief.alphas if low <= alpha <= high]
     alphas, _ = feasible_alphas(robot, asked)
+    _require_affordable(scaled(robot, alphas[-1]), preset)
     models = (*lumped_models(plan.segments), *plan.judges())
     fractions = tuple(POINTS.values())
     units = [unit for alpha in alphas for unit in member_units(models, robot, alpha, fractions)]
@@ -150,10 +156,18 @@ def alpha_study(
 def decision_study(
     robot: Biglide, preset: Preset, journal: Journal, executor: Executor = in_turn
 ) -> Decision:
-    """The best α by every model; raises InputError where no α of the preset is possible."""
+    """The best α by every model; raises InputError as `alpha_study` does."""
     plan = PLANS[preset]
+    alphas, _ = feasible_alphas(robot, plan.brief.alphas)
+    _require_affordable(scaled(robot, alphas[-1]), preset)
     models = (*lumped_models(plan.segments), *plan.judges())
     return decide(robot, models, plan.brief, executor, journal)
+
+
+def _require_affordable(robot: Biglide, preset: Preset) -> None:
+    """Raise InputError where a leg has more unknowns as a solid than the preset takes."""
+    if reason := too_large((robot.leg1, robot.leg2), 2 * (PLANS[preset].divisions,), preset):
+        raise InputError(reason)
 
 
 def precompute(
@@ -202,7 +216,11 @@ def studies_read(preset: Preset) -> tuple[Study, ...]:
 
 
 def decision_of(context: Context) -> Decision:
-    """The decision of the run; skips the case where no robot of the family is possible."""
+    """The decision of the run.
+
+    Raises Skip where no robot of the family is possible or legs are too large as solids; so do the
+    other two.
+    """
     return _or_skip(context, decided)
 
 
@@ -213,7 +231,7 @@ def family_of(context: Context) -> tuple[tuple[float, ...], dict[tuple[str, str]
 
 def stroke_of(context: Context) -> dict[str, Curves]:
     """All models over the stroke, by label."""
-    return context.get(stroke, *_arguments(context))
+    return _or_skip(context, stroke)
 
 
 def decided(robot: Biglide, preset: Preset, folder: str) -> Decision:

@@ -23,6 +23,7 @@ from validation.cases.anchors.quantities import (
     SHOWN,
     TITLE,
     in_shown_units,
+    rounding,
     statics,
 )
 from validation.cases.anchors.robot import yielding_drives
@@ -129,8 +130,7 @@ def _static(context: Context, model: str, entry: str) -> Measurement:
     return Measurement(
         in_shown_units(found[at], entry),
         in_shown_units(expected[at], entry),
-        # Both degrees are exact: what sets them apart is what rounding leaves.
-        reference_uncertainty=in_shown_units(abs(expected[at] - other[at]), entry),
+        reference_uncertainty=in_shown_units(rounding(expected[at], other[at]), entry),
         pose=(float(robot.stations(POSTURES)[at]),),
     )
 
@@ -171,6 +171,6 @@ def _frequency(context: Context, model: str, index: int, modes: int) -> Measurem
         float(found[at]),
         float(expected[at]),
         # What 20 elements leave is what is judged: the reference alone leaves it uncertain.
-        judged_uncertainty=float(abs(expected[at] - rougher[at])),
+        judged_uncertainty=rounding(float(expected[at]), float(rougher[at])),
         pose=(float(robot.stations(POSTURES)[at]),),
     )

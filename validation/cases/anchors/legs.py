@@ -8,7 +8,14 @@ from lumped.biglide import Biglide
 from lumped.legs import Leg
 from validation.adequacy.biglide.leg import MODELS
 from validation.case import Measurement
-from validation.cases.anchors.quantities import SHOWN, TITLE, in_shown_units, statics
+from validation.cases.anchors.quantities import (
+    EXACT,
+    SHOWN,
+    TITLE,
+    in_shown_units,
+    rounding,
+    statics,
+)
 from validation.context import Context
 from validation.models.legs import leg_compliance
 from validation.studies.ritz import biglide as ritz
@@ -22,9 +29,9 @@ def shown(leg: Leg, model: str) -> Array:
     return np.diag(leg_compliance(kind, leg, options))
 
 
-def expected(leg: Leg, legs: ritz.Legs) -> Array:
-    """The same by polynomials."""
-    return np.diag(ritz.clamped_leg(leg, legs))
+def expected(leg: Leg, legs: ritz.Legs, degree: int) -> Array:
+    """The same by polynomials of `degree`."""
+    return np.diag(ritz.clamped_leg(leg, legs, degree))
 
 
 def _leg(robot: Biglide, number: int) -> Leg:
@@ -43,8 +50,11 @@ def _leg(robot: Biglide, number: int) -> Leg:
 def _entry(context: Context, number: int, model: str, entry: str) -> Measurement:
     leg, index = _leg(context.robot, number), STATIC_QUANTITIES.index(entry)
     legs: ritz.Legs = "given" if model == "vjm" else MODELS[model][1].theory
+    by_ritz, other = (
+        in_shown_units(context.get(expected, leg, legs, degree)[index], entry) for degree in EXACT
+    )
     return Measurement(
         in_shown_units(context.get(shown, leg, model)[index], entry),
-        in_shown_units(context.get(expected, leg, legs)[index], entry),
-        exact=True,
+        by_ritz,
+        reference_uncertainty=rounding(by_ritz, other),
     )

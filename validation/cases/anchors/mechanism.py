@@ -20,7 +20,14 @@ from validation.adequacy.mechanism.statics import compliances, is_serial
 from validation.adequacy.mechanism.subject import mechanism_candidates
 from validation.case import Measurement, Relative, Skip
 from validation.case_group import numbered
-from validation.cases.anchors.quantities import EXACT, SHOWN, TITLE, in_shown_units, statics
+from validation.cases.anchors.quantities import (
+    EXACT,
+    SHOWN,
+    TITLE,
+    in_shown_units,
+    rounding,
+    statics,
+)
 from validation.context import Context
 from validation.exhibits import PATH
 from validation.models.mechanism import answers
@@ -111,8 +118,9 @@ def _static(context: Context, model: str, entry: str) -> Measurement:
     return Measurement(
         in_shown_units(found[at, index], entry),
         in_shown_units(expected[at, index], entry),
-        # Both degrees are exact: what sets them apart is what rounding leaves.
-        reference_uncertainty=in_shown_units(abs(expected[at, index] - other[at, index]), entry),
+        reference_uncertainty=in_shown_units(
+            rounding(expected[at, index], other[at, index]), entry
+        ),
         pose=tuple(postures[at].pose.tolist()),
     )
 
@@ -155,6 +163,6 @@ def _frequency(context: Context, model: str, index: int, modes: int) -> Measurem
         value,
         reference,
         # What elements leave is what is judged: the reference alone leaves it uncertain.
-        judged_uncertainty=abs(reference - other),
+        judged_uncertainty=rounding(reference, other),
         pose=tuple(middle.pose.tolist()),
     )

@@ -8,6 +8,8 @@ LOAD = 1000.0  # N or N m
 _ALONG = STATIC_QUANTITIES[:3]
 # Degrees of polynomials that are both exact in statics.
 EXACT = (3, 4)
+# Rounding is a number at random in either: two of them seldom differ by less than a tenth of it.
+_SELDOM = 10.0
 _MICRO, _MILLI = 1e-6, 1e-3
 RITZ = "Ritz's method, Legendre polynomials along the legs (validation.studies.ritz)"
 
@@ -23,6 +25,11 @@ def meaning(quantity: str) -> str:
 def unit(quantity: str) -> str:
     """What it is shown in."""
     return "µm" if quantity in _ALONG else "mrad"
+
+
+def rounding(found: float, other: float) -> float:
+    """What rounding leaves open of a number that two degrees of polynomials ought to share."""
+    return _SELDOM * abs(found - other)
 
 
 def in_shown_units(compliance: float, quantity: str) -> float:

@@ -14,7 +14,7 @@ from lumped.biglide import Biglide
 from validation.agreement.convergence import step_factor
 from validation.case import Measurement, Relative
 from validation.case_group import CaseGroup, numbered
-from validation.cases.anchors.quantities import RITZ
+from validation.cases.anchors.quantities import EXACT, RITZ, rounding
 from validation.cases.robot.stroke import CURVES
 from validation.context import Context
 from validation.exhibits import STROKE
@@ -132,11 +132,14 @@ def yielding_drives(robot: Biglide, x: float, force: tuple[float, float]) -> tup
 def _deflected(context: Context, model: ModelName, attribute: str) -> Measurement:
     robot, x = context.robot, context.robot.centre
     found = context.get(robot_compliance, model, robot, x, _EQUIVALENT)
-    reference = context.get(ritz.compliance, robot, x)
-    value, by_ritz = (
-        float(getattr(deflections_of(matrix[None]), attribute)[0]) for matrix in (found, reference)
+    polynomials = (context.get(ritz.compliance, robot, x, "timoshenko", d) for d in EXACT)
+    value, by_ritz, other = (
+        float(getattr(deflections_of(matrix[None]), attribute)[0])
+        for matrix in (found, *polynomials)
     )
-    return Measurement(value, by_ritz, exact=True, pose=(float(x),))
+    return Measurement(
+        value, by_ritz, reference_uncertainty=rounding(by_ritz, other), pose=(float(x),)
+    )
 
 
 @cases.case(
@@ -164,7 +167,7 @@ def _swinging(context: Context, model: ModelName, order: float, index: int) -> M
         float(context.get(ritz.frequencies, robot, x, _FREQUENCIES, "timoshenko", degree)[index])
         for degree in (ritz.DEGREE, ritz.DEGREE - 2)
     )
-    uncertain = abs(reference - rougher)
+    uncertain = rounding(reference, rougher)
     return Measurement(
         float(fine),
         reference,
@@ -191,11 +194,14 @@ def _printed(context: Context, index: int) -> Measurement:
     robot, x = context.robot, context.robot.centre
     options = ModelOptions(release="printed")
     found = context.get(robot_frequencies, "segments", robot, x, _FREQUENCIES, options)
-    reference = context.get(ritz.frequencies_as_printed, robot, x, _FREQUENCIES)
+    reference, rougher = (
+        float(context.get(ritz.frequencies_as_printed, robot, x, _FREQUENCIES, degree)[index])
+        for degree in (ritz.DEGREE, ritz.DEGREE - 2)
+    )
     return Measurement(
         float(found[index]),
-        float(reference[index]),
-        # What 20 elements leave is what is judged, against polynomials that leave nothing.
-        judged_uncertainty=0.0,
+        reference,
+        # What 20 elements leave is what is judged: the reference alone leaves it uncertain.
+        judged_uncertainty=rounding(reference, rougher),
         pose=(float(x),),
     )
