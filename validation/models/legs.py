@@ -7,7 +7,7 @@ from typing import TypeVar
 import numpy as np
 
 from fem.beams.beam import beam_leg
-from fem.beams.stepped import Piece, SteppedLeg, stepped_leg
+from fem.beams.stepped import Piece, SteppedLeg, about_shear_centre, stepped_leg
 from fem.bodies import leg_modes, solid
 from fem.bodies.solid import ClampedLeg
 from fem.reduction.craig_bampton import craig_bampton
@@ -49,8 +49,10 @@ def _piece(model: ModelName, options: ModelOptions, count: int, piece: Piece) ->
         properties = properties.as_euler_bernoulli()
     elements = max(1, round(options.elements / count))
     if model == "segments":
-        return segment_leg(segment_chain(properties, piece.length, elements, options.layout))
-    return beam_leg(properties, piece.length, elements)
+        chain = segment_chain(properties, piece.length, elements, options.layout)
+        return about_shear_centre(segment_leg(chain), len(chain.bodies), piece.shear_centre)
+    leg = beam_leg(properties, piece.length, elements)
+    return about_shear_centre(leg, elements + 1, piece.shear_centre)
 
 
 def filled(model: Model) -> Model:

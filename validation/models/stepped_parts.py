@@ -64,12 +64,13 @@ def stepped(body: Body, pieces: int = PIECES) -> SteppedLeg:
     return SteppedLeg(
         length=length,
         pieces=tuple(
-            Piece(start, end, axes, BeamProperties(*numbers.tolist()))
-            for start, end, axes, numbers in zip(
+            Piece(start, end, axes, BeamProperties(*numbers.tolist()), tuple(centre.tolist()))
+            for start, end, axes, numbers, centre in zip(
                 found["line"][:-1],
                 found["line"][1:],
                 found["axes"],
                 found["properties"],
+                found["shear_centres"],
                 strict=True,
             )
         ),
@@ -97,13 +98,14 @@ def _fitted(
     line[:, 0] = np.linspace(*span, count + 1)
     for _ in range(_ROUNDS):
         line = _through_centroids(own, facets, line)
-    axes, properties = [], []
+    axes, properties, shear_centres = [], [], []
     for start, end in pairwise(line):
         across = _across(end - start)
         piece = slice_of(own, facets, 0.5 * (start + end), across)
-        turned, values = _section(piece, across, material)
+        turned, values, centre = _section(piece, across, material)
         axes.append(turned)
         properties.append(values)
+        shear_centres.append(centre)
     masses = material.rho * cell_volumes(mesh)
     centres = own[mesh.cells].mean(axis=1)
     before = (centres - line[0]) @ axes[0][:, 0] < 0.0
@@ -112,6 +114,7 @@ def _fitted(
         "line": line,
         "axes": np.array(axes),
         "properties": np.array(properties),
+        "shear_centres": np.array(shear_centres),
         "root_mass": _mass(masses[before], centres[before]),
         "tip_mass": _mass(masses[behind], centres[behind]),
     }
@@ -138,8 +141,11 @@ def _across(direction: Array) -> Array:
     return np.column_stack([x, y, np.cross(x, y)])
 
 
-def _section(piece: Slice, axes: Array, material: Material) -> tuple[Array, list[float]]:
-    """Principal axes (3×3) of a section and the fields of its `BeamProperties` about them."""
+def _section(piece: Slice, axes: Array, material: Material) -> tuple[Array, list[float], Array]:
+    """Principal axes (3×3) of a section, and about them the fields of its `BeamProperties`.
+
+    And where its shear centre is, from its centroid (2, m).
+    """
     mesh, ratio = slice_mesh(piece), material.G / material.E
     constants = section_constants(mesh, material.nu, ratio)
     iy, iz, product = (
@@ -156,7 +162,8 @@ def _section(piece: Slice, axes: Array, material: Material) -> tuple[Array, list
             SectionMesh(mesh.nodes @ turn, mesh.cells, mesh.element), material.nu, ratio
         )
     found = beam_properties(constants, material)
-    return axes, [getattr(found, name) for name in BeamProperties.__dataclass_fields__]
+    values = [getattr(found, name) for name in BeamProperties.__dataclass_fields__]
+    return axes, values, np.subtract(constants.shear_centre, constants.centroid)
 
 
 def _mass(masses: Array, places: Array) -> Array:
