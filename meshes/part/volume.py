@@ -62,6 +62,8 @@ def volume_mesh(part: PartFile, interfaces: Sequence[Interface], grading: Gradin
     with cad_model(part.path, part.unit) as model:
         gmsh = model.gmsh
         _set_sizes(model, interfaces, grading)
+        # Netgen's optimiser takes as long as the mesh, and a quarter of the error with it.
+        _optimise(gmsh, 1)
         with naming_the_place(part.path, model):
             gmsh.model.mesh.generate(3)
             gmsh.model.mesh.setOrder(2)
@@ -80,6 +82,8 @@ def ladder(part: PartFile, interfaces: Sequence[Interface], unknowns: int) -> tu
     largest = max(part.extent) / 2.0
     size = min((_PER_VOLUME * part.exact.volume / wanted) ** (1.0 / 3.0), largest)
     with cad_model(part.path, part.unit) as model:
+        # Counted, not solved on: optimised ones have as many unknowns to a thousandth.
+        _optimise(model.gmsh, 0)
 
         def count(grading: Grading) -> int:
             _set_sizes(model, interfaces, grading)
@@ -107,14 +111,16 @@ def ladder(part: PartFile, interfaces: Sequence[Interface], unknowns: int) -> tu
     return coarse, coarse.refined(), coarse.refined().refined()
 
 
+def _optimise(gmsh: ModuleType, passes: int) -> None:
+    gmsh.option.setNumber("Mesh.Optimize", passes)
+    gmsh.option.setNumber("Mesh.OptimizeNetgen", passes)
+
+
 def _set_sizes(model: CadModel, interfaces: Sequence[Interface], grading: Grading) -> None:
     gmsh = model.gmsh
     gmsh.option.setNumber("Mesh.MeshSizeMax", grading.size)
     gmsh.option.setNumber("Mesh.MeshSizeMin", _SHORTEST * grading.size)
     gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", grading.sides)
-    # Netgen's optimiser takes as long as the mesh, and a quarter of the error with it.
-    gmsh.option.setNumber("Mesh.OptimizeNetgen", 1)
-    gmsh.option.setNumber("Mesh.Optimize", 1)
     field = gmsh.model.mesh.field
     for tag in field.list():
         field.remove(tag)
