@@ -60,6 +60,7 @@ def test_ends_of_rods_meet_on_the_platform_which_moves_by_the_compliance(folder)
             )
 
 
+@pytest.mark.exhaustive
 def test_calculix_reads_the_deck(folder, tmp_path):
     try:
         program = calculix_program()

@@ -37,12 +37,14 @@ def matrix(robot_file, tmp_path_factory):
         return robot_adequacy(Context(robot_file, "quick"))
 
 
+@pytest.mark.exhaustive
 def test_the_matrix_has_every_idealisation(robot_file, matrix):
     models = [note.model for note in matrix.models]
     assert models == list(judged_models(robot_file))
     assert {"vjm-equivalent", "segments-stepped", "segments-condensed"} <= set(models)
 
 
+@pytest.mark.exhaustive
 def test_the_equivalent_leg_of_a_tapered_arm_is_far_too_soft(matrix):
     entry = matrix.entry("segments", "z")
     assert entry.verdict == "inadequate"
@@ -57,6 +59,7 @@ def test_the_equivalent_leg_of_a_tapered_arm_is_far_too_soft(matrix):
     assert matrix.entry("beam", "f1").error < -0.05
 
 
+@pytest.mark.exhaustive
 def test_what_is_condensed_is_the_solid_within_what_is_open(matrix):
     for model in ("vjm", "links", "segments-condensed"):
         for quantity in ("x", "y", "z"):

@@ -50,7 +50,7 @@ UNWRITABLE = {
     [
         (command, streams_are, reason)
         for streams_are, reason in UNWRITABLE.items()
-        for command in ("check ifw", "cases --json", "--help", "--version", "--hlep")
+        for command in ("check ifw", "cases --json", "--help", "--hlep")
         # Long results matter where it is they alone that cannot be written.
         if not (command.startswith("cases") and "2>" in streams_are)
     ],

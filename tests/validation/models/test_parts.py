@@ -56,6 +56,7 @@ def test_a_rocker_of_three_bores_in_every_model_that_takes_it():
         answers("vjm", at, 0)
 
 
+@pytest.mark.exhaustive
 def test_a_prism_written_as_step_is_the_leg_of_the_section_route(tmp_path):
     with gmsh_model("box") as gmsh:
         gmsh.option.setString("Geometry.OCCTargetUnit", "MM")

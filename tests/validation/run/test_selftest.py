@@ -143,6 +143,7 @@ def test_what_does_not_hold_is_nothing(cache, damage, holding):
     assert found == {records[k]["id"]: records[k] for k in holding}
 
 
+@pytest.mark.exhaustive
 def test_what_was_damaged_is_made_again_and_holds_then(toys, cache, tmp_path):
     first = ran(toys.checked, tmp_path / "first")
     (file,) = cache.iterdir()
@@ -154,6 +155,7 @@ def test_what_was_damaged_is_made_again_and_holds_then(toys, cache, tmp_path):
     assert counts(ran(toys.checked, tmp_path / "healed")) == (3, 0)
 
 
+@pytest.mark.exhaustive
 def test_other_sources_libraries_and_presets_have_checks_of_their_own(toys, tmp_path, monkeypatch):
     ran(toys.checked, tmp_path / "first")
     monkeypatch.setattr(provenance, "suite_digest", lambda: "1")
@@ -190,6 +192,7 @@ def test_where_nothing_can_be_kept_every_run_checks(toys, tmp_path, monkeypatch,
     assert kept_of(gathered.header).records() == {}
 
 
+@pytest.mark.exhaustive
 def test_who_names_checks_or_asks_for_them_has_them_computed(toys, tmp_path):
     first = ran(toys.checked, tmp_path / "first")
     named = ran(toys.checked, tmp_path / "named", only="toy.check.*")
@@ -219,6 +222,7 @@ def started(listed, *arguments):
     )
 
 
+@pytest.mark.exhaustive
 def test_a_kill_leaves_what_was_finished_to_the_next_run(toys, cache, tmp_path):
     process = started(
         "slowly_checked", "run", "--preset", "quick", "--out", str(tmp_path / "killed")
