@@ -20,6 +20,7 @@ from lumped.mechanism.part import ByPlane, PartInterface
 from meshes.part.interfaces import find_interfaces
 from meshes.part.reading.read import read_part
 from validation.cases.program.parts.drawing import meshed
+from validation.faults.catalogue import FAULTS
 
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 LENGTH, SIDE = 0.2, 0.03
@@ -118,3 +119,11 @@ def test_a_mode_that_is_never_found_or_found_twice_is_an_error(bar, monkeypatch)
     monkeypatch.setattr(counting, "interface_modes", first_twice)
     with pytest.raises(ComputationError, match="certificate of the modes failed"):
         counted_modes(bar.held, cutoff)
+
+
+@pytest.mark.parametrize("fault", ["reduction.cutoff", "reduction.modes-missing"])
+def test_faults_of_the_search_are_errors_of_the_reduction(bar, fault):
+    cutoff = 1.001 * bar.frequencies[9]
+    (mistake,) = (one for one in FAULTS if one.id == fault)
+    with mistake.inject(), pytest.raises(ComputationError, match="certificate of the modes failed"):
+        reduction(bar.held, 0.4 * cutoff, cutoff)

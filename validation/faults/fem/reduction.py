@@ -74,8 +74,8 @@ def _squared_hertz(stiffness: Array, mass: Array) -> tuple[Array, Array]:
     "Fixed-interface modes cut off at a fifth of the frequency",
     "fem.reduction.interface_modes.interface_modes",
 )
-def _cut_low(sound: Faulty, held: HeldLeg, cutoff: float) -> Modes:
-    found: Modes = sound(held, cutoff / 5.0)
+def _cut_low(sound: Faulty, held: HeldLeg, cutoff: float, *search: int) -> Modes:
+    found: Modes = sound(held, cutoff / 5.0, *search)
     return found
 
 
