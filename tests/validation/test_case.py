@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from lumped.robot_file import load_robot
 from validation.case import (
     Absolute,
     Allowance,
@@ -22,6 +23,8 @@ from validation.case import (
     result_record,
     verdict,
 )
+from validation.catalogue import catalogue
+from validation.exhibits import Drawing
 
 # Keys that interface.md fixes for an entry of "cases" in results.json.
 INTERFACE = {
@@ -264,3 +267,21 @@ def test_what_is_allowed_at_another_place_is_taken_off_there():
     assert judge(EQUAL, without, 0.0).verdict == "disagree"
     wrong = replace(measured, elsewhere=(replace(there[0], allowed=-0.3),))
     assert "-0.3 explained" in judge(EQUAL, wrong, 0.0).message
+
+
+@pytest.mark.parametrize(
+    ("name", "shown"),
+    [
+        ("ifw", {"leg1.solid-modes", "leg2.solid-modes", "deflection.stroke"}),
+        ("five-bar", {f"mechanism.{n}" for n in ("deflections", "frequencies", "mode-shapes")}),
+    ],
+)
+def test_figures_that_cases_lead_to_are_drawn(name, shown):
+    tasks = catalogue(load_robot(name))
+    drawn = {task.id for task in tasks if isinstance(task, Drawing)}
+    named = {task.figure for task in tasks if isinstance(task, Case) and task.figure}
+    assert shown <= named
+    assert named <= drawn
+    # The program is checked on robots of its own, which no figure of the run shows.
+    own = [task for task in tasks if isinstance(task, Case) and task.subject == "program"]
+    assert not any(task.figure.startswith(("mechanism.", "leg")) for task in own)

@@ -98,6 +98,7 @@ def _model(context: Context, model: str) -> tuple[ModelName, ModelOptions]:
     TITLE,
     over={"of": ("The mechanism",), "model": _models, "entry, said, unit": SHOWN},
     quantity="{said}, pose of the largest difference",
+    figure="mechanism.deflections",
 )
 def _static(context: Context, model: str, entry: str) -> Measurement:
     postures, index = path_postures(context), STATIC_QUANTITIES.index(entry)
@@ -139,6 +140,7 @@ def _yielding(numbers: Array, size: float) -> NDArray[np.bool_]:
         "index, mode": numbered,
     },
     quantity="natural frequency {mode}, middle of the path",
+    figure="mechanism.frequencies",
     unit="Hz",
     row="The mechanism, first screen",
     effort=0.2,

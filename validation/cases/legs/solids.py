@@ -239,6 +239,7 @@ def _percent(changed: float, base: float) -> str:
     model="solid",
     row="leg {number}",
     group="leg{number}.modes",
+    figure="leg{number}.solid-modes",
     effort=2.0,
 )
 def _mode(context: Context, number: int, index: int) -> Measurement:

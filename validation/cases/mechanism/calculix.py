@@ -100,6 +100,7 @@ def _found(context: Context) -> tuple[Answers, Answers]:
     unit="1",
     tolerance=Absolute(1e-5),
     tolerance_reason="the same equations: the seven printed digits, with a margin",
+    figure="mechanism.deflections",
 )
 def _statics(context: Context) -> Measurement:
     (own, _), (theirs, _) = _found(context)
@@ -115,6 +116,7 @@ def _statics(context: Context) -> Measurement:
     tolerance=Relative(1e-5),
     tolerance_reason="the printed digits, and what bodies reduced with modes up to four times the "
     "highest frequency leave",
+    figure="mechanism.frequencies",
 )
 def _frequency(context: Context) -> Measurement:
     (_, own), (_, theirs) = _found(context)

@@ -88,17 +88,21 @@ def _gap(at: Posture) -> float:
     return max(gaps)
 
 
-_of_links = cases.family(
-    quantity=_STATICS, citation=_ONE_STATICS, tolerance=Absolute(1e-9), tolerance_reason=_ROUNDING
+of_links = cases.family(
+    quantity=_STATICS,
+    citation=_ONE_STATICS,
+    tolerance=Absolute(1e-9),
+    tolerance_reason=_ROUNDING,
+    figure="mechanism.deflections",
 )
 
 
-@_of_links.case(
+@of_links.case(
     "mechanism.statics.{model}[{options.theory}]",
     "Links and {model} of {options.theory} theory are one statics",
     over={"options": (_EULER, _TIMOSHENKO), "model, tolerance": _OF_ELEMENTS},
 )
-@_of_links.case(
+@of_links.case(
     "mechanism.statics.{model}",
     "Virtual joints along serial chains and links are one statics",
     over={"model, options": [("vjm", ModelOptions())]},
@@ -125,6 +129,7 @@ _of_solids = cases.family(
     tolerance=Absolute(1e-4),
     group=SHARED_SOLIDS,
     model="solid",
+    figure="mechanism.deflections",
 )
 
 
@@ -195,6 +200,7 @@ def _off_beams(
     "number changes is the uncertainty",
     model="segments",
     effort=0.1,
+    figure="mechanism.frequencies",
 )
 def _frequency(context: Context, index: int) -> Measurement:
     postures = path_postures(context)

@@ -117,6 +117,7 @@ def _both(context: Context) -> tuple[FreeModes, FreeModes, float]:
     over={"index, mode": numbered(MODES)},
     quantity="natural frequency {mode}, middle of the path, paired by shape",
     unit="Hz",
+    figure="mechanism.mode-shapes",
     tolerance=Relative(1e-3),
     tolerance_reason="what waves of 3-D elasticity say of beam theory is allowed for: what is left "
     "has no name",
