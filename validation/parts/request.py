@@ -27,7 +27,10 @@ def interfaces_of(texts: Sequence[str]) -> tuple[dict[str, PartInterface], dict[
     wanted: dict[str, PartInterface] = {}
     points: dict[str, Array] = {}
     for text in texts:
-        for name, table in _table(text, "--interface", _EXAMPLE).items():
+        tables = _table(text, "--interface", _EXAMPLE)
+        if not tables:
+            faults.append(f"--interface {text!r}: names none; must be like {_EXAMPLE}")
+        for name, table in tables.items():
             key = f"--interface {name}"
             if name in wanted:
                 faults.append(f"{key}: given twice")
@@ -54,8 +57,9 @@ def interfaces_of(texts: Sequence[str]) -> tuple[dict[str, PartInterface], dict[
 def material_of(text: str) -> Material:
     """The isotropic material of a text { E = …, nu = …, rho = … }; raises InputError."""
     example = "{ E = 2.1e11, nu = 0.3, rho = 7850.0 }"
-    table = _table(f"material = {text}", "--material", example)["material"]
-    if not isinstance(table, dict):
+    tables = _table(f"material = {text}", "--material", example)
+    table = tables["material"]
+    if not isinstance(table, dict) or len(tables) > 1:
         raise InputError(f"--material: must be a table, {example}")
     faults = table_faults(MaterialTable, table, "--material ")
     if not faults:
