@@ -127,7 +127,9 @@ def _with_masses(leg: Leg, lumped: bool, degree: int) -> RitzLeg:  # noqa: FBT00
 def clamped_leg(leg: Leg, legs: Legs = "timoshenko", degree: int = STATIC_DEGREE) -> Array:
     """6×6 tip compliance (SI, leg axes) of one leg, root clamped."""
     found = _leg(leg, legs, degree)
-    free = null_space(scaled_rows(np.vstack([found.root, found.shut])))
+    conditions = np.vstack([found.root, found.shut]) * found.units
+    # Torsion of a thin wall is lost beside the stiffness along it unless each has its own unit.
+    free = found.units[:, None] * null_space(scaled_rows(conditions))
     loaded = found.tip @ free
     return np.asarray(loaded @ solve(free.T @ found.stiffness @ free, loaded.T, assume_a="pos"))
 
