@@ -82,6 +82,7 @@ WRONG = {
     "unknown key": (["A = { face = [1] }"], ['unknown key; did you mean "faces"?']),
     "coupling": (["A = { faces = [8], coupling = 'glued' }"], ["must be", "rigid"]),
     "no such face": (["A = { faces = [99] }"], ["face 99 does not exist", "1 to 12"]),
+    "empty": ([""], ["--interface '': names none"]),
     "twice": (["A = { faces = [8] }", "A = { faces = [9] }"], ["A: given twice"]),
 }
 
@@ -123,6 +124,7 @@ def test_a_wrong_option_is_refused_before_the_part_is_read(
         ("{ E = 2.1e11, nu = 0.5, rho = 7850.0 }", "nu = 0.5"),
         ("{ E = 2.1e11, G = 1e10, nu = 0.3, rho = 7850.0 }", "isotropic"),
         ("steel", "not TOML"),
+        ("{ E = 2.1e11, nu = 0.3, rho = 7850.0 }\nloss = 0.1", "must be a table"),
     ],
 )
 def test_a_wrong_material_is_one_line(capsys, material, message):
