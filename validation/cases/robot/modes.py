@@ -204,26 +204,35 @@ def _held_to_beams(context: Context, kind: BeamKind, modes: Sequence[int]) -> Bo
 @paper_cases.case(
     "robot.solid.mac",
     f"The first {PAIRED} modes of the solid robot are those of segments",
+    over={"reference": ("segments",)},
     quantity=_SMALLEST,
     tolerance_reason=_ONE_MODE,
 )
-def _mac(context: Context) -> Measurement:
-    coarse, found = (_segments_and(context, divisions) for divisions in _meshes(context))
-    step = _step_factor(context) * np.abs(found.mac - coarse.mac)
-    return _smallest_mac(found, "segments", np.ones_like(found.close), step)
-
-
 @cases.case(
     "robot.solid.free.mac",
     f"The first {PAIRED} modes of the robot with solid legs, ends free to warp, are those of beams",
+    over={"reference": ("beams",)},
     quantity=_SMALLEST,
     tolerance_reason=_ONE_MODE,
 )
-def _mac_of_free(context: Context) -> Measurement:
+def _mac(context: Context, reference: str) -> Measurement:
+    coarse, found, held = _beside(context, reference)
+    step = _step_factor(context) * np.abs(found.mac - coarse.mac)
+    return _smallest_mac(found, reference, held, step)
+
+
+def _beside(context: Context, reference: str) -> tuple[PairedModes, PairedModes, BoolArray]:
+    """Solids on coarser and finer meshes, and which of their modes are held to the reference.
+
+    To segments, whose solids have rigid faces, all; to "beams", with free ends, those that torsion
+    leaves as they are.
+    """
+    if reference == "segments":
+        coarse, found = (_segments_and(context, divisions) for divisions in _meshes(context))
+        return coarse, found, np.ones_like(found.close)
     held = _held_to_beams(context, "own beam", range(PAIRED))
     coarse, found = (_own_beams_and(context, divisions) for divisions in _meshes(context))
-    step = _step_factor(context) * np.abs(found.mac - coarse.mac)
-    return _smallest_mac(found, "beams", held, step)
+    return coarse, found, held
 
 
 def _smallest_mac(
@@ -268,24 +277,19 @@ def _left_out(held: BoolArray) -> tuple[str, ...]:
 @paper_cases.case(
     "robot.solid.mac-of-close-modes",
     f"Modes closer than {100.0 * CLOSE:g} % span the same space in both models",
+    over={"reference": ("segments",)},
     quantity=_SPACES,
     tolerance_reason=_ONE_SPACE,
 )
-def _close_modes(context: Context) -> Measurement:
-    coarse, found = (_segments_and(context, divisions) for divisions in _meshes(context))
-    step = _step_factor(context) * np.abs(found.shared - coarse.shared)
-    return smallest_shared(found, np.ones_like(found.close), step)
-
-
 @cases.case(
     "robot.solid.free.mac-of-close-modes",
     f"Modes closer than {100.0 * CLOSE:g} % span the same space in both (free ends, beams)",
+    over={"reference": ("beams",)},
     quantity=_SPACES,
     tolerance_reason=_ONE_SPACE,
 )
-def _spaces_of_free(context: Context) -> Measurement:
-    held = _held_to_beams(context, "own beam", range(PAIRED))
-    coarse, found = (_own_beams_and(context, divisions) for divisions in _meshes(context))
+def _close_modes(context: Context, reference: str) -> Measurement:
+    coarse, found, held = _beside(context, reference)
     step = _step_factor(context) * np.abs(found.shared - coarse.shared)
     return smallest_shared(found, held, step)
 

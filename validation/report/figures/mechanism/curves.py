@@ -1,13 +1,11 @@
 """Deflections and frequencies over the path by all models, and how far they are apart."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from itertools import cycle
 
 import numpy as np
 
 from lumped.acceptance.requirement import STATIC_QUANTITIES
-from lumped.arrays import Array
-from lumped.mechanism.mechanism import Posture
 from validation.adequacy.mechanism.compared import (
     Compared,
     compared_compliances,
@@ -23,11 +21,10 @@ from validation.drawing.style import (
     OTHERS,
     PURPLE,
     Look,
-    csv_of,
 )
 from validation.exhibits import PATH, Drawing, Figure
 from validation.models.mechanism import JUDGED_MODES
-from validation.report.figures.mechanism.panels import POSE, Panel, columns_of, compared_svg
+from validation.report.figures.mechanism.panels import POSE, Abscissa, Panel, compared_figure
 from validation.solids.robots import SHARED_SOLIDS
 
 FORCE, MOMENT = 1000.0, 100.0
@@ -70,11 +67,12 @@ def deflections(context: Context) -> Figure:
         found = compared_compliances(context, path_postures(context))
     except UNSOLVED as error:
         raise Skip(str(error)) from error
-    return _figure(
-        context,
+    return compared_figure(
         "mechanism.deflections",
         f"{_TITLE}: {OWN_LOADS}",
         f"Of the loaded point. {HELD}",
+        PATH,
+        _over_path(context),
         deflection_panels(found),
         found.against,
     )
@@ -87,11 +85,12 @@ def frequencies(context: Context) -> Figure:
         found = compared_frequencies(context, path_postures(context), judged)
     except UNSOLVED as error:
         raise Skip(str(error)) from error
-    return _figure(
-        context,
+    return compared_figure(
         "mechanism.frequencies",
         _FREQUENCIES,
         ONE_SHAPE,
+        PATH,
+        _over_path(context),
         frequency_panels(found, bracket=has_given(context.robot_file.mechanism)),
         found.against,
         columns=2,
@@ -128,36 +127,12 @@ def _panel(found: Compared, place: int, factor: float, others: Iterator[Look]) -
     )
 
 
-def _figure(
-    context: Context,
-    name: str,
-    title: str,
-    caption: str,
-    panels: Mapping[str, Panel],
-    against: str,
-    columns: int = 3,
-) -> Figure:
-    postures = path_postures(context)
-    x, label = _abscissa(context, postures)
-    table: dict[str, list[float]] = {
-        named: [float(at.pose[place]) for at in postures]
-        for place, named in enumerate(coordinates(context.robot_file.mechanism))
-    }
-    return Figure(
-        id=name,
-        title=title,
-        caption=f"{caption} Below each: what the others differ from {against}, in percent.",
-        section=PATH,
-        svg=compared_svg(x, label, panels, columns),
-        data=csv_of(table | columns_of(panels)),
-    )
-
-
-def _abscissa(context: Context, postures: Sequence[Posture]) -> tuple[Array, str]:
+def _over_path(context: Context) -> Abscissa:
     """The only coordinate that changes along the path, or the poses' numbers along it."""
     named = coordinates(context.robot_file.mechanism)
-    poses = np.array([at.pose for at in postures])
+    poses = np.array([at.pose for at in path_postures(context)])
+    columns = {name: poses[:, place].tolist() for place, name in enumerate(named)}
     changing = np.flatnonzero(np.ptp(poses, axis=0) > 0.0)
     if len(changing) == 1:
-        return poses[:, changing[0]], named[changing[0]]
-    return np.arange(1.0, len(postures) + 1.0), POSE
+        return Abscissa(poses[:, changing[0]], named[changing[0]], columns)
+    return Abscissa(np.arange(1.0, len(poses) + 1.0), POSE, columns)

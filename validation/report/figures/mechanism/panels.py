@@ -9,7 +9,16 @@ from matplotlib.figure import Figure as Canvas
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 
 from lumped.arrays import Array
-from validation.drawing.style import Look, canvas, marked, plot_style, short_number, svg_of
+from validation.drawing.style import (
+    Look,
+    canvas,
+    csv_of,
+    marked,
+    plot_style,
+    short_number,
+    svg_of,
+)
+from validation.exhibits import Figure
 from validation.report.figures.curves.lines import from_zero, legend_above, percent_scale
 
 # in, of a row of panels and of the differences below it.
@@ -27,10 +36,40 @@ class Panel(NamedTuple):
     differences: Curves
 
 
-def compared_svg(x: Array, label: str, panels: Mapping[str, Panel], columns: int) -> str:
-    """The panels as `compared` draws them, as SVG."""
+class Abscissa(NamedTuple):
+    """What panels are drawn over: numbers with their label, and the table's columns for them."""
+
+    x: Array
+    label: str
+    columns: Mapping[str, list[float]]
+
+
+def compared_figure(
+    identifier: str,
+    title: str,
+    caption: str,
+    section: str,
+    over: Abscissa,
+    panels: Mapping[str, Panel],
+    against: str,
+    columns: int = 3,
+) -> Figure:
+    """The panels as `compared` draws them; `against`: the model that the differences are from."""
     with plot_style():
-        return svg_of(compared(x, label, panels, columns))
+        svg = svg_of(compared(over.x, over.label, panels, columns))
+    curves = {
+        f"{key}: {heading}": values.tolist()
+        for heading, panel in panels.items()
+        for key, (values, _) in panel.curves.items()
+    }
+    return Figure(
+        id=identifier,
+        title=title,
+        caption=f"{caption} Below each: what the others differ from {against}, in percent.",
+        section=section,
+        svg=svg,
+        data=csv_of({**over.columns, **curves}),
+    )
 
 
 def compared(x: Array, label: str, panels: Mapping[str, Panel], columns: int) -> Canvas:
@@ -59,15 +98,6 @@ def compared(x: Array, label: str, panels: Mapping[str, Panel], columns: int) ->
         lowest.set_xlabel(_fitting(label, columns))
     legend_above(drawn, columns=4)
     return drawn
-
-
-def columns_of(panels: Mapping[str, Panel]) -> dict[str, list[float]]:
-    """The curves of all panels as columns of a table."""
-    return {
-        f"{key}: {heading}": values.tolist()
-        for heading, panel in panels.items()
-        for key, (values, _) in panel.curves.items()
-    }
 
 
 def _fitting(label: str, columns: int) -> str:

@@ -1,6 +1,6 @@
 """All models over a number of the robot file, and how far they are apart."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from functools import partial
 
 import numpy as np
@@ -9,7 +9,6 @@ from lumped.robot_file.key_units import unit_of
 from lumped.robot_file.variation import Variation
 from validation.adequacy.mechanism.path import has_given
 from validation.context import SWEEPS_FOLDER, Context
-from validation.drawing.style import csv_of
 from validation.exhibits import PARAMETERS, Drawing, Figure
 from validation.report.figures.mechanism.curves import (
     HELD,
@@ -18,7 +17,7 @@ from validation.report.figures.mechanism.curves import (
     deflection_panels,
     frequency_panels,
 )
-from validation.report.figures.mechanism.panels import Panel, columns_of, compared_svg
+from validation.report.figures.mechanism.panels import Abscissa, compared_figure
 from validation.sweeps.studies import journal_in
 from validation.variations.curves import VariedCurves, variation_study
 
@@ -45,12 +44,12 @@ def drawings(variations: Sequence[Variation]) -> tuple[Drawing, ...]:
 def deflections(context: Context, *, variation: Variation, number: int) -> Figure:
     """A panel for each direction, under a force or a moment along it."""
     found = _curves(context, variation)
-    return _figure(
-        context,
-        found,
+    return compared_figure(
         f"vary.{number}.deflections",
         f"Deflection over {variation.key}: {OWN_LOADS}",
-        f"Of the loaded point{_place(context, found)}. {HELD}",
+        f"Of the loaded point{_place(context, found)}. {HELD}{_alike(variation)}",
+        PARAMETERS,
+        _over(context, variation),
         deflection_panels(found.statics),
         found.statics.against,
     )
@@ -60,12 +59,13 @@ def frequencies(context: Context, *, variation: Variation, number: int) -> Figur
     """A panel for each of the first frequencies, in ascending order at each value."""
     found = _curves(context, variation)
     place = _place(context, found).removeprefix(", ")
-    return _figure(
-        context,
-        found,
+    said = f"{place[:1].upper()}{place[1:]}. " if place else ""
+    return compared_figure(
         f"vary.{number}.frequencies",
         f"Natural frequencies over {variation.key}",
-        " ".join([f"{place[:1].upper()}{place[1:]}." if place else "", ONE_SHAPE]).strip(),
+        f"{said}{ONE_SHAPE}{_alike(variation)}",
+        PARAMETERS,
+        _over(context, variation),
         frequency_panels(found.dynamics, bracket=has_given(context.robot_file.mechanism)),
         found.dynamics.against,
         columns=2,
@@ -86,26 +86,13 @@ def _place(context: Context, found: VariedCurves) -> str:
     return f", with the tool at {at}" if at else ""
 
 
-def _figure(
-    context: Context,
-    found: VariedCurves,
-    name: str,
-    title: str,
-    caption: str,
-    panels: Mapping[str, Panel],
-    against: str,
-    columns: int = 3,
-) -> Figure:
-    variation = found.variation
+def _over(context: Context, variation: Variation) -> Abscissa:
     unit = unit_of(context.robot_file.tables, variation.keys[0])
     label = f"{variation.key} ({unit})" if unit else variation.key
     values = np.array(variation.values)
-    others = "" if len(variation.keys) == 1 else f" {len(variation.keys)} numbers change alike."
-    return Figure(
-        id=name,
-        title=title,
-        caption=f"{caption}{others} Below each: what the others differ from {against}, in percent.",
-        section=PARAMETERS,
-        svg=compared_svg(values, label, panels, columns),
-        data=csv_of({label: values.tolist()} | columns_of(panels)),
-    )
+    return Abscissa(values, label, {label: values.tolist()})
+
+
+def _alike(variation: Variation) -> str:
+    keys = len(variation.keys)
+    return "" if keys == 1 else f" {keys} numbers change alike."
