@@ -2,7 +2,6 @@
 
 import pytest
 
-from validation.agreement.differences import farthest_off, refined
 from validation.case import Absolute, Measurement
 from validation.case_group import CaseGroup, numbered
 
@@ -146,16 +145,3 @@ def test_a_parameter_that_no_one_gives_is_an_error_when_cases_are_listed():
 
     with pytest.raises(TypeError, match="lenght"):
         cases()
-
-
-def test_the_farthest_of_numbers_that_should_be_zero():
-    assert farthest_off([0.0, -3.0, 2.0]) == Measurement(3.0, 0.0, exact=True)
-    assert farthest_off([1.0, float("nan")]).value != 1.0
-
-
-def test_two_meshes_leave_their_step_by_order_and_ratio():
-    # 3/(2² − 1) = 1 and 3/(√2⁴ − 1) = 1 of the step.
-    for order, ratio in ((2.0, 2.0), (4.0, 2.0**0.5)):
-        found = refined(1.5, 1.25, 1.0, order=order, ratio=ratio)
-        assert (found.value, found.reference) == (1.25, 1.0)
-        assert found.value_uncertainty == pytest.approx(0.25)

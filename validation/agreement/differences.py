@@ -1,5 +1,7 @@
 """Measurements of one number: the farthest of what should be nothing, and what two meshes give."""
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -21,3 +23,31 @@ def refined(
     """
     uncertain = step_factor(ratio, order) * abs(fine - coarse)
     return Measurement(float(fine), float(reference), value_uncertainty=float(uncertain))
+
+
+def farthest_refined(
+    coarse: ArrayLike, fine: ArrayLike, *, order: float, ratio: float = 2.0
+) -> Measurement:
+    """The largest amount on the finer of two meshes of numbers that should all become zero."""
+    before, off = np.ravel(coarse), np.ravel(fine)
+    worst = int(np.argmax(np.abs(off)))
+    found = refined(before[worst], off[worst], order=order, ratio=ratio)
+    return replace(found, value=abs(found.value))
+
+
+def both_refined(
+    coarse: tuple[float, float],
+    fine: tuple[float, float],
+    *,
+    order: float,
+    apart: float,
+    ratio: float = 2.0,
+) -> Measurement:
+    """Value and reference on the finer of two meshes that both share, converging with `order`.
+
+    Errors of the mesh cancel in their difference, which is judged and converges with `apart`.
+    """
+    (before, rough), (value, reference) = coarse, fine
+    own, other = (step_factor(ratio, order) * abs(s) for s in (value - before, reference - rough))
+    left = step_factor(ratio, apart) * abs((value - reference) - (before - rough))
+    return Measurement(float(value), float(reference), float(own), float(other), float(left))

@@ -22,8 +22,7 @@ from lumped.system.solution import modes, solved
 from validation.adequacy.legs import solid_leg
 from validation.adequacy.mechanism.path import known_legs, path_postures
 from validation.adequacy.mechanism.statics import assembled, is_serial
-from validation.agreement.convergence import step_factor
-from validation.agreement.differences import farthest_off, refined
+from validation.agreement.differences import farthest_off, farthest_refined, refined
 from validation.case import Absolute, Measurement, Relative, Skip
 from validation.case_group import CaseGroup, numbered
 from validation.context import Context
@@ -165,13 +164,8 @@ def _solid(context: Context, ends: Ends) -> Measurement:
         _off_beams(postures, {name: getattr(both, which) for name, both in meshes.items()}, ends)
         for which in ("coarse", "fine")
     )
-    worst = np.unravel_index(int(np.argmax(np.abs(fine))), fine.shape)
-    factor = max(step_factor(both.ratio, FORMAL_ORDER) for both in meshes.values())
-    return Measurement(
-        abs(float(fine[worst])),
-        0.0,
-        value_uncertainty=factor * abs(float(fine[worst] - coarse[worst])),
-    )
+    ratio = min(both.ratio for both in meshes.values())
+    return farthest_refined(coarse, fine, order=FORMAL_ORDER, ratio=ratio)
 
 
 def _off_beams(

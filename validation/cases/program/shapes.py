@@ -1,7 +1,7 @@
 """All five section shapes: solids with free ends against beam theory, constants by closed forms."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -12,7 +12,8 @@ from lumped.legs import ConstantLeg, Material, tip_compliance
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Section, Tube
 from meshes.prism.hexahedra import slice_count
 from meshes.section.section_mesh import section_mesh
-from validation.agreement.convergence import analyse, step_factor, uncertainty_of
+from validation.agreement.convergence import analyse, uncertainty_of
+from validation.agreement.differences import farthest_refined
 from validation.case import Absolute, Measurement, Relative
 from validation.case_group import CaseGroup
 from validation.cases.legs.beams import ENTRIES
@@ -100,11 +101,8 @@ def _free(context: Context, shape: str, material: str) -> Measurement:
     solid, beam = context.get(free_and_beam, section, of, divisions)
     coarse_solid, coarse_beam = context.get(free_and_beam, section, of, divisions // 2)
     apart, coarse = solid / beam - 1.0, coarse_solid / coarse_beam - 1.0
-    worst = int(np.argmax(np.abs(apart)))
-    return Measurement(
-        float(abs(apart[worst])),
-        0.0,
-        value_uncertainty=step_factor(2.0, FORMAL_ORDER) * float(abs(apart - coarse)[worst]),
+    return replace(
+        farthest_refined(coarse, apart, order=FORMAL_ORDER),
         table={
             "compliance": tuple(name for name, (i, j, _) in ENTRIES.items() if i == j),
             "solid": tuple(solid.tolist()),

@@ -16,7 +16,7 @@ from lumped.biglide import Biglide
 from lumped.dense.modes import dense
 from lumped.legs import GivenLeg, Leg
 from lumped.models import vjm
-from validation.agreement.differences import farthest_off, refined
+from validation.agreement.differences import farthest_off, farthest_refined
 from validation.case import Absolute, Measurement
 from validation.case_group import CaseGroup
 from validation.cases.program.guards.robot import ELEMENTS, SECTION, guarded_posture
@@ -188,9 +188,7 @@ def _slender(context: Context, number: int, plane: Plane) -> Measurement:
         for elements in (10, 20)
     )
     exact = bending_frequencies(leg.properties("euler-bernoulli"), leg.length, plane, _ROOTS)
-    worst = int(np.argmax(np.abs(fine / exact - 1.0)))
-    off = (abs(one[worst] / exact[worst] - 1.0) for one in (coarse, fine))
-    return refined(*off, order=BEAM_ORDER)
+    return farthest_refined(coarse / exact - 1.0, fine / exact - 1.0, order=BEAM_ORDER)
 
 
 @cases.case(
@@ -209,6 +207,4 @@ def _bars(context: Context, number: int, kind: str) -> Measurement:
         for elements in (10, 20)
     )
     exact = _BARS[kind](leg.timoshenko, leg.length, _ROOTS)
-    worst = int(np.argmax(np.abs(fine / exact - 1.0)))
-    off = (abs(one[worst] / exact[worst] - 1.0) for one in (coarse, fine))
-    return refined(*off, order=BEAM_ORDER)
+    return farthest_refined(coarse / exact - 1.0, fine / exact - 1.0, order=BEAM_ORDER)

@@ -18,6 +18,7 @@ from meshes.prism.tetrahedra import tetrahedra
 from meshes.section.section_mesh import section_mesh
 from meshes.solid_mesh import SolidMesh
 from validation.agreement.convergence import step_factor
+from validation.agreement.differences import both_refined
 from validation.case import Absolute, Measurement, Relative, Tolerance
 from validation.case_group import CaseGroup
 from validation.cases.legs.beams import UNITS
@@ -231,21 +232,11 @@ def hollow_compliances(divisions: int) -> tuple[Array, Array]:
 )
 def _free_ends(context: Context, entry: tuple[int, int]) -> Measurement:
     coarse, fine = (
-        tuple(float(matrix[entry]) for matrix in context.get(hollow_compliances, number))
-        for number in (2, 4)
+        (float(by_solid[entry]), float(by_beam[entry]))
+        for by_solid, by_beam in (context.get(hollow_compliances, number) for number in (2, 4))
     )
-    factor = step_factor(2.0, CORNER_ORDER)
-    own, other = (factor * abs(after - before) for before, after in zip(coarse, fine, strict=True))
-    by_solid, by_beam = fine
-    return Measurement(
-        by_solid,
-        by_beam,
-        value_uncertainty=own,
-        reference_uncertainty=other,
-        # Both have the corners of one section mesh in common: what is left is smooth.
-        judged_uncertainty=step_factor(2.0, FORMAL_ORDER)
-        * abs((by_solid - by_beam) - (coarse[0] - coarse[1])),
-    )
+    # Both have the corners of one section mesh in common: what is left is smooth.
+    return both_refined(coarse, fine, order=CORNER_ORDER, apart=FORMAL_ORDER)
 
 
 @cases.case(

@@ -11,7 +11,7 @@ from fem.sections.waveguide import bending_wave, torsion_wave
 from lumped.legs import Material
 from lumped.sections import ISection, Rectangle
 from meshes.section.section_mesh import section_mesh
-from validation.agreement.convergence import step_factor
+from validation.agreement.differences import both_refined
 from validation.case import Measurement, Relative
 from validation.case_group import CaseGroup
 from validation.cases.program.guards.robot import SECTION
@@ -57,19 +57,7 @@ def _wave_and_rod(divisions: int) -> tuple[float, float]:
 
 
 def _refined(pair: Callable[[int], tuple[float, float]]) -> Measurement:
-    """Value and reference on the finer of two meshes, with what the step between them leaves."""
-    before, after = pair(_COARSE), pair(_FINE)
-    factor = step_factor(_FINE / _COARSE, CORNER_ORDER)
-    own, other = (factor * abs(f - c) for c, f in zip(before, after, strict=True))
-    value, reference = after
-    return Measurement(
-        value,
-        reference,
-        value_uncertainty=own,
-        reference_uncertainty=other,
-        # Both have the errors of one section mesh in common.
-        judged_uncertainty=factor * abs((value - reference) - (before[0] - before[1])),
-    )
+    return both_refined(pair(_COARSE), pair(_FINE), order=CORNER_ORDER, apart=CORNER_ORDER)
 
 
 @cases.case(
