@@ -114,6 +114,12 @@ def _wave(kind: PrismWaves, omega: float, sign: float) -> tuple[float, Array]:
         factor = lu_factor(left - shift * right)
         for _ in range(_ITERATIONS):
             following = lu_solve(factor, right @ shape)
+            if not np.isfinite(following).all():
+                # Beside the section's own stiffness nothing is left of the frequency.
+                raise ComputationError(
+                    f"waves: that of {fields.name} at {omega / (2.0 * np.pi):.4g} Hz is lost in "
+                    "rounding; moduli or masses of the robot's parts differ by too much"
+                )
             before, square = square, shift + float(shape @ shape) / float(shape @ following)
             shape = following / np.linalg.norm(following)
             if abs(square - before) <= _CONVERGED * abs(square):

@@ -99,3 +99,13 @@ def test_walls_that_move_by_themselves_are_no_beam():
     bending = waves_of(BOX, 2)["bending y"]
     with pytest.raises(ComputationError, match="walls of the section move by themselves"):
         bending.stiffness(LENGTH, 2.0 * np.pi * 1500.0)
+
+
+def test_a_wave_that_is_singular_by_rounding_is_told(monkeypatch):
+    # As of the softest leg beside one of the stiffest: a pivot of zero, then no number at all.
+    def singular(_, right):
+        return np.full_like(right, np.inf)
+
+    monkeypatch.setattr("fem.couplings.wave_stiffness.lu_solve", singular)
+    with pytest.raises(ComputationError, match=r"bending y at .* Hz is lost in rounding"):
+        waves_of(Rectangle(0.05, 0.08), 2)["bending y"].stiffness(LENGTH, 100.0)
