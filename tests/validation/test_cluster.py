@@ -28,9 +28,34 @@ from validation.sweeps.runner import sweep
 ROOT = Path(__file__).resolve().parents[2]
 ROBOT = load_robot("ifw").robot
 MODELS = (*lumped_models(4), solid_model("solid", "rigid", 1))
+ARM = """
+schema = 2
+name = "arm"
+points = { A = [0.0, 0.0, 0.0], P = [0.0, 0.5, 0.0] }
+[bodies.arm]
+from = "A"
+to = "P"
+section = { shape = "rectangle", width = 0.06, height = 0.06 }
+material = { E = 2.1e11, nu = 0.0, rho = 7850.0 }
+[joints.motor]
+type = "revolute"
+between = ["ground", "arm"]
+at = "A"
+axis = [0.0, 0.0, 1.0]
+drive = { stiffness = 5.0e4 }
+[tool]
+body = "arm"
+point = "P"
+moves = ["x"]
+mass = 1.0
+[path]
+poses = [[0.0], [0.1]]
+[accept]
+modes = 2
+"""
 ALPHAS = (1.0, 1.2, 1.4, 1.6, 1.8, 2.0)
 
-pytest.importorskip("distributed", reason="the extra 'cluster' is not installed")
+distributed = pytest.importorskip("distributed", reason="the extra 'cluster' is not installed")
 
 
 def units():
@@ -92,6 +117,12 @@ def cluster(tmp_path_factory):
         process.terminate()
     for process in (*workers, scheduler):
         process.wait(timeout=30)
+
+
+def scheduled(address):
+    """How often a task has changed its state on the scheduler."""
+    with distributed.Client(address) as client:
+        return client.run_on_scheduler(lambda dask_scheduler: dask_scheduler.transition_counter)
 
 
 def silent(_line):
@@ -260,6 +291,26 @@ def test_varied_robots_are_the_same_on_the_cluster(cluster, capsys):
     here = capsys.readouterr().out
     assert cli.main([*asked, "--json", "--cluster", cluster[0]]) == 0
     assert capsys.readouterr().out == here
+
+
+@pytest.mark.exhaustive
+def test_a_run_over_a_number_draws_the_same_curves_from_the_cluster(cluster, tmp_path):
+    """All models of a mechanism, its solid among them, for each value on one of two workers."""
+    address, _ = cluster
+    robot = tmp_path / "arm.toml"
+    robot.write_text(ARM, encoding="utf-8")
+    asked = ["run", str(robot), "--preset", "quick", "--jobs", "1", "--only", "vary.*"]
+    asked += ["--vary", "bodies.arm.section.width=0.05:0.06:2"]
+    here, there = tmp_path / "here", tmp_path / "there"
+    assert cli.main([*asked, "--out", str(here)]) == 0
+    before = scheduled(address)
+    assert cli.main([*asked, "--out", str(there), "--cluster", address]) == 0
+    assert scheduled(address) > before
+    tables = sorted(file.name for file in (here / "figures").glob("vary.1.*.csv"))
+    assert len(tables) >= 2
+    for name in tables:
+        own, theirs = ((folder / "figures" / name).read_bytes() for folder in (here, there))
+        assert own == theirs, name
 
 
 def test_without_dask_the_message_says_how_to_get_it(monkeypatch):
