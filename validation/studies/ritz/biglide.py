@@ -10,7 +10,7 @@ from dataclasses import replace
 from typing import Literal, TypeAlias
 
 import numpy as np
-from scipy.linalg import LinAlgError, block_diag, eigh, null_space, solve
+from scipy.linalg import LinAlgError, block_diag, eigh, solve
 
 from lumped.arrays import Array
 from lumped.biglide import Biglide
@@ -22,10 +22,10 @@ from validation.studies.ritz.leg import (
     between_ends,
     carried,
     field_at,
+    free_motions,
     of_beam,
     of_compliance,
     placed,
-    scaled_rows,
 )
 
 DEGREE = 14
@@ -127,9 +127,7 @@ def _with_masses(leg: Leg, lumped: bool, degree: int) -> RitzLeg:  # noqa: FBT00
 def clamped_leg(leg: Leg, legs: Legs = "timoshenko", degree: int = STATIC_DEGREE) -> Array:
     """6×6 tip compliance (SI, leg axes) of one leg, root clamped."""
     found = _leg(leg, legs, degree)
-    conditions = np.vstack([found.root, found.shut]) * found.units
-    # Torsion of a thin wall is lost beside the stiffness along it unless each has its own unit.
-    free = found.units[:, None] * null_space(scaled_rows(conditions))
+    free = free_motions(found.stiffness, np.vstack([found.root, found.shut]))
     loaded = found.tip @ free
     return np.asarray(loaded @ solve(free.T @ found.stiffness @ free, loaded.T, assume_a="pos"))
 
@@ -186,5 +184,5 @@ def _joined(
         shut.append(apart)
     else:
         stiffness += apart.T @ solve(robot.tool_compliance, apart)
-    free = null_space(scaled_rows(np.vstack(shut)))
+    free = free_motions(stiffness, np.vstack(shut))
     return free.T @ stiffness @ free, free.T @ mass @ free, of_p @ free

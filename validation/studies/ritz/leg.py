@@ -22,8 +22,7 @@ class RitzLeg:
     """A leg on n coefficients, SI, leg axes.
 
     Twice its energies, `stiffness` and `mass` (n×n); twists of its `root` and `tip` (6×n); rows of
-    `shut` (c×n) must vanish: the shear strains that Euler and Bernoulli leave out. `units` (n): how
-    large each coefficient is with an energy of about one: none is lost beside stiffer ones in them.
+    `shut` (c×n) must vanish: the shear strains that Euler and Bernoulli leave out.
     """
 
     stiffness: Array
@@ -31,7 +30,6 @@ class RitzLeg:
     root: Array
     tip: Array
     shut: Array
-    units: Array
 
     @property
     def size(self) -> int:
@@ -70,16 +68,7 @@ def of_beam(beam: BeamProperties, length: float, degree: int) -> RitzLeg:
         root=root,
         tip=tip,
         shut=np.vstack([np.zeros((0, size)), *(e for k, e in strains if not np.isfinite(k))]),
-        units=np.repeat(_of_fields(beam, length), degree + 1),
     )
-
-
-def _of_fields(beam: BeamProperties, length: float) -> Array:
-    """Displacements and rotations (6) of unit energy; deflections as bending gives them."""
-    along, about_x, about_y, about_z = (
-        (length / stiffness) ** 0.5 for stiffness in (beam.EA, beam.GJ, beam.EIy, beam.EIz)
-    )
-    return np.array([along, length * about_z, length * about_y, about_x, about_y, about_z])
 
 
 def of_compliance(compliance: Array, length: float) -> RitzLeg:
@@ -88,12 +77,7 @@ def of_compliance(compliance: Array, length: float) -> RitzLeg:
     bent = tip - carried(np.array([length, 0.0, 0.0])) @ root
     stiffness = np.asarray(bent.T @ np.linalg.solve(compliance, bent))
     return RitzLeg(
-        0.5 * (stiffness + stiffness.T),
-        np.zeros((12, 12)),
-        root,
-        tip,
-        np.zeros((0, 12)),
-        np.tile(np.sqrt(np.diag(compliance)), 2),
+        0.5 * (stiffness + stiffness.T), np.zeros((12, 12)), root, tip, np.zeros((0, 12))
     )
 
 
@@ -114,8 +98,7 @@ def field_at(length: float, station: float, degree: int) -> Array:
 def rigid(length: float) -> RitzLeg:
     """A rigid leg without mass, on the twist of its root."""
     tip = carried(np.array([length, 0.0, 0.0]))
-    nothing = np.zeros((6, 6))
-    return RitzLeg(nothing, nothing, np.eye(6), tip, np.zeros((0, 6)), np.ones(6))
+    return RitzLeg(np.zeros((6, 6)), np.zeros((6, 6)), np.eye(6), tip, np.zeros((0, 6)))
 
 
 def placed(block: Array, first: int, total: int) -> Array:
@@ -133,9 +116,21 @@ def carried(offset: Array) -> Array:
     return moved
 
 
-def scaled_rows(matrix: Array) -> Array:
-    """Conditions of unit size, so that none is taken for rounding."""
-    return np.asarray(matrix / np.linalg.norm(matrix, axis=1, keepdims=True))
+def free_motions(stiffness: Array, conditions: Array) -> Array:
+    """Basis (n×k) of what `conditions` (c×n), which must vanish, leave free of n unknowns.
+
+    Each unknown is measured by its own stiffness (n×n), each condition has unit size: in rounding
+    torsion of a thin wall would be lost beside what holds the wall along, a small lever taken for
+    none.
+    """
+    own = np.diag(stiffness)
+    # What has none of its own, rigid motions, is measured by the softest.
+    softest = np.min(own, where=own > 0.0, initial=np.inf)
+    if np.isinf(softest):
+        softest = 1.0
+    units = 1.0 / np.sqrt(np.where(own > 0.0, own, softest))
+    measured = conditions * units
+    return units[:, None] * null_space(measured / np.linalg.norm(measured, axis=1, keepdims=True))
 
 
 def _sum(parts: list[Array], size: int) -> Array:

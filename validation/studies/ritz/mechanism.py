@@ -18,7 +18,7 @@ from lumped.mechanism.body import Given, Prism, Rigid
 from lumped.mechanism.joint import Joint, Side
 from lumped.mechanism.mechanism import GROUND, Mechanism, Posture
 from validation.studies.ritz import leg as ritz_leg
-from validation.studies.ritz.leg import RitzLeg, carried, placed, scaled_rows
+from validation.studies.ritz.leg import RitzLeg, carried, free_motions, placed
 
 # Modes up to the second of a bar between its joints, to six digits.
 DEGREE = 8
@@ -167,7 +167,7 @@ def _system(at: Posture, legs: Mapping[str, RitzLeg], *, simplified: bool = Fals
     for joint, first in zip(joints, firsts[len(shapes) :].tolist(), strict=False):
         apart = twist(joint.second, joint.place) - twist(joint.first, joint.place)
         shut.append(apart - placed(joint.motions, first, total))
-    free = null_space(scaled_rows(np.vstack(shut)))
+    free = free_motions(stiffness, np.vstack(shut))
     return _System(free.T @ stiffness @ free, free.T @ mass @ free, loaded @ free)
 
 
