@@ -125,12 +125,11 @@ def free_motions(stiffness: Array, conditions: Array) -> Array:
     """
     own = np.diag(stiffness)
     # What has none of its own, rigid motions, is measured by the softest.
-    softest = np.min(own, where=own > 0.0, initial=np.inf)
-    if np.isinf(softest):
-        softest = 1.0
+    softest = np.min(own[own > 0.0], initial=np.max(own) or 1.0)
     units = 1.0 / np.sqrt(np.where(own > 0.0, own, softest))
     measured = conditions * units
-    return units[:, None] * null_space(measured / np.linalg.norm(measured, axis=1, keepdims=True))
+    free = null_space(measured / np.linalg.norm(measured, axis=1, keepdims=True))
+    return np.asarray(units[:, None] * free)
 
 
 def _sum(parts: list[Array], size: int) -> Array:
