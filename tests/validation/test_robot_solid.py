@@ -77,11 +77,22 @@ def test_solid_legs_are_never_silently_beams():
 def test_full_mac_pairs_shapes_in_any_order_and_sees_a_wrong_one():
     mass = np.diag([1.0, 2.0, 3.0, 4.0])
     shapes = np.eye(4)[:, :3]
-    assert_allclose(full_mac(mass, shapes, -2.0 * shapes[:, [2, 0, 1]]), 1.0)
+    apart = np.array([1.0, 2.0, 3.0])
+    assert_allclose(full_mac(mass, shapes, -2.0 * shapes[:, [2, 0, 1]], apart), 1.0)
     wrong = shapes.copy()
     wrong[:, 0] = [1.0, 0.0, 0.0, 0.5]
     # (1·1·1)² / (1 · (1 + 4/4)) = 1/2.
-    assert_allclose(full_mac(mass, shapes, wrong), [0.5, 1.0, 1.0])
+    assert_allclose(full_mac(mass, shapes, wrong, apart), [0.5, 1.0, 1.0])
+
+
+def test_full_mac_compares_shapes_of_a_double_mode_with_their_plane():
+    mass, shapes = np.diag([1.0, 2.0, 3.0]), np.diag([1.0, 0.5**0.5, 3.0**-0.5])
+    turned = shapes.copy()
+    turned[:, :2] = shapes[:, :2] @ np.array([[0.6, -0.8], [0.8, 0.6]])
+    assert_allclose(full_mac(mass, shapes, turned, np.array([2.0, 2.0, 3.0])), 1.0)
+    # Two modes that are only near each other are themselves: 0.8².
+    near = np.array([2.0, 2.001, 3.0])
+    assert_allclose(full_mac(mass, shapes, turned, near), [0.64, 0.64, 1.0])
 
 
 def test_close_modes_are_marked_and_compared_as_spaces():

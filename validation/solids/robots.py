@@ -40,6 +40,8 @@ from validation.solids.legs import COARSEST_WALLS, section_counts, static_ladder
 
 # Tasks of this group share what is kept of the robot's solids.
 SHARED_SOLIDS = "robot.solid.modes"
+# Frequencies of two modes of a double one differ by no more (relative): rounding alone.
+_OF_ONE = 1e-9
 
 T = TypeVar("T")
 
@@ -252,18 +254,20 @@ def recovered(reduced: System, legs: Mapping[str, Superelement], shapes: Array) 
     return np.vstack([shapes[: reduced.outer], *inner])
 
 
-def full_mac(mass: SparseMatrix, first: Array, second: Array) -> Array:
+def full_mac(mass: SparseMatrix, first: Array, second: Array, frequencies: Array) -> Array:
     """MAC of each of the shapes `first` (n×m) with its partner in `second` (n×m), optimal pairing.
 
-    Weighted with the full `mass` (n×n): every unknown of the mesh counts.
+    Weighted with the full `mass` (n×n): every unknown of the mesh counts. Shapes of one of the
+    `frequencies` (m, Hz, of `second`) are any of their space: they count together.
     """
     momenta = mass @ second
     sizes = np.einsum("ij,ij->j", first, mass @ first)[:, None] * np.einsum(
         "ij,ij->j", second, momenta
     )
     mac = np.square(first.T @ momenta) / sizes
-    rows, columns = linear_sum_assignment(mac, maximize=True)
-    return np.asarray(mac[rows, columns])
+    _, partners = linear_sum_assignment(mac, maximize=True)
+    of_one = np.abs(frequencies / frequencies[partners, None] - 1.0) < _OF_ONE
+    return np.asarray(np.sum(mac, axis=1, where=of_one))
 
 
 def strain_energy_shares(robot: UnreducedRobot) -> dict[str, Array]:

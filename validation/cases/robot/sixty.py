@@ -70,7 +70,7 @@ def _balance(context: Context) -> Measurement:
     return Measurement(
         float(found.balance[worst]),
         0.0,
-        exact=True,
+        value_uncertainty=float(found.rounding[worst]),
         notes=(
             f"smallest share of a leg's section distortion {min(distortion):.2g}: never negative "
             "but for rounding (Bessel)",

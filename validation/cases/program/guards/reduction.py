@@ -93,7 +93,7 @@ def reduced_solid_leg(ends: Ends) -> ReducedSolid:
         full_compliance=solid.tip_compliance(clamped),
         frequencies=modes.frequencies,
         full_frequencies=full.frequencies,
-        mac=full_mac(whole.mass, full.shapes, field),
+        mac=full_mac(whole.mass, full.shapes, field, modes.frequencies),
         moved=rigid - _rigid_fields(mesh.nodes),
     )
 
