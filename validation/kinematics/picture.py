@@ -55,7 +55,7 @@ def png(mechanism: Mechanism, postures: Sequence[Posture]) -> bytes:
 def picture(
     mechanism: Mechanism, postures: Sequence[Posture], width: float = _WIDTH, *, named: bool = True
 ) -> Canvas:
-    """The picture, `width` inches wide, ready to be saved; a small one has no room for names."""
+    """The picture, `width` inches wide, to be saved; a small one has no room for names and pose."""
     shown = postures[len(postures) // 2]
     view = _view(shown)
     tints = _tints(mechanism)
@@ -73,7 +73,9 @@ def picture(
     axes = canvas.add_subplot()
     axes.set_aspect("equal")
     axes.set_axis_off()
-    title = f"{mechanism.name}, {shown_pose(mechanism, shown.pose) or 'reference posture'}"
+    # A small picture stands beside words that say which posture it is.
+    place = shown_pose(mechanism, shown.pose) or "reference posture"
+    title = f"{mechanism.name}, {place}" if named else mechanism.name
     axes.set_title(fill(title, round(_LETTERS * width)))
     _draw_lines(axes, postures, view)
     _draw_faces(axes, faces, view)

@@ -3,6 +3,7 @@
 import numpy as np
 from matplotlib.figure import Figure as Canvas
 
+from lumped.legs import GivenLeg
 from validation.context import Context
 from validation.drawing.opengl import require_vtk
 from validation.drawing.rendering import (
@@ -71,12 +72,13 @@ def portrait(context: Context) -> Figure:
             write(axes, view, point, name, away)
         triad(axes, view, place=(0.06, 0.9))
         drawn = picture_of(picture)
+    given = any(isinstance(leg, GivenLeg) for leg in (robot.leg1, robot.leg2))
     return Figure(
         id=PORTRAIT,
         title=_TITLE,
         caption=(
-            f"At x = {x:.4g} m; the red line is the stroke of B, {first:.4g} to {last:.4g} m. Legs "
-            "known by a 6×6 alone are drawn with the section of their equivalent."
+            f"At x = {x:.4g} m; the red line is the stroke of B, {first:.4g} to {last:.4g} m."
+            + (" Legs known by a 6×6 are drawn with the section of their equivalent." * given)
         ),
         section=STROKE,
         png=drawn.png,
