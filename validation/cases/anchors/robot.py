@@ -4,8 +4,9 @@ Other comparisons hold models against each other, at the posture where they diff
 one number of each kind, at a fixed posture, against geometry or polynomials along the legs.
 """
 
+from decimal import Decimal
 from itertools import pairwise
-from math import hypot, sqrt
+from math import hypot
 
 import numpy as np
 from scipy.optimize import minimize_scalar
@@ -103,18 +104,17 @@ def yielding_drives(robot: Biglide, x: float, force: tuple[float, float]) -> tup
     With slopes tᵢ = Δxᵢ/sᵢ of the legs a slide moves by δyᵢ = tᵢ δx + δy: two equations for δx and
     δy; forces fᵢ of the drives balance the load, δyᵢ = fᵢ/K.
     """
-    s1 = sqrt(max(robot.leg1.length**2 - x**2, 0.0))
-    s2 = sqrt(max(robot.leg2.length**2 - (robot.a - x) ** 2, 0.0))
+    # In 28 digits: heights and base are small differences where legs nearly align.
+    a, at, stiffness = Decimal(robot.a), Decimal(x), Decimal(robot.actuator_stiffness)
+    along, across = (Decimal(component) for component in force)
+    beyond, none = a - at, Decimal(0)
+    s1 = max(Decimal(robot.leg1.length) ** 2 - at**2, none).sqrt()
+    s2 = max(Decimal(robot.leg2.length) ** 2 - beyond**2, none).sqrt()
     # s₂ x + s₁ (a − x) over s₁ s₂ is the difference of slopes: multiplied out, no end is singular.
-    base = x * s2 + (robot.a - x) * s1
-    along, across = force
-    f1 = (along * s1 * s2 + across * s1 * (robot.a - x)) / base
-    f2 = (across * s2 * x - along * s1 * s2) / base
-    y1, y2 = f1 / robot.actuator_stiffness, f2 / robot.actuator_stiffness
-    return (
-        s1 * s2 * (y1 - y2) / base,
-        (s1 * (robot.a - x) * y1 + s2 * x * y2) / base,
-    )
+    base = at * s2 + beyond * s1
+    y1 = (along * s1 * s2 + across * s1 * beyond) / base / stiffness
+    y2 = (across * s2 * at - along * s1 * s2) / base / stiffness
+    return float(s1 * s2 * (y1 - y2) / base), float((s1 * beyond * y1 + s2 * at * y2) / base)
 
 
 @cases.case(
