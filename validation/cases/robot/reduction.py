@@ -24,9 +24,9 @@ DIVISIONS: dict[Preset, int] = {"quick": 1, "standard": 2, "fine": 3}
 CLOSE_CUTOFF = 1.1
 # Bounds below this are lost in the rounding of the frequencies.
 _ROUNDING = 1e-9
-# What elimination loses over what the rounding of the matrix leaves open: it rounds each entry once
-# for every entry of a row of the factor, some hundred times, at random.
-_ELIMINATION = 10.0
+# What elimination, which rounds each entry again and again, loses over what the rounding of the
+# matrix leaves open: 3.4 times is the most that sixty extreme robots show.
+_ELIMINATION = 4.0
 _UNREDUCED = "the same meshes without reduction, sparse Cholesky and Lanczos"
 
 cases = CaseGroup(
