@@ -15,7 +15,7 @@ import pytest
 HERE = Path(__file__).parents[1]
 COUNT = 50
 # What `flexproof test` tries of it, and -m exhaustive besides; -m soak tries the rest.
-FEW, MORE = 1, 12
+FEW, MORE = 1, 5
 # Every other kill falls into the replacement itself, which is made this slow (s per step) for it.
 STEP = 0.02
 PATIENCE = 60.0
