@@ -108,10 +108,14 @@ def _warps(constants: SectionConstants) -> bool:
     return constants.warping_constant * constants.area > _UNWARPED * polar**2
 
 
-def _saint_venant(constants: SectionConstants, material: Material, wave_number: float) -> float:
+def torsional_speed(constants: SectionConstants, material: Material) -> float:
+    """Speed (m/s) of Saint-Venant's torsional waves of any length, √(GJ/ρI_p)."""
     polar = constants.second_moment_y + constants.second_moment_z
-    speed = np.sqrt(material.G * constants.torsion_constant / (material.rho * polar))
-    return float(wave_number * speed / (2.0 * np.pi))
+    return float(np.sqrt(material.G * constants.torsion_constant / (material.rho * polar)))
+
+
+def _saint_venant(constants: SectionConstants, material: Material, wave_number: float) -> float:
+    return wave_number * torsional_speed(constants, material) / (2.0 * np.pi)
 
 
 def line_products(basis: Basis) -> tuple[SparseMatrix, SparseMatrix, SparseMatrix]:

@@ -115,7 +115,7 @@ def lowest_modes(
     if start is not None and (start.ndim != 2 or len(start) != n):
         raise InputError(f"{part}: start has shape {start.shape}: must be {n} × any number")
     rng = np.random.default_rng(_SEED)
-    block = rng.standard_normal((n, _BLOCK)) / np.sqrt(n)
+    block = _noise(n, rng)
     if start is not None:
         mixed = start @ rng.standard_normal((start.shape[1], _BLOCK))
         block = block * np.linalg.norm(mixed) / np.sqrt(_BLOCK) + mixed
@@ -126,8 +126,7 @@ def lowest_modes(
         except MissedModesError as error:
             if search == _SEARCHES - 1:
                 raise
-            block = rng.standard_normal((n, _BLOCK)) / np.sqrt(n)
-            more = block_lanczos(factor, M, block, error.missing, part, ritz.vectors)
+            more = block_lanczos(factor, M, _noise(n, rng), error.missing, part, ritz.vectors)
             ritz = merged(ritz, more)
         else:
             break
@@ -138,17 +137,25 @@ def searched_modes(
     factor: Factor, M: SparseMatrix | LinearOperator, mode_count: int, part: str
 ) -> Modes:
     """The first search of `lowest_modes`, without its count, which takes as long."""
-    n = M.shape[0]
-    block = np.random.default_rng(_SEED).standard_normal((n, _BLOCK)) / np.sqrt(n)
-    ritz = block_lanczos(factor, M, block, mode_count, part)
+    block = _noise(M.shape[0], np.random.default_rng(_SEED))
+    return _first(block_lanczos(factor, M, block, mode_count, part), mode_count)
+
+
+def _noise(n: int, rng: np.random.Generator) -> Array:
+    """A block (n×s) with a share in the modes of every symmetry."""
+    return np.asarray(rng.standard_normal((n, _BLOCK)) / np.sqrt(n))
+
+
+def _first(ritz: Ritz, mode_count: int) -> Modes:
     frequencies = np.sqrt(ritz.values[:mode_count]) / (2.0 * np.pi)
     return Modes(frequencies, fix_signs(ritz.vectors[:, :mode_count]))
 
 
 def _certified(ritz: Ritz, mode_count: int, sigma: float, certificate: str) -> CertifiedModes:
+    first = _first(ritz, mode_count)
     return CertifiedModes(
-        frequencies=np.sqrt(ritz.values[:mode_count]) / (2.0 * np.pi),
-        shapes=fix_signs(ritz.vectors[:, :mode_count]),
+        frequencies=first.frequencies,
+        shapes=first.shapes,
         frequency_errors=ritz.errors[:mode_count],
         shift=sigma,
         count=len(ritz.values),

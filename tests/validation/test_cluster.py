@@ -25,34 +25,13 @@ from validation.sweeps.journal import Journal
 from validation.sweeps.plans import lumped_models, member_units, solid_model
 from validation.sweeps.runner import sweep
 
+sys.path.insert(0, str(Path(__file__).parent))
+from one_arm import ONE_ARM
+
 ROOT = Path(__file__).resolve().parents[2]
 ROBOT = load_robot("ifw").robot
 MODELS = (*lumped_models(4), solid_model("solid", "rigid", 1))
-ARM = """
-schema = 2
-name = "arm"
-points = { A = [0.0, 0.0, 0.0], P = [0.0, 0.5, 0.0] }
-[bodies.arm]
-from = "A"
-to = "P"
-section = { shape = "rectangle", width = 0.06, height = 0.06 }
-material = { E = 2.1e11, nu = 0.0, rho = 7850.0 }
-[joints.motor]
-type = "revolute"
-between = ["ground", "arm"]
-at = "A"
-axis = [0.0, 0.0, 1.0]
-drive = { stiffness = 5.0e4 }
-[tool]
-body = "arm"
-point = "P"
-moves = ["x"]
-mass = 1.0
-[path]
-poses = [[0.0], [0.1]]
-[accept]
-modes = 2
-"""
+ARM = f"{ONE_ARM}[path]\nposes = [[0.0], [0.1]]\n"
 ALPHAS = (1.0, 1.2, 1.4, 1.6, 1.8, 2.0)
 
 distributed = pytest.importorskip("distributed", reason="the extra 'cluster' is not installed")

@@ -5,12 +5,12 @@ drawing by the table made of it.
 """
 
 import os
-from contextlib import suppress
 from pathlib import Path
 
 from lumped.errors import InputError
 from lumped.text import visible
 from validation.console.streams import complain
+from validation.store.tree import Tree
 
 
 def require_place(path: Path | None, kind: str) -> None:
@@ -53,24 +53,12 @@ def write(path: Path, content: bytes) -> None:
             # A device or a pipe.
             path.write_bytes(content)
         else:
-            _replace(path, content)
+            with Tree.opened(path.parent) as folder:
+                # A name as long as the file system allows leaves no room for more beside it.
+                folder.write(path.name, content, f".{path.name[:200]}.{os.getpid()}")
     except OSError as error:
         raise InputError(f"{path}: cannot be written ({error.strerror})") from error
     complain([f"{path} written"], 0)
-
-
-def _replace(path: Path, content: bytes) -> None:
-    beside = path.with_name(f".{path.name[:200]}.{os.getpid()}")
-    # Never one that is there, nor what a link leads to.
-    with beside.open("xb") as file:
-        try:
-            file.write(content)
-            file.flush()
-            beside.replace(path)
-        except BaseException:
-            with suppress(OSError):
-                beside.unlink()
-            raise
 
 
 def shown(path: Path) -> str:

@@ -148,6 +148,11 @@ def _ladder(leg: ConstantLeg, affordable: Callable[[int, int], bool]) -> tuple[i
     return tuple(chosen) if len(chosen) >= _FEWEST_GRIDS else ()
 
 
+def divisions_across(leg: ConstantLeg, rectangle: int, walls: int) -> int:
+    """Those of a rectangle's smaller side, or of the walls and rims of the other shapes."""
+    return rectangle if isinstance(leg.section, Rectangle) else walls
+
+
 def section_counts(leg: ConstantLeg, divisions: int) -> Divisions:
     """Elements of the section mesh, all inversely proportional to the mesh size.
 

@@ -6,10 +6,9 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.biglide import Biglide
-from validation.case import Skip
 from validation.context import Context, Preset
 from validation.solids.robots import strain_energy_shares, unreduced_robot
-from validation.solids.size import too_large
+from validation.solids.size import skip_too_large
 
 SIXTY = 60
 DIVISIONS: dict[Preset, int] = {"quick": 1, "standard": 3, "fine": 4}
@@ -53,8 +52,7 @@ def sixty_modes(robot: Biglide, divisions: int) -> SixtyModes:
 def sixty(context: Context) -> SixtyModes:
     """The first sixty modes on the preset's meshes; raises Skip where legs are too slender."""
     robot, divisions = context.robot, DIVISIONS[context.preset]
-    if reason := too_large((robot.leg1, robot.leg2), (divisions, divisions), context.preset):
-        raise Skip(reason)
+    skip_too_large((robot.leg1, robot.leg2), (divisions, divisions), context.preset)
     return context.get(sixty_modes, robot, divisions)
 
 

@@ -104,7 +104,7 @@ class Tree:
                     os.fsync(file.fileno())
                 os.replace(unnamed, last, src_dir_fd=folder, dst_dir_fd=folder)
                 os.fsync(folder)
-            except OSError:
+            except (OSError, KeyboardInterrupt):
                 with suppress(OSError):
                     os.unlink(unnamed, dir_fd=folder)
                 raise

@@ -20,7 +20,6 @@ from lumped.biglide import postures as biglide_postures
 from lumped.legs import ConstantLeg, equivalent_leg
 from lumped.mechanism.body_model import LegMatrices
 from lumped.models.segments import segment_chain, segment_leg
-from lumped.sections import Rectangle
 from lumped.system.assembly import System, assembly
 from lumped.system.solution import modes, solved
 from meshes.section.section_mesh import section_mesh
@@ -34,6 +33,7 @@ from validation.agreement.mode_pairing import (
 from validation.context import Preset
 from validation.models.biglide import highest_frequency
 from validation.models.legs import filled
+from validation.solids.legs import divisions_across
 from validation.solids.robots import held_solid, renewed_where_needed
 
 BoolArray: TypeAlias = NDArray[np.bool_]
@@ -91,15 +91,13 @@ class PairedModes:
 
 def divisions_of(legs: Sequence[ConstantLeg], preset: Preset) -> tuple[LegDivisions, LegDivisions]:
     """Coarser and finer divisions of both legs."""
-    fine = [
-        (DIVISIONS if isinstance(leg.section, Rectangle) else WALL_DIVISIONS)[preset]
-        for leg in legs
-    ]
-    coarse = [
-        number - 1 if isinstance(leg.section, Rectangle) else number // 2
-        for leg, number in zip(legs, fine, strict=True)
-    ]
-    return (coarse[0], coarse[1]), (fine[0], fine[1])
+    flat, walls = DIVISIONS[preset], WALL_DIVISIONS[preset]
+
+    def of_both(rectangle: int, others: int) -> LegDivisions:
+        first, second = (divisions_across(leg, rectangle, others) for leg in legs)
+        return first, second
+
+    return of_both(flat - 1, walls // 2), of_both(flat, walls)
 
 
 def beam_modes(

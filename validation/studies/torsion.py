@@ -12,6 +12,7 @@ from math import ceil
 import numpy as np
 from scipy.linalg import eigh
 
+from fem.sections.nonuniform_torsion import torsional_speed
 from fem.sections.section_constants import section_constants
 from fem.sections.waveguide import torsion_wave
 from lumped.arrays import Array
@@ -52,8 +53,7 @@ def wave_error(leg: ConstantLeg, frequency: float) -> float:
     mesh = section_mesh(leg.section, section_counts(leg, _DIVISIONS))
     material = leg.material
     constants = section_constants(mesh, material.nu, material.G / material.E)
-    polar = constants.second_moment_y + constants.second_moment_z
-    speed = np.sqrt(material.G * constants.torsion_constant / (material.rho * polar))
+    speed = torsional_speed(constants, material)
     wave_number = max(np.pi / leg.length, 2.0 * np.pi * frequency / speed)
     found = torsion_wave(mesh, material, float(wave_number))
     return float((found / (wave_number * speed)) ** 2 - 1.0)

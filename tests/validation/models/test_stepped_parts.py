@@ -1,6 +1,8 @@
 """Parts as stepped legs: a tapered cantilever against its closed form, and its convergence."""
 
+import sys
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -25,6 +27,9 @@ from validation.models import parts
 from validation.models.legs import leg_matrices
 from validation.models.options import ModelOptions
 from validation.models.stepped_parts import stepped
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from crane import ROBOT as CRANE
 
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 LENGTH, WIDTH, ROOT, TIP = 0.5, 0.04, 0.06, 0.03
@@ -145,37 +150,14 @@ def test_what_cannot_be_stepped_is_told_and_judged_without(tmp_path, monkeypatch
     ]
 
 
-OVERLAPPING = """
-schema = 2
-name = "crank"
-
-[points]
-A = [0.0, 0.0, -0.002]
-B = [0.035, 0.0, 0.002]
-
-[bodies.arm]
-step = "block.step"
-material = { E = 2.1e11, nu = 0.3, rho = 7850.0 }
-interfaces = { A = { cylinder = { radius = 0.030 } }, B = { cylinder = { radius = 0.010 } } }
-
-[joints.A]
-type = "revolute"
-between = ["ground", "arm"]
-at = "A"
-axis = [0.0, 0.0, 1.0]
-drive = { stiffness = 1.0e6 }
-
-[tool]
-body = "arm"
-point = "B"
-moves = ["phi_z"]
-mass = 4.0
-
-[path]
-from = [0.0]
-to = [0.0]
-count = 1
-"""
+# A robot of one arm like the crane, whose bores reach into each other.
+OVERLAPPING = (
+    CRANE.replace("A = [0.0, 0.0, 0.0]", "A = [0.0, 0.0, -0.002]")
+    .replace("B = [0.4, 0.0, 0.0]", "B = [0.035, 0.0, 0.002]")
+    .replace("arm.step", "block.step")
+    .replace("radius = 0.016", "radius = 0.030")
+    .replace("to = [0.3]\ncount = 2", "to = [0.0]\ncount = 1")
+)
 
 
 def compliance(leg, model="beam", theory="timoshenko"):

@@ -3,6 +3,8 @@
 import csv
 import json
 import re
+import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,43 +14,18 @@ from lumped.robot_file.key_units import unit_of
 from validation.cli import main
 from validation.drawing.style import short_number
 
-CRANE = """
-schema = 2
-name = "crane"
-[points]
-A = [0.0, 0.0, 0.0]
-P = [0.0, 0.5, 0.0]
-[bodies.arm]
-from = "A"
-to = "P"
-section = { shape = "rectangle", width = 0.06, height = 0.04 }
-material = { E = 2.1e11, nu = 0.0, rho = 7850.0 }
-[joints.motor]
-type = "revolute"
-between = ["ground", "arm"]
-at = "A"
-axis = [0.0, 0.0, 1.0]
-drive = { stiffness = 5.0e4 }
-[tool]
-body = "arm"
-point = "P"
-moves = ["x"]
-mass = 1.0
-[path]
-from = [0.0]
-to = [0.2]
-count = 3
-[accept]
-modes = 2
-"""
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from one_arm import ONE_ARM
+
+ARM = f"{ONE_ARM}[path]\nfrom = [0.0]\nto = [0.2]\ncount = 3\n"
 WIDTH = "bodies.arm.section.width=0.04:0.08:3"
 MASS = "tool.mass=1:3:2"
 
 
 @pytest.fixture
-def crane(tmp_path):
-    path = tmp_path / "crane.toml"
-    path.write_text(CRANE, encoding="utf-8")
+def arm(tmp_path):
+    path = tmp_path / "arm.toml"
+    path.write_text(ARM, encoding="utf-8")
     return path
 
 
@@ -58,16 +35,16 @@ def table(folder, name):
     return {key: np.array([float(row[key]) for row in columns]) for key in columns[0]}
 
 
-def run_of(crane, folder, *options):
-    asked = ["run", str(crane), "--preset", "quick", "--only", "vary.*", "--out", str(folder)]
+def run_of(arm, folder, *options):
+    asked = ["run", str(arm), "--preset", "quick", "--only", "vary.*", "--out", str(folder)]
     return main([*asked, *options])
 
 
 @pytest.mark.exhaustive
-def test_curves_are_what_the_models_answer(crane, tmp_path, capsys):
+def test_curves_are_what_the_models_answer(arm, tmp_path, capsys):
     """Those of `solve --vary`; a slender bar's solid is its beam but for what held ends take."""
     folder = tmp_path / "report"
-    assert run_of(crane, folder, "--vary", WIDTH, "--vary", MASS) == 0
+    assert run_of(arm, folder, "--vary", WIDTH, "--vary", MASS) == 0
     capsys.readouterr()
     deflections = table(folder, "vary.1.deflections")
     frequencies = table(folder, "vary.1.frequencies")
@@ -75,7 +52,7 @@ def test_curves_are_what_the_models_answer(crane, tmp_path, capsys):
     np.testing.assert_allclose(deflections[label], [0.04, 0.06, 0.08])
     pose = "0.1"
     for model in ("beam", "segments", "simplified"):
-        asked = ["solve", str(crane), "--model", model, "--pose", pose, "--vary", WIDTH]
+        asked = ["solve", str(arm), "--model", model, "--pose", pose, "--vary", WIDTH]
         assert main([*asked, "--modes", "2", "--json"]) == 0
         found = json.loads(capsys.readouterr().out)["results"]
         compliances = np.array([one["compliance"] for one in found])
@@ -120,9 +97,9 @@ def test_a_biglide_is_varied_like_any_mechanism(tmp_path):
         (["--cluster", "tcp://127.0.0.1:1"], "--cluster: a mechanism's run has no sweeps but"),
     ],
 )
-def test_what_cannot_be_varied_is_one_clear_line(typed, said, crane, tmp_path, capsys):
+def test_what_cannot_be_varied_is_one_clear_line(typed, said, arm, tmp_path, capsys):
     folder = tmp_path / "report"
-    assert run_of(crane, folder, *typed) == 2
+    assert run_of(arm, folder, *typed) == 2
     (line,) = capsys.readouterr().err.splitlines()
     assert said in line
     assert not folder.exists()

@@ -22,7 +22,6 @@ from lumped.caches import lru_cache
 from lumped.legs import ConstantLeg, Ends, GivenLeg, Leg, equivalent_leg
 from lumped.mechanism.body_model import BodyModel, LegMatrices
 from lumped.mechanism.mechanism import Posture
-from lumped.sections import Rectangle
 from lumped.system.assembly import assembly
 from lumped.system.solution import mode_count, modes, solved
 from validation.adequacy.common.given_masses import MASSES, Masses, leg_with_masses
@@ -63,7 +62,7 @@ from validation.models.mechanism import (
 )
 from validation.models.options import ModelName, ModelOptions
 from validation.parts.meshes import FINEST, MIDDLE
-from validation.solids.legs import COARSEST_WALLS
+from validation.solids.legs import COARSEST_WALLS, divisions_across
 from validation.solids.robots import held_solid, renewed_where_needed
 from validation.solids.size import larger_preset, too_large
 from validation.studies.paired_robot_modes import DIVISIONS, ELEMENTS, WALL_DIVISIONS
@@ -190,9 +189,7 @@ def _reference_leg(
 ) -> LegMatrices:
     if isinstance(leg, GivenLeg):
         return leg_with_masses(leg, masses or MASSES[0], highest)
-    return _reduced_solid(
-        leg, divisions if isinstance(leg.section, Rectangle) else walls, ends, highest
-    )
+    return _reduced_solid(leg, divisions_across(leg, divisions, walls), ends, highest)
 
 
 # Robots that differ in one number share most of their legs.
@@ -273,7 +270,7 @@ def dynamic_reference(context: Context, postures: tuple[Posture, ...], judged: i
 def _too_large(legs: Sequence[ConstantLeg], preset: Preset) -> str:
     """Why a preset does not mesh these legs; or ""."""
     numbers = DIVISIONS[preset], WALL_DIVISIONS[preset]
-    divisions = [numbers[not isinstance(leg.section, Rectangle)] for leg in legs]
+    divisions = [divisions_across(leg, *numbers) for leg in legs]
     return too_large(legs, divisions, preset)
 
 

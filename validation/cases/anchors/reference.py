@@ -30,7 +30,7 @@ from validation.exhibits import SOLID_ROBOT
 from validation.models.legs import constant_leg_of
 from validation.solids.legs import CORNER_ORDER, formal_order, static_ladder
 from validation.solids.robots import doubled_tip, mesh_pair
-from validation.solids.size import too_large
+from validation.solids.size import skip_too_large
 from validation.studies.paired_robot_modes import divisions_of
 from validation.studies.quantities import farthest
 from validation.studies.ritz import biglide as ritz
@@ -153,8 +153,7 @@ def _require_affordable(context: Context, *legs: ConstantLeg) -> None:
         )
 
     finest = [DIVISIONS[context.preset][1]] * len(legs)
-    if reason := too_large(legs, finest, context.preset):
-        raise Skip(reason)
+    skip_too_large(legs, finest, context.preset)
     if not all(context.get(static_ladder, leg, _most(context)) for leg in legs):
         raise Skip(f"the section meshes of preset {context.preset} are too coarse for two of them")
 

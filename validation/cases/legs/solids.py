@@ -290,10 +290,7 @@ def _warping_waves(leg: ConstantLeg, order: int) -> tuple[float, float]:
     constants, material = own_constants(leg), leg.material
     section = section_mesh(leg.section, section_counts(leg, WAVE_DIVISIONS))
     coarse = own_constants(leg, WAVE_DIVISIONS)
-    polar = coarse.second_moment_y + coarse.second_moment_z
-    saint_venant = wave_number * np.sqrt(
-        material.G * coarse.torsion_constant / (material.rho * polar)
-    )
+    saint_venant = wave_number * nonuniform_torsion.torsional_speed(coarse, material)
     wave = torsion_wave(section, material, wave_number) / saint_venant
     relaxed = nonuniform_torsion.cantilever_frequencies(constants, material, leg.length, order)[-1]
     tip = relaxed / nonuniform_torsion.wave_frequency(constants, material, wave_number)

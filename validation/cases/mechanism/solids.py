@@ -13,7 +13,6 @@ from fem.reduction.superelement import held_leg
 from lumped.arrays import Array
 from lumped.legs import ConstantLeg, Ends
 from lumped.mechanism.mechanism import Posture
-from lumped.sections import Rectangle
 from validation.adequacy.mechanism.dynamics import solid_vibration, vibration
 from validation.adequacy.mechanism.path import known_legs, offered, path_postures
 from validation.adequacy.mechanism.samples import samples_of
@@ -24,9 +23,9 @@ from validation.case_group import CaseGroup, numbered
 from validation.context import Context
 from validation.exhibits import PATH
 from validation.models.mechanism import CUTOFF, highest_frequency
-from validation.solids.legs import FORMAL_ORDER
+from validation.solids.legs import FORMAL_ORDER, divisions_across
 from validation.solids.robots import SHARED_SOLIDS
-from validation.solids.size import too_large
+from validation.solids.size import skip_too_large
 from validation.studies.leg_waves import WAVES, WAVES_SOURCE, wave_changes, waves_of
 from validation.studies.paired_robot_modes import DIVISIONS, WALL_DIVISIONS, own_beam
 
@@ -66,10 +65,7 @@ def free_modes(postures: tuple[Posture, ...], divisions: int, walls: int, count:
     legs = {
         name: leg for name, leg in known_legs(mechanism).items() if isinstance(leg, ConstantLeg)
     }
-    numbers = {
-        name: divisions if isinstance(leg.section, Rectangle) else walls
-        for name, leg in legs.items()
-    }
+    numbers = {name: divisions_across(leg, divisions, walls) for name, leg in legs.items()}
     samples = samples_of(mechanism)
     highest = highest_frequency(postures, count)
     alike = {leg: own_beam(leg, numbers[name]) for name, leg in legs.items()}
@@ -96,9 +92,8 @@ def _meshes(context: Context) -> tuple[tuple[Posture, ...], tuple[int, int], tup
     if mechanism.parts or not prisms or len(prisms) < len(legs):
         raise Skip("not all of its legs are prisms, whose waves are known")
     fine = DIVISIONS[context.preset], WALL_DIVISIONS[context.preset]
-    numbers = [fine[0] if isinstance(leg.section, Rectangle) else fine[1] for leg in prisms]
-    if reason := too_large(prisms, numbers, context.preset):
-        raise Skip(reason)
+    numbers = [divisions_across(leg, *fine) for leg in prisms]
+    skip_too_large(prisms, numbers, context.preset)
     return middle, (fine[0] - 1, fine[1] // 2), fine
 
 

@@ -19,7 +19,7 @@ from validation.context import Context, Preset
 from validation.exhibits import SOLID_ROBOT
 from validation.solids.bars import mesh_of
 from validation.solids.robots import solved_robot
-from validation.solids.size import too_large
+from validation.solids.size import skip_too_large
 from validation.studies.quantities import farthest_entry
 
 MODES = 10
@@ -85,8 +85,7 @@ def _same_points(solid: SolidLeg) -> SolidLeg:
 def _found(context: Context, place: str) -> tuple[Sparse, Array, Array]:
     """The solution by sparse Cholesky, CalculiX's compliance and frequencies."""
     robot, divisions = context.robot, DIVISIONS[context.preset]
-    if reason := too_large((robot.leg1, robot.leg2), (divisions, divisions), context.preset):
-        raise Skip(reason)
+    skip_too_large((robot.leg1, robot.leg2), (divisions, divisions), context.preset)
     first, last = robot.stroke
     question = robot, first + PLACES[place] * (last - first), divisions
     try:

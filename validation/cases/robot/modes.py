@@ -25,7 +25,7 @@ from validation.exhibits import SOLID_ROBOT
 from validation.models.legs import constant_leg_of
 from validation.solids.legs import FORMAL_ORDER
 from validation.solids.robots import SHARED_SOLIDS
-from validation.solids.size import too_large
+from validation.solids.size import skip_too_large
 from validation.studies.leg_waves import WAVES, WAVES_SOURCE, wave_changes, waves_of
 from validation.studies.paired_robot_modes import (
     OFFERED,
@@ -71,8 +71,7 @@ def _meshes(context: Context) -> tuple[LegDivisions, LegDivisions]:
     """Coarser and finer divisions of both legs; raises Skip where these are too slender."""
     legs = [constant_leg_of(context, number) for number in (1, 2)]
     coarse, fine = divisions_of(legs, context.preset)
-    if reason := too_large(legs, fine, context.preset):
-        raise Skip(reason)
+    skip_too_large(legs, fine, context.preset)
     return coarse, fine
 
 

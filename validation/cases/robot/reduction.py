@@ -16,7 +16,7 @@ from validation.context import Context, Preset
 from validation.exhibits import SOLID_ROBOT
 from validation.models.biglide import highest_frequency
 from validation.solids.robots import full_mac, recovered, unreduced_robot
-from validation.solids.size import too_large
+from validation.solids.size import skip_too_large
 
 MODES = 20
 DIVISIONS: dict[Preset, int] = {"quick": 1, "standard": 2, "fine": 3}
@@ -104,8 +104,7 @@ def _found(context: Context) -> tuple[Reduction, ...]:
     """The reduction at two postures; raises Skip where a leg is too slender to be meshed."""
     robot = context.robot
     legs = robot.leg1, robot.leg2
-    if reason := too_large(legs, 2 * (DIVISIONS[context.preset],), context.preset):
-        raise Skip(reason)
+    skip_too_large(legs, 2 * (DIVISIONS[context.preset],), context.preset)
     positions = (robot.stroke[0], robot.centre)
     highest = max(highest_frequency(robot, x, MODES) for x in positions)
     return context.get(reductions, robot, positions, DIVISIONS[context.preset], highest)

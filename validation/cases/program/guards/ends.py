@@ -9,7 +9,7 @@ from lumped.arrays import Array
 from lumped.legs import ConstantLeg, Material
 from lumped.sections import ISection, Rectangle
 from meshes.section.section_mesh import section_mesh
-from validation.agreement.convergence import step_factor
+from validation.agreement.differences import both_refined, farthest_refined
 from validation.case import Absolute, Measurement, Relative
 from validation.case_group import CaseGroup
 from validation.cases.program.guards.robot import SECTION
@@ -22,8 +22,8 @@ _LENGTH = 4.0
 _BAR = ConstantLeg(0.5, Rectangle(0.06, 0.1), Material.isotropic(2.1e11, 0.3, 7850.0))
 _COUNTS = (2, 3)
 _SLICES = (128, 256)
-# Of slices as thin as that against fields that fade within a few of them.
-_SLICE_ORDER = 2.0
+# Of slices as thin as that against fields that fade within a few of them, and of thin walls.
+_ORDER = 2.0
 
 cases = CaseGroup(section=SECTION, group="guard.ends", unit="1", effort=0.3)
 
@@ -46,10 +46,7 @@ def _vlasov(_context: Context) -> Measurement:
         depth = np.sqrt(material.E * constants.warping_constant / rigidity)
         taken = restrained_compliance(mesh, material, _LENGTH)[3, 3] * rigidity / _LENGTH
         shares.append((taken, -2.0 * depth / _LENGTH * np.tanh(_LENGTH / (2.0 * depth))))
-    (coarse, rough), (value, reference) = shares
-    # Both have the errors of one section mesh in common.
-    step = step_factor(2.0, _SLICE_ORDER) * abs((value - reference) - (coarse - rough))
-    return Measurement(float(value), float(reference), judged_uncertainty=float(step))
+    return both_refined(*shares, order=_ORDER, apart=_ORDER)
 
 
 @cases.case(
@@ -63,10 +60,8 @@ def _vlasov(_context: Context) -> Measurement:
 )
 def _solid(context: Context) -> Measurement:
     taken, coarse, fine = context.get(taken_from_bar)
-    off, before = (np.abs(lost / taken - 1.0) for lost in (fine, coarse))
-    worst = int(np.argmax(off))
-    step = step_factor(_SLICES[1] / _SLICES[0], _SLICE_ORDER) * abs(off[worst] - before[worst])
-    return Measurement(float(off[worst]), 0.0, reference_uncertainty=float(step))
+    before, off = (np.abs(lost / taken - 1.0) for lost in (coarse, fine))
+    return farthest_refined(before, off, order=_ORDER, ratio=_SLICES[1] / _SLICES[0])
 
 
 def taken_from_bar() -> tuple[Array, Array, Array]:

@@ -12,7 +12,6 @@ from lumped.models.cantilever import clamped_modes
 from meshes.elements import ELEMENTS
 from meshes.solid_mesh import SolidMesh
 from validation.agreement.mode_pairing import centreline_samples, centreline_weights, pair_modes
-from validation.case import Skip
 from validation.context import Context
 from validation.drawing.opengl import require_vtk
 from validation.drawing.prisms import (
@@ -42,7 +41,7 @@ from validation.models.legs import constant_leg_of, leg_matrices, solid_modes
 from validation.models.options import DEFAULT_OPTIONS
 from validation.report.figures.pictures.robot import GROUP
 from validation.report.figures.pictures.robot_shape import OUTSET
-from validation.solids.size import too_large
+from validation.solids.size import skip_too_large
 
 MODES = 4
 # Enough for a picture: the numbers of the report come from finer meshes.
@@ -104,8 +103,7 @@ def leg_mode_shapes(context: Context, number: int) -> Figure:
     """Four panels: the first modes of leg 1 or 2, root clamped."""
     require_vtk()
     leg = constant_leg_of(context, number)
-    if reason := too_large([leg], [DIVISIONS], context.preset):
-        raise Skip(reason)
+    skip_too_large([leg], [DIVISIONS], context.preset)
     found = context.get(leg_modes, leg, MODES)
     faces = boundary_faces(found.mesh)
     said, scenes = [], []

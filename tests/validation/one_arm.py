@@ -1,0 +1,25 @@
+"""A robot of one prismatic arm on a driven joint, but for its path."""
+
+ONE_ARM = """
+schema = 2
+name = "arm"
+points = { A = [0.0, 0.0, 0.0], P = [0.0, 0.5, 0.0] }
+[bodies.arm]
+from = "A"
+to = "P"
+section = { shape = "rectangle", width = 0.06, height = 0.04 }
+material = { E = 2.1e11, nu = 0.0, rho = 7850.0 }
+[joints.motor]
+type = "revolute"
+between = ["ground", "arm"]
+at = "A"
+axis = [0.0, 0.0, 1.0]
+drive = { stiffness = 5.0e4 }
+[tool]
+body = "arm"
+point = "P"
+moves = ["x"]
+mass = 1.0
+[accept]
+modes = 2
+"""
