@@ -13,8 +13,7 @@ import numpy as np
 
 from fem.bodies.solid import SolidLeg
 from fem.couplings.end_coupling import saint_venant_loads
-from fem.sections.saint_venant import saint_venant
-from fem.sections.section_constants import beam_properties, constants_of, poisson_shear_ratio
+from fem.sections.section_constants import beam_properties, section_constants
 from lumped.arrays import Array
 from lumped.errors import InputError
 from lumped.models.segments import KINDS
@@ -42,8 +41,8 @@ def kind_energies(solid: SolidLeg, displacements: Array) -> dict[str, Array]:
     fields = displacements.reshape(-1, 3 * per_plane, displacements.shape[1])[::order]
     twists = np.einsum("ni,pnm->pim", loads, fields)
 
-    ratio = poisson_shear_ratio(material.nu, material.G / material.E)
-    beam = beam_properties(constants_of(saint_venant(face.mesh, ratio)), material)
+    constants = section_constants(face.mesh, material.nu, material.G / material.E)
+    beam = beam_properties(constants, material)
     squares = np.zeros((6, displacements.shape[1]))
     for first, second, length in zip(twists[:-1], twists[1:], np.diff(planes), strict=True):
         half = np.array([0.5 * length, 0.0, 0.0])

@@ -4,7 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fem.sections.contraction import held_contraction
 from fem.sections.saint_venant import SaintVenant, saint_venant
+from lumped.arrays import Array
 from lumped.legs import BeamProperties, Material
 from meshes.section.section_mesh import SectionMesh
 
@@ -26,6 +28,9 @@ class SectionConstants:
     `cowper_coefficients` from the area's mean displacement and mean rotation, G(W′ − Φ) = V/κA
                           (Cowper, J. Appl. Mech. 33 (1966) 335): the measure of dynamics. The two
                           are equal for ν = 0.
+
+    `held_contraction` (m⁴) is what a prism of this very mesh has in bending over the second moments
+    about y and z, zero but for curved cells (`fem.sections.contraction`).
     """
 
     area: float
@@ -38,6 +43,7 @@ class SectionConstants:
     shear_centre: tuple[float, float]
     shear_coefficients: tuple[float, float]
     cowper_coefficients: tuple[float, float]
+    held_contraction: tuple[float, float]
 
 
 def poisson_shear_ratio(nu: float, shear_to_young: float | None = None) -> float:
@@ -52,14 +58,20 @@ def section_constants(
     """Constants of the section `mesh` for Poisson's ratio `nu`.
 
     `shear_to_young` is G/E of a cubic material, left out for an isotropic one. Only the shear
-    coefficients depend on the material. Raises ComputationError for a mesh that is not in one
-    piece or turned inside out.
+    coefficients and the held contraction depend on the material. Raises ComputationError for a mesh
+    that is not in one piece or turned inside out.
     """
-    return constants_of(saint_venant(mesh, poisson_shear_ratio(nu, shear_to_young)))
+    ratio = poisson_shear_ratio(nu, shear_to_young)
+    solution = saint_venant(mesh, ratio)
+    shear = 1.0 / (2.0 * (1.0 + nu)) if shear_to_young is None else shear_to_young
+    return constants_of(solution, held_contraction(solution.quadrature, nu, shear))
 
 
-def constants_of(solution: SaintVenant) -> SectionConstants:
-    """Constants of the section whose torsion and flexure are solved."""
+def constants_of(solution: SaintVenant, held: Array) -> SectionConstants:
+    """Constants of the section whose torsion and flexure are solved, with the `held` contraction.
+
+    That is 2×2 (m⁴), of the moments ∫ s sᵀ dA.
+    """
     quad = solution.quadrature
     kappa = [
         1.0 / (solution.area * float(quad.integral((stress**2).sum(axis=0))))
@@ -80,6 +92,7 @@ def constants_of(solution: SaintVenant) -> SectionConstants:
         shear_centre=(float(quad.centroid[0] + offset_y), float(quad.centroid[1] + offset_z)),
         shear_coefficients=(kappa[0], kappa[1]),
         cowper_coefficients=(_cowper(solution, 0), _cowper(solution, 1)),
+        held_contraction=(float(held[1, 1]), float(held[0, 0])),
     )
 
 
@@ -99,14 +112,18 @@ def _cowper(solution: SaintVenant, axis: int) -> float:
 
 
 def beam_properties(constants: SectionConstants, material: Material) -> BeamProperties:
-    """Timoshenko beam of a section symmetric about both axes, shear by strain energy."""
+    """Timoshenko beam of a section symmetric about both axes, shear by strain energy.
+
+    Of the prism with the section's very mesh: bent cells that cannot contract are stiffer than EI.
+    """
     E, G, rho = material.E, material.G, material.rho
     kappa_y, kappa_z = constants.shear_coefficients
     iy, iz = constants.second_moment_y, constants.second_moment_z
+    held_y, held_z = constants.held_contraction
     return BeamProperties(
         EA=E * constants.area,
-        EIy=E * iy,
-        EIz=E * iz,
+        EIy=E * (iy + held_y),
+        EIz=E * (iz + held_z),
         GJ=G * constants.torsion_constant,
         GAy=kappa_y * G * constants.area,
         GAz=kappa_z * G * constants.area,

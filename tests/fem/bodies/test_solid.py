@@ -49,12 +49,12 @@ def scaled_difference(compliance, reference):
     return (compliance - reference) * scale[:, None] * scale
 
 
-# Sections, divisions across (round ones need more: parabolic edges), slices.
+# Sections, divisions across, slices.
 FREE_LEGS = [
     (Rectangle(0.10, 0.16), 2, 16),
     (HollowRectangle(0.10, 0.16, 0.008), 3, 16),
-    (Circle(0.12), 8, 12),
-    (Tube(0.12, 0.008), 8, 12),
+    (Circle(0.12), 4, 12),
+    (Tube(0.12, 0.008), 4, 12),
     (ISection(0.10, 0.16, 0.012, 0.008), 3, 20),
 ]
 

@@ -1,0 +1,84 @@
+"""Bending of meshes with curved cells, which cannot contract: against elasticity on the prism."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from fem.bodies.solid import clamped_leg, solid_leg, tip_compliance
+from fem.sections.contraction import held_contraction
+from fem.sections.saint_venant import section_quadrature
+from fem.sections.section_constants import section_constants
+from fem.sections.waveguide import assembled, elasticity, strains
+from lumped.legs import ConstantLeg, Material
+from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Tube
+from meshes.prism.extrude import extrude, stations
+from meshes.section.section_mesh import section_mesh
+
+AUXETIC = Material.isotropic(2.1e11, -0.9, 7850.0)
+STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
+CUBIC = Material(E=1.0, G=2.0, nu=0.25, rho=1.0)
+
+
+@pytest.mark.parametrize(
+    "section",
+    [Rectangle(0.1, 0.16), HollowRectangle(0.1, 0.16, 0.01), ISection(0.1, 0.16, 0.012, 0.008)],
+)
+def test_straight_cells_contract_as_asked(section):
+    quad = section_quadrature(section_mesh(section, 2))
+    assert not held_contraction(quad, 0.3, 0.4).any()
+
+
+def test_without_poissons_ratio_nothing_is_held():
+    quad = section_quadrature(section_mesh(Circle(0.1), 2))
+    assert not held_contraction(quad, 0.0, 0.5).any()
+
+
+@pytest.mark.parametrize("material", [STEEL, AUXETIC, CUBIC])
+@pytest.mark.parametrize("section", [Circle(0.1), Tube(0.1, 0.02)])
+def test_energy_is_the_least_of_plane_displacements_beside_plane_sections(section, material):
+    """Dense generalised plane strain, all of C on all unknowns: f₀ − fᵀK⁺f over E, with εxx = s."""
+    quad = section_quadrature(section_mesh(section, 4))
+    moduli, field = elasticity(material), strains(quad, 0.0)
+    local = np.einsum("mqsi,st,mqtj,mq->mij", field, moduli, field, quad.weights, optimize=True)
+    cells = 3 * quad.mesh.cells[:, :, None] + np.arange(3)
+    expected = np.zeros((2, 2))
+    loads = np.zeros((3 * len(quad.mesh.nodes), 2))
+    for i, s in enumerate(quad.points):
+        by_cell = np.einsum("mqsi,s,mq->mi", field, moduli[:, 0], s * quad.weights)
+        np.add.at(loads[:, i], cells.reshape(len(local), -1), by_cell)
+        for j, other in enumerate(quad.points):
+            expected[i, j] = moduli[0, 0] * quad.integral(s * other)
+    relaxed = np.linalg.lstsq(assembled(quad, local), loads, rcond=1e-11)[0]
+    expected -= loads.T @ relaxed
+    moments = np.array([[quad.integral(a * b) for b in quad.points] for a in quad.points])
+    found = moments + held_contraction(quad, material.nu, material.G / material.E)
+    # Rounding of the pseudoinverse, with stiffnesses 40 times apart for ν = −0.9.
+    assert_allclose(found, expected / material.E, rtol=0.0, atol=1e-9 * moments[0, 0])
+    assert found[0, 0] > moments[0, 0] * (1.0 + 1e-6)
+
+
+# What is left is how the solid integrates over curved cells, and ends that carry another stress.
+@pytest.mark.parametrize(
+    ("section", "material", "left"),
+    [(Circle(0.1), STEEL, 5e-6), (Tube(0.1, 0.02), STEEL, 2e-6), (Circle(0.1), AUXETIC, 3e-4)],
+)
+def test_it_is_what_a_bent_solid_of_this_section_mesh_is_too_stiff_by(section, material, left):
+    mesh = section_mesh(section, 4)
+    leg = ConstantLeg(1.0, section, material)
+    solid = solid_leg(leg, extrude(mesh, stations(leg.length, 8)))
+    turned = tip_compliance(clamped_leg(solid, "free"))[4, 4]
+    constants = section_constants(mesh, material.nu)
+    stiffness = leg.length / turned / material.E
+    missed = stiffness / constants.second_moment_y - 1.0
+    assert missed > 50.0 * left
+    assert stiffness == pytest.approx(
+        constants.second_moment_y + constants.held_contraction[0], rel=left
+    )
+
+
+def test_it_is_gone_with_the_fourth_power_of_the_cells():
+    held = [
+        section_constants(section_mesh(Circle(0.1), n), 0.3).held_contraction[0] for n in (4, 8, 16)
+    ]
+    assert held[1] / held[0] < 0.5**4
+    assert held[2] / held[1] < 0.5**4
