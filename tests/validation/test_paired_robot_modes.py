@@ -13,6 +13,7 @@ from lumped.sections import Circle, HollowRectangle, ISection, Rectangle
 from validation.case import Skip
 from validation.cases.robot import modes as robot_modes
 from validation.cases.robot import solid as robot_solid
+from validation.cases.robot.mode_tables import mac_table
 from validation.context import Context
 from validation.solids.robots import two_meshes
 from validation.studies.paired_robot_modes import (
@@ -84,3 +85,23 @@ def test_where_no_modes_are_close_nothing_is_said_to_agree():
     apart = replace(paired(IFW.robot, segments, segments), close=np.zeros((3, 6), dtype=bool))
     with pytest.raises(Skip, match="no two modes are close at any posture"):
         robot_modes.smallest_shared(apart, np.ones((3, 6), dtype=bool), np.zeros((3, 6)))
+
+
+def test_what_lies_above_all_modes_of_the_other_model_has_no_partner_there():
+    """Twelve modes of walls below the fourth of beams: what is paired with that is none of it."""
+    segments = beam_modes(IFW.robot, "segments", (1, 1), 3)
+    # Others' modes end between the third and the fourth.
+    ends = segments.frequencies[:, 2:3] + np.linspace(-1.0, 0.5, 12)
+    walls = replace(
+        segments, frequencies=np.sort(ends, axis=1), samples=segments.samples[:, :, ::-1]
+    )
+    found = paired(IFW.robot, segments, walls)
+    assert not found.reached[:, 3:].any()
+    assert found.reached[:, :2].all()
+    everywhere = np.ones((3, 6), dtype=bool)
+    apart = replace(found, close=everywhere)
+    few = robot_modes.smallest_shared(apart, everywhere, np.zeros((3, 6)))
+    assert any("modes left out, above the first 12 modes of the solids" in n for n in few.notes)
+    assert np.isnan(mac_table(found, "beams")["solid (Hz)"][3])
+    with pytest.raises(Skip, match="above the first 12 modes"):
+        robot_modes.smallest_shared(apart, ~found.reached, np.zeros((3, 6)))

@@ -90,9 +90,14 @@ def test_full_mac_compares_shapes_of_a_double_mode_with_their_plane():
     turned = shapes.copy()
     turned[:, :2] = shapes[:, :2] @ np.array([[0.6, -0.8], [0.8, 0.6]])
     assert_allclose(full_mac(mass, shapes, turned, np.array([2.0, 2.0, 3.0])), 1.0)
+    # The last of those compared is one of a pair, too.
+    twins = np.array([1.0, 3.0, 3.0])
+    turned = shapes @ np.array([[1.0, 0.0, 0.0], [0.0, 0.6, -0.8], [0.0, 0.8, 0.6]])
+    assert_allclose(full_mac(mass, shapes[:, :2], turned, twins), 1.0)
+    assert_allclose(full_mac(mass, shapes[:, :2], turned[:, :2], twins[:2]), [1.0, 0.36])
     # Two modes that are only near each other are themselves: 0.8².
-    near = np.array([2.0, 2.001, 3.0])
-    assert_allclose(full_mac(mass, shapes, turned, near), [0.64, 0.64, 1.0])
+    near = np.array([1.0, 3.0, 3.001])
+    assert_allclose(full_mac(mass, shapes, turned, near), [1.0, 0.64, 0.64])
 
 
 def test_close_modes_are_marked_and_compared_as_spaces():

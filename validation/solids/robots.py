@@ -255,10 +255,11 @@ def recovered(reduced: System, legs: Mapping[str, Superelement], shapes: Array) 
 
 
 def full_mac(mass: SparseMatrix, first: Array, second: Array, frequencies: Array) -> Array:
-    """MAC of each of the shapes `first` (n×m) with its partner in `second` (n×m), optimal pairing.
+    """MAC (m) of each of the shapes `first` (n×m) with its partner in `second` (n×k), k ≥ m.
 
-    Weighted with the full `mass` (n×n): every unknown of the mesh counts. Shapes of one of the
-    `frequencies` (m, Hz, of `second`) are any of their space: they count together.
+    Optimal pairing, weighted with the full `mass` (n×n): every unknown of the mesh counts. Shapes
+    of one of the `frequencies` (k, Hz, of `second`) are any of their space: they count together,
+    so that the last of `first` needs all of its space among the k.
     """
     momenta = mass @ second
     sizes = np.einsum("ij,ij->j", first, mass @ first)[:, None] * np.einsum(

@@ -76,7 +76,9 @@ class PairedModes:
     tells which modes have a neighbour within `CLOSE`, `shared` is cos² of the largest angle between
     the spaces of a mode and its close neighbours in both models. Which of two close modes is whose
     partner is an accident of how they mix: there `found` is in the order of frequencies, and
-    `difference`, relative to `reference`, is the largest among the neighbours.
+    `difference`, relative to `reference`, is the largest among the neighbours. `reached` tells for
+    which modes the other model was asked far enough to have the partner, and those of the mode's
+    neighbours, among its own: what stands for the others is no partner.
     """
 
     x: Array
@@ -87,6 +89,7 @@ class PairedModes:
     close: BoolArray
     shared: Array
     difference: Array
+    reached: BoolArray
 
 
 def divisions_of(legs: Sequence[ConstantLeg], preset: Preset) -> tuple[LegDivisions, LegDivisions]:
@@ -194,22 +197,23 @@ def paired(robot: Biglide, reference: SampledModes, other: SampledModes) -> Pair
             reference.frequencies, reference.samples, other.frequencies, other.samples, strict=True
         )
     ]
-    found, partner, mac, close, shared, difference = (
+    found, partner, mac, close, shared, difference, reached = (
         np.array(column) for column in zip(*rows, strict=True)
     )
     first = reference.frequencies[:, :PAIRED]
-    return PairedModes(reference.x, first, found, partner, mac, close, shared, difference)
+    return PairedModes(reference.x, first, found, partner, mac, close, shared, difference, reached)
 
 
 def _pair(
     weights: Array, frequencies: Array, samples: Array, others: Array, other_samples: Array
-) -> tuple[Array, IntArray, Array, BoolArray, Array, Array]:
+) -> tuple[Array, IntArray, Array, BoolArray, Array, Array, BoolArray]:
     pairing = pair_modes(samples, other_samples, weights)
     found, first = others[pairing.partner], slice(PAIRED)
     close, shared = np.zeros(PAIRED, dtype=bool), pairing.mac[first].copy()
-    difference = np.zeros(PAIRED)
+    difference, reached = np.zeros(PAIRED), np.zeros(PAIRED, dtype=bool)
     for mode in range(PAIRED):
         family = neighbours(frequencies, mode)
+        reached[mode] = frequencies[family[family < PAIRED]].max() <= others[-1]
         if len(family) > 1:
             close[mode] = True
             partners = pairing.partner[family]
@@ -217,7 +221,8 @@ def _pair(
             shared[mode] = np.cos(angle) ** 2
             found[family] = np.sort(others[partners])
         difference[mode] = np.abs(found[family] / frequencies[family] - 1.0).max()
-    return found[first], pairing.partner[first], pairing.mac[first], close, shared, difference
+    partner, mac = pairing.partner[first], pairing.mac[first]
+    return found[first], partner, mac, close, shared, difference, reached
 
 
 def _sampled(system: System, legs: tuple[LegMatrices, LegMatrices], shapes: Array) -> Array:

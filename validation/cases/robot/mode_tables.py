@@ -1,21 +1,28 @@
 """Tables and curves of the modes of solid robots beside those of segments or beams."""
 
+from math import nan
+
+import numpy as np
+
 from validation.exhibits import Study
 from validation.studies.paired_robot_modes import PAIRED, PairedModes
 
 
 def mac_table(found: PairedModes, reference: str) -> dict[str, tuple[float | str, ...]]:
-    """Every mode at every posture with its partner."""
+    """Every mode at every posture with its partner, NaN where that was not reached."""
+    known = found.reached
     pairs = [(p, k) for p in range(len(found.x)) for k in range(PAIRED)]
     return {
         "x (m)": tuple(float(found.x[p]) for p, _ in pairs),
         "mode": tuple(float(k + 1) for _, k in pairs),
         f"{reference} (Hz)": tuple(float(found.reference[pair]) for pair in pairs),
-        "partner": tuple(float(found.partner[pair] + 1) for pair in pairs),
-        "solid (Hz)": tuple(float(found.found[pair]) for pair in pairs),
-        "MAC": tuple(float(found.mac[pair]) for pair in pairs),
+        "partner": tuple(float(found.partner[pair] + 1) if known[pair] else nan for pair in pairs),
+        "solid (Hz)": tuple(float(found.found[pair]) if known[pair] else nan for pair in pairs),
+        "MAC": tuple(float(found.mac[pair]) if known[pair] else nan for pair in pairs),
         "crossing": tuple("yes" if found.close[pair] else "" for pair in pairs),
-        "MAC as a space": tuple(float(found.shared[pair]) for pair in pairs),
+        "MAC as a space": tuple(
+            float(found.shared[pair]) if known[pair] else nan for pair in pairs
+        ),
     }
 
 
@@ -29,7 +36,10 @@ def mac_study(found: PairedModes, reference: str) -> Study:
         y_label="MAC of paired modes",
         unit="1",
         x=tuple(found.x.tolist()),
-        series={f"mode {k + 1}": tuple(found.mac[:, k].tolist()) for k in range(PAIRED)},
+        series={
+            f"mode {k + 1}": tuple(np.where(found.reached, found.mac, nan)[:, k].tolist())
+            for k in range(PAIRED)
+        },
         notes=("At a crossing two close modes mix: there only the space they span compares.",),
     )
 
@@ -47,7 +57,10 @@ def frequency_study(found: PairedModes, count: int) -> Study:
         series={
             f"{model}, mode {k + 1}": tuple(values[:, k].tolist())
             for k in range(count)
-            for model, values in (("segments", found.reference), ("solid", found.found))
+            for model, values in (
+                ("segments", found.reference),
+                ("solid", np.where(found.reached, found.found, nan)),
+            )
         },
         modes={
             f"{model}, mode {k + 1}": (model, k + 1)

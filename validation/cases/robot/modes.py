@@ -61,6 +61,10 @@ cases = CaseGroup(
 )
 # Shapes of the paper's robot, whose rectangles of ν = 0 leave 1 % between all models.
 paper_cases = cases.like(citation=_SEGMENTS)
+_BELOW = (
+    f"above the first {OFFERED} modes of the solids: among these are some that beams do not have, "
+    "of walls that move by themselves"
+)
 _SMALLEST = "smallest MAC outside mode crossings"
 _ONE_MODE = "0.99 is the project's measure of one and the same mode"
 _SPACES = "smallest squared cosine of the largest angle between the spaces"
@@ -119,6 +123,9 @@ def _frequency(context: Context, index: int) -> Measurement:
     held = _held_to_beams(context, "own beam", [index])[:, 0] & np.isfinite(changes[:, index])
     if not held.any():
         raise Skip("beams have no such mode: walls of the legs move by themselves at its frequency")
+    held &= _own_beams_and(context, fine).reached[:, index]
+    if not held.any():
+        raise Skip(f"mode {index + 1} of beams left out, {_BELOW}")
     (value, reference), (coarse_value, coarse_reference) = (
         _free_and_own(context, divisions) for divisions in (fine, coarse)
     )
@@ -148,12 +155,17 @@ def _frequency(context: Context, index: int) -> Measurement:
         elsewhere=others(
             at_stations(stations), *frequencies, judged[postures], own, allowed[postures, index]
         ),
-        notes=(
-            largest_difference(stations, *frequencies),
-            f"at x = {stations[own]:.4g} m segments have {segments.reference[at]:.5g} Hz, solids "
-            f"with rigid faces {segments.found[at]:.5g} Hz",
-        ),
+        notes=(largest_difference(stations, *frequencies), *_paper_beside(segments, at)),
         studies=(frequency_study(segments, FREQUENCIES),),
+    )
+
+
+def _paper_beside(segments: PairedModes, at: tuple[int, int]) -> tuple[str, ...]:
+    if not segments.reached[at]:
+        return ()
+    return (
+        f"at x = {segments.x[at[0]]:.4g} m segments have {segments.reference[at]:.5g} Hz, solids "
+        f"with rigid faces {segments.found[at]:.5g} Hz",
     )
 
 
@@ -238,20 +250,19 @@ def _smallest_mac(
     found: PairedModes, reference: str, held: BoolArray, uncertainty: Array
 ) -> Measurement:
     """The least MAC of a mode that is held and has no close neighbour (all p×k)."""
-    alone = held & ~found.close
+    left_out = _left_out(found, held)
+    alone = held & found.reached & ~found.close
     if not alone.any():
-        raise Skip(
-            "; ".join(("all modes have close neighbours at every posture", *_left_out(held)))
-        )
+        raise Skip("; ".join(("all modes have close neighbours at every posture", *left_out)))
     single = np.where(alone, found.mac, np.inf)
     posture, mode = np.unravel_index(int(np.argmin(single)), single.shape)
     crossings = tuple(
         f"crossing: mode {int(k) + 1} at x = {found.x[p]:.4g} m has a neighbour within "
         f"{100.0 * CLOSE:g} % (MAC {found.mac[p, k]:.4f} alone, {found.shared[p, k]:.4f} as a "
         "space)"
-        for p, k in np.argwhere(found.close)
+        for p, k in np.argwhere(found.close & found.reached)
     )
-    swapped = int(np.sum(found.partner != np.arange(PAIRED)))
+    swapped = int(np.sum((found.partner != np.arange(PAIRED)) & found.reached))
     return Measurement(
         float(single[posture, mode]),
         1.0,
@@ -259,7 +270,7 @@ def _smallest_mac(
         notes=(
             f"mode {int(mode) + 1} at x = {found.x[posture]:.4g} m",
             f"{swapped} modes have another number in the solid robot",
-            *_left_out(held),
+            *left_out,
             *crossings,
         ),
         table=mac_table(found, reference),
@@ -267,10 +278,16 @@ def _smallest_mac(
     )
 
 
-def _left_out(held: BoolArray) -> tuple[str, ...]:
-    count = int(np.sum(~held))
-    why = "which torsional waves of the legs, beyond Saint-Venant's, would change"
-    return (f"{count} of {held.size} modes left out, {why}",) if count else ()
+def _left_out(found: PairedModes, held: BoolArray) -> tuple[str, ...]:
+    reasons = (
+        (~held, "which torsional waves of the legs, beyond Saint-Venant's, would change"),
+        (held & ~found.reached, _BELOW),
+    )
+    return tuple(
+        f"{int(np.sum(left))} of {held.size} modes left out, {why}"
+        for left, why in reasons
+        if left.any()
+    )
 
 
 @paper_cases.case(
@@ -298,9 +315,10 @@ def smallest_shared(found: PairedModes, held: BoolArray, uncertainty: Array) -> 
 
     `held` and the `uncertainty` of what is shared are p×k.
     """
-    close = held & found.close
+    left_out = _left_out(found, held)
+    close = held & found.reached & found.close
     if not close.any():
-        raise Skip("; ".join(("no two modes are close at any posture", *_left_out(held))))
+        raise Skip("; ".join(("no two modes are close at any posture", *left_out)))
     spaces = np.where(close, found.shared, np.inf)
     posture, mode = np.unravel_index(int(np.argmin(spaces)), spaces.shape)
     where = f"mode {int(mode) + 1} and its neighbours at x = {found.x[posture]:.4g} m"
@@ -308,5 +326,5 @@ def smallest_shared(found: PairedModes, held: BoolArray, uncertainty: Array) -> 
         float(spaces[posture, mode]),
         1.0,
         value_uncertainty=float(uncertainty[posture, mode]),
-        notes=(where, *_left_out(held)),
+        notes=(where, *left_out),
     )
