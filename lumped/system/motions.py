@@ -2,9 +2,10 @@
 
 A node is a rigid body or one interface of a deformable one. Joints are taken one after the other
 from what moves already to what does not yet: the node behind a joint moves with the one before it
-and by what the joint lets happen. A joint between two nodes that move already closes a loop of
-rigid bodies; what it forbids is taken out by the null space of those conditions. Where bodies
-between the joints are deformable, there are no such loops, however the mechanism is joined.
+and by what the joint lets happen; along what is free it moves by itself. A joint between two nodes
+that move already closes a loop of rigid bodies; what it forbids is taken out by the null space of
+those conditions. Where bodies between the joints are deformable, there are no such loops, however
+the mechanism is joined.
 
 All postures that are asked for are done together, the first axis of every array. What a joint lets
 happen turns with its bodies and is found once; that of universal joints changes with their angle.
@@ -169,6 +170,7 @@ def motions(structure: Structure, frames: Frames) -> Motions:
     allowed = [_allowed(structure, frames, j) for j in range(len(joints))]
     places = np.stack([_place(frames, *node) for node in structure.nodes], axis=1)
     count = len(places)
+    unit = np.array([1.0 / structure.length] * 3 + [1.0] * 3)
     size = sum(6 if j is None else allowed[j].basis.shape[-1] for j, _ in structure.tree)
     twists = np.zeros((count, len(structure.nodes), 6, size))
     springs: dict[str, Array] = {}
@@ -189,7 +191,12 @@ def motions(structure: Structure, frames: Frames) -> Motions:
             arm = shift(places[:, node] - places[:, other])
             twists[:, node, :, :done] = arm @ twists[:, other, :, :done]
         arm = shift(places[:, node] - frames.interface(joint.first.body, joint.first.point))
-        twists[:, node, :, mine] += arm @ (motion.basis if forward else -motion.basis)
+        own = arm @ (motion.basis if forward else -motion.basis)
+        twists[:, node, :, mine] = own
+        # Of its own where nothing couples both sides: soft beside stiff would be lost in the sum of
+        # what is only their difference.
+        passive = own[..., : own.shape[-1] - motion.elastic]
+        twists[:, node, :, :done] -= _along(passive, unit) @ twists[:, node, :, :done]
         done = mine.stop
         for name, rows in motion.springs.items():
             springs[name] = np.zeros((count, rows.shape[-2], size))
@@ -199,6 +206,11 @@ def motions(structure: Structure, frames: Frames) -> Motions:
     open_loops = Motions(structure, twists, places, springs, locked)
     closing = [(joints[j], allowed[j]) for j in structure.closing]
     return _closed(open_loops, frames, closing) if closing else open_loops
+
+
+def _along(free: Array, unit: Array) -> Array:
+    """…×6×6: of a twist, without units by `unit` (6), what lies along the `free` ones (…×6×k)."""
+    return np.asarray(free @ np.linalg.pinv(unit[:, None] * free) * unit)
 
 
 def _allowed(structure: Structure, frames: Frames, number: int) -> JointMotion:

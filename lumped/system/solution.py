@@ -97,21 +97,38 @@ def compliance(solution: Solved) -> Array:
 
 
 def rounding(system: System, displacements: Array) -> Array:
-    """What rounding leaves open of toolᵀ X (m×m, SI; 95 %, of both signs), X = `displacements`.
+    """What rounding of K leaves open of XᵀKX (m×m, SI; 95 %, of both signs), X = `displacements`.
 
-    Body by body, whose interfaces are turned (`rounding_of_flexibility`), and joint by joint: the
-    strain of a spring is a sum of as many terms as unknowns move it.
+    That is of toolᵀX where the tool's loads have led to X. Body by body, whose interfaces are
+    turned, and joint by joint: the strain of a spring is a sum of as many terms as unknowns move
+    it. A body's stiffness passes through every unknown that moves it, however little is left of
+    their sum; a turned one through every component that turning mixes, for the angle is rounded
+    too (`rounding_of_flexibility`).
     """
     squares = np.zeros((displacements.shape[1],) * 2)
-    for name, model in system.models.items():
-        own = system.own(name, displacements)
-        turned = 6 * len(model.interfaces)
-        squares += rounding_of_flexibility(model.stiffness, own, turned) ** 2
     moved = np.abs(displacements[: system.outer])
+    for name, model in system.models.items():
+        vectors = system.ends[name].reshape(-1, 3, system.outer)
+        sizes = np.linalg.norm(vectors, axis=1, keepdims=True)
+        passed = np.where(vectors, sizes, 0.0).reshape(-1, system.outer) @ moved
+        own = np.concatenate([passed, displacements[system.inside[name]]])
+        squares += rounding_of_flexibility(model.stiffness, own) ** 2
     for rows in system.motions.springs.values():
         terms = np.abs(rows) @ moved
         squares += (2.0 * np.sqrt(2.0) * np.finfo(float).eps * terms.T @ terms) ** 2
     return np.asarray(np.sqrt(squares))
+
+
+def rounding_of_frequencies(system: System, found: Modes) -> Array:
+    """What rounding of K leaves open of frequencies (m, Hz; 95 %, of both signs).
+
+    δω² = φᵀδKφ to first order of mass-normalised shapes φ. Frequencies are told by their number:
+    one that is open as far as the next may have changed places with it.
+    """
+    frequencies = found.frequencies
+    left = np.diag(rounding(system, found.shapes)) / (8.0 * np.pi**2 * frequencies)
+    below, above = np.sort(frequencies - left), np.sort(frequencies + left)
+    return np.asarray(np.maximum(frequencies - below, above - frequencies))
 
 
 def modes(solution: Solved, count: int) -> Modes:
