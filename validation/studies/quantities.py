@@ -25,6 +25,8 @@ ALPHAS = tuple(np.linspace(1.0, 2.0, 11).tolist())
 # Where Figs 6, 12 and 13 are drawn, as a fraction of the stroke.
 FIGURE_POINTS = {"centre": 0.5, "left": 0.0, "right": 1.0}
 
+# Modes just above those asked for, with which they may have changed places.
+_ABOVE = 2
 LOAD = 1000.0  # N, the paper's loads (§2.1, §2.2)
 MICRO = 1e6
 # Digits of differences that are more than rounding.
@@ -111,6 +113,20 @@ def stroke_frequencies(
     return np.array(
         [robot_frequencies(model, robot, x, modes_count, options) for x in robot.stations(count)]
     )
+
+
+def rounded_frequencies(
+    model: ModelName,
+    robot: Biglide,
+    x: float,
+    count: int,
+    options: ModelOptions = DEFAULT_OPTIONS,
+) -> tuple[Array, Array]:
+    """First frequencies (Hz) by `segments` or `beam`, and what rounding leaves open of them."""
+    system = robot_system(model, robot, x, options)
+    found = solution.modes(solution.solved(system), count + _ABOVE)
+    left_open = solution.rounding_of_frequencies(system, found)
+    return found.frequencies[:count], left_open[:count]
 
 
 def family_deflections(

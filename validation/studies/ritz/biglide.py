@@ -27,8 +27,12 @@ from validation.studies.ritz.leg import (
     of_compliance,
     placed,
 )
+from validation.studies.ritz.segments import left_out
 
 DEGREE = 14
+SEGMENTS = 20
+# Modes just above those asked for, with which they may change places.
+_ABOVE = 2
 _WITHOUT_TURNING = slice(0, 5)  # of a twist: all but the rotation about z, which joints free
 # Legs as beams of a theory (6×6 by their equivalent), or by their own 6×6.
 Legs: TypeAlias = Theory | Literal["given"]
@@ -63,6 +67,37 @@ def frequencies(
     stiffness, mass, _ = _system(robot, x, theory, degree)
     with _definite(robot):
         return _lowest(stiffness, mass, count)
+
+
+def missed_by_segments(
+    robot: Biglide, x: float, count: int, theory: Theory = "timoshenko", segments: int = SEGMENTS
+) -> Array:
+    """First frequencies (Hz) in rigid `segments` per leg, less those of the beams they stand for.
+
+    To second order in 1/n, of modes by polynomials (`validation.studies.ritz.segments`).
+    """
+    prisms = [equivalent_leg(leg) for leg in (robot.leg1, robot.leg2)]
+    legs = [_leg(prism, theory, DEGREE) for prism in prisms]
+    missed = [
+        left_out(prism.properties(theory), prism.length, segments, DEGREE) for prism in prisms
+    ]
+    stiffness, mass, _ = _joined(robot, x, (legs[0], legs[1]))
+    # The same unknowns, without the platform.
+    alone = replace(robot, platform_mass=0.0)
+    kinetic, strain = (
+        _joined(alone, x, (replace(legs[0], mass=first), replace(legs[1], mass=second)))[1]
+        for first, second in zip(*missed, strict=True)
+    )
+    with _definite(robot):
+        inverse, modes = eigh(mass, stiffness)
+    kept = slice(-1, -count - 1 - _ABOVE, -1)
+    squares, modes = 1.0 / inverse[kept], modes[:, kept] / np.sqrt(inverse[kept])
+    lumped = eigh(
+        np.diag(squares) - squares[:, None] * (modes.T @ strain @ modes) * squares,
+        np.eye(len(squares)) - modes.T @ kinetic @ modes,
+        eigvals_only=True,
+    )
+    return np.asarray((np.sqrt(lumped) - np.sqrt(squares))[:count] / (2.0 * np.pi))
 
 
 def frequencies_as_printed(robot: Biglide, x: float, count: int, degree: int = DEGREE) -> Array:

@@ -39,11 +39,7 @@ class RitzLeg:
 
 def of_beam(beam: BeamProperties, length: float, degree: int) -> RitzLeg:
     """Legendre polynomials of `degree` in each of displacements and rotations of a prism."""
-    points, weights = legendre.leggauss(degree + 1)
-    weights = 0.5 * length * weights
-    values: Array = np.asarray(legendre.legvander(points, degree), dtype=np.float64)
-    of_unit = legendre.legval(points, legendre.legder(np.eye(degree + 1))).T
-    slopes: Array = np.asarray(of_unit * 2.0 / length, dtype=np.float64)
+    weights, values, slopes = sampled(length, degree)
     size = _FIELDS * (degree + 1)
 
     def field(number: int, of: Array) -> Array:
@@ -69,6 +65,14 @@ def of_beam(beam: BeamProperties, length: float, degree: int) -> RitzLeg:
         tip=tip,
         shut=np.vstack([np.zeros((0, size)), *(e for k, e in strains if not np.isfinite(k))]),
     )
+
+
+def sampled(length: float, degree: int) -> tuple[Array, Array, Array]:
+    """Weights (p) of Gauss's points along a leg, polynomials there and their slopes (p×n)."""
+    points, weights = legendre.leggauss(degree + 1)
+    values = legendre.legvander(points, degree)
+    of_unit = legendre.legval(points, legendre.legder(np.eye(degree + 1))).T
+    return 0.5 * length * weights, np.asarray(values), np.asarray(of_unit * 2.0 / length)
 
 
 def of_compliance(compliance: Array, length: float) -> RitzLeg:
