@@ -257,6 +257,19 @@ def test_what_rounding_leaves_open_of_frequencies_covers_what_polynomials_miss(n
         assert np.all(np.abs(found - exact) < known), x
 
 
+def test_polynomials_and_what_rounding_leaves_of_stiffnesses_far_apart_do_not_disagree(tmp_path):
+    # 42: 10¹⁵ between both legs, 3e-5 of every deflection lost in segments.
+    path = tmp_path / "robot.toml"
+    path.write_text(ROBOTS[42], encoding="utf-8")
+    robot_file = load_robot(path)
+    context = Context(robot_file, "quick")
+    ids = ("robot.anchor.statics[segments-euler", "robot.anchor.vjm.")
+    cases = [case for case in catalogue(robot_file) if case.id.startswith(ids)]
+    outcomes = [judge(case, case.compute(context), 0.0) for case in cases]
+    assert {outcome.verdict for outcome in outcomes} == {"agree", "undecided"}
+    assert all("no finer" in one.message for one in outcomes if one.verdict == "undecided")
+
+
 def test_a_free_joint_loses_nothing_of_a_soft_leg_on_a_stiff_one(tmp_path):
     # Leg 1 of 41 bends on a hinge at the tip of a leg 10¹³ times as stiff about z: in sums of both
     # legs' rotations it was 2 % off.

@@ -14,7 +14,7 @@ from lumped.models.bodies import tip_compliances
 from lumped.models.links import links
 from lumped.models.segments import segment_leg, static_leg, with_printed_tip_joint
 from lumped.system.assembly import System, assemble
-from lumped.system.solution import compliance, modes, solved
+from lumped.system.solution import compliance, modes, rounding, solved
 from validation.models.legs import cached_leg, condensed_leg, filled, leg_chain, reduced_leg
 from validation.models.options import DEFAULT_OPTIONS, STATIC, ModelName, ModelOptions
 from validation.solids.robots import half_octave_above, renewed_where_needed
@@ -106,13 +106,22 @@ def robot_compliance(
     if model == "simplified":
         return simplified.compliance(robot, x)
     if model == "vjm":
-        springs = (
-            vjm.given_leg_springs(robot)
-            if options.legs == "given"
-            else vjm.equivalent_leg_springs(robot, options.theory, options.equivalent)
-        )
-        return vjm.compliance(robot, x, springs)
+        return vjm.compliance(robot, x, _leg_springs(robot, options))
     return compliance(solved(static_system(model, robot, x, options)))
+
+
+def rounded_compliance(model: ModelName, robot: Biglide, x: float, options: ModelOptions) -> Array:
+    """What rounding leaves open of it (95 %, of both signs), but by `simplified`."""
+    if model == "vjm":
+        return vjm.rounding(robot, x, _leg_springs(robot, options))
+    system = static_system(model, robot, x, options)
+    return rounding(system, solved(system).displacements(system.tool.T))
+
+
+def _leg_springs(robot: Biglide, options: ModelOptions) -> tuple[Array, Array]:
+    if options.legs == "given":
+        return vjm.given_leg_springs(robot)
+    return vjm.equivalent_leg_springs(robot, options.theory, options.equivalent)
 
 
 def robot_frequencies(

@@ -30,6 +30,7 @@ from validation.cases.anchors.robot import yielding_drives
 from validation.cases.robot.stroke import BEYOND_ROUNDING, at_stations
 from validation.context import Context
 from validation.exhibits import STROKE
+from validation.models.biglide import rounded_compliance
 from validation.studies.quantities import farthest, rounded_frequencies
 from validation.studies.ritz import biglide as ritz
 from validation.studies.ritz import segments
@@ -119,13 +120,14 @@ def _two_frequencies(robot: Biglide, x: float) -> tuple[float, float]:
 )
 def _static(context: Context, model: str, entry: str) -> Measurement:
     robot, index = context.robot, STATIC_QUANTITIES.index(entry)
+    kind, _, options = CANDIDATES[model]
     found = context.get(shown_statics, robot, model)[:, index]
     if model == "simplified":
         on_drives = context.get(yielding, robot)
         expected = other = on_drives[:, index]
         softest = on_drives.max()
     else:
-        legs: ritz.Legs = "given" if model == "vjm" else CANDIDATES[model][2].theory
+        legs: ritz.Legs = "given" if model == "vjm" else options.theory
         expected, other = (
             context.get(expected_statics, robot, legs, degree)[:, index] for degree in EXACT
         )
@@ -134,11 +136,17 @@ def _static(context: Context, model: str, entry: str) -> Measurement:
     if not (known := expected > _RIGID * softest).any():
         raise Skip(f"{model}: legs and drives do not let B move so")
     at = farthest(found, expected, known)
+    x = float(robot.stations(POSTURES)[at])
+    left_open = 0.0
+    if model != "simplified":
+        left_open = context.get(rounded_compliance, kind, robot, x, options)[index, index]
     return Measurement(
         in_shown_units(found[at], entry),
         in_shown_units(expected[at], entry),
+        value_uncertainty=in_shown_units(left_open, entry),
         reference_uncertainty=in_shown_units(rounding(expected[at], other[at]), entry),
-        pose=(float(robot.stations(POSTURES)[at]),),
+        decides=BEYOND_ROUNDING,
+        pose=(x,),
     )
 
 

@@ -16,7 +16,7 @@ from validation.agreement.convergence import step_factor
 from validation.case import Allowance, Measurement, Relative
 from validation.case_group import CaseGroup, numbered
 from validation.cases.anchors.quantities import EXACT, RITZ, rounding
-from validation.cases.robot.stroke import BEYOND_ROUNDING, CURVES
+from validation.cases.robot.stroke import BEYOND_ROUNDING, CURVES, rounded_deflections
 from validation.context import Context
 from validation.exhibits import STROKE
 from validation.models.biglide import robot_compliance, robot_frequencies
@@ -142,8 +142,14 @@ def _deflected(context: Context, model: ModelName, attribute: str) -> Measuremen
         float(getattr(deflections_of(matrix[None]), attribute)[0])
         for matrix in (found, *polynomials)
     )
+    left_open = context.get(rounded_deflections, model, robot, x, _EQUIVALENT)
     return Measurement(
-        value, by_ritz, reference_uncertainty=rounding(by_ritz, other), pose=(float(x),)
+        value,
+        by_ritz,
+        value_uncertainty=float(getattr(left_open, attribute)[0]),
+        reference_uncertainty=rounding(by_ritz, other),
+        decides=BEYOND_ROUNDING,
+        pose=(float(x),),
     )
 
 

@@ -7,14 +7,12 @@ import numpy as np
 from lumped.arrays import Array
 from lumped.biglide import Biglide
 from lumped.legs import Theory
-from lumped.models import vjm
-from lumped.system.solution import rounding, solved
 from validation.agreement.convergence import step_factor
 from validation.case import Absolute, Measurement, Relative, others
 from validation.case_group import CaseGroup, numbered
 from validation.context import Context
 from validation.exhibits import STROKE, Study
-from validation.models.biglide import static_system
+from validation.models.biglide import rounded_compliance
 from validation.models.options import BEAM_ORDER, SEGMENT_ORDER, ModelName, ModelOptions
 from validation.studies.quantities import (
     Deflections,
@@ -128,14 +126,8 @@ def _rounding(context: Context, model: ModelName, theory: Theory, x: float) -> D
 def rounded_deflections(
     model: ModelName, robot: Biglide, x: float, options: ModelOptions
 ) -> Deflections:
-    """What rounding leaves open of a model's deflections with B at `x` (m), equivalent legs."""
-    if model == _JOINTS:
-        springs = vjm.equivalent_leg_springs(robot, options.theory, options.equivalent)
-        left_open = vjm.rounding(robot, x, springs)
-    else:
-        system = static_system(model, robot, x, options)
-        left_open = rounding(system, solved(system).displacements(system.tool.T))
-    return deflections_of(left_open[np.newaxis])
+    """What rounding leaves open of a model's deflections with B at `x` (m)."""
+    return deflections_of(rounded_compliance(model, robot, x, options)[np.newaxis])
 
 
 @cases.case(
