@@ -270,6 +270,19 @@ def test_polynomials_and_what_rounding_leaves_of_stiffnesses_far_apart_do_not_di
     assert all("no finer" in one.message for one in outcomes if one.verdict == "undecided")
 
 
+def test_an_end_of_the_stroke_is_one_in_double_and_in_28_digits(tmp_path):
+    # 9: legs that nearly align, where leg 2 is horizontal. By the nearest float it was not.
+    path = tmp_path / "robot.toml"
+    path.write_text(ROBOTS[9], encoding="utf-8")
+    robot_file = load_robot(path)
+    context = Context(robot_file, "quick")
+    ids = ("robot.anchor.frequencies[simplified", "robot.anchor.statics[simplified")
+    cases = [case for case in catalogue(robot_file) if case.id.startswith(ids)]
+    outcomes = [judge(case, case.compute(context), 0.0) for case in cases]
+    assert len(outcomes) == 4
+    assert {outcome.verdict for outcome in outcomes} == {"agree"}
+
+
 def test_a_free_joint_loses_nothing_of_a_soft_leg_on_a_stiff_one(tmp_path):
     # Leg 1 of 41 bends on a hinge at the tip of a leg 10¹³ times as stiff about z: in sums of both
     # legs' rotations it was 2 % off.

@@ -110,7 +110,10 @@ def yielding_drives(robot: Biglide, x: float, force: tuple[float, float]) -> tup
     δy; forces fᵢ of the drives balance the load, δyᵢ = fᵢ/K.
     """
     # In 28 digits: heights and base are small differences where legs nearly align.
-    a, at, stiffness = Decimal(robot.a), Decimal(x), Decimal(robot.actuator_stiffness)
+    a, stiffness = Decimal(robot.a), Decimal(robot.actuator_stiffness)
+    # Leg 2 is horizontal at the end that is meant; the nearest float misses that by √ε.
+    at_end = x == robot.stroke[0]
+    at = a - Decimal(robot.leg2.length) if at_end else Decimal(x)
     along, across = (Decimal(component) for component in force)
     beyond, none = a - at, Decimal(0)
     s1 = max(Decimal(robot.leg1.length) ** 2 - at**2, none).sqrt()
