@@ -31,6 +31,7 @@ from meshes.prism.hexahedra import hexahedra
 from meshes.prism.tetrahedra import tetrahedra
 from meshes.section.section_mesh import section_mesh
 from validation.case import Absolute, Case, Measurement, Outcome, Skip, judge
+from validation.cases import program
 from validation.cases.program import guards, judgement
 from validation.cases.program import parts as program_parts
 from validation.cases.program.guards import pairing, reduction, sweep, waves
@@ -41,7 +42,7 @@ from validation.faults import detection, trial
 from validation.faults.catalogue import FAULTS
 from validation.faults.detection import fault_cases
 from validation.faults.fault import Fault, around, fault, replaced, sound_function
-from validation.faults.sound import SoundCases, sound_cases
+from validation.faults.sound import SoundCases, sound_cases, verdict_of
 from validation.faults.trial import catchers, tried
 from validation.models.biglide import robot_compliance, robot_frequencies
 from validation.models.legs import leg_matrices
@@ -50,6 +51,7 @@ from validation.models.options import ModelOptions
 from validation.report.detection import detection_power, names_faults
 from validation.run import summary as run_summary
 from validation.run.gathered import Results
+from validation.store.cache import nothing_kept
 
 IFW = load_robot("ifw")
 TOOL = np.diag([2e-9, 3e-9, 1e-9, 4e-7, 3e-7, 5e-7])
@@ -440,6 +442,35 @@ def test_fault_case_of_the_run_counts_its_catchers(identifier, monkeypatch):
     assert not power.survivors
     assert len(power.records()[0]["caught_by"]) == outcome.measurement.value
     assert sum(power.detections[0].asked.values()) == outcome.measurement.value
+
+
+# One comparison more, by other means than the first, for what a single one used to notice.
+SECOND = {
+    "beam.quadrature": "guard.leg1.consistent-mass",
+    "energies.kinds-swapped": "guard.modes.energies",
+    "idle.mass-kept": "program.mechanism.cone",
+    "pairing.angle-unweighted": "guard.pairing.span",
+    "part.all-rigid": "program.parts.bar.patch",
+    "part.equal-weights": "program.parts.bar.patch",
+    "part.inertia-at-origin": "program.parts.shaft.swing",
+    "part.pin-about-point": "program.parts.fork.arm.pin",
+    "part.transport-sign": "program.parts.shaft.rest",
+    "reduction.bound": "guard.modes.bounds",
+    "robot-calculix.no-platform": "program.mechanism.calculix.heavy",
+    "simplified.angular-frequency": "guard.simplified.mirrored",
+    "vjm.tool-spring-forgotten": "guard.robot.tool-spring[vjm]",
+}
+
+
+@pytest.mark.parametrize("identifier", SECOND)
+def test_fault_that_one_comparison_noticed_is_noticed_by_another(identifier):
+    case = next(one for one in program.cases() if one.id == SECOND[identifier])
+    without = verdict_of(case, Context(IFW, "quick"))
+    if without == "skipped":
+        pytest.skip("CalculiX (ccx) is not installed")
+    assert without == "agree"
+    with BY_ID[identifier].inject(), nothing_kept():
+        assert verdict_of(case, Context(IFW, "quick")) in {"disagree", "failed"}
 
 
 def test_in_the_example_of_a_robot_that_gives_everywhere_everything_gives():

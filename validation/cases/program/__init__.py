@@ -16,6 +16,7 @@ from validation.cases.program import (
     parts,
     refinement,
     shapes,
+    spinning_rod,
 )
 
 
@@ -29,6 +30,7 @@ def cases() -> tuple[Case, ...]:
         *benchmarks.cases(),
         *guards.cases(),
         *mechanisms.cases(),
+        *spinning_rod.cases(),
         *parts.cases(),
         *judgement.cases(),
     )

@@ -8,6 +8,7 @@ from validation.case import Case
 from validation.cases.program.guards import (
     ends,
     legs,
+    modes,
     pairing,
     reduction,
     robot,
@@ -24,6 +25,7 @@ def cases() -> tuple[Case, ...]:
         *legs.cases(),
         *solids.cases(),
         *reduction.cases(),
+        *modes.cases(),
         *waves.cases(),
         *ends.cases(),
         *sweep.cases(),

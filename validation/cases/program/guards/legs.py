@@ -1,7 +1,7 @@
 """Guards of single legs and of the simplified model, against what the robot file says."""
 
 from dataclasses import replace
-from math import pi
+from math import pi, sqrt
 
 import numpy as np
 
@@ -79,6 +79,25 @@ def _simplified_frequencies(context: Context) -> Measurement:
 
 
 @cases.case(
+    "guard.simplified.mirrored",
+    "Half way between slides with legs alike, the mass swings on two springs side by side",
+    quantity="largest relative difference of both frequencies",
+    citation="ẏ₁,₂ = ẏ ± ẋ a/2s: 2K along y and 2K (a/2s)² along x, s² = L² − (a/2)²",
+    tolerance=Absolute(1e-9),
+    tolerance_reason="rounding",
+    model="simplified",
+    group="guard.simplified",
+)
+def _mirrored(context: Context) -> Measurement:
+    robot = replace(context.robot, leg2=context.robot.leg1)
+    half = robot.a / 2.0
+    slope = half / sqrt(robot.leg1.length**2 - half**2)
+    upright = sqrt(2.0 * robot.actuator_stiffness / robot.platform_mass) / (2.0 * pi)
+    found = robot_frequencies("simplified", robot, half, 2)
+    return farthest_off(found / np.sort([upright, upright * slope]) - 1.0)
+
+
+@cases.case(
     "guard.leg{number}.mass[{model}]",
     "Leg {number} by {model} weighs what the robot file says, about its middle",
     over={"number": (1, 2), "model": ("segments", "beam")},
@@ -115,6 +134,33 @@ def _mass(context: Context, number: int, model: ModelName) -> Measurement:
             for (i, j), value in wanted.items()
         ]
     )
+
+
+@cases.case(
+    "guard.leg{number}.consistent-mass",
+    "One slender beam element of leg {number} has the consistent mass of its cubic in both planes",
+    over={"number": (1, 2)},
+    quantity="largest difference of m/420 (156, 22 L, 54, −13 L, 4 L², −3 L²) in units of m, m L …",
+    reference_kind="published",
+    citation="Archer, J. Struct. Div. ASCE 89 (1963) 161; Przemieniecki 1968, ch. 11",
+    tolerance=Absolute(1e-12),
+    tolerance_reason="products of cubics, integrated exactly: rounding",
+    model="beam",
+)
+def _consistent(context: Context, number: int) -> Measurement:
+    leg = constant_leg_of(context, number)
+    options = ModelOptions(elements=1, theory="euler-bernoulli")
+    mass = dense(leg_matrices("beam", leg, options).mass) / leg.mass
+    published = np.array(
+        [[156, 22, 54, -13], [22, 4, 13, -3], [54, 13, 156, -22], [-13, -3, -22, 4]]
+    )
+    off = []
+    # Deflection and rotation at root and tip; a leg that goes up along z turns against y.
+    for places, turned in (((1, 5, 7, 11), 1.0), ((2, 4, 8, 10), -1.0)):
+        unit = np.array([1.0, turned / leg.length] * 2)
+        found = mass[np.ix_(places, places)] * np.outer(unit, unit)
+        off.append(found - published / 420.0)
+    return farthest_off(np.ravel(off))
 
 
 def _rigid_motions(stiffness: Array, length: float) -> Array:

@@ -121,6 +121,24 @@ def _angle(_context: Context) -> Measurement:
 
 
 @cases.case(
+    "guard.pairing.span",
+    "Two modes of a clamped beam, and the same with one leaning to a third: their spans' angle",
+    quantity="largest principal angle less the known one (rad)",
+    unit="rad",
+    citation="modes of a beam are orthogonal in the product of its masses (Rayleigh)",
+    tolerance=Absolute(1e-3),
+    tolerance_reason="24 Gauss stations leave the first modes orthogonal to 3e-4",
+)
+def _span(_context: Context) -> Measurement:
+    shapes, weights = _sampled_beam()
+    unit = shapes / np.sqrt(weights @ np.square(shapes))
+    # The third bends in the plane of the first.
+    leaning = np.cos(_ANGLE) * unit[:, 0] + np.sin(_ANGLE) * unit[:, 2]
+    second = np.column_stack([unit[:, 1], leaning])
+    return Measurement(largest_angle(unit[:, :2], second, weights) - _ANGLE, 0.0, exact=True)
+
+
+@cases.case(
     "guard.pairing.weights",
     "Weights on a centreline are the masses of a rigid leg",
     quantity="largest relative difference of m, ρJ L, ρIy L + m L²/3 and ρIz L + m L²/3",

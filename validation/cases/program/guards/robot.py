@@ -206,6 +206,26 @@ def _compliance(context: Context, model: ModelName, name: str) -> Measurement:
 
 
 @cases.case(
+    "guard.robot.tool-spring[{model}]",
+    "A tool spring gives way by itself, whatever carries it ({model})",
+    over={"model": ("vjm", "segments", "beam")},
+    quantity="largest difference of the 6×6 in units of √(c_ii c_jj) of the spring",
+    reference_kind="closed-form",
+    citation="springs in series at one point: the robot's compliance with it less that without",
+    tolerance=Absolute(_SAME),
+    tolerance_reason=_SAME_REASON,
+    model="{model}",
+)
+def _in_series(context: Context, model: ModelName) -> Measurement:
+    options, x = ModelOptions(legs="equivalent"), guarded_posture(context.robot)
+    carried, bare = (
+        robot_compliance(model, with_it(context.robot), x, options)
+        for with_it in (with_tool_spring, with_offset)
+    )
+    return Measurement(scaled_difference(carried - bare, _TOOL), 0.0, exact=True)
+
+
+@cases.case(
     "guard.robot.frequency[{name}]",
     "The robot's first frequencies by beams are those of a frame of beams ({name})",
     over={"name": VARIANTS},

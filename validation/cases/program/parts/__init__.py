@@ -5,9 +5,9 @@ another program.
 """
 
 from validation.case import Case
-from validation.cases.program.parts import fork, shaft, wedge
+from validation.cases.program.parts import bar, fork, shaft, wedge
 
 
 def cases() -> tuple[Case, ...]:
-    """A shaft in closed form and in a robot, a fork of three interfaces, a wedge."""
-    return (*shaft.cases(), *fork.cases(), *wedge.cases())
+    """A shaft in closed form and in a robot, a fork of three interfaces, a wedge, a bar."""
+    return (*shaft.cases(), *fork.cases(), *wedge.cases(), *bar.cases())

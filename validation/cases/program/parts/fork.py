@@ -43,6 +43,8 @@ _BORES = {"A": (8.0, 20.0), "B": (6.0, 180.0), "C": (6.0, 100.0)}
 _SIZE, _RATIO = 20.0, 1.5
 _SIDES = (10.0, 10.0 * _RATIO)
 _MODES = 8
+# From a bore's axis to a point beside it (m).
+_ASIDE = np.array([0.01, -0.02, 0.03])
 _MM = 1e-3
 
 cases = CaseGroup(
@@ -166,8 +168,7 @@ def _forces(context: Context, kind: Kind) -> Measurement:
     part = meshed_part(found.mesh, _STEEL)
     kinds: tuple[Kind, ...] = ("rigid", kind, "average")
     held = [replace(i, coupling=k) for i, k in zip(found.interfaces, kinds, strict=True)]
-    # Beside the bore's axis.
-    held[1] = replace(held[1], point=held[1].point + np.array([0.01, -0.02, 0.03]))
+    held[1] = replace(held[1], point=held[1].point + _ASIDE)
     grips = grips_of(found.mesh, held)
     body = held_part(part, grips, "fork")
     motion = body.solid.transformation @ body.response
@@ -189,6 +190,32 @@ def _forces(context: Context, kind: Kind) -> Measurement:
             off.append(_torn(grip, away, moved[grip.nodes], body.compliance[:6]))
     off.append(np.abs(nodal[inside]).max())
     return farthest_off(off)
+
+
+@cases.case(
+    "program.parts.fork.arm.{kind}",
+    "A {kind} interface holds the fork alike from a point beside its bore",
+    over={"kind": get_args(Kind)},
+    quantity="largest entry of the difference over √(Cii Cjj), all 36",
+    citation="a wrench at one point is a wrench and its moment at another: C by the arm",
+    tolerance=Absolute(1e-9),
+    tolerance_reason="rounding, grown by the part's slenderness",
+)
+def _arm(context: Context, kind: Kind) -> Measurement:
+    found = context.get(fork, _SIDES[0])
+    part = meshed_part(found.mesh, _STEEL)
+    root, bore = found.interfaces[0], replace(found.interfaces[1], coupling=kind)
+    beside = replace(bore, point=bore.point + _ASIDE)
+    on_it, moved = (
+        held_part(part, grips_of(found.mesh, [root, one]), "fork").compliance
+        for one in (bore, beside)
+    )
+    x, y, z = _ASIDE
+    across = np.array([[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]])
+    carried = np.block([[np.eye(3), across], [np.zeros((3, 3)), np.eye(3)]])
+    expected = carried @ on_it @ carried.T
+    scale = np.sqrt(np.diag(expected))
+    return farthest_off(((moved - expected) / np.outer(scale, scale)).ravel())
 
 
 def _torn(grip: Grip, away: Array, moved: Array, twists: Array) -> float:
