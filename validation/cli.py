@@ -237,6 +237,8 @@ def compare(
 
     runs = load_run(before), load_run(after)
     comparison = compare_runs(*runs)
+    if not comparison.times:
+        raise InputError(f"{before} and {after} have no case in common: nothing compares them")
     if json:
         say(dumps(as_dict(comparison), indent=1))
     else:

@@ -216,6 +216,15 @@ def outcome(value):
     return judge(case, Measurement(value, 1.0, exact=True), 0.0)
 
 
+def test_runs_without_a_common_case_are_not_called_the_same(tmp_path, capsys):
+    some, others = saved(tmp_path / "a.json", STEADY), saved(tmp_path / "b.json")
+    for pair in ((some, others), (others, others)):
+        assert cli.main(["compare", *map(str, pair)]) == 2
+        error = capsys.readouterr().err
+        assert "have no case in common: nothing compares them" in error
+        assert len(error.splitlines()) == 1
+
+
 def test_drift_stands_beside_the_verdict_and_never_changes_it():
     # 0.05 from the reference agrees within 0.1, though it is far from the earlier value.
     moved = outcome(1.05)
