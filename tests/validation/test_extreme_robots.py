@@ -2,6 +2,8 @@
 
 import json
 import sys
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -314,30 +316,38 @@ def test_what_segments_leave_of_high_modes_is_explained(number, tmp_path):
     assert {judge(*both, 0.0).verdict for both in zip(cases, found, strict=True)} == {"agree"}
 
 
-def test_polynomials_bear_stiffnesses_far_apart(tmp_path):
-    # Along a foil of an I-section and about it: 10¹⁵, in which torsion was off by 3e-3.
+@pytest.mark.parametrize(("number", "leg"), [(0, 2), (18, 1), (26, 1), (30, 2)])
+def test_polynomials_bear_stiffnesses_far_apart(number, leg, tmp_path):
+    # Along a foil of an I-section and about it: 10¹⁵ (0), in which torsion was off by 3e-3.
+    # Against shear and bending: 10¹⁰ to 10¹⁴ (18, 26, 30), in which bending was off by 8e-3.
     path = tmp_path / "robot.toml"
-    path.write_text(ROBOTS[0], encoding="utf-8")
+    path.write_text(ROBOTS[number], encoding="utf-8")
     robot_file = load_robot(path)
     context = Context(robot_file, "quick")
-    cases = [case for case in catalogue(robot_file) if case.id.startswith("leg2.anchor[")]
+    cases = [c for c in catalogue(robot_file) if c.id.startswith(f"leg{leg}.anchor[")]
     outcomes = [judge(case, case.compute(context), 0.0) for case in cases]
     assert {outcome.verdict for outcome in outcomes} == {"agree"}
 
 
-def test_polynomials_that_rounding_leaves_indefinite_are_told(tmp_path):
-    # Legs that nearly align, one of them 10¹⁵ times as soft: somewhere it is left with nothing.
+@pytest.mark.parametrize("number", [18, 41, 59])
+def test_polynomials_of_robots_keep_their_digits(number, tmp_path):
+    # Legs that nearly align, stiffnesses 10¹² to 10¹⁵ apart: frequencies moved by 1e-2 from degree
+    # to degree, and once there were none.
+    path = tmp_path / "robot.toml"
+    path.write_text(ROBOTS[number], encoding="utf-8")
+    robot = load_robot(path).robot
+    for x in robot.stations(3).tolist():
+        high, low = (ritz.frequencies(robot, x, 3, degree=degree) for degree in (16, 13))
+        assert high == pytest.approx(low, rel=1e-7)
+
+
+def test_polynomials_of_an_indefinite_stiffness_are_told(tmp_path):
     path = tmp_path / "robot.toml"
     path.write_text(ROBOTS[59], encoding="utf-8")
-    robot = load_robot(path).robot
-
-    def solved():
-        for x in robot.stations(5).tolist():
-            ritz.compliance(robot, x)
-            ritz.frequencies(robot, x, 4)
-
-    with pytest.raises(ComputationError, match=r"^extreme 59 by polynomials"):
-        solved()
+    robot = replace(load_robot(path).robot, tool_compliance=-1e-6 * np.eye(6))
+    for solved in (ritz.compliance, partial(ritz.frequencies, count=4)):
+        with pytest.raises(ComputationError, match=r"^extreme 59 by polynomials"):
+            solved(robot, robot.centre)
 
 
 def test_a_negative_shear_stiffness_is_named(tmp_path):

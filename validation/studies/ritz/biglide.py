@@ -21,7 +21,7 @@ from validation.studies.ritz.leg import (
     RitzLeg,
     between_ends,
     carried,
-    field_at,
+    fields,
     free_motions,
     of_beam,
     of_compliance,
@@ -146,7 +146,9 @@ def _with_masses(leg: Leg, lumped: bool, degree: int) -> RitzLeg:  # noqa: FBT00
     if lumped:
         prism = _leg(leg, "timoshenko", STATIC_DEGREE)
         centre = 0.5 * leg.length if leg.mass_centre is None else leg.mass_centre
-        motion = field_at(leg.length, centre, STATIC_DEGREE) @ between_ends(prism)
+        beam = equivalent_leg(leg).timoshenko
+        place = np.array([2.0 * centre / leg.length - 1.0])
+        motion = fields(beam, leg.length, place, STATIC_DEGREE)[0][:, 0] @ between_ends(prism)
         lump = np.diag([leg.mass] * 3 + [0.0] * 3)
         if leg.inertia is not None:
             lump[3:, 3:] = leg.inertia
@@ -162,7 +164,7 @@ def _with_masses(leg: Leg, lumped: bool, degree: int) -> RitzLeg:  # noqa: FBT00
 def clamped_leg(leg: Leg, legs: Legs = "timoshenko", degree: int = STATIC_DEGREE) -> Array:
     """6×6 tip compliance (SI, leg axes) of one leg, root clamped."""
     found = _leg(leg, legs, degree)
-    free = free_motions(found.stiffness, np.vstack([found.root, found.shut]))
+    free = free_motions(found.stiffness, found.root)
     loaded = found.tip @ free
     return np.asarray(loaded @ solve(free.T @ found.stiffness @ free, loaded.T, assume_a="pos"))
 
@@ -203,7 +205,6 @@ def _joined(
     )
     mass += robot.platform_mass * of_p[:3].T @ of_p[:3]
     shut = [tip1 - of_b, (tip2 - of_b)[_WITHOUT_TURNING]]
-    shut += [placed(leg.shut, first, total) for leg, first in zip(both, firsts, strict=True)]
     for root in (root1, root2):
         if robot.foot_compliance is None:
             shut.append(root[_WITHOUT_TURNING])

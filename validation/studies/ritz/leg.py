@@ -14,22 +14,19 @@ from lumped.legs import BeamProperties
 
 # Statics of Timoshenko beams are cubic; modes converge geometrically.
 STATIC_DEGREE = 3
-_FIELDS = 6  # u, v, w, φx, φy, φz of a leg, leg axes
 
 
 @dataclass(frozen=True, eq=False)
 class RitzLeg:
     """A leg on n coefficients, SI, leg axes.
 
-    Twice its energies, `stiffness` and `mass` (n×n); twists of its `root` and `tip` (6×n); rows of
-    `shut` (c×n) must vanish: the shear strains that Euler and Bernoulli leave out.
+    Twice its energies, `stiffness` and `mass` (n×n); twists of its `root` and `tip` (6×n).
     """
 
     stiffness: Array
     mass: Array
     root: Array
     tip: Array
-    shut: Array
 
     @property
     def size(self) -> int:
@@ -38,41 +35,67 @@ class RitzLeg:
 
 
 def of_beam(beam: BeamProperties, length: float, degree: int) -> RitzLeg:
-    """Legendre polynomials of `degree` in each of displacements and rotations of a prism."""
-    weights, values, slopes = sampled(length, degree)
-    size = _FIELDS * (degree + 1)
+    """Legendre polynomials of `degree` in stretch, shear strains and rotations of a prism.
 
-    def field(number: int, of: Array) -> Array:
-        return placed(of, number * (degree + 1), size)
-
-    u, v, w, about_x, about_y, about_z = range(_FIELDS)
+    Deflections follow from the shear strains and rotations: were they unknowns, strains would be
+    their differences, and bending lost beside what a material hardly shears. Euler and Bernoulli
+    have no shear strains.
+    """
+    points, weights = legendre.leggauss(degree + 2)
+    weights = 0.5 * length * weights
+    q, slopes = fields(beam, length, points, degree)
+    shears = slopes[1] - q[5], slopes[2] + q[4]
     strains = (
-        (beam.EA, field(u, slopes)),
-        (beam.GJ, field(about_x, slopes)),
-        (beam.EIy, field(about_y, slopes)),
-        (beam.EIz, field(about_z, slopes)),
-        (beam.GAy, field(v, slopes) - field(about_z, values)),
-        (beam.GAz, field(w, slopes) + field(about_y, values)),
+        (beam.EA, slopes[0]),
+        (beam.GJ, slopes[3]),
+        (beam.EIy, slopes[4]),
+        (beam.EIz, slopes[5]),
+        *((k, e) for k, e in zip((beam.GAy, beam.GAz), shears, strict=True) if np.isfinite(k)),
     )
-    inertias = (beam.mu, beam.mu, beam.mu, beam.rho_J, beam.rho_Iy, beam.rho_Iz)
-    motions = (field(number, values) for number in range(_FIELDS))
-    ends = (legendre.legvander(np.array([end]), degree) for end in (-1.0, 1.0))
-    root, tip = (np.asarray(np.kron(np.eye(_FIELDS), end), dtype=np.float64) for end in ends)
+    size = q.shape[2]
+    ends, _ = fields(beam, length, np.array([-1.0, 1.0]), degree)
     return RitzLeg(
-        stiffness=_sum([k * (e.T * weights) @ e for k, e in strains if np.isfinite(k)], size),
-        mass=_sum([m * (f.T * weights) @ f for m, f in zip(inertias, motions, strict=True)], size),
-        root=root,
-        tip=tip,
-        shut=np.vstack([np.zeros((0, size)), *(e for k, e in strains if not np.isfinite(k))]),
+        stiffness=_sum([k * (e.T * weights) @ e for k, e in strains], size),
+        mass=_sum([m * (f.T * weights) @ f for m, f in zip(inertias(beam), q, strict=True)], size),
+        root=ends[:, 0],
+        tip=ends[:, 1],
     )
 
 
-def sampled(length: float, degree: int) -> tuple[Array, Array, Array]:
-    """Weights (p) of Gauss's points along a leg, polynomials there and their slopes (p×n)."""
-    points, weights = legendre.leggauss(degree + 1)
-    values = legendre.legvander(points, degree)
-    of_unit = legendre.legval(points, legendre.legder(np.eye(degree + 1))).T
-    return 0.5 * length * weights, np.asarray(values), np.asarray(of_unit * 2.0 / length)
+def inertias(beam: BeamProperties) -> tuple[float, ...]:
+    """Mass (kg/m) and rotary inertia (kg m) per length against each component of a twist."""
+    return (beam.mu, beam.mu, beam.mu, beam.rho_J, beam.rho_Iy, beam.rho_Iz)
+
+
+def fields(beam: BeamProperties, length: float, at: Array, degree: int) -> tuple[Array, Array]:
+    """Twist of the centreline and its slope (6×p×n) on the coefficients of `of_beam`.
+
+    `at` p points, the root at −1, the tip at 1. Coefficients are those of u, φx, φy, φz, then of
+    the root's v with γy, of its w with γz.
+    """
+    unit = np.eye(degree + 1)
+    values = legendre.legvander(at, degree)
+    slopes = legendre.legval(at, legendre.legder(unit)).T * 2.0 / length
+    integrals = legendre.legval(at, legendre.legint(unit, lbnd=-1.0)).T * 0.5 * length
+    count = degree + 1
+    sheared = [1 + count * bool(np.isfinite(k)) for k in (beam.GAy, beam.GAz)]
+    firsts = (4 * count, 4 * count + sheared[0])
+    total = firsts[1] + sheared[1]
+    q, moving = np.zeros((6, len(at), total)), np.zeros((6, len(at), total))
+    for block, component in enumerate((0, 3, 4, 5)):
+        own = slice(block * count, (block + 1) * count)
+        q[component, :, own], moving[component, :, own] = values, slopes
+    # v' = γy + φz, w' = γz − φy.
+    for component, first, sign, about in ((1, firsts[0], 1.0, 3), (2, firsts[1], -1.0, 2)):
+        own, turning = (
+            slice(first + 1, first + count + 1),
+            slice(about * count, (about + 1) * count),
+        )
+        q[component, :, first] = 1.0
+        q[component, :, turning], moving[component, :, turning] = sign * integrals, sign * values
+        if sheared[component - 1] > 1:
+            q[component, :, own], moving[component, :, own] = integrals, values
+    return q, moving
 
 
 def of_compliance(compliance: Array, length: float) -> RitzLeg:
@@ -80,9 +103,7 @@ def of_compliance(compliance: Array, length: float) -> RitzLeg:
     root, tip = np.vsplit(np.eye(12), 2)
     bent = tip - carried(np.array([length, 0.0, 0.0])) @ root
     stiffness = np.asarray(bent.T @ np.linalg.solve(compliance, bent))
-    return RitzLeg(
-        0.5 * (stiffness + stiffness.T), np.zeros((12, 12)), root, tip, np.zeros((0, 12))
-    )
+    return RitzLeg(0.5 * (stiffness + stiffness.T), np.zeros((12, 12)), root, tip)
 
 
 def between_ends(prism: RitzLeg) -> Array:
@@ -93,16 +114,10 @@ def between_ends(prism: RitzLeg) -> Array:
     return np.asarray(moved - free @ left)
 
 
-def field_at(length: float, station: float, degree: int) -> Array:
-    """Twist (6×n, leg axes) of the centreline at `station` (m) on the coefficients of `of_beam`."""
-    place = np.array([2.0 * station / length - 1.0])
-    return np.asarray(np.kron(np.eye(_FIELDS), legendre.legvander(place, degree)), dtype=np.float64)
-
-
 def rigid(length: float) -> RitzLeg:
     """A rigid leg without mass, on the twist of its root."""
     tip = carried(np.array([length, 0.0, 0.0]))
-    return RitzLeg(np.zeros((6, 6)), np.zeros((6, 6)), np.eye(6), tip, np.zeros((0, 6)))
+    return RitzLeg(np.zeros((6, 6)), np.zeros((6, 6)), np.eye(6), tip)
 
 
 def placed(block: Array, first: int, total: int) -> Array:

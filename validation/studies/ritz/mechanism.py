@@ -163,7 +163,7 @@ def _system(at: Posture, legs: Mapping[str, RitzLeg], *, simplified: bool = Fals
     tool = Side(mechanism.tool.body, mechanism.tool.point)
     loaded = twist(tool, _place(at, tool))
     mass += mechanism.tool.mass * loaded[:3].T @ loaded[:3]
-    shut = [placed(leg.shut, first_of[name], total) for name, leg in legs.items()]
+    shut = []
     for joint, first in zip(joints, firsts[len(shapes) :].tolist(), strict=False):
         apart = twist(joint.second, joint.place) - twist(joint.first, joint.place)
         shut.append(apart - placed(joint.motions, first, total))

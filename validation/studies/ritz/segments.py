@@ -13,12 +13,11 @@ strain   inertia between two centres, ω² m q, bends no piece of a chain. The b
 
 import numpy as np
 from numpy.polynomial import legendre
-from scipy.linalg import block_diag
 
 from lumped.arrays import Array
 from lumped.legs import BeamProperties
 from validation.case import Allowance, Relative
-from validation.studies.ritz.leg import sampled
+from validation.studies.ritz.leg import fields, inertias
 
 # Of what is left of a frequency in 20 segments.
 TOLERANCE = Relative(1e-3)
@@ -42,16 +41,14 @@ def left_out(
     Both n×n, SI: what the beam has more than so many segments.
     """
     h = length / segments
-    weights, values, _ = sampled(length, degree)
-    squares = (values.T * weights) @ values
-    of_unit = legendre.legder(np.eye(degree + 1))
-    ends = np.zeros((degree + 1, degree + 1))
-    for end in (-1.0, 1.0):
-        slope = legendre.legval(end, of_unit) * 2.0 / length
-        outward = end * np.outer(legendre.legvander(end, degree), slope)
-        ends += 0.5 * (outward + outward.T)
-    inertias = (beam.mu, beam.mu, beam.mu, beam.rho_J, beam.rho_Iy, beam.rho_Iz)
-    rods = (0.0, 0.0, 0.0, 0.0, beam.mu, beam.mu)
+    points, weights = legendre.leggauss(degree + 2)
+    weights = 0.5 * length * weights
+    q, _ = fields(beam, length, points, degree)
+    squares = np.array([(one.T * weights) @ one for one in q])
+    at_ends, slopes = fields(beam, length, np.array([-1.0, 1.0]), degree)
+    # ½ m (q²)' at the tip less that at the root, symmetric.
+    outward = np.einsum("epi,p,epj->eij", at_ends, np.array([-1.0, 1.0]), slopes)
+    outward = 0.5 * (outward + np.swapaxes(outward, 1, 2))
     against = (
         beam.EA,
         beam.GAy,
@@ -60,6 +57,7 @@ def left_out(
         12.0 * beam.EIy / h**2 + beam.GAz,
         12.0 * beam.EIz / h**2 + beam.GAy,
     )
-    kinetic = (m * ends - rod * squares for m, rod in zip(inertias, rods, strict=True))
-    strain = (m**2 / k * squares for m, k in zip(inertias, against, strict=True))
-    return h**2 / 12.0 * block_diag(*kinetic), h**2 / 12.0 * block_diag(*strain)
+    along = np.array(inertias(beam))
+    kinetic = np.tensordot(along, outward, 1) - beam.mu * squares[4:].sum(axis=0)
+    strain = np.tensordot(along**2 / np.array(against), squares, 1)
+    return h**2 / 12.0 * kinetic, h**2 / 12.0 * strain
