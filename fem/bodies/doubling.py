@@ -32,11 +32,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import LinAlgError, cholesky, qr, solve_triangular
+from scipy.sparse import diags_array
 
 from fem.bodies.solid import Ends
 from fem.couplings.end_coupling import rigid_motions, saint_venant_loads
 from fem.elements.elasticity import stiffness
-from lumped.arrays import Array, IntArray
+from lumped.arrays import Array, IntArray, SparseMatrix
 from lumped.caches import cached_property
 from lumped.errors import ComputationError, InputError, naming
 from lumped.legs import ConstantLeg
@@ -231,38 +232,60 @@ def _complement(loads: Array, rows: IntArray, wrenches: IntArray) -> Array:
 
 
 def _slice(mesh: SolidMesh, leg: ConstantLeg, face: FaceMotions) -> Piece:
-    """One slice in the mixed form, its nodes in between the faces condensed."""
+    """One slice in the mixed form, its nodes in between the faces condensed.
+
+    A tip deformed as the root's mirror image (+) does not couple with one deformed in the opposite
+    sense (−): S splits into own ± across. With + the plane of nodes in the middle moves within
+    itself and the twist is of Fx, My, Mz; with − it moves along the leg. Each is summed over both
+    ends: mirrored alone, rounding in K would hold a rigid motion.
+    """
     K = stiffness(mesh, leg.material)
-    m, k = face.deformations.shape
-    size = K.shape[0]
+    m = len(face.deformations)
+    root, tip = slice(0, m), slice(K.shape[0] - m, None)
+    between = np.arange(m, K.shape[0] - m)
     middle = np.array([mesh.length / 2.0, 0.0, 0.0])
     # Half the relative twist to either end: the slice stays its own mirror image.
-    motions = np.zeros((2 * m, 6 + 2 * k))
-    motions[:m, :6] = -0.5 * rigid_motions(mesh.nodes[mesh.root.nodes], middle)
-    motions[m:, :6] = 0.5 * rigid_motions(mesh.nodes[mesh.tip.nodes], middle)
-    motions[:m, 6 : 6 + k] = motions[m:, 6 + k :] = face.deformations
-    faces, inner = np.r_[0:m, size - m : size], np.arange(m, size - m)
-    product = K[:, faces] @ motions
-    reduced = motions.T @ product[faces]
-    if inner.size:
-        factor = _cholesky(K[inner][:, inner].toarray(), "slice, plane of nodes in its middle")
-        solved = solve_triangular(factor, product[inner], lower=True)
-        reduced -= solved.T @ solved
-    root_factor = _cholesky(reduced[:6, :6], "slice with rigid faces")
-    coupling = solve_triangular(root_factor, reduced[:6, 6:], lower=True)
-    S = reduced[6:, 6:] - coupling.T @ coupling
-    inverse = solve_triangular(root_factor, np.eye(6), lower=True)
-    mirror = face.mirror
-    own = (S[:k, :k] + mirror[:, None] * S[k:, k:] * mirror) / 2.0
-    across = S[:k, k:] * mirror
+    at_root = -0.5 * rigid_motions(mesh.nodes[mesh.root.nodes], middle)
+    at_tip = 0.5 * rigid_motions(mesh.nodes[mesh.tip.nodes], middle)
+    of_twist = K[:, root] @ at_root + K[:, tip] @ at_tip
+    twist = at_root.T @ of_twist[root] + at_tip.T @ of_twist[tip]
+    flip = diags_array(np.where(np.arange(m) % 3 == 0, -1.0, 1.0), format="csr")
+    compliance, twists, halves = np.zeros((6, 6)), np.zeros((6, face.deformations.shape[1])), []
+    for sign in (1.0, -1.0):
+        kind = between[(between % 3 == 0) == (sign < 0.0)]
+        own = np.flatnonzero(sign * _TWIST_MIRROR < 0.0)
+        both = (K[:, root] + sign * (K[:, tip] @ flip)).tocsr()
+        ends = ((both[root] + sign * (flip @ both[tip])) / 2.0).tocsr()
+        S = _by_deformations(_by_deformations(ends, face).T, face)
+        q = twist[np.ix_(own, own)]
+        to_root = _by_deformations((of_twist[root] + sign * (flip @ of_twist[tip]))[:, own].T, face)
+        if kind.size:
+            factor = _cholesky(K[kind][:, kind].toarray(), "slice, plane of nodes in its middle")
+            v = solve_triangular(factor, _by_deformations(both[kind], face), lower=True)
+            w = solve_triangular(factor, of_twist[np.ix_(kind, own)], lower=True)
+            S, q, to_root = S - v.T @ v / 2.0, q - w.T @ w, to_root - w.T @ v
+        factor = _cholesky(q, "slice with rigid faces")
+        coupling = solve_triangular(factor, to_root, lower=True)
+        inverse = solve_triangular(factor, np.eye(len(own)), lower=True)
+        compliance[np.ix_(own, own)] = inverse.T @ inverse
+        twists[own] = -0.5 * inverse.T @ coupling
+        S -= coupling.T @ coupling / 2.0
+        halves.append((S + S.T) / 4.0)
     return Piece(
         length=mesh.length,
-        compliance=inverse.T @ inverse,
-        twists=-(inverse.T @ coupling)[:, :k],
-        own=(own + own.T) / 2.0,
-        across=(across + across.T) / 2.0,
-        mirror=mirror,
+        compliance=compliance,
+        twists=twists,
+        own=halves[0] + halves[1],
+        across=halves[0] - halves[1],
+        mirror=face.mirror,
     )
+
+
+def _by_deformations(matrix: Array | SparseMatrix, face: FaceMotions) -> Array:
+    """matrix·N of a matrix with a column for each unknown of a face; N is zero across its kinds."""
+    along = np.arange(len(face.deformations)) % 3 == 0
+    axial, in_face = face.deformations[along, : face.axial], face.deformations[~along, face.axial :]
+    return np.hstack([matrix[:, along] @ axial, matrix[:, ~along] @ in_face])
 
 
 def _deformation_stiffness(piece: Piece) -> Array:
