@@ -11,6 +11,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from lumped.arrays import Array, IntArray
+from lumped.caches import lru_cache
 from lumped.errors import ComputationError
 from lumped.sections import Section
 from meshes.elements import ELEMENTS, SectionElement
@@ -41,6 +42,12 @@ def section_mesh(
     Curved sides are met exactly by all nodes of second-order elements. Raises InputError where the
     section is impossible or the divisions do not suit it, ComputationError where gmsh fails.
     """
+    return _made(section, divisions, element)
+
+
+# Studies of one leg ask for the same few meshes again and again.
+@lru_cache(maxsize=64)
+def _made(section: Section, divisions: Divisions, element: SectionElement) -> SectionMesh:
     require_section(section, divisions)
     part = f"section mesh ({section.shape})"
     structured = element in {"quad4", "quad9"}

@@ -11,6 +11,7 @@ from fem.beams.beam import beam_leg
 from fem.bodies import doubling, leg_modes, solid
 from fem.bodies.solid import Ends
 from lumped.arrays import Array
+from lumped.caches import lru_cache
 from lumped.legs import ConstantLeg
 from lumped.models.cantilever import clamped_modes
 from lumped.sections import HollowRectangle, ISection, Rectangle
@@ -47,6 +48,7 @@ _THINNER = 16
 # Twice the modes asked for, so that no partner is missing where two models order them differently.
 _SPARE_MODES = 6
 _STATIONS = 24
+_ENDS: tuple[Ends, Ends] = ("rigid", "free")
 
 
 @dataclass(frozen=True)
@@ -193,18 +195,27 @@ def similar_mesh(leg: ConstantLeg, divisions: int) -> SolidMesh:
 
 def solid_compliances(leg: ConstantLeg, divisions: tuple[int, ...]) -> dict[Ends, Refinement]:
     """Tip compliances (m×6×6, SI, leg axes) with rigid and with free ends, by doubling."""
-    condensed = [
-        doubling.condensed_leg(
-            leg, section_mesh(leg.section, section_counts(leg, number)), static_slices(leg, number)
-        )
-        for number in divisions
-    ]
-    both: tuple[Ends, Ends] = ("rigid", "free")
     rigid, free = (
-        np.array([doubling.tip_compliance(mesh, ends) for mesh in condensed]) for ends in both
+        np.array(
+            [doubled_tip(leg, number, static_slices(leg, number), ends) for number in divisions]
+        )
+        for ends in _ENDS
     )
     relaxed = Refinement(divisions, free, formal_order(leg, "free"))
     return {"rigid": held(leg, rigid, relaxed), "free": relaxed}
+
+
+def doubled_tip(leg: ConstantLeg, divisions: int, along: int, ends: Ends) -> Array:
+    """Tip compliance (6×6, SI, leg axes) of the solid leg of `along` slices by doubling."""
+    return _doubled_tips(leg, divisions, along)[ends].copy()
+
+
+# A robot's legs are asked for by studies of the leg, of the robot and of the models' adequacy.
+@lru_cache(maxsize=64)
+def _doubled_tips(leg: ConstantLeg, divisions: int, along: int) -> dict[Ends, Array]:
+    mesh = section_mesh(leg.section, section_counts(leg, divisions))
+    condensed = doubling.condensed_leg(leg, mesh, along)
+    return {ends: doubling.tip_compliance(condensed, ends) for ends in _ENDS}
 
 
 def held(leg: ConstantLeg, values: Array, free: Refinement) -> Refinement:

@@ -9,7 +9,6 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 from scipy.sparse import csr_array
 
-from fem.bodies import doubling
 from fem.bodies.leg_energies import kind_energies
 from fem.bodies.solid import (
     Ends,
@@ -28,7 +27,6 @@ from fem.solvers import sparse_system
 from lumped.arrays import Array, SparseMatrix
 from lumped.biglide import Biglide, in_words, with_equivalent_legs
 from lumped.biglide import system as robot_system
-from lumped.caches import lru_cache
 from lumped.dense.modes import Modes
 from lumped.errors import InputError, naming
 from lumped.legs import ConstantLeg, Leg, equivalent_leg, tip_compliance
@@ -36,7 +34,13 @@ from lumped.mechanism.body_model import LegMatrices
 from lumped.system import solution
 from lumped.system.assembly import System
 from meshes.section.section_mesh import section_mesh
-from validation.solids.legs import COARSEST_WALLS, section_counts, static_ladder, static_slices
+from validation.solids.legs import (
+    COARSEST_WALLS,
+    doubled_tip,
+    section_counts,
+    static_ladder,
+    static_slices,
+)
 
 # Tasks of this group share what is kept of the robot's solids.
 SHARED_SOLIDS = "robot.solid.modes"
@@ -177,11 +181,6 @@ def _compliances(leg: ConstantLeg, divisions: int, along: int) -> TipCompliances
     )
 
 
-def doubled_tip(leg: ConstantLeg, divisions: int, along: int, ends: Ends) -> Array:
-    """Tip compliance (6×6, SI, leg axes) of the solid leg by doubling."""
-    return doubling.tip_compliance(_condensed(leg, divisions, along), ends)
-
-
 def own_tip(leg: ConstantLeg, divisions: int) -> Array:
     """The Timoshenko cantilever's with the constants of the same section mesh."""
     mesh, material = section_mesh(leg.section, section_counts(leg, divisions)), leg.material
@@ -193,13 +192,6 @@ def restrained_tip(leg: ConstantLeg, divisions: int) -> Array:
     """What rigid faces take from it in theory."""
     mesh = section_mesh(leg.section, section_counts(leg, divisions))
     return restrained_compliance(mesh, leg.material, leg.length)
-
-
-# Both kinds of ends in turn of the same leg.
-@lru_cache(maxsize=2)
-def _condensed(leg: ConstantLeg, divisions: int, along: int) -> doubling.CondensedLeg:
-    mesh = section_mesh(leg.section, section_counts(leg, divisions))
-    return doubling.condensed_leg(leg, mesh, along)
 
 
 @dataclass(frozen=True, eq=False)

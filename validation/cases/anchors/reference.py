@@ -28,8 +28,8 @@ from validation.cases.anchors.quantities import RITZ, SHOWN, TITLE, in_shown_uni
 from validation.context import Context, Preset
 from validation.exhibits import SOLID_ROBOT
 from validation.models.legs import constant_leg_of
-from validation.solids.legs import CORNER_ORDER, formal_order, static_ladder
-from validation.solids.robots import doubled_tip, mesh_pair
+from validation.solids.legs import CORNER_ORDER, doubled_tip, formal_order, static_ladder
+from validation.solids.robots import mesh_pair
 from validation.solids.size import skip_too_large
 from validation.studies.paired_robot_modes import divisions_of
 from validation.studies.quantities import farthest
