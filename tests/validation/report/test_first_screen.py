@@ -48,7 +48,8 @@ def test_the_sentence_says_what_holds_what_is_off_and_what_could_not_be_judged()
     assert plain(sentence(sample_matrix())) == (
         "VJM with the legs as given holds for deflections within 0.2 %; VJM on equivalent legs, "
         "segments and beams are 15 to 17 % too stiff; the simplified model is 7.7 to 8.3 times "
-        f"too stiff and knows no motion along z; frequencies cannot be judged: {UNKNOWN}."
+        "too stiff, does not move along x at some poses and knows no motion along z; frequencies "
+        f"cannot be judged: {UNKNOWN}."
     )
 
 
@@ -147,7 +148,9 @@ def test_a_note_that_opens_alike_says_between_which_bounds():
 
 def test_a_model_that_does_not_move_in_one_pose_alone_is_stiff_there():
     curve = (-0.8, -0.9, -1.0)
-    assert said_of(entry("simplified", "x", curve)) == "The simplified model is 10 times too stiff."
+    assert said_of(entry("simplified", "x", curve)) == (
+        "The simplified model is 10 times too stiff and does not move along x at some poses."
+    )
 
 
 def test_the_table_has_a_column_for_every_quantity_that_is_spoken_of():

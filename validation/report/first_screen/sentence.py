@@ -169,6 +169,9 @@ def _static_predicate(group: Sequence[_Opinion], singular: bool) -> str:  # noqa
             said.append(f"{verb} {_how_much(moved)} {how}{_where(moved, whole)}{turns}")
         elif turned:
             said.append(f"{verb} {_how_much(turned)} {how} in rotation")
+    stuck = [entry.quantity for entry in group[0].those("low") if _is_rigid(entry)]
+    if stuck:
+        said.append(f"{'does' if singular else 'do'} not move {place_of(stuck)} at some poses")
     know = "knows" if singular else "know"
     absent = [entry.quantity for entry in group[0].those("absent")]
     moved_not = [quantity for quantity in absent if not is_rotation(quantity)]
@@ -264,6 +267,11 @@ def _how_much(entries: Sequence[Entry]) -> str:
 
 def _typical(entry: Entry) -> float:
     """The worst error, where the model does not move at all there, the worst that is a factor."""
-    if entry.error is not None and entry.error > -1.0 + _ABSENT:
+    if entry.error is not None and not _is_rigid(entry):
         return entry.error
     return min(error for error in entry.errors if error is not None and error > -1.0 + _ABSENT)
+
+
+def _is_rigid(entry: Entry) -> bool:
+    """Whether the model does not move at all where it is worst."""
+    return entry.error is not None and entry.error <= -1.0 + _ABSENT
