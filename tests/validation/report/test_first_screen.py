@@ -72,6 +72,7 @@ def test_the_sentence_says_what_holds_what_is_off_and_what_could_not_be_judged()
             [flat("beam", "x", -0.1), flat("beam", "phi_x", -0.8)],
             "Beams are 10 % too stiff (5 times in rotation).",
         ),
+        ([flat("beam", "x", -0.1), flat("beam", "phi_x", -0.1)], "Beams are 10 % too stiff."),
         (
             [flat("beam", "f1", 0.0), flat("beam", "f2", -0.27), flat("beam", "order", -0.3)],
             "Beams hold f1 but give f2 27 % too low and have the modes in another order.",

@@ -165,8 +165,10 @@ def _static_predicate(group: Sequence[_Opinion], singular: bool) -> str:  # noqa
         moved = [entry for entry in found if not is_rotation(entry.quantity)]
         turned = [entry for entry in found if is_rotation(entry.quantity)]
         if moved:
-            turns = f" ({_how_much(turned)} in rotation)" if turned else ""
-            said.append(f"{verb} {_how_much(moved)} {how}{_where(moved, whole)}{turns}")
+            size = _how_much(moved)
+            of_turns = _how_much(turned) if turned else size
+            turns = f" ({of_turns} in rotation)" if of_turns != size else ""
+            said.append(f"{verb} {size} {how}{_where(moved, whole)}{turns}")
         elif turned:
             said.append(f"{verb} {_how_much(turned)} {how} in rotation")
     stuck = [entry.quantity for entry in group[0].those("low") if _is_rigid(entry)]
