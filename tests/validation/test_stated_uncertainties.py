@@ -1,15 +1,25 @@
 """Every comparison of a catalogue states its uncertainty, or is exact, and is decided."""
 
+import sys
 from math import isfinite
+from pathlib import Path
 
+import numpy as np
 import pytest
 
 from lumped.errors import ComputationError
+from lumped.legs import ConstantLeg, Material
 from lumped.robot_file import load_robot
+from lumped.sections import Rectangle
+from validation.agreement.convergence import pairwise_orders
 from validation.case import Case, Measurement, Skip, judge
 from validation.catalogue import catalogue
 from validation.context import Context
-from validation.solids.legs import edge_order
+from validation.solids.legs import edge_order, solid_compliances
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+from extreme_robots import extreme_robots
 
 # The sweeps of the decision, which take their uncertainties from two meshes of the judge.
 LEFT_OUT = ("decision.", "family.", "paper.decision.")
@@ -53,3 +63,28 @@ def test_orders_of_edges_are_williams():
     orders = [edge_order(nu) for nu in (0.01, 0.1, 0.2, 0.3, 0.4)]
     assert orders == sorted(orders, reverse=True)
     assert orders[0] == pytest.approx(2.0, abs=0.05)
+    # Complex where stretching is held, near ν = 0 a real root just above 1.
+    assert edge_order(-0.9) == pytest.approx(2.077, abs=1e-3)
+    assert edge_order(-0.01) == pytest.approx(2.043, abs=1e-3)
+
+
+def test_rigid_faces_that_hold_stretching_lower_the_order_as_edges_say():
+    leg = ConstantLeg(0.2, Rectangle(0.05, 0.04), Material.isotropic(2.1e11, -0.9, 7850.0))
+    found = solid_compliances(leg, (1, 2, 3, 4, 6))
+    sizes = 1.0 / np.array([1, 2, 3, 4, 6])
+    rigid, free = (found[ends].values for ends in ("rigid", "free"))
+    # In tension free ends have no error at all.
+    assert np.ptp(free[:, 0, 0]) < 1e-9 * free[-1, 0, 0]
+    assert pairwise_orders(sizes, rigid[:, 0, 0])[-1] == pytest.approx(edge_order(-0.9), abs=0.2)
+
+
+def test_the_order_of_elements_is_that_of_free_ends_where_shear_is_soft(tmp_path):
+    # A leg known by its 6×6, stiff 26 times as much along it as in shear: with rigid faces, whose
+    # edges hold the warping of shear, 1.95 and 1.92 were found.
+    path = tmp_path / "robot.toml"
+    path.write_text(list(extreme_robots(41, 7))[40], encoding="utf-8")
+    robot_file = load_robot(path)
+    context = Context(robot_file, "quick")
+    for case in catalogue(robot_file):
+        if case.id.startswith("refinement.leg2.solid.order"):
+            assert judge(case, case.compute(context), 0.0).verdict == "agree", case.id

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from math import ceil
 
 import numpy as np
-from scipy.optimize import brentq
+from scipy.optimize import brentq, newton
 
 from fem.beams.beam import beam_leg
 from fem.bodies import doubling, leg_modes, solid
@@ -110,20 +110,25 @@ def formal_order(leg: ConstantLeg, ends: Ends) -> float:
 
 
 def edge_order(nu: float) -> float:
-    """Order 2λ of energies with stresses r^(λ − 1) where a free side meets a rigid face at 90°.
+    """Order 2 Re λ of energies with stresses r^(λ − 1) where a free side meets a rigid face at 90°.
 
-    λ is the root below 1 of sin²(λπ/2) = (4 (1 − ν)² − λ²)/(3 − 4ν), plane strain (M. L. Williams,
-    J. Appl. Mech. 19 (1952) 526): 0.71 for ν = 0.3. Without contraction nothing is held.
+    λ is a root of sin²(λπ/2) = (4 (1 − ν)² − λ²)/(3 − 4ν), plane strain (M. L. Williams, J. Appl.
+    Mech. 19 (1952) 526): 0.71 for ν = 0.3, 1.04 ± 0.58i for ν = −0.9, where stretching is held.
+    Without contraction nothing is held.
     """
-    if nu <= 0.0:
+    if nu == 0.0:
         return FORMAL_ORDER
 
-    def misfit(exponent: float) -> float:
+    def misfit(exponent: complex) -> complex:
         free = (4.0 * (1.0 - nu) ** 2 - exponent**2) / (3.0 - 4.0 * nu)
-        return float(np.sin(0.5 * np.pi * exponent) ** 2 - free)
+        return complex(np.sin(0.5 * np.pi * exponent) ** 2 - free)
 
+    if nu < 0.0:
+        return 2.0 * float(newton(misfit, 1.05 + 0.3j).real)
     # λ = 1 is a root as well, that of a uniform stress.
-    return 2.0 * float(brentq(misfit, 0.25, 1.0 - 1e-9)) if misfit(1.0 - 1e-9) > 0.0 else 2.0
+    if misfit(1.0 - 1e-9).real <= 0.0:
+        return 2.0
+    return 2.0 * float(brentq(lambda exponent: misfit(exponent).real, 0.25, 1.0 - 1e-9))
 
 
 def static_ladder(leg: ConstantLeg, most: int) -> tuple[int, ...]:
