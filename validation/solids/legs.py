@@ -36,7 +36,7 @@ FORMAL_ORDER = 4.0
 # of the Finite Element Method, ch. 8).
 CORNER_ORDER = 4.0 / 3.0
 # Relative rounding of compliances and frequencies: below it a refinement shows nothing.
-_ROUND_OFF = 1e-9
+ROUND_OFF = 1e-9
 _BEAM_ELEMENTS = 20
 GRIDS_FOR_ORDER, _FEWEST_GRIDS = 4, 2
 # Curved and thin-walled sections keep their proportions only under doubling, from four on.
@@ -67,7 +67,7 @@ class Refinement:
     def at(self, *index: int) -> Convergence:
         """Convergence of one of the values; raises ValueError for fewer than four meshes."""
         sizes = 1.0 / np.array(self.divisions, dtype=float)
-        return analyse(sizes, self._curve(index), self.formal_order, _ROUND_OFF)
+        return analyse(sizes, self._curve(index), self.formal_order, ROUND_OFF)
 
     def uncertainty(self, *index: int) -> float:
         """Numerical uncertainty of one of the finest values (its unit).

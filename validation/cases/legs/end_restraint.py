@@ -109,8 +109,13 @@ def _shear_warping(context: Context, number: int) -> Array:
 
 def _shear_left_out(context: Context, number: int) -> Array:
     found = _own(context, number)
-    # L²/3 · c55 is L³/3EI with the EI of this very mesh: what the mesh lacks of it has no exponent.
-    slender = found.free[:, 4] * found.lengths**2 / 3.0
+    lengths, turning = found.lengths, found.free[:, 4]
+    # 1/EI of this very mesh: what the mesh lacks of it has no exponent. Cells that cannot contract
+    # as they should (round sections) hold both faces a little: the root's share of that, felt at
+    # the tip by the lever L, would be s⁻¹.
+    per_length = (turning[-1] - turning[0]) / (lengths[-1] - lengths[0])
+    at_faces = turning - per_length * lengths
+    slender = per_length * lengths**3 / 3.0 + 0.5 * at_faces * lengths**2
     return np.asarray(found.free[:, 2] / slender - 1.0)
 
 

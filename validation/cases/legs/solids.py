@@ -31,6 +31,7 @@ from validation.models.legs import constant_leg_of
 from validation.solids.legs import (
     FORMAL_ORDER,
     GRIDS_FOR_ORDER,
+    ROUND_OFF,
     Refinement,
     SolidModes,
     dynamic_ladder,
@@ -360,8 +361,11 @@ def _order(context: Context, number: int, name: str) -> Measurement:
     return Measurement(
         order,
         FORMAL_ORDER,
-        # What the finest mesh has changed of the order.
-        value_uncertainty=float(abs(convergence.orders[-1] - convergence.orders[-2])),
+        # What the finest mesh has changed of the order, and rounding of its last step.
+        value_uncertainty=float(
+            abs(convergence.orders[-1] - convergence.orders[-2])
+            + ROUND_OFF * abs(convergence.values[-1] / np.diff(convergence.values)[-1])
+        ),
         notes=notes,
         studies=(study,),
     )
