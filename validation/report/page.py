@@ -10,6 +10,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescap
 from markupsafe import Markup
 
 from lumped.audit.finding import Finding
+from lumped.caches import lru_cache
 from validation.adequacy.matrix import Matrix
 from validation.case import Outcome, Verdict
 from validation.drawing import text
@@ -206,6 +207,12 @@ class Report:
 
 def render(report: Report) -> str:
     """The page as HTML."""
+    return _templates().get_template("report.html.j2").render(report=report)
+
+
+# Templates are compiled once: that takes longer than to fill a short page.
+@lru_cache(maxsize=1)
+def _templates() -> Environment:
     environment = Environment(
         loader=PackageLoader("validation.report"),
         autoescape=select_autoescape(("html", "j2")),
@@ -236,7 +243,7 @@ def render(report: Report) -> str:
         "skipped": "–",
     }
     environment.tests["nan"] = lambda value: isinstance(value, float) and isnan(value)
-    return environment.get_template("report.html.j2").render(report=report)
+    return environment
 
 
 def _badness(outcome: Outcome) -> tuple[int, float]:

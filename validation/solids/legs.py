@@ -1,7 +1,7 @@
 """A leg as a solid on a series of similar meshes, with the uncertainty of what it says."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import ceil
 
 import numpy as np
@@ -212,7 +212,8 @@ def solid_compliances(leg: ConstantLeg, divisions: tuple[int, ...]) -> dict[Ends
 
 def doubled_tip(leg: ConstantLeg, divisions: int, along: int, ends: Ends) -> Array:
     """Tip compliance (6×6, SI, leg axes) of the solid leg of `along` slices by doubling."""
-    return _doubled_tips(leg, divisions, along)[ends].copy()
+    # Both kinds of ends are computed together, whichever the leg says that it has.
+    return _doubled_tips(replace(leg, ends=None), divisions, along)[ends].copy()
 
 
 # A robot's legs are asked for by studies of the leg, of the robot and of the models' adequacy.

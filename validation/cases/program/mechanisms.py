@@ -18,13 +18,14 @@ from fem.calculix.run import CalculixMissing
 from fem.reduction.craig_bampton import craig_bampton
 from fem.reduction.superelement import held_leg
 from lumped.arrays import Array
+from lumped.caches import lru_cache
 from lumped.legs import ConstantLeg, Material
 from lumped.mechanism.body import Prism
 from lumped.mechanism.kinematics.mobility import mobility
 from lumped.mechanism.kinematics.postures import posture
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.models.bodies import legs_of
-from lumped.robot_file import load_robot
+from lumped.robot_file import RobotFile, load_robot
 from lumped.sections import Rectangle
 from lumped.system.assembly import assemble
 from lumped.system.solution import compliance, modes, solved
@@ -61,11 +62,17 @@ def cases() -> tuple[Case, ...]:
         *(
             _moved(case, robot)
             for robot in _MOVED
-            for case in mechanism_motion.cases(mechanism=load_robot(robot).mechanism)
+            for case in mechanism_motion.cases(mechanism=_built_in(robot).mechanism)
         ),
         *(_moved(case, "five-bar") for case in mechanism_path.of_links()),
         *_by_others(),
     )
+
+
+# A run's catalogue is listed in every process of it.
+@lru_cache(maxsize=8)
+def _built_in(name: str) -> RobotFile:
+    return load_robot(name)
 
 
 _in_closed_form = CaseGroup(
@@ -101,7 +108,7 @@ def _moved(case: Case, robot: str) -> Case:
 
 
 def _on(context: Context, robot: str, compute: Callable[[Context], Measurement]) -> Measurement:
-    return compute(replace(context, robot_file=load_robot(robot)))
+    return compute(replace(context, robot_file=_built_in(robot)))
 
 
 def _largest(found: Array, expected: Array) -> Measurement:
@@ -111,7 +118,7 @@ def _largest(found: Array, expected: Array) -> Measurement:
 
 def _hexapod(place: int = 0) -> tuple[Mechanism, Array, list[tuple[Array, Array]]]:
     """Mechanism, a pose, and the ends of each leg in it by the pose's own numbers."""
-    mechanism = load_robot("hexapod").mechanism
+    mechanism = _built_in("hexapod").mechanism
     pose = mechanism.poses[place]
     centre = mechanism.reference_pose[:3]
     turn = Rotation.from_rotvec(pose[3:]).as_matrix()
@@ -167,7 +174,7 @@ def _bars(_context: Context, model: ModelName, place: int) -> Measurement:
     tolerance_reason="a count is a whole number",
 )
 def _rods(_context: Context) -> Measurement:
-    mechanism = load_robot("delta").mechanism
+    mechanism = _built_in("delta").mechanism
     balls = [
         {joint.first.body, joint.second.body}
         for joint in mechanism.joints
@@ -207,7 +214,7 @@ def _lengths(_context: Context) -> Measurement:
     tolerance_reason="the rods' lengths and the drives follow from points of twelve digits",
 )
 def _cranks(_context: Context) -> Measurement:
-    mechanism = load_robot("five-bar").mechanism
+    mechanism = _built_in("five-bar").mechanism
     crank, rod = (legs_of(mechanism)[name].length for name in ("crank1", "rod1"))
     off = []
     for pose in mechanism.poses:
@@ -304,7 +311,7 @@ def _five_bar_of_squares() -> Posture:
 
     Of a cubic material, whose axes turn with the bars.
     """
-    mechanism = load_robot("five-bar").mechanism
+    mechanism = _built_in("five-bar").mechanism
     root = np.random.default_rng(1).normal(size=(6, 6))
     first, *others = mechanism.joints
     soft = replace(first, compliance=1e-8 * (root @ root.T + np.eye(6)))
