@@ -18,6 +18,8 @@ def pytest_configure(config):
     if not hasattr(config, "workerinput"):
         config.stash[CACHE] = tempfile.mkdtemp(prefix="flexproof-cache-")
         os.environ["XDG_CACHE_HOME"] = config.stash[CACHE]
+        # Wherever a test puts that, the fonts of this machine are looked for once.
+        os.environ["MPLCONFIGDIR"] = config.stash[CACHE]
 
 
 def pytest_unconfigure(config):

@@ -217,7 +217,7 @@ def test_no_worker_is_said_and_the_run_goes_on_when_one_comes(tmp_path, monkeypa
     assert ["no workers" in line for line in said] == [True, False, True, False]
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 def test_a_scheduler_that_dies_loses_nothing_that_was_finished(tmp_path, monkeypatch, processes):
     monkeypatch.setattr("validation.sweeps.cluster._PATIENCE", 1.0)
     scheduler, address = started_scheduler(tmp_path)

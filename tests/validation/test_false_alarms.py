@@ -19,7 +19,7 @@ from random_robots import alarms, of_groups, robots, shown
 from validation.case import Case
 from validation.cases.program.guards.robot import VARIANTS
 
-CHUNKS, EXAMPLES = 4, 50
+CHUNKS, EXAMPLES = 2, 50
 # A robot costs a second: one that raises an alarm is shown as it is.
 UNSHRUNK = (Phase.explicit, Phase.generate)
 LUMPED = ("leg1.lumped", "leg2.lumped", "robot.statics", "guard.robot", "guard.legs")
@@ -49,7 +49,7 @@ def in_turn(number: int) -> list[Case]:
 @pytest.mark.exhaustive
 @pytest.mark.parametrize("chunk", range(CHUNKS))
 def test_random_robots_raise_no_alarm(chunk):
-    """Fifty robots in each of four chunks: 0.4 s each (measured)."""
+    """Fifty robots in each of two chunks: 0.4 s each (measured)."""
     chosen = shown(robots(), EXAMPLES, chunk)
     assert len(chosen) >= EXAMPLES
     for number, robot in enumerate(chosen):

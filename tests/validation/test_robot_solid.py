@@ -30,7 +30,14 @@ def context():
 
 
 # The cases of preset quick are the business of test_cases.
-@pytest.mark.parametrize("case", calculix.cases(), ids=lambda case: case.id)
+@pytest.mark.parametrize(
+    "case",
+    [
+        pytest.param(case, marks=() if "[centre]" in case.id else pytest.mark.exhaustive)
+        for case in calculix.cases()
+    ],
+    ids=lambda case: case.id,
+)
 def test_calculix_agrees_and_turns(case, context):
     try:
         outcome = judge(case, case.compute(context), 0.0)

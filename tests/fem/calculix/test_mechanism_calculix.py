@@ -97,7 +97,13 @@ BIGLIDES = {
 
 
 @needs_calculix
-@pytest.mark.parametrize("changes", BIGLIDES.values(), ids=BIGLIDES)
+@pytest.mark.parametrize(
+    "changes",
+    [
+        pytest.param(changes, id=name, marks=() if "tool" in name else pytest.mark.exhaustive)
+        for name, changes in BIGLIDES.items()
+    ],
+)
 def test_the_biglide_with_feet_and_tool_springs(changes):
     robot = replace(with_equivalent_legs(load_robot("ifw").robot), **changes)
     place = robot.centre if changes else robot.stroke[0]

@@ -50,7 +50,7 @@ def off_timoshenko(leg):
     return beam_wave_frequency(turned, "bending", k) / wave - 1.0
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 def test_modes_of_pinned_rods_are_off_as_their_waves_are():
     """-0.40 % of a mode that no other cause explains; what else there is of it, 0.02 %."""
     mechanism = load_robot("five-bar").mechanism

@@ -164,6 +164,7 @@ def test_legs_known_by_a_matrix_leave_frequencies_between_plausible_masses(ran):
     assert "mass distribution" in ran.matrix.entry("beam", "f1").reason
 
 
+@pytest.mark.exhaustive
 def test_models_on_equivalent_legs_are_held_against_solids_of_those_too(short, ran):
     robot_file = load_robot(short)
     postures = path_postures(Context(robot_file, "quick"))

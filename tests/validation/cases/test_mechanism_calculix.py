@@ -27,6 +27,7 @@ def first_pose(mechanism):
 
 
 @needs_calculix
+@pytest.mark.exhaustive
 def test_a_five_bar_of_bars_and_one_whose_drive_is_off(monkeypatch):
     """A thousandth of a drive's stiffness is seen; without it both agree to the digits printed."""
     at = first_pose(load_robot("five-bar").mechanism)

@@ -49,6 +49,7 @@ def assert_stated(found, row, column, exact, left_out):
     assert value == pytest.approx(exact, rel=1e-3), (row, column)
 
 
+@pytest.mark.exhaustive
 def test_a_tapered_cantilever_has_its_integrals(tmp_path, monkeypatch):
     """30 mm wide, its height falls from 40 to 30 mm."""
     width, root, tip = 0.030, 0.040, 0.030

@@ -42,7 +42,7 @@ def test_entries_of_a_compliance_are_relative_to_the_diagonal():
     assert first == pytest.approx(1.5 * change / (RATIO - 1.0), rel=1e-4)
 
 
-@pytest.mark.parametrize("number", [13, 20])
+@pytest.mark.parametrize("number", [13, pytest.param(20, marks=pytest.mark.exhaustive)])
 def test_parts_at_random_are_held(number, tmp_path, monkeypatch):
     """Two quick ones of the two hundred of tests/benchmarks/calibrate_parts.py."""
     monkeypatch.setenv("FLEXPROOF_CACHE", "off")

@@ -4,6 +4,7 @@ import csv
 import io
 import sys
 import zipfile
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -40,6 +41,7 @@ def table(figure):
     return list(csv.DictReader(io.StringIO(figure.data)))
 
 
+@cache
 def modes_of(name, model="beam", count=6):
     (found,) = mechanism_modes(model, [reference_posture(load_robot(name).mechanism)], count)
     return found
@@ -126,6 +128,7 @@ def test_energies_of_sixty_modes_are_whole(five_bar):
         assert sum(float(row[name]) for name in parts) == pytest.approx(100.0, abs=1e-9)
 
 
+@pytest.mark.exhaustive
 def test_beams_are_paired_with_solids(five_bar):
     """Modes of a five-bar in the reference's order, all alike."""
     rows = table(pairs.pairs(five_bar))[:6]

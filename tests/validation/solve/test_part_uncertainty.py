@@ -51,6 +51,7 @@ def solution(file):
     return solution_of(file)
 
 
+@pytest.mark.exhaustive
 def test_the_meshes_leave_open_what_a_far_finer_one_changes(solution, file, coarse):
     (own,) = solution.answers
     at = [reference_posture(load_robot(file).mechanism)]
