@@ -40,6 +40,19 @@ def test_end_effects_of_a_section_soft_in_shear_reach_far_until_rounding_loses_t
         decay_rates(mesh, Material(1e11, 1e6, 0.3, 1.0))
 
 
+def test_what_faces_take_from_long_thin_legs_is_symmetric_until_rounding_loses_it():
+    mesh = section_mesh(Tube(0.01, 0.001), 4)
+    short, long = (restrained_compliance(mesh, STEEL, length) for length in (1.0, 10.0))
+    assert np.array_equal(long, long.T)
+    # Of tension each face holds a fixed length, of bending by the lever besides: L and L².
+    assert long[0, 0] == pytest.approx(short[0, 0], rel=1e-9)
+    assert long[1, 5] == pytest.approx(10.0 * short[1, 5], rel=1e-6)
+    assert long[1, 1] == pytest.approx(100.0 * short[1, 1], rel=0.02)
+    # Ten million times as long as wide.
+    with pytest.raises(ComputationError, match="too long for its section"):
+        restrained_compliance(mesh, STEEL, 1e5)
+
+
 def test_warping_of_an_open_section_decays_as_vlasov_says():
     # Walls a hundredth of the side: what Vlasov leaves out (Reissner's shear) is of that order.
     section = ISection(0.1, 0.16, 0.0012, 0.0012)
