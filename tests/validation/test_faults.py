@@ -14,6 +14,7 @@ from scipy.sparse import issparse
 from fem.beams import beam_theory
 from fem.beams.frame import Frame, Member, PointMass, assemble
 from fem.bodies import doubling, leg_modes, solid
+from fem.bodies.part import meshed_part
 from fem.calculix import deck as calculix_deck
 from fem.calculix import leg as calculix
 from fem.calculix import mechanism as mechanism_calculix
@@ -22,11 +23,16 @@ from lumped import biglide
 from lumped.errors import ComputationError
 from lumped.legs import ConstantLeg, Material, equivalent_leg
 from lumped.mechanism.kinematics.postures import posture
+from lumped.mechanism.part import ByPlane, PartInterface
 from lumped.models import simplified
 from lumped.robot_file import load_robot
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Tube
 from lumped.system.assembly import assembly
 from lumped.system.solution import solved
+from meshes.gmsh_session import gmsh_model
+from meshes.part import volume
+from meshes.part.interfaces import find_interfaces
+from meshes.part.reading.read import read_part
 from meshes.prism.hexahedra import hexahedra
 from meshes.prism.tetrahedra import tetrahedra
 from meshes.section.section_mesh import section_mesh
@@ -42,12 +48,14 @@ from validation.faults import detection, trial
 from validation.faults.catalogue import FAULTS
 from validation.faults.detection import fault_cases
 from validation.faults.fault import Fault, around, fault, replaced, sound_function
+from validation.faults.parts import meshed_elsewhere
 from validation.faults.sound import SoundCases, sound_cases, verdict_of
 from validation.faults.trial import catchers, tried
 from validation.models.biglide import robot_compliance, robot_frequencies
 from validation.models.legs import leg_matrices
 from validation.models.mechanism import answers, on_drives_alone
 from validation.models.options import ModelOptions
+from validation.parts.meshes import COARSE, part_mesh
 from validation.report.detection import detection_power, names_faults
 from validation.run import summary as run_summary
 from validation.run.gathered import Results
@@ -411,6 +419,53 @@ def test_what_is_kept_on_the_disk_does_not_outlive_a_fault(tmp_path, monkeypatch
     assert before
     assert tried(BY_ID["part.unit"], sound([case])) == {case: "failed"}
     assert sorted(tmp_path.rglob("*.npz")) == before
+
+
+def drawn_block(folder: Path) -> Path:
+    """A block of 60 × 40 × 20 mm, as a BREP file."""
+    file = folder / "block.brep"
+    with gmsh_model("block") as gmsh:
+        gmsh.model.occ.addBox(0.0, 0.0, 0.0, 60.0, 40.0, 20.0)
+        gmsh.model.occ.synchronize()
+        gmsh.write(str(file))
+    return file
+
+
+def part_case(file: Path) -> Case:
+    """Its mass, from a mesh that is graded to one of its faces."""
+    wanted = {"A": PartInterface(ByPlane((-1.0, 0.0, 0.0), (0.0, 0.0, 0.0)), "rigid")}
+
+    def compute(_context: Context) -> Measurement:
+        part = read_part(file, "mm")
+        mesh = part_mesh(part, find_interfaces(part, wanted), 2000, COARSE)
+        mass = meshed_part(mesh, STEEL).properties().mass
+        return Measurement(mass, STEEL.rho * 0.06 * 0.04 * 0.02, exact=True)
+
+    return replace(length_case(file.name, 1e-9), compute=compute)
+
+
+def test_part_is_meshed_under_a_fault_though_it_was_meshed_before(tmp_path):
+    case = part_case(drawn_block(tmp_path))
+    # OpenCASCADE's threads, which a copy of this process does not have, are started here.
+    ready = sound([case])
+    assert list(ready.done) == [case]
+    left = ready.context.untouched_by(BY_ID["element.half-density"].where)
+    assert sum(key.startswith("kept") for key in left._memo) == 2
+    assert tried(BY_ID["element.half-density"], ready) == {case: "disagree"}
+    # Meshed anew, in centimetres.
+    assert not ready.context.untouched_by(BY_ID["part.unit"].where)._memo
+    assert tried(BY_ID["part.unit"], ready) == {case: "disagree"}
+    # Nothing of it is used.
+    assert tried(BY_ID["part.pin-about-point"], ready) == {}
+
+
+def test_mesh_under_a_fault_comes_from_a_fresh_process_with_that_fault(tmp_path):
+    part = read_part(drawn_block(tmp_path), "mm")
+    grading = volume.Grading(0.03)
+    meant = volume.volume_mesh(part, (), grading)
+    with replaced(meshed_elsewhere(BY_ID["part.unit"])):
+        found = volume.volume_mesh(part, (), grading)
+    assert np.ptp(found.nodes, axis=0) == pytest.approx(10.0 * np.ptp(meant.nodes, axis=0))
 
 
 FEW_FAULTS = [

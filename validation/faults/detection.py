@@ -90,17 +90,8 @@ def _excuse(fault: Fault, context: Context) -> None:
 
 
 def sound_run(robot_file: RobotFile, preset: Preset) -> SoundCases:
-    """The run's cases without a fault.
-
-    Of a robot with parts those of the program alone: OpenCASCADE meshes with threads of its own,
-    which a copy of this process does not have, and would wait for them for ever.
-    """
-    alone = robot_file.is_mechanism and robot_file.mechanism.parts
+    """The run's cases without a fault."""
     cases = [
-        task
-        for task in catalogue(robot_file)
-        if isinstance(task, Case)
-        and preset in task.presets
-        and (task.subject == "program" or not alone)
+        task for task in catalogue(robot_file) if isinstance(task, Case) and preset in task.presets
     ]
     return sound_cases(cases, robot_file, preset, {fault.where for fault in FAULTS})

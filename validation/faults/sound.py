@@ -8,16 +8,16 @@ from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from time import process_time
-from typing import Any, ParamSpec, TypeVar
+from typing import Any, TypeVar
 
 from lumped.caches import forget
 from lumped.robot_file import RobotFile
 from validation.case import Case, Skip, Verdict, judge
-from validation.context import Context, Preset, memo_key
+from validation.context import Context, Preset
 from validation.faults.fault import Change, Faulty, around, replaced
+from validation.faults.parts import recalling
 from validation.store.cache import nothing_kept
 
-P = ParamSpec("P")
 T = TypeVar("T")
 
 
@@ -37,14 +37,13 @@ class Listening(Context):
     made_by: dict[str, Work] = field(default_factory=dict, repr=False, compare=False)
     _now: list[Work] = field(default_factory=list, repr=False, compare=False)
 
-    def get(self, function: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
+    def recall(self, key: str, compute: Callable[[], T]) -> T:
         """As that of a context."""
-        key = memo_key(function, args, kwargs)
         if key in self._memo:
             self._rest_on(key)
-            return super().get(function, *args, **kwargs)
+            return super().recall(key, compute)
         with self.heard() as work:
-            value = super().get(function, *args, **kwargs)
+            value = super().recall(key, compute)
         self.made_by[key] = work
         self._rest_on(key)
         return value
@@ -128,7 +127,8 @@ def sound_cases(
     """What the cases do without a fault, as far as they agree."""
     context = Listening(robot_file, preset)
     done = {}
-    with replaced({place: _listening(place, context) for place in places}), nothing_kept():
+    heard = {place: _listening(place, context) for place in places}
+    with replaced(heard | recalling(context)), nothing_kept():
         for case in cases:
             with context.heard() as work:
                 verdict = verdict_of(case, context)

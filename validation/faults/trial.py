@@ -16,7 +16,8 @@ from time import process_time
 from typing import cast
 
 from validation.case import Case, Verdict
-from validation.faults.fault import Fault
+from validation.faults.fault import Fault, replaced
+from validation.faults.parts import meshed_elsewhere, recalling
 from validation.faults.sound import SoundCases, verdict_of
 from validation.store.cache import nothing_kept
 
@@ -81,7 +82,8 @@ def _testimony(fault: Fault, sound: SoundCases, cases: Sequence[Case]) -> Iterat
 def _testify(fault: Fault, sound: SoundCases, cases: Sequence[Case], writing: int) -> None:
     context = sound.context.untouched_by(fault.where)
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    with fault.inject(), nothing_kept():
+    parts = replaced(recalling(context) | meshed_elsewhere(fault))
+    with fault.inject(), parts, nothing_kept():
         for case in cases:
             usual = sound.seconds(case, fault.where)
             patience = process_time() + max(_PATIENCE * usual, _LEAST_PATIENCE)
