@@ -6,6 +6,7 @@ import runpy
 import subprocess
 from collections import Counter
 from collections.abc import Mapping
+from fnmatch import fnmatch
 from pathlib import Path
 
 import pytest
@@ -44,6 +45,18 @@ def tracked() -> list[Path]:
     except (OSError, subprocess.CalledProcessError):
         pytest.skip("not a git clone")
     return [ROOT / name for name in listed if name and (ROOT / name).is_file()]
+
+
+def test_no_room_of_tests_is_passed_over(pytestconfig):
+    """A pattern for the folder of a run's report, too, hides the tests of the page."""
+    patterns = pytestconfig.getini("norecursedirs")
+    rooms = {module.parent.relative_to(ROOT) for module in (ROOT / "tests").rglob("test_*.py")}
+    hidden = [
+        str(room)
+        for room in rooms
+        if any(fnmatch(name, pattern) for name in room.parts for pattern in patterns)
+    ]
+    assert not hidden
 
 
 @pytest.mark.parametrize("floor", FLOORS)
