@@ -77,8 +77,9 @@ def test_robots_that_models_cannot_solve_are_undecided_and_their_legs_judged(tmp
         ("beam", "beam: extreme 21", "the work of the loads and the energy stored differ"),
     ):
         for one in matrix.of_model(model):
-            assert one.reason.startswith(where)
-            assert said in one.reason
+            if one.quantity in STATIC_QUANTITIES:
+                assert one.reason.startswith(where)
+                assert said in one.reason
     assert {one.verdict for one in matrix.entries} == {"undecided"}
     assert {one.verdict for one in matrix.parts[1].of_model("vjm")} == {"adequate"}
 
