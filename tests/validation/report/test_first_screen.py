@@ -127,9 +127,9 @@ def test_models_that_fail_by_their_legs_alone_are_told_so_with_a_bound_rounded_u
         flat(m, q, s) for m in ("segments", "beam") for q, s in (("z", 0.0191), ("phi_x", -0.03))
     ]
     assert plain(sentence(on_its_legs(*both))) == (
-        "Segments and beams are 15 % too stiff (15 % in rotation); all models on equivalent legs "
-        "are within 2.1 % (3.1 % in rotation) of solids of the same equivalent legs: the "
-        "formulation holds, the idealisation of the legs does not."
+        "Segments and beams are 15 % too stiff; all models on equivalent legs are within 2.1 % "
+        "(3.1 % in rotation) of solids of the same equivalent legs: the formulation holds, the "
+        "idealisation of the legs does not."
     )
 
 
