@@ -47,7 +47,13 @@ def modes_of(name, model="beam", count=6):
     return found
 
 
-@pytest.mark.parametrize("name", ["five-bar", "3-rrr", "delta", "orthoglide", "hexapod"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        *("five-bar", "delta", "hexapod"),
+        *(pytest.param(name, marks=pytest.mark.exhaustive) for name in ("3-rrr", "orthoglide")),
+    ],
+)
 def test_what_is_drawn_at_the_tool_moves_as_the_tool(name):
     """The nearest point drawn of the tool's body, carried to the tool by its own turn."""
     found = modes_of(name)
