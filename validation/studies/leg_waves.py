@@ -2,21 +2,25 @@
 
 The legs' dynamic stiffness by the waves on their sections' meshes (`fem.couplings.wave_stiffness`)
 takes the place of that of beams: Λ + Φᵀ(D(ω) − D_beam(ω))Φ has the eigenvalue ω², with D on the
-ends' twists and Λ, Φ the modes by beams. No mesh along the legs, and no solid, has a part in it.
+twists of the sections between a leg's pieces and Λ, Φ the modes by beams. Pieces are so short that
+with both ends held they would swing far above ω: a leg that swings between ends at rest shows at
+its ends nothing of what it does. No mesh along the legs, and no solid, has a part in it.
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
+from scipy.linalg import eigh
 
 from fem.couplings.wave_stiffness import PrismWaves, prism_waves
-from fem.reduction.superelement import ENDS
-from lumped.arrays import Array
+from fem.reduction.superelement import ENDS, Superelement
+from lumped.arrays import Array, IntArray
 from lumped.dense.modes import Modes, dense
 from lumped.errors import ComputationError
 from lumped.legs import ConstantLeg
-from lumped.mechanism.body_model import BodyModel, LegMatrices
+from lumped.mechanism.body_model import LegMatrices
 from lumped.mechanism.mechanism import Posture
 from lumped.system.assembly import System, assembly
 from lumped.system.solution import modes, solved
@@ -37,6 +41,8 @@ _NOTHING = 1e-4
 # What frequencies change by from one step to the next, relative, when they are found.
 _CONVERGED = 1e-6
 _STEPS = 20
+# Of the lowest frequency of a piece with both ends held: a beam's and that by waves are one there.
+_BELOW = 0.5
 
 Waves: TypeAlias = Mapping[str, tuple[PrismWaves, ...]]
 
@@ -58,35 +64,76 @@ def waves_of(legs: Mapping[str, ConstantLeg], divisions: Mapping[str, int]) -> W
 
 def wave_changes(
     postures: Sequence[Posture],
-    bodies: Mapping[str, BodyModel],
+    legs: Mapping[str, Superelement],
+    beams: Mapping[str, LegMatrices],
     waves: Waves,
     *,
+    elements: int,
     offered: int,
     count: int,
 ) -> Array:
     """Relative change (p×count) of the first frequencies by waves, in the space of `offered` modes.
 
-    `bodies` are beams of the legs that have `waves`, of the constants of the same section meshes,
-    and whatever the others are. NaN where a mode has waves that are none of a beam's any more.
+    `beams` are those of so many `elements` and of the constants of the same section meshes, `legs`
+    their reductions. NaN where a mode has waves that are none of a beam's any more, or swings in
+    shorter pieces than elements.
     """
-    prepared = assembly(postures[0].mechanism, {name: filled(one) for name, one in bodies.items()})
+    bodies = {name: filled(leg.matrices) for name, leg in legs.items()}
+    prepared = assembly(postures[0].mechanism, bodies)
+    pieced = {
+        name: _pieced(legs[name], beams[name], elements, kinds) for name, kinds in waves.items()
+    }
     rows = []
     for posture in postures:
         system = prepared.at(posture)
         found = modes(solved(system), offered)
-        rows.append([_change(system, waves, found, mode) for mode in range(count)])
+        rows.append([_change(system, pieced, found, mode) for mode in range(count)])
     return np.array(rows)
 
 
-def _change(system: System, waves: Waves, found: Modes, mode: int) -> float:
+@dataclass(frozen=True, eq=False)
+class _PiecedLeg:
+    """A leg as a beam of equal `elements`, its `waves`, and ω (rad/s) of it with both ends held."""
+
+    reduced: Superelement
+    beam: LegMatrices
+    elements: int
+    waves: tuple[PrismWaves, ...]
+    held: float
+
+    def pieces(self, omega: float) -> int:
+        """Into how many equal pieces of whole elements the leg is cut at ω (rad/s)."""
+        # Tension's frequencies grow with 1/L, bending's faster.
+        needed = omega / (_BELOW * self.held)
+        for pieces in range(1, self.elements + 1):
+            if self.elements % pieces == 0 and pieces >= needed:
+                return pieces
+        raise ComputationError("waves: shorter than the beam's elements")
+
+    def sections(self, pieces: int) -> IntArray:
+        """Unknowns ((pieces + 1)×6) of the sections between them: root, inner nodes, tip."""
+        inner = np.arange(1, pieces) * (self.elements // pieces) - 1
+        first = np.concatenate([[0], ENDS + 6 * inner, [6]])
+        return np.asarray(first[:, None] + np.arange(6))
+
+
+def _pieced(
+    reduced: Superelement, beam: LegMatrices, elements: int, waves: tuple[PrismWaves, ...]
+) -> _PiecedLeg:
+    stiffness, mass = (dense(matrix)[ENDS:, ENDS:] for matrix in (beam.stiffness, beam.mass))
+    lowest = eigh(stiffness, mass, eigvals_only=True, subset_by_index=[0, 0])
+    return _PiecedLeg(reduced, beam, elements, waves, float(np.sqrt(lowest[0])))
+
+
+def _change(system: System, legs: Mapping[str, _PiecedLeg], found: Modes, mode: int) -> float:
     squares = np.square(2.0 * np.pi * found.frequencies)
     own = omega = float(np.sqrt(squares[mode]))
     try:
         for _ in range(_STEPS):
             before = omega
             differences = (
-                _difference(system, name, of_leg, found, mode, omega)
-                for name, of_leg in waves.items()
+                _difference(leg, leg.reduced.recover(system.own(name, found.shapes)), mode, omega)
+                for name, leg in legs.items()
             )
             value = float(np.linalg.eigvalsh(np.diag(squares) + sum(differences))[mode])
             if value <= 0.0:
@@ -99,37 +146,39 @@ def _change(system: System, waves: Waves, found: Modes, mode: int) -> float:
     return float("nan")
 
 
-def _difference(
-    system: System,
-    name: str,
-    waves: tuple[PrismWaves, ...],
-    found: Modes,
-    mode: int,
-    omega: float,
-) -> Array:
-    """Φᵀ(D − D_beam)Φ (m×m) of one leg at ω (rad/s)."""
-    beam = system.models[name]
-    if not isinstance(beam, LegMatrices):
-        raise TypeError(f"{name} is no leg")
-    own = system.own(name, found.shapes)
-    by_beam = dynamic_stiffness(beam, omega)
-    difference = np.zeros((len(found.frequencies),) * 2)
-    for kind in waves:
-        ends = own[kind.ends]
+def _difference(leg: _PiecedLeg, own: Array, mode: int, omega: float) -> Array:
+    """Φᵀ(D − D_beam)Φ (m×m) of one leg with `own` shapes Φ at ω (rad/s)."""
+    pieces = leg.pieces(omega)
+    sections = leg.sections(pieces)
+    by_beam = dynamic_stiffness(leg.beam, omega, sections.ravel())
+    difference = np.zeros((own.shape[1],) * 2)
+    for kind in leg.waves:
         try:
-            stiffness = kind.stiffness(beam.length, omega)
+            of_piece = kind.stiffness(leg.beam.length / pieces, omega)
         except ComputationError:
             swung = own[:, mode]
-            strained = swung @ (beam.parts[_PARTS[kind.fields.name]] @ swung)
+            strained = swung @ (leg.beam.parts[_PARTS[kind.fields.name]] @ swung)
             if strained > _NOTHING * omega**2:
                 raise
             continue
-        difference += ends.T @ (stiffness - by_beam[np.ix_(kind.ends, kind.ends)]) @ ends
+        moved = (6 * np.arange(pieces + 1)[:, None] + kind.fields.twists).ravel()
+        by_waves = np.zeros((len(moved),) * 2)
+        for ends in (
+            np.arange(len(kind.ends)) + len(kind.fields.twists) * k for k in range(pieces)
+        ):
+            by_waves[np.ix_(ends, ends)] += of_piece
+        twists = own[sections.ravel()[moved]]
+        difference += twists.T @ (by_waves - by_beam[np.ix_(moved, moved)]) @ twists
     return difference
 
 
-def dynamic_stiffness(leg: LegMatrices, omega: float) -> Array:
-    """Forces on root and tip (12×12, SI, leg axes) of a leg that swings with ω (rad/s)."""
+def dynamic_stiffness(leg: LegMatrices, omega: float, kept: IntArray | None = None) -> Array:
+    """Forces (k×k, SI, leg axes) on a leg that swings with ω (rad/s), at its `kept` unknowns (k).
+
+    Those of root and tip unless told.
+    """
+    shown = np.arange(ENDS) if kept is None else kept
+    hidden = np.setdiff1d(np.arange(leg.size), shown)
     dynamic = dense(leg.stiffness) - omega**2 * dense(leg.mass)
-    inner = np.linalg.solve(dynamic[ENDS:, ENDS:], dynamic[ENDS:, :ENDS])
-    return np.asarray(dynamic[:ENDS, :ENDS] - dynamic[:ENDS, ENDS:] @ inner)
+    inner = np.linalg.solve(dynamic[np.ix_(hidden, hidden)], dynamic[np.ix_(hidden, shown)])
+    return np.asarray(dynamic[np.ix_(shown, shown)] - dynamic[np.ix_(shown, hidden)] @ inner)

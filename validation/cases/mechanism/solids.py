@@ -27,7 +27,7 @@ from validation.solids.legs import FORMAL_ORDER, divisions_across
 from validation.solids.robots import SHARED_SOLIDS
 from validation.solids.size import skip_too_large
 from validation.studies.leg_waves import WAVES, WAVES_SOURCE, wave_changes, waves_of
-from validation.studies.paired_robot_modes import DIVISIONS, WALL_DIVISIONS, own_beam
+from validation.studies.paired_robot_modes import DIVISIONS, ELEMENTS, WALL_DIVISIONS, own_beam
 
 MODES = 6
 _OWN = "20 Timoshenko beam elements per leg, constants of the solids' own section meshes"
@@ -70,15 +70,23 @@ def free_modes(postures: tuple[Posture, ...], divisions: int, walls: int, count:
     highest = highest_frequency(postures, count)
     alike = {leg: own_beam(leg, numbers[name]) for name, leg in legs.items()}
     reduced = {
-        leg: craig_bampton(held_leg(beam), highest, CUTOFF["beam"] * highest).matrices
+        leg: craig_bampton(held_leg(beam), highest, CUTOFF["beam"] * highest)
         for leg, beam in alike.items()
     }
-    beams = {name: reduced[leg] for name, leg in legs.items()}
+    beams = {name: reduced[leg].matrices for name, leg in legs.items()}
     own = vibration(samples, postures, beams, count)
     free: dict[str, Ends] = dict.fromkeys(legs, "free")
     solids = solid_vibration(postures, divisions, walls, free, None, count)
     found = partners(own, solids, samples.weights, MODES)
-    changes = wave_changes(postures, beams, waves_of(legs, numbers), offered=count, count=MODES)
+    changes = wave_changes(
+        postures,
+        {name: reduced[leg] for name, leg in legs.items()},
+        {name: alike[leg] for name, leg in legs.items()},
+        waves_of(legs, numbers),
+        elements=ELEMENTS,
+        offered=count,
+        count=MODES,
+    )
     return FreeModes(own.frequencies[0, :MODES], found.frequency[0], changes[0], found.likeness[0])
 
 

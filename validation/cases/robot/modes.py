@@ -10,6 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from fem.reduction.superelement import Superelement
 from lumped.arrays import Array
 from lumped.biglide import Biglide, with_equivalent_legs
 from lumped.biglide import postures as biglide_postures
@@ -28,6 +29,7 @@ from validation.solids.robots import SHARED_SOLIDS
 from validation.solids.size import skip_too_large
 from validation.studies.leg_waves import WAVES, WAVES_SOURCE, wave_changes, waves_of
 from validation.studies.paired_robot_modes import (
+    ELEMENTS,
     OFFERED,
     PAIRED,
     BeamKind,
@@ -176,7 +178,16 @@ def _by_waves(robot: Biglide, divisions: LegDivisions) -> Array:
     numbers = dict(zip(legs, divisions, strict=True))
     beams = {name: own_beam(leg, numbers[name]) for name, leg in legs.items()}
     postures = biglide_postures(member, member.stations(POSTURES))
-    return wave_changes(postures, beams, waves_of(legs, numbers), offered=OFFERED, count=PAIRED)
+    whole = {name: Superelement(beam, np.eye(beam.size)) for name, beam in beams.items()}
+    return wave_changes(
+        postures,
+        whole,
+        beams,
+        waves_of(legs, numbers),
+        elements=ELEMENTS,
+        offered=OFFERED,
+        count=PAIRED,
+    )
 
 
 def _free_and_own(context: Context, divisions: LegDivisions) -> tuple[Array, Array]:
