@@ -17,8 +17,8 @@ from validation.studies.paired_robot_modes import (
     solid_modes,
 )
 
-# A leg so light bends between ends at rest. With ν = −0.9 its section's κ by strain energy is 0.007:
-# waves are much stiffer in shear than that.
+# A leg so light bends between ends at rest. With ν = −0.9 its κ by strain energy is 0.007; waves
+# are much stiffer in shear.
 ROBOT = """
 schema = 1
 name = "a leg between ends at rest"
