@@ -2,6 +2,7 @@
 
 import os
 import shutil
+import signal
 import tempfile
 
 import pytest
@@ -15,6 +16,9 @@ CACHE = pytest.StashKey[str]()
 
 def pytest_configure(config):
     """The workers of a session share a cache, which is nobody else's and goes with it."""
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+        # In the background of a script Ctrl-C is ignored, by all that is started there as well.
+        signal.signal(signal.SIGINT, signal.default_int_handler)
     if not hasattr(config, "workerinput"):
         config.stash[CACHE] = tempfile.mkdtemp(prefix="flexproof-cache-")
         os.environ["XDG_CACHE_HOME"] = config.stash[CACHE]

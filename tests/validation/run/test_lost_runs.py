@@ -145,7 +145,10 @@ def test_under_nohup_a_hang_up_changes_nothing(undisturbed, tmp_path):
 
 
 def test_a_hang_up_without_nohup_ends_the_run_as_ctrl_c_does(tmp_path):
+    # The tests themselves may run under it.
+    before = signal.signal(signal.SIGHUP, signal.SIG_DFL)
     run = started("endless", "run", "--out", tmp_path / "run")
+    signal.signal(signal.SIGHUP, before)
     wait_for(lambda: list((tmp_path / "run" / "records").glob("*.json")))
     os.killpg(run.pid, signal.SIGHUP)
     _, said = run.communicate(timeout=PATIENCE)
