@@ -89,9 +89,11 @@ def _simplified_frequencies(context: Context) -> Measurement:
     group="guard.simplified",
 )
 def _mirrored(context: Context) -> Measurement:
-    robot = replace(context.robot, leg2=context.robot.leg1)
+    # Two of the shorter one need not meet.
+    longer = max(context.robot.leg1, context.robot.leg2, key=lambda leg: leg.length)
+    robot = replace(context.robot, leg1=longer, leg2=longer)
     half = robot.a / 2.0
-    slope = half / sqrt(robot.leg1.length**2 - half**2)
+    slope = half / sqrt((longer.length - half) * (longer.length + half))
     upright = sqrt(2.0 * robot.actuator_stiffness / robot.platform_mass) / (2.0 * pi)
     found = robot_frequencies("simplified", robot, half, 2)
     return farthest_off(found / np.sort([upright, upright * slope]) - 1.0)
