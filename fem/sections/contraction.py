@@ -10,11 +10,11 @@ shear is stiff. A solid's mesh has the same error whatever the length of its ele
 """
 
 import numpy as np
-from scipy.sparse import coo_matrix, csc_matrix
-from scipy.sparse.linalg import splu
 
-from fem.sections.saint_venant import SectionQuadrature
+from fem.sections.saint_venant import SectionQuadrature, solved_with, summed
+from fem.sections.waveguide import elasticity
 from lumped.arrays import Array
+from lumped.legs import Material
 
 # Of the strain ν s that is asked for: rounding of interpolation, beneath any error of a mesh.
 _ROUNDING = 1e-12
@@ -33,14 +33,8 @@ def held_contraction(quad: SectionQuadrature, nu: float, shear_to_young: float) 
     largest = abs(nu) * np.abs(quad.points).max()
     if np.abs(missed).max() <= _ROUNDING * largest:
         return np.zeros((2, 2))
-    lame = nu / ((1.0 + nu) * (1.0 - 2.0 * nu))
-    moduli = np.array(
-        [
-            [lame + 1.0 / (1.0 + nu), lame, 0.0],
-            [lame, lame + 1.0 / (1.0 + nu), 0.0],
-            [0.0, 0.0, shear_to_young],
-        ]
-    )
+    material = Material(E=1.0, G=shear_to_young, nu=nu, rho=1.0)
+    moduli = elasticity(material)[1:4, 1:4]
     stresses = np.einsum("st,ctmq->csmq", moduli, missed)
     energy = np.einsum("asmq,bsmq,mq->ab", missed, stresses, quad.weights, optimize=True)
     residual = np.column_stack([_forces(quad, stress) for stress in stresses])
@@ -75,18 +69,7 @@ def _stiffness_solution(quad: SectionQuadrature, moduli: Array, forces: Array) -
         "misq,st,mjtq,mq->mij", operator, moduli, operator, quad.weights, optimize=True
     )
     unknowns = (2 * cells[:, :, None] + np.arange(2)).reshape(len(cells), size)
-    rows = np.repeat(unknowns, size, axis=1).ravel()
-    columns = np.tile(unknowns, size).ravel()
-    stiffness = csc_matrix(coo_matrix((blocks.ravel(), (rows, columns))))
     # Two nodes far apart hold the three rigid motions, which balanced forces do not stir.
     far = int(np.argmax(np.abs(nodes - nodes[0]).max(axis=1)))
     across = 1 - int(np.argmax(np.abs(nodes[far] - nodes[0])))
-    free = np.setdiff1d(np.arange(stiffness.shape[0]), [0, 1, 2 * far + across])
-    factor = splu(
-        csc_matrix(stiffness[free][:, free]),
-        permc_spec="MMD_AT_PLUS_A",
-        options={"SymmetricMode": True},
-    )
-    solution = np.zeros(forces.shape)
-    solution[free] = factor.solve(np.ascontiguousarray(forces[free]))
-    return solution
+    return solved_with(summed(blocks, unknowns, len(forces)), forces, held=[0, 1, 2 * far + across])

@@ -12,6 +12,7 @@ needs no other equation: only the ratio νG/E enters, ν/2(1+ν) if isotropic (T
 Theory of Elasticity, §§104–118; Love, ch. XV, for the flexure functions).
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,7 +20,7 @@ from scipy.sparse import coo_matrix, csc_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
 
-from lumped.arrays import Array
+from lumped.arrays import Array, IntArray
 from lumped.errors import ComputationError
 from meshes.elements import ELEMENTS
 from meshes.section.section_mesh import SectionMesh
@@ -187,18 +188,33 @@ def _poisson(quad: SectionQuadrature, loads: Array) -> Array:
     blocks = np.einsum(
         "mkdq,mldq,mq->mkl", quad.gradients, quad.gradients, quad.weights, optimize=True
     )
-    rows = np.repeat(cells, cells.shape[1], axis=1).ravel()
-    columns = np.tile(cells, cells.shape[1]).ravel()
-    count = len(quad.mesh.nodes)
-    laplacian = csc_matrix(coo_matrix((blocks.ravel(), (rows, columns)), shape=(count, count)))
+    laplacian = summed(blocks, cells, len(quad.mesh.nodes))
     if connected_components(laplacian, directed=False, return_labels=False) > 1:
         raise ComputationError(
             "section mesh: no warping function, the section is not in one piece or has nodes "
             "without a cell"
         )
-    # Two-dimensional and scalar, a few thousand unknowns: SuperLU is quick enough here.
-    factor = splu(laplacian[1:, 1:], permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
-    solution = np.zeros(loads.shape)
-    solution[1:] = factor.solve(np.ascontiguousarray(loads[1:]))
+    solution = solved_with(laplacian, loads, held=[0])
     mean = quad.load(np.ones_like(quad.weights)) @ solution / quad.weights.sum()
     return np.asarray(solution - mean)
+
+
+def summed(blocks: Array, unknowns: IntArray, size: int) -> csc_matrix:
+    """Sparse sum (`size` square) of matrices of cells (M×k×k, symmetric) on `unknowns` (M×k)."""
+    width = unknowns.shape[1]
+    rows = np.repeat(unknowns, width, axis=1).ravel()
+    columns = np.tile(unknowns, width).ravel()
+    return csc_matrix(coo_matrix((blocks.ravel(), (rows, columns)), shape=(size, size)))
+
+
+def solved_with(matrix: csc_matrix, loads: Array, held: Sequence[int]) -> Array:
+    """Solutions (n×m) for `loads` (n×m) with the `held` unknowns at zero.
+
+    Two-dimensional, a few thousand unknowns: SuperLU is quick enough here.
+    """
+    free = np.setdiff1d(np.arange(len(loads)), held)
+    kept = csc_matrix(matrix[free][:, free])
+    factor = splu(kept, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
+    solution = np.zeros(loads.shape)
+    solution[free] = factor.solve(np.ascontiguousarray(loads[free]))
+    return solution

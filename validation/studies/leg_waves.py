@@ -17,12 +17,12 @@ from scipy.linalg import eigh
 from fem.couplings.wave_stiffness import PrismWaves, prism_waves
 from fem.reduction.superelement import ENDS, Superelement
 from lumped.arrays import Array, IntArray
-from lumped.dense.modes import Modes, dense
+from lumped.dense.modes import dense
 from lumped.errors import ComputationError
 from lumped.legs import ConstantLeg
 from lumped.mechanism.body_model import LegMatrices
 from lumped.mechanism.mechanism import Posture
-from lumped.system.assembly import System, assembly
+from lumped.system.assembly import assembly
 from lumped.system.solution import modes, solved
 from meshes.section.section_mesh import section_mesh
 from validation.models.legs import filled
@@ -87,7 +87,9 @@ def wave_changes(
     for posture in postures:
         system = prepared.at(posture)
         found = modes(solved(system), offered)
-        rows.append([_change(system, pieced, found, mode) for mode in range(count)])
+        own = [leg.reduced.recover(system.own(name, found.shapes)) for name, leg in pieced.items()]
+        shapes = tuple(zip(pieced.values(), own, strict=True))
+        rows.append([_change(found.frequencies, shapes, mode) for mode in range(count)])
     return np.array(rows)
 
 
@@ -125,16 +127,14 @@ def _pieced(
     return _PiecedLeg(reduced, beam, elements, waves, float(np.sqrt(lowest[0])))
 
 
-def _change(system: System, legs: Mapping[str, _PiecedLeg], found: Modes, mode: int) -> float:
-    squares = np.square(2.0 * np.pi * found.frequencies)
+def _change(frequencies: Array, legs: Sequence[tuple[_PiecedLeg, Array]], mode: int) -> float:
+    """Relative change of a mode among those of `frequencies` (Hz), `legs` with their shapes."""
+    squares = np.square(2.0 * np.pi * frequencies)
     own = omega = float(np.sqrt(squares[mode]))
     try:
         for _ in range(_STEPS):
             before = omega
-            differences = (
-                _difference(leg, leg.reduced.recover(system.own(name, found.shapes)), mode, omega)
-                for name, leg in legs.items()
-            )
+            differences = (_difference(leg, own, mode, omega) for leg, own in legs)
             value = float(np.linalg.eigvalsh(np.diag(squares) + sum(differences))[mode])
             if value <= 0.0:
                 break
@@ -163,10 +163,9 @@ def _difference(leg: _PiecedLeg, own: Array, mode: int, omega: float) -> Array:
             continue
         moved = (6 * np.arange(pieces + 1)[:, None] + kind.fields.twists).ravel()
         by_waves = np.zeros((len(moved),) * 2)
-        for ends in (
-            np.arange(len(kind.ends)) + len(kind.fields.twists) * k for k in range(pieces)
-        ):
-            by_waves[np.ix_(ends, ends)] += of_piece
+        for first in range(0, pieces * len(kind.fields.twists), len(kind.fields.twists)):
+            ends = slice(first, first + len(kind.ends))
+            by_waves[ends, ends] += of_piece
         twists = own[sections.ravel()[moved]]
         difference += twists.T @ (by_waves - by_beam[np.ix_(moved, moved)]) @ twists
     return difference

@@ -10,19 +10,20 @@ from validation.studies.paired_robot_modes import PAIRED, PairedModes
 
 def mac_table(found: PairedModes, reference: str) -> dict[str, tuple[float | str, ...]]:
     """Every mode at every posture with its partner, NaN where that was not reached."""
-    known = found.reached
+    partner, solid, mac, shared = (
+        np.where(found.reached, values, nan)
+        for values in (found.partner + 1, found.found, found.mac, found.shared)
+    )
     pairs = [(p, k) for p in range(len(found.x)) for k in range(PAIRED)]
     return {
         "x (m)": tuple(float(found.x[p]) for p, _ in pairs),
         "mode": tuple(float(k + 1) for _, k in pairs),
         f"{reference} (Hz)": tuple(float(found.reference[pair]) for pair in pairs),
-        "partner": tuple(float(found.partner[pair] + 1) if known[pair] else nan for pair in pairs),
-        "solid (Hz)": tuple(float(found.found[pair]) if known[pair] else nan for pair in pairs),
-        "MAC": tuple(float(found.mac[pair]) if known[pair] else nan for pair in pairs),
+        "partner": tuple(float(partner[pair]) for pair in pairs),
+        "solid (Hz)": tuple(float(solid[pair]) for pair in pairs),
+        "MAC": tuple(float(mac[pair]) for pair in pairs),
         "crossing": tuple("yes" if found.close[pair] else "" for pair in pairs),
-        "MAC as a space": tuple(
-            float(found.shared[pair]) if known[pair] else nan for pair in pairs
-        ),
+        "MAC as a space": tuple(float(shared[pair]) for pair in pairs),
     }
 
 

@@ -264,7 +264,7 @@ def _smallest_mac(
     left_out = _left_out(found, held)
     alone = held & found.reached & ~found.close
     if not alone.any():
-        raise Skip("; ".join(("all modes have close neighbours at every posture", *left_out)))
+        raise Skip("; ".join(("no mode that is compared stands alone at any posture", *left_out)))
     single = np.where(alone, found.mac, np.inf)
     posture, mode = np.unravel_index(int(np.argmin(single)), single.shape)
     crossings = tuple(

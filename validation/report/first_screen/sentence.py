@@ -108,7 +108,7 @@ def _kind(entry: Entry) -> str:
         return entry.verdict
     if entry.error is not None and entry.error < -1.0 - _ABSENT:
         return "opposite"
-    if entry.error is None or entry.error <= -1.0 + _ABSENT:
+    if entry.error is None or _is_rigid(entry):
         absent = not any(error is not None and error > -1.0 + _ABSENT for error in entry.errors)
         return "absent" if absent else "low"
     return "low" if entry.error < 0.0 else "high"
