@@ -29,6 +29,10 @@ from validation.models.legs import filled
 
 WAVES = "waves in the legs: contraction, warping by shear on the way, walls that bend"
 WAVES_SOURCE = "waves of 3-D elasticity on the section's mesh (validation.studies.leg_waves)"
+NO_WAVES = (
+    "waves of 3-D elasticity have no number for this mode: walls of the legs move by themselves at "
+    "its frequency, or it lies so high that pieces of a leg would be shorter than its elements"
+)
 # A beam's part of the stiffness is named by the axis of its moment, a wave by where it deflects.
 _PARTS = {
     "tension": "tension",

@@ -26,7 +26,7 @@ from validation.models.mechanism import CUTOFF, highest_frequency
 from validation.solids.legs import FORMAL_ORDER, divisions_across
 from validation.solids.robots import SHARED_SOLIDS
 from validation.solids.size import skip_too_large
-from validation.studies.leg_waves import WAVES, WAVES_SOURCE, wave_changes, waves_of
+from validation.studies.leg_waves import NO_WAVES, WAVES, WAVES_SOURCE, wave_changes, waves_of
 from validation.studies.paired_robot_modes import DIVISIONS, ELEMENTS, WALL_DIVISIONS, own_beam
 
 MODES = 6
@@ -129,7 +129,7 @@ def _frequency(context: Context, index: int) -> Measurement:
     found, rougher, factor = _both(context)
     change = float(found.changes[index])
     if not np.isfinite(change):
-        raise Skip("beams have no such mode: walls of the legs move by themselves at its frequency")
+        raise Skip(NO_WAVES)
     value, reference = float(found.solids[index]), float(found.beams[index])
     left, rougher_left = (
         one.solids[index] - one.beams[index] * (1.0 + one.changes[index])

@@ -27,7 +27,7 @@ from validation.models.legs import constant_leg_of
 from validation.solids.legs import FORMAL_ORDER
 from validation.solids.robots import SHARED_SOLIDS
 from validation.solids.size import skip_too_large
-from validation.studies.leg_waves import WAVES, WAVES_SOURCE, wave_changes, waves_of
+from validation.studies.leg_waves import NO_WAVES, WAVES, WAVES_SOURCE, wave_changes, waves_of
 from validation.studies.paired_robot_modes import (
     ELEMENTS,
     OFFERED,
@@ -124,7 +124,7 @@ def _frequency(context: Context, index: int) -> Measurement:
     changes, coarse_changes = (context.get(_by_waves, context.robot, d) for d in (fine, coarse))
     held = _held_to_beams(context, "own beam", [index])[:, 0] & np.isfinite(changes[:, index])
     if not held.any():
-        raise Skip("beams have no such mode: walls of the legs move by themselves at its frequency")
+        raise Skip(NO_WAVES)
     held &= _own_beams_and(context, fine).reached[:, index]
     if not held.any():
         raise Skip(f"mode {index + 1} of beams left out, {_BELOW}")
