@@ -256,10 +256,6 @@ def _mean_difference(found: Array, reference: Array) -> float:
     return float(np.abs((found - reference) * unit[:, None] * unit).mean() * 1e-3)
 
 
-def _half_of_it(change: Array) -> Array:
-    return 0.5 * change
-
-
 @fault_around("page.one-held-face", "One held face for two", "fem.couplings.end_effects._change")
 def _one_end_only(sound: Faulty, fields: Any, length: float) -> Any:
     return 0.5 * sound(fields, length)
