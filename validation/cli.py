@@ -265,6 +265,7 @@ def solve(
     divisions: WholeNumber | None = None,
     equivalent: Literal["stiffness", "compliance"] | None = None,
     parts: Literal["equivalent", "stepped", "condensed"] | None = None,
+    reduction: Literal["fixed", "free"] | None = None,
     against: Literal["simplified", "segments", "beam", "solid"] | None = None,
     vary: tuple[str, ...] = (),
     jobs: ProcessCount = None,
@@ -312,6 +313,9 @@ def solve(
         segments, beam: CAD parts as legs of one equivalent section, as legs
         stepped in ten prismatic pieces of the parts' own sections, or condensed on their
         interfaces, mass included.
+    reduction
+        solid: CAD parts by their modes with all interfaces fixed (Craig and Bampton), or free
+        (MacNeal, Rubin).
     against
         Another model of the mechanism, whose modes are paired with these by shape (MAC).
     vary
@@ -351,6 +355,7 @@ def solve(
         "divisions": divisions,
         "equivalent": equivalent,
         "parts": parts,
+        "reduction": reduction,
     }
     given = {name: value for name, value in choices.items() if value is not None}
     place = command.Place(x, pose, leg, body)

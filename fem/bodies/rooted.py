@@ -139,15 +139,21 @@ class RootedBody:
         """Of K − σM (σ in rad²/s²) on what moves with the twists of all interfaces held."""
         return self._inertia(sigma, self.solid.twists)
 
+    def free_inertia(self, sigma: float) -> Inertia:
+        """Of K − σM (σ in rad²/s²) with nothing held, the six rigid motions among it."""
+        return self._inertia(sigma, None)
+
     def _count(self, sigma: float) -> Inertia:
         return self._inertia(sigma, self.root)
 
-    def _inertia(self, sigma: float, held: Array) -> Inertia:
-        """Of K − σM on the x with Bᵀx = 0, B (n×6k) the wrenches of what is held."""
+    def _inertia(self, sigma: float, held: Array | None) -> Inertia:
+        """Of K − σM on the x with Bᵀx = 0, B (n×6k) the wrenches of what is held, or on all x."""
         solid, factor = self.solid, self.factor
-        size = float(np.ptp(solid.places, axis=0).max())
-        # Forces and moments of one size, so that no twist looks like rounding beside another.
-        constraints = held * np.tile([1.0, 1.0, 1.0, size, size, size], held.shape[1] // 6)
+        constraints = None
+        if held is not None:
+            # Forces and moments of one size, so that no twist looks like rounding beside another.
+            size = float(np.ptp(solid.places, axis=0).max())
+            constraints = held * np.tile([1.0, 1.0, 1.0, size, size, size], held.shape[1] // 6)
         K, M = upper_triangle(solid.stiffness), upper_triangle(solid.mass)
         if factor.symbolic.backend == "cholmod":
             found = supported_count(factor, K, M, sigma, solid.places, constraints)

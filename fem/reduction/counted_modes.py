@@ -1,7 +1,7 @@
-"""Modes with all interfaces held, none below the cut-off missing: their number is counted.
+"""Modes of a body, held or free, none below the cut-off missing: their number is counted.
 
 Lanczos cannot know what it missed. The negative eigenvalues of K − σM on the displacements that
-leave the interfaces where they are, σ at the cut-off, are as many as there are modes below it
+leave what is held where it is, σ at the cut-off, are as many as there are modes below it
 (Sylvester). What the count finds beyond the search is searched for, the flexibility being without
 what is found: A − Φ Λ⁻¹ Φᵀ has the other modes, and these alone.
 """
@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.reduction.held import Held
+from fem.reduction.held import Counted, Swinging
 from fem.reduction.interface_modes import interface_modes
 from lumped.arrays import Array, SparseMatrix
 from lumped.dense.modes import Modes
@@ -25,7 +25,7 @@ _TOO_NEAR = 1e-6
 
 @dataclass(frozen=True)
 class CountedModes(Modes):
-    """All modes below `cutoff` (Hz), with all interfaces held; some may lie just above it.
+    """All modes below `cutoff` (Hz); some may lie just above it.
 
     `counted` lie below it by inertia: as many as were found; None where nobody counts.
     """
@@ -36,14 +36,14 @@ class CountedModes(Modes):
 
 @dataclass(frozen=True, eq=False)
 class _Rest:
-    """A held body without the modes that are known."""
+    """A body without the modes that are known."""
 
-    held: Held
+    held: Swinging
     known: Modes
 
     @property
-    def model(self) -> str:
-        return self.held.model
+    def state(self) -> str:
+        return self.held.state
 
     @property
     def mass(self) -> SparseMatrix:
@@ -59,8 +59,8 @@ class _Rest:
         return np.asarray(self.held.flexibility(forces) - shapes @ (shapes.T @ forces / squared))
 
 
-def counted_modes(held: Held, cutoff: float) -> CountedModes:
-    """All modes below `cutoff` (Hz) with all interfaces held, counted where the body can.
+def counted_modes(held: Counted, cutoff: float) -> CountedModes:
+    """All modes below `cutoff` (Hz), counted where the body can.
 
     Raises ComputationError where more are counted than can be found, or fewer than were found.
     """
@@ -76,12 +76,12 @@ def counted_modes(held: Held, cutoff: float) -> CountedModes:
             break
         modes = _joined(modes, interface_modes(_Rest(held, modes), cutoff, search))
     raise ComputationError(
-        f"{held.model}, all interfaces held: certificate of the modes failed: {counted} lie below "
+        f"{held.state}: certificate of the modes failed: {counted} lie below "
         f"{place:.6g} Hz, {counted - missing} were found"
     )
 
 
-def _counted(held: Held, modes: Modes, cutoff: float) -> tuple[float, int]:
+def _counted(held: Counted, modes: Modes, cutoff: float) -> tuple[float, int]:
     """Frequency (Hz) at or just below the cut-off, and how many modes lie below it."""
     for share in _PLACES:
         place = share * cutoff
@@ -90,7 +90,7 @@ def _counted(held: Held, modes: Modes, cutoff: float) -> tuple[float, int]:
             if not found.zero:
                 return place, found.negative
     raise ComputationError(
-        f"{held.model}, all interfaces held: zero pivots near {cutoff:.6g} Hz; the modes below it "
+        f"{held.state}: zero pivots near {cutoff:.6g} Hz; the modes below it "
         "cannot be counted, take another cut-off"
     )
 

@@ -19,13 +19,14 @@ from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
-from scipy.linalg import block_diag, eigh
+from scipy.linalg import block_diag
 
 from fem.reduction.counted_modes import counted_modes
 from fem.reduction.held import Held
+from fem.reduction.residual_modes import residual_modes
 from fem.reduction.superelement import HeldLeg, Superelement, reduced
 from lumped.arrays import Array
-from lumped.dense.modes import Modes, dense, fix_signs
+from lumped.dense.modes import dense
 from lumped.errors import InputError
 from lumped.system import solution
 from lumped.system.assembly import System
@@ -33,9 +34,6 @@ from lumped.system.assembly import System
 # The error of a frequency f falls as (f/f_cut)⁷ in tension, faster in bending. For the first twenty
 # frequencies of a robot 2.5 leaves 1e-5 at the highest (2: 3e-5, 1.5: 3e-4), and bounds it by 1e-4.
 CUTOFF_FACTOR = 2.5
-
-# Residual modes with less of the ends' momentum than this are rounding error.
-_NO_RESIDUAL = 1e-11
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,18 +49,25 @@ class CraigBampton(Superelement):
     frequencies: Array
     truncated: Array
 
+    def loosened(self, squared: float) -> tuple[Array, Array]:
+        """See `Truncated`."""
+        return heavier_at_interfaces(self.truncated, self.cutoff, self.matrices.size, squared)
+
 
 class Truncated(Protocol):
     """A reduced body, with what `frequency_bounds` asks of it."""
 
     @property
     def cutoff(self) -> float:
-        """Frequency (Hz) below which all modes with its interfaces held are kept."""
+        """Frequency (Hz) below which all its modes of the reduction's kind are kept."""
         ...
 
-    @property
-    def truncated(self) -> Array:
-        """W (6m×6m), the dropped modes' Σ p pᵀ/ω_k⁶ on the twists of its interfaces."""
+    def loosened(self, squared: float) -> tuple[Array, Array]:
+        """What to add to its stiffness and its mass (n×n) to bound what it was reduced from.
+
+        With them K − λM is nowhere above that of the unreduced body, for no λ up to `squared`
+        (rad²/s²), once its inner unknowns have done what they can.
+        """
         ...
 
 
@@ -96,6 +101,33 @@ class Reduction:
     counted: int | None
 
 
+def heavier_at_interfaces(
+    truncated: Array, cutoff: float, size: int, squared: float
+) -> tuple[Array, Array]:
+    """What `Truncated.loosened` adds for W (6m×6m) on n = `size` unknowns: mass at interfaces."""
+    added = np.zeros((size, size))
+    outer = slice(len(truncated))
+    share = squared / (2.0 * np.pi * cutoff) ** 2
+    added[outer, outer] = squared**3 / (1.0 - share) * truncated
+    return np.zeros_like(added), added
+
+
+def chosen_cutoff(highest_frequency: float, cutoff: float | None) -> float:
+    """The cut-off (Hz), `CUTOFF_FACTOR` times the highest frequency where None is given.
+
+    Raises InputError where it is not above that.
+    """
+    if not highest_frequency > 0.0:
+        raise InputError(f"highest frequency = {highest_frequency!r} Hz: must be above 0 Hz")
+    chosen = CUTOFF_FACTOR * highest_frequency if cutoff is None else cutoff
+    if not chosen > highest_frequency:
+        raise InputError(
+            f"cut-off = {chosen:g} Hz: must be above the highest frequency asked for, "
+            f"{highest_frequency:g} Hz ({CUTOFF_FACTOR:g} times that is usual)"
+        )
+    return chosen
+
+
 def craig_bampton(
     held: HeldLeg, highest_frequency: float, cutoff: float | None = None
 ) -> CraigBampton:
@@ -118,19 +150,11 @@ def reduction(held: Held, highest_frequency: float, cutoff: float | None = None)
     Raises InputError for a cut-off that is not above the highest frequency, ComputationError where
     the modes do not converge.
     """
-    if not highest_frequency > 0.0:
-        raise InputError(f"highest frequency = {highest_frequency!r} Hz: must be above 0 Hz")
-    chosen = CUTOFF_FACTOR * highest_frequency if cutoff is None else cutoff
-    if not chosen > highest_frequency:
-        raise InputError(
-            f"cut-off = {chosen:g} Hz: must be above the highest frequency asked for, "
-            f"{highest_frequency:g} Hz ({CUTOFF_FACTOR:g} times that is usual)"
-        )
-    modes = counted_modes(held, chosen)
+    modes = counted_modes(held, chosen_cutoff(highest_frequency, cutoff))
     constraint = held.constraint_modes
     momenta = held.mass @ constraint
     ends_mass = constraint.T @ momenta
-    residual, truncated = _residual_modes(held, momenta, modes)
+    residual, truncated = residual_modes(held, momenta, modes)
     shapes = np.hstack([modes.shapes, residual.shapes])
     squared = (2.0 * np.pi * np.concatenate([modes.frequencies, residual.frequencies])) ** 2
     participation = shapes.T @ momenta
@@ -143,34 +167,6 @@ def reduction(held: Held, highest_frequency: float, cutoff: float | None = None)
         truncated=truncated,
         counted=modes.counted,
     )
-
-
-def _residual_modes(held: Held, momenta: Array, modes: Modes) -> tuple[Modes, Array]:
-    """Ritz modes of the dropped modes' static response to `momenta` MΨ (n×12), and W (12×12)."""
-    mass_shapes = held.mass @ modes.shapes
-    loads = momenta - mass_shapes @ (modes.shapes.T @ momenta)
-    response = _without(modes, mass_shapes, held.flexibility(loads))
-    inertia = held.mass @ response
-    truncated = inertia.T @ _without(modes, mass_shapes, held.flexibility(inertia))
-    stiffness, mass = loads.T @ response, response.T @ inertia
-    scale = 1.0 / np.sqrt(np.einsum("ij,ij->j", momenta, held.flexibility(momenta)))
-    values, vectors = eigh(_symmetric(stiffness) * scale[:, None] * scale)
-    kept = values > _NO_RESIDUAL
-    basis = scale[:, None] * vectors[:, kept] / np.sqrt(values[kept])
-    inverse_squares, amplitudes = eigh(basis.T @ _symmetric(mass) @ basis)
-    inverse_squares, amplitudes = inverse_squares[::-1], amplitudes[:, ::-1]
-    shapes = fix_signs(response @ (basis @ amplitudes) / np.sqrt(inverse_squares))
-    frequencies = 1.0 / (2.0 * np.pi * np.sqrt(inverse_squares))
-    return Modes(frequencies, shapes), _symmetric(truncated)
-
-
-def _without(modes: Modes, mass_shapes: Array, displacement: Array) -> Array:
-    rest: Array = displacement - modes.shapes @ (mass_shapes.T @ displacement)
-    return rest
-
-
-def _symmetric(matrix: Array) -> Array:
-    return np.asarray(0.5 * (matrix + matrix.T))
 
 
 def frequency_bounds(system: System, legs: Mapping[str, Truncated], count: int) -> FrequencyBounds:
@@ -187,19 +183,15 @@ def frequency_bounds(system: System, legs: Mapping[str, Truncated], count: int) 
             f"{system.name}: frequency {count} of the reduced robot is {upper[-1]:g} Hz, and "
             f"the legs' modes are cut off at {cutoff:g} Hz: raise the cut-off or ask for fewer"
         )
-    outer = system.outer
-    dropped = {
-        name: system.ends[name].T @ leg.truncated @ system.ends[name] for name, leg in legs.items()
-    }
+    own = {name: system.own(name, np.eye(system.size)) for name in legs}
     lower = np.empty(count)
     for j, frequency in enumerate(upper):
-        squared = (2.0 * np.pi * frequency) ** 2
-        added = np.zeros_like(whole.mass)
-        added[:outer, :outer] = sum(
-            squared**3 / (1.0 - (frequency / leg.cutoff) ** 2) * dropped[name]
-            for name, leg in legs.items()
-        )
-        heavier = replace(whole, mass=whole.mass + added)
-        lower[j] = solution.modes(solution.solved(heavier), j + 1).frequencies[j]
+        stiffness, mass = whole.stiffness.copy(), whole.mass.copy()
+        for name, leg in legs.items():
+            softer, heavier = leg.loosened((2.0 * np.pi * frequency) ** 2)
+            stiffness += own[name].T @ softer @ own[name]
+            mass += own[name].T @ heavier @ own[name]
+        loosened = replace(whole, stiffness=stiffness, mass=mass)
+        lower[j] = solution.modes(solution.solved(loosened), j + 1).frequencies[j]
     # Where nothing is dropped both are one number but for rounding.
     return FrequencyBounds(lower=np.minimum(lower, upper), upper=upper)

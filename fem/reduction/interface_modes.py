@@ -1,6 +1,6 @@
-"""Modes of a leg with both ends held, all of them below a cut-off, by block Lanczos.
+"""Modes of a body, held or free, all of them below a cut-off, by block Lanczos.
 
-A M φ = φ/λ with the flexibility A of the held leg, symmetric in the product of M. Blocks of vectors
+A M φ = φ/λ with the flexibility A of the body, symmetric in the product of M. Blocks of vectors
 pay twice: the factor is read once for all of them, and a mode that repeats is found as often.
 """
 
@@ -22,7 +22,7 @@ _SEED = 1
 
 
 def interface_modes(held: Swinging, cutoff: float, search: int = 0) -> Modes:
-    """All modes below `cutoff` (Hz) with both ends held; shapes (n×m) mass-normalised, on u.
+    """All modes below `cutoff` (Hz), rigid motions left out; shapes (n×m) mass-normalised, on u.
 
     Every number of a `search` starts from noise of its own. Raises ComputationError where they are
     too many to find.
@@ -64,7 +64,7 @@ def _modes_below(held: Swinging, cutoff: float, seed: int) -> Modes | None:
     if limit < _LARGEST_SUBSPACE:
         return None
     raise ComputationError(
-        f"{held.model} leg, both ends held: its modes below the cut-off of {cutoff:g} Hz were not "
+        f"{held.state}: its modes below the cut-off of {cutoff:g} Hz were not "
         f"found in {limit} Lanczos vectors; a lower cut-off is needed"
     )
 
@@ -87,7 +87,7 @@ def _orthonormal(mass: SparseMatrix, block: Array) -> tuple[Array, Array]:
             upper = cholesky(gram)
         except LinAlgError as error:
             raise ComputationError(
-                "modes with both ends held: fewer modes have mass than are looked for"
+                "modes of a reduction: fewer have mass than are looked for"
             ) from error
         block = solve_triangular(upper, block.T, trans="T").T
         total = upper @ total

@@ -53,6 +53,11 @@ class HeldLeg:
         return int(self.constraint_modes.shape[0])
 
     @property
+    def state(self) -> str:
+        """What errors call it, and how it is held."""
+        return f"{self.model} leg, both ends held"
+
+    @property
     def inertia(self) -> None:
         """Not counted: legs are prisms, whose modes are those of beams, all kinds in order."""
 

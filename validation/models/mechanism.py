@@ -1,7 +1,7 @@
 """Every model of any mechanism: models of its bodies, and what they say in a posture.
 
 Bodies are modelled once, however many are alike and however many postures follow. Static models
-are condensed to their interfaces, which is exact; dynamic ones are reduced by Craig and Bampton.
+are condensed to their interfaces, which is exact; dynamic ones are reduced with modes.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -136,7 +136,8 @@ def dynamic_bodies(
         legs = constant_legs(mechanism, options)
         bodies = mechanism.parts
         return {name: filled(reduced(leg, own)) for name, leg, own in legs} | {
-            name: parts.reduced(body, highest, cutoff) for name, body in bodies.items()
+            name: parts.reduced(body, highest, cutoff, by=options.reduction)
+            for name, body in bodies.items()
         }
     whole = bodies_of(mechanism, options, partial(cached_leg, model))
     if sum(one.size for one in whole.values()) <= FEW:

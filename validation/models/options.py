@@ -10,6 +10,7 @@ ModelName: TypeAlias = Literal["simplified", "vjm", "links", "segments", "beam",
 LegSprings: TypeAlias = Literal["given", "equivalent"]
 Ends: TypeAlias = Literal["rigid", "free"]
 PartLegs: TypeAlias = Literal["equivalent", "stepped", "condensed"]
+ReductionBy: TypeAlias = Literal["fixed", "free"]
 
 
 @dataclass(frozen=True)
@@ -20,7 +21,8 @@ class ModelOptions:
     (segments, beam; vjm and links with equivalent legs); `elements` per leg (segments, beam);
     `release`, `layout` (segments); `ends`, `divisions` (solid); `equivalent`: which diagonal is
     matched; `parts` (segments, beam): CAD parts as equivalent legs, as legs stepped in prismatic
-    pieces, or condensed on their interfaces with their mass.
+    pieces, or condensed on their interfaces with their mass; `reduction` (solid): CAD parts by
+    their modes with all interfaces fixed (Craig and Bampton) or free (MacNeal, Rubin).
     """
 
     legs: LegSprings = "given"
@@ -32,6 +34,7 @@ class ModelOptions:
     divisions: int = 4
     equivalent: EquivalentBy = "stiffness"
     parts: PartLegs = "equivalent"
+    reduction: ReductionBy = "fixed"
 
 
 DEFAULT_OPTIONS = ModelOptions()

@@ -9,14 +9,17 @@ from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
+from scipy.linalg import eigh
 from scipy.sparse import csr_array
 from scipy.spatial import cKDTree
 
 from fem.bodies.part import grips_of, held_part, meshed_part
-from fem.reduction.craig_bampton import reduction
+from fem.reduction.craig_bampton import Reduction, heavier_at_interfaces, reduction
+from fem.reduction.free_interface import FreeTruncation, free_interface
 from fem.reduction.held import HeldBody
 from lumped.arrays import Array, SparseMatrix
 from lumped.caches import lru_cache
+from lumped.dense.modes import dense
 from lumped.errors import ComputationError, InputError
 from lumped.mechanism.body import Body
 from lumped.mechanism.body_model import BodyModel
@@ -26,6 +29,7 @@ from lumped.mechanism.placing import leg_frame
 from meshes.part.interfaces import Interface, find_interfaces
 from meshes.part.part_mesh import PartMesh
 from meshes.part.reading.read import PartFile, read_part
+from validation.models.options import ReductionBy
 from validation.parts.identify import Identified, identify
 from validation.parts.kept import kept, key_of
 from validation.parts.meshes import COARSE, FINEST, part_mesh
@@ -36,13 +40,15 @@ _MODES = 6
 # Nodes that a displacement between them is taken from; nearer than this share of the part a point
 # is a node.
 _NEIGHBOURS, _AT_NODE = 16, 1e-9
+# Eigenvalues of a reduction are those of its modes to rounding: what is farther off is no such one.
+_SAME_MODE = 1e-6
 
 Hold: TypeAlias = Literal["rigid", "average"]
 
 
 @dataclass(frozen=True, eq=False)
 class ReducedPart(BodyModel):
-    """A part reduced by Craig and Bampton for frequencies up to `highest` (Hz).
+    """A part reduced for frequencies up to `highest` (Hz), by Craig and Bampton.
 
     With its interfaces held `counted` modes lie below `cutoff` (Hz), by inertia, and all are kept;
     `truncated` W (6m×6m) is what bounds the error (fem.reduction.craig_bampton).
@@ -52,6 +58,42 @@ class ReducedPart(BodyModel):
     cutoff: float = field(kw_only=True)
     counted: int = field(kw_only=True)
     truncated: Array = field(kw_only=True)
+
+    @property
+    def kept(self) -> int:
+        """How many modes below the cut-off its matrices have."""
+        return _below(np.diag(self.stiffness)[len(self.truncated) :], self.cutoff)
+
+    def loosened(self, squared: float) -> tuple[Array, Array]:
+        """As `fem.reduction.craig_bampton.Truncated` wants it."""
+        return heavier_at_interfaces(self.truncated, self.cutoff, self.size, squared)
+
+
+@dataclass(frozen=True, eq=False)
+class FreelyReducedPart(ReducedPart):
+    """The same by MacNeal and Rubin: cut-off and count are those of the free part's elastic modes.
+
+    `truncation` bounds the error (fem.reduction.free_interface).
+    """
+
+    truncation: FreeTruncation = field(kw_only=True)
+
+    @property
+    def kept(self) -> int:
+        """How many elastic modes of the free part below the cut-off its matrices have."""
+        squared = eigh(dense(self.stiffness), dense(self.mass), eigvals_only=True)[6:]
+        known = self.truncation.squared[6 : -len(self.truncated)]
+        found = squared[: len(known)]
+        return _below(found[np.abs(found / known - 1.0) < _SAME_MODE], self.cutoff)
+
+    def loosened(self, squared: float) -> tuple[Array, Array]:
+        """As `fem.reduction.craig_bampton.Truncated` wants it."""
+        stiffness, mass = self.truncation.loosened(squared)
+        return np.asarray(stiffness - self.stiffness), np.asarray(mass - self.mass)
+
+
+def _below(squared: Array, cutoff: float) -> int:
+    return int((squared < (2.0 * np.pi * cutoff) ** 2).sum())
 
 
 @lru_cache(maxsize=16)
@@ -111,12 +153,17 @@ def condensed(body: Body) -> BodyModel:
 
 
 def reduced(
-    body: Body, highest: float, cutoff: float, rung: int = FINEST, hold: Hold = "rigid"
+    body: Body,
+    highest: float,
+    cutoff: float,
+    rung: int = FINEST,
+    hold: Hold = "rigid",
+    by: ReductionBy = "fixed",
 ) -> ReducedPart:
-    """One of the part's meshes, reduced by Craig and Bampton for frequencies up to `highest` (Hz).
+    """One of the part's meshes, reduced for frequencies up to `highest` (Hz).
 
-    `hold`: how interfaces are held of which the robot file does not say it. Raises ComputationError
-    where it has not the modes that were counted.
+    `hold`: how interfaces are held of which the robot file does not say it; `by` its modes with
+    interfaces fixed or free. Raises ComputationError where it has not the modes that were counted.
     """
     file, known = found_in(body)
     shape = shape_of(body)
@@ -128,8 +175,14 @@ def reduced(
         mesh = part_mesh(file, known, UNKNOWNS, rung)
         meshed = meshed_part(mesh, shape.material)
         rooted = held_part(meshed, grips_of(mesh, interfaces), body.name)
-        found = reduction(HeldBody(rooted), highest, cutoff)
-        return {
+        dropped: dict[str, Array] = {}
+        found: Reduction
+        if by == "free":
+            found, truncation = free_interface(rooted, highest, cutoff)
+            dropped = {"squared": truncation.squared, "shares": truncation.shares}
+        else:
+            found = reduction(HeldBody(rooted), highest, cutoff)
+        return dropped | {
             "stiffness": found.stiffness,
             "mass": found.mass,
             "nodes": mesh.nodes,
@@ -139,33 +192,32 @@ def reduced(
             "truncated": found.truncated,
         }
 
-    key = key_of(file, interfaces, shape.material, "reduced", UNKNOWNS, rung, highest, cutoff)
+    key = key_of(file, interfaces, shape.material, "reduced", UNKNOWNS, rung, highest, cutoff, by)
     found = kept(key, compute)
     moved = interpolated(found["nodes"], found["recovery"])
+    cut, truncated = float(found["cutoff"]), found["truncated"]
+    own: dict[str, Any] = {
+        "highest": highest,
+        "cutoff": cut,
+        "counted": int(found["counted"]),
+        "truncated": truncated,
+    }
+    kind: type[ReducedPart] = ReducedPart
+    if by == "free":
+        kind = FreelyReducedPart
+        own["truncation"] = FreeTruncation(cut, found["squared"], found["shares"], truncated)
     names = tuple(body.interfaces)
-    model = ReducedPart(
-        "solid, reduced",
-        names,
-        found["stiffness"],
-        found["mass"],
-        moved,
-        highest=highest,
-        cutoff=float(found["cutoff"]),
-        counted=int(found["counted"]),
-        truncated=found["truncated"],
-    )
+    model = kind("solid, reduced", names, found["stiffness"], found["mass"], moved, **own)
     _require_counted(model, body.name)
     return model
 
 
 def _require_counted(part: ReducedPart, name: str) -> None:
     """Raise ComputationError unless there are as many modes below the cut-off as were counted."""
-    squared = np.diag(part.stiffness)[6 * len(part.interfaces) :]
-    kept_modes = int((squared < (2.0 * np.pi * part.cutoff) ** 2).sum())
-    if kept_modes != part.counted:
+    if part.kept != part.counted:
         raise ComputationError(
-            f"{name}, reduced: {part.counted} modes were counted below {part.cutoff:.6g} Hz with "
-            f"its interfaces held, {kept_modes} are in its reduction"
+            f"{name}, reduced: {part.counted} modes were counted below {part.cutoff:.6g} Hz, "
+            f"{part.kept} are in its reduction"
         )
 
 

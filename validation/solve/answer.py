@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from lumped.arrays import Array
-from validation.models.options import ModelName
+from validation.models.options import ModelName, ReductionBy
 from validation.solve.notebook import paragraph, table
 
 # What each model listens to; anything else given on the command line is a fault.
@@ -18,7 +18,7 @@ OPTIONS: dict[ModelName, tuple[str, ...]] = {
     "links": ("legs", "theory", "equivalent"),
     "segments": ("theory", "elements", "release", "layout", "equivalent", "parts"),
     "beam": ("theory", "elements", "equivalent", "parts"),
-    "solid": ("ends", "divisions", "equivalent"),
+    "solid": ("ends", "divisions", "equivalent", "reduction"),
 }
 # Models of elements, solved dense.
 OF_ELEMENTS: tuple[ModelName, ...] = ("segments", "beam")
@@ -52,7 +52,7 @@ class PartUncertainty:
     infinite for a part that is a mesh; `compliance_bracket`, `frequency_bracket`: with averaged
     interfaces less with rigid ones, of those of which nobody says how they are held. `reduction`:
     most by which frequencies are too high for the modes that were dropped; `counted`: by part, how
-    many lie below which frequency (Hz) with its interfaces held, all of them kept.
+    many lie below which frequency (Hz) with its interfaces as `by` says, all of them kept.
     """
 
     compliance: Array
@@ -61,6 +61,7 @@ class PartUncertainty:
     frequency_bracket: Array
     reduction: Array
     counted: Mapping[str, tuple[int, float]]
+    by: ReductionBy
 
 
 @dataclass(frozen=True)
@@ -256,7 +257,9 @@ def _part_lines(answer: Answer, found: PartUncertainty) -> list[str]:
             f"{name} {count} below {below:.4g} Hz" for name, (count, below) in found.counted.items()
         )
         most = 100.0 * float(np.max(found.reduction / answer.frequencies))
-        lines.append(f"  modes of the parts with interfaces held, counted and all kept: {counts};")
+        lines.append(
+            f"  modes of the parts with interfaces {found.by}, counted and all kept: {counts};"
+        )
         lines.append(f"    those dropped lower no frequency by more than {most:.1g} %")
     return lines
 

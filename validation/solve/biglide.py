@@ -48,7 +48,9 @@ def _unheard(
     model: ModelName, springs: str, leg: int | None, legs: Sequence[Leg]
 ) -> dict[str, str]:
     """Options of the model that have nothing to act on here, and why."""
-    unheard = {"parts": "the biglide's legs are no parts from files; leave it out"}
+    unheard = dict.fromkeys(
+        ("parts", "reduction"), "the biglide's legs are no parts from files; leave it out"
+    )
     if all(isinstance(one, ConstantLeg) for one in legs):
         unheard["equivalent"] = (
             "a leg given by section and material is its own equivalent; leave it out"

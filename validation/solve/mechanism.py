@@ -31,6 +31,8 @@ from validation.solve.uncertainty import beside, of_parts, with_uncertainty, wit
 
 # Eq. (25) as printed is a statement about the paper's own robot.
 _BIGLIDE_ALONE = ("release",)
+# What only parts from files listen to.
+_OF_PARTS = ("parts", "reduction")
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,7 +153,7 @@ def _in_postures(
     found = mechanism_modes(model, at, count, options)
     pairs = paired(found, question.against, options) if question.against else None
     if left_open:
-        parts = [*of_parts(at, found[0].system.models, count)]
+        parts = [*of_parts(at, found[0].system.models, count, options.reduction)]
     return [
         Answer(
             _place(one.posture),
@@ -216,7 +218,7 @@ def _option_faults(mechanism: Mechanism, model: ModelName, given: dict[str, Any]
     unheard = _unheard(mechanism)
     faults += [
         f"--{name}: no leg of {mechanism.name} is given by a "
-        f"{'file' if name == 'parts' else '6×6'}, so nothing would change"
+        f"{'file' if name in _OF_PARTS else '6×6'}, so nothing would change"
         for name in given
         if name in listens and name in unheard
     ]
@@ -228,7 +230,7 @@ def _unheard(mechanism: Mechanism) -> tuple[str, ...]:
     if mechanism.parts:
         return ()
     prisms = all(isinstance(leg, ConstantLeg) for leg in legs_of(mechanism).values())
-    return ("legs", "equivalent", "parts") if prisms else ("parts",)
+    return ("legs", "equivalent", *_OF_PARTS) if prisms else _OF_PARTS
 
 
 def _body_faults(

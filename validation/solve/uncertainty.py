@@ -19,7 +19,7 @@ from meshes.section.section_blocks import element_count
 from validation.adequacy.mechanism.part_solids import UNKNOWN, refinement_share
 from validation.agreement.convergence import step_factor
 from validation.models.mechanism import CUTOFF
-from validation.models.options import ModelOptions
+from validation.models.options import ModelOptions, ReductionBy
 from validation.models.parts import Hold, ReducedPart, is_held_as_said, reduced
 from validation.parts.meshes import FINEST
 from validation.solids.legs import formal_order
@@ -105,13 +105,16 @@ def without_uncertainty(answers: Sequence[Answer], divisions: int) -> list[Answe
 
 
 def of_parts(
-    postures: Sequence[Posture], models: Mapping[str, BodyModel], count: int
+    postures: Sequence[Posture],
+    models: Mapping[str, BodyModel],
+    count: int,
+    by: ReductionBy = "fixed",
 ) -> list[PartUncertainty]:
     """What the parts of a mechanism, solids among its `models`, leave open in every posture.
 
     Of its compliance and `count` frequencies: each part on its three meshes, and with averaged
     interfaces in the place of rigid ones where the robot file does not say how they are held. All
-    other bodies as they are.
+    other bodies as they are; parts are reduced `by` their modes with interfaces fixed or free.
     """
     mechanism = postures[0].mechanism
     bodies = mechanism.parts
@@ -120,7 +123,7 @@ def of_parts(
 
     def again(rung: int, hold: Hold = "rigid") -> Array:
         own = {
-            name: reduced(body, highest, CUTOFF["solid"] * highest, rung, hold)
+            name: reduced(body, highest, CUTOFF["solid"] * highest, rung, hold, by)
             for name, body in bodies.items()
         }
         found = swept(assembly(mechanism, {**models, **own}), postures, count)
@@ -141,6 +144,7 @@ def of_parts(
             frequency_bracket=of_holding[6:],
             reduction=_bound(prepared.at(at), solids, count),
             counted={name: (one.counted, one.cutoff) for name, one in solids.items()},
+            by=by,
         )
         for at, of_meshes, of_holding in zip(postures, left, bracket, strict=True)
     ]

@@ -2,6 +2,7 @@
 
 import json
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -36,9 +37,9 @@ def file(tmp_path_factory):
     return write_crane(tmp_path_factory.mktemp("crane"))
 
 
-def solution_of(file, count=COUNT):
+def solution_of(file, count=COUNT, **given):
     return solve_mechanism(
-        MechanismQuestion(load_robot(file).mechanism, "solid", (), None, count, {})
+        MechanismQuestion(load_robot(file).mechanism, "solid", (), None, count, given)
     )
 
 
@@ -82,8 +83,9 @@ def test_the_bracket_is_what_the_file_changes_when_it_says_so(solution, file):
     assert (bracket[6:] < 0.0).all()
 
 
-def test_dropped_modes_lower_no_frequency_by_more_than_is_said(solution, file):
-    (own,) = solution.answers
+@pytest.mark.parametrize("by", ["fixed", "free"])
+def test_dropped_modes_lower_no_frequency_by_more_than_is_said(solution, file, by):
+    (own,) = (solution if by == "fixed" else solution_of(file, reduction="free")).answers
     ((count, below),) = own.of_parts.counted.values()
     mechanism = load_robot(file).mechanism
     at = reference_posture(mechanism)
@@ -95,6 +97,9 @@ def test_dropped_modes_lower_no_frequency_by_more_than_is_said(solution, file):
     assert (too_high >= -rounding).all()
     assert (too_high <= own.of_parts.reduction + rounding).all()
     assert (own.of_parts.reduction < 1e-3 * exact).all()
+    assert f"modes of the parts with interfaces {by}, counted" in as_text(
+        replace(solution, answers=(own,))
+    )
 
 
 def test_statics_alone_are_those_of_the_part(solution, file):
@@ -124,7 +129,8 @@ def test_its_modes_have_partners_among_those_of_another_model(file):
     assert first["mac"] > 0.95
 
 
-def test_a_reduction_that_lacks_a_mode_is_refused(file, monkeypatch):
+@pytest.mark.parametrize("by", ["fixed", "free"])
+def test_a_reduction_that_lacks_a_mode_is_refused(file, monkeypatch, by):
     arm = load_robot(file).mechanism.bodies["arm"]
     sound = parts.kept
 
@@ -135,8 +141,8 @@ def test_a_reduction_that_lacks_a_mode_is_refused(file, monkeypatch):
             found |= {name: found[name][np.ix_(rest, rest)] for name in ("stiffness", "mass")}
         return found
 
-    whole = parts.reduced(arm, 1000.0, 2500.0)
+    whole = parts.reduced(arm, 1000.0, 2500.0, by=by)
     monkeypatch.setattr(parts, "kept", without_a_mode)
     message = f"arm, reduced: {whole.counted} modes were counted below 2500 Hz"
     with pytest.raises(parts.ComputationError, match=message):
-        parts.reduced(arm, 1000.0, 2500.0)
+        parts.reduced(arm, 1000.0, 2500.0, by=by)

@@ -100,7 +100,7 @@ def _unit_displacement(modes: Modes) -> Modes:
 @fault_in_value(
     "reduction.no-residual",
     "Static response of the dropped modes left out",
-    "fem.reduction.craig_bampton._residual_modes",
+    "fem.reduction.residual_modes.residual_modes",
 )
 def _none_residual(found: tuple[Modes, Array]) -> tuple[Modes, Array]:
     modes, truncated = found
@@ -110,7 +110,7 @@ def _none_residual(found: tuple[Modes, Array]) -> tuple[Modes, Array]:
 @fault_in_value(
     "reduction.bound",
     "Bound of the reduction's error without the dropped modes",
-    "fem.reduction.craig_bampton._residual_modes",
+    "fem.reduction.residual_modes.residual_modes",
 )
 def _nothing_dropped(found: tuple[Modes, Array]) -> tuple[Modes, Array]:
     modes, truncated = found

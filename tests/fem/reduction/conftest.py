@@ -1,0 +1,64 @@
+"""A square bar as a part: held in several ways, with its matrices dense."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from scipy.linalg import eigh, null_space
+
+from fem.bodies.part import grips_of, held_part, meshed_part
+from fem.reduction.held import HeldBody
+from lumped.legs import Material
+from lumped.mechanism.part import ByPlane, PartInterface
+from meshes.part.interfaces import find_interfaces
+from meshes.part.reading.read import read_part
+from validation.cases.program.parts.drawing import meshed
+
+STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
+LENGTH = 0.2
+COUPLINGS = {"rigid": ("rigid", "rigid"), "averaged": ("rigid", "average"), "one": ("average",)}
+
+
+@dataclass(frozen=True)
+class Bar:
+    """A square bar and its interfaces at its ends."""
+
+    held: HeldBody
+
+    def frequencies(self, fixed):
+        """All frequencies (Hz) with the first `fixed` components of the interfaces' twists held.
+
+        Dense, by no code of the reduction's.
+        """
+        solid = self.held.rooted.solid
+        free = null_space(solid.twists[:, :fixed].T) if fixed else np.eye(solid.size)
+        stiffness, mass = (free.T @ (matrix @ free) for matrix in (solid.stiffness, solid.mass))
+        squared = eigh(stiffness, mass, eigvals_only=True)
+        return np.sqrt(np.maximum(squared, 0.0)) / (2.0 * np.pi)
+
+
+@pytest.fixture(scope="session", params=COUPLINGS.values(), ids=COUPLINGS)
+def bar(request, tmp_path_factory):
+    """Its bending modes come in pairs, alike but for the mesh."""
+    folder = tmp_path_factory.mktemp("bar")
+    drawn = meshed(
+        folder / "bar.msh",
+        lambda kernel: kernel.addBox(0.0, -15.0, -15.0, 200.0, 30.0, 30.0),
+        80.0,
+        4.0,
+    )
+    part = read_part(drawn, "mm")
+    ends = {
+        name: PartInterface(ByPlane((way, 0.0, 0.0), (x, 0.0, 0.0)), coupling)
+        for (name, way, x), coupling in zip(
+            (("A", -1.0, 0.0), ("B", 1.0, LENGTH)), request.param, strict=False
+        )
+    }
+    grips = grips_of(part.mesh, find_interfaces(part, ends))
+    return Bar(HeldBody(held_part(meshed_part(part.mesh, STEEL), grips, "bar")))
+
+
+@pytest.fixture(scope="session")
+def held_frequencies(bar):
+    """All that moves with the twists of all interfaces held (Hz)."""
+    return bar.frequencies(bar.held.rooted.solid.twists.shape[1])
