@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from meshes.gmsh_session import gmsh_model
+from validation.cases.program.parts.drawing import meshed
 
 ROBOT = """
 schema = 2
@@ -54,3 +55,12 @@ def write_crane(folder: Path) -> Path:
         gmsh.write(str(folder / "arm.step"))
     (folder / "robot.toml").write_text(ROBOT, "utf-8")
     return folder / "robot.toml"
+
+
+def write_meshed_crane(folder: Path) -> Path:
+    """The same with arm.msh, a mesh of some thousand unknowns, in the place of arm.step."""
+    robot, step = write_crane(folder), folder / "arm.step"
+    meshed(folder / "arm.msh", lambda kernel: kernel.importShapes(str(step)), 30.0, 12.0)
+    step.unlink()
+    robot.write_text(ROBOT.replace('step = "arm.step"', 'mesh = "arm.msh"\nunit = "mm"'), "utf-8")
+    return robot

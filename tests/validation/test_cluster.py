@@ -13,12 +13,19 @@ from functools import partial
 from pathlib import Path
 from threading import Thread
 
+import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from lumped.caches import forget
 from lumped.errors import ComputationError, InputError
 from lumped.robot_file import load_robot
 from validation import cli
+from validation.adequacy.mechanism.part_solids import highest_of_parts
+from validation.adequacy.mechanism.parts_ahead import prepare_parts
+from validation.adequacy.mechanism.path import offered, path_postures
+from validation.context import Context
+from validation.models import parts
 from validation.store.opening import open_folder
 from validation.sweeps.cluster import on_cluster
 from validation.sweeps.journal import Journal
@@ -26,6 +33,7 @@ from validation.sweeps.plans import lumped_models, member_units, solid_model
 from validation.sweeps.runner import sweep
 
 sys.path.insert(0, str(Path(__file__).parent))
+from crane import write_meshed_crane
 from one_arm import ONE_ARM
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -270,6 +278,34 @@ def test_varied_robots_are_the_same_on_the_cluster(cluster, capsys):
     here = capsys.readouterr().out
     assert cli.main([*asked, "--json", "--cluster", cluster[0]]) == 0
     assert capsys.readouterr().out == here
+
+
+def test_parts_are_reduced_by_a_worker_and_nothing_of_them_here(tmp_path, monkeypatch, processes):
+    """A worker with a cache of its own, and without the file: what it reduces lies here then."""
+    monkeypatch.delenv("FLEXPROOF_CACHE", raising=False)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "there"))
+    scheduler, address = started_scheduler(tmp_path)
+    processes += [scheduler, started_worker(address, tmp_path, "worker")]
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "here"))
+    context = Context(load_robot(write_meshed_crane(tmp_path)), "quick")
+    with on_cluster(address, silent) as executor:
+        prepare_parts(context, executor, carried=True)
+    here, there = (sorted((tmp_path / name).rglob("*.npz")) for name in ("here", "there"))
+    assert len(here) >= 4
+    assert [file.name for file in here] == [file.name for file in there]
+    computed = []
+    prepare_parts(context, lambda work: computed.append(work) or (), carried=False)
+    assert not computed
+    # The same reductions made here: other processes, the same numbers.
+    arm = context.robot_file.mechanism.bodies["arm"]
+    highest, cutoff = highest_of_parts(path_postures(context), offered(4))
+    theirs = parts.reduced(arm, highest, cutoff)
+    shutil.rmtree(tmp_path / "here")
+    forget()
+    own = parts.reduced(arm, highest, cutoff)
+    assert own.counted == theirs.counted > 0
+    for mine, its in ((own.stiffness, theirs.stiffness), (own.mass, theirs.mass)):
+        assert_allclose(mine, its, rtol=1e-12, atol=1e-12 * np.abs(its).max())
 
 
 @pytest.mark.exhaustive
