@@ -13,8 +13,9 @@ from types import ModuleType
 import numpy as np
 
 from lumped.arrays import IntArray
-from lumped.errors import InputError
+from lumped.errors import ComputationError, InputError
 from meshes.gmsh_arrays import connectivity, numbered
+from meshes.own_process import Crashed, in_own_process
 from meshes.part.boundary import Facets
 from meshes.part.interfaces import Interface
 from meshes.part.part_mesh import PartMesh
@@ -55,15 +56,29 @@ class Grading:
 def volume_mesh(part: PartFile, interfaces: Sequence[Interface], grading: Grading) -> PartMesh:
     """The part in second-order tetrahedra; curved edges lie on the true surface.
 
-    Raises InputError where the surface cannot be meshed; a part that is a mesh is refused.
+    Raises InputError where the surface cannot be meshed, ComputationError where gmsh crashes; a
+    part that is a mesh is refused.
     """
     if part.mesh is not None:
         raise InputError(f"{part.path}: is a mesh already; it cannot be meshed anew")
+    # Netgen's optimiser takes as long as the mesh, and a quarter of the error with it. On coarse
+    # meshes of thin walls it may end its process (gmsh 4.15): these do without it.
+    for netgen in (1, 0):
+        with suppress(Crashed):
+            return in_own_process(_meshed, part, interfaces, grading, netgen)
+    raise ComputationError(
+        f"{part.path}: gmsh ends its process while it meshes elements of {grading.size:.3g} m; "
+        "ask for another number of unknowns"
+    )
+
+
+def _meshed(
+    part: PartFile, interfaces: Sequence[Interface], grading: Grading, netgen: int
+) -> PartMesh:
     with cad_model(part.path, part.unit) as model:
         gmsh = model.gmsh
         _set_sizes(model, interfaces, grading)
-        # Netgen's optimiser takes as long as the mesh, and a quarter of the error with it.
-        _optimise(gmsh, 1)
+        _optimise(gmsh, 1, netgen)
         with naming_the_place(part.path, model):
             gmsh.model.mesh.generate(3)
             gmsh.model.mesh.setOrder(2)
@@ -83,7 +98,7 @@ def ladder(part: PartFile, interfaces: Sequence[Interface], unknowns: int) -> tu
     size = min((_PER_VOLUME * part.exact.volume / wanted) ** (1.0 / 3.0), largest)
     with cad_model(part.path, part.unit) as model:
         # Counted, not solved on: optimised ones have as many unknowns to a thousandth.
-        _optimise(model.gmsh, 0)
+        _optimise(model.gmsh, 0, 0)
 
         def count(grading: Grading) -> int:
             _set_sizes(model, interfaces, grading)
@@ -111,9 +126,10 @@ def ladder(part: PartFile, interfaces: Sequence[Interface], unknowns: int) -> tu
     return coarse, coarse.refined(), coarse.refined().refined()
 
 
-def _optimise(gmsh: ModuleType, passes: int) -> None:
-    gmsh.option.setNumber("Mesh.Optimize", passes)
-    gmsh.option.setNumber("Mesh.OptimizeNetgen", passes)
+def _optimise(gmsh: ModuleType, own: int, netgen: int) -> None:
+    """Passes of gmsh's own optimiser and of Netgen's."""
+    gmsh.option.setNumber("Mesh.Optimize", own)
+    gmsh.option.setNumber("Mesh.OptimizeNetgen", netgen)
 
 
 def _set_sizes(model: CadModel, interfaces: Sequence[Interface], grading: Grading) -> None:

@@ -4,22 +4,19 @@ OpenCASCADE samples the faces that a mesh is graded to with threads of its own, 
 starts once. A copy of it does not have them, and would wait for them for ever.
 """
 
-import os
-import subprocess
-import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
-from multiprocessing import Pipe
 from pathlib import Path
 from typing import Any
 
-from lumped.errors import ComputationError
+from meshes.own_process import in_own_process
 from meshes.part.interfaces import Interface
 from meshes.part.part_mesh import PartMesh
 from meshes.part.reading.read import PartFile
 from validation.context import Context
-from validation.faults.fault import Change, Fault, Faulty, around
+from validation.faults.fault import Change, Fault, Faulty, around, replaced, sound_function
 from validation.parts.meshes import RUNGS, part_mesh
+from validation.store.cache import nothing_kept
 
 
 def recalling(context: Context) -> dict[str, Change]:
@@ -51,27 +48,25 @@ def _in_turn(
 def meshed_elsewhere(fault: Fault) -> dict[str, Change]:
     """Changes by which volumes are meshed under the fault in fresh processes, not in this one."""
     places = ("meshes.part.volume.ladder", "meshes.part.volume.volume_mesh")
-    return {place: around(partial(_asked, place, fault)) for place in places}
+    return {place: around(partial(_asked, place, fault.id)) for place in places}
 
 
-def _asked(place: str, fault: Fault, _sound: Faulty, *args: Any) -> Any:
-    """What a fresh process with the same fault meshes; raises what it raises."""
-    ours, theirs = Pipe()
-    mesher = [sys.executable, "-m", "validation.faults.mesher", str(theirs.fileno())]
-    paths = os.pathsep.join(filter(None, sys.path))
-    with ours, theirs:
-        process = subprocess.Popen(  # noqa: S603  this interpreter
-            mesher, env={**os.environ, "PYTHONPATH": paths}, pass_fds=[theirs.fileno()]
-        )
-        theirs.close()
-        try:
-            ours.send((place, fault.id, args))
-            answer = ours.recv()
-        except (EOFError, ConnectionError):
-            raise ComputationError("the meshing process ended without an answer") from None
-        finally:
-            process.kill()
-            process.wait()
-    if isinstance(answer, Exception):
-        raise answer
-    return answer
+def _asked(place: str, identifier: str, _sound: Faulty, *args: Any) -> Any:
+    return in_own_process(under_fault, place, identifier, args)
+
+
+def under_fault(place: str, identifier: str, args: tuple[Any, ...]) -> Any:
+    """What the function at `place` says under the fault, here in this process."""
+    from validation.faults.catalogue import FAULTS  # noqa: PLC0415  it knows this module
+
+    fault = next(one for one in FAULTS if one.id == identifier)
+    with fault.inject(), replaced(IN_THIS_PROCESS), nothing_kept():
+        return sound_function(place)(*args)
+
+
+def _here(_sound: Faulty, function: Faulty, *args: Any) -> Any:
+    return function(*args)
+
+
+# Meshes are made where the fault is, and where it is seen which functions they take.
+IN_THIS_PROCESS: dict[str, Change] = {"meshes.own_process.in_own_process": around(_here)}

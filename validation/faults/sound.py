@@ -15,7 +15,7 @@ from lumped.robot_file import RobotFile
 from validation.case import Case, Skip, Verdict, judge
 from validation.context import Context, Preset
 from validation.faults.fault import Change, Faulty, around, replaced
-from validation.faults.parts import recalling
+from validation.faults.parts import IN_THIS_PROCESS, recalling
 from validation.store.cache import nothing_kept
 
 T = TypeVar("T")
@@ -128,7 +128,7 @@ def sound_cases(
     context = Listening(robot_file, preset)
     done = {}
     heard = {place: _listening(place, context) for place in places}
-    with replaced(heard | recalling(context)), nothing_kept():
+    with replaced(heard | recalling(context) | IN_THIS_PROCESS), nothing_kept():
         for case in cases:
             with context.heard() as work:
                 verdict = verdict_of(case, context)

@@ -1,0 +1,30 @@
+"""Functions in processes of their own: values, errors, and processes that end without an answer."""
+
+import os
+
+import pytest
+
+from lumped.errors import ComputationError, InputError
+from meshes.own_process import Crashed, in_own_process
+
+
+def test_a_value_comes_back_from_another_process():
+    assert in_own_process(divmod, 7, 2) == (3, 1)
+    assert in_own_process(os.getpid) != os.getpid()
+
+
+def test_errors_come_back_as_they_are_or_with_their_kind():
+    with pytest.raises(InputError, match="one") as raised:
+        in_own_process(refused, "one", "two")
+    assert raised.value.faults == ("one", "two")
+    with pytest.raises(ComputationError, match="ZeroDivisionError"):
+        in_own_process(divmod, 1, 0)
+
+
+def refused(*faults):
+    raise InputError(faults)
+
+
+def test_a_crash_ends_the_other_process_alone():
+    with pytest.raises(Crashed, match="code -6"):
+        in_own_process(os.abort)
