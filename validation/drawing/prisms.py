@@ -67,12 +67,6 @@ def section_displacements(points: Array, twists: Array) -> Array:
     return moved
 
 
-def in_robot_axes(vectors: Array, rotation: Array) -> Array:
-    """Vectors (n×3) from leg axes to robot axes, the columns of `rotation` being the leg's axes."""
-    turned: Array = vectors @ rotation.T
-    return turned
-
-
 def edges(corners: int, stations: int) -> IntArray:
     """Pairs (e×2) of point numbers along the long edges and both rims; a circle has rims alone."""
     ring = np.arange(corners)

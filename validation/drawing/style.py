@@ -14,14 +14,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import matplotlib as mpl
-import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure as Canvas
-
-from validation.drawing.text import power_of_ten
 
 WIDTH = 7.4  # in, of every plot
 LINE_HEIGHT = 0.165  # in, of a line in a legend
@@ -184,38 +180,14 @@ def svg_of(picture: Canvas) -> str:
     return text[text.index("<svg") :]
 
 
-def power_ticks(axis: Axis) -> None:
-    """Ticks of a logarithmic axis: powers of ten, or 1, 2 and 5 where there are few of these.
-
-    Call it once the curves are drawn. Labels are plain text: parsing formulas takes longer than
-    all the rest of a plot.
-    """
-    low, high = axis.get_view_interval()
-    decades = np.log10(high / low) if 0.0 < low < high else 0.0
-    parts = (1.0, 2.0, 5.0) if decades < _FEW_DECADES else (1.0,)
-    axis.set_major_locator(mpl.ticker.LogLocator(10.0, subs=parts, numticks=8))
-    axis.set_major_formatter(mpl.ticker.FuncFormatter(lambda value, _: short_number(value)))
-    axis.set_minor_locator(mpl.ticker.NullLocator())
-
-
-_FEW_DECADES = 1.5
-
-
-def short_number(value: float) -> str:
-    """A tick as in print: "0.02", "500", "10⁻⁶", "2 × 10⁻⁶"."""
-    if 1e-3 <= abs(value) < 1e4 or value == 0.0:
-        return f"{value:.4g}"
-    mantissa, _, exponent = f"{value:.2e}".partition("e")
-    power, digits = power_of_ten(int(exponent)), f"{float(mantissa):g}"
-    return power if digits == "1" else f"{digits} × {power}"
-
-
 def marked(points: int, rank: int, ranks: int) -> list[int]:
     """Which of `points` points carry a marker of line `rank` of `ranks`.
 
     About four per line, evenly spread, and no point has markers of two lines while there are
     points enough.
     """
+    if points < ranks:
+        return [rank % points]
     spacing = max(ranks, (points - 1) // 4)
     offset = round(rank * spacing / ranks)
     return list(range(offset, points, spacing))

@@ -50,7 +50,7 @@ def modes_of(name, model="beam", count=6):
 @pytest.mark.parametrize(
     "name",
     [
-        *("five-bar", "delta", "hexapod"),
+        *("ifw", "five-bar", "delta", "hexapod"),
         *(pytest.param(name, marks=pytest.mark.exhaustive) for name in ("3-rrr", "orthoglide")),
     ],
 )

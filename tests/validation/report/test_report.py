@@ -18,7 +18,8 @@ from report_sample import CONVERGENCE, PIXEL, SWEEP, case, never, sample_report
 
 from validation.case import Absolute, Allowance, Measurement, Outcome, Relation, judge
 from validation.drawing import text
-from validation.drawing.style import canvas, csv_of, plot_style, power_ticks, svg_of
+from validation.drawing.scales import power_ticks
+from validation.drawing.style import canvas, csv_of, plot_style, svg_of
 from validation.exhibits import Figure, InteractiveScene, Study
 from validation.independence.listing import NOTHING, Row, as_table, from_table
 from validation.report import sections

@@ -12,7 +12,7 @@ import pytest
 from lumped.robot_file import load_robot
 from lumped.robot_file.key_units import unit_of
 from validation.cli import main
-from validation.drawing.style import short_number
+from validation.drawing.scales import short_number
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from one_arm import ONE_ARM

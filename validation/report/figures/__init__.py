@@ -20,7 +20,7 @@ def of_program() -> tuple[Drawing, ...]:
     """The figures of what verifies the program."""
     from validation.report.figures.curves import refinement  # noqa: PLC0415
 
-    return refinement.drawings()
+    return refinement.figures()
 
 
 def of_variations(variations: Sequence[Variation]) -> tuple[Drawing, ...]:
@@ -39,13 +39,8 @@ def _of_mechanism() -> tuple[Drawing, ...]:
         shapes,
     )
 
-    return (
-        *portrait.drawings(),
-        *curves.drawings(),
-        *shapes.drawings(),
-        *pairs.drawings(),
-        *energies.drawings(),
-    )
+    rooms = (portrait, curves, shapes, pairs, energies)
+    return tuple(drawing for room in rooms for drawing in room.figures())
 
 
 def _of_biglide() -> tuple[Drawing, ...]:
@@ -57,15 +52,19 @@ def _of_biglide() -> tuple[Drawing, ...]:
         sixty_modes,
         statics,
     )
-    from validation.report.figures.pictures import legs, portrait, robot  # noqa: PLC0415
+    from validation.report.figures.pictures import legs, robot  # noqa: PLC0415
 
-    return (
-        *portrait.drawings(),
-        *statics.drawings(),
-        *dynamics.drawings(),
-        *energy.drawings(),
-        *sixty_modes.drawings(),
-        *robot.drawings(),
-        *legs.drawings(),
-        *decision.drawings(),
+    groups = (
+        robot.portraits,
+        statics.over_stroke,
+        statics.over_family,
+        dynamics.over_stroke,
+        dynamics.over_family,
+        energy.figures,
+        sixty_modes.figures,
+        robot.figures,
+        legs.of_leg1,
+        legs.of_leg2,
+        decision.figures,
     )
+    return tuple(drawing for group in groups for drawing in group())

@@ -1,111 +1,87 @@
 """Measured values as points with bars, and what the models say there."""
 
+from collections.abc import Sequence
+from dataclasses import replace
 from itertools import cycle
+from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
 
 from validation.adequacy.matrix import Entry, Matrix
-from validation.drawing.style import BLACK, OTHERS, canvas, csv_of, plot_style, svg_of
+from validation.drawing.chart import Panel, Series
+from validation.drawing.scales import side_by_side
+from validation.drawing.style import BLACK, OTHERS, Look, csv_of
 from validation.exhibits import Figure
-from validation.report.figures.adequacy import look_of_model
-from validation.report.figures.curves.lines import legend_above
+from validation.report.figures.adequacy import abscissa, look_of_model, matrix_chart, numbers
+from validation.report.figures.declared import curves
 
-_COLUMNS = 3
+_MEASURED = Look(BLACK, "o", "none")
 
 
 def measured_figure(matrix: Matrix) -> Figure | None:
     """A panel for each measured quantity: measured with its 95 % interval, models beside it."""
-    shown = matrix.quantities
-    if not shown:
+    if not matrix.quantities:
         return None
-    rows, columns = -(-len(shown) // _COLUMNS), min(len(shown), _COLUMNS)
-    with plot_style():
-        picture, panels = canvas(rows, columns, 0.7 + 2.1 * rows)
-        for axes, quantity in zip(panels, shown, strict=False):
-            entries = [entry for entry in matrix.entries if entry.quantity == quantity]
-            if any(sum(error is not None for error in entry.errors) > 1 for entry in entries):
-                _draw_over_poses(axes, matrix, entries)
-            else:
-                _draw(axes, entries)
-        for axes in panels[len(shown) :]:
-            axes.set_axis_off()
-        for axes in panels[::columns]:
-            axes.set_ylabel("value / measured value")
-        legend_above(picture, columns=_COLUMNS)
-        svg = svg_of(picture)
-    return Figure(
-        id="measured.values",
-        title="Measured values, and what the models say",
-        caption=(
-            "Black: measured, with the 95 % interval of its own uncertainty. Models with that of "
-            "numerics and uncertain inputs. Each divided by what was measured there; over the "
-            "poses where there are several, with the 95 % interval of all three."
-        ),
-        section="measured",
-        svg=svg,
-        data=csv_of(
-            {
-                "model": [entry.model for entry in matrix.entries],
-                "quantity": [entry.quantity for entry in matrix.entries],
-                "value": [_or_empty(entry.value) for entry in matrix.entries],
-                "measured": [_or_empty(entry.expected) for entry in matrix.entries],
-                "95 % of the measurement": [_part(e, "measurement") for e in matrix.entries],
-                "95 % of numerics and inputs": [_of_model(e) for e in matrix.entries],
-            }
-        ),
-    )
+    found = {
+        quantity: [entry for entry in matrix.entries if entry.quantity == quantity]
+        for quantity in matrix.quantities
+    }
+    label = abscissa(matrix)[1]
+    panels = []
+    for place, (quantity, entries) in enumerate(found.items()):
+        named = {"title": quantity, "y_label": "" if place % 3 else "value / measured value"}
+        shape: dict[str, Any] = {**named, "levels": (1.0,), "staggered": False}
+        if any(sum(error is not None for error in entry.errors) > 1 for entry in entries):
+            panels.append(Panel(_over_poses(matrix, entries), **shape))
+        else:
+            panels.append(Panel(_one_pose(entries), scale=side_by_side, x_label="", **shape))
+    data: dict[str, Sequence[float | str]] = {
+        "model": [entry.model for entry in matrix.entries],
+        "quantity": [entry.quantity for entry in matrix.entries],
+        "value": [_or_empty(entry.value) for entry in matrix.entries],
+        "measured": [_or_empty(entry.expected) for entry in matrix.entries],
+        "95 % of the measurement": [_part(e, "measurement") for e in matrix.entries],
+        "95 % of numerics and inputs": [_of_model(e) for e in matrix.entries],
+    }
+    return curves(
+        matrix_chart(panels, label),
+        "Black: measured, with the 95 % interval of its own uncertainty. Models with that of "
+        "numerics and uncertain inputs. Each divided by what was measured there; over the "
+        "poses where there are several, with the 95 % interval of all three.",
+        data=csv_of(data),
+    ).figure("measured.values", "Measured values, and what the models say", "measured")
 
 
-def _draw(axes: Axes, entries: list[Entry]) -> None:
+def _one_pose(entries: Sequence[Entry]) -> list[Series]:
+    """In one pose: what was measured, then the models."""
     others = cycle(OTHERS)
-    bars = [_part(entry, "measurement") for entry in entries]
-    axes.errorbar(
-        0, 1.0, max(bars, default=0.0), color=BLACK, marker="o", capsize=4, label="measured"
-    )
+    bar = max((_part(entry, "measurement") for entry in entries), default=0.0)
+    series = [_point("measured", 0, 1.0, bar, _MEASURED)]
     for place, entry in enumerate(entries, start=1):
-        if entry.value is None or not entry.expected:
-            continue
-        look = look_of_model(entry.model) or next(others)
-        axes.errorbar(
-            place,
-            entry.value / entry.expected,
-            _of_model(entry),
-            color=look.colour,
-            marker=look.marker,
-            linestyle="none",
-            capsize=3,
-            label=entry.model,
-        )
-    axes.axhline(1.0, color="#999999", linewidth=0.8)
-    axes.set_xticks([])
-    axes.set_title(entries[0].quantity if entries else "")
+        if entry.value is not None and entry.expected:
+            look = look_of_model(entry.model, others)
+            ratio = entry.value / entry.expected
+            series.append(_point(entry.model, place, ratio, _of_model(entry), look))
+    return series
 
 
-def _draw_over_poses(axes: Axes, matrix: Matrix, entries: list[Entry]) -> None:
-    others = cycle(OTHERS)
-    single = len(matrix.coordinates) == 1
-    places = [pose[0] if single else number for number, pose in enumerate(matrix.poses, start=1)]
+def _point(label: str, place: int, value: float, bar: float, look: Look) -> Series:
+    x, y, bars = (np.array([number]) for number in (float(place), value, bar))
+    return Series(label, x, y, replace(look, line="none"), fill=look.colour, bars=bars)
+
+
+def _over_poses(matrix: Matrix, entries: Sequence[Entry]) -> list[Series]:
+    """Over the poses where it was measured: the models, and one for what was measured."""
+    others, (x, _) = cycle(OTHERS), abscissa(matrix)
+    series = []
     for entry in entries:
-        found = [
-            (place, 1.0 + error, spread)
-            for place, error, spread in zip(places, entry.errors, entry.spreads, strict=True)
-            if error is not None
-        ]
-        look = look_of_model(entry.model) or next(others)
-        axes.errorbar(
-            *np.array(found).T,
-            color=look.colour,
-            marker=look.marker,
-            linestyle=look.line,
-            capsize=3,
-            label=entry.model,
-        )
-    known = [place for place, _, _ in found]
-    axes.plot(known, np.ones(len(known)), color=BLACK, marker="o", linestyle="", label="measured")
-    axes.axhline(1.0, color="#999999", linewidth=0.8)
-    axes.set_xlabel(matrix.coordinates[0] if single else "pose")
-    axes.set_title(entries[0].quantity)
+        errors, spreads = numbers(entry.errors), numbers(entry.spreads)
+        known = np.isfinite(errors)
+        look = look_of_model(entry.model, others)
+        bars = spreads[known]
+        series.append(Series(entry.model, x[known], 1.0 + errors[known], look, bars=bars))
+    at = series[-1].x
+    return [*series, Series("measured", at, np.ones(len(at)), _MEASURED, fill=BLACK)]
 
 
 def _part(entry: Entry, name: str) -> float:

@@ -10,13 +10,13 @@ from lumped.errors import InputError
 from lumped.robot_file import RobotFile
 from lumped.robot_file.key_units import unit_of
 from lumped.robot_file.variation import Variation, told
+from validation.drawing.chart import Chart, Panel, Series, drawn_chart, tapered
+from validation.drawing.scales import few_ticks, from_zero
 from validation.drawing.style import OTHERS, plot_style
-from validation.report.figures.mechanism.panels import Panel, compared
 from validation.solve.answer import Answer
 from validation.solve.variations.robots import VariedAnswers, quantities
 
 _DOTS = 150  # per inch
-_COLUMNS = 3
 # Curves that can still be told apart.
 _MOST = len(OTHERS)
 
@@ -48,16 +48,24 @@ def png(robot_file: RobotFile, found: VariedAnswers) -> bytes:
     ]
     own = {name: [place for place, one in enumerate(names) if one == name] for name in names}
     looks = dict(zip(own, cycle(OTHERS), strict=False))
-    panels = {
-        heading: Panel({name: (np.array(numbers)[own[name]], looks[name]) for name in own}, {})
+    x = np.array(first.values)
+    panels = [
+        Panel(
+            [
+                Series(name, x, np.array(numbers)[places], looks[name], tapered(rank, len(own)))
+                for rank, (name, places) in enumerate(own.items())
+            ],
+            heading,
+            scale=from_zero,
+        )
         for heading, numbers in quantities([answer for _, answer in rows]).items()
-    }
+    ]
     unit = unit_of(robot_file.tables, first.keys[0])
     label = f"{first.key} ({unit})" if unit else first.key
     with plot_style():
         content = BytesIO()
-        canvas = compared(np.array(first.values), label, panels, _COLUMNS)
-        canvas.savefig(content, dpi=_DOTS, format="png")
+        chart = Chart(panels, label, legend_columns=4, x_scale=few_ticks)
+        drawn_chart(chart).savefig(content, dpi=_DOTS, format="png")
     return content.getvalue()
 
 

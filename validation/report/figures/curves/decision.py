@@ -1,32 +1,19 @@
 """All models with solid legs beside them: over the stroke and the family, and what they choose."""
 
-from collections.abc import Mapping, Sequence
-from itertools import product
+from collections.abc import Iterator, Mapping
+from functools import partial
 
 import numpy as np
-from matplotlib.axes import Axes
 
 from lumped.arrays import Array
 from validation.context import Context
-from validation.drawing.style import (
-    MODELS,
-    PURPLE,
-    Look,
-    canvas,
-    csv_of,
-    marked,
-    plot_style,
-    svg_of,
-)
-from validation.exhibits import LENGTHS, Drawing, Figure
-from validation.report.figures.curves.lines import (
-    ALPHA_LABEL,
-    PLACES,
-    as_in_paper,
-    from_zero,
-    legend_above,
-    plain_log,
-)
+from validation.drawing.chart import Chart, Note, Panel, Series, lettered
+from validation.drawing.scales import from_zero, largest, plain_log
+from validation.drawing.style import MODELS, PURPLE, Look, csv_of
+from validation.exhibits import LENGTHS
+from validation.report.figures.curves.computed import STROKE_LABEL
+from validation.report.figures.curves.lines import ALPHA_LABEL, PLACES, as_in_paper
+from validation.report.figures.declared import FigureGroup, Shown, curves
 from validation.sweeps.decision import MEANING, OBJECTIVES, UNITS, Decision, Objective
 from validation.sweeps.plans import FREE, RIGID, stroke_stations
 from validation.sweeps.studies import (
@@ -55,225 +42,139 @@ _LOADS = {
     "planar_y": "planar, force along y",
     "along_z": "along z",
 }
-_FAMILY_TITLE = f"Robots with longer legs, solid legs beside the lumped models {as_in_paper(6, 13)}"
-_STROKE_TITLE = "Deflections and frequencies over the stroke, all models with solid legs"
-_DECISION_TITLE = "What each model chooses: objective against leg length, optima marked"
+_OPTIMUM = {"marker": "*", "markersize": 13.0, "markeredgecolor": "black", "linestyle": "none"}
+figures = FigureGroup(LENGTHS, GROUP)
 
 
-def drawings() -> tuple[Drawing, ...]:
-    """Decision, family and stroke; they share the sweeps of the cases."""
-    return (
-        Drawing(
-            "decision.objectives",
-            _DECISION_TITLE,
-            objectives,
-            section=LENGTHS,
-            group=GROUP,
-            presets=DECIDED,
-        ),
-        Drawing("decision.family", _FAMILY_TITLE, longer_legs, section=LENGTHS, group=GROUP),
-        Drawing("decision.stroke", _STROKE_TITLE, over_the_stroke, section=LENGTHS, group=GROUP),
-    )
-
-
-def objectives(context: Context) -> Figure:
+@figures.figure(
+    "decision.objectives",
+    "What each model chooses: objective against leg length, optima marked",
+    presets=DECIDED,
+)
+def objectives(context: Context) -> Shown:
     """One panel per objective: all models over α, a large mark at what each of them chooses."""
     decision = decision_of(context)
-    columns: dict[str, Sequence[float]] = {"α": decision.alphas}
-    with plot_style():
-        picture, panels = canvas(columns=2, height=4.0)
-        for axes, objective in zip(panels, OBJECTIVES, strict=True):
-            labels = [label for label in LOOKS if (label, objective) in decision.choices]
-            curves = {label: np.array(decision.curve(label, objective)) for label in labels}
-            for rank, label in enumerate(labels):
-                _looked_at(axes, decision, label, objective, rank / len(labels))
-            for label, curve in curves.items():
-                choice = decision.choices[label, objective]
-                axes.plot(
-                    choice.best,
-                    choice.value,
-                    marker="*",
-                    markersize=13.0,
-                    color=LOOKS[label][0].colour,
-                    markerfacecolor=LOOKS[label][0].colour,
-                    markeredgecolor="black",
-                    linestyle="none",
-                )
-                columns[f"{label}: {objective} ({UNITS[objective]})"] = curve.tolist()
-            finite = np.concatenate([curve[np.isfinite(curve)] for curve in curves.values()])
-            plain_log(axes, 0.7 * float(finite.min()), 1.4 * float(finite.max()))
-            axes.set(xlabel=ALPHA_LABEL, ylabel=f"{objective} ({UNITS[objective]})")
-        panels[0].set_title("(a) largest deflection")
-        panels[1].set_title("(b) smallest first frequency")
-        legend_above(picture)
-        svg = svg_of(picture)
-    verdicts = (_verdict(decision, objective) for objective in OBJECTIVES)
-    return Figure(
-        id="decision.objectives",
-        title=_DECISION_TITLE,
-        caption=" ".join((*verdicts, *(f"Impossible: {f}." for f in decision.impossible))),
-        section=LENGTHS,
-        svg=svg,
+    titles = ("largest deflection", "smallest first frequency")
+    panels, columns = [], {"α": decision.alphas}
+    for objective, title in zip(OBJECTIVES, titles, strict=True):
+        name = f"{objective} ({UNITS[objective]})"
+        labels = [label for label in LOOKS if (label, objective) in decision.choices]
+        found = {label: np.array(decision.curve(label, objective)) for label in labels}
+        series = [
+            _looked_at(decision, label, objective, rank / len(labels))
+            for rank, label in enumerate(labels)
+        ]
+        series += [_optimum(decision, label, objective) for label in labels]
+        low = min(float(np.nanmin(curve)) for curve in found.values())
+        scale = partial(plain_log, low=0.7 * low, high=1.4 * largest(found.values()))
+        panels.append(Panel(series, title, name, scale))
+        columns |= {f"{label}: {name}": tuple(curve.tolist()) for label, curve in found.items()}
+    return curves(
+        Chart(lettered(panels), ALPHA_LABEL, 2, 3.2),
+        *(_verdict(decision, objective) for objective in OBJECTIVES),
+        *(f"Impossible: {found}." for found in decision.impossible),
         data=csv_of(columns),
     )
 
 
-def longer_legs(context: Context) -> Figure:
+@figures.figure(
+    "decision.family",
+    f"Robots with longer legs, solid legs beside the lumped models {as_in_paper(6, 13)}",
+)
+def longer_legs(context: Context) -> Shown:
     """Upper row the three deflections, lower row two frequencies, a column per point."""
-    alphas, curves = family_of(context)
-    x = np.array(alphas)
-    columns: dict[str, Sequence[float]] = {"α": alphas}
-    with plot_style():
-        picture, panels = canvas(rows=2, columns=len(POINTS), height=6.4)
-        upper, lower = panels[: len(POINTS)], panels[len(POINTS) :]
-        for deflection, frequency, point in zip(upper, lower, POINTS, strict=True):
-            here = {label: curves[label, point] for label in LOOKS if (label, point) in curves}
-            _deflections(deflection, x, here)
-            for mode in range(2):
-                _lines(frequency, x, _frequencies(here, mode))
-            plain_log(frequency, *_frequency_range(here))
-            deflection.set_title(PLACES[point])
-            frequency.set_xlabel(ALPHA_LABEL)
-            columns |= _table(here, f"{point}, ")
-        upper[0].set_ylabel("deflection under 1000 N (µm)")
-        lower[0].set_ylabel("first two frequencies (Hz)")
-        legend_above(picture)
-        svg = svg_of(picture)
-    solid = curves[RIGID, "centre"]
+    alphas, found = family_of(context)
+    upper, lower = [], []
+    for place, point in enumerate(POINTS):
+        here = {label: found[label, point] for label in LOOKS if (label, point) in found}
+        x = np.array(alphas)
+        deflections = [one for name in _LOADS for one in _deflections(here, x, name)]
+        letters = [
+            Note(_LOADS[name].rpartition(" ")[2], x[-1], getattr(here[RIGID].deflections, name)[-1])
+            for name in _LOADS
+        ]
+        frequencies = [one for mode in range(2) for one in _frequencies(here, x, mode)]
+        # Those of a rigid direction are infinite.
+        finite = np.concatenate([one.y[np.isfinite(one.y)] for one in frequencies])
+        hertz = partial(plain_log, low=0.8 * float(finite.min()), high=1.3 * float(finite.max()))
+        microns = partial(plain_log, low=0.1, high=1.4 * largest(one.y for one in deflections))
+        labels = (
+            ("", "") if place else ("deflection under 1000 N (µm)", "first two frequencies (Hz)")
+        )
+        upper.append(
+            Panel(deflections, PLACES[point], labels[0], microns, (), letters, place=point)
+        )
+        lower.append(Panel(frequencies, "", labels[1], hertz, place=point))
+    solid = found[RIGID, "centre"]
     falls, rises = solid.frequencies[:, 0], solid.deflections.along_z
-    return Figure(
-        id="decision.family",
-        title=_FAMILY_TITLE,
-        caption=(
-            "Upper row: planar deflections under a force along x and y, and that along z, by the "
-            f"letters at the right. At the centre, from α = {alphas[0]:g} to {alphas[-1]:g}, the "
-            f"robot with solid legs goes from {rises[0]:.1f} to {rises[-1]:.1f} µm along z and its "
-            f"first frequency from {falls[0]:.1f} to {falls[-1]:.1f} Hz."
-        ),
-        section=LENGTHS,
-        svg=svg,
-        data=csv_of(columns),
+    return curves(
+        Chart([*upper, *lower], ALPHA_LABEL, len(POINTS), 2.8, abscissa={"α": alphas}),
+        "Upper row: planar deflections under a force along x and y, and that along z, by the "
+        f"letters at the right. At the centre, from α = {alphas[0]:g} to {alphas[-1]:g}, the "
+        f"robot with solid legs goes from {rises[0]:.1f} to {rises[-1]:.1f} µm along z and its "
+        f"first frequency from {falls[0]:.1f} to {falls[-1]:.1f} Hz.",
     )
 
 
-def over_the_stroke(context: Context) -> Figure:
+@figures.figure(
+    "decision.stroke", "Deflections and frequencies over the stroke, all models with solid legs"
+)
+def over_the_stroke(context: Context) -> Shown:
     """Three panels of deflections and one of the first four frequencies."""
-    curves = stroke_of(context)
+    found = stroke_of(context)
     x = np.array(stroke_stations(context.robot, PLANS[context.preset].stations))
-    here = {label: curves[label] for label in LOOKS if label in curves}
-    with plot_style():
-        picture, panels = canvas(rows=2, columns=2, height=6.4)
-        for axes, (attribute, title) in zip(panels, _LOADS.items(), strict=False):
-            _lines(axes, x, {label: getattr(c.deflections, attribute) for label, c in here.items()})
-            from_zero(axes)
-            axes.set(title=title, ylabel="deflection under 1000 N (µm)")
-        for mode in range(STROKE_FREQUENCIES):
-            refined = {label: c for label, c in here.items() if label != "simplified"}
-            _lines(panels[3], x, _frequencies(refined, mode))
-        from_zero(panels[3])
-        panels[3].set(title="first four frequencies", ylabel="natural frequency (Hz)")
-        for axes in panels[2:]:
-            axes.set_xlabel("x of B (m)")
-        legend_above(picture, columns=3)
-        svg = svg_of(picture)
-    return Figure(
-        id="decision.stroke",
-        title=_STROKE_TITLE,
-        caption=(
-            "All models of one robot with the same equivalent legs. Planar deflections coincide; "
-            "along z rigid end faces, which restrain warping, make the solid up to "
-            f"{100.0 * _stiffer(here):.2g} % stiffer than the virtual joints."
-        ),
-        section=LENGTHS,
-        svg=svg,
-        data=csv_of({"x (m)": x.tolist()} | _table(here, "")),
+    here = {label: found[label] for label in LOOKS if label in found}
+    panels = [
+        Panel(list(_deflections(here, x, name)), title, "deflection under 1000 N (µm)", from_zero)
+        for name, title in _LOADS.items()
+    ]
+    refined = {label: one for label, one in here.items() if label != "simplified"}
+    modes = [one for mode in range(STROKE_FREQUENCIES) for one in _frequencies(refined, x, mode)]
+    panels.append(Panel(modes, "first four frequencies", "natural frequency (Hz)", from_zero))
+    return curves(
+        Chart(panels, STROKE_LABEL, 2, 2.8, 3, {"x (m)": x.tolist()}),
+        "All models of one robot with the same equivalent legs. Planar deflections coincide; "
+        "along z rigid end faces, which restrain warping, make the solid up to "
+        f"{100.0 * _stiffer(here):.2g} % stiffer than the virtual joints.",
     )
 
 
-def _looked_at(
-    axes: Axes, decision: Decision, label: str, objective: Objective, shift: float
-) -> None:
+def _looked_at(decision: Decision, label: str, objective: Objective, shift: float) -> Series:
     """A model's objective at every α that it looked at, those of its search among them."""
     look, width = LOOKS[label]
     values = decision.values[label]
     alphas = sorted(values)
-    found = [values[alpha].of(objective) for alpha in alphas]
+    found = np.array([values[alpha].of(objective) for alpha in alphas])
     # Markers by distance along the curve: the search has many α close together.
-    axes.plot(
-        alphas,
-        found,
-        label=label,
-        linewidth=width,
-        markevery=(0.3 * shift, 0.3),
-        **look.options(),
-    )
+    every = {"markevery": (0.3 * shift, 0.3)}
+    return Series(label, np.array(alphas), found, look, width, more=every)
 
 
-def _lines(axes: Axes, x: Array, curves: Mapping[str, Array]) -> None:
-    for rank, (label, values) in enumerate(curves.items()):
+def _optimum(decision: Decision, label: str, objective: Objective) -> Series:
+    """What a model chooses; without an entry in the legend."""
+    choice, (look, _) = decision.choices[label, objective], LOOKS[label]
+    at = (np.array([choice.best]), np.array([choice.value]))
+    return Series(f"_{label}", *at, look, fill=look.colour, more={**_OPTIMUM, "markevery": 1})
+
+
+def _deflections(found: Mapping[str, Curves], x: Array, name: str) -> Iterator[Series]:
+    for label, one in found.items():
         look, width = LOOKS[label]
-        if np.any(np.isfinite(values)):
-            axes.plot(
-                x,
-                values,
-                label=label,
-                linewidth=width,
-                markevery=marked(len(x), rank, len(curves)),
-                **look.options(),
-            )
+        values = getattr(one.deflections, name)
+        yield Series(label, x, values, look, width, f"{_LOADS[name]} (µm)")
 
 
-def _deflections(axes: Axes, x: Array, curves: Mapping[str, Curves]) -> None:
-    found = []
-    last = curves[RIGID].deflections
-    for attribute, name in _LOADS.items():
-        axes.annotate(
-            name.rpartition(" ")[2],
-            (x[-1], getattr(last, attribute)[-1]),
-            xytext=(5.0, -3.0),
-            textcoords="offset points",
-            annotation_clip=False,
-            fontsize=8.0,
-        )
-        values = {label: getattr(c.deflections, attribute) for label, c in curves.items()}
-        # At the ends of the stroke the simplified model is rigid along x: no place on the axis.
-        shown = {label: np.where(v > 1e-3, v, np.nan) for label, v in values.items()}
-        _lines(axes, x, shown)
-        found += [v[np.isfinite(v)] for v in shown.values()]
-    largest = max(float(v.max()) for v in found if v.size)
-    plain_log(axes, 0.1, 1.4 * largest)
-
-
-def _frequencies(curves: Mapping[str, Curves], mode: int) -> dict[str, Array]:
-    return {
-        label: c.frequencies[:, mode]
-        for label, c in curves.items()
-        if c.frequencies.shape[1] > mode
-    }
-
-
-def _frequency_range(curves: Mapping[str, Curves]) -> tuple[float, float]:
-    """Limits for the first two frequencies; those of a rigid direction are infinite."""
-    found = np.concatenate([c.frequencies[:, :2].ravel() for c in curves.values()])
-    finite = found[np.isfinite(found)]
-    return 0.8 * float(finite.min()), 1.3 * float(finite.max())
+def _frequencies(found: Mapping[str, Curves], x: Array, mode: int) -> Iterator[Series]:
+    for label, one in found.items():
+        look, width = LOOKS[label]
+        if one.frequencies.shape[1] > mode:
+            quantity = f"frequency {mode + 1} (Hz)"
+            yield Series(label, x, one.frequencies[:, mode], look, width, quantity)
 
 
 def _stiffer(curves: Mapping[str, Curves]) -> float:
     ratio = curves[RIGID].deflections.along_z / curves["VJM"].deflections.along_z
     return float(np.max(1.0 - ratio))
-
-
-def _table(curves: Mapping[str, Curves], prefix: str) -> dict[str, Sequence[float]]:
-    columns: dict[str, Sequence[float]] = {}
-    for (label, c), attribute in product(curves.items(), _LOADS):
-        columns[f"{prefix}{label}: {_LOADS[attribute]} (µm)"] = getattr(
-            c.deflections, attribute
-        ).tolist()
-    for label, c in curves.items():
-        for mode in range(c.frequencies.shape[1]):
-            columns[f"{prefix}{label}: frequency {mode + 1} (Hz)"] = c.frequencies[:, mode].tolist()
-    return columns
 
 
 def _verdict(decision: Decision, objective: Objective) -> str:

@@ -1,12 +1,24 @@
 """Natural frequencies over the stroke and along the family of robots with longer legs."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
 
-from matplotlib.axes import Axes
+import numpy as np
 
 from lumped.arrays import Array
 from validation.context import Context
-from validation.exhibits import FAMILY, STROKE, Drawing, Figure
+from validation.drawing.chart import Note, Panel, Series, compared, lettered
+from validation.drawing.scales import Scale, from_zero, largest, plain_log, up_to
+from validation.exhibits import FAMILY, STROKE
+from validation.report.figures.curves.computed import (
+    FAMILY_SAID,
+    along_the_family,
+    family_chart,
+    family_panel,
+    frequencies_at,
+    over_the_stroke,
+    stroke_chart,
+)
 from validation.report.figures.curves.lines import (
     BEAM,
     DYNAMIC_LINES,
@@ -17,144 +29,85 @@ from validation.report.figures.curves.lines import (
     accuracy,
     as_in_paper,
     course,
-    plain_log,
     spread,
 )
-from validation.report.figures.curves.panels import (
-    STROKE_LABEL,
-    Panel,
-    all_from_zero,
-    along_the_family,
-    common_top,
-    family_panels,
-    family_svg,
-    family_table,
-    over_the_stroke,
-    panels_svg,
-    stroke_table,
-)
-from validation.report.figures.curves.sweeps import frequencies_at
+from validation.report.figures.declared import FigureGroup, Shown, compared_with, curves
 from validation.studies.quantities import ALPHAS, family_frequencies
 
 MODES = 2
-_SIMPLIFIED_TITLE = f"First natural frequency, simplified model against beams {as_in_paper(7)}"
-_STROKE_TITLE = f"First two natural frequencies over the stroke {as_in_paper(10)}"
-_FAMILY_SIMPLIFIED_TITLE = (
-    "First natural frequency of robots with longer legs, simplified model against beams "
-    f"{as_in_paper(12)}"
+Found = Mapping[Line, Array]
+_FIRST, _BOTH = "first natural frequency (Hz)", "natural frequency (Hz)"
+over_stroke = FigureGroup(STROKE, "figures.dynamics")
+over_family = FigureGroup(FAMILY, "figures.dynamics")
+
+
+@over_stroke.figure(
+    "frequency.simplified",
+    f"First natural frequency, simplified model against beams {as_in_paper(7)}",
 )
-_FAMILY_TITLE = f"First two natural frequencies of robots with longer legs {as_in_paper(13)}"
-_GROUP = "figures.dynamics"
-
-
-def drawings() -> tuple[Drawing, ...]:
-    """First frequencies over the stroke and along the family, simplified and refined."""
-    return (
-        Drawing(
-            "frequency.simplified",
-            _SIMPLIFIED_TITLE,
-            simplified_frequency,
-            section=STROKE,
-            group=_GROUP,
-        ),
-        Drawing(
-            "frequency.stroke",
-            _STROKE_TITLE,
-            refined_frequencies,
-            section=STROKE,
-            group=_GROUP,
-            effort=2.0,
-        ),
-        Drawing(
-            "frequency.family-simplified",
-            _FAMILY_SIMPLIFIED_TITLE,
-            simplified_family,
-            section=FAMILY,
-            group=_GROUP,
-        ),
-        Drawing(
-            "frequency.family",
-            _FAMILY_TITLE,
-            refined_family,
-            section=FAMILY,
-            group=_GROUP,
-        ),
-    )
-
-
-def simplified_frequency(context: Context) -> Figure:
+def simplified_frequency(context: Context) -> Shown:
     """Left all models on a logarithmic axis, right the simplified one alone."""
-    x, (gathered, notes) = _over_the_stroke(context, DYNAMIC_LINES)
-    first = {line: values[:, 0] for line, values in gathered.items()}
-    alone = {SIMPLIFIED: first[SIMPLIFIED]} if SIMPLIFIED in first else {}
-    panels = [
-        Panel("all models", [first], "first natural frequency (Hz)"),
-        Panel("the simplified model alone", [alone]),
-    ]
+    x, found, notes = _over_the_stroke(context, DYNAMIC_LINES)
+    first = _series(found, x, 1)
+    alone = [one for one in first if one.label == SIMPLIFIED.label]
+    panels = [Panel(first, "all models", _FIRST, _hertz(first)), Panel(alone, _ALONE)]
     caption = ["The lowest frequency of the platform's mass on the drives, and of the whole robot."]
-    if SIMPLIFIED in first and BEAM in first:
-        simple, beam = first[SIMPLIFIED], first[BEAM]
+    if SIMPLIFIED in found and BEAM in found:
+        simple, beam = found[SIMPLIFIED][:, 0], found[BEAM][:, 0]
         caption.append(
             f"Simplified: {simple.min():.0f} to {simple.max():.0f} Hz. With elastic legs and feet "
             f"and the legs' mass: {beam.min():.0f} to {beam.max():.0f} Hz, "
             f"{(simple / beam).max():.1f} times lower. The mode that limits the robot is not in "
             "the simplified model at all."
         )
-    return Figure(
-        id="frequency.simplified",
-        title=_SIMPLIFIED_TITLE,
-        caption=" ".join([*caption, *notes]),
-        section=STROKE,
-        svg=panels_svg(
-            x,
-            STROKE_LABEL,
-            panels,
-            lambda drawn: _hertz(drawn[:1], list(first.values())),
-            columns=2,
-        ),
-        data=stroke_table(x, _columns({k: v[:, :1] for k, v in gathered.items()})),
-    )
+    return curves(stroke_chart(x, lettered(panels), high=2.5), *caption, notes)
 
 
-def refined_frequencies(context: Context) -> Figure:
+_ALONE = "the simplified model alone"
+
+
+@over_stroke.figure(
+    "frequency.stroke",
+    f"First two natural frequencies over the stroke {as_in_paper(10)}",
+    effort=2.0,
+)
+def refined_frequencies(context: Context) -> Shown:
     """Both frequencies of segments and beams in one pair of axes, with the printed eq. (25)."""
-    x, (gathered, notes) = _over_the_stroke(context, (SEGMENTS, SEGMENTS_PRINTED, BEAM))
-
-    def named(drawn: Sequence[Axes]) -> None:
-        all_from_zero(drawn)
-        _name_modes(drawn[0], x, gathered)
-
+    x, found, notes = _over_the_stroke(context, (SEGMENTS, SEGMENTS_PRINTED, BEAM))
     caption = ["First and second natural frequency of the whole robot, 20 elements in each leg."]
-    if SEGMENTS in gathered and BEAM in gathered:
-        apart = spread([gathered[SEGMENTS], gathered[BEAM]])
-        beam = gathered[BEAM][len(x) // 2]
+    if SEGMENTS in found and BEAM in found:
+        apart = spread([found[SEGMENTS], found[BEAM]])
+        beam = found[BEAM][len(x) // 2]
         caption.append(
             f"Segments and beam elements agree to {accuracy(apart)}; at the centre they give "
             f"{beam[0]:.0f} and {beam[1]:.0f} Hz."
         )
-    if SEGMENTS_PRINTED in gathered:
-        printed = gathered[SEGMENTS_PRINTED][len(x) // 2]
+    if SEGMENTS_PRINTED in found:
+        printed = found[SEGMENTS_PRINTED][len(x) // 2]
         caption.append(
             "Eq. (25) as printed deletes row and column of φz from the joint's stiffness, which "
             "locks whatever motion is coupled to φz: with it the second frequency is "
             f"{printed[1]:.0f} Hz. Static condensation is the right release of a joint."
         )
-    panels = [Panel("", _stacks(gathered), "natural frequency (Hz)")]
-    return Figure(
-        id="frequency.stroke",
-        title=_STROKE_TITLE,
-        caption=" ".join([*caption, *notes]),
-        section=STROKE,
-        svg=panels_svg(x, STROKE_LABEL, panels, named, columns=1, height=3.9, against=BEAM),
-        data=stroke_table(x, _columns(gathered)),
+    panel = Panel(
+        _series(found, x, MODES), y_label=_BOTH, scale=from_zero, notes=list(_names(x, found))
     )
+    chart = stroke_chart(x, [compared(panel, BEAM.label)], high=2.8)
+    return curves(chart, *caption, compared_with(BEAM.label) if BEAM in found else "", notes)
 
 
-def simplified_family(context: Context) -> Figure:
+@over_family.figure(
+    "frequency.family-simplified",
+    "First natural frequency of robots with longer legs, simplified model against beams "
+    f"{as_in_paper(12)}",
+)
+def simplified_family(context: Context) -> Shown:
     """First frequency against α at three points, logarithmic axes."""
     found, notes = _along_the_family(context, DYNAMIC_LINES)
-    everything = [v[:, 0] for gathered in found.values() for v in gathered.values()]
-    caption = ["Legs α times as long, stroke and sections unchanged."]
+    alphas = np.array(ALPHAS)
+    series = {point: _series(at, alphas, 1) for point, at in found.items()}
+    scale = _hertz([one for at in series.values() for one in at])
+    caption = [FAMILY_SAID]
     centre = found["centre"]
     if SIMPLIFIED in centre and BEAM in centre:
         simple, beam = centre[SIMPLIFIED][:, 0], centre[BEAM][:, 0]
@@ -165,58 +118,46 @@ def simplified_family(context: Context) -> Figure:
         )
         if course(simple) == "rises" and course(beam) == "falls":
             caption.append("The two models ask for opposite changes of the design.")
-    return Figure(
-        id="frequency.family-simplified",
-        title=_FAMILY_SIMPLIFIED_TITLE,
-        caption=" ".join([*caption, *notes]),
-        section=FAMILY,
-        svg=family_svg(
-            family_panels(
-                found, lambda gathered: _stacks(gathered)[:1], "first natural frequency (Hz)"
-            ),
-            lambda drawn: _hertz(drawn, everything),
-        ),
-        data=family_table(
-            {p: _columns({k: v[:, :1] for k, v in g.items()}) for p, g in found.items()}
-        ),
-    )
+    panels = [family_panel(point, at, _FIRST, scale) for point, at in series.items()]
+    return curves(family_chart(panels), *caption, notes)
 
 
-def refined_family(context: Context) -> Figure:
+@over_family.figure(
+    "frequency.family",
+    f"First two natural frequencies of robots with longer legs {as_in_paper(13)}",
+)
+def refined_family(context: Context) -> Shown:
     """Both frequencies against α at three points."""
     found, notes = _along_the_family(context, (SEGMENTS, BEAM))
-
-    def named(drawn: Sequence[Axes]) -> None:
-        for axes, gathered in zip(drawn, found.values(), strict=True):
-            for mode, stack in enumerate(_stacks(gathered)):
-                highest = max(float(curve[:4].max()) for curve in stack.values())
-                _write(axes, f"mode {mode + 1}", ALPHAS[0], highest, (0.0, 6.0))
-        common_top(drawn)
-
     reference = list(found["centre"].values())[-1]
     first, second = reference[:, 0], reference[:, 1]
     caption = [
-        "Legs α times as long, stroke and sections unchanged.",
+        FAMILY_SAID,
         f"At the centre the first frequency {course(first)} from {first[0]:.0f} to "
         f"{first[-1]:.0f} Hz, the second {course(second)} from {second[0]:.0f} to "
         f"{second[-1]:.0f} Hz.",
     ]
-    if all(len(gathered) == 2 for gathered in found.values()):
-        apart = max(spread(list(gathered.values())) for gathered in found.values())
+    if all(len(at) == 2 for at in found.values()):
+        apart = max(spread(list(at.values())) for at in found.values())
         caption.append(f"Segments and beam elements agree to {accuracy(apart)}.")
-    return Figure(
-        id="frequency.family",
-        title=_FAMILY_TITLE,
-        caption=" ".join([*caption, *notes]),
-        section=FAMILY,
-        svg=family_svg(family_panels(found, _stacks, "natural frequency (Hz)"), named),
-        data=family_table({point: _columns(gathered) for point, gathered in found.items()}),
-    )
+    top = largest(values for at in found.values() for values in at.values())
+    panels = [
+        family_panel(
+            point,
+            _series(at, np.array(ALPHAS), MODES),
+            _BOTH,
+            partial(up_to, top=top),
+            [
+                Note(f"mode {mode + 1}", ALPHAS[0], highest, (0.0, 6.0))
+                for mode, highest in enumerate(np.max([v[:4] for v in at.values()], axis=(0, 1)))
+            ],
+        )
+        for point, at in found.items()
+    ]
+    return curves(family_chart(panels), *caption, notes)
 
 
-def _over_the_stroke(
-    context: Context, lines: Sequence[Line]
-) -> tuple[Array, tuple[Mapping[Line, Array], tuple[str, ...]]]:
+def _over_the_stroke(context: Context, lines: Sequence[Line]) -> tuple[Array, Found, str]:
     x, gathered = over_the_stroke(
         context,
         lines,
@@ -224,12 +165,10 @@ def _over_the_stroke(
             frequencies_at, line.model, context.robot, x, MODES, line.options
         ),
     )
-    return x, (gathered.values, gathered.notes)
+    return x, gathered.values, " ".join(gathered.notes)
 
 
-def _along_the_family(
-    context: Context, lines: Sequence[Line]
-) -> tuple[Mapping[str, Mapping[Line, Array]], tuple[str, ...]]:
+def _along_the_family(context: Context, lines: Sequence[Line]) -> tuple[Mapping[str, Found], str]:
     return along_the_family(
         lines,
         lambda line, fraction: context.get(
@@ -238,43 +177,28 @@ def _along_the_family(
     )
 
 
-def _stacks(gathered: Mapping[Line, Array]) -> list[Mapping[Line, Array]]:
-    """A stack of curves for each mode."""
-    return [{line: values[:, mode] for line, values in gathered.items()} for mode in range(MODES)]
+def _series(found: Found, x: Array, modes: int) -> list[Series]:
+    """The curves of the first `modes` frequencies."""
+    return [
+        line.series(x, values[:, mode], f"frequency {mode + 1} (Hz)")
+        for line, values in found.items()
+        for mode in range(modes)
+    ]
 
 
-def _columns(gathered: Mapping[Line, Array]) -> dict[str, list[float]]:
-    return {
-        f"{line.label}: frequency {mode + 1} (Hz)": values[:, mode].tolist()
-        for line, values in gathered.items()
-        for mode in range(values.shape[1])
-    }
+def _hertz(series: Sequence[Series]) -> Scale:
+    """Logarithmic frequencies around the curves."""
+    low = 0.8 * min(float(one.y.min()) for one in series)
+    return partial(plain_log, low=low, high=1.25 * max(float(one.y.max()) for one in series))
 
 
-def _hertz(panels: Sequence[Axes], curves: Sequence[Array]) -> None:
-    """Logarithmic frequency axes around the curves."""
-    low = 0.8 * min(float(curve.min()) for curve in curves)
-    high = 1.25 * max(float(curve.max()) for curve in curves)
-    for axes in panels:
-        plain_log(axes, low, high)
-
-
-def _name_modes(axes: Axes, x: Array, gathered: Mapping[Line, Array]) -> None:
+def _names(x: Array, found: Found) -> Iterator[Note]:
     """The number of the mode at the right end of its curves, eq. (25)'s where it lies apart."""
-    exact = [values for line, values in gathered.items() if line is not SEGMENTS_PRINTED]
+    exact = [values for line, values in found.items() if line is not SEGMENTS_PRINTED]
     heights = [float(exact[-1][-1, mode]) for mode in range(MODES)] if exact else []
     for mode, height in enumerate(heights):
-        _write(axes, f"mode {mode + 1}", float(x[-1]), height, (6.0, -3.0))
-    printed = gathered.get(SEGMENTS_PRINTED)
-    if printed is None:
-        return
-    least = 0.07 * axes.get_ylim()[1]
-    for mode, height in enumerate(printed[-1]):
+        yield Note(f"mode {mode + 1}", float(x[-1]), height, (6.0, -3.0))
+    least = 0.07 * max(float(values.max()) for values in found.values())
+    for mode, height in enumerate(found[SEGMENTS_PRINTED][-1] if SEGMENTS_PRINTED in found else ()):
         if all(abs(height - other) > least for other in heights):
-            text = f"mode {mode + 1},\neq. (25)"
-            _write(axes, text, float(x[-1]), float(height), (6.0, -8.0))
-
-
-def _write(axes: Axes, text: str, x: float, y: float, away: tuple[float, float]) -> None:
-    """A small text `away` (pt) from a point of the axes."""
-    axes.annotate(text, (x, y), xytext=away, textcoords="offset points", fontsize=8.5)
+            yield Note(f"mode {mode + 1},\neq. (25)", float(x[-1]), float(height), (6.0, -8.0))

@@ -8,24 +8,14 @@ from matplotlib.axes import Axes
 
 from lumped.arrays import Array
 from validation.context import Context
-from validation.drawing.style import (
-    BLUE,
-    GREEN,
-    ORANGE,
-    PURPLE,
-    SKY,
-    VERMILLION,
-    canvas,
-    csv_of,
-    plot_style,
-    svg_of,
-)
-from validation.exhibits import STROKE, Drawing, Figure
+from validation.drawing.chart import legend_above
+from validation.drawing.style import canvas, csv_of, plot_style, svg_of
+from validation.exhibits import STROKE
+from validation.report.figures.declared import FigureGroup, Shown
+from validation.report.figures.stacked_bars import DRIVES, JOINTS, KINDS
 from validation.studies.quantities import RobotModes, robot_modes
 
 MODES = 6
-_ID = "robot.strain-energy"
-_TITLE = "Where the strain energy of the first modes sits"
 # A share below this has no room for its number.
 _LABELLED = 0.07
 # Parts that together stay below this in every mode are summed up.
@@ -41,23 +31,14 @@ class PartLook:
     hatch: str = ""
 
 
-_KINDS = {
-    "foot": (BLUE, "white"),
-    "bending y": (VERMILLION, "white"),
-    "bending z": (ORANGE, "black"),
-    "torsion": (PURPLE, "black"),
-    "tension": (SKY, "black"),
-    "tool": (GREEN, "white"),
-}
-_MEANINGS = {"bending y": "bending out of the plane", "bending z": "bending in the plane"}
+_INKS = {"foot": "white", "bending y": "white", "tool": "white"}
+_COLOURS = {"foot": DRIVES, **KINDS, "tool": JOINTS}
+MEANINGS = {"bending y": "bending out of the plane", "bending z": "bending in the plane"}
+figures = FigureGroup(STROKE, "figures.dynamics")
 
 
-def drawings() -> tuple[Drawing, ...]:
-    """The strain energy of the first modes at the centre of the stroke."""
-    return (Drawing(_ID, _TITLE, strain_energy, section=STROKE, group="figures.dynamics"),)
-
-
-def strain_energy(context: Context) -> Figure:
+@figures.figure("robot.strain-energy", "Where the strain energy of the first modes sits")
+def strain_energy(context: Context) -> Shown:
     """Stacked bars, one for each mode of the beam model."""
     robot = context.robot
     beam, segments = (
@@ -67,22 +48,18 @@ def strain_energy(context: Context) -> Figure:
     with plot_style():
         picture, (axes,) = canvas(height=4.2)
         _bars(axes, beam)
-        handles, labels = axes.get_legend_handles_labels()
-        picture.legend(handles, labels, loc="outside upper left", ncols=3, columnspacing=1.6)
+        legend_above(picture, columns=3)
         svg = svg_of(picture)
-    return Figure(
-        id=_ID,
-        title=_TITLE,
-        caption=_caption(beam, robot.centre),
-        section=STROKE,
-        svg=svg,
+    return Shown(
+        _caption(beam, robot.centre),
+        svg,
         data=_table({"beam FE": beam, "segments": segments}),
     )
 
 
 def part_name(part: str) -> str:
     """A part as engineers say it: "leg 1 bending z" is bending of leg 1 in the robot's plane."""
-    for kind, meaning in _MEANINGS.items():
+    for kind, meaning in MEANINGS.items():
         part = part.replace(kind, meaning)
     return part.replace("leg 1 ", "leg 1, ").replace("leg 2 ", "leg 2, ")
 
@@ -96,9 +73,9 @@ def visible_parts(strain: Mapping[str, Array], least: float = _NEGLIGIBLE) -> di
 
 def _look(part: str) -> PartLook:
     hatch = "///" if part.startswith(("leg 2", "foot 2")) else ""
-    for kind, (colour, ink) in _KINDS.items():
+    for kind, colour in _COLOURS.items():
         if kind in part:
-            return PartLook(colour, ink, hatch)
+            return PartLook(colour, _INKS.get(kind, "black"), hatch)
     return PartLook("#bbbbbb", "black", hatch)
 
 

@@ -1,23 +1,19 @@
 """How the error of a leg's bending frequencies falls with the number of elements."""
 
+from functools import partial
+
 import numpy as np
+from matplotlib.axes import Axes
 
 from lumped.arrays import Array
 from validation.agreement.convergence import order_of_errors
 from validation.context import Context
-from validation.drawing.style import (
-    MODELS,
-    PURPLE,
-    Look,
-    canvas,
-    csv_of,
-    plot_style,
-    power_ticks,
-    svg_of,
-)
-from validation.exhibits import ELEMENTS, Drawing, Figure
+from validation.drawing.chart import Chart, Note, Panel, Series
+from validation.drawing.scales import power_ticks
+from validation.drawing.style import MODELS, PURPLE, Look
+from validation.exhibits import ELEMENTS
 from validation.models.legs import constant_leg_of
-from validation.report.figures.curves.lines import legend_above
+from validation.report.figures.declared import FigureGroup, Shown, curves
 from validation.studies.element_refinement import (
     COUNTS,
     MODES,
@@ -33,74 +29,61 @@ _NAMES = {
     "beam": "beam FE",
 }
 _LOOKS = {"literal": Look(PURPLE, "X", ":"), "half": MODELS["segments"], "beam": MODELS["beam"]}
-_ID = "refinement.elements"
-_TITLE = "Error of the first three bending frequencies against the number of elements"
+figures = FigureGroup(ELEMENTS, "figures.refinement")
 
 
-def drawings() -> tuple[Drawing, ...]:
-    """The convergence on the number of elements, both legs."""
-    return (
-        Drawing(
-            _ID,
-            _TITLE,
-            convergence_on_elements,
-            section=ELEMENTS,
-            group="figures.refinement",
-            effort=3.0,
-            subject="program",
-        ),
-    )
-
-
-def convergence_on_elements(context: Context) -> Figure:
+@figures.figure(
+    "refinement.elements",
+    "Error of the first three bending frequencies against the number of elements",
+    effort=3.0,
+    subject="program",
+)
+def convergence_on_elements(context: Context) -> Shown:
     """A row of panels for each leg, a column for each mode, both axes logarithmic."""
     counts = np.array(COUNTS[context.preset])
-    columns: dict[str, list[float]] = {"elements": counts.tolist()}
-    with plot_style():
-        picture, panels = canvas(rows=2, columns=MODES, height=6.4)
-        for number, row in zip((1, 2), (panels[:MODES], panels[MODES:]), strict=True):
-            for name, label in _NAMES.items():
-                errors = _errors(context, number, name)
-                for mode, axes in enumerate(row):
-                    order = fitted_order(counts, errors[:, mode], *FITTED[name])
-                    axes.loglog(
-                        counts,
-                        100.0 * errors[:, mode],
-                        label=label,
-                        **_LOOKS[name].options(),
+    panels = []
+    for number in (1, 2):
+        errors = {name: 100.0 * _errors(context, number, name) for name in _NAMES}
+        panels += [
+            Panel(
+                [
+                    Series(label, counts, errors[name][:, mode], _LOOKS[name], quantity=of_mode)
+                    for name, label in _NAMES.items()
+                ],
+                f"leg {number}, bending mode {mode + 1}",
+                "" if mode else "|error of the frequency| (%)",
+                partial(_counted, counts=counts),
+                notes=[
+                    Note(
+                        f"order {fitted_order(counts, found[:, mode], *FITTED[name]):.2f}",
+                        float(counts[-1]),
+                        float(found[-1, mode]),
+                        colour=_LOOKS[name].colour,
+                        boxed=True,
                     )
-                    axes.annotate(
-                        f"order {order:.2f}",
-                        (counts[-1], 100.0 * errors[-1, mode]),
-                        xytext=(5.0, -3.0),
-                        textcoords="offset points",
-                        color=_LOOKS[name].colour,
-                        fontsize=8.0,
-                        bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6},
-                    )
-                    columns[f"leg {number}, {label}: error of frequency {mode + 1} (%)"] = (
-                        100.0 * errors[:, mode]
-                    ).tolist()
-            for mode, axes in enumerate(row):
-                axes.axhline(1.0, color="#999999", linewidth=1.0)
-                axes.set_title(f"leg {number}, bending mode {mode + 1}")
-                axes.set_xticks(counts, [f"{count}" for count in counts])
-                power_ticks(axes.yaxis)
-                axes.minorticks_off()
-                axes.set_xlim(counts[0] / 1.15, counts[-1] * 2.6)
-            row[0].set_ylabel("|error of the frequency| (%)")
-        for axes in panels[MODES:]:
-            axes.set_xlabel("elements in the leg")
-        legend_above(picture)
-        svg = svg_of(picture)
-    return Figure(
-        id=_ID,
-        title=_TITLE,
-        caption=_caption(context, counts),
-        section=ELEMENTS,
-        svg=svg,
-        data=csv_of(columns),
+                    for name, found in errors.items()
+                ],
+                levels=(1.0,),
+                place=f"leg {number}",
+                staggered=False,
+            )
+            for mode in range(MODES)
+            for of_mode in [f"error of frequency {mode + 1} (%)"]
+        ]
+    table = {"elements": counts.tolist()}
+    return curves(
+        Chart(panels, "elements in the leg", MODES, 2.8, abscissa=table),
+        _caption(context, counts),
     )
+
+
+def _counted(axes: Axes, *, counts: Array) -> None:
+    """Logarithmic axes, element counts as ticks, room for what is written at the curves' ends."""
+    axes.set(xscale="log", yscale="log")
+    power_ticks(axes.yaxis)
+    axes.set_xticks(counts, [f"{count}" for count in counts])
+    axes.minorticks_off()
+    axes.set_xlim(counts[0] / 1.15, counts[-1] * 2.6)
 
 
 def fitted_order(counts: Array, errors: Array, first: int, last: int) -> float:

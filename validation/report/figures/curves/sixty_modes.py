@@ -1,83 +1,50 @@
 """Which parts carry the strain energy of the first sixty modes of the solid robot."""
 
 import numpy as np
-from matplotlib.axes import Axes
 
 from fem.bodies.leg_energies import DISTORTION
 from lumped.arrays import Array
 from validation.context import Context
-from validation.drawing.style import (
-    BLUE,
-    GREEN,
-    ORANGE,
-    PURPLE,
-    SKY,
-    VERMILLION,
-    canvas,
-    csv_of,
-    plot_style,
-    svg_of,
+from validation.drawing.style import csv_of
+from validation.exhibits import SOLID_ROBOT
+from validation.report.figures.curves.energy import MEANINGS
+from validation.report.figures.declared import FigureGroup, Shown
+from validation.report.figures.stacked_bars import (
+    DRIVES,
+    JOINTS,
+    KINDS,
+    energy_table,
+    stacked_bars,
 )
-from validation.exhibits import SOLID_ROBOT, Drawing, Figure
 from validation.solids.sixty import ALONE, SIXTY, SixtyModes, in_the_feet, sixty
 
-_ID = "robot.solid.sixty-modes"
-_TITLE = f"Where the strain energy of the first {SIXTY} modes of the solid robot sits"
 # From the bottom of the bars to their top.
-_COLOURS = {
-    "foot": BLUE,
-    "tool": GREEN,
-    "bending y": VERMILLION,
-    "bending z": ORANGE,
-    "torsion": PURPLE,
-    "tension": SKY,
-    DISTORTION: "#bbbbbb",
-}
-_MEANINGS = {"bending y": "bending out of the plane", "bending z": "bending in the plane"}
+_COLOURS = {"foot": DRIVES, "tool": JOINTS, **KINDS, DISTORTION: "#bbbbbb"}
+figures = FigureGroup(SOLID_ROBOT, "robot.solid.sixty")
 
 
-def drawings() -> tuple[Drawing, ...]:
-    """The energies of the first sixty modes at the centre of the stroke."""
-    return (
-        Drawing(_ID, _TITLE, energies, section=SOLID_ROBOT, group="robot.solid.sixty", effort=8.0),
-    )
-
-
-def energies(context: Context) -> Figure:
+@figures.figure(
+    "robot.solid.sixty-modes",
+    f"Where the strain energy of the first {SIXTY} modes of the solid robot sits",
+    effort=8.0,
+)
+def energies(context: Context) -> Shown:
     """One stacked bar for each mode, above for leg 1 and its foot, below for leg 2 and its foot."""
     found = sixty(context)
-    with plot_style():
-        picture, (first, second) = canvas(rows=2, height=5.6)
-        for number, axes in ((1, first), (2, second)):
-            _bars(axes, found, number)
-            axes.set_title(f"({'ab'[number - 1]}) foot {number} and leg {number}")
-        second.set(xlabel="mode")
-        handles, labels = first.get_legend_handles_labels()
-        picture.legend(handles, labels, loc="outside upper left", ncols=3, columnspacing=1.6)
-        svg = svg_of(picture)
-    return Figure(
-        id=_ID,
-        title=_TITLE,
-        caption=_caption(found),
-        section=SOLID_ROBOT,
-        svg=svg,
-        data=_table(found),
+    panels = {
+        f"({'ab'[number - 1]}) foot {number} and leg {number}": {
+            MEANINGS.get(kind, kind): share
+            for kind in _COLOURS
+            if (share := _share(found, kind, number)) is not None
+        }
+        for number in (1, 2)
+    }
+    colours = {MEANINGS.get(kind, kind): colour for kind, colour in _COLOURS.items()}
+    return Shown(
+        _caption(found),
+        stacked_bars(panels, colours, legend_columns=3),
+        data=csv_of(energy_table(found.frequencies, found.shares)),
     )
-
-
-def _bars(axes: Axes, found: SixtyModes, number: int) -> None:
-    modes = np.arange(1, SIXTY + 1)
-    bottom = np.zeros(SIXTY)
-    for kind, colour in _COLOURS.items():
-        share = _share(found, kind, number)
-        if share is None:
-            continue
-        meaning = _MEANINGS.get(kind, kind)
-        axes.bar(modes, 100.0 * share, bottom=bottom, width=0.86, color=colour, label=meaning)
-        bottom += 100.0 * share
-    axes.set(xlim=(0.3, SIXTY + 0.7), ylim=(0.0, 100.0), ylabel="strain energy (%)")
-    axes.set_xticks([1, *range(5, SIXTY + 1, 5)])
-    axes.grid(visible=False, axis="x")
 
 
 def _share(found: SixtyModes, kind: str, number: int) -> Array | None:
@@ -107,13 +74,3 @@ def _caption(found: SixtyModes) -> str:
         f"more than half of the energy in {int(np.sum(distorted > 0.5))} modes, which no beam "
         "model can show."
     )
-
-
-def _table(found: SixtyModes) -> str:
-    columns: dict[str, list[float]] = {
-        "mode": [float(k) for k in range(1, SIXTY + 1)],
-        "frequency (Hz)": found.frequencies.tolist(),
-    }
-    for part, share in found.shares.items():
-        columns[f"{part} (%)"] = (100.0 * share).tolist()
-    return csv_of(columns)

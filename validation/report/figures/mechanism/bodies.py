@@ -151,8 +151,8 @@ def rails(system: System) -> Iterator[Wire]:
             yield Wire(np.array(ends), np.array([[0, 1]]), DARK, 3.0)
 
 
-def compared_points(system: System, unknowns: Array) -> tuple[Array, Array]:
-    """`COMPARED` places of each leg and part (m, base axes), their displacements.
+def compared_points(system: System, unknowns: Array, count: int = COMPARED) -> tuple[Array, Array]:
+    """`count` places of each leg and part (m, base axes), their displacements.
 
     On the centreline of legs, in a row from the first interface of a part to its last one.
 
@@ -161,11 +161,11 @@ def compared_points(system: System, unknowns: Array) -> tuple[Array, Array]:
     points, moved = [], []
     own: dict[str, Array] = {}
     for name in legs_of(system.posture.mechanism):
-        straight = np.zeros((COMPARED, 3))
-        straight[:, 0] = (np.arange(COMPARED) + 0.5) * _length(system, name) / COMPARED
+        straight = np.zeros((count, 3))
+        straight[:, 0] = (np.arange(count) + 0.5) * _length(system, name) / count
         own[name] = straight
     for name in system.posture.mechanism.parts:
-        own[name] = _in_a_row(system.posture.mechanism, name)
+        own[name] = _in_a_row(system.posture.mechanism, name, count)
     for name, within in own.items():
         places, displacements = _of_body(system, name, within, unknowns)
         points.append(places)
@@ -173,8 +173,8 @@ def compared_points(system: System, unknowns: Array) -> tuple[Array, Array]:
     return np.vstack(points), np.concatenate(moved)
 
 
-def outlines_of(system: System, displaced: Array) -> Wire:
-    """Outlines of the legs at the same places, `displaced` (n, times the factor drawn) moved.
+def outlines_of(system: System, displaced: Array, count: int = COMPARED) -> Wire:
+    """Outlines of the legs at as many places, `displaced` (n, times the factor drawn) moved.
 
     Of parts the edges between their faces.
     """
@@ -182,11 +182,11 @@ def outlines_of(system: System, displaced: Array) -> Wire:
     for name in legs_of(system.posture.mechanism):
         leg = equivalent_leg(leg_of(system.posture.mechanism.bodies[name]))
         corners = _OUTSET * outlines(leg.section)[0]
-        stations = (np.arange(COMPARED) + 0.5) * _length(system, name) / COMPARED
+        stations = (np.arange(count) + 0.5) * _length(system, name) / count
         places, moved = _of_body(system, name, prism_points(corners, stations), displaced)
         points.append(places + moved)
         motions.append(moved)
-        pairs.append(frames(len(corners), COMPARED) + begun)
+        pairs.append(frames(len(corners), count) + begun)
         begun += len(places)
     for part in parts(system, displaced):
         points.append(part.points + part.displacements)
@@ -197,14 +197,14 @@ def outlines_of(system: System, displaced: Array) -> Wire:
     return Wire(np.vstack(points), np.vstack(pairs), colour, 2.5, np.vstack(motions))
 
 
-def _in_a_row(mechanism: Mechanism, part: str) -> Array:
-    """Places (`COMPARED`×3, body axes) of a part next to a line from its first interface on.
+def _in_a_row(mechanism: Mechanism, part: str, count: int) -> Array:
+    """Places (`count`×3, body axes) of a part next to a line from its first interface on.
 
     To its last one; places where its displacements are known whatever the model.
     """
     body = mechanism.parts[part]
     ends = [frame.position for frame in body.interfaces.values()]
-    shares = (np.arange(COMPARED) + 0.5)[:, None] / COMPARED
+    shares = (np.arange(count) + 0.5)[:, None] / count
     line = ends[0] + shares * (ends[-1] - ends[0])
     places = identified(body).places
     away = np.linalg.norm(line[:, None] - places, axis=2)

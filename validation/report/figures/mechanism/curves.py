@@ -1,11 +1,13 @@
 """Deflections and frequencies over the path by all models, and how far they are apart."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
 from itertools import cycle
 
 import numpy as np
 
 from lumped.acceptance.requirement import STATIC_QUANTITIES
+from lumped.arrays import Array
 from validation.adequacy.mechanism.compared import (
     Compared,
     compared_compliances,
@@ -16,15 +18,12 @@ from validation.adequacy.mechanism.path import coordinates, has_given, path_post
 from validation.adequacy.response import UNSOLVED
 from validation.case import Skip
 from validation.context import Context
-from validation.drawing.style import (
-    MODELS,
-    OTHERS,
-    PURPLE,
-    Look,
-)
-from validation.exhibits import PATH, Drawing, Figure
+from validation.drawing.chart import Chart, Panel, Series, tapered
+from validation.drawing.scales import few_ticks, from_zero
+from validation.drawing.style import MODELS, OTHERS, PURPLE, Look
+from validation.exhibits import PATH
 from validation.models.mechanism import JUDGED_MODES
-from validation.report.figures.mechanism.panels import POSE, Abscissa, Panel, compared_figure
+from validation.report.figures.declared import FigureGroup, Shown, compared_with, curves
 from validation.solids.robots import SHARED_SOLIDS
 
 FORCE, MOMENT = 1000.0, 100.0
@@ -34,8 +33,8 @@ HELD = (
     "to warp or averaged."
 )
 ONE_SHAPE = "In ascending order; differences are those of modes of one shape."
+POSE = "pose"
 _TITLE = "Deflection over the path"
-_FREQUENCIES = "Natural frequencies over the path"
 _LOOKS: Mapping[str, Look] = {
     "simplified": MODELS["simplified"],
     "vjm": MODELS["vjm"],
@@ -47,92 +46,103 @@ _LOOKS: Mapping[str, Look] = {
     "beam-euler-bernoulli": Look(MODELS["beam"].colour, "P", ":"),
 }
 _SOLID = (MODELS["solid"], Look(MODELS["solid"].colour, MODELS["solid"].marker, "--"))
+figures = FigureGroup(PATH, SHARED_SOLIDS)
 
 
-def drawings() -> tuple[Drawing, ...]:
-    """Deflections and frequencies over the path."""
-    return (
-        _drawing("mechanism.deflections", _TITLE, deflections, 3.0),
-        _drawing("mechanism.frequencies", _FREQUENCIES, frequencies, 3.0),
-    )
-
-
-def _drawing(name: str, title: str, draw: Callable[[Context], Figure], effort: float) -> Drawing:
-    return Drawing(name, title, draw, section=PATH, group=SHARED_SOLIDS, effort=effort)
-
-
-def deflections(context: Context) -> Figure:
+@figures.figure("mechanism.deflections", _TITLE, effort=3.0)
+def deflections(context: Context) -> Shown:
     """A panel for each direction, under a force or a moment along it."""
     try:
         found = compared_compliances(context, path_postures(context))
     except UNSOLVED as error:
         raise Skip(str(error)) from error
-    return compared_figure(
-        "mechanism.deflections",
-        f"{_TITLE}: {OWN_LOADS}",
-        f"Of the loaded point. {HELD}",
-        PATH,
-        _over_path(context),
-        deflection_panels(found),
-        found.against,
-    )
+    chart = deflection_chart(found, *_path(context))
+    said = (f"Of the loaded point. {HELD}", compared_with(found.against))
+    return curves(chart, *said, title=f"{_TITLE}: {OWN_LOADS}")
 
 
-def frequencies(context: Context) -> Figure:
+@figures.figure("mechanism.frequencies", "Natural frequencies over the path", effort=3.0)
+def frequencies(context: Context) -> Shown:
     """A panel for each of the first frequencies, in ascending order at each pose."""
     judged = context.robot_file.requirement.modes
     try:
         found = compared_frequencies(context, path_postures(context), judged)
     except UNSOLVED as error:
         raise Skip(str(error)) from error
-    return compared_figure(
-        "mechanism.frequencies",
-        _FREQUENCIES,
-        ONE_SHAPE,
-        PATH,
-        _over_path(context),
-        frequency_panels(found, bracket=has_given(context.robot_file.mechanism)),
-        found.against,
-        columns=2,
-    )
+    bracket = has_given(context.robot_file.mechanism)
+    chart = frequency_chart(found, *_path(context), bracket=bracket)
+    return curves(chart, ONE_SHAPE, compared_with(found.against))
 
 
-def deflection_panels(found: Compared) -> dict[str, Panel]:
-    """Compliances (p×6, SI) as deflections under `FORCE` and `MOMENT`, a panel each."""
-    panels = {}
+def deflection_chart(
+    found: Compared, x: Array, label: str, abscissa: Mapping[str, Sequence[float]]
+) -> Chart:
+    """Compliances (p×6, SI) as deflections under `FORCE` and `MOMENT`, a panel each.
+
+    Over x (p), which the table has with the columns of `abscissa`.
+    """
+    panels = []
     for place, name in enumerate(STATIC_QUANTITIES):
         turns = name.startswith("phi")
         title = f"about {name[-1]} (µrad)" if turns else f"along {name} (µm)"
-        panels[title] = _panel(found, place, 1e6 * (MOMENT if turns else FORCE), iter(_SOLID))
-    return panels
+        factor = 1e6 * (MOMENT if turns else FORCE)
+        panels.append(_panel(found, x, place, title, factor, iter(_SOLID)))
+    return path_chart(panels, label, abscissa)
 
 
-def frequency_panels(found: Compared, *, bracket: bool) -> dict[str, Panel]:
+def frequency_chart(
+    found: Compared,
+    x: Array,
+    label: str,
+    abscissa: Mapping[str, Sequence[float]],
+    *,
+    bracket: bool,
+) -> Chart:
     """The first frequencies (p×k, Hz), a panel each; a `bracket` has many alternatives."""
     count = min(JUDGED_MODES, found.values[found.against].shape[1])
-    return {
-        f"f{mode + 1} (Hz)": _panel(found, mode, 1.0, cycle(OTHERS) if bracket else iter(_SOLID))
+    panels = [
+        _panel(found, x, mode, f"f{mode + 1} (Hz)", 1.0, cycle(OTHERS) if bracket else iter(_SOLID))
         for mode in range(count)
-    }
+    ]
+    return path_chart(panels, label, abscissa, columns=2)
 
 
-def _panel(found: Compared, place: int, factor: float, others: Iterator[Look]) -> Panel:
+def path_chart(
+    panels: Sequence[Panel], label: str, abscissa: Mapping[str, Sequence[float]], columns: int = 3
+) -> Chart:
+    """Panels over a path or a number of the file; numbers of poses have whole ticks."""
+    ticks = partial(few_ticks, whole=label == POSE)
+    return Chart(panels, label, columns, 2.0, 4, abscissa, ticks)
+
+
+def _panel(
+    found: Compared, x: Array, place: int, title: str, factor: float, others: Iterator[Look]
+) -> Panel:
     looks = {name: _LOOKS[name] if is_model(name) else next(others) for name in found.values}
-    return Panel(
-        {name: (factor * values[:, place], looks[name]) for name, values in found.values.items()},
-        {
-            name: (100.0 * values[:, place], looks[name])
-            for name, values in found.differences.items()
-        },
-    )
+
+    def series(all_values: Mapping[str, Array], times: float) -> list[Series]:
+        return [
+            Series(
+                name,
+                x,
+                times * values[:, place],
+                looks[name],
+                tapered(rank, len(all_values)),
+                title,
+            )
+            for rank, (name, values) in enumerate(all_values.items())
+        ]
+
+    above, below = series(found.values, factor), series(found.differences, 100.0)
+    return Panel(above, title, scale=from_zero, below=below)
 
 
-def _over_path(context: Context) -> Abscissa:
+def _path(context: Context) -> tuple[Array, str, Mapping[str, Sequence[float]]]:
     """The only coordinate that changes along the path, or the poses' numbers along it."""
     named = coordinates(context.robot_file.mechanism)
     poses = np.array([at.pose for at in path_postures(context)])
     columns = {name: poses[:, place].tolist() for place, name in enumerate(named)}
     changing = np.flatnonzero(np.ptp(poses, axis=0) > 0.0)
     if len(changing) == 1:
-        return Abscissa(poses[:, changing[0]], named[changing[0]], columns)
-    return Abscissa(np.arange(1.0, len(poses) + 1.0), POSE, columns)
+        return poses[:, changing[0]], named[changing[0]], columns
+    return np.arange(1.0, len(poses) + 1.0), POSE, columns

@@ -16,20 +16,16 @@ from validation.agreement.mode_pairing import mac_matrix
 from validation.case import Skip
 from validation.context import Context
 from validation.drawing.style import MODELS, canvas, csv_of, plot_style, svg_of
-from validation.exhibits import PATH, Drawing, Figure
+from validation.exhibits import PATH
 from validation.models.options import ModelOptions
+from validation.report.figures.declared import FigureGroup, Shown
 from validation.solids.robots import SHARED_SOLIDS
 
-_ID = "mechanism.pairs"
-_TITLE = "Modes paired by shape with the reference's"
+figures = FigureGroup(PATH, SHARED_SOLIDS)
 
 
-def drawings() -> tuple[Drawing, ...]:
-    """The pairing in the middle of the path."""
-    return (Drawing(_ID, _TITLE, pairs, section=PATH, group=SHARED_SOLIDS, effort=2.0),)
-
-
-def pairs(context: Context) -> Figure:
+@figures.figure("mechanism.pairs", "Modes paired by shape with the reference's", effort=2.0)
+def pairs(context: Context) -> Shown:
     """MAC of beams and segments with the reference, and by how much paired frequencies differ."""
     postures = path_postures(context)
     judged = context.robot_file.requirement.modes
@@ -67,15 +63,12 @@ def pairs(context: Context) -> Figure:
         right.set(title="difference (%)", xlabel="mode of the reference")
         right.legend(loc="best")
         svg = svg_of(drawn)
-    return Figure(
-        id=_ID,
-        title=_TITLE,
-        caption=f"In the middle of the path, reference: {reference.name}. Left: modal assurance "
+    return Shown(
+        f"In the middle of the path, reference: {reference.name}. Left: modal assurance "
         "criterion, dark where two shapes are one; blocks are modes of almost one frequency, of "
         "which any mixture is a mode. Right: frequencies of partners; a mode without one is left "
         "out.",
-        section=PATH,
-        svg=svg,
+        svg,
         data=csv_of(columns),
     )
 

@@ -1,10 +1,16 @@
-"""Pictures of a mechanism's first modes and of its shape under loads, with scenes that move."""
+"""Shapes of any robot: its first modes, and how it yields under loads, segments beside beams."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Protocol, TypeAlias
 
 import numpy as np
+from matplotlib.axes import Axes
 
 from lumped.arrays import Array
+from lumped.dense.modes import Modes
+from lumped.mechanism.free_twists import interface_position
+from lumped.mechanism.joint import Side
 from lumped.models.bodies import legs_of
 from lumped.system.assembly import System
 from lumped.system.solution import solved
@@ -14,7 +20,10 @@ from validation.context import Context
 from validation.drawing.opengl import require_vtk
 from validation.drawing.prisms import readable_factor
 from validation.drawing.rendering import (
+    Body,
+    Picture,
     Scene,
+    Wire,
     arrow,
     clear_corner,
     colour_bar,
@@ -23,13 +32,16 @@ from validation.drawing.rendering import (
     show,
     squares,
     triad,
+    write,
 )
 from validation.drawing.scenes import interactive
 from validation.drawing.style import MODELS, VERMILLION, canvas, csv_of, plot_style
 from validation.drawing.view import fitted_view
-from validation.exhibits import PATH, Drawing, Figure, InteractiveScene
+from validation.exhibits import PATH, InteractiveScene
 from validation.models.mechanism_modes import PostureModes
+from validation.report.figures.declared import FigureGroup, Shown
 from validation.report.figures.mechanism.bodies import (
+    COMPARED,
     Moved,
     compared_points,
     elastic,
@@ -40,7 +52,6 @@ from validation.report.figures.mechanism.bodies import (
 from validation.report.figures.mechanism.drawn_modes import finite_elements
 from validation.report.figures.mechanism.drawn_modes import segments as segments_beside
 
-GROUP = "pictures"
 _MODES = 4
 # Modes of the segments among which those of the beams are looked for.
 _BESIDES = 4
@@ -50,87 +61,142 @@ _MICRO = 1e6
 _DRAWN = 0.16
 _HEIGHT, _SMALL_HEIGHT = 2.9, 2.5  # in, of a panel in two and in three columns
 _ABOVE = (np.array([0.0, -0.3, 1.0]), np.array([0.0, 1.0, 0.0]))
-_ASIDE = (np.array([0.45, -0.9, 0.45]), np.array([0.0, 0.0, 1.0]))
-_SHAPES = "First mode shapes of the mechanism"
-_LOADED = f"The mechanism under {FORCE:g} N along x, y and z"
+_ASIDE = (np.array([0.35, -0.95, 0.5]), np.array([0.0, 0.0, 1.0]))
+figures = FigureGroup(PATH, "pictures")
+# A point (3, m, base axes), what is written at it, and how far (pt) from it.
+Name: TypeAlias = tuple[Array, str, tuple[float, float]]
 
 
-def drawings() -> tuple[Drawing, ...]:
-    """Mode shapes, and the mechanism under loads."""
-    return (
-        Drawing(
-            "mechanism.mode-shapes",
-            _SHAPES,
-            mode_shapes,
-            section=PATH,
-            group=GROUP,
-            effort=4.0,
-        ),
-        Drawing(
-            "mechanism.deformed",
-            _LOADED,
-            deformed,
-            section=PATH,
-            group=GROUP,
-            effort=3.0,
-        ),
-    )
+class Vibrating(Protocol):
+    """An assembled robot with its lowest modes."""
+
+    @property
+    def system(self) -> System:
+        """Its unknowns in one posture."""
+
+    @property
+    def modes(self) -> Modes:
+        """The lowest of them."""
 
 
-def mode_shapes(context: Context) -> Figure:
+@dataclass(frozen=True)
+class Stage:
+    """What stands around the legs and parts of a robot, displaced by unknowns, and its names.
+
+    Segments are shown in `compared` places of each leg.
+    """
+
+    around: Callable[[System, Array], tuple[Sequence[Body], Sequence[Wire]]]
+    names: Callable[[System, Array], Sequence[Name]] = lambda _system, _unknowns: ()
+    compared: int = COMPARED
+
+
+def _joints(system: System, unknowns: Array) -> tuple[list[Body], list[Wire]]:
+    return [one.body(1.0, 1.0) for one in surroundings(system, unknowns)], list(rails(system))
+
+
+ANY = Stage(_joints)
+
+
+@dataclass(frozen=True)
+class Shapes:
+    """A picture with its scenes and table; `tips` (k×3, m): where the loaded point goes."""
+
+    picture: Picture
+    scenes: tuple[InteractiveScene, ...]
+    data: str
+    tips: Array
+
+
+@figures.figure("mechanism.mode-shapes", "First mode shapes of the mechanism", effort=4.0)
+def mode_shapes(context: Context) -> Shown:
     """A panel for each mode: beams coloured by displacement, places of the segments over them."""
-    require_vtk()
     beam, segments = _drawn(context)
-    frequencies = beam.modes.frequencies[:_MODES]
-    rows = -(-len(frequencies) // 2)
-    columns: dict[str, list[float | str]] = _places(beam.system)
-    scenes = []
+    found = modes_of(beam, segments, min(_MODES, len(beam.modes.frequencies)))
+    said = (
+        f"{_drawn_by(beam)} in the middle of the path, coloured by displacement, thin lines: at "
+        f"rest. Orange squares: the same mode {_beside(beam)}; orange outlines in three "
+        "dimensions. Of modes of one frequency any mixture is one."
+    )
+    return Shown(said, picture=found.picture, data=found.data, scenes=found.scenes)
+
+
+@figures.figure(
+    "mechanism.deformed", f"The mechanism under {FORCE:g} N along x, y and z", effort=3.0
+)
+def deformed(context: Context) -> Shown:
+    """A panel for each force, each with its own scale."""
+    beam, segments = _drawn(context)
+    found = under_loads(beam, segments)
+    said = (
+        f"{_drawn_by(beam)} in the middle of the path, each picture with the enlargement named "
+        f"above it. {moves(found)} Red arrow: the force; orange outlines in three dimensions: the "
+        f"same {_beside(beam)}."
+    )
+    return Shown(said, picture=found.picture, data=found.data, scenes=found.scenes)
+
+
+def moves(found: Shapes) -> str:
+    """How far the loaded point goes under each of the forces."""
+    said = (
+        f"{np.linalg.norm(tip) * _MICRO:.4g} µm under the force along {name}"
+        for name, tip in zip("xyz", found.tips, strict=True)
+    )
+    return f"The loaded point moves {', '.join(said)}."
+
+
+def modes_of(beam: Vibrating, segments: Vibrating, count: int, stage: Stage = ANY) -> Shapes:
+    """A panel for each of the first modes of the beams, the same mode of the segments over it.
+
+    Raises Skip where nothing can be drawn.
+    """
+    require_vtk()
+    rows = -(-count // 2)
+    columns = _places(beam.system, stage)
+    scenes, tips = [], []
     with plot_style():
         picture, panels = canvas(rows, 2, rows * (_HEIGHT + 0.75))
-        for axes in panels[len(frequencies) :]:
+        for axes in panels[count:]:
             axes.set_axis_off()
-        for mode, (axes, frequency) in enumerate(zip(panels, frequencies, strict=False)):
+        for mode, axes in enumerate(panels[:count]):
             shape = beam.modes.shapes[:, mode]
             like = _like(beam, segments, mode)
             moved = elastic(beam.system, shape)
             largest = max(float(one.sizes.max()) for one in moved)
-            factor = _DRAWN * beam.posture.mechanism.size / largest
-            scene = _scene(beam.system, moved, shape, factor, largest, 1.0, (2, _HEIGHT))
-            show(axes, scene)
-            points, lumped = compared_points(segments.system, like)
+            factor = _DRAWN * beam.system.posture.mechanism.size / largest
+            where, direction = _direction(beam.system, moved)
+            scene = _scene(
+                beam.system, moved, shape, factor, largest, 1.0, direction, (2, _HEIGHT), stage
+            )
+            _show(axes, scene, stage.names(beam.system, factor * shape))
+            points, lumped = compared_points(segments.system, like, stage.compared)
             squares(axes, scene.view, points + factor * lumped, MODELS["segments"].colour)
-            triad(axes, scene.view, place=clear_corner(scene))
-            title = f"({'abcd'[mode]}) mode {mode + 1}: {frequency:.1f} Hz"
+            frequency = beam.modes.frequencies[mode]
+            title = f"({'abcd'[mode]}) mode {mode + 1}{where}: {frequency:.1f} Hz"
             axes.set_title(title)
-            overlay = outlines_of(segments.system, factor * like)
+            overlay = outlines_of(segments.system, factor * like, stage.compared)
             scenes.append(interactive(title, scene, [overlay]))
+            tips.append((beam.system.tool @ shape)[:3])
             colour_bar(picture, axes, (0.0, 1.0), "displacement, largest = 1")
             for name, (system, unknowns) in {
                 "beam FE": (beam.system, shape),
                 "segments": (segments.system, like),
             }.items():
-                columns |= _columns(f"mode {mode + 1}, {name}", system, unknowns / largest)
+                what = f"mode {mode + 1}, {name} (largest = 1)"
+                columns |= _columns(what, system, unknowns / largest, stage)
         drawn = picture_of(picture)
-    return _figure(
-        "mechanism.mode-shapes",
-        _SHAPES,
-        f"{_drawn_by(beam)} in the middle of the path, coloured by displacement, thin lines: at "
-        f"rest. Orange squares: the same mode {_beside(beam)}; orange outlines in three "
-        "dimensions. Of modes of one frequency any mixture is one.",
-        drawn.png,
-        drawn.left_out,
-        columns,
-        scenes,
-    )
+    return Shapes(drawn, tuple(scenes), csv_of(columns), np.array(tips))
 
 
-def deformed(context: Context) -> Figure:
-    """A panel for each force, each with its own scale."""
+def under_loads(beam: Vibrating, segments: Vibrating, stage: Stage = ANY) -> Shapes:
+    """A panel for each force along x, y and z at the loaded point, each with its own scale.
+
+    Raises Skip where nothing can be drawn.
+    """
     require_vtk()
-    beam, segments = _drawn(context)
-    size = beam.posture.mechanism.size
-    columns: dict[str, list[float | str]] = _places(beam.system)
-    said, scenes = [], []
+    size = beam.system.posture.mechanism.size
+    columns = _places(beam.system, stage)
+    scenes, tips = [], []
     with plot_style():
         picture, panels = canvas(1, 3, _SMALL_HEIGHT + 0.8)
         for place, (axes, name) in enumerate(zip(panels, "xyz", strict=True)):
@@ -138,10 +204,10 @@ def deformed(context: Context) -> Figure:
             moved = elastic(beam.system, shape)
             largest = max(float(one.sizes.max()) for one in moved)
             factor = readable_factor(largest, _DRAWN * size)
-            tool, tip = _tool(beam.system), (beam.system.tool @ shape)[:3]
-            direction = np.eye(3)[place]
-            tail = tool + factor * tip + 0.1 * size * direction
-            head = tail + 0.35 * size * direction
+            tip = (beam.system.tool @ shape)[:3]
+            tail = _tool(beam.system) + factor * tip + 0.16 * size * np.eye(3)[place]
+            head = tail + 0.4 * size * np.eye(3)[place]
+            _, direction = _direction(beam.system, moved)
             scene = _scene(
                 beam.system,
                 moved,
@@ -149,31 +215,23 @@ def deformed(context: Context) -> Figure:
                 factor,
                 1.0 / _MICRO,
                 largest * _MICRO,
+                direction,
                 (3, _SMALL_HEIGHT),
+                stage,
                 np.array([tail, head]),
             )
-            show(axes, scene)
-            triad(axes, scene.view, place=clear_corner(scene))
+            _show(axes, scene, stage.names(beam.system, factor * shape))
             arrow(axes, scene.view, tail, head, VERMILLION)
-            title = f"({'abc'[place]}) {FORCE:g} N along {name}, drawn × {factor:g}"
+            title = f"({'abc'[place]}) {FORCE:g} N along {name}, drawn × {_grouped(factor)}"
             axes.set_title(title, fontsize=9.0)
-            overlay = outlines_of(segments.system, factor * lumped)
+            overlay = outlines_of(segments.system, factor * lumped, stage.compared)
             scenes.append(interactive(title, scene, [overlay], "push"))
             colour_bar(picture, axes, scene.limits, "displacement (µm)")
-            columns |= _columns(f"force along {name} (µm)", beam.system, shape * _MICRO)
-            said.append(f"{np.linalg.norm(tip) * _MICRO:.4g} µm under the force along {name}")
+            what = f"force along {name} (µm)"
+            columns |= _columns(what, beam.system, shape * _MICRO, stage)
+            tips.append(tip)
         drawn = picture_of(picture)
-    return _figure(
-        "mechanism.deformed",
-        _LOADED,
-        f"{_drawn_by(beam)} in the middle of the path, each picture with the enlargement named "
-        f"above it. The loaded point moves {', '.join(said)}. Red arrow: the force; orange "
-        f"outlines in three dimensions: the same {_beside(beam)}.",
-        drawn.png,
-        drawn.left_out,
-        columns,
-        scenes,
-    )
+    return Shapes(drawn, tuple(scenes), csv_of(columns), np.array(tips))
 
 
 def _drawn(context: Context) -> tuple[PostureModes, PostureModes]:
@@ -181,6 +239,7 @@ def _drawn(context: Context) -> tuple[PostureModes, PostureModes]:
     mechanism = context.robot_file.mechanism
     if not (legs_of(mechanism) or mechanism.parts):
         raise Skip("all bodies are rigid: there are no shapes to be drawn")
+    require_vtk()
     return finite_elements(context, _MODES), segments_beside(context, _MODES + _BESIDES)
 
 
@@ -197,7 +256,7 @@ def _beside(drawn: PostureModes) -> str:
     return "with parts condensed on their interfaces"
 
 
-def _like(beam: PostureModes, segments: PostureModes, mode: int) -> Array:
+def _like(beam: Vibrating, segments: Vibrating, mode: int) -> Array:
     """Unknowns of the segments in the mixture of their modes that is most like the beam's mode.
 
     Of the modes close to its partner, so that sense and, of equal frequencies, mixture are its own.
@@ -225,63 +284,69 @@ def _scene(
     factor: float,
     unit: float,
     top: float,
+    direction: tuple[Array, Array],
     room: tuple[int, float],
+    stage: Stage,
     further: Array | None = None,
 ) -> Scene:
     """Legs and what is around them, colours from 0 to `top`; `further` points are kept inside."""
-    around = surroundings(system, unknowns)
-    bodies = [one.body(factor, unit) for one in (*around, *moved)]
-    wires = [*rails(system), *(one.wire() for one in moved)]
+    around, wires = stage.around(system, factor * unknowns)
+    bodies = [*around, *(one.body(factor, unit) for one in moved)]
+    wires = [*wires, *(one.wire() for one in moved)]
     points = [body.surface.points for body in bodies] + [one.points for one in moved]
     points += [] if further is None else [further]
-    toward, up = _direction(system, moved)
-    view = fitted_view(np.vstack(points), toward, up, panel_pixels(*room), margin=0.07)
+    view = fitted_view(np.vstack(points), *direction, panel_pixels(*room), margin=0.07)
     return Scene(view, bodies, (0.0, top), tuple(wires))
 
 
-def _direction(system: System, moved: Sequence[Moved]) -> tuple[Array, Array]:
-    """From above for what stays in the plane of a flat mechanism, else from aside."""
-    points = np.vstack([one.points for one in moved])
-    flat = np.ptp(points[:, 2]) < 0.3 * system.posture.mechanism.size
+def _show(axes: Axes, scene: Scene, names: Sequence[Name]) -> None:
+    show(axes, scene)
+    for point, name, away in names:
+        write(axes, scene.view, point, name, away)
+    triad(axes, scene.view, place=clear_corner(scene))
+
+
+def _direction(system: System, moved: Sequence[Moved]) -> tuple[str, tuple[Array, Array]]:
+    """Where a mechanism whose joints lie in one plane goes, and where it is looked at from.
+
+    From above what stays in that plane, else from aside.
+    """
+    joints = system.posture.mechanism.joints
+    heights = [interface_position(system.posture, one.first)[2] for one in joints]
+    if np.ptp(heights) > _FLAT * system.posture.mechanism.size:
+        return "", _ASIDE
     squares_of = np.square(np.vstack([one.displacements for one in moved])).sum(axis=0)
-    return _ABOVE if flat and squares_of[2] < 0.5 * squares_of.sum() else _ASIDE
+    if squares_of[2] < 0.5 * squares_of.sum():
+        return ", in the plane", _ABOVE
+    return ", along z", _ASIDE
+
+
+# Heights of joints in one plane, of the size of the mechanism.
+_FLAT = 1e-6
 
 
 def _tool(system: System) -> Array:
     tool = system.posture.mechanism.tool
-    frame = system.posture.frames[tool.body]
-    return (frame @ system.posture.mechanism.bodies[tool.body].interfaces[tool.point]).position
+    return interface_position(system.posture, Side(tool.body, tool.point))
 
 
-def _places(system: System) -> dict[str, list[float | str]]:
-    points, _ = compared_points(system, np.zeros(system.size))
+def _grouped(number: float) -> str:
+    """A factor with its thousands set apart."""
+    if number < 1.0:
+        return f"{number:g}"
+    return f"{number:,.0f}".replace(",", "\N{THIN SPACE}")
+
+
+def _places(system: System, stage: Stage) -> dict[str, list[float | str]]:
+    points, _ = compared_points(system, np.zeros(system.size), stage.compared)
     names = [*legs_of(system.posture.mechanism), *system.posture.mechanism.parts]
     each = len(points) // len(names)
     found: dict[str, list[float | str]] = {"body": [name for name in names for _ in range(each)]}
     return found | {f"{axis} (m)": points[:, i].tolist() for i, axis in enumerate("xyz")}
 
 
-def _columns(what: str, system: System, unknowns: Array) -> dict[str, list[float | str]]:
-    _, moved = compared_points(system, unknowns)
+def _columns(
+    what: str, system: System, unknowns: Array, stage: Stage
+) -> dict[str, list[float | str]]:
+    _, moved = compared_points(system, unknowns, stage.compared)
     return {f"{what}: along {axis}": moved[:, i].tolist() for i, axis in enumerate("xyz")}
-
-
-def _figure(
-    name: str,
-    title: str,
-    caption: str,
-    png: bytes,
-    left_out: str,
-    columns: dict[str, list[float | str]],
-    scenes: Sequence[InteractiveScene],
-) -> Figure:
-    return Figure(
-        id=name,
-        title=title,
-        caption=caption,
-        section=PATH,
-        png=png,
-        left_out=left_out,
-        data=csv_of(columns),
-        scenes=tuple(scenes),
-    )

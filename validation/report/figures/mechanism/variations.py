@@ -1,23 +1,24 @@
 """All models over a number of the robot file, and how far they are apart."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 
 import numpy as np
 
+from lumped.arrays import Array
 from lumped.robot_file.key_units import unit_of
 from lumped.robot_file.variation import Variation
 from validation.adequacy.mechanism.path import has_given
 from validation.context import SWEEPS_FOLDER, Context
 from validation.exhibits import PARAMETERS, Drawing, Figure
+from validation.report.figures.declared import compared_with, curves
 from validation.report.figures.mechanism.curves import (
     HELD,
     ONE_SHAPE,
     OWN_LOADS,
-    deflection_panels,
-    frequency_panels,
+    deflection_chart,
+    frequency_chart,
 )
-from validation.report.figures.mechanism.panels import Abscissa, compared_figure
 from validation.sweeps.studies import journal_in
 from validation.variations.curves import VariedCurves, variation_study
 
@@ -44,14 +45,12 @@ def drawings(variations: Sequence[Variation]) -> tuple[Drawing, ...]:
 def deflections(context: Context, *, variation: Variation, number: int) -> Figure:
     """A panel for each direction, under a force or a moment along it."""
     found = _curves(context, variation)
-    return compared_figure(
+    said = f"Of the loaded point{_place(context, found)}. {HELD}{_alike(variation)}"
+    chart = deflection_chart(found.statics, *_over(context, variation))
+    return curves(chart, said, compared_with(found.statics.against)).figure(
         f"vary.{number}.deflections",
         f"Deflection over {variation.key}: {OWN_LOADS}",
-        f"Of the loaded point{_place(context, found)}. {HELD}{_alike(variation)}",
         PARAMETERS,
-        _over(context, variation),
-        deflection_panels(found.statics),
-        found.statics.against,
     )
 
 
@@ -59,16 +58,12 @@ def frequencies(context: Context, *, variation: Variation, number: int) -> Figur
     """A panel for each of the first frequencies, in ascending order at each value."""
     found = _curves(context, variation)
     place = _place(context, found).removeprefix(", ")
-    said = f"{place[:1].upper()}{place[1:]}. " if place else ""
-    return compared_figure(
-        f"vary.{number}.frequencies",
-        f"Natural frequencies over {variation.key}",
-        f"{said}{ONE_SHAPE}{_alike(variation)}",
-        PARAMETERS,
-        _over(context, variation),
-        frequency_panels(found.dynamics, bracket=has_given(context.robot_file.mechanism)),
-        found.dynamics.against,
-        columns=2,
+    said = f"{place[:1].upper()}{place[1:]}." if place else ""
+    bracket = has_given(context.robot_file.mechanism)
+    chart = frequency_chart(found.dynamics, *_over(context, variation), bracket=bracket)
+    against = compared_with(found.dynamics.against)
+    return curves(chart, said, f"{ONE_SHAPE}{_alike(variation)}", against).figure(
+        f"vary.{number}.frequencies", f"Natural frequencies over {variation.key}", PARAMETERS
     )
 
 
@@ -86,11 +81,13 @@ def _place(context: Context, found: VariedCurves) -> str:
     return f", with the tool at {at}" if at else ""
 
 
-def _over(context: Context, variation: Variation) -> Abscissa:
+def _over(
+    context: Context, variation: Variation
+) -> tuple[Array, str, Mapping[str, Sequence[float]]]:
     unit = unit_of(context.robot_file.tables, variation.keys[0])
     label = f"{variation.key} ({unit})" if unit else variation.key
     values = np.array(variation.values)
-    return Abscissa(values, label, {label: values.tolist()})
+    return values, label, {label: values.tolist()}
 
 
 def _alike(variation: Variation) -> str:

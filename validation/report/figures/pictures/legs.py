@@ -1,7 +1,6 @@
 """Each leg as a solid: its mesh in its first modes, the lumped model's shape drawn over it."""
 
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 
@@ -36,11 +35,9 @@ from validation.drawing.rendering import (
 from validation.drawing.scenes import interactive
 from validation.drawing.style import MODELS, canvas, csv_of, plot_style
 from validation.drawing.view import fitted_view
-from validation.exhibits import Drawing, Figure
 from validation.models.legs import constant_leg_of, leg_matrices, solid_modes
 from validation.models.options import DEFAULT_OPTIONS
-from validation.report.figures.pictures.robot import GROUP
-from validation.report.figures.pictures.robot_shape import OUTSET
+from validation.report.figures.declared import FigureGroup, Shown
 from validation.solids.size import skip_too_large
 
 MODES = 4
@@ -49,6 +46,8 @@ DIVISIONS = 2
 _SPARE_MODES = 6
 _STATIONS = 24
 _DRAWN = 0.14
+# How much larger than the leg the lumped model's outlines are drawn, to be seen on its surface.
+_OUTSET = 1.04
 _HEIGHT = 2.1
 _TOWARD, _UP = np.array([0.55, -1.0, 0.65]), np.array([0.0, 0.0, 1.0])
 _KINDS = {
@@ -78,28 +77,28 @@ class LegModes:
     kinds: tuple[str, ...]
 
 
-def drawings() -> tuple[Drawing, ...]:
-    """One picture for each leg."""
-    return tuple(
-        Drawing(
-            f"leg{number}.solid-modes",
-            f"Leg {number} as a solid: first modes",
-            partial(leg_mode_shapes, number=number),
-            section=f"Leg {number}",
-            group=GROUP,
-            effort=2.0,
-        )
-        for number in (1, 2)
-    )
-
-
 _REPEATED = (
     " Two modes at one frequency can be combined at will, so that their MAC may lie below 1 for "
     "the same shapes."
 )
 
 
-def leg_mode_shapes(context: Context, number: int) -> Figure:
+of_leg1, of_leg2 = FigureGroup("Leg 1", "pictures"), FigureGroup("Leg 2", "pictures")
+
+
+@of_leg1.figure("leg1.solid-modes", "Leg 1 as a solid: first modes", effort=2.0)
+def first_leg(context: Context) -> Shown:
+    """Leg 1."""
+    return _mode_shapes(context, 1)
+
+
+@of_leg2.figure("leg2.solid-modes", "Leg 2 as a solid: first modes", effort=2.0)
+def second_leg(context: Context) -> Shown:
+    """Leg 2."""
+    return _mode_shapes(context, 2)
+
+
+def _mode_shapes(context: Context, number: int) -> Shown:
     """Four panels: the first modes of leg 1 or 2, root clamped."""
     require_vtk()
     leg = constant_leg_of(context, number)
@@ -140,10 +139,8 @@ def leg_mode_shapes(context: Context, number: int) -> Figure:
             )
         colour_bar(picture, panels, (0.0, 1.0), "displacement, largest = 1", aspect=50.0)
         drawn = picture_of(picture)
-    return Figure(
-        id=f"leg{number}.solid-modes",
-        title=f"Leg {number} as a solid: first modes",
-        caption=(
+    return Shown(
+        (
             "Equivalent constant-section leg, root end face clamped (left), thin lines: at rest; "
             f"quadratic hexahedra, coarse mesh of {len(found.mesh.cells)} elements. Orange "
             "squares, and frames in three dimensions: the same mode of the segments, at "
@@ -156,9 +153,7 @@ def leg_mode_shapes(context: Context, number: int) -> Figure:
                 else ""
             )
         ),
-        section=f"Leg {number}",
-        png=drawn.png,
-        left_out=drawn.left_out,
+        picture=drawn,
         data=_table(found),
         scenes=tuple(scenes),
     )
@@ -166,7 +161,7 @@ def leg_mode_shapes(context: Context, number: int) -> Figure:
 
 def segments_over(leg: ConstantLeg, stations: Array, twists: Array) -> Wire:
     """Outlines of the lumped model at s `stations` (m), moved by `twists` (s×6), around the leg."""
-    corners = OUTSET * outline(leg.section)
+    corners = _OUTSET * outline(leg.section)
     points = prism_points(corners, stations)
     moved = section_displacements(points, np.repeat(twists, len(corners), axis=0))
     pairs = frames(len(corners), len(stations))

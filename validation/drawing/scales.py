@@ -1,0 +1,95 @@
+"""Scales of a plot's axes: from zero, logarithmic with plain numbers, percent around zero.
+
+Those of y are set once the curves are drawn.
+"""
+
+from collections.abc import Callable, Iterable, Sequence
+from typing import TypeAlias
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.axis import Axis
+
+from lumped.arrays import Array
+from validation.drawing.text import power_of_ten
+
+Scale: TypeAlias = Callable[[Axes], None]
+_FEW_DECADES = 1.5
+
+
+def from_zero(axes: Axes) -> None:
+    """Let the y axis start at zero and leave room above the curves."""
+    axes.set_ylim(0.0, 1.08 * axes.get_ylim()[1])
+
+
+def up_to(axes: Axes, *, top: float) -> None:
+    """Let the y axis go from zero to `top` and leave room above it."""
+    axes.set_ylim(0.0, 1.15 * top)
+
+
+def largest(curves: Iterable[Array]) -> float:
+    """The largest value of any curve; one where none is finite."""
+    values = np.concatenate([np.ravel(curve) for curve in curves])
+    return float(np.max(values[np.isfinite(values)], initial=0.0)) or 1.0
+
+
+def plain_log(axes: Axes, *, low: float, high: float) -> None:
+    """Logarithmic y axis from `low` to `high` with ticks 1, 2, 5 and plain numbers."""
+    axes.set(yscale="log", ylim=(low, high))
+    axes.yaxis.set_major_locator(mpl.ticker.LogLocator(10.0, subs=(1.0, 2.0, 5.0)))
+    axes.yaxis.set_major_formatter(mpl.ticker.FuncFormatter(lambda value, _: f"{value:g}"))
+    axes.yaxis.set_minor_locator(mpl.ticker.NullLocator())
+
+
+def percent(axes: Axes, *, limit: float = 1.0, steps: Sequence[float] = (1.0,)) -> None:
+    """Linear within ± `limit`, logarithmic beyond: curves that agree and such that do not.
+
+    Ticks at zero, at the limit, and at `steps` of every power of ten beyond it.
+    """
+    axes.axhline(0.0, color="#999999", linewidth=0.8)
+    drawn = np.concatenate([[0.0], *(np.asarray(line.get_ydata()) for line in axes.get_lines())])
+    # Nothing of note on one side of zero needs no room there.
+    low, high = 1.6 * min(np.nanmin(drawn), -limit), 1.6 * max(np.nanmax(drawn), limit)
+    axes.set_yscale("symlog", linthresh=limit, linscale=0.6)
+    beyond = (step * 10.0**power for power in range(-6, 7) for step in steps)
+    sizes = [limit, *(size for size in beyond if size >= 1.9 * limit)]
+    axes.set_yticks([0.0, *(s for size in sizes for s in (-size, size) if low <= s <= high)])
+    axes.yaxis.set_major_formatter(
+        mpl.ticker.FuncFormatter(lambda value, _: f"{value:+g}" if value else "0")
+    )
+    axes.yaxis.set_minor_locator(mpl.ticker.NullLocator())
+    axes.set_ylim(low, high)
+
+
+def few_ticks(axes: Axes, *, count: int = 4, whole: bool = False) -> None:
+    """At most `count` intervals of the x axis, of `whole` numbers if these count something."""
+    axes.xaxis.set_major_locator(mpl.ticker.MaxNLocator(count, integer=whole))
+    axes.xaxis.set_major_formatter(mpl.ticker.FuncFormatter(lambda value, _: short_number(value)))
+
+
+def side_by_side(axes: Axes) -> None:
+    """An x axis on which things stand beside each other, without numbers."""
+    axes.set_xticks([])
+
+
+def power_ticks(axis: Axis) -> None:
+    """Ticks of a logarithmic axis: powers of ten, or 1, 2 and 5 where there are few of these.
+
+    Labels are plain text: parsing formulas takes longer than all the rest of a plot.
+    """
+    low, high = axis.get_view_interval()
+    decades = np.log10(high / low) if 0.0 < low < high else 0.0
+    parts = (1.0, 2.0, 5.0) if decades < _FEW_DECADES else (1.0,)
+    axis.set_major_locator(mpl.ticker.LogLocator(10.0, subs=parts, numticks=8))
+    axis.set_major_formatter(mpl.ticker.FuncFormatter(lambda value, _: short_number(value)))
+    axis.set_minor_locator(mpl.ticker.NullLocator())
+
+
+def short_number(value: float) -> str:
+    """A tick as in print: "0.02", "500", "10⁻⁶", "2 × 10⁻⁶"."""
+    if 1e-3 <= abs(value) < 1e4 or value == 0.0:
+        return f"{value:.4g}"
+    mantissa, _, exponent = f"{value:.2e}".partition("e")
+    power, digits = power_of_ten(int(exponent)), f"{float(mantissa):g}"
+    return power if digits == "1" else f"{digits} × {power}"

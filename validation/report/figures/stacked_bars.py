@@ -1,0 +1,55 @@
+"""Strain energy of modes as stacked bars, a bar for each mode: one drawing for every robot."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from lumped.arrays import Array
+from validation.drawing.chart import legend_above
+from validation.drawing.style import (
+    BLUE,
+    GREEN,
+    ORANGE,
+    PURPLE,
+    SKY,
+    VERMILLION,
+    canvas,
+    plot_style,
+    svg_of,
+)
+
+Shares = Mapping[str, Array]
+# Legs by what they do, in every figure.
+KINDS = {"bending y": VERMILLION, "bending z": ORANGE, "torsion": PURPLE, "tension": SKY}
+DRIVES, JOINTS = BLUE, GREEN
+_HIGH = 2.8  # in
+
+
+def stacked_bars(
+    panels: Mapping[str, Shares], colours: Mapping[str, str], legend_columns: int
+) -> str:
+    """SVG of a panel for each title: shares (m, of 1) of each mode by name, from below to above."""
+    with plot_style():
+        picture, places = canvas(rows=len(panels), height=_HIGH * len(panels) + 0.4)
+        for axes, (title, shares) in zip(places, panels.items(), strict=True):
+            count = len(next(iter(shares.values())))
+            modes, bottom = np.arange(1, count + 1), np.zeros(count)
+            for name, share in shares.items():
+                colour = colours[name]
+                axes.bar(modes, 100.0 * share, 0.86, bottom, color=colour, label=name)
+                bottom += 100.0 * share
+            axes.set(xlim=(0.3, count + 0.7), ylim=(0.0, 100.0), ylabel="strain energy (%)")
+            axes.set_xticks([1, *range(5, count + 1, 5)])
+            axes.grid(visible=False, axis="x")
+            axes.set_title(title)
+        places[-1].set_xlabel("mode")
+        legend_above(picture, legend_columns)
+        return svg_of(picture)
+
+
+def energy_table(frequencies: Array, strain: Shares) -> dict[str, list[float]]:
+    """Columns of the modes: number, frequency (Hz), share of each part (%)."""
+    return {
+        "mode": [float(k) for k in range(1, len(frequencies) + 1)],
+        "frequency (Hz)": frequencies.tolist(),
+    } | {f"{part} (%)": (100.0 * share).tolist() for part, share in strain.items()}
