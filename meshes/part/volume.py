@@ -7,7 +7,7 @@ together from mesh to mesh, so that three of them show an order of convergence.
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from math import sqrt
+from math import log, sqrt
 from types import ModuleType
 
 import numpy as np
@@ -30,11 +30,10 @@ _SIDES = 12.0
 # Elements at an interface are shorter by this, growing to full size within so many of them: there
 # the edges of what is held rigidly are singular.
 _AT_INTERFACES, _REACH = 0.6, 4.0
-# Unknowns of second-order tetrahedra of edge h in a volume h³, to begin the search for h with.
-_PER_VOLUME = 40.0
-# Unknowns grow by about this from mesh to mesh, with the power of 1/h in parts of walls and lugs.
-_GROWTH, _POWER = 2.4, 2.5
-_ATTEMPTS, _CLOSE = 3, 0.2
+# Unknowns grow by about this from mesh to mesh. With sides of circles kept, the power of 1/h is 3
+# in massive parts, 2 in walls, and below where fillets and bores rule the mesh.
+_GROWTH, _POWER, _LEAST_POWER = 2.4, 2.5, 1.0
+_ATTEMPTS, _CLOSE = 6, 0.2
 # How often sizes are reduced for a surface whose facets cross.
 _RETRIES = 4
 # No element is shorter than this share of the full size: long fillets would rule the whole mesh.
@@ -88,14 +87,15 @@ def _meshed(
 def ladder(part: PartFile, interfaces: Sequence[Interface], unknowns: int) -> tuple[Grading, ...]:
     """Three gradings, coarse to fine, of which the finest gives about so many `unknowns`.
 
-    Found by meshes of straight edges, which are quick, of the size in the middle. Facets of thin
-    round walls may cross where they are too coarse: then all three are finer.
+    Found by meshes of straight edges, which are quick, of the size in the middle: from the coarsest
+    on, by secants of the logarithms. Facets of thin round walls may cross where they are too
+    coarse: then all three are finer.
     """
     if part.exact is None:
         raise InputError(f"{part.path}: is a mesh already; it cannot be meshed anew")
     wanted = unknowns / _GROWTH
     largest = max(part.extent) / 2.0
-    size = min((_PER_VOLUME * part.exact.volume / wanted) ** (1.0 / 3.0), largest)
+    size, power = largest, _POWER
     with cad_model(part.path, part.unit) as model:
         # Counted, not solved on: optimised ones have as many unknowns to a thousandth.
         _optimise(model.gmsh, 0, 0)
@@ -116,11 +116,15 @@ def ladder(part: PartFile, interfaces: Sequence[Interface], unknowns: int) -> tu
                 size /= RATIO
             return size, count(rung(Grading(size)))
 
+        size, found = feasible(size, Grading.refined)
         for _ in range(_ATTEMPTS):
-            size, found = feasible(size, Grading.refined)
-            if abs(found / wanted - 1.0) < _CLOSE:
+            if abs(found / wanted - 1.0) < _CLOSE or (size == largest and found > wanted):
                 break
-            size = min(size * (found / wanted) ** (1.0 / _POWER), largest)
+            before = size, found
+            size = min(size * (found / wanted) ** (1.0 / power), largest)
+            size, found = feasible(size, Grading.refined)
+            if size != before[0]:
+                power = max(log(found / before[1]) / log(before[0] / size), _LEAST_POWER)
         size, _ = feasible(size, lambda coarse: coarse)
     coarse = Grading(size)
     return coarse, coarse.refined(), coarse.refined().refined()

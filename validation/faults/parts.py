@@ -41,7 +41,7 @@ def recalling(context: Context) -> dict[str, Change]:
 def _in_turn(
     _sound: Faulty, part: PartFile, interfaces: Sequence[Interface], unknowns: int
 ) -> Iterator[PartMesh]:
-    for rung in reversed(RUNGS if part.mesh is None else RUNGS[:1]):
+    for rung in RUNGS if part.mesh is None else RUNGS[:1]:
         yield part_mesh(part, interfaces, unknowns, rung)
 
 

@@ -27,7 +27,7 @@ from meshes.part.part_mesh import PartMesh
 from meshes.part.reading.read import PartFile
 from meshes.part.spread import spread_over
 from validation.parts.kept import kept, key_of
-from validation.parts.meshes import RUNGS, part_mesh
+from validation.parts.meshes import COARSE, FINEST, MIDDLE, RUNGS, gradings, part_mesh
 from validation.parts.refinement import compliance_uncertainty, refinement_uncertainty
 
 DEFAULT_UNKNOWNS = 100_000
@@ -125,6 +125,12 @@ def _computed(
     if part.mesh is None:
         require_memory(unknowns, name)
     meshes = _meshes(part, interfaces, unknowns)
+    # The coarser ones while the finest is made.
+    coarser = []
+    for _ in range(0 if part.mesh is not None else len(RUNGS) - 1):
+        mesh = next(meshes)
+        found = _answer(meshed_part(mesh, material), interfaces, None, modes, name)
+        coarser.append((mesh.unknowns, found))
     finest = next(meshes)
     meshed = meshed_part(finest, material)
     properties = meshed.properties()
@@ -137,11 +143,7 @@ def _computed(
     }
     del meshed
     rows, volumes = spread_over(finest)
-    coarser = [
-        (mesh.unknowns, _answer(meshed_part(mesh, material), interfaces, None, modes, name))
-        for mesh in meshes
-    ]
-    refinement = _refinement([fine, *(answer for _, answer in coarser)])
+    refinement = _refinement([*(answer for _, answer in coarser), fine])
     return {
         "density": material.rho,
         "total": properties.mass,
@@ -154,7 +156,7 @@ def _computed(
         "compliance_refinement": refinement[0],
         "frequency_refinement": refinement[1],
         **_bracket(**bounds),
-        "unknowns": (*(count for count, _ in reversed(coarser)), finest.unknowns),
+        "unknowns": (*(count for count, _ in coarser), finest.unknowns),
         "elements": len(finest.cells),
         "straightened": finest.straightened,
         "places": finest.nodes[rows],
@@ -164,14 +166,20 @@ def _computed(
 
 
 def _meshes(part: PartFile, interfaces: Sequence[Interface], unknowns: int) -> Iterator[PartMesh]:
-    """The meshes, fine to coarse, the next made while one is used; or the one that is given."""
+    """The meshes, coarse to fine, made while others are used; or the one that is given."""
     if part.mesh is not None:
         yield part.mesh
         return
-    with ThreadPoolExecutor(1) as pool:
-        waiting = [pool.submit(part_mesh, part, interfaces, unknowns, r) for r in reversed(RUNGS)]
-        while waiting:
-            yield waiting.pop(0).result()
+    # Once, before two ask for them.
+    gradings(part, interfaces, unknowns)
+    with ThreadPoolExecutor(2) as pool:
+        # The finest takes longest.
+        began = {
+            rung: pool.submit(part_mesh, part, interfaces, unknowns, rung)
+            for rung in (FINEST, COARSE, MIDDLE)
+        }
+        for rung in RUNGS:
+            yield began.pop(rung).result()
 
 
 def _answer(
@@ -204,12 +212,11 @@ def _bracket(rigid: Answer, average: Answer) -> dict[str, Array]:
 
 
 def _refinement(answers: Sequence[Answer]) -> tuple[Array, Array]:
-    """Of compliance and of frequencies; `answers` are fine to coarse."""
+    """Of compliance and of frequencies; `answers` are coarse to fine."""
     if len(answers) < 3:
-        return np.full_like(answers[0].compliance, np.nan), np.full_like(
-            answers[0].frequencies, np.nan
-        )
-    fine, middle, coarse = answers
+        (only,) = answers
+        return np.full_like(only.compliance, np.nan), np.full_like(only.frequencies, np.nan)
+    coarse, middle, fine = answers
     return (
         compliance_uncertainty(coarse.compliance, middle.compliance, fine.compliance),
         refinement_uncertainty(coarse.frequencies, middle.frequencies, fine.frequencies),

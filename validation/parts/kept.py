@@ -13,6 +13,7 @@ import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from threading import Lock
 from typing import Any
 
 import gmsh
@@ -26,11 +27,12 @@ from meshes.part.reading.read import PartFile
 from validation.store.cache import cache_folder
 
 # Raised where the same input gives other numbers than before: meshes, elements, reduction.
-_EDITION = 7
+_EDITION = 8
 _DIGEST = 64
 # What this process computed or read last stays in its memory.
 _MOST_IN_MEMORY = 24
 _in_memory: dict[str, dict[str, Array]] = {}
+_MEMORY = Lock()
 on_forget(_in_memory.clear)
 # Who collects what is asked for, the innermost last.
 _collecting: list[dict[str, dict[str, Array]]] = []
@@ -60,7 +62,8 @@ def key_of(
 
 def kept(key: str, compute: Callable[[], Mapping[str, Any]]) -> dict[str, Array]:
     """The arrays of that `key` from memory or the disk, else computed and put there."""
-    found = _in_memory.pop(key, None)
+    with _MEMORY:
+        found = _in_memory.get(key)
     if found is None:
         found = _from_disk(key, compute)
     _remember(key, found)
@@ -109,9 +112,11 @@ def _computed(compute: Callable[[], Mapping[str, Any]]) -> dict[str, Array]:
 
 
 def _remember(key: str, found: dict[str, Array]) -> None:
-    _in_memory[key] = found
-    if len(_in_memory) > _MOST_IN_MEMORY:
-        del _in_memory[next(iter(_in_memory))]
+    with _MEMORY:
+        _in_memory.pop(key, None)
+        _in_memory[key] = found
+        if len(_in_memory) > _MOST_IN_MEMORY:
+            del _in_memory[next(iter(_in_memory))]
 
 
 def _from_disk(key: str, compute: Callable[[], Mapping[str, Any]]) -> dict[str, Array]:

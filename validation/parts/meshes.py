@@ -33,14 +33,18 @@ def part_mesh(
     return _unpacked(kept(key, lambda: _packed(_made(part, interfaces, unknowns, rung))))
 
 
-def _made(part: PartFile, interfaces: Sequence[Interface], unknowns: int, rung: int) -> PartMesh:
+def gradings(part: PartFile, interfaces: Sequence[Interface], unknowns: int) -> tuple[Grading, ...]:
+    """Those of the three meshes, by rung; raises InputError as `part_mesh` does."""
     key = key_of(part, interfaces, _ANY, "ladder", unknowns)
     found = kept(
         key,
         lambda: {"steps": [(g.size, g.sides) for g in ladder(part, interfaces, unknowns)]},
     )
-    size, sides = found["steps"][rung].tolist()
-    return volume_mesh(part, interfaces, Grading(size, sides))
+    return tuple(Grading(size, sides) for size, sides in found["steps"].tolist())
+
+
+def _made(part: PartFile, interfaces: Sequence[Interface], unknowns: int, rung: int) -> PartMesh:
+    return volume_mesh(part, interfaces, gradings(part, interfaces, unknowns)[rung])
 
 
 def _packed(mesh: PartMesh) -> dict[str, Any]:
