@@ -23,7 +23,7 @@ from lumped.mechanism.mechanism import GROUND, Mechanism, Posture, Tool
 from lumped.mechanism.placing import leg_on, rigid_on
 from lumped.screws import rotation_z
 from lumped.system.assembly import System, assemble
-from lumped.system.joint_motion import printed_release
+from lumped.system.joint_motion import Portion, printed_release
 
 # Relative slack for a posture at the very end of the stroke, where x − end is rounding noise.
 _ROUNDING = 1e-12
@@ -275,12 +275,17 @@ def _printed(joint: Joint) -> Joint:
 
 
 # Bodies and joints of the mechanism in the paper's words.
-_WORDS = {"foot1 compliance": "foot 1", "foot2 compliance": "foot 2", "spring compliance": "tool"}
+_JOINTS = {
+    Portion("foot1", "compliance"): Portion("foot 1"),
+    Portion("foot2", "compliance"): Portion("foot 2"),
+    Portion("spring", "compliance"): Portion("tool"),
+}
+_LEGS = {"leg1": "leg 1", "leg2": "leg 2"}
 
 
-def in_words(part: str) -> str:
-    """What a body or joint of the mechanism is called: "leg 1 bending z", "foot 1", "tool"."""
-    return _WORDS.get(part, part.replace("leg1", "leg 1").replace("leg2", "leg 2"))
+def in_words(part: Portion) -> Portion:
+    """What a part of the mechanism is called: "leg 1", "foot 1", "tool"."""
+    return _JOINTS.get(part, replace(part, of=_LEGS.get(part.of, part.of)))
 
 
 def _turned(before: Array, after: Array) -> Array:

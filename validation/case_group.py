@@ -12,10 +12,11 @@
     def _forces(context: Context, kind: Kind) -> Measurement: ...
 
 `cases()` has them in the order of their declaration. One declaration is as many cases as there are
-parameters to take it over: texts are templates of them ("{kind}", "{entry.unit}", "{alpha:g}"), and
-any field, the parameters of a later key of `over` too, may be a function of those it names. A
-parameter with the name of a field, such as `model`, is that field where the declaration says
-nothing else of it. What computes a case is given the parameters that it names.
+parameters to take it over: texts, and tuples of texts, are templates of them ("{kind}",
+"{entry.unit}", "{alpha:g}"), and any field, the parameters of a later key of `over` too, may be a
+function of those it names. A parameter with the name of a field, such as `model`, is that field
+where the declaration says nothing else of it. What computes a case is given the parameters that it
+names.
 """
 
 from collections.abc import Callable, Iterable, Mapping
@@ -57,6 +58,7 @@ class CaseFields(TypedDict, total=False):
     row: Field[str]
     figure: Field[str]
     label: Field[str]
+    headlines: Field[tuple[str, ...]]
 
 
 class CaseGroup:
@@ -136,8 +138,13 @@ def _case(
     fields = {**common, **from_row, **own}
     return Case(
         compute=partial(compute, **named) if named else compute,
-        **{name: _of(row, field) for name, field in fields.items()},
+        **{name: _filled(row, field) for name, field in fields.items()},
     )
+
+
+def _filled(row: Mapping[str, Any], field: Any) -> Any:
+    several = isinstance(field, tuple)
+    return tuple(_of(row, one) for one in field) if several else _of(row, field)
 
 
 def _rows(given: Mapping[str, Any], over: Over) -> list[dict[str, Any]]:

@@ -16,7 +16,12 @@ from pathlib import Path
 
 import numpy as np
 
-from lumped.acceptance.requirement import MOST_MODES, STATIC_QUANTITIES
+from lumped.acceptance.requirement import (
+    FREQUENCIES,
+    MOST_MODES,
+    ROTATIONS,
+    STATIC_QUANTITIES,
+)
 from lumped.biglide import Biglide
 from lumped.errors import InputError
 from lumped.files import read_ordinary
@@ -26,13 +31,18 @@ from lumped.models.bodies import legs_of
 from lumped.text import shown
 
 _OF_LEG = re.compile(r"([\w-]{1,40})\.c([1-6])([1-6])")
-_FREQUENCY = re.compile(r"f([1-9][0-9]?)")
 _COLUMNS = ("quantity", "pose", "value", "uncertainty", "source")
 # Units of translations, then of rotations, under a force and under a moment.
 _OF_COMPLIANCE = (("m/N", "1/N"), ("1/N", "rad/(N m)"))
 _NAMES = (
     f"{' '.join(STATIC_QUANTITIES)}, f1 to f{MOST_MODES} or an entry of a leg's 6×6 like leg1.c22"
 )
+
+
+def leg_entry(quantity: str) -> tuple[str, int, int] | None:
+    """Leg, row and column (from 0) of "leg1.c22"; None for a quantity of the robot."""
+    found = _OF_LEG.fullmatch(quantity)
+    return (found[1], int(found[2]) - 1, int(found[3]) - 1) if found else None
 
 
 @dataclass(frozen=True)
@@ -52,8 +62,7 @@ class Measured:
     @property
     def leg_entry(self) -> tuple[str, int, int] | None:
         """Leg, row and column (from 0) of an entry of its 6×6; None for a quantity of the robot."""
-        found = _OF_LEG.fullmatch(self.quantity)
-        return (found[1], int(found[2]) - 1, int(found[3]) - 1) if found else None
+        return leg_entry(self.quantity)
 
     @property
     def unit(self) -> str:
@@ -63,20 +72,19 @@ class Measured:
             return _OF_COMPLIANCE[row > 2][column > 2]
         if self.mode is not None:
             return "Hz"
-        return "rad" if self.quantity.startswith("phi") else "m"
+        return "rad" if self.quantity in ROTATIONS else "m"
 
     @property
     def mode(self) -> int | None:
         """Number of the natural frequency, from 1; None for any other quantity."""
-        found = _FREQUENCY.fullmatch(self.quantity)
-        return int(found[1]) if found else None
+        return FREQUENCIES.get(self.quantity)
 
 
 def measured_faults(one: Measured, place: str) -> list[str]:
     """What is wrong with a measured value, one line each, starting with its place."""
     faults = []
     known = one.quantity in STATIC_QUANTITIES or one.leg_entry is not None
-    if not known and not 1 <= (one.mode or 0) <= MOST_MODES:
+    if not known and one.mode is None:
         faults.append(f"{place}.quantity = {shown(one.quantity)}: must be one of {_NAMES}")
     elif one.leg_entry is not None and one.pose:
         faults.append(f"{place}.pose: must be left out, a leg alone has none")

@@ -8,8 +8,12 @@ from lumped.errors import InputError
 
 # Deflection or rotation of the loaded point under its own unit force or unit moment, base axes.
 STATIC_QUANTITIES = ("x", "y", "z", "phi_x", "phi_y", "phi_z")
+# The axis of those that are rotations.
+ROTATIONS = {"phi_x": "x", "phi_y": "y", "phi_z": "z"}
 ORDER = "order"
 MOST_MODES = 10
+# Names of natural frequencies with their number.
+FREQUENCIES = {f"f{number}": number for number in range(1, MOST_MODES + 1)}
 # No model of a robot is known better than to this relative error.
 SMALLEST_SHARE = 1e-6
 ModelKind: TypeAlias = Literal[
@@ -45,8 +49,7 @@ class Requirement:
     @property
     def quantities(self) -> tuple[str, ...]:
         """Names of all quantities that are judged."""
-        frequencies = tuple(f"f{number + 1}" for number in range(self.modes))
-        return (*STATIC_QUANTITIES, *frequencies, ORDER)
+        return (*STATIC_QUANTITIES, *list(FREQUENCIES)[: self.modes], ORDER)
 
     def limit(self, quantity: str) -> float:
         """Largest relative error that is accepted of a quantity."""

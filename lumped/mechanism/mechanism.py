@@ -14,6 +14,7 @@ from lumped.mechanism.part import Part
 GROUND = "ground"
 # What a pose may prescribe of the loaded point, in the order of a twist.
 MOVES = ("x", "y", "z", "phi_x", "phi_y", "phi_z")
+UNITS_OF_MOVES = dict(zip(MOVES, ("m", "m", "m", "rad", "rad", "rad"), strict=True))
 
 
 @dataclass(frozen=True)

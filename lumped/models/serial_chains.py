@@ -33,11 +33,19 @@ class _Step:
     across: Joint | str
 
 
+class NoChainError(InputError):
+    """A leg of the robot is no serial chain: `reason` says where."""
+
+    def __init__(self, robot: str, reason: str) -> None:
+        super().__init__(f"{robot}: {reason}; take --model links")
+        self.reason = reason
+
+
 def compliance(posture: Posture, legs: Mapping[str, Array]) -> Array:
     """6×6 compliance (SI, base axes) at the loaded point.
 
     `legs`: 6×6 compliance of every leg (SI, body axes) at its second interface, the first clamped;
-    bodies without one are rigid. Raises InputError where a leg of the robot is no serial chain,
+    bodies without one are rigid. Raises NoChainError where a leg of the robot is no serial chain,
     ComputationError where a chain is rigid or the tool is free to move.
     """
     place = shown_pose(posture.mechanism, posture.pose)
@@ -54,7 +62,7 @@ def serial_chains(posture: Posture, legs: Mapping[str, Array]) -> tuple[Chain, .
 def _paths(mechanism: Mechanism, legs: Mapping[str, Array]) -> list[list[_Step]]:
     """Steps of each chain from the ground to the tool.
 
-    Raises InputError where one branches, ComputationError where the tool is part of the ground.
+    Raises NoChainError where one branches, ComputationError where the tool is part of the ground.
     """
     moving_as_one = _groups(mechanism, legs)
     base = moving_as_one[_BASE]
@@ -71,9 +79,10 @@ def _paths(mechanism: Mechanism, legs: Mapping[str, Array]) -> list[list[_Step]]
         while here != base:
             onward = [step for step in steps if here in step.nodes and step is not path[-1]]
             if here == end or len(onward) != 1:
-                raise InputError(
-                    f"{mechanism.name}: the vjm model sums serial chains from the ground to the "
-                    f"tool, but the robot branches at {_words(here)}; take --model links"
+                raise NoChainError(
+                    mechanism.name,
+                    "the vjm model sums serial chains from the ground to the tool, but the robot "
+                    f"branches at {_words(here)}",
                 )
             path.append(onward[0])
             here = _other(onward[0], here)

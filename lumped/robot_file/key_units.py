@@ -4,6 +4,8 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
+from lumped.mechanism.mechanism import UNITS_OF_MOVES
+
 _KEY = re.compile(r"(?P<names>[^\[]+)(?:\[(?P<row>\d+)(?:,(?P<column>\d+))?\])?")
 _UNITS: Mapping[str, str] = {
     **dict.fromkeys(("length", "width", "height", "diameter", "thickness", "flange", "web"), "m"),
@@ -35,5 +37,5 @@ def unit_of(tables: Mapping[str, Any], key: str) -> str:
     if names[0] == "path" and found["row"]:
         # A list of poses has the coordinate second.
         move = tables["tool"]["moves"][int(found["column"] or found["row"]) - 1]
-        return "rad" if move.startswith("phi") else "m"
+        return UNITS_OF_MOVES[move]
     return _UNITS.get(names[-1], "")

@@ -19,6 +19,21 @@ from lumped.screws import turn, turn_matrix
 _RIGID = 1e-14
 
 
+@dataclass(frozen=True)
+class Portion:
+    """What has a share of strain energy: a body or joint, and its kind of deformation.
+
+    `kind` is a body's "tension", "bending z", … where its model knows them, "" where it does not,
+    and "drive" or "compliance" of a joint.
+    """
+
+    of: str
+    kind: str = ""
+
+    def __str__(self) -> str:
+        return f"{self.of} {self.kind}".rstrip()
+
+
 class UnevenError(ValueError):
     """Postures that are asked for together do not have the same number of unknowns."""
 
@@ -28,13 +43,13 @@ class JointMotion:
     """Relative twists of the second side at the first's interface, base axes: δ = `basis` w.
 
     `basis` is …×6×r, of one posture or of many; a unit of w moves about as far as the mechanism is
-    long. `springs` gives, for every elastic part of the joint by its name, the matrix D (…×k×r) of
+    long. `springs` gives, for every elastic part of the joint, the matrix D (…×k×r) of
     its energy ½|D w|² (J); the last `elastic` of w are what the springs feel, the others cost
     nothing.
     """
 
     basis: Array
-    springs: Mapping[str, Array]
+    springs: Mapping[Portion, Array]
     elastic: int
 
     def turned(self, rotation: Array) -> "JointMotion":
@@ -51,19 +66,19 @@ def joint_motion(joint: Joint, first: Array, second: Array, length: float) -> Jo
     unit = np.array([1.0 / length] * 3 + [1.0] * 3)[:, None]
     free = unit * twists_left_free(joint, first, second)
     passive = free if joint.drive is None else free[..., 1:]
-    gives = {}
+    gives: dict[Portion, Array] = {}
     if joint.drive is not None and joint.drive.stiffness is not None:
-        gives[f"{joint.name} drive"] = free[..., :1] / np.sqrt(joint.drive.stiffness)
+        gives[Portion(joint.name, "drive")] = free[..., :1] / np.sqrt(joint.drive.stiffness)
     if joint.compliance is not None:
         turned = turn_matrix(joint.compliance, first)
-        gives[f"{joint.name} compliance"] = _root(turned * unit * unit.T)
+        gives[Portion(joint.name, "compliance")] = _root(turned * unit * unit.T)
     if not gives:
         return _sized(passive, {}, 0, unit)
     wrenches, deflections = _condensed(passive, np.concatenate(list(gives.values()), axis=-1))
     felt = np.concatenate([np.zeros_like(passive), wrenches], axis=-1)
     return _sized(
         np.concatenate([passive, deflections], axis=-1),
-        {name: np.swapaxes(give, -1, -2) @ felt for name, give in gives.items()},
+        {part: np.swapaxes(give, -1, -2) @ felt for part, give in gives.items()},
         wrenches.shape[-1],
         unit,
     )
@@ -92,11 +107,11 @@ def same_rank(above: Array) -> int:
     return int(ranks[0])
 
 
-def _sized(basis: Array, springs: dict[str, Array], elastic: int, unit: Array) -> JointMotion:
+def _sized(basis: Array, springs: dict[Portion, Array], elastic: int, unit: Array) -> JointMotion:
     """From a basis without units."""
     size = 1.0 / np.linalg.norm(basis, axis=-2, keepdims=True)
     return JointMotion(
-        basis * size / unit, {name: rows * size for name, rows in springs.items()}, elastic
+        basis * size / unit, {part: rows * size for part, rows in springs.items()}, elastic
     )
 
 

@@ -20,7 +20,7 @@ from lumped.arrays import Array
 from lumped.mechanism.joint import Joint, Side
 from lumped.mechanism.mechanism import GROUND, Mechanism, Posture
 from lumped.screws import shift
-from lumped.system.joint_motion import JointMotion, joint_motion, same_rank
+from lumped.system.joint_motion import JointMotion, Portion, joint_motion, same_rank
 
 # Loops are closed to 1e-12 of the mechanism's size: conditions that depend on each other differ by
 # as much, those that do not by the sine of an angle that a designer can see.
@@ -66,7 +66,7 @@ class Motions:
     structure: Structure
     twists: Array
     places: Array
-    springs: Mapping[str, Array]
+    springs: Mapping[Portion, Array]
     locks: Array
 
     def at(self, body: str, point: str, position: Array) -> Array:
@@ -83,7 +83,7 @@ class Motions:
             self,
             twists=self.twists[number],
             places=self.places[number],
-            springs={name: rows[number] for name, rows in self.springs.items()},
+            springs={part: rows[number] for part, rows in self.springs.items()},
             locks=self.locks[number],
         )
 
@@ -173,7 +173,7 @@ def motions(structure: Structure, frames: Frames) -> Motions:
     unit = np.array([1.0 / structure.length] * 3 + [1.0] * 3)
     size = sum(6 if j is None else allowed[j].basis.shape[-1] for j, _ in structure.tree)
     twists = np.zeros((count, len(structure.nodes), 6, size))
-    springs: dict[str, Array] = {}
+    springs: dict[Portion, Array] = {}
     locks = [np.zeros((0, size))]
     done = 0
     for j, node in structure.tree:
@@ -198,9 +198,9 @@ def motions(structure: Structure, frames: Frames) -> Motions:
         passive = own[..., : own.shape[-1] - motion.elastic]
         twists[:, node, :, :done] -= _along(passive, unit) @ twists[:, node, :, :done]
         done = mine.stop
-        for name, rows in motion.springs.items():
-            springs[name] = np.zeros((count, rows.shape[-2], size))
-            springs[name][..., mine] = rows
+        for part, rows in motion.springs.items():
+            springs[part] = np.zeros((count, rows.shape[-2], size))
+            springs[part][..., mine] = rows
         locks.append(np.eye(size)[done - motion.elastic : done])
     locked = np.broadcast_to(np.vstack(locks), (count, sum(map(len, locks)), size))
     open_loops = Motions(structure, twists, places, springs, locked)
@@ -241,7 +241,7 @@ def _closed(
         forbidden.append(np.swapaxes(directions[..., count:], -1, -2) @ apart)
         if motion.springs:
             let: Array = np.linalg.pinv(basis) @ apart
-            springs |= {name: rows @ let for name, rows in motion.springs.items()}
+            springs |= {part: rows @ let for part, rows in motion.springs.items()}
             locks.append(let[..., count - motion.elastic :, :])
     _, values, right = np.linalg.svd(np.concatenate(forbidden, axis=-2), full_matrices=True)
     largest = np.maximum(values.max(axis=-1, keepdims=True, initial=0.0), 1.0)
@@ -251,7 +251,7 @@ def _closed(
         motions.structure,
         motions.twists @ allowed[:, None],
         motions.places,
-        {name: rows @ allowed for name, rows in springs.items()},
+        {part: rows @ allowed for part, rows in springs.items()},
         np.concatenate(locks, axis=-2) @ allowed,
     )
 

@@ -18,6 +18,7 @@ from lumped.dense.modes import Modes, dense, fix_signs
 from lumped.errors import ComputationError
 from lumped.system.assembly import System
 from lumped.system.idle import idle_motions
+from lumped.system.joint_motion import Portion
 
 # Pivots of the stiffness with unit diagonal: those of a chain of 160 elements are 3e-8. Rounding of
 # a singular matrix leaves 1e-16 times what its stiffest entries are above those of the motion.
@@ -174,22 +175,22 @@ def _inverse_squares(solution: Solved) -> tuple[Array, Array]:
     return dtrsm(1.0, solution.lower, half, side=1, lower=1, trans_a=1), drag
 
 
-def strain_shares(system: System, shapes: Array) -> dict[str, Array]:
+def strain_shares(system: System, shapes: Array) -> dict[Portion, Array]:
     """Share of the strain energy of each of the `shapes` (n×m) in bodies, drives and joints.
 
-    Bodies by kind of deformation where their model knows it ("rod bending z"), joints by their
-    elastic parts; the shares sum to 1.
+    Bodies by kind of deformation where their model knows it, joints by their elastic parts; the
+    shares sum to 1.
     """
     outer = shapes[: system.outer]
     energies = {
-        name: np.square(rows @ outer).sum(axis=0) for name, rows in system.motions.springs.items()
+        part: np.square(rows @ outer).sum(axis=0) for part, rows in system.motions.springs.items()
     }
     for name, model in system.models.items():
         own = system.own(name, shapes)
-        for kind, part in (model.parts or {"": model.stiffness}).items():
-            energies[f"{name} {kind}".rstrip()] = np.sum(own * (part @ own), axis=0)
+        for kind, stiffness in (model.parts or {"": model.stiffness}).items():
+            energies[Portion(name, kind)] = np.sum(own * (stiffness @ own), axis=0)
     total = sum(energies.values())
-    return {name: energy / total for name, energy in energies.items()}
+    return {part: energy / total for part, energy in energies.items()}
 
 
 def is_even(stiffness: Array) -> bool:

@@ -35,10 +35,8 @@ def test_the_matrix_is_that_of_a_run(judged, tmp_path):
     ]
     # One choice of what is judged: each leg alone and the notes are there, too.
     assert [part.robot for part in judged.matrix.parts] == ["leg 1", "leg 2"]
-    assert (finished.matrix.beside, finished.matrix.notes) == (
-        judged.matrix.beside,
-        judged.matrix.notes,
-    )
+    for name in ("beside", "notes", "bracket"):
+        assert getattr(finished.matrix, name) == getattr(judged.matrix, name)
     assert finished.matrix.formulation.robot == "equivalent legs"
     # The paper's robot: the legs' own 6×6 hold, those of constant section do not.
     assert judged.entry("vjm", "x").verdict == "adequate"

@@ -13,6 +13,7 @@ from lumped.legs import ConstantLeg, Material
 from lumped.robot_file import load_robot
 from lumped.sections import Circle, HollowRectangle, ISection
 from lumped.system import solution
+from lumped.system.joint_motion import Portion
 from meshes.section.section_mesh import section_mesh
 from validation.models.biglide import robot_legs
 from validation.solids.legs import solid_frequencies
@@ -101,7 +102,7 @@ def test_modal_torsion_has_the_share_of_strain_energy_on_its_diagonal():
     stiffness = np.square(2.0 * np.pi * modes.frequencies[1, :6])
     for leg in (0, 1):
         found = np.diag(modes.torsion[1, leg])[:6] / stiffness
-        assert_allclose(found, shares[f"leg {leg + 1} torsion"], rtol=1e-6, atol=1e-9)
+        assert_allclose(found, shares[Portion(f"leg {leg + 1}", "torsion")], rtol=1e-6, atol=1e-9)
 
 
 def test_small_effects_on_frequencies_go_with_the_share_of_energy():

@@ -11,6 +11,7 @@ from numpy.testing import assert_allclose
 from lumped.biglide import with_equivalent_legs
 from lumped.errors import InputError
 from lumped.robot_file import load_robot
+from lumped.system.joint_motion import Portion
 from validation.case import Skip, judge, perturbed
 from validation.cases.robot import calculix, sixty
 from validation.context import Context
@@ -120,7 +121,7 @@ def test_energies_of_sixty_modes_sum_to_all_of_it_and_name_every_part(context):
     assert len(found.frequencies) == 60
     assert_allclose(sum(found.shares.values()), 1.0, rtol=1e-12)
     # Mode 4 at the centre, 353 Hz, is planar bending of leg 1 (known values and beams).
-    assert found.shares["leg 1 bending z"][3] > 0.75
+    assert found.shares[Portion("leg 1", "bending z")][3] > 0.75
     # Without elastic feet no energy can be in them.
     rigid = replace(ROBOT, foot_compliance=None)
     assert sixty.in_the_feet(sixty.sixty_modes(rigid, 1)).max() == 0.0

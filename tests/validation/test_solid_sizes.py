@@ -16,6 +16,7 @@ from meshes.section.section_mesh import section_mesh
 from validation.adequacy.biglide.dynamics import dynamic_reference, vibrations
 from validation.adequacy.judgement import judged
 from validation.adequacy.legs import finer_statics, solid_leg
+from validation.adequacy.matrix import Coordinate
 from validation.adequacy.mechanism import dynamics as of_mechanisms
 from validation.adequacy.mechanism.path import path_postures
 from validation.adequacy.response import Candidate, Reference, Subject
@@ -128,7 +129,7 @@ def test_frequencies_without_such_a_reference_are_undecided_with_the_reason(cont
     found = vibrations(context, robot, 3)["beam"]
     subject = Subject(
         robot=robot.name,
-        coordinates=("x (m)",),
+        coordinates=(Coordinate("x", "m"),),
         poses=robot.stations(3)[:, None],
         weights=sample_weights(robot),
         candidates=[Candidate("beam", "beam", found)],

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from lumped.acceptance.requirement import ORDER, STATIC_QUANTITIES
+from lumped.acceptance.requirement import FREQUENCIES, ORDER, STATIC_QUANTITIES
 from lumped.arrays import Array
 from validation.adequacy.partners import Partners, partners
 from validation.adequacy.response import Alternative, Reference, Response, Subject
@@ -67,7 +67,7 @@ class Scale:
             rows = [self._order(one, response) for one, response in pairs]
         else:
             rows = [
-                self._frequency(one, response, int(quantity[1:]) - 1) for one, response in pairs
+                self._frequency(one, response, FREQUENCIES[quantity] - 1) for one, response in pairs
             ]
         known = [row for row in rows if row is not None]
         if len(known) < len(rows) or not rows:

@@ -9,7 +9,7 @@ from lumped.acceptance.requirement import ORDER, STATIC_QUANTITIES, Requirement
 from lumped.arrays import Array
 from validation.adequacy.causes import explained, remedied
 from validation.adequacy.errors import Errors, Scale
-from validation.adequacy.matrix import Adequacy, Entry, Matrix, ModelNote, notes_of_part
+from validation.adequacy.matrix import Adequacy, Entry, Matrix, ModelNote
 from validation.adequacy.response import Candidate, Reference, Subject
 
 
@@ -18,7 +18,6 @@ def judged(subject: Subject, requirement: Requirement) -> Matrix:
 
     Its parts are judged with it; what beams get wrong of one alone is noted.
     """
-    parts = tuple(judged(part, requirement) for part in subject.parts)
     scale = Scale(subject, requirement.modes)
     entries = [
         entry
@@ -33,8 +32,9 @@ def judged(subject: Subject, requirement: Requirement) -> Matrix:
         models=tuple(ModelNote(one.model, one.title, one.silent) for one in subject.candidates),
         quantities=requirement.quantities,
         entries=tuple(entries),
-        notes=(*subject.notes, *(note for part in parts for note in notes_of_part(part))),
-        parts=parts,
+        notes=subject.notes,
+        bracket=subject.bracket,
+        parts=tuple(judged(part, requirement) for part in subject.parts),
         formulation=judged(subject.formulation, requirement) if subject.formulation else None,
     )
 

@@ -10,6 +10,17 @@ Adequacy: TypeAlias = Literal["adequate", "inadequate", "undecided"]
 
 
 @dataclass(frozen=True)
+class Coordinate:
+    """What a pose prescribes: "x" in "m"."""
+
+    name: str
+    unit: str
+
+    def __str__(self) -> str:
+        return f"{self.name} ({self.unit})"
+
+
+@dataclass(frozen=True)
 class Cause:
     """A named cause and its share of an error (1: all of it, negative: it works against it).
 
@@ -71,20 +82,22 @@ class ModelNote:
 class Matrix:
     """All models by all quantities for one robot.
 
-    `coordinates` name what a pose prescribes, with unit; `poses` (p×n) are all that were looked at.
-    `notes` are facts that belong beside the matrix (a bracket of frequencies, say), `parts` the
-    matrices of the robot's parts alone, named as `robot`: each leg's, root clamped. Where models
+    `coordinates` are what a pose prescribes; `poses` (p×n) are all that were looked at.
+    `notes` are facts that belong beside the matrix, `bracket` says between which bounds frequencies
+    lie that cannot be judged, `parts` are the matrices of the robot's parts alone, named as
+    `robot`: each leg's, root clamped. Where models
     stand on legs that are not the robot's, `formulation` holds them against solids of the legs that
     they model: what is off in the matrix and not there is the fault of the legs, not of the model.
     """
 
     robot: str
-    coordinates: tuple[str, ...]
+    coordinates: tuple[Coordinate, ...]
     poses: tuple[tuple[float, ...], ...]
     models: tuple[ModelNote, ...]
     quantities: tuple[str, ...]
     entries: tuple[Entry, ...]
     notes: tuple[str, ...] = ()
+    bracket: str = ""
     parts: tuple["Matrix", ...] = ()
     formulation: "Matrix | None" = None
 
@@ -168,23 +181,6 @@ def in_a_line(matrix: Matrix) -> str:
         said = ", ".join(parts) or f"not judged ({note.silent})"
         alike.setdefault(said, []).append(note.model)
     return "; ".join(f"{', '.join(models)}: {said}" for said, models in alike.items())
-
-
-def notes_of_part(part: Matrix) -> list[str]:
-    """What a part alone shows that is not adequate, by beams, in words."""
-    notes = []
-    for entry in part.of_model("beam"):
-        if entry.verdict == "adequate" or entry.error is None or entry.uncertainty is None:
-            continue
-        said = f"{part.robot} alone, {entry.quantity} by beams: {100.0 * entry.error:+.3g} %"
-        if entry.uncertainty > 1e-3:
-            said += f" ± {100.0 * entry.uncertainty:.2g} %"
-        if entry.causes:
-            said += f", {100.0 * entry.causes[0].share:.0f} % of it {entry.causes[0].cause}"
-        if entry.error_with_remedy is not None:
-            said += f"; {entry.remedy}: {100.0 * entry.error_with_remedy:+.2g} %"
-        notes.append(f"{said} ({entry.verdict})")
-    return notes
 
 
 def _names(matrix: Matrix, quantities: Sequence[str]) -> str:

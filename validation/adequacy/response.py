@@ -1,12 +1,13 @@
 """What a model answers to unit wrenches at the tool and to being left to vibrate, pose by pose."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 from lumped.acceptance.requirement import STATIC_QUANTITIES
 from lumped.arrays import Array
 from lumped.errors import ComputationError, InputError
+from validation.adequacy.matrix import Coordinate
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,18 +146,20 @@ class Candidate:
 class Subject:
     """A robot with everything that its models are judged by.
 
-    `poses` (p×n) in `coordinates` (names with units); `weights` (k) of the samples of shapes;
+    `poses` (p×n) in `coordinates`; `weights` (k) of the samples of shapes; `notes` and `bracket`
+    as in `Matrix`;
     `parts` are its parts alone (each leg, root clamped), `formulation` the models whose legs are
     others than the robot's, held against solids of those.
     """
 
     robot: str
-    coordinates: tuple[str, ...]
+    coordinates: tuple[Coordinate, ...]
     poses: Array
     weights: Array
     candidates: Sequence[Candidate]
     statics: Reference
     dynamics: Reference
-    notes: tuple[str, ...] = field(default=())
+    notes: tuple[str, ...] = ()
+    bracket: str = ""
     parts: "tuple[Subject, ...]" = ()
     formulation: "Subject | None" = None

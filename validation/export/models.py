@@ -148,8 +148,12 @@ def _write_matrix(matrix: SparseMatrix, path: Path) -> None:
 
 def named_fields(deflections: Array, shapes: Array) -> dict[str, Array]:
     """Columns by name: deflections under unit wrenches, then mode shapes."""
-    named = {f"displacement {w}": u for w, u in zip(WRENCHES, deflections.T, strict=True)}
+    named = {_DISPLACEMENT[w]: u for w, u in zip(WRENCHES, deflections.T, strict=True)}
     return named | {f"mode {k}": shape for k, shape in enumerate(shapes.T, start=1)}
+
+
+_DISPLACEMENT = {wrench: f"displacement {wrench}" for wrench in WRENCHES}
+_ROTATION = {_DISPLACEMENT[wrench]: f"rotation {wrench}" for wrench in WRENCHES}
 
 
 def vectors_of(fields: Mapping[str, Array]) -> dict[str, Array]:
@@ -158,5 +162,5 @@ def vectors_of(fields: Mapping[str, Array]) -> dict[str, Array]:
     for name, field in fields.items():
         twists = np.asarray(field).reshape(-1, 6)
         vectors[name] = twists[:, :3]
-        vectors[f"rotation {name.removeprefix('displacement ')}"] = twists[:, 3:]
+        vectors[_ROTATION.get(name, f"rotation {name}")] = twists[:, 3:]
     return vectors

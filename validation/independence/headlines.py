@@ -13,36 +13,26 @@ from validation.models.options import STATIC
 _SCREEN = "first screen and summary"
 _PAPER = "paper's table"
 _STATICS = "deflections and rotations"
-# What else is about the numbers of a model.
-_ALSO_STATIC = {
-    "vjm-equivalent": ("robot.anchor.vjm.",),
-    "segments": ("robot.statics.segments-vjm.",),
-    "beam": ("robot.anchor.beam.planar", "robot.anchor.beam.along", "robot.statics.beam-vjm."),
-}
-_ALSO_DYNAMIC = {
-    "segments": ("robot.anchor.segments.frequency", "robot.frequency.segments-"),
-    "beam": ("robot.anchor.beam.frequency",),
-}
 
 
 @dataclass(frozen=True)
 class HeadlineNumber:
-    """A `number`, where it is `shown`, and the beginnings of the ids of `cases` that compare it.
+    """A `number`, where it is `shown`, and the `name` by which cases say that they compare it.
 
     `model` is that of the matrix, empty for a reference and the paper's table; `static` tells
     compliances from frequencies. `calculix`: what is independent of it is CalculiX.
     """
 
+    name: str
     shown: str
     number: str
-    cases: tuple[str, ...]
     model: str = ""
     static: bool = True
     calculix: bool = False
 
     def is_compared_by(self, case: Case) -> bool:
         """Whether a case is about this number."""
-        return case.id.startswith(self.cases)
+        return self.name in case.headlines
 
 
 def headline_numbers(robot_file: RobotFile) -> tuple[HeadlineNumber, ...]:
@@ -54,104 +44,65 @@ def headline_numbers(robot_file: RobotFile) -> tuple[HeadlineNumber, ...]:
 
 def _of_biglide() -> Iterator[HeadlineNumber]:
     for model, (kind, _, _) in subject.CANDIDATES.items():
-        statics = (f"robot.anchor.statics[{model}, ", *_ALSO_STATIC.get(model, ()))
-        yield HeadlineNumber(_SCREEN, f"{_STATICS} by {model}", statics, model)
-        if kind not in STATIC:
-            dynamics = (f"robot.anchor.frequencies[{model}, ", *_ALSO_DYNAMIC.get(model, ()))
-            yield HeadlineNumber(_SCREEN, f"frequencies by {model}", dynamics, model, static=False)
+        yield from _of_model(model, dynamic=kind not in STATIC)
     yield HeadlineNumber(
-        _SCREEN,
-        f"{_STATICS} of the reference: legs by their own 6×6",
-        ("robot.anchor.own[",),
+        "robot.statics.own", _SCREEN, f"{_STATICS} of the reference: legs by their own 6×6"
     )
     yield HeadlineNumber(
-        _SCREEN,
-        f"{_STATICS} of the reference: solid legs",
-        ("robot.anchor.reference[", "robot.solid.statics-", "robot.solid.calculix.statics"),
-        calculix=True,
-    )
-    yield HeadlineNumber(
+        "robot.frequencies.own",
         _SCREEN,
         "frequencies of the reference: legs by their own 6×6, plausible masses",
-        ("robot.anchor.masses[",),
         static=False,
     )
-    yield HeadlineNumber(
-        _SCREEN,
-        "frequencies of the reference: solid legs",
-        ("robot.solid.calculix.frequencies", "robot.solid.frequency["),
-        static=False,
-        calculix=True,
-    )
+    yield from _of_solids()
+
+
+def _of_model(model: str, *, dynamic: bool) -> Iterator[HeadlineNumber]:
+    yield HeadlineNumber(f"robot.statics.{model}", _SCREEN, f"{_STATICS} by {model}", model)
+    if dynamic:
+        yield HeadlineNumber(
+            f"robot.frequencies.{model}", _SCREEN, f"frequencies by {model}", model, static=False
+        )
+
+
+def _of_solids() -> Iterator[HeadlineNumber]:
+    for what, number in (("statics", _STATICS), ("frequencies", "frequencies")):
+        yield HeadlineNumber(
+            f"robot.{what}.solid",
+            _SCREEN,
+            f"{number} of the reference: solid legs",
+            static=number == _STATICS,
+            calculix=True,
+        )
 
 
 def _of_legs() -> Iterator[HeadlineNumber]:
     for number in (1, 2):
+        shown = f"{_SCREEN}, leg {number} alone"
         for model in leg.MODELS:
             yield HeadlineNumber(
-                f"{_SCREEN}, leg {number} alone",
-                f"{_STATICS} by {model}",
-                (f"leg{number}.anchor[{model}, ", f"leg{number}.compliance.{model}["),
-                model,
+                f"leg{number}.statics.{model}", shown, f"{_STATICS} by {model}", model
             )
         yield HeadlineNumber(
-            f"{_SCREEN}, leg {number} alone",
+            f"leg{number}.statics.solid",
+            shown,
             f"{_STATICS} of the reference: a solid",
-            (f"leg{number}.anchor.reference[", f"leg{number}.compliance.solid"),
             calculix=True,
         )
 
 
 def _of_paper() -> Iterator[HeadlineNumber]:
-    yield HeadlineNumber(
-        _PAPER,
-        "simplified model: largest deflection, frequencies",
-        ("robot.anchor.simplified", "robot.anchor.frequencies[simplified, "),
-    )
-    yield HeadlineNumber(
-        _PAPER,
-        "virtual joints: deflections, legs as printed and equivalent ones",
-        ("robot.anchor.statics[vjm, ", "robot.anchor.statics[vjm-equivalent, "),
-    )
-    yield HeadlineNumber(
-        _PAPER, "segments: frequencies, as corrected", ("robot.anchor.segments.frequency",)
-    )
-    yield HeadlineNumber(
-        _PAPER, "segments: frequencies, eq. (25) as printed", ("robot.anchor.printed.",)
-    )
-    yield HeadlineNumber(
-        _PAPER, "leg 1 alone: frequencies in segments", ("leg1.frequency.segments[",)
-    )
+    for name, number in (
+        ("paper.simplified", "simplified model: largest deflection, frequencies"),
+        ("paper.vjm", "virtual joints: deflections, legs as printed and equivalent ones"),
+        ("paper.segments", "segments: frequencies, as corrected"),
+        ("paper.printed", "segments: frequencies, eq. (25) as printed"),
+        ("paper.leg1", "leg 1 alone: frequencies in segments"),
+    ):
+        yield HeadlineNumber(name, _PAPER, number)
 
 
 def _of_mechanism(mechanism: Mechanism) -> Iterator[HeadlineNumber]:
     for model, (kind, _, _) in mechanism_candidates(mechanism).items():
-        own = {"simplified": ("mechanism.simplified",)}.get(model, (f"mechanism.statics.{model}",))
-        yield HeadlineNumber(
-            _SCREEN, f"{_STATICS} by {model}", (f"mechanism.anchor.statics[{model}, ", *own), model
-        )
-        if kind not in STATIC:
-            others = {
-                "simplified": ("mechanism.inertia",),
-                "segments": ("mechanism.frequency.segments[",),
-            }.get(model, ())
-            yield HeadlineNumber(
-                _SCREEN,
-                f"frequencies by {model}",
-                (f"mechanism.anchor.frequencies[{model}, ", *others),
-                model,
-                static=False,
-            )
-    yield HeadlineNumber(
-        _SCREEN,
-        f"{_STATICS} of the reference: solid legs",
-        ("mechanism.calculix.statics", "mechanism.statics.solid"),
-        calculix=True,
-    )
-    yield HeadlineNumber(
-        _SCREEN,
-        "frequencies of the reference: solid legs",
-        ("mechanism.calculix.frequencies", "mechanism.reduction"),
-        static=False,
-        calculix=True,
-    )
+        yield from _of_model(model, dynamic=kind not in STATIC)
+    yield from _of_solids()

@@ -1,15 +1,12 @@
 """The comparisons of every headline number by what their two sides rest on, as rows and as text."""
 
-import re
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from validation.independence.headlines import HeadlineNumber
 from validation.independence.trace import BASICS, Independence, is_basic
 
-# What distinguishes comparisons that are alike: the last part in the brackets of their id.
-_LAST = re.compile(r"(\[|, )[^\[\],]*\]$")
+SECTION = "Independence"
 NOTHING = "nothing"
 _UNCOMPARED = "no comparison"
 _UNTOLD = "not told: one number holds both sides"
@@ -38,10 +35,11 @@ def rows(numbers: Sequence[HeadlineNumber], found: Sequence[Independence]) -> tu
     listed = []
     for number in numbers:
         own = [one for one in found if number.is_compared_by(one.case)]
-        groups = Counter((_alike(one.case.id), *_sides(one)) for one in own)
+        alike: dict[tuple[str, str, str], list[str]] = {}
+        for one in own:
+            alike.setdefault(_sides(one), []).append(one.case.id)
         made = [
-            Row(number.shown, number.number, f"{name} ({count})" if count > 1 else name, *sides)
-            for (name, *sides), count in groups.items()
+            Row(number.shown, number.number, _told(ids), *sides) for sides, ids in alike.items()
         ]
         missing = Row(number.shown, number.number, _UNCOMPARED, "", "", _UNCOMPARED)
         listed += sorted(made, key=lambda row: not row.independent) or [missing]
@@ -99,8 +97,8 @@ def as_text(listed: Sequence[Row], wanting: Sequence[HeadlineNumber]) -> str:
     return "\n".join([*lines[1:], *last])
 
 
-def _alike(identifier: str) -> str:
-    return _LAST.sub(r"\1…]", identifier)
+def _told(ids: Sequence[str]) -> str:
+    return ids[0] if len(ids) == 1 else f"{ids[0]} and {len(ids) - 1} more"
 
 
 def _sides(one: Independence) -> tuple[str, str, str]:

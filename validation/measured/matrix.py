@@ -16,7 +16,7 @@ from lumped.mechanism.mechanism import Mechanism
 from lumped.models.bodies import legs_of
 from validation.adequacy.biglide.subject import CANDIDATES
 from validation.adequacy.judgement import worst_of
-from validation.adequacy.matrix import Entry, Matrix, ModelNote
+from validation.adequacy.matrix import Coordinate, Entry, Matrix, ModelNote
 from validation.adequacy.mechanism.path import coordinates
 from validation.adequacy.mechanism.statics import is_serial
 from validation.adequacy.mechanism.subject import mechanism_candidates
@@ -55,7 +55,7 @@ def measured_matrix(context: Context) -> Matrix:
                 entries.append(_entry(name, quantity, found, robot_file.requirement, poses))
     return Matrix(
         robot=robot.name,
-        coordinates=("x (m)",) if isinstance(robot, Biglide) else coordinates(robot),
+        coordinates=(Coordinate("x", "m"),) if isinstance(robot, Biglide) else coordinates(robot),
         poses=poses,
         models=tuple(ModelNote(name, title) for name, (_, title, _) in candidates.items()),
         quantities=quantities,

@@ -11,6 +11,7 @@ from lumped.dense.modes import Modes
 from lumped.errors import InputError
 from lumped.mechanism.mechanism import Posture
 from lumped.system.assembly import System, assembly
+from lumped.system.joint_motion import Portion
 from lumped.system.solution import compliance, mode_count, modes, solved, strain_shares
 from validation.models.mechanism import dynamic_bodies, highest_frequency, on_drives_alone
 from validation.models.options import DEFAULT_OPTIONS, STATIC, ModelName, ModelOptions
@@ -23,8 +24,8 @@ class PostureModes:
 
     `compliance` (6×6, SI, base axes) at the loaded point, `idle` the number of mobilities that do
     not move the tool. `strain` maps every drive, every elastic part of a joint and every body, by
-    kind of deformation where its model knows it ("rod1 bending z"), to its share of each mode's
-    strain energy; the shares of a mode sum to 1.
+    kind of deformation where its model knows it, to its share of each mode's strain energy; the
+    shares of a mode sum to 1.
     """
 
     posture: Posture
@@ -32,7 +33,7 @@ class PostureModes:
     compliance: Array
     modes: Modes
     idle: int
-    strain: Mapping[str, Array]
+    strain: Mapping[Portion, Array]
 
 
 def mechanism_modes(

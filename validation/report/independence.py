@@ -5,9 +5,7 @@ from dataclasses import dataclass
 from itertools import groupby
 
 from validation.case import Outcome
-from validation.independence.listing import NOTHING, Row, from_table
-
-_MADE_BY = "guard.independence["
+from validation.independence.listing import NOTHING, SECTION, Row, from_table
 
 
 @dataclass(frozen=True)
@@ -34,7 +32,7 @@ class Listing:
     @property
     def kind(self) -> str:
         """Of what: "biglide" or "mechanism"."""
-        return self.outcome.case.id.removeprefix(_MADE_BY).removesuffix("]")
+        return self.outcome.case.row
 
 
 def listings(outcomes: Sequence[Outcome]) -> tuple[Listing, ...]:
@@ -42,7 +40,7 @@ def listings(outcomes: Sequence[Outcome]) -> tuple[Listing, ...]:
     return tuple(
         Listing(outcome, _numbers(from_table(outcome.measurement.table)))
         for outcome in outcomes
-        if outcome.case.id.startswith(_MADE_BY) and outcome.measurement
+        if outcome.case.section == SECTION and outcome.measurement
     )
 
 

@@ -1,7 +1,7 @@
 """Both legs of a robot as solids: meshed, reduced to their ends, and the whole robot of them."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import ceil, log2
 from typing import TypeVar
 
@@ -33,6 +33,7 @@ from lumped.legs import ConstantLeg, Leg, equivalent_leg, tip_compliance
 from lumped.mechanism.body_model import LegMatrices
 from lumped.system import solution
 from lumped.system.assembly import System
+from lumped.system.joint_motion import Portion
 from meshes.section.section_mesh import section_mesh
 from validation.solids.legs import (
     COARSEST_WALLS,
@@ -263,10 +264,10 @@ def full_mac(mass: SparseMatrix, first: Array, second: Array, frequencies: Array
     return np.asarray(np.sum(mac, axis=1, where=of_one))
 
 
-def strain_energy_shares(robot: UnreducedRobot) -> dict[str, Array]:
+def strain_energy_shares(robot: UnreducedRobot) -> dict[Portion, Array]:
     """Share of the strain energy of each mode in feet, tool, and each leg's kinds.
 
-    "foot 1", …, "leg 1 bending z", …, "leg 2 section distortion" (m values each), which sum to 1.
+    Foot 1, …, bending z of leg 1, …, section distortion of leg 2 (m values each) sum to 1.
     """
     kinds = {}
     for name, solid in zip(("leg1", "leg2"), robot.solids, strict=True):
@@ -274,9 +275,9 @@ def strain_energy_shares(robot: UnreducedRobot) -> dict[str, Array]:
         energies = kind_energies(solid, np.asarray(rigid_ends(solid.mesh).transformation @ own))
         whole = sum(energies.values())
         kinds[name] = {kind: energy / whole for kind, energy in energies.items()}
-    shares: dict[str, Array] = {}
+    shares: dict[Portion, Array] = {}
     for part, share in solution.strain_shares(robot.system, robot.modes.shapes).items():
-        name = in_words(part)
-        of = {f"{name} {kind}": own * share for kind, own in kinds.get(part, {}).items()}
-        shares |= of or {name: share}
+        said = in_words(part)
+        of = {replace(said, kind=kind): own * share for kind, own in kinds.get(part.of, {}).items()}
+        shares |= of or {said: share}
     return shares

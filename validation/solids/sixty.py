@@ -6,6 +6,7 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.biglide import Biglide
+from lumped.system.joint_motion import Portion
 from validation.context import Context, Preset
 from validation.solids.robots import strain_energy_shares, unreduced_robot
 from validation.solids.size import skip_too_large
@@ -13,6 +14,7 @@ from validation.solids.size import skip_too_large
 SIXTY = 60
 DIVISIONS: dict[Preset, int] = {"quick": 1, "standard": 3, "fine": 4}
 COARSE = 1
+FEET = (Portion("foot 1"), Portion("foot 2"))
 # Share of the strain energy above which a mode is due to a part alone.
 ALONE = 0.95
 
@@ -28,7 +30,7 @@ class SixtyModes:
 
     x: float
     frequencies: Array
-    shares: dict[str, Array]
+    shares: dict[Portion, Array]
     balance: Array
     rounding: Array
 
@@ -58,5 +60,5 @@ def sixty(context: Context) -> SixtyModes:
 
 def in_the_feet(found: SixtyModes) -> Array:
     """Share of each mode's strain energy in both feet (m values)."""
-    feet = [share for part, share in found.shares.items() if part.startswith("foot")]
+    feet = [share for part, share in found.shares.items() if part in FEET]
     return np.sum(feet, axis=0) if feet else np.zeros(len(found.frequencies))

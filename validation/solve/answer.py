@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from lumped.arrays import Array
+from lumped.system.joint_motion import Portion
 from validation.models.options import ModelName, ReductionBy
 from validation.solve.notebook import paragraph, table
 
@@ -81,7 +82,7 @@ class Answer:
     idle: int | None = None
     uncertainty: MeshUncertainty | None = None
     of_parts: PartUncertainty | None = None
-    strain: Mapping[str, Array] = field(default_factory=dict)
+    strain: Mapping[Portion, Array] = field(default_factory=dict)
     pairs: Mapping[str, Any] = field(default_factory=dict)
 
 
@@ -99,7 +100,7 @@ class Solution:
         axes = "xyz"[: min(3, *(len(answer.compliance) for answer in self.answers))]
         rows = [
             [
-                _head(answer.place).partition(", at ")[0],
+                _head(answer.place)[0],
                 *(f"{answer.compliance[i, i] * 1e9:.4g}" for i in range(len(axes))),
                 ", ".join(f"{frequency:.5g}" for frequency in answer.frequencies),
             ]
@@ -136,7 +137,7 @@ def record_of(answer: Answer) -> dict[str, Any]:
 
 def _mode_records(answer: Answer) -> dict[str, Any]:
     """Strain energy and partners of the modes, where they are known."""
-    shares = {name: share.tolist() for name, share in answer.strain.items()}
+    shares = {str(part): share.tolist() for part, share in answer.strain.items()}
     return ({"strain": shares} if shares else {}) | (
         {"partners": dict(answer.pairs)} if answer.pairs else {}
     )
@@ -184,7 +185,7 @@ def as_text(solution: Solution) -> str:
 
 def _answer_lines(answer: Answer) -> list[str]:
     size = len(answer.compliance)
-    head = _head(answer.place)
+    head = ", ".join(_head(answer.place))
     under = ["x", "y"] if size == 2 else ["x", "y", "z"]
     lines = [head, "  deflection (µm) along its own load of 1000 N:"]
     lines.append(
@@ -277,14 +278,15 @@ def _share_lines(
     return lines
 
 
-def _head(place: Mapping[str, float | int | str | list[float]]) -> str:
+def _head(place: Mapping[str, float | int | str | list[float]]) -> tuple[str, str]:
+    """What is looked at and how it is held, and where and in which axes the answer is given."""
     match place:
         case {"leg": number}:
-            return f"leg {number}, root clamped, leg axes"
+            return f"leg {number}, root clamped", "leg axes"
         case {"body": name}:
-            return f"{name}, clamped at its first point, at its second, body axes"
+            return f"{name}, clamped at its first point", "at its second, body axes"
         case {"pose": list(pose)}:
             where = ", ".join(f"{value:.6g}" for value in pose)
-            return f"pose ({where}), at the loaded point, base axes"
+            return f"pose ({where})", "at the loaded point, base axes"
         case _:
-            return f"x = {place['x']:.6g} m, at the loaded point, robot axes"
+            return f"x = {place['x']:.6g} m", "at the loaded point, robot axes"

@@ -12,6 +12,7 @@ from lumped.dense.modes import Modes
 from lumped.mechanism.body_model import LegMatrices
 from lumped.system import solution
 from lumped.system.assembly import System
+from lumped.system.joint_motion import Portion
 from validation.models.biglide import (
     robot_compliance,
     robot_frequencies,
@@ -198,15 +199,15 @@ def _member(
 class RobotModes:
     """Modes of the robot in one posture with the energy of every part.
 
-    `strain` maps a part ("foot 1", "leg 1 bending z", …) to its share of each mode's strain
-    energy; `kinetic` maps "x", "y", "z" to the share of kinetic energy in that direction,
-    rotations left out (m values each).
+    `strain` maps a part (foot 1, bending z of leg 1, …) to its share of each mode's strain energy;
+    `kinetic` maps "x", "y", "z" to the share of kinetic energy in that direction, rotations left
+    out (m values each).
     """
 
     system: System
     legs: tuple[LegMatrices, LegMatrices]
     modes: Modes
-    strain: Mapping[str, Array]
+    strain: Mapping[Portion, Array]
     kinetic: Mapping[str, Array]
 
 
@@ -230,7 +231,7 @@ def robot_modes(
     )
 
 
-def strain_shares(system: System, shapes: Array) -> dict[str, Array]:
+def strain_shares(system: System, shapes: Array) -> dict[Portion, Array]:
     """Share of strain energy of feet, tool, and each leg's kinds in each shape (n×m)."""
     found = solution.strain_shares(system, shapes)
     return {in_words(part): share for part, share in found.items()}

@@ -17,7 +17,7 @@ from lumped.mechanism.joint import FREEDOMS
 from lumped.mechanism.kinematics.closure import Closure, Placement, closure_of
 from lumped.mechanism.kinematics.constraints import turning
 from lumped.mechanism.kinematics.mobility import mobility_at, refuse_undetermined
-from lumped.mechanism.mechanism import Mechanism, Posture
+from lumped.mechanism.mechanism import UNITS_OF_MOVES, Mechanism, Posture
 
 # Residual of a closed posture, of the size of the mechanism.
 CLOSED = 1e-12
@@ -97,7 +97,7 @@ def shown_pose(mechanism: Mechanism, pose: Array) -> str:
     """A pose in words: "x = 0.2 m, phi_z = 0.1 rad"."""
     moves = mechanism.tool.moves
     return ", ".join(
-        f"{move} = {value:.6g} {'rad' if move.startswith('phi') else 'm'}"
+        f"{move} = {value:.6g} {UNITS_OF_MOVES[move]}"
         for move, value in zip(moves, pose, strict=True)
     )
 

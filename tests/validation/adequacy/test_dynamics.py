@@ -92,7 +92,7 @@ def test_given_legs_leave_frequencies_undecided_between_a_bracket(
         entry = found(paper, model, f"f{number}")
         assert entry.verdict == "undecided"
         assert "mass distribution" in entry.reason
-    assert "f1" in paper.notes[0]
+    assert "f1" in paper.bracket
     assert found(paper, model, "f1").uncertainties["where the legs' mass lies"] > 0.01
 
 

@@ -16,6 +16,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from validation.adequacy.matrix import Coordinate
+
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from random_robots import IFW
@@ -63,7 +65,7 @@ def statics() -> tuple[dict[str, Array], Matrix]:
     }
     subject = Subject(
         robot="faulty",
-        coordinates=("x (m)",),
+        coordinates=(Coordinate("x", "m"),),
         poses=x[:, None],
         weights=np.zeros(0),
         candidates=[Candidate(name, name, one) for name, one in responses.items()],

@@ -6,6 +6,7 @@ from validation.adequacy.assessment import Assessed, Assessment
 from validation.adequacy.matrix import (
     Adequacy,
     Cause,
+    Coordinate,
     Entry,
     Matrix,
     ModelNote,
@@ -26,7 +27,7 @@ def entry(model: str, quantity: str, verdict: Adequacy) -> Entry:
 
 MATRIX = Matrix(
     robot="toy",
-    coordinates=("x (m)",),
+    coordinates=(Coordinate("x", "m"),),
     poses=((0.5,),),
     models=(ModelNote("vjm", "", "static"), ModelNote("beam", ""), ModelNote("segments", "")),
     quantities=QUANTITIES,

@@ -64,7 +64,7 @@ def ran(short):
 def test_a_run_of_a_mechanism_ends_with_its_matrix(short, ran):
     assert (ran.exit_code, ran.verdicts) == (0, {})
     matrix = ran.matrix
-    assert matrix.coordinates == ("x (m)", "y (m)")
+    assert list(map(str, matrix.coordinates)) == ["x (m)", "y (m)"]
     assert np.allclose(matrix.poses, load_robot(short).mechanism.poses)
     assert tuple(note.model for note in matrix.models) == judged_models(load_robot(short))
     assert all(matrix.verdict(model) == "adequate" for model in ("vjm", "links"))

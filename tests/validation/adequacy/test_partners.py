@@ -6,7 +6,7 @@ import pytest
 from lumped.acceptance.requirement import Requirement
 from validation.adequacy.errors import Scale
 from validation.adequacy.judgement import judged
-from validation.adequacy.matrix import Entry
+from validation.adequacy.matrix import Coordinate, Entry
 from validation.adequacy.partners import partners
 from validation.adequacy.response import (
     Alternative,
@@ -34,7 +34,7 @@ def entry(model: Vibration, quantity: str, *, modes: int = 3) -> Entry:
     reference = Reference("truth", [Alternative("", Response(vibration=TRUTH))])
     subject = Subject(
         robot="toy",
-        coordinates=("x (m)",),
+        coordinates=(Coordinate("x", "m"),),
         poses=np.array([[0.5]]),
         weights=WEIGHTS,
         candidates=[Candidate("model", "a model", Response(vibration=model))],

@@ -13,6 +13,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from validation.adequacy.matrix import Coordinate
+
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from random_robots import IFW, SHAPES, robots, shown
@@ -76,7 +78,7 @@ def static_matrices(robot: Biglide) -> list[Matrix]:
     x = robot.stations(POSTURES)
     subject = Subject(
         robot=robot.name,
-        coordinates=("x (m)",),
+        coordinates=(Coordinate("x", "m"),),
         poses=x[:, None],
         weights=np.zeros(0),
         candidates=[

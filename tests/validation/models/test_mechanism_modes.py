@@ -10,6 +10,7 @@ from lumped.mechanism.free_twists import interface_position
 from lumped.mechanism.kinematics.postures import reference_posture
 from lumped.models.bodies import legs_of
 from lumped.robot_file import load_robot
+from lumped.system.joint_motion import Portion
 from validation.cli import main
 from validation.models.mechanism import answers
 from validation.models.mechanism_modes import mechanism_modes
@@ -56,7 +57,7 @@ def test_shares_of_energy_are_those_of_the_strains_of_the_same_modes():
             model, own = found.system.models[name], found.system.own(name, shape[:, None])
             expected = strains_of(leg, partial(twists_of, model, own))
             for kind, energy in expected.items():
-                share = found.strain[f"{name} {kind}"][mode]
+                share = found.strain[Portion(name, kind)][mode]
                 assert share == pytest.approx(energy / whole, abs=1e-5), (mode, name, kind)
         for joint in mechanism.joints:
             if joint.drive is not None:
@@ -64,7 +65,7 @@ def test_shares_of_energy_are_those_of_the_strains_of_the_same_modes():
                 turning = found.system.motions.at(joint.second.body, joint.second.point, place)
                 angle = turning[5] @ shape[: found.system.outer]
                 energy = 0.5 * joint.drive.stiffness * angle**2
-                share = found.strain[f"{joint.name} drive"][mode]
+                share = found.strain[Portion(joint.name, "drive")][mode]
                 assert share == pytest.approx(energy / whole, abs=1e-9)
 
 
@@ -84,7 +85,7 @@ def test_rigid_bodies_leave_all_energy_to_the_drives():
     """Three moves, three drives: three modes."""
     at = [reference_posture(load_robot("delta").mechanism)]
     (found,) = mechanism_modes("simplified", at, 6)
-    assert set(found.strain) == {"motor1 drive", "motor2 drive", "motor3 drive"}
+    assert set(found.strain) == {Portion(f"motor{k}", "drive") for k in (1, 2, 3)}
     np.testing.assert_allclose(sum(found.strain.values()), np.ones(3), rtol=1e-12)
 
 

@@ -1,6 +1,6 @@
 """A made-up matrix of adequacy, like that of a robot whose legs are given by a 6×6."""
 
-from validation.adequacy.matrix import Cause, Entry, Matrix, ModelNote
+from validation.adequacy.matrix import Cause, Coordinate, Entry, Matrix, ModelNote
 
 POSES = ((0.145,), (0.4975,), (0.85,))
 EQUIVALENT = Cause("equivalent leg: couplings of the 6×6 left out", 0.9, "virtual joints")
@@ -72,7 +72,7 @@ def sample_matrix(**fields):
     return Matrix(
         **{
             "robot": "sample",
-            "coordinates": ("x (m)",),
+            "coordinates": (Coordinate("x", "m"),),
             "poses": POSES,
             "models": tuple(
                 ModelNote(m, f"title of {m}", "static" if m.startswith("vjm") else "")

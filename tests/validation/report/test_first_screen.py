@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from validation.adequacy.matrix import Coordinate
+
 sys.path.insert(0, str(Path(__file__).parent))
 
 from matrix_sample import POSES, UNKNOWN, entry, sample_matrix, undecided
@@ -139,11 +141,11 @@ def test_a_model_that_is_off_on_its_own_legs_too_is_not_excused():
     assert "within" not in plain(sentence(on_its_legs(flat("beam", "z", 0.2))))
 
 
-def test_a_note_that_opens_alike_says_between_which_bounds():
+def test_the_bracket_says_between_which_bounds_frequencies_lie():
     bounds = (
         "frequencies cannot be judged without the legs' mass; plausible ones give 113 to 131 Hz"
     )
-    matrix = sample_matrix(notes=(bounds,))
+    matrix = sample_matrix(bracket=bounds)
     assert sentence(matrix).endswith(f"; {bounds}.")
 
 
@@ -230,7 +232,7 @@ def test_the_figure_shows_the_errors_of_every_model_and_an_unfinished_run_waits_
 def test_poses_of_several_coordinates_are_drawn_by_their_number():
     poses = ((0.1, 0.5), (0.2, 0.6), (0.3, 0.7))
     matrix = sample_matrix(
-        coordinates=("x (m)", "y (m)"),
+        coordinates=(Coordinate("x", "m"), Coordinate("y", "m")),
         poses=poses,
         entries=(flat("links", "x", 0.1, pose=poses[1]),),
         models=(ModelNote("links", "links"),),

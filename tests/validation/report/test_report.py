@@ -407,7 +407,13 @@ def test_headline_numbers_stand_with_what_their_comparisons_rest_on():
     row = Row("first screen", "deflections by beam", "robot.x[…] (6)", "fem.b", "ritz.c", NOTHING)
     other = replace(row, number="frequencies by beam", shared="fem.both")
     listed = judge(
-        case("guard.independence[biglide]", unit="1", tolerance=Absolute(0.5)),
+        case(
+            "guard.independence[biglide]",
+            section="Independence",
+            row="biglide",
+            unit="1",
+            tolerance=Absolute(0.5),
+        ),
         Measurement(1.0, 0.0, exact=True, table=as_table([row, other])),
         0.1,
     )

@@ -11,6 +11,7 @@ from lumped.acceptance.requirement import STATIC_QUANTITIES, Requirement
 from lumped.robot_file import RobotFile, load_robot
 from validation.adequacy.biglide.statics import compliances, static_reference
 from validation.adequacy.judgement import judged
+from validation.adequacy.matrix import Coordinate
 from validation.adequacy.response import Candidate, Reference, Response, Subject
 from validation.context import Context
 from validation.models.biglide import robot_compliance
@@ -52,7 +53,7 @@ def saved(robot_file: RobotFile) -> SavedRun:
     x = robot.stations(9)
     subject = Subject(
         robot=robot.name,
-        coordinates=("x (m)",),
+        coordinates=(Coordinate("x", "m"),),
         poses=x[:, None],
         weights=np.zeros(0),
         candidates=[

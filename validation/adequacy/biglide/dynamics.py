@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from functools import partial
 from itertools import product
+from typing import Literal
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from fem.reduction.craig_bampton import craig_bampton
 from fem.sections.section_constants import beam_properties
 from lumped.arrays import Array
 from lumped.biglide import Biglide, system, with_equivalent_legs
-from lumped.legs import BeamProperties, ConstantLeg, Ends, GivenLeg, Leg, equivalent_leg
+from lumped.legs import BeamProperties, ConstantLeg, Ends, GivenLeg, Leg, Theory, equivalent_leg
 from lumped.mechanism.body_model import LegMatrices
 from lumped.models import simplified
 from lumped.models.segments import segment_chain, segment_leg
@@ -228,20 +229,20 @@ def _rigid_legs(robot: Biglide, x: float, velocity: Array, slides: Array) -> Arr
     return np.concatenate(rows)
 
 
-_WITH_MASSES = (
-    "simplified",
-    "segments",
-    "beam",
-    "segments-euler-bernoulli",
-    "beam-euler-bernoulli",
-)
+# The elastic ones that have masses, with the theory of those that are not Timoshenko's.
+_ELASTIC: Mapping[str, tuple[Literal["segments", "beam"], Theory | None]] = {
+    "segments": ("segments", None),
+    "beam": ("beam", None),
+    "segments-euler-bernoulli": ("segments", "euler-bernoulli"),
+    "beam-euler-bernoulli": ("beam", "euler-bernoulli"),
+}
 
 
 def vibrations(context: Context, robot: Biglide, postures: int) -> dict[str, Response]:
     """What every model says of natural modes, by name: nothing where it has no masses."""
     return {"vjm": Response(), "vjm-equivalent": Response()} | {
         name: modes_of(partial(vibration_of, context, robot, name, postures))
-        for name in _WITH_MASSES
+        for name in ("simplified", *_ELASTIC)
     }
 
 
@@ -249,12 +250,12 @@ def vibration_of(context: Context, robot: Biglide, name: str, postures: int) -> 
     """What one of the models that have masses says of natural modes."""
     if name == "simplified":
         return context.get(simplified_modes, robot, postures)
-    kind, _, theory = name.partition("-")
+    kind, theory = _ELASTIC[name]
     if theory:
         return vibration(context.get(model_modes, robot, kind, theory, ELEMENTS, postures))
     legs = [equivalent_leg(leg) for leg in (robot.leg1, robot.leg2)]
     _, fine = divisions_of(legs, context.preset)
-    return vibration(context.get(beam_modes, robot, kind, fine, postures))  # type: ignore[arg-type]
+    return vibration(context.get(beam_modes, robot, kind, fine, postures))
 
 
 def dynamic_ladders(

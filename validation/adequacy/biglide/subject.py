@@ -17,6 +17,7 @@ from validation.adequacy.biglide.dynamics import (
 from validation.adequacy.biglide.leg import leg_subject
 from validation.adequacy.biglide.statics import compliances, static_ladders, static_reference
 from validation.adequacy.common.references import bracketed_frequencies
+from validation.adequacy.matrix import Coordinate
 from validation.adequacy.response import (
     UNSOLVED,
     Candidate,
@@ -99,13 +100,13 @@ def biglide_subject(context: Context) -> Subject:
     given = any(isinstance(leg, GivenLeg) for leg in (robot.leg1, robot.leg2))
     return Subject(
         robot=robot.name,
-        coordinates=("x (m)",),
+        coordinates=(Coordinate("x", "m"),),
         poses=x[:, None],
         weights=sample_weights(robot),
         candidates=candidates,
         statics=statics,
         dynamics=dynamics,
-        notes=bracketed_frequencies(dynamics, modes, f"at x = {robot.centre:.4g} m"),
+        bracket=bracketed_frequencies(dynamics, modes, f"at x = {robot.centre:.4g} m"),
         parts=(
             leg_subject(context, robot.leg1, "leg 1"),
             leg_subject(context, robot.leg2, "leg 2"),
@@ -131,7 +132,7 @@ def on_equivalent_legs(context: Context, robot: Biglide, x: Array) -> Subject:
     statics, ladders = _statics(context, member, x)
     return Subject(
         robot="equivalent legs",
-        coordinates=("x (m)",),
+        coordinates=(Coordinate("x", "m"),),
         poses=x[:, None],
         weights=np.zeros(0),
         candidates=[

@@ -67,10 +67,13 @@ def dynamic_reference_of(
     )
 
 
-def bracketed_frequencies(reference: Reference, modes: int, where: str) -> tuple[str, ...]:
-    """What plausible masses leave open of the frequencies in the middle of the path, in words."""
+def bracketed_frequencies(reference: Reference, modes: int, where: str) -> str:
+    """What plausible masses leave open of the frequencies in the middle of the path, in words.
+
+    Empty where they are known.
+    """
     if not reference.bracket:
-        return ()
+        return ""
     answers = [one.response.vibration for one in reference.alternatives]
     found = np.array([one.frequencies[len(one.frequencies) // 2, :modes] for one in answers if one])
     spans = [
@@ -79,5 +82,5 @@ def bracketed_frequencies(reference: Reference, modes: int, where: str) -> tuple
     ]
     return (
         "frequencies cannot be judged without the legs' mass distribution; plausible ones give "
-        f"{', '.join(spans)} {where}",
+        f"{', '.join(spans)} {where}"
     )

@@ -7,9 +7,10 @@ import numpy as np
 
 from lumped.legs import Ends, GivenLeg, Leg
 from lumped.mechanism.body import Given, Prism
-from lumped.mechanism.mechanism import Mechanism, Posture
+from lumped.mechanism.mechanism import UNITS_OF_MOVES, Mechanism, Posture
 from lumped.models.bodies import legs_of
 from validation.adequacy.legs import HOLD, OPEN_ENDS
+from validation.adequacy.matrix import Coordinate
 from validation.context import Context, Preset
 from validation.kinematics.poses import postures_of
 from validation.models.mechanism import constant_legs
@@ -42,11 +43,9 @@ def offered(judged: int) -> int:
     return max(12, 6 * judged)
 
 
-def coordinates(mechanism: Mechanism) -> tuple[str, ...]:
-    """What a pose prescribes, with units."""
-    return tuple(
-        f"{move} ({'rad' if move.startswith('phi') else 'm'})" for move in mechanism.tool.moves
-    )
+def coordinates(mechanism: Mechanism) -> tuple[Coordinate, ...]:
+    """What a pose prescribes."""
+    return tuple(Coordinate(move, UNITS_OF_MOVES[move]) for move in mechanism.tool.moves)
 
 
 @dataclass(frozen=True)

@@ -74,8 +74,10 @@ def is_serial(postures: Sequence[Posture]) -> str:
         require_legs(mechanism)
         springs = tip_compliances(mechanism) | part_springs(mechanism, DEFAULT_OPTIONS)
         serial_chains.serial_chains(postures[0], springs)
+    except serial_chains.NoChainError as error:
+        return error.reason
     except InputError as error:
-        return str(error).partition("; ")[0].removeprefix(f"{mechanism.name}: ")
+        return str(error)
     return ""
 
 

@@ -127,8 +127,8 @@ def mechanism_subject(context: Context) -> Subject:
         notes=(
             *_path_note(mechanism, postures),
             *_idle_note(postures),
-            *bracketed_frequencies(dynamics, count, "in the middle of the path"),
         ),
+        bracket=bracketed_frequencies(dynamics, count, "in the middle of the path"),
         formulation=_on_equivalent_legs(context, postures),
     )
 

@@ -112,10 +112,15 @@ def _two_frequencies(robot: Biglide, x: float) -> tuple[float, float]:
     )
 
 
+# Models that the paper's table has numbers of, with the headline number that these are.
+_IN_PAPER = {"vjm": ("paper.vjm",), "vjm-equivalent": ("paper.vjm",)}
+
+
 @cases.case(
     "robot.anchor.statics[{model}, {entry}]",
     TITLE,
     over={"of": ("The robot",), "model": CANDIDATES, "entry, said, unit": _entries},
+    headlines=lambda model: (f"robot.statics.{model}", *_IN_PAPER.get(model, ())),
     quantity="{said}, posture of the largest difference",
 )
 def _static(context: Context, model: str, entry: str) -> Measurement:
@@ -163,6 +168,10 @@ def _static(context: Context, model: str, entry: str) -> Measurement:
             min(modes, _DRIVES) if model == "simplified" else modes
         ),
     },
+    headlines=lambda model: (
+        f"robot.frequencies.{model}",
+        *(("paper.simplified",) if model == "simplified" else ()),
+    ),
     quantity="natural frequency {mode}, posture of the largest difference",
     unit="Hz",
     row="The robot, first screen",

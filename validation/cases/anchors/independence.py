@@ -6,52 +6,33 @@ from fem.calculix.run import CalculixMissing, calculix_program
 from lumped.robot_file import RobotFile, load_robot
 from validation.case import Absolute, Case, Measurement
 from validation.case_group import CaseGroup
-from validation.cases import anchors, legs, mechanism, robot
+from validation.cases import anchors
+from validation.cases.legs import beams
+from validation.cases.mechanism import calculix as mechanism_calculix
+from validation.cases.robot import calculix as robot_calculix
 from validation.context import Context
 from validation.independence.headlines import headline_numbers
-from validation.independence.listing import as_table, rows, without
+from validation.independence.listing import SECTION, as_table, rows, without
 from validation.independence.trace import independence
-
-SECTION = "Independence"
-# Comparisons of one model with another of this program that take long: `cases --independence` lists
-# them as well.
-_LONG = (
-    "leg1.compliance.solid",
-    "leg2.compliance.solid",
-    "robot.frequency.",
-    "robot.solid.calculix.frequencies[left",
-    "robot.solid.calculix.statics[left",
-    "robot.solid.frequency[",
-    "robot.solid.statics-",
-    "mechanism.frequency.",
-    "mechanism.inertia",
-    "mechanism.reduction",
-    "mechanism.simplified",
-    "mechanism.statics.",
-)
 
 cases = CaseGroup(section=SECTION, subject="program")
 
 
 def comparisons(robot_file: RobotFile) -> tuple[Case, ...]:
     """The comparisons that are about headline numbers of a built-in robot."""
+    # Those of one model with another of this program take longer: `cases --independence` has them.
     modes = robot_file.requirement.modes
     if robot_file.is_mechanism:
         described = robot_file.mechanism
-        found = (*mechanism.cases(described), *anchors.of_mechanism(described, modes))
+        found = (*mechanism_calculix.cases(), *anchors.of_mechanism(described, modes))
     else:
         found = (
-            *legs.cases(),
-            *robot.cases(),
+            *beams.cases(),
+            *robot_calculix.cases(places=["centre"]),
             *anchors.of_biglide(modes),
             *anchors.paper_cases(),
         )
-    numbers = headline_numbers(robot_file)
-    return tuple(
-        case
-        for case in found
-        if any(one.is_compared_by(case) for one in numbers) and not case.id.startswith(_LONG)
-    )
+    return tuple(case for case in found if case.headlines)
 
 
 def _of_like_legs(robot_file: RobotFile) -> RobotFile:
@@ -74,6 +55,7 @@ def _of_like_legs(robot_file: RobotFile) -> RobotFile:
     tolerance=Absolute(0.5),
     tolerance_reason="a count is a whole number",
     group="guard.independence.{kind}",
+    row="{kind}",
     effort=10.0,
 )
 def _wanting(context: Context, name: str) -> Measurement:

@@ -46,6 +46,7 @@ def _leg(robot: Biglide, number: int) -> Leg:
         "model": MODELS,
         "entry, said, unit": SHOWN,
     },
+    headlines=("leg{number}.statics.{model}",),
 )
 def _entry(context: Context, number: int, model: str, entry: str) -> Measurement:
     leg, index = _leg(context.robot, number), STATIC_QUANTITIES.index(entry)

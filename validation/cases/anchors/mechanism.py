@@ -97,6 +97,7 @@ def _model(context: Context, model: str) -> tuple[ModelName, ModelOptions]:
     "mechanism.anchor.statics[{model}, {entry}]",
     TITLE,
     over={"of": ("The mechanism",), "model": _models, "entry, said, unit": SHOWN},
+    headlines=("robot.statics.{model}",),
     quantity="{said}, pose of the largest difference",
     figure="mechanism.deflections",
 )
@@ -139,6 +140,7 @@ def _yielding(numbers: Array, size: float) -> NDArray[np.bool_]:
         "model, tolerance, tolerance_reason": _of_modes,
         "index, mode": numbered,
     },
+    headlines=("robot.frequencies.{model}",),
     quantity="natural frequency {mode}, middle of the path",
     figure="mechanism.frequencies",
     unit="Hz",

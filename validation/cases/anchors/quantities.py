@@ -1,6 +1,6 @@
 """What the first screen's static quantities are called and measured in, one comparison for each."""
 
-from lumped.acceptance.requirement import STATIC_QUANTITIES
+from lumped.acceptance.requirement import ROTATIONS, STATIC_QUANTITIES
 from validation.case import Relative
 from validation.case_group import CaseGroup
 
@@ -18,8 +18,7 @@ def meaning(quantity: str) -> str:
     """A static quantity in words."""
     if quantity in _ALONG:
         return f"deflection along {quantity} under {LOAD:g} N along it"
-    axis = quantity.removeprefix("phi_")
-    return f"rotation about {axis} under {LOAD:g} N m about it"
+    return f"rotation about {ROTATIONS[quantity]} under {LOAD:g} N m about it"
 
 
 def unit(quantity: str) -> str:

@@ -53,6 +53,7 @@ paper_cases = cases.like()
     "robot.anchor.simplified",
     "The simplified model's largest planar deflection follows from geometry",
     quantity="largest planar deflection under 1000 N over the stroke",
+    headlines=("paper.simplified",),
     unit="µm",
     reference_kind="closed-form",
     citation="eqs (1), (2) by hand: virtual power of two drives; Brent's method along x",
@@ -128,7 +129,14 @@ def yielding_drives(robot: Biglide, x: float, force: tuple[float, float]) -> tup
 @cases.case(
     "robot.anchor.{model}.{name}",
     "At the centre {model} has Ritz's {meaning}",
-    over={"model": ("vjm", "beam"), "name, attribute, meaning": CURVES},
+    over={
+        # On equivalent legs, which is a model of its own where virtual joints have the others.
+        "model, headlines": (
+            ("vjm", ("robot.statics.vjm-equivalent",)),
+            ("beam", ("robot.statics.beam",)),
+        ),
+        "name, attribute, meaning": CURVES,
+    },
     quantity="{meaning}, centre of the stroke",
     unit="µm",
     tolerance=Relative(1e-6),
@@ -163,6 +171,11 @@ def _deflected(context: Context, model: ModelName, attribute: str) -> Measuremen
         "model, order, tolerance, tolerance_reason": _DYNAMIC,
         "index, mode": numbered(_FREQUENCIES),
     },
+    # Of beams the paper has no numbers.
+    headlines=lambda model: (
+        f"robot.frequencies.{model}",
+        *(("paper.segments",) if model == "segments" else ()),
+    ),
     quantity="natural frequency {mode}, centre of the stroke",
     unit="Hz",
     row="anchor",
@@ -205,6 +218,7 @@ def _swinging(context: Context, model: ModelName, order: float, index: int) -> M
     "At the centre frequency {mode} in segments, eq. (25) printed, is Ritz's",
     over={"index, mode": numbered(_FREQUENCIES)},
     quantity="natural frequency {mode}, eq. (25) as printed, centre of the stroke",
+    headlines=("paper.printed",),
     unit="Hz",
     tolerance=Relative(0.01),
     tolerance_reason="the paper's 1 % for 20 elements (§3.2)",

@@ -46,6 +46,8 @@ _LUMPED = (
         "more for a higher one, ten times that for rounding and roots",
     ),
 )
+# Of which leg by which model the paper prints frequencies.
+_IN_PAPER = 1, "segments"
 cases = CaseGroup(
     over={"number": (1, 2), "model, near, reason": _LUMPED},
     reference_kind="closed-form",
@@ -70,6 +72,7 @@ def exact_modes(leg: ConstantLeg) -> tuple[CantileverFrequency, ...]:
     "leg{number}.compliance.{model}[{name}]",
     "Leg {number}: {name} of the {model} model is the cantilever's",
     over={"name, entry": ENTRIES.items()},
+    headlines=("leg{number}.statics.{model}",),
     quantity="compliance {name}, {entry[2]}",
     unit=lambda entry: UNITS[entry[0] > 2, entry[1] > 2],
     citation=TIMOSHENKO,
@@ -91,6 +94,7 @@ def _entry(
     "Leg {number}: frequency {mode} of the {model} model is exact",
     over={"index, mode": numbered(MODES)},
     quantity="natural frequency {mode}, clamped-free",
+    headlines=lambda number, model: ("paper.leg1",) if (number, model) == _IN_PAPER else (),
     label="frequency {mode}",
     unit="Hz",
     citation=HUANG,

@@ -73,6 +73,7 @@ _compliances = cases.family(
     label="{name}, {meaning}",
     citation=f"{TIMOSHENKO}; section constants by finite elements",
     group="leg{number}.solid",
+    headlines=("leg{number}.statics.solid",),
 )
 
 

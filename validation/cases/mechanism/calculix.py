@@ -97,6 +97,7 @@ def _found(context: Context) -> tuple[Answers, Answers]:
     "mechanism.calculix.statics",
     "CalculiX gives the mechanism's 6×6 compliance, legs as solid bars",
     quantity="entry of the 6×6 that differs most, in units of √(c_ii c_jj), first pose",
+    headlines=("robot.statics.solid",),
     unit="1",
     tolerance=Absolute(1e-5),
     tolerance_reason="the same equations: the seven printed digits, with a margin",
@@ -112,6 +113,7 @@ def _statics(context: Context) -> Measurement:
     "mechanism.calculix.frequencies",
     f"CalculiX gives the mechanism's first {MODES} frequencies, legs as solid bars",
     quantity="first natural frequency, the others beside it, first pose of the path",
+    headlines=("robot.frequencies.solid",),
     unit="Hz",
     tolerance=Relative(1e-5),
     tolerance_reason="the printed digits, and what bodies reduced with modes up to four times the "

@@ -16,7 +16,7 @@ from lumped.mechanism.body import Body, Given, Prism, Rigid
 from lumped.mechanism.frame import Frame
 from lumped.mechanism.kinematics.mobility import mobility
 from lumped.mechanism.kinematics.postures import posture
-from lumped.mechanism.mechanism import MOVES, Mechanism, Posture
+from lumped.mechanism.mechanism import MOVES, UNITS_OF_MOVES, Mechanism, Posture
 from lumped.models.bodies import legs_of
 from lumped.system.assembly import assembly
 from lumped.system.solution import compliance, modes, solved
@@ -98,7 +98,9 @@ def _moved(context: Context, step: float) -> _Moved:
     moves = mechanism.tool.moves
     if not len(driven) == len(stiffness) == len(moves):
         raise Skip("drives are rigid, or there are not as many as moves of the tool")
-    steps = np.array([step * (1.0 if move.startswith("phi") else mechanism.size) for move in moves])
+    steps = np.array(
+        [step * (1.0 if UNITS_OF_MOVES[move] == "rad" else mechanism.size) for move in moves]
+    )
     ahead, behind = (
         tuple(posture(middle.mechanism, middle.pose + sign * step, middle) for step in rows)
         for sign in (1.0, -1.0)
@@ -121,6 +123,7 @@ def _refined(context: Context, apart: Callable[[_Moved], float]) -> Measurement:
     "The simplified model yields as its drives turn when the tool is moved",
     quantity="largest relative difference of the compliances along the moves, middle of path",
     citation="C = (QᵀKQ)⁻¹, Q the drives' motion per motion of the tool",
+    headlines=("robot.statics.simplified",),
 )
 def _yielding(context: Context) -> Measurement:
     return _refined(context, _yielding_apart)
@@ -140,6 +143,7 @@ def _yielding_apart(moved: _Moved) -> float:
     "On its drives it swings with the energy of its bodies' motions",
     quantity="largest relative difference of the frequencies, all bodies rigid",
     citation="QᵀKQ against Σ m vᵀv + ωᵀIω of all bodies per motion of the tool",
+    headlines=("robot.frequencies.simplified",),
 )
 def _swinging(context: Context) -> Measurement:
     return _refined(context, _swinging_apart)

@@ -93,6 +93,7 @@ of_links = cases.family(
     tolerance=Absolute(1e-9),
     tolerance_reason=_ROUNDING,
     figure="mechanism.deflections",
+    headlines=("robot.statics.{model}",),
 )
 
 
@@ -129,6 +130,7 @@ _of_solids = cases.family(
     group=SHARED_SOLIDS,
     model="solid",
     figure="mechanism.deflections",
+    headlines=("robot.statics.solid",),
 )
 
 
@@ -193,6 +195,7 @@ def _off_beams(
     tolerance_reason="springs between rigid segments are second order in 1/n: what doubling their "
     "number changes is the uncertainty",
     model="segments",
+    headlines=("robot.frequencies.segments",),
     effort=0.1,
     figure="mechanism.frequencies",
 )
@@ -226,6 +229,7 @@ def _frequencies(
     tolerance_reason="modes of the bodies up to four times the highest frequency leave less than "
     "that",
     model="beam",
+    headlines=("robot.frequencies.solid",),
 )
 def _reduction(context: Context) -> Measurement:
     postures = path_postures(context)

@@ -6,6 +6,7 @@ import numpy as np
 
 from fem.beams.beam_theory import bending_frequencies
 from lumped.legs import equivalent_leg
+from lumped.system.joint_motion import Portion
 from validation.case import Absolute, Measurement, Relation, Relative
 from validation.cases.paper.statement import (
     AS_CORRECTED,
@@ -23,8 +24,10 @@ from validation.models.options import (
     SEGMENT_ORDER,
     ModelOptions,
 )
+from validation.solids.sixty import FEET
 from validation.studies.quantities import RobotModes, robot_modes, stroke_frequencies
 
+_BENDING = Portion("leg 1", "bending z")
 # Postures at which modes are looked at.
 _STATIONS = 9
 
@@ -62,20 +65,20 @@ def _second_mode_bends_leg1(context: Context, reading: ModelOptions) -> Measurem
         for of in both
     )
     judged = printed if reading.release == "printed" else exact
-    rank = 1 + sum(share > judged["leg 1 bending z"] for share in judged.values())
-    feet = exact["foot 1"] + exact["foot 2"]
+    rank = 1 + sum(share > judged[_BENDING] for share in judged.values())
+    feet = float(np.sum([exact[foot] for foot in FEET]))
     return Measurement(
         float(rank),
         reference=1.0,
         exact=True,
         notes=(
             "With eq. (25) as printed the bending of leg 1 in the plane holds "
-            f"{100.0 * printed['leg 1 bending z']:.0f} % of the strain energy. With joints that "
-            f"turn freely it holds {100.0 * exact['leg 1 bending z']:.0f} % and the feet "
+            f"{100.0 * printed[_BENDING]:.0f} % of the strain energy. With joints that "
+            f"turn freely it holds {100.0 * exact[_BENDING]:.0f} % and the feet "
             f"{100.0 * feet:.0f} %: the second mode is then a planar motion on the feet.",
         ),
         table={
-            "part": tuple(exact),
+            "part": tuple(map(str, exact)),
             "eq. (25) as printed (%)": tuple(100.0 * printed.get(part, np.nan) for part in exact),
             "free joints (%)": tuple(100.0 * share for share in exact.values()),
         },
@@ -139,10 +142,10 @@ def _order_of_magnitude(mode: int) -> Compute:
 def _actuators_alone(context: Context, reading: ModelOptions) -> Measurement:
     of_beams = ModelOptions(elements=reading.elements)
     found = context.get(robot_modes, "beam", context.robot, context.robot.centre, 60, of_beams)
-    feet = found.strain["foot 1"] + found.strain["foot 2"]
+    feet = np.sum([found.strain[foot] for foot in FEET], axis=0)
     largest = int(np.argmax(feet))
     printed = _modes(context, AS_PRINTED, context.robot.centre, 60).strain
-    largest_printed = float(np.max(printed["foot 1"] + printed["foot 2"]))
+    largest_printed = float(np.sum([printed[foot] for foot in FEET], axis=0).max())
     return Measurement(
         float(np.sum(feet > _ALONE)),
         reference=0.0,

@@ -23,6 +23,6 @@ def cases() -> tuple[Case, ...]:
         *modes.cases(),
         *reduction.cases(),
         *sixty.cases(),
-        *calculix.cases(),
+        *calculix.cases(places=calculix.PLACES),
         *decision.cases(),
     )

@@ -31,7 +31,7 @@ _CITATION = (
 )
 
 cases = CaseGroup(
-    over={"place": PLACES},
+    over={"place": lambda places: places},
     reference_kind="independent-solver",
     citation=_CITATION,
     presets=("standard", "fine"),
@@ -99,6 +99,7 @@ def _found(context: Context, place: str) -> tuple[Sparse, Array, Array]:
     "robot.solid.calculix.statics[{place}]",
     "CalculiX gives the robot's 6×6 compliance, {place} of the stroke",
     quantity="entry of the 6×6 that differs most, in units of √(c_ii c_jj)",
+    headlines=("robot.statics.solid",),
     unit="1",
     tolerance=Absolute(1e-4),
     tolerance_reason="the same equations: the seven printed digits, with a margin",
@@ -113,6 +114,7 @@ def _statics(context: Context, place: str) -> Measurement:
     "robot.solid.calculix.frequencies[{place}]",
     f"CalculiX gives the robot's first {MODES} frequencies, {{place}} of the stroke",
     quantity="first natural frequency, the others beside it",
+    headlines=("robot.frequencies.solid",),
     unit="Hz",
     tolerance=Relative(1e-4),
     tolerance_reason="the same equations once the mass is summed over the same points: the seven "

@@ -114,6 +114,7 @@ def _step_factor(context: Context) -> float:
     "Frequency {mode} of the robot with solid legs, ends free to warp, is that of beams",
     over={"index, mode": numbered(FREQUENCIES)},
     quantity="natural frequency {mode}, middle of the stroke, paired by shape",
+    headlines=("robot.frequencies.solid",),
     unit="Hz",
     tolerance=Relative(_DYNAMICS),
     tolerance_reason="Timoshenko's theory is approximate in dynamics; what waves of 3-D "

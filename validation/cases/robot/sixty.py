@@ -66,7 +66,9 @@ def _actuators_alone(context: Context) -> Measurement:
 def _balance(context: Context) -> Measurement:
     found = sixty(context)
     worst = int(np.argmax(np.abs(found.balance)))
-    distortion = [float(share.min()) for part, share in found.shares.items() if DISTORTION in part]
+    distortion = [
+        float(share.min()) for part, share in found.shares.items() if part.kind == DISTORTION
+    ]
     return Measurement(
         float(found.balance[worst]),
         0.0,

@@ -144,6 +144,7 @@ def _decided(measurement: Measurement, context: Context) -> Measurement:
     "faces",
     over={_CURVE: CURVES},
     quantity=_MIDDLE,
+    headlines=("robot.statics.solid",),
     citation=_OWN + ", less what held faces take from them (fem.couplings.end_effects)",
     tolerance_reason="end effects decay as Saint-Venant's theory of the prism says: the mesh "
     "alone, 0.1 %",
@@ -175,6 +176,7 @@ def _rigid(context: Context, curve: str) -> Measurement:
     "Solid legs with ends free to warp give the virtual joints' {meaning}",
     over={_CURVE: CURVES},
     quantity=_MIDDLE,
+    headlines=("robot.statics.solid",),
     citation=_OWN,
     tolerance_reason="with Saint-Venant's tractions both are one theory: the mesh alone, 0.1 %",
 )

@@ -44,6 +44,8 @@ CURVES = (
 )
 THEORIES: tuple[Theory, ...] = ("euler-bernoulli", "timoshenko")
 _NAMES: dict[Theory, str] = {"euler-bernoulli": "Euler–Bernoulli", "timoshenko": "Timoshenko"}
+# What a model's name has behind it where its theory is not the usual one.
+_OTHER_THEORY: dict[Theory, str] = {"timoshenko": "", "euler-bernoulli": "-euler-bernoulli"}
 # A finer beam model for the discretisation error of the frequencies.
 _FINE, _COARSE = 40, 20
 
@@ -59,6 +61,7 @@ def _deflections(context: Context, model: ModelName, theory: Theory) -> Deflecti
     "robot.statics.{model}-vjm.{name}[{theory}]",
     "The {model} model gives the virtual joints' {meaning} ({theory} legs)",
     over={"model": ("segments", "beam"), "theory": THEORIES, "name, curve, meaning": CURVES},
+    headlines=lambda model, theory: (f"robot.statics.{model}{_OTHER_THEORY[theory]}",),
     quantity="{meaning}, middle of the stroke",
     unit="µm",
     reference_kind="independent-solver",
@@ -141,6 +144,7 @@ def rounded_deflections(
     tolerance=segments.TOLERANCE,
     tolerance_reason=segments.REASON,
     model="segments",
+    headlines=("robot.frequencies.segments",),
     group="robot.frequencies",
     figure="frequency.stroke",
     effort=0.3,

@@ -68,11 +68,13 @@ def _held_joints(mechanism: Mechanism) -> Mechanism:
 
 
 def _with_feet(
-    mechanism: Mechanism, change: Callable[[Array], Array], names: str = "foot"
+    mechanism: Mechanism,
+    change: Callable[[Array], Array],
+    names: tuple[str, ...] = ("foot1", "foot2"),
 ) -> Mechanism:
     joints = [
         joint
-        if joint.compliance is None or not joint.name.startswith(names)
+        if joint.compliance is None or joint.name not in names
         else replace(joint, compliance=change(joint.compliance))
         for joint in mechanism.joints
     ]
@@ -83,7 +85,7 @@ def _with_feet(
     "robot.one-foot-rigid", "Foot 2 a thousand thousand times too stiff (mm for m)", _ROBOT
 )
 def _one_foot(mechanism: Mechanism) -> Mechanism:
-    return _with_feet(mechanism, lambda foot: 1e-6 * foot, "foot2")
+    return _with_feet(mechanism, lambda foot: 1e-6 * foot, ("foot2",))
 
 
 @fault_in_value("robot.foot-diagonal", "Coupling terms of the foot's compliance left out", _ROBOT)

@@ -65,7 +65,7 @@ def abscissa(matrix: Matrix) -> tuple[Array, str]:
     """The poses' only coordinate, or their number along the path."""
     poses = np.array(matrix.poses)
     if len(matrix.coordinates) == 1:
-        return poses[:, 0], matrix.coordinates[0]
+        return poses[:, 0], str(matrix.coordinates[0])
     return np.arange(1.0, len(poses) + 1.0), _POSE
 
 
@@ -101,8 +101,8 @@ def _panel(matrix: Matrix, quantity: str, *, leftmost: bool) -> Panel:
 
 def _table(matrix: Matrix) -> str:
     columns: dict[str, list[float | str]] = {
-        name: [pose[place] for pose in matrix.poses]
-        for place, name in enumerate(matrix.coordinates)
+        str(coordinate): [pose[place] for pose in matrix.poses]
+        for place, coordinate in enumerate(matrix.coordinates)
     }
     for entry in matrix.entries:
         if len(entry.errors) == len(matrix.poses):

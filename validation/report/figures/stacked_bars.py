@@ -5,6 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from lumped.arrays import Array
+from lumped.system.joint_motion import Portion
 from validation.drawing.chart import legend_above
 from validation.drawing.style import (
     BLUE,
@@ -47,7 +48,7 @@ def stacked_bars(
         return svg_of(picture)
 
 
-def energy_table(frequencies: Array, strain: Shares) -> dict[str, list[float]]:
+def energy_table(frequencies: Array, strain: Mapping[Portion, Array]) -> dict[str, list[float]]:
     """Columns of the modes: number, frequency (Hz), share of each part (%)."""
     return {
         "mode": [float(k) for k in range(1, len(frequencies) + 1)],

@@ -47,12 +47,11 @@ def first_screen(matrix: Matrix, *, plotted: bool, measured: bool = False) -> Fi
         csv=csv_of_matrix(matrix),
         errors=attempted(lambda: draw(matrix)) if plotted else None,
         remedies=remedies_of(matrix),
-        # What is said of a part stands in its own table, and nothing is said twice.
+        # Nothing is said twice.
         notes=tuple(
             note
-            for note in matrix.notes
-            if not any(note.startswith(part.robot) for part in matrix.parts)
-            and note.lower() not in answer.lower()
+            for note in (*matrix.notes, matrix.bracket)
+            if note and note.lower() not in answer.lower()
         ),
         sheets=sheets_of(matrix),
         name=matrix.robot,

@@ -54,7 +54,9 @@ class _Opinion:
 def sentence(matrix: Matrix) -> str:
     """The verdict of the matrix, one sentence."""
     static = _clauses(matrix, is_static, _static_predicate)
-    dynamic = _clauses(matrix, lambda quantity: not is_static(quantity), _dynamic_predicate)
+    dynamic = _clauses(
+        matrix, lambda quantity: not is_static(quantity), _dynamic_predicate, matrix.bracket
+    )
     said = "; ".join([*static, *_formulation(matrix), *dynamic])
     return f"{capital(said)}." if said else "No model could be judged."
 
@@ -118,7 +120,9 @@ def _clauses(
     matrix: Matrix,
     wanted: Callable[[str], bool],
     predicate: Callable[[Sequence[_Opinion], bool], str],
+    bracket: str = "",
 ) -> list[str]:
+    """What is said of the `wanted` quantities; `bracket`: of all of them where none is judged."""
     opinions = []
     for note in matrix.models:
         entries = tuple(e for e in matrix.of_model(note.model) if wanted(e.quantity))
@@ -126,9 +130,7 @@ def _clauses(
             opinions.append(_Opinion(note.model, entries))
     unjudged = _nothing_known(opinions)
     if unjudged:
-        # A note that says the same may know more: between which bounds, say.
-        opening = unjudged.partition(":")[0]
-        return [next((note for note in matrix.notes if note.startswith(opening)), unjudged)]
+        return [bracket or unjudged]
     groups: dict[tuple[tuple[str, str], ...], list[_Opinion]] = {}
     for opinion in sorted(opinions, key=lambda opinion: opinion.size):
         groups.setdefault(opinion.key, []).append(opinion)
@@ -218,13 +220,11 @@ def _rounded_off(
     holds = "holds" if singular else "hold"
     if good and not said and not open_:
         return f"{holds} for {what}{_within(group)}"
-    parts = [f"{holds} {place_of(entry.quantity for entry in good)}"] if _named(good) else []
-    parts += said
+    kept = f"{holds} {place_of(entry.quantity for entry in good)}" if _named(good) else ""
+    left = [*said]
     if open_:
-        parts.append(f"cannot be judged {place_of(e.quantity for e in open_)}".rstrip())
-    if len(parts) > 1 and parts[0].startswith(holds):
-        return f"{parts[0]} but {listed(parts[1:])}"
-    return listed(parts)
+        left.append(f"cannot be judged {place_of(e.quantity for e in open_)}".rstrip())
+    return " but ".join(filter(None, [kept, listed(left)]))
 
 
 def _within(group: Sequence[_Opinion]) -> str:

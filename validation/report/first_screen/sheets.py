@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+from lumped.acceptance.measured import leg_entry
+from lumped.acceptance.requirement import FREQUENCIES, ROTATIONS, STATIC_QUANTITIES
 from validation.adequacy.matrix import Entry, Matrix
 from validation.drawing.text import number, percent
 from validation.report.first_screen.table import cell_of, pose_text
@@ -9,7 +11,6 @@ from validation.report.first_screen.words import (
     SIGNS,
     capital,
     error_text,
-    is_frequency,
     model_name,
 )
 
@@ -82,15 +83,17 @@ def _reasons(entry: Entry) -> list[tuple[str, str]]:
 
 
 def _meaning(quantity: str) -> str:
-    if quantity in _UNITS and quantity != "order":
+    if quantity in ROTATIONS:
+        return f"rotation about {ROTATIONS[quantity]}"
+    if quantity in STATIC_QUANTITIES:
         return f"deflection along {quantity}"
-    if quantity.startswith("phi_"):
-        return f"rotation about {quantity[-1]}"
-    if is_frequency(quantity):
-        return f"natural frequency {quantity[1:]}"
-    leg, dot, entry = quantity.partition(".")
-    return f"{entry} of the 6×6 of {leg}" if dot else SIGNS.get(quantity, quantity)
+    if quantity in FREQUENCIES:
+        return f"natural frequency {FREQUENCIES[quantity]}"
+    if (entry := leg_entry(quantity)) is not None:
+        leg, row, column = entry
+        return f"c{row + 1}{column + 1} of the 6×6 of {leg}"
+    return SIGNS.get(quantity, quantity)
 
 
 def _unit(quantity: str) -> str:
-    return _HERTZ if is_frequency(quantity) else _UNITS.get(quantity, _ROTATION)
+    return _HERTZ if quantity in FREQUENCIES else _UNITS.get(quantity, _ROTATION)

@@ -77,19 +77,18 @@ def pose_text(matrix: Matrix, pose: tuple[float, ...]) -> str:
     """A pose by its coordinates: "x = 0.4975 m"."""
     if not pose:
         return "no pose of the robot"
-    said = []
-    for name, value in zip(matrix.coordinates, pose, strict=True):
-        word, _, unit = name.partition(" (")
-        said.append(f"{word} = {number(value, 4)} {unit.rstrip(')')}".rstrip())
-    return ", ".join(said)
+    return ", ".join(
+        f"{one.name} = {number(value, 4)} {one.unit}"
+        for one, value in zip(matrix.coordinates, pose, strict=True)
+    )
 
 
 def csv_of_matrix(matrix: Matrix) -> str:
     """One line per entry with its verdict, numbers, pose, causes and remedy."""
     entries = matrix.entries
     poses = {
-        name: [entry.pose[place] if entry.pose else "" for entry in entries]
-        for place, name in enumerate(matrix.coordinates)
+        str(coordinate): [entry.pose[place] if entry.pose else "" for entry in entries]
+        for place, coordinate in enumerate(matrix.coordinates)
     }
     return csv_of(
         {

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from itertools import groupby
 from math import ceil
 
+from lumped.acceptance.requirement import FREQUENCIES, ROTATIONS, STATIC_QUANTITIES
 from validation.drawing.text import number, percent
 
 # With its verb's number: singular names take "is", plural ones "are".
@@ -19,23 +20,26 @@ _MODELS: Mapping[str, tuple[str, bool]] = {
     "segments-condensed": ("condensed segments", False),
     "segments-stepped": ("stepped segments", False),
 }
-_AXES: Mapping[str, str] = {"phi_x": "x", "phi_y": "y", "phi_z": "z"}
+_BY_OTHER_THEORY: Mapping[str, str] = {
+    "segments": "segments-euler-bernoulli",
+    "beam": "beam-euler-bernoulli",
+}
 SIGNS: Mapping[str, str] = {"phi_x": "φx", "phi_y": "φy", "phi_z": "φz", "order": "order"}
 
 
 def is_static(quantity: str) -> bool:
     """Whether the quantity is a deflection or rotation under a unit wrench."""
-    return quantity in {"x", "y", "z"} or quantity in _AXES
+    return quantity in STATIC_QUANTITIES
 
 
 def is_rotation(quantity: str) -> bool:
     """Whether the quantity is a rotation under a unit moment."""
-    return quantity in _AXES
+    return quantity in ROTATIONS
 
 
 def is_frequency(quantity: str) -> bool:
     """Whether the quantity is a natural frequency."""
-    return quantity[:1] == "f" and quantity[1:].isdecimal()
+    return quantity in FREQUENCIES
 
 
 def model_name(model: str) -> str:
@@ -48,21 +52,15 @@ def subject(models: Sequence[str]) -> tuple[str, bool]:
 
     A model that is there by both theories is named once.
     """
-    twice = [model for model in models if f"{model}{_OTHER_THEORY}" in models]
-    once = [model for model in models if model not in twice and _first(model) not in twice]
+    twice = [model for model, other in _BY_OTHER_THEORY.items() if {model, other} <= set(models)]
+    told = {*twice, *(_BY_OTHER_THEORY[model] for model in twice)}
+    once = [model for model in models if model not in told]
     names = [model_name(model) for model in once]
     singular = len(models) == 1 and _MODELS.get(models[0], ("", True))[1]
     if twice:
         both = f"{listed([model_name(model) for model in twice])} of either theory"
         return ", ".join([*names, both]), singular
     return listed(names), singular
-
-
-_OTHER_THEORY = "-euler-bernoulli"
-
-
-def _first(model: str) -> str:
-    return model.removesuffix(_OTHER_THEORY)
 
 
 def capital(text: str) -> str:
@@ -88,8 +86,8 @@ _NOTHING = 5e-5
 def place_of(quantities: Iterable[str]) -> str:
     """Where deflections are meant: "along x and z, about y"; frequencies and order by name."""
     known = list(quantities)
-    along = [q for q in known if is_static(q) and q not in _AXES]
-    about = [_AXES[q] for q in known if is_rotation(q)]
+    along = [q for q in known if is_static(q) and not is_rotation(q)]
+    about = [ROTATIONS[q] for q in known if is_rotation(q)]
     parts = [f"along {listed(along)}"] if along else []
     parts += [f"about {listed(about)}"] if about else []
     parts += [listed(_frequencies(known))] if any(map(is_frequency, known)) else []
@@ -100,7 +98,7 @@ def place_of(quantities: Iterable[str]) -> str:
 
 def _frequencies(quantities: Sequence[str]) -> list[str]:
     """Names of frequencies, runs of three and more in short: "f1", "f3 to f6"."""
-    numbers = sorted(int(q[1:]) for q in quantities if is_frequency(q))
+    numbers = sorted(FREQUENCIES[q] for q in quantities if is_frequency(q))
     runs = [
         [value for _, value in run]
         for _, run in groupby(enumerate(numbers), key=lambda pair: pair[1] - pair[0])

@@ -42,6 +42,7 @@ _LOADS = {
     "planar_y": "planar, force along y",
     "along_z": "along z",
 }
+_AXES = {"planar_x": "x", "planar_y": "y", "along_z": "z"}
 _OPTIMUM = {"marker": "*", "markersize": 13.0, "markeredgecolor": "black", "linestyle": "none"}
 figures = FigureGroup(LENGTHS, GROUP)
 
@@ -90,8 +91,8 @@ def longer_legs(context: Context) -> Shown:
         x = np.array(alphas)
         deflections = [one for name in _LOADS for one in _deflections(here, x, name)]
         letters = [
-            Note(_LOADS[name].rpartition(" ")[2], x[-1], getattr(here[RIGID].deflections, name)[-1])
-            for name in _LOADS
+            Note(axis, x[-1], getattr(here[RIGID].deflections, name)[-1])
+            for name, axis in _AXES.items()
         ]
         frequencies = [one for mode in range(2) for one in _frequencies(here, x, mode)]
         # Those of a rigid direction are infinite.

@@ -7,12 +7,14 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from lumped.arrays import Array
+from lumped.system.joint_motion import Portion
 from validation.context import Context
 from validation.drawing.chart import legend_above
 from validation.drawing.style import canvas, csv_of, plot_style, svg_of
 from validation.exhibits import STROKE
 from validation.report.figures.declared import FigureGroup, Shown
 from validation.report.figures.stacked_bars import DRIVES, JOINTS, KINDS
+from validation.solids.sixty import FEET
 from validation.studies.quantities import RobotModes, robot_modes
 
 MODES = 6
@@ -31,8 +33,10 @@ class PartLook:
     hatch: str = ""
 
 
-_INKS = {"foot": "white", "bending y": "white", "tool": "white"}
-_COLOURS = {"foot": DRIVES, **KINDS, "tool": JOINTS}
+_INKS = {DRIVES: "white", KINDS["bending y"]: "white", JOINTS: "white"}
+_JOINTS = {**dict.fromkeys(FEET, DRIVES), Portion("tool"): JOINTS}
+_HATCHED = ("leg 2", "foot 2")
+_OTHERS = Portion("all others")
 MEANINGS = {"bending y": "bending out of the plane", "bending z": "bending in the plane"}
 figures = FigureGroup(STROKE, "figures.dynamics")
 
@@ -57,26 +61,23 @@ def strain_energy(context: Context) -> Shown:
     )
 
 
-def part_name(part: str) -> str:
-    """A part as engineers say it: "leg 1 bending z" is bending of leg 1 in the robot's plane."""
-    for kind, meaning in MEANINGS.items():
-        part = part.replace(kind, meaning)
-    return part.replace("leg 1 ", "leg 1, ").replace("leg 2 ", "leg 2, ")
+def part_name(part: Portion) -> str:
+    """A part as engineers say it: bending z of leg 1 is its bending in the robot's plane."""
+    return f"{part.of}, {MEANINGS.get(part.kind, part.kind)}" if part.kind else part.of
 
 
-def visible_parts(strain: Mapping[str, Array], least: float = _NEGLIGIBLE) -> dict[str, Array]:
+def visible_parts(
+    strain: Mapping[Portion, Array], least: float = _NEGLIGIBLE
+) -> dict[Portion, Array]:
     """The shares of the parts that reach `least` in some mode, and the sum of all others."""
     kept = {part: shares for part, shares in strain.items() if np.max(shares) >= least}
     rest = 1.0 - np.sum(list(kept.values()), axis=0)
-    return kept | ({"all others": rest} if len(kept) < len(strain) else {})
+    return kept | ({_OTHERS: rest} if len(kept) < len(strain) else {})
 
 
-def _look(part: str) -> PartLook:
-    hatch = "///" if part.startswith(("leg 2", "foot 2")) else ""
-    for kind, colour in _COLOURS.items():
-        if kind in part:
-            return PartLook(colour, _INKS.get(kind, "black"), hatch)
-    return PartLook("#bbbbbb", "black", hatch)
+def _look(part: Portion) -> PartLook:
+    colour = _JOINTS.get(part) or KINDS.get(part.kind, "#bbbbbb")
+    return PartLook(colour, _INKS.get(colour, "black"), "///" if part.of in _HATCHED else "")
 
 
 def _bars(axes: Axes, found: RobotModes) -> None:
@@ -127,8 +128,9 @@ def _caption(found: RobotModes, x: float) -> str:
             f"Mode {mode + 1} moves {direction}; its largest share, "
             f"{100.0 * shares[mode]:.0f} %, is in {part_name(part)}."
         )
-    feet = sum(s for part, s in found.strain.items() if part.startswith("foot"))
-    if isinstance(feet, np.ndarray):
+    of_feet = [found.strain[foot] for foot in FEET if foot in found.strain]
+    if of_feet:
+        feet = np.sum(of_feet, axis=0)
         said.append(
             f"The feet hold at most {100.0 * feet.max():.0f} % of any of these modes: "
             + (

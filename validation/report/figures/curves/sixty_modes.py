@@ -4,6 +4,7 @@ import numpy as np
 
 from fem.bodies.leg_energies import DISTORTION
 from lumped.arrays import Array
+from lumped.system.joint_motion import Portion
 from validation.context import Context
 from validation.drawing.style import csv_of
 from validation.exhibits import SOLID_ROBOT
@@ -50,15 +51,15 @@ def energies(context: Context) -> Shown:
 def _share(found: SixtyModes, kind: str, number: int) -> Array | None:
     """Share of a kind in foot or leg `number`; the tool goes with leg 1, as the platform does."""
     if kind == "tool":
-        return found.shares.get("tool") if number == 1 else None
-    name = f"foot {number}" if kind == "foot" else f"leg {number} {kind}"
-    return found.shares.get(name)
+        return found.shares.get(Portion("tool")) if number == 1 else None
+    foot, leg = Portion(f"foot {number}"), Portion(f"leg {number}", kind)
+    return found.shares.get(foot if kind == "foot" else leg)
 
 
 def _caption(found: SixtyModes) -> str:
     feet = in_the_feet(found)
     most = int(np.argmax(feet))
-    distorted = np.sum([s for part, s in found.shares.items() if DISTORTION in part], axis=0)
+    distorted = np.sum([s for part, s in found.shares.items() if part.kind == DISTORTION], axis=0)
     return (
         f"Both legs as solids with rigid end faces, B at x = {found.x:.4g} m, "
         f"{found.frequencies[0]:.0f} Hz to {found.frequencies[-1]:.0f} Hz; the bars of both "

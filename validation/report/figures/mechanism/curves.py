@@ -6,7 +6,7 @@ from itertools import cycle
 
 import numpy as np
 
-from lumped.acceptance.requirement import STATIC_QUANTITIES
+from lumped.acceptance.requirement import ROTATIONS, STATIC_QUANTITIES
 from lumped.arrays import Array
 from validation.adequacy.mechanism.compared import (
     Compared,
@@ -83,9 +83,9 @@ def deflection_chart(
     """
     panels = []
     for place, name in enumerate(STATIC_QUANTITIES):
-        turns = name.startswith("phi")
-        title = f"about {name[-1]} (µrad)" if turns else f"along {name} (µm)"
-        factor = 1e6 * (MOMENT if turns else FORCE)
+        axis = ROTATIONS.get(name)
+        title = f"about {axis} (µrad)" if axis else f"along {name} (µm)"
+        factor = 1e6 * (MOMENT if axis else FORCE)
         panels.append(_panel(found, x, place, title, factor, iter(_SOLID)))
     return path_chart(panels, label, abscissa)
 
@@ -139,7 +139,7 @@ def _panel(
 
 def _path(context: Context) -> tuple[Array, str, Mapping[str, Sequence[float]]]:
     """The only coordinate that changes along the path, or the poses' numbers along it."""
-    named = coordinates(context.robot_file.mechanism)
+    named = [str(one) for one in coordinates(context.robot_file.mechanism)]
     poses = np.array([at.pose for at in path_postures(context)])
     columns = {name: poses[:, place].tolist() for place, name in enumerate(named)}
     changing = np.flatnonzero(np.ptp(poses, axis=0) > 0.0)

@@ -1,12 +1,14 @@
 """What carries the strain energy of a mechanism's first modes: which bodies, which deformation."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from itertools import cycle
 
 import numpy as np
 
+from lumped.arrays import Array
 from lumped.legs import ConstantLeg
 from lumped.mechanism.mechanism import Mechanism
+from lumped.system.joint_motion import Portion
 from validation.adequacy.mechanism.path import known_legs
 from validation.case import Skip
 from validation.context import Context
@@ -25,6 +27,7 @@ from validation.report.figures.stacked_bars import (
 )
 from validation.solids.robots import SHARED_SOLIDS
 
+Portions = Mapping[Portion, Array]
 SIXTY = 60
 _PARTS = "parts"
 _KINDS = {"drives": DRIVES, "give of joints": JOINTS, **KINDS, _PARTS: "#7a7f87"}
@@ -77,36 +80,35 @@ def _kinds_said(mechanism: Mechanism) -> str:
     )
 
 
-def _by_kind(strain: Shares, mechanism: Mechanism) -> Shares:
+def _by_kind(strain: Portions, mechanism: Mechanism) -> Shares:
     legs = known_legs(mechanism)
 
-    def kind_of(name: str, kind: str) -> str:
-        if name in mechanism.parts:
+    def kind_of(part: Portion) -> str:
+        if part.of in mechanism.parts:
             return _PARTS
-        return kind if name in legs else _in_joints(kind)
+        return part.kind if part.of in legs else _in_joints(part)
 
     return _summed(strain, kind_of)
 
 
-def _by_body(strain: Shares, mechanism: Mechanism) -> Shares:
+def _by_body(strain: Portions, mechanism: Mechanism) -> Shares:
     """Shares of drives, of joints and of legs, those of one shape together."""
     groups: dict[object, list[str]] = {name: [name] for name in mechanism.parts}
     for name, leg in known_legs(mechanism).items():
         groups.setdefault(leg if isinstance(leg, ConstantLeg) else name, []).append(name)
     label = {name: _listed(names) for names in groups.values() for name in names}
-    return _summed(strain, lambda name, kind: label.get(name) or _in_joints(kind))
+    return _summed(strain, lambda part: label.get(part.of) or _in_joints(part))
 
 
-def _in_joints(kind: str) -> str:
-    return "drives" if kind == "drive" else "give of joints"
+def _in_joints(part: Portion) -> str:
+    return "drives" if part.kind == "drive" else "give of joints"
 
 
-def _summed(strain: Shares, what: Callable[[str, str], str]) -> Shares:
-    """Shares of "name kind" summed by `what` they are: kinds first, in their order."""
-    parts: dict[str, list[str]] = {}
+def _summed(strain: Portions, what: Callable[[Portion], str]) -> Shares:
+    """Shares summed by `what` they are: kinds first, in their order."""
+    parts: dict[str, list[Portion]] = {}
     for part in strain:
-        name, _, kind = part.partition(" ")
-        parts.setdefault(what(name, kind), []).append(part)
+        parts.setdefault(what(part), []).append(part)
     found = {key: np.sum([strain[part] for part in own], axis=0) for key, own in parts.items()}
     ordered = [key for key in _KINDS if key in found]
     return {key: found[key] for key in (*ordered, *(key for key in found if key not in _KINDS))}

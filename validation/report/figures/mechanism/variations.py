@@ -6,6 +6,7 @@ from functools import partial
 import numpy as np
 
 from lumped.arrays import Array
+from lumped.mechanism.kinematics.postures import shown_pose
 from lumped.robot_file.key_units import unit_of
 from lumped.robot_file.variation import Variation
 from validation.adequacy.mechanism.path import has_given
@@ -45,7 +46,9 @@ def drawings(variations: Sequence[Variation]) -> tuple[Drawing, ...]:
 def deflections(context: Context, *, variation: Variation, number: int) -> Figure:
     """A panel for each direction, under a force or a moment along it."""
     found = _curves(context, variation)
-    said = f"Of the loaded point{_place(context, found)}. {HELD}{_alike(variation)}"
+    place = _place(context, found)
+    at = f", with the tool at {place}" if place else ""
+    said = f"Of the loaded point{at}. {HELD}{_alike(variation)}"
     chart = deflection_chart(found.statics, *_over(context, variation))
     return curves(chart, said, compared_with(found.statics.against)).figure(
         f"vary.{number}.deflections",
@@ -57,8 +60,8 @@ def deflections(context: Context, *, variation: Variation, number: int) -> Figur
 def frequencies(context: Context, *, variation: Variation, number: int) -> Figure:
     """A panel for each of the first frequencies, in ascending order at each value."""
     found = _curves(context, variation)
-    place = _place(context, found).removeprefix(", ")
-    said = f"{place[:1].upper()}{place[1:]}." if place else ""
+    place = _place(context, found)
+    said = f"With the tool at {place}." if place else ""
     bracket = has_given(context.robot_file.mechanism)
     chart = frequency_chart(found.dynamics, *_over(context, variation), bracket=bracket)
     against = compared_with(found.dynamics.against)
@@ -73,12 +76,7 @@ def _curves(context: Context, variation: Variation) -> VariedCurves:
 
 
 def _place(context: Context, found: VariedCurves) -> str:
-    moves = context.robot_file.mechanism.tool.moves
-    at = ", ".join(
-        f"{move} = {value:.6g} {'rad' if move.startswith('phi') else 'm'}"
-        for move, value in zip(moves, found.pose, strict=True)
-    )
-    return f", with the tool at {at}" if at else ""
+    return shown_pose(context.robot_file.mechanism, np.array(found.pose))
 
 
 def _over(
