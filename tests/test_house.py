@@ -166,3 +166,57 @@ def test_what_is_computed_of_models_is_kept_where_it_can_be_forgotten():
 
 def test_the_drawing_of_the_house_is_as_its_imports_are():
     assert MAP["drawing"]() == MAP["PICTURE"].read_text(encoding="utf-8")
+
+
+TEXTS = {"id", "title", "citation", "quantity", "section", "row", "label", "caption", "message"}
+TAKEN_APART = {
+    *("startswith", "endswith", "partition", "rpartition", "split", "rsplit", "splitlines"),
+    *("removeprefix", "removesuffix", "find", "index", "strip", "isdecimal"),
+}
+
+
+def parsed_texts(tree: ast.AST) -> list[str]:
+    """Where an id, a title or the like is taken apart: what is meant has a field of its own."""
+
+    def is_text(node: ast.AST) -> bool:
+        return isinstance(node, ast.Attribute) and node.attr in TEXTS
+
+    found = []
+    for node in ast.walk(tree):
+        match node:
+            case ast.Call(func=ast.Attribute(value=of, attr=name), args=args):
+                by_pattern = isinstance(of, ast.Name) and of.id == "re" and any(map(is_text, args))
+                parsed = by_pattern or (name in TAKEN_APART and is_text(of))
+            case ast.Compare(ops=ops, comparators=[*others]):
+                within = zip(ops, others, strict=True)
+                parsed = any(
+                    isinstance(op, ast.In | ast.NotIn) and is_text(of) for op, of in within
+                )
+            case ast.Subscript(value=of):
+                parsed = is_text(of)
+            case _:
+                parsed = False
+        if parsed:
+            found.append(ast.unparse(node))
+    return found
+
+
+def test_nothing_is_parsed_out_of_ids_and_titles():
+    found = {
+        str(module.relative_to(ROOT)): parsed
+        for module in sorted((ROOT / "validation").rglob("*.py"))
+        if (parsed := parsed_texts(ast.parse(module.read_text(encoding="utf-8"))))
+    }
+    assert found == {}
+
+
+def test_what_takes_texts_apart_is_seen():
+    for text in (
+        "case.id.startswith('robot.')",
+        "'solid' in case.title",
+        "re.search('[0-9]', one.citation)",
+        "case.quantity[0]",
+        "_word(case.id.partition('[')[0])",
+    ):
+        assert parsed_texts(ast.parse(text)), text
+    assert not parsed_texts(ast.parse("case.id in known, case.id == other, case.title.format(x=1)"))
