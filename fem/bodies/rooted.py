@@ -14,10 +14,9 @@ from scipy.linalg import cho_factor, cho_solve, qr
 from scipy.sparse import csr_array, diags_array
 from scipy.sparse.linalg import LinearOperator
 
-from fem.bodies.leg_modes import count_name
 from fem.couplings.coupled_solid import CoupledSolid
-from fem.solvers.certificate.sturm import Inertia, count_below
-from fem.solvers.certificate.supported_count import supported_count
+from fem.solvers.certificate.count import count_name, inertia_below
+from fem.solvers.certificate.sturm import Inertia
 from fem.solvers.cholesky import analyse
 from fem.solvers.factor import upper_triangle
 from fem.solvers.modes import CertifiedModes, lowest_modes, searched_modes
@@ -124,7 +123,7 @@ class RootedBody:
     def modes(self, count: int) -> CertifiedModes:
         """The lowest `count` modes with the first interface clamped, the others free; on u.
 
-        None is missing: counted as in fem.bodies.leg_modes.
+        None is missing: counted by fem.solvers.certificate.count.
         """
         backend = self.factor.symbolic.backend
         return lowest_modes(
@@ -148,19 +147,13 @@ class RootedBody:
 
     def _inertia(self, sigma: float, held: Array | None) -> Inertia:
         """Of K − σM on the x with Bᵀx = 0, B (n×6k) the wrenches of what is held, or on all x."""
-        solid, factor = self.solid, self.factor
-        constraints = None
+        solid, constraints = self.solid, None
         if held is not None:
             # Forces and moments of one size, so that no twist looks like rounding beside another.
             size = float(np.ptp(solid.places, axis=0).max())
             constraints = held * np.tile([1.0, 1.0, 1.0, size, size, size], held.shape[1] // 6)
-        K, M = upper_triangle(solid.stiffness), upper_triangle(solid.mass)
-        if factor.symbolic.backend == "cholmod":
-            found = supported_count(factor, K, M, sigma, solid.places, constraints)
-            if found is not None and not found.zero:
-                return found
-        factor.make_room()
-        return count_below(K, M, sigma, solid.leading, factor.symbolic.backend, constraints)
+        K, M = solid.stiffness, solid.mass
+        return inertia_below(self.factor, K, M, sigma, solid.places, solid.leading, constraints)
 
 
 def rooted_body(solid: CoupledSolid, name: str) -> RootedBody:

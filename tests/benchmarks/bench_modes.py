@@ -18,7 +18,6 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 from fem.bodies.leg_modes import clamped_count, modes  # noqa: E402
 from fem.bodies.solid import clamped_leg, solid_leg, solid_mesh  # noqa: E402
-from fem.solvers.cholesky import default_backend  # noqa: E402
 from fem.solvers.modes import CertifiedModes  # noqa: E402
 from lumped.legs import ConstantLeg, Material  # noqa: E402
 from lumped.sections import Rectangle  # noqa: E402
@@ -37,7 +36,7 @@ def measure(mesh: SolidMesh) -> CertifiedModes:
     factorised = perf_counter()
     found = modes(clamped, MODES)
     solved = perf_counter()
-    clamped_count(clamped, default_backend())(found.shift)
+    clamped_count(clamped)(found.shift)
     counted = perf_counter() - solved
     print(
         f"{mesh.element}, {3 * len(mesh.nodes)} unknowns: matrices and factor "

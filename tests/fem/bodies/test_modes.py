@@ -128,7 +128,7 @@ def test_start_without_a_wanted_mode(bar):
 def test_a_missing_mode_fails_the_certificate(missing, ends):
     clamped = leg(Rectangle(0.08, 0.12), slices=3, ends=ends)
     values, _ = dense_solution(clamped)
-    count = clamped_count(clamped, "cholmod")
+    count = clamped_count(clamped)
     assert values[5] < certify(values[:6], values[6], count, "leg") < values[6]
     with pytest.raises(
         MissedModesError, match="leg: certificate of the modes failed: 6 lie"
@@ -154,7 +154,7 @@ def test_a_mode_that_no_solve_shows_is_an_error(bar):
     clamped, _, vectors = bar
     blind = Blind(clamped.factor, clamped.mass, vectors[:, 2])
     with pytest.raises(ComputationError, match="certificate of the modes failed"):
-        lowest_modes(blind, clamped.mass, 6, clamped_count(clamped, "cholmod"), "leg")
+        lowest_modes(blind, clamped.mass, 6, clamped_count(clamped), "leg")
 
 
 class BlindAtFirst(Blind):
@@ -178,7 +178,7 @@ class BlindAtFirst(Blind):
 def test_missed_mode_is_found_beside_the_others(bar, lost):
     clamped, values, vectors = bar
     blind = BlindAtFirst(clamped.factor, clamped.mass, vectors[:, lost])
-    count = blind.count(clamped_count(clamped, "cholmod"))
+    count = blind.count(clamped_count(clamped))
     found = lowest_modes(blind, clamped.mass, 6, count, "leg")
     np.testing.assert_allclose(found.frequencies, hertz(values[:6]), rtol=SAME)
     gram = found.shapes.T @ (clamped.mass @ found.shapes)
@@ -226,7 +226,7 @@ def test_double_and_nearly_double_modes(taller, slices, ends):
 
 def test_zero_pivots_move_the_shift(bar):
     clamped, values, _ = bar
-    count, calls = clamped_count(clamped, "cholmod"), []
+    count, calls = clamped_count(clamped), []
 
     def zero_at_first(sigma):
         calls.append(sigma)
@@ -237,7 +237,7 @@ def test_zero_pivots_move_the_shift(bar):
 
 def test_last_place_of_the_shift_is_half_way_to_the_next_mode(bar):
     clamped, values, _ = bar
-    count, calls = clamped_count(clamped, "cholmod"), []
+    count, calls = clamped_count(clamped), []
 
     def zero_three_times(sigma):
         calls.append(sigma)

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy.linalg import eigvalsh, null_space
 
-import fem.bodies.leg_modes
+import fem.solvers.certificate.count
 from fem.bodies.leg_modes import clamped_count
 from fem.bodies.solid import clamped_leg, solid_leg
 from fem.solvers.certificate.supported_count import separator_supports, supported_count
@@ -51,7 +51,7 @@ def test_count_is_that_of_dense_eigenvalues(leg, below):
 
 def test_a_set_with_one_mode_missing_is_refused(leg):
     clamped, values = leg[0], leg[-1]
-    count = clamped_count(clamped, "cholmod")
+    count = clamped_count(clamped)
     assert values[9] < certify(values[:10], values[10], count, "leg") < values[10]
     with pytest.raises(MissedModesError) as refused:
         certify(np.delete(values[:10], 4), values[10], count, "leg")
@@ -76,8 +76,8 @@ def test_too_few_supports_prove_nothing_and_fronts_count(leg, monkeypatch):
         answers.append(supported_count(*arguments))
         return answers[-1]
 
-    monkeypatch.setattr(fem.bodies.leg_modes, "supported_count", spied)
-    assert clamped_count(clamped, "cholmod")(sigma).negative == below
+    monkeypatch.setattr(fem.solvers.certificate.count, "supported_count", spied)
+    assert clamped_count(clamped)(sigma).negative == below
     assert answers == [None]
 
 
@@ -86,7 +86,7 @@ def test_count_without_room_for_two_factors(leg, monkeypatch):
     clamped, values = leg[0], leg[-1]
     loads = clamped.ends.tip_loads()
     before, first = clamped.factor.solve(loads), clamped.factor.numeric
-    count = clamped_count(clamped, "cholmod")
+    count = clamped_count(clamped)
     enough = 4 * clamped.factor.symbolic.peak_bytes
     monkeypatch.setattr("fem.solvers.renewable_factor.available_memory", lambda: enough)
     assert count(0.5 * (values[5] + values[6])).negative == 6
