@@ -15,8 +15,8 @@
 parameters to take it over: texts, and tuples of texts, are templates of them ("{kind}",
 "{entry.unit}", "{alpha:g}"), and any field, the parameters of a later key of `over` too, may be a
 function of those it names. A parameter with the name of a field, such as `model`, is that field
-where the declaration says nothing else of it. What computes a case is given the parameters that it
-names.
+where the declaration says nothing else of it; the quantity is the title where nothing else is said
+of it. What computes a case is given the parameters that it names.
 """
 
 from collections.abc import Callable, Iterable, Mapping
@@ -135,7 +135,7 @@ def _case(
     named = _named(compute, row)
     signature(compute).bind("context", **named)
     from_row = {name: row[name] for name in CaseFields.__annotations__ if name in row}
-    fields = {**common, **from_row, **own}
+    fields = {"quantity": own["title"], **common, **from_row, **own}
     return Case(
         compute=partial(compute, **named) if named else compute,
         **{name: _filled(row, field) for name, field in fields.items()},

@@ -1,5 +1,7 @@
 """Which relative twists a joint leaves free in a posture, and where its two sides are."""
 
+from typing import assert_never
+
 import numpy as np
 
 from lumped.arrays import Array
@@ -42,6 +44,8 @@ def twists_left_free(joint: Joint, first: Array, second: Array) -> Array:
     axes = first @ joint.axes.T
     twists = np.zeros((*first.shape[:-2], 6, FREEDOMS[joint.kind]))
     match joint.kind:
+        case "fixed":
+            pass
         case "prismatic":
             twists[..., :3, 0] = axes[..., 0]
         case "revolute":
@@ -56,6 +60,8 @@ def twists_left_free(joint: Joint, first: Array, second: Array) -> Array:
         case "planar":
             twists[..., :3, :2] = first @ across_axis(joint.axes[0]).T
             twists[..., 3:, 2] = axes[..., 0]
+        case _:
+            assert_never(joint.kind)
     return twists
 
 

@@ -8,10 +8,11 @@ import numpy as np
 from lumped.arrays import Array
 from lumped.errors import InputError
 
+# A further kind has its place in every `match` on this: the type checker lists those without it.
 JointKind: TypeAlias = Literal[
     "fixed", "revolute", "prismatic", "cylindrical", "universal", "spherical", "planar"
 ]
-# How many axes a kind has, and how many free twists.
+# How many axes a kind has.
 AXES: dict[JointKind, int] = {
     "fixed": 0,
     "revolute": 1,
@@ -21,15 +22,17 @@ AXES: dict[JointKind, int] = {
     "spherical": 0,
     "planar": 1,
 }
-FREEDOMS: dict[JointKind, int] = {
-    "fixed": 0,
-    "revolute": 1,
-    "prismatic": 1,
-    "cylindrical": 2,
-    "universal": 2,
-    "spherical": 3,
-    "planar": 3,
+# Units of the coordinates of a kind, one for each of its free twists.
+COORDINATES: dict[JointKind, tuple[str, ...]] = {
+    "fixed": (),
+    "revolute": ("rad",),
+    "prismatic": ("m",),
+    "cylindrical": ("m", "rad"),
+    "universal": ("rad", "rad"),
+    "spherical": ("rad", "rad", "rad"),
+    "planar": ("m", "m", "rad"),
 }
+FREEDOMS = {kind: len(units) for kind, units in COORDINATES.items()}
 
 
 # Sine of the angle below which two directions are one: what six digits give.

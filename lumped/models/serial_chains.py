@@ -7,7 +7,7 @@ other, and 6-DOF springs at the tips of the legs, in the joints and in the drive
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import TypeAlias, assert_never
 
 import numpy as np
 
@@ -196,6 +196,8 @@ def _freedoms(joint: Joint, first: Array, second: Array) -> list[chains.Joint]:
     slides: list[Array] = []
     turns: list[Array] = []
     match joint.kind:
+        case "fixed":
+            pass
         case "revolute":
             turns = axes
         case "prismatic":
@@ -208,6 +210,8 @@ def _freedoms(joint: Joint, first: Array, second: Array) -> list[chains.Joint]:
             turns = list(np.eye(3))
         case "planar":
             slides, turns = list(np.linalg.svd(axes[0][None])[2][1:]), axes
+        case _:
+            assert_never(joint.kind)
     return [
         *(chains.Joint("prismatic", axis) for axis in slides),
         *(chains.Joint("revolute", axis) for axis in turns),

@@ -7,22 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from lumped.mechanism.joint import Joint
+from lumped.mechanism.joint import COORDINATES, Joint
 from lumped.mechanism.kinematics.closure import Closure
 from lumped.mechanism.kinematics.mobility import Mobility, mobility
 from lumped.mechanism.kinematics.postures import reference_posture, shown_pose
 from lumped.mechanism.mechanism import GROUND, Mechanism, Posture
-
-# What each coordinate of a kind of joint is: a length (m) or an angle (rad).
-_UNITS = {
-    "fixed": (),
-    "revolute": ("rad",),
-    "prismatic": ("m",),
-    "cylindrical": ("m", "rad"),
-    "universal": ("rad", "rad"),
-    "spherical": ("rad", "rad", "rad"),
-    "planar": ("m", "m", "rad"),
-}
 
 
 def mobility_text(mechanism: Mechanism) -> str:
@@ -114,7 +103,9 @@ def _notes(found: Mobility) -> list[str]:
 def _coordinates(joint: Joint, posture: Posture) -> str:
     return ", ".join(
         f"{np.degrees(value):+9.3f}°" if unit == "rad" else f"{1e3 * value:+9.3f} mm"
-        for value, unit in zip(posture.coordinates[joint.name], _UNITS[joint.kind], strict=True)
+        for value, unit in zip(
+            posture.coordinates[joint.name], COORDINATES[joint.kind], strict=True
+        )
     )
 
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Literal, TypeAlias
+from typing import Literal, TypeAlias, assert_never
 
 import numpy as np
 
@@ -111,6 +111,8 @@ def joint_faces(
             yield from _sleeve(place, axes[0], (1.2 * radius, 2.4 * radius), matter)
         case "planar":
             yield from _sleeve(place, axes[0], (2.0 * radius, 0.3 * radius), matter)
+        case _:
+            assert_never(joint.kind)
 
 
 def on_ground(joint: Joint) -> bool:

@@ -12,6 +12,7 @@ which hold where the joint closes, however far it has turned, and whose derivati
 """
 
 from dataclasses import dataclass
+from typing import assert_never
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -35,23 +36,27 @@ def constraints(joint: Joint) -> Constraints:
     """The 6 − f constraints of a joint with f free twists, unit vectors."""
     x, y, z = everything = np.eye(3)
     nothing = np.zeros((0, 3))
-    if joint.kind in {"fixed", "spherical"}:
-        turning = ((x, y, z), (y, z, x)) if joint.kind == "fixed" else (nothing, nothing)
-        return _constraints(everything, *turning)
-    axis = joint.axes[0]
+    axis = joint.axes[0] if len(joint.axes) else x
     across = across_axis(axis)
+    found: tuple[object, object, object]
     match joint.kind:
+        case "fixed":
+            found = everything, (x, y, z), (y, z, x)
+        case "spherical":
+            found = everything, nothing, nothing
         case "revolute":
-            return _constraints(everything, across, (axis, axis))
+            found = everything, across, (axis, axis)
         case "prismatic":
-            return _constraints(across, (x, y, z), (y, z, x))
+            found = across, (x, y, z), (y, z, x)
         case "cylindrical":
-            return _constraints(across, across, (axis, axis))
+            found = across, across, (axis, axis)
         case "universal":
-            return _constraints(everything, (axis,), (joint.axes[1],))
+            found = everything, (axis,), (joint.axes[1],)
         case "planar":
-            return _constraints((axis,), across, (axis, axis))
-    raise AssertionError(joint.kind)
+            found = (axis,), across, (axis, axis)
+        case _:
+            assert_never(joint.kind)
+    return Constraints(*(np.array(rows, dtype=float).reshape(-1, 3) for rows in found))
 
 
 def coordinates(joint: Joint, p: Array, R: Array) -> Array:
@@ -109,11 +114,6 @@ def _free_axes(joint: Joint) -> tuple[Array, Array]:
             return np.array(across_axis(joint.axes[0])), joint.axes
         case "revolute" | "universal":
             return none, joint.axes
-
-
-def _constraints(normals: object, held: object, turned: object) -> Constraints:
-    rows = (np.array(vectors, dtype=float).reshape(-1, 3) for vectors in (normals, held, turned))
-    return Constraints(*rows)
 
 
 def _angle(axis: Array, start: Array, end: Array) -> float:

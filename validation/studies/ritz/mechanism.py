@@ -7,6 +7,7 @@ where bodies are is read off the frames, whose joints are measured here once mor
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import assert_never
 
 import numpy as np
 from scipy.linalg import block_diag, eigh, null_space, pinvh
@@ -229,6 +230,8 @@ def _free(at: Posture, joint: Joint) -> Array:
             free = about
         case "planar":
             free = np.hstack([along @ null_space(axes[:1]), turn])
+        case _:
+            assert_never(joint.kind)
     return free
 
 
