@@ -5,12 +5,17 @@ A fenced block says by its first word what it is:
     ```console         `$ command` and, below it, lines that it prints (… stands for others)
     ```toml name.toml  a file of that name, which later commands of the page use; csv likewise
     ```python          executed; all blocks of a page share one namespace
+    ```python name.py  a quotation from docs/examples, where it is executed as a script
 
 `flexproof run` is run at the quick preset on a handful of comparisons; `flexproof test` is this.
 """
 
+import os
 import re
+import runpy
 import shlex
+import subprocess
+import sys
 from fnmatch import fnmatchcase
 from pathlib import Path
 
@@ -24,6 +29,7 @@ from validation.case import Case
 from validation.faults.detection import with_faults
 
 ROOT = Path(__file__).resolve().parents[1]
+EXAMPLES = ROOT / "docs" / "examples"
 PAGES = (ROOT / "README.md", *sorted((ROOT / "docs" / "guide").glob("*.md")))
 # Pages whose examples take ten seconds and more.
 LONG = {"using", "programs", "mechanisms", "cases"}
@@ -32,8 +38,10 @@ LINK = re.compile(r"\]\(([^)#\s]+)(?:#[^)\s]*)?\)")
 # What a page may show without its being run: formulas and excerpts of files.
 INERT = {"text"}
 FEW = ["--only", "*.statics.beam*", "--jobs", "1"]
-# Longest example, so that adding a case, a shape or a robot stays a matter of minutes.
-LONGEST = 30
+# Scripts that run as long.
+LONG_SCRIPTS = {"from_python"}
+# So that adding a case stays a matter of minutes.
+LONGEST = 10
 
 
 def blocks(page: Path) -> list[tuple[str, str, str]]:
@@ -50,9 +58,6 @@ def blocks(page: Path) -> list[tuple[str, str, str]]:
 )
 def test_the_examples_of_the_page_work(page, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    # What the guide puts in place from outside is taken back when the page has been read.
-    monkeypatch.setattr(sections, "SHAPES", dict(sections.SHAPES))
-    monkeypatch.setattr(section_mesh, "section_blocks", section_mesh.section_blocks)
     namespace = {"__name__": "example"}
     for language, argument, text in blocks(page):
         if language == "console":
@@ -60,10 +65,46 @@ def test_the_examples_of_the_page_work(page, tmp_path, monkeypatch, capsys):
         elif language in {"toml", "csv"}:
             assert argument, "a file needs a name"
             Path(argument).write_text(text, encoding="utf-8")
+        elif language == "python" and argument:
+            assert text in (EXAMPLES / argument).read_text(encoding="utf-8")
         elif language == "python":
             exec(compile(text, f"{page.name}", "exec"), namespace)  # noqa: S102  our own pages
         else:
             assert language in INERT, f"```{language} is not known to this test"
+
+
+@pytest.mark.parametrize(
+    "script",
+    [
+        pytest.param(path, marks=pytest.mark.exhaustive if path.stem in LONG_SCRIPTS else ())
+        for path in sorted(EXAMPLES.glob("*.py"))
+    ],
+    ids=lambda path: path.stem,
+)
+def test_the_examples_run(script, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    restored(monkeypatch)
+    runpy.run_path(str(script), run_name="__main__")
+
+
+@pytest.mark.exhaustive
+def test_the_example_of_a_design_team_is_a_test_that_passes(tmp_path):
+    options = "-p no:cacheprovider -p validation.pytest_plugin -q --flexproof-preset quick"
+    done = subprocess.run(
+        [sys.executable, "-m", "pytest", *options.split(), "--rootdir", ".", EXAMPLES / "design"],
+        cwd=tmp_path,
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert "1 passed" in done.stdout, done.stdout + done.stderr
+
+
+def restored(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let what the guide puts in place from outside be taken back afterwards."""
+    monkeypatch.setattr(sections, "SHAPES", dict(sections.SHAPES))
+    monkeypatch.setattr(section_mesh, "section_blocks", section_mesh.section_blocks)
 
 
 def run_console(text: str, capsys: pytest.CaptureFixture[str]) -> None:
@@ -123,11 +164,12 @@ def test_the_mechanisms_of_the_guide_are_the_built_in_ones():
     assert shown == {name: load_robot(name).text for name in shown}
 
 
-def test_extending_takes_less_than_thirty_lines():
-    examples = blocks(ROOT / "docs" / "guide" / "extending.md")
-    lengths = [len(text.splitlines()) for language, _, text in examples if language != "console"]
-    assert lengths
-    assert max(lengths) < LONGEST
+def test_a_new_case_takes_ten_lines():
+    """Imports and all but what tries it."""
+    case, _, _ = (EXAMPLES / "new_case.py").read_text(encoding="utf-8").partition("if __name__")
+    code = case.rpartition('"""\n')[2].splitlines()
+    used = [line for line in code if line.strip() and "load_robot" not in line]
+    assert len(used) <= LONGEST
 
 
 def test_the_guide_to_the_cases_covers_the_catalogue_and_nothing_else():

@@ -145,3 +145,10 @@ def test_a_parameter_that_no_one_gives_is_an_error_when_cases_are_listed():
 
     with pytest.raises(TypeError, match="lenght"):
         cases()
+
+
+def test_the_quantity_is_the_title_where_nothing_else_is_said():
+    cases = CaseGroup(**{name: field for name, field in COMMON.items() if name != "quantity"})
+    cases.case("one", "Number of legs")(exact)
+    cases.case("two", "Number of feet", quantity="feet")(exact)
+    assert [case.quantity for case in cases()] == ["Number of legs", "feet"]
