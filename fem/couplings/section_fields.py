@@ -4,7 +4,7 @@ Semi-analytical finite elements, u the 3N displacements of a section and ′ the
 prism. G couples axial (p) with in-plane (q) displacements alone, G = [0 B; −Bᵀ 0], E₀ = [A 0; 0 D]
 and E₂ − ω²M = [C 0; 0 F], so that with p′ = γp the squares of exponents e^{γx} solve a problem of
 size 3N, [C 0; Bᵀ F] (p′, q) = γ² [A B; 0 D] (p′, q). Sections symmetric about y and z fall into
-four problems of a quarter of the size: tension, torsion, and bending along y and along z.
+four problems of a quarter of the size: tension, torsion, bending z and bending y.
 """
 
 from dataclasses import dataclass
@@ -43,8 +43,8 @@ class _Class:
 _CLASSES = (
     _Class("tension", (1, 1), (0,), 1),
     _Class("torsion", (-1, -1), (3,), 1),
-    _Class("bending y", (-1, 1), (1, 5), 2),
-    _Class("bending z", (1, -1), (2, 4), 2),
+    _Class("bending z", (-1, 1), (1, 5), 2),
+    _Class("bending y", (1, -1), (2, 4), 2),
 )
 
 

@@ -82,9 +82,9 @@ def foot_stiffness(printed: Array, corrected: Array) -> Finding:
 def longitudinal_frequencies(robot: Biglide) -> Finding:
     """§1 says longitudinal natural frequencies are many times smaller than bending ones."""
     ratios = {
-        f"{name}, bending along {axis}": _longitudinal_to_bending(equivalent_leg(leg), stiffness)
+        f"{name}, bending {axis}": _longitudinal_to_bending(equivalent_leg(leg), stiffness)
         for name, leg in (("leg 1", robot.leg1), ("leg 2", robot.leg2))
-        for axis, stiffness in (("y", "EIz"), ("z", "EIy"))
+        for axis, stiffness in (("z", "EIz"), ("y", "EIy"))
     }
     shown = ", ".join(f"{ratio:.2g} ({name})" for name, ratio in ratios.items())
     return Finding(

@@ -19,7 +19,7 @@ WaveKind: TypeAlias = Literal["bending", "torsion", "tension"]
 
 
 def beam_wave_frequency(beam: BeamProperties, kind: WaveKind, wavenumber: float) -> float:
-    """Frequency (Hz) of the beam's wave of `wavenumber` k (1/m); bending along z, Timoshenko's.
+    """Frequency (Hz) of the beam's wave of `wavenumber` k (1/m); bending y, Timoshenko's.
 
     Bending: w = sin kx, θ = cos kx, the lower root of a two by two problem.
     """
@@ -42,7 +42,7 @@ def prism_wave_frequency(
 
     u = (U cos kx, V sin kx, W sin kx), U, V, W polynomials of `degree` in y and in z, by Ritz on
     the section of an isotropic prism with free sides. The kinds differ in parity: U is odd in z for
-    bending along z, odd in y and z for torsion, even for tension.
+    bending y, odd in y and z for torsion, even for tension.
     """
     k = wavenumber
     parity_y, parity_z = {"bending": (0, 1), "torsion": (1, 1), "tension": (0, 0)}[kind]

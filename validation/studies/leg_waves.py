@@ -33,13 +33,6 @@ NO_WAVES = (
     "waves of 3-D elasticity have no number for this mode: walls of the legs move by themselves at "
     "its frequency, or it lies so high that pieces of a leg would be shorter than its elements"
 )
-# A beam's part of the stiffness is named by the axis of its moment, a wave by where it deflects.
-_PARTS = {
-    "tension": "tension",
-    "torsion": "torsion",
-    "bending y": "bending z",
-    "bending z": "bending y",
-}
 # Share of a mode's strain energy below which it does not matter that a wave is no beam's.
 _NOTHING = 1e-4
 # What frequencies change by from one step to the next, relative, when they are found.
@@ -161,7 +154,7 @@ def _difference(leg: _PiecedLeg, own: Array, mode: int, omega: float) -> Array:
             of_piece = kind.stiffness(leg.beam.length / pieces, omega)
         except ComputationError:
             swung = own[:, mode]
-            strained = swung @ (leg.beam.parts[_PARTS[kind.fields.name]] @ swung)
+            strained = swung @ (leg.beam.parts[kind.fields.name] @ swung)
             if strained > _NOTHING * omega**2:
                 raise
             continue

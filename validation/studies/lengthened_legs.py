@@ -84,7 +84,7 @@ def limit_exponent(lengths: Array, amounts: Array) -> float:
 
 
 def fundamental_ratio(properties: BeamProperties, length: float) -> float:
-    """First frequency of bending along z without rotary inertia over that with it, no shear."""
+    """First frequency of bending y without rotary inertia over that with it, no shear."""
     slender = properties.as_euler_bernoulli()
     rayleigh = replace(slender, rho_Iy=properties.rho_Iy)
     without, with_inertia = (_fundamental(beam, length) for beam in (slender, rayleigh))

@@ -22,7 +22,7 @@ def test_a_strip_decays_with_the_roots_of_papkovich_and_fadle():
     """sin 2s ± 2s = 0 (tension, bending), s = γc: first roots by Fadle (1940)."""
     half = 0.05
     rates = decay_rates(section_mesh(Rectangle(0.001, 2.0 * half), (1, 16)), STEEL)
-    for name, root in {"tension": 2.10620 + 1.12536j, "bending z": 3.74884 + 1.38434j}.items():
+    for name, root in {"tension": 2.10620 + 1.12536j, "bending y": 3.74884 + 1.38434j}.items():
         slowest = rates[name][0] * half
         assert slowest.real == pytest.approx(root.real, rel=2e-3)
         assert abs(slowest.imag) == pytest.approx(root.imag, rel=2e-3)

@@ -186,9 +186,9 @@ def test_joint_release_of_equation_25(findings):
 def test_longitudinal_frequencies_are_higher_not_lower(findings):
     numbers = findings["§1", "longitudinal frequencies"].numbers
     # π/2 · L √(EA/EI) / 1.8751² with the equivalent leg 1's EA, EIy and EIz (four digits)
-    for axis, stiffness in (("y", 1.832e6), ("z", 4.771e6)):
+    for axis, stiffness in (("z", 1.832e6), ("y", 4.771e6)):
         ratio = np.pi / 2.0 * 0.85 * np.sqrt(8.613e8 / stiffness) / 1.875104**2
-        assert numbers[f"leg 1, bending along {axis}"] == pytest.approx(ratio, rel=5e-4)
+        assert numbers[f"leg 1, bending {axis}"] == pytest.approx(ratio, rel=5e-4)
     assert min(numbers.values()) > 2.0
 
 

@@ -234,7 +234,7 @@ def test_small_parts_are_summed_up_to_the_whole():
 
 
 def test_a_mode_is_named_after_its_largest_motion():
-    assert kind_of(np.array([0.0, 0.4, 0.5, 0.0, 0.0, 0.2])) == "bending along y"
+    assert kind_of(np.array([0.0, 0.4, 0.5, 0.0, 0.0, 0.2])) == "bending z"
     assert kind_of(np.array([0.0, 0.1, 0.2, 0.9, 0.1, 0.0])) == "torsion"
 
 

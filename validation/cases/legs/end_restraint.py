@@ -147,19 +147,19 @@ CAUSES: dict[str, Cause] = {
     ),
     "contraction.c22": Cause(
         "c22, contraction restrained (ν = 0.3)",
-        "Poisson's contraction held at a rigid face, bending along y: vanishes",
+        "Poisson's contraction held at a rigid face, bending z: vanishes",
         -1.0,
         partial(_contraction, entry=1),
     ),
     "contraction.c33": Cause(
         "c33, contraction restrained (ν = 0.3)",
-        "Poisson's contraction held at a rigid face, bending along z: vanishes",
+        "Poisson's contraction held at a rigid face, bending y: vanishes",
         -1.0,
         partial(_contraction, entry=2),
     ),
     "shear": Cause(
         "c33, shear deformation left out",
-        "Euler–Bernoulli's theory against the solid, bending along z: the difference vanishes",
+        "Euler–Bernoulli's theory against the solid, bending y: the difference vanishes",
         -2.0,
         _shear_left_out,
     ),
@@ -171,7 +171,7 @@ CAUSES: dict[str, Cause] = {
     ),
     "shear-warping": Cause(
         "c33, warping of shear restrained",
-        "warping of shear held at rigid faces (ν = 0), bending along z: vanishes",
+        "warping of shear held at rigid faces (ν = 0), bending y: vanishes",
         -3.0,
         _shear_warping,
     ),

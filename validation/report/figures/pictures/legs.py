@@ -52,8 +52,8 @@ _HEIGHT = 2.1
 _TOWARD, _UP = np.array([0.55, -1.0, 0.65]), np.array([0.0, 0.0, 1.0])
 _KINDS = {
     "tension": (0,),
-    "bending along y": (1, 5),
-    "bending along z": (2, 4),
+    "bending z": (1, 5),
+    "bending y": (2, 4),
     "torsion": (3,),
 }
 
