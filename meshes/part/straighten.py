@@ -16,6 +16,8 @@ from meshes.shape_functions import gradients, quadrature
 _EDGES = np.array([(0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3)])
 # Least by largest Jacobian below this: folded, or so nearly that its stiffness means little.
 _FOLDED = 0.03
+# Volume below this share of the longest edge's cube: four corners in one plane but for rounding.
+_FLAT = 1e-8
 # Degree of the points that integrate the mass of a curved element exactly.
 _DEGREE = 7
 _ROUNDS = 10
@@ -25,7 +27,7 @@ def straightened(nodes: Array, cells: IntArray) -> tuple[Array, int]:
     """Nodes (N×3) with the middles of folded tet10 `cells` put half way; how many cells that were.
 
     Neighbours share the edges and may fold for it: they follow. Raises ComputationError where one
-    is inverted with straight edges.
+    is inverted or flat with straight edges.
     """
     straight = np.zeros(len(cells), dtype=bool)
     for _ in range(_ROUNDS):
@@ -38,13 +40,17 @@ def straightened(nodes: Array, cells: IntArray) -> tuple[Array, int]:
         for middle, (first, second) in enumerate(_EDGES, start=4):
             ends = nodes[cells[new, first]], nodes[cells[new, second]]
             nodes[cells[new, middle]] = (ends[0] + ends[1]) / 2.0
-    inverted = np.flatnonzero(_evenness(nodes, cells) <= 0.0)
-    if inverted.size:
-        x, y, z = nodes[cells[inverted[0]]].mean(axis=0)
-        raise ComputationError(
-            f"mesh of the part: {inverted.size} tetrahedra stay inverted, the first at "
-            f"({x:.4g}, {y:.4g}, {z:.4g}) m; a finer mesh is needed there"
-        )
+    for what, wrong in (
+        ("stay inverted", _evenness(nodes, cells) <= 0.0),
+        ("are flat", _fullness(nodes, cells) < _FLAT),
+    ):
+        found = np.flatnonzero(wrong)
+        if found.size:
+            x, y, z = nodes[cells[found[0]]].mean(axis=0)
+            raise ComputationError(
+                f"mesh of the part: {found.size} tetrahedra {what}, the first at "
+                f"({x:.4g}, {y:.4g}, {z:.4g}) m; a finer mesh is needed there"
+            )
     return nodes, int(straight.sum())
 
 
@@ -55,3 +61,11 @@ def _evenness(nodes: Array, cells: IntArray) -> Array:
     jacobians = np.einsum("mki,kjq->mqij", nodes[cells], slopes, optimize=True)
     determinants = np.linalg.det(jacobians)
     return np.asarray(determinants.min(axis=1) / np.abs(determinants).max(axis=1))
+
+
+def _fullness(nodes: Array, cells: IntArray) -> Array:
+    """Volume of each cell (M) between its corners, by the cube of its longest edge."""
+    first, second = _EDGES.T
+    longest = np.linalg.norm(nodes[cells[:, first]] - nodes[cells[:, second]], axis=2).max(axis=1)
+    sides = nodes[cells[:, 1:4]] - nodes[cells[:, :1]]
+    return np.asarray(np.abs(np.linalg.det(sides)) / 6.0 / longest**3)

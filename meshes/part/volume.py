@@ -36,6 +36,10 @@ _GROWTH, _POWER, _LEAST_POWER = 2.4, 2.5, 1.0
 _ATTEMPTS, _CLOSE = 6, 0.2
 # How often sizes are reduced for a surface whose facets cross.
 _RETRIES = 4
+# Share of the size and passes of Netgen's optimiser, tried in turn. The optimiser takes as long as
+# the mesh, and a quarter of the error with it. Where elements are as coarse as walls are thick it
+# may end its process (gmsh 4.15), and a flat element stay at a wall: another size has another mesh.
+_TRIED = ((1.0, 1), (0.97, 1), (1.0, 0), (0.97, 0), (0.94, 1), (0.94, 0))
 # No element is shorter than this share of the full size: long fillets would rule the whole mesh.
 _SHORTEST = 0.2
 
@@ -55,19 +59,22 @@ class Grading:
 def volume_mesh(part: PartFile, interfaces: Sequence[Interface], grading: Grading) -> PartMesh:
     """The part in second-order tetrahedra; curved edges lie on the true surface.
 
-    Raises InputError where the surface cannot be meshed, ComputationError where gmsh crashes; a
-    part that is a mesh is refused.
+    Where gmsh makes no sound mesh of that size, one of a little less. Raises InputError where the
+    surface cannot be meshed, ComputationError where no size does; a part that is a mesh is refused.
     """
     if part.mesh is not None:
         raise InputError(f"{part.path}: is a mesh already; it cannot be meshed anew")
-    # Netgen's optimiser takes as long as the mesh, and a quarter of the error with it. On coarse
-    # meshes of thin walls it may end its process (gmsh 4.15): these do without it.
-    for netgen in (1, 0):
-        with suppress(Crashed):
-            return in_own_process(_meshed, part, interfaces, grading, netgen)
+    failed: ComputationError | None = None
+    for share, netgen in _TRIED:
+        tried = Grading(share * grading.size, grading.sides)
+        try:
+            return in_own_process(_meshed, part, interfaces, tried, netgen)
+        except ComputationError as error:
+            failed = error
+    said = "it ends its process" if isinstance(failed, Crashed) else str(failed)
     raise ComputationError(
-        f"{part.path}: gmsh ends its process while it meshes elements of {grading.size:.3g} m; "
-        "ask for another number of unknowns"
+        f"{part.path}: gmsh makes no sound mesh of elements of {grading.size:.3g} m: {said}; ask "
+        "for another number of unknowns"
     )
 
 

@@ -62,6 +62,12 @@ def test_a_folded_element_becomes_straight_and_its_neighbour_follows():
     assert np.array_equal(np.delete(found, 4, axis=0), np.delete(nodes, 4, axis=0))
 
 
+def test_what_is_flat_is_an_error_that_says_where():
+    nodes = ELEMENTS["tet10"].nodes * [1.0, 1.0, 1e-12]
+    with pytest.raises(ComputationError, match="1 tetrahedra are flat, the first at"):
+        straightened(nodes, np.arange(10)[None])
+
+
 def test_what_stays_inverted_is_an_error_that_says_where():
     nodes = ELEMENTS["tet10"].nodes * [1.0, 1.0, -1.0]
     with pytest.raises(ComputationError, match="stay inverted, the first at"):

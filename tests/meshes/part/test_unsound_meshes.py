@@ -1,4 +1,4 @@
-"""Meshes whose optimiser ends its process."""
+"""Meshes that gmsh crashes over, or leaves with elements that are none."""
 
 import numpy as np
 import pytest
@@ -18,26 +18,34 @@ def bar(box_step):
     return part, find_interfaces(part, {"A": PartInterface(plane, "rigid")})
 
 
-def test_it_is_left_out_where_it_crashes(bar, monkeypatch):
+def test_the_optimiser_is_left_out_where_it_crashes(bar, monkeypatch):
     grading = volume.Grading(0.02)
     usual = volume.volume_mesh(*bar, grading)
+    tried = []
 
     def crashing(function, *arguments):
-        if arguments[-1]:
+        *_, size, netgen = arguments
+        tried.append((size.size, netgen))
+        if netgen:
             raise Crashed
         return function(*arguments)
 
     monkeypatch.setattr(volume, "in_own_process", crashing)
     plain = volume.volume_mesh(*bar, grading)
+    assert tried == [(0.02, 1), (0.97 * 0.02, 1), (0.02, 0)]
     # Another mesh of the same block, which is as long.
     assert np.ptp(plain.nodes, axis=0) == pytest.approx(np.ptp(usual.nodes, axis=0))
     assert len(plain.nodes) != len(usual.nodes) or np.abs(plain.nodes - usual.nodes).max() > 1e-6
 
 
-def test_what_cannot_be_meshed_without_it_is_said(bar, monkeypatch):
-    def crashing(*_):
-        raise Crashed
+@pytest.mark.parametrize(
+    ("error", "said"),
+    [(Crashed(), "it ends its process"), (ComputationError("2 tetrahedra are flat"), "2 tetra")],
+)
+def test_what_has_no_sound_mesh_is_said(bar, monkeypatch, error, said):
+    def failing(*_):
+        raise error
 
-    monkeypatch.setattr(volume, "in_own_process", crashing)
-    with pytest.raises(ComputationError, match=r"box.step: gmsh ends its process .* of 0.02 m"):
+    monkeypatch.setattr(volume, "in_own_process", failing)
+    with pytest.raises(ComputationError, match=rf"box.step: gmsh makes no sound .* m: {said}"):
         volume.volume_mesh(*bar, volume.Grading(0.02))
