@@ -74,7 +74,8 @@ def _compliances(found: Identified) -> list[str]:
 
 def _frequencies(found: Identified) -> list[str]:
     lines = [
-        f"frequencies with {found.interfaces[0].name} clamped (Hz), none missing by count; as above"
+        f"frequencies with {found.interfaces[0].name} clamped (Hz); {found.counted} counted below "
+        f"{found.counted_below:.6g} Hz, none missing; as above"
     ]
     rows = zip(found.frequencies, found.frequency_refinement, found.frequency_bracket, strict=True)
     for number, (value, refinement, bracket) in enumerate(rows, start=1):
@@ -150,6 +151,7 @@ def as_document(found: Identified) -> dict[str, Any]:
         "condensed_mass": found.mass.tolist(),
         "compliance": found.compliance.tolist(),
         "frequencies": found.frequencies.tolist(),
+        "modes_counted": {"count": found.counted, "below": found.counted_below},
         "uncertainty": {
             "compliance": plain(found.compliance_refinement),
             "frequencies": plain(found.frequency_refinement),

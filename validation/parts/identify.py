@@ -37,13 +37,18 @@ _BOUNDS: tuple[Kind, Kind] = ("rigid", "average")
 
 @dataclass(frozen=True, eq=False)
 class Answer:
-    """What one mesh and one coupling say (SI, file axes): see `Identified`; `shapes` everywhere."""
+    """What one mesh and one coupling say (SI, file axes): see `Identified`; `shapes` everywhere.
+
+    `counted` is 0 where nobody counts.
+    """
 
     stiffness: Array
     mass: Array
     compliance: Array
     frequencies: Array
     shapes: Array
+    counted: int
+    counted_below: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +59,8 @@ class Identified:
     finest mesh.
 
     `stiffness`, `mass` (6m×6m, condensed); `compliance` (6(m−1))² of the others with the first
-    clamped, and `frequencies` (Hz) then. `refinement` of each compliance and of each frequency
+    clamped, and `frequencies` (Hz) then: `counted` below `counted_below` (Hz) by inertia, none of
+    them missing. `refinement` of each compliance and of each frequency
     (their units; NaN for a given mesh, which cannot be refined); `bracket`: averaged less rigid.
     `unknowns` of the meshes, coarse to fine; `straightened` elements of the finest.
 
@@ -76,6 +82,8 @@ class Identified:
     frequency_refinement: Array
     compliance_bracket: Array
     frequency_bracket: Array
+    counted: int
+    counted_below: float
     unknowns: tuple[int, ...]
     elements: int
     straightened: int
@@ -156,6 +164,8 @@ def _computed(
         "compliance_refinement": refinement[0],
         "frequency_refinement": refinement[1],
         **_bracket(**bounds),
+        "counted": fine.counted,
+        "counted_below": fine.counted_below,
         "unknowns": (*(count for count, _ in coarser), finest.unknowns),
         "elements": len(finest.cells),
         "straightened": finest.straightened,
@@ -196,12 +206,23 @@ def _answer(
     One that were missed where they are only taken off these would be seen in what is left open.
     """
     body = held_part(part, grips_of(part.mesh, interfaces, coupling), name)
-    frequencies = np.zeros(0)
-    if modes:
-        found = body.modes(modes) if certified else body.uncounted_modes(modes)
-        frequencies = found.frequencies
+    frequencies, counted, below = np.zeros(0), 0, 0.0
+    if modes and certified:
+        found = body.modes(modes)
+        frequencies, counted = found.frequencies, found.count
+        below = float(np.sqrt(found.shift) / (2.0 * np.pi))
+    elif modes:
+        frequencies = body.uncounted_modes(modes).frequencies
     shapes = body.solid.transformation @ body.constraint_modes
-    return Answer(body.stiffness, body.condensed_mass, body.compliance, frequencies, shapes)
+    return Answer(
+        body.stiffness,
+        body.condensed_mass,
+        body.compliance,
+        frequencies,
+        shapes,
+        counted,
+        below,
+    )
 
 
 def _bracket(rigid: Answer, average: Answer) -> dict[str, Array]:

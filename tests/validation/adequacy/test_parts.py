@@ -11,7 +11,11 @@ import pytest
 from lumped.mechanism.body import Body
 from lumped.mechanism.part import ByCylinder, PartInterface
 from lumped.robot_file import load_robot
-from validation.adequacy.mechanism.part_solids import refinement_share, solid_parts
+from validation.adequacy.mechanism.part_solids import (
+    reduction_note,
+    refinement_share,
+    solid_parts,
+)
 from validation.adequacy.mechanism.parts_ahead import prepare_parts
 from validation.adequacy.mechanism.path import left_open, offered, path_postures
 from validation.adequacy.robot import judged_models, robot_adequacy
@@ -86,6 +90,17 @@ def test_what_the_file_says_of_the_faces_is_not_open(robot_file):
     settled = left_open(replace(mechanism, bodies=bodies))
     assert (settled.what, settled.says) == ("", "")
     assert list(settled.holds) == ["interfaces as said"]
+
+
+def test_the_page_says_what_the_reduction_kept_and_what_that_leaves(robot_file, monkeypatch):
+    monkeypatch.setattr(parts, "UNKNOWNS", 4000)
+    monkeypatch.setattr(kept, "_in_memory", {})
+    postures = path_postures(Context(robot_file, "quick"))
+    (note,) = reduction_note(postures, 8, {"arm": "rigid"}, 4)
+    (arm,) = solid_parts(postures, 8, {"arm": "rigid"}).values()
+    assert f"arm {arm.counted} below {arm.cutoff:.4g} Hz; those dropped lower none" in note
+    # Reduced for eight frequencies, of the first four next to nothing is lost.
+    assert note.endswith("by more than <\u00a01\u00a0×\u00a010⁻⁶\u00a0%")
 
 
 def test_refinement_of_second_order_leaves_what_the_series_says(robot_file):

@@ -32,7 +32,8 @@ def found():
         inertia=np.eye(3), stiffness=np.zeros((12, 12)), mass=np.zeros((12, 12)), compliance=C,
         frequencies=np.array([200.0]), compliance_refinement=0.01 * C,
         frequency_refinement=np.array([0.5]), compliance_bracket=0.03 * C,
-        frequency_bracket=np.array([-4.0]), unknowns=(10, 20, 30), elements=7, straightened=0,
+        frequency_bracket=np.array([-4.0]), counted=1, counted_below=205.0,
+        unknowns=(10, 20, 30), elements=7, straightened=0,
         places=np.zeros((0, 3)), shares=np.zeros(0), shapes=np.zeros((0, 12)),
     )  # fmt: skip
 
@@ -55,6 +56,8 @@ def test_people_read_both_uncertainties_in_percent(found):
     assert float(row[2]) == pytest.approx(found.compliance[5, 5], rel=1e-5)
     assert row[3:] == ["±", "1.000", "%", "3.000", "%"]
     assert "  1          200.00  ±    0.250 %    -2.000 %" in lines
+    said = "frequencies with A clamped (Hz); 1 counted below 205 Hz, none missing; as above"
+    assert said in lines
     unknown = as_text(replace(found, frequency_refinement=np.array([np.nan])))
     (row,) = (line.split() for line in unknown.splitlines() if line.startswith("  1 "))
     assert row == ["1", "200.00", "±", "–", "-2.000", "%"]

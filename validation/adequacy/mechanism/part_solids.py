@@ -4,11 +4,14 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
+from fem.reduction.craig_bampton import frequency_bounds
 from lumped.arrays import Array
 from lumped.legs import Ends
 from lumped.mechanism.body_model import BodyModel
 from lumped.mechanism.mechanism import Mechanism, Posture
-from validation.models.mechanism import CUTOFF, highest_frequency
+from lumped.system.assembly import assemble
+from validation.drawing.text import percent
+from validation.models.mechanism import CUTOFF, highest_frequency, static_bodies
 from validation.models.parts import ReducedPart, condensed, found_in, reduced
 from validation.parts.meshes import FINEST, RUNGS
 from validation.parts.refinement import refinement_uncertainty
@@ -46,6 +49,30 @@ def highest_of_parts(postures: Sequence[Posture], count: int) -> tuple[float, fl
     """
     highest = highest_frequency(postures, max(_FEWEST, count // 3))
     return highest, CUTOFF["solid"] * highest
+
+
+def reduction_note(
+    postures: Sequence[Posture], count: int, ends: Mapping[str, Ends], judged: int
+) -> tuple[str, ...]:
+    """What the reduction of the parts has kept, and most by which that errs in the middle posture.
+
+    Nothing where no body is a part. Arguments as of `solid_parts`; raises ComputationError and
+    InputError where the robot has not as many modes as are `judged`.
+    """
+    parts = solid_parts(postures, count, ends)
+    if not parts:
+        return ()
+    middle = postures[len(postures) // 2]
+    bodies = {**static_bodies("beam", middle.mechanism), **parts}
+    bounds = frequency_bounds(assemble(middle, bodies), parts, judged)
+    counts = ", ".join(
+        f"{name} {one.counted} below {one.cutoff:.4g} Hz" for name, one in parts.items()
+    )
+    return (
+        f"Modes of the parts as solids with interfaces held, counted by inertia and all kept: "
+        f"{counts}; those dropped lower none of the first {judged} frequencies by more than "
+        f"{percent(bounds.relative_width.max(), signed=False)}",
+    )
 
 
 def condensed_parts(mechanism: Mechanism) -> dict[str, BodyModel]:

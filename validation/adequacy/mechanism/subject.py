@@ -17,7 +17,14 @@ from validation.adequacy.mechanism.dynamics import (
     model_vibration,
     simplified_vibration,
 )
-from validation.adequacy.mechanism.path import coordinates, has_given, offered, path_postures
+from validation.adequacy.mechanism.part_solids import reduction_note
+from validation.adequacy.mechanism.path import (
+    coordinates,
+    has_given,
+    left_open,
+    offered,
+    path_postures,
+)
 from validation.adequacy.mechanism.samples import samples_of
 from validation.adequacy.mechanism.statics import (
     compliances,
@@ -127,6 +134,7 @@ def mechanism_subject(context: Context) -> Subject:
         notes=(
             *_path_note(mechanism, postures),
             *_idle_note(postures),
+            *_parts_note(postures, count),
         ),
         bracket=bracketed_frequencies(dynamics, count, "in the middle of the path"),
         formulation=_on_equivalent_legs(context, postures),
@@ -208,6 +216,14 @@ def _path_note(mechanism: Mechanism, postures: tuple[Posture, ...]) -> tuple[str
     if len(postures) == len(mechanism.poses):
         return ()
     return (f"{len(postures)} of the {len(mechanism.poses)} poses of the path were looked at",)
+
+
+def _parts_note(postures: tuple[Posture, ...], judged: int) -> tuple[str, ...]:
+    ends = next(iter(left_open(postures[0].mechanism).holds.values()))
+    try:
+        return reduction_note(postures, offered(judged), ends, judged)
+    except UNSOLVED:
+        return ()
 
 
 def _idle_note(postures: tuple[Posture, ...]) -> tuple[str, ...]:
