@@ -17,7 +17,7 @@ def verdicts(robot: str) -> dict[str, str]:
     context = Context(load_robot(robot), "quick")
     return {
         case.id: judge(case, case.compute(context), 0.0).verdict
-        for case in mechanism_motion.cases(mechanism=context.robot_file.mechanism)
+        for case in mechanism_motion.cases(moving=bool(context.robot_file.mechanism.tool.moves))
     }
 
 
@@ -47,7 +47,9 @@ def test_mistakes_in_moves_masses_and_idle_motions_turn_a_verdict(fault, robot, 
 def test_run_of_a_mechanism_tries_its_faults_and_passes_over_those_of_biglides(monkeypatch):
     context = Context(load_robot("five-bar"), "standard")
     monkeypatch.setattr(
-        detection, "catalogue", lambda of: mechanism_motion.cases(mechanism=of.mechanism)
+        detection,
+        "catalogue",
+        lambda of: mechanism_motion.cases(moving=bool(of.mechanism.tool.moves)),
     )
     cases = {case.id: case for case in fault_cases()}
     caught = cases["fault.system.centre"].compute(context)

@@ -9,60 +9,34 @@ alone before anything is judged.
 """
 
 import sys
-from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
-from validation.adequacy.matrix import Coordinate
-
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from random_robots import IFW
+from faulty_robot import LIMIT, ROBOT, faults_met, its_context
 
 from lumped.acceptance.requirement import STATIC_QUANTITIES, Requirement
 from lumped.arrays import Array
-from lumped.biglide import Biglide
 from lumped.errors import ComputationError
-from lumped.legs import ConstantLeg, Material
-from lumped.sections import Rectangle
 from validation.adequacy.biglide.statics import compliances, static_reference
 from validation.adequacy.judgement import judged
-from validation.adequacy.matrix import Matrix
+from validation.adequacy.matrix import Coordinate, Matrix
 from validation.adequacy.response import Candidate, Reference, Response, Subject
-from validation.context import Context
 from validation.faults.catalogue import FAULTS
-from validation.faults.fault import Change, Fault, Faulty, around, replaced
+from validation.faults.fault import Fault
 from validation.models.options import ModelName, ModelOptions
 
 MODELS: tuple[ModelName, ...] = ("vjm", "segments", "beam")
-# What is judged; what judges has comparisons of its own that notice it.
-_JUDGED = ("lumped.", "meshes.", "fem.")
-LIMIT = 0.05
-
-
-def _robot() -> Biglide:
-    """Slender legs, ends free: beams and solids are one theory here."""
-    steel = Material.isotropic(2.1e11, 0.3, 7850.0)
-    legs = [ConstantLeg(length, Rectangle(0.05, 0.08), steel, ends="free") for length in (0.9, 0.8)]
-    return replace(IFW.robot, a=0.95, leg1=legs[0], leg2=legs[1], tool_offset=np.array([0, 0, 0.1]))
-
-
-# Made once: a fault of data spoils what is judged, not the judgement.
-ROBOT = _robot()
 
 
 def statics() -> tuple[dict[str, Array], Matrix]:
     """Diagonals (p×6) of the compliance by model and for "reference", and the matrix."""
-    subject_robot = ROBOT
-    x = subject_robot.stations(5)
-    robot_file = replace(IFW, described=subject_robot, built_in=False, source="faulty.toml")
-    reference = static_reference(Context(robot_file, "quick"), subject_robot, x)
-    responses = {
-        model: Response(compliances(model, subject_robot, x, ModelOptions())) for model in MODELS
-    }
+    x = ROBOT.stations(5)
+    reference = static_reference(its_context(ROBOT), ROBOT, x)
+    responses = {model: Response(compliances(model, ROBOT, x, ModelOptions())) for model in MODELS}
     subject = Subject(
         robot="faulty",
         coordinates=(Coordinate("x", "m"),),
@@ -132,17 +106,6 @@ def test_a_fault_in_the_postures_that_all_models_share_is_named(fault: Fault) ->
 
 @pytest.mark.soak
 def test_no_fault_makes_a_wrong_model_adequate(truth: Array) -> None:
-    used: set[str] = set()
-
-    def listening(where: str) -> Change:
-        def listen(sound: Faulty, *args: Any, **kwargs: Any) -> Any:
-            used.add(where)
-            return sound(*args, **kwargs)
-
-        return around(listen)
-
-    with replaced({fault.where: listening(fault.where) for fault in FAULTS}):
-        statics()
-    tried = [f for f in FAULTS if f.where in used and f.where.startswith(_JUDGED)]
+    tried = faults_met(statics)
     assert len(tried) > 100
     assert [line for fault in tried for line in called_adequate(fault, truth)] == []

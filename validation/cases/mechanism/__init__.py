@@ -13,7 +13,7 @@ def cases(described: Mechanism) -> tuple[Case, ...]:
     return (
         *path.cases(),
         *solids.cases(),
-        *motion.cases(mechanism=described),
+        *motion.cases(moving=bool(described.tool.moves)),
         *calculix.cases(),
         *exudyn.cases(mechanism=described),
     )

@@ -62,14 +62,14 @@ def cases() -> tuple[Case, ...]:
         *(
             _moved(case, robot)
             for robot in _MOVED
-            for case in mechanism_motion.cases(mechanism=_built_in(robot).mechanism)
+            for case in mechanism_motion.cases(moving=True)
         ),
         *(_moved(case, "five-bar") for case in mechanism_path.of_links()),
         *_by_others(),
     )
 
 
-# A run's catalogue is listed in every process of it.
+# Several cases are about one robot.
 @lru_cache(maxsize=8)
 def _built_in(name: str) -> RobotFile:
     return load_robot(name)
