@@ -59,11 +59,7 @@ def cases() -> tuple[Case, ...]:
     """Hexapod and five-bar in closed form, moves of others, the five-bar by CalculiX."""
     return (
         *_in_closed_form(),
-        *(
-            _moved(case, robot)
-            for robot in _MOVED
-            for case in mechanism_motion.cases(moving=True)
-        ),
+        *(_moved(case, robot) for robot in _MOVED for case in mechanism_motion.cases(moving=True)),
         *(_moved(case, "five-bar") for case in mechanism_path.of_links()),
         *_by_others(),
     )
