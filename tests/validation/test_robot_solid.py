@@ -35,7 +35,7 @@ def context():
     "case",
     [
         pytest.param(case, marks=() if "[centre]" in case.id else pytest.mark.exhaustive)
-        for case in calculix.cases()
+        for case in calculix.cases(places=calculix.PLACES)
     ],
     ids=lambda case: case.id,
 )
@@ -50,7 +50,7 @@ def test_calculix_agrees_and_turns(case, context):
 
 def test_absent_calculix_is_a_skipped_case(monkeypatch):
     monkeypatch.setenv("PATH", "")
-    case = calculix.cases()[0]
+    case = calculix.cases(places=calculix.PLACES)[0]
     with pytest.raises(Skip, match="calculix-ccx"):
         case.compute(Context(ROBOT_FILE, "standard"))
 
