@@ -1,17 +1,15 @@
-"""A validation case as a typed record, and the judgement of what it measured.
+"""A validation case as a typed record, and what it measures.
 
 The error of a comparison is E = value − reference. Named differences between the two models may
 be allowed for; what is left, E less the allowances, is held against the tolerance (vocabulary of
-ASME V&V 10 and 20). The numerical uncertainty of both sides never widens the tolerance: where it
-exceeds it, the comparison is undecided and does not count as agreement.
+ASME V&V 10 and 20).
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from enum import Enum
-from functools import cached_property
-from math import hypot, isfinite, nan
-from typing import Any, Literal, TypeAlias
+from math import hypot, isfinite
+from typing import Literal, TypeAlias
 
 from validation.claims import Claim
 from validation.context import PRESETS, About, Context, Preset
@@ -20,7 +18,6 @@ from validation.exhibits import Study
 ReferenceKind: TypeAlias = Literal[
     "closed-form", "published", "paper-statement", "finer-model", "independent-solver"
 ]
-Verdict: TypeAlias = Literal["agree", "disagree", "undecided", "failed", "skipped"]
 
 
 class Relation(Enum):
@@ -234,83 +231,6 @@ class Case:
                 raise ValueError(f"case {self.id!r}: {name} is empty")
 
 
-@dataclass(frozen=True)
-class Outcome:
-    """A case with what it measured and the verdict on it; `message` says why it failed or not."""
-
-    case: Case
-    verdict: Verdict
-    seconds: float
-    measurement: Measurement | None = None
-    message: str = ""
-
-    @property
-    def tolerance(self) -> float:
-        """Tolerance in the unit of the case, NaN where nothing was measured."""
-        if self.measurement is None:
-            return nan
-        return self.case.tolerance.at(self.measurement.reference)
-
-    @cached_property
-    def entry(self) -> dict[str, Any]:
-        """The case's entry in results.json, made once: that file is written after every case."""
-        return result_record(self)
-
-    @property
-    def share(self) -> float:
-        """Unexplained error on the wrong side over tolerance, the largest: above 1 it disagrees."""
-        if self.measurement is None:
-            return nan
-        own = self.case.relation.excess(self.measurement.unexplained) / self.tolerance
-        others = (
-            self.case.relation.excess(one.unexplained) / self.case.tolerance.at(one.reference)
-            for one in self.measurement.elsewhere
-        )
-        return max([own, *others])
-
-
-def verdict(
-    unexplained: float, relation: Relation, tolerance: float, uncertainty: float | None = None
-) -> Literal["agree", "disagree", "undecided"]:
-    """Agree if the unexplained difference keeps the relation within `tolerance` (same unit).
-
-    NaN never agrees. A numerical `uncertainty` above the tolerance leaves it undecided, unless the
-    difference is beyond the tolerance by more than that.
-    """
-    if not isfinite(unexplained):
-        return "disagree"
-    beyond = relation.excess(unexplained) - tolerance
-    certain = uncertainty is None or uncertainty <= tolerance or beyond > uncertainty
-    if not certain:
-        return "undecided"
-    return "agree" if beyond <= 0.0 else "disagree"
-
-
-def judge(case: Case, measurement: Measurement, seconds: float) -> Outcome:
-    """The outcome of a case that was computed: the worst verdict of all places it looked at.
-
-    Raises ValueError for a relative tolerance about a reference of zero.
-    """
-    tolerance = case.tolerance.at(measurement.reference)
-    uncertainty = measurement.numerical_uncertainty
-    said = verdict(measurement.unexplained, case.relation, tolerance, uncertainty)
-    message = _remark(case, measurement, tolerance)
-    for one in measurement.elsewhere:
-        allowed = case.tolerance.at(one.reference)
-        there = verdict(one.unexplained, case.relation, allowed, one.uncertainty)
-        if _GRAVITY[there] > _GRAVITY[said]:
-            said = there
-            explained = f" and {one.allowed:.3g} explained" if one.allowed else ""
-            message = (
-                f"{there} at {one.where}: {one.value:.6g} {case.unit} against {one.reference:.6g} "
-                f"{case.unit}{explained}, tolerance {allowed:.3g} {case.unit}"
-            )
-    return Outcome(case, said, seconds, measurement, message)
-
-
-_GRAVITY: Mapping[Verdict, int] = {"agree": 0, "undecided": 1, "disagree": 2}
-
-
 def others(
     places: Sequence[str],
     values: Iterable[float],
@@ -328,111 +248,6 @@ def others(
         for number, (place, value, reference, uncertainty, own) in enumerate(found)
         if number != but
     )
-
-
-def perturbed(outcome: Outcome, factor: float) -> Verdict:
-    """The verdict if the reference lay `factor` tolerances further on the adverse side.
-
-    The tolerance keeps its amount. A sound case turns for a factor of three.
-    """
-    measurement = outcome.measurement
-    if measurement is None:
-        return outcome.verdict
-    tolerance = outcome.tolerance
-    direction = outcome.case.relation.adverse(measurement.unexplained)
-    moved = replace(measurement, reference=measurement.reference + direction * factor * tolerance)
-    return verdict(
-        moved.unexplained, outcome.case.relation, tolerance, measurement.numerical_uncertainty
-    )
-
-
-def result_record(outcome: Outcome) -> dict[str, Any]:
-    """The case's entry in results.json; numbers in the unit of the case, null where not finite."""
-    case, measurement = outcome.case, outcome.measurement
-    record: dict[str, Any] = {
-        "id": case.id,
-        "title": case.title,
-        "quantity": case.quantity,
-        "model": case.model,
-        "subject": case.subject,
-        "figure": case.figure,
-        "unit": case.unit,
-        "value": None,
-        "reference": None,
-        "reference_kind": case.reference_kind,
-        "citation": case.citation,
-        "relation": case.relation.value,
-        "error": None,
-        "unexplained": None,
-        "exact": None,
-        "numerical_uncertainty": None,
-        "value_uncertainty": None,
-        "reference_uncertainty": None,
-        "allowances": [],
-        "tolerance": None,
-        "tolerance_reason": case.tolerance_reason,
-        "verdict": outcome.verdict,
-        "seconds": outcome.seconds,
-        "message": outcome.message,
-        "notes": [],
-        "table": {},
-        "pose": [],
-        "elsewhere": [],
-    }
-    if measurement is not None:
-        record |= {
-            "value": finite(measurement.value),
-            "reference": finite(measurement.reference),
-            "error": finite(measurement.difference),
-            "unexplained": finite(measurement.unexplained),
-            "exact": measurement.exact,
-            "numerical_uncertainty": finite(measurement.numerical_uncertainty),
-            "value_uncertainty": finite(measurement.value_uncertainty),
-            "reference_uncertainty": finite(measurement.reference_uncertainty),
-            "allowances": [
-                {"cause": a.cause, "amount": finite(a.amount), "source": a.source}
-                for a in measurement.allowances
-            ],
-            "tolerance": finite(outcome.tolerance),
-            "notes": list(measurement.notes),
-            "pose": list(measurement.pose),
-            "elsewhere": [
-                {
-                    "where": one.where,
-                    "value": finite(one.value),
-                    "reference": finite(one.reference),
-                    "uncertainty": finite(one.uncertainty),
-                    "allowed": finite(one.allowed),
-                }
-                for one in measurement.elsewhere
-            ],
-            "table": {
-                heading: [entry if isinstance(entry, str) else finite(entry) for entry in column]
-                for heading, column in measurement.table.items()
-            },
-        }
-    return record
-
-
-def finite(number: float | None) -> float | None:
-    """The number as JSON can carry it: None for NaN and infinities."""
-    return float(number) if number is not None and isfinite(number) else None
-
-
-def _remark(case: Case, measurement: Measurement, tolerance: float) -> str:
-    if not (isfinite(measurement.value) and isfinite(measurement.reference)):
-        return "the computation gave no finite number"
-    uncertainty = measurement.numerical_uncertainty
-    if uncertainty is None or uncertainty <= tolerance:
-        return ""
-    beyond = case.relation.excess(measurement.unexplained) - tolerance
-    # An error that even its uncertainty cannot bring back within the tolerance is decided.
-    if not beyond > uncertainty:
-        return (
-            f"numerical uncertainty {uncertainty:.3g} {case.unit} exceeds the tolerance "
-            f"{tolerance:.3g} {case.unit}, the comparison cannot decide: {measurement.decides}"
-        )
-    return ""
 
 
 def _require_positive(number: float) -> None:

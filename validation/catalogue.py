@@ -13,7 +13,7 @@ from validation.cases.robot import decision, modes, sixty, solid
 from validation.context import BUILT_IN
 from validation.measured.matrix import measured_matrix
 from validation.report.figures import drawings, of_program, of_variations
-from validation.results.records import Task
+from validation.results.tasks import Task
 from validation.solids.robots import SHARED_SOLIDS
 
 _ADEQUACY = Assessment(

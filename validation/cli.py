@@ -27,7 +27,7 @@ from validation.solve import parts as commands
 
 if TYPE_CHECKING:
     from lumped.robot_file import RobotFile
-    from validation.results.records import Task
+    from validation.results.tasks import Task
     from validation.store.opening import Start
 
 app = App(
@@ -233,7 +233,7 @@ def compare(
     from validation.results import comparison_text  # noqa: PLC0415
     from validation.results.compare import as_dict  # noqa: PLC0415
     from validation.results.compare import compare as compare_runs  # noqa: PLC0415
-    from validation.results.saved_run import load_run  # noqa: PLC0415
+    from validation.results.records import load_run  # noqa: PLC0415
 
     runs = load_run(before), load_run(after)
     comparison = compare_runs(*runs)

@@ -8,7 +8,7 @@ from lumped.acceptance.measured import read_measured
 from lumped.errors import InputError
 from lumped.files import read_ordinary
 from meshes.part.reading.read import require_file
-from validation.results.saved_run import load_run
+from validation.results.records import load_run
 
 READERS = {
     "measured.csv": read_measured,

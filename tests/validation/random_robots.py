@@ -12,9 +12,10 @@ from lumped.errors import ComputationError
 from lumped.legs import ConstantLeg, GivenLeg, Leg, Material
 from lumped.robot_file import RobotFile, load_robot
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Section, Tube
-from validation.case import Case, Skip, judge
+from validation.case import Case, Skip
 from validation.catalogue import catalogue
 from validation.context import Context, Preset
+from validation.results.outcome import judge
 
 IFW = load_robot("ifw")
 # 12°: where the legs come near to one line the robot is near to a type 2 singularity, its

@@ -13,9 +13,10 @@ from fem.bodies.solid import section_twists
 from lumped.legs import ConstantLeg, Material
 from lumped.robot_file import load_robot
 from lumped.sections import Rectangle
-from validation.case import Relative, judge, perturbed
+from validation.case import Relative
 from validation.cases.program.benchmarks import beams, cross, huang, sections, solids
 from validation.context import Context
+from validation.results.outcome import judge, perturbed
 from validation.solids.waves import beam_wave_frequency, prism_wave_frequency
 
 QUICK = (

@@ -14,17 +14,14 @@ from validation.case import (
     Case,
     Elsewhere,
     Measurement,
-    Outcome,
     Relation,
     Relative,
-    judge,
     others,
-    perturbed,
-    result_record,
-    verdict,
 )
 from validation.catalogue import catalogue
 from validation.exhibits import Drawing
+from validation.results.outcome import Outcome, Result, judge, perturbed, verdict
+from validation.results.records import case_record
 
 # Keys that interface.md fixes for an entry of "cases" in results.json.
 INTERFACE = {
@@ -160,7 +157,7 @@ def test_the_tolerance_keeps_its_amount_when_the_reference_moves():
 
 
 def test_what_was_not_measured_keeps_its_verdict():
-    assert perturbed(Outcome(EQUAL, "failed", 0.0, message="singular"), 3.0) == "failed"
+    assert perturbed(Outcome(EQUAL, Result(EQUAL.id, "failed", 0.0, "singular")), 3.0) == "failed"
 
 
 def test_the_share_of_the_tolerance_is_the_excess_over_it():
@@ -176,23 +173,22 @@ def test_the_verdict_is_a_pure_function_of_difference_relation_and_tolerance():
 
 
 def test_the_record_has_the_keys_of_the_interface():
-    measured = result_record(judge(EQUAL, Measurement(10.05, 10.0, 0.01), 1.5))
-    failed = result_record(Outcome(EQUAL, "failed", 0.5, message="singular"))
-    assert set(measured) >= INTERFACE
-    assert set(failed) >= INTERFACE
-    assert measured["error"] == pytest.approx(0.05)
-    assert measured["tolerance"] == pytest.approx(0.1)
-    assert failed["value"] is None
-    assert failed["message"] == "singular"
+    measured = case_record(judge(EQUAL, Measurement(10.05, 10.0, 0.01), 1.5))
+    failed = case_record(Outcome(EQUAL, Result(EQUAL.id, "failed", 0.5, "singular")))
+    assert set(measured.__struct_fields__) >= INTERFACE
+    assert measured.error == pytest.approx(0.05)
+    assert measured.tolerance == pytest.approx(0.1)
+    assert failed.value is None
+    assert failed.message == "singular"
 
 
 def test_the_record_has_no_numbers_that_json_cannot_carry():
     measurement = Measurement(nan, 10.0, inf, table={"x": (nan, 1.0), "name": ("a", "b")})
-    record = result_record(judge(EQUAL, measurement, 0.0))
-    assert record["table"] == {"x": [None, 1.0], "name": ["a", "b"]}
-    assert record["value"] is None
-    assert record["error"] is None
-    assert record["numerical_uncertainty"] is None
+    record = case_record(judge(EQUAL, measurement, 0.0))
+    assert record.table == {"x": (None, 1.0), "name": ("a", "b")}
+    assert record.value is None
+    assert record.error is None
+    assert record.numerical_uncertainty is None
 
 
 def test_a_measurement_states_its_uncertainty_or_that_it_is_exact():
@@ -200,9 +196,9 @@ def test_a_measurement_states_its_uncertainty_or_that_it_is_exact():
         Measurement(1.0, 1.0)
     with pytest.raises(ValueError, match="exact to rounding"):
         Measurement(1.0, 1.0, value_uncertainty=0.1, exact=True)
-    assert result_record(judge(EQUAL, Measurement(10.0, 10.0, exact=True), 0.0))["exact"] is True
+    assert case_record(judge(EQUAL, Measurement(10.0, 10.0, exact=True), 0.0)).exact is True
     stated = judge(EQUAL, Measurement(10.0, 10.0, reference_uncertainty=0.01), 0.0)
-    assert result_record(stated)["exact"] is False
+    assert case_record(stated).exact is False
 
 
 def test_an_undecided_comparison_says_what_would_decide_it():
@@ -251,10 +247,10 @@ def test_the_other_places_are_all_but_its_own():
     assert found == (Elsewhere("a", 1.0, 4.0, 0.1), Elsewhere("c", 3.0, 6.0, 0.3))
     exact = others(["a", "b"], [1.0, 2.0], [4.0, 5.0], None, 0)
     assert exact == (Elsewhere("b", 2.0, 5.0),)
-    record = result_record(judge(EQUAL, Measurement(1.0, 1.0, exact=True, elsewhere=exact), 0.0))
-    assert record["elsewhere"] == [
-        {"where": "b", "value": 2.0, "reference": 5.0, "uncertainty": None, "allowed": 0.0}
-    ]
+    record = case_record(judge(EQUAL, Measurement(1.0, 1.0, exact=True, elsewhere=exact), 0.0))
+    assert record.elsewhere == (
+        {"where": "b", "value": 2.0, "reference": 5.0, "uncertainty": None, "allowed": 0.0},
+    )
 
 
 def test_what_is_allowed_at_another_place_is_taken_off_there():

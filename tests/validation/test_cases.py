@@ -16,10 +16,11 @@ import pytest
 
 from lumped.errors import ComputationError
 from lumped.robot_file import load_robot
-from validation.case import Allowance, Case, Measurement, Relation, Skip, judge, perturbed
+from validation.case import Allowance, Case, Measurement, Relation, Skip
 from validation.catalogue import catalogue
 from validation.context import Context
 from validation.independence.trace import DATA, Asked, disturbed
+from validation.results.outcome import judge, perturbed
 from validation.sweeps.studies import PLANS
 
 ROBOT_FILE = load_robot("ifw")

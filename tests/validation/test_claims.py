@@ -4,14 +4,16 @@ import numpy as np
 import pytest
 
 from lumped.robot_file import load_robot
-from validation.case import Case, judge
+from validation.case import Case
 from validation.cases import paper
 from validation.catalogue import catalogue
 from validation.claims import Claim, Curve, gathered, summary
 from validation.context import Context
 from validation.exhibits import Drawing
 from validation.report.said import SaidTable
-from validation.results.records import claims_of, from_record, outcome_to_record, results
+from validation.results.outcome import judge
+from validation.results.records import claims_of, run_record
+from validation.results.tasks import from_plain, plain
 
 
 def curve(*, printed: bool, corrected: bool) -> Curve:
@@ -118,7 +120,7 @@ def test_actuators_share_is_discussed(outcomes):
 
 
 def test_every_statement_of_the_run_is_in_its_results_and_on_the_page(outcomes, said):
-    records = results({}, outcomes, {}, ())["statements"]
+    records = run_record({}, (), outcomes, ()).statements
     assert [record["statement"] for record in records] == list(said)
     assert {"as_printed", "as_corrected"} <= set(records[0]["curves"][0])
     table = SaidTable(tuple(said.values()))
@@ -133,7 +135,7 @@ def test_every_statement_of_the_run_is_in_its_results_and_on_the_page(outcomes, 
 
 def test_claims_survive_the_journal(outcomes):
     first = outcomes[0]
-    assert from_record(first.case, outcome_to_record(first)).measurement == first.measurement
+    assert from_plain(first.case, plain(first.result)) == first.result
 
 
 def test_figures_that_cases_name_are_drawn_in_the_run():

@@ -16,12 +16,12 @@ from lumped.robot_file import load_robot
 from lumped.sections import Circle, Rectangle, Tube
 from meshes.section.section_mesh import section_mesh
 from validation import cli
-from validation.case import judge
 from validation.cases.robot.stroke import rounded_deflections
 from validation.catalogue import catalogue
 from validation.context import Context
 from validation.models.biglide import robot_compliance, robot_frequencies
 from validation.models.options import ModelOptions
+from validation.results.outcome import judge
 from validation.solve import cost
 from validation.studies.quantities import deflections_of, rounded_frequencies
 from validation.studies.ritz import biglide as ritz

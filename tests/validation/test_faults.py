@@ -36,7 +36,7 @@ from meshes.part.reading.read import read_part
 from meshes.prism.hexahedra import hexahedra
 from meshes.prism.tetrahedra import tetrahedra
 from meshes.section.section_mesh import section_mesh
-from validation.case import Absolute, Case, Measurement, Outcome, Skip, judge
+from validation.case import Absolute, Case, Measurement, Skip
 from validation.cases import program
 from validation.cases.program import guards, judgement
 from validation.cases.program import parts as program_parts
@@ -57,6 +57,7 @@ from validation.models.mechanism import answers, on_drives_alone
 from validation.models.options import ModelOptions
 from validation.parts.meshes import COARSE, part_mesh
 from validation.report.detection import detection_power, names_faults
+from validation.results.outcome import Outcome, Result, judge
 from validation.run import summary as run_summary
 from validation.run.gathered import Results
 from validation.store.cache import nothing_kept
@@ -387,7 +388,7 @@ def test_fault_that_no_case_of_quick_uses_is_skipped_and_no_survivor(monkeypatch
     case = next(case for case in fault_cases() if case.id == "fault.vjm.tip-joint-forgotten")
     with pytest.raises(Skip, match="no comparison of preset quick uses lumped"):
         case.compute(Context(IFW, "quick"))
-    skipped = Outcome(case, "skipped", 0.0)
+    skipped = Outcome(case, Result(case.id, "skipped", 0.0))
     assert detection_power([skipped]).detections == ()
     # In the standard preset there is nothing else to ask: it has survived.
     assert case.compute(Context(IFW, "standard")).value == 0.0
@@ -397,7 +398,7 @@ def test_run_of_faults_alone_sums_up_the_faults_and_no_comparisons():
     case = next(case for case in fault_cases() if case.id == "fault.leg.three-for-twelve")
     table = {"caught by": ("leg1", "leg2"), "group": ("legs", "legs"), "verdict": ("disagree",) * 2}
     outcome = judge(case, Measurement(2.0, 1.0, exact=True, table=table), 0.0)
-    gathered = Results({}, [case], outcomes={case.id: outcome})
+    gathered = Results({}, [case], done={case.id: outcome.result})
     expected = "1 faults injected, all caught, 0 by a single comparison."
     assert run_summary.verdicts(gathered) == [expected]
     assert names_faults("fault.*")

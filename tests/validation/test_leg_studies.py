@@ -12,12 +12,13 @@ from lumped.legs import ConstantLeg, Material
 from lumped.robot_file import load_robot
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Tube
 from meshes.section.section_mesh import section_mesh
-from validation.case import Skip, judge, perturbed
+from validation.case import Skip
 from validation.cases.legs import end_restraint, solids
 from validation.cases.program import calculix, mesh_families, shapes
 from validation.context import Context
 from validation.models.legs import constant_leg_of
 from validation.report.figures.studies.family_plots import study_plot
+from validation.results.outcome import judge, perturbed
 from validation.solids.legs import Refinement
 from validation.studies.lengthened_legs import fundamental_ratio, lengthened, limit_exponent
 

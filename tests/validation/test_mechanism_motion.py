@@ -3,12 +3,12 @@
 import pytest
 
 from lumped.robot_file import load_robot
-from validation.case import judge
 from validation.cases.mechanism import motion as mechanism_motion
 from validation.context import Context
 from validation.faults import detection
 from validation.faults.catalogue import FAULTS
 from validation.faults.detection import fault_cases
+from validation.results.outcome import judge
 
 BY_ID = {fault.id: fault for fault in FAULTS}
 

@@ -12,12 +12,13 @@ from lumped.biglide import with_equivalent_legs
 from lumped.errors import InputError
 from lumped.robot_file import load_robot
 from lumped.system.joint_motion import Portion
-from validation.case import Skip, judge, perturbed
+from validation.case import Skip
 from validation.cases.robot import calculix, sixty
 from validation.context import Context
 from validation.models.biglide import robot_compliance, robot_frequencies, robot_legs
 from validation.models.options import ModelOptions
 from validation.report.figures.curves import sixty_modes
+from validation.results.outcome import judge, perturbed
 from validation.solids.robots import full_mac, unreduced_robot
 from validation.studies.paired_robot_modes import beam_modes, paired, solid_modes
 

@@ -12,9 +12,10 @@ from lumped.legs import ConstantLeg, Material
 from lumped.robot_file import load_robot
 from lumped.sections import Rectangle
 from validation.agreement.convergence import pairwise_orders
-from validation.case import Case, Measurement, Skip, judge
+from validation.case import Case, Measurement, Skip
 from validation.catalogue import catalogue
 from validation.context import Context
+from validation.results.outcome import judge
 from validation.solids.legs import edge_order, solid_compliances
 
 sys.path.insert(0, str(Path(__file__).parent))

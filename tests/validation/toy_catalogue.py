@@ -16,7 +16,7 @@ from lumped.robot_file import RobotFile
 from validation.case import Absolute, Case, Measurement, Skip
 from validation.context import Context
 from validation.exhibits import Drawing, Figure, Study
-from validation.results.records import Task
+from validation.results.tasks import Task
 
 
 def case(identifier: str, compute: Callable[[Context], Measurement], group: str = "") -> Case:

@@ -21,17 +21,3 @@ class Assessment:
     section: str = ""
     group: str = ""
     effort: float = 1.0
-
-
-@dataclass(frozen=True)
-class Assessed:
-    """An assessment that was made; where there is no matrix, `message` says why.
-
-    `failed` tells a computation that failed from one that is not possible here.
-    """
-
-    assessment: Assessment
-    seconds: float
-    matrix: Matrix | None = None
-    message: str = ""
-    failed: bool = False

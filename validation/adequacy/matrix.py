@@ -1,8 +1,8 @@
-"""The adequacy of models as data: entries of a matrix model × quantity, and their JSON."""
+"""The adequacy of models as data: entries of a matrix model × quantity, and in words."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Literal, TypeAlias
+from typing import Literal, TypeAlias
 
 from lumped.acceptance.requirement import ORDER, STATIC_QUANTITIES
 
@@ -125,44 +125,6 @@ class Matrix:
         """Models relied on that are inadequate, with `strict` also those that are undecided."""
         refused = {"inadequate", "undecided"} if strict else {"inadequate"}
         return tuple(model for model in rely if self.verdict(model) in refused)
-
-
-def matrix_records(matrix: Matrix) -> list[dict[str, Any]]:
-    """The `adequacy` array of results.json; poses and values let two runs be compared."""
-    poses = [list(pose) for pose in matrix.poses]
-    return [
-        entry_record(entry) | {"poses": poses, "values": list(entry.values)}
-        for entry in matrix.entries
-    ]
-
-
-def part_records(matrix: Matrix) -> list[dict[str, Any]]:
-    """The `adequacy_of_parts` array of results.json: those beside the matrix, with `part`."""
-    return [
-        {"part": part.robot} | entry for part in matrix.beside for entry in matrix_records(part)
-    ]
-
-
-def entry_record(entry: Entry) -> dict[str, Any]:
-    """One entry as it stands there, numbers in SI units."""
-    return {
-        "model": entry.model,
-        "quantity": entry.quantity,
-        "error": entry.error,
-        "uncertainty": entry.uncertainty,
-        "limit": entry.limit,
-        "verdict": entry.verdict,
-        "pose": list(entry.pose),
-        "reference": entry.reference,
-        "causes": [{"cause": c.cause, "share": c.share} for c in entry.causes],
-        "remedy": entry.remedy,
-        "error_with_remedy": entry.error_with_remedy,
-        "reason": entry.reason,
-        "value": entry.value,
-        "expected": entry.expected,
-        "uncertainties": dict(entry.uncertainties),
-        "measured": entry.measured,
-    }
 
 
 _VERDICTS: tuple[Adequacy, ...] = ("adequate", "inadequate", "undecided")

@@ -13,7 +13,7 @@ from validation.faults.fault import Fault
 from validation.faults.sound import SoundCases, sound_cases
 from validation.faults.trial import catchers, tried
 from validation.report.detection import CASES, GROUPS, NONE, PREFIX, VERDICTS
-from validation.results.records import Task
+from validation.results.tasks import Task
 
 SECTION = "Detection power"
 # Time (s) of one fault, mostly in groups of lumped models.

@@ -12,10 +12,11 @@ from typing import Any, TypeVar
 
 from lumped.caches import forget
 from lumped.robot_file import RobotFile
-from validation.case import Case, Skip, Verdict, judge
+from validation.case import Case, Skip
 from validation.context import Context, Preset
 from validation.faults.fault import Change, Faulty, around, replaced
 from validation.faults.parts import IN_THIS_PROCESS, recalling
+from validation.results.outcome import Verdict, judge
 from validation.store.cache import nothing_kept
 
 T = TypeVar("T")

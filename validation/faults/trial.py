@@ -15,10 +15,11 @@ from math import ceil
 from time import process_time
 from typing import cast
 
-from validation.case import Case, Verdict
+from validation.case import Case
 from validation.faults.fault import Fault, replaced
 from validation.faults.parts import meshed_elsewhere, recalling
 from validation.faults.sound import SoundCases, verdict_of
+from validation.results.outcome import Verdict
 from validation.store.cache import nothing_kept
 
 # Catchers after which dearer cases are spared.

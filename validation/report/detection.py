@@ -7,7 +7,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from validation.case import Case, Outcome
+from validation.case import Case
+from validation.results.outcome import Outcome
 
 # Columns of the table that comes with the case of a fault, and who noticed it where nobody did.
 CASES, GROUPS, VERDICTS = "caught by", "group", "verdict"

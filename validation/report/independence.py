@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import groupby
 
-from validation.case import Outcome
 from validation.independence.listing import NOTHING, SECTION, Row, from_table
+from validation.results.outcome import Outcome
 
 
 @dataclass(frozen=True)

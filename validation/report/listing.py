@@ -7,9 +7,10 @@ from typing import Any
 from lumped.audit.finding import Finding
 from lumped.biglide import Biglide
 from lumped.mechanism.mechanism import Mechanism
-from validation.case import Absolute, Case, Outcome, Tolerance
+from validation.case import Absolute, Case, Tolerance
 from validation.kinematics.listing import mobility_text
-from validation.results.records import Task
+from validation.results.outcome import Outcome
+from validation.results.tasks import Task
 
 
 def as_text(tasks: Sequence[Task]) -> str:

@@ -12,9 +12,8 @@ from markupsafe import Markup
 from lumped.audit.finding import Finding
 from lumped.caches import lru_cache
 from validation.adequacy.matrix import Matrix
-from validation.case import Outcome, Verdict
 from validation.drawing import text
-from validation.exhibits import PORTRAIT, Figure
+from validation.exhibits import PORTRAIT, Drawing, Figure
 from validation.report import scene_viewer
 from validation.report.detection import Power
 from validation.report.first_screen.screen import FirstScreen, first_screen
@@ -24,7 +23,9 @@ from validation.report.listing import program_line, summary
 from validation.report.sections import APPENDIX, Chapter, chapters_of
 from validation.report.tables import Part, explained, unexplained_share
 from validation.results.drift import Drift
-from validation.results.records import Drawn, is_check, studies_of
+from validation.results.outcome import Outcome, Verdict
+from validation.results.records import studies_of
+from validation.results.tasks import is_check
 
 # How many comparisons the appendix shows first beside those that do not agree.
 _FOREMOST = 10
@@ -55,7 +56,7 @@ class Report:
     matrix: Matrix | None = None
     measured: Matrix | None = None
     unjudged: str = ""
-    missing_figures: tuple[Drawn, ...] = ()
+    missing_figures: tuple[tuple[Drawing, str], ...] = ()
     unfinished: int = 0
     drifts: Mapping[str, Drift] = field(default_factory=dict)
     power: Power | None = None

@@ -7,7 +7,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 
-from validation.case import Outcome
 from validation.drawing.text import anchor
 from validation.exhibits import FAMILY, LENGTHS, PARAMETERS, PATH, SOLID_ROBOT, STROKE, Figure
 from validation.report.figures.studies.budgets import budget_figure, budgeted
@@ -16,6 +15,7 @@ from validation.report.figures.studies.family_plots import family_plot
 from validation.report.figures.together import Draw, drawn_together
 from validation.report.said import SaidTable
 from validation.report.tables import Grid, Part, grids
+from validation.results.outcome import Outcome
 from validation.results.records import claims_of
 
 # Chapters in their order, with their sections as they follow each other; sections that stand in no

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from math import isclose, isnan
 
-from validation.case import Measurement, Outcome, Relation, Relative, Verdict
+from validation.case import Measurement, Relation, Relative
+from validation.results.outcome import Outcome, Verdict
 
 # Models as cases name them, and the headings of their columns.
 VARIANTS = {

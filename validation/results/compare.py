@@ -1,17 +1,15 @@
-"""Two runs side by side: verdicts that changed, values that drifted, cases that came and went."""
+"""Two runs side by side: verdicts that changed, values that drifted, cases that came and went.
 
+Of runs of different inputs, what differs in these, and the adequacy of their models side by side.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from validation.case import Verdict
-from validation.results.drift import Drift, Frozen, drift, same_pose
-from validation.results.saved_run import SavedCase, SavedRun
-from validation.results.variants import (
-    AdequacyChange,
-    InputChange,
-    adequacy_changes,
-    input_changes,
-)
+from validation.results.drift import Drift, drift, same_pose
+from validation.results.outcome import Verdict
+from validation.results.records import AdequacyRecord, CaseRecord, RunRecord
 
 # From good to bad; a case that is skipped no longer protects anything.
 _RANK: dict[Verdict, int] = {"agree": 0, "skipped": 1, "undecided": 2, "disagree": 3, "failed": 4}
@@ -53,6 +51,37 @@ class Timing:
 
 
 @dataclass(frozen=True)
+class InputChange:
+    """A key of the robot file with its value in both runs (None: not given)."""
+
+    key: str
+    before: Any
+    after: Any
+
+
+@dataclass(frozen=True)
+class AdequacyChange:
+    """A model's quantity in both runs; None where a run does not have it."""
+
+    model: str
+    quantity: str
+    before: AdequacyRecord | None
+    after: AdequacyRecord | None
+
+    @property
+    def shared_poses(self) -> tuple[tuple[tuple[float, ...], float, float], ...]:
+        """Poses that both runs looked at, with the model's value in each (SI)."""
+        if self.before is None or self.after is None:
+            return ()
+        return tuple(
+            (pose, before, after)
+            for pose, before in _valued(self.before)
+            for other, after in _valued(self.after)
+            if same_pose(pose, other)
+        )
+
+
+@dataclass(frozen=True)
 class Comparison:
     """What changed from one run to the other; `circumstances` names what else differs.
 
@@ -75,7 +104,7 @@ class Comparison:
         return any(change.worse for change in self.verdicts)
 
 
-def compare(before: SavedRun, after: SavedRun) -> Comparison:
+def compare(before: RunRecord, after: RunRecord) -> Comparison:
     """What changed from `before` to `after`."""
     old, new = before.by_id, after.by_id
     both = [(old[identifier], case) for identifier, case in new.items() if identifier in old]
@@ -137,7 +166,7 @@ def _adequacy(change: AdequacyChange) -> dict[str, Any]:
     return {"model": change.model, "quantity": change.quantity, **sides, "values": values}
 
 
-def _drifted(before: SavedCase, after: SavedCase) -> list[Drifted]:
+def _drifted(before: CaseRecord, after: CaseRecord) -> list[Drifted]:
     if not same_pose(before.pose, after.pose):
         # The worst posture is another one: these are two quantities, and none of them has moved.
         return []
@@ -147,12 +176,56 @@ def _drifted(before: SavedCase, after: SavedCase) -> list[Drifted]:
         if old is None or new is None:
             continue
         moved = drift(
-            Frozen(old, before.numerical_uncertainty),
+            old,
             new,
-            uncertainty=after.numerical_uncertainty,
+            uncertainties=(before.numerical_uncertainty, after.numerical_uncertainty),
             reference=after.reference,
             tolerance=after.tolerance,
         )
         if moved.beyond:
             found.append(Drifted(after.id, what, after.unit, moved))
     return found
+
+
+def input_changes(before: RunRecord, after: RunRecord) -> tuple[InputChange, ...] | None:
+    """Keys of the robot file whose values differ; None where a run does not tell its input."""
+    tables = [run.run.get("robot_tables") for run in (before, after)]
+    if not all(isinstance(table, Mapping) for table in tables):
+        return None
+    old, new = (dict(_flat(table)) for table in tables)
+    return tuple(
+        InputChange(key, old.get(key), new.get(key))
+        for key in dict.fromkeys([*old, *new])
+        if old.get(key) != new.get(key)
+    )
+
+
+def adequacy_changes(before: RunRecord, after: RunRecord) -> tuple[AdequacyChange, ...]:
+    """Every model and quantity of either run, in the order of the first."""
+    old, new = (
+        {(entry.model, _name(entry)): entry for entry in run.adequacy} for run in (before, after)
+    )
+    return tuple(
+        AdequacyChange(*key, old.get(key), new.get(key)) for key in dict.fromkeys([*old, *new])
+    )
+
+
+def _name(entry: AdequacyRecord) -> str:
+    """The quantity; by a measured reference it stands beside that by a computed one."""
+    return f"{entry.quantity} (measured)" if entry.measured else entry.quantity
+
+
+def _flat(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:
+    if isinstance(value, Mapping):
+        for key, entry in value.items():
+            yield from _flat(entry, f"{path}.{key}" if path else str(key))
+    elif isinstance(value, Sequence) and not isinstance(value, str):
+        for number, entry in enumerate(value, start=1):
+            yield from _flat(entry, f"{path}[{number}]")
+    else:
+        yield path, value
+
+
+def _valued(entry: AdequacyRecord) -> list[tuple[tuple[float, ...], float]]:
+    known = zip(entry.poses, entry.values, strict=False)
+    return [(pose, value) for pose, value in known if value is not None]

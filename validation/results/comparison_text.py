@@ -2,15 +2,14 @@
 
 from collections.abc import Sequence
 
-from validation.results.compare import Comparison, Timing
-from validation.results.saved_run import SavedEntry, SavedRun
-from validation.results.variants import AdequacyChange
+from validation.results.compare import AdequacyChange, Comparison, Timing
+from validation.results.records import AdequacyRecord, RunRecord
 
 # How many cases the text lists by the change of their time; --json has all of them.
 _SLOWEST = 10
 
 
-def as_text(before: SavedRun, after: SavedRun, comparison: Comparison) -> str:
+def as_text(before: RunRecord, after: RunRecord, comparison: Comparison) -> str:
     """What changed, the gravest first."""
     blocks = [_heads(before, after, comparison), sentence(comparison)]
     if comparison.inputs:
@@ -60,7 +59,7 @@ def as_text(before: SavedRun, after: SavedRun, comparison: Comparison) -> str:
     return "\n\n".join(blocks)
 
 
-def _heads(before: SavedRun, after: SavedRun, comparison: Comparison) -> str:
+def _heads(before: RunRecord, after: RunRecord, comparison: Comparison) -> str:
     rows = [
         [
             name,
@@ -80,7 +79,7 @@ def _given(value: object) -> str:
     return "not given" if value is None else str(value)
 
 
-def _judged(entry: SavedEntry | None) -> list[str]:
+def _judged(entry: AdequacyRecord | None) -> list[str]:
     if entry is None:
         return ["", ""]
     error = "" if entry.error is None else f"{100.0 * entry.error:+.2f} %"

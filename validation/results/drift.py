@@ -4,28 +4,19 @@ References come from outside and decide the verdict; a frozen value is the proje
 result and decides nothing. A change of it is drift, never disagreement.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import isfinite
 
-from validation.case import Outcome
+import msgspec
+
+from validation.results.outcome import Outcome
+from validation.results.records import CaseRecord, RunRecord, finite
 
 # Rounding differs between machines and library versions; far above it, far below any tolerance.
 _ROUNDING = 1e-9
 # A value held against zero has no size of its own to be relative to, only its tolerance.
 _OF_TOLERANCE = 1e-3
-
-
-@dataclass(frozen=True)
-class Frozen:
-    """A value that was found earlier, with its numerical uncertainty then (None: not known).
-
-    `pose` is the one it belongs to, empty where there is none or nobody noted it.
-    """
-
-    value: float
-    uncertainty: float | None = None
-    pose: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -57,38 +48,52 @@ def same_pose(one: tuple[float, ...], other: tuple[float, ...]) -> bool:
 
 
 def drift(
-    frozen: Frozen,
+    frozen: float,
     value: float,
     *,
-    uncertainty: float | None = None,
+    uncertainties: Sequence[float | None] = (),
     reference: float | None = None,
     tolerance: float | None = None,
 ) -> Drift:
-    """Drift of a value whose numerical `uncertainty` is known, or of one that only rounds.
+    """Drift of a value from the one that was found earlier.
 
-    The larger uncertainty of then and now is allowed, and a relative 1e-9 in any case. Where
-    `reference` is zero, a thousandth of the `tolerance` counts as rounding.
+    The larger one of the known `uncertainties` of then and now is allowed, and a relative 1e-9 in
+    any case. Where `reference` is zero, a thousandth of the `tolerance` counts as rounding.
     """
-    known = [u for u in (frozen.uncertainty, uncertainty) if u is not None]
-    allowed = max([*known, _ROUNDING * max(abs(frozen.value), abs(value))])
+    known = [u for u in uncertainties if u is not None]
+    allowed = max([*known, _ROUNDING * max(abs(frozen), abs(value))])
     if reference == 0.0 and tolerance is not None:
         allowed = max(allowed, _OF_TOLERANCE * tolerance)
-    return Drift(frozen.value, value, allowed)
+    return Drift(frozen, value, allowed)
 
 
-def drifts(outcomes: Sequence[Outcome], frozen: Mapping[str, Frozen]) -> dict[str, Drift]:
+def drifts(outcomes: Sequence[Outcome], frozen: RunRecord) -> dict[str, Drift]:
     """Drift by case id, of the outcomes that have a value and a frozen one of the same pose."""
-    return {
-        outcome.case.id: drift(
-            frozen[outcome.case.id],
-            outcome.measurement.value,
-            uncertainty=outcome.measurement.numerical_uncertainty,
-            reference=outcome.measurement.reference,
-            tolerance=outcome.tolerance,
-        )
-        for outcome in outcomes
-        if outcome.measurement
-        and outcome.case.id in frozen
-        and isfinite(outcome.measurement.value)
-        and same_pose(frozen[outcome.case.id].pose, outcome.measurement.pose)
-    }
+    earlier = frozen.by_id
+    found = {}
+    for outcome in outcomes:
+        now, then = outcome.measurement, earlier.get(outcome.case.id)
+        if now is None or then is None or then.value is None:
+            continue
+        if isfinite(now.value) and same_pose(then.pose, now.pose):
+            found[outcome.case.id] = drift(
+                then.value,
+                now.value,
+                uncertainties=(then.numerical_uncertainty, now.numerical_uncertainty),
+                reference=now.reference,
+                tolerance=outcome.tolerance,
+            )
+    return found
+
+
+def with_drift(record: CaseRecord, drift: Drift | None) -> CaseRecord:
+    """The record of a case with what it has drifted, if that is known."""
+    if drift is None:
+        return record
+    return msgspec.structs.replace(
+        record,
+        frozen=drift.frozen,
+        drift=finite(drift.amount),
+        drift_allowed=finite(drift.allowed),
+        drifted=drift.beyond,
+    )

@@ -14,13 +14,12 @@ from pathlib import Path
 from lumped.errors import InputError
 from lumped.robot_file import RobotFile, built_in_robots, load_robot
 from validation.context import Preset
-from validation.results.drift import Frozen
-from validation.results.saved_run import SavedRun, load_run, parse_run
+from validation.results.records import RunRecord, load_run, parse_run
 
 FOLDER = Path(str(resources.files("validation"))) / "frozen"
 
 
-def built_in_frozen(robot_file: RobotFile, preset: Preset) -> SavedRun | None:
+def built_in_frozen(robot_file: RobotFile, preset: Preset) -> RunRecord | None:
     """The frozen run of a built-in robot; None where there is none or the robot has changed."""
     path = FOLDER / f"{robot_file.source}-{preset}.json"
     if not robot_file.built_in or not path.exists():
@@ -29,16 +28,7 @@ def built_in_frozen(robot_file: RobotFile, preset: Preset) -> SavedRun | None:
     return run if run.run.get("robot_sha256") == robot_file.sha256 else None
 
 
-def frozen_values(run: SavedRun) -> dict[str, Frozen]:
-    """The values of a run by case id."""
-    return {
-        case.id: Frozen(case.value, case.numerical_uncertainty, case.pose)
-        for case in run.cases
-        if case.value is not None
-    }
-
-
-def frozen_text(run: SavedRun) -> str:
+def frozen_text(run: RunRecord) -> str:
     """What is kept of a run: verdicts, values and uncertainties, one line per case."""
     kept = {name: run.run.get(name) for name in ("robot_file", "robot_sha256", "preset")}
     lines = [
@@ -72,7 +62,7 @@ def freeze(path: Path, folder: Path = FOLDER) -> Path:
     return target
 
 
-def _faults(header: Mapping[str, object], run: SavedRun) -> list[str]:
+def _faults(header: Mapping[str, object], run: RunRecord) -> list[str]:
     faults = []
     robot = str(header.get("robot_file"))
     if robot not in built_in_robots():

@@ -4,7 +4,7 @@ import re
 from collections.abc import Sequence
 from xml.etree import ElementTree as ET
 
-from validation.case import Outcome
+from validation.results.outcome import Outcome
 
 
 def junit_xml(outcomes: Sequence[Outcome], name: str) -> str:

@@ -1,149 +1,203 @@
-"""Finished work as plain data: what workers send, the journal keeps, and results.json shows."""
+"""results.json: what a run writes is what later runs, comparisons and programs read."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any, TypeAlias
+from dataclasses import asdict
+from math import isfinite
+from pathlib import Path
+from typing import Any
 
 import msgspec
-import numpy as np
+from msgspec import UNSET, UnsetType
 
-from validation.adequacy.assessment import Assessed, Assessment
-from validation.adequacy.matrix import Matrix, matrix_records, part_records
-from validation.case import Case, Measurement, Outcome, Verdict, finite, judge
+from lumped.errors import InputError
+from lumped.files import read_ordinary
+from validation.adequacy.matrix import Adequacy, Matrix
 from validation.claims import Claim, claim_records, gathered
-from validation.exhibits import Drawing, Figure, Study, study_record
-from validation.results.drift import Drift
+from validation.exhibits import Study, study_record
+from validation.results.outcome import Outcome, Verdict
 
-Task: TypeAlias = Case | Drawing | Assessment
-Record: TypeAlias = dict[str, Any]
-
-
-def is_check(task: Task) -> bool:
-    """Whether a task says something of the program, not of the run's robot."""
-    return not isinstance(task, Assessment) and task.subject == "program"
+_FILE = "results.json"
+# Runs of large mechanisms with faults come to a few MB.
+_LARGEST = 200_000_000
 
 
-@dataclass(frozen=True)
-class Drawn:
-    """A figure that was asked for; where there is none, or no picture, `message` says why.
+class CaseRecord(msgspec.Struct, frozen=True, kw_only=True):
+    """A case with what came out; numbers in `unit`, None where not finite.
 
-    `failed` tells a computation that failed from a figure that this machine cannot draw.
+    Truth and frozen apart: beside the reference stands what this project found earlier. Frozen
+    values have id, verdict, value, uncertainty and pose alone.
     """
 
-    drawing: Drawing
-    seconds: float
-    figure: Figure | None = None
-    message: str = ""
-    failed: bool = False
-
-
-Done: TypeAlias = Outcome | Drawn | Assessed
-
-
-class _OutcomeRecord(msgspec.Struct, frozen=True):
+    id: str
+    title: str = ""
+    quantity: str = ""
+    model: str = ""
+    subject: str = "robot"
+    figure: str = ""
+    unit: str = "1"
+    value: float | None = None
+    reference: float | None = None
+    reference_kind: str = ""
+    citation: str = ""
+    relation: str = "equal"
+    error: float | None = None
+    unexplained: float | None = None
+    exact: bool | None = None
+    numerical_uncertainty: float | None = None
+    value_uncertainty: float | None = None
+    reference_uncertainty: float | None = None
+    allowances: tuple[Mapping[str, Any], ...] = ()
+    tolerance: float | None = None
+    tolerance_reason: str = ""
     verdict: Verdict
-    seconds: float
-    message: str
-    measurement: Measurement | None
+    seconds: float = 0.0
+    message: str = ""
+    notes: tuple[str, ...] = ()
+    table: Mapping[str, tuple[float | str | None, ...]] = {}
+    pose: tuple[float, ...] = ()
+    elsewhere: tuple[Mapping[str, Any], ...] = ()
+    frozen: float | None = None
+    drift: float | None = None
+    drift_allowed: float | None = None
+    drifted: bool | None = None
 
 
-class _AssessedRecord(msgspec.Struct, frozen=True):
-    seconds: float
-    message: str
-    failed: bool
-    matrix: Matrix | None
+class AdequacyRecord(msgspec.Struct, frozen=True, kw_only=True):
+    """An entry of a matrix (validation.adequacy.matrix.Entry) in SI units.
 
-
-class _DrawnRecord(msgspec.Struct, frozen=True):
-    seconds: float
-    message: str
-    failed: bool
-    figure: Figure | None
-
-
-def outcome_to_record(outcome: Outcome) -> Record:
-    """An outcome as plain data."""
-    return {
-        "id": outcome.case.id,
-        "verdict": outcome.verdict,
-        "seconds": outcome.seconds,
-        "message": outcome.message,
-        "measurement": _plain(outcome.measurement),
-    }
-
-
-def drawn_to_record(drawn: Drawn) -> Record:
-    """A drawn figure as plain data."""
-    return {
-        "id": drawn.drawing.id,
-        "seconds": drawn.seconds,
-        "message": drawn.message,
-        "failed": drawn.failed,
-        "figure": _plain(drawn.figure),
-    }
-
-
-def assessed_to_record(assessed: Assessed) -> Record:
-    """An assessment that was made as plain data."""
-    return {
-        "id": assessed.assessment.id,
-        "seconds": assessed.seconds,
-        "message": assessed.message,
-        "failed": assessed.failed,
-        "matrix": _plain(assessed.matrix),
-    }
-
-
-def from_record(task: Task, record: Mapping[str, Any]) -> Done:
-    """What the record says of `task`; raises msgspec.ValidationError where it is none of it."""
-    if isinstance(task, Case):
-        outcome = msgspec.convert(record, _OutcomeRecord)
-        told = outcome.verdict, outcome.seconds, outcome.measurement, outcome.message
-        return Outcome(task, *told)
-    if isinstance(task, Assessment):
-        assessed = msgspec.convert(record, _AssessedRecord)
-        kept = assessed.seconds, assessed.matrix, assessed.message, assessed.failed
-        return Assessed(task, *kept)
-    drawn = msgspec.convert(record, _DrawnRecord)
-    return Drawn(task, drawn.seconds, drawn.figure, drawn.message, drawn.failed)
-
-
-def still_holding(task: Task, record: Mapping[str, Any]) -> Done | None:
-    """What an earlier process recorded of `task`, judged again; None if it is to be done again.
-
-    That is so for what failed, for what is no such record, and for a verdict that its numbers do
-    not bear out.
+    `values` at `poses` let two runs be compared; `part`: which of the robot's it is of.
     """
-    try:
-        done = from_record(task, record)
-        if not isinstance(done, Outcome):
-            return None if done.failed else done
-        if done.measurement is None:
-            return done if done.verdict == "skipped" else None
-        again = judge(done.case, done.measurement, done.seconds)
-    except (msgspec.ValidationError, ValueError):
-        return None
-    return again if again.verdict == done.verdict else None
+
+    part: str | UnsetType = UNSET
+    model: str
+    quantity: str
+    error: float | None = None
+    uncertainty: float | None = None
+    limit: float | None = None
+    verdict: Adequacy
+    pose: tuple[float, ...] = ()
+    reference: str = ""
+    causes: tuple[Mapping[str, Any], ...] = ()
+    remedy: str = ""
+    error_with_remedy: float | None = None
+    reason: str = ""
+    value: float | None = None
+    expected: float | None = None
+    uncertainties: Mapping[str, float | None] = {}
+    measured: bool = False
+    poses: tuple[tuple[float, ...], ...] = ()
+    values: tuple[float | None, ...] = ()
 
 
-def results(
+class RunRecord(msgspec.Struct, frozen=True, kw_only=True):
+    """The whole file: `run` says what was run, `cases` what came out, in the catalogue's order."""
+
+    schema: int = 1
+    run: Mapping[str, Any] = {}
+    cases: tuple[CaseRecord, ...]
+    adequacy: tuple[AdequacyRecord, ...] = ()
+    adequacy_of_parts: tuple[AdequacyRecord, ...] = ()
+    statements: tuple[Any, ...] = ()
+    studies: tuple[Any, ...] = ()
+    faults: tuple[Any, ...] | UnsetType = UNSET
+
+    @property
+    def by_id(self) -> dict[str, CaseRecord]:
+        """The cases by id."""
+        return {case.id: case for case in self.cases}
+
+
+def run_record(
     header: Mapping[str, Any],
+    cases: Sequence[CaseRecord],
     outcomes: Sequence[Outcome],
-    drifts: Mapping[str, Drift],
     matrices: Sequence[Matrix],
-) -> dict[str, Any]:
-    """The content of results.json; `drifts` by case id."""
-    return {
-        "schema": 1,
-        "run": dict(header),
-        "cases": [
-            outcome.entry | _drift_record(drifts.get(outcome.case.id)) for outcome in outcomes
-        ],
-        "adequacy": [record for matrix in matrices for record in matrix_records(matrix)],
-        "adequacy_of_parts": [record for matrix in matrices for record in part_records(matrix)],
-        "statements": claim_records(claims_of(outcomes)),
-        "studies": [study_record(study) for study in studies_of(outcomes)],
-    }
+) -> RunRecord:
+    """What a run found: its cases, and what came with their outcomes."""
+    return RunRecord(
+        run=header,
+        cases=tuple(cases),
+        adequacy=tuple(record for matrix in matrices for record in adequacy_records(matrix)),
+        adequacy_of_parts=tuple(
+            record
+            for matrix in matrices
+            for part in matrix.beside
+            for record in adequacy_records(part, part.robot)
+        ),
+        statements=tuple(claim_records(claims_of(outcomes))),
+        studies=tuple(study_record(study) for study in studies_of(outcomes)),
+    )
+
+
+def case_record(outcome: Outcome) -> CaseRecord:
+    """The case and its outcome."""
+    case, measurement = outcome.case, outcome.measurement
+    record = CaseRecord(
+        id=case.id,
+        title=case.title,
+        quantity=case.quantity,
+        model=case.model,
+        subject=case.subject,
+        figure=case.figure,
+        unit=case.unit,
+        reference_kind=case.reference_kind,
+        citation=case.citation,
+        relation=case.relation.value,
+        tolerance_reason=case.tolerance_reason,
+        verdict=outcome.verdict,
+        seconds=outcome.seconds,
+        message=outcome.message,
+    )
+    if measurement is None:
+        return record
+    return msgspec.structs.replace(
+        record,
+        value=finite(measurement.value),
+        reference=finite(measurement.reference),
+        error=finite(measurement.difference),
+        unexplained=finite(measurement.unexplained),
+        exact=measurement.exact,
+        numerical_uncertainty=finite(measurement.numerical_uncertainty),
+        value_uncertainty=finite(measurement.value_uncertainty),
+        reference_uncertainty=finite(measurement.reference_uncertainty),
+        allowances=tuple(_carried(asdict(one)) for one in measurement.allowances),
+        tolerance=finite(outcome.tolerance),
+        notes=measurement.notes,
+        pose=measurement.pose,
+        elsewhere=tuple(_carried(asdict(one)) for one in measurement.elsewhere),
+        table={
+            heading: tuple(_carried(dict(enumerate(column))).values())
+            for heading, column in measurement.table.items()
+        },
+    )
+
+
+def adequacy_records(matrix: Matrix, part: str | UnsetType = UNSET) -> list[AdequacyRecord]:
+    """The entries of a matrix, of that `part` of the robot where it is one."""
+    return [
+        AdequacyRecord(
+            part=part,
+            model=entry.model,
+            quantity=entry.quantity,
+            error=entry.error,
+            uncertainty=entry.uncertainty,
+            limit=entry.limit,
+            verdict=entry.verdict,
+            pose=entry.pose,
+            reference=entry.reference,
+            causes=tuple({"cause": one.cause, "share": one.share} for one in entry.causes),
+            remedy=entry.remedy,
+            error_with_remedy=entry.error_with_remedy,
+            reason=entry.reason,
+            value=entry.value,
+            expected=entry.expected,
+            uncertainties=entry.uncertainties,
+            measured=entry.measured,
+            poses=matrix.poses,
+            values=entry.values,
+        )
+        for entry in matrix.entries
+    ]
 
 
 def studies_of(outcomes: Sequence[Outcome]) -> list[Study]:
@@ -158,23 +212,37 @@ def claims_of(outcomes: Sequence[Outcome]) -> tuple[Claim, ...]:
     return gathered(m.claim for m in measured if m.claim)
 
 
-def _drift_record(drift: Drift | None) -> dict[str, float | bool | None]:
-    """Truth and frozen apart: beside the reference stands what this project found earlier."""
-    if drift is None:
-        return {"frozen": None, "drift": None, "drift_allowed": None, "drifted": None}
-    return {
-        "frozen": drift.frozen,
-        "drift": finite(drift.amount),
-        "drift_allowed": finite(drift.allowed),
-        "drifted": drift.beyond,
-    }
+def finite(number: float | None) -> float | None:
+    """The number as JSON can carry it: None for NaN and infinities."""
+    return float(number) if number is not None and isfinite(number) else None
 
 
-def _plain(value: object) -> Any:
-    return msgspec.to_builtins(value, enc_hook=_numpy_to_builtin)
+def load_run(path: Path) -> RunRecord:
+    """The run in a run folder or a results.json.
+
+    Raises InputError where there is none or it is not understood.
+    """
+    file = path / _FILE if path.is_dir() else path
+    try:
+        return parse_run(read_ordinary(file, "results of a run", _LARGEST), str(file))
+    except FileNotFoundError as error:
+        place = f"holds no {_FILE}" if path.is_dir() else "no such run folder or file"
+        raise InputError(f"{path}: {place}") from error
+    except OSError as error:
+        raise InputError(f"{file}: cannot be read: {error.strerror}") from error
 
 
-def _numpy_to_builtin(value: object) -> object:
-    if isinstance(value, np.generic | np.ndarray):
-        return value.tolist()
-    raise NotImplementedError(f"{type(value).__name__} cannot be stored")
+def parse_run(content: bytes | str, source: str) -> RunRecord:
+    """The run from the text of a results.json; `source` names it in messages."""
+    try:
+        run = msgspec.json.decode(content, type=RunRecord)
+    except (msgspec.MsgspecError, RecursionError) as error:
+        raise InputError(f"{source}: not a {_FILE} of flexproof: {error}") from error
+    if run.schema != 1:
+        raise InputError(f"{source}: schema = {run.schema}: only schema 1 is understood")
+    return run
+
+
+def _carried(record: Mapping[Any, Any]) -> dict[Any, Any]:
+    """The record with its numbers as JSON can carry them."""
+    return {key: one if isinstance(one, str) else finite(one) for key, one in record.items()}

@@ -1,38 +1,29 @@
 """What a run has gathered so far, and what it comes to: verdict, exit code, results.json."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import msgspec
 
-from validation.adequacy.assessment import ADEQUACY, MEASURED, Assessed
+from validation.adequacy.assessment import ADEQUACY, MEASURED
 from validation.adequacy.matrix import Matrix
-from validation.case import Outcome
-from validation.exhibits import Figure
+from validation.case import Case
+from validation.exhibits import Drawing, Figure
 from validation.report.detection import Power, comparisons, detection_power
 from validation.results.compare import Comparison, compare
-from validation.results.drift import Drift, drifts
-from validation.results.freeze import frozen_values
-from validation.results.records import (
-    Done,
-    Drawn,
-    Record,
-    Task,
-    from_record,
-    is_check,
-    results,
-    still_holding,
-)
-from validation.results.saved_run import SavedRun, parse_run
-from validation.run.kept_checks import CHECKED, Kept
+from validation.results.drift import Drift, drifts, with_drift
+from validation.results.outcome import Outcome
+from validation.results.records import RunRecord, case_record, parse_run, run_record
+from validation.results.tasks import AnyResult, Record, Task, from_plain, is_check, still_holding
+from validation.run.kept_checks import Kept
 from validation.store.run_folder import RunFolder
 
 
 @dataclass
 class Results:
-    """What has been finished so far, by id, in the order of the catalogue.
+    """What has been finished so far, by id.
 
     `baseline` is the earlier run that the user names, `frozen` the one that drift is counted from:
     the baseline or, without one, what is kept of a built-in robot. `path` is where the report is:
@@ -44,46 +35,36 @@ class Results:
 
     header: Mapping[str, Any]
     tasks: Sequence[Task]
-    baseline: SavedRun | None = None
-    frozen: SavedRun | None = None
-    outcomes: dict[str, Outcome] = field(default_factory=dict)
-    drawn: dict[str, Drawn] = field(default_factory=dict)
-    assessed: dict[str, Assessed] = field(default_factory=dict)
+    baseline: RunRecord | None = None
+    frozen: RunRecord | None = None
+    done: dict[str, AnyResult] = field(default_factory=dict)
     path: Path = Path()
     remarks: Sequence[str] = ()
     rely: Sequence[str] = ()
     strict: bool = False
-    checked: dict[str, str] = field(default_factory=dict)
 
     def add(self, record: Record) -> Task:
         """Take in a finished piece of work; the task that it was."""
         task = next(task for task in self.tasks if task.id == record["id"])
-        self._take(task.id, from_record(task, record))
+        self.done[task.id] = from_plain(task, record)
         return task
 
     def take_up(self, folder: RunFolder) -> None:
         """Take in what an earlier process finished in the folder, as far as it still holds."""
         for task in self.tasks:
-            record = folder.record(task.id)
-            done = still_holding(task, record) if record is not None else None
-            if done is not None:
-                self._take(task.id, done)
+            self._take(task, folder.record(task.id))
 
     def take_kept(self, kept: Kept) -> None:
         """Take in the checks of the program that an earlier run made, as far as they still hold."""
         records = kept.records()
         for task in self.tasks:
-            if not is_check(task) or task.id in self.done or task.id not in records:
-                continue
-            done = still_holding(task, records[task.id])
-            if done is not None:
-                self._take(task.id, done)
-                self.checked[task.id] = str(records[task.id].get(CHECKED, ""))
+            if is_check(task) and task.id not in self.done:
+                self._take(task, records.get(task.id))
 
-    @property
-    def done(self) -> set[str]:
-        """Ids of what is finished."""
-        return {*self.outcomes, *self.drawn, *self.assessed}
+    def _take(self, task: Task, record: Record | None) -> None:
+        result = still_holding(task, record) if record is not None else None
+        if result is not None:
+            self.done[task.id] = result
 
     @property
     def selftest(self) -> Mapping[str, Any] | None:
@@ -91,10 +72,10 @@ class Results:
 
         None where this run has none of them.
         """
-        checks = [task.id for task in self.tasks if is_check(task) and task.id in self.done]
+        checks = [self.done[t.id] for t in self.tasks if is_check(t) and t.id in self.done]
         if not checks:
             return None
-        kept = [self.checked[name] for name in checks if name in self.checked]
+        kept = [result.checked for result in checks if result.checked]
         own = [self.header["started"]] if len(kept) < len(checks) else []
         return {
             "checked": min([*kept, *own]),
@@ -102,27 +83,29 @@ class Results:
             "computed": len(checks) - len(kept),
         }
 
-    def _take(self, identifier: str, done: Done) -> None:
-        match done:
-            case Outcome():
-                self.outcomes[identifier] = done
-            case Drawn():
-                self.drawn[identifier] = done
-            case Assessed():
-                self.assessed[identifier] = done
-
     def in_order(self) -> list[Outcome]:
         """The outcomes in the order of the catalogue."""
-        return [self.outcomes[task.id] for task in self.tasks if task.id in self.outcomes]
+        return [
+            Outcome(task, self.done[task.id])
+            for task in self.tasks
+            if isinstance(task, Case) and task.id in self.done
+        ]
 
     def all_figures(self) -> list[Figure]:
         """The figures that were drawn, in the order of the catalogue."""
-        drawn = [self.drawn[task.id] for task in self.tasks if task.id in self.drawn]
-        return [one.figure for one in drawn if one.figure]
+        found = (self.done[task.id].found for task in self.tasks if task.id in self.done)
+        return [one for one in found if isinstance(one, Figure)]
 
-    def missing_figures(self) -> list[Drawn]:
-        """The figures that were asked for and could not be drawn, or not as a picture."""
-        return [drawn for drawn in self.drawn.values() if drawn.message]
+    def missing_figures(self) -> list[tuple[Drawing, str]]:
+        """The figures that were asked for and could not be drawn, or not as a picture, and why."""
+        drawings = [task for task in self.tasks if isinstance(task, Drawing)]
+        said = [(task, self.done[task.id].message) for task in drawings if task.id in self.done]
+        return [(task, message) for task, message in said if message]
+
+    def unjudged(self) -> list[str]:
+        """Why the models could not be assessed."""
+        made = [self.done.get(name) for name in (ADEQUACY, MEASURED)]
+        return [result.message for result in made if result and result.message]
 
     @property
     def unfinished(self) -> int:
@@ -140,13 +123,13 @@ class Results:
         return self._matrix(MEASURED)
 
     def _matrix(self, name: str) -> Matrix | None:
-        made = self.assessed.get(name)
-        return made.matrix if made else None
+        found = self.done[name].found if name in self.done else None
+        return found if isinstance(found, Matrix) else None
 
     @property
     def drifts(self) -> dict[str, Drift]:
         """How far the values have moved from the frozen ones, by case id."""
-        return drifts(self.in_order(), frozen_values(self.frozen)) if self.frozen else {}
+        return drifts(self.in_order(), self.frozen) if self.frozen else {}
 
     @property
     def power(self) -> Power | None:
@@ -154,16 +137,17 @@ class Results:
         found = detection_power(self.in_order())
         return found if found.detections else None
 
-    def compared_with(self, baseline: SavedRun) -> Comparison:
+    def compared_with(self, baseline: RunRecord) -> Comparison:
         """What changed since `baseline`, as far as its cases were to be run this time."""
         asked = {task.id for task in self.tasks}
         part = not {"only", "selftest"}.isdisjoint(self.header["options"])
         before = tuple(
             case
             for case in baseline.cases
-            if case.id in self.outcomes or not (part or case.id in asked)
+            if case.id in self.done or not (part or case.id in asked)
         )
-        return compare(replace(baseline, cases=before), parse_run(self.as_json(), "results.json"))
+        after = parse_run(self.as_json(), "results.json")
+        return compare(msgspec.structs.replace(baseline, cases=before), after)
 
     @property
     def matrices(self) -> tuple[Matrix, ...]:
@@ -174,7 +158,7 @@ class Results:
     def refused(self) -> tuple[str, ...]:
         """Models relied on that are not adequate; all of them where strict and nothing is known."""
         if self.matrix is None:
-            return tuple(self.rely) if self.strict and self.assessed else ()
+            return tuple(self.rely) if self.strict and {ADEQUACY, MEASURED} & set(self.done) else ()
         refused = {
             model
             for matrix in self.matrices
@@ -187,19 +171,21 @@ class Results:
 
         A failure is a computation that failed or was interrupted. Where strict, undecided is 1 too.
         """
-        verdicts = {outcome.verdict for outcome in self.outcomes.values()}
-        failed = "failed" in verdicts or any(drawn.failed for drawn in self.drawn.values())
-        failed = failed or any(one.failed for one in self.assessed.values())
-        if failed or self.unfinished:
+        verdicts = {result.verdict for result in self.done.values()}
+        if "failed" in verdicts or self.unfinished:
             return 3
         wrong = {"disagree", "undecided"} if self.strict else {"disagree"}
         return 1 if verdicts & wrong or self.refused else 0
 
     def as_json(self) -> str:
         """The text of results.json."""
-        header = dict(self.header) | {"unfinished": self.unfinished, "selftest": self.selftest}
-        content = results(header, comparisons(self.in_order()), self.drifts, self.matrices)
-        if power := self.power:
-            content["faults"] = power.records()
         # Written after every case: Python's own encoder would take longer than the cases.
-        return msgspec.json.format(msgspec.json.encode(content), indent=1).decode() + "\n"
+        return msgspec.json.format(msgspec.json.encode(self._record()), indent=1).decode() + "\n"
+
+    def _record(self) -> RunRecord:
+        header = dict(self.header) | {"unfinished": self.unfinished, "selftest": self.selftest}
+        outcomes, drifts = comparisons(self.in_order()), self.drifts
+        cases = [with_drift(case_record(o), drifts.get(o.case.id)) for o in outcomes]
+        record = run_record(header, cases, outcomes, self.matrices)
+        power = self.power
+        return msgspec.structs.replace(record, faults=power.records()) if power else record

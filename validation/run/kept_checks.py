@@ -18,15 +18,13 @@ from typing import Any
 import msgspec
 
 from validation.results.provenance import processor
-from validation.results.records import Record
+from validation.results.tasks import Record
 from validation.store.cache import cache_folder
 from validation.store.manifest import digest
 from validation.store.sealed_record import sealed_record, unsealed_record
 from validation.store.tree import read_regular
 
 FOLDER = "selftest"
-# When a check was made, in its record.
-CHECKED = "checked"
 # Files of versions that nobody has asked for in so many seconds are removed.
 _FORGOTTEN = 60 * 24 * 3600.0
 
@@ -51,11 +49,10 @@ class Kept:
 
         What the disk refuses costs time, not the answer.
         """
-        failed = record.get("failed") or record.get("verdict") == "failed"
-        if self.path is None or failed:
+        if self.path is None or record["verdict"] == "failed":
             return
         now = datetime.now(UTC).isoformat(timespec="seconds")
-        line = sealed_record(self.key, {**record, CHECKED: now})
+        line = sealed_record(self.key, {**record, "checked": now})
         try:
             if not self._begun:
                 self.path.parent.mkdir(parents=True, exist_ok=True)

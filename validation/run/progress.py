@@ -9,7 +9,8 @@ from rich.console import Console, Group
 from rich.live import Live
 from rich.text import Text
 
-from validation.results.records import Record, Task
+from validation.case import Case
+from validation.results.tasks import Record, Task
 from validation.run.runner import Observer
 
 _BAR = 24
@@ -51,7 +52,7 @@ class Progress:
         self.running.pop(task.id, None)
         self.done += 1
         self.effort_done += task.effort
-        self.troubled += record.get("verdict") in {"disagree", "failed"}
+        self.troubled += isinstance(task, Case) and record["verdict"] in {"disagree", "failed"}
 
     def expected(self, elapsed: float) -> float | None:
         """Seconds still to go, None before anything is done."""

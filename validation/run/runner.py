@@ -20,18 +20,10 @@ from types import FrameType
 from typing import Protocol
 
 from lumped.errors import ComputationError, InputError
-from validation.adequacy.assessment import Assessed, Assessment
-from validation.case import Case, Outcome
 from validation.console.arguments import did_you_mean
 from validation.context import Preset
-from validation.results.records import (
-    Drawn,
-    Record,
-    Task,
-    assessed_to_record,
-    drawn_to_record,
-    outcome_to_record,
-)
+from validation.results.outcome import Result
+from validation.results.tasks import Record, Task, plain
 from validation.run.worker import REMEDY, Job, serve
 from validation.store.tree import read_regular
 from validation.sweeps.processes import children_undisturbed, single_threaded
@@ -206,7 +198,7 @@ class _Scheduler:
             )
         if worker.current is not None:
             why = starved or _how_it_ended(worker.process.exitcode)
-            self._finish(_dead(self.tasks[worker.current], why))
+            self._finish(plain(Result(worker.current, "failed", 0.0, why)))
         if worker.waiting:
             self.queue.appendleft(worker.waiting)
         if self.queue:
@@ -241,14 +233,6 @@ def _how_it_ended(exitcode: int | None) -> str:
     else:
         how = f"ended with code {exitcode}"
     return f"the computing process {how} (log.txt may say more)"
-
-
-def _dead(task: Task, message: str) -> Record:
-    if isinstance(task, Case):
-        return outcome_to_record(Outcome(task, "failed", 0.0, message=message))
-    if isinstance(task, Assessment):
-        return assessed_to_record(Assessed(task, 0.0, message=message, failed=True))
-    return drawn_to_record(Drawn(task, 0.0, message=message, failed=True))
 
 
 @contextmanager

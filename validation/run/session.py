@@ -21,8 +21,8 @@ from validation.report.page import Report, render
 from validation.results import provenance
 from validation.results.freeze import built_in_frozen
 from validation.results.junit import junit_xml
-from validation.results.records import Record, Task, is_check
-from validation.results.saved_run import SavedRun, load_run
+from validation.results.records import RunRecord, load_run
+from validation.results.tasks import Record, Task, is_check
 from validation.run import progress, runner
 from validation.run.gathered import Results
 from validation.run.kept_checks import Kept, kept_of
@@ -169,7 +169,7 @@ def publish(
         provenance={**gathered.header, "selftest": gathered.selftest},
         matrix=gathered.matrix,
         measured=gathered.measured,
-        unjudged=next((one.message for one in gathered.assessed.values() if one.message), ""),
+        unjudged=next(iter(gathered.unjudged()), ""),
         unfinished=gathered.unfinished,
         drifts=gathered.drifts,
         power=gathered.power,
@@ -289,7 +289,7 @@ def _mention(line: str) -> None:
     complain([line], 0)
 
 
-def _named(frozen: SavedRun | None) -> str | None:
+def _named(frozen: RunRecord | None) -> str | None:
     if frozen is None:
         return None
     return f"run of {frozen.run['started']}" if "started" in frozen.run else "kept with the program"

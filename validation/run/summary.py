@@ -6,7 +6,7 @@ from validation.adequacy.matrix import in_a_line
 from validation.report.detection import comparisons
 from validation.report.listing import outcome_line, program_line, summary
 from validation.results.comparison_text import sentence
-from validation.results.records import is_check
+from validation.results.tasks import is_check
 from validation.run.gathered import Results
 from validation.run.session import Request
 
@@ -30,7 +30,7 @@ def adequacy(gathered: Results) -> list[str]:
     """Lines on the models relied on that are not adequate, and which models are, for what."""
     lines = [f"relied on, and not adequate: {', '.join(gathered.refused)}"]
     lines = lines if gathered.refused else []
-    lines += [f"adequacy: {one.message}" for one in gathered.assessed.values() if one.message]
+    lines += [f"adequacy: {message}" for message in gathered.unjudged()]
     lines += [in_a_line(gathered.matrix)] if gathered.matrix else []
     measured = gathered.measured
     return [*lines, f"against measured values: {in_a_line(measured)}"] if measured else lines
@@ -45,7 +45,7 @@ def program(gathered: Results) -> str:
 def left_out(gathered: Results) -> list[str]:
     """Lines on the figures that could not be drawn."""
     missing = gathered.missing_figures()
-    return [f"figure {drawn.drawing.id} left out: {drawn.message}" for drawn in missing]
+    return [f"figure {drawing.id} left out: {message}" for drawing, message in missing]
 
 
 def changes(gathered: Results) -> tuple[list[str], bool]:

@@ -17,19 +17,13 @@ from time import perf_counter
 
 from lumped.errors import ComputationError, InputError
 from lumped.robot_file import RobotFile
-from validation.adequacy.assessment import Assessed, Assessment
-from validation.case import Case, Outcome, Skip, judge
+from validation.adequacy.assessment import Assessment
+from validation.case import Case, Skip
 from validation.context import Context, Preset
 from validation.drawing.text import function_name
 from validation.exhibits import Drawing
-from validation.results.records import (
-    Drawn,
-    Record,
-    Task,
-    assessed_to_record,
-    drawn_to_record,
-    outcome_to_record,
-)
+from validation.results.outcome import Result, judge
+from validation.results.tasks import AnyResult, Task, plain
 from validation.sweeps.processes import end_with_parent
 
 # What helps where memory ran out.
@@ -64,53 +58,28 @@ def serve(connection: Connection, job: Job, log: Path) -> None:
             for identifier in identifiers:
                 # Here, not where it is read: what the task prints may be there before.
                 connection.send(("started", (identifier, os.fstat(1).st_size)))
-                connection.send(("finished", execute(tasks[identifier], context)))
+                connection.send(("finished", plain(execute(tasks[identifier], context))))
 
 
-def execute(task: Task, context: Context) -> Record:
-    """The record of one case or figure; errors become verdicts, tracebacks go to stderr."""
-    if isinstance(task, Drawing):
-        return drawn_to_record(_draw(task, context))
-    if isinstance(task, Assessment):
-        return assessed_to_record(_assess(task, context))
-    return outcome_to_record(_compute(task, context))
-
-
-def _compute(case: Case, context: Context) -> Outcome:
+def execute(task: Task, context: Context) -> AnyResult:
+    """The result of a task; errors become verdicts, tracebacks go to stderr."""
     start = perf_counter()
     try:
-        measurement = case.measure(context)
-        return judge(case, measurement, perf_counter() - start)
+        match task:
+            case Case():
+                measured = task.measure(context)
+                return judge(task, measured, perf_counter() - start).result
+            case Drawing():
+                drawn = task.draw(context.about(task.subject))
+                figure = replace(drawn, computed_by=(function_name(task.draw),))
+                return Result(task.id, "made", perf_counter() - start, figure.left_out, figure)
+            case Assessment():
+                matrix = task.compute(context)
+                return Result(task.id, "made", perf_counter() - start, found=matrix)
     except Skip as reason:
-        return Outcome(case, "skipped", perf_counter() - start, message=str(reason))
-    except Exception as error:  # noqa: BLE001  whatever happens in a case is its verdict
-        return Outcome(case, "failed", perf_counter() - start, message=_explain(case.id, error))
-
-
-def _draw(drawing: Drawing, context: Context) -> Drawn:
-    start = perf_counter()
-    try:
-        drawn = drawing.draw(context.about(drawing.subject))
-        figure = replace(drawn, computed_by=(function_name(drawing.draw),))
-        return Drawn(drawing, perf_counter() - start, figure, figure.left_out)
-    except Skip as reason:
-        return Drawn(drawing, perf_counter() - start, message=str(reason))
-    except Exception as error:  # noqa: BLE001  the report says which figure is missing and why
-        return Drawn(
-            drawing, perf_counter() - start, message=_explain(drawing.id, error), failed=True
-        )
-
-
-def _assess(assessment: Assessment, context: Context) -> Assessed:
-    start = perf_counter()
-    try:
-        matrix = assessment.compute(context)
-        return Assessed(assessment, perf_counter() - start, matrix)
-    except Skip as reason:
-        return Assessed(assessment, perf_counter() - start, message=str(reason))
-    except Exception as error:  # noqa: BLE001  the report says why there is no matrix
-        message = _explain(assessment.id, error)
-        return Assessed(assessment, perf_counter() - start, message=message, failed=True)
+        return Result(task.id, "skipped", perf_counter() - start, str(reason))
+    except Exception as error:  # noqa: BLE001  whatever happens in a task is its verdict
+        return Result(task.id, "failed", perf_counter() - start, _explain(task.id, error))
 
 
 def _explain(identifier: str, error: Exception) -> str:

@@ -1,8 +1,8 @@
 """The matrix as data: verdicts of models, what is relied on, its line, its record."""
 
-import pytest
+from msgspec import to_builtins
 
-from validation.adequacy.assessment import Assessed, Assessment
+from validation.adequacy.assessment import Assessment
 from validation.adequacy.matrix import (
     Adequacy,
     Cause,
@@ -10,10 +10,11 @@ from validation.adequacy.matrix import (
     Entry,
     Matrix,
     ModelNote,
-    entry_record,
     in_a_line,
 )
-from validation.results.records import assessed_to_record, from_record
+from validation.results.outcome import Result
+from validation.results.records import adequacy_records
+from validation.results.tasks import from_plain, plain
 
 STATICS = ("x", "y", "z", "phi_x", "phi_y", "phi_z")
 QUANTITIES = (*STATICS, "f1", "f2", "order")
@@ -60,7 +61,7 @@ def test_models_of_one_fate_share_a_clause() -> None:
 
 
 def test_the_record_has_the_keys_that_programs_read() -> None:
-    record = entry_record(MATRIX.entries[0])
+    record = to_builtins(adequacy_records(MATRIX)[0])
     assert list(record)[:11] == [
         "model",
         "quantity",
@@ -82,8 +83,5 @@ def test_a_matrix_survives_the_journal() -> None:
         raise NotImplementedError
 
     assessment = Assessment("adequacy", "title", compute)
-    record = assessed_to_record(Assessed(assessment, 1.0, MATRIX))
-    found = from_record(assessment, record)
-    assert isinstance(found, Assessed)
-    assert found.matrix == MATRIX
-    assert found.seconds == pytest.approx(1.0)
+    result = Result("adequacy", "made", 1.0, found=MATRIX)
+    assert from_plain(assessment, plain(result)) == result

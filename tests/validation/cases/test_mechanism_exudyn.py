@@ -12,10 +12,11 @@ from lumped.errors import InputError
 from lumped.mechanism.joint import Drive
 from lumped.mechanism.kinematics.postures import posture, reference_posture
 from lumped.robot_file import load_robot
-from validation.case import Skip, judge
+from validation.case import Skip
 from validation.cases.mechanism import exudyn as mechanism_exudyn
 from validation.cases.mechanism.exudyn import MODES, by_both
 from validation.context import Context
+from validation.results.outcome import judge
 
 needs_exudyn = pytest.mark.skipif(
     find_spec("exudyn") is None, reason="EXUDYN (extra exudyn) is not installed"

@@ -5,20 +5,11 @@ import base64
 from matrix_sample import sample_matrix
 
 from lumped.audit.finding import Finding
-from validation.case import (
-    Absolute,
-    Allowance,
-    Case,
-    Measurement,
-    Outcome,
-    Relation,
-    Relative,
-    judge,
-)
+from validation.case import Absolute, Allowance, Case, Measurement, Relation, Relative
 from validation.exhibits import Drawing, Figure, Study
 from validation.report.figures.studies.family_plots import study_plot
 from validation.report.page import Report
-from validation.results.records import Drawn
+from validation.results.outcome import Outcome, Result, judge
 
 PIXEL = base64.b64decode(
     "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg=="
@@ -90,6 +81,10 @@ FINDING = Finding(
 )
 
 
+def unmeasured(identifier, verdict, message, **changes):
+    return Outcome(case(identifier, **changes), Result(identifier, verdict, 0.2, message))
+
+
 def sample_report(**changes):
     agreeing = judge(
         case("legs.agrees", title="Agrees easily"),
@@ -130,8 +125,8 @@ def sample_report(**changes):
         Measurement(1.063, 1.1, exact=True),
         0.01,
     )
-    failed = Outcome(case("legs.failed"), "failed", 0.2, message="leg 2: matrix is <singular>")
-    skipped = Outcome(case("legs.skipped"), "skipped", 0.0, message="CalculiX is not installed")
+    failed = unmeasured("legs.failed", "failed", "leg 2: matrix is <singular>")
+    skipped = unmeasured("legs.skipped", "skipped", "CalculiX is not installed")
     fields = {
         "outcomes": (bound, agreeing, tight, failed, skipped, disagreeing),
         "figures": (
@@ -156,8 +151,6 @@ def sample_report(**changes):
             "versions": {"python": "3.11.7", "numpy": "2.4.6", "flexproof": "1.2"},
             "selftest": {"checked": "2026-01-01T03:04:05+00:00", "kept": 1, "computed": 0},
         },
-        "missing_figures": (
-            Drawn(Drawing("fig7", "Fig. 7, mode shapes", never), 0.0, message="no OpenGL"),
-        ),
+        "missing_figures": ((Drawing("fig7", "Fig. 7, mode shapes", never), "no OpenGL"),),
     }
     return Report(**(fields | changes))

@@ -14,9 +14,9 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from report_sample import CONVERGENCE, PIXEL, SWEEP, case, never, sample_report
+from report_sample import CONVERGENCE, PIXEL, SWEEP, case, never, sample_report, unmeasured
 
-from validation.case import Absolute, Allowance, Measurement, Outcome, Relation, judge
+from validation.case import Absolute, Allowance, Measurement, Relation
 from validation.drawing import text
 from validation.drawing.scales import power_ticks
 from validation.drawing.style import canvas, csv_of, plot_style, svg_of
@@ -29,6 +29,7 @@ from validation.report.figures.studies.family_plots import study_plot
 from validation.report.page import render
 from validation.report.sections import APPENDIX, CHAPTERS, chapters_of
 from validation.report.tables import grids, unexplained_share
+from validation.results.outcome import judge
 
 VOID = {"meta", "link", "img", "br", "hr", "input"}
 
@@ -113,7 +114,7 @@ def test_the_worst_comparisons_come_first():
 
 def test_what_verifies_the_program_is_folded_into_an_appendix_with_one_line():
     program = judge(case("guard.a", section="Guards"), Measurement(1.001, 1.0, exact=True), 0.1)
-    skipped = Outcome(case("guard.b", section="Guards"), "skipped", 0.0, message="no CalculiX")
+    skipped = unmeasured("guard.b", "skipped", "no CalculiX", section="Guards")
     over = {"section": "The robot over its stroke", "subject": "robot"}
     robot = judge(case("robot.a", **over), Measurement(1.0, 1.0, exact=True), 0.1)
     report = sample_report(outcomes=(program, skipped, robot), figures=())
@@ -330,10 +331,7 @@ def test_the_figures_of_the_page_are_all_there_to_be_written(markup):
 
 def test_what_was_skipped_stands_together_by_its_reason():
     reasons = ("no CalculiX", "too large", "no CalculiX")
-    outcomes = [
-        Outcome(case(f"legs.{n}"), "skipped", 0.0, message=reason)
-        for n, reason in enumerate(reasons)
-    ]
+    outcomes = [unmeasured(f"legs.{n}", "skipped", reason) for n, reason in enumerate(reasons)]
     report = sample_report(outcomes=tuple(outcomes))
     by_reason = {reason: [o.case.id for o in found] for reason, found in report.skipped.items()}
     assert by_reason == {"no CalculiX": ["legs.0", "legs.2"], "too large": ["legs.1"]}

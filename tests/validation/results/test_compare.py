@@ -1,44 +1,33 @@
 """Two runs side by side, and truth and frozen apart. The numbers are made up to be told apart."""
 
 import json
-from dataclasses import replace
 
 import pytest
+from msgspec.json import encode
+from msgspec.structs import replace
 
 from lumped.errors import InputError
 from lumped.robot_file import load_robot
 from validation import cli
-from validation.case import Absolute, Case, Measurement, judge
+from validation.case import Absolute, Case, Measurement
 from validation.results.compare import as_dict, compare
 from validation.results.comparison_text import as_text, table
-from validation.results.drift import Frozen, drift, drifts
-from validation.results.freeze import (
-    FOLDER,
-    built_in_frozen,
-    freeze,
-    frozen_text,
-    frozen_values,
-    main,
-)
-from validation.results.records import results
-from validation.results.saved_run import SavedCase, SavedRun, load_run, parse_run
+from validation.results.drift import drift, drifts, with_drift
+from validation.results.freeze import FOLDER, built_in_frozen, freeze, frozen_text, main
+from validation.results.outcome import judge
+from validation.results.records import CaseRecord, RunRecord, case_record, load_run, parse_run
 
-STEADY = SavedCase("steady", "agree", value=1.0, reference=1.0, tolerance=0.1, seconds=1.0)
+STEADY = CaseRecord(
+    id="steady", verdict="agree", value=1.0, reference=1.0, tolerance=0.1, seconds=1.0
+)
 
 
 def run_of(*cases, **header):
-    return SavedRun(cases, run={"robot": "r", "preset": "quick"} | header)
+    return RunRecord(cases=cases, run={"robot": "r", "preset": "quick"} | header)
 
 
 def saved(path, *cases, **header):
-    entries = [
-        {"id": c.id, "verdict": c.verdict, "value": c.value, "reference": c.reference,
-         "numerical_uncertainty": c.numerical_uncertainty, "tolerance": c.tolerance,
-         "unit": c.unit, "seconds": c.seconds, "title": c.title}
-        for c in cases
-    ]  # fmt: skip
-    header = {"robot": "r", "preset": "quick"} | header
-    path.write_text(json.dumps({"schema": 1, "run": header, "cases": entries, "studies": []}))
+    path.write_bytes(encode(run_of(*cases, **header)))
     return path
 
 
@@ -104,13 +93,13 @@ def test_new_and_removed_cases_are_named_and_worsen_nothing():
     ],
 )
 def test_drift_is_what_exceeds_the_uncertainty(value, then, now, beyond):
-    assert drift(Frozen(1.0, then), value, uncertainty=now, reference=1.0).beyond is beyond
+    assert drift(1.0, value, uncertainties=(then, now), reference=1.0).beyond is beyond
 
 
 def test_rounding_about_zero_is_no_drift():
     # 1e-16 held against zero within 1e-9: a value that is all rounding may double.
-    assert not drift(Frozen(1e-16), 2e-16, reference=0.0, tolerance=1e-9).beyond
-    assert drift(Frozen(1e-16), 2e-12, reference=0.0, tolerance=1e-9).beyond
+    assert not drift(1e-16, 2e-16, reference=0.0, tolerance=1e-9).beyond
+    assert drift(1e-16, 2e-12, reference=0.0, tolerance=1e-9).beyond
 
 
 def test_a_reference_that_moves_is_drift_too():
@@ -225,23 +214,29 @@ def test_runs_without_a_common_case_are_not_called_the_same(tmp_path, capsys):
         assert len(error.splitlines()) == 1
 
 
+def drifted(moved):
+    frozen = run_of(CaseRecord(id="toy", verdict="agree", value=0.5))
+    return with_drift(case_record(moved), drifts([moved], frozen)["toy"])
+
+
 def test_drift_stands_beside_the_verdict_and_never_changes_it():
     # 0.05 from the reference agrees within 0.1, though it is far from the earlier value.
     moved = outcome(1.05)
-    entry = results({}, [moved], drifts([moved], {"toy": Frozen(0.5)}), ())["cases"][0]
-    assert entry["verdict"] == "agree"
-    assert (entry["reference"], entry["frozen"]) == (1.0, 0.5)
-    assert entry["drift"] == pytest.approx(0.55, rel=1e-12)
-    assert entry["drifted"] is True
+    entry = drifted(moved)
+    assert entry.verdict == "agree"
+    assert (entry.reference, entry.frozen) == (1.0, 0.5)
+    assert entry.drift == pytest.approx(0.55, rel=1e-12)
+    assert entry.drifted is True
     # At its frozen value and 0.5 from the reference: no drift, and still it disagrees.
     wrong = outcome(0.5)
-    entry = results({}, [wrong], drifts([wrong], {"toy": Frozen(0.5)}), ())["cases"][0]
-    assert (entry["verdict"], entry["drift"], entry["drifted"]) == ("disagree", 0.0, False)
+    entry = drifted(wrong)
+    assert (entry.verdict, entry.drift, entry.drifted) == ("disagree", 0.0, False)
 
 
 def test_a_case_without_a_frozen_value_has_no_drift():
-    entry = results({}, [outcome(1.0)], {}, ())["cases"][0]
-    assert (entry["frozen"], entry["drift"], entry["drifted"]) == (None, None, None)
+    assert drifts([outcome(1.0)], run_of()) == {}
+    entry = with_drift(case_record(outcome(1.0)), None)
+    assert (entry.frozen, entry.drift, entry.drifted) == (None, None, None)
 
 
 def whole_run(tmp_path, *cases, **changes):
@@ -258,8 +253,11 @@ def test_a_run_is_frozen_with_all_digits(tmp_path):
     third = replace(STEADY, id="third", value=1.0 / 3.0, numerical_uncertainty=1e-7 / 3.0)
     path = freeze(whole_run(tmp_path, third, STEADY), tmp_path)
     assert path.name == "ifw-quick.json"
-    frozen = frozen_values(parse_run(path.read_bytes(), "frozen"))
-    assert frozen == {"steady": Frozen(1.0, None), "third": Frozen(1.0 / 3.0, 1e-7 / 3.0)}
+    frozen = parse_run(path.read_bytes(), "frozen").by_id
+    assert {name: (case.value, case.numerical_uncertainty) for name, case in frozen.items()} == {
+        "steady": (1.0, None),
+        "third": (1.0 / 3.0, 1e-7 / 3.0),
+    }
 
 
 @pytest.mark.parametrize(

@@ -1,11 +1,11 @@
 """Runs of two variants of a robot: what differs in the input, adequacy side by side, no drift."""
 
-import json
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from msgspec.json import encode
+from msgspec.structs import replace
 
 from lumped.acceptance.requirement import STATIC_QUANTITIES, Requirement
 from lumped.robot_file import RobotFile, load_robot
@@ -19,8 +19,7 @@ from validation.models.options import ModelOptions
 from validation.results import comparison_text
 from validation.results.compare import as_dict, compare
 from validation.results.provenance import header
-from validation.results.records import results
-from validation.results.saved_run import SavedCase, SavedRun, parse_run
+from validation.results.records import CaseRecord, RunRecord, parse_run, run_record
 
 WALLS = """
 schema = 1
@@ -47,7 +46,7 @@ def variant(folder: Path, thickness: float) -> RobotFile:
     return load_robot(path)
 
 
-def saved(robot_file: RobotFile) -> SavedRun:
+def saved(robot_file: RobotFile) -> RunRecord:
     """A run of nothing but the statics of two models, as it is written and read again."""
     robot = robot_file.robot
     x = robot.stations(9)
@@ -64,7 +63,11 @@ def saved(robot_file: RobotFile) -> SavedRun:
         dynamics=Reference("none", ()),
     )
     matrix = judged(subject, Requirement())
-    return parse_run(json.dumps(results(header(robot_file, "quick", {}), [], {}, [matrix])), "test")
+    return parse_run(encode(run_record(header(robot_file, "quick", {}), (), (), [matrix])), "test")
+
+
+def one_case(value: float, pose: tuple[float, ...] = ()) -> CaseRecord:
+    return CaseRecord(id="a", verdict="agree", value=value, reference=1.0, pose=pose)
 
 
 @pytest.fixture(scope="module")
@@ -73,12 +76,12 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def both(folder: Path) -> tuple[SavedRun, SavedRun]:
+def both(folder: Path) -> tuple[RunRecord, RunRecord]:
     return saved(variant(folder, 0.004)), saved(variant(folder, 0.003))
 
 
 def test_statics_of_two_variants_differ_as_solve_says(
-    folder: Path, both: tuple[SavedRun, SavedRun]
+    folder: Path, both: tuple[RunRecord, RunRecord]
 ) -> None:
     thick, thin = (variant(folder, thickness).robot for thickness in (0.004, 0.003))
     comparison = compare(*both)
@@ -95,7 +98,7 @@ def test_statics_of_two_variants_differ_as_solve_says(
             assert after - before == pytest.approx(solved[1] - solved[0], rel=1e-9)
 
 
-def test_what_differs_in_the_input_is_named(both: tuple[SavedRun, SavedRun]) -> None:
+def test_what_differs_in_the_input_is_named(both: tuple[RunRecord, RunRecord]) -> None:
     comparison = compare(*both)
     assert comparison.inputs is not None
     (change,) = comparison.inputs
@@ -107,18 +110,21 @@ def test_what_differs_in_the_input_is_named(both: tuple[SavedRun, SavedRun]) -> 
     assert record["adequacy"][0]["values"][0].keys() == {"pose", "before", "after"}
 
 
-def test_numbers_of_different_inputs_do_not_drift(both: tuple[SavedRun, SavedRun]) -> None:
-    before = replace(both[0], cases=(SavedCase("a", "agree", value=1.0, reference=1.0),))
-    after = replace(both[1], cases=(SavedCase("a", "agree", value=2.0, reference=1.0),))
+def test_numbers_of_different_inputs_do_not_drift(both: tuple[RunRecord, RunRecord]) -> None:
+    before = replace(both[0], cases=(one_case(value=1.0),))
+    after = replace(both[1], cases=(one_case(value=2.0),))
     assert compare(before, after).drifted == ()
     assert compare(before, replace(after, run=before.run)).drifted != ()
 
 
 def test_values_of_two_postures_are_not_set_against_each_other(
-    both: tuple[SavedRun, SavedRun],
+    both: tuple[RunRecord, RunRecord],
 ) -> None:
     at_start, elsewhere = (
-        replace(both[0], cases=(SavedCase("a", "agree", value=value, reference=1.0, pose=pose),))
+        replace(
+            both[0],
+            cases=(one_case(value=value, pose=pose),),
+        )
         for value, pose in ((1.0, (0.21,)), (2.0, (0.6,)))
     )
     assert compare(at_start, elsewhere).drifted == ()
@@ -126,7 +132,7 @@ def test_values_of_two_postures_are_not_set_against_each_other(
     assert compare(at_start, replace(elsewhere, cases=(moved,))).drifted != ()
 
 
-def test_runs_of_one_input_have_no_changes_to_tell(both: tuple[SavedRun, SavedRun]) -> None:
+def test_runs_of_one_input_have_no_changes_to_tell(both: tuple[RunRecord, RunRecord]) -> None:
     comparison = compare(both[0], both[0])
     assert comparison.inputs == ()
     assert "Adequacy" not in comparison_text.as_text(both[0], both[0], comparison)

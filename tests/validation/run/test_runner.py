@@ -12,9 +12,9 @@ import pytest
 
 from lumped.errors import ComputationError, InputError
 from lumped.robot_file import load_robot
-from validation.case import Outcome
 from validation.results import provenance
 from validation.results.junit import junit_xml
+from validation.results.outcome import Outcome, Result
 from validation.run import runner
 from validation.run.progress import Progress, Quiet
 from validation.run.session import Request, validate
@@ -98,9 +98,7 @@ def test_a_sound_run_leaves_everything_in_its_folder(sound_run):
 
 def test_a_group_shares_what_is_expensive(sound_run):
     gathered, _ = sound_run
-    notes = [
-        gathered.outcomes[name].measurement.notes for name in ("toy.first[x=1]", "toy.second[x=2]")
-    ]
+    notes = [gathered.done[name].found.notes for name in ("toy.first[x=1]", "toy.second[x=2]")]
     assert notes[0] == notes[1]
 
 
@@ -111,12 +109,12 @@ def test_a_disagreement_ends_with_exit_code_1(toys, robot_file, tmp_path):
 
 def test_whatever_happens_in_a_case_is_its_verdict(troubled_run):
     gathered, path = troubled_run
-    messages = {name: outcome.message for name, outcome in gathered.outcomes.items()}
+    messages = {name: outcome.message for name, outcome in gathered.done.items()}
     assert gathered.exit_code() == 3
     assert messages["toy.singular"] == "leg 2: the stiffness matrix is singular"
     assert messages["toy.bug"] == "IndexError: pop from empty list (traceback in log.txt)"
     assert "SIGSEGV" in messages["toy.crash"]
-    assert gathered.outcomes["toy.after-the-crash"].verdict == "agree"
+    assert gathered.done["toy.after-the-crash"].verdict == "agree"
     log = (path / "log.txt").read_text()
     assert "Traceback" in log
     assert "this belongs into the log" in log
@@ -150,7 +148,7 @@ def test_an_interrupted_run_keeps_what_was_finished_and_goes_on(toys, robot_file
     gathered = validate(asked(robot_file, tmp_path, 1), toys.endless)
     assert signal.getsignal(signal.SIGINT) is before
     assert gathered.exit_code() == 3
-    assert list(gathered.outcomes) == ["toy.agrees"]
+    assert list(gathered.done) == ["toy.agrees"]
     assert gathered.unfinished == 1
     cases = json.loads((tmp_path / "results.json").read_text())["cases"]
     assert [entry["id"] for entry in cases] == ["toy.agrees"]
@@ -161,10 +159,10 @@ def test_a_resumed_run_computes_only_what_is_missing(toys, robot_file, troubled_
     first, path = troubled_run
     again = validate(asked(robot_file, path, start="resumed"), toys.troubled)
     kept = "toy.first[x=1]"
-    assert again.outcomes[kept].measurement.notes == first.outcomes[kept].measurement.notes
-    assert again.outcomes["toy.agrees"].seconds == first.outcomes["toy.agrees"].seconds
+    assert again.done[kept].found.notes == first.done[kept].found.notes
+    assert again.done["toy.agrees"].seconds == first.done["toy.agrees"].seconds
     # What failed is tried again.
-    assert again.outcomes["toy.singular"].seconds != first.outcomes["toy.singular"].seconds
+    assert again.done["toy.singular"].seconds != first.done["toy.singular"].seconds
     assert again.exit_code() == 3
 
 
@@ -179,12 +177,12 @@ def test_a_library_that_is_refused_memory_fails_the_case_with_its_reason(
 ):
     # OpenBLAS ends the process, without a word to Python.
     gathered = validate(asked(robot_file, tmp_path, 1), toys.starved)
-    assert gathered.outcomes["toy.starved"].verdict == "failed"
+    assert gathered.done["toy.starved"].verdict == "failed"
     assert "ran out of memory (OpenBLAS error: Memory allocation still failed" in (
-        gathered.outcomes["toy.starved"].message
+        gathered.done["toy.starved"].message
     )
-    assert "fewer --jobs" in gathered.outcomes["toy.starved"].message
-    assert gathered.outcomes["toy.agrees"].verdict == "agree"
+    assert "fewer --jobs" in gathered.done["toy.starved"].message
+    assert gathered.done["toy.agrees"].verdict == "agree"
     assert gathered.exit_code() == 3
 
 
@@ -203,7 +201,7 @@ def test_a_record_whose_verdict_its_numbers_do_not_bear_out_is_computed_again(
     again = validate(
         asked(robot_file, tmp_path, only="toy.agrees", start="resumed"), toys.disagreeing
     )
-    assert again.outcomes["toy.agrees"].measurement.value == 1.0 / 3.0
+    assert again.done["toy.agrees"].found.value == 1.0 / 3.0
 
 
 def test_nothing_is_lost_when_keeping_fails(toys, robot_file, tmp_path):
@@ -243,7 +241,7 @@ def test_two_cases_of_one_id_are_refused(toys, robot_file):
 
 def test_messages_with_control_characters_are_still_xml(toys):
     case = toys.case("toy.escape", toys.agrees)
-    text = junit_xml([Outcome(case, "failed", 0.0, message="\x1b[31mred\x00 <&>")], "toys")
+    text = junit_xml([Outcome(case, Result(case.id, "failed", 0.0, "\x1b[31mred\x00 <&>"))], "toys")
     error = ET.fromstring(text).find("testsuite/testcase/error")  # noqa: S314  our own
     assert error.get("message") == "?[31mred? <&>"
 
@@ -251,7 +249,11 @@ def test_messages_with_control_characters_are_still_xml(toys):
 def test_ci_systems_are_told_how_many_failed_and_how_many_were_left_out(toys):
     case = toys.case("toy.counted", toys.agrees)
     told = {"agree": 1, "disagree": 2, "failed": 3, "skipped": 4, "undecided": 5}
-    outcomes = [Outcome(case, verdict, 0.5) for verdict, n in told.items() for _ in range(n)]
+    outcomes = [
+        Outcome(case, Result(case.id, verdict, 0.5))
+        for verdict, n in told.items()
+        for _ in range(n)
+    ]
     suite = ET.fromstring(junit_xml(outcomes, "toys")).find("testsuite")  # noqa: S314  our own
     counts = {name: int(suite.get(name)) for name in ("tests", "failures", "errors", "skipped")}
     assert counts == {"tests": 15, "failures": 2, "errors": 3, "skipped": 9}

@@ -13,14 +13,14 @@ import pytest
 
 from lumped.robot_file import load_robot
 from validation import catalogue, cli
-from validation.case import judge
 from validation.cases.program.guards import pairing
 from validation.context import Context
 from validation.faults.catalogue import FAULTS
 from validation.faults.sound import sound_cases
 from validation.faults.trial import catchers, tried
 from validation.results import provenance
-from validation.results.records import is_check, outcome_to_record
+from validation.results.outcome import judge
+from validation.results.tasks import is_check, plain
 from validation.run import summary
 from validation.run.kept_checks import kept_of
 from validation.run.session import Request, validate
@@ -54,7 +54,7 @@ def ran(listed, out, robot_file=IFW, **changes):
 
 def moment(gathered):
     """What the check that is never the same twice has noted."""
-    return gathered.outcomes["toy.check.sum"].measurement.notes[0]
+    return gathered.done["toy.check.sum"].found.notes[0]
 
 
 def counts(gathered):
@@ -86,8 +86,8 @@ def test_a_second_run_shows_what_the_first_one_found(toys, cache, tmp_path, caps
 def test_the_program_is_checked_on_the_built_in_robot(toys, tmp_path):
     other = replace(IFW, described=replace(IFW.robot, a=IFW.robot.a + 0.02))
     gathered = ran(toys.checked, tmp_path / "run", other)
-    assert gathered.outcomes["toy.check.steady"].measurement.value == IFW.robot.a
-    assert gathered.drawn["toy.check.figure"].figure.data == f"x\n{IFW.robot.a}\n"
+    assert gathered.done["toy.check.steady"].found.value == IFW.robot.a
+    assert gathered.done["toy.check.figure"].found.data == f"x\n{IFW.robot.a}\n"
     # Nor does the robot tell kept checks apart.
     assert counts(ran(toys.checked, tmp_path / "next")) == (3, 0)
 
@@ -150,7 +150,7 @@ def test_what_was_damaged_is_made_again_and_holds_then(toys, cache, tmp_path):
     file.write_bytes(flipped(file.read_bytes()))
     again = ran(toys.checked, tmp_path / "again")
     assert counts(again) == (2, 1)
-    assert again.outcomes["toy.check.sum"].measurement.value == 1.0
+    assert again.done["toy.check.sum"].found.value == 1.0
     assert moment(again) != moment(first)
     assert counts(ran(toys.checked, tmp_path / "healed")) == (3, 0)
 
@@ -205,7 +205,7 @@ def test_who_names_checks_or_asks_for_them_has_them_computed(toys, tmp_path):
 
 def test_checks_can_be_left_out_and_that_is_said(toys, cache, tmp_path):
     gathered = ran(toys.checked, tmp_path / "run", selftest=False)
-    assert list(gathered.outcomes) == ["toy.agrees"]
+    assert list(gathered.done) == ["toy.agrees"]
     assert summary.program(gathered) == "the program: not checked in this run"
     assert "The program: not checked in this run" in (tmp_path / "run/report.html").read_text()
     assert gathered.header["options"] == {"selftest": "left out"}
@@ -265,7 +265,7 @@ def test_faults_are_put_to_the_checks_themselves_whatever_is_kept():
     kept = kept_of(provenance.header(IFW, "quick", {}))
     context = Context(IFW, "quick")
     for case in pairing.cases():
-        kept.add(outcome_to_record(judge(case, case.measure(context), 0.0)))
+        kept.add(plain(judge(case, case.measure(context), 0.0).result))
     assert set(kept.records()) == {case.id for case in pairing.cases()}
     fault = next(one for one in FAULTS if one.id == "pairing.unweighted")
     said = tried(fault, sound_cases(pairing.cases(), IFW, "quick", [fault.where]))

@@ -15,10 +15,11 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from validation.agreement.convergence import step_factor
-from validation.case import Case, Measurement, Relation, Tolerance, verdict
+from validation.case import Case, Measurement, Relation, Tolerance
 from validation.claims import Claim, Curve
 from validation.context import Context
 from validation.models.options import DEFAULT_OPTIONS, ModelOptions
+from validation.results.outcome import verdict
 
 SECTION = "The paper's statements"
 # Postures over the stroke at which curves are compared.

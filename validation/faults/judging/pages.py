@@ -7,9 +7,11 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from msgspec import structs
 
 from lumped.arrays import Array
 from validation.faults.fault import Faulty, fault, fault_around, fault_in_value
+from validation.results.records import CaseRecord
 from validation.studies.quantities import Deflections
 
 
@@ -135,9 +137,9 @@ def _unweighted(shares: Mapping[str, Array]) -> dict[str, Array]:
 
 
 def _field(name: str, other: str, factor: float = 1.0) -> Any:
-    def changed(record: dict[str, Any]) -> dict[str, Any]:
-        value = record[other]
-        return record | {name: None if value is None else factor * value}
+    def changed(record: CaseRecord) -> CaseRecord:
+        value = getattr(record, other)
+        return structs.replace(record, **{name: None if value is None else factor * value})
 
     return changed
 
@@ -145,13 +147,13 @@ def _field(name: str, other: str, factor: float = 1.0) -> Any:
 @fault_in_value(
     "page.record-exchanged",
     "A record's value and reference exchanged",
-    "validation.case.result_record",
+    "validation.results.records.case_record",
 )
-def _exchanged(record: dict[str, Any]) -> dict[str, Any]:
-    return record | {"value": record["reference"], "reference": record["value"]}
+def _exchanged(record: CaseRecord) -> CaseRecord:
+    return structs.replace(record, value=record.reference, reference=record.value)
 
 
-@fault_in_value("page.rounded", "Three digits written for all", "validation.case.finite")
+@fault_in_value("page.rounded", "Three digits written for all", "validation.results.records.finite")
 def _rounded(value: float | None) -> float | None:
     return None if value is None else float(f"{value:.3g}")
 
@@ -296,20 +298,24 @@ fault_in_value(
     "page.millimetre", "Deflections in mm for µm", "validation.studies.quantities.deflections_of"
 )(_scaled(1e-3))
 fault_in_value(
-    "page.record-sign", "A record's error with the wrong sign", "validation.case.result_record"
+    "page.record-sign",
+    "A record's error with the wrong sign",
+    "validation.results.records.case_record",
 )(_field("error", "error", -1.0))
 fault_in_value(
     "page.record-uncertainty",
     "A record with the uncertainty of another number",
-    "validation.case.result_record",
+    "validation.results.records.case_record",
 )(_field("value_uncertainty", "numerical_uncertainty"))
 fault_in_value(
     "page.record-unexplained",
     "A record's error shown as unexplained",
-    "validation.case.result_record",
+    "validation.results.records.case_record",
 )(_field("unexplained", "error"))
 fault_in_value(
-    "page.record-tolerance", "A record with twice its tolerance", "validation.case.result_record"
+    "page.record-tolerance",
+    "A record with twice its tolerance",
+    "validation.results.records.case_record",
 )(_field("tolerance", "tolerance", 2.0))
 fault_in_value(
     "page.tolerance-text",

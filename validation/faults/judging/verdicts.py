@@ -146,7 +146,7 @@ def _bounds_as_equalities(_relation: Relation, difference: float) -> float:
 @fault_around(
     "judgement.uncertainty-widens",
     "The uncertainty widens the tolerance",
-    "validation.case.verdict",
+    "validation.results.outcome.verdict",
 )
 def _widened(
     sound: Faulty, left: float, relation: Any, tolerance: float, uncertainty: Any = None
@@ -155,7 +155,9 @@ def _widened(
 
 
 @fault_around(
-    "judgement.full-width", "Twice the tolerance: full width for half", "validation.case.verdict"
+    "judgement.full-width",
+    "Twice the tolerance: full width for half",
+    "validation.results.outcome.verdict",
 )
 def _doubled(
     sound: Faulty, left: float, relation: Any, tolerance: float, uncertainty: Any = None
@@ -164,7 +166,9 @@ def _doubled(
 
 
 @fault_around(
-    "judgement.never-undecided", "An uncertain comparison is decided", "validation.case.verdict"
+    "judgement.never-undecided",
+    "An uncertain comparison is decided",
+    "validation.results.outcome.verdict",
 )
 def _never_undecided(
     sound: Faulty, left: float, relation: Any, tolerance: float, _uncertainty: Any = None
@@ -172,20 +176,22 @@ def _never_undecided(
     return sound(left, relation, tolerance, None)
 
 
-@fault_around("judgement.nan-agrees", "Not a number agrees", "validation.case.verdict")
+@fault_around("judgement.nan-agrees", "Not a number agrees", "validation.results.outcome.verdict")
 def _nan_agrees(
     sound: Faulty, left: float, relation: Any, tolerance: float, uncertainty: Any = None
 ) -> Any:
     return "agree" if left != left else sound(left, relation, tolerance, uncertainty)  # noqa: PLR0124
 
 
-@fault("judgement.always-agrees", "Everything agrees", "validation.case.verdict")
+@fault("judgement.always-agrees", "Everything agrees", "validation.results.outcome.verdict")
 def _always(*_args: Any, **_kwargs: Any) -> str:
     return "agree"
 
 
 @fault_around(
-    "judgement.allowances-dropped", "Allowances forgotten when judging", "validation.case.judge"
+    "judgement.allowances-dropped",
+    "Allowances forgotten when judging",
+    "validation.results.outcome.judge",
 )
 def _without_allowances(sound: Faulty, case: Any, measurement: Measurement, seconds: float) -> Any:
     return sound(case, replace(measurement, allowances=()), seconds)

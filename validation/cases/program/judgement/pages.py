@@ -8,18 +8,7 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 
-from validation.case import (
-    Absolute,
-    Allowance,
-    Case,
-    Measurement,
-    Outcome,
-    Relation,
-    Relative,
-    finite,
-    judge,
-    result_record,
-)
+from validation.case import Absolute, Allowance, Case, Measurement, Relation, Relative
 from validation.cases.program.judgement.claims import claims_case, same
 from validation.cases.program.judgement.rules import probe
 from validation.context import Context
@@ -28,6 +17,8 @@ from validation.exhibits import Study, study_record
 from validation.report import tables
 from validation.report.listing import outcome_line, summary, tolerance_text
 from validation.results.junit import junit_xml
+from validation.results.outcome import Outcome, Result, judge
+from validation.results.records import case_record, finite
 
 _SOURCE = "every number that is shown, read back as a reader would"
 _SUPERSCRIPTS = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
@@ -60,7 +51,7 @@ def _sample() -> Outcome:
 
 
 def _records(_context: Context) -> Mapping[str, bool]:
-    record = result_record(_sample())
+    record = case_record(_sample())
     wanted = {
         "value": 3.25,
         "reference": 3.0,
@@ -72,10 +63,10 @@ def _records(_context: Context) -> Mapping[str, bool]:
         "tolerance": 0.03,
         "seconds": 1.5,
     }
-    return {name: same(record[name], number, 1e-9) for name, number in wanted.items()} | {
-        "verdict": record["verdict"] == "agree",
-        "allowance": same(record["allowances"][0]["amount"], 0.26),
-        "table": record["table"] == {"first": [1.0, 2.0], "second": [3.0, 4.0]},
+    return {name: same(getattr(record, name), number, 1e-9) for name, number in wanted.items()} | {
+        "verdict": record.verdict == "agree",
+        "allowance": same(record.allowances[0]["amount"], 0.26),
+        "table": record.table == {"first": (1.0, 2.0), "second": (3.0, 4.0)},
         "all digits": same(finite(1.23456789012345e-7), 1.23456789012345e-7, 1e-15),
         "NaN is none": finite(float("nan")) is None and finite(float("inf")) is None,
     }
@@ -89,16 +80,16 @@ def _at_random(_context: Context) -> Mapping[str, bool]:
         stated = judged if number % 2 else None
         allowances = Allowance("a", part), Allowance("b", 0.1 * part)
         measured = Measurement(value, reference, own, other, stated, allowances)
-        record = result_record(judge(probe(Absolute(0.1), Relation.AT_MOST), measured, 0.0))
+        record = case_record(judge(probe(Absolute(0.1), Relation.AT_MOST), measured, 0.0))
         claims[f"record {number}"] = (
-            same(record["value"], value)
-            and same(record["reference"], reference)
-            and same(record["error"], value - reference, 1e-9)
-            and same(record["unexplained"], value - reference - 1.1 * part, 1e-9)
-            and same(record["value_uncertainty"], own)
-            and same(record["reference_uncertainty"], other)
-            and same(record["numerical_uncertainty"], stated or float(np.hypot(own, other)))
-            and same(record["tolerance"], 0.1)
+            same(record.value, value)
+            and same(record.reference, reference)
+            and same(record.error, value - reference, 1e-9)
+            and same(record.unexplained, value - reference - 1.1 * part, 1e-9)
+            and same(record.value_uncertainty, own)
+            and same(record.reference_uncertainty, other)
+            and same(record.numerical_uncertainty, stated or float(np.hypot(own, other)))
+            and same(record.tolerance, 0.1)
         )
     return claims
 
@@ -197,7 +188,7 @@ def _tables(_context: Context) -> Mapping[str, bool]:
 
 def _lines(_context: Context) -> Mapping[str, bool]:
     agreed, wrong = _outcome("vjm", "one", 2.25), _outcome("beam", "one", 9.5)
-    failed = Outcome(agreed.case, "failed", 0.1, message="it broke")
+    failed = Outcome(agreed.case, Result(agreed.case.id, "failed", 0.1, "it broke"))
     outcomes = [agreed, wrong, failed]
     written = junit_xml(outcomes, "made up")
     suite = ET.fromstring(written).find("testsuite")  # noqa: S314  our own text

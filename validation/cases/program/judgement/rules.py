@@ -6,20 +6,10 @@ from math import inf, nan, sqrt
 
 import numpy as np
 
-from validation.case import (
-    Absolute,
-    Allowance,
-    Case,
-    Measurement,
-    Relation,
-    Relative,
-    Tolerance,
-    Verdict,
-    judge,
-    perturbed,
-)
+from validation.case import Absolute, Allowance, Case, Measurement, Relation, Relative, Tolerance
 from validation.cases.program.judgement.claims import claims_case, same
 from validation.context import Context
+from validation.results.outcome import Verdict, judge, perturbed
 from validation.sweeps.decision import kendall, spearman
 
 _RANDOM = 300

@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from lumped.arrays import Array
-from validation.case import Allowance, Measurement, Outcome
+from validation.case import Allowance, Measurement
 from validation.drawing.style import (
     BLUE,
     GREEN,
@@ -32,6 +32,7 @@ from validation.drawing.style import (
 )
 from validation.drawing.text import function_name
 from validation.exhibits import Figure
+from validation.results.outcome import Outcome
 
 # Colour and hatch of the causes: the hatch tells them apart in black and white.
 _LOOKS = (

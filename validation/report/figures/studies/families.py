@@ -3,9 +3,9 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from validation.case import Outcome
 from validation.drawing.text import function_name
 from validation.exhibits import Study
+from validation.results.outcome import Outcome
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,155 @@
+"""What became of a piece of work, and the verdict on what a case measured.
+
+The numerical uncertainty of both sides never widens the tolerance: where it exceeds it, the
+comparison is undecided and does not count as agreement.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from math import isfinite, nan
+from typing import Generic, Literal, TypeAlias, TypeVar
+
+import msgspec
+
+from validation.case import Case, Measurement, Relation
+
+Verdict: TypeAlias = Literal["agree", "disagree", "undecided", "failed", "skipped"]
+V = TypeVar("V")
+F = TypeVar("F")
+
+
+class Result(msgspec.Struct, Generic[V, F], frozen=True):
+    """What became of a task: a worker sends it, the journal keeps it, the run and its page read it.
+
+    `verdict` is that on a comparison, of anything else whether it was made; `found` a measurement,
+    figure or matrix, None where there is none, and `message` says why. `checked` tells when it was
+    made, where it was kept for later runs.
+    """
+
+    id: str
+    verdict: V
+    seconds: float
+    message: str = ""
+    found: F | None = None
+    checked: str = ""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """A case with its result."""
+
+    case: Case
+    result: Result[Verdict, Measurement]
+
+    @property
+    def verdict(self) -> Verdict:
+        """The verdict on what it measured, or that it failed or was skipped."""
+        return self.result.verdict
+
+    @property
+    def seconds(self) -> float:
+        """How long it took."""
+        return self.result.seconds
+
+    @property
+    def measurement(self) -> Measurement | None:
+        """What it measured."""
+        return self.result.found
+
+    @property
+    def message(self) -> str:
+        """Why it failed, was skipped, or cannot be decided."""
+        return self.result.message
+
+    @property
+    def tolerance(self) -> float:
+        """Tolerance in the unit of the case, NaN where nothing was measured."""
+        if self.measurement is None:
+            return nan
+        return self.case.tolerance.at(self.measurement.reference)
+
+    @property
+    def share(self) -> float:
+        """Unexplained error on the wrong side over tolerance, the largest: above 1 it disagrees."""
+        if self.measurement is None:
+            return nan
+        own = self.case.relation.excess(self.measurement.unexplained) / self.tolerance
+        others = (
+            self.case.relation.excess(one.unexplained) / self.case.tolerance.at(one.reference)
+            for one in self.measurement.elsewhere
+        )
+        return max([own, *others])
+
+
+def verdict(
+    unexplained: float, relation: Relation, tolerance: float, uncertainty: float | None = None
+) -> Literal["agree", "disagree", "undecided"]:
+    """Agree if the unexplained difference keeps the relation within `tolerance` (same unit).
+
+    NaN never agrees. A numerical `uncertainty` above the tolerance leaves it undecided, unless the
+    difference is beyond the tolerance by more than that.
+    """
+    if not isfinite(unexplained):
+        return "disagree"
+    beyond = relation.excess(unexplained) - tolerance
+    certain = uncertainty is None or uncertainty <= tolerance or beyond > uncertainty
+    if not certain:
+        return "undecided"
+    return "agree" if beyond <= 0.0 else "disagree"
+
+
+def judge(case: Case, measurement: Measurement, seconds: float) -> Outcome:
+    """The outcome of a case that was computed: the worst verdict of all places it looked at.
+
+    Raises ValueError for a relative tolerance about a reference of zero.
+    """
+    tolerance = case.tolerance.at(measurement.reference)
+    uncertainty = measurement.numerical_uncertainty
+    said = verdict(measurement.unexplained, case.relation, tolerance, uncertainty)
+    message = _remark(case, measurement, tolerance)
+    for one in measurement.elsewhere:
+        allowed = case.tolerance.at(one.reference)
+        there = verdict(one.unexplained, case.relation, allowed, one.uncertainty)
+        if _GRAVITY[there] > _GRAVITY[said]:
+            said = there
+            explained = f" and {one.allowed:.3g} explained" if one.allowed else ""
+            message = (
+                f"{there} at {one.where}: {one.value:.6g} {case.unit} against {one.reference:.6g} "
+                f"{case.unit}{explained}, tolerance {allowed:.3g} {case.unit}"
+            )
+    return Outcome(case, Result(case.id, said, seconds, message, measurement))
+
+
+_GRAVITY: Mapping[Verdict, int] = {"agree": 0, "undecided": 1, "disagree": 2}
+
+
+def perturbed(outcome: Outcome, factor: float) -> Verdict:
+    """The verdict if the reference lay `factor` tolerances further on the adverse side.
+
+    The tolerance keeps its amount. A sound case turns for a factor of three.
+    """
+    measurement = outcome.measurement
+    if measurement is None:
+        return outcome.verdict
+    tolerance = outcome.tolerance
+    direction = outcome.case.relation.adverse(measurement.unexplained)
+    moved = replace(measurement, reference=measurement.reference + direction * factor * tolerance)
+    return verdict(
+        moved.unexplained, outcome.case.relation, tolerance, measurement.numerical_uncertainty
+    )
+
+
+def _remark(case: Case, measurement: Measurement, tolerance: float) -> str:
+    if not (isfinite(measurement.value) and isfinite(measurement.reference)):
+        return "the computation gave no finite number"
+    uncertainty = measurement.numerical_uncertainty
+    if uncertainty is None or uncertainty <= tolerance:
+        return ""
+    beyond = case.relation.excess(measurement.unexplained) - tolerance
+    # An error that even its uncertainty cannot bring back within the tolerance is decided.
+    if not beyond > uncertainty:
+        return (
+            f"numerical uncertainty {uncertainty:.3g} {case.unit} exceeds the tolerance "
+            f"{tolerance:.3g} {case.unit}, the comparison cannot decide: {measurement.decides}"
+        )
+    return ""
