@@ -1,15 +1,11 @@
 """What was computed of a part, kept on the disk: a second run meshes and reduces nothing again.
 
-A file is named by the digest of everything that its numbers depend on and begins with the digest of
-its own content, so that a damaged one is never read. It is written beside its place and moved there
-when it is whole. Of processes that need the same at the same time one computes, the others wait.
+A file (validation.store.arrays) is named by the digest of everything that its numbers depend on. Of
+processes that need the same at the same time one computes, the others wait.
 """
 
 import fcntl
 import hashlib
-import io
-import os
-import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -24,11 +20,12 @@ from lumped.caches import on_forget
 from lumped.legs import Material
 from meshes.part.interfaces import Interface
 from meshes.part.reading.read import PartFile
+from validation.store.arrays import find_arrays, keep_arrays, place_of
 from validation.store.cache import cache_folder
+from validation.store.tree import StoreError
 
 # Raised where the same input gives other numbers than before: meshes, elements, reduction.
 _EDITION = 8
-_DIGEST = 64
 # What this process computed or read last stays in its memory.
 _MOST_IN_MEMORY = 24
 _in_memory: dict[str, dict[str, Array]] = {}
@@ -88,9 +85,9 @@ def put(entries: Mapping[str, dict[str, Array]]) -> None:
     folder = cache_folder("parts")
     for key, arrays in entries.items():
         _remember(key, arrays)
-        if folder is not None and not (folder / f"{key}.npz").exists():
-            with suppress(OSError):
-                _write(folder / f"{key}.npz", arrays)
+        if folder is not None and not place_of(folder, key).exists():
+            with suppress(StoreError):
+                keep_arrays(folder, key, arrays)
 
 
 def is_kept(ask: Callable[[], object]) -> bool:
@@ -123,16 +120,15 @@ def _from_disk(key: str, compute: Callable[[], Mapping[str, Any]]) -> dict[str, 
     folder = cache_folder("parts")
     if folder is None:
         return _computed(compute)
-    place = folder / f"{key}.npz"
-    found = _read(place)
+    found = find_arrays(folder, key)
     if found is None:
-        with _alone(place):
-            found = _read(place)
+        with _alone(place_of(folder, key)):
+            found = find_arrays(folder, key)
             if found is None:
                 found = _computed(compute)
                 # A cache that cannot be written costs time, not the answer.
-                with suppress(OSError):
-                    _write(place, found)
+                with suppress(StoreError):
+                    keep_arrays(folder, key, found)
     return found
 
 
@@ -151,31 +147,3 @@ def _alone(place: Path) -> Iterator[None]:
             yield
         finally:
             place.with_suffix(".lock").unlink(missing_ok=True)
-
-
-def _read(place: Path) -> dict[str, Array] | None:
-    try:
-        content = place.read_bytes()
-    except OSError:
-        return None
-    digest, payload = content[:_DIGEST], content[_DIGEST:]
-    if hashlib.sha256(payload).hexdigest().encode() != digest:
-        return None
-    with np.load(io.BytesIO(payload), allow_pickle=False) as arrays:
-        return dict(arrays)
-
-
-def _write(place: Path, arrays: Mapping[str, Array]) -> None:
-    buffer = io.BytesIO()
-    named: Any = dict(arrays)
-    np.savez(buffer, **named)
-    payload = buffer.getvalue()
-    place.parent.mkdir(parents=True, exist_ok=True)
-    handle, name = tempfile.mkstemp(dir=place.parent, suffix=".part")
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(hashlib.sha256(payload).hexdigest().encode() + payload)
-        Path(name).replace(place)
-    except BaseException:
-        Path(name).unlink(missing_ok=True)
-        raise

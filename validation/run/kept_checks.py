@@ -6,7 +6,6 @@ leave whole lines; each carries its digest, so that nothing damaged or foreign i
 missing is computed again.
 """
 
-import os
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -22,7 +21,7 @@ from validation.results.tasks import Record
 from validation.store.cache import cache_folder
 from validation.store.manifest import digest
 from validation.store.sealed_record import sealed_record, unsealed_record
-from validation.store.tree import read_regular
+from validation.store.tree import Tree, read_regular
 
 FOLDER = "selftest"
 # Files of versions that nobody has asked for in so many seconds are removed.
@@ -59,7 +58,8 @@ class Kept:
                 _remove_forgotten(self.path.parent)
                 self._begun = True
             # A line that a full disk cut off does not spoil the next one.
-            _append(self.path, f"\n{line}".encode())
+            with Tree.opened(self.path.parent) as folder:
+                folder.append(self.path.name, f"\n{line}".encode())
         except OSError as error:
             self.path, self.why = None, f"{self.path}: {error.strerror or error}"
 
@@ -79,15 +79,6 @@ def kept_of(header: Mapping[str, Any]) -> Kept:
     if folder is None:
         return Kept(key, None, "FLEXPROOF_CACHE is off, or there is no home folder")
     return Kept(key, folder / f"{header['preset']}-{key}.jsonl")
-
-
-def _append(path: Path, data: bytes) -> None:
-    flags = os.O_WRONLY | os.O_APPEND | os.O_CREAT | os.O_NOFOLLOW | os.O_CLOEXEC | os.O_NONBLOCK
-    descriptor = os.open(path, flags, 0o600)
-    try:
-        os.write(descriptor, data)
-    finally:
-        os.close(descriptor)
 
 
 def _remove_forgotten(folder: Path) -> None:

@@ -20,6 +20,7 @@ _BELOW = _FOLDER | os.O_NOFOLLOW
 # A pipe or a device is opened without waiting for its other end, and then not read.
 _READ = os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC
 _CREATE = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW | os.O_CLOEXEC
+_APPEND = os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC
 
 
 class StoreError(Exception):
@@ -111,9 +112,8 @@ class Tree:
 
     def append(self, name: str, data: bytes) -> None:
         """Add to a file that is this program's own alone, or make it."""
-        flags = os.O_WRONLY | os.O_APPEND | os.O_CREAT | os.O_NOFOLLOW | os.O_CLOEXEC
         with self._holding(name, "make") as (folder, last):
-            descriptor = os.open(last, flags, 0o666, dir_fd=folder)
+            descriptor = os.open(last, _APPEND, 0o666, dir_fd=folder)
         try:
             os.write(descriptor, data)
         finally:
