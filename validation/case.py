@@ -11,6 +11,7 @@ from enum import Enum
 from math import hypot, isfinite
 from typing import Literal, TypeAlias
 
+from fem.calculix.run import CalculixMissing
 from validation.claims import Claim
 from validation.context import PRESETS, About, Context, Preset
 from validation.exhibits import Study
@@ -222,8 +223,14 @@ class Case:
     headlines: tuple[str, ...] = ()
 
     def measure(self, context: Context) -> Measurement:
-        """What `compute` finds of the subject; `context` is that of the run."""
-        return self.compute(context.about(self.subject))
+        """What `compute` finds of the subject; `context` is that of the run.
+
+        Raises Skip also where it needs CalculiX, and there is none.
+        """
+        try:
+            return self.compute(context.about(self.subject))
+        except CalculixMissing as missing:
+            raise Skip(str(missing)) from None
 
     def __post_init__(self) -> None:
         for name in ("id", "title", "quantity", "unit", "citation", "tolerance_reason"):

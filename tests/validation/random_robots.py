@@ -135,7 +135,7 @@ def alarms(robot: Biglide, chosen: Iterable[Case], preset: Preset = "quick") -> 
         if preset not in case.presets:
             continue
         try:
-            outcome = judge(case, case.compute(context), 0.0)
+            outcome = judge(case, case.measure(context), 0.0)
         except Skip:
             continue
         except ComputationError as error:

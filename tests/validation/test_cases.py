@@ -76,7 +76,7 @@ def computed(case):
     """What the case finds, and the entries of the memo that it asks for."""
     CONTEXT.asked.clear()
     try:
-        found = case.compute(CONTEXT if "quick" in case.presets else DECIDING)
+        found = case.measure(CONTEXT if "quick" in case.presets else DECIDING)
     except Skip as reason:
         pytest.skip(str(reason))
     return found, frozenset(CONTEXT.asked)
@@ -130,7 +130,7 @@ def test_an_allowance_of_the_two_numbers_that_it_explains_is_found():
     case = next(case for case in CASES if case.id == "leg1.compliance.solid[c44]")
 
     def circular(context: Context) -> Measurement:
-        measured = case.compute(context)
+        measured = case.measure(context)
         return replace(
             measured, allowances=(Allowance("all of it", measured.value - measured.reference),)
         )
@@ -146,7 +146,7 @@ def test_no_ingredient_of_a_mechanism_cancels_either(listed):
     """The five-bar's."""
     MECHANISM.asked.clear()
     try:
-        sound = listed.compute(MECHANISM)
+        sound = listed.measure(MECHANISM)
     except Skip as reason:
         pytest.skip(str(reason))
     asked = frozenset(MECHANISM.asked)
@@ -165,7 +165,7 @@ def cancelled(
     for key in sorted(key for key in asked if not key.startswith(GIVEN)):
         for number, other in enumerate(islice(disturbed(context.entry(key), WRONG), most)):
             with suppress(Skip, ComputationError, ValueError):
-                wrong = case.compute(context.with_other(key, other))
+                wrong = case.measure(context.with_other(key, other))
                 shown = max(
                     abs(wrong.value - sound.value),
                     abs(wrong.reference - sound.reference),

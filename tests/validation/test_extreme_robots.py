@@ -230,7 +230,7 @@ def test_what_rounding_hides_in_three_formulations_is_undecided_or_told(number, 
     for case in catalogue(robot_file):
         if case.id.startswith("robot.statics.") and "-vjm." in case.id:
             try:
-                measurement = case.compute(context)
+                measurement = case.measure(context)
             except ComputationError as error:
                 reasons.append(str(error))
                 continue
@@ -268,7 +268,7 @@ def test_polynomials_and_what_rounding_leaves_of_stiffnesses_far_apart_do_not_di
     context = Context(robot_file, "quick")
     ids = ("robot.anchor.statics[segments-euler", "robot.anchor.vjm.")
     cases = [case for case in catalogue(robot_file) if case.id.startswith(ids)]
-    outcomes = [judge(case, case.compute(context), 0.0) for case in cases]
+    outcomes = [judge(case, case.measure(context), 0.0) for case in cases]
     assert {outcome.verdict for outcome in outcomes} == {"agree", "undecided"}
     assert all("no finer" in one.message for one in outcomes if one.verdict == "undecided")
 
@@ -281,7 +281,7 @@ def test_an_end_of_the_stroke_is_one_in_double_and_in_28_digits(tmp_path):
     context = Context(robot_file, "quick")
     ids = ("robot.anchor.frequencies[simplified", "robot.anchor.statics[simplified")
     cases = [case for case in catalogue(robot_file) if case.id.startswith(ids)]
-    outcomes = [judge(case, case.compute(context), 0.0) for case in cases]
+    outcomes = [judge(case, case.measure(context), 0.0) for case in cases]
     assert len(outcomes) == 4
     assert {outcome.verdict for outcome in outcomes} == {"agree"}
 
@@ -312,7 +312,7 @@ def test_what_segments_leave_of_high_modes_is_explained(number, tmp_path):
         "robot.anchor.frequencies[segments-euler-bernoulli, 4]",
     )
     cases = [case for case in catalogue(robot_file) if case.id in fourth]
-    found = [case.compute(context) for case in cases]
+    found = [case.measure(context) for case in cases]
     assert len(found) == len(fourth)
     # More than the paper's 1 % somewhere, and named.
     assert max(abs(one.difference / one.reference) for one in found) > 0.01
@@ -328,7 +328,7 @@ def test_polynomials_bear_stiffnesses_far_apart(number, leg, tmp_path):
     robot_file = load_robot(path)
     context = Context(robot_file, "quick")
     cases = [c for c in catalogue(robot_file) if c.id.startswith(f"leg{leg}.anchor[")]
-    outcomes = [judge(case, case.compute(context), 0.0) for case in cases]
+    outcomes = [judge(case, case.measure(context), 0.0) for case in cases]
     assert {outcome.verdict for outcome in outcomes} == {"agree"}
 
 
@@ -360,4 +360,4 @@ def test_a_negative_shear_stiffness_is_named(tmp_path):
     robot_file = load_robot(path)
     (case,) = (c for c in catalogue(robot_file) if c.id == "leg2.frequency.segments[1]")
     with pytest.raises(ComputationError, match=r"^leg 2, i-section: .* κGA = -3.06 N is neg"):
-        case.compute(Context(robot_file, "quick"))
+        case.measure(Context(robot_file, "quick"))

@@ -53,7 +53,7 @@ def named(case):
 
 
 def agrees_and_can_fail(case, context):
-    outcome = judge(case, case.compute(context), 0.0)
+    outcome = judge(case, case.measure(context), 0.0)
     assert outcome.verdict == "agree", (outcome.measurement, outcome.message)
     assert perturbed(outcome, 3.0) == "disagree"
     return outcome.measurement
@@ -119,7 +119,7 @@ def test_ids_are_unique_and_quick_runs_are_spared_the_costly_ones():
 def test_differences_of_the_papers_legs_are_shown_with_their_causes(number, torsion, shear, quick):
     by_id = {case.id: case for case in end_restraint.cases()}
     for name, (low, high) in {"torsion": torsion, "shear": shear}.items():
-        found = by_id[f"restraint.leg{number}.exponent[{name}]"].compute(quick)
+        found = by_id[f"restraint.leg{number}.exponent[{name}]"].measure(quick)
         assert low < found.table["relative difference (%)"][0] < high
         assert end_restraint.CAUSES[name].label in found.notes[0]
 
@@ -189,12 +189,12 @@ def test_round_legs_skip_the_torsion_that_does_not_warp():
     context = Context(replace(ROBOT_FILE, described=robot), "quick")
     case = next(c for c in end_restraint.cases() if c.id == "restraint.leg1.exponent[torsion]")
     with pytest.raises(Skip, match="do not warp"):
-        case.compute(context)
+        case.measure(context)
 
 
 def test_study_of_all_causes_is_drawn_with_its_orders(quick):
     case = next(c for c in end_restraint.cases() if c.id == "restraint.leg1.exponent[torsion]")
-    (study,) = case.compute(quick).studies
+    (study,) = case.measure(quick).studies
     assert len(study.series) == len(end_restraint.CAUSES)
     # The exponents of the causes in the order of the catalogue, measured: 1 1 1 1 2 2 3.
     assert [round(order) for order in study.orders.values()] == [1, 1, 1, 1, 2, 2, 3]
@@ -208,7 +208,7 @@ def test_absent_calculix_skips_its_cases(monkeypatch):
     context = Context(ROBOT_FILE, "quick")
     for case in calculix.cases()[:2]:
         with pytest.raises(Skip, match="calculix-ccx"):
-            case.compute(context)
+            case.measure(context)
 
 
 @pytest.mark.skipif(CALCULIX_IS_MISSING, reason="CalculiX (ccx) is not installed")
@@ -219,7 +219,7 @@ def test_a_wrong_poisson_ratio_is_caught_by_calculix(quick, monkeypatch):
     wrong = calculix.side_by_side(softer, specimen.divisions)
     mixed = replace(found, compliance=wrong.compliance, same_mass=wrong.same_mass)
     monkeypatch.setattr(calculix, "_solved", lambda _context, _name: mixed)
-    verdicts = [judge(c, c.compute(quick), 0.0).verdict for c in calculix.cases()[:2]]
+    verdicts = [judge(c, c.measure(quick), 0.0).verdict for c in calculix.cases()[:2]]
     assert verdicts == ["disagree", "disagree"]
 
 
@@ -235,7 +235,7 @@ def test_legs_that_are_no_rectangles_skip_the_families_of_leg_1():
     robot = replace(ROBOT_FILE.robot, leg1=ConstantLeg(0.8, Circle(0.1), STEEL))
     context = Context(replace(ROBOT_FILE, described=robot), "standard")
     with pytest.raises(Skip, match="leg 1 is a circle"):
-        mesh_families.cases()[0].compute(context)
+        mesh_families.cases()[0].measure(context)
 
 
 @pytest.mark.parametrize("section", [Circle(0.1), Tube(0.12, 0.01)])

@@ -42,7 +42,7 @@ def context():
 )
 def test_calculix_agrees_and_turns(case, context):
     try:
-        outcome = judge(case, case.compute(context), 0.0)
+        outcome = judge(case, case.measure(context), 0.0)
     except Skip as reason:
         pytest.skip(str(reason))
     assert outcome.verdict == "agree", (outcome.measurement, outcome.message)
@@ -53,7 +53,7 @@ def test_absent_calculix_is_a_skipped_case(monkeypatch):
     monkeypatch.setenv("PATH", "")
     case = calculix.cases(places=calculix.PLACES)[0]
     with pytest.raises(Skip, match="calculix-ccx"):
-        case.compute(Context(ROBOT_FILE, "standard"))
+        case.measure(Context(ROBOT_FILE, "standard"))
 
 
 @pytest.mark.parametrize("x", [ROBOT.stroke[0], ROBOT.centre])

@@ -88,4 +88,4 @@ def test_the_order_of_elements_is_that_of_free_ends_where_shear_is_soft(tmp_path
     context = Context(robot_file, "quick")
     for case in catalogue(robot_file):
         if case.id.startswith("refinement.leg2.solid.order"):
-            assert judge(case, case.compute(context), 0.0).verdict == "agree", case.id
+            assert judge(case, case.measure(context), 0.0).verdict == "agree", case.id

@@ -65,4 +65,4 @@ def test_without_calculix_both_cases_say_so(monkeypatch):
     context = Context(load_robot("five-bar"), "standard")
     for case in mechanism_calculix.cases():
         with pytest.raises(Skip, match="is not installed"):
-            case.compute(context)
+            case.measure(context)

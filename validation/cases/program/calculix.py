@@ -6,6 +6,7 @@ exact to degree 2 where products of shape functions have 4. Frequencies are ther
 CalculiX's rule on both sides, and what the rule does to them is shown to vanish with the mesh.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,13 +14,12 @@ import numpy as np
 from fem.bodies.leg_modes import modes
 from fem.bodies.solid import clamped_leg, solid_leg, tip_compliance
 from fem.calculix.leg import compliance_and_frequencies, mass_at_stiffness_points
-from fem.calculix.run import CalculixMissing
 from lumped.arrays import Array
 from lumped.legs import ConstantLeg, Material
 from lumped.sections import ISection, Rectangle, Tube
 from meshes.prism.tetrahedra import tetrahedra
 from validation.agreement.convergence import order_of_errors
-from validation.case import Absolute, Measurement, Relation, Relative, Skip
+from validation.case import Absolute, Measurement, Relation, Relative, others
 from validation.case_group import CaseGroup
 from validation.context import PRESETS, Context, Preset
 from validation.exhibits import Study
@@ -121,10 +121,26 @@ def mass_rule_effect(leg: ConstantLeg, divisions: int) -> float:
 
 def _solved(context: Context, name: str) -> SideBySide:
     specimen = SPECIMENS[name]
-    try:
-        return context.get(side_by_side, specimen.leg, specimen.divisions)
-    except CalculixMissing as missing:
-        raise Skip(str(missing)) from None
+    return context.get(side_by_side, specimen.leg, specimen.divisions)
+
+
+def against_printed(own: Mapping[str, Array], theirs: Array, note: str) -> Measurement:
+    """Frequencies (Hz), of `own` by name the first, held against CalculiX's mode by mode."""
+    names = [f"mode {k + 1}" for k in range(len(theirs))]
+    judged = next(iter(own.values()))
+    uncertainty = PRINTED_ROOT * theirs
+    return Measurement(
+        float(judged[0]),
+        float(theirs[0]),
+        reference_uncertainty=float(uncertainty[0]),
+        elsewhere=others(names, judged, theirs, uncertainty, 0),
+        notes=(note,),
+        table={
+            "mode": tuple(float(k) for k in range(1, len(theirs) + 1)),
+            "CalculiX (Hz)": tuple(theirs.tolist()),
+            **{f"{name} (Hz)": tuple(found.tolist()) for name, found in own.items()},
+        },
+    )
 
 
 @_specimens.case(
