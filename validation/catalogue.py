@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 
 from lumped.robot_file import RobotFile
 from lumped.robot_file.variation import variations_of
-from validation.adequacy.assessment import ADEQUACY, MEASURED, Assessment
+from validation.adequacy.matrix import ADEQUACY, MEASURED, Assessment
 from validation.adequacy.robot import robot_adequacy
 from validation.cases import anchors, legs, mechanism, paper, program, robot
 from validation.cases.anchors import independence

@@ -1,12 +1,15 @@
 """The adequacy of models as data: entries of a matrix model × quantity, and in words."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
 
 from lumped.acceptance.requirement import ORDER, STATIC_QUANTITIES
+from validation.context import PRESETS, Context, Preset
 
 Adequacy: TypeAlias = Literal["adequate", "inadequate", "undecided"]
+# The two assessments of a run by id: against what is computed, and against what was measured.
+ADEQUACY, MEASURED = "adequacy", "measured"
 
 
 @dataclass(frozen=True)
@@ -125,6 +128,19 @@ class Matrix:
         """Models relied on that are inadequate, with `strict` also those that are undecided."""
         refused = {"inadequate", "undecided"} if strict else {"inadequate"}
         return tuple(model for model in rely if self.verdict(model) in refused)
+
+
+@dataclass(frozen=True)
+class Assessment:
+    """The matrix of a run's robot; fields as of `Case`. `compute` may raise Skip."""
+
+    id: str
+    title: str
+    compute: Callable[[Context], Matrix]
+    presets: tuple[Preset, ...] = PRESETS
+    section: str = ""
+    group: str = ""
+    effort: float = 1.0
 
 
 _VERDICTS: tuple[Adequacy, ...] = ("adequate", "inadequate", "undecided")

@@ -62,6 +62,13 @@ class CaseRecord(msgspec.Struct, frozen=True, kw_only=True):
     drifted: bool | None = None
 
 
+class ShareRecord(msgspec.Struct, frozen=True):
+    """A named cause and its share of an error."""
+
+    cause: str
+    share: float | None
+
+
 class AdequacyRecord(msgspec.Struct, frozen=True, kw_only=True):
     """An entry of a matrix (validation.adequacy.matrix.Entry) in SI units.
 
@@ -77,7 +84,7 @@ class AdequacyRecord(msgspec.Struct, frozen=True, kw_only=True):
     verdict: Adequacy
     pose: tuple[float, ...] = ()
     reference: str = ""
-    causes: tuple[Mapping[str, Any], ...] = ()
+    causes: tuple[ShareRecord, ...] = ()
     remedy: str = ""
     error_with_remedy: float | None = None
     reason: str = ""
@@ -172,32 +179,11 @@ def case_record(outcome: Outcome) -> CaseRecord:
     )
 
 
-def adequacy_records(matrix: Matrix, part: str | UnsetType = UNSET) -> list[AdequacyRecord]:
+def adequacy_records(matrix: Matrix, part: str = "") -> list[AdequacyRecord]:
     """The entries of a matrix, of that `part` of the robot where it is one."""
-    return [
-        AdequacyRecord(
-            part=part,
-            model=entry.model,
-            quantity=entry.quantity,
-            error=entry.error,
-            uncertainty=entry.uncertainty,
-            limit=entry.limit,
-            verdict=entry.verdict,
-            pose=entry.pose,
-            reference=entry.reference,
-            causes=tuple({"cause": one.cause, "share": one.share} for one in entry.causes),
-            remedy=entry.remedy,
-            error_with_remedy=entry.error_with_remedy,
-            reason=entry.reason,
-            value=entry.value,
-            expected=entry.expected,
-            uncertainties=entry.uncertainties,
-            measured=entry.measured,
-            poses=matrix.poses,
-            values=entry.values,
-        )
-        for entry in matrix.entries
-    ]
+    own = {"poses": matrix.poses, **({"part": part} if part else {})}
+    entries = (msgspec.to_builtins(entry) for entry in matrix.entries)
+    return [msgspec.convert(entry | own, AdequacyRecord) for entry in entries]
 
 
 def studies_of(outcomes: Sequence[Outcome]) -> list[Study]:

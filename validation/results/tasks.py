@@ -6,8 +6,7 @@ from typing import Any, Literal, TypeAlias
 import msgspec
 import numpy as np
 
-from validation.adequacy.assessment import Assessment
-from validation.adequacy.matrix import Matrix
+from validation.adequacy.matrix import Assessment, Matrix
 from validation.case import Case, Measurement
 from validation.exhibits import Drawing, Figure
 from validation.results.outcome import Result, Verdict, judge

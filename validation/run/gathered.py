@@ -7,8 +7,7 @@ from typing import Any
 
 import msgspec
 
-from validation.adequacy.assessment import ADEQUACY, MEASURED
-from validation.adequacy.matrix import Matrix
+from validation.adequacy.matrix import ADEQUACY, MEASURED, Matrix
 from validation.case import Case
 from validation.exhibits import Drawing, Figure
 from validation.report.detection import Power, comparisons, detection_power

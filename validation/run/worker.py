@@ -17,7 +17,7 @@ from time import perf_counter
 
 from lumped.errors import ComputationError, InputError
 from lumped.robot_file import RobotFile
-from validation.adequacy.assessment import Assessment
+from validation.adequacy.matrix import Assessment
 from validation.case import Case, Skip
 from validation.context import Context, Preset
 from validation.drawing.text import function_name

@@ -2,9 +2,9 @@
 
 from msgspec import to_builtins
 
-from validation.adequacy.assessment import Assessment
 from validation.adequacy.matrix import (
     Adequacy,
+    Assessment,
     Cause,
     Coordinate,
     Entry,

@@ -1,6 +1,6 @@
 """Natural modes of the biglide over its stroke: models, ladders of causes, and the reference."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from functools import partial
 from itertools import product
 from typing import Literal
@@ -23,8 +23,10 @@ from validation.adequacy.common.given_masses import MASSES, Masses, leg_with_mas
 from validation.adequacy.common.ladders import Refined, dynamic_rungs, dynamic_upper_rungs
 from validation.adequacy.common.references import (
     dynamic_reference_of,
+    finer_preset,
     largest_change,
     meshed_alternative,
+    why_unmeshed,
 )
 from validation.adequacy.legs import OPEN_ENDS, own_constants
 from validation.adequacy.response import (
@@ -33,14 +35,12 @@ from validation.adequacy.response import (
     Response,
     Rung,
     Vibration,
-    finer_by,
     modes_of,
 )
 from validation.agreement.mode_pairing import centreline_samples
-from validation.context import Context, Preset
+from validation.context import Context
 from validation.models.biglide import highest_frequency
 from validation.solids.robots import held_solid
-from validation.solids.size import larger_preset, too_large
 from validation.studies.paired_robot_modes import (
     ELEMENTS,
     OFFERED,
@@ -72,7 +72,7 @@ def dynamic_reference(context: Context, robot: Biglide, modes: int, postures: in
     nothing_open: dict[str, tuple[Ends, Ends]] = {"": ("rigid", "rigid")}
     ends = holds(robot) if solid else nothing_open
     divisions = divisions_of([equivalent_leg(leg) for leg in legs], context.preset)
-    if reason := _too_large(legs, context.preset):
+    if reason := why_unmeshed(legs, context.preset):
         return Reference("none", (), decides=reason)
     ratio = min(fine / coarse for coarse, fine in zip(*divisions, strict=True))
     if not solid:
@@ -99,16 +99,9 @@ def dynamic_reference(context: Context, robot: Biglide, modes: int, postures: in
         else "validation.studies.paired_robot_modes.solid_modes",
         left_open=OPEN_ENDS if several else "",
         says=SAY_ENDS if several else "",
-        finer=finer_by(larger_preset(context.preset, lambda one: not _too_large(legs, one))),
+        finer=finer_preset(legs, context.preset),
         given=given,
     )
-
-
-def _too_large(legs: Sequence[Leg], preset: Preset) -> str:
-    """Why a preset does not mesh the legs that are prisms; or ""."""
-    _, finest = divisions_of([equivalent_leg(leg) for leg in legs], preset)
-    solids = [each for each in zip(legs, finest, strict=True) if isinstance(each[0], ConstantLeg)]
-    return too_large([leg for leg, _ in solids], [number for _, number in solids], preset)
 
 
 def _section_uncertainty(

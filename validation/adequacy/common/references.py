@@ -5,9 +5,14 @@ from collections.abc import Sequence
 import numpy as np
 
 from lumped.arrays import Array
+from lumped.legs import ConstantLeg, Leg
 from validation.adequacy.legs import step_uncertainty
 from validation.adequacy.partners import partners
-from validation.adequacy.response import Alternative, Reference, Response, Vibration
+from validation.adequacy.response import Alternative, Reference, Response, Vibration, finer_by
+from validation.context import Preset
+from validation.solids.legs import divisions_across
+from validation.solids.size import larger_preset, too_large
+from validation.studies.paired_robot_modes import DIVISIONS, WALL_DIVISIONS
 
 _OPEN_MASS = "where the legs' mass lies"
 _SAY_MASS = "the legs' mass distribution: a section and a material in place of the 6×6"
@@ -65,6 +70,18 @@ def dynamic_reference_of(
         bracket=given,
         computed_by=(computed_by,),
     )
+
+
+def why_unmeshed(legs: Sequence[Leg], preset: Preset) -> str:
+    """Why a preset does not mesh those of the legs that are prisms; or ""."""
+    prisms = [leg for leg in legs if isinstance(leg, ConstantLeg)]
+    numbers = DIVISIONS[preset], WALL_DIVISIONS[preset]
+    return too_large(prisms, [divisions_across(leg, *numbers) for leg in prisms], preset)
+
+
+def finer_preset(legs: Sequence[Leg], preset: Preset) -> str:
+    """What would leave less of the meshes of these legs: a larger preset, if one meshes them."""
+    return finer_by(larger_preset(preset, lambda one: not why_unmeshed(legs, one)))
 
 
 def bracketed_frequencies(reference: Reference, modes: int, where: str) -> str:

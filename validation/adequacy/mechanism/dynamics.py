@@ -28,8 +28,10 @@ from validation.adequacy.common.given_masses import MASSES, Masses, leg_with_mas
 from validation.adequacy.common.ladders import Refined, dynamic_rungs, dynamic_upper_rungs
 from validation.adequacy.common.references import (
     dynamic_reference_of,
+    finer_preset,
     largest_change,
     meshed_alternative,
+    why_unmeshed,
 )
 from validation.adequacy.legs import SECTION_DIVISIONS, own_constants
 from validation.adequacy.mechanism.part_ladders import part_rungs
@@ -49,10 +51,9 @@ from validation.adequacy.response import (
     Response,
     Rung,
     Vibration,
-    finer_by,
     modes_of,
 )
-from validation.context import Context, Preset
+from validation.context import Context
 from validation.models.legs import filled
 from validation.models.mechanism import (
     CUTOFF,
@@ -64,7 +65,6 @@ from validation.models.options import ModelName, ModelOptions
 from validation.parts.meshes import FINEST, MIDDLE
 from validation.solids.legs import COARSEST_WALLS, divisions_across
 from validation.solids.robots import held_solid, renewed_where_needed
-from validation.solids.size import larger_preset, too_large
 from validation.studies.paired_robot_modes import DIVISIONS, ELEMENTS, WALL_DIVISIONS
 
 Build = Callable[[Leg, Ends, float], LegMatrices]
@@ -229,7 +229,7 @@ def dynamic_reference(context: Context, postures: tuple[Posture, ...], judged: i
     fine = DIVISIONS[context.preset], WALL_DIVISIONS[context.preset]
     coarse = fine[0] - 1, fine[1] // 2
     meshed = [leg for leg in known_legs(mechanism).values() if isinstance(leg, ConstantLeg)]
-    if reason := _too_large(meshed, context.preset):
+    if reason := why_unmeshed(meshed, context.preset):
         return Reference("none", (), decides=reason)
     ratio = min(fine[0] / coarse[0], fine[1] / coarse[1])
     solid = bool(meshed)
@@ -260,18 +260,9 @@ def dynamic_reference(context: Context, postures: tuple[Posture, ...], judged: i
         "validation.adequacy.mechanism.dynamics.solid_vibration",
         left_open=is_open.what if several else "",
         says=is_open.says if several else "",
-        finer=FINER_PARTS
-        if parts
-        else finer_by(larger_preset(context.preset, lambda one: not _too_large(meshed, one))),
+        finer=FINER_PARTS if parts else finer_preset(meshed, context.preset),
         given=given,
     )
-
-
-def _too_large(legs: Sequence[ConstantLeg], preset: Preset) -> str:
-    """Why a preset does not mesh these legs; or ""."""
-    numbers = DIVISIONS[preset], WALL_DIVISIONS[preset]
-    divisions = [divisions_across(leg, *numbers) for leg in legs]
-    return too_large(legs, divisions, preset)
 
 
 def _title(*, given: bool, parts: bool, solid: bool) -> str:
