@@ -221,42 +221,23 @@ def decision_of(context: Context) -> Decision:
     Raises Skip where no robot of the family is possible or legs are too large as solids; so do the
     other two.
     """
-    return _or_skip(context, decided)
+    return _or_skip(context, decision_study)
 
 
 def family_of(context: Context) -> tuple[tuple[float, ...], dict[tuple[str, str], Curves]]:
     """α of the paper's range and all models along it, by (label, point of the stroke)."""
-    return _or_skip(context, family)
+    return _or_skip(context, alpha_study)
 
 
 def stroke_of(context: Context) -> dict[str, Curves]:
     """All models over the stroke, by label."""
-    return _or_skip(context, stroke)
+    return _or_skip(context, stroke_study)
 
 
-def decided(robot: Biglide, preset: Preset, folder: str) -> Decision:
-    """The decision for a robot, from the journal in `folder` as far as it goes."""
-    return decision_study(robot, preset, journal_in(folder))
-
-
-def family(
-    robot: Biglide, preset: Preset, folder: str
-) -> tuple[tuple[float, ...], dict[tuple[str, str], Curves]]:
-    """The family at three points of the stroke, likewise."""
-    return alpha_study(robot, preset, journal_in(folder))
-
-
-def stroke(robot: Biglide, preset: Preset, folder: str) -> dict[str, Curves]:
-    """All models over the stroke, likewise."""
-    return stroke_study(robot, preset, journal_in(folder))
-
-
-def _arguments(context: Context) -> tuple[Biglide, Preset, str]:
-    return context.robot, context.preset, context.options.get(SWEEPS_FOLDER, "")
-
-
-def _or_skip(context: Context, study: Callable[[Biglide, Preset, str], T]) -> T:
+def _or_skip(context: Context, study: Callable[[Biglide, Preset, Journal], T]) -> T:
+    """A study of the run, from its journal as far as that goes."""
+    journal = journal_in(context.options.get(SWEEPS_FOLDER, ""))
     try:
-        return context.get(study, *_arguments(context))
+        return context.get(study, context.robot, context.preset, journal)
     except InputError as error:
         raise Skip("; ".join(error.faults)) from error

@@ -195,7 +195,7 @@ def test_a_record_whose_verdict_its_numbers_do_not_bear_out_is_computed_again(
     mark = json.loads((tmp_path / "run.json").read_text())
     with open_folder(tmp_path, mark, "resumed") as folder:
         record = folder.record("toy.agrees")
-        record["measurement"]["value"] = 12345.0
+        record["found"]["value"] = 12345.0
         folder.keep(record)
     assert "12345.0" in name.read_text()
     again = validate(
