@@ -17,7 +17,7 @@ from lumped.system.joint_motion import Portion
 from meshes.section.section_mesh import section_mesh
 from validation.models.biglide import robot_legs
 from validation.solids.legs import solid_frequencies
-from validation.studies.paired_robot_modes import SampledModes, beam_modes
+from validation.studies.paired_robot_modes import ELEMENTS, SampledModes, model_modes
 from validation.studies.quantities import strain_shares
 from validation.studies.torsion import torsion_effects, wave_error, with_torsion
 
@@ -95,7 +95,7 @@ def test_stiffened_modes_are_those_of_two_coupled_masses():
 
 def test_modal_torsion_has_the_share_of_strain_energy_on_its_diagonal():
     member = with_equivalent_legs(IFW)
-    modes = beam_modes(IFW, "beam", (1, 1), POSTURES)
+    modes = model_modes(IFW, "beam", "timoshenko", ELEMENTS, POSTURES)
     legs = robot_legs("beam", member)
     whole = solution.solved(system(member, member.centre, *legs))
     shares = strain_shares(whole.system, solution.modes(whole, 6).shapes)
@@ -107,7 +107,7 @@ def test_modal_torsion_has_the_share_of_strain_energy_on_its_diagonal():
 
 def test_small_effects_on_frequencies_go_with_the_share_of_energy():
     """Rayleigh: δf/f = ½ e × share, to first order; exact legs have no effect at all."""
-    modes = beam_modes(IFW, "beam", (1, 1), POSTURES)
+    modes = model_modes(IFW, "beam", "timoshenko", ELEMENTS, POSTURES)
     none = torsion_effects(IFW, modes, np.zeros(2))
     assert none.frequency.max() < 1e-12
     assert none.mac.min() == pytest.approx(1.0, abs=1e-12)
@@ -122,7 +122,7 @@ def test_small_effects_on_frequencies_go_with_the_share_of_energy():
 
 def test_torsional_mode_that_passes_another_one_is_seen_on_its_way():
     """Before and after, both have their old shapes; while they cross, they mix."""
-    modes = beam_modes(IFW, "beam", (1, 1), POSTURES)
+    modes = model_modes(IFW, "beam", "timoshenko", ELEMENTS, POSTURES)
     size = modes.frequencies.shape[1]
     coupled = np.zeros((size, size))
     # 64 % more stiffness brings mode 1 from 100 Hz to 128 Hz, past mode 2 half-way, at 115 Hz.

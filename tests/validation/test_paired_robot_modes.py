@@ -17,8 +17,9 @@ from validation.cases.robot.mode_tables import mac_table
 from validation.context import Context
 from validation.solids.robots import two_meshes
 from validation.studies.paired_robot_modes import (
-    beam_modes,
+    ELEMENTS,
     divisions_of,
+    model_modes,
     paired,
 )
 
@@ -37,7 +38,7 @@ def test_walls_have_finer_meshes_than_rectangles_and_half_of_them_to_compare():
 
 def test_close_modes_are_in_the_order_of_frequencies():
     """At the right end of the stroke modes 6 and 7 are 2.8 % apart (segments)."""
-    segments = beam_modes(IFW.robot, "segments", (1, 1), 3)
+    segments = model_modes(IFW.robot, "segments", "timoshenko", ELEMENTS, 3)
     swapped = replace(
         segments,
         frequencies=segments.frequencies[:, [0, 1, 2, 3, 4, 6, 5, *range(7, 12)]],
@@ -81,7 +82,7 @@ def test_statics_of_walls_too_thin_for_the_preset_are_skipped_with_the_reason():
 
 
 def test_where_no_modes_are_close_nothing_is_said_to_agree():
-    segments = beam_modes(IFW.robot, "segments", (1, 1), 3)
+    segments = model_modes(IFW.robot, "segments", "timoshenko", ELEMENTS, 3)
     apart = replace(paired(IFW.robot, segments, segments), close=np.zeros((3, 6), dtype=bool))
     with pytest.raises(Skip, match="no two modes are close at any posture"):
         robot_modes.smallest_shared(apart, np.ones((3, 6), dtype=bool), np.zeros((3, 6)))
@@ -89,7 +90,7 @@ def test_where_no_modes_are_close_nothing_is_said_to_agree():
 
 def test_what_lies_above_all_modes_of_the_other_model_has_no_partner_there():
     """Twelve modes of walls below the fourth of beams: what is paired with that is none of it."""
-    segments = beam_modes(IFW.robot, "segments", (1, 1), 3)
+    segments = model_modes(IFW.robot, "segments", "timoshenko", ELEMENTS, 3)
     # Others' modes end between the third and the fourth.
     ends = segments.frequencies[:, 2:3] + np.linspace(-1.0, 0.5, 12)
     walls = replace(

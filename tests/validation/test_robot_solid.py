@@ -20,7 +20,7 @@ from validation.models.options import ModelOptions
 from validation.report.figures.curves import sixty_modes
 from validation.results.outcome import judge, perturbed
 from validation.solids.robots import full_mac, unreduced_robot
-from validation.studies.paired_robot_modes import beam_modes, paired, solid_modes
+from validation.studies.paired_robot_modes import ELEMENTS, model_modes, paired, solid_modes
 
 ROBOT_FILE = load_robot("ifw")
 ROBOT = with_equivalent_legs(ROBOT_FILE.robot)
@@ -111,7 +111,7 @@ def test_full_mac_compares_shapes_of_a_double_mode_with_their_plane():
 
 def test_close_modes_are_marked_and_compared_as_spaces():
     """At the right end modes 6 and 7 are 713 Hz and 733 Hz, 2.8 % apart (segments)."""
-    segments = beam_modes(ROBOT, "segments", (1, 1), 3)
+    segments = model_modes(ROBOT, "segments", "timoshenko", ELEMENTS, 3)
     found = paired(ROBOT, segments, solid_modes(ROBOT, (1, 1), "rigid", 3))
     assert found.close[-1].tolist() == [False] * 5 + [True]
     assert not found.close[:-1].any()

@@ -5,7 +5,7 @@ The shapes of all models are sampled alike, on the platform and on section point
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,7 @@ from fem.sections.section_constants import beam_properties, section_constants
 from lumped.arrays import Array, IntArray
 from lumped.biglide import Biglide, with_equivalent_legs
 from lumped.biglide import postures as biglide_postures
-from lumped.legs import ConstantLeg, equivalent_leg
+from lumped.legs import ConstantLeg, Theory, equivalent_leg
 from lumped.mechanism.body_model import LegMatrices
 from lumped.models.segments import segment_chain, segment_leg
 from lumped.system.assembly import System, assembly
@@ -37,7 +37,6 @@ from validation.solids.legs import divisions_across
 from validation.solids.robots import held_solid, renewed_where_needed
 
 BoolArray: TypeAlias = NDArray[np.bool_]
-BeamKind: TypeAlias = Literal["segments", "beam", "own beam"]
 # Divisions of the section of leg 1 and of leg 2.
 LegDivisions: TypeAlias = tuple[int, int]
 
@@ -103,16 +102,25 @@ def divisions_of(legs: Sequence[ConstantLeg], preset: Preset) -> tuple[LegDivisi
     return of_both(flat - 1, walls // 2), of_both(flat, walls)
 
 
-def beam_modes(
-    robot: Biglide, kind: BeamKind, divisions: LegDivisions, postures: int
+def model_modes(
+    robot: Biglide, model: str, theory: Theory, elements: int, postures: int
 ) -> SampledModes:
-    """Modes of the robot in segments or beams of textbook constants, or in beams of its own.
+    """Modes of the robot in segments or in beams of textbook constants."""
 
-    The own constants are those of the solids' section meshes with `divisions`.
-    """
+    def built(leg: ConstantLeg) -> LegMatrices:
+        properties = leg.properties(theory)
+        if model == "segments":
+            return segment_leg(segment_chain(properties, leg.length, elements))
+        return beam_leg(properties, leg.length, elements)
+
+    leg1, leg2 = (built(leg) for leg in _constant_legs(robot))
+    return sampled_modes(robot, (leg1, leg2), postures)
+
+
+def own_beam_modes(robot: Biglide, divisions: LegDivisions, postures: int) -> SampledModes:
+    """Modes of the robot in beams of the constants of the solids' section meshes."""
     leg1, leg2 = (
-        _beam(leg, kind, number)
-        for leg, number in zip(_constant_legs(robot), divisions, strict=True)
+        own_beam(leg, number) for leg, number in zip(_constant_legs(robot), divisions, strict=True)
     )
     return sampled_modes(robot, (leg1, leg2), postures)
 
@@ -145,14 +153,6 @@ def solid_modes(
 
 def _constant_legs(robot: Biglide) -> tuple[ConstantLeg, ConstantLeg]:
     return equivalent_leg(robot.leg1), equivalent_leg(robot.leg2)
-
-
-def _beam(leg: ConstantLeg, kind: BeamKind, divisions: int) -> LegMatrices:
-    if kind == "segments":
-        return segment_leg(segment_chain(leg.timoshenko, leg.length, ELEMENTS))
-    if kind == "own beam":
-        return own_beam(leg, divisions)
-    return beam_leg(leg.timoshenko, leg.length, ELEMENTS)
 
 
 def own_beam(leg: ConstantLeg, divisions: int) -> LegMatrices:

@@ -35,9 +35,10 @@ from validation.context import Context
 from validation.models.options import ModelName, ModelOptions
 from validation.solids.legs import COARSEST_WALLS, section_counts, static_ladder, static_slices
 from validation.studies.paired_robot_modes import (
+    ELEMENTS,
     PAIRED,
-    beam_modes,
     divisions_of,
+    model_modes,
     paired,
     solid_modes,
 )
@@ -148,7 +149,7 @@ def wrong_in_dynamics(robot: Biglide) -> list[str]:
     _, finer = divisions_of(legs, "standard")
     assert isinstance(robot.leg1, ConstantLeg)
     reference = solid_modes(robot, finer, robot.leg1.ends or "rigid", POSTURES)
-    segments = beam_modes(robot, "segments", finer, POSTURES)
+    segments = model_modes(robot, "segments", "timoshenko", ELEMENTS, POSTURES)
     pairs = paired(robot, reference, segments)
     subject = biglide_subject(context)
     found = []

@@ -11,8 +11,8 @@ from validation.studies.leg_waves import wave_changes, waves_of
 from validation.studies.paired_robot_modes import (
     ELEMENTS,
     OFFERED,
-    beam_modes,
     own_beam,
+    own_beam_modes,
     paired,
     solid_modes,
 )
@@ -55,7 +55,7 @@ def test_a_leg_that_swings_between_ends_at_rest_has_its_waves(tmp_path):
         count=5,
     )[0]
     both = divisions["leg1"], divisions["leg2"]
-    own = beam_modes(robot, "own beam", both, 3)
+    own = own_beam_modes(robot, both, 3)
     found = paired(robot, own, solid_modes(robot, both, "free", 3))
     apart = (found.found / found.reference - 1.0)[1, :5]
     assert apart.max() > 4e-3

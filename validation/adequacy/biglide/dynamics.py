@@ -16,7 +16,6 @@ from lumped.biglide import Biglide, system, with_equivalent_legs
 from lumped.legs import BeamProperties, ConstantLeg, Ends, GivenLeg, Leg, Theory, equivalent_leg
 from lumped.mechanism.body_model import LegMatrices
 from lumped.models import simplified
-from lumped.models.segments import segment_chain, segment_leg
 from lumped.system.solution import mode_count, solved
 from validation.adequacy.biglide.statics import SAY_ENDS, holds
 from validation.adequacy.common.given_masses import MASSES, Masses, leg_with_masses
@@ -47,8 +46,9 @@ from validation.studies.paired_robot_modes import (
     STATIONS,
     LegDivisions,
     SampledModes,
-    beam_modes,
     divisions_of,
+    model_modes,
+    own_beam_modes,
     sample_weights,
     sampled_modes,
     solid_modes,
@@ -112,7 +112,7 @@ def _section_uncertainty(
     Walls keep one mesh across while elements become shorter. By beams of the constants of that
     mesh and of a finer one, the largest over the modes.
     """
-    coarse = vibration(context.get(beam_modes, robot, "own beam", divisions, postures))
+    coarse = vibration(context.get(own_beam_modes, robot, divisions, postures))
     fine = vibration(context.get(own_modes, robot, None, postures))
     return largest_change(coarse, fine, sample_weights(robot), modes)
 
@@ -153,22 +153,6 @@ def modes_with_masses(
     # Lumps that are points have no more modes than they and the platform have ways to go.
     known = mode_count(solved(system(with_equivalent_legs(robot), robot.centre, *legs)))
     return sampled_modes(robot, legs, postures, min(OFFERED, known))
-
-
-def model_modes(
-    robot: Biglide, model: str, theory: str, elements: int, postures: int
-) -> SampledModes:
-    """Modes by segments or beam elements of textbook constants."""
-
-    def built(leg: Leg) -> LegMatrices:
-        constant = equivalent_leg(leg)
-        full = constant.timoshenko
-        properties = full.as_euler_bernoulli() if theory == "euler-bernoulli" else full
-        if model == "segments":
-            return segment_leg(segment_chain(properties, constant.length, elements))
-        return beam_leg(properties, constant.length, elements)
-
-    return sampled_modes(robot, (built(robot.leg1), built(robot.leg2)), postures)
 
 
 def own_modes(robot: Biglide, ends: tuple[Ends, Ends] | None, postures: int) -> SampledModes:
@@ -223,9 +207,9 @@ def _rigid_legs(robot: Biglide, x: float, velocity: Array, slides: Array) -> Arr
 
 
 # The elastic ones that have masses, with the theory of those that are not Timoshenko's.
-_ELASTIC: Mapping[str, tuple[Literal["segments", "beam"], Theory | None]] = {
-    "segments": ("segments", None),
-    "beam": ("beam", None),
+_ELASTIC: Mapping[str, tuple[Literal["segments", "beam"], Theory]] = {
+    "segments": ("segments", "timoshenko"),
+    "beam": ("beam", "timoshenko"),
     "segments-euler-bernoulli": ("segments", "euler-bernoulli"),
     "beam-euler-bernoulli": ("beam", "euler-bernoulli"),
 }
@@ -243,12 +227,8 @@ def vibration_of(context: Context, robot: Biglide, name: str, postures: int) -> 
     """What one of the models that have masses says of natural modes."""
     if name == "simplified":
         return context.get(simplified_modes, robot, postures)
-    kind, theory = _ELASTIC[name]
-    if theory:
-        return vibration(context.get(model_modes, robot, kind, theory, ELEMENTS, postures))
-    legs = [equivalent_leg(leg) for leg in (robot.leg1, robot.leg2)]
-    _, fine = divisions_of(legs, context.preset)
-    return vibration(context.get(beam_modes, robot, kind, fine, postures))
+    model, theory = _ELASTIC[name]
+    return vibration(context.get(model_modes, robot, model, theory, ELEMENTS, postures))
 
 
 def dynamic_ladders(
@@ -262,8 +242,11 @@ def dynamic_ladders(
     names = [one.name for one in reference.alternatives]
     if not names:
         return {}
-    segments = robot, "segments", "timoshenko", FINER_SEGMENTS, postures
-    finer = modes_of(lambda: vibration(context.get(model_modes, *segments)))
+    finer = modes_of(
+        lambda: vibration(
+            context.get(model_modes, robot, "segments", "timoshenko", FINER_SEGMENTS, postures)
+        )
+    )
     upper = () if reference.bracket else _upper(context, robot, names, postures)
     return dynamic_rungs(names, found, Refined(ELEMENTS, finer), upper, "legs and feet rigid")
 

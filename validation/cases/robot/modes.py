@@ -32,13 +32,13 @@ from validation.studies.paired_robot_modes import (
     ELEMENTS,
     OFFERED,
     PAIRED,
-    BeamKind,
     BoolArray,
     LegDivisions,
     PairedModes,
-    beam_modes,
     divisions_of,
+    model_modes,
     own_beam,
+    own_beam_modes,
     paired,
     solid_modes,
 )
@@ -89,7 +89,7 @@ def _segments_and(context: Context, divisions: LegDivisions) -> PairedModes:
     robot = context.robot
     return paired(
         robot,
-        context.get(beam_modes, robot, "segments", divisions, POSTURES),
+        context.get(model_modes, robot, "segments", "timoshenko", ELEMENTS, POSTURES),
         context.get(solid_modes, robot, divisions, "rigid", POSTURES),
     )
 
@@ -98,7 +98,7 @@ def _own_beams_and(context: Context, divisions: LegDivisions) -> PairedModes:
     robot = context.robot
     return paired(
         robot,
-        context.get(beam_modes, robot, "own beam", divisions, POSTURES),
+        context.get(own_beam_modes, robot, divisions, POSTURES),
         context.get(solid_modes, robot, divisions, "free", POSTURES),
     )
 
@@ -123,7 +123,7 @@ def _step_factor(context: Context) -> float:
 def _frequency(context: Context, index: int) -> Measurement:
     coarse, fine = _meshes(context)
     changes, coarse_changes = (context.get(_by_waves, context.robot, d) for d in (fine, coarse))
-    held = _held_to_beams(context, "own beam", [index])[:, 0] & np.isfinite(changes[:, index])
+    held = _held_to_beams(context, [index])[:, 0] & np.isfinite(changes[:, index])
     if not held.any():
         raise Skip(NO_WAVES)
     held &= _own_beams_and(context, fine).reached[:, index]
@@ -200,14 +200,14 @@ def _free_and_own(context: Context, divisions: LegDivisions) -> tuple[Array, Arr
     return found.found, found.reference
 
 
-def _held_to_beams(context: Context, kind: BeamKind, modes: Sequence[int]) -> BoolArray:
+def _held_to_beams(context: Context, modes: Sequence[int]) -> BoolArray:
     """For which of `modes` (k) and postures Saint-Venant's torsion is meant to hold (p×k).
 
     Raises Skip where for none: how legs warp, and how their walls bend, along their length changes
     modes, or mixes them with others, by more than beams may leave out.
     """
     robot, (_, fine) = context.robot, _meshes(context)
-    beams = context.get(beam_modes, robot, kind, fine, POSTURES)
+    beams = context.get(own_beam_modes, robot, fine, POSTURES)
     highest = float(beams.frequencies[:, modes].max())
     legs = [constant_leg_of(context, number) for number in (1, 2)]
     errors = [context.get(wave_error, leg, highest) for leg in legs]
@@ -253,7 +253,7 @@ def _beside(context: Context, reference: str) -> tuple[PairedModes, PairedModes,
     if reference == "segments":
         coarse, found = (_segments_and(context, divisions) for divisions in _meshes(context))
         return coarse, found, np.ones_like(found.close)
-    held = _held_to_beams(context, "own beam", range(PAIRED))
+    held = _held_to_beams(context, range(PAIRED))
     coarse, found = (_own_beams_and(context, divisions) for divisions in _meshes(context))
     return coarse, found, held
 
