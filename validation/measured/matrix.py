@@ -20,6 +20,7 @@ from validation.adequacy.matrix import Coordinate, Entry, Matrix, ModelNote
 from validation.adequacy.mechanism.path import coordinates
 from validation.adequacy.mechanism.statics import is_serial
 from validation.adequacy.mechanism.subject import mechanism_candidates
+from validation.adequacy.models import JudgedModel
 from validation.context import Context
 from validation.measured.comparison import COVERAGE, Comparison, propagated
 from validation.models.biglide import robot_compliance, robot_frequencies
@@ -83,7 +84,7 @@ def predicted(model: ModelName, robot: Robot, one: Measured, options: ModelOptio
     return one.load * float(compliance[index, index]) if index < len(compliance) else 0.0
 
 
-def _candidates(robot: Robot) -> Mapping[str, tuple[ModelName, str, ModelOptions]]:
+def _candidates(robot: Robot) -> Mapping[str, JudgedModel]:
     return CANDIDATES if isinstance(robot, Biglide) else mechanism_candidates(robot)
 
 

@@ -3,7 +3,7 @@
 What a robot's feet and its other leg hide, the leg alone shows: torsion of open sections, say.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from functools import partial
 
 import numpy as np
@@ -23,6 +23,7 @@ from validation.adequacy.legs import (
     step_uncertainty,
     straight_spring,
 )
+from validation.adequacy.models import JUDGED
 from validation.adequacy.response import (
     UNSOLVED,
     Alternative,
@@ -38,15 +39,14 @@ from validation.context import Context
 from validation.models.legs import leg_compliance
 from validation.models.options import ModelName, ModelOptions
 
-_EULER = ModelOptions(theory="euler-bernoulli", legs="equivalent")
-MODELS: Mapping[str, tuple[ModelName, ModelOptions]] = {
-    "vjm": ("vjm", ModelOptions()),
-    "vjm-equivalent": ("vjm", ModelOptions(legs="equivalent")),
-    "segments": ("segments", ModelOptions()),
-    "beam": ("beam", ModelOptions()),
-    "segments-euler-bernoulli": ("segments", _EULER),
-    "beam-euler-bernoulli": ("beam", _EULER),
-}
+MODELS = (
+    "vjm",
+    "vjm-equivalent",
+    "segments",
+    "beam",
+    "segments-euler-bernoulli",
+    "beam-euler-bernoulli",
+)
 
 
 def leg_subject(context: Context, leg: Leg, name: str) -> Subject:
@@ -56,7 +56,8 @@ def leg_subject(context: Context, leg: Leg, name: str) -> Subject:
     except UNSOLVED as error:
         reference, rungs = no_reference(error), []
     candidates = []
-    for model, (kind, options) in MODELS.items():
+    for model in MODELS:
+        kind, _, options = JUDGED[model]
         shears = () if options.theory == "timoshenko" else (_shear(leg),)
         equivalent = rungs if model != "vjm" else [r for r in rungs if "equivalent" not in r.cause]
         candidates.append(

@@ -18,6 +18,7 @@ from validation.adequacy.biglide.leg import leg_subject
 from validation.adequacy.biglide.statics import compliances, static_ladders, static_reference
 from validation.adequacy.common.references import bracketed_frequencies
 from validation.adequacy.matrix import Coordinate
+from validation.adequacy.models import JUDGED, LEGS_AS_GIVEN, JudgedModel
 from validation.adequacy.response import (
     UNSOLVED,
     Candidate,
@@ -29,7 +30,6 @@ from validation.adequacy.response import (
     together,
 )
 from validation.context import Context
-from validation.models.options import ModelName, ModelOptions
 from validation.studies.paired_robot_modes import sample_weights
 
 POSTURES = 9
@@ -37,32 +37,18 @@ _STATIC = "static: it has no masses, hence says nothing of frequencies"
 _RIGID = "its legs are rigid and its drives move along y alone: it knows no such motion"
 
 
-def _model(
-    name: ModelName, title: str, options: ModelOptions | None = None
-) -> tuple[ModelName, str, ModelOptions]:
-    return name, title, options or ModelOptions()
-
-
-CANDIDATES: Mapping[str, tuple[ModelName, str, ModelOptions]] = {
-    "simplified": _model("simplified", "elastic drives, rigid legs"),
-    "vjm": _model("vjm", "virtual joints, legs as given"),
-    "vjm-equivalent": _model(
-        "vjm", "virtual joints, legs of constant section", ModelOptions(legs="equivalent")
-    ),
-    "segments": _model("segments", "20 rigid segments per leg, Timoshenko"),
-    "beam": _model("beam", "20 beam elements per leg, Timoshenko"),
-    "segments-euler-bernoulli": _model(
-        "segments",
-        "20 rigid segments per leg, Euler–Bernoulli",
-        ModelOptions(theory="euler-bernoulli"),
-    ),
-    "beam-euler-bernoulli": _model(
-        "beam", "20 beam elements per leg, Euler–Bernoulli", ModelOptions(theory="euler-bernoulli")
-    ),
+MODELS = (
+    "simplified",
+    "vjm",
+    "vjm-equivalent",
+    "segments",
+    "beam",
+    "segments-euler-bernoulli",
+    "beam-euler-bernoulli",
+)
+CANDIDATES: Mapping[str, JudgedModel] = {name: JUDGED[name] for name in MODELS} | {
+    "simplified": JUDGED["simplified"]._replace(title="elastic drives, rigid legs")
 }
-MODELS = tuple(CANDIDATES)
-# Those whose legs are rigid or the robot's own; all others stand on equivalent legs.
-_LEGS_AS_GIVEN = ("simplified", "vjm")
 
 
 def biglide_subject(context: Context) -> Subject:
@@ -144,7 +130,7 @@ def on_equivalent_legs(context: Context, robot: Biglide, x: Array) -> Subject:
                 computed_by=(f"validation.models.biglide.robot_compliance({model!r})",),
             )
             for name, (model, title, options) in CANDIDATES.items()
-            if name not in _LEGS_AS_GIVEN
+            if name not in LEGS_AS_GIVEN
         ],
         statics=statics,
         dynamics=Reference("none", ()),

@@ -17,24 +17,14 @@ from validation.adequacy.mechanism.dynamics import (
 from validation.adequacy.mechanism.path import known_legs, offered
 from validation.adequacy.mechanism.samples import samples_of
 from validation.adequacy.mechanism.statics import compliances, static_reference, unanswered
-from validation.adequacy.mechanism.subject import mechanism_models
+from validation.adequacy.mechanism.subject import mechanism_candidates
 from validation.adequacy.partners import partners
 from validation.context import Context
 from validation.models.options import ModelName, ModelOptions
 
-_EULER = ModelOptions(theory="euler-bernoulli")
 # From the bottom of a stack of curves to its top.
-_MODELS: Mapping[str, tuple[ModelName, ModelOptions]] = {
-    "simplified": ("simplified", ModelOptions()),
-    "vjm": ("vjm", ModelOptions()),
-    "links": ("links", ModelOptions()),
-    "segments": ("segments", ModelOptions()),
-    "segments-stepped": ("segments", ModelOptions(parts="stepped")),
-    "segments-condensed": ("segments", ModelOptions(parts="condensed")),
-    "beam": ("beam", ModelOptions()),
-    "beam-euler-bernoulli": ("beam", _EULER),
-}
 _DYNAMIC = ("segments", "segments-stepped", "segments-condensed", "beam", "beam-euler-bernoulli")
+_STACK = ("simplified", "vjm", "links", *_DYNAMIC)
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,16 +101,13 @@ def compared_frequencies(context: Context, postures: tuple[Posture, ...], judged
 
 def is_model(name: str) -> bool:
     """Whether a curve is a model's, not one of the alternatives that models are held against."""
-    return name in _MODELS
+    return name in _STACK
 
 
 def _answering(postures: Sequence[Posture]) -> dict[str, tuple[ModelName, ModelOptions]]:
-    judged = mechanism_models(postures[0].mechanism)
-    return {
-        name: asked
-        for name, asked in _MODELS.items()
-        if name in judged and not unanswered(postures, *asked)
-    }
+    judged = mechanism_candidates(postures[0].mechanism)
+    asked = {name: (judged[name].kind, judged[name].options) for name in _STACK if name in judged}
+    return {name: model for name, model in asked.items() if not unanswered(postures, *model)}
 
 
 def _own(compliance: Array) -> Array:

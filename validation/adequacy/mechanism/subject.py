@@ -3,7 +3,6 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import NamedTuple
 
 import numpy as np
 
@@ -32,6 +31,7 @@ from validation.adequacy.mechanism.statics import (
     static_reference,
     unanswered,
 )
+from validation.adequacy.models import JUDGED, LEGS_AS_GIVEN, JudgedModel
 from validation.adequacy.response import (
     UNSOLVED,
     Candidate,
@@ -46,43 +46,12 @@ from validation.adequacy.response import (
     together,
 )
 from validation.context import Context
-from validation.models.options import STATIC, ModelName, ModelOptions
+from validation.models.options import STATIC
 from validation.models.part_legs import is_leg
 
 _STATIC = "static: it has no masses, hence says nothing of frequencies"
 _NO_MASS = "neither its rigid bodies nor its tool have mass: it says nothing of frequencies"
 _RIGID = "its bodies and joints are rigid: the drives do not let the tool move so"
-
-
-class _Model(NamedTuple):
-    kind: ModelName
-    title: str
-    options: ModelOptions
-
-
-_EULER = ModelOptions(theory="euler-bernoulli")
-_MODELS: Mapping[str, _Model] = {
-    "simplified": _Model("simplified", "elastic drives, rigid bodies", ModelOptions()),
-    "vjm": _Model("vjm", "virtual joints, legs as given", ModelOptions()),
-    "vjm-equivalent": _Model(
-        "vjm", "virtual joints, legs of constant section", ModelOptions(legs="equivalent")
-    ),
-    "links": _Model("links", "matrix structural analysis, legs as given", ModelOptions()),
-    "segments": _Model("segments", "20 rigid segments per leg, Timoshenko", ModelOptions()),
-    "segments-stepped": _Model(
-        "segments", "parts stepped in ten prismatic pieces", ModelOptions(parts="stepped")
-    ),
-    "segments-condensed": _Model(
-        "segments", "parts condensed on their interfaces", ModelOptions(parts="condensed")
-    ),
-    "beam": _Model("beam", "20 beam elements per leg, Timoshenko", ModelOptions()),
-    "segments-euler-bernoulli": _Model(
-        "segments", "20 rigid segments per leg, Euler–Bernoulli", _EULER
-    ),
-    "beam-euler-bernoulli": _Model("beam", "20 beam elements per leg, Euler–Bernoulli", _EULER),
-}
-# Those whose legs are rigid or the robot's own; all others stand on equivalent legs.
-_LEGS_AS_GIVEN = ("simplified", "vjm", "links")
 
 
 def mechanism_models(mechanism: Mechanism) -> tuple[str, ...]:
@@ -91,13 +60,12 @@ def mechanism_models(mechanism: Mechanism) -> tuple[str, ...]:
     left_out = set() if parts else {"segments-stepped", "segments-condensed"}
     if not has_given(mechanism) and not any(is_leg(body) for body in parts):
         left_out.add("vjm-equivalent")
-    return tuple(name for name in _MODELS if name not in left_out)
+    return tuple(name for name in JUDGED if name not in left_out)
 
 
-def mechanism_candidates(mechanism: Mechanism) -> dict[str, tuple[ModelName, str, ModelOptions]]:
-    """The models that are judged by name: which, what they are, with which options."""
-    chosen = {name: _MODELS[name] for name in mechanism_models(mechanism)}
-    return {name: (one.kind, one.title, one.options) for name, one in chosen.items()}
+def mechanism_candidates(mechanism: Mechanism) -> dict[str, JudgedModel]:
+    """The models that are judged by name."""
+    return {name: JUDGED[name] for name in mechanism_models(mechanism)}
 
 
 def mechanism_subject(context: Context) -> Subject:
@@ -106,7 +74,7 @@ def mechanism_subject(context: Context) -> Subject:
     postures = path_postures(context)
     count = context.robot_file.requirement.modes
     found = {
-        name: modes_of(partial(_vibration, context, postures, _MODELS[name], offered(count)))
+        name: modes_of(partial(_vibration, context, postures, JUDGED[name], offered(count)))
         for name in mechanism_models(mechanism)
     }
     statics, static = _statics(context, postures)
@@ -173,10 +141,10 @@ def _on_equivalent_legs(context: Context, postures: tuple[Posture, ...]) -> Subj
                 _candidate(postures, name, Response()),
                 static_rungs=ladders.get(name, ()),
                 # Of frequencies nothing is asked here.
-                silent=unanswered(postures, _MODELS[name].kind, _MODELS[name].options),
+                silent=unanswered(postures, JUDGED[name].kind, JUDGED[name].options),
             )
             for name in mechanism_models(mechanism)
-            if name not in _LEGS_AS_GIVEN
+            if name not in LEGS_AS_GIVEN
         ],
         statics=statics,
         dynamics=Reference("none", ()),
@@ -184,7 +152,7 @@ def _on_equivalent_legs(context: Context, postures: tuple[Posture, ...]) -> Subj
 
 
 def _vibration(
-    context: Context, postures: tuple[Posture, ...], model: _Model, count: int
+    context: Context, postures: tuple[Posture, ...], model: JudgedModel, count: int
 ) -> Vibration | None:
     if model.kind in STATIC or unanswered(postures, model.kind, model.options):
         return None
@@ -194,7 +162,7 @@ def _vibration(
 
 
 def _candidate(postures: tuple[Posture, ...], name: str, found: Response) -> Candidate:
-    model = _MODELS[name]
+    model = JUDGED[name]
     unable = unanswered(postures, model.kind, model.options)
     statics = Response()
     if not unable:

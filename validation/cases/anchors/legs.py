@@ -7,6 +7,7 @@ from lumped.arrays import Array
 from lumped.biglide import Biglide
 from lumped.legs import Leg
 from validation.adequacy.biglide.leg import MODELS
+from validation.adequacy.models import JUDGED
 from validation.case import Measurement
 from validation.cases.anchors.quantities import (
     EXACT,
@@ -25,7 +26,7 @@ cases = statics.like(section="Leg {number}", group="leg{number}.lumped")
 
 def shown(leg: Leg, model: str) -> Array:
     """Diagonal of the 6×6 (SI, leg axes) as the first screen has it."""
-    kind, options = MODELS[model]
+    kind, _, options = JUDGED[model]
     return np.diag(leg_compliance(kind, leg, options))
 
 
@@ -50,7 +51,7 @@ def _leg(robot: Biglide, number: int) -> Leg:
 )
 def _entry(context: Context, number: int, model: str, entry: str) -> Measurement:
     leg, index = _leg(context.robot, number), STATIC_QUANTITIES.index(entry)
-    legs: ritz.Legs = "given" if model == "vjm" else MODELS[model][1].theory
+    legs: ritz.Legs = "given" if model == "vjm" else JUDGED[model].options.theory
     by_ritz, other = (
         in_shown_units(context.get(expected, leg, legs, degree)[index], entry) for degree in EXACT
     )

@@ -18,6 +18,7 @@ from lumped.mechanism.mechanism import Mechanism, Posture
 from validation.adequacy.mechanism.path import path_postures
 from validation.adequacy.mechanism.statics import compliances, is_serial
 from validation.adequacy.mechanism.subject import mechanism_candidates
+from validation.adequacy.models import JudgedModel
 from validation.case import Measurement, Relative, Skip
 from validation.case_group import numbered
 from validation.cases.anchors.quantities import (
@@ -47,7 +48,7 @@ _DYNAMIC = {
 }
 
 
-def _models(mechanism: Mechanism) -> Mapping[str, tuple[ModelName, str, ModelOptions]]:
+def _models(mechanism: Mechanism) -> Mapping[str, JudgedModel]:
     """Those of the first screen; none where a part is no leg of polynomials."""
     return {} if mechanism.parts else mechanism_candidates(mechanism)
 
