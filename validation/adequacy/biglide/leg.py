@@ -11,6 +11,7 @@ import numpy as np
 from lumped.arrays import Array
 from lumped.legs import Ends, GivenLeg, Leg, given_compliance
 from validation.adequacy.biglide.statics import SAY_ENDS
+from validation.adequacy.common.ladders import given_leg_rungs, shear_rung, static_upper_rungs
 from validation.adequacy.legs import (
     HOLD,
     OPEN_ENDS,
@@ -54,7 +55,7 @@ def leg_subject(context: Context, leg: Leg, name: str) -> Subject:
     try:
         reference, rungs = _reference(context, leg), _rungs(context, leg)
     except UNSOLVED as error:
-        reference, rungs = no_reference(error), []
+        reference, rungs = no_reference(error), ()
     candidates = []
     for model in MODELS:
         kind, _, options = JUDGED[model]
@@ -119,29 +120,13 @@ def _reference(context: Context, leg: Leg) -> Reference:
 
 def _shear(leg: Leg) -> Rung:
     timoshenko = partial(leg_compliance, "vjm", leg, ModelOptions(legs="equivalent"))
-    return Rung(
-        "shear deformation left out",
-        "Timoshenko's cantilever",
-        _everywhere(leg, timoshenko),
-        "use Timoshenko",
-    )
+    return shear_rung("", _everywhere(leg, timoshenko))
 
 
-def _rungs(context: Context, leg: Leg) -> list[Rung]:
+def _rungs(context: Context, leg: Leg) -> tuple[Rung, ...]:
     if isinstance(leg, GivenLeg):
-        return [
-            Rung(
-                "equivalent leg: another diagonal than the 6×6",
-                "the straight leg's entries of the 6×6",
-                _everywhere(leg, partial(straight_spring, leg)),
-            ),
-            Rung(
-                "equivalent leg: couplings of the 6×6 left out",
-                "the 6×6 as given",
-                _everywhere(leg, partial(given_compliance, leg)),
-                "take the 6×6 with its couplings",
-            ),
-        ]
+        straight = _everywhere(leg, partial(straight_spring, leg))
+        return given_leg_rungs("", straight, _everywhere(leg, partial(given_compliance, leg)))
 
     def held(spring: Callable[[Context, Leg, Ends], Array]) -> dict[str, Response]:
         def solved(hold: Ends) -> Response:
@@ -149,23 +134,5 @@ def _rungs(context: Context, leg: Leg) -> list[Rung]:
 
         return {name: solved(hold) for name, hold in _holds(leg).items()}
 
-    return [
-        Rung(
-            "textbook section constants",
-            "fem.sections.section_constants",
-            _everywhere(leg, partial(own_spring, context, leg)),
-            "take the section's constants from finite elements",
-        ),
-        Rung(
-            "warping held at the ends",
-            "Reissner's torsion with held ends, the section's own Γ",
-            held(held_spring),
-            "add the warping stiffness",
-        ),
-        Rung(
-            "contraction and warping by shear held at the ends",
-            "fem.couplings.end_effects, exact along the leg",
-            held(restrained_spring),
-            "add what rigid end faces take",
-        ),
-    ]
+    own = _everywhere(leg, partial(own_spring, context, leg))
+    return static_upper_rungs(own, held(held_spring), held(restrained_spring))

@@ -17,7 +17,12 @@ from lumped.models import vjm
 from lumped.system.assembly import assembly
 from lumped.system.sweep import swept
 from validation.adequacy.biglide.closure import require_closed
-from validation.adequacy.common.ladders import given_leg_rungs, shear_rung, static_upper_rungs
+from validation.adequacy.common.ladders import (
+    given_leg_rungs,
+    shear_rung,
+    static_rungs,
+    static_upper_rungs,
+)
 from validation.adequacy.legs import (
     HOLD,
     OPEN_ENDS,
@@ -48,7 +53,7 @@ from validation.models.options import ModelName, ModelOptions
 from validation.solids.legs import COARSEST_WALLS
 from validation.solids.robots import static_leg
 
-_BY = "virtual joints"
+_BY = "virtual joints with "
 SAY_ENDS = 'say how the legs\' end faces are held: ends = "rigid" or "free" in [leg1], [leg2]'
 
 
@@ -183,24 +188,13 @@ def static_ladders(context: Context, robot: Biglide, x: Array) -> dict[str, tupl
             held(partial(restrained_spring, context)),
         )
     as_given = everywhere(given_compliance)
-    equivalent = (
-        *(given_leg_rungs(_BY, everywhere(straight_spring), as_given) if given else ()),
-        *upper,
-    )
+    section = given_leg_rungs(_BY, everywhere(straight_spring), as_given) if given else ()
     timoshenko = partial(compliances, "vjm", robot, x, ModelOptions(legs="equivalent"))
     shear = shear_rung(_BY, dict.fromkeys(names, statics_of(timoshenko)))
     drives = Rung(
         "drives only: legs and feet rigid",
-        f"{_BY} with the legs as given",
+        f"{_BY}the legs as given",
         as_given,
         "use vjm",
     )
-    return {
-        "simplified": (drives, *upper),
-        "vjm": upper,
-        "vjm-equivalent": equivalent,
-        "segments": equivalent,
-        "beam": equivalent,
-        "segments-euler-bernoulli": (shear, *equivalent),
-        "beam-euler-bernoulli": (shear, *equivalent),
-    }
+    return static_rungs(drives, shear, section, upper)

@@ -86,7 +86,7 @@ def static_upper_rungs(
     return (
         Rung(
             "textbook section constants",
-            "fem.section_constants, tip of the cantilever",
+            "fem.sections.section_constants, tip of the cantilever",
             own,
             "take the section's constants from finite elements",
         ),
@@ -108,16 +108,16 @@ def static_upper_rungs(
 def given_leg_rungs(
     by: str, straight: Mapping[str, Response], as_given: Mapping[str, Response]
 ) -> tuple[Rung, ...]:
-    """From a leg of constant section to the 6×6 that it was made of; `by` names the method."""
+    """From a leg of constant section to the 6×6 that it was made of, by "links with ", say."""
     return (
         Rung(
             "equivalent leg: another diagonal than the 6×6",
-            f"{by} with the straight leg's entries of the 6×6",
+            f"{by}the straight leg's entries of the 6×6",
             straight,
         ),
         Rung(
             "equivalent leg: couplings of the 6×6 left out",
-            f"{by} with the 6×6 as given",
+            f"{by}the 6×6 as given",
             as_given,
             "take the 6×6 with its couplings",
         ),
@@ -125,10 +125,37 @@ def given_leg_rungs(
 
 
 def shear_rung(by: str, timoshenko: Mapping[str, Response]) -> Rung:
-    """From Euler and Bernoulli to Timoshenko, in statics."""
+    """From Euler and Bernoulli to Timoshenko, in statics, likewise."""
     return Rung(
         "shear deformation left out",
-        f"{by} with Timoshenko's cantilever",
+        f"{by}Timoshenko's cantilever",
         timoshenko,
         _TIMOSHENKO,
     )
+
+
+def static_rungs(
+    drives: Rung,
+    shear: Rung,
+    section: tuple[Rung, ...],
+    upper: tuple[Rung, ...],
+    idealisation: tuple[Rung, ...] = (),
+) -> dict[str, tuple[Rung, ...]]:
+    """Ladders of statics by name of the model.
+
+    `section` leads from legs of constant section, `idealisation` from parts as such legs, to the
+    robot's own legs and parts, `upper` from there to solids.
+    """
+    constant = (*section, *idealisation, *upper)
+    return {
+        "simplified": (drives, *upper),
+        "vjm": upper,
+        "links": upper,
+        "vjm-equivalent": constant,
+        "segments": constant,
+        "segments-stepped": (*idealisation[1:], *upper),
+        "segments-condensed": upper,
+        "beam": constant,
+        "segments-euler-bernoulli": (shear, *constant),
+        "beam-euler-bernoulli": (shear, *constant),
+    }

@@ -19,7 +19,12 @@ from lumped.models.bodies import tip_compliances
 from lumped.models.links import links
 from lumped.system.assembly import assembly
 from lumped.system.solution import compliance, solved
-from validation.adequacy.common.ladders import given_leg_rungs, shear_rung, static_upper_rungs
+from validation.adequacy.common.ladders import (
+    given_leg_rungs,
+    shear_rung,
+    static_rungs,
+    static_upper_rungs,
+)
 from validation.adequacy.legs import (
     ROUNDING,
     SECTION_DIVISIONS,
@@ -197,7 +202,7 @@ def static_ladders(context: Context, postures: Sequence[Posture]) -> dict[str, t
     alternatives, legs = holds(mechanism), known_legs(mechanism)
     climb = _climbing(postures)
     serial = climb is summed
-    by = "virtual joints" if serial else "links"
+    by = "virtual joints with " if serial else "links with "
 
     def joined(springs: Callable[[], Springs]) -> Response:
         return statics_of(lambda: climb(postures, springs()), UNSOLVED)
@@ -238,21 +243,9 @@ def static_ladders(context: Context, postures: Sequence[Posture]) -> dict[str, t
     shear = shear_rung(by, timoshenko)
     drives = Rung(
         "drives only: bodies and joints rigid",
-        f"{by} with the legs as given",
+        f"{by}the legs as given",
         as_given,
         "use vjm" if serial else "use links",
     )
     idealisation = part_rungs(mechanism, alternatives, idealised)
-    section = (*section, *idealisation)
-    return {
-        "simplified": (drives, *upper),
-        "vjm": upper,
-        "links": upper,
-        "vjm-equivalent": (*section, *upper),
-        "segments": (*section, *upper),
-        "segments-stepped": (*idealisation[1:], *upper),
-        "segments-condensed": upper,
-        "beam": (*section, *upper),
-        "segments-euler-bernoulli": (shear, *section, *upper),
-        "beam-euler-bernoulli": (shear, *section, *upper),
-    }
+    return static_rungs(drives, shear, section, upper, idealisation)
