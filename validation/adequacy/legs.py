@@ -5,14 +5,13 @@ from collections.abc import Iterable
 import numpy as np
 
 from fem.sections.nonuniform_torsion import held_torsion_compliance
-from fem.sections.section_constants import SectionConstants, beam_properties, section_constants
+from fem.sections.section_constants import SectionConstants, beam_properties
 from lumped.arrays import Array
 from lumped.errors import InputError, naming
 from lumped.legs import ConstantLeg, Ends, GivenLeg, Leg, given_compliance, tip_compliance
-from meshes.section.section_mesh import section_mesh
 from validation.adequacy.response import finer_by
 from validation.context import Context, Preset
-from validation.solids.legs import COARSEST_WALLS, section_counts, static_ladder
+from validation.solids.legs import COARSEST_WALLS, leg_constants, static_ladder
 from validation.solids.robots import TwoMeshes, has_meshes, mesh_pair, two_meshes
 from validation.solids.size import larger_preset
 
@@ -131,7 +130,5 @@ def restrained_spring(context: Context, leg: Leg, ends: Ends) -> Array:
 
 def own_constants(leg: ConstantLeg, divisions: int = SECTION_DIVISIONS) -> SectionConstants:
     """Constants of a leg's section from finite elements, without thin-wall assumptions."""
-    material = leg.material
     with naming(leg.name):
-        mesh = section_mesh(leg.section, section_counts(leg, divisions))
-        return section_constants(mesh, material.nu, material.G / material.E)
+        return leg_constants(leg, divisions)

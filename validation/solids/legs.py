@@ -10,6 +10,7 @@ from scipy.optimize import brentq, newton
 from fem.beams.beam import beam_leg
 from fem.bodies import doubling, leg_modes, solid
 from fem.bodies.solid import Ends
+from fem.sections.section_constants import SectionConstants, section_constants
 from lumped.arrays import Array
 from lumped.caches import lru_cache
 from lumped.legs import ConstantLeg
@@ -17,7 +18,7 @@ from lumped.models.cantilever import clamped_modes
 from lumped.sections import HollowRectangle, ISection, Rectangle
 from meshes.prism.hexahedra import hexahedra
 from meshes.section.section_blocks import Divisions
-from meshes.section.section_mesh import section_mesh
+from meshes.section.section_mesh import SectionMesh, section_mesh
 from meshes.solid_mesh import SolidMesh
 from validation.agreement.convergence import (
     Convergence,
@@ -148,7 +149,7 @@ def _ladder(leg: ConstantLeg, affordable: Callable[[int, int], bool]) -> tuple[i
     steps = _RECTANGLE_LADDER if isinstance(leg.section, Rectangle) else _DOUBLING_LADDER
     chosen: list[int] = []
     for step in steps:
-        face = 3 * len(section_mesh(leg.section, section_counts(leg, step)).nodes)
+        face = 3 * len(face_mesh(leg, step).nodes)
         if not affordable(face, step):
             break
         chosen.append(step)
@@ -198,6 +199,17 @@ def similar_mesh(leg: ConstantLeg, divisions: int) -> SolidMesh:
     return hexahedra(leg.section, leg.length, counts, slices=slices(leg, divisions))
 
 
+def face_mesh(leg: ConstantLeg, divisions: int) -> SectionMesh:
+    """The mesh of a leg's section that its solid of so many divisions has."""
+    return section_mesh(leg.section, section_counts(leg, divisions))
+
+
+def leg_constants(leg: ConstantLeg, divisions: int) -> SectionConstants:
+    """Constants of a leg's section by finite elements, without thin-wall assumptions."""
+    material = leg.material
+    return section_constants(face_mesh(leg, divisions), material.nu, material.G / material.E)
+
+
 def solid_compliances(leg: ConstantLeg, divisions: tuple[int, ...]) -> dict[Ends, Refinement]:
     """Tip compliances (m×6×6, SI, leg axes) with rigid and with free ends, by doubling."""
     rigid, free = (
@@ -219,8 +231,7 @@ def doubled_tip(leg: ConstantLeg, divisions: int, along: int, ends: Ends) -> Arr
 # A robot's legs are asked for by studies of the leg, of the robot and of the models' adequacy.
 @lru_cache(maxsize=64)
 def _doubled_tips(leg: ConstantLeg, divisions: int, along: int) -> dict[Ends, Array]:
-    mesh = section_mesh(leg.section, section_counts(leg, divisions))
-    condensed = doubling.condensed_leg(leg, mesh, along)
+    condensed = doubling.condensed_leg(leg, face_mesh(leg, divisions), along)
     return {ends: doubling.tip_compliance(condensed, ends) for ends in _ENDS}
 
 

@@ -22,7 +22,7 @@ from fem.couplings.end_coupling import rigid_ends
 from fem.couplings.end_effects import restrained_compliance
 from fem.reduction.free_superelement import held_free_leg
 from fem.reduction.superelement import ENDS, HeldLeg, Superelement, ends_stiffness, held_leg
-from fem.sections.section_constants import beam_properties, section_constants
+from fem.sections.section_constants import beam_properties
 from fem.solvers import sparse_system
 from lumped.arrays import Array, SparseMatrix
 from lumped.biglide import Biglide, in_words, with_equivalent_legs
@@ -34,11 +34,11 @@ from lumped.mechanism.body_model import LegMatrices
 from lumped.system import solution
 from lumped.system.assembly import System
 from lumped.system.joint_motion import Portion
-from meshes.section.section_mesh import section_mesh
 from validation.solids.legs import (
     COARSEST_WALLS,
     doubled_tip,
-    section_counts,
+    face_mesh,
+    leg_constants,
     static_ladder,
     static_slices,
 )
@@ -169,8 +169,7 @@ def has_meshes(leg: ConstantLeg, most: int) -> bool:
 
 
 def _coarsest_unknowns(leg: ConstantLeg) -> int:
-    counts = section_counts(leg, COARSEST_WALLS)
-    return 3 * len(section_mesh(leg.section, counts).nodes)
+    return 3 * len(face_mesh(leg, COARSEST_WALLS).nodes)
 
 
 def _compliances(leg: ConstantLeg, divisions: int, along: int) -> TipCompliances:
@@ -184,15 +183,13 @@ def _compliances(leg: ConstantLeg, divisions: int, along: int) -> TipCompliances
 
 def own_tip(leg: ConstantLeg, divisions: int) -> Array:
     """The Timoshenko cantilever's with the constants of the same section mesh."""
-    mesh, material = section_mesh(leg.section, section_counts(leg, divisions)), leg.material
-    constants = section_constants(mesh, material.nu, material.G / material.E)
-    return tip_compliance(beam_properties(constants, material), leg.length)
+    properties = beam_properties(leg_constants(leg, divisions), leg.material)
+    return tip_compliance(properties, leg.length)
 
 
 def restrained_tip(leg: ConstantLeg, divisions: int) -> Array:
     """What rigid faces take from it in theory."""
-    mesh = section_mesh(leg.section, section_counts(leg, divisions))
-    return restrained_compliance(mesh, leg.material, leg.length)
+    return restrained_compliance(face_mesh(leg, divisions), leg.material, leg.length)
 
 
 @dataclass(frozen=True, eq=False)

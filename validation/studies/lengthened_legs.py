@@ -6,7 +6,7 @@ import numpy as np
 
 from fem.beams.beam import beam_leg
 from fem.bodies import doubling
-from fem.sections.section_constants import SectionConstants, beam_properties, section_constants
+from fem.sections.section_constants import beam_properties
 from lumped.arrays import Array
 from lumped.dense.modes import dense, solve_modes
 from lumped.legs import BeamProperties, ConstantLeg, tip_compliance
@@ -14,7 +14,7 @@ from lumped.sections import Circle, Rectangle, Tube
 from meshes.prism.hexahedra import slice_count
 from meshes.section.section_mesh import section_mesh
 from validation.context import Preset
-from validation.solids.legs import section_counts
+from validation.solids.legs import leg_constants, section_counts
 
 # Unknowns of a rectangle's section mesh at most, elements across the smaller side of the others. A
 # round rim needs eight for its flexure (ν > 0) to reach 1e-4.
@@ -50,7 +50,7 @@ def lengthened(leg: ConstantLeg, divisions: int, doublings: int) -> Lengthened:
     """The leg, its length doubled so many times: each costs one dense step."""
     counts = section_counts(leg, divisions)
     mesh = section_mesh(leg.section, counts)
-    beam = beam_properties(_constants(leg, divisions), leg.material)
+    beam = beam_properties(leg_constants(leg, divisions), leg.material)
     condensed = doubling.condensed_leg(leg, mesh, slice_count(leg.section, leg.length, counts))
     pieces = [condensed]
     for _ in range(doublings):
@@ -101,11 +101,6 @@ def _fundamental(properties: BeamProperties, length: float) -> float:
     return float(modes.frequencies[0])
 
 
-def _constants(leg: ConstantLeg, divisions: int) -> SectionConstants:
-    mesh = section_mesh(leg.section, section_counts(leg, divisions))
-    return section_constants(mesh, leg.material.nu, leg.material.G / leg.material.E)
-
-
 def affordable_divisions(leg: ConstantLeg, preset: Preset) -> int:
     """Elements across the smaller side that a preset affords."""
     match leg.section:
@@ -129,7 +124,7 @@ def doublings_needed(leg: ConstantLeg, divisions: int) -> int:
 
     The depth of an end effect is the larger side, or √(EΓ/GJ) of an open section (Vlasov).
     """
-    constants, material = _constants(leg, divisions), leg.material
+    constants, material = leg_constants(leg, divisions), leg.material
     vlasov = np.sqrt(
         material.E * constants.warping_constant / (material.G * constants.torsion_constant)
     )

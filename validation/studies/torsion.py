@@ -13,14 +13,12 @@ import numpy as np
 from scipy.linalg import eigh
 
 from fem.sections.nonuniform_torsion import torsional_speed
-from fem.sections.section_constants import section_constants
 from fem.sections.waveguide import torsion_wave
 from lumped.arrays import Array
 from lumped.biglide import Biglide
 from lumped.legs import ConstantLeg
-from meshes.section.section_mesh import section_mesh
 from validation.agreement.mode_pairing import CLOSE
-from validation.solids.legs import section_counts
+from validation.solids.legs import face_mesh, leg_constants
 from validation.studies.paired_robot_modes import SampledModes, paired
 
 # A torsional mode on its way to its own frequency may pass others, with which it mixes: what counts
@@ -50,10 +48,8 @@ def wave_error(leg: ConstantLeg, frequency: float) -> float:
     higher `frequency` (Hz) than that has, the shorter one with ω₀ of that frequency. Negative where
     walls bend more than warping stiffens.
     """
-    mesh = section_mesh(leg.section, section_counts(leg, _DIVISIONS))
-    material = leg.material
-    constants = section_constants(mesh, material.nu, material.G / material.E)
-    speed = torsional_speed(constants, material)
+    mesh, material = face_mesh(leg, _DIVISIONS), leg.material
+    speed = torsional_speed(leg_constants(leg, _DIVISIONS), material)
     wave_number = max(np.pi / leg.length, 2.0 * np.pi * frequency / speed)
     found = torsion_wave(mesh, material, float(wave_number))
     return float((found / (wave_number * speed)) ** 2 - 1.0)

@@ -10,11 +10,10 @@ from fem.beams.beam_theory import CantileverFrequency, cantilever_frequencies
 from fem.bodies.solid import Ends
 from fem.couplings.end_effects import restrained_compliance
 from fem.sections import nonuniform_torsion
-from fem.sections.section_constants import SectionConstants, beam_properties, section_constants
+from fem.sections.section_constants import beam_properties
 from fem.sections.waveguide import torsion_wave
 from lumped.arrays import Array
 from lumped.legs import BeamProperties, ConstantLeg, tip_compliance
-from meshes.section.section_mesh import section_mesh
 from validation.case import Absolute, Allowance, Measurement, Relative, Skip
 from validation.case_group import CaseGroup, numbered
 from validation.cases.legs.beams import (
@@ -35,8 +34,9 @@ from validation.solids.legs import (
     Refinement,
     SolidModes,
     dynamic_ladder,
+    face_mesh,
     formal_order,
-    section_counts,
+    leg_constants,
     solid_compliances,
     solid_frequencies,
     static_ladder,
@@ -105,15 +105,9 @@ def _divisions(
     )
 
 
-def own_constants(leg: ConstantLeg, divisions: int = SECTION_DIVISIONS) -> SectionConstants:
-    """Section constants of a leg by finite elements, free of thin-wall assumptions."""
-    mesh = section_mesh(leg.section, section_counts(leg, divisions))
-    return section_constants(mesh, leg.material.nu, leg.material.G / leg.material.E)
-
-
 def own_beam(leg: ConstantLeg, divisions: int = SECTION_DIVISIONS) -> BeamProperties:
     """Timoshenko beam of the section's own constants."""
-    return beam_properties(own_constants(leg, divisions), leg.material)
+    return beam_properties(leg_constants(leg, divisions), leg.material)
 
 
 def _own_compliances(leg: ConstantLeg, divisions: tuple[int, ...]) -> Array:
@@ -125,9 +119,7 @@ def _restrained(leg: ConstantLeg, divisions: tuple[int, ...]) -> Array:
     """What rigid faces take from them in theory (m×6×6)."""
     return np.array(
         [
-            restrained_compliance(
-                section_mesh(leg.section, section_counts(leg, number)), leg.material, leg.length
-            )
+            restrained_compliance(face_mesh(leg, number), leg.material, leg.length)
             for number in divisions
         ]
     )
@@ -289,9 +281,9 @@ def _warping_waves(leg: ConstantLeg, order: int) -> tuple[float, float]:
     wave's normal stress.
     """
     wave_number = (2 * order - 1) * np.pi / (2.0 * leg.length)
-    constants, material = own_constants(leg), leg.material
-    section = section_mesh(leg.section, section_counts(leg, WAVE_DIVISIONS))
-    coarse = own_constants(leg, WAVE_DIVISIONS)
+    constants, material = leg_constants(leg, SECTION_DIVISIONS), leg.material
+    section = face_mesh(leg, WAVE_DIVISIONS)
+    coarse = leg_constants(leg, WAVE_DIVISIONS)
     saint_venant = wave_number * nonuniform_torsion.torsional_speed(coarse, material)
     wave = torsion_wave(section, material, wave_number) / saint_venant
     relaxed = nonuniform_torsion.cantilever_frequencies(constants, material, leg.length, order)[-1]
