@@ -3,7 +3,6 @@
 from collections.abc import Mapping
 from functools import partial
 from itertools import product
-from typing import Literal
 
 import numpy as np
 
@@ -13,7 +12,7 @@ from fem.reduction.craig_bampton import craig_bampton
 from fem.sections.section_constants import beam_properties
 from lumped.arrays import Array
 from lumped.biglide import Biglide, system, with_equivalent_legs
-from lumped.legs import BeamProperties, ConstantLeg, Ends, GivenLeg, Leg, Theory, equivalent_leg
+from lumped.legs import BeamProperties, ConstantLeg, Ends, GivenLeg, Leg, equivalent_leg
 from lumped.mechanism.body_model import LegMatrices
 from lumped.models import simplified
 from lumped.system.solution import mode_count, solved
@@ -28,6 +27,7 @@ from validation.adequacy.common.references import (
     why_unmeshed,
 )
 from validation.adequacy.legs import OPEN_ENDS, own_constants
+from validation.adequacy.models import JUDGED
 from validation.adequacy.response import (
     UNSOLVED,
     Reference,
@@ -206,20 +206,20 @@ def _rigid_legs(robot: Biglide, x: float, velocity: Array, slides: Array) -> Arr
     return np.concatenate(rows)
 
 
-# The elastic ones that have masses, with the theory of those that are not Timoshenko's.
-_ELASTIC: Mapping[str, tuple[Literal["segments", "beam"], Theory]] = {
-    "segments": ("segments", "timoshenko"),
-    "beam": ("beam", "timoshenko"),
-    "segments-euler-bernoulli": ("segments", "euler-bernoulli"),
-    "beam-euler-bernoulli": ("beam", "euler-bernoulli"),
-}
+_WITH_MASSES = (
+    "simplified",
+    "segments",
+    "beam",
+    "segments-euler-bernoulli",
+    "beam-euler-bernoulli",
+)
 
 
 def vibrations(context: Context, robot: Biglide, postures: int) -> dict[str, Response]:
     """What every model says of natural modes, by name: nothing where it has no masses."""
     return {"vjm": Response(), "vjm-equivalent": Response()} | {
         name: modes_of(partial(vibration_of, context, robot, name, postures))
-        for name in ("simplified", *_ELASTIC)
+        for name in _WITH_MASSES
     }
 
 
@@ -227,7 +227,8 @@ def vibration_of(context: Context, robot: Biglide, name: str, postures: int) -> 
     """What one of the models that have masses says of natural modes."""
     if name == "simplified":
         return context.get(simplified_modes, robot, postures)
-    model, theory = _ELASTIC[name]
+    model, _, options = JUDGED[name]
+    theory = options.theory
     return vibration(context.get(model_modes, robot, model, theory, ELEMENTS, postures))
 
 
