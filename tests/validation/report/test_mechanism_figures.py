@@ -19,7 +19,7 @@ from validation.kinematics.poses import postures_of
 from validation.models import parts
 from validation.models.mechanism import answers
 from validation.models.mechanism_modes import mechanism_modes
-from validation.report.figures.mechanism import curves, energies, pairs, shapes
+from validation.report.figures.mechanism import curves, energies, pairs, pictures, shapes
 from validation.report.figures.mechanism.bodies import (
     compared_points,
     elastic,
@@ -102,7 +102,7 @@ def test_segments_are_drawn_in_the_sense_and_mixture_of_the_beams():
 
 
 def test_mode_shapes_have_scenes_that_move(five_bar):
-    figure = shapes.mode_shapes(five_bar)
+    figure = pictures.mode_shapes(five_bar)
     assert len(figure.scenes) == 4
     mechanism = five_bar.robot_file.mechanism
     middle = postures_of(mechanism, mechanism.poses[4:5])
@@ -117,7 +117,7 @@ def test_mode_shapes_have_scenes_that_move(five_bar):
 
 
 def test_loads_push_the_tool_by_the_compliance(five_bar):
-    figure = shapes.deformed(five_bar)
+    figure = pictures.deformed(five_bar)
     mechanism = five_bar.robot_file.mechanism
     (expected,) = answers("beam", postures_of(mechanism, mechanism.poses[4:5]), 0)
     for axis in range(3):
@@ -192,7 +192,7 @@ def test_the_condensed_part_is_drawn_where_its_solid_is(crane):
 
 
 def test_shapes_and_energies_of_parts_are_told(crane):
-    figure = shapes.mode_shapes(crane)
+    figure = pictures.mode_shapes(crane)
     assert "Parts as solids in the middle of the path" in figure.caption
     assert {row["body"] for row in table(figure)} == {"arm"}
     assert len(figure.scenes) == 4

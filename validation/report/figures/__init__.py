@@ -35,12 +35,17 @@ def _of_mechanism() -> tuple[Drawing, ...]:
         curves,
         energies,
         pairs,
-        portrait,
-        shapes,
+        pictures,
     )
 
-    rooms = (portrait, curves, shapes, pairs, energies)
-    return tuple(drawing for room in rooms for drawing in room.figures())
+    groups = (
+        pictures.portraits,
+        curves.figures,
+        pictures.figures,
+        pairs.figures,
+        energies.figures,
+    )
+    return tuple(drawing for group in groups for drawing in group())
 
 
 def _of_biglide() -> tuple[Drawing, ...]:

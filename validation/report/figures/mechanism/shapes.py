@@ -15,8 +15,6 @@ from lumped.models.bodies import legs_of
 from lumped.system.assembly import System
 from lumped.system.solution import solved
 from validation.agreement.mode_pairing import neighbours
-from validation.case import Skip
-from validation.context import Context
 from validation.drawing.opengl import require_vtk
 from validation.drawing.prisms import readable_factor
 from validation.drawing.rendering import (
@@ -37,9 +35,7 @@ from validation.drawing.rendering import (
 from validation.drawing.scenes import interactive
 from validation.drawing.style import MODELS, VERMILLION, canvas, csv_of, plot_style
 from validation.drawing.view import fitted_view
-from validation.exhibits import PATH, InteractiveScene
-from validation.models.mechanism_modes import PostureModes
-from validation.report.figures.declared import FigureGroup, Shown
+from validation.exhibits import InteractiveScene
 from validation.report.figures.mechanism.bodies import (
     COMPARED,
     Moved,
@@ -49,12 +45,7 @@ from validation.report.figures.mechanism.bodies import (
     rails,
     surroundings,
 )
-from validation.report.figures.mechanism.drawn_modes import finite_elements
-from validation.report.figures.mechanism.drawn_modes import segments as segments_beside
 
-_MODES = 4
-# Modes of the segments among which those of the beams are looked for.
-_BESIDES = 4
 FORCE = 1000.0  # N
 _MICRO = 1e6
 # Largest displacement in a picture, of the size of the mechanism (half its extent).
@@ -62,7 +53,6 @@ _DRAWN = 0.16
 _HEIGHT, _SMALL_HEIGHT = 2.9, 2.5  # in, of a panel in two and in three columns
 _ABOVE = (np.array([0.0, -0.3, 1.0]), np.array([0.0, 1.0, 0.0]))
 _ASIDE = (np.array([0.35, -0.95, 0.5]), np.array([0.0, 0.0, 1.0]))
-figures = FigureGroup(PATH, "pictures")
 # A point (3, m, base axes), what is written at it, and how far (pt) from it.
 Name: TypeAlias = tuple[Array, str, tuple[float, float]]
 
@@ -108,34 +98,6 @@ class Shapes:
     tips: Array
 
 
-@figures.figure("mechanism.mode-shapes", "First mode shapes of the mechanism", effort=4.0)
-def mode_shapes(context: Context) -> Shown:
-    """A panel for each mode: beams coloured by displacement, places of the segments over them."""
-    beam, segments = _drawn(context)
-    found = modes_of(beam, segments, min(_MODES, len(beam.modes.frequencies)))
-    said = (
-        f"{_drawn_by(beam)} in the middle of the path, coloured by displacement, thin lines: at "
-        f"rest. Orange squares: the same mode {_beside(beam)}; orange outlines in three "
-        "dimensions. Of modes of one frequency any mixture is one."
-    )
-    return Shown(said, picture=found.picture, data=found.data, scenes=found.scenes)
-
-
-@figures.figure(
-    "mechanism.deformed", f"The mechanism under {FORCE:g} N along x, y and z", effort=3.0
-)
-def deformed(context: Context) -> Shown:
-    """A panel for each force, each with its own scale."""
-    beam, segments = _drawn(context)
-    found = under_loads(beam, segments)
-    said = (
-        f"{_drawn_by(beam)} in the middle of the path, each picture with the enlargement named "
-        f"above it. {moves(found)} Red arrow: the force; orange outlines in three dimensions: the "
-        f"same {_beside(beam)}."
-    )
-    return Shown(said, picture=found.picture, data=found.data, scenes=found.scenes)
-
-
 def moves(found: Shapes) -> str:
     """How far the loaded point goes under each of the forces."""
     said = (
@@ -159,31 +121,25 @@ def modes_of(beam: Vibrating, segments: Vibrating, count: int, stage: Stage = AN
         for axes in panels[count:]:
             axes.set_axis_off()
         for mode, axes in enumerate(panels[:count]):
-            shape = beam.modes.shapes[:, mode]
+            bent = _Bent(beam.system, beam.modes.shapes[:, mode], stage)
             like = _like(beam, segments, mode)
-            moved = elastic(beam.system, shape)
-            largest = max(float(one.sizes.max()) for one in moved)
-            factor = _DRAWN * beam.system.posture.mechanism.size / largest
-            where, direction = _direction(beam.system, moved)
-            scene = _scene(
-                beam.system, moved, shape, factor, largest, 1.0, direction, (2, _HEIGHT), stage
-            )
-            _show(axes, scene, stage.names(beam.system, factor * shape))
+            factor = _DRAWN * beam.system.posture.mechanism.size / bent.largest
+            scene = bent.shown(axes, factor, bent.largest, (2, _HEIGHT))
             points, lumped = compared_points(segments.system, like, stage.compared)
             squares(axes, scene.view, points + factor * lumped, MODELS["segments"].colour)
             frequency = beam.modes.frequencies[mode]
-            title = f"({'abcd'[mode]}) mode {mode + 1}{where}: {frequency:.1f} Hz"
+            title = f"({'abcd'[mode]}) mode {mode + 1}{bent.direction[0]}: {frequency:.1f} Hz"
             axes.set_title(title)
             overlay = outlines_of(segments.system, factor * like, stage.compared)
             scenes.append(interactive(title, scene, [overlay]))
-            tips.append((beam.system.tool @ shape)[:3])
-            colour_bar(picture, axes, (0.0, 1.0), "displacement, largest = 1")
+            tips.append(bent.tip)
+            colour_bar(picture, axes, scene.limits, "displacement, largest = 1")
             for name, (system, unknowns) in {
-                "beam FE": (beam.system, shape),
+                "beam FE": (beam.system, bent.unknowns),
                 "segments": (segments.system, like),
             }.items():
                 what = f"mode {mode + 1}, {name} (largest = 1)"
-                columns |= _columns(what, system, unknowns / largest, stage)
+                columns |= _columns(what, system, unknowns / bent.largest, stage)
         drawn = picture_of(picture)
     return Shapes(drawn, tuple(scenes), csv_of(columns), np.array(tips))
 
@@ -200,60 +156,62 @@ def under_loads(beam: Vibrating, segments: Vibrating, stage: Stage = ANY) -> Sha
     with plot_style():
         picture, panels = canvas(1, 3, _SMALL_HEIGHT + 0.8)
         for place, (axes, name) in enumerate(zip(panels, "xyz", strict=True)):
-            shape, lumped = (_under(one.system, place) for one in (beam, segments))
-            moved = elastic(beam.system, shape)
-            largest = max(float(one.sizes.max()) for one in moved)
-            factor = readable_factor(largest, _DRAWN * size)
-            tip = (beam.system.tool @ shape)[:3]
-            tail = _tool(beam.system) + factor * tip + 0.16 * size * np.eye(3)[place]
+            bent = _Bent(beam.system, _under(beam.system, place), stage)
+            factor = readable_factor(bent.largest, _DRAWN * size)
+            tail = _tool(beam.system) + factor * bent.tip + 0.16 * size * np.eye(3)[place]
             head = tail + 0.4 * size * np.eye(3)[place]
-            _, direction = _direction(beam.system, moved)
-            scene = _scene(
-                beam.system,
-                moved,
-                shape,
-                factor,
-                1.0 / _MICRO,
-                largest * _MICRO,
-                direction,
-                (3, _SMALL_HEIGHT),
-                stage,
-                np.array([tail, head]),
-            )
-            _show(axes, scene, stage.names(beam.system, factor * shape))
+            force = np.array([tail, head])
+            scene = bent.shown(axes, factor, 1.0 / _MICRO, (3, _SMALL_HEIGHT), force)
             arrow(axes, scene.view, tail, head, VERMILLION)
             title = f"({'abc'[place]}) {FORCE:g} N along {name}, drawn × {_grouped(factor)}"
             axes.set_title(title, fontsize=9.0)
-            overlay = outlines_of(segments.system, factor * lumped, stage.compared)
+            lumped = factor * _under(segments.system, place)
+            overlay = outlines_of(segments.system, lumped, stage.compared)
             scenes.append(interactive(title, scene, [overlay], "push"))
+            tips.append(bent.tip)
             colour_bar(picture, axes, scene.limits, "displacement (µm)")
             what = f"force along {name} (µm)"
-            columns |= _columns(what, beam.system, shape * _MICRO, stage)
-            tips.append(tip)
+            columns |= _columns(what, beam.system, bent.unknowns * _MICRO, stage)
         drawn = picture_of(picture)
     return Shapes(drawn, tuple(scenes), csv_of(columns), np.array(tips))
 
 
-def _drawn(context: Context) -> tuple[PostureModes, PostureModes]:
-    """Finite elements, and the segments beside them."""
-    mechanism = context.robot_file.mechanism
-    if not (legs_of(mechanism) or mechanism.parts):
-        raise Skip("all bodies are rigid: there are no shapes to be drawn")
-    require_vtk()
-    return finite_elements(context, _MODES), segments_beside(context, _MODES + _BESIDES)
+class _Bent:
+    """A robot displaced by `unknowns` (n) of its system, on its stage."""
 
+    def __init__(self, system: System, unknowns: Array, stage: Stage) -> None:
+        self.system, self.unknowns, self.stage = system, unknowns, stage
+        self.moved = elastic(system, unknowns)
+        self.largest = max(float(one.sizes.max()) for one in self.moved)
+        self.tip = (system.tool @ unknowns)[:3]
+        self.direction = _direction(system, self.moved)
 
-def _drawn_by(drawn: PostureModes) -> str:
-    mechanism = drawn.posture.mechanism
-    if not mechanism.parts:
-        return "Beam model"
-    return "Parts as solids" + (" and other legs as beams" if legs_of(mechanism) else "")
+    def shown(
+        self,
+        axes: Axes,
+        factor: float,
+        unit: float,
+        room: tuple[int, float],
+        further: Array | None = None,
+    ) -> Scene:
+        """Drawn on axes, `factor` times displaced, coloured by displacements in `unit` (m).
 
-
-def _beside(drawn: PostureModes) -> str:
-    if not drawn.posture.mechanism.parts:
-        return "of the segments"
-    return "with parts condensed on their interfaces"
+        `room`: columns of panels and their height (in); `further` points are kept inside.
+        """
+        displaced = factor * self.unknowns
+        around, wires = self.stage.around(self.system, displaced)
+        bodies = [*around, *(one.body(factor, unit) for one in self.moved)]
+        points = [body.surface.points for body in bodies] + [one.points for one in self.moved]
+        points += [] if further is None else [further]
+        size = panel_pixels(*room)
+        view = fitted_view(np.vstack(points), *self.direction[1], size, margin=0.07)
+        lines = (*wires, *(one.wire() for one in self.moved))
+        scene = Scene(view, bodies, (0.0, self.largest / unit), lines)
+        show(axes, scene)
+        for point, name, away in self.stage.names(self.system, displaced):
+            write(axes, view, point, name, away)
+        triad(axes, view, place=clear_corner(scene))
+        return scene
 
 
 def _like(beam: Vibrating, segments: Vibrating, mode: int) -> Array:
@@ -275,35 +233,6 @@ def _under(system: System, direction: int) -> Array:
     """Unknowns (n) under `FORCE` along an axis at the loaded point."""
     load = FORCE * system.tool[[direction]].T
     return solved(system).displacements(load)[:, 0]
-
-
-def _scene(
-    system: System,
-    moved: Sequence[Moved],
-    unknowns: Array,
-    factor: float,
-    unit: float,
-    top: float,
-    direction: tuple[Array, Array],
-    room: tuple[int, float],
-    stage: Stage,
-    further: Array | None = None,
-) -> Scene:
-    """Legs and what is around them, colours from 0 to `top`; `further` points are kept inside."""
-    around, wires = stage.around(system, factor * unknowns)
-    bodies = [*around, *(one.body(factor, unit) for one in moved)]
-    wires = [*wires, *(one.wire() for one in moved)]
-    points = [body.surface.points for body in bodies] + [one.points for one in moved]
-    points += [] if further is None else [further]
-    view = fitted_view(np.vstack(points), *direction, panel_pixels(*room), margin=0.07)
-    return Scene(view, bodies, (0.0, top), tuple(wires))
-
-
-def _show(axes: Axes, scene: Scene, names: Sequence[Name]) -> None:
-    show(axes, scene)
-    for point, name, away in names:
-        write(axes, scene.view, point, name, away)
-    triad(axes, scene.view, place=clear_corner(scene))
 
 
 def _direction(system: System, moved: Sequence[Moved]) -> tuple[str, tuple[Array, Array]]:
