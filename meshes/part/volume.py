@@ -7,7 +7,7 @@ together from mesh to mesh, so that three of them show an order of convergence.
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from math import log, sqrt
+from math import isclose, log, sqrt
 from types import ModuleType
 
 import numpy as np
@@ -35,7 +35,7 @@ _AT_INTERFACES, _REACH = 0.6, 4.0
 _GROWTH, _POWER, _LEAST_POWER = 2.4, 2.5, 1.0
 _ATTEMPTS, _CLOSE = 6, 0.2
 # How often sizes are reduced for a surface whose facets cross.
-_RETRIES = 4
+_RETRIES = 8
 # Share of the size and passes of Netgen's optimiser, tried in turn. The optimiser takes as long as
 # the mesh, and a quarter of the error with it. Where elements are as coarse as walls are thick it
 # may end its process (gmsh 4.15), and a flat element stay at a wall: another size has another mesh.
@@ -103,37 +103,36 @@ def ladder(part: PartFile, interfaces: Sequence[Interface], unknowns: int) -> tu
     wanted = unknowns / _GROWTH
     largest = max(part.extent) / 2.0
     size, power = largest, _POWER
-    with cad_model(part.path, part.unit) as model:
-        # Counted, not solved on: optimised ones have as many unknowns to a thousandth.
-        _optimise(model.gmsh, 0, 0)
 
-        def count(grading: Grading) -> int:
+    def count(grading: Grading) -> int:
+        # A model of which a mesh has failed fills no other one.
+        with cad_model(part.path, part.unit) as model:
+            # Counted, not solved on: optimised ones have as many unknowns to a thousandth.
+            _optimise(model.gmsh, 0, 0)
             _set_sizes(model, interfaces, grading)
-            try:
-                with naming_the_place(part.path, model):
-                    model.gmsh.model.mesh.generate(3)
-                return _second_order_unknowns(connectivity(model.gmsh, "tet4"))
-            finally:
-                model.gmsh.model.mesh.clear()
+            with naming_the_place(part.path, model):
+                model.gmsh.model.mesh.generate(3)
+            return _second_order_unknowns(connectivity(model.gmsh, "tet4"))
 
-        def feasible(size: float, rung: Callable[[Grading], Grading]) -> tuple[float, int]:
-            for _ in range(_RETRIES):
-                with suppress(InputError):
-                    return size, count(rung(Grading(size)))
-                size /= RATIO
-            return size, count(rung(Grading(size)))
+    def feasible(size: float, rung: Callable[[Grading], Grading]) -> tuple[float, int]:
+        for _ in range(_RETRIES):
+            with suppress(InputError):
+                return size, count(rung(Grading(size)))
+            size /= RATIO
+        return size, count(rung(Grading(size)))
 
+    size, found = feasible(size, Grading.refined)
+    for _ in range(_ATTEMPTS):
+        if abs(found / wanted - 1.0) < _CLOSE or (size == largest and found > wanted):
+            break
+        before = size, found
+        size = min(size * (found / wanted) ** (1.0 / power), largest)
         size, found = feasible(size, Grading.refined)
-        for _ in range(_ATTEMPTS):
-            if abs(found / wanted - 1.0) < _CLOSE or (size == largest and found > wanted):
-                break
-            before = size, found
-            size = min(size * (found / wanted) ** (1.0 / power), largest)
-            size, found = feasible(size, Grading.refined)
-            if size != before[0]:
-                power = max(log(found / before[1]) / log(before[0] / size), _LEAST_POWER)
-        size, _ = feasible(size, lambda coarse: coarse)
-    coarse = Grading(size)
+        if isclose(size, before[0], rel_tol=0.01):
+            # What is coarser cannot be meshed.
+            break
+        power = max(log(found / before[1]) / log(before[0] / size), _LEAST_POWER)
+    coarse = Grading(feasible(size, lambda coarse: coarse)[0])
     return coarse, coarse.refined(), coarse.refined().refined()
 
 

@@ -98,9 +98,9 @@ def test_the_page_says_what_the_reduction_kept_and_what_that_leaves(robot_file, 
     postures = path_postures(Context(robot_file, "quick"))
     (note,) = reduction_note(postures, 8, {"arm": "rigid"}, 4)
     (arm,) = solid_parts(postures, 8, {"arm": "rigid"}).values()
-    assert f"arm {arm.counted} below {arm.cutoff:.4g} Hz; those dropped lower none" in note
+    assert f"arm {arm.counted} below {arm.cutoff:.4g} Hz; those dropped lower" in note
     # Reduced for eight frequencies, of the first four next to nothing is lost.
-    assert note.endswith("by more than <\u00a01\u00a0×\u00a010⁻⁶\u00a0%")
+    assert note.endswith("frequencies by <\u00a01\u00a0×\u00a010⁻⁶\u00a0% at most")
 
 
 def test_refinement_of_second_order_leaves_what_the_series_says(robot_file):

@@ -70,8 +70,8 @@ def reduction_note(
     )
     return (
         f"Modes of the parts as solids with interfaces held, counted by inertia and all kept: "
-        f"{counts}; those dropped lower none of the first {judged} frequencies by more than "
-        f"{percent(bounds.relative_width.max(), signed=False)}",
+        f"{counts}; those dropped lower the first {judged} frequencies by "
+        f"{percent(bounds.relative_width.max(), signed=False)} at most",
     )
 
 
