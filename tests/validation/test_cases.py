@@ -45,6 +45,8 @@ OF_MECHANISM = [
 DECISIONS = [case for case in LISTED if "quick" not in case.presets and "decision." in case.id]
 # Of ten seconds each time they are computed.
 LONG = ("program.parts.fork.calculix.",)
+# A part is condensed again, the paper's segments are refined again for each wrong ingredient.
+DEAR = ("program.parts.fork.forces.", "program.parts.fork.means", "paper.refined.order-of-")
 # An ingredient is wrong by so much, more than any tolerance; a shown number that moves by fewer
 # tolerances than these need not turn the verdict.
 WRONG, MOVED = 0.15, 3.0
@@ -82,14 +84,15 @@ def computed(case):
     return found, frozenset(CONTEXT.asked)
 
 
-def each(cases, long):
+def each(cases, long, dear=()):
     """Cases by id, the long ones and the decision's with a mark: its robots are made of solids."""
-    return [
-        pytest.param(
-            case, id=case.id, marks=long if case.id.startswith(LONG) or case in DECISIONS else ()
-        )
-        for case in cases
-    ]
+
+    def marks(case):
+        if case.id.startswith(LONG) or case in DECISIONS:
+            return long
+        return dear if case.id.startswith(DEAR) else ()
+
+    return [pytest.param(case, id=case.id, marks=marks(case)) for case in cases]
 
 
 def test_ids_are_unique_and_every_case_names_its_source():
@@ -114,7 +117,12 @@ def test_case_agrees_and_turns_when_its_reference_moves_by_three_tolerances(case
         assert case.id in EXACT_SOLIDS
 
 
-@pytest.mark.parametrize("case", each(CASES, pytest.mark.soak), indirect=True, scope="module")
+@pytest.mark.parametrize(
+    "case",
+    each(CASES, pytest.mark.soak, pytest.mark.exhaustive),
+    indirect=True,
+    scope="module",
+)
 def test_no_ingredient_cancels_from_what_is_judged(case, computed):
     assert cancelled(case, *computed) == []
 

@@ -43,7 +43,9 @@ def beam_compliance(leg, section):
     return beam_tip_compliance(beam_properties(constants, material), leg.length)
 
 
-@pytest.mark.parametrize("slices", [1, 2, 7, 12])
+@pytest.mark.parametrize(
+    "slices", [1, 7, *(pytest.param(n, marks=pytest.mark.exhaustive) for n in (2, 12))]
+)
 @pytest.mark.parametrize("element", ["quad4", "quad9"])
 @pytest.mark.parametrize("material", [STEEL, CUBIC], ids=["isotropic", "cubic"])
 @pytest.mark.parametrize(

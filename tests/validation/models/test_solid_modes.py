@@ -48,7 +48,16 @@ def sampled(at, bodies):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["five-bar", "3-rrr", "delta", "orthoglide", "hexapod"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        *("five-bar", "delta"),
+        *(
+            pytest.param(n, marks=pytest.mark.exhaustive)
+            for n in ("3-rrr", "orthoglide", "hexapod")
+        ),
+    ],
+)
 def test_first_six_modes_have_the_beams_shapes(name):
     at = reference_posture(load_robot(name).mechanism)
     highest = 2.0 * highest_frequency([at], COUNT)
