@@ -12,7 +12,7 @@ from validation.cases.paper import longer_legs
 from validation.cases.robot import decision, modes, sixty, solid
 from validation.context import BUILT_IN
 from validation.measured.matrix import measured_matrix
-from validation.report.figures import drawings, of_program, of_variations
+from validation.report.figures import figures_of, figures_of_program, figures_of_variations
 from validation.results.tasks import Task
 from validation.solids.robots import SHARED_SOLIDS
 
@@ -35,12 +35,12 @@ _MEASURED = Assessment(
 def catalogue(robot_file: RobotFile) -> Sequence[Task]:
     """Every case and figure for a robot; the paper's statements for the paper's robot alone."""
     of_robot = _of_mechanism if robot_file.is_mechanism else _of_biglide
-    return (*of_robot(robot_file), *checks(robot_file), _ADEQUACY, *drawings(robot_file))
+    return (*of_robot(robot_file), *checks(robot_file), _ADEQUACY, *figures_of(robot_file))
 
 
 def checks(_robot_file: RobotFile) -> Sequence[Task]:
     """What verifies the program, the same whatever the robot."""
-    return (*program.cases(), *independence.cases(), *of_program())
+    return (*program.cases(), *independence.cases(), *figures_of_program())
 
 
 def with_variations(
@@ -50,7 +50,7 @@ def with_variations(
     typed: tuple[str, ...],
 ) -> Sequence[Task]:
     """What `listed` lists for a robot, and figures of the numbers varied as `typed`."""
-    return (*listed(robot_file), *of_variations(variations_of(robot_file, typed)))
+    return (*listed(robot_file), *figures_of_variations(variations_of(robot_file, typed)))
 
 
 def _of_biglide(robot_file: RobotFile) -> Sequence[Task]:

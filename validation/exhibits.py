@@ -1,4 +1,9 @@
-"""What a run shows beside its verdicts: studies and figures."""
+"""What a run shows beside its verdicts: studies and figures.
+
+A *figure* is what the page shows under a title, with caption and table. What it is made of has
+words of its own in `validation.drawing`: a *chart* of curves, a *scene* of bodies that can be
+turned, and the *picture* taken of it.
+"""
 
 import re
 from collections.abc import Callable, Mapping
@@ -109,7 +114,7 @@ class Figure:
 
 
 @dataclass(frozen=True)
-class Drawing:
+class PlannedFigure:
     """A figure to be computed in a run, scheduled like a case (see `Case` for the fields)."""
 
     id: str

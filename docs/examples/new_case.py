@@ -3,11 +3,9 @@
 Run as a script it is tried: its verdict, and that it is able to disagree.
 """
 
-from lumped.robot_file import load_robot
 from validation.case import Absolute, Measurement, Relation
 from validation.case_group import CaseGroup
 from validation.context import Context
-from validation.results.outcome import judge, perturbed
 from validation.studies.quantities import stroke_frequencies
 
 stated = CaseGroup(section="My own", reference_kind="paper-statement", citation="Briot et al., §3")
@@ -21,6 +19,9 @@ def lowest(context: Context) -> Measurement:
 
 
 if __name__ == "__main__":
+    from lumped.robot_file import load_robot
+    from validation.results.outcome import judge, perturbed
+
     context = Context(load_robot("ifw"))
     for case in cases():
         outcome = judge(case, case.compute(context), seconds=0.0)

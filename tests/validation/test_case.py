@@ -19,7 +19,7 @@ from validation.case import (
     others,
 )
 from validation.catalogue import catalogue
-from validation.exhibits import Drawing
+from validation.exhibits import PlannedFigure
 from validation.results.outcome import Outcome, Result, judge, perturbed, verdict
 from validation.results.records import case_record
 
@@ -274,7 +274,7 @@ def test_what_is_allowed_at_another_place_is_taken_off_there():
 )
 def test_figures_that_cases_lead_to_are_drawn(name, shown):
     tasks = catalogue(load_robot(name))
-    drawn = {task.id for task in tasks if isinstance(task, Drawing)}
+    drawn = {task.id for task in tasks if isinstance(task, PlannedFigure)}
     named = {task.figure for task in tasks if isinstance(task, Case) and task.figure}
     assert shown <= named
     assert named <= drawn

@@ -9,7 +9,7 @@ from validation.cases import paper
 from validation.catalogue import catalogue
 from validation.claims import Claim, Curve, gathered, summary
 from validation.context import Context
-from validation.exhibits import Drawing
+from validation.exhibits import PlannedFigure
 from validation.report.said import SaidTable
 from validation.results.outcome import judge
 from validation.results.records import claims_of, run_record
@@ -140,7 +140,7 @@ def test_claims_survive_the_journal(outcomes):
 
 def test_figures_that_cases_name_are_drawn_in_the_run():
     tasks = catalogue(load_robot("ifw"))
-    drawn = {task.id for task in tasks if isinstance(task, Drawing)}
+    drawn = {task.id for task in tasks if isinstance(task, PlannedFigure)}
     named = {task.figure for task in tasks if isinstance(task, Case)} - {""}
     assert named
     assert named <= drawn

@@ -15,7 +15,7 @@ from lumped.errors import ComputationError
 from lumped.robot_file import RobotFile
 from validation.case import Absolute, Case, Measurement, Skip
 from validation.context import Context
-from validation.exhibits import Drawing, Figure, Study
+from validation.exhibits import Figure, PlannedFigure, Study
 from validation.results.tasks import Task
 
 
@@ -110,8 +110,8 @@ def sound(_robot_file: RobotFile) -> Sequence[Task]:
         case("toy.first[x=1]", shares, group="shared"),
         case("toy.second[x=2]", shares, group="shared"),
         case("toy.skipped", needs_a_program),
-        Drawing("toy.figure", "Toy figure", draws),
-        Drawing("toy.undrawn", "Toy figure that cannot be drawn", cannot_draw),
+        PlannedFigure("toy.figure", "Toy figure", draws),
+        PlannedFigure("toy.undrawn", "Toy figure that cannot be drawn", cannot_draw),
     )
 
 
@@ -174,7 +174,9 @@ def checks(_robot_file: RobotFile) -> Sequence[Task]:
     names = {"toy.check.steady": measured_on, "toy.check.sum": made_now}
     return (
         *(replace(case(name, compute), subject="program") for name, compute in names.items()),
-        Drawing("toy.check.figure", "Toy figure of the program", draws_check, subject="program"),
+        PlannedFigure(
+            "toy.check.figure", "Toy figure of the program", draws_check, subject="program"
+        ),
     )
 
 

@@ -13,7 +13,7 @@ from lumped.audit.finding import Finding
 from lumped.caches import lru_cache
 from validation.adequacy.matrix import Matrix
 from validation.drawing import text
-from validation.exhibits import PORTRAIT, Drawing, Figure
+from validation.exhibits import PORTRAIT, Figure, PlannedFigure
 from validation.report import scene_viewer
 from validation.report.detection import Power
 from validation.report.first_screen.screen import FirstScreen, first_screen
@@ -56,7 +56,7 @@ class Report:
     matrix: Matrix | None = None
     measured: Matrix | None = None
     unjudged: str = ""
-    missing_figures: tuple[tuple[Drawing, str], ...] = ()
+    missing_figures: tuple[tuple[PlannedFigure, str], ...] = ()
     unfinished: int = 0
     drifts: Mapping[str, Drift] = field(default_factory=dict)
     power: Power | None = None

@@ -8,10 +8,10 @@ import numpy as np
 
 from validation.adequacy.matrix import Assessment, Matrix
 from validation.case import Case, Measurement
-from validation.exhibits import Drawing, Figure
+from validation.exhibits import Figure, PlannedFigure
 from validation.results.outcome import Result, Verdict, judge
 
-Task: TypeAlias = Case | Drawing | Assessment
+Task: TypeAlias = Case | PlannedFigure | Assessment
 # A result as plain data, with the "id" of its task.
 Record: TypeAlias = dict[str, Any]
 Made: TypeAlias = Literal["made", "failed", "skipped"]
@@ -34,7 +34,7 @@ def from_plain(task: Task, record: Mapping[str, Any]) -> AnyResult:
     match task:
         case Case():
             return msgspec.convert(record, Result[Verdict, Measurement])
-        case Drawing():
+        case PlannedFigure():
             return msgspec.convert(record, Result[Made, Figure])
         case Assessment():
             return msgspec.convert(record, Result[Made, Matrix])

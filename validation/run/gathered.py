@@ -9,7 +9,7 @@ import msgspec
 
 from validation.adequacy.matrix import ADEQUACY, MEASURED, Matrix
 from validation.case import Case
-from validation.exhibits import Drawing, Figure
+from validation.exhibits import Figure, PlannedFigure
 from validation.report.detection import Power, comparisons, detection_power
 from validation.results.compare import Comparison, compare
 from validation.results.drift import Drift, drifts, with_drift
@@ -95,10 +95,10 @@ class Results:
         found = (self.done[task.id].found for task in self.tasks if task.id in self.done)
         return [one for one in found if isinstance(one, Figure)]
 
-    def missing_figures(self) -> list[tuple[Drawing, str]]:
+    def missing_figures(self) -> list[tuple[PlannedFigure, str]]:
         """The figures that were asked for and could not be drawn, or not as a picture, and why."""
-        drawings = [task for task in self.tasks if isinstance(task, Drawing)]
-        said = [(task, self.done[task.id].message) for task in drawings if task.id in self.done]
+        planned = [task for task in self.tasks if isinstance(task, PlannedFigure)]
+        said = [(task, self.done[task.id].message) for task in planned if task.id in self.done]
         return [(task, message) for task, message in said if message]
 
     def unjudged(self) -> list[str]:

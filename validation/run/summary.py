@@ -45,7 +45,7 @@ def program(gathered: Results) -> str:
 def left_out(gathered: Results) -> list[str]:
     """Lines on the figures that could not be drawn."""
     missing = gathered.missing_figures()
-    return [f"figure {drawing.id} left out: {message}" for drawing, message in missing]
+    return [f"figure {planned.id} left out: {message}" for planned, message in missing]
 
 
 def changes(gathered: Results) -> tuple[list[str], bool]:

@@ -21,7 +21,7 @@ from validation.adequacy.matrix import Assessment
 from validation.case import Case, Skip
 from validation.context import Context, Preset
 from validation.drawing.text import function_name
-from validation.exhibits import Drawing
+from validation.exhibits import PlannedFigure
 from validation.results.outcome import Result, judge
 from validation.results.tasks import AnyResult, Task, plain
 from validation.sweeps.processes import end_with_parent
@@ -69,7 +69,7 @@ def execute(task: Task, context: Context) -> AnyResult:
             case Case():
                 measured = task.measure(context)
                 return judge(task, measured, perf_counter() - start).result
-            case Drawing():
+            case PlannedFigure():
                 drawn = task.draw(context.about(task.subject))
                 figure = replace(drawn, computed_by=(function_name(task.draw),))
                 return Result(task.id, "made", perf_counter() - start, figure.left_out, figure)

@@ -6,7 +6,7 @@ from matrix_sample import sample_matrix
 
 from lumped.audit.finding import Finding
 from validation.case import Absolute, Allowance, Case, Measurement, Relation, Relative
-from validation.exhibits import Drawing, Figure, Study
+from validation.exhibits import Figure, PlannedFigure, Study
 from validation.report.figures.studies.family_plots import study_plot
 from validation.report.page import Report
 from validation.results.outcome import Outcome, Result, judge
@@ -151,6 +151,6 @@ def sample_report(**changes):
             "versions": {"python": "3.11.7", "numpy": "2.4.6", "flexproof": "1.2"},
             "selftest": {"checked": "2026-01-01T03:04:05+00:00", "kept": 1, "computed": 0},
         },
-        "missing_figures": ((Drawing("fig7", "Fig. 7, mode shapes", never), "no OpenGL"),),
+        "missing_figures": ((PlannedFigure("fig7", "Fig. 7, mode shapes", never), "no OpenGL"),),
     }
     return Report(**(fields | changes))

@@ -34,7 +34,7 @@ from validation.drawing.rendering import Body, Scene, render
 from validation.drawing.style import marked
 from validation.drawing.view import fitted_view, pixels
 from validation.models.biglide import robot_system
-from validation.report.figures import drawings
+from validation.report.figures import figures_of
 from validation.report.figures.curves.computed import stations
 from validation.report.figures.curves.dynamics import refined_frequencies
 from validation.report.figures.curves.energy import visible_parts
@@ -272,10 +272,10 @@ def test_the_printed_release_has_a_curve_of_its_own(context):
 
 
 def test_drawings_can_be_sent_to_another_process():
-    found = drawings(load_robot("ifw"))
-    assert len({drawing.id for drawing in found}) == len(found)
-    assert [drawing.id for drawing in pickle.loads(pickle.dumps(found))] == [  # noqa: S301  our own
-        drawing.id for drawing in found
+    found = figures_of(load_robot("ifw"))
+    assert len({figure.id for figure in found}) == len(found)
+    assert [figure.id for figure in pickle.loads(pickle.dumps(found))] == [  # noqa: S301  our own
+        figure.id for figure in found
     ]
 
 

@@ -1,36 +1,36 @@
 """The figures of a run: curves of all models in the same axes, pictures of the robot, studies.
 
-Curves and pictures are computed in the run like cases (`drawings`); plots of studies and budgets
-are drawn when the page is made, from what the cases brought.
+Curves and pictures are computed in the run like cases (`PlannedFigure`); plots of studies and
+budgets are drawn when the page is made, from what the cases brought.
 """
 
 from collections.abc import Sequence
 
 from lumped.robot_file import RobotFile
 from lumped.robot_file.variation import Variation
-from validation.exhibits import Drawing
+from validation.exhibits import PlannedFigure
 
 
-def drawings(robot_file: RobotFile) -> tuple[Drawing, ...]:
+def figures_of(robot_file: RobotFile) -> tuple[PlannedFigure, ...]:
     """The figures of a robot, in the order of the report."""
     return _of_mechanism() if robot_file.is_mechanism else _of_biglide()
 
 
-def of_program() -> tuple[Drawing, ...]:
+def figures_of_program() -> tuple[PlannedFigure, ...]:
     """The figures of what verifies the program."""
     from validation.report.figures.curves import refinement  # noqa: PLC0415
 
     return refinement.figures()
 
 
-def of_variations(variations: Sequence[Variation]) -> tuple[Drawing, ...]:
+def figures_of_variations(variations: Sequence[Variation]) -> tuple[PlannedFigure, ...]:
     """The figures of the numbers of the robot file that a run varies."""
-    from validation.report.figures.mechanism.variations import drawings  # noqa: PLC0415
+    from validation.report.figures.mechanism.variations import figures_over  # noqa: PLC0415
 
-    return drawings(variations)
+    return figures_over(variations)
 
 
-def _of_mechanism() -> tuple[Drawing, ...]:
+def _of_mechanism() -> tuple[PlannedFigure, ...]:
     from validation.report.figures.mechanism import (  # noqa: PLC0415
         curves,
         energies,
@@ -45,10 +45,10 @@ def _of_mechanism() -> tuple[Drawing, ...]:
         pairs.figures,
         energies.figures,
     )
-    return tuple(drawing for group in groups for drawing in group())
+    return tuple(figure for group in groups for figure in group())
 
 
-def _of_biglide() -> tuple[Drawing, ...]:
+def _of_biglide() -> tuple[PlannedFigure, ...]:
     # The figures share results with the cases, whose package lists cases and figures together.
     from validation.report.figures.curves import (  # noqa: PLC0415
         decision,
@@ -72,4 +72,4 @@ def _of_biglide() -> tuple[Drawing, ...]:
         legs.of_leg2,
         decision.figures,
     )
-    return tuple(drawing for group in groups for drawing in group())
+    return tuple(figure for group in groups for figure in group())

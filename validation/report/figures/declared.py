@@ -8,14 +8,14 @@ from typing import TypeAlias
 from validation.context import PRESETS, About, Context, Preset
 from validation.drawing.chart import Chart, chart_svg, chart_table
 from validation.drawing.rendering import Picture
-from validation.exhibits import Drawing, Figure, InteractiveScene
+from validation.exhibits import Figure, InteractiveScene, PlannedFigure
 
 
 @dataclass(frozen=True)
 class Shown:
     """What a figure shows, with its caption and data (see `Figure`).
 
-    `title` where it says more than that of the drawing.
+    `title` where it says more than that of the plan.
     """
 
     caption: str
@@ -59,7 +59,7 @@ class FigureGroup:
 
     def __init__(self, section: str, group: str) -> None:
         self._section, self._group = section, group
-        self._drawings: list[Drawing] = []
+        self._planned: list[PlannedFigure] = []
 
     def figure(
         self,
@@ -78,11 +78,11 @@ class FigureGroup:
                 return draw(context).figure(identifier, title, self._section)
 
             where = (self._section, self._group, effort, subject)
-            self._drawings.append(Drawing(identifier, title, drawn, presets, *where))
+            self._planned.append(PlannedFigure(identifier, title, drawn, presets, *where))
             return drawn
 
         return declare
 
-    def __call__(self) -> tuple[Drawing, ...]:
+    def __call__(self) -> tuple[PlannedFigure, ...]:
         """All of them."""
-        return tuple(self._drawings)
+        return tuple(self._planned)

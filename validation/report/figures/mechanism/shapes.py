@@ -73,12 +73,14 @@ class Vibrating(Protocol):
 class Stage:
     """What stands around the legs and parts of a robot, displaced by unknowns, and its names.
 
-    Segments are shown in `compared` places of each leg.
+    Segments are shown in `compared` places of each leg. `clear` (m): how far what stands at the
+    loaded point reaches along x, y and z, where arrows of forces begin.
     """
 
     around: Callable[[System, Array], tuple[Sequence[Body], Sequence[Wire]]]
     names: Callable[[System, Array], Sequence[Name]] = lambda _system, _unknowns: ()
     compared: int = COMPARED
+    clear: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
 
 def _joints(system: System, unknowns: Array) -> tuple[list[Body], list[Wire]]:
@@ -158,7 +160,8 @@ def under_loads(beam: Vibrating, segments: Vibrating, stage: Stage = ANY) -> Sha
         for place, (axes, name) in enumerate(zip(panels, "xyz", strict=True)):
             bent = _Bent(beam.system, _under(beam.system, place), stage)
             factor = readable_factor(bent.largest, _DRAWN * size)
-            tail = _tool(beam.system) + factor * bent.tip + 0.16 * size * np.eye(3)[place]
+            away = (0.16 * size + stage.clear[place]) * np.eye(3)[place]
+            tail = _tool(beam.system) + factor * bent.tip + away
             head = tail + 0.4 * size * np.eye(3)[place]
             force = np.array([tail, head])
             scene = bent.shown(axes, factor, 1.0 / _MICRO, (3, _SMALL_HEIGHT), force)

@@ -11,7 +11,7 @@ from lumped.robot_file.key_units import unit_of
 from lumped.robot_file.variation import Variation
 from validation.adequacy.mechanism.path import has_given
 from validation.context import SWEEPS_FOLDER, Context
-from validation.exhibits import PARAMETERS, Drawing, Figure
+from validation.exhibits import PARAMETERS, Figure, PlannedFigure
 from validation.report.figures.declared import compared_with, curves
 from validation.report.figures.mechanism.curves import (
     HELD,
@@ -24,10 +24,10 @@ from validation.sweeps.studies import journal_in
 from validation.variations.curves import VariedCurves, variation_study
 
 
-def drawings(variations: Sequence[Variation]) -> tuple[Drawing, ...]:
+def figures_over(variations: Sequence[Variation]) -> tuple[PlannedFigure, ...]:
     """Deflections and frequencies over each number that is varied."""
     return tuple(
-        Drawing(
+        PlannedFigure(
             f"vary.{number}.{what}",
             f"{title} over {variation.key}",
             partial(draw, variation=variation, number=number),

@@ -24,7 +24,8 @@ def stage_of(robot: Biglide, x: float) -> Stage:
     def named(system: System, unknowns: Array) -> Sequence[Name]:
         return names(robot, x, (system.tool @ unknowns)[:3])
 
-    return Stage(around, named, DEFAULT_OPTIONS.elements)
+    above = _joint_height(robot) / 2.0
+    return Stage(around, named, DEFAULT_OPTIONS.elements, (0.0, 0.0, above))
 
 
 def names(robot: Biglide, x: float, moved: Array) -> Sequence[Name]:
