@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from lumped.arrays import Array, IntArray
-from lumped.sections import Circle, Section, Tube
 
 _SIDES = 32
 
@@ -21,15 +20,6 @@ class Surface:
     faces: IntArray
     values: Array | None = None
     motion: Array | None = None
-
-
-def outline(section: Section) -> Array:
-    """Outer corners (k×2, m, along y and z): a polygon for circles, else the rectangle around."""
-    if isinstance(section, Circle | Tube):
-        angles = 2.0 * np.pi * np.arange(_SIDES) / _SIDES
-        return 0.5 * section.diameter * np.column_stack([np.cos(angles), np.sin(angles)])
-    width, height = section.extent
-    return np.array([[-width, -height], [width, -height], [width, height], [-width, height]]) / 2.0
 
 
 def prism_points(corners: Array, stations: Array) -> Array:

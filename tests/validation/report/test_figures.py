@@ -23,7 +23,6 @@ from validation.drawing.prisms import (
     box,
     edges,
     end_faces,
-    outline,
     pin,
     prism_faces,
     prism_points,
@@ -33,6 +32,7 @@ from validation.drawing.prisms import (
 from validation.drawing.rendering import Body, Scene, render
 from validation.drawing.style import marked
 from validation.drawing.view import fitted_view, pixels
+from validation.kinematics.solids import outlines
 from validation.models.biglide import robot_system
 from validation.report.figures import figures_of
 from validation.report.figures.curves.computed import stations
@@ -78,13 +78,13 @@ def volume(surface: Surface) -> float:
     ("section", "area"),
     [
         (Rectangle(width=0.1, height=0.3), 0.03),
-        (ISection(width=0.1, height=0.3, flange=0.02, web=0.01), 0.03),  # the rectangle around it
-        # A polygon of 32 sides: (32/2) r² sin(2π/32).
-        (Circle(diameter=0.2), 16.0 * 0.01 * np.sin(np.pi / 16.0)),
+        (ISection(width=0.1, height=0.3, flange=0.02, web=0.01), 2.0 * 0.002 + 0.0026),
+        # A polygon of 20 sides: (20/2) r² sin(2π/20).
+        (Circle(diameter=0.2), 10.0 * 0.01 * np.sin(np.pi / 10.0)),
     ],
 )
 def test_a_prism_is_closed_and_faces_outwards(section, area):
-    corners = outline(section)
+    corners, _ = outlines(section)
     points = prism_points(corners, np.array([0.0, 0.4, 2.0]))
     faces = np.vstack([prism_faces(len(corners), 3), end_faces(len(corners), 3)])
     assert volume(Surface(points, faces)) == pytest.approx(2.0 * area, rel=ROUNDING)
@@ -100,7 +100,7 @@ def test_boxes_and_pins_are_closed_and_face_outwards():
 
 
 def test_the_edges_of_a_rectangular_prism_are_its_twelve():
-    corners = outline(Rectangle(width=0.2, height=0.4))
+    corners, _ = outlines(Rectangle(width=0.2, height=0.4))
     points = prism_points(corners, np.array([0.0, 1.0]))
     pairs = edges(4, 2)
     lengths = np.linalg.norm(points[pairs[:, 0]] - points[pairs[:, 1]], axis=1)

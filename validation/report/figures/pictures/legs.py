@@ -17,7 +17,6 @@ from validation.drawing.prisms import (
     Surface,
     edges,
     frames,
-    outline,
     prism_points,
     section_displacements,
 )
@@ -35,6 +34,7 @@ from validation.drawing.rendering import (
 from validation.drawing.scenes import interactive
 from validation.drawing.style import MODELS, canvas, csv_of, plot_style
 from validation.drawing.view import fitted_view
+from validation.kinematics.solids import outlines
 from validation.models.legs import constant_leg_of, leg_matrices, solid_modes
 from validation.models.options import DEFAULT_OPTIONS
 from validation.report.figures.declared import FigureGroup, Shown
@@ -161,7 +161,7 @@ def _mode_shapes(context: Context, number: int) -> Shown:
 
 def segments_over(leg: ConstantLeg, stations: Array, twists: Array) -> Wire:
     """Outlines of the lumped model at s `stations` (m), moved by `twists` (s×6), around the leg."""
-    corners = _OUTSET * outline(leg.section)
+    corners = _OUTSET * outlines(leg.section)[0]
     points = prism_points(corners, stations)
     moved = section_displacements(points, np.repeat(twists, len(corners), axis=0))
     pairs = frames(len(corners), len(stations))
@@ -170,7 +170,7 @@ def segments_over(leg: ConstantLeg, stations: Array, twists: Array) -> Wire:
 
 def at_rest(leg: ConstantLeg) -> Wire:
     """Edges of the undeformed leg."""
-    corners = outline(leg.section)
+    corners, _ = outlines(leg.section)
     return Wire(prism_points(corners, np.array([0.0, leg.length])), edges(len(corners), 2))
 
 
