@@ -1,4 +1,4 @@
-"""Strain energy of modes as stacked bars, a bar for each mode: one drawing for every robot."""
+"""Strain energy of modes as stacked bars, a bar for each mode, of every robot."""
 
 from collections.abc import Mapping
 

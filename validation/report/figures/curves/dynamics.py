@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
+from typing import TypeAlias
 
 import numpy as np
 
@@ -35,8 +36,9 @@ from validation.report.figures.declared import FigureGroup, Shown, compared_with
 from validation.studies.quantities import ALPHAS, family_frequencies
 
 MODES = 2
-Found = Mapping[Line, Array]
+Found: TypeAlias = Mapping[Line, Array]
 _FIRST, _BOTH = "first natural frequency (Hz)", "natural frequency (Hz)"
+_ALONE = "the simplified model alone"
 over_stroke = FigureGroup(STROKE, "figures.dynamics")
 over_family = FigureGroup(FAMILY, "figures.dynamics")
 
@@ -61,9 +63,6 @@ def simplified_frequency(context: Context) -> Shown:
             "the simplified model at all."
         )
     return curves(stroke_chart(x, lettered(panels), high=2.5), *caption, notes)
-
-
-_ALONE = "the simplified model alone"
 
 
 @over_stroke.figure(

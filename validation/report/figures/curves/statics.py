@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from functools import partial
+from typing import TypeAlias
 
 import numpy as np
 
@@ -35,7 +36,7 @@ from validation.report.figures.curves.lines import (
 from validation.report.figures.declared import FigureGroup, Shown, compared_with, curves
 from validation.studies.quantities import ALPHAS, LOAD, Deflections, family_deflections
 
-Found = Mapping[Line, Deflections]
+Found: TypeAlias = Mapping[Line, Deflections]
 LOADS = {
     "planar_x": ("x", "planar"),
     "planar_y": ("y", "planar"),
@@ -77,7 +78,8 @@ def simplified_deflections(context: Context) -> Shown:
         ]
         if beam.largest_planar > 2.0 * simple.largest_planar:
             caption.append("The simplified model is no estimate of the deflection.")
-    return curves(stroke_chart(x, lettered(panels)), *caption, compared_with(BEAM.label), notes)
+    below = compared_with(BEAM.label) if BEAM in found else ""
+    return curves(stroke_chart(x, lettered(panels)), *caption, below, notes)
 
 
 @over_stroke.figure(
@@ -94,7 +96,7 @@ def all_deflections(context: Context) -> Shown:
         stroke_chart(x, lettered(panels), legend_columns=3),
         "Deflections of the loaded point.",
         *_reading(found),
-        compared_with(VJM_GIVEN.label),
+        compared_with(VJM_GIVEN.label) if VJM_GIVEN in found else "",
         notes,
     )
 
