@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from validation.adequacy.matrix import Entry, Matrix
+from validation.drawing.text import number
 from validation.report.first_screen.words import (
     amount,
     at_most,
@@ -204,9 +205,20 @@ def _dynamic_predicate(group: Sequence[_Opinion], singular: bool) -> str:  # noq
     if lacking:
         lack = "lacks" if singular else "lack"
         said.append(f"{lack} the modes of {place_of(e.quantity for e in lacking)}")
-    if any(e.quantity == "order" for e in group[0].those("low", "high", "absent")):
-        said.append(f"{'has' if singular else 'have'} the modes in another order")
+    has = "has" if singular else "have"
+    said += [
+        f"{has} the modes in another order{_misled(entry)}"
+        for entry in group[0].those("low", "high", "absent")
+        if entry.quantity == "order"
+    ]
     return _rounded_off(group, said, "frequencies", singular)
+
+
+def _misled(order: Entry) -> str:
+    """How far a mode's number leads astray where it is worst; "" where it has no frequency."""
+    if order.error is None or order.value is None or order.expected is None:
+        return ""
+    return f" ({number(order.value, 3)} Hz where {number(order.expected, 3)} Hz are due)"
 
 
 def _rounded_off(
