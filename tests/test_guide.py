@@ -32,7 +32,7 @@ ROOT = Path(__file__).resolve().parents[1]
 EXAMPLES = ROOT / "docs" / "examples"
 PAGES = (ROOT / "README.md", *sorted((ROOT / "docs" / "guide").glob("*.md")))
 # Pages whose examples take ten seconds and more.
-LONG = {"using", "programs", "mechanisms", "cases"}
+LONG = {"using", "mechanisms", "cases"}
 BLOCK = re.compile(r"^```(\w+)[ ]?([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 LINK = re.compile(r"\]\(([^)#\s]+)(?:#[^)\s]*)?\)")
 # What a page may show without its being run: formulas and excerpts of files.
@@ -89,7 +89,7 @@ def test_the_examples_run(script, tmp_path, monkeypatch):
 
 @pytest.mark.exhaustive
 def test_the_example_of_a_design_team_is_a_test_that_passes(tmp_path):
-    options = "-p no:cacheprovider -p validation.pytest_plugin -q --flexproof-preset quick"
+    options = "-p no:cacheprovider -q --flexproof-preset quick"
     done = subprocess.run(
         [sys.executable, "-m", "pytest", *options.split(), "--rootdir", ".", EXAMPLES / "design"],
         cwd=tmp_path,
