@@ -30,10 +30,13 @@ _SIDES = 12.0
 # Elements at an interface are shorter by this, growing to full size within so many of them: there
 # the edges of what is held rigidly are singular.
 _AT_INTERFACES, _REACH = 0.6, 4.0
-# Unknowns grow by about this from mesh to mesh. With sides of circles kept, the power of 1/h is 3
-# in massive parts, 2 in walls, and below where fillets and bores rule the mesh.
-_GROWTH, _POWER, _LEAST_POWER = 2.4, 2.5, 1.0
-_ATTEMPTS, _CLOSE = 6, 0.2
+# Power of 1/h with which unknowns grow, sides of circles kept: 3 in massive parts, 2 in walls, and
+# below where fillets and bores rule the mesh.
+_POWER, _LEAST_POWER = 2.5, 1.0
+_ATTEMPTS = 8
+# Found by wanted unknowns that are near enough. Of elements much longer than walls are thick the
+# number hardly depends on their size: too few there would be far too coarse.
+_LEAST_SHARE, _MOST_SHARE = 0.95, 1.25
 # How often sizes are reduced for a surface whose facets cross.
 _RETRIES = 8
 # Share of the size and passes of Netgen's optimiser, tried in turn. The optimiser takes as long as
@@ -94,15 +97,17 @@ def _meshed(
 def ladder(part: PartFile, interfaces: Sequence[Interface], unknowns: int) -> tuple[Grading, ...]:
     """Three gradings, coarse to fine, of which the finest gives about so many `unknowns`.
 
-    Found by meshes of straight edges, which are quick, of the size in the middle: from the coarsest
-    on, by secants of the logarithms. Facets of thin round walls may cross where they are too
+    Found by meshes of straight edges, which are quick, of the finest: from large elements on, by
+    secants of the logarithms. Facets of thin round walls may cross where they are too
     coarse: then all three are finer.
     """
     if part.exact is None:
         raise InputError(f"{part.path}: is a mesh already; it cannot be meshed anew")
-    wanted = unknowns / _GROWTH
     largest = max(part.extent) / 2.0
     size, power = largest, _POWER
+
+    def finest(coarse: Grading) -> Grading:
+        return coarse.refined().refined()
 
     def count(grading: Grading) -> int:
         # A model of which a mesh has failed fills no other one.
@@ -121,19 +126,19 @@ def ladder(part: PartFile, interfaces: Sequence[Interface], unknowns: int) -> tu
             size /= RATIO
         return size, count(rung(Grading(size)))
 
-    size, found = feasible(size, Grading.refined)
+    size, found = feasible(size, finest)
     for _ in range(_ATTEMPTS):
-        if abs(found / wanted - 1.0) < _CLOSE or (size == largest and found > wanted):
+        if _LEAST_SHARE < found / unknowns < _MOST_SHARE or (size == largest and found > unknowns):
             break
         before = size, found
-        size = min(size * (found / wanted) ** (1.0 / power), largest)
-        size, found = feasible(size, Grading.refined)
+        size = min(size * (found / unknowns) ** (1.0 / power), largest)
+        size, found = feasible(size, finest)
         if isclose(size, before[0], rel_tol=0.01):
             # What is coarser cannot be meshed.
             break
         power = max(log(found / before[1]) / log(before[0] / size), _LEAST_POWER)
     coarse = Grading(feasible(size, lambda coarse: coarse)[0])
-    return coarse, coarse.refined(), coarse.refined().refined()
+    return coarse, coarse.refined(), finest(coarse)
 
 
 def _optimise(gmsh: ModuleType, own: int, netgen: int) -> None:

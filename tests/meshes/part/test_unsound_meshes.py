@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 
-from lumped.errors import ComputationError
+from lumped.errors import ComputationError, InputError
 from lumped.mechanism.part import ByPlane, PartInterface
 from meshes.own_process import Crashed
 from meshes.part import volume
 from meshes.part.interfaces import find_interfaces
+from meshes.part.reading.cad import cad_model, naming_the_place
 from meshes.part.reading.read import read_part
 
 
@@ -49,3 +50,23 @@ def test_what_has_no_sound_mesh_is_said(bar, monkeypatch, error, said):
     monkeypatch.setattr(volume, "in_own_process", failing)
     with pytest.raises(ComputationError, match=rf"box.step: gmsh makes no sound .* m: {said}"):
         volume.volume_mesh(*bar, volume.Grading(0.02))
+
+
+def tube(occ, s):
+    """A tapered tube, 898 mm long, whose wall of 12 mm falls between facets of half its length."""
+    outer, inner = (
+        (3, occ.addCone(0.0, 0.0, 0.0, 898.0 * s, 0.0, 0.0, r * s, 0.6 * r * s))
+        for r in (61.4, 49.3)
+    )
+    occ.cut([outer], [inner])
+
+
+def test_the_search_for_a_size_goes_on_after_a_surface_that_crosses_itself(part_file):
+    part = read_part(part_file("tube.step", tube))
+    with cad_model(part.path, part.unit) as model:
+        volume._set_sizes(model, (), volume.Grading(max(part.extent) / 2.0).refined())
+        with pytest.raises(InputError, match="crosses itself"), naming_the_place(part.path, model):
+            model.gmsh.model.mesh.generate(3)
+    wanted = 40_000
+    found = volume.volume_mesh(part, (), volume.ladder(part, (), wanted)[-1])
+    assert found.unknowns == pytest.approx(wanted, rel=0.35)
