@@ -131,7 +131,13 @@ def of_parts(
         return np.hstack([diagonals, found.frequencies])
 
     fine = again(FINEST)
-    share = refinement_share(mechanism, again)
+
+    def left_by_meshes(own: slice) -> Array:
+        share = refinement_share(mechanism, lambda rung: again(rung)[:, own])
+        return np.broadcast_to(share, fine[:, own].shape)
+
+    # Deflections show one order together, frequencies another.
+    share = np.hstack([left_by_meshes(slice(6)), left_by_meshes(slice(6, None))])
     left = np.where(np.equal(share, UNKNOWN), np.inf, share * np.abs(fine))
     said = all(is_held_as_said(body) for body in bodies.values())
     bracket = np.zeros_like(fine) if said else again(FINEST, "average") - fine
