@@ -7,8 +7,10 @@ from dataclasses import fields, is_dataclass, replace
 from functools import cache, partial
 from pathlib import Path
 
+import msgspec
 import numpy as np
 import pytest
+from msgspec import structs
 from scipy.sparse import issparse
 
 from fem.beams import beam_theory
@@ -191,6 +193,8 @@ def numbers(value: object) -> list[np.ndarray]:  # noqa: PLR0911  one line for e
         return [part for item in value for part in numbers(item)]
     if isinstance(value, Iterator):
         return numbers(list(value))
+    if isinstance(value, msgspec.Struct):
+        return [part for item in structs.astuple(value) for part in numbers(item)]
     if is_dataclass(value):
         return [part for f in fields(value) for part in numbers(getattr(value, f.name))]
     return []
