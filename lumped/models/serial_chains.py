@@ -38,7 +38,11 @@ class NoChainError(InputError):
 
     def __init__(self, robot: str, reason: str) -> None:
         super().__init__(f"{robot}: {reason}; take --model links")
-        self.reason = reason
+        self.robot, self.reason = robot, reason
+
+    def __reduce__(self) -> tuple[type["NoChainError"], tuple[str, str]]:
+        """Workers send it by what it is made of, which is not its message."""
+        return type(self), (self.robot, self.reason)
 
 
 def compliance(posture: Posture, legs: Mapping[str, Array]) -> Array:

@@ -1,6 +1,7 @@
 """Models of the built-in mechanisms: one answer where they must agree, and what symmetry asks."""
 
 import json
+import pickle
 from dataclasses import replace
 
 import numpy as np
@@ -14,6 +15,7 @@ from lumped.mechanism.body import Prism
 from lumped.mechanism.kinematics.postures import posture, reference_posture
 from lumped.models.bodies import legs_of
 from lumped.models.links import links
+from lumped.models.serial_chains import NoChainError
 from lumped.robot_file import load_robot
 from lumped.system.assembly import assemble, assembly
 from lumped.system.solution import compliance, mode_count, modes, solved, strain_shares
@@ -60,6 +62,16 @@ def test_parallelograms_are_no_serial_chains(name):
     at = [reference_posture(load_robot(name).mechanism)]
     with pytest.raises(InputError, match=r"branches at .*; take --model links"):
         answers("vjm", at, 0)
+
+
+def test_why_legs_are_no_chains_arrives_from_another_process():
+    at = [reference_posture(load_robot("delta").mechanism)]
+    with pytest.raises(NoChainError) as raised:
+        answers("vjm", at, 0)
+    arrived = pickle.loads(pickle.dumps(raised.value))  # noqa: S301  its own bytes
+    assert isinstance(arrived, NoChainError)
+    assert (str(arrived), arrived.reason) == (str(raised.value), raised.value.reason)
+    assert arrived.faults == raised.value.faults
 
 
 @pytest.mark.parametrize("name", ["delta", "3-rrr", "hexapod"])
