@@ -21,7 +21,7 @@ from typing import Protocol
 import numpy as np
 from scipy.linalg import block_diag
 
-from fem.reduction.counted_modes import counted_modes
+from fem.reduction.counted_modes import CountedModes, counted_modes
 from fem.reduction.held import Held
 from fem.reduction.residual_modes import residual_modes
 from fem.reduction.superelement import HeldLeg, Superelement, reduced
@@ -151,12 +151,28 @@ def reduction(held: Held, highest_frequency: float, cutoff: float | None = None)
     the modes do not converge.
     """
     modes = counted_modes(held, chosen_cutoff(highest_frequency, cutoff))
-    constraint = held.constraint_modes
-    momenta = held.mass @ constraint
-    ends_mass = constraint.T @ momenta
+    momenta = held.mass @ held.constraint_modes
     residual, truncated = residual_modes(held, momenta, modes)
     shapes = np.hstack([modes.shapes, residual.shapes])
     squared = (2.0 * np.pi * np.concatenate([modes.frequencies, residual.frequencies])) ** 2
+    return reduction_on(held, momenta, shapes, squared, modes, truncated)
+
+
+def reduction_on(
+    held: Held,
+    momenta: Array,
+    shapes: Array,
+    squared: Array,
+    modes: CountedModes,
+    truncated: Array,
+) -> Reduction:
+    """A body on the twists of its interfaces and on `shapes` (n×k), which leave these in place.
+
+    `shapes` are orthonormal in the mass, their ω² `squared` (k, rad²/s²); `momenta` MΨ (n×6m);
+    `modes` are those that the cut-off asks for, `truncated` is what bounds the others.
+    """
+    constraint = held.constraint_modes
+    ends_mass = constraint.T @ momenta
     participation = shapes.T @ momenta
     return Reduction(
         recovery=np.hstack([constraint, shapes]),

@@ -17,12 +17,12 @@ springs as flexible as that at λ_j, without mass; and it has no fewer than the 
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import block_diag, cho_factor, cho_solve, eigh, qr
+from scipy.linalg import cho_factor, cho_solve, eigh, qr
 
 from fem.bodies.rooted import RootedBody
 from fem.reduction.counted_modes import counted_modes
-from fem.reduction.craig_bampton import Reduction, chosen_cutoff
-from fem.reduction.held import FreeBody
+from fem.reduction.craig_bampton import Reduction, chosen_cutoff, reduction_on
+from fem.reduction.held import FreeBody, HeldBody
 from fem.reduction.residual_modes import residual_modes
 from lumped.arrays import Array
 from lumped.errors import ComputationError
@@ -72,7 +72,7 @@ def free_interface(
     """
     body = FreeBody(rooted)
     modes = counted_modes(body, chosen_cutoff(highest_frequency, cutoff))
-    wrenches, mass = rooted.solid.twists, rooted.solid.mass
+    wrenches = rooted.solid.twists
     residual, truncated = residual_modes(body, wrenches, modes)
     if residual.shapes.shape[1] < wrenches.shape[1]:
         raise ComputationError(
@@ -84,20 +84,9 @@ def free_interface(
     squared = (2.0 * np.pi * np.concatenate([np.zeros(body.rigid.shape[1]), elastic])) ** 2
     shares = wrenches.T @ fields
     amplitudes, inner = _held(shares, squared)
-    constraint = rooted.constraint_modes
-    momenta = mass @ constraint
-    shapes = fields @ amplitudes
-    participation = shapes.T @ momenta
-    ends_mass = constraint.T @ momenta
-    found = Reduction(
-        recovery=np.hstack([constraint, shapes]),
-        stiffness=block_diag(rooted.stiffness, np.diag(inner)),
-        mass=np.block([[ends_mass, participation.T], [participation, np.eye(len(inner))]]),
-        cutoff=modes.cutoff,
-        frequencies=modes.frequencies,
-        truncated=truncated,
-        counted=modes.counted,
-    )
+    held = HeldBody(rooted)
+    momenta = held.mass @ held.constraint_modes
+    found = reduction_on(held, momenta, fields @ amplitudes, inner, modes, truncated)
     return found, FreeTruncation(modes.cutoff, squared, shares, truncated)
 
 

@@ -73,22 +73,24 @@ class ReducedPart(BodyModel):
 class FreelyReducedPart(ReducedPart):
     """The same by MacNeal and Rubin: cut-off and count are those of the free part's elastic modes.
 
-    `truncation` bounds the error (fem.reduction.free_interface).
+    `squared` and `shares` are those of fem.reduction.free_interface.FreeTruncation, for its bound.
     """
 
-    truncation: FreeTruncation = field(kw_only=True)
+    squared: Array = field(kw_only=True)
+    shares: Array = field(kw_only=True)
 
     @property
     def kept(self) -> int:
         """How many elastic modes of the free part below the cut-off its matrices have."""
         squared = eigh(dense(self.stiffness), dense(self.mass), eigvals_only=True)[6:]
-        known = self.truncation.squared[6 : -len(self.truncated)]
+        known = self.squared[6 : -len(self.truncated)]
         found = squared[: len(known)]
         return _below(found[np.abs(found / known - 1.0) < _SAME_MODE], self.cutoff)
 
     def loosened(self, squared: float) -> tuple[Array, Array]:
         """As `fem.reduction.craig_bampton.Truncated` wants it."""
-        stiffness, mass = self.truncation.loosened(squared)
+        dropped = FreeTruncation(self.cutoff, self.squared, self.shares, self.truncated)
+        stiffness, mass = dropped.loosened(squared)
         return np.asarray(stiffness - self.stiffness), np.asarray(mass - self.mass)
 
 
@@ -195,17 +197,16 @@ def reduced(
     key = key_of(file, interfaces, shape.material, "reduced", UNKNOWNS, rung, highest, cutoff, by)
     found = kept(key, compute)
     moved = interpolated(found["nodes"], found["recovery"])
-    cut, truncated = float(found["cutoff"]), found["truncated"]
     own: dict[str, Any] = {
         "highest": highest,
-        "cutoff": cut,
+        "cutoff": float(found["cutoff"]),
         "counted": int(found["counted"]),
-        "truncated": truncated,
+        "truncated": found["truncated"],
     }
     kind: type[ReducedPart] = ReducedPart
     if by == "free":
         kind = FreelyReducedPart
-        own["truncation"] = FreeTruncation(cut, found["squared"], found["shares"], truncated)
+        own |= {"squared": found["squared"], "shares": found["shares"]}
     names = tuple(body.interfaces)
     model = kind("solid, reduced", names, found["stiffness"], found["mass"], moved, **own)
     _require_counted(model, body.name)
