@@ -14,6 +14,7 @@ from validation.adequacy.biglide.dynamics import (
     dynamic_reference,
     vibrations,
 )
+from validation.adequacy.biglide.leg import MODELS as LEG_MODELS
 from validation.adequacy.biglide.leg import leg_subject
 from validation.adequacy.biglide.statics import compliances, static_ladders, static_reference
 from validation.adequacy.common.references import bracketed_frequencies
@@ -35,17 +36,7 @@ from validation.studies.paired_robot_modes import sample_weights
 POSTURES = 9
 _STATIC = "static: it has no masses, hence says nothing of frequencies"
 _RIGID = "its legs are rigid and its drives move along y alone: it knows no such motion"
-
-
-MODELS = (
-    "simplified",
-    "vjm",
-    "vjm-equivalent",
-    "segments",
-    "beam",
-    "segments-euler-bernoulli",
-    "beam-euler-bernoulli",
-)
+MODELS = ("simplified", *LEG_MODELS)
 CANDIDATES: Mapping[str, JudgedModel] = {name: JUDGED[name] for name in MODELS} | {
     "simplified": JUDGED["simplified"]._replace(title="elastic drives, rigid legs")
 }
