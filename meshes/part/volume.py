@@ -39,10 +39,25 @@ _ATTEMPTS = 8
 _LEAST_SHARE, _MOST_SHARE = 0.95, 1.25
 # How often sizes are reduced for a surface whose facets cross.
 _RETRIES = 8
-# Share of the size and passes of Netgen's optimiser, tried in turn. The optimiser takes as long as
-# the mesh, and a quarter of the error with it. Where elements are as coarse as walls are thick it
-# may end its process (gmsh 4.15), and a flat element stay at a wall: another size has another mesh.
-_TRIED = ((1.0, 1), (0.97, 1), (1.0, 0), (0.97, 0), (0.94, 1), (0.94, 0))
+# gmsh's numbers of its algorithms.
+_DELAUNAY, _FRONTAL = 1, 4
+# Share of the size, passes of Netgen's optimiser and algorithm, tried in turn. The optimiser takes
+# as long as the mesh, and a quarter of the error with it. Where elements are as coarse as walls are
+# thick it may end its process (gmsh 4.15), and a flat element stay at a wall: another size has
+# another mesh. Of elements several times as long Delaunay's criterion leaves some with four corners
+# on one flat face at any size; the advancing front, up to a quarter more of them, leaves none.
+_TRIED = (
+    (1.0, 1, _DELAUNAY),
+    (0.97, 1, _DELAUNAY),
+    (1.0, 0, _DELAUNAY),
+    (0.97, 0, _DELAUNAY),
+    (0.94, 1, _DELAUNAY),
+    (0.94, 0, _DELAUNAY),
+    (1.0, 1, _FRONTAL),
+    (1.0, 0, _FRONTAL),
+    (0.9, 1, _FRONTAL),
+    (0.9, 0, _FRONTAL),
+)
 # No element is shorter than this share of the full size: long fillets would rule the whole mesh.
 _SHORTEST = 0.2
 
@@ -68,10 +83,10 @@ def volume_mesh(part: PartFile, interfaces: Sequence[Interface], grading: Gradin
     if part.mesh is not None:
         raise InputError(f"{part.path}: is a mesh already; it cannot be meshed anew")
     failed: ComputationError | None = None
-    for share, netgen in _TRIED:
+    for share, netgen, algorithm in _TRIED:
         tried = Grading(share * grading.size, grading.sides)
         try:
-            return in_own_process(_meshed, part, interfaces, tried, netgen)
+            return in_own_process(_meshed, part, interfaces, tried, netgen, algorithm)
         except ComputationError as error:
             failed = error
     said = "it ends its process" if isinstance(failed, Crashed) else str(failed)
@@ -82,10 +97,15 @@ def volume_mesh(part: PartFile, interfaces: Sequence[Interface], grading: Gradin
 
 
 def _meshed(
-    part: PartFile, interfaces: Sequence[Interface], grading: Grading, netgen: int
+    part: PartFile,
+    interfaces: Sequence[Interface],
+    grading: Grading,
+    netgen: int,
+    algorithm: int,
 ) -> PartMesh:
     with cad_model(part.path, part.unit) as model:
         gmsh = model.gmsh
+        gmsh.option.setNumber("Mesh.Algorithm3D", algorithm)
         _set_sizes(model, interfaces, grading)
         _optimise(gmsh, 1, netgen)
         with naming_the_place(part.path, model):
