@@ -15,9 +15,8 @@ import numpy as np
 from lumped.arrays import Array
 from lumped.errors import InputError
 from lumped.legs import EquivalentBy, Leg, equivalent_leg
-from lumped.mechanism.body import leg_shape
+from lumped.mechanism.body import Frame, leg_shape
 from lumped.mechanism.body_model import BodyModel
-from lumped.mechanism.frame import Frame
 from lumped.mechanism.joint import Drive, Joint, JointKind, Side
 from lumped.mechanism.mechanism import GROUND, Mechanism, Posture, Tool
 from lumped.mechanism.placing import leg_on, rigid_on

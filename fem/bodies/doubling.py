@@ -43,8 +43,7 @@ from lumped.errors import ComputationError, InputError, naming
 from lumped.legs import ConstantLeg
 from lumped.screws import shift
 from meshes.prism.extrude import extrude
-from meshes.section.feasibility import require_leg
-from meshes.section.section_mesh import SectionMesh
+from meshes.section.section_mesh import SectionMesh, require_leg
 from meshes.solid_mesh import SolidMesh
 
 _TWIST_MIRROR = np.array([-1.0, 1.0, 1.0, 1.0, -1.0, -1.0])

@@ -21,9 +21,8 @@ from lumped.legs import ConstantLeg
 from lumped.mechanism.body_model import LegMatrices
 from meshes.elements import ELEMENTS, SectionElement
 from meshes.prism.extrude import extrude, stations
-from meshes.section.feasibility import require_leg
 from meshes.section.section_blocks import Divisions
-from meshes.section.section_mesh import SectionMesh, section_mesh
+from meshes.section.section_mesh import SectionMesh, require_leg, section_mesh
 from meshes.solid_mesh import SolidMesh
 
 Ends: TypeAlias = Literal["rigid", "free"]

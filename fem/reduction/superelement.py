@@ -1,4 +1,4 @@
-"""A leg reduced to its two 6-DOF ends: constraint modes, static condensation, recovery.
+"""A leg reduced to its two 6-DOF ends: constraint modes, static condensation, recovery, mass.
 
 A leg only turns from posture to posture, so it is reduced once, in its own axes. What a reduction
 needs of a leg is the same for every model and for both kinds of ends: displacements for unit
@@ -77,6 +77,15 @@ class Superelement:
         return np.asarray(self.recovery @ unknowns)
 
 
+@dataclass(frozen=True)
+class MassProperties:
+    """Mass (kg), centre of mass (3, m from the root) and inertia (3×3, kg m²) about it."""
+
+    mass: float
+    centre: Array
+    inertia: Array
+
+
 def end_motions(length: float) -> Array:
     """Twists of root and tip (12×6) in the six rigid motions about the root."""
     return np.vstack([np.eye(6), shift(np.array([length, 0.0, 0.0]))])
@@ -150,6 +159,24 @@ def reduced(held: HeldLeg, recovery: Array, stiffness: Array, mass: Array) -> Su
         parts=parts,
     )
     return Superelement(matrices, recovery)
+
+
+def rigid_motions(leg: LegMatrices) -> Array:
+    """Unknowns (r×6) of a superelement in the rigid motions about its root: no amplitudes."""
+    return np.vstack([end_motions(leg.length), np.zeros((leg.size - ENDS, 6))])
+
+
+def mass_properties(leg: LegMatrices, motions: Array) -> MassProperties:
+    """What the mass matrix says of the rigid leg; raises ComputationError without mass."""
+    rigid = motions.T @ (leg.mass @ motions)
+    mass = float(rigid[0, 0])
+    if not mass > 0.0:
+        raise ComputationError(f"{leg.model} leg: its mass matrix has no mass along x")
+    # Upper right block m [c]ᵀ: a rotation about the root moves the centre c by φ × c.
+    moment = rigid[:3, 3:] / mass
+    centre = np.array([moment[1, 2], moment[2, 0], moment[0, 1]])
+    square = centre @ centre * np.eye(3) - np.outer(centre, centre)
+    return MassProperties(mass, centre, rigid[3:, 3:] - mass * square)
 
 
 def _symmetric(matrix: Array) -> Array:

@@ -1,4 +1,4 @@
-"""Bodies of a mechanism: what they are made of and where others take hold of them."""
+"""Bodies of a mechanism and their frames: what they are made of, where others take hold of them."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -8,9 +8,28 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.legs import ConstantLeg, Ends, Leg, Material
-from lumped.mechanism.frame import Frame
 from lumped.mechanism.part import Part
 from lumped.sections import Section
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """A place: `position` (3, m) of its origin and `rotation` (3×3), its axes as columns.
+
+    Both are given in the frame that it is seen from: a body's frame in base axes, an interface's
+    in the axes of its body.
+    """
+
+    position: Array = field(default_factory=lambda: np.zeros(3))
+    rotation: Array = field(default_factory=lambda: np.eye(3))
+
+    def __matmul__(self, inner: "Frame") -> "Frame":
+        """A frame seen from this one, as it is seen from where this one is seen from."""
+        return Frame(self.position + self.rotation @ inner.position, self.rotation @ inner.rotation)
+
+    def inverse(self) -> "Frame":
+        """Where this frame is seen from, as it is seen from this frame."""
+        return Frame(-self.rotation.T @ self.position, self.rotation.T)
 
 
 @dataclass(frozen=True)

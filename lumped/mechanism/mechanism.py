@@ -6,8 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lumped.arrays import Array
-from lumped.mechanism.body import Body
-from lumped.mechanism.frame import Frame
+from lumped.mechanism.body import Body, Frame
 from lumped.mechanism.joint import Joint
 from lumped.mechanism.part import Part
 

@@ -6,8 +6,7 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.errors import InputError
-from lumped.mechanism.body import Body, Given, Prism, Rigid
-from lumped.mechanism.frame import Frame
+from lumped.mechanism.body import Body, Frame, Given, Prism, Rigid
 
 _X, _, _Z = np.eye(3)
 # Sine of the angle below which two directions are one.

@@ -8,8 +8,8 @@ from scipy.sparse import block_diag as sparse_block_diag
 from scipy.sparse import csr_array, eye_array, issparse
 
 from lumped.arrays import Array, SparseMatrix
+from lumped.mechanism.body import Frame
 from lumped.mechanism.body_model import ENDS, BodyModel, LegMatrices
-from lumped.mechanism.frame import Frame
 from lumped.screws import turn
 
 

@@ -6,9 +6,8 @@ from lumped.sections import Section
 from meshes.elements import SectionElement, SolidElement
 from meshes.prism.extrude import extrude, stations
 from meshes.quality import LARGEST_ASPECT, check
-from meshes.section.feasibility import require_leg
 from meshes.section.section_blocks import Divisions, thinnest_layer
-from meshes.section.section_mesh import section_mesh
+from meshes.section.section_mesh import require_leg, section_mesh
 from meshes.solid_mesh import SolidMesh
 
 _SECTION: dict[SolidElement, SectionElement] = {"hex8": "quad4", "hex27": "quad9"}

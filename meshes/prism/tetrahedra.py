@@ -11,9 +11,8 @@ from meshes.elements import ELEMENTS, SectionElement, SolidElement
 from meshes.gmsh_arrays import connectivity, numbered
 from meshes.gmsh_session import gmsh_model
 from meshes.quality import check
-from meshes.section.feasibility import require_leg
 from meshes.section.section_blocks import Divisions
-from meshes.section.section_mesh import SectionMesh, counter_clockwise
+from meshes.section.section_mesh import SectionMesh, counter_clockwise, require_leg
 from meshes.section.section_outline import add_face, set_element_size
 from meshes.solid_mesh import EndFace, SolidMesh
 

@@ -12,12 +12,11 @@ from scipy.spatial import cKDTree
 
 from lumped.arrays import Array, IntArray
 from lumped.caches import lru_cache
-from lumped.errors import ComputationError
-from lumped.sections import Section
+from lumped.errors import ComputationError, InputError
+from lumped.sections import Rectangle, Section
 from meshes.elements import ELEMENTS, SectionElement
 from meshes.gmsh_arrays import connectivity, numbered
 from meshes.gmsh_session import gmsh_model
-from meshes.section.feasibility import require_section
 from meshes.section.section_blocks import Blocks, Divisions, section_blocks
 from meshes.section.section_outline import add_face, set_element_size
 
@@ -123,3 +122,37 @@ def symmetrised(nodes: Array, part: str) -> Array:
             raise ComputationError(f"{part}: the mesh is not symmetric about its section's axes")
         nodes = (nodes + images[partner]) / 2.0
     return nodes
+
+
+def require_section(section: Section, divisions: Divisions) -> None:
+    """Raise InputError with every fault of a section's shape and of its divisions."""
+    faults = section.faults() + _division_faults(section, divisions)
+    if faults:
+        raise InputError(f"{section.shape}: {fault}" for fault in faults)
+
+
+def require_leg(section: Section, length: float, divisions: Divisions) -> None:
+    """Raise InputError with every fault of a prismatic leg of `length` (m).
+
+    A body shorter than the larger side of its section is no leg: its two ends lie within the
+    distance over which Saint-Venant's principle lets end effects decay.
+    """
+    require_section(section, divisions)
+    if not length > 0.0:
+        raise InputError(f"length = {length!r}: must be above 0 m")
+    if length < max(section.extent):
+        raise InputError(
+            f"length = {length!r}: shorter than its {section.shape} section, "
+            f"{max(section.extent):g} m; a leg must be at least as long as its section is large"
+        )
+
+
+def _division_faults(section: Section, divisions: Divisions) -> list[str]:
+    if isinstance(divisions, tuple):
+        if not isinstance(section, Rectangle):
+            return [f"divisions = {divisions}: two numbers suit a solid rectangle alone"]
+        if min(divisions) < 1:
+            return [f"divisions = {divisions}: both must be at least 1"]
+    elif divisions < 1:
+        return [f"divisions = {divisions}: must be at least 1 element across the smaller side"]
+    return []

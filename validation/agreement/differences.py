@@ -1,12 +1,22 @@
-"""Measurements of one number: the farthest of what should be nothing, and what two meshes give."""
+"""One number of many: the farthest of what should be nothing, and what two meshes give."""
 
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from lumped.arrays import Array
 from validation.agreement.convergence import step_factor
 from validation.case import Measurement
+
+
+def scaled_difference(found: Array, reference: Array) -> float:
+    """Largest |Δc_ij| of two compliances in units of √(c_ii c_jj) of the reference.
+
+    No entry of a positive matrix is larger: zero couplings count as well, whatever their unit.
+    """
+    unit = 1.0 / np.sqrt(np.diag(reference))
+    return float(np.abs((found - reference) * unit[:, None] * unit).max())
 
 
 def farthest_off(off: ArrayLike) -> Measurement:

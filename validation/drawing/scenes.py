@@ -4,12 +4,14 @@ trame's serializer turns VTK's objects into the state of vtk.js; no OpenGL and n
 for that, so that scenes exist where pictures cannot be drawn.
 """
 
+import gzip
 import io
 import json
 import re
 import zipfile
 from collections.abc import Sequence
 from importlib import import_module
+from importlib.resources import files
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
@@ -22,7 +24,10 @@ from validation.exhibits import InteractiveScene
 _ADDRESS = re.compile(r"(?<=[\"{])[0-9a-f]{16}(?=[\"}-])")
 # The earliest date that a ZIP archive can carry.
 _NO_DATE = (1980, 1, 1, 0, 0, 0)
-
+# The viewer asks this place for an icon of its own; the report asks no network for anything.
+_ICONS = b"https://kitware.github.io/vtk-js/icon/"
+# It tells the console what it reads; the page wants to know it instead, to set modes in motion.
+_TELLS, _KEEPS = b"console.log(Object.keys(s))", b"global.scene=s"
 
 # How what is displaced moves: a mode swings to both sides, a load pushes to one and lets go.
 Motion: TypeAlias = Literal["swing", "push"]
@@ -47,6 +52,16 @@ def interactive(
     finally:
         plotter.close()
     return InteractiveScene(title, _archive(_with_plain_names(json.dumps(state))))
+
+
+def packed_viewer() -> str:
+    """The page of vtk.js that shows scenes, gzip in base64, once for all of them.
+
+    A browser unpacks it when the first scene is opened.
+    """
+    page = files("trame_vtk.tools").joinpath("static_viewer.html").read_bytes()
+    page = page.replace(_ICONS, b"data:,").replace(_TELLS, _KEEPS)
+    return base64(gzip.compress(page, compresslevel=9, mtime=0))
 
 
 def _place_camera(plotter: Any, scene: Scene) -> None:

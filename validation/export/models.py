@@ -18,9 +18,8 @@ from lumped.legs import ConstantLeg, equivalent_leg
 from lumped.mechanism.body_model import LegMatrices
 from lumped.models.cantilever import clamped_modes
 from lumped.system.solution import modes, solved
-from meshes.vtk_grid import grid
 from validation.context import Preset
-from validation.export.vtk_files import polyline, save
+from validation.export.vtk_files import grid, polyline, save
 from validation.models.biglide import robot_system
 from validation.models.legs import leg_matrices
 

@@ -1,4 +1,4 @@
-"""Centrelines as VTK lines, and VTK data as files."""
+"""Meshes as VTK grids, centrelines as VTK lines, and VTK data as files."""
 
 from collections.abc import Mapping, Sequence
 from errno import EIO
@@ -8,9 +8,27 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lumped.arrays import Array
+from meshes.elements import ELEMENTS
+from meshes.section.section_mesh import SectionMesh
+from meshes.solid_mesh import VolumeMesh
 
 if TYPE_CHECKING:
     import pyvista
+
+
+def grid(mesh: SectionMesh | VolumeMesh) -> "pyvista.UnstructuredGrid":
+    """The mesh as a VTK grid in leg axes (m), nodes and cells in the mesh's own numbering.
+
+    A section lies in the plane x = 0. Data per node or cell can be attached as they are.
+    """
+    # VTK takes seconds and system libraries to load; whoever draws nothing needs neither.
+    import pyvista  # noqa: PLC0415
+
+    kind = ELEMENTS[mesh.element]
+    nodes = mesh.nodes
+    if nodes.shape[1] == 2:
+        nodes = np.column_stack([np.zeros(len(nodes)), nodes])
+    return pyvista.UnstructuredGrid({kind.vtk_type: mesh.cells[:, list(kind.vtk_order)]}, nodes)
 
 
 def polyline(
@@ -20,7 +38,6 @@ def polyline(
 
     `frequencies` (Hz) become field data; the cell data "leg" number the lines from 1.
     """
-    # VTK takes seconds to load; whoever exports nothing does not wait for it.
     import pyvista  # noqa: PLC0415
 
     counts = [len(line) for line in lines]

@@ -36,7 +36,6 @@ BASICS: Mapping[str, str] = {
     "lumped.sections": "the legs' data",
     "lumped.biglide": "the robot's data and its postures",
     "lumped.mechanism.body": "the mechanism's data",
-    "lumped.mechanism.frame": "the mechanism's data",
     "lumped.mechanism.joint": "the mechanism's data",
     "lumped.mechanism.mechanism": "the mechanism's data",
     "lumped.mechanism.placing": "the mechanism's data",

@@ -13,8 +13,7 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.errors import InputError
-from lumped.mechanism.body import Body, Given, Prism
-from lumped.mechanism.frame import Frame
+from lumped.mechanism.body import Body, Frame, Given, Prism
 from lumped.mechanism.free_twists import (
     across_axis,
     interface_position,

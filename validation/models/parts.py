@@ -21,9 +21,8 @@ from lumped.arrays import Array, SparseMatrix
 from lumped.caches import lru_cache
 from lumped.dense.modes import dense
 from lumped.errors import ComputationError, InputError
-from lumped.mechanism.body import Body
+from lumped.mechanism.body import Body, Frame
 from lumped.mechanism.body_model import BodyModel
-from lumped.mechanism.frame import Frame
 from lumped.mechanism.part import Part
 from lumped.mechanism.placing import leg_frame
 from meshes.part.interfaces import Interface, find_interfaces

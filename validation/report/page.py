@@ -13,8 +13,8 @@ from lumped.audit.finding import Finding
 from lumped.caches import lru_cache
 from validation.adequacy.matrix import Matrix
 from validation.drawing import text
+from validation.drawing.scenes import packed_viewer
 from validation.exhibits import PORTRAIT, Figure, PlannedFigure
-from validation.report import scene_viewer
 from validation.report.detection import Power
 from validation.report.first_screen.screen import FirstScreen, first_screen
 from validation.report.first_screen.words import capital
@@ -198,7 +198,7 @@ class Report:
     def viewer(self) -> str:
         """The viewer of the 3-D scenes, packed for the page; empty where there are none."""
         shown = any(figure.scenes for figure in self.figures)
-        return scene_viewer.packed() if shown else ""
+        return packed_viewer() if shown else ""
 
     @property
     def slowest_first(self) -> tuple[Outcome, ...]:

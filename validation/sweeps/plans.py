@@ -8,7 +8,7 @@ import numpy as np
 from lumped.biglide import Biglide, scaled
 from lumped.errors import InputError
 from lumped.legs import equivalent_leg
-from meshes.section.feasibility import require_leg
+from meshes.section.section_mesh import require_leg
 from validation.models.options import Ends, ModelName, ModelOptions
 from validation.sweeps.units import PostureUnit, chunks, expected_highest, posture_unit
 

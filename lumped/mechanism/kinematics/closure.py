@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 
 from lumped.arrays import Array, IntArray
 from lumped.caches import cached_property, lru_cache
-from lumped.mechanism.frame import Frame
+from lumped.mechanism.body import Frame
 from lumped.mechanism.free_twists import turned_since_reference
 from lumped.mechanism.kinematics.constraints import axes_of_drive, constraints, coordinates
 from lumped.mechanism.mechanism import GROUND, MOVES, Mechanism, Posture

@@ -11,8 +11,7 @@ import numpy as np
 from lumped.arrays import Array
 from lumped.errors import InputError
 from lumped.legs import Material
-from lumped.mechanism.body import Body, Rigid, leg_shape
-from lumped.mechanism.frame import Frame
+from lumped.mechanism.body import Body, Frame, Rigid, leg_shape
 from lumped.mechanism.joint import Drive, Joint, Side
 from lumped.mechanism.mechanism import GROUND, Mechanism, Tool
 from lumped.mechanism.part import Part

@@ -20,18 +20,13 @@ from lumped.mechanism.body_model import LegMatrices
 from lumped.models.cantilever import clamped_modes, tip_compliance_of
 from lumped.screws import shift
 from lumped.sections import Rectangle
+from validation.agreement.differences import scaled_difference
 
 # The equivalent legs of the IFW demonstrator (paper §2.3 applied to its appendix).
 LEG1 = constant_leg(0.85, EA=8.613e8, EIy=4.771e6, EIz=1.832e6, GJ=9.212e6, mass=69.705)
 LEG2 = constant_leg(0.775, EA=4.316e9, EIy=5.98e7, EIz=4.182e6, GJ=6.478e6, mass=49.366)
 THEORIES = ("euler-bernoulli", "timoshenko")
 PARTS = ("tension", "torsion", "bending y", "bending z")
-
-
-def scaled_error(value, reference):
-    """Largest error of a 6×6 compliance relative to √(diagonal · diagonal), which has no units."""
-    scale = np.sqrt(np.diag(reference))
-    return np.max(np.abs(value - reference) / np.outer(scale, scale))
 
 
 def part_frequencies(leg: LegMatrices, part: str, count: int):
@@ -61,7 +56,7 @@ def test_tip_compliance_is_exact_for_any_number_of_elements(leg, theory, element
     properties = leg.properties(theory)
     compliance = tip_compliance_of(beam_leg(properties, leg.length, elements))
     # Rounding alone, which the condition of n elements raises as n⁴: 2400 eps for n = 7.
-    assert scaled_error(compliance, tip_compliance(properties, leg.length)) < 1e-12
+    assert scaled_difference(compliance, tip_compliance(properties, leg.length)) < 1e-12
 
 
 @pytest.mark.parametrize("slenderness", [1.0, 10.0, 1e2, 1e3, 1e4])
@@ -72,7 +67,7 @@ def test_no_locking_at_any_slenderness(slenderness, elements):
     )
     compliance = tip_compliance_of(beam_leg(leg.timoshenko, leg.length, elements))
     # As above: rounding alone.
-    assert scaled_error(compliance, tip_compliance(leg.timoshenko, leg.length)) < 1e-12
+    assert scaled_difference(compliance, tip_compliance(leg.timoshenko, leg.length)) < 1e-12
 
 
 def przemieniecki_stiffness(p: BeamProperties, l: float):
@@ -109,9 +104,8 @@ def test_one_element_is_przemieniecki_s_matrix(theory):
     k = dense(beam_leg(properties, LEG2.length, 1).stiffness)
     ends = k[:12, :12] - k[:12, 12:] @ np.linalg.solve(k[12:, 12:], k[12:, :12])
     reference = przemieniecki_stiffness(properties, LEG2.length)
-    scale = np.sqrt(np.diag(reference))
     # Rounding alone: sums of four Gauss points.
-    assert np.max(np.abs(ends - reference) / np.outer(scale, scale)) < 1e-13
+    assert scaled_difference(ends, reference) < 1e-13
 
 
 @pytest.mark.parametrize("theory", THEORIES)

@@ -21,6 +21,7 @@ from lumped.screws import shift
 from lumped.sections import ISection, Rectangle, Tube
 from meshes.prism.extrude import extrude, stations
 from meshes.section.section_mesh import section_mesh
+from validation.agreement.differences import scaled_difference
 
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 CUBIC = Material(E=2.1e11, G=1.2e11, nu=0.0, rho=7850.0)
@@ -29,12 +30,6 @@ SECTIONS = [
     (Tube(0.12, 0.012), 4),
     (ISection(0.10, 0.16, 0.012, 0.008), 3),
 ]
-
-
-def scaled_difference(compliance, reference):
-    """Largest difference in units of √(cᵢᵢ cⱼⱼ), so that zero couplings count as well."""
-    scale = 1.0 / np.sqrt(np.diag(reference))
-    return np.abs((compliance - reference) * scale[:, None] * scale).max()
 
 
 def beam_compliance(leg, section):

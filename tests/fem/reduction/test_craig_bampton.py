@@ -18,8 +18,7 @@ from fem.bodies.solid import clamped_leg, solid_leg, solid_leg_matrices
 from fem.reduction.craig_bampton import craig_bampton, frequency_bounds
 from fem.reduction.free_superelement import held_free_leg
 from fem.reduction.interface_modes import interface_modes
-from fem.reduction.rigid_body import mass_properties, rigid_motions
-from fem.reduction.superelement import held_leg
+from fem.reduction.superelement import held_leg, mass_properties, rigid_motions
 from lumped.biglide import system, with_equivalent_legs
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, Material

@@ -17,9 +17,8 @@ from fem.beams.beam import beam_leg
 from fem.bodies.solid import clamped_leg, section_twists, solid_leg, solid_leg_matrices
 from fem.couplings.end_coupling import rigid_ends, rigid_motions
 from fem.reduction.free_superelement import held_free_leg
-from fem.reduction.rigid_body import mass_properties
-from fem.reduction.rigid_body import rigid_motions as reduced_rigid_motions
-from fem.reduction.superelement import held_leg, static_superelement
+from fem.reduction.superelement import held_leg, mass_properties, static_superelement
+from fem.reduction.superelement import rigid_motions as reduced_rigid_motions
 from fem.sections.section_constants import beam_properties, section_constants
 from lumped.biglide import Biglide, system, with_equivalent_legs
 from lumped.errors import ComputationError, InputError
@@ -32,6 +31,7 @@ from lumped.robot_file import load_robot
 from lumped.system.solution import compliance, solved
 from meshes.prism.extrude import extrude, stations
 from meshes.section.section_mesh import section_mesh
+from validation.agreement.differences import scaled_difference
 
 ROBOT = with_equivalent_legs(load_robot("ifw").robot)
 POSTURES = (ROBOT.stroke[0], ROBOT.centre, ROBOT.stroke[1])
@@ -65,12 +65,6 @@ MODELS = {
     "solid": lambda leg: solid_leg_matrices(meshed(leg, 1, 3)),
 }
 models = pytest.mark.parametrize("model", MODELS.values(), ids=MODELS)
-
-
-def scaled_difference(matrix, reference):
-    """Difference in units of √(rᵢᵢ rⱼⱼ), so that zero couplings count as well."""
-    scale = 1.0 / np.sqrt(np.diag(reference))
-    return np.abs((matrix - reference) * scale[:, None] * scale).max()
 
 
 @models

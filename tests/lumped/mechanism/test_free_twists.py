@@ -5,8 +5,7 @@ from types import MappingProxyType
 import numpy as np
 import pytest
 
-from lumped.mechanism.body import Body, Rigid
-from lumped.mechanism.frame import Frame
+from lumped.mechanism.body import Body, Frame, Rigid
 from lumped.mechanism.free_twists import free_twists, interface_position
 from lumped.mechanism.joint import Joint, Side
 from lumped.mechanism.mechanism import Mechanism, Posture, Tool

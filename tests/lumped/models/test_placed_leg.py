@@ -5,7 +5,7 @@ import pytest
 
 from fem.beams.beam import beam_leg
 from lumped.legs import ConstantLeg, Material
-from lumped.mechanism.frame import Frame
+from lumped.mechanism.body import Frame
 from lumped.mechanism.placing import leg_frame
 from lumped.models.placed_leg import placed_leg
 from lumped.screws import shift, turn_matrix

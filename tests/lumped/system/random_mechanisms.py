@@ -6,8 +6,7 @@ Postures are off the reference: every body has turned since by a rotation of its
 import numpy as np
 
 from lumped.legs import Material
-from lumped.mechanism.body import Body, Prism, Rigid, Shape
-from lumped.mechanism.frame import Frame
+from lumped.mechanism.body import Body, Frame, Prism, Rigid, Shape
 from lumped.mechanism.joint import Drive, Joint, JointKind, Side
 from lumped.mechanism.mechanism import GROUND, Mechanism, Posture, Tool
 from lumped.models.chains import axis_rotation

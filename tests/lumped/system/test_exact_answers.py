@@ -14,8 +14,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 from random_mechanisms import STEEL, Maker, random_posture
 
 from lumped.errors import ComputationError, InputError
-from lumped.mechanism.body import Body, Prism, Rigid
-from lumped.mechanism.frame import Frame
+from lumped.mechanism.body import Body, Frame, Prism, Rigid
 from lumped.mechanism.joint import Drive, Side
 from lumped.mechanism.mechanism import GROUND, Posture, Tool
 from lumped.models.bodies import tip_compliances

@@ -4,7 +4,7 @@ import pytest
 
 from lumped.errors import InputError
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Tube
-from meshes.section.feasibility import require_leg, require_section
+from meshes.section.section_mesh import require_leg, require_section
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ import pytest
 
 from lumped.biglide import postures
 from lumped.errors import ComputationError
-from lumped.mechanism.frame import Frame
+from lumped.mechanism.body import Frame
 from lumped.robot_file import load_robot
 from validation.kinematics.poses import postures_of
 from validation.studies.ritz import biglide, mechanism

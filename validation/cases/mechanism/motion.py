@@ -12,8 +12,7 @@ from scipy.linalg import eigh
 from scipy.spatial.transform import Rotation
 
 from lumped.arrays import Array
-from lumped.mechanism.body import Body, Given, Prism, Rigid
-from lumped.mechanism.frame import Frame
+from lumped.mechanism.body import Body, Frame, Given, Prism, Rigid
 from lumped.mechanism.kinematics.mobility import mobility
 from lumped.mechanism.kinematics.postures import posture
 from lumped.mechanism.mechanism import MOVES, UNITS_OF_MOVES, Mechanism, Posture

@@ -19,6 +19,7 @@ from lumped.legs import ConstantLeg, Material
 from lumped.sections import ISection, Rectangle, Tube
 from meshes.prism.tetrahedra import tetrahedra
 from validation.agreement.convergence import order_of_errors
+from validation.agreement.differences import scaled_difference
 from validation.case import Absolute, Measurement, Relation, Relative, others
 from validation.case_group import CaseGroup
 from validation.context import PRESETS, Context, Preset
@@ -153,11 +154,9 @@ def against_printed(own: Mapping[str, Array], theirs: Array, note: str) -> Measu
 )
 def _compliance(context: Context, name: str) -> Measurement:
     found = _solved(context, name)
-    scale = np.sqrt(np.diag(found.compliance))
-    apart = np.abs(found.their_compliance - found.compliance) / np.outer(scale, scale)
     diagonals = [np.diag(matrix) for matrix in (found.compliance, found.their_compliance)]
     return Measurement(
-        float(apart.max()),
+        scaled_difference(found.their_compliance, found.compliance),
         0.0,
         reference_uncertainty=PRINTED,
         notes=(f"{found.elements} tetrahedra of second order",),

@@ -29,7 +29,7 @@ from lumped.sections import Rectangle
 from lumped.system.assembly import assemble
 from lumped.system.solution import compliance, modes, solved
 from meshes.prism.tetrahedra import tetrahedra
-from validation.agreement.differences import farthest_off
+from validation.agreement.differences import farthest_off, scaled_difference
 from validation.case import Absolute, Case, Measurement
 from validation.case_group import CaseGroup
 from validation.cases.mechanism import motion as mechanism_motion
@@ -107,8 +107,7 @@ def _on(context: Context, robot: str, compute: Callable[[Context], Measurement])
 
 
 def _largest(found: Array, expected: Array) -> Measurement:
-    scale = np.sqrt(np.diag(expected))
-    return farthest_off((found - expected) / np.outer(scale, scale))
+    return farthest_off(scaled_difference(found, expected))
 
 
 def _hexapod(place: int = 0) -> tuple[Mechanism, Array, list[tuple[Array, Array]]]:

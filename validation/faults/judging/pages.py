@@ -251,7 +251,7 @@ def _words_exchanged(text: str) -> str:
 @fault(
     "page.mean-entry",
     "The mean entry of a difference for the largest",
-    "validation.cases.program.guards.robot.scaled_difference",
+    "validation.agreement.differences.scaled_difference",
 )
 def _mean_difference(found: Array, reference: Array) -> float:
     unit = 1.0 / np.sqrt(np.diag(reference))

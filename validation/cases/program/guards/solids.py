@@ -18,11 +18,11 @@ from meshes.prism.tetrahedra import tetrahedra
 from meshes.section.section_mesh import section_mesh
 from meshes.solid_mesh import SolidMesh
 from validation.agreement.convergence import step_factor
-from validation.agreement.differences import both_refined
+from validation.agreement.differences import both_refined, scaled_difference
 from validation.case import Absolute, Measurement, Relative, Tolerance
 from validation.case_group import CaseGroup
 from validation.cases.legs.beams import UNITS
-from validation.cases.program.guards.robot import SECTION, scaled_difference
+from validation.cases.program.guards.robot import SECTION
 from validation.context import Context
 from validation.models.legs import constant_leg_of
 from validation.solids.legs import CORNER_ORDER, FORMAL_ORDER, section_counts, similar_mesh, slices

@@ -18,8 +18,8 @@ from lumped.dense.modes import dense
 from lumped.legs import Theory
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Section, Tube
 from meshes.section.section_mesh import section_mesh
+from validation.agreement.differences import scaled_difference
 from validation.case import Case
-from validation.cases.program.guards.robot import scaled_difference
 from validation.cases.program.judgement.claims import claims_case, same
 from validation.context import Context
 from validation.models.biglide import robot_system

@@ -4,23 +4,19 @@ Even and linearly varying tractions meet Saint-Venant's stresses, whose displace
 in the coordinates: nothing is left to refine, whatever Poisson's ratio.
 """
 
-from pathlib import Path
-from tempfile import TemporaryDirectory
 from types import ModuleType
 
 import numpy as np
 
 from fem.bodies.part import grips_of, held_part, meshed_part
 from lumped.arrays import Array
-from lumped.errors import ComputationError
 from lumped.legs import Material
 from lumped.mechanism.part import ByPlane, PartInterface
 from meshes.part.interfaces import find_interfaces
-from meshes.part.reading.read import read_part
 from validation.agreement.differences import farthest_off
 from validation.case import Absolute, Measurement
 from validation.case_group import CaseGroup
-from validation.cases.program.parts.drawing import SECTION, meshed
+from validation.cases.program.parts.drawing import SECTION, read_again
 from validation.context import Context
 
 _STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
@@ -35,16 +31,13 @@ cases = CaseGroup(section=SECTION, group="program.parts.bar", subject="program")
 
 def bar_compliance() -> Array:
     """Compliance (6×6, SI) of one averaged end from the other."""
-    with TemporaryDirectory(prefix="bar-") as folder:
-        part = read_part(meshed(Path(folder) / "bar.msh", _drawn, _SIZE, 4.0), "mm")
-    if part.mesh is None:
-        raise ComputationError("bar: read as no mesh")
+    part, mesh = read_again("bar", _drawn, _SIZE)
     ends = {
         name: PartInterface(ByPlane((way, 0.0, 0.0), (x * _MM, 0.0, 0.0)), "average")
         for name, way, x in (("A", -1.0, 0.0), ("B", 1.0, _BAR[0]))
     }
-    grips = grips_of(part.mesh, find_interfaces(part, ends))
-    return held_part(meshed_part(part.mesh, _STEEL), grips, "bar").compliance
+    grips = grips_of(mesh, find_interfaces(part, ends))
+    return held_part(meshed_part(mesh, _STEEL), grips, "bar").compliance
 
 
 def _drawn(kernel: ModuleType) -> None:

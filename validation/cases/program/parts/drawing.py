@@ -2,9 +2,13 @@
 
 from collections.abc import Callable
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from types import ModuleType
 
+from lumped.errors import ComputationError
 from meshes.gmsh_session import gmsh_model
+from meshes.part.part_mesh import PartMesh
+from meshes.part.reading.read import PartFile, read_part
 
 SECTION = "Parts of the program"
 
@@ -23,3 +27,14 @@ def meshed(path: Path, draw: Callable[[ModuleType], None], size: float, sides: f
         gmsh.model.mesh.setOrder(2)
         gmsh.write(str(path))
     return path
+
+
+def read_again(
+    name: str, draw: Callable[[ModuleType], None], size: float, sides: float = 4.0
+) -> tuple[PartFile, PartMesh]:
+    """The same, written to a file `name`.msh and read as one in mm: the part, and its mesh."""
+    with TemporaryDirectory(prefix=f"{name}-") as folder:
+        part = read_part(meshed(Path(folder) / f"{name}.msh", draw, size, sides), "mm")
+    if part.mesh is None:
+        raise ComputationError(f"{name}: read as no mesh")
+    return part, part.mesh

@@ -5,8 +5,6 @@ two faces. Every interface is held in another way.
 """
 
 from dataclasses import dataclass, replace
-from pathlib import Path
-from tempfile import TemporaryDirectory
 from types import ModuleType
 from typing import get_args
 
@@ -20,17 +18,15 @@ from fem.couplings.coupled_solid import coupled_solid
 from fem.couplings.grips import Grip, Kind
 from fem.elements.elasticity import on_three_components
 from lumped.arrays import Array
-from lumped.errors import ComputationError
 from lumped.legs import Material
 from lumped.mechanism.part import ByCylinder, PartInterface
 from meshes.part.interfaces import Interface, find_interfaces
 from meshes.part.part_mesh import PartMesh
-from meshes.part.reading.read import read_part
-from validation.agreement.differences import farthest_off, refined
+from validation.agreement.differences import farthest_off, refined, scaled_difference
 from validation.case import Absolute, Measurement
 from validation.case_group import CaseGroup
 from validation.cases.program.calculix import PRINTED, PRINTED_ROOT
-from validation.cases.program.parts.drawing import SECTION, meshed
+from validation.cases.program.parts.drawing import SECTION, read_again
 from validation.context import Context
 
 _STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
@@ -66,17 +62,13 @@ class Fork:
 
 def fork(sides: float) -> Fork:
     """Drawn, meshed, and read, with so many sides of a circle."""
-    with TemporaryDirectory(prefix="fork-") as folder:
-        part = read_part(meshed(Path(folder) / "fork.msh", _drawn, _SIZE, sides), "mm")
-        kinds: tuple[Kind, ...] = ("rigid", "rigid", "average")
-        wanted = {
-            name: PartInterface(ByCylinder(_MM * r, point=(_MM * x, 0.0, 0.0)), kind)
-            for (name, (r, x)), kind in zip(_BORES.items(), kinds, strict=True)
-        }
-        found = find_interfaces(part, wanted)
-    if part.mesh is None:
-        raise ComputationError("fork: read as no mesh")
-    return Fork(part.mesh, found)
+    part, mesh = read_again("fork", _drawn, _SIZE, sides)
+    kinds: tuple[Kind, ...] = ("rigid", "rigid", "average")
+    wanted = {
+        name: PartInterface(ByCylinder(_MM * r, point=(_MM * x, 0.0, 0.0)), kind)
+        for (name, (r, x)), kind in zip(_BORES.items(), kinds, strict=True)
+    }
+    return Fork(mesh, find_interfaces(part, wanted))
 
 
 def _drawn(kernel: ModuleType) -> None:
@@ -212,9 +204,7 @@ def _arm(context: Context, kind: Kind) -> Measurement:
     x, y, z = _ASIDE
     across = np.array([[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]])
     carried = np.block([[np.eye(3), across], [np.zeros((3, 3)), np.eye(3)]])
-    expected = carried @ on_it @ carried.T
-    scale = np.sqrt(np.diag(expected))
-    return farthest_off(((moved - expected) / np.outer(scale, scale)).ravel())
+    return farthest_off(scaled_difference(moved, carried @ on_it @ carried.T))
 
 
 def _torn(grip: Grip, away: Array, moved: Array, twists: Array) -> float:
@@ -309,9 +299,8 @@ def _statics(context: Context) -> Measurement:
     found = context.get(fork, _SIDES[0])
     grips = grips_of(found.mesh, found.interfaces)
     own = held_part(meshed_part(found.mesh, _STEEL), grips, "fork").compliance
-    scale = np.sqrt(np.diag(own))
-    apart = np.abs(theirs - own) / np.outer(scale, scale)
-    return Measurement(float(apart.max()), 0.0, reference_uncertainty=PRINTED)
+    apart = scaled_difference(theirs, own)
+    return Measurement(apart, 0.0, reference_uncertainty=PRINTED)
 
 
 @cases.case(

@@ -18,11 +18,10 @@ from lumped.mechanism.kinematics.postures import posture
 from lumped.mechanism.part import ByPlane, PartInterface
 from lumped.robot_file import load_robot
 from meshes.part.interfaces import find_interfaces
-from meshes.part.reading.read import read_part
-from validation.agreement.differences import refined
+from validation.agreement.differences import farthest_off, refined, scaled_difference
 from validation.case import Absolute, Measurement
 from validation.case_group import CaseGroup
-from validation.cases.program.parts.drawing import SECTION, meshed
+from validation.cases.program.parts.drawing import SECTION, meshed, read_again
 from validation.context import PRESETS, Context
 from validation.models.mechanism import answers
 from validation.models.options import ModelName, ModelOptions, PartLegs
@@ -73,9 +72,8 @@ _MODELS: tuple[tuple[ModelName, PartLegs], ...] = (
 
 def identified(sides: float) -> Identified:
     """By its averaged ends, from a mesh in mm with so many sides of a circle."""
-    with TemporaryDirectory(prefix="shaft-") as folder:
-        part = read_part(meshed(Path(folder) / "shaft.msh", _drawn, _SIZE, sides), "mm")
-        return identify(part, find_interfaces(part, _ends(), _POINTS), _STEEL, modes=0)
+    part, _ = read_again("shaft", _drawn, _SIZE, sides)
+    return identify(part, find_interfaces(part, _ends(), _POINTS), _STEEL, modes=0)
 
 
 def _drawn(kernel: ModuleType) -> None:
@@ -168,12 +166,6 @@ def _weight() -> tuple[float, Array, Array]:
     return total, centre, inertia
 
 
-def _apart(found: Array, expected: Array) -> float:
-    """Largest difference in units of √(c_ii c_jj) of what is expected."""
-    scale = np.sqrt(np.abs(np.diag(expected)))
-    return float(np.abs((found - expected) / np.outer(scale, scale)).max())
-
-
 @cases.case(
     "program.parts.shaft.compliance",
     "A conical shaft has the compliance of its sections",
@@ -183,7 +175,9 @@ def _apart(found: Array, expected: Array) -> float:
 )
 def _compliance(context: Context) -> Measurement:
     expected = _sum(_all())
-    apart = (_apart(context.get(identified, sides).compliance, expected) for sides in _SIDES)
+    apart = (
+        scaled_difference(context.get(identified, sides).compliance, expected) for sides in _SIDES
+    )
     return refined(*apart, order=_ORDER, ratio=_RATIO)
 
 
@@ -227,7 +221,7 @@ def _swing(context: Context) -> Measurement:
     total = found.total * np.eye(3)
     own = np.block([[total, np.zeros((3, 3))], [np.zeros((3, 3)), found.inertia]])
     arm = _carried(found.centre - _START)
-    return Measurement(_apart(rigid.T @ found.mass @ rigid, arm @ own @ arm.T), 0.0, exact=True)
+    return farthest_off(scaled_difference(rigid.T @ found.mass @ rigid, arm @ own @ arm.T))
 
 
 @_on_any_mesh.case(
@@ -354,7 +348,7 @@ def _crank_by_hand() -> Array:
 )
 def _crank(context: Context, model: ModelName) -> Measurement:
     expected = _crank_by_hand()
-    apart = (_apart(context.get(crank, s).compliance[model], expected) for s in _SIDES)
+    apart = (scaled_difference(context.get(crank, s).compliance[model], expected) for s in _SIDES)
     return refined(*apart, order=_ORDER, ratio=_RATIO)
 
 

@@ -15,18 +15,15 @@ from fem.elements.elasticity import on_three_components
 from fem.reduction.craig_bampton import reduction
 from fem.reduction.held import HeldBody
 from lumped.arrays import Array
-from lumped.errors import ComputationError
 from lumped.legs import Material
-from lumped.mechanism.body import Body
-from lumped.mechanism.frame import Frame
+from lumped.mechanism.body import Body, Frame
 from lumped.mechanism.part import ByPlane, Part, PartInterface
 from lumped.models.cantilever import tip_compliance_of
 from meshes.part.interfaces import find_interfaces
-from meshes.part.reading.read import read_part
 from validation.agreement.differences import farthest_off
 from validation.case import Absolute, Measurement
 from validation.case_group import CaseGroup
-from validation.cases.program.parts.drawing import SECTION, meshed
+from validation.cases.program.parts.drawing import SECTION, meshed, read_again
 from validation.context import Context
 from validation.models.legs import leg_matrices
 from validation.models.options import ModelOptions
@@ -119,14 +116,11 @@ def _stepped(context: Context) -> Measurement:
     tolerance_reason="a whole number",
 )
 def _counted(_: Context) -> Measurement:
-    with TemporaryDirectory(prefix="wedge-") as folder:
-        part = read_part(meshed(Path(folder) / "wedge.msh", _drawn, _COARSE, 4.0), "mm")
-    if part.mesh is None:
-        raise ComputationError("wedge: read as no mesh")
-    whole = meshed_part(part.mesh, _STEEL)
-    grips = grips_of(part.mesh, find_interfaces(part, _ends()), "rigid")
+    part, mesh = read_again("wedge", _drawn, _COARSE)
+    whole = meshed_part(mesh, _STEEL)
+    grips = grips_of(mesh, find_interfaces(part, _ends()), "rigid")
     found = reduction(HeldBody(held_part(whole, grips, "wedge")), _CUTOFF / 2.0, _CUTOFF)
-    x = part.mesh.nodes[:, 0] / (_MM * _LENGTH)
+    x = mesh.nodes[:, 0] / (_MM * _LENGTH)
     inside = np.flatnonzero((x > 1e-6) & (x < 1.0 - 1e-6))
     free = (3 * inside[:, None] + np.arange(3)).ravel()
     K, M = (

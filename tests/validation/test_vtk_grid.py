@@ -7,7 +7,7 @@ from lumped.sections import Rectangle
 from meshes.prism.hexahedra import hexahedra
 from meshes.prism.tetrahedra import tetrahedra
 from meshes.section.section_mesh import section_mesh
-from meshes.vtk_grid import grid
+from validation.export.vtk_files import grid
 
 SECTION = Rectangle(0.1, 0.2)
 
