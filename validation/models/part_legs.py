@@ -18,13 +18,8 @@ from lumped.mechanism.mechanism import Mechanism
 from lumped.models.placed_leg import placed_leg
 from lumped.screws import turn_matrix
 from validation.models.options import ModelOptions
-from validation.models.parts import condensed, identified, leg_axes
+from validation.models.parts import condensed, identified, is_leg, leg_axes
 from validation.models.stepped_parts import stepped
-
-
-def is_leg(body: Body) -> bool:
-    """Whether a part is a leg: between two interfaces."""
-    return len(body.interfaces) == 2
 
 
 def given_leg(body: Body) -> GivenLeg:

@@ -114,6 +114,11 @@ def is_held_as_said(body: Body) -> bool:
     return all(interface.coupling for interface in shape_of(body).interfaces.values())
 
 
+def is_leg(body: Body) -> bool:
+    """Whether a part is a leg: between two interfaces."""
+    return len(body.interfaces) == 2
+
+
 def leg_axes(body: Body) -> Frame:
     """Axes of a part of two interfaces as a leg, in those of the body."""
     start, end = (frame.position for frame in body.interfaces.values())

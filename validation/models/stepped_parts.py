@@ -80,9 +80,12 @@ def stepped(body: Body, pieces: int = PIECES) -> SteppedLeg:
 
 
 def why_not_stepped(mechanism: Mechanism) -> str:
-    """Empty where every part of a mechanism can be stepped, else what is in the way."""
+    """Empty where every part that is a leg can be stepped, else what is in the way."""
+    legs = [body for body in mechanism.parts.values() if parts.is_leg(body)]
+    if not legs:
+        return "no part has two interfaces, between which pieces would lie"
     try:
-        for body in mechanism.parts.values():
+        for body in legs:
             stepped(body)
     except InputError as error:
         return str(error)

@@ -18,9 +18,11 @@ from validation.adequacy.mechanism.part_solids import (
 )
 from validation.adequacy.mechanism.parts_ahead import prepare_parts
 from validation.adequacy.mechanism.path import left_open, offered, path_postures
+from validation.adequacy.mechanism.statics import unanswered
 from validation.adequacy.robot import judged_models, robot_adequacy
 from validation.context import Context
 from validation.models import parts
+from validation.models.options import ModelOptions
 from validation.parts import kept, meshes
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
@@ -136,3 +138,15 @@ def test_parts_are_made_ahead_on_other_machines_and_never_again(robot_file, tmp_
     postures = path_postures(context)
     for ends in left_open(robot_file.mechanism).holds.values():
         assert solid_parts(postures, offered(robot_file.requirement.modes), ends)["arm"].size > 12
+
+
+def test_a_part_of_three_interfaces_is_prepared_and_is_no_leg_to_be_stepped(tmp_path, monkeypatch):
+    monkeypatch.setattr(parts, "UNKNOWNS", 4000)
+    monkeypatch.delenv("FLEXPROOF_CACHE", raising=False)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    robot_file = load_robot(str(Path(__file__).parents[3] / "examples" / "rocker" / "robot.toml"))
+    context = Context(robot_file, "quick")
+    prepare_parts(context, lambda work: [(n, one()) for n, one in enumerate(work)], carried=False)
+    postures = path_postures(context)
+    said = unanswered(postures, "segments", ModelOptions(parts="stepped"))
+    assert said.startswith("no part has two interfaces")

@@ -77,7 +77,8 @@ def prepare_parts(context: Context, executor: Executor, *, carried: bool) -> Non
 
 def _as_it_is(body: Body) -> None:
     parts.identified(body)
-    stepped(body)
+    if parts.is_leg(body):
+        stepped(body)
 
 
 def _reductions(

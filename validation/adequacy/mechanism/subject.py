@@ -47,7 +47,7 @@ from validation.adequacy.response import (
 )
 from validation.context import Context
 from validation.models.options import STATIC
-from validation.models.part_legs import is_leg
+from validation.models.parts import is_leg
 
 _STATIC = "static: it has no masses, hence says nothing of frequencies"
 _NO_MASS = "neither its rigid bodies nor its tool have mass: it says nothing of frequencies"
