@@ -20,10 +20,15 @@ from validation.adequacy.mechanism.parts_ahead import prepare_parts
 from validation.adequacy.mechanism.path import left_open, offered, path_postures
 from validation.adequacy.mechanism.statics import unanswered
 from validation.adequacy.robot import judged_models, robot_adequacy
+from validation.cases.mechanism import parts as mechanism_parts
 from validation.context import Context
+from validation.faults.catalogue import FAULTS
+from validation.faults.sound import verdict_of
 from validation.models import parts
 from validation.models.options import ModelOptions
 from validation.parts import kept, meshes
+from validation.results.outcome import judge
+from validation.store.cache import nothing_kept
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from crane import write_crane
@@ -105,6 +110,18 @@ def test_the_page_says_what_the_reduction_kept_and_what_that_leaves(robot_file, 
     assert note.endswith("frequencies by <\u00a01\u00a0×\u00a010⁻⁶\u00a0% at most")
 
 
+def test_held_and_free_modes_of_parts_are_compared_in_a_run(robot_file, monkeypatch):
+    """Within both bounds, which are worth something; a mistake in either turns the verdict."""
+    monkeypatch.setattr(parts, "UNKNOWNS", 4000)
+    case = next(c for c in mechanism_parts.cases() if c.id == "mechanism.parts.frequency[2]")
+    found = case.compute(Context(robot_file, "quick"))
+    assert judge(case, found, 0.0).verdict == "agree"
+    assert 0.0 < found.value_uncertainty + found.reference_uncertainty < 1e-3 * found.value
+    (mistake,) = (one for one in FAULTS if one.id == "free-reduction.hertz")
+    with mistake.inject(), nothing_kept():
+        assert verdict_of(case, Context(robot_file, "quick")) in {"disagree", "failed"}
+
+
 def test_refinement_of_second_order_leaves_what_the_series_says(robot_file):
     """v(h) = 1 + h²: the finest of h = 2, √2, 1 is off by 1, which a factor of 1.5 holds."""
     values = {0: np.array([5.0]), 1: np.array([3.0]), 2: np.array([2.0])}
@@ -129,11 +146,13 @@ def test_parts_are_made_ahead_on_other_machines_and_never_again(robot_file, tmp_
         yield from enumerate(found)
 
     prepare_parts(context, elsewhere, carried=True)
-    # What it is; then the finest mesh held in both ways, and the two coarser ones.
-    assert portions == [["arm"], ["arm"] * 4]
+    # What it is; then the finest mesh held in both ways, the two coarser ones, and the coarsest
+    # with its interfaces free.
+    assert portions == [["arm"], ["arm"] * 5]
     monkeypatch.setattr(kept, "_in_memory", {})
     monkeypatch.setattr(meshes, "volume_mesh", lambda *_: pytest.fail("meshed again"))
-    monkeypatch.setattr(parts, "reduction", lambda *_: pytest.fail("reduced again"))
+    for one in ("reduction", "free_interface"):
+        monkeypatch.setattr(parts, one, lambda *_: pytest.fail("reduced again"))
     prepare_parts(context, lambda work: pytest.fail(f"{len(work)} computed again"), carried=True)
     postures = path_postures(context)
     for ends in left_open(robot_file.mechanism).holds.values():

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
-from fem.reduction.craig_bampton import frequency_bounds
+from fem.reduction.craig_bampton import FrequencyBounds, frequency_bounds
 from lumped.arrays import Array
 from lumped.legs import Ends
 from lumped.mechanism.body_model import BodyModel
@@ -12,7 +12,8 @@ from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.system.assembly import assemble
 from validation.drawing.text import percent
 from validation.models.mechanism import CUTOFF, highest_frequency, static_bodies
-from validation.models.parts import ReducedPart, condensed, found_in, reduced
+from validation.models.options import ReductionBy
+from validation.models.parts import Hold, ReducedPart, condensed, found_in, reduced
 from validation.parts.meshes import FINEST, RUNGS
 from validation.parts.refinement import refinement_uncertainty
 
@@ -25,21 +26,30 @@ FINER_PARTS = "finer meshes of the parts than any preset makes"
 
 
 def solid_parts(
-    postures: Sequence[Posture], count: int, ends: Mapping[str, Ends], rung: int = FINEST
+    postures: Sequence[Posture],
+    count: int,
+    ends: Mapping[str, Ends],
+    rung: int = FINEST,
+    by: ReductionBy = "fixed",
 ) -> dict[str, ReducedPart]:
     """Every part on one of its three meshes, reduced where `count` modes are looked at.
 
     Statics are exact. `ends`: interfaces of which nobody said how they are held are rigid, or
-    averaged where free.
+    averaged where free; `by` modes with interfaces fixed or free.
     """
     mechanism = postures[0].mechanism
     if not mechanism.parts:
         return {}
     highest, cutoff = highest_of_parts(postures, count)
     return {
-        name: reduced(body, highest, cutoff, rung, "rigid" if ends[name] == "rigid" else "average")
+        name: reduced(body, highest, cutoff, rung, hold_of(ends[name]), by)
         for name, body in mechanism.parts.items()
     }
+
+
+def hold_of(ends: Ends) -> Hold:
+    """How interfaces are held of which the robot file does not say it."""
+    return "rigid" if ends == "rigid" else "average"
 
 
 def highest_of_parts(postures: Sequence[Posture], count: int) -> tuple[float, float]:
@@ -62,9 +72,7 @@ def reduction_note(
     parts = solid_parts(postures, count, ends)
     if not parts:
         return ()
-    middle = postures[len(postures) // 2]
-    bodies = {**static_bodies("beam", middle.mechanism), **parts}
-    bounds = frequency_bounds(assemble(middle, bodies), parts, judged)
+    bounds = bounded_frequencies(postures, count, ends, judged)
     counts = ", ".join(
         f"{name} {one.counted} below {one.cutoff:.4g} Hz" for name, one in parts.items()
     )
@@ -73,6 +81,24 @@ def reduction_note(
         f"{counts}; those dropped lower the first {judged} frequencies by "
         f"{percent(bounds.relative_width.max(), signed=False)} at most",
     )
+
+
+def bounded_frequencies(
+    postures: Sequence[Posture],
+    count: int,
+    ends: Mapping[str, Ends],
+    judged: int,
+    rung: int = FINEST,
+    by: ReductionBy = "fixed",
+) -> FrequencyBounds:
+    """The first `judged` frequencies in the middle posture, other bodies beams, and their bounds.
+
+    Arguments as of `solid_parts`; raises as `reduction_note` does.
+    """
+    parts = solid_parts(postures, count, ends, rung, by)
+    middle = postures[len(postures) // 2]
+    bodies = {**static_bodies("beam", middle.mechanism), **parts}
+    return frequency_bounds(assemble(middle, bodies), parts, judged)
 
 
 def condensed_parts(mechanism: Mechanism) -> dict[str, BodyModel]:

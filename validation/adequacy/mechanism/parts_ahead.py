@@ -6,18 +6,19 @@ it (validation.parts.kept), so that these compute nothing of it again.
 """
 
 import tempfile
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import product
 from pathlib import Path
 
 from lumped.arrays import Array
 from lumped.errors import ComputationError, InputError
 from lumped.mechanism.body import Body
 from lumped.mechanism.mechanism import Posture
-from validation.adequacy.mechanism.part_solids import highest_of_parts
-from validation.adequacy.mechanism.path import left_open, offered, path_postures
+from validation.adequacy.mechanism.part_solids import highest_of_parts, hold_of
+from validation.adequacy.mechanism.path import holds, offered, path_postures
 from validation.context import Context
 from validation.models import parts
 from validation.models.stepped_parts import stepped
@@ -82,21 +83,23 @@ def _as_it_is(body: Body) -> None:
 
 
 def _reductions(
-    context: Context, postures: Sequence[Posture], bodies: Iterable[Body]
+    context: Context, postures: Sequence[Posture], bodies: Collection[Body]
 ) -> Iterator[tuple[Body, Question]]:
     """The finest meshes first: they take longest."""
-    is_open = left_open(context.robot_file.mechanism)
+    alternatives = tuple(holds(context.robot_file.mechanism).values())
+    first = alternatives[:1]
     highest, cutoff = highest_of_parts(postures, offered(context.robot_file.requirement.modes))
-    holds = tuple(is_open.holds.values())
-    for rung in (FINEST, MIDDLE, COARSE):
-        # The coarser meshes are those of the uncertainty: of the first way of holding.
-        for ends in holds if rung == FINEST else holds[:1]:
-            for body in bodies:
-                hold: parts.Hold = "rigid" if ends[body.name] == "rigid" else "average"
-                yield (
-                    body,
-                    partial(parts.reduced, highest=highest, cutoff=cutoff, rung=rung, hold=hold),
-                )
+    ask = partial(parts.reduced, highest=highest, cutoff=cutoff)
+    # Coarser meshes are those of the uncertainty, and the coarsest that of the other reduction: of
+    # the first way of holding.
+    for question, several in (
+        (partial(ask, rung=FINEST), alternatives),
+        (partial(ask, rung=MIDDLE), first),
+        (partial(ask, rung=COARSE), first),
+        (partial(ask, rung=COARSE, by="free"), first),
+    ):
+        for ends, body in product(several, bodies):
+            yield body, partial(question, hold=hold_of(ends[body.name]))
 
 
 def _try(ask: Question, body: Body) -> None:

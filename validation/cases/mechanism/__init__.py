@@ -5,7 +5,7 @@ In: the mechanism of a run. Out: cases whose subject is the robot.
 
 from lumped.mechanism.mechanism import Mechanism
 from validation.case import Case
-from validation.cases.mechanism import calculix, exudyn, motion, path, solids
+from validation.cases.mechanism import calculix, exudyn, motion, parts, path, solids
 
 
 def cases(described: Mechanism) -> tuple[Case, ...]:
@@ -13,6 +13,7 @@ def cases(described: Mechanism) -> tuple[Case, ...]:
     return (
         *path.cases(),
         *solids.cases(),
+        *(parts.cases() if described.parts else ()),
         *motion.cases(moving=bool(described.tool.moves)),
         *calculix.cases(),
         *exudyn.cases(mechanism=described),

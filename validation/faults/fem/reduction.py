@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from scipy.sparse import csr_array
 
+from fem.reduction.held import FreeBody
 from fem.reduction.superelement import ENDS, HeldLeg, Superelement
 from lumped.arrays import Array
 from lumped.dense.modes import Modes
@@ -115,6 +116,25 @@ def _none_residual(found: tuple[Modes, Array]) -> tuple[Modes, Array]:
 def _nothing_dropped(found: tuple[Modes, Array]) -> tuple[Modes, Array]:
     modes, truncated = found
     return modes, 0.0 * truncated
+
+
+@fault_in_value(
+    "free-reduction.hertz",
+    "Modes of a free body, held at its interfaces: ω² in Hz²",
+    "fem.reduction.free_interface._held",
+)
+def _in_hertz(found: tuple[Array, Array]) -> tuple[Array, Array]:
+    amplitudes, squared = found
+    return amplitudes, squared / (2.0 * np.pi) ** 2
+
+
+@fault(
+    "free-reduction.no-relief",
+    "Flexibility of a free body without the inertia of its rigid motions",
+    "fem.reduction.held.FreeBody.flexibility",
+)
+def _held_at_its_root(body: FreeBody, forces: Array) -> Array:
+    return body.rooted.flexibility(forces)
 
 
 @fault_in_value(

@@ -5,9 +5,15 @@ another program.
 """
 
 from validation.case import Case
-from validation.cases.program.parts import bar, fork, shaft, wedge
+from validation.cases.program.parts import bar, fork, reduced, shaft, wedge
 
 
 def cases() -> tuple[Case, ...]:
-    """A shaft in closed form and in a robot, a fork of three interfaces, a wedge, a bar."""
-    return (*shaft.cases(), *fork.cases(), *wedge.cases(), *bar.cases())
+    """A shaft in closed form and in a robot, a fork whole and reduced, a wedge, a bar."""
+    return (
+        *shaft.cases(),
+        *fork.cases(),
+        *reduced.cases(),
+        *wedge.cases(),
+        *bar.cases(),
+    )

@@ -29,14 +29,14 @@ from validation.cases.program.calculix import PRINTED, PRINTED_ROOT
 from validation.cases.program.parts.drawing import SECTION, read_again
 from validation.context import Context
 
-_STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
+STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 # Along x, y and z (mm); the slot opens the far end from x = 150 between z = ±5.
 _BAR, _SLOT, _GAP = (200.0, 40.0, 30.0), 150.0, 10.0
 # Radius and place along x of the bores (mm), which run along z.
 _BORES = {"A": (8.0, 20.0), "B": (6.0, 180.0), "C": (6.0, 100.0)}
 # Element size (mm) and sides of a circle: what holds on any mesh is looked at on the coarse one.
 _SIZE, _RATIO = 20.0, 1.5
-_SIDES = (10.0, 10.0 * _RATIO)
+COARSE, FINE = 10.0, 10.0 * _RATIO
 _MODES = 8
 # From a bore's axis to a point beside it (m).
 _ASIDE = np.array([0.01, -0.02, 0.03])
@@ -93,7 +93,7 @@ def _height(name: str) -> float:
     tolerance_reason="places are written with fifteen digits, held nodes lie on the true surface",
 )
 def _faces(context: Context) -> Measurement:
-    found = context.get(fork, _SIDES[1])
+    found = context.get(fork, FINE)
     off = []
     grips = grips_of(found.mesh, found.interfaces)
     for interface, grip in zip(found.interfaces, grips, strict=True):
@@ -117,13 +117,13 @@ def _faces(context: Context) -> Measurement:
     tolerance_reason="circles of a dozen curved sides",
 )
 def _means(context: Context) -> Measurement:
-    coarse, fine = (_off_means(context.get(fork, sides)) for sides in _SIDES)
+    coarse, fine = (_off_means(context.get(fork, sides)) for sides in (COARSE, FINE))
     # Arcs through three points leave the fourth power of their length.
     return refined(coarse, fine, order=4.0, ratio=_RATIO)
 
 
 def _off_means(found: Fork) -> float:
-    part = meshed_part(found.mesh, _STEEL)
+    part = meshed_part(found.mesh, STEEL)
     grips = grips_of(found.mesh, found.interfaces, "average")
     body = coupled_solid(
         part.stiffness, on_three_components(part.scalar_mass), found.mesh.nodes, grips
@@ -155,8 +155,8 @@ def _off_means(found: Fork) -> float:
     tolerance_reason="rounding, grown by the part's slenderness",
 )
 def _forces(context: Context, kind: Kind) -> Measurement:
-    found = context.get(fork, _SIDES[0])
-    part = meshed_part(found.mesh, _STEEL)
+    found = context.get(fork, COARSE)
+    part = meshed_part(found.mesh, STEEL)
     kinds: tuple[Kind, ...] = ("rigid", kind, "average")
     held = [replace(i, coupling=k) for i, k in zip(found.interfaces, kinds, strict=True)]
     held[1] = replace(held[1], point=held[1].point + _ASIDE)
@@ -193,8 +193,8 @@ def _forces(context: Context, kind: Kind) -> Measurement:
     tolerance_reason="rounding, grown by the part's slenderness",
 )
 def _arm(context: Context, kind: Kind) -> Measurement:
-    found = context.get(fork, _SIDES[0])
-    part = meshed_part(found.mesh, _STEEL)
+    found = context.get(fork, COARSE)
+    part = meshed_part(found.mesh, STEEL)
     root, bore = found.interfaces[0], replace(found.interfaces[1], coupling=kind)
     beside = replace(bore, point=bore.point + _ASIDE)
     on_it, moved = (
@@ -230,13 +230,13 @@ def _torn(grip: Grip, away: Array, moved: Array, twists: Array) -> float:
     tolerance_reason="circles of a dozen curved sides",
 )
 def _mass(context: Context) -> Measurement:
-    coarse, fine = (_off_drawing(context.get(fork, sides)) for sides in _SIDES)
+    coarse, fine = (_off_drawing(context.get(fork, sides)) for sides in (COARSE, FINE))
     return refined(coarse, fine, order=2.0, ratio=_RATIO)
 
 
 def _off_drawing(found: Fork) -> float:
     """Largest relative difference of mass, centre and inertia from those of the drawing."""
-    properties = meshed_part(found.mesh, _STEEL).properties()
+    properties = meshed_part(found.mesh, STEEL).properties()
     pieces = [
         _box(_BAR, _BAR[0] / 2.0, 1.0),
         _box((_BAR[0] - _SLOT, _BAR[1], _GAP), (_BAR[0] + _SLOT) / 2.0, -1.0),
@@ -247,9 +247,9 @@ def _off_drawing(found: Fork) -> float:
     inertia = np.zeros(3)
     for v, x, own in pieces:
         inertia += v * own + v * (x - centre) ** 2 * np.array([0.0, 1.0, 1.0])
-    expected = _STEEL.rho * _MM**5 * inertia
+    expected = STEEL.rho * _MM**5 * inertia
     off = [
-        properties.mass / (_STEEL.rho * _MM**3 * volume) - 1.0,
+        properties.mass / (STEEL.rho * _MM**3 * volume) - 1.0,
         *(properties.centre / _MM - [centre, 0.0, 0.0]) / _BAR[0],
         *((properties.inertia - np.diag(expected)) / expected.max()).ravel(),
     ]
@@ -278,11 +278,11 @@ def by_calculix(found: Fork) -> tuple[Array, Array]:
     Raises CalculixMissing without it.
     """
     grips = grips_of(found.mesh, found.interfaces)
-    return compliance_and_frequencies(found.mesh, _STEEL, grips, _MODES)
+    return compliance_and_frequencies(found.mesh, STEEL, grips, _MODES)
 
 
 def _theirs(context: Context) -> tuple[Array, Array]:
-    return context.get(by_calculix, context.get(fork, _SIDES[0]))
+    return context.get(by_calculix, context.get(fork, COARSE))
 
 
 @cases.case(
@@ -296,9 +296,9 @@ def _theirs(context: Context) -> tuple[Array, Array]:
 )
 def _statics(context: Context) -> Measurement:
     theirs, _ = _theirs(context)
-    found = context.get(fork, _SIDES[0])
+    found = context.get(fork, COARSE)
     grips = grips_of(found.mesh, found.interfaces)
-    own = held_part(meshed_part(found.mesh, _STEEL), grips, "fork").compliance
+    own = held_part(meshed_part(found.mesh, STEEL), grips, "fork").compliance
     apart = scaled_difference(theirs, own)
     return Measurement(apart, 0.0, reference_uncertainty=PRINTED)
 
@@ -314,10 +314,10 @@ def _statics(context: Context) -> Measurement:
 )
 def _frequencies(context: Context) -> Measurement:
     _, theirs = _theirs(context)
-    found = context.get(fork, _SIDES[0])
+    found = context.get(fork, COARSE)
     grips = grips_of(found.mesh, found.interfaces[:2])
-    stiffness = meshed_part(found.mesh, _STEEL).stiffness
-    mass = mass_at_stiffness_points(found.mesh, _STEEL.rho)
+    stiffness = meshed_part(found.mesh, STEEL).stiffness
+    mass = mass_at_stiffness_points(found.mesh, STEEL.rho)
     body = rooted_body(coupled_solid(stiffness, mass, found.mesh.nodes, grips), "fork")
     off = np.abs(body.modes(_MODES).frequencies / theirs - 1.0)
     return Measurement(float(off.max()), 0.0, reference_uncertainty=PRINTED_ROOT)
