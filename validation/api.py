@@ -22,8 +22,7 @@ from validation.drawing.text import percent
 from validation.models.options import ModelName
 from validation.report.first_screen.sentence import sentence
 from validation.report.first_screen.table import pose_text, table_of
-from validation.solve import notebook
-from validation.solve.answer import Solution
+from validation.solve.answer import Solution, paragraph, table
 from validation.solve.command import Place, question
 from validation.solve.command import solve as answered
 
@@ -140,7 +139,7 @@ class Adequacy:
             for row in shown.rows
         ]
         headings = ("model", *shown.headings)
-        return notebook.paragraph(self.sentence) + notebook.table(headings, rows, verdicts)
+        return paragraph(self.sentence) + table(headings, rows, verdicts)
 
 
 def adequacy(
@@ -175,9 +174,9 @@ class Run:
         return self.out / "report.html"
 
     def _repr_html_(self) -> str:
-        said = notebook.paragraph(sentence(self.matrix)) if self.matrix else ""
+        said = paragraph(sentence(self.matrix)) if self.matrix else ""
         rows = [[verdict, str(count)] for verdict, count in self.verdicts.items()]
-        return said + notebook.table(("verdict", "comparisons"), rows)
+        return said + table(("verdict", "comparisons"), rows)
 
 
 def run(

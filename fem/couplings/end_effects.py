@@ -42,15 +42,6 @@ def restrained_compliance(mesh: SectionMesh, material: Material, length: float) 
     return change
 
 
-def decay_rates(mesh: SectionMesh, material: Material) -> dict[str, Array]:
-    """Decay rates γ (1/m, complex, slowest first) of each symmetry.
-
-    By "tension", "torsion", "bending y" and "bending z"; raises as `restrained_compliance`.
-    """
-    found = {fields.name: _decays(fields)[0] for fields in section_fields(mesh, material)}
-    return {name: rates[np.argsort(rates.real)] for name, rates in found.items()}
-
-
 def _decays(fields: SectionFields) -> tuple[Array, Array]:
     """Decay rates γ (k, Re γ > 0) and the fields (n×k) of e^{γ(x − L)}, which decay from the tip.
 

@@ -19,6 +19,18 @@ def tip_compliance_of(leg: LegMatrices) -> Array:
     return flexibility(stiffness, np.eye(stiffness.shape[0], 6), f"{leg.model} model of a leg")
 
 
+def kind_frequencies(leg: LegMatrices, kind: str, count: int) -> Array:
+    """First frequencies (Hz) of one kind of deformation of the clamped leg.
+
+    The kinds of a straight leg do not couple, so that each is solved on its own unknowns: modes
+    of two kinds at one frequency stay apart. Raises ComputationError as `solve_modes` does.
+    """
+    stiffness = dense(leg.parts[kind])
+    own = np.flatnonzero(np.diag(stiffness) > 0.0)
+    pick = np.ix_(own[own >= _ROOT], own[own >= _ROOT])
+    return solve_modes(stiffness[pick], dense(leg.mass)[pick], count, kind).frequencies
+
+
 def clamped_modes(leg: LegMatrices, count: int) -> Modes:
     """The lowest `count` modes of the leg with its root clamped.
 

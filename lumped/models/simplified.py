@@ -46,12 +46,6 @@ def compliance(robot: Biglide, x: ArrayLike) -> Array:
     return drive_compliance(jacobian(robot, x), np.eye(2) * robot.actuator_stiffness)
 
 
-def deflection(robot: Biglide, x: ArrayLike, force: ArrayLike) -> Array:
-    """Displacement δt (…×2, m) of B under `force` (2, N, axes x y), eq. (1)."""
-    displacement: Array = compliance(robot, x) @ np.asarray(force, dtype=float)
-    return displacement
-
-
 def frequencies(robot: Biglide, x: ArrayLike) -> Array:
     """Both natural frequencies (…×2, Hz, ascending) of the platform's mass on the drives, eq. (12).
 

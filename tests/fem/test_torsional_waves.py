@@ -39,24 +39,6 @@ def test_circle_does_not_warp_so_its_torsional_waves_have_no_dispersion():
         assert_allclose(torsion_wave(mesh, STEEL, k), expected, rtol=1e-4)
 
 
-def test_thin_i_section_is_vlasovs_rod():
-    """Open thin walls: ω² = (GJ k² + EΓ k⁴)/(ρI_p + ρΓ k²) (Vlasov), shear of the walls small."""
-    section = ISection(0.1, 0.2, 0.004, 0.003)
-    mesh = section_mesh(section, 4)
-    constants = section_constants(mesh, 0.0)
-    material = Material.isotropic(E=2.1e11, nu=0.0, rho=7850.0)
-    k = np.pi / 4.0
-    polar = constants.second_moment_y + constants.second_moment_z
-    stiffness = (
-        material.G * constants.torsion_constant + material.E * constants.warping_constant * k**2
-    )
-    vlasov = k * np.sqrt(stiffness / (material.rho * (polar + constants.warping_constant * k**2)))
-    saint_venant = k * np.sqrt(material.G * constants.torsion_constant / (material.rho * polar))
-    assert vlasov > 1.5 * saint_venant
-    assert_allclose(2.0 * np.pi * wave_frequency(constants, material, k), vlasov, rtol=0.01)
-    assert_allclose(torsion_wave(mesh, material, k), vlasov, rtol=0.02)
-
-
 def test_excess_over_saint_venant_is_second_order_in_the_wave_number():
     mesh = section_mesh(Rectangle(0.1, 0.3), (3, 9))
     constants = section_constants(mesh, STEEL.nu)

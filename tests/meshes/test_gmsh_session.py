@@ -76,21 +76,29 @@ print(sha256(mesh.nodes.tobytes() + mesh.cells.tobytes()).hexdigest())
     assert len(runs[0].stdout.strip()) == 64
 
 
-@pytest.mark.parametrize("call", ["use()", "Thread(target=use).start()"])
-def test_a_broken_pipe_stays_an_error_and_does_not_end_the_process(call: str) -> None:
-    # gmsh sets SIGPIPE back to its default; a run would end with the first worker that dies.
-    script = f"""
-import os
+# A script that uses gmsh, and waits for its threads.
+USED = """
+import os, signal
 from threading import Thread, enumerate
 from meshes.gmsh_session import gmsh_model
 
 def use():
     with gmsh_model("part"):
         pass
-
-{call}
+"""
+ALONE = """
 for thread in enumerate()[1:]:
     thread.join()
+"""
+in_all_threads = pytest.mark.parametrize("call", ["use()", "Thread(target=use).start()"])
+
+
+@in_all_threads
+def test_a_broken_pipe_stays_an_error_and_does_not_end_the_process(call: str) -> None:
+    # gmsh sets SIGPIPE back to its default; a run would end with the first worker that dies.
+    script = f"""{USED}
+{call}
+{ALONE}
 reading, writing = os.pipe()
 os.close(reading)
 try:
@@ -104,21 +112,12 @@ except BrokenPipeError:
     assert (done.returncode, done.stdout) == (0, "an error\n"), done.stderr
 
 
-@pytest.mark.parametrize("call", ["use()", "Thread(target=use).start()"])
+@in_all_threads
 def test_what_ignores_a_hang_up_goes_on_ignoring_it(call: str) -> None:
     # gmsh sets SIGHUP back to its default: a run under nohup would end with its first mesh.
-    script = f"""
-import os, signal
-from threading import Thread, enumerate
-from meshes.gmsh_session import gmsh_model
-
-def use():
-    with gmsh_model("part"):
-        pass
-
+    script = f"""{USED}
 {call}
-for thread in enumerate()[1:]:
-    thread.join()
+{ALONE}
 os.kill(os.getpid(), signal.SIGHUP)
 print("still here")
 """

@@ -37,6 +37,13 @@ ROBOTS = list(extreme_robots(COUNT, SEED))
 SAME = 3e-4
 
 
+def described(number, folder):
+    """The robot of that number."""
+    path = folder / "robot.toml"
+    path.write_text(ROBOTS[number], encoding="utf-8")
+    return load_robot(path)
+
+
 @pytest.fixture
 def command(tmp_path, capsys):
     """A command on a robot: exit code, results and messages, none of them a fault of our own."""
@@ -157,9 +164,7 @@ def no_hour(monkeypatch):
 @pytest.mark.usefixtures("no_hour")
 @pytest.mark.parametrize("number", range(COUNT))
 def test_solid_legs_are_beams_with_free_ends_and_stiffer_with_rigid_ones(number, command, tmp_path):
-    path = tmp_path / "described.toml"
-    path.write_text(ROBOTS[number], encoding="utf-8")
-    robot = load_robot(path).robot
+    robot = described(number, tmp_path).robot
     for place, leg in enumerate((robot.leg1, robot.leg2), start=1):
         check_solid_leg(command, ROBOTS[number], equivalent_leg(leg), place)
 
@@ -201,9 +206,7 @@ def planar_exactly(robot, x):
 def test_what_rounding_leaves_open_covers_the_error_against_the_closed_form(
     number, model, tmp_path
 ):
-    path = tmp_path / "robot.toml"
-    path.write_text(ROBOTS[number], encoding="utf-8")
-    robot = load_robot(path).robot
+    robot = described(number, tmp_path).robot
     options = ModelOptions(legs="equivalent", theory="euler-bernoulli")
     for x in robot.stations(5).tolist():
         exact = planar_exactly(robot, x)
@@ -223,9 +226,7 @@ def test_what_rounding_leaves_open_covers_the_error_against_the_closed_form(
 def test_what_rounding_hides_in_three_formulations_is_undecided_or_told(number, tmp_path):
     # Tubes and blades of 10⁶ Pa in legs that nearly align: they differ by 1e-7 to 1e-4, foretold
     # by what the rounding of the stiffnesses alone leaves open.
-    path = tmp_path / "robot.toml"
-    path.write_text(ROBOTS[number], encoding="utf-8")
-    robot_file = load_robot(path)
+    robot_file = described(number, tmp_path)
     context, verdicts, reasons = Context(robot_file, "quick"), set(), []
     for case in catalogue(robot_file):
         if case.id.startswith("robot.statics.") and "-vjm." in case.id:
@@ -249,9 +250,7 @@ def test_what_rounding_hides_in_three_formulations_is_undecided_or_told(number, 
 # A stiff leg that swings on a soft one (28, 42), soft and stiff joined by a hinge (41).
 @pytest.mark.parametrize("number", [28, 41, 42])
 def test_what_rounding_leaves_open_of_frequencies_covers_what_polynomials_miss(number, tmp_path):
-    path = tmp_path / "robot.toml"
-    path.write_text(ROBOTS[number], encoding="utf-8")
-    robot = load_robot(path).robot
+    robot = described(number, tmp_path).robot
     for x in robot.stations(3).tolist():
         found, left_open = rounded_frequencies("beam", robot, x, 4)
         exact, rougher = (ritz.frequencies(robot, x, 4, degree=degree) for degree in (14, 12))
@@ -262,12 +261,9 @@ def test_what_rounding_leaves_open_of_frequencies_covers_what_polynomials_miss(n
 
 def test_polynomials_and_what_rounding_leaves_of_stiffnesses_far_apart_do_not_disagree(tmp_path):
     # 42: 10¹⁵ between both legs, 3e-5 of every deflection lost in segments.
-    path = tmp_path / "robot.toml"
-    path.write_text(ROBOTS[42], encoding="utf-8")
-    robot_file = load_robot(path)
-    context = Context(robot_file, "quick")
+    context = Context(described(42, tmp_path), "quick")
     ids = ("robot.anchor.statics[segments-euler", "robot.anchor.vjm.")
-    cases = [case for case in catalogue(robot_file) if case.id.startswith(ids)]
+    cases = [case for case in catalogue(context.robot_file) if case.id.startswith(ids)]
     outcomes = [judge(case, case.measure(context), 0.0) for case in cases]
     assert {outcome.verdict for outcome in outcomes} == {"agree", "undecided"}
     assert all("no finer" in one.message for one in outcomes if one.verdict == "undecided")
@@ -275,12 +271,9 @@ def test_polynomials_and_what_rounding_leaves_of_stiffnesses_far_apart_do_not_di
 
 def test_an_end_of_the_stroke_is_one_in_double_and_in_28_digits(tmp_path):
     # 9: legs that nearly align, where leg 2 is horizontal. By the nearest float it was not.
-    path = tmp_path / "robot.toml"
-    path.write_text(ROBOTS[9], encoding="utf-8")
-    robot_file = load_robot(path)
-    context = Context(robot_file, "quick")
+    context = Context(described(9, tmp_path), "quick")
     ids = ("robot.anchor.frequencies[simplified", "robot.anchor.statics[simplified")
-    cases = [case for case in catalogue(robot_file) if case.id.startswith(ids)]
+    cases = [case for case in catalogue(context.robot_file) if case.id.startswith(ids)]
     outcomes = [judge(case, case.measure(context), 0.0) for case in cases]
     assert len(outcomes) == 4
     assert {outcome.verdict for outcome in outcomes} == {"agree"}
@@ -289,9 +282,7 @@ def test_an_end_of_the_stroke_is_one_in_double_and_in_28_digits(tmp_path):
 def test_a_free_joint_loses_nothing_of_a_soft_leg_on_a_stiff_one(tmp_path):
     # Leg 1 of 41 bends on a hinge at the tip of a leg 10¹³ times as stiff about z: in sums of both
     # legs' rotations it was 2 % off.
-    path = tmp_path / "robot.toml"
-    path.write_text(ROBOTS[41], encoding="utf-8")
-    robot = load_robot(path).robot
+    robot = described(41, tmp_path).robot
     found = robot_frequencies("beam", robot, robot.centre, 1)
     assert found == pytest.approx(ritz.frequencies(robot, robot.centre, 1), rel=1e-4)
 
@@ -301,17 +292,14 @@ def test_a_free_joint_loses_nothing_of_a_soft_leg_on_a_stiff_one(tmp_path):
     "number", [28, *(pytest.param(one, marks=pytest.mark.exhaustive) for one in (5, 13))]
 )
 def test_what_segments_leave_of_high_modes_is_explained(number, tmp_path):
-    path = tmp_path / "robot.toml"
-    path.write_text(ROBOTS[number], encoding="utf-8")
-    robot_file = load_robot(path)
-    context = Context(robot_file, "quick")
+    context = Context(described(number, tmp_path), "quick")
     fourth = (
         "robot.frequency.segments-beam[4]",
         "robot.anchor.segments.frequency[4]",
         "robot.anchor.frequencies[segments, 4]",
         "robot.anchor.frequencies[segments-euler-bernoulli, 4]",
     )
-    cases = [case for case in catalogue(robot_file) if case.id in fourth]
+    cases = [case for case in catalogue(context.robot_file) if case.id in fourth]
     found = [case.measure(context) for case in cases]
     assert len(found) == len(fourth)
     # More than the paper's 1 % somewhere, and named.
@@ -323,11 +311,8 @@ def test_what_segments_leave_of_high_modes_is_explained(number, tmp_path):
 def test_polynomials_bear_stiffnesses_far_apart(number, leg, tmp_path):
     # Along a foil of an I-section and about it: 10¹⁵ (0), in which torsion was off by 3e-3.
     # Against shear and bending: 10¹⁰ to 10¹⁴ (18, 26, 30), in which bending was off by 8e-3.
-    path = tmp_path / "robot.toml"
-    path.write_text(ROBOTS[number], encoding="utf-8")
-    robot_file = load_robot(path)
-    context = Context(robot_file, "quick")
-    cases = [c for c in catalogue(robot_file) if c.id.startswith(f"leg{leg}.anchor[")]
+    context = Context(described(number, tmp_path), "quick")
+    cases = [c for c in catalogue(context.robot_file) if c.id.startswith(f"leg{leg}.anchor[")]
     outcomes = [judge(case, case.measure(context), 0.0) for case in cases]
     assert {outcome.verdict for outcome in outcomes} == {"agree"}
 
@@ -336,18 +321,14 @@ def test_polynomials_bear_stiffnesses_far_apart(number, leg, tmp_path):
 def test_polynomials_of_robots_keep_their_digits(number, tmp_path):
     # Legs that nearly align, stiffnesses 10¹² to 10¹⁵ apart: frequencies moved by 1e-2 from degree
     # to degree, and once there were none.
-    path = tmp_path / "robot.toml"
-    path.write_text(ROBOTS[number], encoding="utf-8")
-    robot = load_robot(path).robot
+    robot = described(number, tmp_path).robot
     for x in robot.stations(3).tolist():
         high, low = (ritz.frequencies(robot, x, 3, degree=degree) for degree in (16, 13))
         assert high == pytest.approx(low, rel=1e-7)
 
 
 def test_polynomials_of_an_indefinite_stiffness_are_told(tmp_path):
-    path = tmp_path / "robot.toml"
-    path.write_text(ROBOTS[59], encoding="utf-8")
-    robot = replace(load_robot(path).robot, tool_compliance=-1e-6 * np.eye(6))
+    robot = replace(described(59, tmp_path).robot, tool_compliance=-1e-6 * np.eye(6))
     for solved in (ritz.compliance, partial(ritz.frequencies, count=4)):
         with pytest.raises(ComputationError, match=r"^extreme 59 by polynomials"):
             solved(robot, robot.centre)
@@ -355,9 +336,7 @@ def test_polynomials_of_an_indefinite_stiffness_are_told(tmp_path):
 
 def test_a_negative_shear_stiffness_is_named(tmp_path):
     # Cowper's κ of a wide-flanged I changes its sign at a Poisson's ratio far below zero.
-    path = tmp_path / "robot.toml"
-    path.write_text(ROBOTS[27], encoding="utf-8")
-    robot_file = load_robot(path)
+    robot_file = described(27, tmp_path)
     (case,) = (c for c in catalogue(robot_file) if c.id == "leg2.frequency.segments[1]")
     with pytest.raises(ComputationError, match=r"^leg 2, i-section: .* κGA = -3.06 N is neg"):
         case.measure(Context(robot_file, "quick"))

@@ -149,7 +149,7 @@ def test_solids_of_a_mechanism_say_the_uncertainty_of_their_mesh():
     solid = replace(mechanism, bodies=bodies)
 
     def answer(divisions):
-        question = MechanismQuestion(solid, "solid", (), None, 1, {"divisions": divisions})
+        question = MechanismQuestion("solid", 1, {"divisions": divisions}, solid)
         return solve_mechanism(question).answers[0]
 
     coarse, fine = answer(1), answer(2)

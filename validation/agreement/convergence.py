@@ -98,13 +98,6 @@ def richardson(middle: float, fine: float, ratio: float, order: float) -> float:
     return fine + (fine - middle) / float(ratio**order - 1.0)
 
 
-def grid_convergence_index(
-    coarse: float, fine: float, ratio: float, order: float, safety: float
-) -> float:
-    """Relative uncertainty of `fine`: safety · |(f_coarse − f_fine)/f_fine| / (ratioᵖ − 1)."""
-    return safety * abs((coarse - fine) / fine) / float(ratio**order - 1.0)
-
-
 def safety_factor(observed: float, formal: float) -> float:
     """1.25 where the observed order is within 10 % of the formal one, else 3."""
     return PROVEN if abs(observed - formal) <= CLOSE_TO_FORMAL * formal else UNPROVEN

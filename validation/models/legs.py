@@ -4,8 +4,6 @@ from dataclasses import replace
 from functools import partial
 from typing import TypeVar
 
-import numpy as np
-
 from fem.beams.beam import beam_leg
 from fem.beams.stepped import Piece, SteppedLeg, about_shear_centre, stepped_leg
 from fem.bodies import leg_modes, solid
@@ -14,10 +12,11 @@ from fem.reduction.craig_bampton import craig_bampton
 from fem.reduction.superelement import HeldLeg, held_leg, static_superelement
 from lumped.arrays import Array
 from lumped.caches import lru_cache
-from lumped.dense.modes import Modes, dense, solve_modes
+from lumped.dense.modes import Modes, dense
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, GivenLeg, Leg, equivalent_leg, given_compliance, tip_compliance
 from lumped.mechanism.body_model import BodyModel, LegMatrices
+from lumped.models import cantilever
 from lumped.models.cantilever import clamped_modes, tip_compliance_of
 from lumped.models.segments import Chain, segment_chain, segment_leg, static_leg
 from validation.context import Context
@@ -166,17 +165,8 @@ def constant_leg_of(context: Context, number: int) -> ConstantLeg:
 def kind_frequencies(
     leg: ConstantLeg, model: ModelName, kind: str, count: int, options: ModelOptions
 ) -> Array:
-    """First frequencies (Hz) of one kind of deformation of the clamped leg.
-
-    The kinds of a straight leg do not couple, so that each is solved on its own unknowns: modes
-    of two kinds at one frequency stay apart.
-    """
-    matrices = _matrices(leg, model, options)
-    stiffness = dense(matrices.parts[kind])
-    own = np.flatnonzero(np.diag(stiffness) > 0.0)
-    own = own[own >= 6]
-    pick = np.ix_(own, own)
-    return solve_modes(stiffness[pick], dense(matrices.mass)[pick], count, kind).frequencies
+    """First frequencies (Hz) of one kind of deformation of the clamped leg."""
+    return cantilever.kind_frequencies(_matrices(leg, model, options), kind, count)
 
 
 @lru_cache(maxsize=8)

@@ -1,8 +1,9 @@
 """What a model answers, and how that is shown to people and to programs."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from html import escape
 from typing import Any
 
 import numpy as np
@@ -10,20 +11,9 @@ import numpy as np
 from lumped.arrays import Array
 from lumped.system.joint_motion import Portion
 from validation.models.options import ModelName, ReductionBy
-from validation.solve.notebook import paragraph, table
 
-# What each model listens to; anything else given on the command line is a fault.
-OPTIONS: dict[ModelName, tuple[str, ...]] = {
-    "simplified": (),
-    "vjm": ("legs", "theory", "equivalent"),
-    "links": ("legs", "theory", "equivalent"),
-    "segments": ("theory", "elements", "release", "layout", "equivalent", "parts"),
-    "beam": ("theory", "elements", "equivalent", "parts"),
-    "solid": ("ends", "divisions", "equivalent", "reduction"),
-}
-# Models of elements, solved dense.
-OF_ELEMENTS: tuple[ModelName, ...] = ("segments", "beam")
-DEFAULT_MODES = 6
+# Of cells in a notebook.
+_COLOURS = {"adequate": "#d3f0e4", "inadequate": "#fbdcc8", "undecided": "#eceef1"}
 # Parts that are named of those that carry a mode: how many, and from which share on.
 _MOST_PARTS, _TOLD = 3, 0.005
 
@@ -108,6 +98,34 @@ class Solution:
         ]
         headings = ["at", *(f"{axis} (µm at 1000 N)" for axis in axes), "frequencies (Hz)"]
         return paragraph(f"{self.robot}, {self.model}") + table(headings, rows)
+
+
+def table(
+    headings: Sequence[str],
+    rows: Sequence[Sequence[str]],
+    verdicts: Sequence[Sequence[str | None]] | None = None,
+) -> str:
+    """Rows of text under headings as a notebook shows them; `verdicts` colour their cells."""
+    head = "".join(f"<th>{escape(heading)}</th>" for heading in headings)
+    lines = []
+    for number, row in enumerate(rows):
+        kinds = verdicts[number] if verdicts else [None] * len(row)
+        lines.append(
+            "".join(_cell(text, kind) for text, kind in zip(row, kinds, strict=True)),
+        )
+    body = "".join(f"<tr>{line}</tr>" for line in lines)
+    return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+
+
+def paragraph(text: str) -> str:
+    """A paragraph of text as HTML."""
+    return f"<p>{escape(text)}</p>"
+
+
+def _cell(text: str, verdict: str | None) -> str:
+    colour = _COLOURS.get(verdict or "")
+    style = f' style="background:{colour};color:#1b1f24"' if colour else ""
+    return f"<td{style}>{escape(text)}</td>"
 
 
 def as_json(solution: Solution) -> str:

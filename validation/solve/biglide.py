@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
-from typing import Any
 
 import numpy as np
 
@@ -12,35 +11,26 @@ from lumped.legs import ConstantLeg, Leg, equivalent_leg
 from validation.models.biglide import robot_compliance, robot_frequencies
 from validation.models.legs import leg_compliance, leg_frequencies
 from validation.models.options import STATIC, ModelName, ModelOptions
-from validation.solve.answer import DEFAULT_MODES, OF_ELEMENTS, OPTIONS, Answer, Solution
+from validation.solve.answer import Answer, Solution
 from validation.solve.cost import Cost, dense_cost, require_affordable, solid_cost
-from validation.solve.uncertainty import beside, with_uncertainty, without_uncertainty
+from validation.solve.question import OF_ELEMENTS, OPTIONS, Question
+from validation.solve.uncertainty import with_uncertainty
 
 
-def option_faults(
-    model: ModelName, given: dict[str, Any], leg: int | None, legs: Sequence[Leg]
-) -> list[str]:
-    """Options that change nothing for this model and these `legs`, or values that are not allowed.
+def _option_faults(question: "BiglideQuestion") -> list[str]:
+    """Options that change nothing for this model and these legs, or values that are not allowed.
 
     What is typed and would change nothing is refused: whoever typed it expects that it does.
     """
-    faults = []
-    allowed = ", ".join(f"--{option}" for option in OPTIONS[model]) or "none"
-    faults += [
-        f"--{name}: not an option of the {model} model; it takes {allowed}"
-        for name in given
-        if name not in OPTIONS[model]
-    ]
-    for name in ("elements", "divisions"):
-        if given.get(name, 1) < 1:
-            faults.append(f"--{name} = {given[name]}: must be 1 or more")
+    model, given, leg = question.model, question.given, question.leg
+    faults = question.option_faults(OPTIONS[model])
     if leg is not None and leg not in (1, 2):
         faults.append(f"--leg = {leg}: must be 1 or 2")
     if leg is not None and model == "simplified":
         faults.append("--leg: the legs of the simplified model are rigid")
     if faults:
         return faults
-    unheard = _unheard(model, given.get("legs", ModelOptions.legs), leg, legs)
+    unheard = _unheard(model, given.get("legs", ModelOptions.legs), leg, question.legs)
     return [f"--{name}: {unheard[name]}" for name in given if name in unheard]
 
 
@@ -66,16 +56,13 @@ def _unheard(
     return unheard
 
 
-@dataclass(frozen=True)
-class BiglideQuestion:
-    """A model at `positions` x (m) of B, or of one leg; `given` are the options that were typed."""
+@dataclass(frozen=True, eq=False)
+class BiglideQuestion(Question):
+    """A model at `positions` x (m) of B, or of one leg."""
 
     robot: Biglide
-    model: ModelName
     positions: tuple[float, ...]
     leg: int | None
-    modes: int | None
-    given: dict[str, Any]
 
     @property
     def legs(self) -> tuple[Leg, ...]:
@@ -83,25 +70,15 @@ class BiglideQuestion:
         both = (self.robot.leg1, self.robot.leg2)
         return both[self.leg - 1 : self.leg] if self.leg in (1, 2) else both
 
-    @property
-    def count(self) -> int:
-        """Number of frequencies."""
-        asked = DEFAULT_MODES if self.modes is None else self.modes
-        return 0 if self.model in STATIC else asked
-
 
 def checked_biglide(question: BiglideQuestion) -> Cost:
     """What the answer will cost.
 
     Raises InputError, all faults of the question at once, or where it costs too much.
     """
-    model, modes, leg = question.model, question.modes, question.leg
-    faults = option_faults(model, question.given, leg, question.legs)
-    if modes is not None and modes < 0:
-        faults.append(f"--modes = {modes}: must be 0 or more")
-    if modes and (model in STATIC):
-        faults.append(f"--modes: the {model} model is static and has no frequencies")
-    if leg is not None and question.positions:
+    model = question.model
+    faults = _option_faults(question) + question.mode_faults()
+    if question.leg is not None and question.positions:
         faults.append("--x: a leg alone has no position; leave out --x or --leg")
     faults += _position_faults(question.robot, question.positions)
     if faults:
@@ -142,21 +119,14 @@ def solve_biglide(question: BiglideQuestion) -> Solution:
 
     answers = answered(options)
     if model == "solid":
-        other = beside(options, legs)
-        if other.divisions < options.divisions or _affordable(question, other):
-            answers = with_uncertainty(answers, answered(other), legs, options)
-        else:
-            answers = without_uncertainty(answers, other.divisions)
+        answers = with_uncertainty(
+            answers,
+            answered,
+            legs,
+            options,
+            lambda other: require_affordable(_solid_cost(question, other), ""),
+        )
     return Solution(robot.name, model, heard, tuple(answers))
-
-
-def _affordable(question: BiglideQuestion, options: ModelOptions) -> bool:
-    """Whether the mesh that says the uncertainty can be had, where it is the finer of the two."""
-    try:
-        require_affordable(_solid_cost(question, options), "")
-    except InputError:
-        return False
-    return True
 
 
 def _solid_cost(question: BiglideQuestion, options: ModelOptions) -> Cost:

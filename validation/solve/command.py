@@ -46,13 +46,13 @@ def question(
             faults.append("--leg: bodies of a mechanism have names; take --body")
         if faults:
             raise InputError(faults)
-        return MechanismQuestion(robot, model, place.poses, place.body, modes, given, against)
+        return MechanismQuestion(model, modes, given, robot, place.poses, place.body, against)
     if against is not None:
         raise InputError("--against: modes are paired by shape for robots of schema 2 alone")
     if place.body is not None:
         raise InputError("--body: the biglide has two legs; take --leg 1 or --leg 2")
     positions = (*place.x, *_positions(place.poses))
-    return BiglideQuestion(robot, model, positions, place.leg, modes, given)
+    return BiglideQuestion(model, modes, given, robot, positions, place.leg)
 
 
 def checked(asked: Question) -> Cost:

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
-from typing import Any
+from functools import partial
 
 import numpy as np
 
@@ -17,17 +17,11 @@ from validation.models.legs import leg_compliance, leg_frequencies
 from validation.models.mechanism import answers, constant_legs, static_bodies
 from validation.models.mechanism_modes import mechanism_modes
 from validation.models.options import STATIC, ModelName, ModelOptions
-from validation.solve.answer import (
-    DEFAULT_MODES,
-    OF_ELEMENTS,
-    OPTIONS,
-    Answer,
-    PartUncertainty,
-    Solution,
-)
+from validation.solve.answer import Answer, PartUncertainty, Solution
 from validation.solve.cost import Cost, dense_cost, require_affordable, solid_cost
 from validation.solve.pairs import paired
-from validation.solve.uncertainty import beside, of_parts, with_uncertainty, without_uncertainty
+from validation.solve.question import OF_ELEMENTS, OPTIONS, Question
+from validation.solve.uncertainty import of_parts, with_uncertainty
 
 # Eq. (25) as printed is a statement about the paper's own robot.
 _BIGLIDE_ALONE = ("release",)
@@ -36,25 +30,16 @@ _OF_PARTS = ("parts", "reduction")
 
 
 @dataclass(frozen=True, eq=False)
-class MechanismQuestion:
+class MechanismQuestion(Question):
     """A model in the typed `poses` ("0.25,0.6"; the reference posture without), or of one `body`.
 
-    `given` are the options that were typed; the modes are paired with those of `against`.
+    The modes are paired with those of `against`.
     """
 
     mechanism: Mechanism
-    model: ModelName
-    poses: tuple[str, ...]
-    body: str | None
-    modes: int | None
-    given: dict[str, Any]
+    poses: tuple[str, ...] = ()
+    body: str | None = None
     against: ModelName | None = None
-
-    @property
-    def count(self) -> int:
-        """Number of frequencies."""
-        asked = DEFAULT_MODES if self.modes is None else self.modes
-        return 0 if self.model in STATIC else asked
 
 
 def checked_mechanism(question: MechanismQuestion) -> Cost:
@@ -62,12 +47,8 @@ def checked_mechanism(question: MechanismQuestion) -> Cost:
 
     Raises InputError, all faults of the question at once, or where it costs too much.
     """
-    mechanism, model, modes = question.mechanism, question.model, question.modes
-    faults = _option_faults(mechanism, model, question.given)
-    if modes is not None and modes < 0:
-        faults.append(f"--modes = {modes}: must be 0 or more")
-    if modes and model in STATIC:
-        faults.append(f"--modes: the {model} model is static and has no frequencies")
+    mechanism, model = question.mechanism, question.model
+    faults = _option_faults(question) + question.mode_faults()
     if question.body is not None:
         faults += _body_faults(mechanism, model, question.body, question.poses)
     faults += _against_faults(question)
@@ -109,11 +90,15 @@ def solve_mechanism(question: MechanismQuestion) -> Solution:
     found = answered(options)
     legs = _meshed(question, mechanism, options)
     if legs:
-        other = beside(options, legs)
-        if other.divisions < options.divisions or _affordable(question, other):
-            found = with_uncertainty(found, answered(other, alone=True), legs, options)
-        else:
-            found = without_uncertainty(found, other.divisions)
+        found = with_uncertainty(
+            found,
+            partial(answered, alone=True),
+            legs,
+            options,
+            lambda other: _cost(
+                replace(question, given={**question.given, "divisions": other.divisions})
+            ),
+        )
     return Solution(mechanism.name, model, heard, tuple(found))
 
 
@@ -125,15 +110,6 @@ def _meshed(
         return []
     legs = constant_legs(mechanism, options)
     return list({leg: None for name, leg, _ in legs if question.body in (None, name)})
-
-
-def _affordable(question: MechanismQuestion, options: ModelOptions) -> bool:
-    """Whether the mesh that says the uncertainty can be had, where it is the finer of the two."""
-    try:
-        _cost(replace(question, given={**question.given, "divisions": options.divisions}))
-    except InputError:
-        return False
-    return True
 
 
 def _in_postures(
@@ -202,27 +178,15 @@ def _listens(model: ModelName) -> tuple[str, ...]:
     return tuple(name for name in OPTIONS[model] if name not in _BIGLIDE_ALONE)
 
 
-def _option_faults(mechanism: Mechanism, model: ModelName, given: dict[str, Any]) -> list[str]:
-    listens = _listens(model)
-    allowed = ", ".join(f"--{name}" for name in listens) or "none"
-    faults = [
-        f"--{name}: not an option of the {model} model of a mechanism; it takes {allowed}"
-        for name in given
-        if name not in listens
-    ]
-    faults += [
-        f"--{name} = {given[name]}: must be 1 or more"
-        for name in ("elements", "divisions")
-        if given.get(name, 1) < 1
-    ]
+def _option_faults(question: MechanismQuestion) -> list[str]:
+    mechanism, listens = question.mechanism, _listens(question.model)
     unheard = _unheard(mechanism)
-    faults += [
+    return question.option_faults(listens, " of a mechanism") + [
         f"--{name}: no leg of {mechanism.name} is given by a "
         f"{'file' if name in _OF_PARTS else '6×6'}, so nothing would change"
-        for name in given
+        for name in question.given
         if name in listens and name in unheard
     ]
-    return faults
 
 
 def _unheard(mechanism: Mechanism) -> tuple[str, ...]:

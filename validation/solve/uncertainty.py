@@ -1,8 +1,8 @@
 """Numerical uncertainty of what `solve` says of solids, from other meshes of prisms and parts."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from math import cbrt, sqrt
+from math import cbrt, inf, sqrt
 
 import numpy as np
 
@@ -61,47 +61,49 @@ def _ratio(section: Section, one: int, other: int) -> float:
 
 def with_uncertainty(
     answers: Sequence[Answer],
-    others: Sequence[Answer],
+    again: Callable[[ModelOptions], Sequence[Answer]],
     legs: Sequence[Leg],
     options: ModelOptions,
+    require_affordable: Callable[[ModelOptions], object],
 ) -> list[Answer]:
-    """The answers with half-widths of 95 % intervals, `others` being those of `beside`.
+    """The answers with half-widths of 95 % intervals, from those `again` on the mesh of `beside`.
 
     The step between both meshes times Roache's factor, r³ the ratio of their elements (Celik et
     al., J. Fluids Eng. 130 (2008) 078001). The coarser one's error is rᵖ times the finer one's.
+    Nothing is known where the other mesh is finer, and `require_affordable` raises InputError.
     """
-    own, other = options.divisions, beside(options, legs).divisions
+    beyond = beside(options, legs)
+    own, other = options.divisions, beyond.divisions
+    if other > own:
+        try:
+            require_affordable(beyond)
+        except InputError:
+            return [_half_widths(one, other, inf, inf) for one in answers]
     solid = [equivalent_leg(leg, options.equivalent) for leg in legs]
     order = min(formal_order(leg, options.ends) for leg in solid)
     along = max(own, other) / min(own, other)
     ratio = min(cbrt(along * _ratio(leg.section, own, other) ** 2) for leg in solid)
     factor = step_factor(ratio, order) * (1.0 if own > other else ratio**order)
     return [
-        replace(
+        _half_widths(
             one,
-            uncertainty=MeshUncertainty(
-                divisions=other,
-                compliance=factor * np.abs(np.diag(one.compliance) - np.diag(two.compliance)),
-                frequencies=factor * np.abs(one.frequencies - two.frequencies),
-            ),
+            other,
+            factor * np.abs(np.diag(one.compliance) - np.diag(two.compliance)),
+            factor * np.abs(one.frequencies - two.frequencies),
         )
-        for one, two in zip(answers, others, strict=True)
+        for one, two in zip(answers, again(beyond), strict=True)
     ]
 
 
-def without_uncertainty(answers: Sequence[Answer], divisions: int) -> list[Answer]:
-    """The answers, nothing being known of their meshes, since that of `divisions` is too large."""
-    return [
-        replace(
-            one,
-            uncertainty=MeshUncertainty(
-                divisions=divisions,
-                compliance=np.full(len(one.compliance), np.inf),
-                frequencies=np.full(len(one.frequencies), np.inf),
-            ),
-        )
-        for one in answers
-    ]
+def _half_widths(
+    answer: Answer, divisions: int, compliance: Array | float, frequencies: Array | float
+) -> Answer:
+    uncertainty = MeshUncertainty(
+        divisions,
+        np.full(len(answer.compliance), compliance),
+        np.full(len(answer.frequencies), frequencies),
+    )
+    return replace(answer, uncertainty=uncertainty)
 
 
 def of_parts(

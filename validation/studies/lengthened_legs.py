@@ -8,8 +8,8 @@ from fem.beams.beam import beam_leg
 from fem.bodies import doubling
 from fem.sections.section_constants import beam_properties
 from lumped.arrays import Array
-from lumped.dense.modes import dense, solve_modes
 from lumped.legs import BeamProperties, ConstantLeg, tip_compliance
+from lumped.models.cantilever import kind_frequencies
 from lumped.sections import Circle, Rectangle, Tube
 from meshes.prism.hexahedra import slice_count
 from meshes.section.section_mesh import section_mesh
@@ -87,18 +87,9 @@ def fundamental_ratio(properties: BeamProperties, length: float) -> float:
     """First frequency of bending y without rotary inertia over that with it, no shear."""
     slender = properties.as_euler_bernoulli()
     rayleigh = replace(slender, rho_Iy=properties.rho_Iy)
-    without, with_inertia = (_fundamental(beam, length) for beam in (slender, rayleigh))
-    return without / with_inertia
-
-
-def _fundamental(properties: BeamProperties, length: float) -> float:
-    matrices = beam_leg(properties, length, _BEAM_ELEMENTS)
-    stiffness = dense(matrices.parts["bending y"])
-    own = np.flatnonzero(np.diag(stiffness) > 0.0)
-    own = own[own >= 6]
-    pick = np.ix_(own, own)
-    modes = solve_modes(stiffness[pick], dense(matrices.mass)[pick], 1, "Rayleigh beam")
-    return float(modes.frequencies[0])
+    legs = (beam_leg(beam, length, _BEAM_ELEMENTS) for beam in (slender, rayleigh))
+    (without,), (with_inertia,) = (kind_frequencies(leg, "bending y", 1) for leg in legs)
+    return float(without / with_inertia)
 
 
 def affordable_divisions(leg: ConstantLeg, preset: Preset) -> int:

@@ -11,9 +11,7 @@ from math import floor, log10
 
 import numpy as np
 
-from fem.bodies import solid
 from fem.reduction.craig_bampton import craig_bampton
-from fem.reduction.free_superelement import held_free_leg
 from fem.reduction.superelement import HeldLeg, held_leg
 from lumped.arrays import Array, SparseMatrix
 from lumped.biglide import Biglide, postures
@@ -27,7 +25,7 @@ from lumped.system.sweep import Swept, swept
 from validation.models.biglide import robot_compliance, robot_frequencies, robot_legs
 from validation.models.legs import filled, leg_matrices
 from validation.models.options import DEFAULT_OPTIONS, ModelName, ModelOptions
-from validation.solids.robots import renewed_where_needed
+from validation.solids.robots import held_solid, renewed_where_needed
 
 # Few segments are some percent off, and frequencies between the postures may be higher.
 _MARGIN = 1.5
@@ -83,11 +81,7 @@ class LegUnit:
     def _held(self) -> HeldLeg:
         if self.model != "solid":
             return held_leg(leg_matrices(self.model, self.leg, self.options))
-        mesh = solid.solid_mesh(self.leg, self.options.divisions)
-        leg = solid.solid_leg(self.leg, mesh)
-        if self.options.ends == "free":
-            return held_free_leg(solid.clamped_leg(leg, "free"))
-        return held_leg(solid.solid_leg_matrices(leg))
+        return held_solid(self.leg, self.options.divisions, self.options.ends)
 
 
 @dataclass(frozen=True)

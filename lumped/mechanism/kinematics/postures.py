@@ -6,8 +6,6 @@ part of it converges at once: whoever walks in such steps does not change to ano
 the same parts.
 """
 
-from collections.abc import Iterator
-
 import numpy as np
 from scipy.linalg import lstsq
 
@@ -83,14 +81,6 @@ def posture(mechanism: Mechanism, pose: Array, start: Posture | None = None) -> 
         closure.frames(placement),
         dict(zip(names, coordinates, strict=True)),
     )
-
-
-def postures(mechanism: Mechanism) -> Iterator[Posture]:
-    """The postures of the mechanism's poses, each reached from the reference posture.
-
-    Raises as `posture` does.
-    """
-    return (posture(mechanism, pose) for pose in mechanism.poses)
 
 
 def shown_pose(mechanism: Mechanism, pose: Array) -> str:

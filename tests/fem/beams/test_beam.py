@@ -17,7 +17,7 @@ from lumped.dense.modes import dense, solve_modes
 from lumped.errors import InputError
 from lumped.legs import BeamProperties, ConstantLeg, Material, constant_leg, tip_compliance
 from lumped.mechanism.body_model import LegMatrices
-from lumped.models.cantilever import clamped_modes, tip_compliance_of
+from lumped.models.cantilever import clamped_modes, kind_frequencies, tip_compliance_of
 from lumped.screws import shift
 from lumped.sections import Rectangle
 from validation.agreement.differences import scaled_difference
@@ -27,15 +27,6 @@ LEG1 = constant_leg(0.85, EA=8.613e8, EIy=4.771e6, EIz=1.832e6, GJ=9.212e6, mass
 LEG2 = constant_leg(0.775, EA=4.316e9, EIy=5.98e7, EIz=4.182e6, GJ=6.478e6, mass=49.366)
 THEORIES = ("euler-bernoulli", "timoshenko")
 PARTS = ("tension", "torsion", "bending y", "bending z")
-
-
-def part_frequencies(leg: LegMatrices, part: str, count: int):
-    """Clamped–free frequencies (Hz) of one kind of deformation alone."""
-    stiffness = leg.parts[part]
-    own = np.flatnonzero(stiffness.diagonal())
-    own = own[own >= 6]
-    grid = np.ix_(own, own)
-    return solve_modes(dense(stiffness)[grid], dense(leg.mass)[grid], count, part).frequencies
 
 
 def rigid_motions(leg: LegMatrices):
@@ -213,7 +204,7 @@ def test_frequencies_converge_with_order_four(theory, part):
     }[part]()[1]
     counts = np.array([6, 8, 12, 16])
     errors = np.array(
-        [part_frequencies(beam_leg(p, L, int(n)), part, 2)[1] / exact - 1.0 for n in counts]
+        [kind_frequencies(beam_leg(p, L, int(n)), part, 2)[1] / exact - 1.0 for n in counts]
     )
     order = -np.polyfit(np.log(counts), np.log(errors), 1)[0]
     # The fit still sees the next term of the error, (kl)² of the leading one.
@@ -235,10 +226,10 @@ def test_leg_1_about_z_is_about_180_hz():
     # Paper §3.3, "about 180 Hz"; Euler–Bernoulli by hand: 1.875104² √(EI/μ)/2πL².
     p, L = LEG1.timoshenko, LEG1.length
     by_hand = 1.875104069**2 * np.sqrt(p.EIy / p.mu) / (2.0 * np.pi * L**2)
-    slender = part_frequencies(beam_leg(p.as_euler_bernoulli(), L, 20), "bending y", 1)[0]
+    slender = kind_frequencies(beam_leg(p.as_euler_bernoulli(), L, 20), "bending y", 1)[0]
     rayleigh = replace(p, GAy=np.inf, GAz=np.inf)
-    rotary = part_frequencies(beam_leg(rayleigh, L, 20), "bending y", 1)[0]
-    full = part_frequencies(beam_leg(p, L, 20), "bending y", 1)[0]
+    rotary = kind_frequencies(beam_leg(rayleigh, L, 20), "bending y", 1)[0]
+    full = kind_frequencies(beam_leg(p, L, 20), "bending y", 1)[0]
     # 20 elements: below 1e-7; 1e-6 leaves room for rounding.
     assert slender == pytest.approx(by_hand, rel=1e-6)
     # Figures of an independent computation, given to 0.1 Hz.
@@ -252,7 +243,7 @@ def test_nafems_test_71_slender_cantilever():
     model = beam_leg(leg.properties("euler-bernoulli"), leg.length, 120)
     for part in ("bending y", "bending z"):
         # Printed to 0.001 Hz; the elements' own error is below 0.0001 Hz, fourth order.
-        assert part_frequencies(model, part, 6) == pytest.approx(published, abs=6e-4)
+        assert kind_frequencies(model, part, 6) == pytest.approx(published, abs=6e-4)
 
 
 def test_nafems_fv5_deep_simply_supported_beam():

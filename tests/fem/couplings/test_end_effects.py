@@ -7,7 +7,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fem.bodies import doubling
-from fem.couplings.end_effects import decay_rates, restrained_compliance
+from fem.couplings.end_effects import _decays, restrained_compliance
+from fem.couplings.section_fields import section_fields
 from fem.sections.section_constants import section_constants
 from lumped.errors import ComputationError, InputError
 from lumped.legs import ConstantLeg, Material, tip_compliance
@@ -16,6 +17,12 @@ from meshes.section.section_mesh import section_mesh
 
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 WITHOUT_CONTRACTION = Material.isotropic(2.1e11, 0.0, 7850.0)
+
+
+def decay_rates(mesh, material):
+    """Decay rates γ (1/m, complex, slowest first) of each symmetry by name."""
+    found = {fields.name: _decays(fields)[0] for fields in section_fields(mesh, material)}
+    return {name: rates[np.argsort(rates.real)] for name, rates in found.items()}
 
 
 def test_a_strip_decays_with_the_roots_of_papkovich_and_fadle():

@@ -9,29 +9,16 @@ from fem.sections.saint_venant import saint_venant
 from fem.sections.section_constants import beam_properties, section_constants
 from lumped.errors import ComputationError
 from lumped.legs import ConstantLeg, Material
-from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Tube
+from lumped.sections import (
+    Circle,
+    HollowRectangle,
+    ISection,
+    Rectangle,
+    Tube,
+    rectangle_torsion_constant,
+)
 from meshes.section.section_mesh import SectionMesh, section_mesh
-
-# Timoshenko & Goodier, Theory of Elasticity, §109, and Roark: J/(a b³) to six digits.
-TORSION_OF_RECTANGLES = {
-    1.0: 0.140577,
-    1.2: 0.166119,
-    1.5: 0.195761,
-    2.0: 0.228682,
-    2.5: 0.249365,
-    3.0: 0.263317,
-    4.0: 0.280813,
-    5.0: 0.291317,
-    10.0: 0.312325,
-}
-
-
-@pytest.mark.parametrize(("ratio", "coefficient"), TORSION_OF_RECTANGLES.items())
-def test_torsion_constant_of_rectangles(ratio, coefficient):
-    mesh = section_mesh(Rectangle(0.1, 0.1 * ratio), (16, round(16 * min(ratio, 3.0))))
-    j = section_constants(mesh, 0.0).torsion_constant
-    # Discretisation 1.2e-5 at the longest cells; the last digit of the table is 3e-6.
-    assert j / (ratio * 0.1**4) == pytest.approx(coefficient, rel=2e-5)
+from validation.cases.program.shapes import renton_rectangle
 
 
 @pytest.mark.parametrize(
@@ -40,7 +27,7 @@ def test_torsion_constant_of_rectangles(ratio, coefficient):
 def test_torsion_constant_converges_from_above_at_twice_the_order_of_the_element(element, order):
     # The warping minimises energy, so J of a convex section falls with refinement as h^2p, but
     # for rectangles (logarithmic corner term) a little slower.
-    exact = 0.2 * 0.1**3 * TORSION_OF_RECTANGLES[2.0]
+    exact = rectangle_torsion_constant(0.1, 0.2)
     errors = [
         section_constants(section_mesh(Rectangle(0.1, 0.2), d, element), 0.0).torsion_constant
         / exact
@@ -87,29 +74,12 @@ def test_cowper_coefficients(section, nu):
     assert constants.cowper_coefficients == pytest.approx(section.shear_coefficients(nu), rel=3e-5)
 
 
-def rectangle_energy_flexibility(depth: float, width: float, nu: float) -> float:
-    """1/κ of a rectangle sheared along its depth (Renton 1991), by strain energy."""
-    m = np.arange(1, 60)
-    ratio = width / depth
-    series = ratio * np.sum(np.tanh(m * np.pi / ratio) / m**5)
-    return 1.2 + (nu / (1.0 + nu)) ** 2 * ratio**4 * (0.2 - 18.0 / np.pi**5 * series)
-
-
 @pytest.mark.parametrize("nu", [0.0, 0.3])
 @pytest.mark.parametrize(("width", "height"), [(0.1, 0.1), (0.1, 0.2), (0.3, 0.1)])
 def test_energy_shear_coefficients_of_rectangles(width, height, nu):
     constants = section_constants(section_mesh(Rectangle(width, height), 12), nu)
-    along_y = 1.0 / rectangle_energy_flexibility(width, height, nu)
-    along_z = 1.0 / rectangle_energy_flexibility(height, width, nu)
+    along_y, along_z = renton_rectangle(width, height, nu), renton_rectangle(height, width, nu)
     assert constants.shear_coefficients == pytest.approx((along_y, along_z), rel=2e-5)
-
-
-def test_energy_shear_coefficient_of_a_circle():
-    """1/κ = 7/6 + (ν/(1+ν))²/6 (Renton 1991)."""
-    nu = 0.3
-    constants = section_constants(section_mesh(Circle(0.1), 16), nu)
-    exact = 1.0 / (7.0 / 6.0 + (nu / (1.0 + nu)) ** 2 / 6.0)
-    assert constants.shear_coefficients == pytest.approx((exact, exact), rel=1e-5)
 
 
 def test_without_poisson_contraction_both_shear_coefficients_of_a_rectangle_are_five_sixths():

@@ -14,7 +14,7 @@ FX, FY = np.array([1000.0, 0.0]), np.array([0.0, 1000.0])
 
 
 def planar(robot, x, force):
-    return np.linalg.norm(simplified.deflection(robot, x, force), axis=-1) / MICROMETRE
+    return np.linalg.norm(simplified.compliance(robot, x) @ force, axis=-1) / MICROMETRE
 
 
 @pytest.mark.parametrize("x", [0.145, 0.3, 0.4975, 0.7, 0.85])

@@ -10,7 +10,7 @@ import pytest
 from lumped.errors import InputError
 from lumped.legs import Material
 from lumped.mechanism.body import Body, Frame
-from lumped.mechanism.kinematics.postures import postures
+from lumped.mechanism.kinematics.postures import posture
 from lumped.mechanism.part import ByPlane, Part, PartInterface
 from lumped.robot_file import load_robot
 from meshes.gmsh_session import gmsh_model
@@ -168,10 +168,10 @@ def test_what_cannot_be_stepped_is_told_and_judged_without(tmp_path, monkeypatch
         gmsh.write(str(tmp_path / "block.step"))
     (tmp_path / "robot.toml").write_text(OVERLAPPING, "utf-8")
     mechanism = load_robot(tmp_path / "robot.toml").mechanism
-    (posture,) = postures(mechanism)
-    why = unanswered((posture,), "segments", ModelOptions(parts="stepped"))
+    at = posture(mechanism, mechanism.poses[0])
+    why = unanswered((at,), "segments", ModelOptions(parts="stepped"))
     assert why.startswith("bodies.arm: its interfaces overlap along the line between them")
-    assert unanswered((posture,), "segments", ModelOptions(parts="condensed")) == ""
+    assert unanswered((at,), "segments", ModelOptions(parts="condensed")) == ""
     idealised = []
     rungs = part_rungs(mechanism, ("rigid",), lambda kind: idealised.append(kind) or Response())
     assert idealised == ["condensed"]

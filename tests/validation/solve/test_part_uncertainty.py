@@ -38,9 +38,7 @@ def file(tmp_path_factory):
 
 
 def solution_of(file, count=COUNT, **given):
-    return solve_mechanism(
-        MechanismQuestion(load_robot(file).mechanism, "solid", (), None, count, given)
-    )
+    return solve_mechanism(MechanismQuestion("solid", count, given, load_robot(file).mechanism))
 
 
 def values(answer):
@@ -121,7 +119,7 @@ def test_people_and_programs_are_told(solution):
 
 
 def test_its_modes_have_partners_among_those_of_another_model(file):
-    question = MechanismQuestion(load_robot(file).mechanism, "solid", (), None, 2, {}, "segments")
+    question = MechanismQuestion("solid", 2, {}, load_robot(file).mechanism, against="segments")
     (answer,) = solve_mechanism(question).answers
     first = answer.pairs["pairs"][0]
     # An equivalent leg swings alike, at a frequency of its own.

@@ -234,15 +234,6 @@ def _from_the_middle(middle: float, fine: float, ratio: float, order: float) -> 
 
 
 @fault_around(
-    "judgement.gci-bare",
-    "Grid convergence index without a safety factor",
-    "validation.agreement.convergence.grid_convergence_index",
-)
-def _without_safety(sound: Faulty, *args: float) -> Any:
-    return sound(*args[:-1], 1.0)
-
-
-@fault_around(
     "judgement.order-ratios",
     "Order from grids with their ratios exchanged",
     "validation.agreement.convergence.three_grid_order",

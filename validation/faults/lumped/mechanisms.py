@@ -215,15 +215,6 @@ def _without_inertia(mass: Array) -> Array:
     return np.asarray(found)
 
 
-@fault_in_value(
-    "system.angular-frequency",
-    "Modes of a mechanism in rad/s for Hz",
-    "lumped.system.solution.modes",
-)
-def _angular(modes: Any) -> Any:
-    return replace(modes, frequencies=2.0 * np.pi * modes.frequencies)
-
-
 @fault_around(
     "idle.mass-kept",
     "Idle motions held: their mass moves with the others",

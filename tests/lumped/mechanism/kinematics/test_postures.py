@@ -11,7 +11,6 @@ from lumped.mechanism.kinematics.mobility import mobility
 from lumped.mechanism.kinematics.postures import (
     CLOSED,
     posture,
-    postures,
     reference_posture,
 )
 from lumped.robot_file import load_robot
@@ -28,7 +27,8 @@ def residual(found) -> float:
 
 
 def test_the_biglide_is_where_its_closed_form_puts_it(ifw):
-    first, *inside, last = postures(mechanism(ifw))
+    of = mechanism(ifw)
+    first, *inside, last = (posture(of, pose) for pose in of.poses)
     for found in inside:
         expected = ifw.posture(float(found.pose[0]))
         assert found.frames["leg1"].rotation == pytest.approx(expected.rotation1, abs=1e-14)

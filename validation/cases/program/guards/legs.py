@@ -14,7 +14,7 @@ from fem.beams.beam_theory import (
 from lumped.arrays import Array
 from lumped.biglide import Biglide
 from lumped.dense.modes import dense
-from lumped.legs import GivenLeg, Leg
+from lumped.legs import ConstantLeg, GivenLeg, Leg, Theory
 from lumped.models import vjm
 from validation.agreement.differences import farthest_off, farthest_refined
 from validation.case import Absolute, Measurement
@@ -225,17 +225,15 @@ def _equivalent(context: Context, number: int) -> Measurement:
 )
 def _slender(context: Context, number: int, plane: Plane) -> Measurement:
     leg = constant_leg_of(context, number)
+    exact = bending_frequencies(leg.properties("euler-bernoulli"), leg.length, plane, _ROOTS)
+    return _by_beams(leg, f"bending {plane}", exact, "euler-bernoulli")
+
+
+def _by_beams(leg: ConstantLeg, kind: str, exact: Array, theory: Theory) -> Measurement:
     coarse, fine = (
-        kind_frequencies(
-            leg,
-            "beam",
-            f"bending {plane}",
-            _ROOTS,
-            ModelOptions(elements=elements, theory="euler-bernoulli"),
-        )
+        kind_frequencies(leg, "beam", kind, _ROOTS, ModelOptions(theory=theory, elements=elements))
         for elements in (10, 20)
     )
-    exact = bending_frequencies(leg.properties("euler-bernoulli"), leg.length, plane, _ROOTS)
     return farthest_refined(coarse / exact - 1.0, fine / exact - 1.0, order=BEAM_ORDER)
 
 
@@ -250,9 +248,5 @@ def _slender(context: Context, number: int, plane: Plane) -> Measurement:
 )
 def _bars(context: Context, number: int, kind: str) -> Measurement:
     leg = constant_leg_of(context, number)
-    coarse, fine = (
-        kind_frequencies(leg, "beam", kind, _ROOTS, ModelOptions(elements=elements))
-        for elements in (10, 20)
-    )
     exact = _BARS[kind](leg.timoshenko, leg.length, _ROOTS)
-    return farthest_refined(coarse / exact - 1.0, fine / exact - 1.0, order=BEAM_ORDER)
+    return _by_beams(leg, kind, exact, "timoshenko")
