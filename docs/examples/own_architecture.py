@@ -7,7 +7,7 @@ transforms, joints, 6-DOF springs.
 import numpy as np
 
 from lumped.legs import ConstantLeg, Material, tip_compliance
-from lumped.models.chains import Fixed, Joint, Spring
+from lumped.models.chains import ChainJoint, Fixed, VirtualSpring
 from lumped.models.vjm import platform_compliance, robot_stiffness
 from lumped.screws import rotation_z
 from lumped.sections import Tube
@@ -22,11 +22,11 @@ def chain(ray: float, turn: float = np.pi - 0.6, radius: float = 0.15):
     slide = radius * X - LEG.length * (np.cos(turn) * X + np.sin(turn) * Y)
     return (
         Fixed(rotation_z(ray) @ (slide[0] * X), rotation_z(ray)),
-        Joint("prismatic", Y, slide[1], "actuated"),
-        Joint("revolute", Z, turn),
+        ChainJoint("prismatic", Y, slide[1], "actuated"),
+        ChainJoint("revolute", Z, turn),
         Fixed(LEG.length * X),
-        Spring(tip_compliance(LEG.timoshenko, LEG.length), "leg"),
-        Joint("revolute", Z, -turn),
+        VirtualSpring(tip_compliance(LEG.timoshenko, LEG.length), "leg"),
+        ChainJoint("revolute", Z, -turn),
         Fixed(-radius * X, rotation_z(-ray)),
     )
 

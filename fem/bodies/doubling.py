@@ -72,7 +72,7 @@ class FaceMotions:
 
 
 @dataclass(frozen=True, eq=False)
-class Piece:
+class CondensedPiece:
     """Piece of a leg in the mixed form q = C w + H v, g = −Hᵀw + S v, k deformations per face.
 
     `compliance` C (6×6, SI), wrench and relative twist at the middle of the piece; `twists` the
@@ -111,7 +111,7 @@ class CondensedLeg:
     section: SectionMesh
     slices: int
     face: FaceMotions
-    piece: Piece
+    piece: CondensedPiece
 
 
 def condensed_leg(leg: ConstantLeg, section: SectionMesh, slices: int) -> CondensedLeg:
@@ -153,7 +153,7 @@ def tip_compliance(condensed: CondensedLeg, ends: Ends = "rigid") -> Array:
     return np.asarray((moved + moved.T) / 2.0)
 
 
-def joined(first: Piece, second: Piece) -> Piece:
+def joined(first: CondensedPiece, second: CondensedPiece) -> CondensedPiece:
     """The two pieces end to end, the tip of `first` on the root of `second`, of equal slices."""
     length = first.length + second.length
     from_first = shift(np.array([(length - first.length) / 2.0, 0.0, 0.0]))
@@ -168,7 +168,7 @@ def joined(first: Piece, second: Piece) -> Piece:
         from_second @ second.compliance @ from_second.T + to_wrench.T @ to_wrench
     )
     across = (to_root.T @ to_tip) * -first.mirror
-    return Piece(
+    return CondensedPiece(
         length=length,
         compliance=(compliance + compliance.T) / 2.0,
         twists=from_first @ first.twists - to_wrench.T @ to_root,
@@ -178,7 +178,7 @@ def joined(first: Piece, second: Piece) -> Piece:
     )
 
 
-def doubled(piece: Piece) -> Piece:
+def doubled(piece: CondensedPiece) -> CondensedPiece:
     """`joined(piece, piece)` by symmetry: the middle face's axial and in-face v do not couple.
 
     With Y = L⁻¹ S_tip,root, M = LLᵀ: S_root,root loses Σ YᵢᵀYᵢ over both kinds of deformation, and
@@ -203,7 +203,7 @@ def doubled(piece: Piece) -> Piece:
         across -= sign * lost
         compliance += to_wrench.T @ to_wrench
         twists -= to_wrench.T @ to_root
-    return Piece(2.0 * piece.length, compliance, twists, own, across, piece.mirror)
+    return CondensedPiece(2.0 * piece.length, compliance, twists, own, across, piece.mirror)
 
 
 def _face_motions(mesh: SolidMesh, leg: ConstantLeg) -> FaceMotions:
@@ -230,7 +230,7 @@ def _complement(loads: Array, rows: IntArray, wrenches: IntArray) -> Array:
     return columns
 
 
-def _slice(mesh: SolidMesh, leg: ConstantLeg, face: FaceMotions) -> Piece:
+def _slice(mesh: SolidMesh, leg: ConstantLeg, face: FaceMotions) -> CondensedPiece:
     """One slice in the mixed form, its nodes in between the faces condensed.
 
     A tip deformed as the root's mirror image (+) does not couple with one deformed in the opposite
@@ -270,7 +270,7 @@ def _slice(mesh: SolidMesh, leg: ConstantLeg, face: FaceMotions) -> Piece:
         twists[own] = -0.5 * inverse.T @ coupling
         S -= coupling.T @ coupling / 2.0
         halves.append((S + S.T) / 4.0)
-    return Piece(
+    return CondensedPiece(
         length=mesh.length,
         compliance=compliance,
         twists=twists,
@@ -287,7 +287,7 @@ def _by_deformations(matrix: Array | SparseMatrix, face: FaceMotions) -> Array:
     return np.hstack([matrix[:, along] @ axial, matrix[:, ~along] @ in_face])
 
 
-def _deformation_stiffness(piece: Piece) -> Array:
+def _deformation_stiffness(piece: CondensedPiece) -> Array:
     """S (2k×2k, N/m) of the deformations of root and tip, no wrench carried."""
     across = piece.root_tip
     return np.block([[piece.own, across], [across.T, piece.tip_own]])

@@ -25,7 +25,7 @@ _TERMS_PER_LINE = 4
 
 
 @dataclass(frozen=True, eq=False)
-class Part:
+class ElementSet:
     """Elements of one kind and one material.
 
     `cells` (M×k) are node numbers in the order of `meshes.elements`; the columns of `axes` (3×3)
@@ -47,7 +47,7 @@ class Equation:
 
 
 @dataclass(frozen=True)
-class PointMass:
+class MassElement:
     """A mass (kg) without rotary inertia at a node."""
 
     node: int
@@ -80,10 +80,10 @@ class Deck:
 
     title: str
     nodes: Array
-    parts: tuple[Part, ...]
+    parts: tuple[ElementSet, ...]
     equations: tuple[Equation, ...] = ()
     held: tuple[Freedom, ...] = ()
-    masses: tuple[PointMass, ...] = ()
+    masses: tuple[MassElement, ...] = ()
     springs: tuple[GroundedSpring, ...] = ()
     load_cases: tuple[tuple[NodalForce, ...], ...] = ()
     watched: tuple[int, ...] = ()
@@ -156,7 +156,7 @@ def _lines(deck: Deck) -> Iterator[str]:
         yield from ("*STEP", "*FREQUENCY", f"{deck.modes}", "*END STEP")
 
 
-def _part(part: Part, name: str, first: int) -> Iterator[str]:
+def _part(part: ElementSet, name: str, first: int) -> Iterator[str]:
     kind = ELEMENTS[part.element]
     if kind.abaqus is None or kind.abaqus_order is None:
         raise InputError(

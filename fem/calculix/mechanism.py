@@ -15,12 +15,12 @@ import numpy as np
 from fem.bodies.solid import SolidLeg
 from fem.calculix.deck import (
     Deck,
+    ElementSet,
     Equation,
     Freedom,
     GroundedSpring,
+    MassElement,
     NodalForce,
-    Part,
-    PointMass,
 )
 from fem.calculix.run import run_calculix
 from fem.couplings.end_coupling import rigid_motions
@@ -145,14 +145,14 @@ def mechanism_deck(posture: Posture, legs: Mapping[str, Solid], modes: int) -> M
             points = _six_points(body.shape) @ frame.rotation.T + frame.position
             first = build.add(points)
             build.carry(first, points, (name, ""))
-            masses += [PointMass(first + k, body.shape.mass / 6.0) for k in range(6)]
+            masses += [MassElement(first + k, body.shape.mass / 6.0) for k in range(6)]
     tool = mechanism.tool
     node = (tool.body, tool.point if tool.body in legs else "")
     at = interface_position(posture, Side(tool.body, tool.point))
     if tool.mass:
         first = build.add(at[None])
         build.carry(first, at[None], node)
-        masses.append(PointMass(first, tool.mass))
+        masses.append(MassElement(first, tool.mass))
     springs = []
     for row, stiffness in (*found.springs, *((row, _IDLE_STIFFNESS) for row in found.idle)):
         number = build.add(np.zeros((1, 3)))
@@ -179,7 +179,7 @@ def mechanism_deck(posture: Posture, legs: Mapping[str, Solid], modes: int) -> M
     return MechanismDeck(deck, loaded, len(found.idle))
 
 
-def _add_leg(build: _Builder, posture: Posture, name: str, leg: Solid) -> Part:
+def _add_leg(build: _Builder, posture: Posture, name: str, leg: Solid) -> ElementSet:
     frame = posture.frames[name]
     placed = leg.mesh.nodes @ frame.rotation.T + frame.position
     first = build.add(placed)
@@ -187,7 +187,7 @@ def _add_leg(build: _Builder, posture: Posture, name: str, leg: Solid) -> Part:
     whole = leg if isinstance(leg, HeldMesh) else _held_mesh(leg)
     for nodes, point in zip(whole.held, points, strict=True):
         build.carry_these(nodes + first, placed[nodes], (name, point))
-    return Part(leg.mesh.cells + first, leg.mesh.element, whole.material, frame.rotation)
+    return ElementSet(leg.mesh.cells + first, leg.mesh.element, whole.material, frame.rotation)
 
 
 def _held_mesh(leg: SolidLeg) -> HeldMesh:

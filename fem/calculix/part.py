@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fem.calculix.deck import Deck, Equation, Freedom, NodalForce, Part, rigid_face
+from fem.calculix.deck import Deck, ElementSet, Equation, Freedom, NodalForce, rigid_face
 from fem.calculix.run import run_calculix
 from fem.couplings.grips import Grip, area_weights
 from lumped.arrays import Array
@@ -64,7 +64,7 @@ def part_deck(
     return Deck(
         title=title,
         nodes=np.vstack(nodes),
-        parts=(Part(mesh.cells, mesh.element, material),),
+        parts=(ElementSet(mesh.cells, mesh.element, material),),
         equations=tuple(equations),
         held=tuple((int(node), i) for node in first.nodes for i in range(3)),
         load_cases=tuple(cases),

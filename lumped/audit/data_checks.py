@@ -22,7 +22,7 @@ _LARGEST_TIP_ROTATION = 10.0
 
 
 @dataclass(frozen=True)
-class Part:
+class DescribedPart:
     """A part of the robot as a file describes it, SI; None where it does not.
 
     `compliance` 6×6, `inertia` 3×3 at the mass centre, `length` and `mass_centre` (m from the
@@ -36,12 +36,12 @@ class Part:
     mass_centre: float | None = None
 
 
-def parts(tables: Mapping[str, Any]) -> tuple[Part, ...]:
+def parts(tables: Mapping[str, Any]) -> tuple[DescribedPart, ...]:
     """Foot, legs and tool of a robot file's tables, or bodies and joints of a mechanism's."""
     if "bodies" in tables:
         return (*_bodies(tables), *_joints(tables))
     return tuple(
-        Part(
+        DescribedPart(
             name=name,
             compliance=_matrix(tables[name], "compliance"),
             inertia=_matrix(tables[name], "inertia"),
@@ -53,10 +53,10 @@ def parts(tables: Mapping[str, Any]) -> tuple[Part, ...]:
     )
 
 
-def _bodies(tables: Mapping[str, Any]) -> Iterator[Part]:
+def _bodies(tables: Mapping[str, Any]) -> Iterator[DescribedPart]:
     for name, body in tables["bodies"].items():
         ends = [tables["points"][body[end]] for end in ("from", "to") if end in body]
-        yield Part(
+        yield DescribedPart(
             name=f"bodies.{name}",
             compliance=_matrix(body, "compliance"),
             inertia=_matrix(body, "inertia"),
@@ -64,17 +64,17 @@ def _bodies(tables: Mapping[str, Any]) -> Iterator[Part]:
         )
 
 
-def _joints(tables: Mapping[str, Any]) -> Iterator[Part]:
+def _joints(tables: Mapping[str, Any]) -> Iterator[DescribedPart]:
     for name, joint in tables["joints"].items():
-        yield Part(name=f"joints.{name}", compliance=_matrix(joint, "compliance"))
+        yield DescribedPart(name=f"joints.{name}", compliance=_matrix(joint, "compliance"))
 
 
-def data_findings(part: Part) -> tuple[Finding, ...]:
+def data_findings(part: DescribedPart) -> tuple[Finding, ...]:
     """All findings on one part."""
     return tuple(finding for check in CHECKS for finding in check(part))
 
 
-def symmetry(part: Part) -> tuple[Finding, ...]:
+def symmetry(part: DescribedPart) -> tuple[Finding, ...]:
     """Compliance and inertia must be symmetric (Maxwell and Betti; a definition)."""
     matrices = {"compliance": part.compliance, "inertia": part.inertia}
     return tuple(
@@ -93,7 +93,7 @@ def symmetry(part: Part) -> tuple[Finding, ...]:
     )
 
 
-def definiteness(part: Part) -> tuple[Finding, ...]:
+def definiteness(part: DescribedPart) -> tuple[Finding, ...]:
     """A compliance must be positive definite: every load does positive work."""
     if part.compliance is None or is_positive_definite(part.compliance):
         return ()
@@ -112,7 +112,7 @@ def definiteness(part: Part) -> tuple[Finding, ...]:
     )
 
 
-def triangle_inequality(part: Part) -> tuple[Finding, ...]:
+def triangle_inequality(part: DescribedPart) -> tuple[Finding, ...]:
     """Of a body's principal moments of inertia none exceeds the sum of the other two."""
     if part.inertia is None:
         return ()
@@ -135,7 +135,7 @@ def triangle_inequality(part: Part) -> tuple[Finding, ...]:
     )
 
 
-def slender_axis(part: Part) -> tuple[Finding, ...]:
+def slender_axis(part: DescribedPart) -> tuple[Finding, ...]:
     """A leg is longest along its x axis, so its moment of inertia is smallest about x."""
     if part.inertia is None or part.length is None:
         return ()
@@ -159,7 +159,7 @@ def slender_axis(part: Part) -> tuple[Finding, ...]:
     )
 
 
-def couplings(part: Part) -> tuple[Finding, ...]:
+def couplings(part: DescribedPart) -> tuple[Finding, ...]:
     """Signs of c26 (y with φz) and c35 (z with φy).
 
     Both come from the arm between the loaded point and the place that bends: c26 = arm · c66,
@@ -202,7 +202,7 @@ def couplings(part: Part) -> tuple[Finding, ...]:
     )
 
 
-def tip_rotation(part: Part) -> tuple[Finding, ...]:
+def tip_rotation(part: DescribedPart) -> tuple[Finding, ...]:
     """A leg's tip turns about as much as that of a beam with the same deflection: 3k/L²."""
     if part.compliance is None or part.length is None:
         return ()
@@ -229,7 +229,7 @@ def tip_rotation(part: Part) -> tuple[Finding, ...]:
     return tuple(findings)
 
 
-def mass_centre(part: Part) -> tuple[Finding, ...]:
+def mass_centre(part: DescribedPart) -> tuple[Finding, ...]:
     """A leg's mass centre lies between root and tip."""
     if part.mass_centre is None or part.length is None or 0.0 < part.mass_centre < part.length:
         return ()
@@ -246,7 +246,7 @@ def mass_centre(part: Part) -> tuple[Finding, ...]:
     )
 
 
-CHECKS: tuple[Callable[[Part], tuple[Finding, ...]], ...] = (
+CHECKS: tuple[Callable[[DescribedPart], tuple[Finding, ...]], ...] = (
     symmetry,
     definiteness,
     triangle_inequality,

@@ -28,7 +28,7 @@ class Fixed:
 
 
 @dataclass(frozen=True, eq=False)
-class Joint:
+class ChainJoint:
     """One-DOF joint along or about `axis` (3, its own frame, any length but zero).
 
     `coordinate` in m (prismatic) or rad (revolute) is its value in the posture. An actuated joint
@@ -57,7 +57,7 @@ class Joint:
 
 
 @dataclass(frozen=True, eq=False)
-class Spring:
+class VirtualSpring:
     """Virtual 6-DOF spring: `compliance` 6×6 (SI) in its own frame, k⁻¹ of eq. (5).
 
     It may be singular (rigid in some directions). Raises InputError where it is not a symmetric
@@ -84,7 +84,7 @@ class Spring:
         object.__setattr__(self, "compliance", 0.5 * (compliance + compliance.T))
 
 
-Element: TypeAlias = Fixed | Joint | Spring
+Element: TypeAlias = Fixed | ChainJoint | VirtualSpring
 Chain: TypeAlias = tuple[Element, ...]
 
 
@@ -129,14 +129,14 @@ def chain_jacobians(chain: Sequence[Element]) -> ChainJacobians:
             case Fixed():
                 position = position + rotation @ element.translation
                 rotation = rotation @ element.rotation
-            case Joint():
+            case ChainJoint():
                 if element.drive == "passive":
                     passive.append((position, (turn(rotation) @ element.twist)[:, None]))
                 if element.kind == "prismatic":
                     position = position + element.coordinate * (rotation @ element.axis)
                 else:
                     rotation = rotation @ axis_rotation(element.axis, element.coordinate)
-            case Spring():
+            case VirtualSpring():
                 springs.append((position, turn(rotation)))
                 compliances.append(element.compliance)
     distances = [float(np.linalg.norm(position - point)) for point, _ in passive + springs]

@@ -32,7 +32,7 @@ KINDS = {"tension": (0,), "torsion": (3,), "bending y": (2, 4), "bending z": (1,
 
 
 @dataclass(frozen=True)
-class Body:
+class Segment:
     """Node of the chain: a rigid element, or a massless end.
 
     `position` (m from the root) is its reference point, `mass` its 6×6 mass matrix there (leg
@@ -44,7 +44,7 @@ class Body:
 
 
 @dataclass(frozen=True)
-class Spring:
+class SegmentSpring:
     """6-DOF spring between bodies `first` and `second`.
 
     `stiffness` (6×6, leg axes, SI) acts on the relative twist at `position` (m from the root).
@@ -57,17 +57,17 @@ class Spring:
 
 
 @dataclass(frozen=True)
-class Chain:
+class SegmentChain:
     """Bodies from root to tip, and the springs between neighbours."""
 
     length: float
-    bodies: tuple[Body, ...]
-    springs: tuple[Spring, ...]
+    bodies: tuple[Segment, ...]
+    springs: tuple[SegmentSpring, ...]
 
 
 def segment_chain(
     properties: BeamProperties, length: float, elements: int, layout: Layout = "half"
-) -> Chain:
+) -> SegmentChain:
     """Chain of `elements` equal rigid elements for a leg of `length` (m).
 
     Raises InputError for fewer elements than the layout needs (half 1, literal 2).
@@ -80,8 +80,8 @@ def segment_chain(
     element_mass = _element_mass(properties, piece)
     if layout == "half":
         massless = np.zeros((6, 6))
-        inner = [Body(centre, element_mass) for centre in centres]
-        bodies = [Body(0.0, massless), *inner, Body(length, massless)]
+        inner = [Segment(centre, element_mass) for centre in centres]
+        bodies = [Segment(0.0, massless), *inner, Segment(length, massless)]
         pieces = [piece / 2.0] + [piece] * (elements - 1) + [piece / 2.0]
         middles = [piece / 4.0, *(centres[:-1] + piece / 2.0), length - piece / 4.0]
     else:
@@ -90,15 +90,15 @@ def segment_chain(
         first, last = (
             _at(element_mass, c - end) for c, end in zip(centres[[0, -1]], ends, strict=True)
         )
-        inner = [Body(centre, element_mass) for centre in centres[1:-1]]
-        bodies = [Body(0.0, first), *inner, Body(length, last)]
+        inner = [Segment(centre, element_mass) for centre in centres[1:-1]]
+        bodies = [Segment(0.0, first), *inner, Segment(length, last)]
         pieces = [piece] * (elements - 1)
         middles = list(centres[:-1] + piece / 2.0)
     springs = tuple(
-        Spring(k, k + 1, middle, np.diag(1.0 / np.diag(properties.piece_compliance(part))))
+        SegmentSpring(k, k + 1, middle, np.diag(1.0 / np.diag(properties.piece_compliance(part))))
         for k, (part, middle) in enumerate(zip(pieces, middles, strict=True))
     )
-    return Chain(length, tuple(bodies), springs)
+    return SegmentChain(length, tuple(bodies), springs)
 
 
 def _element_mass(properties: BeamProperties, piece: float) -> Array:
@@ -124,7 +124,7 @@ def _at(mass: Array, centre: float) -> Array:
     return moved
 
 
-def with_printed_tip_joint(chain: Chain) -> Chain:
+def with_printed_tip_joint(chain: SegmentChain) -> SegmentChain:
     """The chain with a revolute joint about z at its tip as eq. (25) prints it.
 
     Row and column of φz of the last spring, referred to the tip, are zeroed. That is no joint
@@ -137,7 +137,7 @@ def with_printed_tip_joint(chain: Chain) -> Chain:
     return replace(chain, springs=(*others, printed))
 
 
-def segment_leg(chain: Chain) -> LegMatrices:
+def segment_leg(chain: SegmentChain) -> LegMatrices:
     """Stiffness and mass of the chain, eqs (13)–(23), unknowns (root 6, tip 6, inner bodies)."""
     count = len(chain.bodies)
     # Chain order root, inner, tip becomes root, tip, inner.
@@ -162,7 +162,7 @@ def segment_leg(chain: Chain) -> LegMatrices:
     )
 
 
-def static_leg(chain: Chain) -> LegMatrices:
+def static_leg(chain: SegmentChain) -> LegMatrices:
     """The chain condensed to its two ends, unknowns (root 6, tip 6), without mass.
 
     Springs in series: compliances add at the tip, C = Σ X Cₖ Xᵀ. The assembled matrix of
@@ -186,14 +186,14 @@ def static_leg(chain: Chain) -> LegMatrices:
     )
 
 
-def _tip_compliance(chain: Chain, spring: Spring) -> Array:
+def _tip_compliance(chain: SegmentChain, spring: SegmentSpring) -> Array:
     """What one spring (not released) adds to the compliance at the tip (6×6)."""
     offset = np.array([chain.length - spring.position, 0.0, 0.0])
     own: Array = np.linalg.inv(spring.stiffness).astype(float)
     return move_compliance(own, offset)
 
 
-def _spring_matrix(chain: Chain, block: IntArray, rows: Sequence[int]) -> SparseMatrix:
+def _spring_matrix(chain: SegmentChain, block: IntArray, rows: Sequence[int]) -> SparseMatrix:
     """Σ [C₂ C₁]ᵀ K [C₂ C₁] of eq. (21), with the rows of the springs' deflection given."""
     chosen, springs = list(rows), chain.springs
     joined = np.array([(spring.first, spring.second) for spring in springs])
@@ -216,7 +216,7 @@ def _scatter(blocks: IntArray, matrices: Array, size: int) -> SparseMatrix:
     return csr_matrix(coo_matrix((matrices.ravel(), (rows, columns)), shape=(size, size)))
 
 
-def _interpolate(chain: Chain, block: IntArray, stations: Array) -> SparseMatrix:
+def _interpolate(chain: SegmentChain, block: IntArray, stations: Array) -> SparseMatrix:
     """6m × n matrix of twists at `stations`, linear between the bodies' reference points."""
     positions = np.array([body.position for body in chain.bodies])
     left = np.clip(np.searchsorted(positions, stations, side="right") - 1, 0, len(positions) - 2)

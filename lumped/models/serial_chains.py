@@ -17,7 +17,7 @@ from lumped.mechanism.joint import FREEDOMS, Joint
 from lumped.mechanism.kinematics.postures import shown_pose
 from lumped.mechanism.mechanism import GROUND, Mechanism, Posture
 from lumped.models import chains, vjm
-from lumped.models.chains import Chain, Element, Fixed, Spring
+from lumped.models.chains import Chain, Element, Fixed, VirtualSpring
 from lumped.screws import turn_matrix
 
 # What moves as one: a rigid body ("" for the interface) or one interface of a leg.
@@ -171,7 +171,7 @@ def _chain(posture: Posture, legs: Mapping[str, Array], path: list[_Step]) -> Ch
             body = posture.mechanism.bodies[step.across]
             place = _position(posture, body.name, tuple(body.interfaces)[1])
             rotation = posture.frames[body.name].rotation
-            own = [Spring(turn_matrix(legs[body.name], rotation), f"spring of {body.name}")]
+            own = [VirtualSpring(turn_matrix(legs[body.name], rotation), f"spring of {body.name}")]
         elements += [Fixed(translation=place - here), *own]
         here = place
     tool = posture.mechanism.tool
@@ -189,12 +189,12 @@ def _joint(posture: Posture, joint: Joint) -> Iterator[Element]:
     yield from freedoms if drive is None else freedoms[1:]
     if drive is not None and drive.stiffness is not None:
         twist = freedoms[0].twist
-        yield Spring(np.outer(twist, twist) / drive.stiffness, f"drive of {joint.name}")
+        yield VirtualSpring(np.outer(twist, twist) / drive.stiffness, f"drive of {joint.name}")
     if joint.compliance is not None:
-        yield Spring(turn_matrix(joint.compliance, first), f"compliance of {joint.name}")
+        yield VirtualSpring(turn_matrix(joint.compliance, first), f"compliance of {joint.name}")
 
 
-def _freedoms(joint: Joint, first: Array, second: Array) -> list[chains.Joint]:
+def _freedoms(joint: Joint, first: Array, second: Array) -> list[chains.ChainJoint]:
     """One-freedom joints in base axes; both sides have turned since the reference posture."""
     axes = [first @ axis for axis in joint.axes]
     slides: list[Array] = []
@@ -217,8 +217,8 @@ def _freedoms(joint: Joint, first: Array, second: Array) -> list[chains.Joint]:
         case _:
             assert_never(joint.kind)
     return [
-        *(chains.Joint("prismatic", axis) for axis in slides),
-        *(chains.Joint("revolute", axis) for axis in turns),
+        *(chains.ChainJoint("prismatic", axis) for axis in slides),
+        *(chains.ChainJoint("revolute", axis) for axis in turns),
     ]
 
 

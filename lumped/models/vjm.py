@@ -15,7 +15,7 @@ from lumped.biglide import Biglide
 from lumped.dense.balance import rounding_of_flexibility
 from lumped.errors import ComputationError
 from lumped.legs import EquivalentBy, Theory, equivalent_leg, given_compliance, tip_compliance
-from lumped.models.chains import Chain, Element, Fixed, Joint, Spring, chain_jacobians
+from lumped.models.chains import Chain, ChainJoint, Element, Fixed, VirtualSpring, chain_jacobians
 from lumped.screws import name_twists, name_wrenches
 
 # All thresholds act on matrices without units. Rounding of a 6×6 problem is about 1e-15; a robot
@@ -126,7 +126,7 @@ def biglide_chains(
     spring1, spring2 = leg_springs
     angle1, angle2 = _angle(posture.rotation1), _angle(posture.rotation2)
     tool = Fixed(translation=posture.rotation1.T @ robot.tool_offset)
-    end_of_leg2 = Joint("revolute", _Z, coordinate=angle1 - angle2)
+    end_of_leg2 = ChainJoint("revolute", _Z, coordinate=angle1 - angle2)
     slide1, slide2 = float(posture.root1[1]), float(posture.root2[1])
     base2 = Fixed(translation=np.array([robot.a, 0.0, 0.0]))
     return (
@@ -192,16 +192,16 @@ def equivalent_leg_springs(
 
 def _slide_and_foot(robot: Biglide, base: Fixed, slide: float, name: str) -> Chain:
     """Items (a) to (d). The foot's frame is at the revolute joint, in robot axes."""
-    actuated = Joint("prismatic", _Y, coordinate=slide, drive="actuated")
+    actuated = ChainJoint("prismatic", _Y, coordinate=slide, drive="actuated")
     if robot.foot_compliance is None:
         return base, actuated
-    return base, actuated, Spring(robot.foot_compliance, name)
+    return base, actuated, VirtualSpring(robot.foot_compliance, name)
 
 
 def _leg(length: float, angle: float, spring: Array, name: str) -> Chain:
     """Items (e) to (g): the joint at the root, the rigid leg, its spring at the tip."""
-    root = Joint("revolute", _Z, coordinate=angle)
-    return root, Fixed(translation=length * _X), Spring(spring, name)
+    root = ChainJoint("revolute", _Z, coordinate=angle)
+    return root, Fixed(translation=length * _X), VirtualSpring(spring, name)
 
 
 def _angle(rotation: Array) -> float:

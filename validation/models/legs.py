@@ -18,7 +18,7 @@ from lumped.legs import ConstantLeg, GivenLeg, Leg, equivalent_leg, given_compli
 from lumped.mechanism.body_model import BodyModel, LegMatrices
 from lumped.models import cantilever
 from lumped.models.cantilever import clamped_modes, tip_compliance_of
-from lumped.models.segments import Chain, segment_chain, segment_leg, static_leg
+from lumped.models.segments import SegmentChain, segment_chain, segment_leg, static_leg
 from validation.context import Context
 from validation.models.options import DEFAULT_OPTIONS, STATIC, Ends, ModelName, ModelOptions
 from validation.solids.robots import held_solid
@@ -60,7 +60,7 @@ def filled(model: Model) -> Model:
     return replace(model, stiffness=dense(model.stiffness), mass=dense(model.mass), parts=parts)
 
 
-def leg_chain(leg: ConstantLeg, options: ModelOptions) -> Chain:
+def leg_chain(leg: ConstantLeg, options: ModelOptions) -> SegmentChain:
     """The leg as rigid segments joined by springs."""
     properties = leg.properties(options.theory)
     return segment_chain(properties, leg.length, options.elements, options.layout)

@@ -53,7 +53,7 @@ _ESTIMATE = ModelOptions(elements=2)
 
 
 @dataclass(frozen=True, eq=False)
-class Answer:
+class PostureAnswer:
     """What a model says of a mechanism in one posture.
 
     `compliance` (6×6, SI, base axes) at the loaded point, `frequencies` (Hz, ascending), `idle`
@@ -71,7 +71,7 @@ def answers(
     postures: Sequence[Posture],
     count: int,
     options: ModelOptions = DEFAULT_OPTIONS,
-) -> list[Answer]:
+) -> list[PostureAnswer]:
     """Compliance and the lowest `count` frequencies in each posture of one mechanism.
 
     `simplified` has as many frequencies as its rigid bodies and its tool have, at most `count`.
@@ -88,7 +88,7 @@ def answers(
         springs = tip_compliances(mechanism, options.legs, options.theory, options.equivalent)
         springs |= part_springs(mechanism, options)
         return [
-            Answer(at, serial_chains.compliance(at, springs), np.zeros(0), mobility(at).idle)
+            PostureAnswer(at, serial_chains.compliance(at, springs), np.zeros(0), mobility(at).idle)
             for at in postures
         ]
     if model == "simplified":
@@ -183,13 +183,13 @@ def highest_frequency(
     return half_octave_above(float(modes(solution, known).frequencies[-1]))
 
 
-def _solve(prepared: Assembly, postures: Sequence[Posture], count: int) -> list[Answer]:
+def _solve(prepared: Assembly, postures: Sequence[Posture], count: int) -> list[PostureAnswer]:
     found = swept(prepared, postures, count)
     each = zip(postures, found.compliances, found.frequencies, found.idle, strict=True)
-    return [Answer(*one) for one in each]
+    return [PostureAnswer(*one) for one in each]
 
 
-def _on_drives(postures: Sequence[Posture], count: int) -> Iterator[Answer]:
+def _on_drives(postures: Sequence[Posture], count: int) -> Iterator[PostureAnswer]:
     """Rigid bodies on elastic drives; of a posture's frequencies as many as have mass."""
     rigid = on_drives_alone(postures[0].mechanism)
     prepared = assembly(rigid, {})
@@ -197,7 +197,7 @@ def _on_drives(postures: Sequence[Posture], count: int) -> Iterator[Answer]:
         solution = solved(prepared.at(replace(posture, mechanism=rigid)))
         wanted = min(count, mode_count(solution))
         frequencies = modes(solution, wanted).frequencies if wanted else np.zeros(0)
-        yield Answer(posture, compliance(solution), frequencies, solution.idle)
+        yield PostureAnswer(posture, compliance(solution), frequencies, solution.idle)
 
 
 def _dynamic(
@@ -206,7 +206,7 @@ def _dynamic(
     count: int,
     options: ModelOptions,
     highest: float,
-) -> list[Answer]:
+) -> list[PostureAnswer]:
     mechanism = postures[0].mechanism
     bodies = dynamic_bodies(model, mechanism, highest, options)
     return _solve(assembly(mechanism, bodies), postures, count)

@@ -21,7 +21,7 @@ from validation.report.first_screen.words import capital
 from validation.report.independence import Listing, listings
 from validation.report.listing import program_line, summary
 from validation.report.sections import APPENDIX, Chapter, chapters_of
-from validation.report.tables import Part, explained, unexplained_share
+from validation.report.tables import SectionLine, explained, unexplained_share
 from validation.results.drift import Drift
 from validation.results.outcome import Outcome, Verdict
 from validation.results.records import studies_of
@@ -109,10 +109,10 @@ class Report:
         return tuple(o for o in self.worst_first if o.verdict in {"disagree", "failed"})
 
     @property
-    def parts(self) -> tuple[Part, ...]:
+    def parts(self) -> tuple[SectionLine, ...]:
         """The appendix's sections in one line each, the largest unexplained difference first."""
 
-        def size(part: Part) -> float:
+        def size(part: SectionLine) -> float:
             return (unexplained_share(part.largest) or 0.0) if part.largest else -1.0
 
         sections = self.appendix.sections if self.appendix else ()

@@ -14,7 +14,7 @@ from validation.report.figures.studies.families import Family, families
 from validation.report.figures.studies.family_plots import family_plot
 from validation.report.figures.together import Draw, drawn_together
 from validation.report.said import SaidTable
-from validation.report.tables import Grid, Part, grids
+from validation.report.tables import Grid, SectionLine, grids
 from validation.results.outcome import Outcome
 from validation.results.records import claims_of
 
@@ -31,7 +31,7 @@ _SUBJECTS: Mapping[str, str] = {"robot": "The robot", "leg": "Its legs"}
 
 
 @dataclass(frozen=True)
-class Entry:
+class ContentsLine:
     """A line of the table of contents."""
 
     anchor: str
@@ -86,9 +86,9 @@ class Section:
         return SaidTable(claims) if claims else None
 
     @property
-    def part(self) -> Part:
+    def part(self) -> SectionLine:
         """The section in one line."""
-        return Part(self.title, self.outcomes)
+        return SectionLine(self.title, self.outcomes)
 
     @cached_property
     def homes(self) -> Mapping[str, str]:
@@ -122,10 +122,10 @@ class Chapter:
         return tuple(outcome for section in self.sections for outcome in section.outcomes)
 
     @property
-    def entries(self) -> Iterator[Entry]:
+    def entries(self) -> Iterator[ContentsLine]:
         """Lines of the table of contents below the chapter's own."""
         for section in self.sections:
-            yield Entry(section.anchor, section.title)
+            yield ContentsLine(section.anchor, section.title)
 
 
 def chapters_of(

@@ -78,7 +78,7 @@ class Grid:
 
 
 @dataclass(frozen=True)
-class Part:
+class SectionLine:
     """A section of the report in one line: how many comparisons, and the least explained one."""
 
     title: str

@@ -82,7 +82,7 @@ class AdequacyChange:
 
 
 @dataclass(frozen=True)
-class Comparison:
+class RunComparison:
     """What changed from one run to the other; `circumstances` names what else differs.
 
     `inputs` are the keys of the robot file that differ, None where a run does not tell them. Of
@@ -104,12 +104,12 @@ class Comparison:
         return any(change.worse for change in self.verdicts)
 
 
-def compare(before: RunRecord, after: RunRecord) -> Comparison:
+def compare(before: RunRecord, after: RunRecord) -> RunComparison:
     """What changed from `before` to `after`."""
     old, new = before.by_id, after.by_id
     both = [(old[identifier], case) for identifier, case in new.items() if identifier in old]
     inputs = input_changes(before, after)
-    return Comparison(
+    return RunComparison(
         verdicts=tuple(
             VerdictChange(b.id, a.verdict, b.verdict) for a, b in both if a.verdict != b.verdict
         ),
@@ -125,7 +125,7 @@ def compare(before: RunRecord, after: RunRecord) -> Comparison:
     )
 
 
-def as_dict(comparison: Comparison) -> dict[str, Any]:
+def as_dict(comparison: RunComparison) -> dict[str, Any]:
     """The comparison as plain data for JSON."""
     return {
         "schema": 1,

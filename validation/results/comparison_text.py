@@ -2,14 +2,14 @@
 
 from collections.abc import Sequence
 
-from validation.results.compare import AdequacyChange, Comparison, Timing
+from validation.results.compare import AdequacyChange, RunComparison, Timing
 from validation.results.records import AdequacyRecord, RunRecord
 
 # How many cases the text lists by the change of their time; --json has all of them.
 _SLOWEST = 10
 
 
-def as_text(before: RunRecord, after: RunRecord, comparison: Comparison) -> str:
+def as_text(before: RunRecord, after: RunRecord, comparison: RunComparison) -> str:
     """What changed, the gravest first."""
     blocks = [_heads(before, after, comparison), sentence(comparison)]
     if comparison.inputs:
@@ -59,7 +59,7 @@ def as_text(before: RunRecord, after: RunRecord, comparison: Comparison) -> str:
     return "\n\n".join(blocks)
 
 
-def _heads(before: RunRecord, after: RunRecord, comparison: Comparison) -> str:
+def _heads(before: RunRecord, after: RunRecord, comparison: RunComparison) -> str:
     rows = [
         [
             name,
@@ -94,7 +94,7 @@ def _told(change: AdequacyChange, *, different: bool) -> bool:
     return before.verdict != after.verdict
 
 
-def sentence(comparison: Comparison) -> str:
+def sentence(comparison: RunComparison) -> str:
     """What changed, counted."""
     worse = sum(change.worse for change in comparison.verdicts)
     drifted = len({entry.id for entry in comparison.drifted})

@@ -11,7 +11,7 @@ from validation.adequacy.matrix import ADEQUACY, MEASURED, Matrix
 from validation.case import Case
 from validation.exhibits import Figure, PlannedFigure
 from validation.report.detection import Power, comparisons, detection_power
-from validation.results.compare import Comparison, compare
+from validation.results.compare import RunComparison, compare
 from validation.results.drift import Drift, drifts, with_drift
 from validation.results.outcome import Outcome
 from validation.results.records import RunRecord, case_record, parse_run, run_record
@@ -136,7 +136,7 @@ class Results:
         found = detection_power(self.in_order())
         return found if found.detections else None
 
-    def compared_with(self, baseline: RunRecord) -> Comparison:
+    def compared_with(self, baseline: RunRecord) -> RunComparison:
         """What changed since `baseline`, as far as its cases were to be run this time."""
         asked = {task.id for task in self.tasks}
         part = not {"only", "selftest"}.isdisjoint(self.header["options"])

@@ -11,7 +11,15 @@ import pytest
 from fem.bodies.leg_modes import modes
 from fem.bodies.solid import SolidLeg, clamped_leg, solid_leg, tip_compliance
 from fem.calculix import run as calculix_run
-from fem.calculix.deck import Deck, Equation, NodalForce, Part, PointMass, deck_text, rigid_face
+from fem.calculix.deck import (
+    Deck,
+    ElementSet,
+    Equation,
+    MassElement,
+    NodalForce,
+    deck_text,
+    rigid_face,
+)
 from fem.calculix.leg import compliance_and_frequencies, leg_deck, mass_at_stiffness_points
 from fem.calculix.run import (
     CalculixMissing,
@@ -116,7 +124,7 @@ def test_turned_leg_with_a_mass_on_its_tip() -> None:
             nodes[translation],
             [force.freedom for (force,) in along_x.load_cases],
         ),
-        masses=(PointMass(translation, 3.0),),
+        masses=(MassElement(translation, 3.0),),
         load_cases=(),
         watched=(),
     )
@@ -180,10 +188,10 @@ def test_deck_of_one_tetrahedron() -> None:
     deck = Deck(
         title="one tetrahedron",
         nodes=np.vstack([corners, [1 / 3, 0.0, 0.0]]),
-        parts=(Part(np.array([[0, 1, 2, 3]]), "tet4", CUBIC),),
+        parts=(ElementSet(np.array([[0, 1, 2, 3]]), "tet4", CUBIC),),
         equations=(Equation((1, 0), (((4, 0), 0.5), ((4, 2), -0.25))),),
         held=((0, 1),),
-        masses=(PointMass(4, 2.0),),
+        masses=(MassElement(4, 2.0),),
         load_cases=((NodalForce((4, 2), 10.0),),),
         watched=(4,),
         modes=3,

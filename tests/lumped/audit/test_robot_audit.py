@@ -8,7 +8,7 @@ from hypothesis.extra.numpy import arrays
 
 from lumped.audit.data_checks import (
     CHECKS,
-    Part,
+    DescribedPart,
     couplings,
     data_findings,
     definiteness,
@@ -32,7 +32,7 @@ def findings() -> dict[tuple[str, str], Finding]:
 
 
 @pytest.fixture(scope="module")
-def used_parts() -> dict[str, Part]:
+def used_parts() -> dict[str, DescribedPart]:
     return {part.name: part for part in parts(load_robot("ifw").tables)}
 
 
@@ -239,7 +239,7 @@ POSITIVE = st.floats(0.1, 10.0)
 
 
 @st.composite
-def beams(draw) -> Part:
+def beams(draw) -> DescribedPart:
     length = draw(st.floats(0.8, 2.0))
     section = Rectangle(draw(SIZES), draw(SIZES))
     material = Material.isotropic(
@@ -248,11 +248,13 @@ def beams(draw) -> Part:
     leg = ConstantLeg(length, section, material)
     transverse = leg.mass * length**2 / 12.0
     inertia = np.diag([0.01 * transverse, transverse, transverse])
-    return Part("leg1", tip_compliance(leg.timoshenko, length), inertia, length, length / 2.0)
+    return DescribedPart(
+        "leg1", tip_compliance(leg.timoshenko, length), inertia, length, length / 2.0
+    )
 
 
 @st.composite
-def slender_bodies(draw) -> Part:
+def slender_bodies(draw) -> DescribedPart:
     """Point masses in a box of 1 m along x and 0.08 m across, 0.1 kg to 10 kg, 1 kg at each end.
 
     About an axis nearer to y or z than to x the ends alone have at least ½ · 1 kg · 1 m² · ½ =
@@ -268,7 +270,7 @@ def slender_bodies(draw) -> Part:
     arms = points - centre
     squares = np.einsum("i,ij,ij->", masses, arms, arms)
     inertia = squares * np.eye(3) - np.einsum("i,ij,ik->jk", masses, arms, arms)
-    return Part("leg1", inertia=inertia, length=1.0, mass_centre=float(centre[0] + 0.5))
+    return DescribedPart("leg1", inertia=inertia, length=1.0, mass_centre=float(centre[0] + 0.5))
 
 
 @st.composite
@@ -290,7 +292,7 @@ def test_sound_bodies_have_no_findings(body):
 
 @given(compliances())
 def test_every_positive_definite_compliance_passes(compliance):
-    part = Part("tool", compliance)
+    part = DescribedPart("tool", compliance)
     assert symmetry(part) == ()
     assert definiteness(part) == ()
 
@@ -301,7 +303,7 @@ def test_one_changed_entry_is_an_asymmetry(compliance, i, j, share):
         j = (i + 1) % 6
     changed = compliance.copy()
     changed[i, j] += share * np.sqrt(compliance[i, i] * compliance[j, j])
-    (found,) = symmetry(Part("tool", changed))
+    (found,) = symmetry(DescribedPart("tool", changed))
     assert f"({max(i, j) + 1},{min(i, j) + 1})" in found.printed
 
 
@@ -310,7 +312,7 @@ def test_a_diagonal_entry_too_small_is_indefinite(compliance, i, factor):
     # 1/(k⁻¹)_ii is what is left of k_ii by Schur complement; taking more of it away turns the sign.
     changed = compliance.copy()
     changed[i, i] -= factor / np.linalg.inv(compliance)[i, i]
-    (found,) = definiteness(Part("tool", changed))
+    (found,) = definiteness(DescribedPart("tool", changed))
     assert found.numbers["smallest eigenvalue"] < 0.0
 
 
@@ -320,18 +322,18 @@ def test_a_turned_sign_of_a_coupling_is_found(beam, entry):
     turned = beam.compliance.copy()
     turned[i, j] *= -1.0
     turned[j, i] *= -1.0
-    (found,) = couplings(Part("leg1", turned, length=beam.length))
+    (found,) = couplings(DescribedPart("leg1", turned, length=beam.length))
     assert "c26 > 0 and c35 < 0" in found.wrong
 
 
 @given(beams(), st.sampled_from([(1, 5), (2, 4)]))
 def test_a_foot_may_look_either_way_but_not_both(beam, entry):
     mirrored = beam.compliance * np.outer([1, -1, -1, 1, 1, 1], [1, -1, -1, 1, 1, 1])
-    assert couplings(Part("foot", mirrored)) == ()
+    assert couplings(DescribedPart("foot", mirrored)) == ()
     i, j = entry
     mirrored[i, j] *= -1.0
     mirrored[j, i] *= -1.0
-    assert len(couplings(Part("foot", mirrored))) == 1
+    assert len(couplings(DescribedPart("foot", mirrored))) == 1
 
 
 @given(beams(), st.sampled_from([4, 5]))
@@ -339,31 +341,31 @@ def test_a_tip_that_turns_too_much_is_found(beam, about):
     # at least 0.9 of a beam's rotation remains after shear at these slendernesses; 20 times is 18
     turning = beam.compliance.copy()
     turning[about, about] *= 20.0
-    (found,) = tip_rotation(Part("leg1", turning, length=beam.length))
+    (found,) = tip_rotation(DescribedPart("leg1", turning, length=beam.length))
     assert found.numbers["ratio"] > 10.0
 
 
 @given(POSITIVE, POSITIVE, st.floats(1.01, 3.0))
 def test_a_moment_above_the_sum_of_the_others_is_found(first, second, factor):
     inertia = np.diag([first, factor * (first + second), second])
-    assert len(triangle_inequality(Part("foot", inertia=inertia))) == 1
+    assert len(triangle_inequality(DescribedPart("foot", inertia=inertia))) == 1
 
 
 @given(st.sampled_from([(1, 0, 2), (2, 1, 0)]))
 def test_a_leg_along_another_axis_is_found(order):
     inertia = np.diag(np.array([0.1, 1.0, 1.05])[list(order)])
-    assert len(slender_axis(Part("leg1", inertia=inertia, length=1.0))) == 1
-    assert slender_axis(Part("foot", inertia=inertia)) == ()
+    assert len(slender_axis(DescribedPart("leg1", inertia=inertia, length=1.0))) == 1
+    assert slender_axis(DescribedPart("foot", inertia=inertia)) == ()
 
 
 @pytest.mark.parametrize("centre", [-0.1, 0.0, 0.85, 54.2])
 def test_a_mass_centre_outside_the_leg_is_found(centre):
-    assert len(mass_centre(Part("leg1", length=0.85, mass_centre=centre))) == 1
+    assert len(mass_centre(DescribedPart("leg1", length=0.85, mass_centre=centre))) == 1
 
 
 @pytest.mark.parametrize("check", CHECKS)
 def test_a_part_without_data_has_no_findings(check):
-    assert check(Part("leg1")) == ()
+    assert check(DescribedPart("leg1")) == ()
 
 
 def test_bodies_and_joints_of_a_mechanism_are_audited_under_their_keys():

@@ -11,7 +11,7 @@ from scipy.linalg import expm
 from scipy.spatial.transform import Rotation
 
 from lumped.errors import InputError
-from lumped.models.chains import Fixed, Joint, Spring, chain_jacobians
+from lumped.models.chains import ChainJoint, Fixed, VirtualSpring, chain_jacobians
 
 KINDS = ["fixed", "prismatic", "revolute", "actuated", "spring"]
 
@@ -24,11 +24,11 @@ def random_chain(kinds, seed):
             turn = Rotation.random(random_state=rng).as_matrix()
             chain.append(Fixed(translation=rng.normal(size=3), rotation=turn))
         elif kind == "spring":
-            chain.append(Spring(np.eye(6)))
+            chain.append(VirtualSpring(np.eye(6)))
         else:
             drive = "actuated" if kind == "actuated" else "passive"
             joint = "revolute" if kind == "actuated" else kind
-            chain.append(Joint(joint, rng.normal(size=3), rng.normal(), drive))
+            chain.append(ChainJoint(joint, rng.normal(size=3), rng.normal(), drive))
     return tuple(chain)
 
 
@@ -45,9 +45,9 @@ def forward(chain, deflections):
             case Fixed():
                 step = np.eye(4)
                 step[:3, :3], step[:3, 3] = element.rotation, element.translation
-            case Joint():
+            case ChainJoint():
                 step = expm(hat(element.twist * element.coordinate))
-            case Spring():
+            case VirtualSpring():
                 step = expm(hat(next(springs)))
         pose = pose @ step
     return pose
@@ -63,7 +63,7 @@ def end_twist(plus, minus, h):
 @given(st.lists(st.sampled_from(KINDS), min_size=1, max_size=8), st.integers(0, 2**32 - 1))
 def test_jacobians_are_the_derivatives_of_the_end_pose(kinds, seed):
     chain = random_chain(kinds, seed)
-    springs = sum(isinstance(element, Spring) for element in chain)
+    springs = sum(isinstance(element, VirtualSpring) for element in chain)
     rest = np.zeros((springs, 6))
     found = chain_jacobians(chain)
     # third derivatives h²/6 and rounding ε/h at h = 1e-5 on chains of a few metres
@@ -71,7 +71,7 @@ def test_jacobians_are_the_derivatives_of_the_end_pose(kinds, seed):
 
     columns = []
     for i, element in enumerate(chain):
-        if isinstance(element, Joint) and element.drive == "passive":
+        if isinstance(element, ChainJoint) and element.drive == "passive":
             moved = [
                 (*chain[:i], replace(element, coordinate=element.coordinate + d), *chain[i + 1 :])
                 for d in (h, -h)
@@ -96,7 +96,7 @@ def test_jacobians_are_the_derivatives_of_the_end_pose(kinds, seed):
 
 def test_revolute_joint_at_the_root_of_a_lever():
     """Turning about z moves a tip on the x axis along y by its distance."""
-    lever = (Joint("revolute", np.array([0.0, 0.0, 2.0])), Fixed(np.array([0.85, 0.0, 0.0])))
+    lever = (ChainJoint("revolute", np.array([0.0, 0.0, 2.0])), Fixed(np.array([0.85, 0.0, 0.0])))
     found = chain_jacobians(lever)
     assert_allclose(found.passive[:, 0], [0.0, 0.85, 0.0, 0.0, 0.0, 1.0], atol=1e-15)
     assert found.reach == pytest.approx(0.85)
@@ -104,7 +104,10 @@ def test_revolute_joint_at_the_root_of_a_lever():
 
 def test_compliances_lie_in_the_order_of_the_springs():
     """Eq. (5): block diagonal, base first."""
-    soft, hard = Spring(2.0 * np.eye(6)), Spring(np.diag([1.0, 0.0, 0.0, 0.0, 0.0, 3.0]))
+    soft, hard = (
+        VirtualSpring(2.0 * np.eye(6)),
+        VirtualSpring(np.diag([1.0, 0.0, 0.0, 0.0, 0.0, 3.0])),
+    )
     found = chain_jacobians((soft, Fixed(), hard)).compliance
     assert_allclose(np.diag(found), [2.0] * 6 + [1.0, 0.0, 0.0, 0.0, 0.0, 3.0])
     assert np.count_nonzero(found) == 8
@@ -113,16 +116,16 @@ def test_compliances_lie_in_the_order_of_the_springs():
 @pytest.mark.parametrize("axis", [np.zeros(3), np.array([1.0, 0.0]), np.full(3, np.nan)])
 def test_an_axis_without_direction_is_refused(axis):
     with pytest.raises(InputError, match="gives no direction"):
-        Joint("revolute", axis)
+        ChainJoint("revolute", axis)
 
 
 def test_springs_that_no_body_has_are_refused():
     with pytest.raises(InputError, match="foot: compliance must be a finite 6×6"):
-        Spring(np.eye(3), "foot")
+        VirtualSpring(np.eye(3), "foot")
     with pytest.raises(InputError, match="foot: compliance is not symmetric"):
-        Spring(np.eye(6) + np.diag([0.1] * 5, 1), "foot")
+        VirtualSpring(np.eye(6) + np.diag([0.1] * 5, 1), "foot")
     with pytest.raises(InputError, match="foot: compliance has a negative eigenvalue"):
-        Spring(np.diag([1e-9, 1e-9, 1e-9, 1e-7, 1e-7, -1e-12]), "foot")
+        VirtualSpring(np.diag([1e-9, 1e-9, 1e-9, 1e-7, 1e-7, -1e-12]), "foot")
 
 
 def test_the_printed_foot_of_the_paper_is_refused(demonstrator):
@@ -130,4 +133,4 @@ def test_the_printed_foot_of_the_paper_is_refused(demonstrator):
     printed = demonstrator.foot_compliance.copy()
     printed[5, 5] = 3.16e-9
     with pytest.raises(InputError, match="negative eigenvalue"):
-        Spring(printed)
+        VirtualSpring(printed)

@@ -12,7 +12,7 @@ from lumped.dense.modes import dense, solve_modes
 from lumped.errors import InputError
 from lumped.legs import BeamProperties, constant_leg, tip_compliance
 from lumped.models.segments import (
-    Chain,
+    SegmentChain,
     segment_chain,
     segment_leg,
     static_leg,
@@ -34,12 +34,12 @@ def exact_bending_z() -> np.ndarray:
     return (CLAMPED_FREE_ROOTS / LENGTH) ** 2 * np.sqrt(SLENDER.EIz / SLENDER.mu) / (2.0 * np.pi)
 
 
-def cantilever_compliance(chain: Chain) -> np.ndarray:
+def cantilever_compliance(chain: SegmentChain) -> np.ndarray:
     stiffness = dense(segment_leg(chain).stiffness)[6:, 6:]
     return np.linalg.solve(stiffness, np.eye(len(stiffness)))[:6, :6]
 
 
-def bending_z(chain: Chain, count: int = 3) -> np.ndarray:
+def bending_z(chain: SegmentChain, count: int = 3) -> np.ndarray:
     """Frequencies (Hz) of the clamped chain that deflects along y alone."""
     leg = segment_leg(chain)
     plane = [i for i in range(6, leg.size) if i % 6 in (1, 5)]

@@ -13,7 +13,7 @@ from lumped.biglide import Biglide, scaled
 from lumped.errors import ComputationError, InputError
 from lumped.legs import GivenLeg, constant_leg, given_compliance
 from lumped.models import simplified, vjm
-from lumped.models.chains import Fixed, Joint, Spring, chain_jacobians
+from lumped.models.chains import ChainJoint, Fixed, VirtualSpring, chain_jacobians
 from lumped.screws import move_compliance, rotation_z
 
 X, Y, Z = np.eye(3)
@@ -21,7 +21,7 @@ MICROMETRE_PER_KILONEWTON = 1e-9
 
 
 def passive(axis, kind="revolute", coordinate=0.0):
-    return Joint(kind, axis, coordinate)
+    return ChainJoint(kind, axis, coordinate)
 
 
 def deflections(compliance):
@@ -76,7 +76,7 @@ def test_spring_at_the_root_of_a_lever():
     """δ = c + L² cφ across the lever; L cφ couples y and φz with +, z and φy with −."""
     compliance = np.diag([1.0, 2.0, 3.0, 40.0, 50.0, 60.0]) * 1e-9
     lever = 0.3
-    stiffness = vjm.chain_stiffness((Spring(compliance), Fixed(lever * X)))
+    stiffness = vjm.chain_stiffness((VirtualSpring(compliance), Fixed(lever * X)))
     expected = compliance.copy()
     expected[1, 1] += lever**2 * 60e-9
     expected[2, 2] += lever**2 * 50e-9
@@ -88,7 +88,7 @@ def test_spring_at_the_root_of_a_lever():
 def test_turned_springs_in_series_add_their_compliances():
     quarter = Fixed(rotation=rotation_z(np.pi / 2.0))
     c1, c2 = np.diag([1.0, 2.0, 3.0, 4.0, 5.0, 6.0]), np.diag([7.0, 8.0, 9.0, 1.0, 2.0, 3.0])
-    stiffness = vjm.chain_stiffness((Spring(c1), quarter, Spring(c2)))
+    stiffness = vjm.chain_stiffness((VirtualSpring(c1), quarter, VirtualSpring(c2)))
     expected = np.diag([9.0, 9.0, 12.0, 6.0, 6.0, 9.0])
     assert_allclose(np.linalg.inv(stiffness), expected, rtol=1e-13, atol=1e-14)
 
@@ -102,7 +102,7 @@ def pinned_bar(root, tip, spring):
         Fixed(root),
         passive(Z, coordinate=angle),
         Fixed(length * X),
-        Spring(spring),
+        VirtualSpring(spring),
         passive(Z, coordinate=-angle),
     )
 
@@ -146,9 +146,9 @@ def random_chain(kinds, seed):
         chain.append(Fixed(rng.normal(size=3), Rotation.random(random_state=rng).as_matrix()))
         if kind == "spring":
             axes = np.linalg.qr(rng.normal(size=(6, 6)))[0]
-            chain.append(Spring(axes @ np.diag(10.0 ** rng.uniform(-9, -7, 6)) @ axes.T))
+            chain.append(VirtualSpring(axes @ np.diag(10.0 ** rng.uniform(-9, -7, 6)) @ axes.T))
         elif kind != "fixed":
-            chain.append(Joint(kind, rng.normal(size=3), rng.normal()))
+            chain.append(ChainJoint(kind, rng.normal(size=3), rng.normal()))
     return tuple(chain)
 
 
@@ -194,12 +194,12 @@ def test_units_do_not_matter(chain, metre):
         match element:
             case Fixed():
                 return replace(element, translation=element.translation / metre)
-            case Joint(kind="prismatic"):
+            case ChainJoint(kind="prismatic"):
                 return replace(element, coordinate=element.coordinate / metre)
-            case Spring():
+            case VirtualSpring():
                 unit = np.array([1.0 / metre] * 3 + [1.0] * 3)
                 # N m per rad becomes N (unit) per rad
-                return Spring(element.compliance * np.outer(unit, unit) * metre)
+                return VirtualSpring(element.compliance * np.outer(unit, unit) * metre)
         return element
 
     independent_columns(chain_jacobians(chain).passive)
@@ -212,7 +212,7 @@ def test_units_do_not_matter(chain, metre):
 
 def test_a_doubled_joint_changes_nothing():
     """Singular posture: two revolute joints on one axis release what one does."""
-    spring = Spring(np.diag([1.0, 2.0, 3.0, 4.0, 5.0, 6.0]) * 1e-8)
+    spring = VirtualSpring(np.diag([1.0, 2.0, 3.0, 4.0, 5.0, 6.0]) * 1e-8)
     arm = Fixed(0.7 * X)
     once = vjm.chain_stiffness((passive(Z), spring, arm))
     twice = vjm.chain_stiffness((passive(Z), spring, passive(Z), arm))
@@ -223,7 +223,7 @@ def test_stretched_arm_of_three_parallel_joints():
     """In line, three parallel axes release two motions; a bent arm releases all three."""
 
     def arm(bend):
-        spring = Spring(np.eye(6) * 1e-8)
+        spring = VirtualSpring(np.eye(6) * 1e-8)
         link = (Fixed(0.5 * X), spring)
         return (passive(Z), *link, passive(Z, coordinate=bend), *link, passive(Z), Fixed(0.2 * X))
 
@@ -236,7 +236,10 @@ def test_stretched_arm_of_three_parallel_joints():
 
 def test_overconstrained_platform():
     """Three clamped chains on one platform: stiffness three times that of one."""
-    chain = (Spring(np.diag([1.0, 2.0, 3.0, 40.0, 50.0, 60.0]) * 1e-9), Fixed(0.4 * X + 0.1 * Z))
+    chain = (
+        VirtualSpring(np.diag([1.0, 2.0, 3.0, 40.0, 50.0, 60.0]) * 1e-9),
+        Fixed(0.4 * X + 0.1 * Z),
+    )
     one = np.linalg.inv(vjm.chain_stiffness(chain))
     three = vjm.platform_compliance(vjm.robot_stiffness([chain, chain, chain]))
     assert_allclose(three, one / 3.0, rtol=1e-12, atol=1e-12 * one.max())
@@ -245,7 +248,7 @@ def test_overconstrained_platform():
 def test_singular_spring_whose_rigid_direction_a_joint_releases():
     """Sθ = diag(c, c, c, c, c, 0) alone is singular; with a revolute joint about z K exists."""
     compliance = np.diag([1.0, 2.0, 3.0, 4.0, 5.0, 0.0]) * 1e-9
-    K = vjm.chain_stiffness((passive(Z), Spring(compliance)))
+    K = vjm.chain_stiffness((passive(Z), VirtualSpring(compliance)))
     expected = np.diag([1.0, 1 / 2, 1 / 3, 1 / 4, 1 / 5, 0.0]) * 1e9
     assert_allclose(K, expected, rtol=1e-12, atol=1e-3)
 
@@ -253,7 +256,7 @@ def test_singular_spring_whose_rigid_direction_a_joint_releases():
 def test_joints_alone_hold_nothing():
     """Six independent passive joints and no spring: K = 0."""
     axes = (X, Y, Z)
-    joints = [Joint(kind, axis) for kind in ("prismatic", "revolute") for axis in axes]
+    joints = [ChainJoint(kind, axis) for kind in ("prismatic", "revolute") for axis in axes]
     assert_allclose(vjm.chain_stiffness(joints), 0.0, atol=1e-12)
 
 
@@ -264,16 +267,16 @@ def test_joints_alone_hold_nothing():
             (Fixed(X), passive(X, "prismatic"), passive(Z), passive(Y, "prismatic")),
             "a force along z",
         ),
-        ((Spring(np.diag([1.0, 0.0, 1.0, 1.0, 1.0, 1.0]) * 1e-9),), "a force along y"),
+        ((VirtualSpring(np.diag([1.0, 0.0, 1.0, 1.0, 1.0, 1.0]) * 1e-9),), "a force along y"),
         (
-            (Spring(np.diag([1.0, 1.0, 1.0, 1.0, 1.0, 0.0]) * 1e-9), Fixed(0.4 * X)),
+            (VirtualSpring(np.diag([1.0, 1.0, 1.0, 1.0, 1.0, 0.0]) * 1e-9), Fixed(0.4 * X)),
             "a moment about z",
         ),
-        ((Fixed(), Joint("prismatic", Y, drive="actuated")), "a force along x"),
+        ((Fixed(), ChainJoint("prismatic", Y, drive="actuated")), "a force along x"),
         (
             (
                 Fixed(X, rotation_z(np.arctan2(4.0, 3.0))),
-                Spring(np.diag([0.0, 1.0, 1.0, 1.0, 1.0, 1.0]) * 1e-9),
+                VirtualSpring(np.diag([0.0, 1.0, 1.0, 1.0, 1.0, 1.0]) * 1e-9),
                 passive(Z),
                 Fixed(Y),
             ),
@@ -296,7 +299,7 @@ def test_a_rigid_chain_is_named_with_its_direction(chain, words):
     ],
 )
 def test_a_free_platform_is_named_with_its_direction(chain, words):
-    spring = Spring(np.diag([1.0, 2.0, 3.0, 40.0, 50.0, 60.0]) * 1e-9)
+    spring = VirtualSpring(np.diag([1.0, 2.0, 3.0, 40.0, 50.0, 60.0]) * 1e-9)
     K = vjm.robot_stiffness([(spring, *chain)])
     with pytest.raises(ComputationError, match=f"free to {words}"):
         vjm.platform_compliance(K)
@@ -327,7 +330,7 @@ def test_a_free_platform_on_slender_legs_is_not_taken_for_a_soft_one(side):
     """A bar of slenderness 10 to 500 pinned at its root: EA L²/EI up to 3e6, still named free."""
     section = {"EA": side**2, "EIy": side**4 / 12.0, "EIz": side**4 / 12.0, "GJ": side**4 / 7.0}
     leg = constant_leg(1.0, **{name: 2e11 * value for name, value in section.items()}, mass=1.0)
-    spring = Spring(given_compliance(leg))
+    spring = VirtualSpring(given_compliance(leg))
     for angle in np.linspace(0.1, 3.0, 20):
         chain = (passive(Z, coordinate=angle), Fixed(X), spring)
         with pytest.raises(ComputationError, match=r"free to turn about z through \("):

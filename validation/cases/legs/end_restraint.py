@@ -55,7 +55,7 @@ _DIAGONALS = tuple(name for name, (i, j, _) in ENTRIES.items() if i == j)
 
 
 @dataclass(frozen=True)
-class Cause:
+class Restraint:
     """A named difference of two models and its exponent in the slenderness.
 
     `amounts` gives its relative size (m) at all lengths of leg 1 or 2.
@@ -132,44 +132,44 @@ def _contraction(context: Context, number: int, entry: int) -> Array:
     return np.asarray((found.free - found.rigid)[:, entry] / found.slender[:, entry])
 
 
-CAUSES: dict[str, Cause] = {
-    "torsion": Cause(
+CAUSES: dict[str, Restraint] = {
+    "torsion": Restraint(
         "c44, warping restrained",
         "what rigid end faces take from torsion vanishes",
         -1.0,
         _torsion,
     ),
-    "contraction.c11": Cause(
+    "contraction.c11": Restraint(
         "c11, contraction restrained (ν = 0.3)",
         "Poisson's contraction held at a rigid face, tension: vanishes",
         -1.0,
         partial(_contraction, entry=0),
     ),
-    "contraction.c22": Cause(
+    "contraction.c22": Restraint(
         "c22, contraction restrained (ν = 0.3)",
         "Poisson's contraction held at a rigid face, bending z: vanishes",
         -1.0,
         partial(_contraction, entry=1),
     ),
-    "contraction.c33": Cause(
+    "contraction.c33": Restraint(
         "c33, contraction restrained (ν = 0.3)",
         "Poisson's contraction held at a rigid face, bending y: vanishes",
         -1.0,
         partial(_contraction, entry=2),
     ),
-    "shear": Cause(
+    "shear": Restraint(
         "c33, shear deformation left out",
         "Euler–Bernoulli's theory against the solid, bending y: the difference vanishes",
         -2.0,
         _shear_left_out,
     ),
-    "rotary-inertia": Cause(
+    "rotary-inertia": Restraint(
         "first frequency along z, rotary inertia left out",
         "what rotary inertia takes from the first bending frequency vanishes",
         -2.0,
         _rotary_inertia,
     ),
-    "shear-warping": Cause(
+    "shear-warping": Restraint(
         "c33, warping of shear restrained",
         "warping of shear held at rigid faces (ν = 0), bending y: vanishes",
         -3.0,
@@ -198,7 +198,7 @@ cases = CaseGroup(
     tolerance_reason="local exponents of three lengths, extrapolated in 1/s: the term after next "
     "leaves 0.02 at most; the nearest other cause is a whole power away",
 )
-def _exponent(context: Context, number: int, cause: Cause) -> Measurement:
+def _exponent(context: Context, number: int, cause: Restraint) -> Measurement:
     lengths = _own(context, number).lengths
     amounts = cause.amounts(context, number)
     if amounts[-1] < _ROUND_OFF:

@@ -13,7 +13,7 @@ from validation.case import Measurement, Relative, Skip, others
 from validation.case_group import CaseGroup
 from validation.context import Context
 from validation.exhibits import PATH
-from validation.models.mechanism import Answer, answers
+from validation.models.mechanism import PostureAnswer, answers
 
 MODES = 6
 # Beams a leg: of second order, so that extrapolated ones are of fourth.
@@ -40,7 +40,7 @@ def by_exudyn(at: Posture, count: int) -> tuple[Array, Array]:
     return extrapolated, step_factor(2.0, 4.0) * np.abs(extrapolated - before)
 
 
-def by_both(at: Posture) -> tuple[Answer, Array, Array]:
+def by_both(at: Posture) -> tuple[PostureAnswer, Array, Array]:
     """The program's own beams, and EXUDYN's frequencies (Hz) with their uncertainty, idle ones out.
 
     What idles stands first there, with the frequency that rounding gives it.

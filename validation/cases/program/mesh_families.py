@@ -40,7 +40,7 @@ _UNKNOWNS_PER_CUBE, _LARGEST = 36, 80_000
 
 
 @dataclass(frozen=True)
-class Subject:
+class TwoFamilies:
     """A leg and the divisions of both families per preset."""
 
     leg: Callable[[Context], ConstantLeg]
@@ -72,7 +72,7 @@ def _first_leg(context: Context) -> ConstantLeg:
 
 
 SUBJECTS = {
-    "leg1": Subject(
+    "leg1": TwoFamilies(
         _first_leg,
         {"standard": (1, 2, 3, 4), "fine": (1, 2, 3, 4, 5)},
         {"standard": (1, 2, 3), "fine": (1, 2, 3, 4)},
@@ -80,7 +80,7 @@ SUBJECTS = {
     ),
     # Round meshes are similar to each other for multiples of four alone; below five divisions
     # gmsh's least number of sides of a circle keeps tetrahedra as they are.
-    "rod": Subject(
+    "rod": TwoFamilies(
         _rod,
         {"standard": (5, 6, 8), "fine": (5, 6, 8, 12)},
         {"standard": (4, 8), "fine": (4, 8, 12)},

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from fem.calculix.deck import Equation, Part
+from fem.calculix.deck import ElementSet, Equation
 from fem.calculix.mechanism import MechanismDeck
 from fem.elements.elasticity import mass
 from lumped.arrays import Array, SparseMatrix
@@ -163,19 +163,19 @@ def _isotropic(sound: Faulty, material: Material) -> Iterator[str]:
 
 
 def _part_with(change: Any) -> Any:
-    def changed(sound: Faulty, part: Part, name: str, first: int) -> Any:
+    def changed(sound: Faulty, part: ElementSet, name: str, first: int) -> Any:
         return sound(change(part), name, first)
 
     return changed
 
 
-def _other_mid_nodes(part: Part) -> Part:
+def _other_mid_nodes(part: ElementSet) -> ElementSet:
     order = np.arange(part.cells.shape[1])
     order[-2:] = order[:-3:-1]
     return replace(part, cells=part.cells[:, order])
 
 
-def _lighter(part: Part) -> Part:
+def _lighter(part: ElementSet) -> ElementSet:
     # g/cm³ is 1000 kg/m³, not 1024.
     return replace(part, material=replace(part.material, rho=part.material.rho / 1.024))
 

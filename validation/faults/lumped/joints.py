@@ -8,7 +8,7 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.biglide import Biglide, Places
-from lumped.models.chains import Chain, Element, Fixed, Joint, Spring
+from lumped.models.chains import Chain, ChainJoint, Element, Fixed, VirtualSpring
 from lumped.screws import rotation_z, shift
 from validation.faults.fault import Faulty, fault, fault_around, fault_in_value
 
@@ -44,7 +44,7 @@ def _one_leg_scaled(sound: Faulty, robot: Biglide, alpha: float, by: str = "stif
 
 
 def _held(element: Element) -> Element:
-    return replace(element, drive="actuated") if isinstance(element, Joint) else element
+    return replace(element, drive="actuated") if isinstance(element, ChainJoint) else element
 
 
 @fault_in_value(
@@ -54,7 +54,7 @@ def _held(element: Element) -> Element:
 )
 def _without_tip_joint(chains: tuple[Chain, Chain]) -> tuple[Chain, Chain]:
     first, second = chains
-    tip = max(i for i, element in enumerate(second) if isinstance(element, Joint))
+    tip = max(i for i, element in enumerate(second) if isinstance(element, ChainJoint))
     return first, (*second[:tip], _held(second[tip]), *second[tip + 1 :])
 
 
@@ -95,7 +95,7 @@ def _foot_behind_joint(chains: tuple[Chain, Chain]) -> tuple[Chain, Chain]:
     """The foot's spring turns with the leg."""
 
     def turned(chain: Chain) -> Chain:
-        places = [i for i, element in enumerate(chain) if isinstance(element, Spring)]
+        places = [i for i, element in enumerate(chain) if isinstance(element, VirtualSpring)]
         if len(places) < 2:
             return chain
         foot = places[0]
@@ -109,7 +109,7 @@ def _foot_behind_joint(chains: tuple[Chain, Chain]) -> tuple[Chain, Chain]:
 )
 def _degrees(chains: tuple[Chain, Chain]) -> tuple[Chain, Chain]:
     def turned(element: Element) -> Element:
-        if isinstance(element, Joint) and element.kind == "revolute":
+        if isinstance(element, ChainJoint) and element.kind == "revolute":
             return replace(element, coordinate=float(np.degrees(element.coordinate)))
         return element
 
