@@ -18,10 +18,11 @@ from lumped.mechanism.kinematics.postures import posture
 from lumped.mechanism.part import ByPlane, PartInterface
 from lumped.robot_file import load_robot
 from meshes.part.interfaces import find_interfaces
+from meshes.part.reading.read import read_part
 from validation.agreement.differences import farthest_off, refined, scaled_difference
 from validation.case import Absolute, Measurement
 from validation.case_group import CaseGroup
-from validation.cases.program.parts.drawing import SECTION, meshed, read_again
+from validation.cases.program.parts.drawing import SECTION, meshed
 from validation.context import PRESETS, Context
 from validation.models.mechanism import answers
 from validation.models.options import ModelName, ModelOptions, PartLegs
@@ -72,8 +73,10 @@ _MODELS: tuple[tuple[ModelName, PartLegs], ...] = (
 
 def identified(sides: float) -> Identified:
     """By its averaged ends, from a mesh in mm with so many sides of a circle."""
-    part, _ = read_again("shaft", _drawn, _SIZE, sides)
-    return identify(part, find_interfaces(part, _ends(), _POINTS), _STEEL, modes=0)
+    with TemporaryDirectory(prefix="shaft-") as folder:
+        # What is identified is kept by the content of its file.
+        part = read_part(meshed(Path(folder) / "shaft.msh", _drawn, _SIZE, sides), "mm")
+        return identify(part, find_interfaces(part, _ends(), _POINTS), _STEEL, modes=0)
 
 
 def _drawn(kernel: ModuleType) -> None:
