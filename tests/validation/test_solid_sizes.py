@@ -13,16 +13,18 @@ from lumped.legs import ConstantLeg, Material
 from lumped.robot_file import load_robot
 from lumped.sections import Circle, HollowRectangle, Rectangle, Tube
 from meshes.section.section_mesh import section_mesh
-from validation.adequacy.biglide.dynamics import dynamic_reference, vibrations
+from validation.adequacy.biglide.dynamics import biglide_dynamics
 from validation.adequacy.judgement import judged
 from validation.adequacy.legs import finer_statics, solid_leg
 from validation.adequacy.matrix import Coordinate
 from validation.adequacy.mechanism import dynamics as of_mechanisms
 from validation.adequacy.mechanism.path import path_postures
-from validation.adequacy.response import Candidate, Reference, Subject
+from validation.adequacy.response import Candidate, Reference, Subject, modes_of
+from validation.adequacy.subject.dynamics import dynamic_reference
 from validation.case import Skip
 from validation.catalogue import catalogue
 from validation.context import Context
+from validation.models.options import ModelOptions
 from validation.run.session import Request, validate
 from validation.solids import size
 from validation.solids.size import (
@@ -125,8 +127,9 @@ def test_walls_too_thin_for_full_matrices_of_an_end_face_are_skipped(
 
 def test_frequencies_without_such_a_reference_are_undecided_with_the_reason(context):
     robot = SLENDER.robot
-    reference = dynamic_reference(context, robot, 2, 3)
-    found = vibrations(context, robot, 3)["beam"]
+    dynamics = biglide_dynamics(context, robot, 2, 3)
+    reference = dynamic_reference(dynamics)
+    found = modes_of(lambda: dynamics.answer("beam", ModelOptions()))
     subject = Subject(
         robot=robot.name,
         coordinates=(Coordinate("x", "m"),),
@@ -165,7 +168,9 @@ def test_statics_of_a_mechanism_of_too_thin_walls_are_skipped_with_the_leg(tmp_p
 def test_so_are_those_of_a_mechanism(tmp_path, monkeypatch):
     context = five_bar('shape = "rectangle", width = 0.001, height = 0.050', tmp_path)
     monkeypatch.setattr(of_mechanisms, "held_solid", refused)
-    reference = of_mechanisms.dynamic_reference(context, path_postures(context), 2)
+    reference = dynamic_reference(
+        of_mechanisms.mechanism_dynamics(context, path_postures(context), 2)
+    )
     assert len(reference.alternatives) == 0
     assert reference.decides.startswith("crank1 as a solid of 2 divisions has about")
 

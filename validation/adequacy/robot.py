@@ -1,23 +1,26 @@
 """The adequacy of a robot's models, whatever its robot file describes."""
 
 from lumped.robot_file import RobotFile
-from validation.adequacy.biglide.subject import MODELS, biglide_subject
+from validation.adequacy.biglide.subject import CANDIDATES, posed_biglide
 from validation.adequacy.judgement import judged
 from validation.adequacy.matrix import Matrix
-from validation.adequacy.mechanism.subject import mechanism_models, mechanism_subject
+from validation.adequacy.mechanism.subject import mechanism_models, posed_mechanism
 from validation.adequacy.response import Subject
+from validation.adequacy.subject.subject import subject_of
 from validation.context import Context
 
 
 def judged_models(robot_file: RobotFile) -> tuple[str, ...]:
     """The models that a robot's matrix has, in its order."""
-    return mechanism_models(robot_file.mechanism) if robot_file.is_mechanism else MODELS
+    if robot_file.is_mechanism:
+        return mechanism_models(robot_file.mechanism)
+    return tuple(CANDIDATES)
 
 
 def robot_subject(context: Context) -> Subject:
     """The run's robot with its models and references. Raises Skip where there is no reference."""
-    of_robot = mechanism_subject if context.robot_file.is_mechanism else biglide_subject
-    return of_robot(context)
+    posed = posed_mechanism if context.robot_file.is_mechanism else posed_biglide
+    return subject_of(posed(context))
 
 
 def robot_adequacy(context: Context) -> Matrix:

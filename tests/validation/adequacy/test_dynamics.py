@@ -10,10 +10,9 @@ from lumped.biglide import Biglide
 from lumped.legs import ConstantLeg, GivenLeg, Material
 from lumped.robot_file import load_robot
 from lumped.sections import ISection
-from validation.adequacy.biglide.subject import biglide_subject
-from validation.adequacy.common.given_masses import MASSES, Masses, leg_with_masses
-from validation.adequacy.judgement import judged
 from validation.adequacy.matrix import Entry, Matrix
+from validation.adequacy.robot import robot_adequacy
+from validation.adequacy.subject.given_masses import MASSES, Masses, leg_with_masses
 from validation.context import Context
 from validation.models.biglide import robot_frequencies
 from validation.models.options import ModelOptions
@@ -26,7 +25,7 @@ BEAMS = ("segments", "beam", "segments-euler-bernoulli", "beam-euler-bernoulli")
 def adequacy(robot: Biglide, modes: int = 4) -> Matrix:
     """The matrix at preset quick."""
     robot_file = replace(load_robot("ifw"), described=robot, requirement=Requirement(modes=modes))
-    return judged(biglide_subject(Context(robot_file, "quick")), robot_file.requirement)
+    return robot_adequacy(Context(robot_file, "quick"))
 
 
 def found(matrix: Matrix, model: str, quantity: str) -> Entry:

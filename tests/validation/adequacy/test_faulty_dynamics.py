@@ -22,16 +22,18 @@ from faulty_robot import LIMIT, faults_met, its_context, robot_of
 from lumped.acceptance.requirement import Requirement
 from lumped.arrays import Array
 from validation.adequacy.biglide.closure import require_closed
-from validation.adequacy.biglide.dynamics import dynamic_reference, vibration_of
+from validation.adequacy.biglide.dynamics import biglide_dynamics
 from validation.adequacy.judgement import judged
 from validation.adequacy.matrix import Coordinate, Matrix
 from validation.adequacy.response import Candidate, Reference, Subject, modes_of
+from validation.adequacy.subject.dynamics import dynamic_reference
 from validation.faults.catalogue import FAULTS
 from validation.faults.fault import Fault
+from validation.models.options import ModelName, ModelOptions
 from validation.studies.paired_robot_modes import sample_weights
 from validation.studies.ritz import biglide as ritz
 
-MODELS = ("segments", "beam")
+MODELS: tuple[ModelName, ...] = ("segments", "beam")
 MODES, POSTURES = 4, 3
 SHORT = robot_of(0.48, 0.45, 0.4)
 # What runs hold models to against polynomials: a percent for segments.
@@ -40,7 +42,7 @@ ANCHORED = 0.01
 
 def solids() -> Reference:
     """What the models are held against."""
-    return dynamic_reference(its_context(SHORT), SHORT, MODES, POSTURES)
+    return dynamic_reference(biglide_dynamics(its_context(SHORT), SHORT, MODES, POSTURES))
 
 
 def frequencies(known: Reference | None = None) -> tuple[dict[str, Array], Matrix]:
@@ -51,9 +53,8 @@ def frequencies(known: Reference | None = None) -> tuple[dict[str, Array], Matri
     context, x = its_context(SHORT), SHORT.stations(POSTURES)
     require_closed(SHORT, x)
     reference = known or solids()
-    responses = {
-        model: modes_of(partial(vibration_of, context, SHORT, model, POSTURES)) for model in MODELS
-    }
+    answer = biglide_dynamics(context, SHORT, MODES, POSTURES).answer
+    responses = {model: modes_of(partial(answer, model, ModelOptions())) for model in MODELS}
     subject = Subject(
         robot="faulty",
         coordinates=(Coordinate("x", "m"),),

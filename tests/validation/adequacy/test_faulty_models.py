@@ -21,10 +21,11 @@ from faulty_robot import LIMIT, ROBOT, faults_met, its_context
 from lumped.acceptance.requirement import STATIC_QUANTITIES, Requirement
 from lumped.arrays import Array
 from lumped.errors import ComputationError
-from validation.adequacy.biglide.statics import compliances, static_reference
+from validation.adequacy.biglide.statics import biglide_statics
 from validation.adequacy.judgement import judged
 from validation.adequacy.matrix import Coordinate, Matrix
 from validation.adequacy.response import Candidate, Reference, Response, Subject
+from validation.adequacy.subject.statics import static_reference
 from validation.faults.catalogue import FAULTS
 from validation.faults.fault import Fault
 from validation.models.options import ModelName, ModelOptions
@@ -35,8 +36,9 @@ MODELS: tuple[ModelName, ...] = ("vjm", "segments", "beam")
 def statics() -> tuple[dict[str, Array], Matrix]:
     """Diagonals (p×6) of the compliance by model and for "reference", and the matrix."""
     x = ROBOT.stations(5)
-    reference = static_reference(its_context(ROBOT), ROBOT, x)
-    responses = {model: Response(compliances(model, ROBOT, x, ModelOptions())) for model in MODELS}
+    robot = biglide_statics(its_context(ROBOT), ROBOT, x)
+    reference = static_reference(robot)
+    responses = {model: Response(robot.answer(model, ModelOptions())) for model in MODELS}
     subject = Subject(
         robot="faulty",
         coordinates=(Coordinate("x", "m"),),

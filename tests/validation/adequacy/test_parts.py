@@ -13,13 +13,13 @@ from lumped.mechanism.part import ByCylinder, PartInterface
 from lumped.robot_file import load_robot
 from validation.adequacy.mechanism.part_solids import (
     reduction_note,
-    refinement_share,
     solid_parts,
 )
 from validation.adequacy.mechanism.parts_ahead import prepare_parts
 from validation.adequacy.mechanism.path import left_open, offered, path_postures
 from validation.adequacy.mechanism.statics import unanswered
 from validation.adequacy.robot import judged_models, robot_adequacy
+from validation.adequacy.subject.parts import refinement_share
 from validation.cases.mechanism import parts as mechanism_parts
 from validation.context import Context
 from validation.faults.catalogue import FAULTS

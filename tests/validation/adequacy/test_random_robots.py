@@ -26,11 +26,13 @@ from lumped.biglide import Biglide
 from lumped.legs import ConstantLeg, Ends, equivalent_leg
 from lumped.models import vjm
 from meshes.section.section_mesh import section_mesh
-from validation.adequacy.biglide.statics import compliances, static_reference
-from validation.adequacy.biglide.subject import POSTURES, biglide_subject
+from validation.adequacy.biglide.statics import biglide_statics
+from validation.adequacy.biglide.subject import POSTURES
 from validation.adequacy.judgement import judged
 from validation.adequacy.matrix import Matrix
 from validation.adequacy.response import Candidate, Reference, Response, Subject
+from validation.adequacy.robot import robot_subject
+from validation.adequacy.subject.statics import static_reference
 from validation.context import Context
 from validation.models.options import ModelName, ModelOptions
 from validation.solids.legs import COARSEST_WALLS, section_counts, static_ladder, static_slices
@@ -77,16 +79,17 @@ def context_of(robot: Biglide) -> Context:
 def static_matrices(robot: Biglide) -> list[Matrix]:
     """Statics of some models, judged with several limits."""
     x = robot.stations(POSTURES)
+    statics = biglide_statics(context_of(robot), robot, x)
     subject = Subject(
         robot=robot.name,
         coordinates=(Coordinate("x", "m"),),
         poses=x[:, None],
         weights=np.zeros(0),
         candidates=[
-            Candidate(name, name, Response(compliances(model, robot, x, options)))
+            Candidate(name, name, Response(statics.answer(model, options)))
             for name, (model, options) in MODELS.items()
         ],
-        statics=static_reference(context_of(robot), robot, x),
+        statics=static_reference(statics),
         dynamics=Reference("none", ()),
     )
     return [judged(subject, Requirement(deflection=limit)) for limit in LIMITS]
@@ -134,7 +137,7 @@ def wrong_in_statics(robot: Biglide) -> list[str]:
     x = robot.stations(POSTURES)
     errors = {}
     for name, (model, options) in MODELS.items():
-        found = compliances(model, robot, x, options)
+        found = biglide_statics(context_of(robot), robot, x).answer(model, options)
         own = np.diagonal(found, axis1=1, axis2=2)
         errors |= {
             (name, q): own[:, i] / expected[:, i] - 1.0 for i, q in enumerate(STATIC_QUANTITIES)
@@ -151,7 +154,7 @@ def wrong_in_dynamics(robot: Biglide) -> list[str]:
     reference = solid_modes(robot, finer, robot.leg1.ends or "rigid", POSTURES)
     segments = model_modes(robot, "segments", "timoshenko", ELEMENTS, POSTURES)
     pairs = paired(robot, reference, segments)
-    subject = biglide_subject(context)
+    subject = robot_subject(context)
     found = []
     for limit in LIMITS:
         matrix = judged(subject, Requirement(frequency=limit, modes=4))

@@ -12,9 +12,10 @@ from lumped.legs import ConstantLeg, Material
 from lumped.robot_file import load_robot
 from lumped.sections import ISection
 from meshes.section.section_mesh import section_mesh
-from validation.adequacy.biglide.subject import POSTURES, on_equivalent_legs
+from validation.adequacy.biglide.subject import posed_biglide
 from validation.adequacy.judgement import judged
 from validation.adequacy.matrix import Matrix
+from validation.adequacy.subject.subject import on_equivalent_legs
 from validation.context import Context
 from validation.models.biglide import robot_compliance
 from validation.models.options import ModelOptions
@@ -107,9 +108,8 @@ def test_ends_that_nobody_described_leave_their_spread_open() -> None:
         robot = replace(robot_file.robot, a=0.95, leg1=legs, leg2=legs)
         context = Context(replace(robot_file, described=robot), "quick")
         # Statics alone; prisms are their own equivalent legs.
-        matrices[ends] = judged(
-            on_equivalent_legs(context, robot, robot.stations(POSTURES)), Requirement()
-        )
+        posed = posed_biglide(context)
+        matrices[ends] = judged(on_equivalent_legs(posed, posed.statics), Requirement())
     unsaid, rigid, free = (one.entry("beam", "phi_x") for one in matrices.values())
     assert unsaid
     assert rigid

@@ -17,6 +17,7 @@ from validation.adequacy.matrix import Matrix
 from validation.adequacy.mechanism import dynamics as mechanism_dynamics
 from validation.adequacy.mechanism import statics as mechanism_statics
 from validation.adequacy.robot import robot_adequacy
+from validation.adequacy.subject import statics as subject_statics
 from validation.context import Context
 from validation.independence.trace import Asked
 
@@ -135,7 +136,7 @@ def test_a_mechanism_is_judged_without_the_model_that_refuses(monkeypatch, five_
 
 def test_a_step_that_is_not_solved_ends_the_causes_and_says_why(monkeypatch, five_bar):
     sound, solids = untouched(five_bar)
-    refusing(monkeypatch, mechanism_statics, "own_spring", lambda _: True)
+    refusing(monkeypatch, subject_statics, "own_spring", lambda _: True)
     matrix = matrix_on(five_bar, solids)
     for now, before in zip(matrix.entries, sound.entries, strict=True):
         assert (now.verdict, now.error) == (before.verdict, before.error)

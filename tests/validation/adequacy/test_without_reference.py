@@ -8,7 +8,7 @@ import pytest
 from lumped.biglide import Biglide
 from lumped.errors import ComputationError
 from lumped.robot_file import load_robot
-from validation.adequacy.biglide import subject
+from validation.adequacy.biglide import statics, subject
 from validation.adequacy.biglide.closure import require_closed
 from validation.adequacy.robot import robot_adequacy
 from validation.context import Context
@@ -63,9 +63,9 @@ def test_postures_that_are_none_of_the_robot_are_not_left_undecided(
     def open_loops(_robot: Biglide, _x: object) -> None:
         raise ComputationError("the posture of leg 1 is wrong")
 
-    monkeypatch.setattr(subject, require_closed.__name__, open_loops)
+    monkeypatch.setattr(statics, require_closed.__name__, open_loops)
     with pytest.raises(ComputationError, match="posture of leg 1"):
-        subject.biglide_subject(Context(load_robot("ifw"), "quick"))
+        subject.posed_biglide(Context(load_robot("ifw"), "quick"))
 
 
 def test_a_mechanism_of_foils_is_undecided(tmp_path: Path) -> None:

@@ -19,9 +19,9 @@ from meshes.part.interfaces import find_interfaces
 from meshes.part.reading.read import read_part
 from meshes.part.slices import slice_of
 from meshes.part.volume import Grading, volume_mesh
-from validation.adequacy.mechanism.part_ladders import part_rungs
 from validation.adequacy.mechanism.statics import unanswered
 from validation.adequacy.response import Response
+from validation.adequacy.subject.parts import part_rungs
 from validation.models import parts
 from validation.models.legs import leg_matrices
 from validation.models.options import ModelOptions

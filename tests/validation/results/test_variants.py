@@ -9,10 +9,11 @@ from msgspec.structs import replace
 
 from lumped.acceptance.requirement import STATIC_QUANTITIES, Requirement
 from lumped.robot_file import RobotFile, load_robot
-from validation.adequacy.biglide.statics import compliances, static_reference
+from validation.adequacy.biglide.statics import biglide_statics
 from validation.adequacy.judgement import judged
 from validation.adequacy.matrix import Coordinate
 from validation.adequacy.response import Candidate, Reference, Response, Subject
+from validation.adequacy.subject.statics import static_reference
 from validation.context import Context
 from validation.models.biglide import robot_compliance
 from validation.models.options import ModelOptions
@@ -50,16 +51,17 @@ def saved(robot_file: RobotFile) -> RunRecord:
     """A run of nothing but the statics of two models, as it is written and read again."""
     robot = robot_file.robot
     x = robot.stations(9)
+    statics = biglide_statics(Context(robot_file, "quick"), robot, x)
     subject = Subject(
         robot=robot.name,
         coordinates=(Coordinate("x", "m"),),
         poses=x[:, None],
         weights=np.zeros(0),
         candidates=[
-            Candidate(model, model, Response(compliances(model, robot, x, ModelOptions())))
+            Candidate(model, model, Response(statics.answer(model, ModelOptions())))
             for model in ("vjm", "beam")
         ],
-        statics=static_reference(Context(robot_file, "quick"), robot, x),
+        statics=static_reference(statics),
         dynamics=Reference("none", ()),
     )
     matrix = judged(subject, Requirement())

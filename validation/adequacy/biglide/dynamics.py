@@ -1,8 +1,6 @@
-"""Natural modes of the biglide over its stroke: models, ladders of causes, and the reference."""
+"""Natural modes of the biglide over its stroke: by solids, by beams between, by rigid legs."""
 
-from collections.abc import Mapping
 from functools import partial
-from itertools import product
 
 import numpy as np
 
@@ -12,33 +10,20 @@ from fem.reduction.craig_bampton import craig_bampton
 from fem.sections.section_constants import beam_properties
 from lumped.arrays import Array
 from lumped.biglide import Biglide, system, with_equivalent_legs
-from lumped.legs import BeamProperties, ConstantLeg, Ends, GivenLeg, Leg, equivalent_leg
+from lumped.legs import BeamProperties, Ends, GivenLeg, Leg, equivalent_leg
 from lumped.mechanism.body_model import LegMatrices
 from lumped.models import simplified
 from lumped.system.solution import mode_count, solved
-from validation.adequacy.biglide.statics import SAY_ENDS, holds
-from validation.adequacy.common.given_masses import MASSES, Masses, leg_with_masses
-from validation.adequacy.common.ladders import Refined, dynamic_rungs, dynamic_upper_rungs
-from validation.adequacy.common.references import (
-    dynamic_reference_of,
-    finer_preset,
-    largest_change,
-    meshed_alternative,
-    why_unmeshed,
-)
-from validation.adequacy.legs import OPEN_ENDS, own_constants
-from validation.adequacy.models import JUDGED
-from validation.adequacy.response import (
-    UNSOLVED,
-    Reference,
-    Response,
-    Rung,
-    Vibration,
-    modes_of,
-)
+from validation.adequacy.biglide.statics import left_open
+from validation.adequacy.legs import own_constants
+from validation.adequacy.mechanism.dynamics import reduced_title
+from validation.adequacy.response import Vibration
+from validation.adequacy.subject.given_masses import Masses, leg_with_masses
+from validation.adequacy.subject.posed import Dynamics, Fineness, Holds
 from validation.agreement.mode_pairing import centreline_samples
 from validation.context import Context
 from validation.models.biglide import highest_frequency
+from validation.models.options import ModelName, ModelOptions
 from validation.solids.robots import held_solid
 from validation.studies.paired_robot_modes import (
     ELEMENTS,
@@ -54,82 +39,65 @@ from validation.studies.paired_robot_modes import (
     solid_modes,
 )
 
-# Second order in 1/n: twice the segments leave a quarter of the error.
-FINER_SEGMENTS = 2 * ELEMENTS
 
+def biglide_dynamics(context: Context, robot: Biglide, judged: int, postures: int) -> Dynamics:
+    """What computes natural modes in so many postures over the stroke, as the cases have them."""
+    legs = {"leg1": robot.leg1, "leg2": robot.leg2}
+    given = any(isinstance(leg, GivenLeg) for leg in legs.values())
+    coarse, fine = divisions_of([equivalent_leg(leg) for leg in legs.values()], context.preset)
 
-def vibration(modes: SampledModes) -> Vibration:
-    """Frequencies and samples of shapes of any model."""
-    return Vibration(modes.frequencies, modes.samples)
+    def solid(mesh: Fineness, holds: Holds, masses: Masses | None, _: int) -> Vibration:
+        divisions, ends = fine if mesh == "fine" else coarse, _of_both(holds)
+        if masses is None:
+            # As the cases ask for it, so that both share the solids.
+            same: Ends | tuple[Ends, Ends] = ends[0] if ends[0] == ends[1] else ends
+            return _vibration(context.get(solid_modes, robot, divisions, same, postures))
+        asked = divisions, ends, masses, postures
+        return _vibration(context.get(modes_with_masses, robot, *asked))
 
+    def own(holds: Holds | None) -> Vibration:
+        ends = None if holds is None else _of_both(holds)
+        return _vibration(context.get(own_modes, robot, ends, postures))
 
-def dynamic_reference(context: Context, robot: Biglide, modes: int, postures: int) -> Reference:
-    """Solid legs reduced to their ends or, where legs are given, a bracket of plausible masses."""
-    legs = robot.leg1, robot.leg2
-    given = any(isinstance(leg, GivenLeg) for leg in legs)
-    masses: tuple[Masses | None, ...] = MASSES if given else (None,)
-    solid = any(isinstance(leg, ConstantLeg) for leg in legs)
-    nothing_open: dict[str, tuple[Ends, Ends]] = {"": ("rigid", "rigid")}
-    ends = holds(robot) if solid else nothing_open
-    divisions = divisions_of([equivalent_leg(leg) for leg in legs], context.preset)
-    if reason := why_unmeshed(legs, context.preset):
-        return Reference("none", (), decides=reason)
-    ratio = min(fine / coarse for coarse, fine in zip(*divisions, strict=True))
-    if not solid:
-        # Nothing is meshed: one solution serves for both.
-        divisions = divisions[1], divisions[1]
-    weights = sample_weights(robot)
-    section = _section_uncertainty(context, robot, divisions[1], modes, postures) if solid else 0.0
-    alternatives = []
-    for (name, hold), mass in product(ends.items(), masses):
-        coarse, fine = (
-            vibration(_reference_modes(context, robot, number, hold, mass, postures))
-            for number in divisions
-        )
-        said = ", ".join(part for part in (name, mass) if part)
-        alternatives.append(meshed_alternative(said, coarse, fine, weights, modes, ratio, section))
-    several = len(ends) > 1
-    return dynamic_reference_of(
-        "robot of the legs' own 6×6 and plausible masses"
-        if given
-        else "robot of solid legs, reduced to their ends",
-        alternatives,
-        "validation.adequacy.common.given_masses.leg_with_masses"
+    return Dynamics(
+        context,
+        reduced_title("robot", legs),
+        legs,
+        left_open(robot),
+        None,
+        judged=judged,
+        weights=sample_weights(robot),
+        ratio=min(one / other for other, one in zip(coarse, fine, strict=True)),
+        answer=partial(model_vibration, context, robot, postures),
+        solid=solid,
+        own=own,
+        sections=lambda: (
+            _vibration(context.get(own_beam_modes, robot, fine, postures)),
+            own(None),
+        ),
+        rigid="legs and feet rigid",
+        computed_by="validation.adequacy.subject.given_masses.leg_with_masses"
         if given
         else "validation.studies.paired_robot_modes.solid_modes",
-        left_open=OPEN_ENDS if several else "",
-        says=SAY_ENDS if several else "",
-        finer=finer_preset(legs, context.preset),
-        given=given,
     )
 
 
-def _section_uncertainty(
-    context: Context, robot: Biglide, divisions: LegDivisions, modes: int, postures: int
-) -> Array:
-    """What the section mesh of both solids leaves open of frequencies (p×1, relative).
-
-    Walls keep one mesh across while elements become shorter. By beams of the constants of that
-    mesh and of a finer one, the largest over the modes.
-    """
-    coarse = vibration(context.get(own_beam_modes, robot, divisions, postures))
-    fine = vibration(context.get(own_modes, robot, None, postures))
-    return largest_change(coarse, fine, sample_weights(robot), modes)
+def model_vibration(
+    context: Context, robot: Biglide, postures: int, model: ModelName, options: ModelOptions
+) -> Vibration:
+    """What one of the models that have masses says of natural modes."""
+    if model == "simplified":
+        return context.get(simplified_modes, robot, postures)
+    asked = model, options.theory, options.elements, postures
+    return _vibration(context.get(model_modes, robot, *asked))
 
 
-def _reference_modes(
-    context: Context,
-    robot: Biglide,
-    divisions: LegDivisions,
-    ends: tuple[Ends, Ends],
-    masses: Masses | None,
-    postures: int,
-) -> SampledModes:
-    if masses is None:
-        # As the cases ask for it, so that both share the solids.
-        same: Ends | tuple[Ends, Ends] = ends[0] if ends[0] == ends[1] else ends
-        return context.get(solid_modes, robot, divisions, same, postures)
-    return context.get(modes_with_masses, robot, divisions, ends, masses, postures)
+def _vibration(modes: SampledModes) -> Vibration:
+    return Vibration(modes.frequencies, modes.samples)
+
+
+def _of_both(holds: Holds) -> tuple[Ends, Ends]:
+    return holds["leg1"], holds["leg2"]
 
 
 def modes_with_masses(
@@ -204,57 +172,3 @@ def _rigid_legs(robot: Biglide, x: float, velocity: Array, slides: Array) -> Arr
         twists[:, 5] = (own_tip[1] - own_root[1]) / leg.length
         rows.append(twists.ravel())
     return np.concatenate(rows)
-
-
-_WITH_MASSES = (
-    "simplified",
-    "segments",
-    "beam",
-    "segments-euler-bernoulli",
-    "beam-euler-bernoulli",
-)
-
-
-def vibrations(context: Context, robot: Biglide, postures: int) -> dict[str, Response]:
-    """What every model says of natural modes, by name: nothing where it has no masses."""
-    return {"vjm": Response(), "vjm-equivalent": Response()} | {
-        name: modes_of(partial(vibration_of, context, robot, name, postures))
-        for name in _WITH_MASSES
-    }
-
-
-def vibration_of(context: Context, robot: Biglide, name: str, postures: int) -> Vibration:
-    """What one of the models that have masses says of natural modes."""
-    if name == "simplified":
-        return context.get(simplified_modes, robot, postures)
-    model, _, options = JUDGED[name]
-    theory = options.theory
-    return vibration(context.get(model_modes, robot, model, theory, ELEMENTS, postures))
-
-
-def dynamic_ladders(
-    context: Context,
-    robot: Biglide,
-    found: Mapping[str, Response],
-    reference: Reference,
-    postures: int,
-) -> dict[str, tuple[Rung, ...]]:
-    """Rungs for frequencies by name of the model, each ladder from the model upwards."""
-    names = [one.name for one in reference.alternatives]
-    if not names:
-        return {}
-    finer = modes_of(
-        lambda: vibration(
-            context.get(model_modes, robot, "segments", "timoshenko", FINER_SEGMENTS, postures)
-        )
-    )
-    upper = () if reference.bracket else _upper(context, robot, names, postures)
-    return dynamic_rungs(names, found, Refined(ELEMENTS, finer), upper, "legs and feet rigid")
-
-
-def _upper(context: Context, robot: Biglide, names: list[str], postures: int) -> tuple[Rung, ...]:
-    def own(ends: tuple[Ends, Ends] | None) -> Response:
-        return modes_of(lambda: vibration(context.get(own_modes, robot, ends, postures)), UNSOLVED)
-
-    warping = {name: own(ends) for name, ends in holds(robot).items()}
-    return dynamic_upper_rungs(names, own(None), warping)

@@ -10,15 +10,17 @@ from lumped.errors import ComputationError
 from lumped.legs import ConstantLeg
 from lumped.mechanism.mechanism import Posture
 from validation.adequacy.mechanism.dynamics import (
-    dynamic_reference,
+    mechanism_dynamics,
     model_vibration,
     simplified_vibration,
 )
 from validation.adequacy.mechanism.path import known_legs, offered
 from validation.adequacy.mechanism.samples import samples_of
-from validation.adequacy.mechanism.statics import compliances, static_reference, unanswered
+from validation.adequacy.mechanism.statics import compliances, mechanism_statics, unanswered
 from validation.adequacy.mechanism.subject import mechanism_candidates
 from validation.adequacy.partners import partners
+from validation.adequacy.subject.dynamics import dynamic_reference
+from validation.adequacy.subject.statics import static_reference
 from validation.context import Context
 from validation.models.options import ModelName, ModelOptions
 
@@ -52,7 +54,7 @@ def compared_compliances(context: Context, postures: tuple[Posture, ...]) -> Com
     legs, parts = known_legs(mechanism).values(), mechanism.parts
     solid = bool(parts) or any(isinstance(leg, ConstantLeg) for leg in legs)
     against = ""
-    for one in static_reference(context, postures).alternatives:
+    for one in static_reference(mechanism_statics(context, postures)).alternatives:
         name = f"solid, {one.name}" if solid else "legs' own 6×6"
         if one.response.compliance is not None:
             found[name] = _own(one.response.compliance)
@@ -77,7 +79,7 @@ def compared_frequencies(context: Context, postures: tuple[Posture, ...], judged
     for name, (model, options) in _answering(postures).items():
         if name in _DYNAMIC:
             found[name] = context.get(model_vibration, postures, model, options, count)
-    reference = dynamic_reference(context, postures, judged)
+    reference = dynamic_reference(mechanism_dynamics(context, postures, judged))
     against = ""
     for one in reference.alternatives:
         if one.response.vibration is not None:

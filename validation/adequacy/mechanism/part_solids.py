@@ -1,11 +1,8 @@
 """CAD parts of a mechanism as their solids: what models are held against, and how surely."""
 
-from collections.abc import Callable, Mapping, Sequence
-
-import numpy as np
+from collections.abc import Mapping, Sequence
 
 from fem.reduction.craig_bampton import FrequencyBounds, frequency_bounds
-from lumped.arrays import Array
 from lumped.legs import Ends
 from lumped.mechanism.body_model import BodyModel
 from lumped.mechanism.mechanism import Mechanism, Posture
@@ -13,16 +10,11 @@ from lumped.system.assembly import assemble
 from validation.drawing.text import percent
 from validation.models.mechanism import CUTOFF, highest_frequency, static_bodies
 from validation.models.options import ReductionBy
-from validation.models.parts import Hold, ReducedPart, condensed, found_in, reduced
-from validation.parts.meshes import FINEST, RUNGS
-from validation.parts.refinement import refinement_uncertainty
+from validation.models.parts import Hold, ReducedPart, condensed, reduced
+from validation.parts.meshes import FINEST
 
 Bodies = Mapping[str, BodyModel]
 _FEWEST = 8
-# Share of an answer that is left open where nothing tells it: all of it.
-UNKNOWN = 1.0
-# The meshes of parts are of one size in all presets.
-FINER_PARTS = "finer meshes of the parts than any preset makes"
 
 
 def solid_parts(
@@ -104,20 +96,3 @@ def bounded_frequencies(
 def condensed_parts(mechanism: Mechanism) -> dict[str, BodyModel]:
     """Every part on its interfaces alone, with Guyan's mass."""
     return {name: condensed(body) for name, body in mechanism.parts.items()}
-
-
-def refinement_share(mechanism: Mechanism, answer: Callable[[int], Array]) -> Array | float:
-    """What the meshes of the parts leave open of the answer on the finest, relative; its shape.
-
-    `answer` gives the values on a rung of the ladder. A part that is a mesh cannot be refined: what
-    it leaves open is unknown, and taken as all of it.
-    """
-    bodies = mechanism.parts.values()
-    if not bodies:
-        return 0.0
-    if any(found_in(body)[0].mesh is not None for body in bodies):
-        return UNKNOWN
-    coarse, middle, fine = (answer(rung) for rung in RUNGS)
-    left = refinement_uncertainty(coarse, middle, fine)
-    # Where nothing yields, no mesh changes that.
-    return np.divide(left, np.abs(fine), out=np.zeros_like(left), where=fine != 0.0)

@@ -1,7 +1,6 @@
 """Where a mechanism is looked at, and what its robot file leaves open about its legs."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -11,6 +10,7 @@ from lumped.mechanism.mechanism import UNITS_OF_MOVES, Mechanism, Posture
 from lumped.models.bodies import legs_of
 from validation.adequacy.legs import HOLD, OPEN_ENDS
 from validation.adequacy.matrix import Coordinate
+from validation.adequacy.subject.posed import Holds, Open
 from validation.context import Context, Preset
 from validation.kinematics.poses import postures_of
 from validation.models.mechanism import constant_legs
@@ -48,19 +48,6 @@ def coordinates(mechanism: Mechanism) -> tuple[Coordinate, ...]:
     return tuple(Coordinate(move, UNITS_OF_MOVES[move]) for move in mechanism.tool.moves)
 
 
-@dataclass(frozen=True)
-class Open:
-    """What a robot file leaves open of how ends and interfaces are held.
-
-    `what` in words, `says` what would settle it, both empty where all is said; `holds`: ends of
-    every leg and of every part by the name of the alternative ("free" ones of parts averaged).
-    """
-
-    what: str
-    says: str
-    holds: Mapping[str, Mapping[str, Ends]]
-
-
 def left_open(mechanism: Mechanism) -> Open:
     """How legs and parts are held: what is said, and what is not."""
     said = {name: _said(mechanism, name) for name in legs_of(mechanism)}
@@ -90,7 +77,7 @@ def left_open(mechanism: Mechanism) -> Open:
     )
 
 
-def holds(mechanism: Mechanism) -> Mapping[str, Mapping[str, Ends]]:
+def holds(mechanism: Mechanism) -> Mapping[str, Holds]:
     """Ends of every leg and part by the name of the alternative."""
     return left_open(mechanism).holds
 

@@ -12,7 +12,7 @@ from lumped.acceptance.requirement import STATIC_QUANTITIES
 from lumped.arrays import Array
 from lumped.biglide import Biglide
 from lumped.legs import Theory
-from validation.adequacy.biglide.dynamics import vibration_of
+from validation.adequacy.biglide.dynamics import model_vibration
 from validation.adequacy.biglide.statics import compliances
 from validation.adequacy.biglide.subject import CANDIDATES, POSTURES
 from validation.case import Allowance, Elsewhere, Measurement, Relative, Skip, others
@@ -62,7 +62,7 @@ cases = statics.like(citation=_by, section=STROKE, group="robot.anchor")
 def shown_statics(robot: Biglide, model: str) -> Array:
     """Diagonal of the 6×6 (postures × 6, SI) as the first screen has it."""
     kind, _, options = CANDIDATES[model]
-    found = compliances(kind, robot, robot.stations(POSTURES), options)
+    found = compliances(robot, robot.stations(POSTURES), kind, options)
     return np.diagonal(found, axis1=1, axis2=2)
 
 
@@ -183,7 +183,8 @@ def _static(context: Context, model: str, entry: str) -> Measurement:
 def _frequency(context: Context, model: str, index: int, modes: int) -> Measurement:
     robot, (kind, _, options) = context.robot, CANDIDATES[model]
     x = robot.stations(POSTURES).tolist()
-    found = vibration_of(context, robot, model, POSTURES).frequencies[:, index]
+    asked = context, robot, POSTURES, kind, options
+    found = model_vibration(*asked).frequencies[:, index]
     if kind == "simplified":
         expected = rougher = context.get(swinging, robot)[:, index]
     else:

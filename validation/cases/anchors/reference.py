@@ -12,15 +12,15 @@ from fem.calculix.leg import compliance_and_frequencies
 from fem.calculix.run import calculix_program
 from lumped.acceptance.requirement import STATIC_QUANTITIES
 from lumped.arrays import Array
-from lumped.biglide import Biglide
+from lumped.biglide import Biglide, postures
 from lumped.legs import ConstantLeg, Ends, GivenLeg, given_compliance
 from lumped.sections import Circle, Rectangle
 from meshes.prism.tetrahedra import tetrahedra
 from validation.adequacy.biglide.dynamics import modes_with_masses
-from validation.adequacy.biglide.statics import assembled_legs
 from validation.adequacy.biglide.subject import POSTURES
-from validation.adequacy.common.given_masses import MASSES, Masses
 from validation.adequacy.legs import UNKNOWNS
+from validation.adequacy.mechanism.statics import assembled
+from validation.adequacy.subject.given_masses import MASSES, Masses
 from validation.agreement.convergence import PROVEN, step_factor
 from validation.case import Measurement, Relative, Skip
 from validation.case_group import CaseGroup, numbered
@@ -68,11 +68,13 @@ def calculix_tips(leg: ConstantLeg, divisions: tuple[int, int]) -> Array:
 
 def assembled_statics(robot: Biglide, first: Array, second: Array) -> Array:
     """Diagonals of the 6×6 (2 meshes × postures × 6) of the robot of such legs."""
-    x = robot.stations(POSTURES)
-    pairs = zip(first, second, strict=True)
-    return np.array(
-        [np.diagonal(assembled_legs(robot, x, pair), axis1=1, axis2=2) for pair in pairs]
-    )
+    return np.array([_assembled(robot, *pair) for pair in zip(first, second, strict=True)])
+
+
+def _assembled(robot: Biglide, first: Array, second: Array) -> Array:
+    """Diagonals of the 6×6 (postures × 6) of the robot of legs of such tips."""
+    places = postures(robot, robot.stations(POSTURES))
+    return np.diagonal(assembled(places, {"leg1": first, "leg2": second}), axis1=1, axis2=2)
 
 
 def polynomial_statics(robot: Biglide, first: Array, second: Array) -> Array:
@@ -88,9 +90,7 @@ def polynomial_statics(robot: Biglide, first: Array, second: Array) -> Array:
 
 def own_statics(robot: Biglide) -> Array:
     """Diagonals of the 6×6 (postures × 6) of the robot assembled from its legs' own 6×6."""
-    tips = [given_compliance(leg) for leg in (robot.leg1, robot.leg2)]
-    found = assembled_legs(robot, robot.stations(POSTURES), tips)
-    return np.diagonal(found, axis1=1, axis2=2)
+    return _assembled(robot, given_compliance(robot.leg1), given_compliance(robot.leg2))
 
 
 def joined_statics(robot: Biglide) -> Array:

@@ -5,13 +5,14 @@ from matplotlib.axes import Axes
 
 from lumped.arrays import Array
 from validation.adequacy.mechanism.dynamics import (
-    dynamic_reference,
+    mechanism_dynamics,
     model_vibration,
 )
 from validation.adequacy.mechanism.path import offered, path_postures
 from validation.adequacy.mechanism.samples import samples_of
 from validation.adequacy.partners import partners
 from validation.adequacy.response import Vibration
+from validation.adequacy.subject.dynamics import dynamic_reference
 from validation.agreement.mode_pairing import mac_matrix
 from validation.case import Skip
 from validation.context import Context
@@ -30,7 +31,7 @@ def pairs(context: Context) -> Shown:
     postures = path_postures(context)
     judged = context.robot_file.requirement.modes
     count, weights = offered(judged), samples_of(context.robot_file.mechanism).weights
-    reference = dynamic_reference(context, postures, judged).alternatives[0]
+    reference = dynamic_reference(mechanism_dynamics(context, postures, judged)).alternatives[0]
     truth = reference.response.vibration
     if truth is None:
         raise Skip("there is no reference of the frequencies")
