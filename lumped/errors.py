@@ -1,7 +1,11 @@
 """The two ways in which a computation can go wrong; the user answers them differently."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
+from typing import TypeVar
+
+Item = TypeVar("Item")
+Found = TypeVar("Found")
 
 
 class InputError(Exception):
@@ -14,6 +18,18 @@ class InputError(Exception):
 
 class ComputationError(Exception):
     """A computation failed: the message names the part of the model and the likely cause."""
+
+
+def each(function: Callable[[Item], Found], items: Iterable[Item]) -> tuple[list[Found], list[str]]:
+    """What a function says of the items that it takes, and its faults of all the others."""
+    found: list[Found] = []
+    faults: list[str] = []
+    for item in items:
+        try:
+            found.append(function(item))
+        except InputError as error:
+            faults += error.faults
+    return found, faults
 
 
 @contextmanager

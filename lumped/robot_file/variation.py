@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from lumped.errors import InputError
+from lumped.errors import InputError, each
 from lumped.robot_file.biglide.corrections import with_value
 from lumped.robot_file.load import RobotFile, described_by
 from lumped.robot_file.matrix_faults import is_finite_number
@@ -39,13 +39,7 @@ class Variation:
 def variations_of(robot_file: RobotFile, typed: Sequence[str]) -> tuple[Variation, ...]:
     """The variations of a robot file as typed; raises InputError with one line per fault."""
     numbers = dict(_numbers(robot_file.tables))
-    found: list[Variation] = []
-    faults: list[str] = []
-    for text in typed:
-        try:
-            found.append(_variation(text, numbers, robot_file))
-        except InputError as error:
-            faults += error.faults
+    found, faults = each(lambda text: _variation(text, numbers, robot_file), typed)
     keys = [key for one in found for key in one.keys]
     faults += [
         f"--vary {key}: varied twice; must be named once"

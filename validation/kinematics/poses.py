@@ -1,11 +1,12 @@
 """Poses as they are typed, and the postures that belong to them."""
 
 from collections.abc import Iterable, Sequence
+from functools import partial
 
 import numpy as np
 
 from lumped.arrays import Array
-from lumped.errors import InputError
+from lumped.errors import InputError, each
 from lumped.mechanism.kinematics.postures import posture
 from lumped.mechanism.mechanism import Mechanism, Posture
 
@@ -25,13 +26,7 @@ def parsed_pose(mechanism: Mechanism, text: str) -> Array:
 
 def parsed_poses(mechanism: Mechanism, texts: Iterable[str]) -> list[Array]:
     """Typed poses; raises InputError with the faults of all."""
-    found: list[Array] = []
-    faults: list[str] = []
-    for text in texts:
-        try:
-            found.append(parsed_pose(mechanism, text))
-        except InputError as error:
-            faults += error.faults
+    found, faults = each(partial(parsed_pose, mechanism), texts)
     if faults:
         raise InputError(faults)
     return found
@@ -39,13 +34,7 @@ def parsed_poses(mechanism: Mechanism, texts: Iterable[str]) -> list[Array]:
 
 def postures_of(mechanism: Mechanism, poses: Sequence[Array] | Array) -> list[Posture]:
     """The postures of the poses; raises InputError with the faults of all that have none."""
-    found: list[Posture] = []
-    faults: list[str] = []
-    for pose in poses:
-        try:
-            found.append(posture(mechanism, pose))
-        except InputError as error:
-            faults += error.faults
+    found, faults = each(partial(posture, mechanism), poses)
     if faults:
         raise InputError(faults)
     return found

@@ -3,7 +3,8 @@
 import numpy as np
 
 from lumped.arrays import Array
-from lumped.errors import InputError
+from lumped.errors import InputError, each
+from lumped.mechanism.body import Body
 from lumped.mechanism.mechanism import Mechanism
 from meshes.part.interfaces import Interface
 from meshes.part.reading.read import PartFile
@@ -15,19 +16,16 @@ def parts_text(mechanism: Mechanism) -> str:
 
     Empty where no body is a part. Raises InputError with the faults of all parts.
     """
-    faults: list[str] = []
-    lines: list[str] = []
-    for name, body in mechanism.parts.items():
-        try:
-            file, interfaces = found_in(body)
-        except InputError as error:
-            faults += error.faults
-            continue
-        lines.append(f"{name}: {file.path.name}, {file.size}")
-        lines += [f"  {_interface(file, one)}" for one in interfaces]
+    texts, faults = each(_part_text, mechanism.parts.values())
     if faults:
         raise InputError(faults)
-    return "\n".join(lines)
+    return "\n".join(texts)
+
+
+def _part_text(body: Body) -> str:
+    file, interfaces = found_in(body)
+    lines = [f"{body.name}: {file.path.name}, {file.size}"]
+    return "\n".join(lines + [f"  {_interface(file, one)}" for one in interfaces])
 
 
 def _interface(file: PartFile, interface: Interface) -> str:

@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass
 import numpy as np
 
 from lumped.biglide import Biglide
-from lumped.errors import InputError
+from lumped.errors import InputError, each
 from lumped.legs import ConstantLeg, Leg, equivalent_leg
 from validation.models.biglide import robot_compliance, robot_frequencies
 from validation.models.legs import leg_compliance, leg_frequencies
@@ -80,7 +80,8 @@ def checked_biglide(question: BiglideQuestion) -> Cost:
     faults = _option_faults(question) + question.mode_faults()
     if question.leg is not None and question.positions:
         faults.append("--x: a leg alone has no position; leave out --x or --leg")
-    faults += _position_faults(question.robot, question.positions)
+    outside = each(question.robot.posture, question.positions)[1]
+    faults += [f"--x: {fault}" for fault in outside]
     if faults:
         raise InputError(faults)
     options = ModelOptions(**question.given)
@@ -146,13 +147,3 @@ def _robot_answer(
 ) -> Answer:
     frequencies = robot_frequencies(model, robot, x, count, options) if count else np.zeros(0)
     return Answer({"x": x}, robot_compliance(model, robot, x, options), frequencies)
-
-
-def _position_faults(robot: Biglide, positions: tuple[float, ...]) -> list[str]:
-    faults: list[str] = []
-    for x in positions:
-        try:
-            robot.posture(x)
-        except InputError as error:
-            faults += [f"--x: {fault}" for fault in error.faults]
-    return faults

@@ -6,7 +6,7 @@ from functools import partial
 
 import numpy as np
 
-from lumped.errors import InputError
+from lumped.errors import InputError, each
 from lumped.legs import ConstantLeg
 from lumped.mechanism.body import Prism
 from lumped.mechanism.kinematics.postures import posture, reference_posture
@@ -52,11 +52,7 @@ def checked_mechanism(question: MechanismQuestion) -> Cost:
     if question.body is not None:
         faults += _body_faults(mechanism, model, question.body, question.poses)
     faults += _against_faults(question)
-    for text in question.poses:
-        try:
-            posture(mechanism, parsed_pose(mechanism, text))
-        except InputError as error:
-            faults += error.faults
+    faults += each(lambda text: posture(mechanism, parsed_pose(mechanism, text)), question.poses)[1]
     if faults:
         raise InputError(faults)
     return _cost(question)

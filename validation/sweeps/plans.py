@@ -2,11 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from lumped.biglide import Biglide, scaled
-from lumped.errors import InputError
+from lumped.errors import InputError, each
 from lumped.legs import equivalent_leg
 from meshes.section.section_mesh import require_leg
 from validation.models.options import Ends, ModelName, ModelOptions
@@ -101,21 +102,13 @@ def feasible_alphas(
     The legs must meet, and be at least as long as their section is large. Raises InputError, with
     all the reasons, where no α is possible.
     """
-    feasible: list[float] = []
-    faults: list[str] = []
-    for alpha in alphas:
-        try:
-            _require_member(robot, alpha)
-        except InputError as error:
-            faults += error.faults
-        else:
-            feasible.append(alpha)
+    feasible, faults = each(partial(_feasible, robot), alphas)
     if not feasible:
         raise InputError(faults or ["no relative leg length α is given"])
     return tuple(feasible), tuple(faults)
 
 
-def _require_member(robot: Biglide, alpha: float) -> None:
+def _feasible(robot: Biglide, alpha: float) -> float:
     member = scaled(robot, alpha)
     faults: list[str] = []
     for number, leg in ((1, equivalent_leg(member.leg1)), (2, equivalent_leg(member.leg2))):
@@ -125,3 +118,4 @@ def _require_member(robot: Biglide, alpha: float) -> None:
             faults += (f"α = {alpha:g}, leg {number}: {fault}" for fault in error.faults)
     if faults:
         raise InputError(faults)
+    return alpha

@@ -17,7 +17,7 @@ from lumped.arrays import Array, SparseMatrix
 from lumped.biglide import Biglide, postures
 from lumped.caches import lru_cache
 from lumped.dense.modes import dense
-from lumped.errors import ComputationError, InputError
+from lumped.errors import ComputationError, InputError, each
 from lumped.legs import ConstantLeg, equivalent_leg
 from lumped.mechanism.body_model import ENDS, BodyModel
 from lumped.system.assembly import assembly
@@ -153,7 +153,7 @@ def posture_unit(
     InputError, naming all of them, for postures outside the stroke, for fewer than one frequency,
     and for the printed release, whose legs cannot be reduced to two ends.
     """
-    faults = _posture_faults(robot, x)
+    _, faults = each(robot.posture, x)
     if frequencies < 1:
         faults.append(f"frequencies = {frequencies}: at least 1")
     if options.release == "printed":
@@ -191,16 +191,6 @@ def _swept(
     places = postures(robot, positions)
     bodies = dict(zip(("leg1", "leg2"), legs, strict=True))
     return swept(assembly(places[0].mechanism, bodies), places, count)
-
-
-def _posture_faults(robot: Biglide, x: tuple[float, ...]) -> list[str]:
-    faults: list[str] = []
-    for value in x:
-        try:
-            robot.posture(value)
-        except InputError as error:
-            faults += error.faults
-    return faults
 
 
 def _no_field(points: Array) -> SparseMatrix:
