@@ -3,10 +3,7 @@
 What judges the models would judge its own mistakes too: these guards fail where a claim breaks.
 """
 
-from validation.case import Case
 from validation.cases.program.judgement import orders, pages, quantities, rules
+from validation.cases.program.judgement.claims import cases
 
-
-def cases() -> tuple[Case, ...]:
-    """All of them."""
-    return (*rules.cases(), *orders.cases(), *pages.cases(), *quantities.cases())
+__all__ = ["cases", "orders", "pages", "quantities", "rules"]

@@ -16,8 +16,7 @@ from validation.agreement.convergence import (
     three_grid_order,
     uncertainty_of,
 )
-from validation.case import Case
-from validation.cases.program.judgement.claims import claims_case, same
+from validation.cases.program.judgement.claims import claims, same
 from validation.context import Context
 from validation.parts.refinement import refinement_uncertainty
 from validation.solids.legs import Refinement
@@ -26,34 +25,7 @@ _SOURCE = "P. J. Roache, J. Fluids Eng. 116 (1994) 405; ASME V&V 20-2009 §2"
 _SIZES = np.array([1.0, 0.5, 0.25, 0.125])
 
 
-def cases() -> tuple[Case, ...]:
-    """By hand, and of powers at random."""
-    return (
-        claims_case(
-            "orders", "Orders and uncertainties are those found by hand", _SOURCE, _by_hand
-        ),
-        claims_case(
-            "orders-published",
-            "Orders and uncertainties are those of published and of other made-up sequences",
-            "NASA Glenn, NPARC Alliance, Examining spatial (grid) convergence; Celik et al., J. "
-            "Fluids Eng. 130 (2008) 078001",
-            _published,
-        ),
-        claims_case(
-            "orders-random",
-            "Of powers at random the limit is found, and held by the uncertainty",
-            _SOURCE,
-            _at_random,
-        ),
-        claims_case(
-            "orders-parts",
-            "Uncertainties of parts hold the error of sequences whose limit is known",
-            _SOURCE,
-            _of_parts,
-        ),
-    )
-
-
+@claims("orders", "Orders and uncertainties are those found by hand", _SOURCE)
 def _by_hand(_context: Context) -> Mapping[str, bool]:
     # f = 3 + 2 h²: 5, 3.5, 3.125, 3.03125.
     values = 3.0 + 2.0 * _SIZES**2
@@ -92,6 +64,11 @@ def _by_hand(_context: Context) -> Mapping[str, bool]:
     }
 
 
+@claims(
+    "orders-parts",
+    "Uncertainties of parts hold the error of sequences whose limit is known",
+    _SOURCE,
+)
 def _of_parts(_context: Context) -> Mapping[str, bool]:
     """Three meshes, each finer by √2 than the one before: f = 5 + 0.1 hᵖ, h = 2, √2, 1."""
 
@@ -122,6 +99,12 @@ def _of_parts(_context: Context) -> Mapping[str, bool]:
     }
 
 
+@claims(
+    "orders-published",
+    "Orders and uncertainties are those of published and of other made-up sequences",
+    "NASA Glenn, NPARC Alliance, Examining spatial (grid) convergence; Celik et al., J. "
+    "Fluids Eng. 130 (2008) 078001",
+)
 def _published(_context: Context) -> Mapping[str, bool]:
     # Pressure recovery on three grids of ratio 2, printed to five digits.
     coarse, middle, fine = 0.96178, 0.96854, 0.97050
@@ -152,6 +135,11 @@ def _published(_context: Context) -> Mapping[str, bool]:
     }
 
 
+@claims(
+    "orders-random",
+    "Of powers at random the limit is found, and held by the uncertainty",
+    _SOURCE,
+)
 def _at_random(_context: Context) -> Mapping[str, bool]:
     rng = np.random.default_rng(14)
     found = {}

@@ -9,7 +9,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from validation.case import Absolute, Allowance, Case, Measurement, Relation, Relative
-from validation.cases.program.judgement.claims import claims_case, same
+from validation.cases.program.judgement.claims import claims, same
 from validation.cases.program.judgement.rules import probe
 from validation.context import Context
 from validation.drawing import text
@@ -24,20 +24,6 @@ _SOURCE = "every number that is shown, read back as a reader would"
 _SUPERSCRIPTS = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
 
 
-def cases() -> tuple[Case, ...]:
-    """Records, texts by hand and at random, tables, curves."""
-    return (
-        claims_case("records", "Records hold what was measured, by name", _SOURCE, _records),
-        claims_case("records-random", "So do records of numbers at random", _SOURCE, _at_random),
-        claims_case("texts", "Numbers are written as by hand", _SOURCE, _texts),
-        claims_case("texts-random", "Numbers at random are read back", _SOURCE, _read_back),
-        claims_case("tables", "Tables put each number where its heading says", _SOURCE, _tables),
-        claims_case("lines", "Lines, sums and JUnit say the verdicts", _SOURCE, _lines),
-        claims_case("curves", "Curves' data belong to their names", _SOURCE, _curves),
-        claims_case("shown-random", "So do tables, lines, curves at random", _SOURCE, _shown),
-    )
-
-
 def _sample() -> Outcome:
     measured = Measurement(
         value=3.25,
@@ -50,6 +36,7 @@ def _sample() -> Outcome:
     return judge(probe(Relative(0.01)), measured, 1.5)
 
 
+@claims("records", "Records hold what was measured, by name", _SOURCE)
 def _records(_context: Context) -> Mapping[str, bool]:
     record = case_record(_sample())
     wanted = {
@@ -72,6 +59,7 @@ def _records(_context: Context) -> Mapping[str, bool]:
     }
 
 
+@claims("records-random", "So do records of numbers at random", _SOURCE)
 def _at_random(_context: Context) -> Mapping[str, bool]:
     rng = np.random.default_rng(15)
     claims = {}
@@ -94,6 +82,7 @@ def _at_random(_context: Context) -> Mapping[str, bool]:
     return claims
 
 
+@claims("texts", "Numbers are written as by hand", _SOURCE)
 def _texts(_context: Context) -> Mapping[str, bool]:
     written = {
         text.number(0.4975): "0.4975",
@@ -123,6 +112,7 @@ def _read(written: str) -> float:
     return float(mantissa) * 10.0 ** int(power.translate(_SUPERSCRIPTS) or 0)
 
 
+@claims("texts-random", "Numbers at random are read back", _SOURCE)
 def _read_back(_context: Context) -> Mapping[str, bool]:
     rng = np.random.default_rng(16)
     claims = {}
@@ -151,6 +141,7 @@ def _outcome(model: str, quantity: str, value: float, tolerance: float = 0.5) ->
     )
 
 
+@claims("tables", "Tables put each number where its heading says", _SOURCE)
 def _tables(_context: Context) -> Mapping[str, bool]:
     outcomes = [
         _outcome(model, quantity, value)
@@ -186,6 +177,7 @@ def _tables(_context: Context) -> Mapping[str, bool]:
     }
 
 
+@claims("lines", "Lines, sums and JUnit say the verdicts", _SOURCE)
 def _lines(_context: Context) -> Mapping[str, bool]:
     agreed, wrong = _outcome("vjm", "one", 2.25), _outcome("beam", "one", 9.5)
     failed = Outcome(agreed.case, Result(agreed.case.id, "failed", 0.1, "it broke"))
@@ -210,6 +202,7 @@ def _lines(_context: Context) -> Mapping[str, bool]:
     }
 
 
+@claims("curves", "Curves' data belong to their names", _SOURCE)
 def _curves(_context: Context) -> Mapping[str, bool]:
     study = Study(
         id="made-up",
@@ -245,6 +238,7 @@ def _curves(_context: Context) -> Mapping[str, bool]:
     }
 
 
+@claims("shown-random", "So do tables, lines, curves at random", _SOURCE)
 def _shown(_context: Context) -> Mapping[str, bool]:
     rng = np.random.default_rng(18)
     values = rng.uniform(1.0, 3.0, (3, 3))

@@ -6,7 +6,6 @@ displacements under that load, whose work must be twice the energy that the part
 
 from collections.abc import Mapping
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 from scipy.linalg import eigh
@@ -19,8 +18,7 @@ from lumped.legs import Theory
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Section, Tube
 from meshes.section.section_mesh import section_mesh
 from validation.agreement.differences import scaled_difference
-from validation.case import Case
-from validation.cases.program.judgement.claims import claims_case, same
+from validation.cases.program.judgement.claims import claims, same
 from validation.context import Context
 from validation.models.biglide import robot_system
 from validation.models.legs import constant_leg_of
@@ -46,58 +44,7 @@ _SAME = 1e-7
 _LAW = "Clapeyron's theorem: the work ½ F·u of the load is the strain energy"
 
 
-def cases() -> tuple[Case, ...]:
-    """Units and directions, work, the simplified model from geometry, energies, section meshes."""
-    return (
-        claims_case("deflections", "Deflections are in µm at 1000 N", "by hand", _by_hand),
-        claims_case(
-            "farthest", "The posture shown is the one that is farthest off", "by hand", _farthest
-        ),
-        claims_case(
-            "farthest-stroke",
-            "So it is of deflections over the stroke with and without shear",
-            "all postures, one after the other",
-            _farthest_over_stroke,
-        ),
-        claims_case(
-            "deflections-work",
-            "The deflections shown are displacements, and their work is the energy of the parts",
-            _LAW,
-            _work,
-        ),
-        claims_case(
-            "simplified",
-            "The simplified model's deflections over the stroke follow from geometry and K",
-            "eqs (1), (2): virtual power of the drives, solved posture by posture",
-            _simplified,
-        ),
-        claims_case(
-            "family",
-            "Members of the family are looked at where they say",
-            "the same with other lengths, at other fractions of the stroke",
-            _family,
-        ),
-        claims_case(
-            "modes-segments",
-            "So are those of segments",
-            "f = √(uᵀKu / uᵀMu) / 2π",
-            partial(_modes, model="segments"),
-        ),
-        claims_case(
-            "modes",
-            "Frequencies shown are Rayleigh's quotients in Hz, shares of energy sum to one",
-            "f = √(uᵀKu / uᵀMu) / 2π",
-            partial(_modes, model="beam"),
-        ),
-        claims_case(
-            "section-meshes",
-            "Meshes of the run's own sections have the area and moments of their outlines",
-            "closed forms of rectangles and circles, added and taken off",
-            _own_sections,
-        ),
-    )
-
-
+@claims("deflections", "Deflections are in µm at 1000 N", "by hand")
 def _by_hand(_context: Context) -> Mapping[str, bool]:
     matrix = np.diag([0.0, 0.0, 3e-8, 0.0, 0.0, 0.0])
     matrix[:2, :2] = [[3e-9, 4e-9], [4e-9, 12e-9]]
@@ -119,6 +66,7 @@ def _by_hand(_context: Context) -> Mapping[str, bool]:
     }
 
 
+@claims("farthest", "The posture shown is the one that is farthest off", "by hand")
 def _farthest(_context: Context) -> Mapping[str, bool]:
     even = np.array([2.0, 4.0, 8.0, 16.0])
     return {
@@ -129,6 +77,11 @@ def _farthest(_context: Context) -> Mapping[str, bool]:
     }
 
 
+@claims(
+    "farthest-stroke",
+    "So it is of deflections over the stroke with and without shear",
+    "all postures, one after the other",
+)
 def _farthest_over_stroke(context: Context) -> Mapping[str, bool]:
     stiff, soft = (
         stroke_deflections("vjm", context.robot, _COUNT, ModelOptions("equivalent", theory))
@@ -143,6 +96,11 @@ def _farthest_over_stroke(context: Context) -> Mapping[str, bool]:
     return claims
 
 
+@claims(
+    "deflections-work",
+    "The deflections shown are displacements, and their work is the energy of the parts",
+    _LAW,
+)
 def _work(context: Context) -> Mapping[str, bool]:
     robot = context.robot
     shown = stroke_deflections("beam", robot, _COUNT)
@@ -180,6 +138,11 @@ def _work(context: Context) -> Mapping[str, bool]:
     return claims
 
 
+@claims(
+    "simplified",
+    "The simplified model's deflections over the stroke follow from geometry and K",
+    "eqs (1), (2): virtual power of the drives, solved posture by posture",
+)
 def _simplified(context: Context) -> Mapping[str, bool]:
     robot = context.robot
     shown = stroke_deflections("simplified", robot, _COUNT)
@@ -216,6 +179,11 @@ def _on_drives(robot: Biglide, x: float) -> Array:
     return from_slides @ from_slides.T / robot.actuator_stiffness * _FORCE / _MICROMETRE
 
 
+@claims(
+    "family",
+    "Members of the family are looked at where they say",
+    "the same with other lengths, at other fractions of the stroke",
+)
 def _family(context: Context) -> Mapping[str, bool]:
     robot = context.robot
     member = scaled(robot, 1.4)
@@ -236,6 +204,20 @@ def _family(context: Context) -> Mapping[str, bool]:
                 found.planar_x[place], np.hypot(*moved[:, 0]), 1e-5
             ) and _close(found.planar_y[place], np.hypot(*moved[:, 1]), 1e-5)
     return claims
+
+
+@claims("modes-segments", "So are those of segments", "f = √(uᵀKu / uᵀMu) / 2π")
+def _modes_of_segments(context: Context) -> Mapping[str, bool]:
+    return _modes(context, "segments")
+
+
+@claims(
+    "modes",
+    "Frequencies shown are Rayleigh's quotients in Hz, shares of energy sum to one",
+    "f = √(uᵀKu / uᵀMu) / 2π",
+)
+def _modes_of_beam(context: Context) -> Mapping[str, bool]:
+    return _modes(context, "beam")
 
 
 def _modes(context: Context, model: ModelName) -> Mapping[str, bool]:
@@ -274,6 +256,11 @@ def _modes(context: Context, model: ModelName) -> Mapping[str, bool]:
     }
 
 
+@claims(
+    "section-meshes",
+    "Meshes of the run's own sections have the area and moments of their outlines",
+    "closed forms of rectangles and circles, added and taken off",
+)
 def _own_sections(context: Context) -> Mapping[str, bool]:
     claims: dict[str, bool] = {}
     for number in (1, 2):

@@ -7,7 +7,7 @@ from math import inf, nan, sqrt
 import numpy as np
 
 from validation.case import Absolute, Allowance, Case, Measurement, Relation, Relative, Tolerance
-from validation.cases.program.judgement.claims import claims_case, same
+from validation.cases.program.judgement.claims import claims, same
 from validation.context import Context
 from validation.results.outcome import Verdict, judge, perturbed
 from validation.sweeps.decision import kendall, spearman
@@ -15,31 +15,6 @@ from validation.sweeps.decision import kendall, spearman
 _RANDOM = 300
 _RULE = "README, what the verdict means: E less the allowances within the tolerance, and so its "
 _RULE += "uncertainty"
-
-
-def cases() -> tuple[Case, ...]:
-    """By hand, at random, and ranks."""
-    return (
-        claims_case("rules", "Verdicts are those of a table written by hand", _RULE, _by_hand),
-        claims_case(
-            "rules-random",
-            "Verdicts on measurements at random are those of the rule",
-            _RULE,
-            _at_random,
-        ),
-        claims_case(
-            "ranks",
-            "Ranks of designs are those counted by hand",
-            "C. Spearman, Am. J. Psychol. 15 (1904) 72; M. G. Kendall, Biometrika 30 (1938) 81",
-            _ranks,
-        ),
-        claims_case(
-            "ranks-random",
-            "Ranks of designs at random are those of their definitions",
-            "the same, computed from ranks and from pairs",
-            _ranks_at_random,
-        ),
-    )
 
 
 def probe(tolerance: Tolerance, relation: Relation = Relation.EQUAL) -> Case:
@@ -99,6 +74,7 @@ _TABLE: tuple[tuple[str, float, float, float, tuple[float | None, ...], Verdict]
 _SIGNS = {"=": Relation.EQUAL, "<": Relation.AT_MOST, ">": Relation.AT_LEAST}
 
 
+@claims("rules", "Verdicts are those of a table written by hand", _RULE)
 def _by_hand(_context: Context) -> Mapping[str, bool]:
     found = {}
     for sign, value, reference, allowed, (u, v, w), wanted in _TABLE:
@@ -137,6 +113,7 @@ def _by_hand(_context: Context) -> Mapping[str, bool]:
     }
 
 
+@claims("rules-random", "Verdicts on measurements at random are those of the rule", _RULE)
 def _at_random(_context: Context) -> Mapping[str, bool]:
     rng = np.random.default_rng(12)
     found = {}
@@ -176,6 +153,11 @@ def _at_random(_context: Context) -> Mapping[str, bool]:
     return found
 
 
+@claims(
+    "ranks",
+    "Ranks of designs are those counted by hand",
+    "C. Spearman, Am. J. Psychol. 15 (1904) 72; M. G. Kendall, Biometrika 30 (1938) 81",
+)
 def _ranks(_context: Context) -> Mapping[str, bool]:
     one = (1.0, 2.0, 3.0, 4.0, 5.0)
     # ρ = 1 − 6 Σd²/n(n² − 1), τ = (pairs alike − unlike)/10: two neighbours exchanged twice.
@@ -188,6 +170,11 @@ def _ranks(_context: Context) -> Mapping[str, bool]:
     }
 
 
+@claims(
+    "ranks-random",
+    "Ranks of designs at random are those of their definitions",
+    "the same, computed from ranks and from pairs",
+)
 def _ranks_at_random(_context: Context) -> Mapping[str, bool]:
     rng = np.random.default_rng(13)
     found = {}
