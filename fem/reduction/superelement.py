@@ -14,7 +14,7 @@ from scipy.sparse import csr_array
 from fem.solvers.cholesky import analyse, factorise
 from fem.solvers.factor import Factor
 from lumped.arrays import Array, SparseMatrix
-from lumped.dense.balance import balanced_flexibility, rounding_of_flexibility
+from lumped.dense.balance import ELIMINATION, balanced_flexibility, rounding_of_flexibility
 from lumped.errors import ComputationError
 from lumped.mechanism.body_model import LegMatrices
 from lumped.screws import shift
@@ -24,8 +24,6 @@ ENDS = 12
 # Rounding leaves 1e-10 to 1e-6 of the stiffness in the forces of a rigid motion, by the fineness of
 # the mesh and the slenderness; a support that changes the fourth digit leaves more than this.
 _GROUNDED = 1e-4
-# What elimination loses over what the rounding of the matrix leaves open: up to 3.8 times is seen.
-_ELIMINATION = 5.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -223,7 +221,7 @@ def _refuse_grounded(
         return
     # Of a long thin leg, and of one stiff beside soft, rounding alone leaves more than that.
     rounding = rounding_of_flexibility(stiffness, modes * scale)
-    if (forces > _ELIMINATION * (rounding @ np.abs(motions / scale[:, None]))).any():
+    if (forces > ELIMINATION * (rounding @ np.abs(motions / scale[:, None]))).any():
         raise ComputationError(
             f"{leg.model} leg: a rigid motion of the leg meets resistance; the leg is supported "
             "somewhere beside its ends"

@@ -14,6 +14,9 @@ from lumped.errors import ComputationError
 # Results are printed with four digits. Long thin legs of solids come to 1e-6 (200 times as long as
 # high), walls of a fiftieth of the side with ν = 0.4999 to 1e-7.
 _UNBALANCED = 1e-4
+# What elimination, which rounds each entry again and again, loses over what the rounding of the
+# matrix leaves open: up to 3.8 times is seen of legs, 3.4 of robots of them, over extreme ones.
+ELIMINATION = 5.0
 
 
 def balanced_flexibility(loads: Array, displacements: Array, forces: Array, part: str) -> Array:

@@ -15,7 +15,7 @@ from lumped.arrays import Array
 from lumped.biglide import Biglide
 from validation.studies.quantities import deflections_of
 from validation.sweeps.journal import Journal
-from validation.sweeps.plans import SweptModel, feasible_alphas, member_units
+from validation.sweeps.plans import SweptModel, member_units
 from validation.sweeps.runner import Executor, in_turn, sweep
 from validation.sweeps.units import PostureUnit, SolvedPostures
 
@@ -134,16 +134,18 @@ def decide(
     robot: Biglide,
     models: Sequence[SweptModel],
     brief: Brief,
+    possible: tuple[tuple[float, ...], tuple[str, ...]],
     executor: Executor = in_turn,
     journal: Journal | None = None,
 ) -> Decision:
     """Each model's best α by both objectives, and every model's values at all of them.
 
     A grid, then halving about its best point, which finds the optimum if there is one between its
-    neighbours; deterministic. Raises InputError where the legs meet for no α.
+    neighbours; deterministic. `possible` are those of the brief's α at which the robot can be
+    built, and why the others are not, as `feasible_alphas` has them.
     """
     kept = Journal() if journal is None else journal
-    alphas, impossible = feasible_alphas(robot, brief.alphas)
+    alphas, impossible = possible
     found = _Values(robot, tuple(models), brief, executor, kept)
     found.look_at({model: set(alphas) for model in models})
     sought = [(model, objective) for model in models for objective in objectives_of(model)]

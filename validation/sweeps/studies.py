@@ -158,10 +158,10 @@ def decision_study(
 ) -> Decision:
     """The best α by every model; raises InputError as `alpha_study` does."""
     plan = PLANS[preset]
-    alphas, _ = feasible_alphas(robot, plan.brief.alphas)
-    _require_affordable(scaled(robot, alphas[-1]), preset)
+    possible = feasible_alphas(robot, plan.brief.alphas)
+    _require_affordable(scaled(robot, possible[0][-1]), preset)
     models = (*lumped_models(plan.segments), *plan.judges())
-    return decide(robot, models, plan.brief, executor, journal)
+    return decide(robot, models, plan.brief, possible, executor, journal)
 
 
 def _require_affordable(robot: Biglide, preset: Preset) -> None:

@@ -13,7 +13,6 @@ from lumped.errors import ComputationError
 from lumped.legs import ConstantLeg, Material
 from lumped.robot_file import load_robot
 from lumped.sections import Circle, ISection, Rectangle
-from lumped.system.joint_motion import Portion
 from lumped.system.solution import compliance, solved
 from validation.case import Skip
 from validation.context import Context
@@ -37,7 +36,6 @@ from validation.models.biglide import robot_system
 from validation.report.figures import figures_of
 from validation.report.figures.curves.computed import stations
 from validation.report.figures.curves.dynamics import refined_frequencies
-from validation.report.figures.curves.energy import visible_parts
 from validation.report.figures.curves.lines import (
     BEAM,
     SIMPLIFIED,
@@ -220,17 +218,6 @@ def test_the_fitted_order_leaves_out_what_is_not_asymptotic():
     errors = counts**-4.0
     errors[[0, -1]] = 1.0
     assert fitted_order(counts, errors, 10, 40) == pytest.approx(4.0)
-
-
-def test_small_parts_are_summed_up_to_the_whole():
-    shares = {
-        Portion("foot 1"): np.array([0.6, 0.5]),
-        Portion("leg 1"): np.array([0.395, 0.495]),
-        Portion("leg 2", "tension"): np.array([0.005, 0.005]),
-    }
-    visible = visible_parts(shares)
-    assert list(map(str, visible)) == ["foot 1", "leg 1", "all others"]
-    assert sum(visible.values()) == pytest.approx(np.ones(2))
 
 
 def test_a_mode_is_named_after_its_largest_motion():

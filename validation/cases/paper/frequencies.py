@@ -72,7 +72,7 @@ def _second_mode_bends_leg1(context: Context, reading: ModelOptions) -> Measurem
         reference=1.0,
         exact=True,
         notes=(
-            "With eq. (25) as printed the bending of leg 1 in the plane holds "
+            "With eq. (25) as printed bending z of leg 1 holds "
             f"{100.0 * printed[_BENDING]:.0f} % of the strain energy. With joints that "
             f"turn freely it holds {100.0 * exact[_BENDING]:.0f} % and the feet "
             f"{100.0 * feet:.0f} %: the second mode is then a planar motion on the feet.",
@@ -87,14 +87,14 @@ def _second_mode_bends_leg1(context: Context, reading: ModelOptions) -> Measurem
 
 def _leg1_beam(context: Context, _reading: ModelOptions) -> Measurement:
     leg = context.get(equivalent_leg, context.robot.leg1)
-    in_plane = bending_frequencies(leg.timoshenko, leg.length, "z", 1)
+    bending_z = bending_frequencies(leg.timoshenko, leg.length, "z", 1)
     return Measurement(
         _first_of_leg1(context),
         reference=180.0,
         exact=True,
         notes=(
-            "That is bending out of the plane, deflection along z. In the plane the same beam has "
-            f"its first frequency at {float(in_plane[0]):.1f} Hz.",
+            "That is bending y, deflection along z. Bending z of the same beam has its first "
+            f"frequency at {float(bending_z[0]):.1f} Hz.",
         ),
     )
 

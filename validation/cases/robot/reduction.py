@@ -8,6 +8,7 @@ from fem.reduction.craig_bampton import craig_bampton, frequency_bounds
 from fem.reduction.superelement import held_leg
 from lumped.arrays import Array
 from lumped.biglide import Biglide, system, with_equivalent_legs
+from lumped.dense.balance import ELIMINATION
 from lumped.system.solution import compliance, mode_count, modes, solved
 from validation.case import Absolute, Measurement, Relative, Skip, others
 from validation.case_group import CaseGroup
@@ -26,9 +27,6 @@ DIVISIONS: dict[Preset, int] = {"quick": 1, "standard": 2, "fine": 3}
 CLOSE_CUTOFF = 1.1
 # Bounds below this are lost in the rounding of the frequencies.
 _ROUNDING = 1e-9
-# What elimination, which rounds each entry again and again, loses over what the rounding of the
-# matrix leaves open: 3.4 times is the most that sixty extreme robots show.
-_ELIMINATION = 4.0
 _UNREDUCED = "the same meshes without reduction, sparse Cholesky and Lanczos"
 
 cases = CaseGroup(
@@ -123,7 +121,7 @@ def _found(context: Context) -> tuple[Reduction, ...]:
 def _statics(context: Context) -> Measurement:
     worst = max(_found(context), key=lambda one: one.statics)
     # Both eliminate one stiffness matrix, each in an order of its own.
-    lost = _ELIMINATION * worst.rounding
+    lost = ELIMINATION * worst.rounding
     return Measurement(
         worst.statics,
         0.0,

@@ -53,8 +53,7 @@ def _of_biglide() -> tuple[PlannedFigure, ...]:
     from validation.report.figures.curves import (  # noqa: PLC0415
         decision,
         dynamics,
-        energy,
-        sixty_modes,
+        energies,
         statics,
     )
     from validation.report.figures.pictures import legs, robot  # noqa: PLC0415
@@ -65,8 +64,8 @@ def _of_biglide() -> tuple[PlannedFigure, ...]:
         statics.over_family,
         dynamics.over_stroke,
         dynamics.over_family,
-        energy.figures,
-        sixty_modes.figures,
+        energies.figures,
+        energies.figures_of_solids,
         robot.figures,
         legs.of_leg1,
         legs.of_leg2,

@@ -102,7 +102,7 @@ def _caption(context: Context, counts: Array) -> str:
     at = int(np.flatnonzero(counts == 20)[0])
     half, literal = (100.0 * _errors(context, 1, name)[at] for name in ("half", "literal"))
     return (
-        "Bending out of the plane, clamped leg, against the exact Timoshenko beam; the number at "
+        "Bending y, clamped leg, against the exact Timoshenko beam; the number at "
         "the end of a curve is its observed order, the grey line is 1 %. With 20 elements and "
         f"half springs at both ends leg 1 is off by {half[0]:.2f}, {half[1]:.2f} and "
         f"{half[2]:.2f} % (order two); with springs between the elements alone, as the text of "

@@ -55,7 +55,7 @@ def energies(context: Context) -> Shown:
         f"{frequencies[0]:.4g} to {frequencies[-1]:.4g} Hz. "
         f"{_kinds_said(mechanism)}Bodies of one shape are taken together; the table of the figure "
         "has each by itself.",
-        stacked_bars(panels, colours, legend_columns=4),
+        stacked_bars(panels, colours, 4, frequencies),
         data=csv_of(energy_table(frequencies, found.strain)),
     )
 
