@@ -11,10 +11,9 @@ from validation.drawing.rendering import Picture
 from validation.drawing.style import plot_style
 from validation.exhibits import PATH, PORTRAIT
 from validation.kinematics.picture import picture
-from validation.models.mechanism_modes import PostureModes
 from validation.report.figures.declared import FigureGroup, Shown
 from validation.report.figures.mechanism.drawn_modes import finite_elements, segments
-from validation.report.figures.mechanism.shapes import FORCE, modes_of, moves, under_loads
+from validation.report.figures.mechanism.shapes import FORCE, Pair, modes_of, under_loads
 
 _MODES = 4
 # Modes of the segments among which those of the beams are looked for.
@@ -44,14 +43,9 @@ def portrait(context: Context) -> Shown:
 @figures.figure("mechanism.mode-shapes", "First mode shapes of the mechanism", effort=4.0)
 def mode_shapes(context: Context) -> Shown:
     """A panel for each mode: beams coloured by displacement, places of the segments over them."""
-    beam, beside = _drawn(context)
-    found = modes_of(beam, beside, min(_MODES, len(beam.modes.frequencies)))
-    said = (
-        f"{_drawn_by(beam)} in the middle of the path, coloured by displacement, thin lines: at "
-        f"rest. Orange squares: the same mode {_beside(beam)}; orange outlines in three "
-        "dimensions. Of modes of one frequency any mixture is one."
-    )
-    return Shown(said, picture=found.picture, data=found.data, scenes=found.scenes)
+    pair = _drawn(context)
+    count = min(_MODES, len(pair.beam.modes.frequencies))
+    return modes_of(pair, count, "Of modes of one frequency any mixture is one.")
 
 
 @figures.figure(
@@ -59,33 +53,20 @@ def mode_shapes(context: Context) -> Shown:
 )
 def deformed(context: Context) -> Shown:
     """A panel for each force, each with its own scale."""
-    beam, beside = _drawn(context)
-    found = under_loads(beam, beside)
-    said = (
-        f"{_drawn_by(beam)} in the middle of the path, each picture with the enlargement named "
-        f"above it. {moves(found)} Red arrow: the force; orange outlines in three dimensions: the "
-        f"same {_beside(beam)}."
-    )
-    return Shown(said, picture=found.picture, data=found.data, scenes=found.scenes)
+    return under_loads(_drawn(context))
 
 
-def _drawn(context: Context) -> tuple[PostureModes, PostureModes]:
+def _drawn(context: Context) -> Pair:
     """Finite elements, and the segments beside them."""
     mechanism = context.robot_file.mechanism
-    if not (legs_of(mechanism) or mechanism.parts):
+    prisms, parts = bool(legs_of(mechanism)), bool(mechanism.parts)
+    if not (prisms or parts):
         raise Skip("all bodies are rigid: there are no shapes to be drawn")
     require_vtk()
-    return finite_elements(context, _MODES), segments(context, _MODES + _BESIDES)
-
-
-def _drawn_by(drawn: PostureModes) -> str:
-    mechanism = drawn.posture.mechanism
-    if not mechanism.parts:
-        return "Beam model"
-    return "Parts as solids" + (" and other legs as beams" if legs_of(mechanism) else "")
-
-
-def _beside(drawn: PostureModes) -> str:
-    if not drawn.posture.mechanism.parts:
-        return "of the segments"
-    return "with parts condensed on their interfaces"
+    model = f"Parts as solids{' and other legs as beams' * prisms}" if parts else "Beam model"
+    return Pair(
+        finite_elements(context, _MODES),
+        segments(context, _MODES + _BESIDES),
+        f"{model} in the middle of the path",
+        "with parts condensed on their interfaces" if parts else "by segments",
+    )

@@ -19,7 +19,6 @@ from validation.drawing.opengl import require_vtk
 from validation.drawing.prisms import readable_factor
 from validation.drawing.rendering import (
     Body,
-    Picture,
     Scene,
     Wire,
     arrow,
@@ -35,7 +34,7 @@ from validation.drawing.rendering import (
 from validation.drawing.scenes import interactive
 from validation.drawing.style import MODELS, VERMILLION, canvas, csv_of, plot_style
 from validation.drawing.view import fitted_view
-from validation.exhibits import InteractiveScene
+from validation.report.figures.declared import Shown
 from validation.report.figures.mechanism.bodies import (
     COMPARED,
     Moved,
@@ -90,34 +89,30 @@ def _joints(system: System, unknowns: Array) -> tuple[list[Body], list[Wire]]:
 ANY = Stage(_joints)
 
 
-@dataclass(frozen=True)
-class Shapes:
-    """A picture with its scenes and table; `tips` (k×3, m): where the loaded point goes."""
+@dataclass(frozen=True, eq=False)
+class Pair:
+    """Two models of a robot, one drawn over the other: beams, say, beside segments.
 
-    picture: Picture
-    scenes: tuple[InteractiveScene, ...]
-    data: str
-    tips: Array
+    `said` is what the first one is and where it stands, `beside` what the other one is.
+    """
 
-
-def moves(found: Shapes) -> str:
-    """How far the loaded point goes under each of the forces."""
-    said = (
-        f"{np.linalg.norm(tip) * _MICRO:.4g} µm under the force along {name}"
-        for name, tip in zip("xyz", found.tips, strict=True)
-    )
-    return f"The loaded point moves {', '.join(said)}."
+    beam: Vibrating
+    segments: Vibrating
+    said: str
+    beside: str
+    stage: Stage = ANY
 
 
-def modes_of(beam: Vibrating, segments: Vibrating, count: int, stage: Stage = ANY) -> Shapes:
+def modes_of(pair: Pair, count: int, *further: str) -> Shown:
     """A panel for each of the first modes of the beams, the same mode of the segments over it.
 
-    Raises Skip where nothing can be drawn.
+    `further` is said in the caption. Raises Skip where nothing can be drawn.
     """
     require_vtk()
+    beam, segments, stage = pair.beam, pair.segments, pair.stage
     rows = -(-count // 2)
     columns = _places(beam.system, stage)
-    scenes, tips = [], []
+    scenes = []
     with plot_style():
         picture, panels = canvas(rows, 2, rows * (_HEIGHT + 0.75))
         for axes in panels[count:]:
@@ -134,7 +129,6 @@ def modes_of(beam: Vibrating, segments: Vibrating, count: int, stage: Stage = AN
             axes.set_title(title)
             overlay = outlines_of(segments.system, factor * like, stage.compared)
             scenes.append(interactive(title, scene, [overlay]))
-            tips.append(bent.tip)
             colour_bar(picture, axes, scene.limits, "displacement, largest = 1")
             for name, (system, unknowns) in {
                 "beam FE": (beam.system, bent.unknowns),
@@ -143,18 +137,24 @@ def modes_of(beam: Vibrating, segments: Vibrating, count: int, stage: Stage = AN
                 what = f"mode {mode + 1}, {name} (largest = 1)"
                 columns |= _columns(what, system, unknowns / bent.largest, stage)
         drawn = picture_of(picture)
-    return Shapes(drawn, tuple(scenes), csv_of(columns), np.array(tips))
+    said = (
+        f"{pair.said}, coloured by displacement, thin lines: at rest. Orange squares: the same "
+        f"mode {pair.beside}; orange outlines in three dimensions."
+    )
+    caption = " ".join((said, *further))
+    return Shown(caption, picture=drawn, data=csv_of(columns), scenes=tuple(scenes))
 
 
-def under_loads(beam: Vibrating, segments: Vibrating, stage: Stage = ANY) -> Shapes:
+def under_loads(pair: Pair) -> Shown:
     """A panel for each force along x, y and z at the loaded point, each with its own scale.
 
     Raises Skip where nothing can be drawn.
     """
     require_vtk()
+    beam, segments, stage = pair.beam, pair.segments, pair.stage
     size = beam.system.posture.mechanism.size
     columns = _places(beam.system, stage)
-    scenes, tips = [], []
+    scenes, moved = [], []
     with plot_style():
         picture, panels = canvas(1, 3, _SMALL_HEIGHT + 0.8)
         for place, (axes, name) in enumerate(zip(panels, "xyz", strict=True)):
@@ -171,12 +171,18 @@ def under_loads(beam: Vibrating, segments: Vibrating, stage: Stage = ANY) -> Sha
             lumped = factor * _under(segments.system, place)
             overlay = outlines_of(segments.system, lumped, stage.compared)
             scenes.append(interactive(title, scene, [overlay], "push"))
-            tips.append(bent.tip)
+            far = np.linalg.norm(bent.tip) * _MICRO
+            moved.append(f"{far:.4g} µm under the force along {name}")
             colour_bar(picture, axes, scene.limits, "displacement (µm)")
             what = f"force along {name} (µm)"
             columns |= _columns(what, beam.system, bent.unknowns * _MICRO, stage)
         drawn = picture_of(picture)
-    return Shapes(drawn, tuple(scenes), csv_of(columns), np.array(tips))
+    caption = (
+        f"{pair.said}, each picture with the enlargement named above it. The loaded point moves "
+        f"{', '.join(moved)}. Red arrow: the force; orange outlines in three dimensions: the same "
+        f"{pair.beside}."
+    )
+    return Shown(caption, picture=drawn, data=csv_of(columns), scenes=tuple(scenes))
 
 
 class _Bent:

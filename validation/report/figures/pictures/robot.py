@@ -25,7 +25,7 @@ from validation.models.biglide import robot_system
 from validation.report.figures.curves.lines import as_in_paper
 from validation.report.figures.declared import FigureGroup, Shown
 from validation.report.figures.mechanism.bodies import legs
-from validation.report.figures.mechanism.shapes import FORCE, modes_of, moves, under_loads
+from validation.report.figures.mechanism.shapes import FORCE, Pair, modes_of, under_loads
 from validation.report.figures.pictures.stage import names, stage_of, top_of_joint
 from validation.studies.quantities import RobotModes, robot_modes
 
@@ -81,35 +81,27 @@ def portrait(context: Context) -> Shown:
 def mode_shapes(context: Context) -> Shown:
     """A panel for each mode: beams coloured by displacement, the segments' centres over them."""
     require_vtk()
-    x = context.robot.centre
     beam, segments = _modes(context)
-    found = modes_of(beam, segments, _SHOWN, stage_of(context.robot, x))
-    said = [
-        f"Beam model at x = {x:.4g} m, legs drawn with their equivalent sections and coloured by "
-        "displacement, thin lines: the robot at rest. Orange squares: the segments of the lumped "
-        "model in the same mode; orange frames in three dimensions."
-    ]
-    said += [
+    said = (
         f"Mode {mode + 1}: {100.0 * beam.kinetic['z'][mode]:.0f} % of the kinetic energy of "
         f"translation is along z; {beam.modes.frequencies[mode]:.1f} Hz with beams, "
         f"{segments.modes.frequencies[mode]:.1f} Hz with segments."
         for mode in range(_SHOWN)
-    ]
-    return Shown(" ".join(said), picture=found.picture, data=found.data, scenes=found.scenes)
+    )
+    return modes_of(_drawn(context), _SHOWN, *said)
 
 
 @figures.figure("robot.deformed", f"The robot under {FORCE:g} N along x, y and z", effort=2.0)
 def deformed_robot(context: Context) -> Shown:
     """A panel for each load, each with its own scale."""
     require_vtk()
+    return under_loads(_drawn(context))
+
+
+def _drawn(context: Context) -> Pair:
     x = context.robot.centre
-    found = under_loads(*_modes(context), stage_of(context.robot, x))
-    said = (
-        f"Beam model at x = {x:.4g} m, each picture with the enlargement named above it. "
-        f"{moves(found)} The red arrow is the load; orange frames in three dimensions: the "
-        "segments of the lumped model."
-    )
-    return Shown(said, picture=found.picture, data=found.data, scenes=found.scenes)
+    said = f"Beam model at x = {x:.4g} m, legs with their equivalent sections"
+    return Pair(*_modes(context), said, "by segments", stage_of(context.robot, x))
 
 
 def _modes(context: Context) -> tuple[RobotModes, RobotModes]:
