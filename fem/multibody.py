@@ -6,7 +6,7 @@ J. Gerstmayr, Multibody System Dynamics 60 (2024) 617. An optional extra, import
 
 from importlib.metadata import PackageNotFoundError, version
 from itertools import pairwise
-from typing import Any
+from typing import Any, assert_never
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -196,26 +196,27 @@ class _System:
 
 def _joint_axes(joint: Joint, free: Array) -> tuple[Array, list[int], int]:
     """Axes of the joint (columns, base axes), what it holds along and about them, its drive."""
-    held = [1, 1, 1, 1, 1, 1]
-    if joint.kind == "fixed":
-        return np.eye(3), held, 0
-    if joint.kind == "spherical":
-        return np.eye(3), [1, 1, 1, 0, 0, 0], 3
-    if joint.kind == "universal":
-        first, second = free[3:, 0], free[3:, 1]
-        normal = np.cross(first, second)
-        return _with_x(first, normal), [1, 1, 1, 0, 0, 1], 3
-    if joint.kind == "planar":
-        return np.column_stack([free[:3, 0], free[:3, 1], free[3:, 2]]), [0, 0, 1, 1, 1, 0], 5
-    axis = free[:3, 0] if joint.kind in ("prismatic", "cylindrical") else free[3:, 0]
-    if joint.kind in ("prismatic", "cylindrical"):
-        held[0] = 0
-    if joint.kind in ("revolute", "cylindrical"):
-        held[3] = 0
-    across = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
-    return _with_x(axis, across), held, 3 if joint.kind == "revolute" else 0
+    match joint.kind:
+        case "fixed":
+            return np.eye(3), [1, 1, 1, 1, 1, 1], 0
+        case "spherical":
+            return np.eye(3), [1, 1, 1, 0, 0, 0], 3
+        case "universal":
+            first, second = free[3:, 0], free[3:, 1]
+            return _with_x(first, np.cross(first, second)), [1, 1, 1, 0, 0, 1], 3
+        case "planar":
+            return np.column_stack([free[:3, 0], free[:3, 1], free[3:, 2]]), [0, 0, 1, 1, 1, 0], 5
+        case "revolute":
+            return _with_x(free[3:, 0]), [1, 1, 1, 0, 1, 1], 3
+        case "prismatic" | "cylindrical":
+            about = int(joint.kind == "prismatic")
+            return _with_x(free[:3, 0]), [0, 1, 1, about, 1, 1], 0
+        case _:
+            assert_never(joint.kind)
 
 
-def _with_x(x: Array, z: Array) -> Array:
+def _with_x(x: Array, across: Array | None = None) -> Array:
+    """Axes (columns) with z along `across`, or along any direction across x."""
+    z = np.cross(x, np.eye(3)[np.argmin(np.abs(x))]) if across is None else across
     z = z / np.linalg.norm(z)
     return np.column_stack([x, np.cross(z, x), z])

@@ -16,6 +16,7 @@ from fem.solvers.factor import Factor
 from lumped.arrays import Array, SparseMatrix
 from lumped.dense.balance import ELIMINATION, balanced_flexibility, rounding_of_flexibility
 from lumped.errors import ComputationError
+from lumped.mechanism.body import Rigid
 from lumped.mechanism.body_model import LegMatrices
 from lumped.screws import shift
 
@@ -73,15 +74,6 @@ class Superelement:
     def recover(self, unknowns: Array) -> Array:
         """Displacement (n or n×k) of the unreduced leg from q (r or r×k)."""
         return np.asarray(self.recovery @ unknowns)
-
-
-@dataclass(frozen=True)
-class MassProperties:
-    """Mass (kg), centre of mass (3, m from the root) and inertia (3×3, kg m²) about it."""
-
-    mass: float
-    centre: Array
-    inertia: Array
 
 
 def end_motions(length: float) -> Array:
@@ -164,8 +156,8 @@ def rigid_motions(leg: LegMatrices) -> Array:
     return np.vstack([end_motions(leg.length), np.zeros((leg.size - ENDS, 6))])
 
 
-def mass_properties(leg: LegMatrices, motions: Array) -> MassProperties:
-    """What the mass matrix says of the rigid leg; raises ComputationError without mass."""
+def mass_properties(leg: LegMatrices, motions: Array) -> Rigid:
+    """What the mass matrix says of the rigid leg, from its root; ComputationError without mass."""
     rigid = motions.T @ (leg.mass @ motions)
     mass = float(rigid[0, 0])
     if not mass > 0.0:
@@ -174,7 +166,7 @@ def mass_properties(leg: LegMatrices, motions: Array) -> MassProperties:
     moment = rigid[:3, 3:] / mass
     centre = np.array([moment[1, 2], moment[2, 0], moment[0, 1]])
     square = centre @ centre * np.eye(3) - np.outer(centre, centre)
-    return MassProperties(mass, centre, rigid[3:, 3:] - mass * square)
+    return Rigid(mass, centre, rigid[3:, 3:] - mass * square)
 
 
 def _symmetric(matrix: Array) -> Array:

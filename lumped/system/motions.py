@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lumped.arrays import Array
-from lumped.mechanism.joint import Joint, Side
+from lumped.mechanism.joint import AXES, Joint, Side
 from lumped.mechanism.mechanism import GROUND, Mechanism, Posture
 from lumped.screws import shift
 from lumped.system.joint_motion import JointMotion, Portion, joint_motion, same_rank
@@ -217,7 +217,7 @@ def _allowed(structure: Structure, frames: Frames, number: int) -> JointMotion:
     """What a joint lets happen in P postures, base axes."""
     joint = structure.mechanism.joints[number]
     first = frames.since_reference(joint.first.body)
-    if joint.kind != "universal":
+    if AXES[joint.kind] < 2:
         return structure.described[number].turned(first)
     second = frames.since_reference(joint.second.body)
     return joint_motion(joint, first, second, structure.length)

@@ -13,6 +13,7 @@ from meshes.part.interfaces import find_interfaces
 from meshes.part.reading.read import read_part
 from meshes.part.volume import Grading, volume_mesh
 from validation.agreement.differences import scaled_difference
+from validation.cases.program.parts.drawing import plane_ends
 
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 LENGTH, ROOT, TIP = 0.5, 0.03, 0.02
@@ -28,10 +29,7 @@ def cone(tmp_path_factory):
         gmsh.model.occ.synchronize()
         gmsh.write(str(path))
     part = read_part(path)
-    ends = {
-        name: PartInterface(ByPlane((way, 0.0, 0.0), (x, 0.0, 0.0)), "average")
-        for name, way, x in (("A", -1.0, 0.0), ("B", 1.0, LENGTH))
-    }
+    ends = plane_ends(LENGTH, "average")
     found = find_interfaces(part, ends)
     return part, ends, volume_mesh(part, found, Grading(0.015)), found
 

@@ -10,7 +10,6 @@ from fem.bodies.solid import clamped_leg, solid_leg, solid_mesh, tip_compliance
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, Material
 from lumped.mechanism.kinematics.postures import reference_posture
-from lumped.mechanism.part import ByPlane, PartInterface
 from lumped.robot_file import load_robot
 from lumped.sections import Rectangle
 from meshes.gmsh_session import gmsh_model
@@ -19,6 +18,7 @@ from meshes.part.reading.read import read_part
 from meshes.part.volume import Grading, volume_mesh
 from validation import cli
 from validation.agreement.differences import scaled_difference
+from validation.cases.program.parts.drawing import plane_ends
 from validation.models import parts
 from validation.models.mechanism import answers
 from validation.models.options import ModelOptions
@@ -61,10 +61,7 @@ def test_a_prism_written_as_step_is_the_leg_of_the_section_route(tmp_path):
         gmsh.model.occ.synchronize()
         gmsh.write(str(tmp_path / "box.step"))
     part = read_part(tmp_path / "box.step")
-    ends = {
-        name: PartInterface(ByPlane((way, 0.0, 0.0), (x, 0.0, 0.0)), "rigid")
-        for name, way, x in (("A", -1.0, 0.0), ("B", 1.0, 0.5))
-    }
+    ends = plane_ends(0.5, "rigid")
     found = find_interfaces(part, ends)
     mesh = volume_mesh(part, found, Grading(0.011))
     body = held_part(meshed_part(mesh, STEEL), grips_of(mesh, found), "box")

@@ -11,7 +11,7 @@ from lumped.errors import InputError
 from lumped.legs import Material
 from lumped.mechanism.body import Body, Frame
 from lumped.mechanism.kinematics.postures import posture
-from lumped.mechanism.part import ByPlane, Part, PartInterface
+from lumped.mechanism.part import Part
 from lumped.robot_file import load_robot
 from meshes.gmsh_session import gmsh_model
 from meshes.part.boundary import boundary
@@ -22,6 +22,7 @@ from meshes.part.volume import Grading, volume_mesh
 from validation.adequacy.mechanism.statics import unanswered
 from validation.adequacy.response import Response
 from validation.adequacy.subject.parts import part_rungs
+from validation.cases.program.parts.drawing import plane_ends
 from validation.models import parts
 from validation.models.legs import leg_matrices
 from validation.models.options import ModelOptions
@@ -34,10 +35,7 @@ from validation.agreement.differences import scaled_difference
 
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 LENGTH, WIDTH, ROOT, TIP = 0.5, 0.04, 0.06, 0.03
-ENDS = {
-    name: PartInterface(ByPlane((way, 0.0, 0.0), (x, 0.0, 0.0)), "average")
-    for name, way, x in (("A", -1.0, 0.0), ("B", 1.0, LENGTH))
-}
+ENDS = plane_ends(LENGTH, "average")
 
 
 @pytest.fixture(scope="module")
@@ -71,10 +69,7 @@ def channel_of(folder, length):
         occ.cut([(3, outer)], [(3, inner)])
         occ.synchronize()
         gmsh.write(str(path))
-    ends = {
-        name: PartInterface(ByPlane((way, 0.0, 0.0), (x, 0.0, 0.0)), "average")
-        for name, way, x in (("A", -1.0, 0.0), ("B", 1.0, length))
-    }
+    ends = plane_ends(length, "average")
     points = {"A": Frame(), "B": Frame(np.array([length, 0.0, 0.0]))}
     return Body("channel", Part(path, STEEL, ends), points)
 

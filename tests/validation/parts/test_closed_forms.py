@@ -11,10 +11,10 @@ import pytest
 from scipy.integrate import quad
 
 from lumped.legs import Material
-from lumped.mechanism.part import ByPlane, PartInterface
 from meshes.gmsh_session import gmsh_model
 from meshes.part.interfaces import find_interfaces
 from meshes.part.reading.read import read_part
+from validation.cases.program.parts.drawing import plane_ends
 from validation.parts.identify import identify
 
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
@@ -33,10 +33,7 @@ def identified(folder, draw, monkeypatch):
         gmsh.model.occ.synchronize()
         gmsh.write(str(path))
     part = read_part(path)
-    ends = {
-        name: PartInterface(ByPlane((way, 0.0, 0.0), (x, 0.0, 0.0)), "average")
-        for name, way, x in (("A", -1.0, 0.0), ("B", 1.0, LENGTH))
-    }
+    ends = plane_ends(LENGTH, "average")
     points = {"A": np.zeros(3), "B": np.array([LENGTH, 0.0, 0.0])}
     return identify(part, find_interfaces(part, ends, points), STEEL, UNKNOWNS, 0)
 

@@ -276,6 +276,8 @@ def _gaps(at: Posture, joint: Joint) -> tuple[float, float]:
             turned = np.atleast_1d(angles)
         case "fixed" | "prismatic":
             turned = (relative - np.eye(3)).ravel()
-        case _:
+        case "revolute" | "cylindrical" | "planar":
             turned = (relative - np.eye(3)) @ joint.axes[0]
+        case _:
+            assert_never(joint.kind)
     return float(np.linalg.norm(apart)), float(np.linalg.norm(turned))

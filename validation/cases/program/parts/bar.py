@@ -11,12 +11,11 @@ import numpy as np
 from fem.bodies.part import grips_of, held_part, meshed_part
 from lumped.arrays import Array
 from lumped.legs import Material
-from lumped.mechanism.part import ByPlane, PartInterface
 from meshes.part.interfaces import find_interfaces
 from validation.agreement.differences import farthest_off
 from validation.case import Absolute, Measurement
 from validation.case_group import CaseGroup
-from validation.cases.program.parts.drawing import SECTION, read_again
+from validation.cases.program.parts.drawing import SECTION, plane_ends, read_again
 from validation.context import Context
 
 _STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
@@ -32,11 +31,7 @@ cases = CaseGroup(section=SECTION, group="program.parts.bar", subject="program")
 def bar_compliance() -> Array:
     """Compliance (6×6, SI) of one averaged end from the other."""
     part, mesh = read_again("bar", _drawn, _SIZE)
-    ends = {
-        name: PartInterface(ByPlane((way, 0.0, 0.0), (x * _MM, 0.0, 0.0)), "average")
-        for name, way, x in (("A", -1.0, 0.0), ("B", 1.0, _BAR[0]))
-    }
-    grips = grips_of(mesh, find_interfaces(part, ends))
+    grips = grips_of(mesh, find_interfaces(part, plane_ends(_BAR[0] * _MM, "average")))
     return held_part(meshed_part(mesh, _STEEL), grips, "bar").compliance
 
 

@@ -6,6 +6,7 @@ from tempfile import TemporaryDirectory
 from types import ModuleType
 
 from lumped.errors import ComputationError
+from lumped.mechanism.part import ByPlane, Coupling, PartInterface
 from meshes.gmsh_session import gmsh_model
 from meshes.part.part_mesh import PartMesh
 from meshes.part.reading.read import PartFile, read_part
@@ -27,6 +28,14 @@ def meshed(path: Path, draw: Callable[[ModuleType], None], size: float, sides: f
         gmsh.model.mesh.setOrder(2)
         gmsh.write(str(path))
     return path
+
+
+def plane_ends(length: float, coupling: Coupling | None = None) -> dict[str, PartInterface]:
+    """Interfaces A and B: the plane ends of what is `length` (m) long along x, from the origin."""
+    return {
+        name: PartInterface(ByPlane((way, 0.0, 0.0), (x, 0.0, 0.0)), coupling)
+        for name, way, x in (("A", -1.0, 0.0), ("B", 1.0, length))
+    }
 
 
 def read_again(

@@ -17,13 +17,13 @@ from fem.reduction.held import HeldBody
 from lumped.arrays import Array
 from lumped.legs import Material
 from lumped.mechanism.body import Body, Frame
-from lumped.mechanism.part import ByPlane, Part, PartInterface
+from lumped.mechanism.part import Part
 from lumped.models.cantilever import tip_compliance_of
 from meshes.part.interfaces import find_interfaces
 from validation.agreement.differences import farthest_off
 from validation.case import Absolute, Measurement
 from validation.case_group import CaseGroup
-from validation.cases.program.parts.drawing import SECTION, meshed, read_again
+from validation.cases.program.parts.drawing import SECTION, meshed, plane_ends, read_again
 from validation.context import Context
 from validation.models.legs import leg_matrices
 from validation.models.options import ModelOptions
@@ -45,18 +45,13 @@ def pieces() -> tuple[Array, float]:
     places = {"A": Frame(), "B": Frame(np.array([_LENGTH * _MM, 0.0, 0.0]))}
     with TemporaryDirectory(prefix="wedge-") as folder:
         file = meshed(Path(folder) / "wedge.msh", _drawn, _SIZE, 4.0)
-        leg = stepped(Body("wedge", Part(file, _STEEL, _ends(), "mm"), places), _PIECES)
+        leg = stepped(
+            Body("wedge", Part(file, _STEEL, plane_ends(_LENGTH * _MM), "mm"), places), _PIECES
+        )
     matrices = leg_matrices("beam", leg, ModelOptions(elements=_PIECES))
     mass = sum(piece.properties.mu * piece.length for piece in leg.pieces)
     rest = leg.root_mass[0, 0] + leg.tip_mass[0, 0]
     return tip_compliance_of(matrices), float(mass + rest)
-
-
-def _ends() -> dict[str, PartInterface]:
-    return {
-        name: PartInterface(ByPlane((way, 0.0, 0.0), (x * _MM, 0.0, 0.0)))
-        for name, way, x in (("A", -1.0, 0.0), ("B", 1.0, _LENGTH))
-    }
 
 
 def _drawn(kernel: ModuleType) -> None:
@@ -118,7 +113,7 @@ def _stepped(context: Context) -> Measurement:
 def _counted(_: Context) -> Measurement:
     part, mesh = read_again("wedge", _drawn, _COARSE)
     whole = meshed_part(mesh, _STEEL)
-    grips = grips_of(mesh, find_interfaces(part, _ends()), "rigid")
+    grips = grips_of(mesh, find_interfaces(part, plane_ends(_LENGTH * _MM)), "rigid")
     found = reduction(HeldBody(held_part(whole, grips, "wedge")), _CUTOFF / 2.0, _CUTOFF)
     x = mesh.nodes[:, 0] / (_MM * _LENGTH)
     inside = np.flatnonzero((x > 1e-6) & (x < 1.0 - 1e-6))
