@@ -40,7 +40,7 @@ from validation.sweeps.plans import (
 from validation.sweeps.runner import Executor, in_turn, sweep
 from validation.sweeps.units import SolvedPostures
 
-Study: TypeAlias = Callable[[Biglide, Preset, Journal, Executor], object]
+Sweep: TypeAlias = Callable[[Biglide, Preset, Journal, Executor], object]
 STROKE_FREQUENCIES = 4
 # Where Figs 6, 12 and 13 are drawn, as a fraction of the stroke.
 POINTS: Mapping[str, float] = {"left": 0.0, "centre": 0.5, "right": 1.0}
@@ -175,7 +175,7 @@ def precompute(
     preset: Preset,
     folder: Path,
     executor: Executor,
-    studies: Sequence[Study] = (decision_study, alpha_study, stroke_study),
+    studies: Sequence[Sweep] = (decision_study, alpha_study, stroke_study),
 ) -> None:
     """Compute `studies` beforehand, with `executor`, into the journal in `folder`.
 
@@ -209,7 +209,7 @@ PAPER = "Briot, Pashkevich, Chablat, §2.3, §3.3 and conclusions"
 T = TypeVar("T")
 
 
-def studies_read(preset: Preset) -> tuple[Study, ...]:
+def studies_read(preset: Preset) -> tuple[Sweep, ...]:
     """The sweeps that cases and figures of a preset read."""
     curves = alpha_study, stroke_study
     return (decision_study, *curves) if preset in DECIDED else curves
