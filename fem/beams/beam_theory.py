@@ -21,7 +21,7 @@ from lumped.errors import ComputationError
 from lumped.legs import BeamProperties
 
 Plane: TypeAlias = Literal["y", "z"]
-Part: TypeAlias = Literal["tension", "torsion", "bending y", "bending z"]
+Kind: TypeAlias = Literal["tension", "torsion", "bending y", "bending z"]
 
 # Roots to a few units in the last place; brentq takes no relative tolerance below 4 eps.
 _ROOT_TOLERANCE = 4.0 * np.finfo(float).eps
@@ -34,7 +34,7 @@ class CantileverFrequency:
     """Frequency (Hz) number `order` (1, 2, …) of one kind of deformation of a cantilever."""
 
     frequency: float
-    part: Part
+    kind: Kind
     order: int
 
 
@@ -52,15 +52,15 @@ def cantilever_frequencies(
     properties: BeamProperties, length: float, count: int
 ) -> tuple[CantileverFrequency, ...]:
     """The lowest `count` frequencies of the clamped–free leg of `length` (m), ascending."""
-    by_part: dict[Part, Array] = {
+    by_kind: dict[Kind, Array] = {
         "tension": tension_frequencies(properties, length, count),
         "torsion": torsion_frequencies(properties, length, count),
         "bending y": bending_frequencies(properties, length, "y", count),
         "bending z": bending_frequencies(properties, length, "z", count),
     }
     merged = [
-        CantileverFrequency(float(frequency), part, order)
-        for part, frequencies in by_part.items()
+        CantileverFrequency(float(frequency), kind, order)
+        for kind, frequencies in by_kind.items()
         for order, frequency in enumerate(frequencies, start=1)
     ]
     return tuple(sorted(merged, key=lambda item: item.frequency)[:count])

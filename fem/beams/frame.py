@@ -15,6 +15,7 @@ import numpy as np
 from scipy.sparse import block_diag, csr_matrix, identity, vstack
 
 from fem.beams.beam import beam_leg
+from fem.beams.beam_theory import Kind
 from lumped.arrays import Array, IntArray, SparseMatrix
 from lumped.dense.modes import Modes, solve_modes
 from lumped.dense.statics import solve_statics
@@ -23,7 +24,6 @@ from lumped.legs import BeamProperties
 from lumped.mechanism.body_model import LegMatrices
 from lumped.screws import shift, skew, turn
 
-Kind: TypeAlias = Literal["tension", "torsion", "bending y", "bending z"]
 Component: TypeAlias = Literal["x", "y", "z", "φx", "φy", "φz"]
 Vector: TypeAlias = tuple[float, float, float]
 

@@ -158,7 +158,7 @@ def test_cantilever_frequencies_are_merged_ascending_with_their_names():
     found = cantilever_frequencies(LEG1.timoshenko, LEG1.length, 8)
     frequencies = [item.frequency for item in found]
     assert frequencies == sorted(frequencies)
-    assert [(item.part, item.order) for item in found[:6]] == [
+    assert [(item.kind, item.order) for item in found[:6]] == [
         ("bending z", 1),
         ("bending y", 1),
         ("bending z", 2),

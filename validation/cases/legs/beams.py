@@ -107,7 +107,7 @@ def _mode(context: Context, number: int, model: ModelName, index: int) -> Measur
     elements = _elements(exact.order)
     coarse, fine = (
         context.get(
-            kind_frequencies, leg, model, exact.part, exact.order, ModelOptions(elements=number)
+            kind_frequencies, leg, model, exact.kind, exact.order, ModelOptions(elements=number)
         )[-1]
         for number in (elements // 2, elements)
     )
@@ -119,7 +119,7 @@ def _mode(context: Context, number: int, model: ModelName, index: int) -> Measur
         * float(abs(fine - coarse)),
         # What so many elements leave is what is judged, against a root that is exact.
         judged_uncertainty=0.0,
-        notes=(f"{exact.part}, number {exact.order} of its kind, {elements} elements",),
+        notes=(f"{exact.kind}, number {exact.order} of its kind, {elements} elements",),
     )
 
 

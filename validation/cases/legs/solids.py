@@ -128,14 +128,14 @@ def _restrained(leg: ConstantLeg, divisions: tuple[int, ...]) -> Array:
 def _own_frequencies(
     leg: ConstantLeg, divisions: tuple[int, ...], kinds: tuple[tuple[str, int], ...]
 ) -> Array:
-    """Frequencies (Hz, m×k) of the beam by part and order, for each of the solids' meshes."""
+    """Frequencies (Hz, m×k) of the beam by kind and order, for each of the solids' meshes."""
     beams = (own_beam(leg, number) for number in divisions)
     modes = (cantilever_frequencies(beam, leg.length, 2 * MODES) for beam in beams)
     return np.array([[_frequency_of(found, *kind) for kind in kinds] for found in modes])
 
 
-def _frequency_of(modes: tuple[CantileverFrequency, ...], part: str, order: int) -> float:
-    return next(float(m.frequency) for m in modes if (m.part, m.order) == (part, order))
+def _frequency_of(modes: tuple[CantileverFrequency, ...], kind: str, order: int) -> float:
+    return next(float(m.frequency) for m in modes if (m.kind, m.order) == (kind, order))
 
 
 @_compliances.case(
@@ -241,22 +241,22 @@ def _mode(context: Context, number: int, index: int) -> Measurement:
     listed = context.get(exact_modes, leg)
     exact = listed[index]
     width, height = leg.section.extent
-    depth = {"bending y": height, "bending z": width}.get(exact.part, max(width, height))
+    depth = {"bending y": height, "bending z": width}.get(exact.kind, max(width, height))
     heights = 4.0 * leg.length / (2 * exact.order - 1) / depth
     if heights < SHORTEST_WAVE:
         raise Skip(
-            f"{exact.part}, number {exact.order} of its kind: its wave is {heights:.1f} section "
+            f"{exact.kind}, number {exact.order} of its kind: its wave is {heights:.1f} section "
             f"heights long, below {SHORTEST_WAVE:g} no beam theory is meant to hold"
         )
     rigid, free = (frequencies(context, number, ends) for ends in ("rigid", "free"))
     found = free.frequencies
-    kinds = tuple((one.part, one.order) for one in listed)
+    kinds = tuple((one.kind, one.order) for one in listed)
     beams = context.get(_own_frequencies, leg, found.divisions, kinds)
     own = Refinement(found.divisions, beams[:, index])
     # As for compliances: free solid and beam have the errors of one section mesh in common.
     left = Refinement(found.divisions, found.values[:, index] - own.values)
     value, reference = float(found.values[-1, index]), float(own.values[-1])
-    torsion = exact.part == "torsion"
+    torsion = exact.kind == "torsion"
     wave, tip = context.get(_warping_waves, leg, exact.order) if torsion else (1.0, 1.0)
     return Measurement(
         value,
@@ -265,9 +265,9 @@ def _mode(context: Context, number: int, index: int) -> Measurement:
         reference_uncertainty=own.uncertainty(),
         judged_uncertainty=left.uncertainty(),
         notes=(
-            f"{exact.part}, number {exact.order} of its kind; MAC with the beam's mode "
+            f"{exact.kind}, number {exact.order} of its kind; MAC with the beam's mode "
             f"{free.mac[-1, index]:.4f}",
-            *_wave_notes(exact.part, wave, tip),
+            *_wave_notes(exact.kind, wave, tip),
             f"with rigid end faces {rigid.frequencies.values[-1, index]:.5g} Hz, "
             f"{_percent(float(rigid.frequencies.values[-1, index]), value)}",
         ),

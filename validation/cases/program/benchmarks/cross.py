@@ -6,7 +6,8 @@ import numpy as np
 from scipy.linalg import null_space, subspace_angles
 from scipy.optimize import brentq
 
-from fem.beams.frame import Frame, Kind, Member, Support, assemble, modes
+from fem.beams.beam_theory import Kind
+from fem.beams.frame import Frame, Member, Support, assemble, modes
 from lumped.arrays import Array
 from lumped.legs import ConstantLeg, Material
 from lumped.sections import Rectangle
