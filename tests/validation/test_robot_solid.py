@@ -14,7 +14,8 @@ from lumped.robot_file import load_robot
 from lumped.system.joint_motion import Portion
 from validation.agreement.differences import scaled_difference
 from validation.case import Skip
-from validation.cases.robot import calculix, sixty
+from validation.cases.mechanism import calculix
+from validation.cases.robot import sixty
 from validation.context import Context
 from validation.models.biglide import robot_compliance, robot_frequencies, robot_legs
 from validation.models.options import ModelOptions
@@ -37,7 +38,7 @@ def context():
     "case",
     [
         pytest.param(case, marks=() if "[centre]" in case.id else pytest.mark.exhaustive)
-        for case in calculix.cases(places=calculix.PLACES)
+        for case in calculix.cases_of_biglide(places=calculix.PLACES)
     ],
     ids=lambda case: case.id,
 )
@@ -52,7 +53,7 @@ def test_calculix_agrees_and_turns(case, context):
 
 def test_absent_calculix_is_a_skipped_case(monkeypatch):
     monkeypatch.setenv("PATH", "")
-    case = calculix.cases(places=calculix.PLACES)[0]
+    case = calculix.cases_of_biglide(places=calculix.PLACES)[0]
     with pytest.raises(Skip, match="calculix-ccx"):
         case.measure(Context(ROBOT_FILE, "standard"))
 

@@ -8,8 +8,7 @@ from validation.case import Absolute, Case, Measurement
 from validation.case_group import CaseGroup
 from validation.cases import anchors
 from validation.cases.legs import beams
-from validation.cases.mechanism import calculix as mechanism_calculix
-from validation.cases.robot import calculix as robot_calculix
+from validation.cases.mechanism import calculix
 from validation.context import Context
 from validation.independence.headlines import headline_numbers
 from validation.independence.listing import SECTION, as_table, rows, without
@@ -24,11 +23,11 @@ def comparisons(robot_file: RobotFile) -> tuple[Case, ...]:
     modes = robot_file.requirement.modes
     if robot_file.is_mechanism:
         described = robot_file.mechanism
-        found = (*mechanism_calculix.cases(), *anchors.of_mechanism(described, modes))
+        found = (*calculix.cases(), *anchors.of_mechanism(described, modes))
     else:
         found = (
             *beams.cases(),
-            *robot_calculix.cases(places=["centre"]),
+            *calculix.cases_of_biglide(places=["centre"]),
             *anchors.of_biglide(modes),
             *anchors.paper_cases(),
         )

@@ -4,8 +4,8 @@ In: the robot of a run. Out: cases whose subject is the robot.
 """
 
 from validation.case import Case
+from validation.cases.mechanism import calculix
 from validation.cases.robot import (
-    calculix,
     decision,
     modes,
     reduction,
@@ -23,6 +23,6 @@ def cases() -> tuple[Case, ...]:
         *modes.cases(),
         *reduction.cases(),
         *sixty.cases(),
-        *calculix.cases(places=calculix.PLACES),
+        *calculix.cases_of_biglide(places=calculix.PLACES),
         *decision.cases(),
     )

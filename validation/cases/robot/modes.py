@@ -2,8 +2,8 @@
 
 Beams of the sections' own constants are held against solids whose ends are free to warp: what sets
 them apart is beam theory in dynamics, which waves along the legs tell by themselves. Solids with
-rigid faces are CalculiX's business (`robot_calculix`); here their shapes stand beside those of
-segments, which the paper computes with.
+rigid faces are CalculiX's business; here their shapes stand beside those of segments, which the
+paper computes with.
 """
 
 from collections.abc import Sequence
