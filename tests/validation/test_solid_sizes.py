@@ -25,6 +25,7 @@ from validation.case import Skip
 from validation.catalogue import catalogue
 from validation.context import Context
 from validation.models.options import ModelOptions
+from validation.report.figures.mechanism import pairs
 from validation.run.session import Request, validate
 from validation.solids import size
 from validation.solids.size import (
@@ -173,6 +174,12 @@ def test_so_are_those_of_a_mechanism(tmp_path, monkeypatch):
     )
     assert len(reference.alternatives) == 0
     assert reference.decides.startswith("crank1 as a solid of 2 divisions has about")
+
+
+def test_its_modes_have_no_partners_and_the_figure_says_why(tmp_path):
+    context = five_bar('shape = "rectangle", width = 0.001, height = 0.050', tmp_path)
+    with pytest.raises(Skip, match="no reference of the frequencies: crank1 as a solid"):
+        pairs.pairs(context)
 
 
 def test_their_export_is_refused_before_anything_is_computed(tmp_path):

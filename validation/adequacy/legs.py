@@ -4,11 +4,22 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from fem.beams.beam import beam_leg
+from fem.beams.warping_beam import warping_beam_leg
 from fem.sections.nonuniform_torsion import held_torsion_compliance
 from fem.sections.section_constants import SectionConstants, beam_properties
 from lumped.arrays import Array
 from lumped.errors import InputError, naming
-from lumped.legs import ConstantLeg, Ends, GivenLeg, Leg, given_compliance, tip_compliance
+from lumped.legs import (
+    ConstantLeg,
+    Ends,
+    GivenLeg,
+    Leg,
+    equivalent_leg,
+    given_compliance,
+    tip_compliance,
+)
+from lumped.mechanism.body_model import LegMatrices
 from validation.adequacy.response import finer_by
 from validation.context import Context, Preset
 from validation.solids.legs import COARSEST_WALLS, leg_constants, static_ladder
@@ -126,6 +137,17 @@ def restrained_spring(context: Context, leg: Leg, ends: Ends) -> Array:
     if isinstance(leg, ConstantLeg) and ends == "rigid":
         spring = spring + solid_leg(context, leg).fine.restrained
     return spring
+
+
+def own_elements(
+    leg: Leg, ends: Ends | None, elements: int, divisions: int = SECTION_DIVISIONS
+) -> LegMatrices:
+    """A leg in beam elements of its section's own constants; with warping where `ends` hold it."""
+    constant = equivalent_leg(leg)
+    constants, material = own_constants(constant, divisions), constant.material
+    if ends is None:
+        return beam_leg(beam_properties(constants, material), constant.length, elements)
+    return warping_beam_leg(constants, material, constant.length, elements, ends)
 
 
 def own_constants(leg: ConstantLeg, divisions: int = SECTION_DIVISIONS) -> SectionConstants:

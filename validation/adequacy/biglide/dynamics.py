@@ -4,18 +4,15 @@ from functools import partial
 
 import numpy as np
 
-from fem.beams.beam import beam_leg
-from fem.beams.warping_beam import warping_beam_leg
 from fem.reduction.craig_bampton import craig_bampton
-from fem.sections.section_constants import beam_properties
 from lumped.arrays import Array
 from lumped.biglide import Biglide, system, with_equivalent_legs
-from lumped.legs import BeamProperties, Ends, GivenLeg, Leg, equivalent_leg
+from lumped.legs import Ends, GivenLeg, Leg, equivalent_leg
 from lumped.mechanism.body_model import LegMatrices
 from lumped.models import simplified
 from lumped.system.solution import mode_count, solved
 from validation.adequacy.biglide.statics import left_open
-from validation.adequacy.legs import own_constants
+from validation.adequacy.legs import own_elements
 from validation.adequacy.mechanism.dynamics import reduced_title
 from validation.adequacy.response import Vibration
 from validation.adequacy.subject.given_masses import Masses, leg_with_masses
@@ -125,17 +122,9 @@ def modes_with_masses(
 
 def own_modes(robot: Biglide, ends: tuple[Ends, Ends] | None, postures: int) -> SampledModes:
     """Modes by beams of the sections' own constants; with warping, held as `ends` say."""
-
-    def built(leg: Leg, which: int) -> LegMatrices:
-        constant = equivalent_leg(leg)
-        constants, material = own_constants(constant), constant.material
-        if ends is None:
-            properties: BeamProperties = beam_properties(constants, material)
-            return beam_leg(properties, constant.length, ELEMENTS)
-        hold = ends[which]
-        return warping_beam_leg(constants, material, constant.length, ELEMENTS, hold)
-
-    return sampled_modes(robot, (built(robot.leg1, 0), built(robot.leg2, 1)), postures)
+    first, second = ends or (None, None)
+    legs = own_elements(robot.leg1, first, ELEMENTS), own_elements(robot.leg2, second, ELEMENTS)
+    return sampled_modes(robot, legs, postures)
 
 
 def simplified_modes(robot: Biglide, postures: int) -> Vibration:

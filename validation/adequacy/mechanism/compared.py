@@ -7,16 +7,9 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.errors import ComputationError
-from lumped.legs import ConstantLeg
 from lumped.mechanism.mechanism import Posture
-from validation.adequacy.mechanism.dynamics import (
-    mechanism_dynamics,
-    model_vibration,
-    simplified_vibration,
-)
-from validation.adequacy.mechanism.path import known_legs, offered
-from validation.adequacy.mechanism.samples import samples_of
-from validation.adequacy.mechanism.statics import compliances, mechanism_statics, unanswered
+from validation.adequacy.mechanism.dynamics import mechanism_dynamics
+from validation.adequacy.mechanism.statics import mechanism_statics, unanswered
 from validation.adequacy.mechanism.subject import mechanism_candidates
 from validation.adequacy.partners import partners
 from validation.adequacy.subject.dynamics import dynamic_reference
@@ -47,14 +40,14 @@ def compared_compliances(context: Context, postures: tuple[Posture, ...]) -> Com
 
     Raises InputError or ComputationError where there is no reference.
     """
-    mechanism = postures[0].mechanism
-    found = {}
-    for name, (model, options) in _answering(postures).items():
-        found[name] = _own(compliances(postures, model, options))
-    legs, parts = known_legs(mechanism).values(), mechanism.parts
-    solid = bool(parts) or any(isinstance(leg, ConstantLeg) for leg in legs)
+    statics = mechanism_statics(context, postures)
+    found = {
+        name: _own(statics.answer(model, options))
+        for name, (model, options) in _answering(postures, _STACK).items()
+    }
     against = ""
-    for one in static_reference(mechanism_statics(context, postures)).alternatives:
+    for one in static_reference(statics).alternatives:
+        solid = statics.prisms or statics.parts
         name = f"solid, {one.name}" if solid else "legs' own 6×6"
         if one.response.compliance is not None:
             found[name] = _own(one.response.compliance)
@@ -70,16 +63,13 @@ def compared_frequencies(context: Context, postures: tuple[Posture, ...], judged
 
     Raises InputError or ComputationError where there is no reference.
     """
-    count = offered(judged)
-    mechanism = postures[0].mechanism
-    found = {}
-    rigid = simplified_vibration(samples_of(mechanism), postures, count)
-    if rigid is not None:
-        found["simplified"] = rigid
-    for name, (model, options) in _answering(postures).items():
-        if name in _DYNAMIC:
-            found[name] = context.get(model_vibration, postures, model, options, count)
-    reference = dynamic_reference(mechanism_dynamics(context, postures, judged))
+    dynamics = mechanism_dynamics(context, postures, judged)
+    found = {
+        name: modes
+        for name, (model, options) in _answering(postures, ("simplified", *_DYNAMIC)).items()
+        if (modes := dynamics.answer(model, options))
+    }
+    reference = dynamic_reference(dynamics)
     against = ""
     for one in reference.alternatives:
         if one.response.vibration is not None:
@@ -88,7 +78,7 @@ def compared_frequencies(context: Context, postures: tuple[Posture, ...], judged
             against = against or name
     if not against:
         raise ComputationError(reference.decides)
-    first, weights = found[against], samples_of(mechanism).weights
+    first, weights = found[against], dynamics.weights
     own = first.frequencies[:, :judged]
     return Compared(
         {name: one.frequencies[:, :judged] for name, one in found.items()},
@@ -106,9 +96,11 @@ def is_model(name: str) -> bool:
     return name in _STACK
 
 
-def _answering(postures: Sequence[Posture]) -> dict[str, tuple[ModelName, ModelOptions]]:
+def _answering(
+    postures: Sequence[Posture], stack: Sequence[str]
+) -> dict[str, tuple[ModelName, ModelOptions]]:
     judged = mechanism_candidates(postures[0].mechanism)
-    asked = {name: (judged[name].kind, judged[name].options) for name in _STACK if name in judged}
+    asked = {name: (judged[name].kind, judged[name].options) for name in stack if name in judged}
     return {name: model for name, model in asked.items() if not unanswered(postures, *model)}
 
 

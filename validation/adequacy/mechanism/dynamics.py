@@ -11,18 +11,15 @@ from functools import partial
 
 import numpy as np
 
-from fem.beams.beam import beam_leg
-from fem.beams.warping_beam import warping_beam_leg
 from fem.reduction.craig_bampton import craig_bampton
 from fem.reduction.superelement import held_leg
-from fem.sections.section_constants import beam_properties
 from lumped.caches import lru_cache
-from lumped.legs import ConstantLeg, Ends, GivenLeg, Leg, equivalent_leg
+from lumped.legs import ConstantLeg, Ends, GivenLeg, Leg
 from lumped.mechanism.body_model import BodyModel, LegMatrices
 from lumped.mechanism.mechanism import Posture
 from lumped.system.assembly import assembly
 from lumped.system.solution import mode_count, modes, solved
-from validation.adequacy.legs import SECTION_DIVISIONS, own_constants
+from validation.adequacy.legs import SECTION_DIVISIONS, own_elements
 from validation.adequacy.mechanism.part_solids import Bodies, condensed_parts, solid_parts
 from validation.adequacy.mechanism.path import has_given, known_legs, left_open, offered
 from validation.adequacy.mechanism.samples import Samples, samples_of
@@ -119,14 +116,12 @@ def built_vibration(
 
     def solve(highest: float) -> Vibration:
         made: dict[tuple[object, Ends], LegMatrices] = {}
+        bodies: dict[str, BodyModel] = {}
         for name, leg in legs.items():
             key = leg if isinstance(leg, ConstantLeg) else name, ends[name]
             if key not in made:
                 made[key] = build(leg, ends[name], highest)
-        bodies: dict[str, BodyModel] = {
-            name: made[leg if isinstance(leg, ConstantLeg) else name, ends[name]]
-            for name, leg in legs.items()
-        }
+            bodies[name] = made[key]
         return vibration(samples, postures, {**bodies, **parts}, count)
 
     return _renewed(postures, count, solve)
@@ -184,12 +179,7 @@ def own_vibration(
 
 
 def _own_leg(leg: Leg, ends: Ends, highest: float, *, divisions: int, warping: bool) -> LegMatrices:
-    constant = equivalent_leg(leg)
-    constants = own_constants(constant, divisions)
-    if warping:
-        whole = warping_beam_leg(constants, constant.material, constant.length, ELEMENTS, ends)
-    else:
-        whole = beam_leg(beam_properties(constants, constant.material), constant.length, ELEMENTS)
+    whole = own_elements(leg, ends if warping else None, ELEMENTS, divisions)
     return craig_bampton(held_leg(whole), highest, CUTOFF["beam"] * highest).matrices
 
 

@@ -4,12 +4,8 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from lumped.arrays import Array
-from validation.adequacy.mechanism.dynamics import (
-    mechanism_dynamics,
-    model_vibration,
-)
+from validation.adequacy.mechanism.dynamics import mechanism_dynamics
 from validation.adequacy.mechanism.path import offered, path_postures
-from validation.adequacy.mechanism.samples import samples_of
 from validation.adequacy.partners import partners
 from validation.adequacy.response import Vibration
 from validation.adequacy.subject.dynamics import dynamic_reference
@@ -18,10 +14,11 @@ from validation.case import Skip
 from validation.context import Context
 from validation.drawing.style import MODELS, canvas, csv_of, plot_style, svg_of
 from validation.exhibits import PATH
-from validation.models.options import ModelOptions
+from validation.models.options import DEFAULT_OPTIONS, ModelName
 from validation.report.figures.declared import FigureGroup, Shown
 from validation.solids.robots import SHARED_SOLIDS
 
+_MODELS: tuple[ModelName, ...] = ("beam", "segments")
 figures = FigureGroup(PATH, SHARED_SOLIDS)
 
 
@@ -30,16 +27,18 @@ def pairs(context: Context) -> Shown:
     """MAC of beams and segments with the reference, and by how much paired frequencies differ."""
     postures = path_postures(context)
     judged = context.robot_file.requirement.modes
-    count, weights = offered(judged), samples_of(context.robot_file.mechanism).weights
-    reference = dynamic_reference(mechanism_dynamics(context, postures, judged)).alternatives[0]
-    truth = reference.response.vibration
-    if truth is None:
-        raise Skip("there is no reference of the frequencies")
+    dynamics = mechanism_dynamics(context, postures, judged)
+    reference = dynamic_reference(dynamics)
+    held = next(iter(reference.alternatives), None)
+    if held is None or held.response.vibration is None:
+        raise Skip(f"there is no reference of the frequencies: {reference.decides}")
+    truth = held.response.vibration
     first = _middle(truth)
-    shown = min(count, truth.frequencies.shape[1])
+    shown = min(offered(judged), truth.frequencies.shape[1])
     models = {
-        name: _middle(context.get(model_vibration, postures, name, ModelOptions(), count))
-        for name in ("beam", "segments")
+        name: _middle(modes)
+        for name in _MODELS
+        if (modes := dynamics.answer(name, DEFAULT_OPTIONS))
     }
     columns: dict[str, list[float]] = {
         "mode": [float(k) for k in range(1, shown + 1)],
@@ -48,9 +47,9 @@ def pairs(context: Context) -> Shown:
     with plot_style():
         drawn, (left, middle, right) = canvas(1, 3, 3.3)
         for axes, (name, model) in zip((left, middle), models.items(), strict=True):
-            mac = mac_matrix(first.samples[0][:, :shown], model.samples[0], weights)
+            mac = mac_matrix(first.samples[0][:, :shown], model.samples[0], dynamics.weights)
             _matrix(axes, mac, name)
-            found = partners(first, model, weights, shown)
+            found = partners(first, model, dynamics.weights, shown)
             change = 100.0 * (found.frequency[0] / first.frequencies[0, :shown] - 1.0)
             look = MODELS[name]
             right.plot(columns["mode"], change, label=name, linewidth=0.8, **look.options())
@@ -65,7 +64,7 @@ def pairs(context: Context) -> Shown:
         right.legend(loc="best")
         svg = svg_of(drawn)
     return Shown(
-        f"In the middle of the path, reference: {reference.name}. Left: modal assurance "
+        f"In the middle of the path, reference: {held.name}. Left: modal assurance "
         "criterion, dark where two shapes are one; blocks are modes of almost one frequency, of "
         "which any mixture is a mode. Right: frequencies of partners; a mode without one is left "
         "out.",
