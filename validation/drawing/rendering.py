@@ -16,7 +16,7 @@ from lumped.arrays import Array, IntArray
 from validation.drawing.opengl import MESSAGE, usable_window
 from validation.drawing.prisms import Surface
 from validation.drawing.style import WIDTH
-from validation.drawing.view import View, pixels
+from validation.drawing.view import View, fitted_view, pixels
 
 # Told apart by colour-blind readers, and light against dark when printed in grey.
 COLOUR_MAP = "viridis"
@@ -121,6 +121,27 @@ def show(axes: Axes, scene: Scene) -> None:
     if usable_window() is not None:
         axes.imshow(render(scene), interpolation="antialiased")
     axes.set_axis_off()
+
+
+def staged(
+    axes: Axes,
+    bodies: Sequence[Body],
+    wires: Sequence[Wire],
+    limits: tuple[float, float],
+    camera: tuple[Array, Array],
+    room: tuple[int, float],
+    kept: Sequence[Array] = (),
+) -> Scene:
+    """A scene that fills its panel, drawn on axes with a triad in a corner that is clear.
+
+    `camera`: the direction it is seen from and the one that points upwards (3 each); `room`:
+    columns of panels and their height (in); `kept` further points (n×3, m) are kept inside.
+    """
+    points = np.vstack([*(body.surface.points for body in bodies), *kept])
+    scene = Scene(fitted_view(points, *camera, panel_pixels(*room), 0.07), bodies, limits, wires)
+    show(axes, scene)
+    triad(axes, scene.view, place=clear_corner(scene))
+    return scene
 
 
 def squares(axes: Axes, view: View, points: Array, colour: str) -> None:

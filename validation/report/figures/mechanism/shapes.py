@@ -22,18 +22,14 @@ from validation.drawing.rendering import (
     Scene,
     Wire,
     arrow,
-    clear_corner,
     colour_bar,
-    panel_pixels,
     picture_of,
-    show,
     squares,
-    triad,
+    staged,
     write,
 )
 from validation.drawing.scenes import interactive
 from validation.drawing.style import MODELS, VERMILLION, canvas, csv_of, plot_style
-from validation.drawing.view import fitted_view
 from validation.report.figures.declared import Shown
 from validation.report.figures.mechanism.bodies import (
     COMPARED,
@@ -164,7 +160,7 @@ def under_loads(pair: Pair) -> Shown:
             tail = _tool(beam.system) + factor * bent.tip + away
             head = tail + 0.4 * size * np.eye(3)[place]
             force = np.array([tail, head])
-            scene = bent.shown(axes, factor, 1.0 / _MICRO, (3, _SMALL_HEIGHT), force)
+            scene = bent.shown(axes, factor, 1.0 / _MICRO, (3, _SMALL_HEIGHT), [force])
             arrow(axes, scene.view, tail, head, VERMILLION)
             title = f"({'abc'[place]}) {FORCE:g} N along {name}, drawn × {_grouped(factor)}"
             axes.set_title(title, fontsize=9.0)
@@ -201,7 +197,7 @@ class _Bent:
         factor: float,
         unit: float,
         room: tuple[int, float],
-        further: Array | None = None,
+        further: Sequence[Array] = (),
     ) -> Scene:
         """Drawn on axes, `factor` times displaced, coloured by displacements in `unit` (m).
 
@@ -210,16 +206,12 @@ class _Bent:
         displaced = factor * self.unknowns
         around, wires = self.stage.around(self.system, displaced)
         bodies = [*around, *(one.body(factor, unit) for one in self.moved)]
-        points = [body.surface.points for body in bodies] + [one.points for one in self.moved]
-        points += [] if further is None else [further]
-        size = panel_pixels(*room)
-        view = fitted_view(np.vstack(points), *self.direction[1], size, margin=0.07)
         lines = (*wires, *(one.wire() for one in self.moved))
-        scene = Scene(view, bodies, (0.0, self.largest / unit), lines)
-        show(axes, scene)
+        limits = 0.0, self.largest / unit
+        kept = [*(one.points for one in self.moved), *further]
+        scene = staged(axes, bodies, lines, limits, self.direction[1], room, kept)
         for point, name, away in self.stage.names(self.system, displaced):
-            write(axes, view, point, name, away)
-        triad(axes, view, place=clear_corner(scene))
+            write(axes, scene.view, point, name, away)
         return scene
 
 

@@ -8,6 +8,7 @@ from fem.bodies import solid
 from lumped.arrays import Array, IntArray
 from lumped.legs import ConstantLeg
 from lumped.models.cantilever import clamped_modes
+from lumped.models.segments import KINDS
 from meshes.elements import ELEMENTS
 from meshes.solid_mesh import SolidMesh
 from validation.agreement.mode_pairing import centreline_samples, centreline_weights, pair_modes
@@ -22,18 +23,14 @@ from validation.drawing.prisms import (
 )
 from validation.drawing.rendering import (
     Body,
-    Scene,
     Wire,
     colour_bar,
-    panel_pixels,
     picture_of,
-    show,
     squares,
-    triad,
+    staged,
 )
 from validation.drawing.scenes import interactive
 from validation.drawing.style import MODELS, canvas, csv_of, plot_style
-from validation.drawing.view import fitted_view
 from validation.kinematics.solids import outlines
 from validation.models.legs import constant_leg_of, leg_matrices, solid_modes
 from validation.models.options import DEFAULT_OPTIONS
@@ -49,13 +46,7 @@ _DRAWN = 0.14
 # How much larger than the leg the lumped model's outlines are drawn, to be seen on its surface.
 _OUTSET = 1.04
 _HEIGHT = 2.1
-_TOWARD, _UP = np.array([0.55, -1.0, 0.65]), np.array([0.0, 0.0, 1.0])
-_KINDS = {
-    "tension": (0,),
-    "bending z": (1, 5),
-    "bending y": (2, 4),
-    "torsion": (3,),
-}
+_CAMERA = np.array([0.55, -1.0, 0.65]), np.array([0.0, 0.0, 1.0])
 
 
 @dataclass(frozen=True)
@@ -113,21 +104,13 @@ def _mode_shapes(context: Context, number: int) -> Shown:
             sizes = np.linalg.norm(moved, axis=1)
             factor = _DRAWN * leg.length / float(sizes.max())
             deformed = found.mesh.nodes + factor * moved
-            view = fitted_view(
-                np.vstack([found.mesh.nodes, deformed]),
-                _TOWARD,
-                _UP,
-                panel_pixels(2, _HEIGHT),
-                margin=0.07,
-            )
             surface = Surface(deformed, faces, sizes / sizes.max(), factor * moved)
-            body = Body(surface, edge="#30343a")
-            scene = Scene(view, [body], (0.0, 1.0), [at_rest(leg)])
-            show(axes, scene)
+            bodies, rest = [Body(surface, edge="#30343a")], [at_rest(leg)]
+            room = 2, _HEIGHT
+            scene = staged(axes, bodies, rest, (0.0, 1.0), _CAMERA, room, [found.mesh.nodes])
             lumped = found.lumped[:, mode].reshape(-1, 6)[:, :3]
             straight = np.column_stack([found.stations, np.zeros((len(found.stations), 2))])
-            squares(axes, view, straight + factor * lumped, MODELS["segments"].colour)
-            triad(axes, view, place=(0.07, 0.95))
+            squares(axes, scene.view, straight + factor * lumped, MODELS["segments"].colour)
             title = (
                 f"({letter}) mode {mode + 1}: {found.frequencies[mode]:.1f} Hz, {found.kinds[mode]}"
             )
@@ -203,7 +186,7 @@ def leg_modes(leg: ConstantLeg, count: int) -> LegModes:
 
 def kind_of(energies: Array) -> str:
     """The deformation with the largest share of kinetic energy (6 components of the twist)."""
-    return max(_KINDS, key=lambda kind: float(energies[list(_KINDS[kind])].sum()))
+    return max(KINDS, key=lambda kind: float(energies[list(KINDS[kind])].sum()))
 
 
 def boundary_faces(mesh: SolidMesh) -> IntArray:

@@ -7,19 +7,9 @@ from lumped.legs import GivenLeg
 from validation.context import Context
 from validation.drawing.opengl import require_vtk
 from validation.drawing.prisms import Surface
-from validation.drawing.rendering import (
-    Body,
-    Scene,
-    Wire,
-    panel_pixels,
-    picture_of,
-    show,
-    triad,
-    write,
-)
+from validation.drawing.rendering import Body, Wire, picture_of, staged, write
 from validation.drawing.scenes import interactive
 from validation.drawing.style import MODELS, WIDTH, plot_style
-from validation.drawing.view import fitted_view
 from validation.exhibits import PORTRAIT, STROKE
 from validation.models.biglide import robot_system
 from validation.report.figures.curves.lines import as_in_paper
@@ -34,7 +24,7 @@ _MODES = 6
 _SHOWN = 2
 _TITLE = "The robot"
 _HEIGHT = 3.3  # in
-_TOWARD, _UP = np.array([0.35, -0.75, 0.9]), np.array([0.0, 0.3, 1.0])
+_CAMERA = np.array([0.35, -0.75, 0.9]), np.array([0.0, 0.3, 1.0])
 _PATH = 41
 portraits = FigureGroup(STROKE, "pictures")
 figures = FigureGroup(STROKE, "pictures")
@@ -55,16 +45,12 @@ def portrait(context: Context) -> Shown:
     path[:, 0] += np.linspace(first, last, _PATH) - x
     pieces = np.column_stack([np.arange(_PATH - 1), np.arange(1, _PATH)])
     stroke = Wire(path, pieces, MODELS["solid"].colour, 4.0)
-    points = np.vstack([*(body.surface.points for body in bodies), path])
-    view = fitted_view(points, _TOWARD, _UP, panel_pixels(2, _HEIGHT), margin=0.07)
-    scene = Scene(view, bodies, (0.0, 1.0), (stroke,))
     with plot_style():
         picture = Canvas(figsize=(WIDTH / 2.0, _HEIGHT), layout="constrained")
         axes = picture.subplots()
-        show(axes, scene)
+        scene = staged(axes, bodies, (stroke,), (0.0, 1.0), _CAMERA, (2, _HEIGHT), [path])
         for point, name, away in names(robot, x, np.zeros(3)):
-            write(axes, view, point, name, away)
-        triad(axes, view, place=(0.06, 0.9))
+            write(axes, scene.view, point, name, away)
         drawn = picture_of(picture)
     given = any(isinstance(leg, GivenLeg) for leg in (robot.leg1, robot.leg2))
     return Shown(
