@@ -7,6 +7,7 @@ So it is the quadrature points that tell what is folded.
 """
 
 import numpy as np
+from numpy.typing import NDArray
 
 from lumped.arrays import Array, IntArray
 from lumped.errors import ComputationError
@@ -31,7 +32,7 @@ def straightened(nodes: Array, cells: IntArray) -> tuple[Array, int]:
     """
     straight = np.zeros(len(cells), dtype=bool)
     for _ in range(_ROUNDS):
-        bad = _evenness(nodes, cells) < _FOLDED
+        bad = are_folded(nodes[cells])
         new = bad & ~straight
         if not new.any():
             break
@@ -41,7 +42,7 @@ def straightened(nodes: Array, cells: IntArray) -> tuple[Array, int]:
             ends = nodes[cells[new, first]], nodes[cells[new, second]]
             nodes[cells[new, middle]] = (ends[0] + ends[1]) / 2.0
     for what, wrong in (
-        ("stay inverted", _evenness(nodes, cells) <= 0.0),
+        ("stay inverted", _evenness(nodes[cells]) <= 0.0),
         ("are flat", _fullness(nodes, cells) < _FLAT),
     ):
         found = np.flatnonzero(wrong)
@@ -54,11 +55,16 @@ def straightened(nodes: Array, cells: IntArray) -> tuple[Array, int]:
     return nodes, int(straight.sum())
 
 
-def _evenness(nodes: Array, cells: IntArray) -> Array:
+def are_folded(places: Array) -> NDArray[np.bool_]:
+    """Which tet10 with their nodes at `places` (M×10×3) are folded or nearly so (M)."""
+    return np.asarray(_evenness(places) < _FOLDED)
+
+
+def _evenness(places: Array) -> Array:
     """Least Jacobian of each cell (M) at the quadrature points by the largest one, at most 1."""
     points, _ = quadrature("tet10", _DEGREE)
     slopes = gradients("tet10", points)
-    jacobians = np.einsum("mki,kjq->mqij", nodes[cells], slopes, optimize=True)
+    jacobians = np.einsum("mki,kjq->mqij", places, slopes, optimize=True)
     determinants = np.linalg.det(jacobians)
     return np.asarray(determinants.min(axis=1) / np.abs(determinants).max(axis=1))
 

@@ -1,4 +1,4 @@
-"""Second-order tetrahedra in a CAD part, graded to curvature and to its interfaces, on a ladder.
+"""Second-order tetrahedra in a CAD part, graded to curvature, interfaces and inner edges: a ladder.
 
 The meshes of a ladder are alike: sizes, sides of a circle and the grading near interfaces shrink
 together from mesh to mesh, so that three of them show an order of convergence.
@@ -6,17 +6,18 @@ together from mesh to mesh, so that three of them show an order of convergence.
 
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import isclose, log, sqrt
 from types import ModuleType
 
 import numpy as np
 
-from lumped.arrays import IntArray
 from lumped.errors import ComputationError, InputError
+from meshes.elements import SectionElement, SolidElement
 from meshes.gmsh_arrays import connectivity, numbered
 from meshes.own_process import Crashed, in_own_process
 from meshes.part.boundary import Facets
+from meshes.part.inner_edges import cut_at_inner_edges, cut_unknowns
 from meshes.part.interfaces import Interface
 from meshes.part.part_mesh import PartMesh
 from meshes.part.reading.cad import CadModel, cad_model, naming_the_place
@@ -137,7 +138,7 @@ def ladder(part: PartFile, interfaces: Sequence[Interface], unknowns: int) -> tu
             _set_sizes(model, interfaces, grading)
             with naming_the_place(part.path, model):
                 model.gmsh.model.mesh.generate(3)
-            return _second_order_unknowns(connectivity(model.gmsh, "tet4"))
+            return cut_unknowns(_as_it_is(model.gmsh, model.faces(), "tet4", "tri3"))
 
     def feasible(size: float, rung: Callable[[Grading], Grading]) -> tuple[float, int]:
         for _ in range(_RETRIES):
@@ -191,25 +192,25 @@ def _set_sizes(model: CadModel, interfaces: Sequence[Interface], grading: Gradin
     field.setAsBackgroundMesh(threshold)
 
 
-def _second_order_unknowns(cells: IntArray) -> int:
-    edges = np.concatenate([cells[:, [i, j]] for i in range(4) for j in range(i + 1, 4)])
-    return 3 * (len(np.unique(cells)) + len(np.unique(np.sort(edges, axis=1), axis=0)))
-
-
 def _mesh(gmsh: ModuleType, faces: Sequence[int]) -> PartMesh:
     # Not by gmsh's own optimisers of curved elements: where they do not succeed they may end the
     # whole process (std::runtime_error in 4.15).
-    tagged = connectivity(gmsh, "tet10")
+    mesh = _as_it_is(gmsh, faces, "tet10", "tri6")
+    places, count = straightened(mesh.nodes, mesh.cells)
+    return cut_at_inner_edges(replace(mesh, nodes=places, straightened=count))
+
+
+def _as_it_is(
+    gmsh: ModuleType, faces: Sequence[int], element: SolidElement, facet: SectionElement
+) -> PartMesh:
+    tagged = connectivity(gmsh, element)
     tags, nodes = numbered(gmsh, tagged)
-    cells = np.searchsorted(tags, tagged)
-    places, count = straightened(nodes, cells)
     return PartMesh(
-        nodes=places,
-        cells=cells,
-        element="tet10",
+        nodes=nodes,
+        cells=np.searchsorted(tags, tagged),
+        element=element,
         faces={
-            tag: Facets(np.searchsorted(tags, connectivity(gmsh, "tri6", tag)), "tri6")
+            tag: Facets(np.searchsorted(tags, connectivity(gmsh, facet, tag)), facet)
             for tag in faces
         },
-        straightened=count,
     )

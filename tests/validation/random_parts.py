@@ -6,7 +6,6 @@ mesh drawn in along the part, both graded towards the edges where stresses are s
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -29,9 +28,10 @@ from validation.parts.identify import identify
 # Slices at the ends are shorter than in the middle by this, elements at the edges of sections too.
 _GRADING = 8.0
 # Rotation about x on the diagonal.
-_TORSION = 3
-# Elements across a solid section, a wall, and between walls; divisions of round sections.
-_ACROSS, _WALL, _BETWEEN, _ROUND = 6, 2, 4, 8
+TORSION = 3
+# Elements across a solid section, across a wall as between its middle and walls; divisions of round
+# sections.
+_ACROSS, _WALL, _ROUND = 6, 3, 8
 
 
 @dataclass(frozen=True)
@@ -123,7 +123,7 @@ def graded(start: float, end: float, count: int) -> Array:
 
 
 def _section(section: Section, fineness: float) -> SectionMesh:
-    """Rectangles in rows and columns closer at the edges; round ones as for legs."""
+    """Rectangles in rows and columns closer at edges that are singular; round ones as for legs."""
 
     def number(count: int) -> int:
         return max(2, round(count * fineness))
@@ -133,17 +133,23 @@ def _section(section: Section, fineness: float) -> SectionMesh:
             lines = [graded(-a / 2.0, a / 2.0, number(_ACROSS)) for a in (width, height)]
             return _rows(*lines)
         case HollowRectangle(width, height, wall):
+            rows = number(_WALL)
             lines = []
             for side in (width, height):
                 inner = side / 2.0 - wall
-                places = (-side / 2.0, -inner, inner, side / 2.0)
-                counts = (number(_WALL), number(_BETWEEN), number(_WALL))
-                pieces = [
-                    graded(*ends, n) for ends, n in zip(pairwise(places), counts, strict=True)
-                ]
-                lines.append(np.unique(np.concatenate(pieces).round(15)))
-            return _rows(*lines, hole=number(_WALL))
+                half = [inner - inner * _layers(rows, 0.2), inner + wall * _layers(rows, 0.25)]
+                lines.append(np.unique(np.concatenate([*half, *(-h for h in half)]).round(12)))
+            return _rows(*lines, hole=rows)
     return section_mesh(section, number(_ROUND))
+
+
+def _layers(count: int, ratio: float) -> Array:
+    """From 0 to 1 (count + 1), each next one nearer to 0 by `ratio`.
+
+    At an edge of 270° the energy of a layer h from it misses as h^(4/3); three such layers on
+    either side leave 3e-4 of a box's torsion, and twice as many elements alike at both ends 1e-3.
+    """
+    return np.concatenate([[0.0], ratio ** np.arange(count - 1.0, -1.0, -1.0)])
 
 
 def _rows(across: Array, up: Array, hole: int = 0) -> SectionMesh:
@@ -199,4 +205,4 @@ def stated(part: RandomPart, folder: Path) -> Iterator[tuple[str, float, float]]
     errors = np.diag(found.compliance) / true - 1.0
     kind = f"{type(part.section).__name__}, {part.coupling}"
     for row, (one, error) in enumerate(zip(uncertainty, errors, strict=True)):
-        yield f"{kind}, torsion" if row == _TORSION else kind, float(one), float(error)
+        yield f"{kind}, torsion" if row == TORSION else kind, float(one), float(error)

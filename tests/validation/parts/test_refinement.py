@@ -6,12 +6,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from lumped.legs import Material
+from lumped.sections import HollowRectangle
 from meshes.part.volume import RATIO
 from validation.parts.refinement import compliance_uncertainty, refinement_uncertainty
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from random_parts import random_part, stated
+from random_parts import TORSION, RandomPart, random_part, stated
 
 H = np.array([RATIO**2, RATIO, 1.0])
 
@@ -50,3 +52,19 @@ def test_parts_at_random_are_held(number, tmp_path, monkeypatch):
     assert len(numbers) == 6
     assert all(abs(error) <= uncertainty for _, uncertainty, error in numbers)
     assert all(0.0 < uncertainty < 0.06 for _, uncertainty, _ in numbers)
+
+
+@pytest.mark.exhaustive
+def test_torsion_of_a_tube_with_sharp_inner_corners(tmp_path, monkeypatch):
+    """0.2 %, where meshes that are not cut there are 0.6 % too stiff at as many unknowns.
+
+    The other five stay within 0.06 %: the edges of the held ends are singular, too.
+    """
+    monkeypatch.setenv("FLEXPROOF_CACHE", "off")
+    box, steel = HollowRectangle(0.1, 0.16, 0.0125), Material.isotropic(2.1e11, 0.3, 7850.0)
+    part = RandomPart(box, 0.5, (1.0, 1.0), steel, "rigid", 60_000)
+    numbers = list(stated(part, tmp_path))
+    assert all(abs(error) <= uncertainty for _, uncertainty, error in numbers)
+    errors = np.array([error for *_, error in numbers])
+    assert -2e-3 < errors[TORSION] < 0.0
+    assert np.abs(np.delete(errors, TORSION)).max() < 6e-4
