@@ -2,12 +2,16 @@
 
 import json
 import unicodedata
+from collections.abc import Iterable
+from difflib import get_close_matches
 
 # Control characters, marks that reorder what stands around them or take no room, and halves of
 # characters (a file name that is not UTF-8).
 _UNSHOWN = frozenset({"Cc", "Cf", "Cs", "Co", "Cn", "Zl", "Zp"})
 
 _LONGEST_VALUE = 60
+# No known name is near to a longer one.
+_LONGEST_NAME = 100
 
 
 def shown(value: object) -> str:
@@ -25,6 +29,16 @@ def shown(value: object) -> str:
 def cut(text: str, longest: int) -> str:
     """The text, or its beginning and … where it is longer than that."""
     return text if len(text) <= longest else text[: longest - 1] + "…"
+
+
+def did_you_mean(name: str, known: Iterable[str], otherwise: str = "", cutoff: float = 0.6) -> str:
+    """The end of a fault that asks for the nearest known name; `otherwise` where none is near."""
+    by_lower_case = {one.lower(): one for one in known}
+    if len(name) <= _LONGEST_NAME and (
+        close := get_close_matches(name.lower(), by_lower_case, n=1, cutoff=cutoff)
+    ):
+        return f'; did you mean "{by_lower_case[close[0]]}"?'
+    return otherwise
 
 
 def _as_json(value: object) -> str:

@@ -4,7 +4,6 @@ import hashlib
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from difflib import get_close_matches
 from importlib import resources
 from importlib.resources.abc import Traversable
 from pathlib import Path
@@ -34,7 +33,7 @@ from lumped.robot_file.mechanism.motion_faults import motion_faults
 from lumped.robot_file.reading import decoded, parsed
 from lumped.robot_file.tables import Accept, Correction
 from lumped.robots import RobotType
-from lumped.text import cut, visible
+from lumped.text import cut, did_you_mean, visible
 
 _SUFFIX = ".toml"
 # What a person reads before mending the first of them.
@@ -235,11 +234,9 @@ def _read(source: str) -> bytes:
         return read_ordinary(source, "a robot file")
     except FileNotFoundError as error:
         robots = built_in_robots()
-        close = get_close_matches(source.lower(), robots, n=1)
-        advice = f'; did you mean "{close[0]}"?' if close else ""
         raise InputError(
             f"{source}: no such file; must be a robot file or a built-in robot "
-            f"({', '.join(robots)}){advice}"
+            f"({', '.join(robots)}){did_you_mean(source, robots)}"
         ) from error
 
 

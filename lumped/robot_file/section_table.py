@@ -2,12 +2,11 @@
 
 from collections.abc import Mapping
 from dataclasses import fields
-from difflib import get_close_matches
 from typing import Any
 
 from lumped.robot_file.matrix_faults import is_finite_number
 from lumped.sections import SHAPES, Section
-from lumped.text import cut, shown
+from lumped.text import cut, did_you_mean, shown
 
 # 1 µm: thinner than any wall that carries a load.
 SMALLEST_SIZE = 1e-6
@@ -22,8 +21,7 @@ def section_faults(value: object, key: str) -> list[str]:
         return [f"{key}.shape: missing; must be one of {shapes}"]
     shape = value["shape"]
     if not isinstance(shape, str) or shape not in SHAPES:
-        close = get_close_matches(cut(str(shape), 40), SHAPES, n=1)
-        advice = f'; did you mean "{close[0]}"?' if close else ""
+        advice = did_you_mean(str(shape), SHAPES)
         return [f"{key}.shape = {shown(shape)}: must be one of {shapes}{advice}"]
     sizes = size_names(shape)
     faults = [

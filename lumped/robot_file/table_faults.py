@@ -3,7 +3,6 @@
 import math
 import types
 from collections.abc import Iterable, Mapping
-from difflib import get_close_matches
 from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
 
 import msgspec
@@ -12,21 +11,18 @@ from msgspec import Meta
 from lumped.robot_file.matrix_faults import matrix_faults
 from lumped.robot_file.section_table import section_faults
 from lumped.robot_file.tables import Bounds, SquareMatrix, Table
-from lumped.text import cut, shown
+from lumped.text import cut, did_you_mean, shown
 
 # Further unknown keys of one table are only named: to look for what was meant takes its time.
 _ADVISED = 50
-# No known key is near to a longer one.
 _LONGEST_KEY = 40
 
 
 def unknown_key(path: str, key: str, known: Iterable[str]) -> str:
     """The fault of a key that means nothing, with the closest one that does."""
-    by_lower_case = {name.lower(): name for name in known}
-    close = get_close_matches(key.lower(), by_lower_case, n=1) if len(key) <= _LONGEST_KEY else []
-    names = ", ".join(by_lower_case.values())
-    advice = f'did you mean "{by_lower_case[close[0]]}"?' if close else f"known here: {names}"
-    return f"{path}{cut(key, _LONGEST_KEY)}: unknown key; {advice}"
+    names = tuple(known)
+    advice = did_you_mean(key, names, otherwise=f"; known here: {', '.join(names)}")
+    return f"{path}{cut(key, _LONGEST_KEY)}: unknown key{advice}"
 
 
 def table_faults(kind: type[Table], table: Mapping[str, object], path: str = "") -> list[str]:

@@ -7,7 +7,6 @@ key stands for any part of a name: all numbers whose keys match take the same va
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from difflib import get_close_matches
 from fnmatch import fnmatchcase
 from itertools import product
 from math import isfinite
@@ -20,7 +19,7 @@ from lumped.errors import InputError, each
 from lumped.robot_file.biglide.corrections import with_value
 from lumped.robot_file.load import RobotFile, described_by
 from lumped.robot_file.matrix_faults import is_finite_number
-from lumped.text import cut, shown
+from lumped.text import cut, did_you_mean, shown
 
 MOST_VALUES, MOST_ROBOTS = 1000, 10_000
 _FORM = re.compile(r"(?P<key>[^=\s]+)=(?P<start>[^:]+):(?P<to>[^:]+):(?P<count>[^:]+)")
@@ -113,9 +112,7 @@ def _why_not(key: str, numbers: Mapping[str, float], robot_file: RobotFile) -> s
             f"{shown(held)} in {robot_file.source} is no number; must name a number "
             "(entries of a list count from 1: points.P[1], compliance[2,2])"
         )
-    close = get_close_matches(key, list(numbers), n=1)
-    advice = f'; did you mean "{close[0]}"?' if close else ""
-    return f"{robot_file.source} has no such number{advice}"
+    return f"{robot_file.source} has no such number{did_you_mean(key, numbers)}"
 
 
 def _numbers(value: Any, key: str = "") -> Iterator[tuple[str, float]]:

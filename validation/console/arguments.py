@@ -1,8 +1,7 @@
-"""What people type on the command line: numbers, and names that nobody knows."""
+"""Numbers that people type on the command line."""
 
 import re
 from collections.abc import Sequence
-from difflib import get_close_matches
 from typing import Annotated, TypeAlias
 
 from cyclopts import Parameter, Token
@@ -26,9 +25,3 @@ def _process_count(_type: object, tokens: Sequence[Token]) -> int:
 
 WholeNumber: TypeAlias = Annotated[int, Parameter(converter=_whole_number)]
 ProcessCount: TypeAlias = Annotated[int | None, Parameter(converter=_process_count)]
-
-
-def did_you_mean(given: str, known: Sequence[str]) -> str:
-    """A question naming the closest known name, empty where none is close."""
-    close = get_close_matches(given.strip("*?"), known, n=1, cutoff=0.5)
-    return f'did you mean "{close[0]}"?' if close else ""

@@ -20,7 +20,7 @@ from types import FrameType
 from typing import Protocol
 
 from lumped.errors import ComputationError, InputError
-from validation.console.arguments import did_you_mean
+from lumped.text import did_you_mean
 from validation.context import Preset
 from validation.results.outcome import Result
 from validation.results.tasks import Record, Task, plain
@@ -59,13 +59,10 @@ def select(tasks: Sequence[Task], preset: Preset, pattern: str | None = None) ->
     chosen = [task for task in in_preset if fnmatchcase(task.id, literal)]
     if not chosen:
         elsewhere = any(fnmatchcase(task.id, literal) for task in tasks)
-        hint = (
-            "only in other presets"
-            if elsewhere
-            else did_you_mean(pattern, [task.id for task in in_preset])
-            or "'flexproof cases' lists them"
-        )
-        raise InputError(f'--only: no case of preset {preset} matches "{pattern}"; {hint}')
+        ids, listed = [task.id for task in in_preset], "; 'flexproof cases' lists them"
+        near = did_you_mean(pattern.strip("*?"), ids, listed, cutoff=0.5)
+        hint = "; only in other presets" if elsewhere else near
+        raise InputError(f'--only: no case of preset {preset} matches "{pattern}"{hint}')
     return chosen
 
 

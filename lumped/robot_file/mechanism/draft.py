@@ -5,7 +5,6 @@ Faults in one entry must not hide those of the others; so each entry is read on 
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from difflib import get_close_matches
 from typing import Any
 
 import msgspec
@@ -22,7 +21,7 @@ from lumped.robot_file.mechanism.tables import (
 )
 from lumped.robot_file.table_faults import value_faults
 from lumped.robot_file.tables import MaterialTable
-from lumped.text import shown
+from lumped.text import did_you_mean, shown
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,8 +63,7 @@ def wrong_name(key: str, name: str, known: Iterable[str], allowed: str) -> list[
     known = tuple(known)
     if name in known:
         return []
-    close = get_close_matches(name, known, n=1)
-    advice = f'; did you mean "{close[0]}"?' if close else f": {', '.join(known) or 'none'}"
+    advice = did_you_mean(name, known, otherwise=f": {', '.join(known) or 'none'}")
     return [f"{key} = {shown(name)}: must be {allowed}{advice}"]
 
 
