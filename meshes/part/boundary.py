@@ -70,11 +70,16 @@ def _local_facets(element: SolidElement) -> IntArray:
     return np.asarray(distances.argmin(axis=-1))
 
 
-def boundary(mesh: VolumeMesh) -> Facets:
-    """The facets that belong to one cell alone."""
+def facets_of_cells(mesh: VolumeMesh) -> tuple[Facets, IntArray]:
+    """All facets of all cells, outward, and the cell of each."""
     local = _local_facets(mesh.element)
     cells = mesh.cells[:, local].reshape(-1, local.shape[1])
-    facets = Facets(cells, FACET[mesh.element])
+    return Facets(cells, FACET[mesh.element]), np.repeat(np.arange(len(mesh.cells)), len(local))
+
+
+def boundary(mesh: VolumeMesh) -> Facets:
+    """The facets that belong to one cell alone."""
+    facets, _ = facets_of_cells(mesh)
     corners = np.sort(facets.corners, axis=1)
     _, first, counts = np.unique(corners, axis=0, return_index=True, return_counts=True)
     return facets.at(np.sort(first[counts == 1]))

@@ -4,6 +4,7 @@ STEP files carry their unit; BREP files have none. The kernel turns everything i
 it makes the shape: scaled afterwards, cylinders would turn into splines.
 """
 
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -23,6 +24,10 @@ STEP, BREP = (".step", ".stp"), (".brep", ".brp")
 # Shares of the part's size: an edge below is a leftover of modelling that no mesh can follow, a
 # solid thinner than this is none.
 _TINY_EDGE, _FLAT = 1e-5, 1e-6
+# Of ISO 10303-21: texts, in which anything may stand; entities where they are told and named.
+_STRING = re.compile(rb"'(?:[^']|'')*'")
+_DEFINITION, _REFERENCE = re.compile(rb"#(\d+)\s*="), re.compile(rb"#(\d+)")
+_NO_NUMBER = re.compile(rb"[(,]\s*([+-]?(?:NAN|INF)\w*)\s*[,)]", re.IGNORECASE)
 # What the kernel leaves around a shape on each side of its box (m).
 _GAP = 1e-7
 
@@ -95,7 +100,22 @@ def _unit(path: Path, given: str | None) -> str:
         raise InputError(f"{path}: is not a STEP file; it must begin with ISO-10303-21")
     if b"END-ISO-10303-21" not in content:
         raise InputError(f"{path}: the STEP file is cut off; its last line is missing")
+    _require_whole(content, path)
     return chosen_unit(step_unit(content.decode("latin-1"), str(path)), given, str(path))
+
+
+def _require_whole(content: bytes, path: Path) -> None:
+    """Raise InputError for what the kernel would pass over, or never come back from."""
+    text = _STRING.sub(b"''", content)
+    if found := _NO_NUMBER.search(text):
+        said = found.group(1).decode()
+        raise InputError(f"{path}: says {said} where a number must be; export it anew")
+    lost = set(_REFERENCE.findall(text)) - set(_DEFINITION.findall(text))
+    if lost:
+        raise InputError(
+            f"{path}: refers to #{min(map(int, lost))}, which it does not hold: the file is "
+            "damaged; export it anew from the CAD system"
+        )
 
 
 def _import(gmsh: ModuleType, path: Path, unit: str) -> None:

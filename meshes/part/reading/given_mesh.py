@@ -16,7 +16,7 @@ from lumped.arrays import IntArray
 from lumped.errors import InputError
 from lumped.mechanism.part import METRES
 from meshes.elements import ELEMENTS, SolidElement
-from meshes.part.boundary import Facets, boundary, smooth_faces
+from meshes.part.boundary import Facets, boundary, facets_of_cells, smooth_faces
 from meshes.part.part_mesh import PartMesh
 from meshes.part.reading.units import chosen_unit, require_plausible
 from meshes.quality import quality
@@ -81,6 +81,8 @@ def _raw(path: Path) -> Any:
     # meshio raises whatever its parser stumbles over, and exits where a format is unknown.
     except (Exception, SystemExit) as error:
         reason = " ".join(str(error).split()) or type(error).__name__
+        if isinstance(error, KeyError):
+            reason = f"it does not hold {error.args[0]}, to which it refers"
         raise InputError(f"{path}: cannot be read as a mesh: {reason}") from error
 
 
@@ -109,6 +111,13 @@ def _require_one_solid(mesh: VolumeMesh, source: str) -> None:
             f"{source}: {int((counts - 1).sum())} nodes lie twice in one place, the first at "
             f"({x:.4g}, {y:.4g}, {z:.4g}) m: the mesh is torn there; merge them"
         )
+    own = np.sort(mesh.cells, axis=1)
+    _, first, counts = np.unique(own, axis=0, return_index=True, return_counts=True)
+    if np.any(counts > 1):
+        raise InputError(
+            f"{source}: {int((counts - 1).sum())} elements are there twice, the first is element "
+            f"{first[counts > 1].min() + 1}; delete one of each"
+        )
     folded = np.flatnonzero(quality(mesh).scaled_jacobian <= 0.0)
     if folded.size:
         x, y, z = mesh.nodes[mesh.cells[folded[0]]].mean(axis=0)
@@ -118,14 +127,21 @@ def _require_one_solid(mesh: VolumeMesh, source: str) -> None:
         )
     pieces = _pieces(mesh)
     if pieces > 1:
-        raise InputError(f"{source}: the mesh is in {pieces} pieces that share no nodes")
+        raise InputError(
+            f"{source}: the mesh is in {pieces} pieces that share no side of an element; what "
+            "meets in a point or an edge alone turns there"
+        )
 
 
 def _pieces(mesh: VolumeMesh) -> int:
-    count, per_cell = mesh.cells.shape
-    pairs = (np.repeat(mesh.cells[:, 0], per_cell), mesh.cells.ravel())
-    graph = csr_array((np.ones(count * per_cell), pairs), shape=(len(mesh.nodes),) * 2)
-    return int(connected_components(graph, directed=False, return_labels=False))
+    """How many parts the mesh falls into where elements hold each other by their sides alone."""
+    sides, owner = facets_of_cells(mesh)
+    _, side = np.unique(np.sort(sides.corners, axis=1), axis=0, return_inverse=True)
+    count, size = len(mesh.cells), len(mesh.cells) + len(owner)
+    pairs = (owner, count + side.ravel())
+    graph = csr_array((np.ones(len(owner)), pairs), shape=(size, size))
+    _, label = connected_components(graph, directed=False)
+    return len(np.unique(label[:count]))
 
 
 def _named(

@@ -1,5 +1,7 @@
 """Files that are no parts: each gives one clear line that says what and where."""
 
+import re
+
 import pytest
 
 from lumped.errors import InputError
@@ -108,3 +110,17 @@ def test_units_that_are_unknown_or_two(tmp_path, box_step):
     path = tmp_path / "feet.step"
     path.write_text(text.replace("SI_UNIT(.MILLI.,.METRE.)", "SI_UNIT(.PICO.,.METRE.)"))
     assert "its unit of length, 'pico', is not known here" in refused(path)
+
+
+def test_a_damaged_file_is_not_mended_in_silence(tmp_path, box_step):
+    """The kernel drops what it does not find, and never returns from what is no number."""
+    text = box_step.read_text()
+    path = tmp_path / "damaged.step"
+    point = re.search(r"\n#(\d+) = CARTESIAN_POINT\('',\((-?[\d.]+),", text)
+    path.write_text(text.replace(point.group(), point.group().replace(point.group(2), "NAN")))
+    assert "says NAN where a number must be" in refused(path)
+    path.write_text(text.replace(f"\n#{point.group(1)} =", "\n#99999 ="))
+    assert f"refers to #{point.group(1)}, which it does not hold" in refused(path)
+    # Whatever a name says.
+    path.write_text(text.replace("CARTESIAN_POINT('',", "CARTESIAN_POINT('#77777 (NAN)',"))
+    assert len(read_part(path).faces) == 6

@@ -95,9 +95,26 @@ def test_bad_meshes_say_what_is_wrong(tmp_path):
     cells = np.vstack([HEXAHEDRON, HEXAHEDRON + 8])
     assert "4 nodes lie twice in one place" in refused(twice, "hexahedron", cells)
     apart = np.vstack([CUBE, CUBE + 2.0 * np.eye(3)[0]])
-    assert "in 2 pieces that share no nodes" in refused(apart, "hexahedron", cells)
+    assert "in 2 pieces that share no side" in refused(apart, "hexahedron", cells)
+    # Two cubes that hang together by an edge, or by a corner.
+    for shift, shared in (((1, 1, 0), {8: 2, 12: 6}), ((1, 1, 1), {8: 6})):
+        hinged = np.vstack([CUBE, CUBE + shift])
+        own = np.array([shared.get(node, node) for node in range(16)]).reshape(2, 8)
+        assert "in 2 pieces that share no side" in refused(hinged, "hexahedron", own)
+    doubled = np.vstack([HEXAHEDRON, HEXAHEDRON])
+    assert "1 elements are there twice, the first is element 1" in (
+        refused(CUBE, "hexahedron", doubled)
+    )
     assert "is no part of a robot" in refused(1e4 * CUBE, "hexahedron", HEXAHEDRON)
     assert "finite" in refused(np.where(CUBE == 1.0, np.nan, CUBE), "hexahedron", HEXAHEDRON)
+
+
+def test_an_element_of_a_node_that_is_not_there(tmp_path):
+    path = tmp_path / "mesh.inp"
+    nodes = "1, 0., 0., 0.\n2, .1, 0., 0.\n3, 0., .1, 0."
+    path.write_text(f"*NODE\n{nodes}\n*ELEMENT, TYPE=C3D4\n1, 1, 2, 3, 4\n")
+    with pytest.raises(InputError, match="it does not hold 4, to which it refers"):
+        read_part(path)
 
 
 def test_a_set_of_one_node_is_no_interface(tmp_path):
