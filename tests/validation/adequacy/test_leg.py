@@ -5,15 +5,17 @@ from dataclasses import replace
 import pytest
 
 from fem.bodies import doubling
+from fem.sections.section_constants import section_constants
 from lumped.acceptance.requirement import Requirement
 from lumped.legs import ConstantLeg, Leg, Material, tip_compliance
 from lumped.robot_file import load_robot
-from lumped.sections import ISection
+from lumped.sections import HollowRectangle, ISection
 from meshes.section.section_mesh import section_mesh
 from validation.adequacy.biglide.leg import leg_subject
 from validation.adequacy.judgement import judged
 from validation.adequacy.matrix import Matrix
 from validation.context import Context
+from validation.solids.legs import COARSEST_WALLS
 
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 FLANGED = ConstantLeg(
@@ -69,6 +71,22 @@ def test_unsaid_ends_leave_torsion_undecided_and_say_what_decides() -> None:
     assert entry.verdict == "undecided"
     assert 'ends = "rigid" or "free"' in entry.reason
     assert entry.uncertainties["how the ends are held"] > 1.0
+
+
+@pytest.mark.exhaustive
+def test_walls_that_allow_one_section_mesh_leave_its_constants_open() -> None:
+    """Of a millimetre: both solids share the coarsest mesh, and its torsion is 0.15 % uncertain."""
+    section = HollowRectangle(width=0.1, height=0.16, thickness=0.001)
+    entry = adequacy(ConstantLeg(0.9, section, STEEL, ends="free")).entry("beam", "phi_x")
+    assert entry is not None
+    coarse, fine = (
+        section_constants(section_mesh(section, number), 0.3).torsion_constant
+        for number in (COARSEST_WALLS, 8)
+    )
+    # Roache's factor three for two meshes of the lowest order there can be, 4/3.
+    open_of_section = 3.0 / ((8 / COARSEST_WALLS) ** (4 / 3) - 1.0) * abs(fine / coarse - 1.0)
+    assert open_of_section == pytest.approx(0.00147, abs=1e-5)
+    assert open_of_section <= entry.uncertainties["meshes"] <= 1.05 * open_of_section
 
 
 def test_a_given_leg_is_its_own_reference() -> None:
