@@ -66,10 +66,12 @@ def _face_of(corners: IntArray, mesh: PartMesh) -> IntArray:
     return found
 
 
-def cut_unknowns(mesh: PartMesh) -> int:
-    """Displacements of the second-order mesh that one of corners (tet4) gives when it is cut."""
-    _, cells = _renumbered(_cut(mesh.cells, inner_edges(mesh)).corners)
-    return 3 * (int(cells.max()) + 1 + len(np.unique(_middles(cells))))
+def second_order_unknowns(mesh: PartMesh, *, cut: bool) -> int:
+    """Displacements of the second-order mesh that one of corners (tet4) gives, `cut` or not."""
+    cells = mesh.cells
+    if cut:
+        _, cells = _renumbered(_cut(cells, inner_edges(mesh)).corners)
+    return 3 * (len(np.unique(cells)) + len(np.unique(_middles(cells))))
 
 
 def cut_at_inner_edges(mesh: PartMesh) -> PartMesh:

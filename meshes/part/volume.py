@@ -17,7 +17,7 @@ from meshes.elements import SectionElement, SolidElement
 from meshes.gmsh_arrays import connectivity, numbered
 from meshes.own_process import Crashed, in_own_process
 from meshes.part.boundary import Facets
-from meshes.part.inner_edges import cut_at_inner_edges, cut_unknowns
+from meshes.part.inner_edges import cut_at_inner_edges, second_order_unknowns
 from meshes.part.interfaces import Interface
 from meshes.part.part_mesh import PartMesh
 from meshes.part.reading.cad import CadModel, cad_model, naming_the_place
@@ -38,6 +38,9 @@ _ATTEMPTS = 8
 # Found by wanted unknowns that are near enough. Of elements much longer than walls are thick the
 # number hardly depends on their size: too few there would be far too coarse.
 _LEAST_SHARE, _MOST_SHARE = 0.95, 1.25
+# Unknowns from which on elements at re-entrant edges are cut. With fewer the cut ones leave too few
+# for all else: at 6000 to 15 000 a fifth of what was stated of random box tubes did not hold.
+_CUT_FROM = 50_000
 # How often sizes are reduced for a surface whose facets cross.
 _RETRIES = 8
 # gmsh's numbers of its algorithms.
@@ -65,14 +68,18 @@ _SHORTEST = 0.2
 
 @dataclass(frozen=True)
 class Grading:
-    """Element size `size` (m) away from curvature and interfaces, `sides` of a full circle."""
+    """Element size `size` (m) away from curvature and interfaces, `sides` of a full circle.
+
+    `cut`: elements at re-entrant edges are cut near these.
+    """
 
     size: float
     sides: float = _SIDES
+    cut: bool = False
 
     def refined(self, ratio: float = RATIO) -> "Grading":
         """The same grading with everything shorter by `ratio`."""
-        return Grading(self.size / ratio, self.sides * ratio)
+        return replace(self, size=self.size / ratio, sides=self.sides * ratio)
 
 
 def volume_mesh(part: PartFile, interfaces: Sequence[Interface], grading: Grading) -> PartMesh:
@@ -83,13 +90,16 @@ def volume_mesh(part: PartFile, interfaces: Sequence[Interface], grading: Gradin
     """
     if part.mesh is not None:
         raise InputError(f"{part.path}: is a mesh already; it cannot be meshed anew")
-    failed: ComputationError | None = None
+    failed: ComputationError | InputError | None = None
     for share, netgen, algorithm in _TRIED:
-        tried = Grading(share * grading.size, grading.sides)
+        tried = replace(grading, size=share * grading.size)
         try:
             return in_own_process(_meshed, part, interfaces, tried, netgen, algorithm)
-        except ComputationError as error:
+        # Delaunay's algorithm may fail to recover a surface that others fill.
+        except (ComputationError, InputError) as error:
             failed = error
+    if isinstance(failed, InputError):
+        raise failed
     said = "it ends its process" if isinstance(failed, Crashed) else str(failed)
     raise ComputationError(
         f"{part.path}: gmsh makes no sound mesh of elements of {grading.size:.3g} m: {said}; ask "
@@ -112,7 +122,7 @@ def _meshed(
         with naming_the_place(part.path, model):
             gmsh.model.mesh.generate(3)
             gmsh.model.mesh.setOrder(2)
-        return _mesh(gmsh, model.faces())
+        return _mesh(gmsh, model.faces(), cut=grading.cut)
 
 
 def ladder(part: PartFile, interfaces: Sequence[Interface], unknowns: int) -> tuple[Grading, ...]:
@@ -125,7 +135,7 @@ def ladder(part: PartFile, interfaces: Sequence[Interface], unknowns: int) -> tu
     if part.exact is None:
         raise InputError(f"{part.path}: is a mesh already; it cannot be meshed anew")
     largest = max(part.extent) / 2.0
-    size, power = largest, _POWER
+    size, power, cut = largest, _POWER, unknowns >= _CUT_FROM
 
     def finest(coarse: Grading) -> Grading:
         return coarse.refined().refined()
@@ -138,14 +148,15 @@ def ladder(part: PartFile, interfaces: Sequence[Interface], unknowns: int) -> tu
             _set_sizes(model, interfaces, grading)
             with naming_the_place(part.path, model):
                 model.gmsh.model.mesh.generate(3)
-            return cut_unknowns(_as_it_is(model.gmsh, model.faces(), "tet4", "tri3"))
+            corners = _as_it_is(model.gmsh, model.faces(), "tet4", "tri3")
+            return second_order_unknowns(corners, cut=cut)
 
     def feasible(size: float, rung: Callable[[Grading], Grading]) -> tuple[float, int]:
         for _ in range(_RETRIES):
             with suppress(InputError):
-                return size, count(rung(Grading(size)))
+                return size, count(rung(Grading(size, cut=cut)))
             size /= RATIO
-        return size, count(rung(Grading(size)))
+        return size, count(rung(Grading(size, cut=cut)))
 
     size, found = feasible(size, finest)
     for _ in range(_ATTEMPTS):
@@ -158,7 +169,7 @@ def ladder(part: PartFile, interfaces: Sequence[Interface], unknowns: int) -> tu
             # What is coarser cannot be meshed.
             break
         power = max(log(found / before[1]) / log(before[0] / size), _LEAST_POWER)
-    coarse = Grading(feasible(size, lambda coarse: coarse)[0])
+    coarse = Grading(feasible(size, lambda coarse: coarse)[0], cut=cut)
     return coarse, coarse.refined(), finest(coarse)
 
 
@@ -192,12 +203,13 @@ def _set_sizes(model: CadModel, interfaces: Sequence[Interface], grading: Gradin
     field.setAsBackgroundMesh(threshold)
 
 
-def _mesh(gmsh: ModuleType, faces: Sequence[int]) -> PartMesh:
+def _mesh(gmsh: ModuleType, faces: Sequence[int], *, cut: bool) -> PartMesh:
     # Not by gmsh's own optimisers of curved elements: where they do not succeed they may end the
     # whole process (std::runtime_error in 4.15).
     mesh = _as_it_is(gmsh, faces, "tet10", "tri6")
     places, count = straightened(mesh.nodes, mesh.cells)
-    return cut_at_inner_edges(replace(mesh, nodes=places, straightened=count))
+    mesh = replace(mesh, nodes=places, straightened=count)
+    return cut_at_inner_edges(mesh) if cut else mesh
 
 
 def _as_it_is(

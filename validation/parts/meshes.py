@@ -38,9 +38,9 @@ def gradings(part: PartFile, interfaces: Sequence[Interface], unknowns: int) -> 
     key = key_of(part, interfaces, _ANY, "ladder", unknowns)
     found = kept(
         key,
-        lambda: {"steps": [(g.size, g.sides) for g in ladder(part, interfaces, unknowns)]},
+        lambda: {"steps": [(g.size, g.sides, g.cut) for g in ladder(part, interfaces, unknowns)]},
     )
-    return tuple(Grading(size, sides) for size, sides in found["steps"].tolist())
+    return tuple(Grading(size, sides, bool(cut)) for size, sides, cut in found["steps"].tolist())
 
 
 def _made(part: PartFile, interfaces: Sequence[Interface], unknowns: int, rung: int) -> PartMesh:

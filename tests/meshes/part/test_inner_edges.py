@@ -9,7 +9,7 @@ from lumped.legs import Material
 from lumped.sections import HollowRectangle, Rectangle
 from meshes.part import volume
 from meshes.part.boundary import Facets, area_vectors, boundary
-from meshes.part.inner_edges import cut_at_inner_edges, cut_unknowns, inner_edges
+from meshes.part.inner_edges import cut_at_inner_edges, inner_edges, second_order_unknowns
 from meshes.part.part_mesh import PartMesh
 from meshes.part.reading.read import read_part
 from meshes.part.spread import cell_volumes
@@ -36,18 +36,10 @@ def with_boss(occ, s):
     occ.cut(solid, [bore])
 
 
-@pytest.fixture
-def uncut(monkeypatch):
-    """Meshes as gmsh makes them."""
-    monkeypatch.setattr(volume, "cut_at_inner_edges", lambda mesh: mesh)
-
-
 def meshed(part, size):
-    # In this process, where the fixture reaches.
-    return volume._meshed(part, (), volume.Grading(size), 1, volume._DELAUNAY)
+    return volume.volume_mesh(part, (), volume.Grading(size))
 
 
-@pytest.mark.usefixtures("uncut")
 def test_edges_are_those_with_more_than_half_a_turn_of_material(part_file):
     mesh = meshed(read_part(part_file("box_tube.step", box_tube)), 0.03)
     _, y, z = np.abs(mesh.nodes[inner_edges(mesh)]).T
@@ -60,13 +52,11 @@ def test_edges_are_those_with_more_than_half_a_turn_of_material(part_file):
     assert z == pytest.approx(0.015, abs=1e-9)
 
 
-@pytest.mark.usefixtures("uncut")
 def test_a_part_without_them_keeps_its_mesh(box_step):
     mesh = meshed(read_part(box_step), 0.02)
     assert cut_at_inner_edges(mesh) is mesh
 
 
-@pytest.mark.usefixtures("uncut")
 @pytest.mark.parametrize("shape", [box_tube, with_boss])
 def test_cut_meshes_fit_together_and_have_the_shape_of_the_whole(part_file, shape):
     mesh = meshed(read_part(part_file("whole.step", shape)), 0.03)
@@ -90,7 +80,8 @@ def test_cut_meshes_fit_together_and_have_the_shape_of_the_whole(part_file, shap
         for number, facets in mesh.faces.items()
     }
     straight = PartMesh(mesh.nodes[corners], numbers.reshape(-1, 4), "tet4", faces)
-    assert cut_unknowns(straight) == cut.unknowns
+    assert second_order_unknowns(straight, cut=True) == cut.unknowns
+    assert second_order_unknowns(straight, cut=False) == mesh.unknowns
 
 
 def test_the_exponent_of_torsion_at_sharp_inner_corners():
