@@ -46,6 +46,8 @@ _MICRO = 1e6
 # Largest displacement in a picture, of the size of the mechanism (half its extent).
 _DRAWN = 0.16
 _HEIGHT, _SMALL_HEIGHT = 2.9, 2.5  # in, of a panel in two and in three columns
+# Room (in) above the uppermost titles, which touch the edge of the picture without it.
+_TITLE = 0.08
 _ABOVE = (np.array([0.0, -0.3, 1.0]), np.array([0.0, 1.0, 0.0]))
 _ASIDE = (np.array([0.35, -0.95, 0.5]), np.array([0.0, 0.0, 1.0]))
 # A point (3, m, base axes), what is written at it, and how far (pt) from it.
@@ -110,7 +112,7 @@ def modes_of(pair: Pair, count: int, *further: str) -> Shown:
     columns = _places(beam.system, stage)
     scenes = []
     with plot_style():
-        picture, panels = canvas(rows, 2, rows * (_HEIGHT + 0.75))
+        picture, panels = canvas(rows, 2, rows * (_HEIGHT + 0.75) + _TITLE)
         for axes in panels[count:]:
             axes.set_axis_off()
         for mode, axes in enumerate(panels[:count]):
