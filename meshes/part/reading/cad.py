@@ -24,8 +24,9 @@ STEP, BREP = (".step", ".stp"), (".brep", ".brp")
 # Shares of the part's size: an edge below is a leftover of modelling that no mesh can follow, a
 # solid thinner than this is none.
 _TINY_EDGE, _FLAT = 1e-5, 1e-6
-# Of ISO 10303-21: texts, in which anything may stand; entities where they are told and named.
-_STRING = re.compile(rb"'(?:[^']|'')*'")
+# Of ISO 10303-21: texts and comments, in which anything may stand; entities where they are told and
+# named.
+_ANYTHING = re.compile(rb"'(?:[^']|'')*'|/\*.*?\*/", re.DOTALL)
 _DEFINITION, _REFERENCE = re.compile(rb"#(\d+)\s*="), re.compile(rb"#(\d+)")
 _NO_NUMBER = re.compile(rb"[(,]\s*([+-]?(?:NAN|INF)\w*)\s*[,)]", re.IGNORECASE)
 # What the kernel leaves around a shape on each side of its box (m).
@@ -106,14 +107,14 @@ def _unit(path: Path, given: str | None) -> str:
 
 def _require_whole(content: bytes, path: Path) -> None:
     """Raise InputError for what the kernel would pass over, or never come back from."""
-    text = _STRING.sub(b"''", content)
+    text = _ANYTHING.sub(b"''", content)
     if found := _NO_NUMBER.search(text):
         said = found.group(1).decode()
         raise InputError(f"{path}: says {said} where a number must be; export it anew")
-    lost = set(_REFERENCE.findall(text)) - set(_DEFINITION.findall(text))
+    lost = set(map(int, _REFERENCE.findall(text))) - set(map(int, _DEFINITION.findall(text)))
     if lost:
         raise InputError(
-            f"{path}: refers to #{min(map(int, lost))}, which it does not hold: the file is "
+            f"{path}: refers to #{min(lost)}, which it does not hold: the file is "
             "damaged; export it anew from the CAD system"
         )
 

@@ -124,3 +124,10 @@ def test_a_damaged_file_is_not_mended_in_silence(tmp_path, box_step):
     # Whatever a name says.
     path.write_text(text.replace("CARTESIAN_POINT('',", "CARTESIAN_POINT('#77777 (NAN)',"))
     assert len(read_part(path).faces) == 6
+
+
+@pytest.mark.parametrize("comment", ["/* the maker's own header */", "/* once #77777,\n(NAN) */"])
+def test_a_comment_in_a_step_file_says_nothing_of_the_part(tmp_path, box_step, comment):
+    path = tmp_path / "commented.step"
+    path.write_text(box_step.read_text().replace("HEADER;", f"HEADER;\n{comment}"))
+    assert len(read_part(path).faces) == 6
