@@ -90,16 +90,20 @@ def volume_mesh(part: PartFile, interfaces: Sequence[Interface], grading: Gradin
     """
     if part.mesh is not None:
         raise InputError(f"{part.path}: is a mesh already; it cannot be meshed anew")
-    failed: ComputationError | InputError | None = None
+    uneven: InputError | None = None
+    failed: ComputationError | None = None
     for share, netgen, algorithm in _TRIED:
         tried = replace(grading, size=share * grading.size)
         try:
             return in_own_process(_meshed, part, interfaces, tried, netgen, algorithm)
         # Delaunay's algorithm may fail to recover a surface that others fill.
-        except (ComputationError, InputError) as error:
-            failed = error
-    if isinstance(failed, InputError):
-        raise failed
+        except InputError as error:
+            uneven = uneven or error
+        except ComputationError as error:
+            # What says what is wrong with a mesh says more than a process that ended.
+            failed = error if failed is None or not isinstance(error, Crashed) else failed
+    if uneven and (failed is None or isinstance(failed, Crashed)):
+        raise uneven
     said = "it ends its process" if isinstance(failed, Crashed) else str(failed)
     raise ComputationError(
         f"{part.path}: gmsh makes no sound mesh of elements of {grading.size:.3g} m: {said}; ask "
