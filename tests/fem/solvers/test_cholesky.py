@@ -1,4 +1,5 @@
 import importlib.util
+import pickle
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from fem.elements.elasticity import stiffness_and_mass
 from fem.machine import available_memory
 from fem.solvers.cholesky import analyse, default_backend, factorise
 from fem.solvers.factor import NotPositiveDefiniteError, upper_triangle
+from fem.solvers.modes import MissedModesError
 from fem.solvers.ordering import block_graph, nested_dissection
 from lumped.errors import ComputationError, InputError
 from lumped.legs import Material
@@ -187,3 +189,11 @@ def test_upper_triangle_sorts_and_keeps_zeros():
     assert triangle.indptr.tolist() == [0, 2, 3, 4]
     assert triangle.indices.tolist() == [0, 2, 1, 2]
     assert triangle.data.tolist() == [5.0, 3.0, 0.0, 4.0]
+
+
+@pytest.mark.parametrize(
+    "error", [NotPositiveDefiniteError("leg 1", 7), MissedModesError("leg 1: 2 missing", 2)]
+)
+def test_errors_of_solvers_arrive_from_another_process(error):
+    arrived = pickle.loads(pickle.dumps(error))  # noqa: S301  its own bytes
+    assert (type(arrived), str(arrived), vars(arrived)) == (type(error), str(error), vars(error))
