@@ -2,13 +2,24 @@
 
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
-from typing import TypeVar
+from typing import Any, TypeVar
 
 Item = TypeVar("Item")
 Found = TypeVar("Found")
 
 
-class InputError(Exception):
+class _SendableError(Exception):
+    """Arrives from another process as it was, though its constructor takes more than a message."""
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _made_again, (type(self), *self.args), self.__dict__
+
+
+def _made_again(kind: type[_SendableError], *message: str) -> _SendableError:
+    return kind.__new__(kind, *message)
+
+
+class InputError(_SendableError):
     """The input is wrong: one line per fault, each naming place, value and what is allowed."""
 
     def __init__(self, faults: str | Iterable[str]) -> None:
@@ -16,7 +27,7 @@ class InputError(Exception):
         super().__init__("\n".join(self.faults))
 
 
-class ComputationError(Exception):
+class ComputationError(_SendableError):
     """A computation failed: the message names the part of the model and the likely cause."""
 
 

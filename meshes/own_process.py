@@ -63,11 +63,8 @@ def _answer(descriptor: int) -> None:
     threading.Thread(target=_wait_and_leave, args=(connection,), daemon=True).start()
     try:
         answer = function(*arguments)
-    except InputError as error:
-        answer = InputError(error.faults)
-    except ComputationError as error:
-        # Some of them cannot be sent: they are made of more than their message.
-        answer = ComputationError(str(error))
+    except (InputError, ComputationError) as error:
+        answer = error
     except Exception as error:  # noqa: BLE001  carried to who asked, whatever it is
         answer = ComputationError(f"{type(error).__name__}: {error}")
     connection.send(answer)

@@ -22,16 +22,12 @@ class NotPositiveDefiniteError(ComputationError):
     """A Cholesky factorisation met a pivot that is not positive; `unknown` is its number."""
 
     def __init__(self, part: str, unknown: int) -> None:
-        self.part, self.unknown = part, unknown
+        self.unknown = unknown
         super().__init__(
             f"{part}: the matrix is not positive definite at unknown {unknown} (a part free to "
             "move as a rigid body, a negative material constant, stiffnesses that differ by more "
             "than rounding allows, or a shift above the first eigenvalue)"
         )
-
-    def __reduce__(self) -> tuple[type, tuple[str, int]]:
-        """From another process, whose message alone would not make it again."""
-        return type(self), (self.part, self.unknown)
 
 
 def out_of_memory(part: str, unknowns: int) -> ComputationError:

@@ -57,10 +57,6 @@ class MissedModesError(ComputationError):
         self.missing = missing
         super().__init__(message)
 
-    def __reduce__(self) -> tuple[type, tuple[str, int]]:
-        """From another process, whose message alone would not make it again."""
-        return type(self), (str(self), self.missing)
-
 
 def certify(values: Array, beyond: float, count: Count, part: str) -> float:
     """A shift σ (rad²/s²) below which exactly the eigenvalues `values` are proven to lie.

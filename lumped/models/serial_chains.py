@@ -38,11 +38,7 @@ class NoChainError(InputError):
 
     def __init__(self, robot: str, reason: str) -> None:
         super().__init__(f"{robot}: {reason}; take --model links")
-        self.robot, self.reason = robot, reason
-
-    def __reduce__(self) -> tuple[type["NoChainError"], tuple[str, str]]:
-        """Workers send it by what it is made of, which is not its message."""
-        return type(self), (self.robot, self.reason)
+        self.reason = reason
 
 
 def compliance(posture: Posture, legs: Mapping[str, Array]) -> Array:

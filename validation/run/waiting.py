@@ -48,11 +48,8 @@ def _answer(sender: Connection, compute: Callable[[Q], A], question: Q) -> None:
     end_with_parent()
     try:
         answer: object = compute(question)
-    except InputError as error:
-        answer = InputError(error.faults)
-    except ComputationError as error:
-        # Some of them cannot be sent: they are made of more than their message.
-        answer = ComputationError(str(error))
+    except (InputError, ComputationError) as error:
+        answer = error
     except MemoryError:
         answer = ComputationError("memory ran out")
     sender.send(answer)
