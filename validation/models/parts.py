@@ -173,6 +173,9 @@ def reduced(
     """
     file, known = found_in(body)
     shape = shape_of(body)
+    if file.mesh is not None:
+        # A mesh is on one rung alone: it is not reduced anew for the others.
+        rung = FINEST
     interfaces = tuple(
         one if shape.interfaces[one.name].coupling else replace(one, coupling=hold) for one in known
     )
