@@ -93,8 +93,16 @@ class Adequacy:
             raise AssertionError(self.told(found))
 
     def accepting(self, accept: Mapping[str, float]) -> "Adequacy":
-        """The same errors judged by other limits; raises InputError for names there are not."""
+        """The same errors judged by other limits.
+
+        Raises InputError for names there are not, and for more modes than were computed.
+        """
         requirement = _accepting(self.requirement, accept)
+        if requirement.modes > self.requirement.modes:
+            raise InputError(
+                f"accept: modes = {requirement.modes}: must be at most {self.requirement.modes}, "
+                "as many as were computed; ask for more in `adequacy`"
+            )
         return Adequacy(judged(self.subject, requirement), requirement, self.subject)
 
     def told(self, entry: Entry) -> str:

@@ -15,8 +15,8 @@ import pytest
 if TYPE_CHECKING:
     from validation.api import Adequacy
 
-# What this session has judged, by the digest of the robot file and the preset.
-_JUDGED = pytest.StashKey[dict[tuple[str, str], "Adequacy"]]()
+# What this session has judged, by the digest of the robot file, the preset and the modes asked for.
+_JUDGED = pytest.StashKey[dict[tuple[str, str, float | None], "Adequacy"]]()
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -133,7 +133,9 @@ def _judged(
     loaded = load(robot)
     preset = config.getoption("flexproof_preset")
     known = config.stash[_JUDGED]
-    key = loaded.sha256, preset
+    # Other limits judge what is there; more modes are computed.
+    modes = {"modes": accept["modes"]} if accept and "modes" in accept else {}
+    key = loaded.sha256, preset, modes.get("modes")
     if key not in known:
-        known[key] = adequacy(loaded, preset=preset)
+        known[key] = adequacy(loaded, preset=preset, accept=modes)
     return known[key].accepting(accept) if accept else known[key]

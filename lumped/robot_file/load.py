@@ -3,6 +3,7 @@
 import hashlib
 import tomllib
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from importlib import resources
 from importlib.resources.abc import Traversable
@@ -17,8 +18,9 @@ from lumped.biglide import Biglide
 from lumped.biglide import mechanism as biglide_mechanism
 from lumped.caches import cached_property
 from lumped.errors import InputError
-from lumped.files import read_ordinary
+from lumped.files import read_ordinary, require_ordinary
 from lumped.mechanism.mechanism import Mechanism
+from lumped.mechanism.part import Part
 from lumped.robot_file.biglide.build import (
     biglide_faults,
     biglide_of,
@@ -48,8 +50,9 @@ class RobotFile:
 
     `described` is what the file describes: a biglide (schema 1) or any mechanism (schema 2).
     `source` is the path as given or, if `built_in`, the robot's name; `text` the file's text and
-    `sha256` the digest (hexadecimal) of its bytes; `corrections` of misprints in its source;
-    `requirement` what is asked of its models, `measured` what was measured of the robot.
+    `sha256` the digest (hexadecimal) of its bytes and those of its parts' files; `corrections` of
+    misprints in its source; `requirement` what is asked of its models, `measured` what was measured
+    of the robot.
     """
 
     described: Biglide | Mechanism
@@ -118,6 +121,17 @@ class RobotFile:
         return tomllib.loads(self.text)
 
 
+def _digest(content: bytes, described: Biglide | Mechanism) -> str:
+    """Digest of the text and of the parts' files; who needs one that is missing says so then."""
+    digest = hashlib.sha256(content)
+    for body in described.bodies.values() if isinstance(described, Mechanism) else ():
+        if isinstance(body.shape, Part):
+            with suppress(OSError, InputError):
+                require_ordinary(body.shape.file, "a part")
+                digest.update(hashlib.sha256(body.shape.file.read_bytes()).digest())
+    return digest.hexdigest()
+
+
 def built_in_robots() -> tuple[str, ...]:
     """Names of the robots that come with the program."""
     names = (entry.name for entry in _robots_folder().iterdir())
@@ -143,7 +157,7 @@ def load_robot(name_or_path: str | Path) -> RobotFile:
         source=source,
         built_in=built_in,
         text=text,
-        sha256=hashlib.sha256(content).hexdigest(),
+        sha256=_digest(content, described),
         corrections=corrections_of(tables),
         requirement=requirement_of(msgspec.convert(tables.get("accept"), Accept | None)),
         measured=measured_of(tables),

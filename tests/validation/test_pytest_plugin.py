@@ -79,15 +79,6 @@ def test_a_robot_file_is_collected_as_one_item_per_model_and_quantity(folder, fi
     assert "Traceback" not in finished.stdout
 
 
-@pytest.mark.exhaustive
-def test_undecided_fails_where_that_is_asked_for(folder, finished):
-    assert re.search(r"SKIPPED .*segments, f1: undecided", finished.stdout)
-    chosen = ["--flexproof", "mine.toml", "-k", "segments.f1 and not euler"]
-    strict = pytest_in(folder, *chosen, "--flexproof-strict")
-    assert strict.returncode == 1
-    assert "segments, f1: undecided" in strict.stdout
-
-
 def test_faults_of_a_file_are_told_without_a_traceback(folder):
     (folder / "mine.toml").write_text("schema = 1\nname = 3\n", encoding="utf-8")
     finished = pytest_in(folder, "--flexproof", "mine.toml")
