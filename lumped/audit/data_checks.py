@@ -61,6 +61,7 @@ def _bodies(tables: Mapping[str, Any]) -> Iterator[DescribedPart]:
             compliance=_matrix(body, "compliance"),
             inertia=_matrix(body, "inertia"),
             length=float(np.linalg.norm(np.subtract(*ends))) if ends else None,
+            mass_centre=body.get("mass_centre"),
         )
 
 

@@ -50,12 +50,16 @@ class Prism:
 class Given:
     """Leg known by its 6×6 `compliance` at the second interface, the first clamped (SI, body axes).
 
-    `length` (m) along the body's x axis, `mass` (kg).
+    `length` (m) along the body's x axis, `mass` (kg); of where the mass lies, if known,
+    `mass_centre` (m from the first interface along x) and `inertia` (3×3, kg m², body axes) about
+    it.
     """
 
     length: float
     mass: float
     compliance: Array
+    mass_centre: float | None = None
+    inertia: Array | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,7 +78,7 @@ def leg_shape(leg: Leg) -> Prism | Given:
     """The shape of a leg: of constant section, or known by its 6×6."""
     if isinstance(leg, ConstantLeg):
         return Prism(leg.length, leg.section, leg.material, leg.ends)
-    return Given(leg.length, leg.mass, leg.compliance)
+    return Given(leg.length, leg.mass, leg.compliance, leg.mass_centre, leg.inertia)
 
 
 @dataclass(frozen=True, eq=False)

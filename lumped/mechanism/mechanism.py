@@ -1,6 +1,6 @@
 """A robot as data, from which every model follows."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,13 +21,16 @@ class Tool:
     """The loaded point: an interface of a body, what a pose prescribes of it, a mass (kg) there.
 
     `moves` are components of the point's pose in base axes: x, y, z (m) its coordinates, phi_x,
-    phi_y, phi_z (rad) the rotation vector from the reference posture.
+    phi_y, phi_z (rad) the rotation vector from the reference posture. `keeps` are components that
+    have one value in all poses. Coordinates are counted from `datum` (m).
     """
 
     body: str
     point: str
     moves: tuple[str, ...] = ()
     mass: float = 0.0
+    keeps: tuple[tuple[str, float], ...] = ()
+    datum: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,7 +39,8 @@ class Mechanism:
 
     `reference` holds the frame of every body in base axes in the reference posture; ground is the
     body of that name, whose frame is the base and whose interfaces are the points it is joined at.
-    `poses` (p×len(moves)) are in the order of the tool's `moves`.
+    `poses` (p×len(moves)) are in the order of the tool's `moves`. `inverse_kinematics` gives the
+    frames of all bodies in a pose in closed form; where it is None, loops are closed by iteration.
     """
 
     name: str
@@ -45,6 +49,7 @@ class Mechanism:
     tool: Tool
     reference: Mapping[str, Frame]
     poses: Array
+    inverse_kinematics: Callable[[Array], Mapping[str, Frame]] | None = None
 
     @property
     def reference_pose(self) -> Array:
@@ -52,7 +57,7 @@ class Mechanism:
         place = (
             self.reference[self.tool.body] @ self.bodies[self.tool.body].interfaces[self.tool.point]
         )
-        return np.append(place.position, np.zeros(3))[
+        return np.append(place.position - self.tool.datum, np.zeros(3))[
             [MOVES.index(move) for move in self.tool.moves]
         ]
 

@@ -26,8 +26,8 @@ def leg_of(body: Body) -> Leg:
     match body.shape:
         case Prism(length, section, material):
             return ConstantLeg(length, section, material, name=body.name)
-        case Given(length, mass, compliance):
-            return GivenLeg(length, mass, compliance, name=body.name)
+        case Given(length, mass, compliance, mass_centre, inertia):
+            return GivenLeg(length, mass, compliance, inertia, mass_centre, name=body.name)
     raise InputError(f"bodies.{body.name}: is no leg")
 
 

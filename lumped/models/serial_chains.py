@@ -1,7 +1,8 @@
 """The virtual joint method on any mechanism whose legs are serial chains (eqs 3 to 9).
 
 A chain leads from the ground to what carries the tool: joints of one freedom each, one after the
-other, and 6-DOF springs at the tips of the legs, in the joints and in the drives. The rest is
+other, and 6-DOF springs at the tips of the legs, in the joints and in the drives. The chains end
+at the platform; springs between it and the tool lie in series with all of them. The rest is
 `lumped.models.vjm`: a formulation of its own, which shares no assembly with the other models.
 """
 
@@ -50,17 +51,27 @@ def compliance(posture: Posture, legs: Mapping[str, Array]) -> Array:
     """
     place = shown_pose(posture.mechanism, posture.pose)
     name = f"{posture.mechanism.name}, virtual joints" + (f", {place}" if place else "")
-    stiffness = vjm.robot_stiffness(serial_chains(posture, legs))
-    return vjm.platform_compliance(stiffness, f"{name}: the tool")
+    parallel, series = serial_chains(posture, legs)
+    platform = vjm.platform_compliance(vjm.robot_stiffness(parallel), f"{name}: the tool")
+    return platform + chains.chain_jacobians(series).spring_compliance
 
 
-def serial_chains(posture: Posture, legs: Mapping[str, Array]) -> tuple[Chain, ...]:
-    """Every chain from the ground to the loaded point, in the order of the joints at its end."""
-    return tuple(_chain(posture, legs, path) for path in _paths(posture.mechanism, legs))
+def serial_chains(posture: Posture, legs: Mapping[str, Array]) -> tuple[tuple[Chain, ...], Chain]:
+    """Every chain from the ground to the platform, and the one from there to the tool.
+
+    All end at the loaded point; the former in the order of the joints at their end.
+    """
+    paths, onward = _paths(posture.mechanism, legs)
+    return (
+        tuple(_chain(posture, legs, path) for path in paths),
+        _chain(posture, legs, onward),
+    )
 
 
-def _paths(mechanism: Mechanism, legs: Mapping[str, Array]) -> list[list[_Step]]:
-    """Steps of each chain from the ground to the tool.
+def _paths(
+    mechanism: Mechanism, legs: Mapping[str, Array]
+) -> tuple[list[list[_Step]], list[_Step]]:
+    """Steps of each chain from the ground to the platform, and those from it to the tool.
 
     Raises NoChainError where one branches, ComputationError where the tool is part of the ground.
     """
@@ -73,6 +84,10 @@ def _paths(mechanism: Mechanism, legs: Mapping[str, Array]) -> list[list[_Step]]
             "the tool to the ground, so its stiffness is infinite"
         )
     steps = _without_dead_ends(_steps(mechanism, legs, moving_as_one), {base, end})
+    series = _series(steps, end, base)
+    for step in series:
+        end = _other(step, end)
+    steps = [step for step in steps if step not in series]
     paths = []
     for start in [step for step in steps if end in step.nodes]:
         path, here = [start], _other(start, end)
@@ -87,7 +102,25 @@ def _paths(mechanism: Mechanism, legs: Mapping[str, Array]) -> list[list[_Step]]
             path.append(onward[0])
             here = _other(onward[0], here)
         paths.append(path[::-1])
-    return paths
+    return paths, series[::-1]
+
+
+def _series(steps: list[_Step], end: _Node, base: _Node) -> list[_Step]:
+    """Steps from the tool back to where the robot branches; none where a single chain holds it."""
+    series: list[_Step] = []
+    while end != base:
+        onward = [step for step in steps if end in step.nodes and step not in series]
+        if len(onward) != 1 or _is_passive(onward[0].across):
+            return series
+        series += onward
+        end = _other(onward[0], end)
+    return []
+
+
+def _is_passive(across: Joint | str) -> bool:
+    """Whether a joint leaves some twist to nothing but the rest of the robot."""
+    driven = isinstance(across, Joint) and across.drive is not None
+    return isinstance(across, Joint) and FREEDOMS[across.kind] > driven
 
 
 def _groups(mechanism: Mechanism, legs: Mapping[str, Array]) -> dict[_Node, _Node]:

@@ -15,10 +15,10 @@ import msgspec
 from lumped.acceptance.measured import Measured, pose_faults, read_measured
 from lumped.acceptance.requirement import STATIC_QUANTITIES, Requirement
 from lumped.biglide import Biglide
-from lumped.biglide import mechanism as biglide_mechanism
 from lumped.caches import cached_property
 from lumped.errors import InputError
 from lumped.files import read_ordinary, require_ordinary
+from lumped.mechanism.biglide import biglide
 from lumped.mechanism.mechanism import Mechanism
 from lumped.mechanism.part import Part
 from lumped.robot_file.biglide.build import (
@@ -82,7 +82,19 @@ class RobotFile:
     def mechanism(self) -> Mechanism:
         """The robot as bodies and joints, whatever the schema of its file."""
         described = self.described
-        return described if isinstance(described, Mechanism) else biglide_mechanism(described)
+        if isinstance(described, Mechanism):
+            return described
+        return biglide(
+            described.name,
+            described.a,
+            described.leg1,
+            described.leg2,
+            platform_mass=described.platform_mass,
+            drive_stiffness=described.actuator_stiffness,
+            tool_offset=described.tool_offset,
+            foot_compliance=described.foot_compliance,
+            tool_compliance=described.tool_compliance,
+        )
 
     @property
     def name(self) -> str:

@@ -62,7 +62,11 @@ class Closure:
         tool = mechanism.tool
         self._tool_body = self._number[tool.body]
         self._tool_arm = self._arm(tool.body, tool.point)
-        self.moves = [MOVES.index(move) for move in tool.moves]
+        kept = dict(tool.keeps)
+        # What is prescribed: what a pose does, then what all poses keep.
+        self.moves = [MOVES.index(move) for move in (*tool.moves, *kept)]
+        self._kept = np.array(list(kept.values()))
+        self._datum = np.array(tool.datum)
         self._weights = np.array([1.0] * 3 + [self.size] * 3)[self.moves]
 
     def _arm(self, body: str, point: str) -> Array:
@@ -180,14 +184,15 @@ class Closure:
         return self._unknowns(rows)
 
     def pose(self, placement: Placement) -> Array:
-        """Pose of the tool in the order of its moves (m, rad)."""
-        position = placement.origins[self._tool_body] + self._tool_arm_in(placement)
+        """Pose of the tool in the order of its moves, then of what it keeps (m, rad)."""
+        arm = self._tool_arm_in(placement) - self._datum
+        position = placement.origins[self._tool_body] + arm
         rotation = Rotation.from_matrix(placement.turns[self._tool_body]).as_rotvec()
         values: Array = np.concatenate([position, rotation])[self.moves]
         return values
 
     def pose_jacobian(self, placement: Placement) -> Array:
-        """Derivative (moves × unknowns, rotations weighed with the size) of the pose."""
+        """Derivative (rows of `pose` × unknowns, rotations weighed with the size) of the pose."""
         vector = Rotation.from_matrix(placement.turns[self._tool_body]).as_rotvec()
         rates = np.eye(6)
         rates[3:, 3:] = _rotation_vector_rates(vector)
@@ -196,7 +201,7 @@ class Closure:
 
     def residual_at(self, placement: Placement, pose: Array) -> Array:
         """Residual (m) of all constraints, then by how much the tool misses `pose`."""
-        missed = self._weights * (self.pose(placement) - pose)
+        missed = self._weights * (self.pose(placement) - np.append(pose, self._kept))
         return np.concatenate([self.residual(placement), missed])
 
     def jacobian_at(self, placement: Placement) -> Array:

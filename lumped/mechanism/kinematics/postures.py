@@ -6,11 +6,14 @@ part of it converges at once: whoever walks in such steps does not change to ano
 the same parts.
 """
 
+from collections.abc import Mapping
+
 import numpy as np
 from scipy.linalg import lstsq
 
 from lumped.arrays import Array
-from lumped.errors import InputError
+from lumped.errors import ComputationError, InputError
+from lumped.mechanism.body import Frame
 from lumped.mechanism.joint import FREEDOMS
 from lumped.mechanism.kinematics.closure import Closure, Placement, closure_of
 from lumped.mechanism.kinematics.constraints import turning
@@ -55,8 +58,45 @@ def posture(mechanism: Mechanism, pose: Array, start: Posture | None = None) -> 
     tool is not held by the drives or not determined by its moves.
     """
     closure = closure_of(mechanism)
-    begin = start or reference_posture(mechanism)
     target = _checked(closure, pose)
+    place = f"{mechanism.name}, pose {shown_pose(mechanism, target)}"
+    if mechanism.inverse_kinematics is None:
+        placement, coordinates = _walked(closure, start or reference_posture(mechanism), target)
+    else:
+        placement = _placed(closure, mechanism.inverse_kinematics(target), target)
+        coordinates = list(closure.coordinates(placement))
+    refuse_undetermined(mobility_at(closure, placement), closure.size, place)
+    names = (joint.name for joint in mechanism.joints)
+    return Posture(
+        mechanism,
+        target,
+        closure.frames(placement),
+        dict(zip(names, coordinates, strict=True)),
+    )
+
+
+def _placed(closure: Closure, frames: Mapping[str, Frame], pose: Array) -> Placement:
+    """The placement of bodies at `frames`; raises ComputationError where joints stand open there.
+
+    What all models share no comparison of models would notice.
+    """
+    posed = Posture(closure.mechanism, pose, frames, {})
+    placement = closure.placement(posed)
+    missed = np.abs(closure.residual_at(placement, pose)).max()
+    if not missed <= CLOSED * closure.size:
+        raise ComputationError(
+            f"{closure.mechanism.name}, pose {shown_pose(closure.mechanism, pose)}: its inverse "
+            f"kinematics leaves the joints open or misses the pose by {missed:.2g} m"
+        )
+    return placement
+
+
+def _walked(closure: Closure, begin: Posture, target: Array) -> tuple[Placement, list[Array]]:
+    """The placement at a pose and the joints' coordinates there, on the straight way from `begin`.
+
+    Raises InputError as `posture` does.
+    """
+    mechanism = closure.mechanism
     place = f"{mechanism.name}, pose {shown_pose(mechanism, target)}"
     placement = closure.placement(begin)
     _refuse_open_reference(closure)
@@ -73,22 +113,14 @@ def posture(mechanism: Mechanism, pose: Array, start: Posture | None = None) -> 
             part *= 0.5
         else:
             raise InputError(f"{place}: {_out_of_reach(closure, placement, target, done)}")
-    refuse_undetermined(mobility_at(closure, placement), closure.size, place)
-    names = (joint.name for joint in mechanism.joints)
-    return Posture(
-        mechanism,
-        target,
-        closure.frames(placement),
-        dict(zip(names, coordinates, strict=True)),
-    )
+    return placement, coordinates
 
 
 def shown_pose(mechanism: Mechanism, pose: Array) -> str:
     """A pose in words: "x = 0.2 m, phi_z = 0.1 rad"."""
-    moves = mechanism.tool.moves
     return ", ".join(
         f"{move} = {value:.6g} {UNITS_OF_MOVES[move]}"
-        for move, value in zip(moves, pose, strict=True)
+        for move, value in zip(mechanism.tool.moves, pose, strict=False)
     )
 
 
@@ -174,7 +206,7 @@ def _widths(closure: Closure, placement: Placement) -> Array:
 
 def _nearest(closure: Closure, placement: Placement, pose: Array) -> Placement:
     """The placement that has the tool at the pose and the joints as little open as possible."""
-    weights = np.ones(len(closure.joint_of) + len(pose))
+    weights = np.ones(len(closure.joint_of) + len(closure.moves))
     weights[len(closure.joint_of) :] = _INSISTENT
     residual = weights * closure.residual_at(placement, pose)
     damping = 1.0

@@ -17,7 +17,18 @@ from lumped.robot_file.tables import MaterialTable
 
 # Which keys belong to which description of a body.
 KEYS = {
-    "leg": ("from", "to", "up", "section", "material", "mass", "compliance", "ends"),
+    "leg": (
+        "from",
+        "to",
+        "up",
+        "section",
+        "material",
+        "mass",
+        "compliance",
+        "ends",
+        "mass_centre",
+        "inertia",
+    ),
     "rigid body": ("points", "mass", "centre", "inertia"),
     "part": ("step", "mesh", "unit", "place", "material", "interfaces"),
 }

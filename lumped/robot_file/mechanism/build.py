@@ -88,6 +88,8 @@ def _body(given: Draft, name: str, folder: Path) -> tuple[Body, Frame]:
             section=table.section,
             material=material_of(given, table),
             ends=table.ends,
+            mass_centre=table.mass_centre,
+            inertia=table.inertia,
         ),
         name,
     )

@@ -16,6 +16,7 @@ from lumped.robot_file.tables import (
     MaterialTable,
     MeasuredTable,
     Name,
+    Offset,
     SectionTable,
     Table,
     Text,
@@ -63,7 +64,8 @@ class PlaceTable(Table, frozen=True):
 class BodyTable(Table, frozen=True):
     """[bodies.NAME]: a leg (`from`, `to`), a rigid body (`points`) or a CAD part (`step`, `mesh`).
 
-    A leg is given as in schema 1; `up` is where its z axis points as nearly as it can.
+    A leg is given as in schema 1; `up` is where its z axis points as nearly as it can. `inertia`
+    is about `centre` in base axes; of a leg about `mass_centre` (m from its root) in leg axes.
     """
 
     start: Entry | None = field(name="from", default=None)
@@ -73,6 +75,7 @@ class BodyTable(Table, frozen=True):
     material: Entry | MaterialTable | None = None
     mass: LoadedMass | None = None
     compliance: Compliance | None = None
+    mass_centre: Offset | None = None
     points: list[Entry] | None = None
     centre: Entry | Point | None = None
     inertia: Inertia | None = None

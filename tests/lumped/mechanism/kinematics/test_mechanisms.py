@@ -95,7 +95,8 @@ def test_kutzbach_counts_what_is_not_overconstrained(mechanism):
     assert found.mobility - found.redundant == kutzbach
     if mechanism.name in {"Delta", "hexapod"}:
         assert found.redundant == 0
-    assert found.mobility == len(mechanism.tool.moves) + found.idle
+    prescribed = len(mechanism.tool.moves) + len(mechanism.tool.keeps)
+    assert found.mobility == prescribed + found.idle
 
 
 def test_a_delta_has_six_idle_spins_in_every_pose():

@@ -1,0 +1,229 @@
+"""The PRRRP biglide as a mechanism (paper §2.1, Figs 1 and 2).
+
+A slides along y on the line x = 0, C along y on the line x = a; leg 1 = AB, leg 2 = CB, both on
+the same side; B = (x, y). Nothing depends on y, so B is the origin of y. The feet are the give of
+the revolute joints between slides and legs, leg 2 is hinged to leg 1 at B, the platform carried by
+leg 1. A pose is the position x of B alone.
+"""
+
+from dataclasses import dataclass, replace
+from math import fsum, sqrt
+
+import numpy as np
+
+from lumped.arrays import Array
+from lumped.errors import InputError
+from lumped.legs import EquivalentBy, Leg, equivalent_leg
+from lumped.mechanism.body import Frame, leg_shape
+from lumped.mechanism.joint import Drive, Joint, JointKind, Side
+from lumped.mechanism.mechanism import GROUND, Mechanism, Tool
+from lumped.mechanism.placing import leg_on, rigid_on
+from lumped.screws import rotation_z
+
+# Relative slack for a posture at the very end of the stroke, where x − end is rounding noise.
+_ROUNDING = 1e-12
+_POSES = 9
+_, _Y, _Z = np.eye(3)
+
+
+@dataclass(frozen=True)
+class Stroke:
+    """Geometry of the legs: distance `a` (m) of the slides, `length1` and `length2` (m).
+
+    B goes from x = a − L2 (leg 2 horizontal) to L1 (leg 1 horizontal), type 1 singularities both.
+    """
+
+    a: float
+    length1: float
+    length2: float
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """First and last x of B (m)."""
+        return self.a - self.length2, self.length1
+
+    @property
+    def centre(self) -> float:
+        """Middle of the stroke (m)."""
+        return 0.5 * sum(self.ends)
+
+    @property
+    def length(self) -> float:
+        """Length d = L1 + L2 − a (m)."""
+        return self.length1 + self.length2 - self.a
+
+    def legs_at(self, x: float) -> tuple[Frame, Frame]:
+        """Frames of leg 1 at A and leg 2 at C with B at `x` (m); InputError outside the stroke."""
+        first, last = self.ends
+        slack = _ROUNDING * self.a
+        if not first - slack <= x <= last + slack:
+            by = f", by {max(x - last, first - x):.3g} m" if np.isfinite(x) else ""
+            raise InputError(f"x = {x:.10g} m is outside the stroke {first:g} m to {last:g} m{by}")
+        s1, s2 = _height(self.length1, (x,)), _height(self.length2, (self.a, -x))
+        return (
+            Frame(np.array([0.0, -s1, 0.0]), rotation_z(float(np.arctan2(s1, x)))),
+            Frame(np.array([self.a, -s2, 0.0]), rotation_z(float(np.arctan2(s2, x - self.a)))),
+        )
+
+    def faults(self) -> list[str]:
+        """Why the legs cannot meet or pass their singular postures; empty if they can."""
+        l1, l2, a = self.length1, self.length2, self.a
+        faults = []
+        if not a > 0.0:
+            faults.append(f"a = {a:g} m: the slides must be apart, a > 0")
+        if l1 + l2 <= a:
+            faults.append(
+                f"leg lengths {l1:g} m + {l2:g} m do not reach over a = {a:g} m: "
+                "the legs cannot meet"
+            )
+        if a > 0.0 and (l1 >= l2 + a or l2 >= l1 + a):
+            faults.append(
+                f"leg lengths {l1:g} m and {l2:g} m differ by a = {a:g} m or more: "
+                "the shorter leg never becomes horizontal, so the stroke has no end"
+            )
+        return faults
+
+
+def _height(length: float, base: tuple[float, ...]) -> float:
+    """Extent √(L² − b²) (m) along y of a leg of `length` L over a base of the sum b (m) of `base`.
+
+    As √((L − b)(L + b)), both sums rounded once: the difference of squares would lose half of the
+    digits near the end of the stroke. A base that ends within the rounding of its own terms from
+    a horizontal leg is the end of the stroke.
+    """
+    short = fsum((length, *(-term for term in base)))
+    if short <= np.spacing(max(length, *map(abs, base))):
+        return 0.0
+    return sqrt(short * fsum((length, *base)))
+
+
+@dataclass(frozen=True)
+class _InverseKinematics:
+    """Where all bodies are with B at x; general closure loses half of the digits at both ends."""
+
+    stroke: Stroke
+    offset: tuple[float, float, float]
+    turning: bool
+
+    def __call__(self, pose: Array) -> dict[str, Frame]:
+        leg1, leg2 = self.stroke.legs_at(float(pose[0]))
+        tip = np.array([pose[0], 0.0, 0.0])
+        reference, _ = self.stroke.legs_at(self.stroke.centre)
+        turn = leg1.rotation @ reference.rotation.T if self.turning else np.eye(3)
+        return {
+            GROUND: Frame(),
+            "slide1": Frame(leg1.position),
+            "slide2": Frame(leg2.position),
+            "leg1": leg1,
+            "leg2": leg2,
+            "platform": Frame(tip, turn),
+            "tool": Frame(tip + np.array(self.offset), turn),
+        }
+
+
+def biglide(
+    name: str,
+    a: float,
+    leg1: Leg,
+    leg2: Leg,
+    *,
+    platform_mass: float,
+    drive_stiffness: float,
+    tool_offset: Array | None = None,
+    foot_compliance: Array | None = None,
+    tool_compliance: Array | None = None,
+) -> Mechanism:
+    """A biglide of two legs on slides `a` (m) apart, described with B in the middle of its stroke.
+
+    `tool_offset` (3, m, base axes) leads from B to the loaded point P, where the platform's mass
+    (kg) sits; `foot_compliance` (6×6, SI, base axes) acts at both revolute joints of the feet,
+    `tool_compliance` in series at P, None where rigid. The drives are rigid but for the simplified
+    model, where their stiffness (N/m) stands for all that gives way. Raises InputError where the
+    legs cannot meet.
+    """
+    stroke = Stroke(a, leg1.length, leg2.length)
+    if faults := stroke.faults():
+        raise InputError(f"{name}: {fault}" for fault in faults)
+    offset = np.zeros(3) if tool_offset is None else np.asarray(tool_offset, dtype=float)
+    first, second = stroke.legs_at(stroke.centre)
+    tip = np.array([stroke.centre, 0.0, 0.0])
+    points = {"A": first.position, "C": second.position, "B": tip, "P": tip + offset}
+    placed = [
+        rigid_on(GROUND, ("A", "C"), points, origin=np.zeros(3)),
+        rigid_on("slide1", "A", points),
+        rigid_on("slide2", "C", points),
+        leg_on("leg1", leg_shape(leg1), ("A", "B"), points),
+        leg_on("leg2", leg_shape(leg2), ("C", "B"), points),
+        rigid_on("platform", ("B", "P"), points),
+    ]
+    # What is not the same seen from any direction in the plane keeps its axes in all poses: the
+    # paper gives offset and spring of the tool in the robot's axes.
+    turning = tool_compliance is None and not offset[:2].any()
+    drive = Drive(simplified=drive_stiffness)
+    seat = _joint("seat", "fixed", ("leg1", "platform"), "B")
+    if not turning:
+        # A drive that holds turns the platform back as leg 1 turns.
+        seat = _joint("seat", "revolute", ("leg1", "platform"), "B", _Z, drive=Drive())
+    joints = [
+        _joint("drive1", "prismatic", (GROUND, "slide1"), "A", _Y, drive=drive),
+        _joint("drive2", "prismatic", (GROUND, "slide2"), "C", _Y, drive=drive),
+        _joint("foot1", "revolute", ("slide1", "leg1"), "A", _Z, compliance=foot_compliance),
+        _joint("foot2", "revolute", ("slide2", "leg2"), "C", _Z, compliance=foot_compliance),
+        _joint("hinge", "revolute", ("leg1", "leg2"), "B", _Z),
+        seat,
+    ]
+    loaded = "platform"
+    if tool_compliance is not None:
+        loaded = "tool"
+        placed.append(rigid_on(loaded, "P", points))
+        joints.append(
+            _joint("spring", "fixed", ("platform", loaded), "P", compliance=tool_compliance)
+        )
+    keeps = (("y", 0.0),) if turning else (("y", 0.0), ("phi_z", 0.0))
+    return Mechanism(
+        name=name,
+        bodies={body.name: body for body, _ in placed},
+        joints=tuple(joints),
+        tool=Tool(
+            loaded,
+            "P",
+            ("x",),
+            platform_mass,
+            keeps,
+            (float(offset[0]), float(offset[1]), float(offset[2])),
+        ),
+        reference={body.name: frame for body, frame in placed},
+        poses=np.linspace(*stroke.ends, _POSES)[:, None],
+        inverse_kinematics=_InverseKinematics(
+            stroke, (float(offset[0]), float(offset[1]), float(offset[2])), turning
+        ),
+    )
+
+
+def lengthened(
+    a: float, leg1: Leg, leg2: Leg, alpha: float, by: EquivalentBy = "stiffness"
+) -> tuple[float, Leg, Leg]:
+    """Member `alpha` of the family of eqs (10), (11): legs α times as long, the same stroke d.
+
+    The legs keep their (equivalent) constant section; a = α (L10 + L20) − d (m).
+    """
+    stroke = Stroke(a, leg1.length, leg2.length)
+    first, second = equivalent_leg(leg1, by), equivalent_leg(leg2, by)
+    return (
+        alpha * (first.length + second.length) - stroke.length,
+        replace(first, length=alpha * first.length),
+        replace(second, length=alpha * second.length),
+    )
+
+
+def _joint(
+    name: str,
+    kind: JointKind,
+    between: tuple[str, str],
+    point: str,
+    *axes: Array,
+    drive: Drive | None = None,
+    compliance: Array | None = None,
+) -> Joint:
+    first, second = (Side(body, point) for body in between)
+    return Joint(name, kind, first, second, np.reshape(axes, (-1, 3)), drive, compliance)
