@@ -98,8 +98,17 @@ def _below(squared: Array, cutoff: float) -> int:
 
 
 @lru_cache(maxsize=16)
-def _read(path: Path, unit: str | None) -> PartFile:
+def _read(path: Path, unit: str | None, _written: tuple[int, int] | None) -> PartFile:
     return read_part(path, unit)
+
+
+def _written(path: Path) -> tuple[int, int] | None:
+    """Size and time of a file: one that was written again in the meantime is read again."""
+    try:
+        found = path.stat()
+    except (OSError, ValueError):
+        return None
+    return found.st_size, found.st_mtime_ns
 
 
 def shape_of(body: Body) -> Part:
@@ -132,7 +141,7 @@ def found_in(body: Body) -> tuple[PartFile, tuple[Interface, ...]]:
     """
     shape = shape_of(body)
     try:
-        file = _read(shape.file, shape.unit)
+        file = _read(shape.file, shape.unit, _written(shape.file))
         points = {name: frame.position for name, frame in body.interfaces.items()}
         return file, find_interfaces(file, shape.interfaces, points)
     except InputError as error:

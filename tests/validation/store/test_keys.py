@@ -1,0 +1,340 @@
+"""Keys of what is kept: each of their ingredients is changed, one at a time, and makes another.
+
+What is kept under a key that has not all that its numbers depend on is believed by a run of
+another robot, preset, option, library or source.
+"""
+
+import hashlib
+import re
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from itertools import product
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import gmsh
+import numpy as np
+import pytest
+
+from lumped.acceptance.measured import Measured, digest
+from lumped.caches import forget
+from lumped.legs import ConstantLeg, Material
+from lumped.robot_file import RobotFile, load_robot
+from lumped.sections import HollowRectangle
+from meshes.part.interfaces import Interface
+from meshes.part.reading.read import PartFile
+from validation import api, pytest_plugin
+from validation.context import PRESETS, fingerprint, memo_key
+from validation.models import parts, stepped_parts
+from validation.models.options import ModelOptions
+from validation.parts import identify, kept, meshes
+from validation.results import provenance
+from validation.run import kept_checks
+from validation.run.session import Request
+from validation.store.mark import mark_of
+from validation.sweeps import journal
+from validation.sweeps.units import LegUnit, posture_unit
+from validation.variations.robots import VariedRobot
+
+sys.path.insert(0, str(Path(__file__).parent))
+from changed_leaves import changed_leaves
+
+ROCKER = Path(__file__).parents[3] / "examples" / "rocker" / "robot.toml"
+# What serves messages alone: the name of a leg.
+NAME_ALONE = re.compile(r"leg\w*\]?\.name$")
+STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
+LEG = ConstantLeg(0.85, HollowRectangle(0.10, 0.16, 0.008), STEEL)
+
+
+def leg_unit() -> LegUnit:
+    return LegUnit("solid", LEG, ModelOptions(), 800.0, 2000.0)
+
+
+def of_postures():
+    robot = load_robot("ifw").robot
+    return posture_unit("beam", robot, (0.3, 0.5), 4, ModelOptions(elements=2), 800.0, 2000.0)
+
+
+def varied(robot: str | Path) -> VariedRobot:
+    return VariedRobot(load_robot(robot), "quick", (0.3, 0.5), "points.A[1] = 0.2")
+
+
+@pytest.mark.parametrize(
+    "unit",
+    [
+        leg_unit(),
+        of_postures(),
+        varied("five-bar"),
+        varied("ifw"),
+        varied(ROCKER),
+        {"legs": LEG, "options": ModelOptions(), "poses": np.eye(3), "at": [0.1, None, True]},
+    ],
+    ids=["leg", "postures", "five-bar", "ifw", "rocker", "arguments"],
+)
+def test_everything_in_a_unit_of_work_is_in_its_key(unit, monkeypatch):
+    monkeypatch.setattr(journal, "_sources", lambda: "sources")
+    key_of_unit, keys = journal.key_of(unit), {}
+    for place, changed in changed_leaves(unit):
+        key = journal.key_of(changed)
+        name_alone = NAME_ALONE.search(place) is not None
+        assert (key == key_of_unit) == name_alone, place
+        assert name_alone or keys.setdefault(key, place) == place, (place, keys[key])
+    assert len(keys) > 5
+
+
+def test_sources_are_in_the_key_of_a_unit(monkeypatch):
+    keys = set()
+    for sources in "ab":
+        monkeypatch.setattr(journal, "suite_digest", lambda sources=sources: sources)
+        forget()
+        keys.add(journal.key_of(leg_unit()))
+    forget()
+    assert len(keys) == 2
+
+
+def test_every_source_is_in_the_digest_of_the_sources(tmp_path, monkeypatch):
+    """One byte of one file, its name, its folder, a file more: each is another program."""
+    monkeypatch.setattr(provenance, "__file__", str(tmp_path / "a" / "b" / "provenance.py"))
+    root = tmp_path
+    names = [
+        f"{p}/x/one{s}"
+        for p in ("lumped", "meshes", "fem", "validation")
+        for s in (".py", ".toml", ".j2", ".css", ".js")
+    ]
+    for name in names:
+        (root / name).parent.mkdir(parents=True, exist_ok=True)
+        (root / name).write_text("0")
+    digests = [provenance.suite_digest()]
+    for name in names:
+        (root / name).write_text("1")
+        digests.append(provenance.suite_digest())
+        (root / name).rename(root / f"{name[:-3]}-renamed{Path(name).suffix}")
+        digests.append(provenance.suite_digest())
+    assert len(set(digests)) == 1 + 2 * len(names)
+
+
+def test_the_memo_tells_functions_and_how_they_are_called():
+    calls = [
+        (leg_unit, (), {}),
+        (of_postures, (), {}),
+        (leg_unit, (1,), {}),
+        (leg_unit, (1.0,), {}),
+        (leg_unit, ("1",), {}),
+        (leg_unit, (True,), {}),
+        (leg_unit, (), {"a": 1}),
+        (leg_unit, (), {"b": 1}),
+        (leg_unit, ((1, 2), 3), {}),
+        (leg_unit, (1, (2, 3)), {}),
+        (leg_unit, (np.zeros((2, 3)),), {}),
+        (leg_unit, (np.zeros((3, 2)),), {}),
+        (leg_unit, (np.zeros(6),), {}),
+        (leg_unit, (np.zeros(6, np.float32),), {}),
+        (leg_unit, (leg_unit,), {}),
+        (leg_unit, (of_postures,), {}),
+    ]
+    assert len({memo_key(*call) for call in calls}) == len(calls)
+    with pytest.raises(ValueError, match="top of a module"):
+        memo_key(lambda: None, (), {})
+    with pytest.raises(TypeError, match="no plain data"):
+        fingerprint(object())
+
+
+# The keys of parts
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What the arrays of a part are asked for with."""
+
+    content: bytes = b"solid"
+    unit: str = "mm"
+    material: Material = STEEL
+    interfaces: tuple[tuple[Any, ...], ...] = (
+        ("A", (1, 2), (0.0, 0.1, 0.2), "rigid"),
+        ("B", (3,), (1.0, 0.0, 0.0), "average"),
+    )
+
+
+class _AskedForError(Exception):
+    pass
+
+
+def given(asked: Asked, folder: Path) -> tuple[PartFile, tuple[Interface, ...], Material]:
+    path = folder / "part.step"
+    path.write_bytes(asked.content)
+    file = PartFile(path, asked.unit, [1.0, 1.0, 1.0], np.zeros((0, 3)), (), None, None)
+    faces = (
+        Interface(name, chosen, np.array(point), coupling, "", None, None, 1.0)
+        for name, chosen, point, coupling in asked.interfaces
+    )
+    return file, tuple(faces), asked.material
+
+
+def test_everything_said_of_a_part_is_in_its_key(tmp_path, monkeypatch):
+    keys = [kept.key_of(*given(Asked(), tmp_path))]
+    changes = [(place, one) for place, one in changed_leaves(Asked()) if "more" not in place]
+    changes.append(("content", replace(Asked(), content=b"Solid")))
+    changes.append(("interfaces", replace(Asked(), interfaces=Asked().interfaces[::-1])))
+    keys += [kept.key_of(*given(one, tmp_path)) for _, one in changes]
+    keys += [kept.key_of(*given(Asked(), tmp_path), *more) for more in ((1,), (2,), ("1",), (1, 2))]
+    for module, name in ((kept, "_EDITION"), (gmsh, "__version__")):
+        with monkeypatch.context() as patch:
+            patch.setattr(module, name, "another")
+            keys.append(kept.key_of(*given(Asked(), tmp_path)))
+    assert len(set(keys)) == len(keys) >= 22
+
+
+def asked_of_parts(folder: Path) -> Iterator[tuple[str, Any]]:
+    """By name: everything that arrays of a part are kept for, with each of its options changed."""
+    file, interfaces, material = given(Asked(), folder)
+    body = load_robot(ROCKER).mechanism.parts["rocker"]
+    yield from {
+        "mesh": lambda: meshes.part_mesh(file, interfaces, 1000, 0),
+        "mesh, rung": lambda: meshes.part_mesh(file, interfaces, 1000, 1),
+        "mesh, unknowns": lambda: meshes.part_mesh(file, interfaces, 1001, 0),
+        "ladder": lambda: meshes.gradings(file, interfaces, 1000),
+        "ladder, unknowns": lambda: meshes.gradings(file, interfaces, 1001),
+        "identified": lambda: identify.identify(file, interfaces, material, 1000, 6),
+        "identified, unknowns": lambda: identify.identify(file, interfaces, material, 1001, 6),
+        "identified, modes": lambda: identify.identify(file, interfaces, material, 1000, 7),
+        "identified, material": lambda: identify.identify(
+            file, interfaces, replace(material, nu=0.29), 1000, 6
+        ),
+    }.items()
+    for name, changes in {
+        "": {},
+        "highest": {"highest": 801.0},
+        "cutoff": {"cutoff": 2001.0},
+        "rung": {"rung": 1},
+        "hold": {"hold": "average"},
+        "by": {"by": "free"},
+    }.items():
+        options = {"highest": 800.0, "cutoff": 2000.0} | changes
+        yield f"reduced, {name}", lambda options=options: parts.reduced(body, **options)
+    lighter = replace(body.shape.material, rho=7000.0)
+    other = replace(body, shape=replace(body.shape, material=lighter))
+    yield "reduced, material", lambda: parts.reduced(other, 800.0, 2000.0)
+
+
+def test_everything_that_is_kept_of_parts_has_a_key_of_its_own(tmp_path, monkeypatch):
+    def noted(key, _):
+        keys.append(key)
+        raise _AskedForError
+
+    keys: list[str] = []
+    for module in (parts, stepped_parts, identify, meshes):
+        monkeypatch.setattr(module, "kept", noted)
+    names = []
+    for name, ask in asked_of_parts(tmp_path):
+        with pytest.raises(_AskedForError):
+            ask()
+        names.append(name)
+    found = dict(zip(keys, names, strict=True))
+    assert list(found.values()) == names
+
+
+# The keys of runs
+
+
+def header(**changed):
+    named = {
+        "robot": "r",
+        "robot_sha256": "1",
+        "preset": "quick",
+        "suite_sha256": "2",
+        "versions": {"python": "3", "numpy": "2", "gmsh": "4", "linear solver": "cholmod"},
+        "options": {"accept": "x=0.1"},
+    }
+    return {**named, "started": "now", **changed}
+
+
+def changed_headers(names):
+    return [
+        header(**{name: other}) for name in names for _, other in changed_leaves(header()[name])
+    ]
+
+
+def test_all_that_tells_runs_apart_is_in_the_name_of_a_run():
+    names = ("robot", "robot_sha256", "preset", "suite_sha256", "versions", "options")
+    marks = {mark_of(one).run for one in (header(), *changed_headers(names))}
+    assert len(marks) == 1 + len(changed_headers(names))
+    assert mark_of(header(started="later")).run == mark_of(header()).run
+
+
+def test_kept_checks_are_those_of_the_program_library_machine_and_preset(monkeypatch):
+    names = ("preset", "suite_sha256", "versions")
+    keys = [kept_checks.kept_of(one).key for one in (header(), *changed_headers(names))]
+    monkeypatch.setattr(kept_checks, "processor", lambda: "another")
+    keys.append(kept_checks.kept_of(header()).key)
+    assert len(set(keys)) == len(keys) > 9
+
+
+def test_the_header_of_a_run_has_every_library_that_computes(monkeypatch):
+    monkeypatch.setattr(provenance, "suite_digest", lambda: "sources")
+    written = provenance.header(load_robot("ifw"), "fine", {"accept": "x=0.1"})
+    assert (written["suite_sha256"], written["preset"]) == ("sources", "fine")
+    assert written["options"] == {"accept": "x=0.1"}
+    needed = {"python", "numpy", "scipy", "gmsh", "scikit-fem", "cvxopt", "linear solver"}
+    assert needed <= written["versions"].keys()
+
+
+def test_options_that_change_numbers_are_in_the_header():
+    plain = Request(load_robot("ifw"), "quick", Path("out"), 1)
+    changed = [
+        replace(plain, only="leg*"),
+        replace(plain, selftest=False),
+        replace(plain, asked={"accept": "x=0.1"}),
+        replace(plain, asked={"vary": "geometry.a=0.9:1:3"}),
+    ]
+    assert len({fingerprint(dict(one.options)) for one in (plain, *changed)}) == 5
+
+
+def test_measured_values_have_a_digest_of_all_that_they_say():
+    ones = (Measured("x", 1e-6, 1e-8, "rig", (0.3,), 100.0), Measured("f1", 80.0, 0.1, "rig"))
+    changed = [other for _, other in changed_leaves(ones)]
+    assert len({digest(one) for one in (ones, *changed)}) == 1 + len(changed)
+
+
+def with_part(folder: Path, change: bytes = b"") -> RobotFile:
+    """The rocker in a folder, its part with a comment more."""
+    folder.mkdir()
+    part = ROCKER.with_name("rocker.step").read_bytes()
+    (folder / "rocker.step").write_bytes(part + change)
+    (folder / "robot.toml").write_bytes(ROCKER.read_bytes())
+    return load_robot(folder / "robot.toml")
+
+
+def test_the_digest_of_a_robot_is_that_of_its_file_and_its_parts(tmp_path):
+    one, same = with_part(tmp_path / "one"), with_part(tmp_path / "same")
+    other = with_part(tmp_path / "other", b"/* other */\n")
+    assert one.sha256 == same.sha256 != other.sha256
+    assert load_robot("ifw").sha256 == hashlib.sha256(load_robot("ifw").text.encode()).hexdigest()
+    (tmp_path / "one" / "rocker.step").unlink()
+    assert load_robot(tmp_path / "one" / "robot.toml").sha256 != one.sha256
+
+
+def test_a_part_that_changed_under_a_session_is_read_again(tmp_path):
+    robot = with_part(tmp_path / "robot")
+    before, _ = parts.found_in(robot.mechanism.parts["rocker"])
+    part = tmp_path / "robot" / "rocker.step"
+    part.write_text(part.read_text().replace("SI_UNIT(.MILLI.,.METRE.)", "SI_UNIT(.CENTI.,.METRE.)"))
+    after, _ = parts.found_in(load_robot(tmp_path / "robot/robot.toml").mechanism.parts["rocker"])
+    assert after.extent[0] == pytest.approx(10.0 * before.extent[0])
+
+
+def test_the_plugin_judges_every_robot_preset_and_number_of_modes(tmp_path, monkeypatch):
+    judged = []
+
+    def judge(robot, *, preset, accept):
+        judged.append((robot.sha256, preset, accept))
+        return SimpleNamespace(accepting=lambda _: None)
+
+    monkeypatch.setattr(api, "adequacy", judge)
+    robots = [with_part(tmp_path / name, b"/* b */\n" * (name == "b")) for name in "ab"]
+    known = {pytest_plugin._JUDGED: {}}
+    for robot, preset, accept in 2 * list(product(robots, PRESETS, (None, {"modes": 6}))):
+        config = SimpleNamespace(stash=known, getoption=lambda _, preset=preset: preset)
+        pytest_plugin._judged(config, robot.source, accept)
+    assert len({fingerprint(one) for one in judged}) == len(judged) == 2 * len(PRESETS) * 2
