@@ -315,13 +315,13 @@ def test_the_digest_of_a_robot_is_that_of_its_file_and_its_parts(tmp_path):
     assert load_robot(tmp_path / "one" / "robot.toml").sha256 != one.sha256
 
 
-def test_a_part_that_changed_under_a_session_is_read_again(tmp_path):
+def test_a_part_that_was_written_again_under_a_session_is_read_again(tmp_path):
     robot = with_part(tmp_path / "robot")
-    before, _ = parts.found_in(robot.mechanism.parts["rocker"])
-    part = tmp_path / "robot" / "rocker.step"
-    part.write_text(part.read_text().replace("SI_UNIT(.MILLI.,.METRE.)", "SI_UNIT(.CENTI.,.METRE.)"))
-    after, _ = parts.found_in(load_robot(tmp_path / "robot/robot.toml").mechanism.parts["rocker"])
-    assert after.extent[0] == pytest.approx(10.0 * before.extent[0])
+    body, part = robot.mechanism.parts["rocker"], tmp_path / "robot" / "rocker.step"
+    before, _ = parts.found_in(body)
+    assert parts.found_in(body)[0] is before
+    part.write_text(part.read_text().replace("DATA;", "DATA; /* moved */", 1))
+    assert parts.found_in(body)[0] is not before
 
 
 def test_the_plugin_judges_every_robot_preset_and_number_of_modes(tmp_path, monkeypatch):
