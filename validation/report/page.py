@@ -45,7 +45,8 @@ class Report:
     `matrix` is the adequacy of the models, `unjudged` says why there is none, `measured` that
     against measured values. `unfinished` counts
     the pieces of work that were not computed; `drifts` (by case id) are the moves from frozen
-    values, which stand in a column of their own; `power` what became of the faults, if any were
+    values, which stand in a column of their own; `no_longer_compared` (why, by case id) agreed in
+    them and are skipped now; `power` what became of the faults, if any were
     injected. The plots are drawn by so many `processes`.
     """
 
@@ -59,6 +60,7 @@ class Report:
     missing_figures: tuple[tuple[PlannedFigure, str], ...] = ()
     unfinished: int = 0
     drifts: Mapping[str, Drift] = field(default_factory=dict)
+    no_longer_compared: Mapping[str, str] = field(default_factory=dict)
     power: Power | None = None
     processes: int = 1
 
@@ -90,6 +92,8 @@ class Report:
     def checks(self) -> str:
         """The comparisons in one sentence, and one on the faults."""
         said = summary(self.outcomes, self.unfinished)
+        if self.no_longer_compared:
+            said += f" Agreed earlier and skipped now: {', '.join(self.no_longer_compared)}."
         return f"{said} {self.power.sentence}" if self.power else said
 
     @property

@@ -86,6 +86,16 @@ def drifts(outcomes: Sequence[Outcome], frozen: RunRecord) -> dict[str, Drift]:
     return found
 
 
+def no_longer_compared(outcomes: Sequence[Outcome], earlier: RunRecord | None) -> dict[str, str]:
+    """By case id: why a comparison that agreed earlier is skipped now, and protects nothing."""
+    agreed = {case.id for case in earlier.cases if case.verdict == "agree"} if earlier else set()
+    return {
+        outcome.case.id: outcome.result.message
+        for outcome in outcomes
+        if outcome.verdict == "skipped" and outcome.case.id in agreed
+    }
+
+
 def with_drift(record: CaseRecord, drift: Drift | None) -> CaseRecord:
     """The record of a case with what it has drifted, if that is known."""
     if drift is None:

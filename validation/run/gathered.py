@@ -12,7 +12,7 @@ from validation.case import Case
 from validation.exhibits import Figure, PlannedFigure
 from validation.report.detection import Power, comparisons, detection_power
 from validation.results.compare import RunComparison, compare
-from validation.results.drift import Drift, drifts, with_drift
+from validation.results.drift import Drift, drifts, no_longer_compared, with_drift
 from validation.results.outcome import Outcome
 from validation.results.records import RunRecord, case_record, parse_run, run_record
 from validation.results.tasks import AnyResult, Record, Task, from_plain, is_check, still_holding
@@ -129,6 +129,11 @@ class Results:
     def drifts(self) -> dict[str, Drift]:
         """How far the values have moved from the frozen ones, by case id."""
         return drifts(self.in_order(), self.frozen) if self.frozen else {}
+
+    @property
+    def no_longer_compared(self) -> dict[str, str]:
+        """Comparisons that agreed in the baseline or the frozen values and are skipped now: why."""
+        return no_longer_compared(self.in_order(), self.frozen)
 
     @property
     def power(self) -> Power | None:

@@ -172,6 +172,7 @@ def publish(
         unjudged=next(iter(gathered.unjudged()), ""),
         unfinished=gathered.unfinished,
         drifts=gathered.drifts,
+        no_longer_compared=gathered.no_longer_compared,
         power=gathered.power,
         processes=processes,
     )

@@ -49,21 +49,26 @@ def left_out(gathered: Results) -> list[str]:
 
 
 def changes(gathered: Results) -> tuple[list[str], bool]:
-    """Lines on what moved since the baseline, and whether a verdict worsened.
+    """Lines on what moved or is no longer compared since the baseline, and whether that is worse.
 
-    Without a baseline, the drift from the frozen values, which worsens nothing.
+    Without a baseline, since the frozen values, of which nothing is worse.
     """
+    earlier = "the frozen values" if gathered.baseline is None else "the baseline"
+    lost = [
+        f"warning: {name} agreed in {earlier} and is skipped now: {why}"
+        for name, why in gathered.no_longer_compared.items()
+    ]
     if gathered.baseline is None:
         drifted = [name for name, drift in gathered.drifts.items() if drift.beyond]
         line = f"drifted from the frozen values (see the report): {', '.join(drifted)}"
-        return [line] if drifted else [], False
+        return [*lost, *([line] if drifted else [])], False
     comparison = gathered.compared_with(gathered.baseline)
     worse = [
         f"worse     {change.id}: {change.before} in the baseline, now {change.after}"
         for change in comparison.verdicts
-        if change.worse
+        if change.worse and change.id not in gathered.no_longer_compared
     ]
-    return [*worse, f"against the baseline: {sentence(comparison)}"], comparison.worsened
+    return [*lost, *worse, f"against the baseline: {sentence(comparison)}"], comparison.worsened
 
 
 def how_to_go_on(request: Request) -> str:

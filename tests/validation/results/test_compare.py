@@ -10,12 +10,15 @@ from lumped.errors import InputError
 from lumped.robot_file import load_robot
 from validation import cli
 from validation.case import Absolute, Case, Measurement
+from validation.report.page import Report
 from validation.results.compare import as_dict, compare
 from validation.results.comparison_text import as_text, table
 from validation.results.drift import drift, drifts, with_drift
 from validation.results.freeze import FOLDER, built_in_frozen, freeze, frozen_text, main
-from validation.results.outcome import judge
+from validation.results.outcome import Result, judge
 from validation.results.records import CaseRecord, RunRecord, case_record, load_run, parse_run
+from validation.run.gathered import Results
+from validation.run.summary import changes
 
 STEADY = CaseRecord(
     id="steady", verdict="agree", value=1.0, reference=1.0, tolerance=0.1, seconds=1.0
@@ -237,6 +240,45 @@ def test_a_case_without_a_frozen_value_has_no_drift():
     assert drifts([outcome(1.0)], run_of()) == {}
     entry = with_drift(case_record(outcome(1.0)), None)
     assert (entry.frozen, entry.drift, entry.drifted) == (None, None, None)
+
+
+AGREED = CaseRecord(id="toy", verdict="agree", value=1.0)
+
+
+@pytest.mark.parametrize("named", ["baseline", "frozen"])
+@pytest.mark.parametrize(
+    ("before", "now", "warned"),
+    [
+        ("agree", "skipped", True),
+        ("skipped", "skipped", False),
+        ("undecided", "skipped", False),
+        ("agree", "agree", False),
+        (None, "skipped", False),
+    ],
+)
+def test_what_agreed_and_is_skipped_is_a_warning(named, before, now, warned):
+    """CalculiX gone from the machine, say: what it protected is protected no more."""
+    one = outcome(1.0)
+    result = one.result
+    if now == "skipped":
+        result = Result("toy", "skipped", 0.0, "CalculiX is not installed")
+    earlier = run_of(*([] if before is None else [replace(AGREED, verdict=before)]))
+    gathered = Results(
+        {"robot": "r", "preset": "quick", "options": {}},
+        [one.case],
+        baseline=earlier if named == "baseline" else None,
+        frozen=earlier,
+        done={"toy": result},
+    )
+    lines, worsened = changes(gathered)
+    told = [line for line in lines if line.startswith("warning: toy agreed in the ")]
+    assert len(told) == warned
+    assert all(named in line and line.endswith("CalculiX is not installed") for line in told)
+    # The user's own baseline is a promise, the frozen values a reminder.
+    assert worsened is (warned and named == "baseline")
+    page = Report((), (), (), {}, no_longer_compared=gathered.no_longer_compared)
+    assert ("skipped now: toy." in page.checks) is warned
+    assert gathered.exit_code() == 0
 
 
 def whole_run(tmp_path, *cases, **changes):
