@@ -23,6 +23,7 @@ WIDTH = 7.4  # in, of every plot
 LINE_HEIGHT = 0.165  # in, of a line in a legend
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
 YELLOW, BLUE, VERMILLION, PURPLE = "#F0E442", "#0072B2", "#D55E00", "#CC79A7"
+BROWN = "#6B4226"  # dark, as orange and vermillion are not
 
 
 @dataclass(frozen=True)
@@ -38,24 +39,65 @@ class Look:
         return {"color": self.colour, "marker": self.marker, "linestyle": self.line}
 
 
-MODELS: Mapping[str, Look] = {
+# Every model and reference of every figure by its name; no two have the same marker and line.
+LOOKS: Mapping[str, Look] = {
     "simplified": Look("#666666", "x", ":"),
-    "vjm": Look(BLUE, "o"),
+    "vjm": Look(BLUE, "o", "--"),
+    "vjm-equivalent": Look(BLUE, "<"),
+    "vjm-equivalent-euler-bernoulli": Look(BLUE, "4", ":"),
+    "links": Look(PURPLE, ">", ":"),
     "segments": Look(ORANGE, "s", "--"),
+    "segments-euler-bernoulli": Look(ORANGE, "v", ":"),
+    "segments-printed": Look(PURPLE, "h", ":"),
+    "segments-literal": Look(PURPLE, "|", "--"),
+    "segments-stepped": Look(BROWN, "*"),
+    "segments-condensed": Look(SKY, "X", "-."),
     "beam": Look(GREEN, "^", "-."),
+    "beam-euler-bernoulli": Look(GREEN, "P", ":"),
+    # References: rigid ends and interfaces, or as the file says; free or averaged ones; with the
+    # masses that legs known by a 6×6 plausibly have.
     "solid": Look(VERMILLION, "D"),
-    "closed form": Look(BLACK, "", (0, (1, 1))),  # type: ignore[arg-type]
+    "solid, free": Look(VERMILLION, "p", "--"),
+    "solid, coarser mesh": Look(VERMILLION, "8", ":"),
+    "own 6×6": Look(BLACK, "H"),
+    "mass as in a prism": Look(VERMILLION, "1", "-."),
+    "mass as in a prism, free": Look(VERMILLION, "2", "--"),
+    "mass and inertia as given": Look(BLACK, "3", ":"),
+    "mass and inertia as given, free": Look(BLACK, "+", "--"),
+    "measured": Look(BLACK, "d", "none"),
 }
-# For curves that are no models (mode numbers, components): yellow is too pale on white.
+# Names in figures of the biglide, whose virtual joints stand for legs of constant section there.
+_AS_WELL = {
+    "VJM": "vjm-equivalent",
+    "VJM, Timoshenko": "vjm-equivalent",
+    "VJM, Euler–Bernoulli": "vjm-equivalent-euler-bernoulli",
+    "segments, Timoshenko": "segments",
+    "segments, Euler–Bernoulli": "segments-euler-bernoulli",
+    "beam, Timoshenko": "beam",
+    "beam, Euler–Bernoulli": "beam-euler-bernoulli",
+    "legs' own 6×6": "own 6×6",
+}
+_REFERENCE = re.compile(r"^(solid|ends|interfaces|mass)\b")
+# For curves that are no models (modes, components), unlike any of these; yellow is too pale.
 OTHERS: tuple[Look, ...] = (
     Look(BLUE, "o"),
-    Look(VERMILLION, "s", "--"),
-    Look(GREEN, "^", "-."),
+    Look(VERMILLION, "s", "-."),
+    Look(GREEN, "^", "--"),
     Look(PURPLE, "D", ":"),
     Look(ORANGE, "v"),
     Look(SKY, "P", "--"),
     Look(BLACK, "x", "-."),
 )
+
+
+def known_as(name: str) -> str:
+    """The entry in `LOOKS` of a model or of an alternative of the reference, else the name."""
+    name = _AS_WELL.get(name, name)
+    if name in LOOKS or not _REFERENCE.search(name):
+        return name
+    mass = next((key for key in LOOKS if key.startswith("mass") and name.endswith(key)), "solid")
+    return f"{mass}, free" if re.search("free|averaged", name) else mass
+
 
 # Any: the type of the settings is a list of all their names, which says no more.
 _SETTINGS: Any = {
@@ -154,14 +196,6 @@ def framed_legend(
         handlelength=3.2,
         borderaxespad=0.3,
     )
-
-
-def look_of(name: str, others: Iterator[Look]) -> Look:
-    """The look of a model named in `name` ("solid, leg 1"), else the next of `others`."""
-    for model, look in MODELS.items():
-        if re.match(rf"{re.escape(model)}\b", name, re.IGNORECASE):
-            return look
-    return next(others)
 
 
 def svg_of(picture: Canvas) -> str:

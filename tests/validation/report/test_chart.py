@@ -18,10 +18,10 @@ from validation.drawing.chart import (
     tapered,
 )
 from validation.drawing.scales import largest, percent, up_to
-from validation.drawing.style import MODELS, OTHERS, Frame, canvas, marked, plot_style
+from validation.drawing.style import LOOKS, OTHERS, Frame, canvas, marked, plot_style
 
 X = np.array([0.0, 1.0, 2.0])
-LOOK = MODELS["beam"]
+LOOK = LOOKS["beam"]
 
 
 def series(label, values, quantity="deflection (µm)", look=LOOK):

@@ -91,11 +91,6 @@ def compared_frequencies(context: Context, postures: tuple[Posture, ...], judged
     )
 
 
-def is_model(name: str) -> bool:
-    """Whether a curve is a model's, not one of the alternatives that models are held against."""
-    return name in _STACK
-
-
 def _answering(
     postures: Sequence[Posture], stack: Sequence[str]
 ) -> dict[str, tuple[ModelName, ModelOptions]]:

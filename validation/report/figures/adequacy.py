@@ -1,8 +1,7 @@
 """Relative error of every model over the poses, quantity by quantity, with what is accepted."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from functools import partial
-from itertools import cycle
 
 import numpy as np
 
@@ -10,7 +9,7 @@ from lumped.arrays import Array
 from validation.adequacy.matrix import Entry, Matrix
 from validation.drawing.chart import Chart, Panel, Series, tapered
 from validation.drawing.scales import few_ticks, percent
-from validation.drawing.style import BLUE, MODELS, OTHERS, Look, csv_of
+from validation.drawing.style import LOOKS, csv_of
 from validation.exhibits import Figure
 from validation.report.figures.declared import curves
 
@@ -19,15 +18,6 @@ _POSE = "pose"
 _STATIC, _MODES = ("x", "y", "z"), 3
 _MEANINGS = {axis: f"deflection along {axis}" for axis in _STATIC}
 _COLUMNS = 3
-_LOOKS = {
-    "simplified": MODELS["simplified"],
-    "vjm": Look(BLUE, "o", "--"),
-    "vjm-equivalent": MODELS["vjm"],
-    "segments": MODELS["segments"],
-    "beam": MODELS["beam"],
-    "segments-euler-bernoulli": Look(MODELS["segments"].colour, "v", ":"),
-    "beam-euler-bernoulli": Look(MODELS["beam"].colour, "P", ":"),
-}
 
 
 def error_figure(matrix: Matrix) -> Figure | None:
@@ -56,11 +46,6 @@ def matrix_chart(panels: Sequence[Panel], label: str) -> Chart:
     return Chart(panels, label, columns, 2.1, _COLUMNS, x_scale=ticks)
 
 
-def look_of_model(model: str, others: Iterator[Look]) -> Look:
-    """How a model of the matrix is drawn, the next of `others` where it has no look of its own."""
-    return _LOOKS.get(model) or next(others)
-
-
 def abscissa(matrix: Matrix) -> tuple[Array, str]:
     """The poses' only coordinate, or their number along the path."""
     poses = np.array(matrix.poses)
@@ -82,14 +67,15 @@ def _known(matrix: Matrix, quantity: str) -> list[Entry]:
 
 def _panel(matrix: Matrix, quantity: str, *, leftmost: bool) -> Panel:
     x, _ = abscissa(matrix)
-    entries, others, series = _known(matrix, quantity), cycle(OTHERS), []
+    entries, series = _known(matrix, quantity), []
+    models = list(dict.fromkeys(entry.model for entry in matrix.entries))
     limit = 100.0 * max(entry.limit for entry in entries)
-    for rank, entry in enumerate(entries):
+    for entry in entries:
         spreads = 100.0 * numbers(entry.spreads)
         bars = spreads if len(spreads) and np.nanmax(spreads, initial=0.0) > 0.02 * limit else None
-        look, width = look_of_model(entry.model, others), tapered(rank, len(entries))
+        width = tapered(models.index(entry.model), len(models))
         errors = 100.0 * numbers(entry.errors)
-        series.append(Series(entry.model, x, errors, look, width, bars=bars))
+        series.append(Series(entry.model, x, errors, LOOKS[entry.model], width, bars=bars))
     return Panel(
         series,
         _MEANINGS.get(quantity, quantity),

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import cycle
 from typing import Any
 
 import numpy as np
@@ -10,12 +9,10 @@ import numpy as np
 from validation.adequacy.matrix import Entry, Matrix
 from validation.drawing.chart import Panel, Series
 from validation.drawing.scales import side_by_side
-from validation.drawing.style import BLACK, OTHERS, Look, csv_of
+from validation.drawing.style import BLACK, LOOKS, csv_of
 from validation.exhibits import Figure
-from validation.report.figures.adequacy import abscissa, look_of_model, matrix_chart, numbers
+from validation.report.figures.adequacy import abscissa, matrix_chart, numbers
 from validation.report.figures.declared import curves
-
-_MEASURED = Look(BLACK, "o", "none")
 
 
 def measured_figure(matrix: Matrix) -> Figure | None:
@@ -54,34 +51,32 @@ def measured_figure(matrix: Matrix) -> Figure | None:
 
 def _one_pose(entries: Sequence[Entry]) -> list[Series]:
     """In one pose: what was measured, then the models."""
-    others = cycle(OTHERS)
     bar = max((_part(entry, "measurement") for entry in entries), default=0.0)
-    series = [_point("measured", 0, 1.0, bar, _MEASURED)]
+    series = [_point("measured", 0, 1.0, bar)]
     for place, entry in enumerate(entries, start=1):
         if entry.value is not None and entry.expected:
-            look = look_of_model(entry.model, others)
             ratio = entry.value / entry.expected
-            series.append(_point(entry.model, place, ratio, _of_model(entry), look))
+            series.append(_point(entry.model, place, ratio, _of_model(entry)))
     return series
 
 
-def _point(label: str, place: int, value: float, bar: float, look: Look) -> Series:
+def _point(label: str, place: int, value: float, bar: float) -> Series:
     x, y, bars = (np.array([number]) for number in (float(place), value, bar))
-    return Series(label, x, y, replace(look, line="none"), fill=look.colour, bars=bars)
+    look = replace(LOOKS[label], line="none")
+    return Series(label, x, y, look, fill=look.colour, bars=bars)
 
 
 def _over_poses(matrix: Matrix, entries: Sequence[Entry]) -> list[Series]:
     """Over the poses where it was measured: the models, and one for what was measured."""
-    others, (x, _) = cycle(OTHERS), abscissa(matrix)
+    x, _ = abscissa(matrix)
     series = []
     for entry in entries:
         errors, spreads = numbers(entry.errors), numbers(entry.spreads)
         known = np.isfinite(errors)
-        look = look_of_model(entry.model, others)
-        bars = spreads[known]
+        look, bars = LOOKS[entry.model], spreads[known]
         series.append(Series(entry.model, x[known], 1.0 + errors[known], look, bars=bars))
     at = series[-1].x
-    return [*series, Series("measured", at, np.ones(len(at)), _MEASURED, fill=BLACK)]
+    return [*series, Series("measured", at, np.ones(len(at)), LOOKS["measured"], fill=BLACK)]
 
 
 def _part(entry: Entry, name: str) -> float:

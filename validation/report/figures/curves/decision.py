@@ -9,7 +9,7 @@ from lumped.arrays import Array
 from validation.context import Context
 from validation.drawing.chart import Chart, Note, Panel, Series, lettered
 from validation.drawing.scales import from_zero, largest, plain_log
-from validation.drawing.style import MODELS, PURPLE, Look, csv_of
+from validation.drawing.style import LOOKS, csv_of, known_as
 from validation.exhibits import LENGTHS
 from validation.report.figures.curves.computed import STROKE_LABEL
 from validation.report.figures.curves.lines import ALPHA_LABEL, PLACES, as_in_paper
@@ -28,15 +28,8 @@ from validation.sweeps.studies import (
     stroke_of,
 )
 
-# From the bottom of the stack to its top: colour, marker and width (pt) of each model.
-LOOKS: Mapping[str, tuple[Look, float]] = {
-    "simplified": (MODELS["simplified"], 1.6),
-    "VJM": (MODELS["vjm"], 4.4),
-    "segments": (MODELS["segments"], 3.2),
-    "beam": (MODELS["beam"], 2.2),
-    FREE: (Look(PURPLE, "P", ":"), 1.4),
-    RIGID: (MODELS["solid"], 1.0),
-}
+# From the bottom of the stack to its top: width (pt) of each model.
+_WIDTHS = {"simplified": 1.6, "VJM": 4.4, "segments": 3.2, "beam": 2.2, FREE: 1.4, RIGID: 1.0}
 _LOADS = {
     "planar_x": "planar, force along x",
     "planar_y": "planar, force along y",
@@ -59,7 +52,7 @@ def objectives(context: Context) -> Shown:
     panels, columns = [], {"α": decision.alphas}
     for objective, title in zip(OBJECTIVES, titles, strict=True):
         name = f"{objective} ({UNITS[objective]})"
-        labels = [label for label in LOOKS if (label, objective) in decision.choices]
+        labels = [label for label in _WIDTHS if (label, objective) in decision.choices]
         found = {label: np.array(decision.curve(label, objective)) for label in labels}
         series = [
             _looked_at(decision, label, objective, rank / len(labels))
@@ -87,7 +80,7 @@ def longer_legs(context: Context) -> Shown:
     alphas, found = family_of(context)
     upper, lower = [], []
     for place, point in enumerate(POINTS):
-        here = {label: found[label, point] for label in LOOKS if (label, point) in found}
+        here = {label: found[label, point] for label in _WIDTHS if (label, point) in found}
         x = np.array(alphas)
         deflections = [one for name in _LOADS for one in _deflections(here, x, name)]
         letters = [
@@ -124,7 +117,7 @@ def over_the_stroke(context: Context) -> Shown:
     """Three panels of deflections and one of the first four frequencies."""
     found = stroke_of(context)
     x = np.array(stroke_stations(context.robot, PLANS[context.preset].stations))
-    here = {label: found[label] for label in LOOKS if label in found}
+    here = {label: found[label] for label in _WIDTHS if label in found}
     panels = [
         Panel(list(_deflections(here, x, name)), title, "deflection under 1000 N (µm)", from_zero)
         for name, title in _LOADS.items()
@@ -142,7 +135,7 @@ def over_the_stroke(context: Context) -> Shown:
 
 def _looked_at(decision: Decision, label: str, objective: Objective, shift: float) -> Series:
     """A model's objective at every α that it looked at, those of its search among them."""
-    look, width = LOOKS[label]
+    look, width = LOOKS[known_as(label)], _WIDTHS[label]
     values = decision.values[label]
     alphas = sorted(values)
     found = np.array([values[alpha].of(objective) for alpha in alphas])
@@ -153,21 +146,21 @@ def _looked_at(decision: Decision, label: str, objective: Objective, shift: floa
 
 def _optimum(decision: Decision, label: str, objective: Objective) -> Series:
     """What a model chooses; without an entry in the legend."""
-    choice, (look, _) = decision.choices[label, objective], LOOKS[label]
+    choice, look = decision.choices[label, objective], LOOKS[known_as(label)]
     at = (np.array([choice.best]), np.array([choice.value]))
     return Series(f"_{label}", *at, look, fill=look.colour, more={**_OPTIMUM, "markevery": 1})
 
 
 def _deflections(found: Mapping[str, Curves], x: Array, name: str) -> Iterator[Series]:
     for label, one in found.items():
-        look, width = LOOKS[label]
+        look, width = LOOKS[known_as(label)], _WIDTHS[label]
         values = getattr(one.deflections, name)
         yield Series(label, x, values, look, width, f"{_LOADS[name]} (µm)")
 
 
 def _frequencies(found: Mapping[str, Curves], x: Array, mode: int) -> Iterator[Series]:
     for label, one in found.items():
-        look, width = LOOKS[label]
+        look, width = LOOKS[known_as(label)], _WIDTHS[label]
         if one.frequencies.shape[1] > mode:
             quantity = f"frequency {mode + 1} (Hz)"
             yield Series(label, x, one.frequencies[:, mode], look, width, quantity)
@@ -183,7 +176,7 @@ def _verdict(decision: Decision, objective: Objective) -> str:
     shortest, longest = simple.indifferent
     losses = [100.0 * decision.cost_at(a, objective, RIGID) for a in (shortest, longest)]
     own = ("simplified", RIGID)
-    labels = [label for label, of in decision.choices if of == objective and label in LOOKS]
+    labels = [label for label, of in decision.choices if of == objective and label in _WIDTHS]
     followed = [label for label in labels if label not in own]
     worst = max(100.0 * decision.cost(label, objective, RIGID) for label in followed)
     meaning = MEANING[objective][0].upper() + MEANING[objective][1:]

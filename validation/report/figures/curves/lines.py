@@ -12,7 +12,7 @@ import numpy as np
 from lumped.arrays import Array
 from lumped.errors import ComputationError
 from validation.drawing.chart import Series
-from validation.drawing.style import BLUE, MODELS, PURPLE, Look
+from validation.drawing.style import BLUE, LOOKS, PURPLE, Look
 from validation.models.options import DEFAULT_OPTIONS, ModelName, ModelOptions
 
 ALPHA_LABEL = "relative leg length α"
@@ -39,20 +39,24 @@ class Line:
         return Series(self.label, x, y, self.look, self.width, quantity, self.fill)
 
 
-SIMPLIFIED = Line("simplified", "simplified", MODELS["simplified"])
-VJM_GIVEN = Line("VJM, legs as given", "vjm", Look(BLUE, "o", "--"), fill=BLUE)
+SIMPLIFIED = Line("simplified", "simplified", LOOKS["simplified"])
+VJM_GIVEN = Line("VJM, legs as given", "vjm", LOOKS["vjm"], fill=BLUE)
 VJM_EQUIVALENT = Line(
-    "VJM, equivalent legs", "vjm", MODELS["vjm"], ModelOptions(legs="equivalent"), width=3.6
+    "VJM, equivalent legs",
+    "vjm",
+    LOOKS["vjm-equivalent"],
+    ModelOptions(legs="equivalent"),
+    width=3.6,
 )
-SEGMENTS = Line("segments", "segments", MODELS["segments"], width=2.4)
+SEGMENTS = Line("segments", "segments", LOOKS["segments"], width=2.4)
 SEGMENTS_PRINTED = Line(
     "segments, eq. (25) as printed",
     "segments",
-    Look(PURPLE, "X", ":"),
+    LOOKS["segments-printed"],
     ModelOptions(release="printed"),
     fill=PURPLE,
 )
-BEAM = Line("beam FE", "beam", MODELS["beam"], width=1.2)
+BEAM = Line("beam FE", "beam", LOOKS["beam"], width=1.2)
 
 # From the bottom of the stack to its top.
 STATIC_LINES = (SIMPLIFIED, VJM_GIVEN, VJM_EQUIVALENT, SEGMENTS, BEAM)

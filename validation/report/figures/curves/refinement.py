@@ -10,7 +10,7 @@ from validation.agreement.convergence import order_of_errors
 from validation.context import Context
 from validation.drawing.chart import Chart, Note, Panel, Series
 from validation.drawing.scales import power_ticks
-from validation.drawing.style import MODELS, PURPLE, Look
+from validation.drawing.style import LOOKS
 from validation.exhibits import ELEMENTS
 from validation.models.legs import constant_leg_of
 from validation.report.figures.declared import FigureGroup, Shown, curves
@@ -28,7 +28,11 @@ _NAMES = {
     "half": "segments, half springs at the ends",
     "beam": "beam FE",
 }
-_LOOKS = {"literal": Look(PURPLE, "X", ":"), "half": MODELS["segments"], "beam": MODELS["beam"]}
+_LOOKS = {
+    "literal": LOOKS["segments-literal"],
+    "half": LOOKS["segments"],
+    "beam": LOOKS["beam"],
+}
 figures = FigureGroup(ELEMENTS, "figures.refinement")
 
 

@@ -25,7 +25,7 @@ from validation.drawing.prisms import (
     prism_points,
 )
 from validation.drawing.rendering import DARK, GREY, Body, Wire
-from validation.drawing.style import MODELS, ORANGE
+from validation.drawing.style import LOOKS, ORANGE
 from validation.kinematics.solids import Face, body_faces, joint_faces, on_ground, outlines
 from validation.models.parts import coarsest_mesh, identified
 
@@ -193,7 +193,7 @@ def outlines_of(system: System, displaced: Array, count: int = COMPARED) -> Wire
         motions.append(part.displacements)
         pairs.append(part.pairs + begun)
         begun += len(part.points)
-    colour = MODELS["segments"].colour
+    colour = LOOKS["segments"].colour
     return Wire(np.vstack(points), np.vstack(pairs), colour, 2.5, np.vstack(motions))
 
 

@@ -1,8 +1,7 @@
 """Deflections and frequencies over the path by all models, and how far they are apart."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
-from itertools import cycle
 
 import numpy as np
 
@@ -12,15 +11,14 @@ from validation.adequacy.mechanism.compared import (
     Compared,
     compared_compliances,
     compared_frequencies,
-    is_model,
 )
-from validation.adequacy.mechanism.path import coordinates, has_given, path_postures
+from validation.adequacy.mechanism.path import coordinates, path_postures
 from validation.adequacy.response import UNSOLVED
 from validation.case import Skip
 from validation.context import Context
 from validation.drawing.chart import Chart, Panel, Series, tapered
 from validation.drawing.scales import few_ticks, from_zero
-from validation.drawing.style import MODELS, OTHERS, PURPLE, Look
+from validation.drawing.style import LOOKS, known_as
 from validation.exhibits import PATH
 from validation.models.mechanism import JUDGED_MODES
 from validation.report.figures.declared import FigureGroup, Shown, compared_with, curves
@@ -35,17 +33,6 @@ HELD = (
 ONE_SHAPE = "In ascending order; differences are those of modes of one shape."
 POSE = "pose"
 _TITLE = "Deflection over the path"
-_LOOKS: Mapping[str, Look] = {
-    "simplified": MODELS["simplified"],
-    "vjm": MODELS["vjm"],
-    "links": Look(PURPLE, "D", ":"),
-    "segments": MODELS["segments"],
-    "segments-stepped": Look(MODELS["segments"].colour, "^", ":"),
-    "segments-condensed": Look(MODELS["vjm"].colour, "s", "-."),
-    "beam": MODELS["beam"],
-    "beam-euler-bernoulli": Look(MODELS["beam"].colour, "P", ":"),
-}
-_SOLID = (MODELS["solid"], Look(MODELS["solid"].colour, MODELS["solid"].marker, "--"))
 figures = FigureGroup(PATH, SHARED_SOLIDS)
 
 
@@ -69,8 +56,7 @@ def frequencies(context: Context) -> Shown:
         found = compared_frequencies(context, path_postures(context), judged)
     except UNSOLVED as error:
         raise Skip(str(error)) from error
-    bracket = has_given(context.robot_file.mechanism)
-    chart = frequency_chart(found, *_path(context), bracket=bracket)
+    chart = frequency_chart(found, *_path(context))
     return curves(chart, ONE_SHAPE, compared_with(found.against))
 
 
@@ -86,7 +72,7 @@ def deflection_chart(
         axis = ROTATIONS.get(name)
         title = f"about {axis} (µrad)" if axis else f"along {name} (µm)"
         factor = 1e6 * (MOMENT if axis else FORCE)
-        panels.append(_panel(found, x, place, title, factor, iter(_SOLID)))
+        panels.append(_panel(found, x, place, title, factor))
     return path_chart(panels, label, abscissa)
 
 
@@ -95,15 +81,10 @@ def frequency_chart(
     x: Array,
     label: str,
     abscissa: Mapping[str, Sequence[float]],
-    *,
-    bracket: bool,
 ) -> Chart:
-    """The first frequencies (p×k, Hz), a panel each; a `bracket` has many alternatives."""
+    """The first frequencies (p×k, Hz), a panel each."""
     count = min(JUDGED_MODES, found.values[found.against].shape[1])
-    panels = [
-        _panel(found, x, mode, f"f{mode + 1} (Hz)", 1.0, cycle(OTHERS) if bracket else iter(_SOLID))
-        for mode in range(count)
-    ]
+    panels = [_panel(found, x, mode, f"f{mode + 1} (Hz)", 1.0) for mode in range(count)]
     return path_chart(panels, label, abscissa, columns=2)
 
 
@@ -115,10 +96,7 @@ def path_chart(
     return Chart(panels, label, columns, 2.0, 4, abscissa, ticks)
 
 
-def _panel(
-    found: Compared, x: Array, place: int, title: str, factor: float, others: Iterator[Look]
-) -> Panel:
-    looks = {name: _LOOKS[name] if is_model(name) else next(others) for name in found.values}
+def _panel(found: Compared, x: Array, place: int, title: str, factor: float) -> Panel:
 
     def series(all_values: Mapping[str, Array], times: float) -> list[Series]:
         return [
@@ -126,7 +104,7 @@ def _panel(
                 name,
                 x,
                 times * values[:, place],
-                looks[name],
+                LOOKS[known_as(name)],
                 tapered(rank, len(all_values)),
                 title,
             )

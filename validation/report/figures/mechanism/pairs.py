@@ -12,7 +12,7 @@ from validation.adequacy.subject.dynamics import dynamic_reference
 from validation.agreement.mode_pairing import mac_matrix
 from validation.case import Skip
 from validation.context import Context
-from validation.drawing.style import MODELS, canvas, csv_of, plot_style, svg_of
+from validation.drawing.style import LOOKS, canvas, csv_of, plot_style, svg_of
 from validation.exhibits import PATH
 from validation.models.options import DEFAULT_OPTIONS, ModelName
 from validation.report.figures.declared import FigureGroup, Shown
@@ -51,7 +51,7 @@ def pairs(context: Context) -> Shown:
             _matrix(axes, mac, name)
             found = partners(first, model, dynamics.weights, shown)
             change = 100.0 * (found.frequency[0] / first.frequencies[0, :shown] - 1.0)
-            look = MODELS[name]
+            look = LOOKS[name]
             right.plot(columns["mode"], change, label=name, linewidth=0.8, **look.options())
             columns |= {
                 f"{name}: partner": [float(k) + 1.0 for k in found.number[0]],

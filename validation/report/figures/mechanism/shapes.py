@@ -29,7 +29,7 @@ from validation.drawing.rendering import (
     write,
 )
 from validation.drawing.scenes import interactive
-from validation.drawing.style import MODELS, VERMILLION, canvas, csv_of, plot_style
+from validation.drawing.style import LOOKS, VERMILLION, canvas, csv_of, plot_style
 from validation.report.figures.declared import Shown
 from validation.report.figures.mechanism.bodies import (
     COMPARED,
@@ -121,7 +121,7 @@ def modes_of(pair: Pair, count: int, *further: str) -> Shown:
             factor = _DRAWN * beam.system.posture.mechanism.size / bent.largest
             scene = bent.shown(axes, factor, bent.largest, (2, _HEIGHT))
             points, lumped = compared_points(segments.system, like, stage.compared)
-            squares(axes, scene.view, points + factor * lumped, MODELS["segments"].colour)
+            squares(axes, scene.view, points + factor * lumped, LOOKS["segments"].colour)
             frequency = beam.modes.frequencies[mode]
             title = f"({'abcd'[mode]}) mode {mode + 1}{bent.direction[0]}: {frequency:.1f} Hz"
             axes.set_title(title)

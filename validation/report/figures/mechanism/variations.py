@@ -9,7 +9,6 @@ from lumped.arrays import Array
 from lumped.mechanism.kinematics.postures import shown_pose
 from lumped.robot_file.key_units import unit_of
 from lumped.robot_file.variation import Variation
-from validation.adequacy.mechanism.path import has_given
 from validation.context import SWEEPS_FOLDER, Context
 from validation.exhibits import PARAMETERS, Figure, PlannedFigure
 from validation.report.figures.declared import compared_with, curves
@@ -62,8 +61,7 @@ def frequencies(context: Context, *, variation: Variation, number: int) -> Figur
     found = _curves(context, variation)
     place = _place(context, found)
     said = f"With the tool at {place}." if place else ""
-    bracket = has_given(context.robot_file.mechanism)
-    chart = frequency_chart(found.dynamics, *_over(context, variation), bracket=bracket)
+    chart = frequency_chart(found.dynamics, *_over(context, variation))
     against = compared_with(found.dynamics.against)
     return curves(chart, said, f"{ONE_SHAPE}{_alike(variation)}", against).figure(
         f"vary.{number}.frequencies", f"Natural frequencies over {variation.key}", PARAMETERS

@@ -30,7 +30,7 @@ from validation.drawing.rendering import (
     staged,
 )
 from validation.drawing.scenes import interactive
-from validation.drawing.style import MODELS, canvas, csv_of, plot_style
+from validation.drawing.style import LOOKS, canvas, csv_of, plot_style
 from validation.kinematics.solids import outlines
 from validation.models.legs import constant_leg_of, leg_matrices, solid_modes
 from validation.models.options import DEFAULT_OPTIONS
@@ -110,7 +110,7 @@ def _mode_shapes(context: Context, number: int) -> Shown:
             scene = staged(axes, bodies, rest, (0.0, 1.0), _CAMERA, room, [found.mesh.nodes])
             lumped = found.lumped[:, mode].reshape(-1, 6)[:, :3]
             straight = np.column_stack([found.stations, np.zeros((len(found.stations), 2))])
-            squares(axes, scene.view, straight + factor * lumped, MODELS["segments"].colour)
+            squares(axes, scene.view, straight + factor * lumped, LOOKS["segments"].colour)
             title = (
                 f"({letter}) mode {mode + 1}: {found.frequencies[mode]:.1f} Hz, {found.kinds[mode]}"
             )
@@ -148,7 +148,7 @@ def segments_over(leg: ConstantLeg, stations: Array, twists: Array) -> Wire:
     points = prism_points(corners, stations)
     moved = section_displacements(points, np.repeat(twists, len(corners), axis=0))
     pairs = frames(len(corners), len(stations))
-    return Wire(points + moved, pairs, MODELS["segments"].colour, 2.5, moved)
+    return Wire(points + moved, pairs, LOOKS["segments"].colour, 2.5, moved)
 
 
 def at_rest(leg: ConstantLeg) -> Wire:

@@ -9,7 +9,7 @@ from validation.drawing.opengl import require_vtk
 from validation.drawing.prisms import Surface
 from validation.drawing.rendering import Body, Wire, picture_of, staged, write
 from validation.drawing.scenes import interactive
-from validation.drawing.style import MODELS, WIDTH, plot_style
+from validation.drawing.style import LOOKS, WIDTH, plot_style
 from validation.exhibits import PORTRAIT, STROKE
 from validation.models.biglide import robot_system
 from validation.report.figures.curves.lines import as_in_paper
@@ -39,12 +39,12 @@ def portrait(context: Context) -> Shown:
     still = np.zeros(system.size)
     own = [Surface(one.points, one.faces) for one in legs(system, still)]
     around, _ = stage_of(robot, x).around(system, still)
-    bodies = [*(Body(surface, MODELS["vjm"].colour) for surface in own), *around]
+    bodies = [*(Body(surface, LOOKS["vjm"].colour) for surface in own), *around]
     first, last = robot.stroke
     path = np.tile(top_of_joint(robot, x), (_PATH, 1))
     path[:, 0] += np.linspace(first, last, _PATH) - x
     pieces = np.column_stack([np.arange(_PATH - 1), np.arange(1, _PATH)])
-    stroke = Wire(path, pieces, MODELS["solid"].colour, 4.0)
+    stroke = Wire(path, pieces, LOOKS["solid"].colour, 4.0)
     with plot_style():
         picture = Canvas(figsize=(WIDTH / 2.0, _HEIGHT), layout="constrained")
         axes = picture.subplots()

@@ -1,6 +1,6 @@
 """Plots of families of studies: refinement with its order and uncertainty, sweeps of models."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import cycle
@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from lumped.arrays import Array
 from validation.drawing.chart import Chart, Note, Panel, Series, tapered
 from validation.drawing.scales import largest, power_ticks, up_to
-from validation.drawing.style import OTHERS, PURPLE, Frame, Look, csv_of, look_of
+from validation.drawing.style import LOOKS, OTHERS, Frame, Look, csv_of, known_as
 from validation.exhibits import Figure, Study
 from validation.report.figures.declared import curves
 from validation.report.figures.studies.families import Curve, Family, alone
@@ -48,7 +48,7 @@ def _sweep(family: Family) -> Chart:
 
     Modes of one model share its look and its entry in the legend.
     """
-    looks = _sweep_looks(list(dict.fromkeys(curve.model for curve in family.curves)))
+    looks = _looks(curve.model for curve in family.curves)
     ranks = list(looks)
     series, notes = [], []
     for curve in family.curves:
@@ -75,23 +75,10 @@ _PLAIN = 1.6  # pt
 _AXIS_CHARACTERS = 36
 
 
-def _sweep_looks(names: Sequence[str]) -> Mapping[str, Look]:
-    """A look for every curve: its model's, for a variant of the model another marker and line."""
+def _looks(names: Iterable[str]) -> Mapping[str, Look]:
+    """A look for every curve: its model's by name, else one that no other has."""
     others = cycle(OTHERS)
-    variants = cycle((("P", ":"), ("v", "-."), ("X", "--")))
-    looks: dict[str, Look] = {}
-    for name in names:
-        look = look_of(name, others)
-        if "Euler" in name:
-            look = replace(look, line=":")
-        elif look in looks.values():
-            marker, line = next(variants)
-            look = replace(look, marker=marker, line=line, colour=_VARIANT_COLOUR)
-        looks[name] = look
-    return looks
-
-
-_VARIANT_COLOUR = PURPLE
+    return {name: LOOKS.get(known_as(name)) or next(others) for name in dict.fromkeys(names)}
 
 
 def _convergence(family: Family) -> Chart:
@@ -101,14 +88,13 @@ def _convergence(family: Family) -> Chart:
     values are relative errors themselves.
     """
     orders = sorted({c.study.formal_order for c in family.curves if c.study.formal_order})
-    others, x = cycle(OTHERS), np.asarray(family.first.x)
-    lone = len(family.curves) == 1
+    x = np.asarray(family.first.x)
+    looks = _looks(curve.label for curve in family.curves)
     plain, decay = [], []
     for curve in family.curves:
-        look = look_of(curve.label, others) if lone else next(others)
         order = f"order {curve.order:.2f}" if curve.order is not None else "no order"
         deviation, bars = _deviation(curve)
-        one = Series(f"{curve.label}: {order}", x, deviation, look, bars=bars)
+        one = Series(f"{curve.label}: {order}", x, deviation, looks[curve.label], bars=bars)
         plain.append(one)
         decay.append(_decaying(one))
     decay += _slopes(x, decay, orders)
