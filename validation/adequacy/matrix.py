@@ -9,7 +9,7 @@ from validation.context import PRESETS, Context, Preset
 
 Adequacy: TypeAlias = Literal["adequate", "inadequate", "undecided"]
 # The two assessments of a run by id: against what is computed, and against what was measured.
-ADEQUACY, MEASURED = "adequacy", "measured"
+ADEQUACY, MEASURED = "adequacy", "adequacy.measured"
 
 
 @dataclass(frozen=True)

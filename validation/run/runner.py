@@ -8,7 +8,7 @@ have to wait for a factorisation.
 
 import signal
 from collections import deque
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
@@ -44,8 +44,12 @@ class Observer(Protocol):
         """The task's record has arrived."""
 
 
-def select(tasks: Sequence[Task], preset: Preset, pattern: str | None = None) -> list[Task]:
+def select(
+    tasks: Sequence[Task], preset: Preset, pattern: str | None = None, always: Collection[str] = ()
+) -> list[Task]:
     """Tasks of the preset whose id matches the shell-style pattern (brackets taken literally).
+
+    Those whose ids are in `always` are taken, too.
 
     Raises InputError where nothing matches.
     """
@@ -56,14 +60,14 @@ def select(tasks: Sequence[Task], preset: Preset, pattern: str | None = None) ->
         return in_preset
     # Ids carry parameters in brackets; as character classes they would never match themselves.
     literal = pattern.replace("[", "[[]")
-    chosen = [task for task in in_preset if fnmatchcase(task.id, literal)]
+    chosen = {task.id for task in in_preset if fnmatchcase(task.id, literal)}
     if not chosen:
         elsewhere = any(fnmatchcase(task.id, literal) for task in tasks)
         ids, listed = [task.id for task in in_preset], "; 'flexproof cases' lists them"
         near = did_you_mean(pattern.strip("*?"), ids, listed, cutoff=0.5)
         hint = "; only in other presets" if elsewhere else near
         raise InputError(f'--only: no case of preset {preset} matches "{pattern}"{hint}')
-    return chosen
+    return [task for task in in_preset if task.id in chosen.union(always)]
 
 
 def run(

@@ -14,6 +14,7 @@ from lumped.audit.robot_audit import audit
 from lumped.errors import ComputationError, InputError
 from lumped.robot_file import RobotFile
 from lumped.robot_file.variation import Variation
+from validation.adequacy.matrix import MEASURED
 from validation.console.streams import complain
 from validation.context import SWEEPS_FOLDER, Context, Preset
 from validation.report.detection import comparisons
@@ -96,14 +97,16 @@ def validate(request: Request, catalogue: Catalogue) -> Results:
     listed = catalogue(robot_file)
     if request.selftest is False:
         listed = [task for task in listed if not is_check(task)]
-    tasks = runner.select(listed, request.preset, request.only)
+    # Whoever names measured values in the command wants to see them, whatever else is left out.
+    always = (MEASURED,) if request.asked.get("measured") else ()
+    tasks = runner.select(listed, request.preset, request.only, always)
     options = request.options
     header = provenance.header(robot_file, request.preset, options)
     kept = kept_of(header)
     # Before the run, so that after Ctrl-C only the page is left to be written.
     findings = audit(robot_file)
     # Read before anything is written: the folder may be the baseline's own.
-    baseline = load_run(request.baseline) if request.baseline else None
+    baseline = _baseline(request)
     frozen = baseline or built_in_frozen(robot_file, request.preset)
     with ExitStack() as stack:
         executor = _cluster(request, stack)
@@ -215,6 +218,20 @@ def _sweep(
             from validation.variations.curves import variation_study  # noqa: PLC0415
 
             variation_study(robot_file, variation, preset, journal_in(str(sweeps)), executor)
+
+
+def _baseline(request: Request) -> RunRecord | None:
+    """The run to compare with; raises InputError where it is of another robot."""
+    if request.baseline is None:
+        return None
+    baseline = load_run(request.baseline)
+    other, name = baseline.run.get("robot"), request.robot_file.name
+    if other and other != name:
+        raise InputError(
+            f'--baseline {request.baseline}: is of another robot, "{other}", and says nothing of '
+            f'"{name}"; must be a run of the same robot'
+        )
+    return baseline
 
 
 def _variations(request: Request) -> tuple[Variation, ...]:

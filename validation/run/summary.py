@@ -16,8 +16,8 @@ def verdicts(gathered: Results) -> list[str]:
     outcomes = gathered.in_order()
     worst = [o for o in outcomes if o.verdict in {"disagree", "undecided", "failed"}]
     compared, power = comparisons(outcomes), gathered.power
-    # A run of faults or of measured values alone makes no comparison that could be summed up.
-    nothing = not compared and (power or gathered.measured)
+    # A run of faults or of models alone makes no comparison that could be summed up.
+    nothing = not compared and (power or gathered.matrices)
     said = [] if nothing else [summary(compared, gathered.unfinished)]
     return [
         *(outcome_line(outcome) for outcome in worst),

@@ -66,7 +66,7 @@ def test_models_are_held_against_what_was_measured(tmp_path):
     expected = leg_compliance("beam", legs_of(mechanism)["rod1"])
     assert matrix.entry("beam", "rod1.c22").value == pytest.approx(expected[1, 1], rel=1e-12)
     assert measured_figure(matrix).svg
-    assert "measured" in {task.id for task in catalogue(robot_file)}
+    assert "adequacy.measured" in {task.id for task in catalogue(robot_file)}
 
 
 def test_inputs_are_a_standard_uncertainty_off_in_every_model(tmp_path):

@@ -151,7 +151,7 @@ def test_findings_and_provenance_are_shown(markup):
 
 
 def test_an_empty_and_an_interrupted_run_have_a_page():
-    empty = sample_report(outcomes=(), figures=(), findings=(), missing_figures=())
+    empty = sample_report(outcomes=(), figures=(), findings=(), missing_figures=(), matrix=None)
     assert "No comparison was made." in render(empty)
     part = sample_report(unfinished=4)
     assert "4 not computed" in render(part)
