@@ -87,6 +87,8 @@ class RunComparison:
 
     `inputs` are the keys of the robot file that differ, None where a run does not tell them. Of
     different inputs no value drifts: they differ, as they should. `adequacy` is that of both.
+    `robots` are the names of two different robots, of whose cases none is better or worse, new or
+    removed; empty where both runs are of one.
     """
 
     verdicts: tuple[VerdictChange, ...]
@@ -97,6 +99,7 @@ class RunComparison:
     circumstances: tuple[str, ...]
     inputs: tuple[InputChange, ...] | None = None
     adequacy: tuple[AdequacyChange, ...] = ()
+    robots: tuple[str, ...] = ()
 
     @property
     def worsened(self) -> bool:
@@ -106,7 +109,8 @@ class RunComparison:
 
 def compare(before: RunRecord, after: RunRecord) -> RunComparison:
     """What changed from `before` to `after`."""
-    old, new = before.by_id, after.by_id
+    robots = different_robots(before, after)
+    old, new = ({}, {}) if robots else (before.by_id, after.by_id)
     both = [(old[identifier], case) for identifier, case in new.items() if identifier in old]
     inputs = input_changes(before, after)
     return RunComparison(
@@ -122,7 +126,14 @@ def compare(before: RunRecord, after: RunRecord) -> RunComparison:
         ),
         inputs=inputs,
         adequacy=adequacy_changes(before, after),
+        robots=robots,
     )
+
+
+def different_robots(before: RunRecord, after: RunRecord) -> tuple[str, ...]:
+    """The names of the robots of two runs where these differ; a variant keeps its robot's name."""
+    names = [run.run.get("robot") for run in (before, after)]
+    return tuple(map(str, names)) if all(names) and names[0] != names[1] else ()
 
 
 def as_dict(comparison: RunComparison) -> dict[str, Any]:
@@ -130,6 +141,7 @@ def as_dict(comparison: RunComparison) -> dict[str, Any]:
     return {
         "schema": 1,
         "worsened": comparison.worsened,
+        "different_robots": list(comparison.robots),
         "verdicts": [asdict(change) | {"worse": change.worse} for change in comparison.verdicts],
         "drifted": [
             {

@@ -12,7 +12,7 @@ _SLOWEST = 10
 def as_text(before: RunRecord, after: RunRecord, comparison: RunComparison) -> str:
     """What changed, the gravest first."""
     blocks = [_heads(before, after, comparison), sentence(comparison)]
-    if comparison.inputs:
+    if comparison.inputs and not comparison.robots:
         blocks.append(
             "The input differs: numbers are of two robots, and their differences no drift."
         )
@@ -27,7 +27,7 @@ def as_text(before: RunRecord, after: RunRecord, comparison: RunComparison) -> s
         [
             [c.model, c.quantity, *_judged(c.before), *_judged(c.after)]
             for c in comparison.adequacy
-            if _told(c, different=bool(comparison.inputs))
+            if _told(c, different=bool(comparison.inputs or comparison.robots))
         ],
     )
     worst_first = sorted(comparison.verdicts, key=lambda change: not change.worse)
@@ -95,7 +95,13 @@ def _told(change: AdequacyChange, *, different: bool) -> bool:
 
 
 def sentence(comparison: RunComparison) -> str:
-    """What changed, counted."""
+    """What changed, counted; of two different robots, that nothing can be."""
+    if comparison.robots:
+        first, second = comparison.robots
+        return (
+            f"Two different robots, {first} and {second}: none of their cases is better or worse, "
+            "and only the adequacy of their models stands side by side."
+        )
     worse = sum(change.worse for change in comparison.verdicts)
     drifted = len({entry.id for entry in comparison.drifted})
     parts = [

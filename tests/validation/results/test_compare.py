@@ -1,6 +1,7 @@
 """Two runs side by side, and truth and frozen apart. The numbers are made up to be told apart."""
 
 import json
+import re
 
 import pytest
 from msgspec.json import encode
@@ -40,6 +41,7 @@ def test_two_equal_runs_show_no_change():
     assert as_dict(comparison) == {
         "schema": 1,
         "worsened": False,
+        "different_robots": [],
         "verdicts": [],
         "drifted": [],
         "new": [],
@@ -332,3 +334,30 @@ def test_kept_values_are_small_current_and_written_by_freeze(path):
     assert frozen_text(run) == path.read_text()
     # A few hundred numbers, not a report.
     assert path.stat().st_size < 200_000
+
+
+def test_different_robots_are_neither_better_nor_worse(tmp_path, capsys):
+    """Cases of one name in runs of two robots have nothing to do with each other."""
+    good = CaseRecord(id="steady", verdict="disagree", value=9.0, reference=1.0, tolerance=0.1)
+    first = saved(tmp_path / "first.json", good, robot="five-bar", robot_tables={"a": 1})
+    second = saved(tmp_path / "second.json", STEADY, robot="delta", robot_tables={"b": 1})
+    for pair in ((first, second), (second, first)):
+        assert cli.main(["compare", *map(str, pair)]) == 0
+        said = capsys.readouterr().out
+        assert "Two different robots, " in said
+        assert not re.search(r"\d+ (better|verdicts worse)|drifted|New cases|Removed", said)
+        assert cli.main(["compare", *map(str, pair), "--json"]) == 0
+        record = json.loads(capsys.readouterr().out)
+        assert record["different_robots"] == [
+            json.loads(p.read_bytes())["run"]["robot"] for p in pair
+        ]
+        assert not any(record[key] for key in ("verdicts", "new", "removed", "worsened"))
+
+
+def test_a_baseline_of_another_robot_is_refused_before_anything_is_written(tmp_path, capsys):
+    baseline, out = saved(tmp_path / "delta.json", STEADY, robot="delta"), tmp_path / "out"
+    asked = ["run", "five-bar", "--preset", "quick", "--only", "adequacy", "--out", str(out)]
+    assert cli.main([*asked, "--baseline", str(baseline)]) == 2
+    said = capsys.readouterr().err
+    assert "is of another robot" in said
+    assert not out.exists()
