@@ -20,8 +20,12 @@ def as_text(part: PartFile) -> str:
     bores = [face for face in part.faces if face.kind == "bore"]
     if bores:
         example = bores[0]
-        lines += ["", f"an interface, say: {{ cylinder = {{ radius = {example.radius:.6g} }} }}"]
-        lines[-1] += f" or {{ faces = [{example.number}] }}, in metres"
+        through = ", ".join(f"{x + 0.0:.6g}" for x in example.on_axis.round(9))
+        chosen = f"cylinder = {{ radius = {example.radius:.6g}, point = [{through}] }}"
+        lines += [
+            "",
+            f"an interface, say: {{ {chosen} }} or {{ faces = [{example.number}] }}, in metres",
+        ]
     return "\n".join(lines)
 
 

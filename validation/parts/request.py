@@ -19,7 +19,7 @@ _EXAMPLE = "A = { cylinder = { radius = 0.04 } }"
 
 
 def interfaces_of(texts: Sequence[str]) -> tuple[dict[str, PartInterface], dict[str, Array]]:
-    """Interfaces and the points given `at`, from texts such as the example.
+    """Interfaces and the points given, from texts such as the example.
 
     Raises InputError, all faults at once.
     """
@@ -44,8 +44,8 @@ def interfaces_of(texts: Sequence[str]) -> tuple[dict[str, PartInterface], dict[
                 own = choice_faults(typed, key)
                 if not own:
                     wanted[name] = interface_of(typed)
-                    if typed.at is not None:
-                        points[name] = np.array(typed.at, dtype=float)
+                    if typed.point is not None:
+                        points[name] = np.array(typed.point, dtype=float)
             faults += own
     if not texts:
         faults.append(f"--interface: missing; must be given, {_EXAMPLE!r} say")

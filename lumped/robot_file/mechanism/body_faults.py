@@ -165,8 +165,8 @@ def _part_faults(draft: Draft, body: BodyTable, key: str) -> Iterator[str]:
         own = f"{key}.interfaces.{point}"
         yield from draft.unknown(own, point, "points")
         yield from choice_faults(interface, own)
-        if interface.at is not None:
-            yield f"{own}.at: does not belong here; the reference point is that of [points]"
+        if interface.point is not None:
+            yield f"{own}.point: does not belong here; the reference point is that of [points]"
     place = body.place
     if place is not None:
         if isinstance(place.at, str):

@@ -48,7 +48,7 @@ class PlaneTable(Table, frozen=True):
 class InterfaceTable(Table, frozen=True):
     """An interface of a CAD part: its faces in one of four ways, and how they are held.
 
-    `at`: its reference point (m, the file's axes) where it has no name of a point in a robot.
+    `point`: its reference point (m, the file's axes) where it has no name of a point in a robot.
     """
 
     faces: list[int] | None = None
@@ -56,7 +56,7 @@ class InterfaceTable(Table, frozen=True):
     cylinder: CylinderTable | None = None
     plane: PlaneTable | None = None
     coupling: Coupling | None = None
-    at: Point | None = None
+    point: Point | None = None
 
 
 def choice_faults(table: InterfaceTable, key: str) -> list[str]:
