@@ -4,10 +4,14 @@ Results are frozen dataclasses that show themselves in a notebook. Errors of inp
 `lumped.errors.InputError` with a line per fault, failures of a computation `ComputationError`.
 """
 
-from collections.abc import Mapping, Sequence
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from lumped.acceptance.requirement import Requirement, with_options
 from lumped.errors import ComputationError, InputError
@@ -42,8 +46,7 @@ def solve(
     robot: Robot,
     model: ModelName,
     *,
-    x: Sequence[float] = (),
-    poses: Sequence[Sequence[float]] = (),
+    poses: Sequence[float | Sequence[float]] = (),
     leg: int | None = None,
     body: str | None = None,
     modes: int | None = None,
@@ -51,12 +54,14 @@ def solve(
 ) -> Solution:
     """What one model answers, where and with the options that `flexproof solve` takes.
 
-    `x` (m) are positions of a biglide, `poses` those of any mechanism; the middle of the path if
-    neither is given. `leg` or `body` ask for one alone. Raises InputError, ComputationError.
+    `poses` (m, rad) in the order of what the tool's pose prescribes, a number alone where that is
+    one coordinate (x of a biglide); the middle of the path if none is given. `leg` or `body` ask
+    for one alone. Raises InputError, ComputationError.
     """
-    typed = tuple(",".join(repr(float(number)) for number in pose) for pose in poses)
-    place = Place(tuple(x), typed, leg, body)
-    return answered(question(_loaded(robot), model, place, modes, options))
+    typed = tuple(",".join(repr(float(number)) for number in np.atleast_1d(one)) for one in poses)
+    place = Place((), typed, leg, body)
+    with _arguments_named():
+        return answered(question(_loaded(robot), model, place, modes, options))
 
 
 @dataclass(frozen=True)
@@ -210,7 +215,8 @@ def run(
 
     asked = Request(_loaded(robot), preset, Path(out), jobs or default_jobs(), only)
     request = replace(asked, selftest=selftest, vary=tuple(vary))
-    gathered = validate(request, catalogue)
+    with _arguments_named():
+        gathered = validate(request, catalogue)
     found = [outcome.verdict for outcome in gathered.in_order()]
     return Run(
         out=Path(out),
@@ -221,9 +227,30 @@ def run(
     )
 
 
+# Arguments that are called otherwise than the options of the command line.
+_ARGUMENTS = {"pose": "poses", "x": "poses"}
+
+
+@contextmanager
+def _arguments_named() -> Iterator[None]:
+    """Faults of input name the arguments of these functions, not options of the command line."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError([_OPTION.sub(_argument, fault) for fault in error.faults]) from error
+
+
+_OPTION = re.compile(r"(?<!\S)--([a-z]+)")
+
+
+def _argument(option: re.Match[str]) -> str:
+    return _ARGUMENTS.get(option[1], option[1])
+
+
 def _loaded(robot: Robot) -> RobotFile:
     return robot if isinstance(robot, RobotFile) else load_robot(robot)
 
 
 def _accepting(requirement: Requirement, accept: Mapping[str, float]) -> Requirement:
-    return with_options(requirement, [f"{name}={limit}" for name, limit in accept.items()], ())
+    with _arguments_named():
+        return with_options(requirement, [f"{name}={limit}" for name, limit in accept.items()], ())

@@ -7,7 +7,7 @@ def main() -> None:
     # Limits as of [accept]; all faults of a file come in one InputError.
     robot = api.load("ifw", accept={"deflection": 0.10})
 
-    answers = api.solve(robot, "segments", x=[0.3, 0.5], modes=3, theory="timoshenko").answers
+    answers = api.solve(robot, "segments", poses=[0.3, 0.5], modes=3, theory="timoshenko").answers
     print(answers[0].compliance[2, 2], answers[0].frequencies)  # m/N at the loaded point; Hz
 
     judged = api.adequacy(robot, preset="quick")  # every model by every quantity
