@@ -27,8 +27,8 @@ from validation.models.options import ModelName
 from validation.report.first_screen.sentence import sentence
 from validation.report.first_screen.table import pose_text, table_of
 from validation.solve.answer import Solution, paragraph, table
-from validation.solve.command import Place, question
-from validation.solve.command import solve as answered
+from validation.solve.model_answers import solve as answered
+from validation.solve.question import Place, question
 
 Robot = RobotFile | str | Path
 

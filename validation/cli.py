@@ -337,8 +337,10 @@ def solve(
     """
     from lumped.robot_file import load_robot  # noqa: PLC0415
     from validation.run.waiting import in_a_process  # noqa: PLC0415
-    from validation.solve import command  # noqa: PLC0415
     from validation.solve.answer import as_json, as_text  # noqa: PLC0415
+    from validation.solve.model_answers import checked  # noqa: PLC0415
+    from validation.solve.model_answers import solve as solved  # noqa: PLC0415
+    from validation.solve.question import Place, question  # noqa: PLC0415
     from validation.solve.variations import robots  # noqa: PLC0415
     from validation.solve.variations.command import Spread, solve_spread  # noqa: PLC0415
 
@@ -360,7 +362,7 @@ def solve(
         "reduction": reduction,
     }
     given = {name: value for name, value in choices.items() if value is not None}
-    place = command.Place(x, pose, leg, body)
+    place = Place(x, pose, leg, body)
     if vary or csv or jobs or picture or cluster is not None:
         if against:
             raise InputError("--against: modes are paired for one robot; leave out --vary")
@@ -375,12 +377,12 @@ def solve(
 
             write(picture, png(robot_file, varied))
         return 0
-    asked = command.question(robot_file, model, place, modes, given, against)
-    cost = command.checked(asked)
+    asked = question(robot_file, model, place, modes, given, against)
+    cost = checked(asked)
     if cost.seconds > _PATIENCE:
-        solution = in_a_process(command.solve, asked, doing=f"{model} model, {cost}")
+        solution = in_a_process(solved, asked, doing=f"{model} model, {cost}")
     else:
-        solution = command.solve(asked)
+        solution = solved(asked)
     say(as_json(solution) if json else as_text(solution))
     return 0
 

@@ -15,7 +15,8 @@ from meshes.section.section_mesh import section_mesh
 from validation import cli
 from validation.models.options import ModelOptions
 from validation.solve.cost import solid_cost
-from validation.solve.mechanism import MechanismQuestion, solve_mechanism
+from validation.solve.model_answers import solve
+from validation.solve.question import Question
 from validation.solve.uncertainty import beside
 
 # Leg 1 by its 6×6, leg 2 by section and material.
@@ -56,10 +57,10 @@ def robot(tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["vjm", "--theory", "euler-bernoulli"], "--theory: the vjm model takes the legs as"),
+        (["vjm", "--leg", "1", "--theory", "timoshenko"], "--theory: the vjm model takes the legs"),
         (["vjm", "--equivalent", "compliance"], "--equivalent: the vjm model takes the legs as"),
-        (["vjm", "--legs", "given", "--theory", "timoshenko"], "--theory: the vjm model takes"),
-        (["beam", "--leg", "2", "--equivalent", "compliance"], "is its own equivalent"),
+        (["vjm", "--leg", "2", "--legs", "equivalent"], "--legs: no leg that is asked about is"),
+        (["beam", "--leg", "2", "--equivalent", "compliance"], "no leg that is asked about is"),
         (["segments", "--leg", "1", "--release", "printed"], "--release: a leg alone has no joint"),
         (["beam", "--modes", "1.5"], 'Invalid value "1.5" for --modes. Must be a whole number'),
         (["beam", "--elements", "2.7"], 'Invalid value "2.7" for --elements. Must be a whole'),
@@ -83,7 +84,11 @@ def options_heard(capsys, *arguments):
 
 
 def test_the_answer_names_the_options_that_had_a_say(robot, capsys):
-    assert options_heard(capsys, robot, "--model", "vjm") == {"legs": "given"}
+    assert options_heard(capsys, robot, "--model", "vjm") == {
+        "legs": "given",
+        "theory": "timoshenko",
+    }
+    assert options_heard(capsys, robot, "--model", "vjm", "--leg", "1") == {"legs": "given"}
     assert options_heard(capsys, robot, "--model", "vjm", "--legs", "equivalent") == {
         "legs": "equivalent",
         "theory": "timoshenko",
@@ -149,8 +154,8 @@ def test_solids_of_a_mechanism_say_the_uncertainty_of_their_mesh():
     solid = replace(mechanism, bodies=bodies)
 
     def answer(divisions):
-        question = MechanismQuestion("solid", 1, {"divisions": divisions}, solid)
-        return solve_mechanism(question).answers[0]
+        question = Question("solid", 1, {"divisions": divisions}, solid)
+        return solve(question).answers[0]
 
     coarse, fine = answer(1), answer(2)
     assert fine.uncertainty.divisions == 1

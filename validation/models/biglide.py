@@ -5,14 +5,13 @@ from functools import partial
 
 from lumped.arrays import Array
 from lumped.biglide import Biglide, postures, printed, system
-from lumped.caches import lru_cache
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, equivalent_leg
 from lumped.mechanism.body_model import LegMatrices
 from lumped.models import simplified, vjm
 from lumped.models.bodies import tip_compliances
 from lumped.models.links import links
-from lumped.models.segments import segment_leg, static_leg, with_printed_tip_joint
+from lumped.models.segments import static_leg
 from lumped.system.assembly import System, assemble
 from lumped.system.solution import compliance, modes, rounding, solved
 from validation.models.legs import cached_leg, condensed_leg, filled, leg_chain, reduced_leg
@@ -32,15 +31,8 @@ def robot_legs(
     InputError for any other model.
     """
     leg1, leg2 = _equivalent_legs(robot, options)
-    if model == "segments" and options.release == "printed":
-        return cached_leg(model, leg1, options), _released_leg(leg2, options)
-    return cached_leg(model, leg1, options), cached_leg(model, leg2, options)
-
-
-@lru_cache(maxsize=64)
-def _released_leg(leg: ConstantLeg, options: ModelOptions) -> LegMatrices:
-    """A leg in segments with the joint at its tip as printed, built once as `cached_leg`."""
-    return segment_leg(with_printed_tip_joint(leg_chain(leg, options)))
+    own = replace(options, release="condensed")
+    return cached_leg(model, leg1, own), cached_leg(model, leg2, options)
 
 
 def _equivalent_legs(robot: Biglide, options: ModelOptions) -> tuple[ConstantLeg, ConstantLeg]:
@@ -52,10 +44,9 @@ def _equivalent_legs(robot: Biglide, options: ModelOptions) -> tuple[ConstantLeg
 
 def _static_legs(robot: Biglide, options: ModelOptions) -> tuple[LegMatrices, LegMatrices]:
     """Both legs in segments, condensed to their ends."""
-    chain1, chain2 = (leg_chain(leg, options) for leg in _equivalent_legs(robot, options))
-    if options.release == "printed":
-        chain2 = with_printed_tip_joint(chain2)
-    return static_leg(chain1), static_leg(chain2)
+    leg1, leg2 = _equivalent_legs(robot, options)
+    own = replace(options, release="condensed")
+    return static_leg(leg_chain(leg1, own)), static_leg(leg_chain(leg2, options))
 
 
 def robot_system(

@@ -18,7 +18,13 @@ from lumped.legs import ConstantLeg, GivenLeg, Leg, equivalent_leg, given_compli
 from lumped.mechanism.body_model import BodyModel, LegMatrices
 from lumped.models import cantilever
 from lumped.models.cantilever import clamped_modes, tip_compliance_of
-from lumped.models.segments import SegmentChain, segment_chain, segment_leg, static_leg
+from lumped.models.segments import (
+    SegmentChain,
+    segment_chain,
+    segment_leg,
+    static_leg,
+    with_printed_tip_joint,
+)
 from validation.context import Context
 from validation.models.options import DEFAULT_OPTIONS, STATIC, Ends, ModelName, ModelOptions
 from validation.solids.robots import held_solid
@@ -61,9 +67,10 @@ def filled(model: Model) -> Model:
 
 
 def leg_chain(leg: ConstantLeg, options: ModelOptions) -> SegmentChain:
-    """The leg as rigid segments joined by springs."""
+    """The leg as rigid segments joined by springs; "printed": with the joint at its tip."""
     properties = leg.properties(options.theory)
-    return segment_chain(properties, leg.length, options.elements, options.layout)
+    chain = segment_chain(properties, leg.length, options.elements, options.layout)
+    return with_printed_tip_joint(chain) if options.release == "printed" else chain
 
 
 # As many as the family of longer legs takes by all models: each is a hundred kilobytes.

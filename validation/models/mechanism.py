@@ -16,15 +16,16 @@ from fem.reduction.craig_bampton import CUTOFF_FACTOR
 from lumped.arrays import Array
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, equivalent_leg, tip_compliance
-from lumped.mechanism.body import Prism
+from lumped.mechanism.body import Given, Prism
 from lumped.mechanism.body_model import BodyModel, LegMatrices
-from lumped.mechanism.joint import Drive, Joint
+from lumped.mechanism.joint import Drive, Joint, Side
 from lumped.mechanism.kinematics.mobility import mobility
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.models import serial_chains
 from lumped.models.bodies import legs_of, tip_compliances
 from lumped.models.links import link, links
 from lumped.system.assembly import Assembly, assembly
+from lumped.system.joint_motion import printed_release
 from lumped.system.solution import compliance, mode_count, modes, solved
 from lumped.system.sweep import swept
 from validation.models import parts
@@ -93,6 +94,10 @@ def answers(
         ]
     if model == "simplified":
         return list(_on_drives(postures, count))
+    if options.release == "printed":
+        printed = as_printed(mechanism)
+        postures = [replace(at, mechanism=printed) for at in postures]
+        mechanism = printed
     if not count:
         models = static_bodies(model, mechanism, options)
         return _solve(assembly(mechanism, models), postures, 0)
@@ -224,8 +229,47 @@ def constant_legs(
         known.append(alike)
         shape = mechanism.bodies[name].shape
         own = shape.ends if isinstance(shape, Prism) else None
-        legs.append((name, alike, replace(options, ends=own or options.ends)))
+        told = replace(options, ends=own or options.ends)
+        if not _is_printed_at_tip(mechanism, name):
+            told = replace(told, release="condensed")
+        legs.append((name, alike, told))
     return legs
+
+
+def as_printed(mechanism: Mechanism) -> Mechanism:
+    """The passive revolute joints of a mechanism as eq. (25) prints their release.
+
+    Row and column of the rotation of a joint's own stiffness are zeroed, which is a joint in series
+    with a give that is uncoupled from it. Where a joint has none and the tip of a leg is its second
+    side, the last spring of that leg's segments is released so instead: the joint itself is fixed.
+    """
+    return replace(mechanism, joints=tuple(_printed(mechanism, j) for j in mechanism.joints))
+
+
+def _printed(mechanism: Mechanism, joint: Joint) -> Joint:
+    if joint.kind != "revolute" or joint.drive is not None:
+        return joint
+    if joint.compliance is not None:
+        stiffness: Array = np.linalg.inv(joint.compliance).astype(float)
+        uncoupled = printed_release(stiffness)
+        uncoupled[5, 5] = stiffness[5, 5]
+        return replace(joint, compliance=np.linalg.inv(uncoupled).astype(float))
+    if _is_tip(mechanism, joint.second):
+        return replace(joint, kind="fixed", axes=np.zeros((0, 3)))
+    return joint
+
+
+def _is_printed_at_tip(mechanism: Mechanism, leg: str) -> bool:
+    """Whether `as_printed` has fixed the joint at the tip of a leg, whose springs now carry it."""
+    return any(
+        joint.kind == "fixed" and joint.second.body == leg and _is_tip(mechanism, joint.second)
+        for joint in mechanism.joints
+    )
+
+
+def _is_tip(mechanism: Mechanism, side: Side) -> bool:
+    body = mechanism.bodies[side.body]
+    return isinstance(body.shape, Prism | Given) and side.point == tuple(body.interfaces)[1]
 
 
 def _are_alike(one: ConstantLeg, other: ConstantLeg) -> bool:

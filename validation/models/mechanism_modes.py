@@ -13,7 +13,12 @@ from lumped.mechanism.mechanism import Posture
 from lumped.system.assembly import System, assembly
 from lumped.system.joint_motion import Portion
 from lumped.system.solution import compliance, mode_count, modes, solved, strain_shares
-from validation.models.mechanism import dynamic_bodies, highest_frequency, on_drives_alone
+from validation.models.mechanism import (
+    as_printed,
+    dynamic_bodies,
+    highest_frequency,
+    on_drives_alone,
+)
 from validation.models.options import DEFAULT_OPTIONS, STATIC, ModelName, ModelOptions
 from validation.solids.robots import renewed_where_needed
 
@@ -56,6 +61,9 @@ def mechanism_modes(
         return [
             posture_modes(prepared.at(replace(at, mechanism=rigid)), at, count) for at in postures
         ]
+    if options.release == "printed":
+        printed = as_printed(postures[0].mechanism)
+        postures = [replace(at, mechanism=printed) for at in postures]
     return renewed_where_needed(
         highest_frequency(postures, count, options),
         partial(_of_bodies, model, postures, count, options),

@@ -23,6 +23,8 @@ MODELS = (
     ("vjm", ModelOptions(legs="equivalent")),
     ("links", ModelOptions()),
     ("segments", ModelOptions()),
+    ("segments", ModelOptions(release="printed", elements=6)),
+    ("segments", ModelOptions(layout="literal", equivalent="compliance", elements=6)),
     ("beam", ModelOptions()),
     ("beam", ModelOptions(theory="euler-bernoulli")),
 )

@@ -225,10 +225,10 @@ def test_solve_of_one_body(capsys):
         (["delta", "--model", "beam", "--body", "arm"], "--body arm: no such body; must be one of"),
         (["delta", "--model", "beam", "--body", "bar1"], "--body bar1: is rigid; must be one of"),
         (["delta", "--model", "links", "--modes", "3"], "--modes: the links model is static"),
-        (["delta", "--model", "links", "--legs", "given"], "--legs: no leg of Delta is given by a"),
+        (["delta", "--model", "links", "--legs", "given"], "--legs: no leg that is asked about is"),
         (["delta", "--model", "segments", "--release", "printed"], "--release: not an option of"),
-        (["ifw", "--model", "beam", "--body", "leg1"], "--body: the biglide has two legs"),
-        (["ifw", "--model", "beam", "--pose", "0.2,0.3"], "--pose 0.2,0.3: must be one number"),
+        (["ifw", "--model", "beam", "--body", "leg3"], "--body leg3: no such body; must be one"),
+        (["ifw", "--model", "beam", "--pose", "0.2,0.3"], "--pose 0.2,0.3: must be x as finite"),
         (["delta", "--model", "vjm"], "branches at point E1 of arm1; take --model links"),
     ],
 )

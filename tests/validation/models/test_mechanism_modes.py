@@ -118,7 +118,6 @@ def test_first_six_modes_of_solids_with_free_ends_are_those_of_beams(name, capsy
     [
         (["five-bar", "--model", "beam", "--modes", "0", "--against", "solid"], "no modes"),
         (["five-bar", "--model", "vjm", "--against", "beam"], "no modes"),
-        (["ifw", "--model", "beam", "--against", "solid"], "schema 2 alone"),
     ],
 )
 def test_what_has_no_modes_is_not_paired(arguments, said, capsys):

@@ -15,7 +15,8 @@ from lumped.system.solution import modes, solved
 from validation.models import parts
 from validation.models.mechanism import CUTOFF, answers, dynamic_bodies
 from validation.solve.answer import as_json, as_text
-from validation.solve.mechanism import MechanismQuestion, solve_mechanism
+from validation.solve.model_answers import solve
+from validation.solve.question import Question
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from crane import write_crane
@@ -38,7 +39,7 @@ def file(tmp_path_factory):
 
 
 def solution_of(file, count=COUNT, **given):
-    return solve_mechanism(MechanismQuestion("solid", count, given, load_robot(file).mechanism))
+    return solve(Question("solid", count, given, load_robot(file).mechanism))
 
 
 def values(answer):
@@ -119,8 +120,8 @@ def test_people_and_programs_are_told(solution):
 
 
 def test_its_modes_have_partners_among_those_of_another_model(file):
-    question = MechanismQuestion("solid", 2, {}, load_robot(file).mechanism, against="segments")
-    (answer,) = solve_mechanism(question).answers
+    question = Question("solid", 2, {}, load_robot(file).mechanism, against="segments")
+    (answer,) = solve(question).answers
     first = answer.pairs["pairs"][0]
     # An equivalent leg swings alike, at a frequency of its own.
     assert first["partner"] == 1

@@ -9,7 +9,7 @@ from lumped.robot_file import RobotFile
 from lumped.robot_file.variation import variations_of
 from validation.console.streams import complain
 from validation.models.options import ModelName
-from validation.solve import command
+from validation.solve.question import Place
 from validation.solve.variations.robots import VariedAnswers, solve_varied
 from validation.sweeps.cluster import on_cluster
 from validation.sweeps.cores import on_cores
@@ -33,7 +33,7 @@ def solve_spread(
     robot_file: RobotFile,
     spread: Spread,
     model: ModelName,
-    place: command.Place,
+    place: Place,
     modes: int | None,
     given: dict[str, Any],
 ) -> VariedAnswers:

@@ -13,8 +13,9 @@ from lumped.robot_file import RobotFile
 from lumped.robot_file.variation import Variation, told, varied
 from validation.drawing.style import csv_of
 from validation.models.options import ModelName
-from validation.solve import command
 from validation.solve.answer import Answer, Solution, record_of
+from validation.solve.model_answers import checked, solve
+from validation.solve.question import Place, Question, question
 from validation.sweeps.runner import Executor
 
 # What is told of each deflection: µm under 1000 N, µrad under 100 N m.
@@ -36,11 +37,11 @@ class _Unit:
     """One robot: plain data that can be sent to other processes and machines."""
 
     said: str
-    asked: command.Question
+    asked: Question
 
     def __call__(self) -> Solution:
         try:
-            return command.solve(self.asked)
+            return solve(self.asked)
         except InputError as error:
             raise InputError([f"--vary {self.said}: {fault}" for fault in error.faults]) from error
         except ComputationError as error:
@@ -51,12 +52,12 @@ def solve_varied(
     robot_file: RobotFile,
     variations: tuple[Variation, ...],
     model: ModelName,
-    place: command.Place,
+    place: Place,
     modes: int | None,
     given: dict[str, Any],
     executor: Executor,
 ) -> VariedAnswers:
-    """Every robot of the variations by one model, asked as `command.question` asks.
+    """Every robot of the variations by one model, asked as `question` asks.
 
     Raises InputError, naming the values, before anything is computed where a robot cannot be or
     cannot be where it is asked, ComputationError where one cannot be solved.
@@ -65,9 +66,9 @@ def solve_varied(
     units = []
     for values, robot in robots:
         said = told(variations, values)
-        asked = command.question(robot, model, place, modes, given)
+        asked = question(robot, model, place, modes, given)
         try:
-            command.checked(asked)
+            checked(asked)
         except InputError as error:
             raise InputError([f"--vary {said}: {fault}" for fault in error.faults]) from error
         units.append(_Unit(said, asked))

@@ -1,0 +1,160 @@
+"""One model of a robot in the poses asked for, or of one of its bodies."""
+
+from collections.abc import Sequence
+from dataclasses import asdict, replace
+from functools import partial
+
+import numpy as np
+
+from lumped.arrays import Array
+from lumped.errors import InputError
+from lumped.legs import ConstantLeg
+from lumped.mechanism.body import Prism
+from lumped.mechanism.mechanism import Mechanism, Posture
+from lumped.models.bodies import leg_of
+from validation.models.legs import leg_compliance, leg_frequencies
+from validation.models.mechanism import answers, constant_legs, static_bodies
+from validation.models.mechanism_modes import mechanism_modes
+from validation.models.options import ModelOptions
+from validation.solve.answer import Answer, PartUncertainty, Solution
+from validation.solve.cost import Cost, dense_cost, require_affordable, solid_cost
+from validation.solve.pairs import paired
+from validation.solve.question import OF_ELEMENTS, Question
+from validation.solve.uncertainty import of_parts, with_uncertainty
+
+
+def checked(question: Question) -> Cost:
+    """What the answer will cost.
+
+    Raises InputError, all faults of the question at once, or where it costs too much.
+    """
+    if faults := question.faults():
+        raise InputError(faults)
+    return _cost(question)
+
+
+def solve(question: Question) -> Solution:
+    """The model's answers.
+
+    Raises InputError as `checked` does, ComputationError where the drives do not hold the tool.
+    """
+    checked(question)
+    if "ends" in question.given:
+        question = replace(question, mechanism=_without_own_ends(question.mechanism))
+    mechanism, model, options = question.mechanism, question.model, question.options
+    heard = {name: value for name, value in asdict(options).items() if name in question.listens}
+    at = question.postures()
+
+    def answered(options: ModelOptions, *, alone: bool = False) -> list[Answer]:
+        if question.body is not None:
+            return [_of_body(question, question.body, options)]
+        return _in_postures(question, at, options, alone=alone)
+
+    found = answered(options)
+    legs = _meshed(question, options)
+    if legs:
+        found = with_uncertainty(
+            found,
+            partial(answered, alone=True),
+            legs,
+            options,
+            lambda other: _cost(
+                replace(question, given={**question.given, "divisions": other.divisions})
+            ),
+        )
+    return Solution(mechanism.name, model, heard, tuple(found))
+
+
+def _meshed(question: Question, options: ModelOptions) -> list[ConstantLeg]:
+    """The legs that are solids here, each shape once."""
+    if question.model != "solid":
+        return []
+    legs = constant_legs(question.mechanism, options)
+    return list({leg: None for name, leg, _ in legs if question.body in (None, name)})
+
+
+def _in_postures(
+    question: Question, at: Sequence[Posture], options: ModelOptions, *, alone: bool
+) -> list[Answer]:
+    """The answers, unless `alone` with what parts among the solids leave open."""
+    model, count, mechanism = question.model, question.count, question.mechanism
+    left_open = model == "solid" and not alone and bool(mechanism.parts)
+    parts: list[PartUncertainty | None] = [None] * len(at)
+    if not count:
+        if left_open:
+            parts = [*of_parts(at, static_bodies(model, mechanism, options), 0)]
+        return [
+            Answer(
+                _place(question, one.posture),
+                _shown(question, one.compliance),
+                one.frequencies,
+                one.idle,
+                of_parts=part,
+            )
+            for one, part in zip(answers(model, at, 0, options), parts, strict=True)
+        ]
+    found = mechanism_modes(model, at, count, options)
+    pairs = paired(found, question.against, options) if question.against else None
+    if left_open:
+        parts = [*of_parts(at, found[0].system.models, count, options.reduction)]
+    return [
+        Answer(
+            _place(question, one.posture),
+            _shown(question, one.compliance),
+            one.modes.frequencies,
+            one.idle,
+            of_parts=parts[place],
+            strain=one.strain,
+            pairs=pairs.record(place) if pairs else {},
+        )
+        for place, one in enumerate(found)
+    ]
+
+
+def _place(question: Question, at: Posture) -> dict[str, float | int | str | list[float]]:
+    return {"x": float(at.pose[0])} if question.biglide else {"pose": at.pose.tolist()}
+
+
+def _shown(question: Question, compliance: Array) -> Array:
+    """What the paper's simplified model knows of its robot: x and y."""
+    planar = question.biglide and question.model == "simplified"
+    return compliance[:2, :2] if planar else compliance
+
+
+def _cost(question: Question) -> Cost:
+    """Of the legs that differ, each made once, and of the postures."""
+    model, options = question.model, question.options
+    legs = constant_legs(question.mechanism, options)
+    shapes = {leg for name, leg, _ in legs if question.body in (None, name)}
+    if model == "solid":
+        cost, what = solid_cost(tuple(shapes), options.divisions, question.count), "divisions"
+    elif model in OF_ELEMENTS:
+        # Legs are reduced one by one, and small then.
+        cost, what = dense_cost(6 * (options.elements + 1), len(shapes)), "elements"
+    else:
+        return Cost(0.0, 0.0, 0.0)
+    require_affordable(cost, f"--{what} {getattr(options, what)}")
+    return cost
+
+
+def _of_body(question: Question, name: str, options: ModelOptions) -> Answer:
+    body, model, count = question.mechanism.bodies[name], question.model, question.count
+    leg = leg_of(body)
+    if isinstance(body.shape, Prism) and body.shape.ends is not None:
+        options = replace(options, ends=body.shape.ends)
+    frequencies = leg_frequencies(model, leg, count, options) if count else np.zeros(0)
+    place: dict[str, float | int | str | list[float]] = {"body": name}
+    if question.biglide:
+        place = {"leg": int(name.removeprefix("leg"))}
+    return Answer(place, leg_compliance(model, leg, options), frequencies)
+
+
+def _without_own_ends(mechanism: Mechanism) -> Mechanism:
+    """What is typed goes before what the robot file says of its prisms."""
+    bodies = {
+        name: replace(body, shape=replace(body.shape, ends=None))
+        if isinstance(body.shape, Prism)
+        else body
+        for name, body in mechanism.bodies.items()
+    }
+    return replace(mechanism, bodies=bodies)
