@@ -106,7 +106,7 @@ def test_results_are_frozen_and_show_themselves(judged):
     [
         ("five-bar", {"poses": [[0.1]]}, r"^poses 0\.1: must be x,y as finite numbers"),
         ("five-bar", {"poses": [[0.1, float("nan")]]}, "^poses 0.1,nan: must be x,y"),
-        ("ifw", {"poses": [[0.3, 0.4]]}, "^poses 0.3,0.4: must be one number"),
+        ("ifw", {"poses": [[0.3, 0.4]]}, "^poses 0.3,0.4: must be x as finite"),
         ("ifw", {"poses": [7.0]}, "^poses: .* x = 7"),
         ("ifw", {"poses": [0.3], "leg": 1}, "leave out poses or leg$"),
         ("ifw", {"modes": -1}, "^modes = -1: must be"),

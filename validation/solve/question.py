@@ -92,7 +92,10 @@ class Question:
             return posture(self.mechanism, parsed_pose(self.mechanism, text))
 
         outside = each(closed, self.poses)[1]
-        return found + [f"--x: {fault}" if self.biglide else fault for fault in outside]
+        return found + [
+            f"--x: {fault}" if self.biglide and not fault.startswith("--") else fault
+            for fault in outside
+        ]
 
     def _allowed(self) -> tuple[str, ...]:
         # Eq. (25) as printed is a statement about the paper's own kind of robot.

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.linalg import lstsq
 
 from lumped.arrays import Array
-from lumped.errors import ComputationError, InputError
+from lumped.errors import ComputationError, InputError, naming
 from lumped.mechanism.body import Frame
 from lumped.mechanism.joint import FREEDOMS
 from lumped.mechanism.kinematics.closure import Closure, Placement, closure_of
@@ -63,7 +63,9 @@ def posture(mechanism: Mechanism, pose: Array, start: Posture | None = None) -> 
     if mechanism.inverse_kinematics is None:
         placement, coordinates = _walked(closure, start or reference_posture(mechanism), target)
     else:
-        placement = _placed(closure, mechanism.inverse_kinematics(target), target)
+        with naming(mechanism.name):
+            frames = mechanism.inverse_kinematics(target)
+        placement = _placed(closure, frames, target)
         coordinates = list(closure.coordinates(placement))
     refuse_undetermined(mobility_at(closure, placement), closure.size, place)
     names = (joint.name for joint in mechanism.joints)
