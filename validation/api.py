@@ -26,6 +26,7 @@ from validation.drawing.text import percent
 from validation.models.options import ModelName
 from validation.report.first_screen.sentence import sentence
 from validation.report.first_screen.table import pose_text, table_of
+from validation.report.first_screen.words import force_text
 from validation.solve.answer import Solution, paragraph, table
 from validation.solve.model_answers import solve as answered
 from validation.solve.question import Place, question
@@ -116,13 +117,17 @@ class Adequacy:
         if entry.error is not None and entry.uncertainty is not None:
             spread = percent(entry.uncertainty, signed=False)
             said.append(
-                f"error {percent(entry.error)} ± {spread} at {pose_text(self.matrix, entry.pose)}, "
-                f"accepted {percent(entry.limit, signed=False)}"
+                f"error {percent(entry.error, signed=entry.signed)} ± {spread} at "
+                f"{pose_text(self.matrix, entry.pose)}, accepted "
+                f"{percent(entry.limit, signed=False)}"
             )
+        if entry.along is not None:
+            worst = f" of a force along {force_text(entry)}" if entry.force else ""
+            said.append(f"along the load{worst} {percent(entry.along)}")
         said += [f"cause: {entry.causes[0].cause}"] if entry.causes else []
         if entry.remedy:
             left = entry.error_with_remedy
-            then = "" if left is None else f" ({percent(left)} left)"
+            then = "" if left is None else f" ({percent(left, signed=entry.signed)} left)"
             said.append(f"remedy: {entry.remedy}{then}")
         said += [entry.reason] if entry.reason else []
         return "; ".join(said).replace("\N{NO-BREAK SPACE}", " ")

@@ -17,10 +17,10 @@ from pathlib import Path
 import numpy as np
 
 from lumped.acceptance.requirement import (
+    AXES,
     FREQUENCIES,
     MOST_MODES,
     ROTATIONS,
-    STATIC_QUANTITIES,
 )
 from lumped.biglide import Biglide
 from lumped.errors import InputError
@@ -34,9 +34,7 @@ _OF_LEG = re.compile(r"([\w-]{1,40})\.c([1-6])([1-6])")
 _COLUMNS = ("quantity", "pose", "value", "uncertainty", "source")
 # Units of translations, then of rotations, under a force and under a moment.
 _OF_COMPLIANCE = (("m/N", "1/N"), ("1/N", "rad/(N m)"))
-_NAMES = (
-    f"{' '.join(STATIC_QUANTITIES)}, f1 to f{MOST_MODES} or an entry of a leg's 6×6 like leg1.c22"
-)
+_NAMES = f"{' '.join(AXES)}, f1 to f{MOST_MODES} or an entry of a leg's 6×6 like leg1.c22"
 
 
 def leg_entry(quantity: str) -> tuple[str, int, int] | None:
@@ -83,7 +81,7 @@ class Measured:
 def measured_faults(one: Measured, place: str) -> list[str]:
     """What is wrong with a measured value, one line each, starting with its place."""
     faults = []
-    known = one.quantity in STATIC_QUANTITIES or one.leg_entry is not None
+    known = one.quantity in AXES or one.leg_entry is not None
     if not known and one.mode is None:
         faults.append(f"{place}.quantity = {shown(one.quantity)}: must be one of {_NAMES}")
     elif one.leg_entry is not None and one.pose:

@@ -6,8 +6,12 @@ from typing import Literal, TypeAlias, get_args
 
 from lumped.errors import InputError
 
-# Deflection or rotation of the loaded point under its own unit force or unit moment, base axes.
-STATIC_QUANTITIES = ("x", "y", "z", "phi_x", "phi_y", "phi_z")
+# Base axes, in the order of rows and columns of every 6×6. As quantities: the displacement of the
+# loaded point under a force along the axis, its rotation under a moment about it.
+AXES = ("x", "y", "z", "phi_x", "phi_y", "phi_z")
+# The displacement under the force of that direction in which the model is farthest off.
+ANY_FORCE = "any_force"
+STATIC_QUANTITIES = (*AXES, ANY_FORCE)
 # The axis of those that are rotations.
 ROTATIONS = {"phi_x": "x", "phi_y": "y", "phi_z": "z"}
 ORDER = "order"

@@ -180,8 +180,8 @@ class LegTable(Table, frozen=True):
 class Accept(Table, frozen=True):
     """[accept]: relative errors that are accepted of a model, and the models relied on.
 
-    `deflection` for all six static quantities, which x … phi_z override one by one; `frequency` for
-    the first `modes` natural frequencies and their order.
+    `deflection` for all static quantities, which x … phi_z and any_force override one by one;
+    `frequency` for the first `modes` natural frequencies and their order.
     """
 
     deflection: Share = 0.05
@@ -194,6 +194,7 @@ class Accept(Table, frozen=True):
     phi_x: Share | None = None
     phi_y: Share | None = None
     phi_z: Share | None = None
+    any_force: Share | None = None
 
 
 class Correction(Table, frozen=True):

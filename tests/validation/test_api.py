@@ -55,8 +55,14 @@ def test_what_is_not_adequate_is_told_with_pose_cause_and_remedy(judged):
     with pytest.raises(AssertionError) as raised:
         judged.assert_adequate("beam", "z")
     told = str(raised.value)
-    assert told.startswith("beam, z: inadequate; error −")
-    for word in (" at x = ", "accepted 5 %", "cause: equivalent leg", "remedy: "):
+    assert told.startswith("beam, z: inadequate; error 3")
+    for word in (
+        "along the load −",
+        " at x = ",
+        "accepted 5 %",
+        "cause: equivalent leg",
+        "remedy: ",
+    ):
         assert word in told
 
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from lumped.acceptance.requirement import STATIC_QUANTITIES
 from lumped.arrays import Array
+from validation.adequacy.displacement import displacement
 from validation.adequacy.errors import Errors, Scale
 from validation.adequacy.matrix import Cause
 from validation.adequacy.response import Candidate, Response, Rung
@@ -24,7 +25,9 @@ def explained(
 ) -> tuple[Cause, ...]:
     """Causes of the error at a pose (its index), the largest first; shares sum to one.
 
-    Where the reference has alternatives, error and amounts are means over them.
+    Where the reference has alternatives, error and amounts are means over them. The error of a
+    deflection is the length of a vector; a step takes off it what it does along that vector, under
+    the load that the error is of.
     """
     if errors.missing[:, pose].any():
         return ()
@@ -33,22 +36,46 @@ def explained(
         return ()
     amounts: dict[str, float] = {}
     sources: dict[str, str] = {REST: "error less the causes named"}
-    last = errors
+    before = [candidate.response] * _count(scale, quantity)
     for rung in rungs_of(candidate, quantity):
-        responses = _responses(scale, rung, quantity)
-        after = scale.errors(responses, quantity)
-        if after is None or after.missing[:, pose].any():
-            if unsolved := next(filter(None, (one.unsolved(quantity) for one in responses)), ""):
+        after = _responses(scale, rung, quantity)
+        amount = _amount(scale, quantity, errors, before, after, pose)
+        if amount is None:
+            if unsolved := next(filter(None, (one.unsolved(quantity) for one in after)), ""):
                 sources[REST] += f"; {rung.cause} cannot be computed: {unsolved}"
             break
-        amount = float(np.mean(last.error[:, pose] - after.error[:, pose]))
         amounts[rung.cause] = amounts.get(rung.cause, 0.0) + amount
         sources.setdefault(rung.cause, rung.source)
-        last = after
+        before = after
     amounts[REST] = total - sum(amounts.values())
     found = [Cause(name, amount / total, sources[name]) for name, amount in amounts.items()]
     named = [cause for cause in found if abs(cause.share) >= _WORTH_NAMING]
     return tuple(sorted(named, key=lambda cause: -abs(cause.share)))
+
+
+def _amount(
+    scale: Scale,
+    quantity: str,
+    errors: Errors,
+    before: Sequence[Response],
+    after: Sequence[Response],
+    pose: int,
+) -> float | None:
+    """What the step from `before` to `after` takes off an error; None where it has no answer."""
+    if errors.loaded is None:
+        first, second = scale.errors(before, quantity), scale.errors(after, quantity)
+        if first is None or second is None or second.missing[:, pose].any():
+            return None
+        return float(np.mean(first.error[:, pose] - second.error[:, pose]))
+    loaded, amounts = errors.loaded, []
+    for k, (one, other) in enumerate(zip(before, after, strict=True)):
+        if one.compliance is None or other.compliance is None:
+            return None
+        change = one.compliance[pose] - other.compliance[pose]
+        step = displacement(change, loaded.load[k, pose], quantity)
+        off, size = loaded.off[k, pose], float(errors.error[k, pose])
+        amounts.append(float(step @ off) / (loaded.length[k, pose] * size) if size > 0.0 else 0.0)
+    return float(np.mean(amounts))
 
 
 def remedied(

@@ -6,21 +6,36 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from lumped.acceptance.requirement import FREQUENCIES, ORDER, STATIC_QUANTITIES
+from lumped.acceptance.requirement import ANY_FORCE, FREQUENCIES, ORDER, STATIC_QUANTITIES
 from lumped.arrays import Array
+from validation.adequacy.displacement import displacement, relative
 from validation.adequacy.partners import Partners, partners
 from validation.adequacy.response import Alternative, Reference, Response, Subject
 
-# Of the largest value over the poses: below it the reference itself is rigid.
-_NOTHING = 1e-12
+
+@dataclass(frozen=True, eq=False)
+class Loaded:
+    """What belongs to errors of deflections: a alternatives of the reference by p poses.
+
+    `load` (a×p×6) is the unit wrench, of any force the worst one; `along` (a×p) the signed error of
+    the displacement along it. `off` (a×p×3) is the difference of displacements, relative to
+    `length` (a×p, m/N or rad/(N m), of the reference's).
+    """
+
+    load: Array
+    along: Array
+    off: Array
+    length: Array
 
 
 @dataclass(frozen=True, eq=False)
 class Errors:
     """Errors of one quantity: a alternatives of the reference by p poses.
 
-    `value` and `expected` in the quantity's unit, `error` = value/expected − 1 and its numerical
-    uncertainty `numerical`; `missing` where the model has nothing that could be compared.
+    Frequencies: `value` and `expected` in Hz, `error` = value/expected − 1. Deflections: `value`
+    and `expected` along the load, `error` of the whole displacement, never negative, and what
+    belongs to it in `loaded`. `numerical` is the uncertainty of the error; `missing` where model
+    and reference have nothing that could be compared.
     """
 
     value: Array
@@ -28,13 +43,14 @@ class Errors:
     error: Array
     numerical: Array
     missing: NDArray[np.bool_]
+    loaded: Loaded | None = None
 
     @property
     def interval(self) -> tuple[Array, Array]:
         """Lowest and highest error (p each) that alternatives and uncertainties leave open."""
         low = np.min(self.error - self.numerical, axis=0)
         high = np.max(self.error + self.numerical, axis=0)
-        return low, high
+        return (low if self.loaded is None else np.maximum(low, 0.0)), high
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,9 +77,8 @@ class Scale:
         alternatives = self.reference(quantity).alternatives
         pairs = list(zip(alternatives, responses, strict=True))
         if quantity in STATIC_QUANTITIES:
-            index = STATIC_QUANTITIES.index(quantity)
-            rows = [_static(one, response, index) for one, response in pairs]
-        elif quantity == ORDER:
+            return _of_deflections(pairs, quantity)
+        if quantity == ORDER:
             rows = [self._order(one, response) for one, response in pairs]
         else:
             rows = [
@@ -112,16 +127,39 @@ class Scale:
         return value, own[at], np.where(moved[at], numerical[worst, at[0]], 0.0)
 
 
-def _static(one: Alternative, response: Response, index: int) -> tuple[Array, Array, Array] | None:
-    if one.response.compliance is None or response.compliance is None:
+def _of_deflections(pairs: Sequence[tuple[Alternative, Response]], quantity: str) -> Errors | None:
+    rows = [_deflection(one, response, quantity) for one, response in pairs]
+    known = [row for row in rows if row is not None]
+    if len(known) < len(rows) or not rows:
         return None
-    expected = one.response.compliance[:, index, index]
-    value = response.compliance[:, index, index]
-    largest = float(np.abs(expected).max())
-    # Where the reference does not yield at all, a model that does not either is right.
-    rigid = np.abs(expected) <= _NOTHING * largest
-    value = np.where(rigid & (np.abs(value) <= _NOTHING * largest), expected, value)
-    return value, expected, _column(one.static, index, len(expected))
+    value, expected, error, numerical, *loaded = (
+        np.array(column) for column in zip(*known, strict=True)
+    )
+    missing = np.isinf(error)
+    error = np.where(missing, np.nan, error)
+    return Errors(value, expected, error, numerical, missing, Loaded(*loaded))
+
+
+def _deflection(one: Alternative, response: Response, quantity: str) -> tuple[Array, ...] | None:
+    """Value, expected, error, numerical, and the fields of `Loaded`, for every pose."""
+    reference, compliance = one.response.compliance, response.compliance
+    if reference is None or compliance is None:
+        return None
+    size, along, load, length = relative(compliance - reference, reference, quantity)
+    moved, due = (displacement(c, load, quantity) for c in (compliance, reference))
+    direction = displacement(np.eye(6), load, quantity)
+    value, expected = (np.einsum("pi,pi->p", direction, u) for u in (moved, due))
+    off = np.divide(moved - due, length[:, None], out=np.zeros_like(due), where=length[:, None] > 0)
+    # What changes the reference by a part of its length changes the error by no more than that part
+    # of the model's displacement; under any force by no more than that part of 1 + error.
+    reach = 1.0 + size
+    if quantity != ANY_FORCE:
+        reach = np.linalg.norm(off + due / np.where(length > 0, length, np.inf)[:, None], axis=1)
+    numerical = np.zeros_like(size)
+    if one.static is not None:
+        stated = one.static[:, STATIC_QUANTITIES.index(quantity)]
+        numerical = np.multiply(stated, reach, out=numerical, where=length > 0)
+    return value, expected, size, numerical, load, along, off, length
 
 
 def _column(uncertainty: Array | None, index: int, count: int) -> Array:

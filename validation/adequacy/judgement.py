@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from lumped.acceptance.requirement import ORDER, STATIC_QUANTITIES, Requirement
+from lumped.acceptance.requirement import ANY_FORCE, ORDER, STATIC_QUANTITIES, Requirement
 from lumped.arrays import Array
 from validation.adequacy.causes import explained, remedied
 from validation.adequacy.errors import Errors, Scale
@@ -51,6 +51,7 @@ def _entry(scale: Scale, candidate: Candidate, quantity: str, limit: float) -> E
     verdict = worst_of(verdicts)
     pose = _deciding(verdicts, verdict, middle)
     missing = bool(errors.missing[:, pose].any())
+    told, alongs = _told(errors, quantity, pose), _alongs(errors, quantity)
     causes = explained(scale, candidate, quantity, errors, pose) if verdict != "adequate" else ()
     remedy, left = "", None
     if verdict == "inadequate" and not reference.bracket:
@@ -68,12 +69,16 @@ def _entry(scale: Scale, candidate: Candidate, quantity: str, limit: float) -> E
         remedy=remedy,
         error_with_remedy=left,
         reason=_reason(errors, candidate, quantity, verdict, reference, pose),
-        value=None if missing else float(np.mean(errors.value[:, pose])),
-        expected=None if missing else _expected(errors, pose),
+        value=None if missing else float(np.mean(errors.value[told, pose])),
+        expected=None if missing else _expected(errors.expected[told, pose]),
+        along=alongs[pose] if alongs else None,
+        force=_force(errors, quantity, told, pose),
         uncertainties={} if missing else _parts(errors, reference, pose),
         errors=_optional(middle),
         spreads=_optional(half),
-        values=_optional(errors.value[0]),
+        # Along the worst force, another one at every pose, numbers make no series.
+        values=() if quantity == ANY_FORCE else _optional(errors.value[0]),
+        alongs=alongs,
         computed_by=(*candidate.computed_by, *reference.computed_by),
     )
 
@@ -148,11 +153,13 @@ def _reason(
     if verdict == "adequate":
         return ""
     if errors.missing[:, pose].all():
-        if quantity == ORDER:
-            return f"{candidate.model} has fewer modes"
-        return f"{candidate.model} has no such mode: no shape of its own has half in common with it"
+        lacking = {ORDER: "has fewer modes"} | dict.fromkeys(
+            STATIC_QUANTITIES, "yields where the reference is rigid"
+        )
+        shape = "has no such mode: no shape of its own has half in common with it"
+        return f"{candidate.model} {lacking.get(quantity, shape)}"
     if verdict == "inadequate":
-        rigid = quantity in STATIC_QUANTITIES and not errors.value[:, pose].any()
+        rigid = errors.loaded is not None and not errors.value[:, pose].any()
         return candidate.rigid if rigid else ""
     if reference.bracket or errors.missing[:, pose].any():
         return reference.decides or reference.finer
@@ -162,9 +169,33 @@ def _reason(
     return reference.decides if decides else reference.finer
 
 
-def _expected(errors: Errors, pose: int) -> float:
-    """The reference's number that the mean of the errors belongs to."""
-    return float(1.0 / np.mean(1.0 / errors.expected[:, pose]))
+def _told(errors: Errors, quantity: str, pose: int) -> slice:
+    """The alternatives whose numbers are told: all; of any force that of the largest error."""
+    if quantity != ANY_FORCE or errors.missing[:, pose].all():
+        return slice(None)
+    worst = int(np.nanargmax(errors.error[:, pose]))
+    return slice(worst, worst + 1)
+
+
+def _expected(expected: Array) -> float:
+    """The reference's number that the mean of the errors belongs to; 0 where it is rigid."""
+    return float(1.0 / np.mean(1.0 / expected)) if expected.all() else 0.0
+
+
+def _alongs(errors: Errors, quantity: str) -> tuple[float | None, ...]:
+    """Signed errors along the load at every pose; () for frequencies."""
+    if errors.loaded is None:
+        return ()
+    along = errors.loaded.along
+    told = [np.mean(along[_told(errors, quantity, p), p]) for p in range(along.shape[1])]
+    return _optional(np.where(errors.missing.any(axis=0), np.nan, told))
+
+
+def _force(errors: Errors, quantity: str, told: slice, pose: int) -> tuple[float, ...]:
+    """The worst direction of force; () of any other quantity."""
+    if errors.loaded is None or quantity != ANY_FORCE:
+        return ()
+    return tuple(float(number) for number in errors.loaded.load[told, pose][0, :3])
 
 
 def _parts(errors: Errors, reference: Reference, pose: int) -> dict[str, float]:

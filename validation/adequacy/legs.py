@@ -47,13 +47,12 @@ HOLD: tuple[Ends, Ends] = ("rigid", "free")
 OPEN_ENDS = "how the ends are held"
 
 
-def step_uncertainty(coarse: Array, fine: Array, ratio: float) -> Array:
-    """Relative numerical uncertainty of `fine` from one refinement by `ratio` (any shape).
+def step_uncertainty(change: Array, ratio: float) -> Array:
+    """Relative numerical uncertainty from the relative `change` in one refinement by `ratio`.
 
     Roache's estimate for two meshes, safety factor three, with the lowest order there can be.
     """
-    factor = _SAFETY / (ratio**SLOWEST_ORDER - 1.0)
-    return np.asarray(factor * np.abs(coarse / fine - 1.0))
+    return np.asarray(_SAFETY / (ratio**SLOWEST_ORDER - 1.0) * change)
 
 
 def solid_leg(context: Context, leg: ConstantLeg) -> TwoMeshes:

@@ -39,12 +39,15 @@ class Cause:
 class Entry:
     """What one model says of one quantity, judged over all poses.
 
-    `error` is total and relative, (model − reference)/reference, at `pose`, the one that decides;
-    None where the model does not have the quantity at all or nothing is known. `error` ±
+    `error` is total and relative at `pose`, the one that decides: of frequencies
+    (model − reference)/reference, of deflections |u − u*|/|u*| of the whole displacement, never
+    negative. None where the model does not have the quantity at all or nothing is known. `error` ±
     `uncertainty` holds what the reference leaves open: `uncertainties` are its parts by name, from
     meshes and from what the user did not say. `value` and `expected` are the model's and the
-    reference's numbers there (m/N, rad/(N m), Hz; of "order": Hz), `errors` and `spreads` error and
-    uncertainty at every pose, `values` the model's numbers there. `reason` says why a verdict is
+    reference's numbers there (Hz, of "order", too; of deflections along their load, m/N or
+    rad/(N m)), `along` the signed error that they show, `force` (x, y, z) the worst direction of
+    any force. `errors` and `spreads` are error and uncertainty at every pose, `values` the model's
+    numbers there, `alongs` the signed errors along the load. `reason` says why a verdict is
     not "adequate" where no number does, and what would decide where it is undecided. `measured`:
     the reference is a measured value, of which `unit` is that of `value` and `expected`.
     """
@@ -67,9 +70,17 @@ class Entry:
     errors: tuple[float | None, ...] = ()
     spreads: tuple[float | None, ...] = ()
     values: tuple[float | None, ...] = ()
+    along: float | None = None
+    alongs: tuple[float | None, ...] = ()
+    force: tuple[float, ...] = ()
     computed_by: tuple[str, ...] = ()
     measured: bool = False
     unit: str = ""
+
+    @property
+    def signed(self) -> bool:
+        """Whether its errors have a sign; the error of a whole displacement has none."""
+        return self.measured or self.quantity not in STATIC_QUANTITIES
 
 
 @dataclass(frozen=True)

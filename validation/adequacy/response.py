@@ -44,8 +44,8 @@ class Response:
 class Alternative:
     """The reference under one reading of what the user left open ("ends rigid", say).
 
-    Relative numerical uncertainties (half-widths, 95 %): `static` (p×6, of the diagonal of the
-    compliance), `dynamic` (p×m, of the frequencies).
+    Relative numerical uncertainties (half-widths, 95 %): `static` (p×7, of the displacement that
+    each static quantity is of), `dynamic` (p×m, of the frequencies).
     """
 
     name: str

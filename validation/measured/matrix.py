@@ -7,7 +7,7 @@ from typing import TypeAlias
 import numpy as np
 
 from lumped.acceptance.measured import Measured
-from lumped.acceptance.requirement import STATIC_QUANTITIES, Requirement
+from lumped.acceptance.requirement import AXES, Requirement
 from lumped.arrays import Array
 from lumped.biglide import Biglide
 from lumped.legs import Leg
@@ -76,7 +76,7 @@ def predicted(model: ModelName, robot: Robot, one: Measured, options: ModelOptio
             return None
         frequencies = _frequencies(model, robot, one, options)
         return float(frequencies[one.mode - 1]) if len(frequencies) >= one.mode else None
-    index = STATIC_QUANTITIES.index(one.quantity)
+    index = AXES.index(one.quantity)
     compliance = _compliance(model, robot, one, options)
     if compliance is None:
         return None

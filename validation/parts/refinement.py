@@ -26,20 +26,29 @@ def refinement_uncertainty(
     """Uncertainty (in the unit of the values, their shape) of the values on the finest mesh.
 
     `scale` is what changes are relative to (the values' shape), the values themselves where None.
-    The last change counts as at least what the order leaves of the one before. NaN stays NaN.
+    Where the scale is 0, nothing is left open. NaN stays NaN.
     """
     size = np.abs(fine) if scale is None else scale
-    changes = [np.abs(middle - coarse), np.abs(fine - middle)]
-    real = size > 0.0
-    first, second = (float(np.nansum(change[real] / size[real])) for change in changes)
+    first, last = (
+        np.divide(np.abs(change), size, out=np.zeros_like(size), where=size != 0.0)
+        for change in (middle - coarse, fine - middle)
+    )
+    return np.asarray(left_by_changes(first, last) * size)
+
+
+def left_by_changes(first: Array, last: Array) -> Array:
+    """Relative uncertainty on the finest of three meshes from both relative changes (any shape).
+
+    The last change counts as at least what the order leaves of the one before. NaN stays NaN.
+    """
+    before, after = float(np.nansum(first)), float(np.nansum(last))
     order = _LOWEST
-    if first > second > 0.0:
-        order = float(np.clip(np.log(first / second) / np.log(RATIO), _LOWEST, _HIGHEST))
-    elif second == 0.0:
+    if before > after > 0.0:
+        order = float(np.clip(np.log(before / after) / np.log(RATIO), _LOWEST, _HIGHEST))
+    elif after == 0.0:
         order = _HIGHEST
     falls = RATIO**order
-    last = np.maximum(changes[1], changes[0] / falls)
-    return np.asarray(_SAFETY * last / (falls - 1.0) + _ROUND_OFF * size)
+    return np.asarray(_SAFETY * np.maximum(last, first / falls) / (falls - 1.0) + _ROUND_OFF)
 
 
 def compliance_uncertainty(coarse: Array, middle: Array, fine: Array) -> Array:

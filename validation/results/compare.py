@@ -166,10 +166,10 @@ def as_dict(comparison: RunComparison) -> dict[str, Any]:
 
 def _adequacy(change: AdequacyChange) -> dict[str, Any]:
     sides = {
-        name: None
+        when: None
         if side is None
-        else {"verdict": side.verdict, "error": side.error, "uncertainty": side.uncertainty}
-        for name, side in (("before", change.before), ("after", change.after))
+        else {name: getattr(side, name) for name in ("verdict", "error", "uncertainty", "along")}
+        for when, side in (("before", change.before), ("after", change.after))
     }
     values = [
         {"pose": list(pose), "before": before, "after": after}

@@ -82,8 +82,12 @@ def _given(value: object) -> str:
 def _judged(entry: AdequacyRecord | None) -> list[str]:
     if entry is None:
         return ["", ""]
-    error = "" if entry.error is None else f"{100.0 * entry.error:+.2f} %"
-    return [error, entry.verdict]
+    if entry.error is None:
+        return ["", entry.verdict]
+    # The error of a whole displacement has no sign; its part along the load has.
+    sign = "" if entry.along is not None else "+"
+    along = "" if entry.along is None else f" ({100.0 * entry.along:+.2f} % along)"
+    return [f"{100.0 * entry.error:{sign}.2f} %{along}", entry.verdict]
 
 
 def _told(change: AdequacyChange, *, different: bool) -> bool:

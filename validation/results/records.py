@@ -72,7 +72,8 @@ class ShareRecord(msgspec.Struct, frozen=True):
 class AdequacyRecord(msgspec.Struct, frozen=True, kw_only=True):
     """An entry of a matrix (validation.adequacy.matrix.Entry) in SI units.
 
-    `values` at `poses` let two runs be compared; `part`: which of the robot's it is of.
+    `values` at `poses` let two runs be compared; `part`: which of the robot's it is of. `along`,
+    and `force` of any force, belong to deflections alone.
     """
 
     part: str | UnsetType = UNSET
@@ -91,6 +92,8 @@ class AdequacyRecord(msgspec.Struct, frozen=True, kw_only=True):
     value: float | None = None
     expected: float | None = None
     uncertainties: Mapping[str, float | None] = {}
+    along: float | None = None
+    force: tuple[float, ...] = ()
     measured: bool = False
     poses: tuple[tuple[float, ...], ...] = ()
     values: tuple[float | None, ...] = ()

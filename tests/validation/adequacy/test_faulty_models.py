@@ -17,6 +17,7 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from faulty_robot import LIMIT, ROBOT, faults_met, its_context
+from plain_displacement import plain_errors
 
 from lumped.acceptance.requirement import STATIC_QUANTITIES, Requirement
 from lumped.arrays import Array
@@ -34,7 +35,7 @@ MODELS: tuple[ModelName, ...] = ("vjm", "segments", "beam")
 
 
 def statics() -> tuple[dict[str, Array], Matrix]:
-    """Diagonals (p×6) of the compliance by model and for "reference", and the matrix."""
+    """Compliances (p×6×6) by model and for "reference", and the matrix."""
     x = ROBOT.stations(5)
     robot = biglide_statics(its_context(ROBOT), ROBOT, x)
     reference = static_reference(robot)
@@ -52,7 +53,7 @@ def statics() -> tuple[dict[str, Array], Matrix]:
     found = {}
     for name, response in everything.items():
         assert response.compliance is not None
-        found[name] = np.diagonal(response.compliance, axis1=1, axis2=2)
+        found[name] = response.compliance
     return found, judged(subject, Requirement(deflection=LIMIT))
 
 
@@ -64,21 +65,24 @@ def called_adequate(fault: Fault, truth: Array) -> list[str]:
         except Exception:  # noqa: BLE001  a computation that fails has been noticed
             return []
     wrong = {
-        name: np.abs(values / truth - 1.0).max(axis=0) > 1.2 * LIMIT
-        for name, values in found.items()
+        name: {
+            quantity: errors.max() > 1.2 * LIMIT
+            for quantity, errors in plain_errors(compliances, truth).items()
+        }
+        for name, compliances in found.items()
     }
     spoilt = []
-    for i, quantity in enumerate(STATIC_QUANTITIES):
+    for quantity in STATIC_QUANTITIES:
         verdicts = {
             entry.model: entry.verdict for entry in matrix.entries if entry.quantity == quantity
         }
-        shared = wrong["reference"][i]
+        shared = wrong["reference"][quantity]
         if shared and verdicts["vjm"] == "adequate":
             spoilt.append(f"{fault.id}: reference and virtual joints, {quantity}")
         spoilt += [
             f"{fault.id}: {model}, {quantity}"
             for model in MODELS
-            if wrong[model][i] and not shared and verdicts[model] == "adequate"
+            if wrong[model][quantity] and not shared and verdicts[model] == "adequate"
         ]
     return spoilt
 

@@ -61,7 +61,12 @@ def test_free_ends_leave_saint_venants_torsion_as_it_is() -> None:
     entry = adequacy(replace(FLANGED, ends="free")).entry("beam", "phi_x")
     assert entry is not None
     # The thin-walled J alone is off; inward corners leave the quick mesh 4 % uncertain.
-    assert entry.error == pytest.approx(0.0, abs=0.02)
+    assert entry.along == pytest.approx(0.0, abs=0.02)
+    # Of an error that has no sign the middle of what is left open is not its best estimate.
+    assert entry.error is not None
+    assert entry.uncertainty is not None
+    assert entry.error - entry.uncertainty >= 0.0
+    assert entry.error < 0.03
     assert [cause.cause for cause in entry.causes] == ["textbook section constants"]
 
 

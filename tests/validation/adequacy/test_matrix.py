@@ -2,6 +2,7 @@
 
 from msgspec import to_builtins
 
+from lumped.acceptance.requirement import STATIC_QUANTITIES
 from validation.adequacy.matrix import (
     Adequacy,
     Assessment,
@@ -16,8 +17,7 @@ from validation.results.outcome import Result
 from validation.results.records import adequacy_records
 from validation.results.tasks import from_plain, plain
 
-STATICS = ("x", "y", "z", "phi_x", "phi_y", "phi_z")
-QUANTITIES = (*STATICS, "f1", "f2", "order")
+QUANTITIES = (*STATIC_QUANTITIES, "f1", "f2", "order")
 
 
 def entry(model: str, quantity: str, verdict: Adequacy) -> Entry:
@@ -33,7 +33,7 @@ MATRIX = Matrix(
     models=(ModelNote("vjm", "", "static"), ModelNote("beam", ""), ModelNote("segments", "")),
     quantities=QUANTITIES,
     entries=(
-        *(entry("vjm", name, "adequate") for name in STATICS),
+        *(entry("vjm", name, "adequate") for name in STATIC_QUANTITIES),
         *(
             entry(model, name, "undecided" if name == "f2" else "inadequate")
             for model in ("beam", "segments")

@@ -71,7 +71,7 @@ def test_a_run_of_a_mechanism_ends_with_its_matrix(short, ran):
     # Rigid bodies move in the plane of their drives alone.
     for quantity in ("z", "phi_x", "phi_y"):
         entry = matrix.entry("simplified", quantity)
-        assert entry.error == pytest.approx(-1.0)
+        assert (entry.error, entry.along) == (pytest.approx(1.0), pytest.approx(-1.0))
         assert entry.causes[0].cause == "drives only: bodies and joints rigid"
         assert entry.remedy == "use vjm"
 

@@ -52,25 +52,28 @@ def test_errors_are_those_of_the_models_themselves(paper: Matrix) -> None:
     given, equivalent = (
         np.array(
             [
-                robot_compliance("vjm", robot, x, ModelOptions(legs=legs))[2, 2]
+                robot_compliance("vjm", robot, x, ModelOptions(legs=legs))[:3, 2]
                 for x in robot.stations(65)
             ]
         )
         for legs in ("given", "equivalent")
     )
-    assert given.max() * 1e9 == pytest.approx(27.9, abs=0.05)
-    assert equivalent.max() * 1e9 == pytest.approx(23.7, abs=0.05)
+    assert given[:, 2].max() * 1e9 == pytest.approx(27.9, abs=0.05)
+    assert equivalent[:, 2].max() * 1e9 == pytest.approx(23.7, abs=0.05)
     entry = paper.entry("segments", "z")
     assert entry is not None
-    errors = (equivalent / given - 1.0)[::8]
-    assert entry.errors == pytest.approx(errors, rel=1e-6)
-    assert entry.error == pytest.approx(errors.min(), rel=1e-6)
+    along = (equivalent / given - 1.0)[::8, 2]
+    assert entry.alongs == pytest.approx(along, rel=1e-6)
+    whole = np.linalg.norm(equivalent - given, axis=1) / np.linalg.norm(given, axis=1)
+    assert entry.errors == pytest.approx(whole[::8], rel=1e-6)
+    assert entry.error == pytest.approx(whole[::8].max(), rel=1e-6)
+    assert entry.along == pytest.approx(along[whole[::8].argmax()], rel=1e-6)
 
 
 def test_a_rigid_model_knows_no_motion_along_z(paper: Matrix) -> None:
     entry = paper.entry("simplified", "z")
     assert entry is not None
-    assert (entry.verdict, entry.error) == ("inadequate", -1.0)
+    assert (entry.verdict, entry.error, entry.along) == ("inadequate", 1.0, -1.0)
     assert "no such motion" in entry.reason
     assert entry.remedy == "use vjm"
 

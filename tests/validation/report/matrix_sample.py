@@ -1,5 +1,6 @@
 """A made-up matrix of adequacy, like that of a robot whose legs are given by a 6×6."""
 
+from lumped.acceptance.requirement import STATIC_QUANTITIES
 from validation.adequacy.matrix import Cause, Coordinate, Entry, Matrix, ModelNote
 
 POSES = ((0.145,), (0.4975,), (0.85,))
@@ -9,18 +10,25 @@ UNKNOWN = "say how the mass is distributed"
 
 
 def entry(model, quantity, curve, **fields):
-    """An entry whose verdict follows from the largest of the errors along `curve`."""
+    """An entry whose verdict follows from the largest of the errors along `curve`.
+
+    Of deflections the whole displacement is off by what it is along the load, which has a sign.
+    """
     worst = max(curve, key=abs)
+    static = quantity in STATIC_QUANTITIES and not fields.get("measured")
+    own = {"errors": tuple(map(abs, curve)), "alongs": tuple(curve)} if static else {}
+    along = worst if static else None
     verdict = "adequate" if abs(worst) <= 0.05 else "inadequate"
     return Entry(
         **{
             "model": model,
             "quantity": quantity,
-            "error": worst,
+            "error": abs(worst) if static else worst,
+            "along": along,
             "uncertainty": 0.001,
             "limit": 0.05,
             "verdict": verdict,
-            "pose": POSES[curve.index(worst)],
+            "pose": POSES[min(curve.index(worst), len(POSES) - 1)],
             "reference": "robot assembled from the legs' own 6×6",
             "errors": tuple(curve),
             "spreads": (0.001,) * len(curve),
@@ -29,6 +37,7 @@ def entry(model, quantity, curve, **fields):
             "uncertainties": {"meshes": 0.001},
             "computed_by": (f"validation.models.robot_compliance({model!r})",),
         }
+        | own
         | fields
     )
 
@@ -42,7 +51,9 @@ def undecided(model, quantity):
         uncertainty=None,
         verdict="undecided",
         reason=UNKNOWN,
+        along=None,
         errors=(),
+        alongs=(),
         spreads=(),
         value=None,
         expected=None,

@@ -86,7 +86,8 @@ def _alternative(
     A mode that the coarser mesh does not have is known to no digit.
     """
     found = partners(fine, coarse, robot.weights, robot.judged).frequency
-    step = step_uncertainty(found, fine.frequencies[:, : robot.judged], robot.ratio)
+    change = np.abs(found / fine.frequencies[:, : robot.judged] - 1.0)
+    step = step_uncertainty(change, robot.ratio)
     dynamic = np.where(np.isnan(step), 1.0, step + further)
     return Alternative(name, Response(vibration=fine), dynamic=dynamic)
 

@@ -14,7 +14,7 @@ from validation.models.options import PartLegs
 from validation.models.parts import found_in
 from validation.models.stepped_parts import why_not_stepped
 from validation.parts.meshes import RUNGS
-from validation.parts.refinement import refinement_uncertainty
+from validation.parts.refinement import left_by_changes
 
 # Share of an answer that is left open where nothing tells it: all of it.
 UNKNOWN = 1.0
@@ -54,17 +54,26 @@ def part_rungs(
     )
 
 
-def refinement_share(mechanism: Mechanism | None, answer: Callable[[int], Array]) -> Array | float:
-    """What the meshes of the parts leave open of the answer on the finest, relative; its shape.
+def number_by_number(difference: Array, values: Array) -> Array:
+    """Sizes of differences relative to the values; 0 where nothing yields: no mesh changes that."""
+    share = np.zeros_like(values)
+    return np.divide(np.abs(difference), np.abs(values), out=share, where=values != 0.0)
 
-    `answer` gives the values on a rung of the ladder. A part that is a mesh cannot be refined: what
-    it leaves open is unknown, and taken as all of it.
+
+def refinement_share(
+    mechanism: Mechanism | None,
+    answer: Callable[[int], Array],
+    sizes: Callable[[Array, Array], Array] = number_by_number,
+) -> Array | float:
+    """What the meshes of the parts leave open of the answer on the finest, relative.
+
+    `answer` gives the values on a rung of the ladder, `sizes` how large differences of them are
+    relative to those on the finest, number by number where nothing else is said. A part that is a
+    mesh cannot be refined: what it leaves open is unknown, and taken as all of it.
     """
     if mechanism is None or not mechanism.parts:
         return 0.0
     if any(found_in(body)[0].mesh is not None for body in mechanism.parts.values()):
         return UNKNOWN
     coarse, middle, fine = (answer(rung) for rung in RUNGS)
-    left = refinement_uncertainty(coarse, middle, fine)
-    # Where nothing yields, no mesh changes that.
-    return np.divide(left, np.abs(fine), out=np.zeros_like(left), where=fine != 0.0)
+    return left_by_changes(sizes(middle - coarse, fine), sizes(fine - middle, fine))

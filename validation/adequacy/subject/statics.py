@@ -10,8 +10,10 @@ from functools import partial
 
 import numpy as np
 
+from lumped.acceptance.requirement import STATIC_QUANTITIES
 from lumped.arrays import Array
 from lumped.legs import Ends, GivenLeg, Leg, given_compliance
+from validation.adequacy.displacement import sizes
 from validation.adequacy.legs import (
     ROUNDING,
     SECTION_DIVISIONS,
@@ -55,14 +57,14 @@ def static_reference(robot: Statics) -> Reference:
 
     stiff = next(iter(robot.open.holds.values()))
     further = _section_uncertainty(robot) + refinement_share(
-        robot.parts, lambda rung: _diagonals(answer(stiff, rung=rung))
+        robot.parts, lambda rung: answer(stiff, rung=rung), sizes
     )
     alternatives = []
     for name, ends in robot.open.holds.items():
         fine = answer(ends)
-        step = np.full(fine.shape[:2], ROUNDING)
+        step = np.full((len(fine), len(STATIC_QUANTITIES)), ROUNDING)
         if robot.prisms:
-            step = step_uncertainty(_diagonals(answer(ends, fine=False)), _diagonals(fine), ratio)
+            step = step_uncertainty(sizes(answer(ends, fine=False) - fine, fine), ratio)
         alternatives.append(Alternative(name, Response(compliance=fine), static=step + further))
     return Reference(
         title=robot.title,
@@ -75,7 +77,7 @@ def static_reference(robot: Statics) -> Reference:
 
 
 def _section_uncertainty(robot: Statics) -> Array | float:
-    """What section meshes leave open (p×6, relative) where both solids of a leg share one.
+    """What section meshes leave open (p×7, relative) where both solids of a leg share one.
 
     By constants of that mesh and of one twice as fine; else zero.
     """
@@ -88,13 +90,10 @@ def _section_uncertainty(robot: Statics) -> Array | float:
             name: own_spring(robot.context, leg, divisions if name in shared else SECTION_DIVISIONS)
             for name, leg in robot.legs.items()
         }
-        return _diagonals(robot.climbed(springs))
+        return robot.climbed(springs)
 
-    return step_uncertainty(own(COARSEST_WALLS), own(SECTION_DIVISIONS), SECTION_RATIO)
-
-
-def _diagonals(compliances: Array) -> Array:
-    return np.diagonal(compliances, axis1=1, axis2=2)
+    fine = own(SECTION_DIVISIONS)
+    return step_uncertainty(sizes(own(COARSEST_WALLS) - fine, fine), SECTION_RATIO)
 
 
 def static_ladders(robot: Statics) -> dict[str, tuple[Rung, ...]]:

@@ -8,7 +8,7 @@ from math import hypot, inf, pi, sqrt
 
 import numpy as np
 
-from lumped.acceptance.requirement import STATIC_QUANTITIES
+from lumped.acceptance.requirement import AXES
 from lumped.arrays import Array
 from lumped.biglide import Biglide
 from lumped.legs import Theory
@@ -124,7 +124,7 @@ _IN_PAPER = {"vjm": ("paper.vjm",), "vjm-equivalent": ("paper.vjm",)}
     quantity="{said}, posture of the largest difference",
 )
 def _static(context: Context, model: str, entry: str) -> Measurement:
-    robot, index = context.robot, STATIC_QUANTITIES.index(entry)
+    robot, index = context.robot, AXES.index(entry)
     kind, _, options = CANDIDATES[model]
     found = context.get(shown_statics, robot, model)[:, index]
     if model == "simplified":

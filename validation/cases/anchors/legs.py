@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from lumped.acceptance.requirement import STATIC_QUANTITIES
+from lumped.acceptance.requirement import AXES
 from lumped.arrays import Array
 from lumped.biglide import Biglide
 from lumped.legs import Leg
@@ -50,7 +50,7 @@ def _leg(robot: Biglide, number: int) -> Leg:
     headlines=("leg{number}.statics.{model}",),
 )
 def _entry(context: Context, number: int, model: str, entry: str) -> Measurement:
-    leg, index = _leg(context.robot, number), STATIC_QUANTITIES.index(entry)
+    leg, index = _leg(context.robot, number), AXES.index(entry)
     legs: ritz.Legs = "given" if model == "vjm" else JUDGED[model].options.theory
     by_ritz, other = (
         in_shown_units(context.get(expected, leg, legs, degree)[index], entry) for degree in EXACT

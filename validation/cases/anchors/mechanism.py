@@ -11,7 +11,7 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
-from lumped.acceptance.requirement import STATIC_QUANTITIES
+from lumped.acceptance.requirement import AXES
 from lumped.arrays import Array
 from lumped.legs import Theory
 from lumped.mechanism.mechanism import Mechanism, Posture
@@ -103,7 +103,7 @@ def _model(context: Context, model: str) -> tuple[ModelName, ModelOptions]:
     figure="mechanism.deflections",
 )
 def _static(context: Context, model: str, entry: str) -> Measurement:
-    postures, index = path_postures(context), STATIC_QUANTITIES.index(entry)
+    postures, index = path_postures(context), AXES.index(entry)
     kind, options = _model(context, model)
     if kind == "vjm" and (branches := is_serial(postures)):
         raise Skip(branches)

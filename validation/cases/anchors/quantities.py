@@ -1,11 +1,11 @@
 """What the first screen's static quantities are called and measured in, one comparison for each."""
 
-from lumped.acceptance.requirement import ROTATIONS, STATIC_QUANTITIES
+from lumped.acceptance.requirement import AXES, ROTATIONS
 from validation.case import Relative
 from validation.case_group import CaseGroup
 
 LOAD = 1000.0  # N or N m
-_ALONG = STATIC_QUANTITIES[:3]
+_ALONG = AXES[:3]
 # Degrees of polynomials that are both exact in statics.
 EXACT = (3, 4)
 # Rounding is a number at random in either: two of them seldom differ by less than a tenth of it.
@@ -37,7 +37,7 @@ def in_shown_units(compliance: float, quantity: str) -> float:
 
 
 # The static quantities with what is said of them and their units.
-SHOWN = tuple((quantity, meaning(quantity), unit(quantity)) for quantity in STATIC_QUANTITIES)
+SHOWN = tuple((quantity, meaning(quantity), unit(quantity)) for quantity in AXES)
 # A number of `of` by a model against what is computed without it.
 TITLE = "{of}: {said} by {model}, obtained once more without its code"
 statics = CaseGroup(

@@ -10,7 +10,7 @@ import numpy as np
 
 from fem.calculix.leg import compliance_and_frequencies
 from fem.calculix.run import calculix_program
-from lumped.acceptance.requirement import STATIC_QUANTITIES
+from lumped.acceptance.requirement import AXES
 from lumped.arrays import Array
 from lumped.biglide import Biglide, postures
 from lumped.legs import ConstantLeg, Ends, GivenLeg, given_compliance
@@ -179,7 +179,7 @@ def _most(context: Context) -> int:
     group="robot.anchor.reference",
 )
 def _robot(context: Context, entry: str) -> Measurement:
-    robot, index = context.robot, STATIC_QUANTITIES.index(entry)
+    robot, index = context.robot, AXES.index(entry)
     legs = constant_leg_of(context, 1), constant_leg_of(context, 2)
     _require_affordable(context, *legs)
     solid = [context.get(solid_tips, leg, _most(context)) for leg in legs]
@@ -203,7 +203,7 @@ def _robot(context: Context, entry: str) -> Measurement:
     group="robot.anchor",
 )
 def _own(context: Context, entry: str) -> Measurement:
-    robot, index = context.robot, STATIC_QUANTITIES.index(entry)
+    robot, index = context.robot, AXES.index(entry)
     if not all(isinstance(leg, GivenLeg) for leg in (robot.leg1, robot.leg2)):
         raise Skip("the legs are prisms: the robot of solids is what others are held against")
     found = context.get(own_statics, robot)[:, index]
@@ -235,7 +235,7 @@ def _own(context: Context, entry: str) -> Measurement:
     group="robot.anchor.reference",
 )
 def _leg(context: Context, number: int, entry: str) -> Measurement:
-    index, leg = STATIC_QUANTITIES.index(entry), constant_leg_of(context, number)
+    index, leg = AXES.index(entry), constant_leg_of(context, number)
     _require_affordable(context, leg)
     found = context.get(solid_tips, leg, _most(context))[:, index, index]
     expected = _by_calculix(context, leg)[:, index, index]

@@ -32,22 +32,26 @@ def remedies_of(matrix: Matrix) -> tuple[Remedy, ...]:
 
     Entries belong together where they name the same foremost causes and the same remedy.
     """
-    groups: dict[tuple[tuple[str, ...], str, str], list[Entry]] = {}
+    groups: dict[tuple[tuple[str, ...], str, str, bool], list[Entry]] = {}
     for entry in matrix.entries:
         if entry.verdict == "inadequate":
             causes = tuple(sorted(cause.cause for cause in entry.causes[:_FOREMOST]))
-            key = causes, entry.remedy, "" if entry.causes else entry.reason
+            reason = "" if entry.causes else entry.reason
+            # Errors of frequencies have a sign, those of displacements none.
+            key = causes, entry.remedy, reason, entry.signed
             groups.setdefault(key, []).append(entry)
     return tuple(
         Remedy(
             models=capital(subject(list(dict.fromkeys(entry.model for entry in entries)))[0]),
             quantities=_quantities(entries, matrix.quantities),
-            without=_range([entry.error for entry in entries]),
+            without=_range([entry.error for entry in entries], signed=entries[0].signed),
             causes=_causes(entries) or (reason,),
             remedy=remedy,
-            with_remedy=_range([entry.error_with_remedy for entry in entries]),
+            with_remedy=_range(
+                [entry.error_with_remedy for entry in entries], signed=entries[0].signed
+            ),
         )
-        for (_, remedy, reason), entries in groups.items()
+        for (_, remedy, reason, _), entries in groups.items()
     )
 
 
@@ -62,13 +66,20 @@ def _causes(entries: Sequence[Entry]) -> tuple[str, ...]:
     for entry in entries:
         for cause in entry.causes[:_FOREMOST]:
             shares.setdefault(cause.cause, []).append(cause.share)
-    return tuple(f"{cause}: {_range(found, signed=False)}" for cause, found in shares.items())
+    return tuple(f"{cause}: {_shares(found)}" for cause, found in shares.items())
 
 
-def _range(values: Sequence[float | None], *, signed: bool = True) -> str:
+def _shares(values: Sequence[float]) -> str:
+    return _span([percent(one, signed=False) for one in sorted(values, key=abs)])
+
+
+def _range(values: Sequence[float | None], *, signed: bool) -> str:
     known = sorted((value for value in values if value is not None), key=abs)
-    if not known:
+    return _span([error_text(one, signed=signed) for one in known])
+
+
+def _span(shown: Sequence[str]) -> str:
+    if not shown:
         return ""
-    shown = [error_text(one) if signed else percent(one, signed=False) for one in known]
     first, last = shown[0], shown[-1]
     return last if first == last else f"{first.removesuffix(_PERCENT)} to {last}"

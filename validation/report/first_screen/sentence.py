@@ -6,11 +6,18 @@ the least first, then what a model does not know at all and what could not be ju
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 from validation.adequacy.matrix import Entry, Matrix
 from validation.drawing.text import number
+from validation.report.first_screen.deflections import (
+    ABSENT,
+    OFF,
+    how_much,
+    kind_of_deflection,
+    said_of_deflections,
+)
 from validation.report.first_screen.words import (
-    amount,
     at_most,
     capital,
     is_rotation,
@@ -18,15 +25,10 @@ from validation.report.first_screen.words import (
     listed,
     place_of,
     subject,
-    times,
 )
 
-# Errors beyond this are told as factors.
-_FACTOR = 0.5
 # What holds to a thousandth simply holds.
 _WORTH_SAYING = 1e-3
-# Nothing at all where the reference yields: the model's number is zero up to rounding.
-_ABSENT = 1e-9
 
 
 @dataclass(frozen=True)
@@ -48,13 +50,13 @@ class _Opinion:
         """Larger for what is worse."""
         if self.those("absent"):
             return 1e9
-        off = [abs(entry.error or 0.0) for entry in self.those("low", "high", "opposite")]
+        off = [abs(entry.error or 0.0) for entry in self.entries if entry.verdict == "inadequate"]
         return max(off) if off else 1e8 if self.those("undecided") else 0.0
 
 
 def sentence(matrix: Matrix) -> str:
     """The verdict of the matrix, one sentence."""
-    static = _clauses(matrix, is_static, _static_predicate)
+    static = _clauses(matrix, is_static, partial(_static_predicate, matrix))
     dynamic = _clauses(
         matrix, lambda quantity: not is_static(quantity), _dynamic_predicate, matrix.bracket
     )
@@ -109,11 +111,12 @@ def _off_by_their_legs(matrix: Matrix, formulation: Matrix, model: str) -> list[
 def _kind(entry: Entry) -> str:
     if entry.verdict != "inadequate":
         return entry.verdict
-    if entry.error is not None and entry.error < -1.0 - _ABSENT:
+    if is_static(entry.quantity):
+        return kind_of_deflection(entry)
+    if entry.error is None:
+        return "absent"
+    if entry.error < -1.0 - ABSENT:
         return "opposite"
-    if entry.error is None or _is_rigid(entry):
-        absent = not any(error is not None and error > -1.0 + _ABSENT for error in entry.errors)
-        return "absent" if absent else "low"
     return "low" if entry.error < 0.0 else "high"
 
 
@@ -159,32 +162,14 @@ def _nothing_known(opinions: Sequence[_Opinion]) -> str:
     return f"{what} cannot be judged" + (f": {reasons.pop()}" if any(reasons) else "")
 
 
-def _static_predicate(group: Sequence[_Opinion], singular: bool) -> str:  # noqa: FBT001  grammar
-    verb = "is" if singular else "are"
-    whole = group[0].entries
-    said = []
-    for kind, how in (("low", "too stiff"), ("high", "too soft")):
-        found = [entry for opinion in group for entry in opinion.those(kind)]
-        moved = [entry for entry in found if not is_rotation(entry.quantity)]
-        turned = [entry for entry in found if is_rotation(entry.quantity)]
-        if moved:
-            size = _how_much(moved)
-            of_turns = _how_much(turned) if turned else size
-            turns = f" ({of_turns} in rotation)" if of_turns != size else ""
-            said.append(f"{verb} {size} {how}{_where(moved, whole)}{turns}")
-        elif turned:
-            said.append(f"{verb} {_how_much(turned)} {how} in rotation")
-    stuck = [entry.quantity for entry in group[0].those("low") if _is_rigid(entry)]
-    if stuck:
-        said.append(f"{'does' if singular else 'do'} not move {place_of(stuck)} at some poses")
-    know = "knows" if singular else "know"
-    absent = [entry.quantity for entry in group[0].those("absent")]
-    moved_not = [quantity for quantity in absent if not is_rotation(quantity)]
-    if absent:
-        lacks = [f"motion {place_of(moved_not)}"] if moved_not else []
-        lacks += ["rotation"] if len(absent) > len(moved_not) else []
-        lacking = f"neither {' nor '.join(lacks)}" if len(lacks) > 1 else f"no {lacks[0]}"
-        said.append(f"{know} {lacking}")
+def _static_predicate(
+    matrix: Matrix,
+    group: Sequence[_Opinion],
+    singular: bool,  # noqa: FBT001  grammar
+) -> str:
+    off = [entry for opinion in group for entry in opinion.those(*OFF)]
+    whole = [entry.quantity for entry in group[0].entries if _kind(entry) != "absent"]
+    said = said_of_deflections(matrix, off, whole, singular=singular)
     return _rounded_off(group, said, "deflections", singular)
 
 
@@ -197,7 +182,9 @@ def _dynamic_predicate(group: Sequence[_Opinion], singular: bool) -> str:  # noq
         ]
         if found:
             names = place_of(dict.fromkeys(entry.quantity for entry in found))
-            said.append(f"{gives} {names} {_how_much(found)} {how}")
+            said.append(
+                f"{gives} {names} {how_much([entry.error or 0.0 for entry in found])} {how}"
+            )
     turned = [entry.quantity for entry in group[0].those("opposite")]
     if turned:
         said.append(f"{gives} {place_of(turned)} the other sign")
@@ -253,39 +240,3 @@ def _within(group: Sequence[_Opinion]) -> str:
 
 def _named(entries: Sequence[Entry]) -> bool:
     return any(entry.quantity != "order" for entry in entries)
-
-
-def _where(found: Sequence[Entry], whole: Sequence[Entry]) -> str:
-    """Where the model is off, unless it is so everywhere that it knows."""
-    off = dict.fromkeys(entry.quantity for entry in found)
-    known = {
-        entry.quantity
-        for entry in whole
-        if _kind(entry) != "absent" and not is_rotation(entry.quantity)
-    }
-    return "" if set(off) == known else f" {place_of(off)}"
-
-
-def _how_much(entries: Sequence[Entry]) -> str:
-    """The range of errors of one sign, in percent or as factors."""
-    sizes = [_typical(entry) for entry in entries]
-    if any(size < 0.0 for size in sizes) and min(sizes) < -_FACTOR:
-        factors = sorted(1.0 / (1.0 + size) for size in sizes)
-        return times(factors[0], factors[-1])
-    if max(sizes) > 1.0:
-        factors = sorted(1.0 + size for size in sizes)
-        return times(factors[0], factors[-1])
-    ordered = sorted(abs(size) for size in sizes)
-    return amount(ordered[0], ordered[-1])
-
-
-def _typical(entry: Entry) -> float:
-    """The worst error, where the model does not move at all there, the worst that is a factor."""
-    if entry.error is not None and not _is_rigid(entry):
-        return entry.error
-    return min(error for error in entry.errors if error is not None and error > -1.0 + _ABSENT)
-
-
-def _is_rigid(entry: Entry) -> bool:
-    """Whether the model does not move at all where it is worst."""
-    return entry.error is not None and entry.error <= -1.0 + _ABSENT

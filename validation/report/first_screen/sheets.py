@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from lumped.acceptance.measured import leg_entry
-from lumped.acceptance.requirement import FREQUENCIES, ROTATIONS, STATIC_QUANTITIES
+from lumped.acceptance.requirement import ANY_FORCE, FREQUENCIES, ROTATIONS, STATIC_QUANTITIES
 from validation.adequacy.matrix import Entry, Matrix
 from validation.drawing.text import number, percent
 from validation.report.first_screen.table import cell_of, pose_text
@@ -11,11 +11,9 @@ from validation.report.first_screen.words import (
     SIGNS,
     capital,
     error_text,
+    force_text,
     model_name,
 )
-
-_UNITS = {"x": "m/N", "y": "m/N", "z": "m/N", "order": "Hz"}
-_ROTATION, _HERTZ = "rad/(N m)", "Hz"
 
 
 @dataclass(frozen=True)
@@ -48,16 +46,22 @@ def _sheet(matrix: Matrix, entry: Entry) -> Sheet:
 
 def _numbers(matrix: Matrix, entry: Entry) -> list[tuple[str, str]]:
     unit = entry.unit or _unit(entry.quantity)
+    along = "" if entry.signed else ", along the load"
     lines = [("Worst at", pose_text(matrix, entry.pose))]
+    if entry.force:
+        lines.append(("Worst force", f"along {force_text(entry)}"))
     if entry.value is not None:
-        lines.append(("Value", f"{number(entry.value, 6)} {unit}"))
+        lines.append(("Value", f"{number(entry.value, 6)} {unit}{along}"))
     if entry.expected is not None:
-        lines.append(("Reference", f"{number(entry.expected, 6)} {unit}"))
+        lines.append(("Reference", f"{number(entry.expected, 6)} {unit}{along}"))
     lines.append(("Source", entry.reference))
     if entry.error is not None:
-        lines.append(
-            ("Error", f"{error_text(entry.error)}, accepted ± {percent(entry.limit, signed=False)}")
-        )
+        whole = "" if entry.signed else " of the whole displacement"
+        accepted = f"{'± ' * entry.signed}{percent(entry.limit, signed=False)}"
+        error = error_text(entry.error, signed=entry.signed)
+        lines.append(("Error", f"{error}{whole}, accepted {accepted}"))
+    if entry.along is not None:
+        lines.append(("Along the load", error_text(entry.along)))
     if entry.uncertainty is not None:
         parts = [
             f"{name} {percent(size, signed=False)}" for name, size in entry.uncertainties.items()
@@ -75,7 +79,7 @@ def _reasons(entry: Entry) -> list[tuple[str, str]]:
         lines.append(("Cause", f"{cause.cause}: {share} of the error{source}"))
     if entry.remedy:
         error = entry.error_with_remedy
-        left = "" if error is None else f": {error_text(error)} left"
+        left = "" if error is None else f": {error_text(error, signed=entry.signed)} left"
         lines.append(("Remedy", f"{entry.remedy}{left}"))
     if entry.computed_by:
         lines.append(("Computed by", ", ".join(entry.computed_by)))
@@ -84,9 +88,11 @@ def _reasons(entry: Entry) -> list[tuple[str, str]]:
 
 def _meaning(quantity: str) -> str:
     if quantity in ROTATIONS:
-        return f"rotation about {ROTATIONS[quantity]}"
+        return f"rotation under a moment about {ROTATIONS[quantity]}"
+    if quantity == ANY_FORCE:
+        return "displacement under any force"
     if quantity in STATIC_QUANTITIES:
-        return f"deflection along {quantity}"
+        return f"displacement under a force along {quantity}"
     if quantity in FREQUENCIES:
         return f"natural frequency {FREQUENCIES[quantity]}"
     if (entry := leg_entry(quantity)) is not None:
@@ -96,4 +102,6 @@ def _meaning(quantity: str) -> str:
 
 
 def _unit(quantity: str) -> str:
-    return _HERTZ if quantity in FREQUENCIES else _UNITS.get(quantity, _ROTATION)
+    if quantity not in STATIC_QUANTITIES:
+        return "Hz"
+    return "rad/(N m)" if quantity in ROTATIONS else "m/N"

@@ -6,7 +6,13 @@ from dataclasses import dataclass
 from validation.adequacy.matrix import Adequacy, Entry, Matrix, ModelNote
 from validation.drawing.style import csv_of
 from validation.drawing.text import anchor, number, percent
-from validation.report.first_screen.words import SIGNS, capital, error_text, model_name
+from validation.report.first_screen.words import (
+    SIGNS,
+    capital,
+    error_text,
+    force_text,
+    model_name,
+)
 
 MARKS: Mapping[Adequacy, str] = {"adequate": "✓", "inadequate": "✗", "undecided": "?"}
 
@@ -98,6 +104,8 @@ def csv_of_matrix(matrix: Matrix) -> str:
             "error": [_or_empty(entry.error) for entry in entries],
             "uncertainty": [_or_empty(entry.uncertainty) for entry in entries],
             "limit": [entry.limit for entry in entries],
+            "error along the load": [_or_empty(entry.along) for entry in entries],
+            "worst force": [" ".join(f"{one:.6g}" for one in entry.force) for entry in entries],
             **poses,
             "value": [_or_empty(entry.value) for entry in entries],
             "reference value": [_or_empty(entry.expected) for entry in entries],
@@ -120,13 +128,16 @@ def _kind(entry: Entry) -> str:
 
 def _text(entry: Entry) -> str:
     if entry.error is not None:
-        return error_text(entry.error)
+        return error_text(entry.error, signed=entry.signed)
     return "none" if entry.verdict == "inadequate" else "open"
 
 
 def _hint(matrix: Matrix, entry: Entry) -> str:
     parts = [f"{entry.verdict} (limit {percent(entry.limit, signed=False)})"]
-    parts.append(f"worst at {pose_text(matrix, entry.pose)}")
+    worst = f" under a force along {force_text(entry)}" if entry.force else ""
+    parts.append(f"worst at {pose_text(matrix, entry.pose)}{worst}")
+    if entry.along is not None:
+        parts.append(f"along the load {error_text(entry.along)}")
     if entry.causes:
         cause = entry.causes[0]
         parts.append(f"{cause.cause}: {percent(cause.share, signed=False)} of the error")

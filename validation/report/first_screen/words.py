@@ -4,7 +4,14 @@ from collections.abc import Iterable, Mapping, Sequence
 from itertools import groupby
 from math import ceil
 
-from lumped.acceptance.requirement import FREQUENCIES, ROTATIONS, STATIC_QUANTITIES
+from lumped.acceptance.requirement import (
+    ANY_FORCE,
+    AXES,
+    FREQUENCIES,
+    ROTATIONS,
+    STATIC_QUANTITIES,
+)
+from validation.adequacy.matrix import Entry
 from validation.drawing.text import number, percent
 
 # With its verb's number: singular names take "is", plural ones "are".
@@ -24,11 +31,11 @@ _BY_OTHER_THEORY: Mapping[str, str] = {
     "segments": "segments-euler-bernoulli",
     "beam": "beam-euler-bernoulli",
 }
-SIGNS: Mapping[str, str] = {"phi_x": "φx", "phi_y": "φy", "phi_z": "φz", "order": "order"}
+SIGNS: Mapping[str, str] = {"phi_x": "φx", "phi_y": "φy", "phi_z": "φz", ANY_FORCE: "any force"}
 
 
 def is_static(quantity: str) -> bool:
-    """Whether the quantity is a deflection or rotation under a unit wrench."""
+    """Whether the quantity is a displacement or rotation under a unit wrench."""
     return quantity in STATIC_QUANTITIES
 
 
@@ -75,9 +82,14 @@ def listed(words: Sequence[str]) -> str:
     return f"{', '.join(words[:-1])} and {words[-1]}"
 
 
-def error_text(error: float) -> str:
-    """A signed error in percent, two digits; "0 %" below what could matter to anyone."""
-    return percent(error) if abs(error) >= _NOTHING else "0\u00a0%"
+def error_text(error: float, *, signed: bool = True) -> str:
+    """An error in percent, two digits; "0 %" below what could matter to anyone."""
+    return percent(error, signed=signed) if abs(error) >= _NOTHING else "0\u00a0%"
+
+
+def force_text(entry: Entry) -> str:
+    """The worst direction of any force: "(0.71, −0.7, 0.02)"; "" of any other quantity."""
+    return f"({', '.join(number(one, 2) for one in entry.force)})" if entry.force else ""
 
 
 _NOTHING = 5e-5
@@ -86,10 +98,11 @@ _NOTHING = 5e-5
 def place_of(quantities: Iterable[str]) -> str:
     """Where deflections are meant: "along x and z, about y"; frequencies and order by name."""
     known = list(quantities)
-    along = [q for q in known if is_static(q) and not is_rotation(q)]
+    along = [q for q in known if q in AXES and not is_rotation(q)]
     about = [ROTATIONS[q] for q in known if is_rotation(q)]
     parts = [f"along {listed(along)}"] if along else []
     parts += [f"about {listed(about)}"] if about else []
+    parts += ["under any force"] if ANY_FORCE in known else []
     parts += [listed(_frequencies(known))] if any(map(is_frequency, known)) else []
     others = [q for q in known if not (is_static(q) or is_frequency(q) or q == "order")]
     parts += [listed(others)] if others else []

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from lumped.acceptance.requirement import ROTATIONS, STATIC_QUANTITIES
+from lumped.acceptance.requirement import AXES, ROTATIONS
 from lumped.errors import ComputationError, InputError
 from lumped.robot_file import RobotFile
 from lumped.robot_file.variation import Variation, told, varied
@@ -127,7 +127,7 @@ def columns(found: VariedAnswers) -> dict[str, list[float | str]]:
 def quantities(answers: Sequence[Answer]) -> dict[str, list[float | str]]:
     """Deflections under their own loads and frequencies, a number for each answer."""
     table: dict[str, list[float | str]] = {}
-    for k, name in enumerate(STATIC_QUANTITIES[: len(answers[0].compliance)]):
+    for k, name in enumerate(AXES[: len(answers[0].compliance)]):
         unit = "µrad at 100 N m" if name in ROTATIONS else "µm at 1000 N"
         scale = _LOADS[k] * _MICRO
         table[f"{name} ({unit})"] = [scale * float(one.compliance[k, k]) for one in answers]

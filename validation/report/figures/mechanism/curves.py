@@ -5,7 +5,7 @@ from functools import partial
 
 import numpy as np
 
-from lumped.acceptance.requirement import ROTATIONS, STATIC_QUANTITIES
+from lumped.acceptance.requirement import AXES, ROTATIONS
 from lumped.arrays import Array
 from validation.adequacy.mechanism.compared import (
     Compared,
@@ -68,7 +68,7 @@ def deflection_chart(
     Over x (p), which the table has with the columns of `abscissa`.
     """
     panels = []
-    for place, name in enumerate(STATIC_QUANTITIES):
+    for place, name in enumerate(AXES):
         axis = ROTATIONS.get(name)
         title = f"about {axis} (µrad)" if axis else f"along {name} (µm)"
         factor = 1e6 * (MOMENT if axis else FORCE)

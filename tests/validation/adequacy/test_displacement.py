@@ -1,0 +1,103 @@
+"""Errors of the whole displacement against sampled directions of force and plain formulas."""
+
+import warnings
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize
+
+from lumped.acceptance.requirement import ANY_FORCE, AXES, STATIC_QUANTITIES
+from lumped.arrays import Array
+from validation.adequacy.displacement import FLOOR, relative, sizes, worst_force
+
+
+def fraction(difference: Array, reference: Array, forces: Array) -> Array:
+    """|D f| / max(|C f|, s/20) of forces (3×n)."""
+    largest = np.linalg.svd(reference)[1][0]
+    moved = np.linalg.norm(reference @ forces, axis=0) / np.linalg.norm(forces, axis=0)
+    off = np.linalg.norm(difference @ forces, axis=0) / np.linalg.norm(forces, axis=0)
+    return off / np.maximum(moved, FLOOR * largest)
+
+
+def searched(difference: Array, reference: Array) -> float:
+    """The largest by sampling the sphere and climbing from the best samples."""
+    azimuth, height = np.meshgrid(np.linspace(0.0, np.pi, 90), np.linspace(-1.0, 1.0, 90))
+    radius = np.sqrt(1.0 - height**2)
+    forces = np.array([radius * np.cos(azimuth), radius * np.sin(azimuth), height]).reshape(3, -1)
+    found = fraction(difference, reference, forces)
+    climbed = [
+        minimize(
+            lambda f: -fraction(difference, reference, f[:, None])[0],
+            forces[:, k],
+            method="Nelder-Mead",
+            options={"xatol": 1e-10, "fatol": 1e-12},
+        )
+        for k in np.argsort(found)[-6:]
+    ]
+    return max(-float(one.fun) for one in climbed)
+
+
+def compliance(rng: np.random.Generator, yields: Array) -> Array:
+    """A symmetric 3×3 that yields so much in directions at random."""
+    axes = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+    return np.asarray(axes * yields @ axes.T)
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_the_worst_direction_of_force_is_found(seed: int) -> None:
+    rng = np.random.default_rng([24, seed])
+    # From one direction that alone yields to a reference that is singular.
+    yields = 10.0 ** -rng.uniform(0.0, 3.0, 3) * 1e-8
+    yields[: rng.integers(0, 3)] *= rng.choice([1.0, 0.0])
+    reference = compliance(rng, yields)
+    difference = 10.0 ** rng.uniform(-12.0, -8.0) * rng.normal(size=(3, 3))
+    if seed % 4 == 0:
+        difference = compliance(rng, yields) - reference
+    found = worst_force(difference[None], reference[None])
+    assert np.linalg.norm(found.force[0]) == pytest.approx(1.0)
+    at = fraction(difference, reference, found.force.T)
+    assert at == pytest.approx(found.error, rel=1e-9)
+    # Neither above what the sphere has nor below it.
+    assert found.error[0] == pytest.approx(searched(difference, reference), rel=1e-6)
+
+
+def test_a_direction_that_hardly_yields_does_not_decide() -> None:
+    reference, difference = np.diag([1.0, 1.0, 1e-4]), np.diag([0.03, 0.0, 1e-3])
+    found = worst_force(difference[None], reference[None])
+    # Along z alone ten times too soft: 2 % of a twentieth. The worst force has both errors in it.
+    assert found.error[0] == pytest.approx(np.hypot(0.03, 0.02), rel=1e-3)
+    assert np.abs(found.force[0]) == pytest.approx([FLOOR, 0.0, 1.0], abs=2e-3)
+    # A fifth of a twentieth is what counts of a hundred times too soft.
+    assert worst_force(np.diag([0.03, 0.0, 0.01])[None], reference[None]).error[0] > 0.2
+
+
+def test_sizes_are_of_the_whole_displacement_and_along_is_signed() -> None:
+    rng = np.random.default_rng(7)
+    own, other = (one @ np.swapaxes(one, 1, 2) for one in rng.normal(size=(2, 3, 6, 6)))
+    found = sizes(other - own, own)
+    for k, quantity in enumerate(AXES):
+        rows = slice(3) if k < 3 else slice(3, 6)
+        due, moved = own[:, rows, k], other[:, rows, k]
+        plain = np.linalg.norm(moved - due, axis=1) / np.linalg.norm(due, axis=1)
+        assert found[:, k] == pytest.approx(plain, rel=1e-12)
+        along = relative(other - own, own, quantity).along
+        assert along == pytest.approx(other[:, k, k] / own[:, k, k] - 1.0, rel=1e-12)
+    # No axis is worse than the worst direction: here every direction yields more than the floor.
+    assert (found[:, 6] >= found[:, :3].max(axis=1) * (1.0 - 1e-9)).all()
+    assert STATIC_QUANTITIES[6] == ANY_FORCE
+
+
+def test_what_is_rigid_in_both_is_right_and_what_yields_alone_is_infinite() -> None:
+    reference = np.zeros((2, 6, 6))
+    reference[:, 0, 0] = 1e-8
+    rigid = np.zeros((2, 6, 6))
+    yielding = np.zeros((2, 6, 6))
+    yielding[1, 1, 1] = 1e-9
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        nothing, alone = sizes(rigid, reference), sizes(yielding, reference)
+        everywhere = sizes(yielding, np.zeros((2, 6, 6)))
+    assert not nothing.any()
+    assert alone[1] == pytest.approx([0.0, np.inf, 0.0, 0.0, 0.0, 0.0, 2.0], rel=1e-9)
+    assert everywhere[1, 6] == np.inf
+    assert not everywhere[0].any()
