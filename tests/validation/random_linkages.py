@@ -1,0 +1,365 @@
+"""Mechanisms as robot files at random, with everything that no built-in robot has.
+
+Unlike legs, some given by a 6×6, `ends` of single legs, joints that give, drives of all
+stiffnesses, rods that idle on ball joints; poses are away from the reference posture. Beside each
+stands its own answer, from the tables as written and closed forms alone: positions by circles and
+spheres, compliances by virtual joints written out.
+"""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from lumped.arrays import Array
+from lumped.robot_file import RobotFile, load_robot
+
+Z = np.array([0.0, 0.0, 1.0])
+Tables = dict[str, Any]
+
+
+def skew(v: Array) -> Array:
+    """[v]×."""
+    return np.array([[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]])
+
+
+def carried(compliance: Array, offset: Array) -> Array:
+    """A compliance as felt at a point `offset` (m) further: u + φ × r."""
+    moved = np.eye(6)
+    moved[:3, 3:] = -skew(offset)
+    return moved @ compliance @ moved.T
+
+
+def turned(compliance: Array, rotation: Array) -> Array:
+    """A 6×6 in axes that are the columns of `rotation`, in base axes."""
+    both = np.kron(np.eye(2), rotation)
+    return both @ compliance @ both.T
+
+
+def rotation_between(before: Array, after: Array) -> Array:
+    """About z, from one direction in the plane to another."""
+    angle = np.arctan2(after[1], after[0]) - np.arctan2(before[1], before[0])
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+
+
+def leg_axes(direction: Array) -> Array:
+    """x along the leg, z as near to the base's as can be."""
+    x = direction / np.linalg.norm(direction)
+    y = np.cross(Z, x)
+    y /= np.linalg.norm(y)
+    return np.column_stack([x, y, np.cross(x, y)])
+
+
+def cantilever(length: float, section: Mapping[str, Any], material: Mapping[str, float]) -> Array:
+    """Euler and Bernoulli's 6×6 at the tip, leg axes."""
+    E, G = material["E"], material["E"] / (2.0 * (1.0 + material["nu"]))
+    if section["shape"] == "rectangle":
+        w, h = section["width"], section["height"]
+        A, Iy, Iz = w * h, w * h**3 / 12.0, h * w**3 / 12.0
+        b, a = sorted((w, h))
+        odd = np.arange(1, 200, 2)
+        # Saint-Venant's series; b is the shorter side.
+        series = (np.tanh(odd * np.pi * a / (2.0 * b)) / odd**5).sum()
+        J = a * b**3 * (1.0 / 3.0 - 64.0 / np.pi**5 * b / a * series)
+    else:
+        outer = section["diameter"] / 2.0
+        inner = outer - section.get("thickness", outer)
+        A = np.pi * (outer**2 - inner**2)
+        Iy = Iz = np.pi / 4.0 * (outer**4 - inner**4)
+        J = 2.0 * Iy
+    L, C = length, np.zeros((6, 6))
+    C[0, 0], C[3, 3] = L / (E * A), L / (G * J)
+    C[1, 1], C[5, 5], C[1, 5] = L**3 / (3 * E * Iz), L / (E * Iz), L**2 / (2 * E * Iz)
+    C[2, 2], C[4, 4], C[2, 4] = L**3 / (3 * E * Iy), L / (E * Iy), -(L**2) / (2 * E * Iy)
+    C[5, 1], C[4, 2] = C[1, 5], C[2, 4]
+    return C
+
+
+@dataclass(frozen=True)
+class Linkage:
+    """A robot file's tables with what it answers to in `pose` by closed forms, SI, base axes.
+
+    `tips` are its legs' 6×6 (leg axes) by name; `frequencies` (Hz) where its bodies but the
+    platform are next to massless.
+    """
+
+    tables: Tables
+    pose: tuple[float, ...]
+    compliance: Array
+    idle: int
+    tips: Mapping[str, Array]
+    frequencies: Array | None = None
+
+    def written(self, folder: Path) -> RobotFile:
+        """The robot read from a file in `folder`."""
+        path = folder / f"{self.tables['name']}.toml"
+        path.write_text("".join(_lines(self.tables)), encoding="utf-8")
+        return load_robot(path)
+
+
+def _lines(tables: Tables) -> list[str]:
+    return [f"{key} = {_text(value)}\n" for key, value in tables.items()]
+
+
+def _text(value: Any) -> str:
+    if isinstance(value, dict):
+        return "{ " + ", ".join(f"{key} = {_text(one)}" for key, one in value.items()) + " }"
+    return json.dumps(value, default=np.ndarray.tolist)
+
+
+def give(rng: np.random.Generator, size: float = 1e-9) -> Array:
+    """The 6×6 of a bearing, all its terms coupled."""
+    root = rng.normal(size=(6, 6)) * np.sqrt([size] * 3 + [50.0 * size] * 3)[:, None]
+    return root @ root.T + size * np.diag([1.0] * 3 + [50.0] * 3)
+
+
+def section(rng: np.random.Generator, *, round_only: bool = False) -> Tables:
+    """A slender section of its own."""
+    size = float(rng.uniform(0.03, 0.05))
+    match int(rng.integers(2 if round_only else 3)):
+        case 0:
+            return {"shape": "circle", "diameter": size}
+        case 1:
+            return {"shape": "tube", "diameter": size, "thickness": 0.15 * size}
+        case _:
+            return {
+                "shape": "rectangle",
+                "width": size,
+                "height": float(rng.uniform(0.5, 1.9)) * size,
+            }
+
+
+def material(rng: np.random.Generator) -> Tables:
+    """From plastics to steel."""
+    E, nu = 10.0 ** rng.uniform(10.0, 11.4), rng.uniform(0.0, 0.4)
+    return {"E": float(E), "nu": float(nu), "rho": float(rng.uniform(1000.0, 8000.0))}
+
+
+def _elbow(base: Array, tip: Array, lengths: tuple[float, float], side: float) -> Array:
+    """Where two circles about `base` and `tip` meet, to the left (side > 0) or right of the way."""
+    way = tip - base
+    d = float(np.linalg.norm(way))
+    along = (lengths[0] ** 2 - lengths[1] ** 2 + d**2) / (2.0 * d)
+    across = np.sqrt(lengths[0] ** 2 - along**2)
+    return np.asarray(base + along * way / d + side * across * np.cross(Z, way) / d)
+
+
+def five_bar(
+    seed: int,
+    *,
+    matrices: bool = False,
+    legs: Mapping[str, Array] | None = None,
+    ends: Mapping[str, str] | None = None,
+) -> Linkage:
+    """Two unlike cranks and rods in the plane, the tool off the reference posture.
+
+    With `matrices` one leg is given by a 6×6. `ends` of the legs by name; `legs` are 6×6 that the
+    answer is to be of in place of beams' (tips, leg axes).
+    """
+    rng = np.random.default_rng(seed)
+    base = {
+        n: np.array([s * rng.uniform(0.1, 0.2), rng.uniform(-0.05, 0.05), 0.0])
+        for n, s in ((1, -1.0), (2, 1.0))
+    }
+    P = np.array([rng.uniform(-0.05, 0.05), rng.uniform(0.5, 0.6), 0.0])
+    lengths = {n: (rng.uniform(0.28, 0.4), rng.uniform(0.4, 0.5)) for n in (1, 2)}
+    sides = {1: 1.0, 2: -1.0}
+    pose = P + np.array([rng.uniform(-0.12, 0.12), rng.uniform(-0.1, 0.05), 0.0])
+    elbows, moved = (
+        {n: _elbow(base[n], at, lengths[n], sides[n]) for n in (1, 2)} for at in (P, pose)
+    )
+    way = {f"crank{n}": (base[n], elbows[n]) for n in (1, 2)}
+    way |= {f"rod{n}": (elbows[n], P) for n in (1, 2)}
+    now = {f"crank{n}": (base[n], moved[n]) for n in (1, 2)}
+    now |= {f"rod{n}": (moved[n], pose) for n in (1, 2)}
+    names = {f"crank{n}": (f"A{n}", f"B{n}") for n in (1, 2)}
+    names |= {f"rod{n}": (f"B{n}", "P") for n in (1, 2)}
+    given = rng.choice(list(way)) if matrices else None
+    bodies, tips = {}, {}
+    for name, (start, end) in way.items():
+        length = float(np.linalg.norm(end - start))
+        one, made_of = section(rng), material(rng)
+        tips[name] = cantilever(length, one, made_of)
+        said: Tables = {"section": one, "material": made_of}
+        if name == given:
+            tips[name] = tips[name] + carried(give(rng, 1e-7), np.zeros(3))
+            said = {"mass": 2.0, "compliance": tips[name]}
+        if ends and name in ends:
+            said["ends"] = ends[name]
+        bodies[name] = {"from": names[name][0], "to": names[name][1], **said}
+    tips |= dict(legs or {})
+    drives = {n: 10.0 ** rng.uniform(4.5, 6.0) for n in (1, 2)}
+    gives = {name: give(rng) for name in ("motor1", "motor2", "elbow1", "elbow2", "pin")}
+    joints = {}
+    for n in (1, 2):
+        joints[f"motor{n}"] = {
+            "type": "revolute",
+            "between": ["ground", f"crank{n}"],
+            "at": f"A{n}",
+            "axis": Z,
+            "drive": {"stiffness": drives[n]},
+        }
+        joints[f"elbow{n}"] = {
+            "type": "revolute",
+            "between": [f"crank{n}", f"rod{n}"],
+            "at": f"B{n}",
+            "axis": Z,
+        }
+    joints["pin"] = {"type": "revolute", "between": ["rod1", "rod2"], "at": "P", "axis": Z}
+    for name, own in gives.items():
+        joints[name]["compliance"] = own
+    tables = {
+        "schema": 2,
+        "name": "five-bar-at-random",
+        "points": {
+            **{f"A{n}": base[n] for n in (1, 2)},
+            **{f"B{n}": elbows[n] for n in (1, 2)},
+            "P": P,
+        },
+        "bodies": bodies,
+        "joints": joints,
+        "tool": {"body": "rod1", "point": "P", "moves": ["x", "y"], "mass": 2.0},
+        "path": {"from": P[:2], "to": pose[:2], "count": 3},
+    }
+    about_z = np.concatenate([np.zeros(3), Z])
+
+    def since(name: str) -> Array:
+        before, after = (np.subtract(*reversed(ends)) for ends in (way[name], now[name]))
+        return rotation_between(before, after)
+
+    stiffness = np.zeros((6, 6))
+    for n in (1, 2):
+        drive = gives[f"motor{n}"] + np.outer(about_z, about_z) / drives[n]
+        chain = carried(drive, pose - base[n])
+        for name in (f"crank{n}", f"rod{n}"):
+            start, end = now[name]
+            chain = chain + carried(turned(tips[name], leg_axes(end - start)), pose - end)
+        chain = chain + carried(turned(gives[f"elbow{n}"], since(f"crank{n}")), pose - moved[n])
+        free = [np.concatenate([np.cross(Z, pose - moved[n]), Z])]
+        if n == 2:
+            chain = chain + turned(gives["pin"], since("rod1"))
+            free.append(about_z)
+        held, J = np.linalg.inv(chain), np.array(free).T
+        stiffness += held - held @ J @ np.linalg.inv(J.T @ held @ J) @ J.T @ held
+    return Linkage(tables, tuple(pose[:2].tolist()), np.linalg.inv(stiffness), 0, tips)
+
+
+def hexarod(seed: int) -> Linkage:
+    """Six unlike rods from carriages on drives to a platform; those between two balls idle.
+
+    A heavy platform: its frequencies are those of a rigid body on six springs.
+    """
+    rng = np.random.default_rng(seed)
+    angles = np.repeat(np.arange(3) * 2.0 * np.pi / 3.0, 2)
+    spread = np.tile([-1.0, 1.0], 3)
+    T = np.array([0.0, 0.0, 0.7])
+    base, top = (
+        [
+            np.array([r * np.cos(t), r * np.sin(t), z]) + rng.uniform(-0.03, 0.03, 3)
+            for t in angles + spread * opening
+        ]
+        for r, z, opening in ((0.5, 0.0, 0.25), (0.28, 0.7, 0.8))
+    )
+    axes = [Z + rng.uniform(-0.3, 0.3, 3) for _ in base]
+    axes = [a / np.linalg.norm(a) for a in axes]
+    pose = np.concatenate([T + rng.uniform(-0.06, 0.06, 3), rng.uniform(-0.2, 0.2, 3)])
+    angle = float(np.linalg.norm(pose[3:]))
+    k = skew(pose[3:] / angle)
+    turn = np.eye(3) + np.sin(angle) * k + (1.0 - np.cos(angle)) * k @ k
+    balls = rng.random(6) < 0.5
+    shape, c = np.diag([300.0, 400.0, 500.0]), np.array([0.02, -0.03, 0.05])
+    points = {"T": T, "C": T + c}
+    bodies: Tables = {
+        "platform": {
+            "points": [f"Q{i}" for i in range(6)] + ["T"],
+            "mass": 2e4,
+            "centre": "C",
+            "inertia": shape,
+        }
+    }
+    joints: Tables = {}
+    stiffness = np.zeros((6, 6))
+    for i in range(6):
+        B, Q, a = base[i], top[i], axes[i]
+        points |= {f"B{i}": B, f"Q{i}": Q}
+        one, made_of = section(rng, round_only=True), {**material(rng), "rho": 25.0}
+        drive = 10.0 ** rng.uniform(6.0, 8.0)
+        slide, foot, head = (give(rng) for _ in range(3))
+        across = np.cross(Q - B, rng.normal(size=3))
+        pair = [across, np.cross(Q - B, across)]
+        bodies[f"carriage{i}"] = {
+            "points": [f"B{i}"],
+            "mass": 1e-4,
+            "centre": f"B{i}",
+            "inertia": 1e-7 * np.eye(3),
+        }
+        bodies[f"rod{i}"] = {"from": f"B{i}", "to": f"Q{i}", "section": one, "material": made_of}
+        joints[f"slide{i}"] = {
+            "type": "prismatic",
+            "between": ["ground", f"carriage{i}"],
+            "at": f"B{i}",
+            "axis": a,
+            "drive": {"stiffness": drive},
+            "compliance": slide,
+        }
+        joints[f"foot{i}"] = {
+            "between": [f"carriage{i}", f"rod{i}"],
+            "at": f"B{i}",
+            "compliance": foot,
+            **(
+                {"type": "spherical"}
+                if balls[i]
+                else {"type": "universal", "axes": [v / np.linalg.norm(v) for v in pair]}
+            ),
+        }
+        joints[f"head{i}"] = {
+            "type": "spherical",
+            "between": [f"rod{i}", "platform"],
+            "at": f"Q{i}",
+            "compliance": head,
+        }
+        # The pose: the platform's point, then how far the carriage slid.
+        there, length = pose[:3] + turn @ (Q - T), float(np.linalg.norm(Q - B))
+        reach = there - B
+        middle = float(a @ reach)
+        root = np.sqrt(middle**2 - (reach @ reach - length**2))
+        slid = min(middle - root, middle + root, key=abs)
+        d, before = (there - B - slid * a) / length, (Q - B) / length
+        along = slide.copy()
+        along[:3, :3] += np.outer(a, a) / drive
+        # The rod's two ends pass a force along it alone; the head's give has turned with the rod.
+        soft = d @ (carried(along, slid * a)[:3, :3] + foot[:3, :3]) @ d
+        soft += before @ head[:3, :3] @ before + cantilever(length, one, made_of)[0, 0]
+        j = np.concatenate([d, np.cross(there - pose[:3], d)])
+        stiffness += np.outer(j, j) / soft
+    tables = {
+        "schema": 2,
+        "name": "hexarod-at-random",
+        "points": points,
+        "bodies": bodies,
+        "joints": joints,
+        "tool": {
+            "body": "platform",
+            "point": "T",
+            "moves": ["x", "y", "z", "phi_x", "phi_y", "phi_z"],
+        },
+        "path": {"poses": [[*T, 0.0, 0.0, 0.0], pose]},
+    }
+    lever = np.eye(6)
+    lever[:3, 3:] = -skew(turn @ c)
+    weight = np.zeros((6, 6))
+    weight[:3, :3], weight[3:, 3:] = 2e4 * np.eye(3), turn @ shape @ turn.T
+    mass = lever.T @ weight @ lever
+    values = np.sort(np.linalg.eigvals(np.linalg.solve(mass, stiffness)).real)
+    return Linkage(
+        tables,
+        tuple(pose.tolist()),
+        np.linalg.inv(stiffness),
+        int(balls.sum()),
+        {},
+        np.sqrt(values) / (2.0 * np.pi),
+    )
