@@ -33,6 +33,8 @@ BELOW, ABOVE = 0.99, 1.01
 EITHER_SIDE = [
     ("x", BELOW * ERROR, "inadequate"),
     ("x", ABOVE * ERROR, "adequate"),
+    ("any_force", BELOW * ERROR, "inadequate"),
+    ("any_force", ABOVE * ERROR, "adequate"),
     ("phi_z", BELOW * ERROR, "inadequate"),
     ("phi_z", ABOVE * ERROR, "adequate"),
     ("f1", BELOW * ERROR, "inadequate"),
@@ -95,12 +97,12 @@ def test_the_preset_and_the_requirement_reach_what_is_computed(preset, computed)
     judged_so = api.adequacy("ifw", preset=preset, accept={"modes": 6})
     (context,) = computed
     assert (context.preset, context.robot_file.requirement.modes) == (preset, 6)
-    assert judged_so.matrix.quantities[6:] == ("f1", "f2", "f3", "f4", "f5", "f6", "order")
+    assert judged_so.matrix.quantities[7:] == (*("f1", "f2", "f3", "f4", "f5", "f6", "order"),)
 
 
 def test_fewer_modes_are_judged_anew_and_more_are_refused():
     found = api.adequacy("ifw")
-    assert found.accepting({"modes": 2}).matrix.quantities[6:] == ("f1", "f2", "order")
+    assert found.accepting({"modes": 2}).matrix.quantities[7:] == ("f1", "f2", "order")
     with pytest.raises(InputError, match="modes = 6: must be at most 4"):
         found.accepting({"modes": 6})
 
@@ -278,7 +280,7 @@ def test_the_record_of_a_run_has_the_limits_that_were_asked_for(run, tmp_path, c
     record = json.loads((tmp_path / "report" / "results.json").read_text(encoding="utf-8"))
     limits = {one["quantity"]: one["limit"] for one in record["adequacy"] if one["model"] == "beam"}
     assert limits == {
-        **dict.fromkeys(["x", "y", "phi_x", "phi_y", "phi_z"], 0.05),
+        **dict.fromkeys(["x", "y", "phi_x", "phi_y", "phi_z", "any_force"], 0.05),
         "z": 0.3,
         "f1": 0.2,
         "f2": 0.2,
