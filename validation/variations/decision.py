@@ -1,0 +1,85 @@
+"""Decisions by a model among n designs, and what they cost in the terms of a better one.
+
+Whoever designs with a model asks little of its absolute numbers: its order of the designs must be
+right, and its best design must be good. All tables of values here are arrays (n) over the designs.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lumped.arrays import Array
+
+Objective: TypeAlias = Literal["deflection", "frequency"]
+OBJECTIVES: tuple[Objective, ...] = ("deflection", "frequency")
+UNITS: Mapping[Objective, str] = {"deflection": "µm", "frequency": "Hz"}
+MEANING: Mapping[Objective, str] = {
+    "deflection": "largest deflection over the path under 1000 N along x, y or z",
+    "frequency": "smallest first frequency over the path",
+}
+# Of the best value: designs whose values are closer are equally good. Rounding and the error of a
+# reduction to the ends are below it.
+INDIFFERENT = 1e-6
+
+
+@dataclass(frozen=True)
+class Choice:
+    """The number of the `design` that a model chooses, and its `loss` in the reference's terms.
+
+    Of all designs that are `equally_good` to the model (in their order) it is the one that the
+    reference finds best.
+    """
+
+    design: int
+    equally_good: tuple[int, ...]
+    loss: float
+
+
+def choice(values: Array, reference: Array, objective: Objective) -> Choice:
+    """What a model chooses by its values; `reference` are those of a better one."""
+    good, lost = equally_good(values, objective), losses(reference, objective)
+    design = int(good[np.argmin(lost[good])])
+    return Choice(design, tuple(good.tolist()), float(lost[design]))
+
+
+def equally_good(values: Array, objective: Objective) -> NDArray[np.intp]:
+    """Numbers of the designs that a model finds best, ascending: `INDIFFERENT` of each other."""
+    better = values if objective == "deflection" else -values
+    best = better.min()
+    return np.flatnonzero(better <= best + INDIFFERENT * abs(best))
+
+
+def losses(reference: Array, objective: Objective) -> Array:
+    """Relative loss (n) of each design in the reference's terms: 0.02 for 2 % worse.
+
+    Its deflection over the smallest, less 1; of frequencies 1 less the ratio to the largest.
+    """
+    if objective == "deflection":
+        return np.asarray(reference / reference.min() - 1.0)
+    return np.asarray(1.0 - reference / reference.max())
+
+
+def spearman(one: Array, other: Array) -> float:
+    """Rank correlation (Spearman's ρ, −1 to 1) of two orders of the designs.
+
+    Designs equally good to one of them share their mean rank; NaN where all are.
+    """
+    ranks = np.array([_ranks(one), _ranks(other)])
+    ranks -= ranks.mean(axis=1, keepdims=True)
+    sizes = np.linalg.norm(ranks, axis=1)
+    return float(ranks[0] @ ranks[1] / sizes.prod()) if sizes.all() else float("nan")
+
+
+def _ranks(values: Array) -> Array:
+    """Mean ranks; neighbours in order that are `INDIFFERENT` to each other share theirs."""
+    order = np.argsort(values, kind="stable")
+    ascending = values[order]
+    apart = np.diff(ascending) > INDIFFERENT * np.abs(ascending[1:])
+    tie = np.concatenate([[0], np.cumsum(apart)])
+    places = np.arange(len(values), dtype=float)
+    ranks = np.empty(len(values))
+    ranks[order] = (np.bincount(tie, places) / np.bincount(tie))[tie]
+    return ranks
