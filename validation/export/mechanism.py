@@ -1,7 +1,4 @@
-"""A mechanism as files for other programs: its legs, itself as beams, and a deck of CalculiX.
-
-What the files hold is written beside them, in README.txt.
-"""
+"""A mechanism as files for other programs: its legs, itself as beams, and a deck of CalculiX."""
 
 from pathlib import Path
 
@@ -18,69 +15,51 @@ from lumped.system.solution import solved
 from validation.context import Preset
 from validation.export.models import (
     DIVISIONS,
-    MATRIX_DIVISIONS,
     MODES,
     STATIONS,
+    about_legs,
     named_fields,
     vectors_of,
     write_leg,
 )
+from validation.export.parts import write_part
+from validation.export.readme import OF_PARTS, write_readme
 from validation.export.vtk_files import polyline, save
 from validation.models.mechanism import constant_legs
 from validation.models.mechanism_modes import mechanism_modes
 from validation.models.options import DEFAULT_OPTIONS
 from validation.solids.bars import bar_solids, with_bars
 
-_README = """\
-Models of {name}, SI units (m, N, kg, s, rad). NAME is that of a body; of bodies that are alike the
-first stands for all:
+_HEAD = """\
+Models of {name}, SI units (m, N, kg, s, rad). Files begin with the name of their body{stands}"""
+_OF_LEGS = """; of
+bodies that are alike the first stands for all:
 {alike}
 Leg axes: x from root to tip. A leg given by a compliance alone is its equivalent leg of constant
-section.{parts}
-
-NAME_solid.vtu
-    The mesh, {divisions} quadratic elements across the section; root clamped, end faces rigid.
-    Point data "displacement Fx" to "displacement Mz" (m per N or N m): unit wrenches at the tip.
-    "mode 1" and on: mass-normalised shapes; their frequencies (Hz) are field data.
-NAME_beam.vtp, NAME_segments.vtp
-    The centreline in beam elements (Timoshenko) and in rigid segments with springs between them:
-    the same data, and "rotation Fx" and on (rad) for each.
-NAME_MODEL_K.*, NAME_MODEL_M.*
-    Stiffness and mass of the free leg, symmetric: .npz (scipy.sparse.load_npz), .mtx (Matrix
-    Market). Unknowns: twist of the root [x y z phi_x phi_y phi_z], twist of the tip, then the
-    model's own. The solid is meshed more coarsely, {matrix_divisions} element across, with three
-    displacements per inner node.
-mechanism_beam.vtp
-    All legs in base axes, {pose}: unit wrenches at the loaded point, modes of the mechanism. Cell
-    data "leg": their number in the order of the file ({legs}).
-mechanism.inp
-    A deck of CalculiX in the same pose, legs as solid bars of their outer size, one quadratic
-    tetrahedron across, end faces rigid; joints as linear equations, drives as springs; six unit
-    wrenches at the loaded point, then {modes} modes and what idles.
-"""
+section."""
+_OF_MECHANISM = {
+    "mechanism_beam.vtp": (
+        "All legs in base axes, {pose}: unit wrenches at the loaded point, modes of the mechanism. "
+        'Cell data "leg": their number in the order of the file ({legs}).'
+    ),
+    "mechanism.inp": (
+        "A deck of CalculiX in the same pose, legs as solid bars of their outer size, one "
+        "quadratic tetrahedron across, end faces rigid; joints as linear equations, drives as "
+        "springs; six unit wrenches at the loaded point, then {modes} modes and what idles."
+    ),
+}
 
 
 def export_mechanism(mechanism: Mechanism, preset: Preset, folder: Path) -> None:
-    """Write every different leg, the mechanism as beams and its deck into `folder`.
+    """Write every different leg and every CAD part, the mechanism as beams and its deck.
 
-    In the middle pose of the path. Raises ComputationError where a model cannot be solved, OSError
-    where the disk refuses.
+    In the middle pose of the path; a mechanism with parts has neither beams nor deck. Raises
+    InputError where a part cannot be meshed, ComputationError where a model cannot be solved,
+    OSError where the disk refuses.
     """
     at = posture(mechanism, mechanism.poses[len(mechanism.poses) // 2])
     alike = _alike(mechanism)
-    names = list(legs_of(mechanism))
-    parts = ", ".join(mechanism.parts)
-    readme = _README.format(
-        name=mechanism.name,
-        alike="\n".join(f"    {', '.join(ones)}" for ones in alike.values()),
-        parts=f"\nBodies from files ({parts}) are left out." if parts else "",
-        divisions=DIVISIONS[preset],
-        matrix_divisions=MATRIX_DIVISIONS,
-        pose=shown_pose(mechanism, at.pose) or "reference posture",
-        legs=", ".join(names),
-        modes=MODES,
-    )
-    (folder / "README.txt").write_text(readme, encoding="utf-8")
+    parts = [write_part(body, folder) for body in mechanism.parts.values()]
     for leg, ones in alike.items():
         write_leg(leg, ones[0], DIVISIONS[preset], folder)
     if alike and not parts:
@@ -88,6 +67,16 @@ def export_mechanism(mechanism: Mechanism, preset: Preset, folder: Path) -> None
         bars = with_bars(at)
         deck = mechanism_deck(bars, bar_solids(bars.mechanism), MODES).deck
         (folder / "mechanism.inp").write_text(deck_text(deck), encoding="utf-8")
+    names = "\n".join(f"    {', '.join(ones)}" for ones in alike.values())
+    head = _HEAD.format(name=mechanism.name, stands=_OF_LEGS.format(alike=names) if alike else ".")
+    said = {
+        "pose": shown_pose(mechanism, at.pose) or "reference posture",
+        "legs": ", ".join(legs_of(mechanism)),
+        "modes": MODES,
+    }
+    of_mechanism = {name: text.format(**said) for name, text in _OF_MECHANISM.items()}
+    head = "\n".join([head, *(f"Part {part}." for part in parts)])
+    write_readme(folder, head, {**of_mechanism, **OF_PARTS, **about_legs(preset)})
 
 
 def _alike(mechanism: Mechanism) -> dict[ConstantLeg, list[str]]:

@@ -1,7 +1,4 @@
-"""The models of a robot as files for other programs: VTU and VTP, npz and Matrix Market.
-
-What the files hold is written beside them, in README.txt.
-"""
+"""The models of a robot as files for other programs: VTU and VTP, npz and Matrix Market."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -19,6 +16,7 @@ from lumped.mechanism.body_model import LegMatrices
 from lumped.models.cantilever import clamped_modes
 from lumped.system.solution import modes, solved
 from validation.context import Preset
+from validation.export.readme import OF_LEGS, write_readme
 from validation.export.vtk_files import grid, polyline, save
 from validation.models.biglide import robot_system
 from validation.models.legs import leg_matrices
@@ -31,27 +29,16 @@ DIVISIONS: dict[Preset, int] = {"quick": 2, "standard": 4, "fine": 6}
 MATRIX_DIVISIONS = 1
 STATIONS = 41
 
-_README = """\
+_HEAD = """\
 Models of {name}, SI units (m, N, kg, s, rad).
 Leg axes: x from root to tip, z that of the robot. A leg given by a compliance alone is its
-equivalent leg of constant section. N is the leg's number.
-
-legN_solid.vtu
-    The mesh, {divisions} quadratic elements across the section; root clamped, end faces rigid.
-    Point data "displacement Fx" to "displacement Mz" (m per N or N m): unit wrenches at the tip.
-    "mode 1" and on: mass-normalised shapes; their frequencies (Hz) are field data.
-legN_beam.vtp, legN_segments.vtp
-    The centreline in beam elements (Timoshenko) and in rigid segments with springs between them:
-    the same data, and "rotation Fx" and on (rad) for each.
-robot_beam.vtp
-    Both legs in robot axes, y counted from B, which is in the middle of its stroke: unit wrenches
-    at the loaded point, modes of the robot. Cell data "leg".
-legN_MODEL_K.*, legN_MODEL_M.*
-    Stiffness and mass of the free leg, symmetric: .npz (scipy.sparse.load_npz), .mtx (Matrix
-    Market). Unknowns: twist of the root [x y z phi_x phi_y phi_z], twist of the tip, then the
-    model's own. The solid is meshed more coarsely, {matrix_divisions} element across, with three
-    displacements per inner node.
-"""
+equivalent leg of constant section."""
+_OF_ROBOT = {
+    "robot_beam.vtp": (
+        "Both legs in robot axes, y counted from B, which is in the middle of its stroke: unit "
+        'wrenches at the loaded point, modes of the robot. Cell data "leg".'
+    )
+}
 
 
 def export(robot: Biglide, preset: Preset, folder: Path) -> None:
@@ -59,12 +46,16 @@ def export(robot: Biglide, preset: Preset, folder: Path) -> None:
 
     Raises ComputationError where a model cannot be solved, OSError where the disk refuses.
     """
-    divisions = DIVISIONS[preset]
-    readme = _README.format(name=robot.name, divisions=divisions, matrix_divisions=MATRIX_DIVISIONS)
-    (folder / "README.txt").write_text(readme, encoding="utf-8")
     for number, described in enumerate((robot.leg1, robot.leg2), start=1):
-        write_leg(equivalent_leg(described), f"leg{number}", divisions, folder)
+        write_leg(equivalent_leg(described), f"leg{number}", DIVISIONS[preset], folder)
     _write_robot(robot, folder / "robot_beam.vtp")
+    write_readme(folder, _HEAD.format(name=robot.name), {**_OF_ROBOT, **about_legs(preset)})
+
+
+def about_legs(preset: Preset) -> dict[str, str]:
+    """What the files of legs hold."""
+    numbers = {"divisions": DIVISIONS[preset], "matrix_divisions": MATRIX_DIVISIONS}
+    return {pattern: text.format(**numbers) for pattern, text in OF_LEGS.items()}
 
 
 def write_leg(leg: ConstantLeg, stem: str, divisions: int, folder: Path) -> None:
@@ -80,8 +71,8 @@ def write_leg(leg: ConstantLeg, stem: str, divisions: int, folder: Path) -> None
         "solid": solid.solid_leg_matrices(coarse),
     }
     for name, matrices in models.items():
-        _write_matrix(matrices.stiffness, folder / f"{stem}_{name}_K")
-        _write_matrix(matrices.mass, folder / f"{stem}_{name}_M")
+        write_matrix(matrices.stiffness, folder / f"{stem}_{name}_K")
+        write_matrix(matrices.mass, folder / f"{stem}_{name}_M")
     for name in ("segments", "beam"):
         _write_centreline(models[name], folder / f"{stem}_{name}.vtp")
 
@@ -136,7 +127,8 @@ def _write_robot(robot: Biglide, path: Path) -> None:
     save(polyline(lines, joined, found.frequencies), path)
 
 
-def _write_matrix(matrix: SparseMatrix, path: Path) -> None:
+def write_matrix(matrix: SparseMatrix | Array, path: Path) -> None:
+    """Write a symmetric matrix beside `path` as .npz and .mtx."""
     # Matrix Market's symmetric form keeps one triangle: the halves are made equal to the last bit.
     full = csc_array((matrix + matrix.T) / 2.0)
     full.eliminate_zeros()
