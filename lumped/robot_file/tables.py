@@ -48,6 +48,10 @@ def number(
 Length: TypeAlias = Annotated[
     float, Meta(gt=0.0, le=100.0, extra=number("m", too_high="is this in mm?", least=1e-4))
 ]
+# Ten times as long: beyond any family of one design.
+Ratio: TypeAlias = Annotated[
+    float, Meta(gt=0.0, le=10.0, extra=number("", too_high="is this in percent?"))
+]
 # 10 m: a tool of 1 cm in millimetres is caught, no tool is as long.
 Offset: TypeAlias = Annotated[
     float,
@@ -119,9 +123,13 @@ class Table(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class Geometry(Table, frozen=True):
-    """[geometry]: distance `a` of the slides, `tool_offset` from B to the loaded point (m)."""
+    """[geometry]: distance `a` of the slides, `tool_offset` from B to the loaded point (m).
+
+    `alpha`: how many times as long both legs are, the stroke kept (eqs 10, 11 of the paper).
+    """
 
     a: Length
+    alpha: Ratio = 1.0
     tool_offset: tuple[Offset, Offset, Offset] = (0.0, 0.0, 0.0)
 
 

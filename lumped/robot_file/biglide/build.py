@@ -8,7 +8,8 @@ import numpy as np
 
 from lumped.acceptance.measured import Measured, measured_faults, pose_faults
 from lumped.biglide import Biglide, geometry_faults
-from lumped.legs import GivenLeg
+from lumped.legs import GivenLeg, Leg
+from lumped.mechanism.biglide import Stroke, lengthened
 from lumped.mechanism.mechanism import Mechanism
 from lumped.robot_file.biglide.corrections import can_be_scaled, correction_faults, value_at
 from lumped.robot_file.leg_table import leg_faults, leg_of, symmetric
@@ -29,6 +30,7 @@ def biglide_faults(tables: Mapping[str, Any]) -> list[str]:
     for leg in ("leg1", "leg2"):
         faults += leg_faults(tables.get(leg), leg)
     faults += _geometry_faults(tables)
+    faults = faults or _family_faults(msgspec.convert(tables, RobotTables))
     return faults or [
         *correction_faults(tables, corrections_of(tables)),
         *evidence_faults(tables, biglide_of(tables)),
@@ -89,15 +91,31 @@ def _geometry_faults(tables: Mapping[str, Any]) -> list[str]:
     return [f"{place}: {fault}" for fault in geometry_faults(skeleton)]
 
 
+def _family_faults(tables: RobotTables) -> list[str]:
+    """Why legs of `geometry.alpha` times their length cannot meet."""
+    a, leg1, leg2 = _member(tables)
+    alpha = tables.geometry.alpha
+    faults = Stroke(a, leg1.length, leg2.length).faults()
+    return [f"geometry.alpha = {alpha:g}: {fault}" for fault in faults]
+
+
+def _member(tables: RobotTables) -> tuple[float, Leg, Leg]:
+    """Distance of the slides (m) and both legs; where `alpha` is 1 they are as given."""
+    geometry = tables.geometry
+    given = geometry.a, leg_of(tables.leg1, "leg 1"), leg_of(tables.leg2, "leg 2")
+    return given if geometry.alpha == 1.0 else lengthened(*given, geometry.alpha)
+
+
 def _robot(tables: RobotTables) -> Biglide:
     foot, tool = tables.foot, tables.tool
+    a, leg1, leg2 = _member(tables)
     return Biglide(
         name=tables.name,
-        a=tables.geometry.a,
+        a=a,
         platform_mass=tables.platform.mass,
         actuator_stiffness=tables.actuators.stiffness,
-        leg1=leg_of(tables.leg1, "leg 1"),
-        leg2=leg_of(tables.leg2, "leg 2"),
+        leg1=leg1,
+        leg2=leg2,
         tool_offset=np.array(tables.geometry.tool_offset, dtype=float),
         foot_compliance=None if foot is None else symmetric(foot.compliance),
         tool_compliance=symmetric(tool.compliance) if tool and tool.active else None,

@@ -4,6 +4,7 @@ import subprocess
 import sys
 import tomllib
 from dataclasses import dataclass
+from importlib import resources
 from itertools import chain
 from pathlib import Path
 
@@ -11,7 +12,7 @@ import numpy as np
 import pytest
 
 from lumped.errors import InputError
-from lumped.legs import ConstantLeg, GivenLeg
+from lumped.legs import ConstantLeg, GivenLeg, equivalent_leg
 from lumped.robot_file import as_printed, built_in_robots, load_robot, write_template
 from lumped.sections import HollowRectangle
 
@@ -88,6 +89,13 @@ WRONG = {
     "number beyond floats": edit("a = 0.9", f"a = {10**400}", ("geometry.a =", "at most 100 m")),
     "not a number": edit("a = 0.9", "a = nan", ("geometry.a = nan", "not finite", "above 0 m")),
     "infinite": edit("1.0e9", "inf", ("actuators.stiffness = inf", "1e+15 N/m")),
+    "alpha of zero": edit("a = 0.9", "a = 0.9\nalpha = 0.0", ("geometry.alpha = 0.0", "above 0")),
+    "alpha in percent": edit(
+        "a = 0.9", "a = 0.9\nalpha = 120", ("geometry.alpha = 120", "at most 10", "percent?")
+    ),
+    "alpha without room for the slides": edit(
+        "a = 0.9", "a = 0.9\nalpha = 0.4", ("geometry.alpha = 0.4: a = -", "apart, a > 0")
+    ),
     "negative length": edit("0.85", "-0.85", ("leg1.length = -0.85", "must be above 0 m")),
     "zero length": edit("0.85", "0.0", ("leg1.length = 0.0", "must be above 0 m")),
     "negative mass": edit("46.0", "-46.0", ("platform.mass = -46.0", "must be above 0 kg")),
@@ -288,6 +296,20 @@ def test_an_odd_value_at_any_key_is_refused_or_read_but_never_a_traceback(value,
         assert "\n" not in fault
     # A text is a fine name and a fine reason; whatever else is odd is refused.
     assert len(refusals) >= len(places) - 3
+
+
+@pytest.mark.parametrize("alpha", [0.8, 1.5, 2.0])
+def test_legs_longer_by_alpha_keep_stroke_and_section(alpha, robot_path):
+    text = resources.files("lumped").joinpath("robots/ifw.toml").read_text(encoding="utf-8")
+    longer = load_robot(robot_path(text.replace("alpha = 1.0", f"alpha = {alpha}"))).robot
+    given = load_robot("ifw").robot
+    l10, l20, a0 = 0.85, 0.775, 0.92
+    # eq. (10): L_i = α L_i0; eq. (11): a = α (L10 + L20) − d with the stroke d = L10 + L20 − a0
+    assert [longer.leg1.length, longer.leg2.length] == pytest.approx([alpha * l10, alpha * l20])
+    assert longer.a == pytest.approx(alpha * (l10 + l20) - (l10 + l20 - a0), rel=1e-14)
+    for leg, before in ((longer.leg1, given.leg1), (longer.leg2, given.leg2)):
+        assert leg.section == equivalent_leg(before).section
+        assert leg.mass == pytest.approx(alpha * before.mass)
 
 
 def test_sound_file_is_read(robot_path):
