@@ -1,0 +1,275 @@
+"""Everything that is told of a matrix and of a solution, read back and held against its numbers.
+
+Sheets, cells, hints, CSV, curves with their axes, records, the API's line and the text of `solve`
+are parsed as a reader would; a factor, a sign, a unit or another entry's number differs.
+"""
+
+import csv
+import io
+import re
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "adequacy"))
+
+from random_subjects import MODES, subject
+
+from lumped.acceptance.requirement import Requirement
+from validation import api
+from validation.adequacy.judgement import judged
+from validation.report.figures import adequacy as error_curves
+from validation.report.first_screen.remedies import remedies_of
+from validation.report.first_screen.sheets import sheets_of
+from validation.report.first_screen.table import csv_of_matrix, table_of
+from validation.results.records import adequacy_records
+from validation.solve.answer import as_text
+
+LIMITS = {"x": 0.011, "f1": 0.023, "phi_y": 0.37}
+MARKS = {"adequate": "✓", "inadequate": "✗", "undecided": "?"}
+UNITS = {"x": "m/N", "y": "m/N", "z": "m/N", "any_force": "m/N"}
+UNITS |= dict.fromkeys(("phi_x", "phi_y", "phi_z"), "rad/(N m)")
+SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
+NUMBER = r"[+−]?[\d.]+(?:\s×\s10[⁻⁰-⁹¹²³]+)?"
+# Errors are told with two digits, values with six, poses with four.
+TWO, FOUR, SIX = 0.051, 6e-4, 6e-6
+# Of errors less than this is no error to anyone.
+NOTHING = 5e-5
+SUBJECTS = [subject(seed) for seed in (0, 1, 2)]
+MATRICES = [
+    judged(one, Requirement(deflection=0.05, frequency=0.05, modes=MODES, limits=LIMITS))
+    for one in SUBJECTS
+]
+ENTRIES = [(matrix, entry) for matrix in MATRICES for entry in matrix.entries]
+
+
+def numbers(text):
+    """All numbers in a text, powers of ten as printed; percent as shares."""
+    found = []
+    for match in re.finditer(rf"({NUMBER})(\s%)?", text):
+        mantissa, _, power = re.sub(r"\s", "", match[1]).partition("×10")
+        value = float(mantissa.replace("−", "-")) * 10.0 ** int(power.translate(SUPERSCRIPTS) or 0)
+        found.append(value / 100.0 if match[2] else value)
+    return found
+
+
+def told(number, digits=TWO):
+    """What is to be read of an error, or of anything in so many digits."""
+    return pytest.approx(number, rel=digits, abs=NOTHING if digits == TWO else 0.0)
+
+
+def pose_of(matrix, text):
+    """The number of the pose that a text names."""
+    names = [f"{one.name} = ({NUMBER}) {one.unit}" for one in matrix.coordinates]
+    values = numbers(" ".join(re.search(", ".join(names), text).groups()))
+    (place,) = (
+        p for p, pose in enumerate(matrix.poses) if values == [told(one, FOUR) for one in pose]
+    )
+    return place
+
+
+def test_numbers_are_read_as_they_are_printed():
+    assert numbers("−1.06 × 10⁻⁶ m/N, +12 %, 0 %") == pytest.approx([-1.06e-6, 0.12, 0.0])
+
+
+@pytest.mark.parametrize("matrix", MATRICES)
+def test_every_cell(matrix):
+    shown = table_of(matrix)
+    cells = {
+        (row.note.model, cell.entry.quantity): (heading, cell)
+        for row in shown.rows
+        for heading, cell in zip(shown.headings, row.cells, strict=True)
+        if cell
+    }
+    assert list(cells) == [(entry.model, entry.quantity) for entry in matrix.entries]
+    for entry in matrix.entries:
+        heading, cell = cells[entry.model, entry.quantity]
+        signs = {"φx": "phi_x", "φy": "phi_y", "φz": "phi_z", "any force": "any_force"}
+        assert signs.get(heading, heading) == entry.quantity
+        assert cell.mark == MARKS[entry.verdict]
+        if entry.error is None:
+            assert cell.text == ("none" if entry.verdict == "inadequate" else "open")
+        else:
+            assert numbers(cell.text) == [told(entry.error)]
+            assert cell.text.startswith("+") == (entry.signed and entry.error >= NOTHING)
+        if cell.spread:
+            assert numbers(cell.spread) == [told(entry.uncertainty)]
+        else:
+            assert not (entry.uncertainty or 0.0) >= 5e-4
+        assert cell.hint.startswith(f"{entry.verdict} (limit ")
+        assert numbers(cell.hint)[0] == told(entry.limit)
+        assert matrix.poses[pose_of(matrix, cell.hint)] == entry.pose
+
+
+@pytest.mark.parametrize("matrix", MATRICES)
+def test_every_sheet(matrix):
+    sheets = {(one.entry.model, one.entry.quantity): one for one in sheets_of(matrix)}
+    anchors = {cell.anchor for row in table_of(matrix).rows for cell in row.cells if cell}
+    assert {one.anchor for one in sheets.values()} == anchors
+    for entry in matrix.entries:
+        lines = sheets[entry.model, entry.quantity].lines
+        said = {word: text for word, text in lines if word != "Cause"}
+        assert matrix.poses[pose_of(matrix, said["Worst at"])] == entry.pose
+        assert said["Source"] == entry.reference
+        if entry.error is None:
+            assert "Error" not in said
+            continue
+        assert numbers(said["Error"]) == [told(entry.error), told(entry.limit)]
+        assert numbers(said["Uncertainty"])[0] == told(entry.uncertainty)
+        detail = dict(re.findall(r"(\w+) ([^,)]*\s%)", said["Uncertainty"].partition("(")[2]))
+        assert {name: numbers(size)[0] for name, size in detail.items()} == {
+            name: told(size) for name, size in entry.uncertainties.items()
+        }
+        for word, number in (("Value", entry.value), ("Reference", entry.expected)):
+            unit = UNITS.get(entry.quantity, "Hz")
+            assert re.search(rf"^{NUMBER} {re.escape(unit)}(, along the load)?$", said[word])
+            assert numbers(said[word])[0] == told(number, SIX)
+        assert ("Along the load" in said) == (entry.along is not None)
+        if entry.along is not None:
+            assert numbers(said["Along the load"]) == [told(entry.along)]
+        if entry.quantity == "any_force":
+            assert numbers(said["Worst force"]) == [
+                pytest.approx(one, rel=TWO, abs=0.006) for one in entry.force
+            ]
+        causes = [text for word, text in lines if word == "Cause"]
+        assert [text.partition(":")[0] for text in causes] == [one.cause for one in entry.causes]
+        assert [numbers(text)[0] for text in causes] == [told(one.share) for one in entry.causes]
+        if entry.remedy:
+            assert said["Remedy"].startswith(f"{entry.remedy}: ")
+            assert numbers(said["Remedy"]) == [told(entry.error_with_remedy)]
+
+
+@pytest.mark.parametrize("matrix", MATRICES)
+def test_every_line_of_the_csv(matrix):
+    rows = list(csv.DictReader(io.StringIO(csv_of_matrix(matrix))))
+    for row, entry in zip(rows, matrix.entries, strict=True):
+        assert [row["model"], row["quantity"], row["verdict"]] == [
+            *(entry.model, entry.quantity, entry.verdict)
+        ]
+        columns = {
+            "error": entry.error,
+            "uncertainty": entry.uncertainty,
+            "limit": entry.limit,
+            "error along the load": entry.along,
+            "value": entry.value,
+            "reference value": entry.expected,
+            "error with remedy": entry.error_with_remedy,
+            **dict(zip(("x (m)", "phi_z (rad)"), entry.pose, strict=True)),
+        }
+        for name, number in columns.items():
+            assert (float(row[name]) if row[name] else None) == (
+                number if number is None else pytest.approx(number, rel=1e-9)
+            ), name
+        causes = re.findall(r"(?:^|; )(.*?) (-?[\d.e-]+)(?=;|$)", row["causes"])
+        assert {cause: float(share) for cause, share in causes} == {
+            one.cause: pytest.approx(one.share, rel=6e-3) for one in entry.causes
+        }
+        assert [row["remedy"], row["reason"], row["reference"]] == [
+            *(entry.remedy, entry.reason, entry.reference)
+        ]
+
+
+@pytest.mark.parametrize("matrix", MATRICES)
+def test_every_curve_and_its_table(matrix, monkeypatch):
+    charts = []
+    monkeypatch.setattr(
+        error_curves,
+        "curves",
+        lambda chart, *_, data: charts.append((chart, data)) or error_curves.curves,
+    )
+    with pytest.raises(AttributeError):
+        error_curves.error_figure(matrix)
+    ((chart, data),) = charts
+    # Two coordinates: the number of the pose, from 1.
+    assert chart.x_label == "pose"
+    for panel in chart.panels:
+        quantity = panel.title.removeprefix("deflection along ")
+        entries = [one for one in matrix.entries if one.quantity == quantity]
+        assert panel.y_label in ("relative error (%)", "")
+        limit = 100.0 * entries[0].limit
+        assert panel.band == (-limit, limit)
+        drawn = {one.label: one for one in panel.series}
+        for entry in entries:
+            if all(error is None for error in entry.errors):
+                assert entry.model not in drawn
+                continue
+            series = drawn[entry.model]
+            expected = [np.nan if one is None else 100.0 * one for one in entry.errors]
+            np.testing.assert_allclose(series.y, expected)
+            np.testing.assert_array_equal(series.x, np.arange(1.0, len(matrix.poses) + 1.0))
+            spreads = [np.nan if one is None else 100.0 * one for one in entry.spreads]
+            if series.bars is None:
+                assert np.nanmax(spreads) <= 0.02 * limit
+            else:
+                np.testing.assert_allclose(series.bars, spreads)
+    rows = list(csv.DictReader(io.StringIO(data)))
+    for p, (row, pose) in enumerate(zip(rows, matrix.poses, strict=True)):
+        assert (float(row["x (m)"]), float(row["phi_z (rad)"])) == pytest.approx(pose)
+        for entry in matrix.entries:
+            cell = row[f"{entry.model}: error of {entry.quantity}"]
+            assert (float(cell) if cell else None) == (
+                None if entry.errors[p] is None else pytest.approx(entry.errors[p], rel=1e-9)
+            )
+
+
+def test_every_remedy_names_its_entries_and_their_range():
+    for matrix in MATRICES:
+        off = [entry for entry in matrix.entries if entry.verdict == "inadequate"]
+        lines = remedies_of(matrix)
+        assert sum(line.quantities.count(",") + 1 for line in lines) <= len(off)
+        for line in lines:
+            found = [one for one in off if one.remedy == line.remedy]
+            errors = [abs(one.error) for one in found if one.error is not None]
+            for shown, known in (
+                (line.without, errors),
+                (line.with_remedy, [abs(one.error_with_remedy) for one in found if one.remedy]),
+            ):
+                # "3.1 to 12 %": the percent sign stands for both.
+                ends = [abs(one) for one in numbers(re.sub(r"(?<=\d) to ", " % to ", shown))]
+                assert all(any(end == told(one) for one in known) for end in ends), shown
+
+
+def test_the_record_and_the_line_of_the_api():
+    for own, matrix in zip(SUBJECTS, MATRICES, strict=True):
+        records = adequacy_records(matrix)
+        found = api.Adequacy(matrix, Requirement(), own)
+        for record, entry in zip(records, matrix.entries, strict=True):
+            for name in ("error", "uncertainty", "limit", "verdict", "pose", "along", "remedy"):
+                assert getattr(record, name) == getattr(entry, name), name
+            line = found.told(entry)
+            assert line.startswith(f"{entry.model}, {entry.quantity}: {entry.verdict}")
+            if entry.error is not None:
+                said = numbers(line.partition("; error ")[2].partition(";")[0])
+                assert said[:2] == [told(entry.error), told(entry.uncertainty)]
+                assert said[-1] == told(entry.limit)
+                assert matrix.poses[pose_of(matrix, line)] == entry.pose
+
+
+@pytest.mark.parametrize(
+    ("robot", "model"), [("ifw", "vjm"), ("ifw", "simplified"), ("3-rrr", "beam")]
+)
+def test_the_text_of_solve(robot, model):
+    """Deflections in µm under 1000 N, the compliance in SI, frequencies in Hz: of the answer."""
+    solution = api.solve(robot, model, **({} if model == "vjm" else {"modes": 2}))
+    (answer,) = solution.answers
+    size = len(answer.compliance)
+    lines = as_text(solution).splitlines()
+    (at,) = (
+        n for n, line in enumerate(lines) if "deflection (µm) along its own load of 1000 N" in line
+    )
+    deflections = dict(part.split() for part in lines[at + 1].split(","))
+    assert {axis: float(text) for axis, text in deflections.items()} == {
+        axis: pytest.approx(1000.0 * answer.compliance[i, i] * 1e6, rel=6e-4)
+        for i, axis in enumerate("xyz"[: min(size, 3)])
+    }
+    rows = [[float(one) for one in line.split()] for line in lines[at + 3 : at + 3 + size]]
+    np.testing.assert_allclose(rows, answer.compliance, rtol=6e-5, atol=1e-16)
+    (cells,) = re.findall(r"<tbody><tr>(.*)</tr></tbody>", solution._repr_html_())
+    shown = re.findall(r"<td>([^<]*)</td>", cells)[1 : 1 + min(size, 3)]
+    assert [float(one) for one in shown] == [float(text) for text in deflections.values()]
+    if model != "vjm":
+        (said,) = (line for line in lines if "natural frequencies (Hz)" in line)
+        frequencies = [float(one) for one in said.partition(":")[2].split(",")]
+        np.testing.assert_allclose(frequencies, answer.frequencies, rtol=6e-5)
