@@ -10,10 +10,10 @@ import numpy as np
 
 from lumped.acceptance.requirement import STATIC_QUANTITIES
 from lumped.arrays import Array
-from validation.adequacy.displacement import displacement
 from validation.adequacy.errors import Errors, Scale
 from validation.adequacy.matrix import Cause
 from validation.adequacy.response import Candidate, Response, Rung
+from validation.agreement.displacement import displacement
 
 REST = "rest, not attributed"
 # Causes below this share of an error are not named, rungs below this part of a limit not taken.

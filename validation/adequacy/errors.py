@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 
 from lumped.acceptance.requirement import ANY_FORCE, FREQUENCIES, ORDER, STATIC_QUANTITIES
 from lumped.arrays import Array
-from validation.adequacy.displacement import displacement, relative
 from validation.adequacy.partners import Partners, partners
 from validation.adequacy.response import Alternative, Reference, Response, Subject
+from validation.agreement.displacement import displacement, relative
 
 
 @dataclass(frozen=True, eq=False)

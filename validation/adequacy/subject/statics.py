@@ -13,7 +13,6 @@ import numpy as np
 from lumped.acceptance.requirement import STATIC_QUANTITIES
 from lumped.arrays import Array
 from lumped.legs import Ends, GivenLeg, Leg, given_compliance
-from validation.adequacy.displacement import sizes
 from validation.adequacy.legs import (
     ROUNDING,
     SECTION_DIVISIONS,
@@ -38,6 +37,7 @@ from validation.adequacy.response import (
 )
 from validation.adequacy.subject.parts import FINER_PARTS, part_rungs, refinement_share
 from validation.adequacy.subject.posed import Holds, Springs, Statics
+from validation.agreement.displacement import sizes
 from validation.context import Context
 from validation.models.options import ModelOptions, PartLegs
 from validation.parts.meshes import FINEST

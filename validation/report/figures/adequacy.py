@@ -5,6 +5,7 @@ from functools import partial
 
 import numpy as np
 
+from lumped.acceptance.requirement import ANY_FORCE, AXES
 from lumped.arrays import Array
 from validation.adequacy.matrix import Entry, Matrix
 from validation.drawing.chart import Chart, Panel, Series, tapered
@@ -15,8 +16,11 @@ from validation.report.figures.declared import curves
 
 _POSE = "pose"
 # The deflections, and the frequencies where there are any: what is read off first.
-_STATIC, _MODES = ("x", "y", "z"), 3
-_MEANINGS = {axis: f"deflection along {axis}" for axis in _STATIC}
+_STATIC, _MODES = (*AXES[:3], ANY_FORCE), 2
+_MEANINGS = {
+    **{axis: f"displacement, force along {axis}" for axis in AXES[:3]},
+    ANY_FORCE: "displacement, worst force",
+}
 _COLUMNS = 3
 
 
@@ -33,8 +37,9 @@ def error_figure(matrix: Matrix) -> Figure | None:
     panels = [_panel(matrix, q, leftmost=not i % _COLUMNS) for i, q in enumerate(shown)]
     return curves(
         matrix_chart(panels, abscissa(matrix)[1]),
-        "Deflection of the loaded point along its own force, and frequencies; bars: what the "
-        "reference leaves open. Shaded: what is accepted, beyond it the scale is logarithmic.",
+        "Error of the whole displacement of the loaded point, never negative, and of frequencies; "
+        "bars: what the reference leaves open. Shaded: what is accepted, beyond it the scale is "
+        "logarithmic.",
         data=_table(matrix),
     ).figure("adequacy.errors", "Relative error of the models", "adequacy")
 
@@ -70,6 +75,7 @@ def _panel(matrix: Matrix, quantity: str, *, leftmost: bool) -> Panel:
     entries, series = _known(matrix, quantity), []
     models = list(dict.fromkeys(entry.model for entry in matrix.entries))
     limit = 100.0 * max(entry.limit for entry in entries)
+    signed = any(entry.signed for entry in entries)
     for entry in entries:
         spreads = 100.0 * numbers(entry.spreads)
         bars = spreads if len(spreads) and np.nanmax(spreads, initial=0.0) > 0.02 * limit else None
@@ -81,7 +87,7 @@ def _panel(matrix: Matrix, quantity: str, *, leftmost: bool) -> Panel:
         _MEANINGS.get(quantity, quantity),
         "relative error (%)" if leftmost else "",
         partial(percent, limit=limit, steps=(1.0, 3.0)),
-        band=(-limit, limit),
+        band=(-limit if signed else 0.0, limit),
     )
 
 
@@ -92,7 +98,13 @@ def _table(matrix: Matrix) -> str:
     }
     for entry in matrix.entries:
         if len(entry.errors) == len(matrix.poses):
-            columns[f"{entry.model}: error of {entry.quantity}"] = [
-                "" if error is None else error for error in entry.errors
-            ]
+            columns[f"{entry.model}: error of {entry.quantity}"] = _cells(entry.errors)
+        if entry.alongs:
+            columns[f"{entry.model}: error along the load of {entry.quantity}"] = _cells(
+                entry.alongs
+            )
     return csv_of(columns)
+
+
+def _cells(values: Sequence[float | None]) -> list[float | str]:
+    return ["" if value is None else value for value in values]

@@ -8,7 +8,7 @@ from scipy.optimize import minimize
 
 from lumped.acceptance.requirement import ANY_FORCE, AXES, STATIC_QUANTITIES
 from lumped.arrays import Array
-from validation.adequacy.displacement import FLOOR, relative, sizes, worst_force
+from validation.agreement.displacement import FLOOR, relative, sizes, worst_force
 
 
 def fraction(difference: Array, reference: Array, forces: Array) -> Array:
