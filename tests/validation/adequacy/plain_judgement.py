@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from validation.adequacy.displacement import worst_force
+from validation.agreement.displacement import worst_force
 
 AXES = ("x", "y", "z", "phi_x", "phi_y", "phi_z")
 Numbers = Mapping[str, Any]

@@ -18,8 +18,8 @@ _POSE = "pose"
 # The deflections, and the frequencies where there are any: what is read off first.
 _STATIC, _MODES = (*AXES[:3], ANY_FORCE), 2
 _MEANINGS = {
-    **{axis: f"displacement, force along {axis}" for axis in AXES[:3]},
-    ANY_FORCE: "displacement, worst force",
+    **{axis: f"force along {axis}" for axis in AXES[:3]},
+    ANY_FORCE: "worst direction of force",
 }
 _COLUMNS = 3
 

@@ -18,6 +18,8 @@ OFF = ("stiff", "soft", "changing", "across", "worst", "loose", "absent")
 ABSENT = 1e-9
 # Errors beyond this are told as factors.
 _FACTOR = 0.5
+# Beside a factor a smaller error is told as one, too, from here on.
+_TOLD_AS_FACTOR = 1.5
 # Below this part of the limit an error along the load has no sign worth telling.
 _SIGNLESS = 0.1
 # An error of which less is along the load is off across it.
@@ -73,7 +75,7 @@ def said_of_deflections(
     if kinds["loose"]:
         move = "moves" if singular else "move"
         said.append(f"{move} {place_of(_quantities(kinds['loose']))} where the robot is rigid")
-    return said + _absent(kinds["absent"], singular=singular)
+    return said + _absent(kinds["absent"], known, singular=singular)
 
 
 def how_much(errors: Sequence[float], *, whole: bool = False) -> str:
@@ -82,7 +84,7 @@ def how_much(errors: Sequence[float], *, whole: bool = False) -> str:
     first, last = ordered[0], ordered[-1]
     if whole or not _is_factor(last):
         return amount(abs(first), abs(last))
-    if _is_factor(first):
+    if _is_factor(first) or _factor(first) > _TOLD_AS_FACTOR:
         return times(_factor(first), _factor(last))
     return f"{amount(abs(first), abs(first))} to {times(_factor(last), _factor(last))}"
 
@@ -165,10 +167,14 @@ def _across(found: Sequence[Entry], *, rotation: bool) -> str:
     return f"{whole} off under {loads} {place_of(quantities)} ({own})"
 
 
-def _absent(found: Sequence[Entry], *, singular: bool) -> list[str]:
+def _absent(found: Sequence[Entry], known: Sequence[str], *, singular: bool) -> list[str]:
+    """What a model does not know at all; rotation without axes where it knows none."""
     moved = [entry.quantity for entry in found if not is_rotation(entry.quantity)]
     lacks = [f"motion {place_of(dict.fromkeys(moved))}"] if moved else []
-    lacks += ["rotation"] if len(found) > len(moved) else []
+    turned = dict.fromkeys(entry.quantity for entry in found if is_rotation(entry.quantity))
+    if turned:
+        about = f" {place_of(turned)}" if any(map(is_rotation, known)) else ""
+        lacks.append(f"rotation{about}")
     if not lacks:
         return []
     lacking = f"neither {' nor '.join(lacks)}" if len(lacks) > 1 else f"no {lacks[0]}"
