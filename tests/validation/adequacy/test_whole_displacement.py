@@ -22,6 +22,7 @@ from validation.adequacy.biglide.statics import biglide_statics
 from validation.adequacy.biglide.subject import posed_biglide
 from validation.adequacy.judgement import judged
 from validation.adequacy.matrix import Coordinate, Matrix
+from validation.adequacy.mechanism.path import path_postures
 from validation.adequacy.mechanism.subject import posed_mechanism
 from validation.adequacy.models import JUDGED
 from validation.adequacy.response import (
@@ -34,6 +35,8 @@ from validation.adequacy.response import (
 )
 from validation.adequacy.subject.subject import judged_statics
 from validation.context import Context
+from validation.studies.ritz import biglide as by_biglide
+from validation.studies.ritz import mechanism as by_mechanism
 
 STATICS_ALONE = Reference("none", ())
 
@@ -268,3 +271,68 @@ def test_causes_are_what_each_step_does_along_the_vector_of_the_error(quantity: 
         left = [plain_errors(c, due)[quantity].max() for c in between]
         assert entry.error_with_remedy in [pytest.approx(one, rel=0.01) for one in left]
         assert (entry.error_with_remedy or 9.0) < (entry.error or 0.0)
+
+
+@pytest.mark.parametrize("name", ["ifw", "five-bar"])
+def test_couplings_are_those_of_polynomials_along_the_legs(name: str) -> None:
+    """The cases on the first screen compare diagonals; here is the whole displacement."""
+    robot_file = load_robot(name)
+    mechanism = robot_file.is_mechanism
+    posed = (posed_mechanism if mechanism else posed_biglide)(Context(robot_file, "quick"))
+    for model, (kind, _, options) in posed.models.items():
+        if model == "simplified":
+            continue
+        given = kind in ("vjm", "links") and options.legs == "given"
+        if mechanism:
+            places = path_postures(Context(robot_file, "quick"))
+            due = [by_mechanism.compliance(at, options.theory, 4, given=given) for at in places]
+        else:
+            legs = "given" if given else options.theory
+            stations = posed.poses[:, 0].tolist()
+            due = [by_biglide.compliance(robot_file.robot, x, legs, 4) for x in stations]
+        errors = plain_errors(posed.statics.answer(kind, options), np.array(due))
+        # Cubic polynomials on either side: rounding alone, grown by the condition.
+        assert all(one.max() < 1e-6 for one in errors.values()), model
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_robots_of_coupled_legs_at_random_are_judged_as_forces_at_random_show(seed: int) -> None:
+    """Adequate: under no force off by more than the limit; solids are among the soak tests."""
+    rng = np.random.default_rng([242, seed])
+    robot = coupled_biglide()
+    part = 10.0 ** rng.uniform(-3.0, 0.0)
+    legs = [
+        GivenLeg(leg.length, leg.mass, tip + part * 0.3 * noise)
+        for leg in (robot.leg1, robot.leg2)
+        if isinstance(leg, GivenLeg)
+        for tip, noise in [(leg.compliance, coupled_noise(rng, leg.compliance))]
+    ]
+    robot_file = replace(
+        load_robot("ifw"),
+        described=replace(robot, leg1=legs[0], leg2=legs[1]),
+        built_in=False,
+        requirement=Requirement(deflection=float(rng.choice([0.02, 0.05, 0.2]))),
+    )
+    subject, matrix = statics_of(robot_file)
+    (due,) = (one.response.compliance for one in subject.statics.alternatives)
+    assert due is not None
+    forces = rng.normal(size=(50, 3))
+    for candidate in subject.candidates:
+        entry, own = matrix.entry(candidate.model, "any_force"), candidate.response.compliance
+        assert entry is not None
+        assert own is not None
+        for here, there in zip(own, due, strict=True):
+            moved = forces @ there[:3, :3].T
+            off = np.linalg.norm(forces @ here[:3, :3].T - moved, axis=1)
+            softest = np.linalg.norm(there[:3, :3], 2) * np.linalg.norm(forces, axis=1)
+            errors = off / np.maximum(np.linalg.norm(moved, axis=1), softest / 20.0)
+            if entry.verdict == "adequate":
+                assert errors.max() <= entry.limit + 1e-9
+            assert errors.max() <= (entry.error or 0.0) + (entry.uncertainty or 0.0) + 1e-9
+
+
+def coupled_noise(rng: np.random.Generator, tip: Array) -> Array:
+    """Couplings at random that leave a compliance positive definite where they are small."""
+    root = np.linalg.cholesky(tip)
+    noise = rng.normal(size=(6, 6))
+    return np.asarray(root @ (noise @ noise.T / 12.0) @ root.T)
