@@ -190,3 +190,11 @@ def test_the_assertion_of_printed_lines_can_fail():
     for wrong in (["a 2"], ["c 3", "a 1"]):
         with pytest.raises(AssertionError, match="did not print"):
             assert_printed(wrong, printed, "wrong")
+
+
+@pytest.mark.exhaustive
+def test_the_numbers_of_the_page_on_parts_are_what_the_models_answer():
+    """The page is written by a script, `python docs/pictures/parts_models.py`."""
+    script = runpy.run_path(str(ROOT / "docs" / "pictures" / "parts_models.py"))
+    page = script["PAGE"].read_text(encoding="utf-8")
+    assert script["written"](page, script["numbers"]()) == page
