@@ -51,7 +51,7 @@ from validation.report.figures.curves.statics import (
     simplified_deflections,
 )
 from validation.report.figures.mechanism.bodies import legs
-from validation.report.figures.pictures.legs import boundary_faces, kind_of
+from validation.report.figures.pictures.legs import boundary_faces
 from validation.report.figures.pictures.robot import deformed_robot
 
 needs_opengl = pytest.mark.skipif(opengl.usable_window() is None, reason=opengl.MESSAGE)
@@ -218,11 +218,6 @@ def test_the_fitted_order_leaves_out_what_is_not_asymptotic():
     errors = counts**-4.0
     errors[[0, -1]] = 1.0
     assert fitted_order(counts, errors, 10, 40) == pytest.approx(4.0)
-
-
-def test_a_mode_is_named_after_its_largest_motion():
-    assert kind_of(np.array([0.0, 0.4, 0.5, 0.0, 0.0, 0.2])) == "bending z"
-    assert kind_of(np.array([0.0, 0.1, 0.2, 0.9, 0.1, 0.0])) == "torsion"
 
 
 def test_the_surface_of_a_solid_mesh_encloses_its_volume():

@@ -11,6 +11,7 @@ from validation.context import Context
 from validation.drawing.style import csv_of
 from validation.exhibits import SOLID_ROBOT, STROKE
 from validation.report.figures.declared import FigureGroup, Shown
+from validation.report.figures.mechanism.mode_names import mode_names
 from validation.report.figures.stacked_bars import (
     DRIVES,
     JOINTS,
@@ -84,11 +85,11 @@ def _said_of_beams(found: RobotModes, x: float) -> str:
         f"Beam model, B at the centre of the stroke (x = {x:.4g} m); the bars of both pictures "
         f"together are 100 %. {_BENDING}"
     ]
+    names = mode_names(found.system, found.modes.shapes)
     for mode in range(2):
         part, shares = max(found.strain.items(), key=lambda item: item[1][mode])
-        direction = "along z" if float(found.kinetic["z"][mode]) > 0.5 else "in the plane"
         said.append(
-            f"Mode {mode + 1} moves {direction}; its largest share, "
+            f"{names.said(mode)} Its largest share, "
             f"{100.0 * shares[mode]:.0f} %, is in {f'{part.of}, {part.kind}'.rstrip(', ')}."
         )
     of_feet = [found.strain[foot] for foot in FEET if foot in found.strain]

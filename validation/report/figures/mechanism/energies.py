@@ -17,6 +17,9 @@ from validation.exhibits import PATH
 from validation.models.mechanism_modes import PostureModes
 from validation.report.figures.declared import FigureGroup, Shown
 from validation.report.figures.mechanism.drawn_modes import finite_elements
+from validation.report.figures.mechanism.mode_names import DRIVES as _DRIVES
+from validation.report.figures.mechanism.mode_names import JOINTS as _JOINTS
+from validation.report.figures.mechanism.mode_names import PARTS, by_kind
 from validation.report.figures.stacked_bars import (
     DRIVES,
     JOINTS,
@@ -29,8 +32,7 @@ from validation.solids.robots import SHARED_SOLIDS
 
 Portions = Mapping[Portion, Array]
 SIXTY = 60
-_PARTS = "parts"
-_KINDS = {"drives": DRIVES, "give of joints": JOINTS, **KINDS, _PARTS: "#7a7f87"}
+_KINDS = {_DRIVES: DRIVES, _JOINTS: JOINTS, **KINDS, PARTS: "#7a7f87"}
 # Bodies: none of the colours above.
 _BODIES = ("#8c6d46", "#b9a7d6", "#7f9f3f", "#444444", YELLOW, "#a8c7c9", "#c98ca7", "#5b5ea6")
 figures = FigureGroup(PATH, SHARED_SOLIDS)
@@ -81,14 +83,7 @@ def _kinds_said(mechanism: Mechanism) -> str:
 
 
 def _by_kind(strain: Portions, mechanism: Mechanism) -> Shares:
-    legs = known_legs(mechanism)
-
-    def kind_of(part: Portion) -> str:
-        if part.of in mechanism.parts:
-            return _PARTS
-        return part.kind if part.of in legs else _in_joints(part)
-
-    return _summed(strain, kind_of)
+    return _kinds_first(by_kind(strain, mechanism))
 
 
 def _by_body(strain: Portions, mechanism: Mechanism) -> Shares:
@@ -101,17 +96,22 @@ def _by_body(strain: Portions, mechanism: Mechanism) -> Shares:
 
 
 def _in_joints(part: Portion) -> str:
-    return "drives" if part.kind == "drive" else "give of joints"
+    return _DRIVES if part.kind == "drive" else _JOINTS
 
 
 def _summed(strain: Portions, what: Callable[[Portion], str]) -> Shares:
-    """Shares summed by `what` they are: kinds first, in their order."""
+    """Shares summed by `what` they are."""
     parts: dict[str, list[Portion]] = {}
     for part in strain:
         parts.setdefault(what(part), []).append(part)
-    found = {key: np.sum([strain[part] for part in own], axis=0) for key, own in parts.items()}
-    ordered = [key for key in _KINDS if key in found]
-    return {key: found[key] for key in (*ordered, *(key for key in found if key not in _KINDS))}
+    return _kinds_first(
+        {key: np.sum([strain[part] for part in own], axis=0) for key, own in parts.items()}
+    )
+
+
+def _kinds_first(shares: Shares) -> Shares:
+    ordered = [key for key in _KINDS if key in shares]
+    return {key: shares[key] for key in (*ordered, *(key for key in shares if key not in _KINDS))}
 
 
 def _listed(names: Sequence[str]) -> str:

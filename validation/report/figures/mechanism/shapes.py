@@ -33,13 +33,13 @@ from validation.drawing.style import LOOKS, VERMILLION, canvas, csv_of, plot_sty
 from validation.report.figures.declared import Shown
 from validation.report.figures.mechanism.bodies import (
     COMPARED,
-    Moved,
     compared_points,
     elastic,
     outlines_of,
     rails,
     surroundings,
 )
+from validation.report.figures.mechanism.mode_names import mode_names
 
 FORCE = 1000.0  # N
 _MICRO = 1e6
@@ -108,6 +108,7 @@ def modes_of(pair: Pair, count: int, *further: str) -> Shown:
     """
     require_vtk()
     beam, segments, stage = pair.beam, pair.segments, pair.stage
+    names = mode_names(beam.system, beam.modes.shapes[:, :count])
     rows = -(-count // 2)
     columns = _places(beam.system, stage)
     scenes = []
@@ -123,7 +124,8 @@ def modes_of(pair: Pair, count: int, *further: str) -> Shown:
             points, lumped = compared_points(segments.system, like, stage.compared)
             squares(axes, scene.view, points + factor * lumped, LOOKS["segments"].colour)
             frequency = beam.modes.frequencies[mode]
-            title = f"({'abcd'[mode]}) mode {mode + 1}{bent.direction[0]}: {frequency:.1f} Hz"
+            called = f", {bent.name}" if bent.name else ""
+            title = f"({'abcd'[mode]}) mode {mode + 1}{called}: {frequency:.1f} Hz"
             axes.set_title(title)
             overlay = outlines_of(segments.system, factor * like, stage.compared)
             scenes.append(interactive(title, scene, [overlay]))
@@ -139,7 +141,7 @@ def modes_of(pair: Pair, count: int, *further: str) -> Shown:
         f"{pair.said}, coloured by displacement, thin lines: at rest. Orange squares: the same "
         f"mode {pair.beside}; orange outlines in three dimensions."
     )
-    caption = " ".join((said, *further))
+    caption = " ".join((said, *map(names.said, range(count)), *further))
     return Shown(caption, picture=drawn, data=csv_of(columns), scenes=tuple(scenes))
 
 
@@ -188,10 +190,14 @@ class _Bent:
 
     def __init__(self, system: System, unknowns: Array, stage: Stage) -> None:
         self.system, self.unknowns, self.stage = system, unknowns, stage
+        names = mode_names(system, unknowns[:, None])
+        self.name = names.name(0)
+        flat = names.planar and names.kinetic[2, 0] < 0.5
+        # From above what stays in the plane of the mechanism, else from aside.
+        self.camera = _ABOVE if flat else _ASIDE
         self.moved = elastic(system, unknowns)
         self.largest = max(float(one.sizes.max()) for one in self.moved)
         self.tip = (system.tool @ unknowns)[:3]
-        self.direction = _direction(system, self.moved)
 
     def shown(
         self,
@@ -211,7 +217,7 @@ class _Bent:
         lines = (*wires, *(one.wire() for one in self.moved))
         limits = 0.0, self.largest / unit
         kept = [*(one.points for one in self.moved), *further]
-        scene = staged(axes, bodies, lines, limits, self.direction[1], room, kept)
+        scene = staged(axes, bodies, lines, limits, self.camera, room, kept)
         for point, name, away in self.stage.names(self.system, displaced):
             write(axes, scene.view, point, name, away)
         return scene
@@ -236,25 +242,6 @@ def _under(system: System, direction: int) -> Array:
     """Unknowns (n) under `FORCE` along an axis at the loaded point."""
     load = FORCE * system.tool[[direction]].T
     return solved(system).displacements(load)[:, 0]
-
-
-def _direction(system: System, moved: Sequence[Moved]) -> tuple[str, tuple[Array, Array]]:
-    """Where a mechanism whose joints lie in one plane goes, and where it is looked at from.
-
-    From above what stays in that plane, else from aside.
-    """
-    joints = system.posture.mechanism.joints
-    heights = [interface_position(system.posture, one.first)[2] for one in joints]
-    if np.ptp(heights) > _FLAT * system.posture.mechanism.size:
-        return "", _ASIDE
-    squares_of = np.square(np.vstack([one.displacements for one in moved])).sum(axis=0)
-    if squares_of[2] < 0.5 * squares_of.sum():
-        return ", in the plane", _ABOVE
-    return ", along z", _ASIDE
-
-
-# Heights of joints in one plane, of the size of the mechanism.
-_FLAT = 1e-6
 
 
 def _tool(system: System) -> Array:

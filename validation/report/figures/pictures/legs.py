@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem.bodies import solid
+from fem.bodies.leg_energies import kind_energies
 from lumped.arrays import Array, IntArray
 from lumped.legs import ConstantLeg
 from lumped.models.cantilever import clamped_modes
-from lumped.models.segments import KINDS
 from meshes.elements import ELEMENTS
 from meshes.solid_mesh import SolidMesh
 from validation.agreement.mode_pairing import centreline_samples, centreline_weights, pair_modes
@@ -35,6 +35,7 @@ from validation.kinematics.solids import outlines
 from validation.models.legs import constant_leg_of, leg_matrices, solid_modes
 from validation.models.options import DEFAULT_OPTIONS
 from validation.report.figures.declared import FigureGroup, Shown
+from validation.report.figures.mechanism.mode_names import leading_kind
 from validation.solids.size import skip_too_large
 
 MODES = 4
@@ -170,7 +171,7 @@ def leg_modes(leg: ConstantLeg, count: int) -> LegModes:
     pairing = pair_modes(twists, candidates, weights)
     partners = candidates[:, pairing.partner]
     sense = np.sign(np.sum(weights[:, None] * twists * partners, axis=0))
-    energies = (weights[:, None] * np.square(twists)).reshape(_STATIONS, 6, count).sum(axis=0)
+    strain = kind_energies(solid.solid_leg(leg, mesh), modes.shapes)
     return LegModes(
         mesh=mesh,
         frequencies=modes.frequencies,
@@ -180,13 +181,8 @@ def leg_modes(leg: ConstantLeg, count: int) -> LegModes:
         lumped=partners * sense,
         lumped_frequencies=lumped.frequencies[pairing.partner],
         mac=pairing.mac,
-        kinds=tuple(kind_of(energies[:, mode]) for mode in range(count)),
+        kinds=tuple(leading_kind(strain, mode) for mode in range(count)),
     )
-
-
-def kind_of(energies: Array) -> str:
-    """The deformation with the largest share of kinetic energy (6 components of the twist)."""
-    return max(KINDS, key=lambda kind: float(energies[list(KINDS[kind])].sum()))
 
 
 def boundary_faces(mesh: SolidMesh) -> IntArray:

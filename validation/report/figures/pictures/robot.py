@@ -69,8 +69,7 @@ def mode_shapes(context: Context) -> Shown:
     require_vtk()
     beam, segments = _modes(context)
     said = (
-        f"Mode {mode + 1}: {100.0 * beam.kinetic['z'][mode]:.0f} % of the kinetic energy of "
-        f"translation is along z; {beam.modes.frequencies[mode]:.1f} Hz with beams, "
+        f"Mode {mode + 1}: {beam.modes.frequencies[mode]:.1f} Hz with beams, "
         f"{segments.modes.frequencies[mode]:.1f} Hz with segments."
         for mode in range(_SHOWN)
     )

@@ -1,0 +1,142 @@
+"""Names of modes: beams in closed form, of which it is known what they do."""
+
+import re
+
+import numpy as np
+import pytest
+
+from lumped.legs import ConstantLeg, Material
+from lumped.mechanism.kinematics.postures import reference_posture
+from lumped.robot_file import load_robot
+from lumped.sections import Rectangle
+from validation.context import Context
+from validation.models.mechanism_modes import mechanism_modes
+from validation.report.figures.curves import energies
+from validation.report.figures.mechanism.mode_names import (
+    kinetic_energies,
+    leading_kind,
+    mode_names,
+)
+from validation.report.figures.pictures import legs, robot
+
+E, NU, RHO = 2.1e11, 0.3, 7850.0
+# Slender, so that shear and rotary inertia take little from the closed forms below.
+LENGTH, WIDTH, HEIGHT = 1.0, 0.1, 0.01
+AREA, ALONG_Y, ALONG_Z = WIDTH * HEIGHT, HEIGHT * WIDTH**3 / 12.0, WIDTH * HEIGHT**3 / 12.0
+BLADE = f"""
+schema = 2
+name = "blade"
+points = {{ A = [0.0, 0.0, 0.0], P = [{LENGTH}, 0.0, 0.0] }}
+[bodies.blade]
+from = "A"
+to = "P"
+section = {{ shape = "rectangle", width = {WIDTH}, height = {HEIGHT} }}
+material = {{ E = {E}, nu = {NU}, rho = {RHO} }}
+[joints.clamp]
+type = "fixed"
+between = ["ground", "blade"]
+at = "A"
+[tool]
+body = "blade"
+point = "P"
+moves = []
+"""
+I_SECTIONS = """
+schema = 1
+name = "biglide of I-sections"
+type = "biglide"
+geometry = { a = 1.0 }
+platform = { mass = 30.0 }
+actuators = { stiffness = 5.0e8 }
+[leg1]
+length = 0.9
+section = { shape = "i-section", width = 0.1, height = 0.1, flange = 0.008, web = 0.006 }
+material = { E = 2.1e11, nu = 0.3, rho = 7850.0 }
+[leg2]
+length = 0.9
+section = { shape = "i-section", width = 0.1, height = 0.1, flange = 0.008, web = 0.006 }
+material = { E = 2.1e11, nu = 0.3, rho = 7850.0 }
+"""
+
+
+def closed_forms(torsion_constant):
+    """First frequencies (Hz) of a cantilever of Euler and Bernoulli, and of Saint-Venant."""
+    bending = [1.8751041**2, 4.6940911**2, 7.8547574**2, 10.9955407**2]
+    found = []
+    for name, moment in (("along z", ALONG_Z), ("in the plane", ALONG_Y)):
+        speed = np.sqrt(E * moment / (RHO * AREA)) / (2.0 * np.pi * LENGTH**2)
+        found += [(factor * speed, name) for factor in bending]
+    polar = ALONG_Y + ALONG_Z
+    speed = np.sqrt(E / (2.0 * (1.0 + NU)) * torsion_constant / (RHO * polar))
+    found += [(speed / (4.0 * LENGTH), "torsion")]
+    return found
+
+
+def nearest(frequency, known):
+    return min(known, key=lambda one: abs(np.log(one[0] / frequency)))
+
+
+@pytest.fixture
+def blade(tmp_path):
+    path = tmp_path / "blade.toml"
+    path.write_text(BLADE, encoding="utf-8")
+    return load_robot(path).mechanism
+
+
+@pytest.mark.parametrize("model", ["beam", "segments"])
+def test_modes_of_a_cantilever_are_what_the_closed_forms_say(blade, model):
+    (found,) = mechanism_modes(model, [reference_posture(blade)], 6)
+    names = mode_names(found.system, found.modes.shapes)
+    known = closed_forms(Rectangle(WIDTH, HEIGHT).torsion_constant)
+    said = [names.name(mode) for mode in range(6)]
+    assert {"along z", "in the plane", "torsion"} <= set(said)
+    for mode, frequency in enumerate(found.modes.frequencies):
+        expected, name = nearest(frequency, known)
+        # Twenty segments and the slenderness of the blade leave less than 4 % in these modes.
+        assert frequency == pytest.approx(expected, rel=0.04)
+        assert said[mode] == name
+        assert names.said(mode).startswith(f"Mode {mode + 1}, {name}: ")
+    # A section that turns moves its mass along y and z as its second moments are.
+    turning = names.kinetic[:, said.index("torsion")]
+    share = ALONG_Z / (ALONG_Y + ALONG_Z)
+    np.testing.assert_allclose(turning, [0.0, share, 1.0 - share], atol=1e-9)
+    np.testing.assert_allclose(names.kinetic[2, said.index("along z")], 1.0, atol=1e-3)
+
+
+def test_modes_of_a_solid_leg_have_the_same_names():
+    leg = ConstantLeg(LENGTH, Rectangle(WIDTH, HEIGHT), Material.isotropic(E, NU, RHO))
+    found = legs.leg_modes(leg, 6)
+    known = closed_forms(leg.section.torsion_constant)
+    kinds = {"along z": "bending y", "in the plane": "bending z", "torsion": "torsion"}
+    assert set(found.kinds) == set(kinds.values())
+    for frequency, kind in zip(found.frequencies, found.kinds, strict=True):
+        # Two elements across a wide section: torsion to some percent.
+        assert kinds[nearest(frequency, known)[1]] == kind
+
+
+@pytest.mark.parametrize("name", ["ifw", "five-bar", "delta", "hexapod"])
+def test_all_mass_is_in_the_kinetic_energy(name):
+    """Modes are mass-normalised; beams' own mass matrices differ by their shape functions."""
+    (found,) = mechanism_modes("beam", [reference_posture(load_robot(name).mechanism)], 6)
+    energies_of = kinetic_energies(found.system, found.modes.shapes).sum(axis=0)
+    np.testing.assert_allclose(energies_of, 1.0, rtol=1e-3)
+
+
+def test_title_and_caption_of_a_mode_say_the_same(tmp_path):
+    """The second mode of a robot of open sections twists its legs, its centreline moves along z."""
+    path = tmp_path / "robot.toml"
+    path.write_text(I_SECTIONS, encoding="utf-8")
+    context = Context(load_robot(path), "quick")
+    shown = robot.mode_shapes(context)
+    caption = energies.of_beams(context).caption
+    titles = [re.sub(r"^\(.\) |: [0-9.]+ Hz$", "", scene.title) for scene in shown.scenes]
+    assert titles == ["mode 1, along z", "mode 2, torsion"]
+    for title in titles:
+        said = re.search(rf"{title[0].upper()}{title[1:]}: [^.]*\.", shown.caption)[0]
+        assert said in caption
+        assert ("in torsion" in said) == title.endswith("torsion")
+
+
+def test_the_largest_share_leads():
+    shares = {"torsion": np.array([0.2, 0.6]), "bending": np.array([0.8, 0.4])}
+    assert [leading_kind(shares, mode) for mode in range(2)] == ["bending", "torsion"]

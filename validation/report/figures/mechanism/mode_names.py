@@ -1,0 +1,159 @@
+"""What a mode is called: by the deformation that stores its energy, and by where its mass moves.
+
+One measure for titles, captions and tables. Strain energy by kind of deformation says whether a
+mode is torsion; kinetic energy by direction, turning sections included, whether it stays in the
+plane of a planar mechanism.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from lumped.arrays import Array
+from lumped.legs import equivalent_leg
+from lumped.mechanism.body import Body, Rigid
+from lumped.mechanism.free_twists import interface_position
+from lumped.mechanism.joint import Side
+from lumped.mechanism.mechanism import Mechanism
+from lumped.mechanism.part import Part
+from lumped.models.bodies import leg_of, legs_of
+from lumped.system.assembly import System
+from lumped.system.joint_motion import Portion
+from lumped.system.solution import strain_shares
+from validation.models.parts import identified
+
+DRIVES, JOINTS, PARTS = "drives", "give of joints", "parts"
+# Heights of joints in one plane, of the size of the mechanism.
+_FLAT = 1e-6
+# Stations along a leg, and corners about its centreline that have a section's second moments.
+_STATIONS = 12
+_CORNERS = np.array([[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]])
+
+
+@dataclass(frozen=True, eq=False)
+class ModeNames:
+    """Names of m modes.
+
+    `strain` maps kinds of deformation to their shares (m) of each mode's strain energy, `kinetic`
+    (3×m) are the shares of kinetic energy along base x, y and z; `planar`: the joints of the
+    mechanism lie in one plane z = constant.
+    """
+
+    strain: Mapping[str, Array]
+    kinetic: Array
+    planar: bool
+
+    def name(self, mode: int) -> str:
+        """What a mode (from 0) is: "torsion", "in the plane", "along z"; in space "bending" or so.
+
+        Empty where nothing is known of its deformation.
+        """
+        kind = leading_kind(self._without_axes(), mode)
+        if kind == "torsion":
+            return kind
+        if self.planar:
+            return "along z" if self.kinetic[2, mode] > 0.5 else "in the plane"
+        return "" if kind == PARTS else kind
+
+    def said(self, mode: int) -> str:
+        """A sentence on a mode (from 0): its name, and the shares that it has it from."""
+        shares = self._without_axes()
+        kind, name = leading_kind(shares, mode), self.name(mode)
+        return (
+            f"Mode {mode + 1}{name and f', {name}'}: {100.0 * shares[kind][mode]:.0f} % of the "
+            f"strain energy in {kind}, {100.0 * self.kinetic[2, mode]:.0f} % of the kinetic energy "
+            "along z."
+        )
+
+    def _without_axes(self) -> Mapping[str, Array]:
+        """Bending about either axis together: axes are those of single legs."""
+        bending = [share for kind, share in self.strain.items() if kind.startswith("bending")]
+        others = {k: share for k, share in self.strain.items() if not k.startswith("bending")}
+        return others | ({"bending": np.sum(bending, axis=0)} if bending else {})
+
+
+def leading_kind(strain: Mapping[str, Array], mode: int) -> str:
+    """The kind of deformation with the largest share of a mode's strain energy."""
+    return max(strain, key=lambda kind: float(strain[kind][mode]))
+
+
+def mode_names(system: System, shapes: Array) -> ModeNames:
+    """Names of modes of a system (`shapes` n×m)."""
+    mechanism = system.posture.mechanism
+    strain = by_kind(strain_shares(system, shapes), mechanism)
+    return ModeNames(strain, kinetic_shares(system, shapes), is_planar(system))
+
+
+def is_planar(system: System) -> bool:
+    """Whether all joints lie in one plane z = constant."""
+    mechanism = system.posture.mechanism
+    heights = [interface_position(system.posture, one.first)[2] for one in mechanism.joints]
+    return bool(np.ptp(heights) <= _FLAT * mechanism.size)
+
+
+def by_kind(strain: Mapping[Portion, Array], mechanism: Mechanism) -> dict[str, Array]:
+    """Shares of strain energy by kind of deformation, drives, joints and parts each together."""
+    legs = legs_of(mechanism)
+    found: dict[str, Array] = {}
+    for part, share in strain.items():
+        if part.of in mechanism.parts:
+            kind = PARTS
+        elif part.of in legs:
+            kind = part.kind
+        else:
+            kind = DRIVES if part.kind == "drive" else JOINTS
+        found[kind] = found.get(kind, 0.0) + share
+    return found
+
+
+def kinetic_shares(system: System, shapes: Array) -> Array:
+    """Shares (3×m) of the kinetic energy of `shapes` (n×m) along base x, y and z."""
+    energy = kinetic_energies(system, shapes)
+    return np.asarray(energy / energy.sum(axis=0))
+
+
+def kinetic_energies(system: System, shapes: Array) -> Array:
+    """∫ρ uᵢ² dV (3×m, kg m²) along base x, y and z, all mass in points that turn with it."""
+    mechanism, posture = system.posture.mechanism, system.posture
+    energy = np.zeros((3, shapes.shape[1]))
+    for name, model in system.models.items():
+        points, masses = _mass_points(mechanism.bodies[name])
+        own = (model.displacements(points) @ system.own(name, shapes)).reshape(len(points), 3, -1)
+        moved = np.einsum("ij,njm->nim", posture.frames[name].rotation, own)
+        energy += np.einsum("n,nim->im", masses, np.square(moved))
+    loaded = Side(mechanism.tool.body, mechanism.tool.point)
+    carried = [(loaded, interface_position(posture, loaded)[None], np.array([mechanism.tool.mass]))]
+    for name, body in mechanism.bodies.items():
+        if isinstance(body.shape, Rigid) and body.shape.mass and body.interfaces:
+            points, masses = _mass_points(body)
+            frame = posture.frames[name]
+            places = frame.position + points @ frame.rotation.T
+            carried.append((Side(name, next(iter(body.interfaces))), places, masses))
+    for side, places, masses in carried:
+        place = interface_position(posture, side)
+        twists = system.motions.at(side.body, side.point, place) @ shapes[: system.outer]
+        turned = np.cross(twists[3:].T, (places - place)[:, None])
+        energy += np.einsum("n,nmi->im", masses, np.square(twists[:3].T + turned))
+    return energy
+
+
+def _mass_points(body: Body) -> tuple[Array, Array]:
+    """Points (n×3, m, body axes) with masses (n, kg) that move as the body's own mass does."""
+    if isinstance(body.shape, Rigid):
+        moments = 0.5 * np.trace(body.shape.inertia) * np.eye(3) - body.shape.inertia
+        squared, axes = np.linalg.eigh(moments / body.shape.mass)
+        arms = axes * np.sqrt(3.0 * np.maximum(squared, 0.0))
+        points = body.shape.centre + np.vstack([arms.T, -arms.T])
+        return points, np.full(6, body.shape.mass / 6.0)
+    if isinstance(body.shape, Part):
+        found = identified(body)
+        return found.places, found.shares
+    leg = equivalent_leg(leg_of(body))
+    section = leg.section
+    at, weights = np.polynomial.legendre.leggauss(_STATIONS)
+    radii = np.sqrt(np.array([section.second_moment_z, section.second_moment_y]) / section.area)
+    corners = np.column_stack([np.zeros(4), _CORNERS * radii])
+    along = np.column_stack([0.5 * leg.length * (1.0 + at), np.zeros((_STATIONS, 2))])
+    points = (along[:, None] + corners).reshape(-1, 3)
+    return points, np.repeat(leg.mass * 0.5 * weights / 4.0, 4)
