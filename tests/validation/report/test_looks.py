@@ -85,9 +85,8 @@ def test_panels_legend_and_table_agree_on_every_model(monkeypatch, module, draw)
     (row, *_) = rows = list(csv.DictReader(io.StringIO(draw(matrix).data)))
     with plot_style():
         drawn = drawn_chart(charts[0])
-    titles = {"deflection along x": "x", "deflection along y": "y"}
     for axes in (one for one in drawn.axes if one.axison):
-        quantity = titles.get(axes.get_title("left"), axes.get_title("left"))
+        quantity = axes.get_title("left").removeprefix("force along ")
         lines = {line.get_label(): line for line in axes.lines if line.get_label()[0] != "_"}
         assert set(lines) - {"measured"} == set(quantities[quantity])
         for name, line in lines.items():

@@ -23,6 +23,7 @@ from lumped.system.joint_motion import Portion
 from lumped.system.solution import strain_shares
 from validation.models.parts import identified
 
+IN_THE_PLANE = "in the plane"
 DRIVES, JOINTS, PARTS = "drives", "give of joints", "parts"
 # Heights of joints in one plane, of the size of the mechanism.
 _FLAT = 1e-6
@@ -53,7 +54,7 @@ class ModeNames:
         if kind == "torsion":
             return kind
         if self.planar:
-            return "along z" if self.kinetic[2, mode] > 0.5 else "in the plane"
+            return "along z" if self.kinetic[2, mode] > 0.5 else IN_THE_PLANE
         return "" if kind == PARTS else kind
 
     def said(self, mode: int) -> str:

@@ -39,7 +39,7 @@ from validation.report.figures.mechanism.bodies import (
     rails,
     surroundings,
 )
-from validation.report.figures.mechanism.mode_names import mode_names
+from validation.report.figures.mechanism.mode_names import IN_THE_PLANE, mode_names
 
 FORCE = 1000.0  # N
 _MICRO = 1e6
@@ -190,11 +190,9 @@ class _Bent:
 
     def __init__(self, system: System, unknowns: Array, stage: Stage) -> None:
         self.system, self.unknowns, self.stage = system, unknowns, stage
-        names = mode_names(system, unknowns[:, None])
-        self.name = names.name(0)
-        flat = names.planar and names.kinetic[2, 0] < 0.5
+        self.name = mode_names(system, unknowns[:, None]).name(0)
         # From above what stays in the plane of the mechanism, else from aside.
-        self.camera = _ABOVE if flat else _ASIDE
+        self.camera = _ABOVE if self.name == IN_THE_PLANE else _ASIDE
         self.moved = elastic(system, unknowns)
         self.largest = max(float(one.sizes.max()) for one in self.moved)
         self.tip = (system.tool @ unknowns)[:3]
