@@ -41,7 +41,8 @@ from validation.variations.robots import VariedRobot
 sys.path.insert(0, str(Path(__file__).parent))
 from changed_leaves import changed_leaves
 
-ROCKER = Path(__file__).parents[3] / "examples" / "rocker" / "robot.toml"
+EXAMPLES = Path(__file__).parents[3] / "examples"
+ROCKER, TAPERED = (EXAMPLES / name / "robot.toml" for name in ("rocker", "tapered-biglide"))
 # What serves messages alone: the name of a leg.
 NAME_ALONE = re.compile(r"leg\w*\]?\.name$")
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
@@ -213,6 +214,9 @@ def asked_of_parts(folder: Path) -> Iterator[tuple[str, Any]]:
     }.items():
         options = {"highest": 800.0, "cutoff": 2000.0} | changes
         yield f"reduced, {name}", lambda options=options: parts.reduced(body, **options)
+    leg = load_robot(TAPERED).mechanism.parts["leg1"]
+    for pieces in (10, 11):
+        yield f"stepped, {pieces}", lambda pieces=pieces: stepped_parts.stepped(leg, pieces)
     lighter = replace(body.shape.material, rho=7000.0)
     other = replace(body, shape=replace(body.shape, material=lighter))
     yield "reduced, material", lambda: parts.reduced(other, 800.0, 2000.0)
