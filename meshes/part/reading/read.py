@@ -8,7 +8,9 @@ import numpy as np
 from lumped.arrays import Array
 from lumped.errors import InputError
 from lumped.files import require_ordinary
+from lumped.mechanism.part import METRES
 from meshes.gmsh_arrays import connectivity, numbered
+from meshes.own_process import Crashed, in_own_process
 from meshes.part.boundary import Facets
 from meshes.part.faces import Face, face_of
 from meshes.part.part_mesh import PartMesh
@@ -25,6 +27,8 @@ from meshes.part.reading.units import describe
 
 # Sides of a full circle and pieces along the part of the surface that faces are recognised on.
 _SIDES, _PIECES = 24.0, 25.0
+# Share of the volume below which rounding alone opens gaps.
+_EXACT = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,6 +37,8 @@ class PartFile:
 
     `unit` of the file, `extent` (3, m); `surface` nodes (N×3, m) and the `faces` on them;
     `exact`: volume properties of the CAD kernel, None for a mesh; `mesh`: that of a mesh file.
+    `gap` (m): how far the file's faces, edges and corners are apart where they should meet, and
+    `unknown_share` of the volume that this leaves open at most.
     """
 
     path: Path
@@ -42,11 +48,17 @@ class PartFile:
     faces: tuple[Face, ...]
     exact: VolumeProperties | None
     mesh: PartMesh | None
+    gap: float = 0.0
+    unknown_share: float = 0.0
 
     @property
     def size(self) -> str:
-        """What was read: "read in mm: 905 × 170 × 210 mm"."""
-        return f"read in {self.unit}: {describe(self.extent, self.unit)}"
+        """What was read: "read in mm: 905 × 170 × 210 mm", and what the kernel bridged."""
+        said = f"read in {self.unit}: {describe(self.extent, self.unit)}"
+        if self.unknown_share < _EXACT:
+            return said
+        gap = f"{self.gap / METRES[self.unit]:.2g} {self.unit}"
+        return f"{said}, gaps of up to {gap} bridged (volume to {100.0 * self.unknown_share:.1g} %)"
 
     def face(self, number: int) -> Face:
         """The face of a number."""
@@ -84,6 +96,16 @@ def read_part(path: Path, unit: str | None = None) -> PartFile:
             for number, facets in mesh.faces.items()
         )
         return PartFile(path, said, extent, mesh.nodes, faces, None, mesh)
+    try:
+        return in_own_process(_read_cad, path, unit)
+    except Crashed as crash:
+        raise InputError(
+            f"{path}: the CAD kernel does not survive reading it ({crash}): the file is damaged; "
+            "export it anew from the CAD system"
+        ) from crash
+
+
+def _read_cad(path: Path, unit: str | None) -> PartFile:
     with cad_model(path, unit) as model:
         return _picked(path, model)
 
@@ -108,4 +130,14 @@ def _picked(path: Path, model: CadModel) -> PartFile:
         )
         for tag, cells in triangles.items()
     )
-    return PartFile(path, model.unit, model.extent, nodes, faces, model.properties(), None)
+    return PartFile(
+        path,
+        model.unit,
+        model.extent,
+        nodes,
+        faces,
+        model.properties(),
+        None,
+        model.gap,
+        model.unknown_share,
+    )

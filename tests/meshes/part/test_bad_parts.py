@@ -118,7 +118,7 @@ def test_a_damaged_file_is_not_mended_in_silence(tmp_path, box_step):
     path = tmp_path / "damaged.step"
     point = re.search(r"\n#(\d+) = CARTESIAN_POINT\('',\((-?[\d.]+),", text)
     path.write_text(text.replace(point.group(), point.group().replace(point.group(2), "NAN")))
-    assert "says NAN where a number must be" in refused(path)
+    assert "says NAN where a value must be" in refused(path)
     path.write_text(text.replace(f"\n#{point.group(1)} =", "\n#99999 ="))
     assert f"refers to #{point.group(1)}, which it does not hold" in refused(path)
     # Whatever a name says.

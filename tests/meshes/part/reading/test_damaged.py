@@ -1,0 +1,161 @@
+"""STEP files with one damaged token: unchanged, refused in a line, or bridged and said."""
+
+import random
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from lumped.errors import InputError
+from meshes.part.reading.read import read_part
+
+EXAMPLES = Path(__file__).resolve().parents[4] / "examples"
+ROCKER = EXAMPLES / "rocker" / "rocker.step"
+TOKENS = {
+    "reference": re.compile(r"#\d+"),
+    "number": re.compile(r"(?<=[(,])[+-]?\d+\.?\d*(?:E[+-]?\d+)?(?=[,)])"),
+    "flag": re.compile(r"\.[A-Z]\w*\."),
+    "word": re.compile(r"[A-Z]\w+(?=\()"),
+}
+OTHER = {".T.": ".F.", ".F.": ".T."}
+
+
+def bracket(occ, s):
+    """A rounded block with a conical bore, a round groove, a dome and a cavity."""
+    block = occ.addBox(0, 0, 0, 120 * s, 60 * s, 40 * s)
+    occ.synchronize()
+    occ.fillet([block], [1, 3, 5, 7], [6 * s])
+    cone = (3, occ.addCone(30 * s, 30 * s, -1 * s, 0, 0, 42 * s, 8 * s, 12 * s))
+    groove = (3, occ.addTorus(85 * s, 30 * s, 40 * s, 14 * s, 4 * s))
+    cavity = (3, occ.addSphere(60 * s, 30 * s, 18 * s, 8 * s))
+    dome = (3, occ.addSphere(85 * s, 30 * s, 36 * s, 9 * s))
+    occ.cut(occ.fuse([(3, block)], [dome])[0], [cone, groove, cavity])
+
+
+def damaged(text: str, rng: random.Random) -> tuple[str, str]:
+    """The text with one token of its data changed, and what was changed."""
+    begin = text.index("DATA;")
+    kind = rng.choice(["reference", "number", "number", "flag", "word"])
+    tokens = list(TOKENS[kind].finditer(text, begin))
+    token = rng.choice(tokens)
+    old = token.group()
+    another = rng.choice(tokens).group()
+    if kind == "flag":
+        new = OTHER.get(old, another)
+    elif kind == "word":
+        new = rng.choice([another, old[:-1]])
+    elif kind == "number":
+        at = rng.choice([i for i, sign in enumerate(old) if sign.isdigit()])
+        new = rng.choice(
+            [
+                f"{-float(old)!r}",
+                old[:at] + str((int(old[at]) + rng.randrange(1, 10)) % 10) + old[at + 1 :],
+                old[:at] + old[at + 1 :],
+                f"{float(old) * rng.choice([0.1, 0.9, 1.001, 10.0])!r}",
+            ]
+        )
+    else:
+        new = another
+    line = text.count("\n", 0, token.start()) + 1
+    return text[: token.start()] + new + text[token.end() :], f"line {line}: {old} to {new}"
+
+
+def measures(part):
+    return np.array([part.exact.volume, sum(face.area for face in part.faces), *part.extent])
+
+
+def outcome(path, sound) -> str:
+    try:
+        part = read_part(path)
+    except InputError as error:
+        (line,) = error.faults
+        assert line.startswith(f"{path}: ")
+        assert "\n" not in line
+        return "refused"
+    changed = np.abs(measures(part) / measures(sound) - 1.0)
+    if changed.max() <= 1e-9:
+        return "unchanged"
+    if part.unit != sound.unit:
+        return "said, another unit"
+    off = np.abs(np.subtract(part.extent, sound.extent)).max()
+    # The kernel's box is larger by the tolerance that it gave to what it bridged, on both sides.
+    bounded = changed[:2].max() <= part.unknown_share and off <= 3.0 * part.gap
+    return "said" if bounded and "gaps of up to" in part.size else "silent"
+
+
+@pytest.fixture(scope="session")
+def files(part_file):
+    return {
+        "rocker": ROCKER,
+        "leg": EXAMPLES / "tapered-biglide" / "leg1.step",
+        "bracket": part_file("bracket.step", bracket),
+    }
+
+
+def outcomes(source, folder, seeds):
+    sound, text = read_part(source), source.read_text()
+    path = folder / source.name
+    found = {}
+    for seed in seeds:
+        changed, what = damaged(text, random.Random(f"{source.name} {seed}"))  # noqa: S311
+        path.write_text(changed)
+        found[f"{seed}, {what}"] = outcome(path, sound)
+    return found
+
+
+def silent(found):
+    return [what for what, outcome in found.items() if outcome == "silent"]
+
+
+@pytest.mark.parametrize("name", ["rocker", "leg", "bracket"])
+def test_no_damage_of_a_token_changes_a_part_in_silence(files, name, tmp_path):
+    assert not silent(outcomes(files[name], tmp_path, range(10)))
+
+
+@pytest.mark.exhaustive
+@pytest.mark.parametrize("name", ["rocker", "leg", "bracket"])
+def test_none_of_a_hundred_damages_changes_a_part_in_silence(files, name, tmp_path):
+    assert not silent(outcomes(files[name], tmp_path, range(100)))
+
+
+NAMED = {
+    # The other arc of a circle: 495 × 415 × 212 mm for 343 × 263 × 60 mm, volume -3.7 %.
+    "an arc the other way": (
+        "rocker",
+        "#549 = EDGE_CURVE('',#457,#550,#552,.T.)",
+        "#549 = EDGE_CURVE('',#457,#550,#552,.F.)",
+        r"edges and corners are up to 0\.076 m apart where they should meet, near \(0\.2",
+    ),
+    # A cavity of the leg does not close: the leg without it, volume +46 %.
+    "a cavity lost": ("leg", "#3789 = LINE(", "#3789 = SURFACE_CURVE(", "6 of its 28 faces bound"),
+    # Ends the process, and never comes back.
+    "a class cast": ("leg", "#3413 = VECTOR(", "#3413 = SOLID_ANGLE_UNIT(", "does not survive"),
+    "no number": (
+        "rocker",
+        "VECTOR('',#515,1.)",
+        "VECTOR('',#515,.)",
+        r"says \. where a value must",
+    ),
+}
+
+
+@pytest.mark.parametrize(("name", "old", "new", "message"), NAMED.values(), ids=NAMED.keys())
+def test_a_damage_is_refused_with_what_is_wrong(files, tmp_path, name, old, new, message):
+    text = files[name].read_text()
+    assert text.count(old) == 1
+    path = tmp_path / "damaged.step"
+    path.write_text(text.replace(old, new))
+    with pytest.raises(InputError, match=message):
+        read_part(path)
+
+
+def test_a_small_gap_is_bridged_and_said(files, tmp_path):
+    """A corner of the rocker 0.01 mm off: its place in space is told by nothing but itself."""
+    path = tmp_path / "gap.step"
+    old = "(20.124611797499,40.249223594996,-30.)"
+    path.write_text(ROCKER.read_text().replace(old, old.replace("20.1246", "20.1346")))
+    part = read_part(path)
+    assert part.gap == pytest.approx(1e-5, rel=1e-6)
+    assert re.search(r"60(\.\d+)? mm, gaps of up to 0\.01 mm bridged \(volume to 0\.", part.size)
+    assert "gaps" not in read_part(ROCKER).size
