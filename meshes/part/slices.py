@@ -22,6 +22,8 @@ _PIECES = {
 }
 # Corners that are off the line of their neighbours by less, of the section's size, are none.
 _STRAIGHT = 2e-4
+# Share of the part's length within which a node is in a plane: rounding leaves it on either side.
+_IN_PLANE = 1e-9
 # Edge of the triangles, of twice the area over the length of all outlines: a wall's thickness.
 _EDGE = 0.7
 
@@ -45,9 +47,21 @@ class Slice:
         moments = sum(sign * abs(_area(loop)) * _centroid(loop) for loop, sign in loops)
         return np.asarray(moments / self.area)
 
+    @property
+    def size(self) -> float:
+        """Larger side of the outline (m)."""
+        return float(np.ptp(self.outer, axis=0).max())
 
-def slice_of(nodes: Array, facets: Facets, origin: Array, axes: Array) -> Slice:
-    """The piece of a section that is nearest to `origin` (3, m).
+    @property
+    def measures(self) -> Array:
+        """Area and area inside the outline (m²), smaller and larger second moment (m⁴)."""
+        centre = self.centroid
+        second = _second(self.outer - centre) - sum(_second(hole - centre) for hole in self.holes)
+        return np.array([self.area, abs(_area(self.outer)), *np.linalg.eigvalsh(second)])
+
+
+def slices_of(nodes: Array, facets: Facets, origin: Array, axes: Array) -> list[Slice]:
+    """The pieces of a section, the one nearest to `origin` (3, m) first.
 
     The plane is that through `origin` across the first column of `axes` (3×3); outlines are in the
     other two. `facets`: the whole boundary on `nodes`. Raises InputError where the plane misses.
@@ -71,7 +85,7 @@ def slice_of(nodes: Array, facets: Facets, origin: Array, axes: Array) -> Slice:
             if sum(theirs) == sum(around) + 1 and within.contains_point(other[0])
         )
         pieces.append(Slice(loop, holes))
-    return min(pieces, key=lambda piece: float(np.linalg.norm(piece.centroid)))
+    return sorted(pieces, key=lambda piece: float(np.linalg.norm(piece.centroid)))
 
 
 def slice_mesh(piece: Slice) -> SectionMesh:
@@ -103,8 +117,8 @@ def _loops(nodes: Array, facets: Facets, origin: Array, axes: Array) -> list[Arr
     """Closed polygons (n×2) where the plane cuts the boundary."""
     own = (nodes - origin) @ axes
     height = own[:, 0].copy()
-    # A node in the plane is taken as just above it.
-    height[height == 0.0] = np.finfo(float).tiny
+    # A node in the plane is taken as just above it: of a step's face in the plane all nodes are.
+    height[np.abs(height) < _IN_PLANE * np.ptp(height)] = np.finfo(float).tiny
     triangles = np.vstack([facets.cells[:, list(piece)] for piece in _PIECES[facets.element]])
     above = height[triangles] > 0.0
     cut = triangles[above.any(axis=1) & ~above.all(axis=1)]
@@ -164,3 +178,12 @@ def _centroid(loop: Array) -> Array:
     following = np.roll(loop, -1, axis=0)
     cross = y * following[:, 1] - following[:, 0] * z
     return np.asarray((loop + following).T @ cross / (3.0 * cross.sum()))
+
+
+def _second(loop: Array) -> Array:
+    """Second moments of area (2×2, m⁴) about the origin, whichever way round."""
+    following = np.roll(loop, -1, axis=0)
+    cross = loop[:, 0] * following[:, 1] - following[:, 0] * loop[:, 1]
+    both = loop + following
+    corners = loop.T @ (cross[:, None] * loop) + following.T @ (cross[:, None] * following)
+    return np.asarray(np.sign(cross.sum()) * (corners + both.T @ (cross[:, None] * both)) / 24.0)

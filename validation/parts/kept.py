@@ -25,7 +25,7 @@ from validation.store.cache import cache_folder
 from validation.store.tree import StoreError
 
 # Raised where the same input gives other numbers than before: meshes, elements, reduction.
-_EDITION = 11
+_EDITION = 12
 # What this process computed or read last stays in its memory.
 _MOST_IN_MEMORY = 24
 _in_memory: dict[str, dict[str, Array]] = {}

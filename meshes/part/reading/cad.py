@@ -142,6 +142,7 @@ def _extent(gmsh: ModuleType, solid: int) -> list[float]:
         around = 0.0 if spline else _GAP
         lower.append(box[:3] + around)
         upper.append(box[3:] - around)
+    gmsh.option.setNumber("Geometry.OCCBoundsUseStl", 0)
     sides = np.max(upper, axis=0) - np.min(lower, axis=0)
     return [max(float(side), 0.0) for side in sides]
 

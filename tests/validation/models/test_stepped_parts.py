@@ -17,7 +17,7 @@ from meshes.gmsh_session import gmsh_model
 from meshes.part.boundary import boundary
 from meshes.part.interfaces import find_interfaces
 from meshes.part.reading.read import read_part
-from meshes.part.slices import slice_of
+from meshes.part.slices import slices_of
 from meshes.part.volume import Grading, volume_mesh
 from validation.adequacy.mechanism.statics import unanswered
 from validation.adequacy.response import Response
@@ -175,6 +175,116 @@ def test_what_cannot_be_stepped_is_told_and_judged_without(tmp_path, monkeypatch
     ]
 
 
+def bar(occ, width=60, height=40, begin=0, end=400):
+    return 3, occ.addBox(begin, -width / 2, -height / 2, end - begin, width, height)
+
+
+def bore(occ, x, radius, along="z"):
+    way = [200 if along == axis else 0 for axis in "xyz"]
+    start = [x - way[0] / 2, -way[1] / 2, -way[2] / 2]
+    return 3, occ.addCylinder(*start, *way, radius)
+
+
+def tube(occ):
+    return occ.cut([bar(occ)], [bar(occ, 48, 28, -10, 410)])[0]
+
+
+# Outer sections of 60 × 40 mm, 400 mm long, ten pieces of 40 mm: stations at 20, 60, 100, ...
+REFUSED = {
+    "a hole through both flanges, at a station": (
+        lambda occ: occ.cut(tube(occ), [bore(occ, 180, 15)]),
+        r"section 0\.1\d* m from the first interface falls into 2 pieces",
+    ),
+    "one between stations": (
+        lambda occ: occ.cut(tube(occ), [bore(occ, 200, 12)]),
+        r"section 0\.\d* m from the first interface falls into 2 pieces",
+    ),
+    "a hole in one flange opens the tube": (
+        lambda occ: occ.cut(tube(occ), [(3, occ.addCylinder(180, 0, 0, 0, 0, 50, 15))]),
+        r"area inside the outline \d[.\d]* times smaller than those nearer",
+    ),
+    "a neck": (
+        lambda occ: occ.fuse(
+            [bar(occ, end=180), bar(occ, begin=200)], [bar(occ, 30, 40, 170, 210)]
+        ),
+        r"second moment of area 4.5 times smaller than those nearer than 0\.02 m on both sides",
+    ),
+    "a notch": (
+        lambda occ: occ.cut([bar(occ)], [(3, occ.addBox(170, -50, 10, 20, 100, 50))]),
+        "times smaller than those nearer",
+    ),
+    "a collar at a station": (
+        lambda occ: occ.fuse([bar(occ)], [bar(occ, 90, 70, 175, 185)]),
+        r"0\.18 m from the first interface has a second moment of area [\d.]+ times larger",
+    ),
+    "a fork": (
+        lambda occ: occ.cut([bar(occ)], [(3, occ.addBox(-10, -10, -50, 110, 20, 100))]),
+        r"section 0\.02 m from the first interface falls into 2 pieces",
+    ),
+}
+# And their smaller area (m²).
+PRISMS = {
+    "a step at a station": (
+        lambda occ: occ.fuse([bar(occ, end=180)], [bar(occ, 40, 30, begin=180)]),
+        1200e-6,
+    ),
+    "a collar between stations": (
+        lambda occ: occ.fuse([bar(occ)], [bar(occ, 90, 70, 196, 204)]),
+        2400e-6,
+    ),
+    "compartments longer than the section": (
+        lambda occ: occ.cut([bar(occ)], [bar(occ, 48, 28, 82, 198), bar(occ, 48, 28, 206, 370)]),
+        2400e-6 - 48e-3 * 28e-3,
+    ),
+    "a long pocket": (
+        lambda occ: occ.cut([bar(occ)], [(3, occ.addBox(90, -20, 0, 220, 40, 50))]),
+        1600e-6,
+    ),
+    "an oil hole": (
+        lambda occ: occ.cut([bar(occ)], [(3, occ.addCylinder(180, 0, 0, 0, 0, 50, 1.5))]),
+        2400e-6 - 3e-3 * 20e-3,
+    ),
+}
+
+
+def drawn(folder, draw):
+    path = folder / "part.step"
+    with gmsh_model("part") as gmsh:
+        gmsh.option.setString("Geometry.OCCTargetUnit", "MM")
+        draw(gmsh.model.occ)
+        gmsh.model.occ.synchronize()
+        gmsh.write(str(path))
+    points = {"A": Frame(), "B": Frame(np.array([0.4, 0.0, 0.0]))}
+    return Body("arm", Part(path, STEEL, plane_ends(0.4, "rigid")), points)
+
+
+@pytest.fixture
+def coarse(monkeypatch):
+    monkeypatch.setattr(parts, "UNKNOWNS", 4000)
+    monkeypatch.setenv("FLEXPROOF_CACHE", "off")
+
+
+@pytest.mark.usefixtures("coarse")
+@pytest.mark.parametrize(("draw", "why"), REFUSED.values(), ids=REFUSED.keys())
+def test_a_section_that_is_no_prisms_is_refused_and_named(tmp_path, draw, why):
+    with pytest.raises(InputError, match=why) as error:
+        stepped(drawn(tmp_path, draw))
+    (line,) = error.value.faults
+    assert line.startswith("bodies.arm: its section 0.")
+
+
+@pytest.mark.usefixtures("coarse")
+@pytest.mark.parametrize(("draw", "left"), PRISMS.values(), ids=PRISMS.keys())
+def test_sections_that_hold_for_their_own_size_are_pieces(tmp_path, draw, left):
+    leg = stepped(drawn(tmp_path, draw))
+    areas = np.array([piece.properties.mu for piece in leg.pieces]) / STEEL.rho
+    # Of the bar, of what is left of it, and nothing between: a plane in a step's face is on one
+    # side of it. Facets of the oil hole make it up to a tenth narrower.
+    near = np.isclose(areas[:, None], [2400e-6, left], rtol=4e-3)
+    assert near.any(axis=1).all()
+    assert len(areas) == 10
+
+
 # A robot of one arm like the crane, whose bores reach into each other.
 OVERLAPPING = (
     CRANE.replace("A = [0.0, 0.0, 0.0]", "A = [0.0, 0.0, -0.002]")
@@ -233,10 +343,14 @@ def test_mass_and_rigid_motions_are_those_of_the_part(legs):
 def test_a_section_has_the_outline_of_the_box(body):
     part = read_part(body.shape.file)
     mesh = volume_mesh(part, find_interfaces(part, ENDS), Grading(0.03))
-    cut = slice_of(mesh.nodes, boundary(mesh), np.array([0.2, 0.005, -0.003]), np.eye(3))
+    (cut,) = slices_of(mesh.nodes, boundary(mesh), np.array([0.2, 0.005, -0.003]), np.eye(3))
     height = ROOT + 0.4 * (TIP - ROOT)
     assert cut.area == pytest.approx(WIDTH * height, rel=1e-9)
     assert cut.centroid == pytest.approx([-0.005, 0.003], abs=1e-12)
+    # Of a rectangle: A, and b h³/12 either way.
+    b, h = WIDTH, height
+    moments = [b * h, b * h, b**3 * h / 12.0, b * h**3 / 12.0]
+    assert cut.measures == pytest.approx(moments, rel=1e-9)
     assert len(cut.outer) == 4
     with pytest.raises(InputError, match="does not cut the part"):
-        slice_of(mesh.nodes, boundary(mesh), np.array([0.7, 0.0, 0.0]), np.eye(3))
+        slices_of(mesh.nodes, boundary(mesh), np.array([0.7, 0.0, 0.0]), np.eye(3))

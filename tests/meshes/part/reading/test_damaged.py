@@ -150,7 +150,7 @@ def test_a_damage_is_refused_with_what_is_wrong(files, tmp_path, name, old, new,
         read_part(path)
 
 
-def test_a_small_gap_is_bridged_and_said(files, tmp_path):
+def test_a_small_gap_is_bridged_and_said(tmp_path):
     """A corner of the rocker 0.01 mm off: its place in space is told by nothing but itself."""
     path = tmp_path / "gap.step"
     old = "(20.124611797499,40.249223594996,-30.)"
