@@ -248,7 +248,7 @@ def five_bar(
     return Linkage(tables, tuple(pose[:2].tolist()), np.linalg.inv(stiffness), 0, tips)
 
 
-def hexarod(seed: int) -> Linkage:
+def hexarod(seed: int) -> Linkage:  # noqa: PLR0915  one mechanism, written out
     """Six unlike rods from carriages on drives to a platform; those between two balls idle.
 
     A heavy platform: its frequencies are those of a rigid body on six springs.
@@ -306,21 +306,22 @@ def hexarod(seed: int) -> Linkage:
             "drive": {"stiffness": drive},
             "compliance": slide,
         }
+        # A rod that does not idle has a universal joint at one end, whose first body turns or not.
+        kinds = {"foot": {"type": "spherical"}, "head": {"type": "spherical"}}
+        if not balls[i]:
+            axes_of_it = [v / np.linalg.norm(v) for v in pair]
+            kinds["head" if i % 2 else "foot"] = {"type": "universal", "axes": axes_of_it}
         joints[f"foot{i}"] = {
             "between": [f"carriage{i}", f"rod{i}"],
             "at": f"B{i}",
             "compliance": foot,
-            **(
-                {"type": "spherical"}
-                if balls[i]
-                else {"type": "universal", "axes": [v / np.linalg.norm(v) for v in pair]}
-            ),
+            **kinds["foot"],
         }
         joints[f"head{i}"] = {
-            "type": "spherical",
             "between": [f"rod{i}", "platform"],
             "at": f"Q{i}",
             "compliance": head,
+            **kinds["head"],
         }
         # The pose: the platform's point, then how far the carriage slid.
         there, length = pose[:3] + turn @ (Q - T), float(np.linalg.norm(Q - B))

@@ -20,8 +20,8 @@ from validation.studies.stroke_statics import stroke_statics
 
 # Unknowns of the finest section mesh; three meshes at least are taken from the ladder.
 UNKNOWNS: dict[Preset, int] = {"quick": 900, "standard": 900, "fine": 2000}
-# Relative tolerance of deflections.
-_STATICS = 1e-3
+# Relative tolerance of deflections: the mesh at the edges of held faces, 3e-5 of I-sections.
+_STATICS = 2e-4
 _CITATION = "virtual joint method, eqs (3) to (9), "
 
 cases = CaseGroup(
@@ -147,7 +147,7 @@ def _decided(measurement: Measurement, context: Context) -> Measurement:
     headlines=("robot.statics.solid",),
     citation=_OWN + ", less what held faces take from them (fem.couplings.end_effects)",
     tolerance_reason="end effects decay as Saint-Venant's theory of the prism says: the mesh "
-    "alone, 0.1 %",
+    "alone, 0.02 %",
 )
 def _rigid(context: Context, curve: str) -> Measurement:
     found = _curve(context, curve)
@@ -178,7 +178,7 @@ def _rigid(context: Context, curve: str) -> Measurement:
     quantity=_MIDDLE,
     headlines=("robot.statics.solid",),
     citation=_OWN,
-    tolerance_reason="with Saint-Venant's tractions both are one theory: the mesh alone, 0.1 %",
+    tolerance_reason="with Saint-Venant's tractions both are one theory: the mesh alone, 0.02 %",
 )
 def _free(context: Context, curve: str) -> Measurement:
     found = _curve(context, curve)
