@@ -10,6 +10,8 @@ from validation.agreement.mode_pairing import mac_matrix, neighbours, pair_recta
 
 # A mode that has less than half of its (mass-weighted, squared) shape in common is another one.
 ALIKE = 0.5
+# From here on a shape is its partner's own, not a mixture of close ones.
+_ALONE = 0.9
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,6 +45,39 @@ def partners(reference: Vibration, model: Vibration, weights: Array, count: int)
         np.array(column) for column in zip(*rows, strict=True)
     )
     return Partners(frequency, number, likeness, by_number)
+
+
+def amounts_by_shape(
+    reference: Vibration, other: Vibration, amounts: Array, weights: Array, count: int
+) -> Array:
+    """`amounts` (p×m×n, ≥ 0) of the reference's first `count` modes and their partners (p×count).
+
+    A mode that looks like its partner alone has their amount. Close modes that mix have the sum
+    over all of them: what changes such modes changes the sum of their squares alike whichever of
+    them is whose partner, but not each of them. NaN where there is no partner.
+    """
+    rows = []
+    for own, shapes, others, amount in zip(
+        reference.frequencies, reference.samples, other.samples, amounts, strict=True
+    ):
+        mac = mac_matrix(shapes, others, weights)
+        modes = np.arange(len(own))
+        partner = pair_rectangular(mac)
+        of_pairs = np.where(partner >= 0, amount[modes, partner], np.nan)
+        alone = np.where(partner >= 0, mac[modes, partner], 0.0) >= _ALONE
+        mixed = np.array([np.nansum(of_pairs[neighbours(own, k)]) for k in range(len(own))])
+        rows.append(np.where(alone | np.isnan(of_pairs), of_pairs, mixed)[:count])
+    missing = partners(reference, other, weights, count).number < 0
+    return np.where(missing, np.nan, np.array(rows))
+
+
+def frequency_changes(fine: Vibration, coarse: Vibration, weights: Array, count: int) -> Array:
+    """By how much the first modes' frequencies change from one mesh to a finer one (p×count).
+
+    Relative to the finer one's, by shape; NaN for a mode that the coarser one does not have.
+    """
+    changes = np.abs(coarse.frequencies[:, None, :] / fine.frequencies[:, :, None] - 1.0)
+    return amounts_by_shape(fine, coarse, changes, weights, count)
 
 
 def _at_pose(

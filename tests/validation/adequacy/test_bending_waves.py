@@ -57,7 +57,7 @@ def test_modes_of_pinned_rods_are_off_as_their_waves_are():
     at, count = (reference_posture(mechanism),), 12
     free = dict.fromkeys(known_legs(mechanism), "free")
     solids = solid_vibration(at, 3, DIVISIONS, free, None, count)
-    beams = own_vibration(at, DIVISIONS, None, count)
+    beams = own_vibration(at, DIVISIONS, DIVISIONS, None, count)
     found = partners(solids, beams, samples_of(mechanism).weights, 8)
     assert (found.likeness[0, :6] > 0.99).all()
     off = found.frequency[0] / solids.frequencies[0, :8] - 1.0

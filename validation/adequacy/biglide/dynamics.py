@@ -12,7 +12,7 @@ from lumped.mechanism.body_model import LegMatrices
 from lumped.models import simplified
 from lumped.system.solution import mode_count, solved
 from validation.adequacy.biglide.statics import left_open
-from validation.adequacy.legs import own_elements
+from validation.adequacy.legs import SECTION_DIVISIONS, own_elements
 from validation.adequacy.mechanism.dynamics import reduced_title
 from validation.adequacy.response import Vibration
 from validation.adequacy.subject.given_masses import Masses, leg_with_masses
@@ -30,7 +30,6 @@ from validation.studies.paired_robot_modes import (
     SampledModes,
     divisions_of,
     model_modes,
-    own_beam_modes,
     sample_weights,
     sampled_modes,
     solid_modes,
@@ -52,9 +51,9 @@ def biglide_dynamics(context: Context, robot: Biglide, judged: int, postures: in
         asked = divisions, ends, masses, postures
         return _vibration(context.get(modes_with_masses, robot, *asked))
 
-    def own(holds: Holds | None) -> Vibration:
+    def own(holds: Holds | None, divisions: LegDivisions = (SECTION_DIVISIONS,) * 2) -> Vibration:
         ends = None if holds is None else _of_both(holds)
-        return _vibration(context.get(own_modes, robot, ends, postures))
+        return _vibration(context.get(own_modes, robot, ends, divisions, postures))
 
     return Dynamics(
         context,
@@ -68,10 +67,7 @@ def biglide_dynamics(context: Context, robot: Biglide, judged: int, postures: in
         answer=partial(model_vibration, context, robot, postures),
         solid=solid,
         own=own,
-        sections=lambda: (
-            _vibration(context.get(own_beam_modes, robot, fine, postures)),
-            own(None),
-        ),
+        sections=lambda holds: (own(holds, fine), own(holds)),
         rigid="legs and feet rigid",
         computed_by="validation.adequacy.subject.given_masses.leg_with_masses"
         if given
@@ -120,11 +116,14 @@ def modes_with_masses(
     return sampled_modes(robot, legs, postures, min(OFFERED, known))
 
 
-def own_modes(robot: Biglide, ends: tuple[Ends, Ends] | None, postures: int) -> SampledModes:
+def own_modes(
+    robot: Biglide, ends: tuple[Ends, Ends] | None, divisions: LegDivisions, postures: int
+) -> SampledModes:
     """Modes by beams of the sections' own constants; with warping, held as `ends` say."""
     first, second = ends or (None, None)
-    legs = own_elements(robot.leg1, first, ELEMENTS), own_elements(robot.leg2, second, ELEMENTS)
-    return sampled_modes(robot, legs, postures)
+    leg1 = own_elements(robot.leg1, first, ELEMENTS, divisions[0])
+    leg2 = own_elements(robot.leg2, second, ELEMENTS, divisions[1])
+    return sampled_modes(robot, (leg1, leg2), postures)
 
 
 def simplified_modes(robot: Biglide, postures: int) -> Vibration:

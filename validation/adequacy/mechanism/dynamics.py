@@ -14,7 +14,7 @@ import numpy as np
 from fem.reduction.craig_bampton import craig_bampton
 from fem.reduction.superelement import held_leg
 from lumped.caches import lru_cache
-from lumped.legs import ConstantLeg, Ends, GivenLeg, Leg
+from lumped.legs import ConstantLeg, Ends, GivenLeg, Leg, equivalent_leg
 from lumped.mechanism.body_model import BodyModel, LegMatrices
 from lumped.mechanism.mechanism import Posture
 from lumped.system.assembly import assembly
@@ -36,7 +36,7 @@ from validation.models.mechanism import (
 )
 from validation.models.options import ModelName, ModelOptions
 from validation.parts.meshes import FINEST
-from validation.solids.legs import COARSEST_WALLS, divisions_across
+from validation.solids.legs import divisions_across
 from validation.solids.robots import held_solid, renewed_where_needed
 from validation.studies.paired_robot_modes import DIVISIONS, ELEMENTS, WALL_DIVISIONS
 
@@ -169,17 +169,27 @@ def _reduced_solid(leg: ConstantLeg, number: int, ends: Ends, highest: float) ->
 
 
 def own_vibration(
-    postures: tuple[Posture, ...], divisions: int, ends: Mapping[str, Ends] | None, count: int
+    postures: tuple[Posture, ...],
+    divisions: int,
+    walls: int,
+    ends: Mapping[str, Ends] | None,
+    count: int,
 ) -> Vibration:
-    """Modes by beams of the sections' own constants; with warping, held as `ends` say."""
+    """Modes by beams of the sections' own constants; with warping, held as `ends` say.
+
+    `divisions` of the mesh of rectangles, `walls` of the others, as in `solid_vibration`.
+    """
     mechanism = postures[0].mechanism
-    build = partial(_own_leg, divisions=divisions, warping=ends is not None)
+    build = partial(_own_leg, divisions=divisions, walls=walls, warping=ends is not None)
     hold: Mapping[str, Ends] = ends or dict.fromkeys(known_legs(mechanism), "rigid")
     return built_vibration(postures, build, condensed_parts(mechanism), hold, count)
 
 
-def _own_leg(leg: Leg, ends: Ends, highest: float, *, divisions: int, warping: bool) -> LegMatrices:
-    whole = own_elements(leg, ends if warping else None, ELEMENTS, divisions)
+def _own_leg(
+    leg: Leg, ends: Ends, highest: float, *, divisions: int, walls: int, warping: bool
+) -> LegMatrices:
+    number = divisions_across(equivalent_leg(leg), divisions, walls)
+    whole = own_elements(leg, ends if warping else None, ELEMENTS, number)
     return craig_bampton(held_leg(whole), highest, CUTOFF["beam"] * highest).matrices
 
 
@@ -201,8 +211,8 @@ def mechanism_dynamics(context: Context, postures: tuple[Posture, ...], judged: 
         further = () if rung == FINEST else (rung,)
         return context.get(solid_vibration, postures, *number, ends, masses, count, *further)
 
-    def own(divisions: int, ends: Holds | None) -> Vibration:
-        return context.get(own_vibration, postures, divisions, ends, count)
+    def own(divisions: int, walls: int, ends: Holds | None) -> Vibration:
+        return context.get(own_vibration, postures, divisions, walls, ends, count)
 
     return Dynamics(
         context,
@@ -215,8 +225,11 @@ def mechanism_dynamics(context: Context, postures: tuple[Posture, ...], judged: 
         ratio=min(fine[0] / coarse[0], fine[1] / coarse[1]),
         answer=answer,
         solid=solid,
-        own=partial(own, SECTION_DIVISIONS),
-        sections=lambda: (own(COARSEST_WALLS, None), own(SECTION_DIVISIONS, None)),
+        own=partial(own, SECTION_DIVISIONS, SECTION_DIVISIONS),
+        sections=lambda holds: (
+            own(*fine, holds),
+            own(SECTION_DIVISIONS, SECTION_DIVISIONS, holds),
+        ),
         rigid="legs rigid and without mass",
         computed_by="validation.adequacy.mechanism.dynamics.solid_vibration",
     )

@@ -8,8 +8,8 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.legs import ConstantLeg
-from validation.adequacy.legs import step_uncertainty
-from validation.adequacy.partners import partners
+from validation.adequacy.legs import SECTION_RATIO, step_uncertainty
+from validation.adequacy.partners import amounts_by_shape, frequency_changes
 from validation.adequacy.response import (
     UNSOLVED,
     Alternative,
@@ -21,7 +21,7 @@ from validation.adequacy.response import (
     modes_of,
 )
 from validation.adequacy.subject.given_masses import MASSES, Masses
-from validation.adequacy.subject.parts import FINER_PARTS, part_rungs, refinement_share
+from validation.adequacy.subject.parts import FINER_PARTS, UNKNOWN, part_rungs, refinement_share
 from validation.adequacy.subject.posed import Dynamics, Holds
 from validation.context import Preset
 from validation.models.options import ModelName, ModelOptions
@@ -43,17 +43,19 @@ def dynamic_reference(robot: Dynamics) -> Reference:
     if not (robot.prisms or robot.parts):
         holds = dict(list(holds.items())[:1])
     stiff = next(iter(holds.values()))
-    further = _part_uncertainty(robot, partial(robot.solid, "fine", stiff, masses[0]))
-    if robot.prisms:
-        further = _section_uncertainty(robot) + further
+    parts = _part_uncertainty(robot, partial(robot.solid, "fine", stiff, masses[0]))
     alternatives = []
     for (name, hold), mass in product(holds.items(), masses):
         fine = robot.solid("fine", hold, mass, FINEST)
-        # Where no section is meshed one solution serves for both.
-        coarse = robot.solid("coarse", hold, mass, FINEST) if robot.prisms else fine
+        uncertainty = np.zeros_like(fine.frequencies[:, : robot.judged]) + parts
+        # Where no section is meshed there is one solution.
+        if robot.prisms:
+            coarse = robot.solid("coarse", hold, mass, FINEST)
+            uncertainty += _mesh_uncertainty(robot, coarse, fine, hold)
         said = name if robot.prisms or robot.parts or not robot.given else ""
         both = ", ".join(filter(None, (said, mass)))
-        alternatives.append(_alternative(robot, both, coarse, fine, further))
+        dynamic = np.where(np.isnan(uncertainty), UNKNOWN, uncertainty)
+        alternatives.append(Alternative(both, Response(vibration=fine), dynamic=dynamic))
     several = len(holds) > 1
     return Reference(
         title=robot.title,
@@ -78,46 +80,39 @@ def _finer_preset(prisms: Sequence[ConstantLeg], preset: Preset) -> str:
     return finer_by(larger_preset(preset, lambda one: not _why_unmeshed(prisms, one)))
 
 
-def _alternative(
-    robot: Dynamics, name: str, coarse: Vibration, fine: Vibration, further: Array | float
-) -> Alternative:
-    """An alternative known on two meshes; `further` (relative) is what else is left open.
+def _mesh_uncertainty(robot: Dynamics, coarse: Vibration, fine: Vibration, hold: Holds) -> Array:
+    """What the meshes of prisms leave open of the judged frequencies of `fine` (p×K, relative).
 
-    A mode that the coarser mesh does not have is known to no digit.
+    From the step between two solids, whose elements become shorter while walls keep one mesh
+    across, and from what such a mesh leaves open of the beams' modes of the same shape. NaN for a
+    mode that the coarser solid does not have, or the beams: it is known to no digit.
     """
-    found = partners(fine, coarse, robot.weights, robot.judged).frequency
-    change = np.abs(found / fine.frequencies[:, : robot.judged] - 1.0)
-    step = step_uncertainty(change, robot.ratio)
-    dynamic = np.where(np.isnan(step), 1.0, step + further)
-    return Alternative(name, Response(vibration=fine), dynamic=dynamic)
-
-
-def _section_uncertainty(robot: Dynamics) -> Array:
-    """What the section mesh of the solids leaves open of frequencies (p×1, relative).
-
-    Walls keep one mesh across while elements become shorter. By beams, the largest over the modes.
-    """
-    coarse, fine = robot.sections()
-    found = partners(fine, coarse, robot.weights, robot.judged).frequency
-    change = np.abs(found / fine.frequencies[:, : robot.judged] - 1.0)
-    return np.asarray(np.nanmax(change, axis=1, keepdims=True, initial=0.0))
+    weights, judged = robot.weights, robot.judged
+    step = frequency_changes(fine, coarse, weights, judged)
+    rough, beams = robot.sections(hold)
+    count = beams.frequencies.shape[1]
+    changes = frequency_changes(beams, rough, weights, count)
+    of_beams = np.broadcast_to(changes[:, None, :], (*fine.frequencies.shape, count))
+    section = amounts_by_shape(fine, beams, of_beams, weights, judged)
+    return step_uncertainty(step, robot.ratio) + step_uncertainty(section, SECTION_RATIO)
 
 
 def _part_uncertainty(robot: Dynamics, solid: Callable[[int], Vibration]) -> Array | float:
     """What the meshes of CAD parts leave open of frequencies (p×K, relative).
 
-    A mode that a coarser mesh does not have is known to no digit. `solid` gives modes with the
-    parts on a rung of their meshes.
+    NaN for a mode that a coarser mesh does not have. `solid` gives modes with the parts on a rung
+    of their meshes.
     """
 
     def frequencies(rung: int) -> Array:
-        finest, found = solid(FINEST), solid(rung)
+        finest = solid(FINEST)
+        own = finest.frequencies[:, : robot.judged]
         if rung == FINEST:
-            return finest.frequencies[:, : robot.judged]
-        return partners(finest, found, robot.weights, robot.judged).frequency
+            return own
+        changes = frequency_changes(finest, solid(rung), robot.weights, robot.judged)
+        return np.asarray(own * (1.0 + changes))
 
-    share = refinement_share(robot.parts, frequencies)
-    return np.where(np.isnan(share), 1.0, share)
+    return refinement_share(robot.parts, frequencies)
 
 
 def bracketed_frequencies(reference: Reference, modes: int, where: str) -> str:

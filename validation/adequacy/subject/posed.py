@@ -91,7 +91,8 @@ class Dynamics(Legs):
     `answer` of a model, None where nothing has mass; `solid` of solid legs on one of two meshes,
     whose sizes are as `ratio`, held so, given legs with such masses, and parts on that rung of
     theirs; `own` by beams of the sections' own constants, with warping where ends are
-    held; `sections` by beams of the constants of the solids' section mesh and of a finer one.
+    held; `sections` by such beams held so, of constants from the solids' section mesh and from a
+    finer one.
     """
 
     judged: int
@@ -100,7 +101,7 @@ class Dynamics(Legs):
     answer: Callable[[ModelName, ModelOptions], Vibration | None]
     solid: Callable[[Fineness, Holds, Masses | None, int], Vibration]
     own: Callable[[Holds | None], Vibration]
-    sections: Callable[[], tuple[Vibration, Vibration]]
+    sections: Callable[[Holds], tuple[Vibration, Vibration]]
     rigid: str
     computed_by: str
 
