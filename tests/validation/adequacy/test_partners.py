@@ -7,7 +7,7 @@ from lumped.acceptance.requirement import Requirement
 from validation.adequacy.errors import Scale
 from validation.adequacy.judgement import judged
 from validation.adequacy.matrix import Coordinate, Entry
-from validation.adequacy.partners import partners
+from validation.adequacy.partners import frequency_changes, partners
 from validation.adequacy.response import (
     Alternative,
     Candidate,
@@ -105,3 +105,34 @@ def test_a_scale_pairs_each_response_once() -> None:
     assert first is not None
     assert first.error.item() == 0.0
     assert scale.errors([Response()], "f1") is None
+
+
+def changes(coarse: Vibration) -> list[float]:
+    """Of the first three modes of three close ones and one apart."""
+    fine = vibration([100.0, 102.0, 104.0, 200.0], *AXES)
+    return frequency_changes(fine, coarse, WEIGHTS, 3)[0].tolist()
+
+
+def test_a_mode_has_the_change_of_its_own_shape_where_close_modes_change_places() -> None:
+    # By number it would be 2 % of each: the one that alone has changed comes from 4 % above.
+    swapped = vibration([100.0, 104.0, 106.08, 200.0], AXES[0], AXES[2], AXES[1], AXES[3])
+    assert changes(swapped) == pytest.approx([0.0, 0.04, 0.0])
+
+
+def test_close_modes_that_mix_have_the_sum_of_their_changes() -> None:
+    turn = np.sqrt(0.5)
+    mixed = vibration(
+        [101.0, 103.02, 104.0, 200.0],
+        turn * (AXES[0] + AXES[1]),
+        turn * (AXES[0] - AXES[1]),
+        AXES[2],
+        AXES[3],
+    )
+    # The third one of the same family looks like its partner alone.
+    assert changes(mixed) == pytest.approx([0.02, 0.02, 0.0])
+
+
+def test_the_change_of_a_mode_that_the_coarse_mesh_does_not_have_is_unknown() -> None:
+    assert changes(vibration([100.0, 104.0], AXES[0], AXES[2])) == pytest.approx(
+        [0.0, np.nan, 0.0], nan_ok=True
+    )

@@ -89,7 +89,8 @@ def _mesh_uncertainty(robot: Dynamics, coarse: Vibration, fine: Vibration, hold:
     """
     weights, judged = robot.weights, robot.judged
     step = frequency_changes(fine, coarse, weights, judged)
-    rough, beams = robot.sections(hold)
+    # Beams free to warp lean on Saint-Venant's constant less than such solids do.
+    rough, beams = robot.sections(None if "free" in hold.values() else hold)
     count = beams.frequencies.shape[1]
     changes = frequency_changes(beams, rough, weights, count)
     of_beams = np.broadcast_to(changes[:, None, :], (*fine.frequencies.shape, count))

@@ -101,7 +101,7 @@ class Dynamics(Legs):
     answer: Callable[[ModelName, ModelOptions], Vibration | None]
     solid: Callable[[Fineness, Holds, Masses | None, int], Vibration]
     own: Callable[[Holds | None], Vibration]
-    sections: Callable[[Holds], tuple[Vibration, Vibration]]
+    sections: Callable[[Holds | None], tuple[Vibration, Vibration]]
     rigid: str
     computed_by: str
 
