@@ -28,18 +28,18 @@ from validation.solve.answer import Answer, MeshUncertainty, PartUncertainty
 # Parts are reduced for statics alone by modes up to here (Hz), where they have none.
 _STILL = 1e-3
 # Elements of one mesh to those of the other, in size: walls of one element across keep that one,
-# so that half the divisions come to 1.3.
-_RATIO = 1.25
+# so that half the divisions come to 1.2 (tubes) and 1.3.
+_RATIO = 1.2
 
 
 def beside(options: ModelOptions, legs: Sequence[Leg]) -> ModelOptions:
-    """The same on another mesh: half the divisions, or a multiple where those change too little.
+    """The same on another mesh: half the divisions, one, or the fewest more that change enough.
 
     Round and thin-walled sections need so many elements as they are that fewer divisions often give
     them the same mesh, whose answer would be called exact.
     """
     own = options.divisions
-    others = (own // 2, *(own * factor for factor in (2, 4, 8)))
+    others = (own // 2, 1, *range(own + 1, 8 * own + 1))
     sections = [equivalent_leg(leg, options.equivalent).section for leg in legs]
     chosen = next(
         other
