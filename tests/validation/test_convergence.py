@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from validation.agreement.convergence import (
     analyse,
     classify,
+    fit_order,
     safety_factor,
     three_grid_order,
     uncertainty_of_known_orders,
@@ -148,3 +149,32 @@ def test_what_known_orders_do_not_fit_is_added():
     assert after > before + 1e-3
     with pytest.raises(ValueError, match="4 grids"):
         uncertainty_of_known_orders(sizes[:3], values[:3], (1.42, 4.0))
+
+
+def test_fine_grids_count_more_in_proportion_to_their_size():
+    """Weights 1/h, against normal equations written out: grids 1, 1/2, 1/4, 1/10, not one power.
+
+    Without weights, with 1/√h or with 1/h² the limit would be another one.
+    """
+    sizes = np.array([1.0, 0.5, 0.25, 0.1])
+    values = 5.0 + sizes**2 + np.array([0.1, -0.05, 0.02, -0.01])
+    fit = fit_order(sizes, values)
+
+    def limit(power: float) -> float:
+        """Intercept of the straight line through values over h^p, weights h^−`power`."""
+        w, t = sizes**-power, sizes**fit.order
+        mean_t, mean_v = (w @ t) / w.sum(), (w @ values) / w.sum()
+        return float(mean_v - mean_t * (w @ ((t - mean_t) * values)) / (w @ (t - mean_t) ** 2))
+
+    assert fit.limit == pytest.approx(limit(1.0), rel=1e-9)
+    for other in (0.0, 0.5, 2.0):
+        assert abs(limit(other) - fit.limit) > 1e-4
+
+    known = uncertainty_of_known_orders(sizes, values, (2.0,))
+    w, t = 1.0 / sizes, sizes**2
+    slope = np.sum(w * (t - np.average(t, weights=w)) * values) / np.sum(
+        w * (t - np.average(t, weights=w)) ** 2
+    )
+    intercept = np.average(values, weights=w) - slope * np.average(t, weights=w)
+    residual = np.abs(intercept + slope * t - values).max()
+    assert known == pytest.approx(1.25 * abs(intercept - values[-1]) + residual, rel=1e-9)

@@ -10,13 +10,13 @@ import pytest
 from lumped.errors import ComputationError
 from lumped.legs import ConstantLeg, Material
 from lumped.robot_file import load_robot
-from lumped.sections import Rectangle
+from lumped.sections import HollowRectangle, ISection, Rectangle, Tube
 from validation.agreement.convergence import pairwise_orders
 from validation.case import Case, Measurement, Skip
 from validation.catalogue import catalogue
 from validation.context import Context
 from validation.results.outcome import judge
-from validation.solids.legs import edge_order, solid_compliances
+from validation.solids.legs import edge_order, formal_order, leg_constants, solid_compliances
 
 sys.path.insert(0, str(Path(__file__).parent))
 
@@ -89,3 +89,40 @@ def test_the_order_of_elements_is_that_of_free_ends_where_shear_is_soft(tmp_path
     for case in catalogue(robot_file):
         if case.id.startswith("refinement.leg2.solid.order"):
             assert judge(case, case.measure(context), 0.0).verdict == "agree", case.id
+
+
+@pytest.mark.parametrize("nu", [0.2, 0.3, 0.45])
+def test_the_order_of_edges_is_twice_the_root_of_its_equation_not_once(nu):
+    """Energies of stresses r^(λ − 1) within r go as r^(2λ): λ by signs of Williams' equation."""
+    exponents = np.linspace(0.5, 0.999, 200_001)
+    misfit = np.sin(0.5 * np.pi * exponents) ** 2 - (4.0 * (1.0 - nu) ** 2 - exponents**2) / (
+        3.0 - 4.0 * nu
+    )
+    (root,) = exponents[:-1][np.sign(misfit[:-1]) != np.sign(misfit[1:])]
+    assert edge_order(nu) == pytest.approx(2.0 * root, abs=1e-5)
+
+
+def test_walls_with_inward_corners_converge_as_the_laplacian_about_270_degrees():
+    """λ = π/(3π/2), energies with twice that; the torsion constant of a thick box shows it.
+
+    No inward corner: rectangle, circle, tube. Free ends, so that no held edge is there.
+    """
+    steel = Material.isotropic(2.1e11, 0.3, 7850.0)
+    corner = 2.0 * np.pi / (1.5 * np.pi)
+    sections = {
+        HollowRectangle(0.1, 0.16, 0.008): corner,
+        ISection(0.1, 0.1, 0.008, 0.006): corner,
+        Rectangle(0.05, 0.04): 4.0,
+        Tube(0.1, 0.01): 4.0,
+    }
+    for section, order in sections.items():
+        assert formal_order(ConstantLeg(1.0, section, steel), "free") == pytest.approx(order)
+    # Without corners, held faces alone lower it.
+    held = ConstantLeg(1.0, Tube(0.1, 0.01), steel)
+    assert formal_order(held, "rigid") == pytest.approx(edge_order(0.3))
+    hollow = ConstantLeg(1.0, HollowRectangle(0.1, 0.16, 0.04), steel)
+    sizes = 1.0 / np.array([4.0, 8.0, 16.0, 32.0])
+    torsion = np.array([leg_constants(hollow, int(1.0 / h)).torsion_constant for h in sizes])
+    # From above, for on these grids smooth terms are still seen beside the corner's.
+    before, last = pairwise_orders(sizes, torsion)
+    assert corner < last < min(before, corner + 0.2)

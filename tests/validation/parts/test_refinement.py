@@ -2,6 +2,7 @@
 
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,6 +10,8 @@ import pytest
 from lumped.legs import Material
 from lumped.sections import HollowRectangle
 from meshes.part.volume import RATIO
+from validation.parts import identify
+from validation.parts.meshes import RUNGS
 from validation.parts.refinement import compliance_uncertainty, refinement_uncertainty
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
@@ -42,6 +45,48 @@ def test_entries_of_a_compliance_are_relative_to_the_diagonal():
                    for s in (1.0, 10.0))  # fmt: skip
     assert last == pytest.approx(10.0 * first, rel=1e-6)
     assert first == pytest.approx(1.5 * change / (RATIO - 1.0), rel=1e-4)
+
+
+def test_identify_extrapolates_from_the_finest_of_its_three_meshes(monkeypatch):
+    """Numbers of known limits and order on the mesh of each rung, whose sizes are 2 : √2 : 1.
+
+    A mesh taken for another one would show another order or another last step.
+    """
+    limits, slopes, order = np.array([100.0, 250.0]), np.array([2.0, -3.0]), 1.7
+    compliance, change = np.diag([1e-8, 4e-6]), np.array([[2e-10, 1e-9], [1e-9, 5e-8]])
+
+    class Mesh:
+        straightened, cells, nodes = 0, (), np.zeros((1, 3))
+
+        def __init__(self, size):
+            self.size, self.unknowns = size, round(1e4 / size**3)
+
+        def properties(self):
+            return SimpleNamespace(mass=1.0, centre=np.zeros(3), inertia=np.eye(3))
+
+    def answer(meshed, *_, **__):
+        error = meshed.size**order
+        frequencies, tip = limits + slopes * error, compliance + change * error
+        none = np.zeros((3, 6))
+        return identify.Answer(tip, tip, tip, frequencies, none, 2, 300.0)
+
+    def mesh(*request):
+        return Mesh(dict(zip(RUNGS, H, strict=True))[request[-1]])
+
+    monkeypatch.setattr(identify, "gradings", lambda *_: None)
+    monkeypatch.setattr(identify, "require_memory", lambda *_: None)
+    monkeypatch.setattr(identify, "part_mesh", mesh)
+    monkeypatch.setattr(identify, "meshed_part", lambda mesh, _: mesh)
+    monkeypatch.setattr(identify, "spread_over", lambda _: (np.array([0]), np.ones(1)))
+    monkeypatch.setattr(identify, "_answer", answer)
+    file = SimpleNamespace(path=Path("part.step"), mesh=None)
+    steel = Material.isotropic(2.1e11, 0.3, 7850.0)
+    found = identify._computed(file, (), steel, 10_000, 2)
+    # 1.5 times what is left of the finest: sizes of 1, so the slopes themselves.
+    assert found["unknowns"] == (1250, 3536, 10_000)
+    np.testing.assert_allclose(found["frequencies"], limits + slopes)
+    np.testing.assert_allclose(found["frequency_refinement"], 1.5 * np.abs(slopes), rtol=0.05)
+    np.testing.assert_allclose(found["compliance_refinement"], 1.5 * change, rtol=0.05)
 
 
 @pytest.mark.parametrize("number", [13, pytest.param(20, marks=pytest.mark.exhaustive)])
