@@ -15,6 +15,7 @@ from validation.measured.matrix import measured_matrix
 from validation.report.figures import figures_of, figures_of_program, figures_of_variations
 from validation.results.tasks import Task
 from validation.solids.robots import SHARED_SOLIDS
+from validation.variations.cases import cases_over
 
 _ADEQUACY = Assessment(
     id=ADEQUACY,
@@ -49,8 +50,13 @@ def with_variations(
     listed: Callable[[RobotFile], Sequence[Task]],
     typed: tuple[str, ...],
 ) -> Sequence[Task]:
-    """What `listed` lists for a robot, and figures of the numbers varied as `typed`."""
-    return (*listed(robot_file), *figures_of_variations(variations_of(robot_file, typed)))
+    """What `listed` lists for a robot, and cases and figures of the numbers varied as `typed`."""
+    variations = variations_of(robot_file, typed)
+    return (
+        *listed(robot_file),
+        *cases_over(robot_file, variations),
+        *figures_of_variations(variations),
+    )
 
 
 def _of_biglide(robot_file: RobotFile) -> Sequence[Task]:

@@ -47,8 +47,8 @@ class Request:
     `only` is a shell-style pattern of ids. `baseline` is the folder or results.json of an earlier
     run to be compared with. `exports`: whether meshes, fields and matrices are wanted as files.
     `vary` are numbers of the robot file with their values, as typed. `cluster` is the address of a
-    Dask scheduler that computes the sweeps. `asked` are options that changed the robot file's
-    requirement, as typed; `strict`: undecided counts as inadequate.
+    Dask scheduler that computes the robots of `vary` and parts. `asked` are options that changed
+    the robot file's requirement, as typed; `strict`: undecided counts as inadequate.
     `selftest`: whether the checks of the program are made again, left out, or, None, taken as they
     are kept and made where they are not.
     """
@@ -88,7 +88,7 @@ def validate(request: Request, catalogue: Catalogue) -> Results:
     ComputationError where workers cannot start or the export fails.
     """
     robot_file = request.robot_file
-    if request.cluster is not None and robot_file.is_mechanism:
+    if request.cluster is not None:
         _require_work_for_a_cluster(request)
     if request.exports and not robot_file.is_mechanism:
         _refuse_large_exports(request)
@@ -132,8 +132,8 @@ def validate(request: Request, catalogue: Catalogue) -> Results:
             kept.forget()
         _mention_checks(gathered)
         if executor is not None:
-            with progress.stage("sweeps on the cluster"):
-                _sweep(request, variations, tasks, sweeps, executor)
+            with progress.stage("robots of --vary on the cluster"):
+                _vary(request, variations, tasks, sweeps, executor)
         if any(not is_check(task) for task in tasks if task.id not in gathered.done):
             _prepare(robot_file, request.preset, executor, request.jobs)
         _compute(job, gathered, folder, kept, request.jobs)
@@ -187,7 +187,7 @@ def publish(
 
 # What few runs ask for is read where it is asked for: the others begin sooner.
 def _cluster(request: Request, stack: ExitStack) -> "Executor | None":
-    """What computes the sweeps elsewhere, as long as the stack stands."""
+    """What computes robots and parts elsewhere, as long as the stack stands."""
     if request.cluster is None:
         return None
     from validation.sweeps.cluster import on_cluster  # noqa: PLC0415
@@ -195,29 +195,23 @@ def _cluster(request: Request, stack: ExitStack) -> "Executor | None":
     return stack.enter_context(on_cluster(request.cluster, _mention))
 
 
-def _sweep(
+def _vary(
     request: Request,
     variations: Sequence[Variation],
     tasks: Sequence[Task],
     sweeps: Path,
     executor: "Executor",
 ) -> None:
-    from validation.sweeps.studies import (  # noqa: PLC0415
-        GROUP,
-        journal_in,
-        precompute,
-        studies_read,
-    )
+    """Solve the robots that differ in one number, as far as their cases and figures are asked."""
+    from validation.sweeps.journal import journal_in  # noqa: PLC0415
+    from validation.variations.curves import variation_study  # noqa: PLC0415
 
-    robot_file, preset = request.robot_file, request.preset
-    groups = {task.group for task in tasks}
-    if GROUP in groups:
-        precompute(robot_file.robot, preset, sweeps, executor, studies_read(preset))
+    groups, journal = {task.group for task in tasks}, journal_in(str(sweeps))
     for number, variation in enumerate(variations, start=1):
+        # Of a robot without a reference its cases and figures say what is the matter.
         if f"vary.{number}" in groups:
-            from validation.variations.curves import variation_study  # noqa: PLC0415
-
-            variation_study(robot_file, variation, preset, journal_in(str(sweeps)), executor)
+            with suppress(InputError):
+                variation_study(request.robot_file, variation, request.preset, journal, executor)
 
 
 def _baseline(request: Request) -> RunRecord | None:
@@ -240,7 +234,7 @@ def _variations(request: Request) -> tuple[Variation, ...]:
         return ()
     from validation.variations.robots import checked_variations  # noqa: PLC0415
 
-    return checked_variations(request.robot_file, request.vary)
+    return checked_variations(request.robot_file, request.vary, request.preset)
 
 
 def _with_figures(catalogue: Catalogue, request: Request) -> Catalogue:
@@ -285,10 +279,11 @@ def _export(request: Request, target: Path) -> None:
 
 
 def _require_work_for_a_cluster(request: Request) -> None:
-    """Raise InputError for a mechanism whose run has nothing that a cluster could compute."""
+    """Raise InputError for a run that has nothing that a cluster could compute."""
     if not request.vary and not request.robot_file.mechanism.parts:
         raise InputError(
-            "--cluster: a mechanism's run has no sweeps but those of --vary, and this one no parts"
+            "--cluster: computes the robots of --vary and the parts of a mechanism; this run has "
+            "neither"
         )
 
 

@@ -43,6 +43,12 @@ class Journal:
             keep_arrays(self.folder, key, arrays)
 
 
+@lru_cache(maxsize=None)
+def journal_in(folder: str) -> Journal:
+    """The journal of a folder, one per process; "" for one in memory."""
+    return Journal(Path(folder) if folder else None)
+
+
 def key_of(unit: object) -> str:
     """Name of a unit's result: equal for equal units computed by equal sources."""
     return fingerprint((_sources(), unit))

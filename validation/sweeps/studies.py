@@ -15,7 +15,6 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.biglide import Biglide, scaled
-from lumped.caches import lru_cache
 from lumped.errors import InputError
 from validation.agreement.convergence import step_factor
 from validation.case import Skip
@@ -24,7 +23,7 @@ from validation.solids.legs import FORMAL_ORDER
 from validation.solids.size import too_large
 from validation.studies.quantities import Deflections, deflections_of
 from validation.sweeps.decision import Brief, Decision, decide
-from validation.sweeps.journal import Journal
+from validation.sweeps.journal import Journal, journal_in
 from validation.sweeps.plans import (
     COARSE,
     FREE,
@@ -186,12 +185,6 @@ def precompute(
     for study in studies:
         with suppress(InputError):
             study(robot, preset, journal, executor)
-
-
-@lru_cache(maxsize=None)
-def journal_in(folder: str) -> Journal:
-    """The journal of a folder, one per process; "" for one in memory."""
-    return Journal(Path(folder) if folder else None)
 
 
 def _curves(parts: list[SolvedPostures]) -> Curves:

@@ -8,23 +8,25 @@ import numpy as np
 from lumped.arrays import Array
 from lumped.robot_file import RobotFile
 from lumped.robot_file.variation import Variation
-from validation.adequacy.mechanism.compared import (
-    Compared,
-)
+from validation.adequacy.mechanism.compared import Compared
 from validation.context import Preset
 from validation.sweeps.journal import Journal
 from validation.sweeps.runner import Executor, computed, in_turn
+from validation.variations.decision import OBJECTIVES, Decision, Objective
 from validation.variations.robots import VariedModels, varied_robots
 
 
 @dataclass(frozen=True, eq=False)
 class VariedCurves:
-    """All models over the values of a variation: compliances (SI) and frequencies (Hz)."""
+    """Deflections or frequencies by all models over the n values of a variation.
 
-    variation: Variation
-    pose: tuple[float, ...]
-    statics: Compared
-    dynamics: Compared
+    `compared` (compliances, SI, or frequencies, Hz) in the middle of the path, where the robots are
+    in `poses` (n×m); the `decision` over the whole of it.
+    """
+
+    poses: Array
+    compared: Compared
+    decision: Decision
 
 
 def variation_study(
@@ -33,36 +35,68 @@ def variation_study(
     preset: Preset,
     journal: Journal,
     executor: Executor = in_turn,
-) -> VariedCurves:
+) -> dict[Objective, VariedCurves]:
     """All models of every robot of the variation, from the journal as far as it goes."""
     units = varied_robots(robot_file, variation, preset)
     found = computed(units, VariedModels, executor, journal, f"varying {variation.key}")
-    return VariedCurves(
-        variation,
-        units[0].pose,
-        _stacked(
-            [(one.static, one.compliances, one.static_differences) for one in found],
-            found[0].static_against,
-        ),
-        _stacked(
-            [(one.dynamic, one.frequencies, one.dynamic_differences) for one in found],
-            found[0].dynamic_against,
-        ),
+    curves: dict[Objective, VariedCurves] = {}
+    for number, objective in enumerate(OBJECTIVES):
+        robots = found[number * len(variation.values) :][: len(variation.values)]
+        poses = np.array([robot.pose for robot in robots])
+        curves[objective] = VariedCurves(poses, _stacked(robots), _decision(objective, robots))
+    return curves
+
+
+def _stacked(robots: Sequence[VariedModels]) -> Compared:
+    """Curves over the robots, of as many quantities as all have; NaN where one has no such."""
+    least = min(robot.values.shape[1] for robot in robots)
+
+    def over(rows: Sequence[Array]) -> dict[str, Array]:
+        found: dict[str, Array] = {}
+        for number, (robot, row) in enumerate(zip(robots, rows, strict=True)):
+            for name, values in zip(robot.names, row, strict=True):
+                curve = found.setdefault(str(name), np.full((len(robots), least), np.nan))
+                curve[number] = values[:least]
+        return found
+
+    values, differences = (
+        over([getattr(robot, what) for robot in robots]) for what in ("values", "differences")
+    )
+    references = _references(robots)
+    return Compared(
+        values,
+        {name: one for name, one in differences.items() if name not in references},
+        " or ".join(references),
     )
 
 
-def _stacked(rows: Sequence[tuple[Array, Array, Array]], against: int) -> Compared:
-    """Curves over the values, of as many quantities as all robots have."""
-    names = [str(name) for name in rows[0][0]]
-    least = min(values.shape[1] for _, values, _ in rows)
+def _decision(objective: Objective, robots: Sequence[VariedModels]) -> Decision:
+    """By the models that answer for every robot, and by every reading of the references."""
+    models = [
+        str(name)
+        for name in robots[0].names[: robots[0].against]
+        if all(name in robot.names[: robot.against] for robot in robots)
+    ]
 
-    def curves(place: int) -> dict[str, Array]:
-        return {
-            name: np.array([row[place][number, :least] for row in rows])
-            for number, name in enumerate(names)
-        }
+    def read(column: str, at: Sequence[int]) -> Array:
+        return np.array([getattr(robot, column)[k] for robot, k in zip(robots, at, strict=True)])
 
-    differences = curves(2)
-    reference = names[against]
-    del differences[reference]
-    return Compared(curves(1), differences, reference)
+    references, uncertainties = {}, {}
+    for reading in range(max(len(robot.names) - robot.against for robot in robots)):
+        # Where a robot leaves less open than others, its last reading goes with all further ones.
+        at = [min(robot.against + reading, len(robot.names) - 1) for robot in robots]
+        name = " or ".join(dict.fromkeys(read("names", at).tolist()))
+        references[name], uncertainties[name] = read("extremes", at), read("uncertainties", at)
+    own = {
+        name: read("extremes", [list(robot.names).index(name) for robot in robots])
+        for name in models
+    }
+    return Decision(objective, own, references, uncertainties)
+
+
+def _references(robots: Sequence[VariedModels]) -> list[str]:
+    """The references that curves differ from.
+
+    A number of the file may make a solid of a leg known by its 6×6: there are then several.
+    """
+    return list(dict.fromkeys(str(robot.names[robot.against]) for robot in robots))

@@ -4,7 +4,7 @@ Whoever designs with a model asks little of its absolute numbers: its order of t
 right, and its best design must be good. All tables of values here are arrays (n) over the designs.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
@@ -36,6 +36,62 @@ class Choice:
     design: int
     equally_good: tuple[int, ...]
     loss: float
+
+
+@dataclass(frozen=True, eq=False)
+class Decision:
+    """An objective of n designs (each number an array of n) by `models` and by a reference.
+
+    `references` has it by every reading of what the robot file leaves open, by name, the first of
+    which is told; `uncertainties` are their relative half-widths.
+    """
+
+    objective: Objective
+    models: Mapping[str, Array]
+    references: Mapping[str, Array]
+    uncertainties: Mapping[str, Array]
+
+    @property
+    def reference(self) -> Array:
+        """The reading that is told."""
+        return next(iter(self.references.values()))
+
+    @property
+    def best(self) -> int:
+        """The number of the design that the reference chooses."""
+        return choice(self.reference, self.reference, self.objective).design
+
+    def choice(self, model: str) -> Choice:
+        """What a model chooses."""
+        return choice(self.models[model], self.reference, self.objective)
+
+    def loss_uncertainty(self, design: int) -> float:
+        """What the reference leaves open of the loss at a design.
+
+        Its uncertainty moves the design one way, and all others the other way.
+        """
+        apart = np.full(len(self.reference), -1.0)
+        apart[design] = 1.0
+        return self._left_open(lambda one: losses(one, self.objective)[design], apart)
+
+    def correlation(self, model: str) -> tuple[float, float]:
+        """Spearman's ρ of a model's order with the reference's, and what that leaves open.
+
+        Its uncertainty moves each design by its rank: towards the model's order, and away from it.
+        """
+        own = self.models[model]
+        ranks = _ranks(own)
+        apart = ranks / max(ranks.max(), 1.0) * 2.0 - 1.0
+        found = spearman(own, self.reference)
+        return found, self._left_open(lambda one: spearman(own, one), apart)
+
+    def _left_open(self, number: Callable[[Array], float], apart: Array) -> float:
+        told = number(self.reference)
+        return max(
+            abs(number(values * np.exp(way * apart * self.uncertainties[name])) - told)
+            for name, values in self.references.items()
+            for way in (-1.0, 0.0, 1.0)
+        )
 
 
 def choice(values: Array, reference: Array, objective: Objective) -> Choice:

@@ -1,6 +1,6 @@
 """Robots that differ from a run's in one number, each by all models: units of work for a sweep."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -8,86 +8,116 @@ import numpy as np
 from lumped.arrays import Array
 from lumped.caches import lru_cache
 from lumped.errors import ComputationError, InputError
-from lumped.mechanism.kinematics.postures import posture
 from lumped.mechanism.mechanism import Posture
 from lumped.robot_file import RobotFile, load_robot
 from lumped.robot_file.variation import Variation, told, variations_of, varied
 from validation.adequacy.mechanism.compared import (
-    Compared,
     compared_compliances,
     compared_frequencies,
+    compared_statics,
 )
+from validation.adequacy.mechanism.path import path_postures
 from validation.context import BUILT_IN, Context, Preset
+from validation.studies.quantities import LOAD, MICRO
+from validation.variations.decision import OBJECTIVES, Objective
 
 
 @dataclass(frozen=True, eq=False)
 class VariedModels:
     """What all models say of one robot: plain arrays, as a journal keeps them.
 
-    Of statics (s curves: names, values s×6 in SI, differences from curve number `static_against`)
-    and of frequencies (d curves, d×k in Hz).
+    Of c curves their `names`, in the `pose` in the middle of the path `values` (c×k, SI) and
+    `differences` (c×k) from curve number `against`; over the path the `extremes` (c; largest
+    deflection, µm, or smallest first frequency, Hz) and their relative `uncertainties`. From curve
+    `against` on they are the reference by every reading of what the robot file leaves open; those
+    before it are models, whose numbers are theirs without any uncertainty.
     """
 
-    static: Array
-    compliances: Array
-    static_differences: Array
-    static_against: int
-    dynamic: Array
-    frequencies: Array
-    dynamic_differences: Array
-    dynamic_against: int
+    pose: Array
+    names: Array
+    values: Array
+    differences: Array
+    against: int
+    extremes: Array
+    uncertainties: Array
 
 
 @dataclass(frozen=True)
 class VariedRobot:
-    """One robot of a variation in one pose; `said` tells the value, for errors."""
+    """Deflections or frequencies of one robot on its path; `said` tells the value, for errors."""
 
     robot_file: RobotFile
     preset: Preset
-    pose: tuple[float, ...]
     said: str
+    objective: Objective
 
-    def posture(self) -> Posture:
-        """The robot in its pose; raises InputError where it cannot be there."""
+    def postures(self) -> tuple[Posture, ...]:
+        """The robot on its path; raises InputError where it cannot be there."""
         try:
-            return posture(self.robot_file.mechanism, np.array(self.pose))
+            return path_postures(self._context())
         except InputError as error:
             raise InputError([f"--vary {self.said}: {fault}" for fault in error.faults]) from error
 
     def compute(self) -> VariedModels:
-        """All models; raises InputError and ComputationError, which name the value."""
-        at = (self.posture(),)
-        context = replace(_shared(self.preset), robot_file=self.robot_file)
+        """All models; raises InputError, without reference, and ComputationError, which name it."""
+        at, context = self.postures(), self._context()
         try:
-            statics = compared_compliances(context, at)
-            modes = self.robot_file.requirement.modes
-            dynamics = compared_frequencies(context, at, modes)
-        except (InputError, ComputationError) as error:
+            if self.objective == "deflection":
+                statics = compared_statics(context, at)
+                displacements = {
+                    name: LOAD * MICRO * np.linalg.norm(one[:, :3, :3], axis=1)
+                    for name, one in statics.compliances.items()
+                }
+                found = compared_compliances(statics)
+                extremes = _extremes(displacements, statics.uncertainties, np.max)
+            else:
+                found = compared_frequencies(context, at, self.robot_file.requirement.modes)
+                first = {name: one[:, :1] for name, one in found.values.items()}
+                extremes = _extremes(first, found.uncertainties, np.min)
+        except InputError as error:
+            raise InputError([f"--vary {self.said}: {fault}" for fault in error.faults]) from error
+        except ComputationError as error:
             raise ComputationError(f"--vary {self.said}: {error}") from error
-        return VariedModels(*_packed(statics), *_packed(dynamics))
+        middle, names = len(at) // 2, list(found.values)
+        values = np.array([one[middle] for one in found.values.values()])
+        none = np.full((len(at), values.shape[1]), np.nan)
+        differences = [found.differences.get(name, none)[middle] for name in names]
+        return VariedModels(
+            at[middle].pose,
+            np.array(names),
+            values,
+            np.array(differences),
+            names.index(found.against),
+            *extremes,
+        )
+
+    def _context(self) -> Context:
+        return replace(_shared(self.preset), robot_file=self.robot_file)
 
 
-def checked_variations(robot_file: RobotFile, typed: Sequence[str]) -> tuple[Variation, ...]:
+def checked_variations(
+    robot_file: RobotFile, typed: Sequence[str], preset: Preset
+) -> tuple[Variation, ...]:
     """The variations as typed, each looked at by itself.
 
-    Raises InputError, naming the values, where a robot cannot be or cannot be in the pose.
+    Raises InputError, naming the values, where a robot cannot be or cannot follow its path.
     """
     variations = variations_of(robot_file, typed)
     for variation in variations:
-        for unit in varied_robots(robot_file, variation, "quick"):
-            unit.posture()
+        for unit in varied_robots(robot_file, variation, preset)[: len(variation.values)]:
+            unit.postures()
     return variations
 
 
 def varied_robots(
     robot_file: RobotFile, variation: Variation, preset: Preset
 ) -> tuple[VariedRobot, ...]:
-    """A unit for each value, all in the pose in the middle of the robot's own path."""
-    poses = robot_file.mechanism.poses
-    pose = tuple(poses[len(poses) // 2].tolist())
+    """Units for each value: of deflections all, then of frequencies all."""
+    robots = varied(robot_file, (variation,))
     return tuple(
-        VariedRobot(robot, preset, pose, told((variation,), values))
-        for values, robot in varied(robot_file, (variation,))
+        VariedRobot(robot, preset, told((variation,), values), objective)
+        for objective in OBJECTIVES
+        for values, robot in robots
     )
 
 
@@ -97,10 +127,15 @@ def _shared(preset: Preset) -> Context:
     return Context(load_robot(BUILT_IN), preset)
 
 
-def _packed(found: Compared) -> tuple[Array, Array, Array, int]:
-    """Names, values and differences (one row a curve) in one pose, and which is the reference."""
-    names = list(found.values)
-    values = np.array([found.values[name][0] for name in names])
-    none = np.full((1, values.shape[1]), np.nan)
-    differences = np.array([found.differences.get(name, none)[0] for name in names])
-    return np.array(names), values, differences, names.index(found.against)
+def _extremes(
+    found: Mapping[str, Array], uncertainties: Mapping[str, Array], of: Callable[[Array], float]
+) -> tuple[Array, Array]:
+    """Largest or smallest of the values (p×k) of each curve, and its relative uncertainty."""
+    extremes = np.array([of(values) for values in found.values()])
+    left_open = np.zeros(len(found))
+    for place, (name, values) in enumerate(found.items()):
+        if name in uncertainties and extremes[place] != 0.0:
+            part = uncertainties[name][:, : values.shape[1]]
+            moved = np.array([of(values * np.exp(way * part)) for way in (-1.0, 1.0)])
+            left_open[place] = np.abs(np.log(moved / extremes[place])).max()
+    return extremes, left_open

@@ -59,7 +59,7 @@ def of_postures():
 
 
 def varied(robot: str | Path) -> VariedRobot:
-    return VariedRobot(load_robot(robot), "quick", (0.3, 0.5), "points.A[1] = 0.2")
+    return VariedRobot(load_robot(robot), "quick", "points.A[1] = 0.2", "deflection")
 
 
 @pytest.mark.parametrize(

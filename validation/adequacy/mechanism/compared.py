@@ -1,13 +1,14 @@
 """What all models say of a mechanism in some postures, and how far they are from its solids."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
 from lumped.arrays import Array
-from lumped.errors import ComputationError
-from lumped.mechanism.mechanism import Posture
+from lumped.errors import InputError
+from lumped.mechanism.mechanism import Mechanism, Posture
 from validation.adequacy.mechanism.dynamics import mechanism_dynamics
 from validation.adequacy.mechanism.statics import mechanism_statics, unanswered
 from validation.adequacy.mechanism.subject import mechanism_candidates
@@ -19,7 +20,8 @@ from validation.models.options import ModelName, ModelOptions
 
 # From the bottom of a stack of curves to its top.
 _DYNAMIC = ("segments", "segments-stepped", "segments-condensed", "beam", "beam-euler-bernoulli")
-_STACK = ("simplified", "vjm", "links", *_DYNAMIC)
+_STATIC_STACK = ("simplified", "vjm", "links", *_DYNAMIC)
+_DYNAMIC_STACK = ("simplified", *_DYNAMIC)
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,30 +30,56 @@ class Compared:
 
     `values` maps their names to p×k numbers, `differences` all but `against`, the first
     alternative, to what they differ from it (p×k, relative, NaN where there is nothing to compare).
+    `uncertainties` (p×k or more, relative) are those of the alternatives.
     """
 
     values: Mapping[str, Array]
     differences: Mapping[str, Array]
     against: str
+    uncertainties: Mapping[str, Array] = field(default_factory=dict)
 
 
-def compared_compliances(context: Context, postures: tuple[Posture, ...]) -> Compared:
-    """Compliance (p×6, SI) along and about each axis, under its own force and moment.
+class ComparedStatics(NamedTuple):
+    """Compliances (p×6×6, SI) by all models and, last, by the alternatives of the reference.
 
-    Raises InputError or ComputationError where there is no reference.
+    `uncertainties` of the alternatives (p×7, relative, as `Alternative.static`).
     """
+
+    compliances: Mapping[str, Array]
+    uncertainties: Mapping[str, Array]
+
+
+def compared_models(mechanism: Mechanism) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """The models that are compared in statics, and those that are in frequencies."""
+    judged = mechanism_candidates(mechanism)
+    static, dynamic = (
+        tuple(name for name in stack if name in judged) for stack in (_STATIC_STACK, _DYNAMIC_STACK)
+    )
+    return static, dynamic
+
+
+def compared_statics(context: Context, postures: tuple[Posture, ...]) -> ComparedStatics:
+    """All models and the alternatives; raises InputError or ComputationError without reference."""
     statics = mechanism_statics(context, postures)
     found = {
-        name: _own(statics.answer(model, options))
-        for name, (model, options) in _answering(postures, _STACK).items()
+        name: statics.answer(model, options)
+        for name, (model, options) in _answering(postures, _STATIC_STACK).items()
     }
-    against = ""
+    uncertainties = {}
     for one in static_reference(statics).alternatives:
         solid = statics.prisms or statics.parts
         name = f"solid, {one.name}" if solid else "legs' own 6×6"
-        if one.response.compliance is not None:
-            found[name] = _own(one.response.compliance)
-        against = against or name
+        if one.response.compliance is not None and one.static is not None:
+            found[name], uncertainties[name] = one.response.compliance, one.static
+    return ComparedStatics(found, uncertainties)
+
+
+def compared_compliances(statics: ComparedStatics) -> Compared:
+    """Compliance (p×6, SI) along and about each axis, under its own force and moment."""
+    found = {
+        name: np.diagonal(values, axis1=1, axis2=2) for name, values in statics.compliances.items()
+    }
+    against = next(iter(statics.uncertainties))
     reference = found[against]
     known = np.where(reference != 0.0, reference, np.nan)
     differences = {name: values / known - 1.0 for name, values in found.items() if name != against}
@@ -66,18 +94,18 @@ def compared_frequencies(context: Context, postures: tuple[Posture, ...], judged
     dynamics = mechanism_dynamics(context, postures, judged)
     found = {
         name: modes
-        for name, (model, options) in _answering(postures, ("simplified", *_DYNAMIC)).items()
+        for name, (model, options) in _answering(postures, _DYNAMIC_STACK).items()
         if (modes := dynamics.answer(model, options))
     }
     reference = dynamic_reference(dynamics)
-    against = ""
+    uncertainties = {}
     for one in reference.alternatives:
-        if one.response.vibration is not None:
+        if one.response.vibration is not None and one.dynamic is not None:
             name = one.name if reference.bracket else f"solid, {one.name}"
-            found[name] = one.response.vibration
-            against = against or name
-    if not against:
-        raise ComputationError(reference.decides)
+            found[name], uncertainties[name] = one.response.vibration, one.dynamic
+    if not uncertainties:
+        raise InputError(reference.decides)
+    against = next(iter(uncertainties))
     first, weights = found[against], dynamics.weights
     own = first.frequencies[:, :judged]
     return Compared(
@@ -88,6 +116,7 @@ def compared_frequencies(context: Context, postures: tuple[Posture, ...], judged
             if name != against
         },
         against,
+        uncertainties,
     )
 
 
@@ -97,7 +126,3 @@ def _answering(
     judged = mechanism_candidates(postures[0].mechanism)
     asked = {name: (judged[name].kind, judged[name].options) for name in stack if name in judged}
     return {name: model for name, model in asked.items() if not unanswered(postures, *model)}
-
-
-def _own(compliance: Array) -> Array:
-    return np.diagonal(compliance, axis1=1, axis2=2)

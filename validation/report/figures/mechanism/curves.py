@@ -11,6 +11,7 @@ from validation.adequacy.mechanism.compared import (
     Compared,
     compared_compliances,
     compared_frequencies,
+    compared_statics,
 )
 from validation.adequacy.mechanism.path import coordinates, path_postures
 from validation.adequacy.response import UNSOLVED
@@ -40,7 +41,7 @@ figures = FigureGroup(PATH, SHARED_SOLIDS)
 def deflections(context: Context) -> Shown:
     """A panel for each direction, under a force or a moment along it."""
     try:
-        found = compared_compliances(context, path_postures(context))
+        found = compared_compliances(compared_statics(context, path_postures(context)))
     except UNSOLVED as error:
         raise Skip(str(error)) from error
     chart = deflection_chart(found, *_path(context))
@@ -83,7 +84,7 @@ def frequency_chart(
     abscissa: Mapping[str, Sequence[float]],
 ) -> Chart:
     """The first frequencies (p×k, Hz), a panel each."""
-    count = min(JUDGED_MODES, found.values[found.against].shape[1])
+    count = min(JUDGED_MODES, next(iter(found.values.values())).shape[1])
     panels = [_panel(found, x, mode, f"f{mode + 1} (Hz)", 1.0) for mode in range(count)]
     return path_chart(panels, label, abscissa, columns=2)
 

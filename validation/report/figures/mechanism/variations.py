@@ -9,7 +9,10 @@ from lumped.arrays import Array
 from lumped.mechanism.kinematics.postures import shown_pose
 from lumped.robot_file.key_units import unit_of
 from lumped.robot_file.variation import Variation
-from validation.context import SWEEPS_FOLDER, Context
+from validation.context import Context
+from validation.drawing.chart import Chart, Panel, Series, tapered
+from validation.drawing.scales import few_ticks, from_zero
+from validation.drawing.style import LOOKS, known_as
 from validation.exhibits import PARAMETERS, Figure, PlannedFigure
 from validation.report.figures.declared import compared_with, curves
 from validation.report.figures.mechanism.curves import (
@@ -19,12 +22,21 @@ from validation.report.figures.mechanism.curves import (
     deflection_chart,
     frequency_chart,
 )
-from validation.sweeps.studies import journal_in
-from validation.variations.curves import VariedCurves, variation_study
+from validation.variations.cases import varied_curves
+from validation.variations.curves import VariedCurves
+from validation.variations.decision import MEANING, UNITS, Decision, choice
+
+_CHOSEN = "What each model chooses"
+_TITLES = {"deflection": "largest deflection (µm)", "frequency": "smallest first frequency (Hz)"}
+_STAR = {"marker": "*", "markersize": 13.0, "markeredgecolor": "black", "linestyle": "none"}
+_SEARCHED = (
+    "Over the whole path, each robot on its own. A star marks what a curve finds best among the "
+    "values shown; none is sought between them."
+)
 
 
 def figures_over(variations: Sequence[Variation]) -> tuple[PlannedFigure, ...]:
-    """Deflections and frequencies over each number that is varied."""
+    """Deflections, frequencies and what each model chooses, over each number that is varied."""
     return tuple(
         PlannedFigure(
             f"vary.{number}.{what}",
@@ -38,18 +50,17 @@ def figures_over(variations: Sequence[Variation]) -> tuple[PlannedFigure, ...]:
         for what, title, draw in (
             ("deflections", "Deflection", deflections),
             ("frequencies", "Natural frequencies", frequencies),
+            ("decision", _CHOSEN, decisions),
         )
     )
 
 
 def deflections(context: Context, *, variation: Variation, number: int) -> Figure:
     """A panel for each direction, under a force or a moment along it."""
-    found = _curves(context, variation)
-    place = _place(context, found)
-    at = f", with the tool at {place}" if place else ""
-    said = f"Of the loaded point{at}. {HELD}{_alike(variation)}"
-    chart = deflection_chart(found.statics, *_over(context, variation))
-    return curves(chart, said, compared_with(found.statics.against)).figure(
+    found = varied_curves(context, variation)["deflection"]
+    said = f"Of the loaded point, {_place(context, found)}. {HELD}{_alike(variation)}"
+    chart = deflection_chart(found.compared, *_over(context, variation))
+    return curves(chart, said, compared_with(found.compared.against)).figure(
         f"vary.{number}.deflections",
         f"Deflection over {variation.key}: {OWN_LOADS}",
         PARAMETERS,
@@ -58,23 +69,62 @@ def deflections(context: Context, *, variation: Variation, number: int) -> Figur
 
 def frequencies(context: Context, *, variation: Variation, number: int) -> Figure:
     """A panel for each of the first frequencies, in ascending order at each value."""
-    found = _curves(context, variation)
-    place = _place(context, found)
-    said = f"With the tool at {place}." if place else ""
-    chart = frequency_chart(found.dynamics, *_over(context, variation))
-    against = compared_with(found.dynamics.against)
-    return curves(chart, said, f"{ONE_SHAPE}{_alike(variation)}", against).figure(
-        f"vary.{number}.frequencies", f"Natural frequencies over {variation.key}", PARAMETERS
+    found = varied_curves(context, variation)["frequency"]
+    said = _place(context, found)
+    chart = frequency_chart(found.compared, *_over(context, variation))
+    against = compared_with(found.compared.against)
+    return curves(
+        chart, f"{said[0].upper()}{said[1:]}.", f"{ONE_SHAPE}{_alike(variation)}", against
+    ).figure(f"vary.{number}.frequencies", f"Natural frequencies over {variation.key}", PARAMETERS)
+
+
+def decisions(context: Context, *, variation: Variation, number: int) -> Figure:
+    """A panel for each objective: all models over the values, what each finds best with a star."""
+    found = varied_curves(context, variation)
+    x, label, abscissa = _over(context, variation)
+    panels = [_objective(one.decision, x) for one in found.values()]
+    said = (_verdict(one.decision, variation) for one in found.values())
+    return curves(Chart(panels, label, 2, 3.2, 4, abscissa, few_ticks), *said, _SEARCHED).figure(
+        f"vary.{number}.decision", f"{_CHOSEN} over {variation.key}", PARAMETERS
     )
 
 
-def _curves(context: Context, variation: Variation) -> VariedCurves:
-    journal = journal_in(context.options.get(SWEEPS_FOLDER, ""))
-    return variation_study(context.robot_file, variation, context.preset, journal)
+def _objective(decision: Decision, x: Array) -> Panel:
+    objective = decision.objective
+    curves = {**decision.models, **decision.references}
+    series, stars = [], []
+    for rank, (name, values) in enumerate(curves.items()):
+        look = LOOKS.get(known_as(name), LOOKS["solid"])
+        width = tapered(rank, len(curves))
+        series.append(Series(name, x, values, look, width, f"{objective} ({UNITS[objective]})"))
+        at = [choice(values, decision.reference, objective).design]
+        stars.append(Series(f"_{name}", x[at], values[at], look, fill=look.colour, more=_STAR))
+    return Panel([*series, *stars], _TITLES[objective], scale=from_zero)
+
+
+def _verdict(decision: Decision, variation: Variation) -> str:
+    """What each model chooses by an objective, and what that costs."""
+    values, best = variation.values, decision.best
+    told = []
+    for model in decision.models:
+        chosen = decision.choice(model)
+        several = len(chosen.equally_good)
+        among = f" (of {several} equally good to it)" if several > 1 else ""
+        told.append(
+            f"{model} {values[chosen.design]:.6g}{among} at a loss of {100.0 * chosen.loss:.2g} %"
+        )
+    return (
+        f"By the {MEANING[decision.objective]}, {next(iter(decision.references))} is best at "
+        f"{values[best]:.6g} ({decision.reference[best]:.4g} {UNITS[decision.objective]}); "
+        f"{', '.join(told)}."
+    )
 
 
 def _place(context: Context, found: VariedCurves) -> str:
-    return shown_pose(context.robot_file.mechanism, np.array(found.pose))
+    """Where the robots are, which follow paths of their own where these are varied."""
+    shown = shown_pose(context.robot_file.mechanism, found.poses[0])
+    alike = shown and np.ptp(found.poses, axis=0).max() == 0.0
+    return f"with the tool at {shown}" if alike else "in the middle of the path"
 
 
 def _over(

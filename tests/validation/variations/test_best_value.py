@@ -1,0 +1,203 @@
+"""A number of a robot whose best value is known in closed form, as every model chooses it.
+
+A bar on a slide. Along the slide it swings as a rigid body on the drive's spring, the more slowly
+the taller it is; across the slide it bends, the faster the taller it is.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from lumped.robot_file import load_robot
+from lumped.robot_file.variation import variations_of
+from validation.case import Skip
+from validation.context import Context
+from validation.sweeps.cores import on_cores
+from validation.sweeps.journal import Journal
+from validation.sweeps.runner import in_turn
+from validation.variations.cases import cases_over
+from validation.variations.curves import variation_study
+from validation.variations.decision import Decision
+
+LENGTH, WIDTH, E, RHO, TOOL, DRIVE = 0.8, 0.16, 2.1e11, 7850.0, 2.0, 3.0e6
+BAR = f"""
+schema = 2
+name = "bar on a slide"
+points = {{ A = [0.0, 0.0, 0.0], P = [{LENGTH}, 0.0, 0.0] }}
+[bodies.bar]
+from = "A"
+to = "P"
+section = {{ shape = "rectangle", width = {WIDTH}, height = 0.03 }}
+material = {{ E = {E}, nu = 0.0, rho = {RHO} }}
+ends = "rigid"
+[joints.slide]
+type = "prismatic"
+between = ["ground", "bar"]
+at = "A"
+axis = [0.0, 1.0, 0.0]
+drive = {{ stiffness = {DRIVE} }}
+[tool]
+body = "bar"
+point = "P"
+moves = ["y"]
+mass = {TOOL}
+[path]
+from = [0.0]
+to = [0.2]
+count = 3
+[accept]
+modes = 2
+"""
+VARY = "bodies.bar.section.height=0.024:0.056:3"
+HEIGHTS = np.linspace(0.024, 0.056, 3)
+
+
+@pytest.fixture(scope="module")
+def bar(tmp_path_factory):
+    path = tmp_path_factory.mktemp("bar") / "bar.toml"
+    path.write_text(BAR, encoding="utf-8")
+    return load_robot(str(path))
+
+
+@pytest.fixture(scope="module")
+def found(bar):
+    (variation,) = variations_of(bar, [VARY])
+    return variation_study(bar, variation, "quick", Journal())
+
+
+def bending(height):
+    """First frequency (Hz) of the clamped bar across its slide, the tool at its tip.
+
+    1 + cos λ cosh λ + λ m/(ρAL) (cos λ sinh λ − sin λ cosh λ) = 0 (Euler–Bernoulli).
+    """
+    mass = RHO * WIDTH * height * LENGTH
+
+    def condition(x):
+        tip = np.cos(x) * np.sinh(x) - np.sin(x) * np.cosh(x)
+        return 1.0 + np.cos(x) * np.cosh(x) + x * TOOL / mass * tip
+
+    root = brentq(condition, 0.1, 1.8751041)
+    return root**2 / (2.0 * np.pi * LENGTH**2) * np.sqrt(E * height**2 / 12.0 / RHO)
+
+
+def swinging(height):
+    """Frequency (Hz) of bar and tool, rigid, on the drive."""
+    return np.sqrt(DRIVE / (TOOL + RHO * WIDTH * height * LENGTH)) / (2.0 * np.pi)
+
+
+def test_the_best_height_is_where_both_modes_meet(found):
+    expected = np.array([min(bending(height), swinging(height)) for height in HEIGHTS])
+    best = int(expected.argmax())
+    assert 0 < best < len(HEIGHTS) - 1
+    decision = found["frequency"].decision
+    # Bending along the slide, shear and rotary inertia are left out of the closed form.
+    assert decision.reference == pytest.approx(expected, rel=0.03)
+    assert decision.best == best
+    for model in ("segments", "beam", "beam-euler-bernoulli"):
+        assert decision.choice(model).design == best
+        assert decision.choice(model).loss == 0.0
+        assert decision.correlation(model)[0] == pytest.approx(1.0)
+    # The simplified model's bar has no mass: all heights are one to it.
+    assert decision.models["simplified"] == pytest.approx(np.sqrt(DRIVE / TOOL) / (2.0 * np.pi))
+    simplified = decision.choice("simplified")
+    assert (len(simplified.equally_good), simplified.design, simplified.loss) == (3, best, 0.0)
+
+
+def test_the_stiffest_is_the_tallest_and_rigid_bars_are_all_alike(found):
+    decision = found["deflection"].decision
+    area, inertia = WIDTH * HEIGHTS, WIDTH * HEIGHTS**3 / 12.0
+    shear = LENGTH / (5.0 / 6.0 * area * E / 2.0)
+    across = 1e9 * (LENGTH**3 / (3.0 * E * inertia) + shear)
+    wide = HEIGHTS * WIDTH**3 / 12.0
+    along = 1e9 * (1.0 / DRIVE + LENGTH**3 / (3.0 * E * wide) + shear)
+    expected = np.maximum(across, along)
+    # For ν = 0 held ends take nothing of bending: the rest is the mesh.
+    for model in ("vjm", "links", "segments", "beam"):
+        assert decision.models[model] == pytest.approx(expected, rel=1e-9)
+    assert decision.reference == pytest.approx(expected, rel=1e-3)
+    assert decision.best == len(HEIGHTS) - 1
+    simplified = decision.choice("simplified")
+    assert simplified.equally_good == tuple(range(len(HEIGHTS)))
+    assert (simplified.design, simplified.loss) == (decision.best, 0.0)
+    assert np.isnan(decision.correlation("simplified")[0])
+
+
+def test_what_the_file_relies_on_is_judged(bar, tmp_path):
+    variations = variations_of(bar, ["tool.mass=2:4:3"])
+    ids = {case.id for case in cases_over(bar, variations)}
+    assert "decision.frequency.loss.beam[tool.mass]" in ids
+    assert not any("simplified" in name or "frequency.loss.vjm" in name for name in ids)
+    relied = replace(bar, requirement=replace(bar.requirement, rely=("simplified",)))
+    cases = {case.id: case for case in cases_over(relied, variations)}
+    assert sorted(cases) == [
+        f"decision.{objective}.{what}.simplified[tool.mass]"
+        for objective in ("deflection", "frequency")
+        for what in ("loss", "order")
+    ]
+    # Bending decides: 4.0 kg are slower than 2.0 kg, which both know.
+    context = Context(relied, "quick", {"sweeps": str(tmp_path)})
+    loss = cases["decision.frequency.loss.simplified[tool.mass]"].measure(context)
+    assert (loss.value, loss.reference_uncertainty) == (0.0, 0.0)
+    # No mass changes a deflection: nothing is to choose, and there is no order.
+    stiff = cases["decision.deflection.loss.simplified[tool.mass]"].measure(context)
+    assert "2, 3, 4 are equally good to it" in stiff.notes[1]
+    with pytest.raises(Skip, match="equally good to simplified or its reference"):
+        cases["decision.deflection.order.simplified[tool.mass]"].measure(context)
+    two = cases_over(relied, variations_of(bar, ["tool.mass=2:4:2"]))
+    assert [case.id.split(".")[2] for case in two] == ["loss", "loss"]
+    assert not cases_over(relied, variations_of(bar, ["tool.mass=2:4:1"]))
+
+
+def test_a_value_without_a_reference_is_told(bar):
+    """A bar as thin as that has more unknowns as a solid than the preset takes."""
+    variations = variations_of(bar, ["bodies.bar.section.height=0.01:0.03:2"])
+    case = next(c for c in cases_over(bar, variations) if "frequency.loss.beam" in c.id)
+    said = r"--vary bodies.bar.section.height=0.01: bar as a solid of 2 divisions has about"
+    with pytest.raises(Skip, match=said):
+        case.measure(Context(bar, "quick"))
+
+
+def test_processes_and_a_journal_give_the_same_numbers(bar, tmp_path):
+    """What was finished before an end from outside is taken up, byte for byte."""
+    (variation,) = variations_of(bar, ["tool.mass=2:4:2"])
+    asked = bar, variation, "quick"
+    here = variation_study(*asked, Journal())
+
+    def ended(calls):
+        yield next(in_turn(calls))
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        variation_study(*asked, Journal(tmp_path), ended)
+    assert len(list(tmp_path.glob("*.npz"))) == 1
+    computed = []
+
+    def counting(calls):
+        computed.extend(calls)
+        with on_cores(1) as cores:
+            yield from cores(calls)
+
+    there = variation_study(*asked, Journal(tmp_path), counting)
+    assert len(computed) == 3
+    again = variation_study(*asked, Journal(tmp_path), pytest.fail)
+    for objective, curves in here.items():
+        for other in (there[objective], again[objective]):
+            for part in ("models", "references", "uncertainties"):
+                own, its = (getattr(one.decision, part) for one in (curves, other))
+                assert list(own) == list(its)
+                for name, values in own.items():
+                    assert values.tobytes() == its[name].tobytes()
+
+
+def test_uncertain_references_leave_losses_open():
+    values = {"first": np.array([1.0, 1.001, 2.0]), "second": np.array([1.02, 1.0, 2.0])}
+    uncertain = {"first": np.full(3, 0.002), "second": np.zeros(3)}
+    decision = Decision("deflection", {"model": values["second"]}, values, uncertain)
+    assert decision.choice("model").loss == pytest.approx(0.001)
+    # 0.2 % up and 0.2 % down; the second reading finds it the best.
+    assert decision.loss_uncertainty(1) == pytest.approx(0.004, rel=0.01)
+    assert decision.loss_uncertainty(0) == pytest.approx(0.02, rel=0.01)
+    # One exchange of three: ρ = 0.5; within its uncertainty, and by the second, the order is 1.
+    assert decision.correlation("model") == pytest.approx((0.5, 0.5))
