@@ -4,12 +4,11 @@ from collections.abc import Callable, Sequence
 
 from lumped.robot_file import RobotFile
 from lumped.robot_file.variation import variations_of
+from validation import paper
 from validation.adequacy.matrix import ADEQUACY, MEASURED, Assessment
 from validation.adequacy.robot import robot_adequacy
-from validation.cases import anchors, legs, mechanism, paper, program, robot
+from validation.cases import anchors, legs, mechanism, program, robot
 from validation.cases.anchors import independence
-from validation.cases.paper import longer_legs
-from validation.cases.robot import decision, modes, sixty, solid
 from validation.context import BUILT_IN
 from validation.measured.matrix import measured_matrix
 from validation.report.figures import figures_of, figures_of_program, figures_of_variations
@@ -81,9 +80,4 @@ def _paper() -> Sequence[Task]:
     return (
         *paper.cases(),
         *anchors.paper_cases(),
-        *solid.paper_cases(),
-        *modes.paper_cases(),
-        *sixty.paper_cases(),
-        *decision.paper_cases(),
-        *longer_legs.paper_cases(),
     )

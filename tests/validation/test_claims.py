@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from lumped.robot_file import load_robot
+from validation import paper
 from validation.case import Case
-from validation.cases import paper
 from validation.catalogue import catalogue
 from validation.claims import Claim, Curve, gathered, summary
 from validation.context import Context

@@ -153,7 +153,7 @@ def slowly(_context: Context) -> Measurement:
 
 def real(robot_file: RobotFile) -> Sequence[Task]:
     """Some of the paper's cases between others of a steady pace, and a figure."""
-    from validation.cases import paper  # noqa: PLC0415  the other catalogues do not need it
+    from validation import paper  # noqa: PLC0415  the other catalogues do not need it
 
     steady = tuple(case(f"toy.steady[{k}]", slowly) for k in range(12))
     of_paper = (replace(one, subject="robot") for one in paper.cases()[::2])

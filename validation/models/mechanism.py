@@ -7,7 +7,7 @@ are condensed to their interfaces, which is exact; dynamic ones are reduced with
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from math import isclose
+from math import ceil, isclose
 
 import numpy as np
 
@@ -176,7 +176,14 @@ def highest_frequency(
     In the middle posture; rounded up in steps of half an octave, so that others share the bodies.
     """
     middle = postures[len(postures) // 2]
-    coarse = replace(_ESTIMATE, equivalent=options.equivalent, theory=options.theory)
+    # Half of the six modes that an element adds to a leg are near the true ones.
+    legs = max(1, len(legs_of(middle.mechanism)) + len(middle.mechanism.parts))
+    coarse = replace(
+        _ESTIMATE,
+        equivalent=options.equivalent,
+        theory=options.theory,
+        elements=max(_ESTIMATE.elements, ceil(count / (3 * legs))),
+    )
     bodies: dict[str, BodyModel] = {
         name: leg_matrices("beam", leg, own)
         for name, leg, own in constant_legs(middle.mechanism, coarse)

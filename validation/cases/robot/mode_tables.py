@@ -27,24 +27,6 @@ def mac_table(found: PairedModes, reference: str) -> dict[str, tuple[float | str
     }
 
 
-def mac_study(found: PairedModes, reference: str) -> Study:
-    """MAC of paired modes over the stroke."""
-    return Study(
-        id="robot.solid.mac",
-        kind="sweep",
-        title=f"Shapes of the solid robot and of {reference}",
-        x_label="x (m)",
-        y_label="MAC of paired modes",
-        unit="1",
-        x=tuple(found.x.tolist()),
-        series={
-            f"mode {k + 1}": tuple(np.where(found.reached, found.mac, nan)[:, k].tolist())
-            for k in range(PAIRED)
-        },
-        notes=("At a crossing two close modes mix: there only the space they span compares.",),
-    )
-
-
 def frequency_study(found: PairedModes, count: int) -> Study:
     """The first `count` frequencies over the stroke."""
     return Study(

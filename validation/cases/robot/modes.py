@@ -19,7 +19,7 @@ from validation.agreement.convergence import step_factor
 from validation.agreement.mode_pairing import CLOSE
 from validation.case import Absolute, Allowance, Measurement, Relative, Skip, others
 from validation.case_group import CaseGroup, numbered
-from validation.cases.robot.mode_tables import frequency_study, mac_study, mac_table
+from validation.cases.robot.mode_tables import frequency_study, mac_table
 from validation.cases.robot.stroke import at_stations, largest_difference
 from validation.context import Context
 from validation.exhibits import SOLID_ROBOT
@@ -46,7 +46,6 @@ from validation.studies.stroke_statics import POSTURES
 from validation.studies.torsion import torsion_effects, wave_error
 
 FREQUENCIES = 4
-_SEGMENTS = "20 segments per leg, Timoshenko springs, rotary inertia"
 # Relative tolerance of frequencies, absolute one of MAC.
 _DYNAMICS, _SHAPE = 0.01, 0.01
 _OWN = "20 Timoshenko beam elements per leg, constants of the solids' own section meshes"
@@ -61,8 +60,6 @@ cases = CaseGroup(
     group=SHARED_SOLIDS,
     effort=3.0,
 )
-# Shapes of the paper's robot, whose rectangles of ν = 0 leave 1 % between all models.
-paper_cases = cases.like(citation=_SEGMENTS)
 _BELOW = (
     f"above the first {OFFERED} modes of the solids: among these are some that beams do not have, "
     "of walls that move by themselves"
@@ -82,11 +79,7 @@ def _meshes(context: Context) -> tuple[LegDivisions, LegDivisions]:
 
 
 def _segments_and_solids(context: Context) -> PairedModes:
-    return _segments_and(context, _meshes(context)[1])
-
-
-def _segments_and(context: Context, divisions: LegDivisions) -> PairedModes:
-    robot = context.robot
+    robot, (_, divisions) = context.robot, _meshes(context)
     return paired(
         robot,
         context.get(model_modes, robot, "segments", "timoshenko", ELEMENTS, POSTURES),
@@ -224,43 +217,29 @@ def _held_to_beams(context: Context, modes: Sequence[int]) -> BoolArray:
     return held
 
 
-@paper_cases.case(
-    "robot.solid.mac",
-    f"The first {PAIRED} modes of the solid robot are those of segments",
-    over={"reference": ("segments",)},
-    quantity=_SMALLEST,
-    tolerance_reason=_ONE_MODE,
-)
 @cases.case(
     "robot.solid.free.mac",
     f"The first {PAIRED} modes of the robot with solid legs, ends free to warp, are those of beams",
-    over={"reference": ("beams",)},
     quantity=_SMALLEST,
     tolerance_reason=_ONE_MODE,
 )
-def _mac(context: Context, reference: str) -> Measurement:
-    coarse, found, held = _beside(context, reference)
+def _mac(context: Context) -> Measurement:
+    coarse, found, held = _beside(context)
     step = _step_factor(context) * np.abs(found.mac - coarse.mac)
-    return _smallest_mac(found, reference, held, step)
+    return _smallest_mac(found, held, step)
 
 
-def _beside(context: Context, reference: str) -> tuple[PairedModes, PairedModes, BoolArray]:
-    """Solids on coarser and finer meshes, and which of their modes are held to the reference.
+def _beside(context: Context) -> tuple[PairedModes, PairedModes, BoolArray]:
+    """Solids on coarser and finer meshes, and which of their modes are held to beams.
 
-    To segments, whose solids have rigid faces, all; to "beams", with free ends, those that torsion
-    leaves as they are.
+    Those that torsion leaves as they are.
     """
-    if reference == "segments":
-        coarse, found = (_segments_and(context, divisions) for divisions in _meshes(context))
-        return coarse, found, np.ones_like(found.close)
     held = _held_to_beams(context, range(PAIRED))
     coarse, found = (_own_beams_and(context, divisions) for divisions in _meshes(context))
     return coarse, found, held
 
 
-def _smallest_mac(
-    found: PairedModes, reference: str, held: BoolArray, uncertainty: Array
-) -> Measurement:
+def _smallest_mac(found: PairedModes, held: BoolArray, uncertainty: Array) -> Measurement:
     """The least MAC of a mode that is held and has no close neighbour (all p×k)."""
     left_out = _left_out(found, held)
     alone = held & found.reached & ~found.close
@@ -285,8 +264,7 @@ def _smallest_mac(
             *left_out,
             *crossings,
         ),
-        table=mac_table(found, reference),
-        studies=(mac_study(found, reference),) if reference == "segments" else (),
+        table=mac_table(found, "beams"),
     )
 
 
@@ -302,22 +280,14 @@ def _left_out(found: PairedModes, held: BoolArray) -> tuple[str, ...]:
     )
 
 
-@paper_cases.case(
-    "robot.solid.mac-of-close-modes",
-    f"Modes closer than {100.0 * CLOSE:g} % span the same space in both models",
-    over={"reference": ("segments",)},
-    quantity=_SPACES,
-    tolerance_reason=_ONE_SPACE,
-)
 @cases.case(
     "robot.solid.free.mac-of-close-modes",
     f"Modes closer than {100.0 * CLOSE:g} % span the same space in both (free ends, beams)",
-    over={"reference": ("beams",)},
     quantity=_SPACES,
     tolerance_reason=_ONE_SPACE,
 )
-def _close_modes(context: Context, reference: str) -> Measurement:
-    coarse, found, held = _beside(context, reference)
+def _close_modes(context: Context) -> Measurement:
+    coarse, found, held = _beside(context)
     step = _step_factor(context) * np.abs(found.shared - coarse.shared)
     return smallest_shared(found, held, step)
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.errors import InputError
-from validation.case import Absolute, Measurement, Relation, Relative, Skip, others
+from validation.case import Measurement, Relative, Skip, others
 from validation.case_group import CaseGroup
 from validation.cases.robot.stroke import CURVES, at_stations, largest_difference
 from validation.context import Context, Preset
@@ -15,7 +15,6 @@ from validation.exhibits import SOLID_ROBOT, Study
 from validation.models.legs import constant_leg_of
 from validation.solids.robots import has_meshes, mesh_pair
 from validation.solids.size import larger_preset
-from validation.studies.quantities import farthest
 from validation.studies.stroke_statics import stroke_statics
 
 # Unknowns of the finest section mesh; three meshes at least are taken from the ladder.
@@ -33,19 +32,9 @@ cases = CaseGroup(
     group="robot.solid.statics",
     effort=1.0,
 )
-# What holds of the paper's robot (ν = 0) without any allowance.
-paper_cases = cases.like()
 _CURVE = "name, curve, meaning"
 _MIDDLE = "{meaning}, middle of the stroke"
 _OWN = _CITATION + "Timoshenko legs of the sections' own finite-element constants"
-_PLANAR = "ν = 0: rigid faces restrain torsion alone, which no planar load causes"
-_ALONG_Z = "torsional warping restrained at rigid faces: 2 % at these slendernesses"
-# Bound and tolerance (%) of each curve, and why.
-_BARE = (
-    (0.01, Absolute(0.005), _PLANAR),
-    (0.01, Absolute(0.005), _PLANAR),
-    (2.1, Absolute(0.1), _ALONG_Z),
-)
 
 
 @dataclass(frozen=True)
@@ -186,50 +175,6 @@ def _free(context: Context, curve: str) -> Measurement:
         found, found.free, found.own, found.uncertainty_free, found.uncertainty_left
     )
     return _decided(measured, context)
-
-
-@paper_cases.case(
-    "robot.solid.statics-bare.{name}",
-    "Solid legs with rigid end faces, nothing allowed for: {meaning}",
-    over={
-        f"{_CURVE}, limit, tolerance, why": tuple(
-            (*curve, *bare) for curve, bare in zip(CURVES, _BARE, strict=True)
-        )
-    },
-    quantity="largest difference from the virtual joints over the stroke",
-    unit="%",
-    citation=_CITATION + "same equivalent legs (Timoshenko)",
-    tolerance_reason="rounding of the bound; {why}",
-    relation=Relation.AT_MOST,
-)
-def _bare(context: Context, curve: str, limit: float) -> Measurement:
-    found = _curve(context, curve)
-    worst = farthest(found.rigid, found.textbook)
-    percent = 100.0 / abs(found.textbook[worst])
-    return Measurement(
-        float(percent * abs(found.rigid - found.textbook)[worst]),
-        limit,
-        value_uncertainty=float(percent * found.uncertainty_rigid[worst]),
-        notes=(largest_difference(found.x.tolist(), found.rigid, found.textbook),),
-        pose=(float(found.x[worst]),),
-    )
-
-
-@paper_cases.case(
-    "robot.solid.statics-torsion.{name}",
-    "Rigid end faces change hardly anything but torsion: {meaning}",
-    over={_CURVE: CURVES[2:]},
-    quantity=_MIDDLE,
-    citation=_CITATION + "equivalent legs whose c44 alone is that of the rigid-faced solid",
-    tolerance=Relative(5e-4),
-    tolerance_reason="what is left is warping by shear forces, restrained as well: 0.02 % "
-    "(measured)",
-)
-def _torsion(context: Context, curve: str) -> Measurement:
-    found = _curve(context, curve)
-    # Both sides have the same mesh's torsion: only what is left of the step counts.
-    uncertainty = found.uncertainty_torsion
-    return _in_the_middle(found, found.rigid, found.torsion, uncertainty, uncertainty)
 
 
 def _in_the_middle(

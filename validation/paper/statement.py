@@ -17,7 +17,7 @@ import numpy as np
 from validation.agreement.convergence import step_factor
 from validation.case import Case, Measurement, Relation, Tolerance
 from validation.claims import Claim, Curve
-from validation.context import Context
+from validation.context import PRESETS, Context, Preset
 from validation.models.options import DEFAULT_OPTIONS, ModelOptions
 from validation.results.outcome import verdict
 
@@ -62,6 +62,8 @@ class Statement:
     circular: str = ""
     order: float = 0.0
     figure: str = ""
+    presets: tuple[Preset, ...] = PRESETS
+    model: str = ""
 
     def case(self) -> Case:
         """The statement as a case."""
@@ -80,6 +82,8 @@ class Statement:
             group=self.group,
             effort=self.effort,
             figure=self.figure,
+            presets=self.presets,
+            model=self.model,
         )
 
     def claim(self, context: Context) -> Claim:

@@ -5,10 +5,10 @@ their deformations and natural frequencies". They hold for the IFW demonstrator 
 """
 
 from validation.case import Case
-from validation.cases.paper import family, frequencies, statics
+from validation.paper import decision, family, frequencies, statics
 
 
 def cases() -> tuple[Case, ...]:
     """One case for each statement about stiffness and frequencies."""
-    said = (*statics.STATEMENTS, *frequencies.STATEMENTS, *family.STATEMENTS)
-    return tuple(statement.case() for statement in said)
+    tables = (statics, frequencies, family, decision)
+    return tuple(statement.case() for table in tables for statement in table.STATEMENTS)

@@ -4,18 +4,19 @@ import numpy as np
 
 from lumped.arrays import Array
 from validation.case import Absolute, Measurement, Relation
-from validation.cases.paper.statement import FORMULAS, Compute, Statement
 from validation.context import Context
 from validation.models.options import LITERAL_ORDER, SEGMENT_ORDER, ModelName, ModelOptions
-from validation.studies.quantities import (
+from validation.paper.robot import (
     ALPHAS,
     FIGURE_POINTS,
     Deflections,
+    Modes,
     family_compliances,
     family_deflections,
     family_frequencies,
     family_modes,
 )
+from validation.paper.statement import FORMULAS, Compute, Statement
 from validation.sweeps.decision import spearman
 
 EQUIVALENT = ModelOptions(legs="equivalent")
@@ -35,17 +36,17 @@ def _trend(curve: Array) -> float:
 
 def _family(context: Context, model: ModelName, point: str) -> Deflections:
     fraction = FIGURE_POINTS[point]
-    return context.get(family_deflections, model, context.robot, ALPHAS, fraction, EQUIVALENT)
+    return context.get(family_deflections, model, context.robot_file, ALPHAS, fraction, EQUIVALENT)
 
 
 def _simplified(context: Context, point: str) -> Array:
     fraction = FIGURE_POINTS[point]
-    found = context.get(family_frequencies, "simplified", context.robot, ALPHAS, fraction, 1)
+    found = context.get(family_frequencies, "simplified", context.robot_file, ALPHAS, fraction, 1)
     return found[:, 0]
 
 
-def _modes(context: Context, point: str, reading: ModelOptions) -> tuple[Array, Array]:
-    return context.get(family_modes, context.robot, ALPHAS, FIGURE_POINTS[point], 2, reading)
+def _modes(context: Context, point: str, reading: ModelOptions) -> list[Modes]:
+    return context.get(family_modes, context.robot_file, ALPHAS, FIGURE_POINTS[point], 2, reading)
 
 
 def _planar_falls(context: Context, _reading: ModelOptions) -> Measurement:
@@ -82,8 +83,8 @@ def _simplified_trend(point: str) -> Compute:
 
 def _frequency_trend(mode: int, point: str) -> Compute:
     def compute(context: Context, reading: ModelOptions) -> Measurement:
-        frequencies, _ = _modes(context, point, reading)
-        return Measurement(_trend(frequencies[:, mode]), reference=-1.0, exact=True)
+        found = [one.frequencies[mode] for one in _modes(context, point, reading)]
+        return Measurement(_trend(np.array(found)), reference=-1.0, exact=True)
 
     return compute
 
@@ -107,7 +108,9 @@ def _across(loads: tuple[int, ...], directions: tuple[int, ...]) -> Compute:
     def compute(context: Context, _reading: ModelOptions) -> Measurement:
         found = np.concatenate(
             [
-                context.get(family_compliances, "vjm", context.robot, ALPHAS, fraction, EQUIVALENT)
+                context.get(
+                    family_compliances, "vjm", context.robot_file, ALPHAS, fraction, EQUIVALENT
+                )
                 for fraction in FIGURE_POINTS.values()
             ]
         )
@@ -135,7 +138,7 @@ def _plane_or_z(load: int) -> tuple[int, ...]:
 
 def _lowest_two(point: str) -> Compute:
     def compute(context: Context, reading: ModelOptions) -> Measurement:
-        _, along_z = _modes(context, point, reading)
+        along_z = np.array([one.kinetic["z"] for one in _modes(context, point, reading)])
         shown = (along_z[:, 0] >= _DIRECTED) & (along_z[:, 1] <= 1.0 - _DIRECTED)
         return Measurement(float(np.sum(~shown)), reference=0.0, exact=True)
 
@@ -154,8 +157,8 @@ def _stiffest(context: Context, _reading: ModelOptions) -> Measurement:
 
 
 def _fastest(context: Context, reading: ModelOptions) -> Measurement:
-    frequencies, _ = _modes(context, "centre", reading)
-    found = frequencies[:, 0], _simplified(context, "centre")
+    first = np.array([one.frequencies[0] for one in _modes(context, "centre", reading)])
+    found = first, _simplified(context, "centre")
     refined, simplified = (ALPHAS[int(np.argmax(curve))] for curve in found)
     return _shorter(refined, simplified)
 

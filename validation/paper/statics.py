@@ -7,31 +7,24 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.robot_file.load import as_printed
-from validation.case import Absolute, Measurement, Relation, Skip
-from validation.cases.paper.statement import (
-    POSTURES,
-    Compute,
-    Statement,
-    sampled,
-)
+from validation.case import Absolute, Measurement, Relation
 from validation.context import Context
 from validation.models.options import ModelOptions
-from validation.studies.quantities import Deflections, stroke_deflections
+from validation.paper.robot import Deflections, changed, stroke_deflections
+from validation.paper.statement import POSTURES, Compute, Statement, sampled
 
 # L_Tool of the appendix (m): from B to the tool's point P.
 _TOOL_LENGTH = 0.155
 # One step of the stroke (%): a place on it is known no better.
 _PLACE = 100.0 / (POSTURES - 1)
-# The entry of the foot's compliance that the correction changed, (6,6).
-_ABOUT_Z = 5
 
 
 def _simplified(context: Context, postures: int = POSTURES) -> Deflections:
-    return context.get(stroke_deflections, "simplified", context.robot, postures)
+    return context.get(stroke_deflections, "simplified", context.robot_file, postures)
 
 
 def _refined(context: Context, postures: int = POSTURES) -> Deflections:
-    return context.get(stroke_deflections, "vjm", context.robot, postures)
+    return context.get(stroke_deflections, "vjm", context.robot_file, postures)
 
 
 def _largest_simplified(context: Context, _reading: ModelOptions) -> Measurement:
@@ -60,7 +53,7 @@ def _refined_over_simplified(context: Context, _reading: ModelOptions) -> Measur
 
 
 def _z_over_planar(context: Context, _reading: ModelOptions) -> Measurement:
-    at_tool = replace(context.robot, tool_offset=np.array([0.0, 0.0, _TOOL_LENGTH]))
+    at_tool = changed(context.robot_file, "geometry.tool_offset[3]", _TOOL_LENGTH)
     there = context.get(stroke_deflections, "vjm", at_tool, POSTURES)
 
     def ratio(postures: int) -> float:
@@ -94,20 +87,18 @@ def _profile(curve: str, extremum: Callable[[Array], np.intp]) -> Compute:
 
 
 def _foot_stiffness(context: Context, reading: ModelOptions) -> Measurement:
-    foot = context.robot.foot_compliance
-    if foot is None:
-        raise Skip("the robot has rigid feet")
-    if reading.release == "printed":
-        printed = np.array(as_printed(context.robot_file)["foot"]["compliance"], dtype=float)
-        return Measurement(float(np.linalg.inv(printed)[1, 1]) / 1e9, reference=1.0, exact=True)
-    softer = foot.copy()
-    softer[_ABOUT_Z, _ABOUT_Z] *= 2.0
-    other = context.get(
-        stroke_deflections, "vjm", replace(context.robot, foot_compliance=softer), POSTURES
+    robot_file = context.robot_file
+    printed, used = (
+        np.array(tables["foot"]["compliance"], dtype=float)
+        for tables in (as_printed(robot_file), robot_file.tables)
     )
+    if reading.release == "printed":
+        return Measurement(float(np.linalg.inv(printed)[1, 1]) / 1e9, reference=1.0, exact=True)
+    softer = changed(robot_file, "foot.compliance[6,6]", 2.0 * float(used[5, 5]))
+    other = context.get(stroke_deflections, "vjm", softer, POSTURES)
     moved = other.largest_planar / _refined(context).largest_planar - 1.0
     return Measurement(
-        float(np.linalg.inv(foot)[1, 1]) / 1e9,
+        float(np.linalg.inv(used)[1, 1]) / 1e9,
         reference=1.0,
         exact=True,
         notes=(

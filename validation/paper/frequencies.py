@@ -1,14 +1,25 @@
 """Statements about natural frequencies and modes (paper §3.1 and §3.2)."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from fem.beams.beam_theory import bending_frequencies
-from lumped.legs import equivalent_leg
+from lumped.legs import ConstantLeg, equivalent_leg
 from lumped.system.joint_motion import Portion
 from validation.case import Absolute, Measurement, Relation, Relative
-from validation.cases.paper.statement import (
+from validation.context import Context
+from validation.models.legs import leg_frequencies
+from validation.models.options import (
+    BEAM_ORDER,
+    LITERAL_ORDER,
+    SEGMENT_ORDER,
+    ModelName,
+    ModelOptions,
+)
+from validation.paper.robot import Modes, frequencies, legs, modes, stations, stroke_of
+from validation.paper.statement import (
     AS_CORRECTED,
     AS_PRINTED,
     FORMULAS,
@@ -16,57 +27,52 @@ from validation.cases.paper.statement import (
     Statement,
     sampled,
 )
-from validation.context import Context
-from validation.models.legs import leg_frequencies
-from validation.models.options import (
-    BEAM_ORDER,
-    LITERAL_ORDER,
-    SEGMENT_ORDER,
-    ModelOptions,
-)
-from validation.solids.sixty import FEET
-from validation.studies.quantities import RobotModes, robot_modes, stroke_frequencies
 
 _BENDING = Portion("leg 1", "bending z")
 # Postures at which modes are looked at.
 _STATIONS = 9
+_SIXTY = 60
 
 
 def _simplified_frequency(context: Context, _reading: ModelOptions) -> Measurement:
     def lowest(postures: int) -> float:
-        found = context.get(stroke_frequencies, "simplified", context.robot, postures, 1)
-        return float(found.min())
+        x = stations(context.robot_file.mechanism, postures)
+        return float(context.get(frequencies, "simplified", context.robot_file, x, 1).min())
 
     return sampled(lowest, reference=710.0)
 
 
-def _modes(context: Context, reading: ModelOptions, x: float, count: int) -> RobotModes:
-    return context.get(robot_modes, "segments", context.robot, x, count, reading)
+def _over_the_stroke(context: Context, reading: ModelOptions) -> Sequence[Modes]:
+    """The first two modes in segments at nine postures."""
+    x = stations(context.robot_file.mechanism, _STATIONS)
+    return context.get(modes, "segments", context.robot_file, x, 2, reading)
+
+
+def _at_the_centre(
+    context: Context, reading: ModelOptions, count: int, model: ModelName = "segments"
+) -> Modes:
+    x = np.array([stroke_of(context.robot_file.mechanism).centre])
+    (found,) = context.get(modes, model, context.robot_file, x, count, reading)
+    return found
 
 
 def _first_mode_along_z(context: Context, reading: ModelOptions) -> Measurement:
-    shares = [
-        _modes(context, reading, x, 2).kinetic["z"][0] for x in context.robot.stations(_STATIONS)
-    ]
+    shares = [found.kinetic["z"][0] for found in _over_the_stroke(context, reading)]
     return Measurement(100.0 * min(shares), reference=100.0, exact=True)
 
 
 def _second_mode_planar(context: Context, reading: ModelOptions) -> Measurement:
-    shares = [
-        _modes(context, reading, x, 2).kinetic["z"][1] for x in context.robot.stations(_STATIONS)
-    ]
+    shares = [found.kinetic["z"][1] for found in _over_the_stroke(context, reading)]
     return Measurement(100.0 * (1.0 - max(shares)), reference=100.0, exact=True)
 
 
 def _second_mode_bends_leg1(context: Context, reading: ModelOptions) -> Measurement:
     both = (replace(of, elements=reading.elements) for of in (AS_PRINTED, AS_CORRECTED))
-    printed, exact = (
-        {part: s[1] for part, s in _modes(context, of, context.robot.centre, 2).strain.items()}
-        for of in both
-    )
+    found = [_at_the_centre(context, of, 2) for of in both]
+    printed, exact = ({part: s[1] for part, s in of.strain.items()} for of in found)
     judged = printed if reading.release == "printed" else exact
     rank = 1 + sum(share > judged[_BENDING] for share in judged.values())
-    feet = float(np.sum([exact[foot] for foot in FEET]))
+    feet = float(found[1].in_the_feet[1])
     return Measurement(
         float(rank),
         reference=1.0,
@@ -86,7 +92,7 @@ def _second_mode_bends_leg1(context: Context, reading: ModelOptions) -> Measurem
 
 
 def _leg1_beam(context: Context, _reading: ModelOptions) -> Measurement:
-    leg = context.get(equivalent_leg, context.robot.leg1)
+    leg = _leg1(context)
     bending_z = bending_frequencies(leg.timoshenko, leg.length, "z", 1)
     return Measurement(
         _first_of_leg1(context),
@@ -99,14 +105,18 @@ def _leg1_beam(context: Context, _reading: ModelOptions) -> Measurement:
     )
 
 
+def _leg1(context: Context) -> ConstantLeg:
+    """Leg 1 as its equivalent of constant section."""
+    return equivalent_leg(legs(context.robot_file.mechanism)[0])
+
+
 def _first_of_leg1(context: Context) -> float:
-    leg = context.get(equivalent_leg, context.robot.leg1)
+    leg = _leg1(context)
     return float(bending_frequencies(leg.timoshenko, leg.length, "y", 1)[0])
 
 
 def _twenty_elements(context: Context, reading: ModelOptions) -> Measurement:
-    leg = context.get(equivalent_leg, context.robot.leg1)
-    exact = _first_of_leg1(context)
+    leg, exact = _leg1(context), _first_of_leg1(context)
     nearest, as_printed = (
         float(found[np.argmin(np.abs(found - exact))])
         for found in (
@@ -130,8 +140,7 @@ def _twenty_elements(context: Context, reading: ModelOptions) -> Measurement:
 
 def _order_of_magnitude(mode: int) -> Compute:
     def compute(context: Context, reading: ModelOptions) -> Measurement:
-        stations = context.robot.stations(_STATIONS)
-        found = [_modes(context, reading, x, 2).modes.frequencies[mode] for x in stations]
+        found = [one.frequencies[mode] for one in _over_the_stroke(context, reading)]
         apart = np.log10(np.array(found) / _first_of_leg1(context))
         worst = int(np.argmax(np.abs(apart)))
         return Measurement(float(apart[worst]), reference=0.0, exact=True)
@@ -141,11 +150,9 @@ def _order_of_magnitude(mode: int) -> Compute:
 
 def _actuators_alone(context: Context, reading: ModelOptions) -> Measurement:
     of_beams = ModelOptions(elements=reading.elements)
-    found = context.get(robot_modes, "beam", context.robot, context.robot.centre, 60, of_beams)
-    feet = np.sum([found.strain[foot] for foot in FEET], axis=0)
+    feet = _at_the_centre(context, of_beams, _SIXTY, "beam").in_the_feet
     largest = int(np.argmax(feet))
-    printed = _modes(context, AS_PRINTED, context.robot.centre, 60).strain
-    largest_printed = float(np.sum([printed[foot] for foot in FEET], axis=0).max())
+    largest_printed = float(_at_the_centre(context, AS_PRINTED, _SIXTY).in_the_feet.max())
     return Measurement(
         float(np.sum(feet > _ALONE)),
         reference=0.0,

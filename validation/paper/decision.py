@@ -1,0 +1,160 @@
+"""What the paper concludes of the length of the legs, and of sixty modes, with legs as solids."""
+
+import numpy as np
+
+from lumped.arrays import Array
+from validation.agreement.convergence import step_factor
+from validation.case import Absolute, Measurement
+from validation.context import Context, Preset
+from validation.models.options import ModelName, ModelOptions
+from validation.paper.robot import (
+    ALPHAS,
+    FIGURE_POINTS,
+    family_deflections,
+    family_frequencies,
+    member,
+    modes,
+    stroke_deflections,
+    stroke_of,
+)
+from validation.paper.statement import Compute, Statement
+from validation.solids.legs import FORMAL_ORDER
+from validation.sweeps.decision import spearman
+
+_CONCLUSIONS = "§2.3, §3.3 and conclusions"
+_SOLVED: tuple[Preset, ...] = ("standard", "fine")
+# Members of the family as solids, elements across the smaller side of their sections.
+_MEMBERS = ALPHAS[::2]
+_DIVISIONS: dict[Preset, int] = {"quick": 1, "standard": 2, "fine": 3}
+_COARSE = 1
+_POSTURES = 21
+# Robots whose largest deflections differ by less are equally good.
+_INDIFFERENT = 1e-6
+_SIXTY = 60
+# Share of the strain energy above which a mode is due to a part alone.
+_ALONE = 0.95
+
+
+def _contradiction(objective: str) -> Compute:
+    def compute(context: Context, _reading: ModelOptions) -> Measurement:
+        def curve(model: ModelName, divisions: int = _COARSE) -> Array:
+            options = ModelOptions(divisions=divisions)
+            at = context.robot_file, _MEMBERS, FIGURE_POINTS["centre"]
+            if objective == "frequency":
+                return context.get(family_frequencies, model, *at, 1, options)[:, 0]
+            found = context.get(family_deflections, model, *at, options)
+            return found.planar_x if model == "simplified" else found.along_z
+
+        simple, solid = curve("simplified"), curve("solid", _DIVISIONS[context.preset])
+        found = spearman(simple, solid)
+        what = "deflection (µm)" if objective == "deflection" else "first frequency (Hz)"
+        return Measurement(
+            found,
+            reference=-1.0,
+            value_uncertainty=abs(found - spearman(simple, curve("solid"))),
+            table={
+                "α": _MEMBERS,
+                f"simplified: {what}": tuple(simple.tolist()),
+                f"solid: {what}": tuple(solid.tolist()),
+            },
+        )
+
+    return compute
+
+
+def _longest(context: Context, _reading: ModelOptions) -> Measurement:
+    worst = np.array(
+        [
+            context.get(
+                stroke_deflections, "simplified", member(context.robot_file, alpha), _POSTURES
+            ).largest_planar
+            for alpha in ALPHAS
+        ]
+    )
+    best = [
+        alpha
+        for alpha, deflection in zip(ALPHAS, worst, strict=True)
+        if deflection <= worst.min() * (1.0 + _INDIFFERENT)
+    ]
+    return Measurement(
+        best[-1],
+        reference=ALPHAS[-1],
+        exact=True,
+        notes=(f"Equally good from α = {best[0]:.4g} on.",),
+    )
+
+
+def _due_to_actuators(context: Context, _reading: ModelOptions) -> Measurement:
+    x = np.array([stroke_of(context.robot_file.mechanism).centre])
+    divisions = _DIVISIONS[context.preset]
+    coarse, fine = (
+        context.get(modes, "solid", context.robot_file, x, _SIXTY, ModelOptions(divisions=d))[0]
+        for d in (_COARSE, divisions)
+    )
+    counts = [float(np.sum(found.in_the_feet > _ALONE)) for found in (fine, coarse)]
+    feet = fine.in_the_feet
+    most = int(np.argmax(feet))
+    return Measurement(
+        counts[0],
+        0.0,
+        value_uncertainty=step_factor(divisions / _COARSE, FORMAL_ORDER)
+        * abs(counts[0] - counts[1]),
+        notes=(
+            f"at most {100.0 * feet[most]:.2f} %, mode {most + 1} at "
+            f"{fine.frequencies[most]:.0f} Hz; at most {100.0 * coarse.in_the_feet.max():.2f} % "
+            "on the coarser mesh",
+        ),
+        table={
+            "mode": tuple(float(k) for k in range(1, _SIXTY + 1)),
+            "frequency (Hz)": tuple(fine.frequencies.tolist()),
+        }
+        | {f"{part} (%)": tuple((100.0 * share).tolist()) for part, share in fine.strain.items()},
+    )
+
+
+STATEMENTS = (
+    Statement(
+        "solid.none-due-to-the-actuators",
+        "§3.2, the 60 first modes",
+        f"None of the first {_SIXTY} modes of the solid robot is due to the feet alone",
+        f"modes with more than {100.0 * _ALONE:g} % of the strain energy in the feet",
+        "1",
+        Absolute(0.5),
+        "a count: nothing but none will do",
+        _due_to_actuators,
+        group="paper.solid.sixty",
+        effort=8.0,
+        # A count needs a second mesh to be believed, which a quick answer has no time for.
+        presets=_SOLVED,
+        model="solid",
+    ),
+    Statement(
+        "decision.longest",
+        _CONCLUSIONS,
+        "The simplified model has nothing against the longest legs",
+        "largest α among its best by deflection",
+        "1",
+        Absolute(0.1),
+        "a tenth of the paper's range of α",
+        _longest,
+        group="paper.decision",
+    ),
+    *(
+        Statement(
+            f"decision.contradiction[{objective}]",
+            _CONCLUSIONS,
+            f"Solid legs order the family by {objective} against the simplified model",
+            "Spearman's ρ of simplified and solid over the family, centre of stroke",
+            "1",
+            Absolute(0.1),
+            "the paper's 'in contradiction': opposite order, but for an exchange of neighbours "
+            "among five designs or more, 12/n(n² − 1)",
+            _contradiction(objective),
+            group="paper.decision",
+            effort=3.0,
+            presets=_SOLVED,
+            model="solid",
+        )
+        for objective in ("deflection", "frequency")
+    ),
+)

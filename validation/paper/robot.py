@@ -1,0 +1,262 @@
+"""The paper's robot over its stroke, its family with longer legs, and what models say of both.
+
+The mechanism's bodies and joints have the paper's words here: leg 1 and leg 2, foot 1 and foot 2.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from lumped.arrays import Array
+from lumped.errors import InputError
+from lumped.legs import Leg
+from lumped.mechanism.biglide import Stroke
+from lumped.mechanism.kinematics.postures import posture
+from lumped.mechanism.mechanism import Mechanism, Posture
+from lumped.models.bodies import legs_of
+from lumped.robot_file import RobotFile
+from lumped.robot_file.biglide.corrections import with_value
+from lumped.robot_file.load import described_by
+from lumped.system.joint_motion import Portion
+from validation.context import BUILT_IN
+from validation.models.mechanism import answers
+from validation.models.mechanism_modes import PostureModes, mechanism_modes
+from validation.models.options import DEFAULT_OPTIONS, ModelName, ModelOptions
+
+LOAD = 1000.0  # N, the paper's loads (§2.1, §2.2)
+# Lengths of the legs over those given, as in the figures of the family.
+ALPHAS = tuple(np.linspace(1.0, 2.0, 11).tolist())
+# Where Figs 6, 12 and 13 are drawn, as a fraction of the stroke.
+FIGURE_POINTS = {"centre": 0.5, "left": 0.0, "right": 1.0}
+FEET = (Portion("foot 1"), Portion("foot 2"))
+_MICRO = 1e6
+# The centreline's modes up to the tenth half wave are integrated to better than 1e-3.
+_CENTRELINE_POINTS = 24
+_WORDS = {"leg1": "leg 1", "leg2": "leg 2", "foot1": "foot 1", "foot2": "foot 2"}
+
+
+@dataclass(frozen=True)
+class Deflections:
+    """Deflections (µm) under 1000 N along a curve of m robots or postures.
+
+    `planar_x`, `planar_y`: norm of the displacement in the plane under a force along x or y;
+    `along_z`: displacement along z under a force along z, NaN by the simplified model, which
+    knows no motion along z.
+    """
+
+    planar_x: Array
+    planar_y: Array
+    along_z: Array
+
+    @property
+    def largest_planar(self) -> float:
+        """Largest planar deflection (µm) under either planar load."""
+        return float(max(self.planar_x.max(), self.planar_y.max()))
+
+
+@dataclass(frozen=True)
+class Modes:
+    """The lowest m modes in one posture: `frequencies` (Hz) and shares of energy (m values each).
+
+    `kinetic` by direction of translation, "x", "y" and "z"; `strain` by part, in the paper's words.
+    """
+
+    frequencies: Array
+    kinetic: Mapping[str, Array]
+    strain: Mapping[Portion, Array]
+
+    @property
+    def in_the_feet(self) -> Array:
+        """Share of each mode's strain energy in both feet."""
+        of_feet = [self.strain[foot] for foot in FEET if foot in self.strain]
+        share: Array = np.array(of_feet).sum(axis=0)
+        return share
+
+
+def is_the_papers(robot_file: RobotFile) -> bool:
+    """Whether it is the robot that comes with the program as the paper's."""
+    return robot_file.built_in and robot_file.source == BUILT_IN
+
+
+def changed(robot_file: RobotFile, key: str, value: float) -> RobotFile:
+    """The robot with another number at a key of its file; raises InputError if there is none."""
+    # What was misprinted is as the file says.
+    tables = {name: t for name, t in robot_file.tables.items() if name != "corrections"}
+    described, faults = described_by(with_value(tables, key, value))
+    if described is None:
+        raise InputError(faults)
+    return replace(robot_file, described=described)
+
+
+def member(robot_file: RobotFile, alpha: float) -> RobotFile:
+    """The robot whose legs are α times as long, stroke and sections unchanged (eqs 10, 11)."""
+    return changed(robot_file, "geometry.alpha", alpha)
+
+
+def legs(mechanism: Mechanism) -> tuple[Leg, Leg]:
+    """Leg 1 and leg 2."""
+    found = legs_of(mechanism)
+    return found["leg1"], found["leg2"]
+
+
+def stroke_of(mechanism: Mechanism) -> Stroke:
+    """Distance of the slides and lengths of the legs."""
+    lengths = (leg.length for leg in legs(mechanism))
+    return Stroke(float(mechanism.reference["slide2"].position[0]), *lengths)
+
+
+def stations(mechanism: Mechanism, count: int) -> Array:
+    """`count` positions x of B (m), evenly over the stroke, both ends included."""
+    return np.linspace(*stroke_of(mechanism).ends, count)
+
+
+def postures_at(mechanism: Mechanism, x: Sequence[float] | Array) -> list[Posture]:
+    """The postures with B at each x (m)."""
+    return [posture(mechanism, np.array([station])) for station in x]
+
+
+def compliances(
+    model: ModelName,
+    robot_file: RobotFile,
+    x: Array,
+    options: ModelOptions = DEFAULT_OPTIONS,
+) -> Array:
+    """Compliances (m×6×6, SI, base axes) with B at each x (m)."""
+    places = postures_at(robot_file.mechanism, x)
+    return np.array([answer.compliance for answer in answers(model, places, 0, options)])
+
+
+def deflections(
+    model: ModelName,
+    robot_file: RobotFile,
+    x: Array,
+    options: ModelOptions = DEFAULT_OPTIONS,
+) -> Deflections:
+    """Deflections with B at each x (m)."""
+    return _deflections(model, compliances(model, robot_file, x, options))
+
+
+def stroke_deflections(
+    model: ModelName,
+    robot_file: RobotFile,
+    count: int,
+    options: ModelOptions = DEFAULT_OPTIONS,
+) -> Deflections:
+    """Deflections at `count` postures evenly over the stroke."""
+    return deflections(model, robot_file, stations(robot_file.mechanism, count), options)
+
+
+def frequencies(
+    model: ModelName,
+    robot_file: RobotFile,
+    x: Array,
+    count: int,
+    options: ModelOptions = DEFAULT_OPTIONS,
+) -> Array:
+    """First frequencies (m×count, Hz) with B at each x (m), infinite where nothing gives way."""
+    places = postures_at(robot_file.mechanism, x)
+    found = np.full((len(places), count), np.inf)
+    for row, answer in zip(found, answers(model, places, count, options), strict=True):
+        row[: len(answer.frequencies)] = answer.frequencies
+    return found
+
+
+def family_compliances(
+    model: ModelName,
+    robot_file: RobotFile,
+    alphas: tuple[float, ...],
+    fraction: float,
+    options: ModelOptions = DEFAULT_OPTIONS,
+) -> Array:
+    """Compliances (m×6×6) of the family at a fraction of the stroke (0 left, 1 right)."""
+    members = (_member_at(robot_file, alpha, fraction) for alpha in alphas)
+    return np.concatenate([compliances(model, of, x, options) for of, x in members])
+
+
+def family_deflections(
+    model: ModelName,
+    robot_file: RobotFile,
+    alphas: tuple[float, ...],
+    fraction: float,
+    options: ModelOptions = DEFAULT_OPTIONS,
+) -> Deflections:
+    """Deflections of the family at a fraction of the stroke."""
+    return _deflections(model, family_compliances(model, robot_file, alphas, fraction, options))
+
+
+def family_frequencies(
+    model: ModelName,
+    robot_file: RobotFile,
+    alphas: tuple[float, ...],
+    fraction: float,
+    count: int,
+    options: ModelOptions = DEFAULT_OPTIONS,
+) -> Array:
+    """First frequencies (m×count, Hz) of the family at a fraction of the stroke."""
+    members = (_member_at(robot_file, alpha, fraction) for alpha in alphas)
+    return np.concatenate([frequencies(model, of, x, count, options) for of, x in members])
+
+
+def family_modes(
+    robot_file: RobotFile,
+    alphas: tuple[float, ...],
+    fraction: float,
+    count: int,
+    options: ModelOptions = DEFAULT_OPTIONS,
+) -> list[Modes]:
+    """Modes of the family in segments, a fraction of the stroke from its left end."""
+    members = [_member_at(robot_file, alpha, fraction) for alpha in alphas]
+    return [modes("segments", of, x, count, options)[0] for of, x in members]
+
+
+def modes(
+    model: ModelName,
+    robot_file: RobotFile,
+    x: Array,
+    count: int,
+    options: ModelOptions = DEFAULT_OPTIONS,
+) -> list[Modes]:
+    """The lowest `count` modes with B at each x (m), shares of energy beside them."""
+    places = postures_at(robot_file.mechanism, x)
+    return [
+        Modes(
+            frequencies=found.modes.frequencies,
+            kinetic=_kinetic_shares(robot_file.mechanism, found),
+            strain={_in_words(part): share for part, share in found.strain.items()},
+        )
+        for found in mechanism_modes(model, places, count, options)
+    ]
+
+
+def _member_at(robot_file: RobotFile, alpha: float, fraction: float) -> tuple[RobotFile, Array]:
+    of = member(robot_file, alpha)
+    first, last = stroke_of(of.mechanism).ends
+    return of, np.array([first + fraction * (last - first)])
+
+
+def _deflections(model: ModelName, compliances: Array) -> Deflections:
+    scale = LOAD * _MICRO
+    planar = np.linalg.norm(compliances[:, :2, :2], axis=1) * scale
+    along_z = compliances[:, 2, 2] * (np.nan if model == "simplified" else scale)
+    return Deflections(planar[:, 0], planar[:, 1], along_z)
+
+
+def _kinetic_shares(mechanism: Mechanism, found: PostureModes) -> dict[str, Array]:
+    """Share of kinetic energy along x, y, z: the platform's mass and both centrelines'."""
+    system, shapes = found.system, found.modes.shapes
+    energy = mechanism.tool.mass * np.square((system.tool @ shapes)[:3])
+    points, weights = np.polynomial.legendre.leggauss(_CENTRELINE_POINTS)
+    for name, leg in legs_of(mechanism).items():
+        along = np.zeros((_CENTRELINE_POINTS, 3))
+        along[:, 0] = 0.5 * leg.length * (1.0 + points)
+        own = system.models[name].displacements(along) @ system.own(name, shapes)
+        rotation = found.posture.frames[name].rotation
+        moved = np.einsum("ij,sjm->sim", rotation, own.reshape(_CENTRELINE_POINTS, 3, -1))
+        energy = energy + leg.mass * np.einsum("s,sim->im", 0.5 * weights, np.square(moved))
+    return dict(zip("xyz", energy / energy.sum(axis=0), strict=True))
+
+
+def _in_words(part: Portion) -> Portion:
+    of = _WORDS.get(part.of, part.of)
+    return Portion(of) if part.kind == "compliance" else replace(part, of=of)
