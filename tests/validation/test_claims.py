@@ -59,7 +59,9 @@ def test_curves_of_one_sentence_are_gathered():
 @pytest.fixture(scope="module")
 def outcomes():
     context = Context(load_robot("ifw"), "quick")
-    return [judge(case, case.compute(context), 0.0) for case in paper.cases()]
+    return [
+        judge(case, case.compute(context), 0.0) for case in paper.cases() if "quick" in case.presets
+    ]
 
 
 @pytest.fixture(scope="module")

@@ -25,7 +25,7 @@ _CONCLUSIONS = "§2.3, §3.3 and conclusions"
 _SOLVED: tuple[Preset, ...] = ("standard", "fine")
 # Members of the family as solids, elements across the smaller side of their sections.
 _MEMBERS = ALPHAS[::2]
-_DIVISIONS: dict[Preset, int] = {"quick": 1, "standard": 2, "fine": 3}
+_DIVISIONS: dict[Preset, int] = {"standard": 2, "fine": 3}
 _COARSE = 1
 _POSTURES = 21
 # Robots whose largest deflections differ by less are equally good.
