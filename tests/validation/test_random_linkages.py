@@ -59,6 +59,7 @@ def test_six_rods_idle_motions_and_frequencies(seed, tmp_path):
     linkage = hexarod(seed)
     robot = linkage.written(tmp_path)
     assert mobility(posture(robot.mechanism, np.array(linkage.pose))).idle == linkage.idle
+    assert answered(linkage, tmp_path, "simplified", modes=1).idle == linkage.idle
     for model in ("vjm", "links", "segments", "beam"):
         found = answered(linkage, tmp_path, model, **({"modes": 6} if model == "beam" else {}))
         assert difference(found.compliance, linkage.compliance) < ROUNDING, model
