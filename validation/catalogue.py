@@ -9,8 +9,8 @@ from validation.adequacy.matrix import ADEQUACY, MEASURED, Assessment
 from validation.adequacy.robot import robot_adequacy
 from validation.cases import anchors, legs, mechanism, program, robot
 from validation.cases.anchors import independence
-from validation.context import BUILT_IN
 from validation.measured.matrix import measured_matrix
+from validation.paper.robot import is_the_papers
 from validation.report.figures import figures_of, figures_of_program, figures_of_variations
 from validation.results.tasks import Task
 from validation.solids.robots import SHARED_SOLIDS
@@ -59,9 +59,8 @@ def with_variations(
 
 
 def _of_biglide(robot_file: RobotFile) -> Sequence[Task]:
-    from_paper = robot_file.built_in and robot_file.source == BUILT_IN
     return (
-        *(_paper() if from_paper else ()),
+        *(_paper() if is_the_papers(robot_file) else ()),
         *legs.cases(),
         *robot.cases(),
         *anchors.of_biglide(robot_file.requirement.modes),

@@ -399,6 +399,7 @@ def check(robot: str) -> int:
     from lumped.audit.robot_audit import audit  # noqa: PLC0415
     from lumped.robot_file import load_robot  # noqa: PLC0415
     from validation.kinematics.poses import postures_of  # noqa: PLC0415
+    from validation.paper.errata import paper_findings  # noqa: PLC0415
     from validation.report.listing import audit_text  # noqa: PLC0415
 
     robot_file = load_robot(robot)
@@ -410,7 +411,8 @@ def check(robot: str) -> int:
             from validation.models.part_check import parts_text  # noqa: PLC0415
 
             of_parts = parts_text(robot_file.mechanism)
-    say(audit_text(robot, robot_file.described, audit(robot_file)))
+    findings = (*audit(robot_file), *paper_findings(robot_file))
+    say(audit_text(robot, robot_file.described, findings))
     if of_parts:
         say(of_parts)
     return 0

@@ -1,4 +1,4 @@
-"""What a robot's data, and the paper's own text and formulas, say about themselves.
+"""What a robot's data say about themselves.
 
 In: a robot file, as printed and as used. Out: findings, each with the number that shows it.
 """

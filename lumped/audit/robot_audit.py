@@ -1,23 +1,17 @@
-"""The audit of a robot file: what its data say about themselves, as printed and as used.
-
-For the built-in robot of the paper the paper's formulas and captions are audited too.
-"""
+"""The audit of a robot file: what its data say about themselves, as printed and as used."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import Any
 
 from lumped.audit.data_checks import data_findings, parts
-from lumped.audit.erratum import paper_findings
 from lumped.audit.finding import Finding
 from lumped.robot_file import RobotFile, as_printed
 from lumped.robot_file.tables import Correction
 
-_PAPER_ROBOT = "ifw"
-
 
 def audit(robot_file: RobotFile) -> tuple[Finding, ...]:
-    """All findings: on the data as printed, on the data as used, and on the paper if it is its own.
+    """All findings, on the data as printed and on the data as used.
 
     A finding that the file's corrections remove tells the correction as `used`; one that stays
     tells "as printed" where the file corrects its source elsewhere, else "as given".
@@ -29,8 +23,6 @@ def audit(robot_file: RobotFile) -> tuple[Finding, ...]:
         for key, finding in printed.items()
     ]
     findings += [finding for key, finding in used.items() if key not in printed]
-    if robot_file.built_in and robot_file.source == _PAPER_ROBOT:
-        findings += paper_findings(robot_file.robot, as_printed(robot_file))
     return tuple(findings)
 
 

@@ -17,6 +17,7 @@ from lumped.robot_file.variation import Variation
 from validation.adequacy.matrix import MEASURED
 from validation.console.streams import complain
 from validation.context import SWEEPS_FOLDER, Context, Preset
+from validation.paper.errata import paper_findings
 from validation.report.detection import comparisons
 from validation.report.page import Report, render
 from validation.results import provenance
@@ -104,7 +105,7 @@ def validate(request: Request, catalogue: Catalogue) -> Results:
     header = provenance.header(robot_file, request.preset, options)
     kept = kept_of(header)
     # Before the run, so that after Ctrl-C only the page is left to be written.
-    findings = audit(robot_file)
+    findings = (*audit(robot_file), *paper_findings(robot_file))
     # Read before anything is written: the folder may be the baseline's own.
     baseline = _baseline(request)
     frozen = baseline or built_in_frozen(robot_file, request.preset)

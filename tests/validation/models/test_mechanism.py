@@ -237,3 +237,9 @@ def test_what_is_typed_wrong_is_refused_in_one_line(capsys, arguments, message):
     assert (code, out) == (2, "")
     assert message in err
     assert err.count("\n") == 1
+
+
+def test_more_modes_can_be_asked_for_than_two_elements_a_leg_have():
+    middle = reference_posture(load_robot("ifw").mechanism)
+    (answer,) = answers("beam", [middle], 60, ModelOptions(elements=10))
+    assert len(answer.frequencies) == 60

@@ -1,41 +1,46 @@
 """Errata of the paper's text, captions and formulas, each with the number that shows it.
 
 The paper: S. Briot, A. Pashkevich, D. Chablat, "On the optimal design of parallel robots taking
-into account their deformations and natural frequencies". Its data are audited by `data_checks`,
+into account their deformations and natural frequencies". Its data are audited by `lumped.audit`,
 its equations (12) to (25) by `formula_errata`.
 """
-
-from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 
 from lumped.arrays import Array
 from lumped.audit.finding import Finding
-from lumped.audit.formula_errata import (
+from lumped.legs import ConstantLeg, equivalent_leg
+from lumped.mechanism.mechanism import Mechanism
+from lumped.models.cantilever import clamped_modes
+from lumped.models.segments import segment_chain, segment_leg
+from lumped.robot_file import RobotFile, as_printed
+from validation.paper.formula_errata import (
     joint_release,
     lever_arms,
     neighbour_index,
     small_rotations,
     work_balance,
 )
-from lumped.biglide import Biglide
-from lumped.legs import ConstantLeg, equivalent_leg
-from lumped.models.cantilever import clamped_modes
-from lumped.models.segments import segment_chain, segment_leg
+from validation.paper.robot import is_the_papers, legs, stroke_of
 
 # First root of cos β cosh β = −1: the clamped-free Euler–Bernoulli beam.
 _CLAMPED_FREE_ROOT = 1.8751040687119611
 _ELEMENTS = 20
 
 
-def paper_findings(robot: Biglide, printed_tables: Mapping[str, Any]) -> tuple[Finding, ...]:
-    """All errata of the paper, for its robot as used and the file's tables as printed."""
-    foot = robot.foot_compliance
-    printed_foot = np.array(printed_tables["foot"]["compliance"], dtype=float)
+def paper_findings(robot_file: RobotFile) -> tuple[Finding, ...]:
+    """All errata of the paper, by its robot as used; none for any other robot."""
+    if not is_the_papers(robot_file):
+        return ()
+    robot = robot_file.mechanism
+    printed_foot, foot = (
+        np.array(tables["foot"]["compliance"], dtype=float)
+        for tables in (as_printed(robot_file), robot_file.tables)
+    )
     return (
         caption(robot),
-        *(() if foot is None else (foot_stiffness(printed_foot, foot), joint_release(foot))),
+        foot_stiffness(printed_foot, foot),
+        joint_release(foot),
         longitudinal_frequencies(robot),
         work_balance(robot),
         literal_layout(robot),
@@ -46,10 +51,11 @@ def paper_findings(robot: Biglide, printed_tables: Mapping[str, Any]) -> tuple[F
     )
 
 
-def caption(robot: Biglide) -> Finding:
+def caption(robot: Mechanism) -> Finding:
     """The captions put the right end of the workspace at x = L1 − a."""
-    x = robot.leg1.length - robot.a
-    first, last = robot.stroke
+    stroke = stroke_of(robot)
+    x = stroke.length1 - stroke.a
+    first, last = stroke.ends
     return Finding(
         where="captions of Figs 6c, 12c, 13c",
         check="caption",
@@ -79,11 +85,11 @@ def foot_stiffness(printed: Array, corrected: Array) -> Finding:
     )
 
 
-def longitudinal_frequencies(robot: Biglide) -> Finding:
+def longitudinal_frequencies(robot: Mechanism) -> Finding:
     """§1 says longitudinal natural frequencies are many times smaller than bending ones."""
     ratios = {
         f"{name}, bending {axis}": _longitudinal_to_bending(equivalent_leg(leg), stiffness)
-        for name, leg in (("leg 1", robot.leg1), ("leg 2", robot.leg2))
+        for name, leg in zip(("leg 1", "leg 2"), legs(robot), strict=True)
         for axis, stiffness in (("z", "EIz"), ("y", "EIy"))
     }
     shown = ", ".join(f"{ratio:.2g} ({name})" for name, ratio in ratios.items())
@@ -100,9 +106,9 @@ def longitudinal_frequencies(robot: Biglide) -> Finding:
     )
 
 
-def literal_layout(robot: Biglide) -> Finding:
+def literal_layout(robot: Mechanism) -> Finding:
     """§3.2, read literally, leaves half a piece rigid at each end of the leg."""
-    leg = equivalent_leg(robot.leg1)
+    leg = equivalent_leg(legs(robot)[0])
     errors = {n: _literal_error(leg, n) for n in (_ELEMENTS, 2 * _ELEMENTS)}
     coarse, fine = errors.values()
     order = float(np.log2(coarse / fine))

@@ -4,27 +4,29 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.audit.finding import Finding, Severity
-from lumped.biglide import Biglide
 from lumped.legs import equivalent_leg
-from lumped.models.simplified import drive_compliance, jacobian
+from lumped.mechanism.mechanism import Mechanism
 from lumped.screws import shift, turn, turn_matrix
 from lumped.system.joint_motion import condensed_release, printed_release
+from validation.paper.closed_forms import drive_compliance, jacobian
+from validation.paper.robot import legs, stroke_of
 
 # Number of elements of a leg in §3.2, and a small rigid rotation (rad).
 _ELEMENTS = 20
 _ROTATION = 1e-3
 
 
-def work_balance(robot: Biglide) -> Finding:
+def work_balance(robot: Mechanism) -> Finding:
     """Eq. (12) prints J⁻¹KJ⁻ᵀ; f = J⁻ᵀτ and eq. (1) give J⁻ᵀKJ⁻¹."""
-    J = jacobian(robot, robot.centre)
-    K = robot.actuator_stiffness * np.diag([1.0, 2.0])
+    stroke, stiffness = stroke_of(robot), drive_stiffness(robot)
+    J = jacobian(stroke, stroke.centre)
+    K = stiffness * np.diag([1.0, 2.0])
     inverse: Array = np.linalg.inv(J).astype(float)
     exact: Array = np.linalg.inv(drive_compliance(J, K)).astype(float)
     printed, balanced = inverse @ K @ inverse.T, inverse.T @ K @ inverse
     error = _difference(printed, exact)
     first, first_balanced = (_first_frequency(k, robot) for k in (printed, balanced))
-    equal_drives = robot.actuator_stiffness * np.eye(2)
+    equal_drives = stiffness * np.eye(2)
     same = _first_frequency(inverse @ equal_drives @ inverse.T, robot) - _first_frequency(
         inverse.T @ equal_drives @ inverse, robot
     )
@@ -50,11 +52,18 @@ def work_balance(robot: Biglide) -> Finding:
     )
 
 
-def lever_arms(robot: Biglide) -> Finding:
+def drive_stiffness(robot: Mechanism) -> float:
+    """Stiffness (N/m) of a drive in the simplified model."""
+    (first, *_) = (joint.drive for joint in robot.joints if joint.kind == "prismatic")
+    if first is None or first.simplified is None:
+        raise ValueError(f"{robot.name}: drives without a stiffness of the simplified model")
+    return first.simplified
+
+
+def lever_arms(robot: Mechanism) -> Finding:
     """Eqs (17), (18) hold in the leg's axes; beside eq. (15) they must be turned by D_k."""
-    posture = robot.posture(robot.centre)
-    leg_axes, base_axes = posture.rotation1, np.eye(3)
-    piece = robot.leg1.length / _ELEMENTS
+    leg_axes, base_axes = robot.reference["leg1"].rotation, np.eye(3)
+    piece = legs(robot)[0].length / _ELEMENTS
     spring = _spring_stiffness(robot, piece)
     arms = (piece / 2.0, piece / 2.0)
     printed = _energy_of_rotation(spring, leg_axes, base_axes, arms, arms)
@@ -77,11 +86,11 @@ def lever_arms(robot: Biglide) -> Finding:
     )
 
 
-def small_rotations(robot: Biglide) -> Finding:
+def small_rotations(robot: Mechanism) -> Finding:
     """Eq. (19) multiplies the rotations by their own cross-product matrix, φ × φ = 0."""
     bend = np.array([0.0, 0.0, 0.0, 0.0, 0.0, _ROTATION])
     deflection = _printed_rotation(bend) - _printed_rotation(np.zeros(6))
-    stiffness = _spring_stiffness(robot, robot.leg1.length / _ELEMENTS)
+    stiffness = _spring_stiffness(robot, legs(robot)[0].length / _ELEMENTS)
     stored = float(0.5 * deflection @ stiffness @ deflection)
     due = float(0.5 * bend @ stiffness @ bend)
     return _computed(
@@ -97,9 +106,9 @@ def small_rotations(robot: Biglide) -> Finding:
     )
 
 
-def neighbour_index(robot: Biglide) -> Finding:
+def neighbour_index(robot: Mechanism) -> Finding:
     """Eq. (23) couples spring 1 by C₁,₃, the arm of element 3, to element 2."""
-    piece, axes = robot.leg1.length / _ELEMENTS, np.eye(3)
+    piece, axes = legs(robot)[0].length / _ELEMENTS, np.eye(3)
     arm, arm_of_third = piece / 2.0, piece
     spring = _spring_stiffness(robot, piece)
     printed = _energy_of_rotation(spring, axes, axes, (arm, arm), (arm, arm_of_third))
@@ -163,8 +172,8 @@ def _energy_of_rotation(
     return float(0.5 * deflection @ turn_matrix(spring, leg_axes) @ deflection)
 
 
-def _spring_stiffness(robot: Biglide, piece: float) -> Array:
-    properties = equivalent_leg(robot.leg1).properties("euler-bernoulli")
+def _spring_stiffness(robot: Mechanism, piece: float) -> Array:
+    properties = equivalent_leg(legs(robot)[0]).properties("euler-bernoulli")
     return np.diag(1.0 / np.diag(properties.piece_compliance(piece)))
 
 
@@ -173,9 +182,9 @@ def _printed_rotation(twist: Array) -> Array:
     return np.concatenate([twist[:3], np.cross(twist[3:], twist[3:])])
 
 
-def _first_frequency(stiffness: Array, robot: Biglide) -> float:
+def _first_frequency(stiffness: Array, robot: Mechanism) -> float:
     smallest = float(np.linalg.eigvals(stiffness).real.min())
-    return float(np.sqrt(smallest / robot.platform_mass) / (2.0 * np.pi))
+    return float(np.sqrt(smallest / robot.tool.mass) / (2.0 * np.pi))
 
 
 def _difference(matrix: Array, reference: Array) -> float:

@@ -1,0 +1,31 @@
+"""Equations (1), (2) and (12) in closed form against the general model on elastic drives."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from lumped.robot_file import load_robot
+from validation.models.mechanism import answers
+from validation.paper.closed_forms import drive_compliance, jacobian
+from validation.paper.robot import member, postures_at, stations, stroke_of
+
+
+@pytest.mark.parametrize("alpha", [1.0, 1.7])
+def test_rigid_bodies_on_drives_have_the_compliance_of_equation_1(alpha):
+    mechanism = member(load_robot("ifw"), alpha).mechanism
+    x = stations(mechanism, 7)
+    found = answers("simplified", postures_at(mechanism, x), 1)
+    for station, answer in zip(x, found, strict=True):
+        J = jacobian(stroke_of(mechanism), station)
+        expected = drive_compliance(J, 1.0e9 * np.eye(2))
+        # 2×2 solves of condition below 10; at the ends of the stroke s = √(L² − x²) is √ε
+        assert_allclose(answer.compliance[:2, :2], expected, rtol=1e-10, atol=1e-23)
+        # eq. (12) with the work balance: the softest direction of J K⁻¹ Jᵀ carries 46 kg
+        first = 1.0 / np.sqrt(46.0 * np.linalg.eigvalsh(expected)[-1]) / (2.0 * np.pi)
+        assert answer.frequencies[0] == pytest.approx(first, rel=1e-10)
+
+
+def test_both_ends_of_the_stroke_hold_b_along_x():
+    stroke = stroke_of(load_robot("ifw").mechanism)
+    for x in stroke.ends:
+        assert_allclose(jacobian(stroke, x)[0], 0.0, atol=1e-7)
