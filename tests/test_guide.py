@@ -26,7 +26,7 @@ from lumped.robot_file import built_in_robots, load_robot
 from meshes.section import section_mesh
 from validation import cli
 from validation.case import Case
-from validation.faults.detection import with_faults
+from validation.catalogue import catalogue
 
 ROOT = Path(__file__).resolve().parents[1]
 EXAMPLES = ROOT / "docs" / "examples"
@@ -175,12 +175,12 @@ def test_the_guide_to_the_cases_covers_the_catalogue_and_nothing_else():
     page = (ROOT / "docs" / "guide" / "cases.md").read_text(encoding="utf-8")
     rows = re.findall(r"^\| (`.*?) \|", page, re.MULTILINE)
     patterns = [pattern for row in rows for pattern in re.findall(r"`([^`]+)`", row)]
-    tasks = with_faults(load_robot("ifw"))
+    tasks = catalogue(load_robot("ifw"))
     ids = [task.id.replace("leg2", "leg1") for task in tasks if isinstance(task, Case)]
     unsaid = [one for one in ids if not any(fnmatchcase(one, pattern) for pattern in patterns)]
     assert unsaid == []
     for other in ("five-bar", ROOT / "examples" / "tapered-biglide" / "robot.toml"):
-        ids += [task.id for task in with_faults(load_robot(other)) if isinstance(task, Case)]
+        ids += [task.id for task in catalogue(load_robot(other)) if isinstance(task, Case)]
     assert [one for one in patterns if not any(fnmatchcase(i, one) for i in ids)] == []
 
 

@@ -189,9 +189,8 @@ class Case:
     `id` is dotted, with parameters in brackets: "robot.beam-vjm.planar[x=0.4975]". `quantity` and
     `unit` name the value ("largest planar deflection", "µm"; "1" for ratios), `model` whose value
     it is ("segments", "solid"; empty where it is no model's). `subject` tells what a case says
-    something about: the run's robot, one of its legs, the program itself, or whether faults put
-    into it are noticed. Cases of one quantity by several models stand side by side, in the `row` of
-    that name where there are several; a fault's row is its own.
+    something about: the run's robot, one of its legs, or the program itself. Cases of one quantity
+    by several models stand side by side, in the `row` of that name where there are several.
     `label` is what an axis has room for of the quantity. `headlines` are the numbers of the first
     screen and of the paper's table that it is about, by name (`validation.independence.headlines`).
     `section` is the heading under which the report shows the case, `figure` the id of the figure

@@ -99,7 +99,6 @@ def run(
     resume: Annotated[bool, Parameter(negative="")] = False,
     baseline: Path | None = None,
     export: Annotated[bool, Parameter(negative="")] = False,
-    faults: Annotated[bool, Parameter(negative="")] = False,
     cluster: str | None = None,
     accept: tuple[str, ...] = (),
     rely: tuple[str, ...] = (),
@@ -130,9 +129,6 @@ def run(
     export
         Also write export/: meshes, displacements and modes for ParaView, matrices as .npz and
         Matrix Market.
-    faults
-        Also inject the catalogue of faults one by one and report which case catches which; one
-        that none catches ends with exit code 1. --only 'fault.*' injects them and nothing else.
     cluster
         Address of a Dask scheduler (tcp://host:port) that computes the sweeps over α, leg lengths
         and postures, and those of --vary; needs the extra "cluster".
@@ -161,15 +157,12 @@ def run(
     from lumped.robot_file import load_robot  # noqa: PLC0415
     from lumped.robot_file.load import with_measured  # noqa: PLC0415
     from validation.catalogue import catalogue  # noqa: PLC0415
-    from validation.report.detection import names_faults  # noqa: PLC0415
     from validation.run import summary  # noqa: PLC0415
-    from validation.run.session import Catalogue, Request, default_jobs, validate  # noqa: PLC0415
+    from validation.run.session import Request, default_jobs, validate  # noqa: PLC0415
     from validation.store.tree import StoreError  # noqa: PLC0415
 
     require_address_space(TO_COMPUTE)
     start: Start = "resumed" if resume else "afresh"
-    # Whoever names faults alone wants them injected.
-    faults = faults or bool(only and names_faults(only))
     robot_file = load_robot(robot)
     robot_file = with_measured(robot_file, measured) if measured else robot_file
     asked = {"accept": " ".join(accept), "rely": " ".join(rely)}
@@ -184,20 +177,14 @@ def run(
         start,
         baseline,
         export,
-        faults,
         cluster,
         {option: given for option, given in asked.items() if given},
         strict,
         selftest,
         vary,
     )
-    everything: Catalogue = catalogue
-    if faults:
-        from validation.faults.detection import with_faults  # noqa: PLC0415
-
-        everything = with_faults
     try:
-        gathered = validate(request, everything)
+        gathered = validate(request, catalogue)
     except (StoreError, ComputationError) as error:
         return complain([str(error), summary.how_to_go_on(request)], 3)
     except KeyboardInterrupt:

@@ -14,7 +14,7 @@ from lumped.biglide import Biglide
 from lumped.robot_file import RobotFile, load_robot
 
 Preset: TypeAlias = Literal["quick", "standard", "fine"]
-About: TypeAlias = Literal["robot", "leg", "program", "faults"]
+About: TypeAlias = Literal["robot", "leg", "program"]
 PRESETS: tuple[Preset, ...] = ("quick", "standard", "fine")
 # The robot whose numbers the paper prints; the program itself is verified on it.
 BUILT_IN = "ifw"

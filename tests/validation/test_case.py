@@ -1,8 +1,9 @@
 """Verdicts: when a case agrees, and that every case is able to fail."""
 
 from dataclasses import replace
-from math import inf, isnan, nan
+from math import hypot, inf, isnan, nan
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -170,6 +171,42 @@ def test_the_verdict_is_a_pure_function_of_difference_relation_and_tolerance():
     assert verdict(0.1, Relation.EQUAL, 0.1) == "agree"
     assert verdict(0.1, Relation.EQUAL, 0.1, uncertainty=0.1) == "agree"
     assert verdict(nan, Relation.AT_MOST, 0.1) == "disagree"
+
+
+def test_verdicts_and_records_of_measurements_at_random_are_those_of_the_rule():
+    """E less all allowances, with its sign, within the tolerance, and so the uncertainty."""
+    rng = np.random.default_rng(12)
+    for number in range(300):
+        reference, share = float(rng.uniform(0.5, 5.0)), float(10.0 ** rng.uniform(-4.0, -1.0))
+        limit = share * reference
+        parts = (rng.uniform(-0.2, 0.2, 2) * reference).tolist()
+        left = float(rng.uniform(-2.5, 2.5) * limit)
+        own, other, judged = (rng.uniform(0.0, 0.9, 3) * limit).tolist()
+        relation = list(Relation)[number % 3]
+        measured = Measurement(
+            reference + sum(parts) + left,
+            reference,
+            own,
+            other,
+            judged if number % 2 else None,
+            tuple(Allowance("made up", part) for part in parts),
+        )
+        spread = judged if number % 2 else hypot(own, other)
+        wrong = {"equal": abs(left), "at most": left, "at least": -left}[relation.value]
+        wanted = "agree" if wrong <= limit else "disagree"
+        if spread > limit and wrong - limit <= spread:
+            wanted = "undecided"
+        outcome = judge(replace(EQUAL, tolerance=Relative(share), relation=relation), measured, 0.0)
+        assert outcome.verdict == wanted
+        assert outcome.share == pytest.approx(wrong / limit, abs=1e-9)
+        assert wanted != "agree" or perturbed(outcome, 4.5) == "disagree"
+        record = case_record(outcome)
+        assert (record.value, record.reference) == (measured.value, reference)
+        assert record.error == pytest.approx(sum(parts) + left)
+        assert record.unexplained == pytest.approx(left, abs=1e-12)
+        assert (record.value_uncertainty, record.reference_uncertainty) == (own, other)
+        assert record.numerical_uncertainty == pytest.approx(spread)
+        assert record.tolerance == pytest.approx(limit)
 
 
 def test_the_record_has_the_keys_of_the_interface():

@@ -1,6 +1,7 @@
 """Observed orders, extrapolation and uncertainty where sequences are not as they should be.
 
-Those by hand and published ones are checks of the program: `cases/program/judgement/orders`.
+Sources: NASA Glenn, NPARC Alliance, "Examining spatial (grid) convergence"; P. J. Roache, J. Fluids
+Eng. 116 (1994) 405.
 """
 
 from math import isnan
@@ -14,10 +15,15 @@ from validation.agreement.convergence import (
     analyse,
     classify,
     fit_order,
+    order_of_errors,
+    pairwise_orders,
+    richardson,
     safety_factor,
+    step_factor,
     three_grid_order,
     uncertainty_of_known_orders,
 )
+from validation.solids.legs import Refinement
 
 HALVING = 0.4 / 2.0 ** np.arange(6)
 
@@ -178,3 +184,44 @@ def test_fine_grids_count_more_in_proportion_to_their_size():
     intercept = np.average(values, weights=w) - slope * np.average(t, weights=w)
     residual = np.abs(intercept + slope * t - values).max()
     assert known == pytest.approx(1.25 * abs(intercept - values[-1]) + residual, rel=1e-9)
+
+
+def test_a_published_study_has_its_printed_order_and_limit():
+    # NASA Glenn: pressure recovery on three grids of ratio 2, p = 1.786, limit 0.97130.
+    coarse, middle, fine = 0.96178, 0.96854, 0.97050
+    order = three_grid_order(coarse, middle, fine, 2.0, 2.0)
+    assert order == pytest.approx(1.78618, rel=2e-5)
+    assert richardson(middle, fine, 2.0, order) == pytest.approx(0.9713, rel=1e-6)
+
+
+@pytest.mark.parametrize("order", [1.5, 3.0])
+def test_all_ways_to_an_order_agree_on_a_pure_power(order):
+    sizes = np.array([0.6, 0.3, 0.2, 0.1])
+    values = sequence(sizes, 5.0, -0.4, order)
+    fit = fit_order(sizes, values)
+    assert (fit.limit, fit.order) == (pytest.approx(5.0, rel=1e-8), pytest.approx(order, rel=1e-5))
+    assert fit.coefficient == pytest.approx(-0.4, rel=1e-4)
+    assert pairwise_orders(sizes, values) == pytest.approx([order, order], rel=1e-9)
+    assert order_of_errors(sizes, values - 5.0) == pytest.approx(order, rel=1e-9)
+
+
+def test_two_grids_state_three_times_what_their_formal_order_leaves():
+    assert step_factor(2.0, 2.0) == pytest.approx(1.0)
+    assert step_factor(2.0, 4.0) == pytest.approx(0.2)
+    two = Refinement((1, 2), np.array([3.5, 3.125]), 2.0)
+    assert two.uncertainty() == pytest.approx(0.375)
+
+
+def test_every_number_of_a_refinement_has_its_own_uncertainty_and_is_held_by_it():
+    rng = np.random.default_rng(14)
+    for ladder in ((1, 2, 3, 4), (2, 4, 8, 16)):
+        sizes = 1.0 / np.array(ladder)
+        limits, orders = rng.uniform(1.0, 3.0, 20), rng.uniform(1.0, 4.0, 20)
+        values = limits + rng.choice([-0.2, 0.2], 20) * sizes[:, None] ** orders
+        series = Refinement(ladder, values, 4.0)
+        for number, limit in enumerate(limits):
+            error = abs(values[-1, number] - limit)
+            alone = Refinement(ladder, values[:, [number]], 4.0)
+            assert series.uncertainty(number) == pytest.approx(alone.uncertainty(0), rel=1e-9)
+            assert error <= series.uncertainty(number) <= 4.0 * error
+            assert series.at(number).extrapolated == pytest.approx(limit, rel=1e-6)

@@ -15,7 +15,6 @@ from validation.adequacy.matrix import Matrix
 from validation.drawing import text
 from validation.drawing.scenes import packed_viewer
 from validation.exhibits import PORTRAIT, Figure, PlannedFigure
-from validation.report.detection import Power
 from validation.report.first_screen.screen import FirstScreen, first_screen
 from validation.report.first_screen.words import capital
 from validation.report.independence import Listing, listings
@@ -46,8 +45,7 @@ class Report:
     against measured values. `unfinished` counts
     the pieces of work that were not computed; `drifts` (by case id) are the moves from frozen
     values, which stand in a column of their own; `no_longer_compared` (why, by case id) agreed in
-    them and are skipped now; `power` what became of the faults, if any were
-    injected. The plots are drawn by so many `processes`.
+    them and are skipped now. The plots are drawn by so many `processes`.
     """
 
     outcomes: tuple[Outcome, ...]
@@ -61,7 +59,6 @@ class Report:
     unfinished: int = 0
     drifts: Mapping[str, Drift] = field(default_factory=dict)
     no_longer_compared: Mapping[str, str] = field(default_factory=dict)
-    power: Power | None = None
     processes: int = 1
 
     @cached_property
@@ -90,11 +87,11 @@ class Report:
 
     @property
     def checks(self) -> str:
-        """The comparisons in one sentence, and one on the faults."""
+        """The comparisons in one sentence."""
         said = summary(self.outcomes, self.unfinished)
         if self.no_longer_compared:
             said += f" Agreed earlier and skipped now: {', '.join(self.no_longer_compared)}."
-        return f"{said} {self.power.sentence}" if self.power else said
+        return said
 
     @property
     def program(self) -> str:
@@ -127,7 +124,7 @@ class Report:
     def verdict(self) -> Verdict:
         """The verdict on the comparisons: the worst of them; unfinished work has failed."""
         verdicts = {outcome.verdict for outcome in self.outcomes}
-        if "disagree" in verdicts or (self.power and self.power.survivors):
+        if "disagree" in verdicts:
             return "disagree"
         if "failed" in verdicts or self.unfinished:
             return "failed"

@@ -17,7 +17,7 @@ from validation.exhibits import Study, study_record
 from validation.results.outcome import Outcome, Verdict
 
 _FILE = "results.json"
-# Runs of large mechanisms with faults come to a few MB.
+# Runs of large mechanisms come to a few MB.
 _LARGEST = 200_000_000
 
 
@@ -109,7 +109,6 @@ class RunRecord(msgspec.Struct, frozen=True, kw_only=True):
     adequacy_of_parts: tuple[AdequacyRecord, ...] = ()
     statements: tuple[Any, ...] = ()
     studies: tuple[Any, ...] = ()
-    faults: tuple[Any, ...] | UnsetType = UNSET
 
     @property
     def by_id(self) -> dict[str, CaseRecord]:

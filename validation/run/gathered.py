@@ -10,7 +10,6 @@ import msgspec
 from validation.adequacy.matrix import ADEQUACY, MEASURED, Matrix
 from validation.case import Case
 from validation.exhibits import Figure, PlannedFigure
-from validation.report.detection import Power, comparisons, detection_power
 from validation.results.compare import RunComparison, compare
 from validation.results.drift import Drift, drifts, no_longer_compared, with_drift
 from validation.results.outcome import Outcome
@@ -135,12 +134,6 @@ class Results:
         """Comparisons that agreed in the baseline or the frozen values and are skipped now: why."""
         return no_longer_compared(self.in_order(), self.frozen)
 
-    @property
-    def power(self) -> Power | None:
-        """What became of the faults, where the run injects any."""
-        found = detection_power(self.in_order())
-        return found if found.detections else None
-
     def compared_with(self, baseline: RunRecord) -> RunComparison:
         """What changed since `baseline`, as far as its cases were to be run this time."""
         asked = {task.id for task in self.tasks}
@@ -188,8 +181,6 @@ class Results:
 
     def _record(self) -> RunRecord:
         header = dict(self.header) | {"unfinished": self.unfinished, "selftest": self.selftest}
-        outcomes, drifts = comparisons(self.in_order()), self.drifts
+        outcomes, drifts = self.in_order(), self.drifts
         cases = [with_drift(case_record(o), drifts.get(o.case.id)) for o in outcomes]
-        record = run_record(header, cases, outcomes, self.matrices)
-        power = self.power
-        return msgspec.structs.replace(record, faults=power.records()) if power else record
+        return run_record(header, cases, outcomes, self.matrices)

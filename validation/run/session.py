@@ -18,7 +18,6 @@ from validation.adequacy.matrix import MEASURED
 from validation.console.streams import complain
 from validation.context import SWEEPS_FOLDER, Context, Preset
 from validation.paper.errata import paper_findings
-from validation.report.detection import comparisons
 from validation.report.page import Report, render
 from validation.results import provenance
 from validation.results.freeze import built_in_frozen
@@ -62,7 +61,6 @@ class Request:
     start: Start = "afresh"
     baseline: Path | None = None
     exports: bool = False
-    faults: bool = False
     cluster: str | None = None
     asked: Mapping[str, str] = field(default_factory=dict)
     strict: bool = False
@@ -166,7 +164,7 @@ def publish(
     folder.write("results.json", gathered.as_json())
     folder.write("junit.xml", junit_xml(outcomes, f"flexproof {gathered.header['robot']}"))
     report = Report(
-        outcomes=tuple(comparisons(outcomes)),
+        outcomes=tuple(outcomes),
         figures=tuple(gathered.all_figures()),
         missing_figures=tuple(gathered.missing_figures()),
         findings=tuple(findings),
@@ -177,7 +175,6 @@ def publish(
         unfinished=gathered.unfinished,
         drifts=gathered.drifts,
         no_longer_compared=gathered.no_longer_compared,
-        power=gathered.power,
         processes=processes,
     )
     for figure in report.shown:

@@ -3,7 +3,6 @@
 from shlex import join
 
 from validation.adequacy.matrix import in_a_line
-from validation.report.detection import comparisons
 from validation.report.listing import outcome_line, program_line, summary
 from validation.results.comparison_text import sentence
 from validation.results.tasks import is_check
@@ -15,15 +14,10 @@ def verdicts(gathered: Results) -> list[str]:
     """Lines on what does not agree, and the verdict on the whole."""
     outcomes = gathered.in_order()
     worst = [o for o in outcomes if o.verdict in {"disagree", "undecided", "failed"}]
-    compared, power = comparisons(outcomes), gathered.power
-    # A run of faults or of models alone makes no comparison that could be summed up.
-    nothing = not compared and (power or gathered.matrices)
-    said = [] if nothing else [summary(compared, gathered.unfinished)]
-    return [
-        *(outcome_line(outcome) for outcome in worst),
-        *said,
-        *([power.sentence] if power else []),
-    ]
+    # A run of models alone makes no comparison that could be summed up.
+    nothing = not outcomes and gathered.matrices
+    said = [] if nothing else [summary(outcomes, gathered.unfinished)]
+    return [*(outcome_line(outcome) for outcome in worst), *said]
 
 
 def adequacy(gathered: Results) -> list[str]:
@@ -77,7 +71,6 @@ def how_to_go_on(request: Request) -> str:
     command += ["--only", request.only] if request.only else []
     command += ["--baseline", str(request.baseline)] if request.baseline else []
     command += ["--export"] if request.exports else []
-    command += ["--faults"] if request.faults else []
     command += ["--cluster", request.cluster] if request.cluster else []
     for option, given in request.asked.items():
         command += [word for one in given.split() for word in (f"--{option}", one)]

@@ -10,7 +10,6 @@ from fem.reduction.craig_bampton import reduction
 from fem.reduction.interface_modes import interface_modes
 from lumped.dense.modes import Modes
 from lumped.errors import ComputationError
-from validation.faults.catalogue import FAULTS
 
 
 def test_inertia_counts_what_a_dense_eigensolver_finds(bar, held_frequencies):
@@ -72,11 +71,3 @@ def test_a_mode_that_is_never_found_or_found_twice_is_an_error(bar, held_frequen
     monkeypatch.setattr(counting, "interface_modes", first_twice)
     with pytest.raises(ComputationError, match="certificate of the modes failed"):
         counted_modes(bar.held, cutoff)
-
-
-@pytest.mark.parametrize("fault", ["reduction.cutoff", "reduction.modes-missing"])
-def test_faults_of_the_search_are_errors_of_the_reduction(bar, held_frequencies, fault):
-    cutoff = 1.001 * held_frequencies[9]
-    (mistake,) = (one for one in FAULTS if one.id == fault)
-    with mistake.inject(), pytest.raises(ComputationError, match="certificate of the modes failed"):
-        reduction(bar.held, 0.4 * cutoff, cutoff)

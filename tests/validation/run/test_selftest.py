@@ -13,14 +13,8 @@ import pytest
 
 from lumped.robot_file import load_robot
 from validation import catalogue, cli
-from validation.cases.program.guards import pairing
-from validation.context import Context
-from validation.faults.catalogue import FAULTS
-from validation.faults.sound import sound_cases
-from validation.faults.trial import catchers, tried
 from validation.results import provenance
-from validation.results.outcome import judge
-from validation.results.tasks import is_check, plain
+from validation.results.tasks import is_check
 from validation.run import summary
 from validation.run.kept_checks import kept_of
 from validation.run.session import Request, validate
@@ -252,17 +246,6 @@ def test_the_command_checks_again_keeps_and_says_the_verdict(toys, tmp_path, mon
     monkeypatch.setattr(catalogue, "checks", toys.wrongly_checked)
     assert cli.main(["selftest", "--preset", "quick", "--jobs", "1"]) == 1
     assert "disagree" in capsys.readouterr().out
-
-
-def test_faults_are_put_to_the_checks_themselves_whatever_is_kept():
-    kept = kept_of(provenance.header(IFW, "quick", {}))
-    context = Context(IFW, "quick")
-    for case in pairing.cases():
-        kept.add(plain(judge(case, case.measure(context), 0.0).result))
-    assert set(kept.records()) == {case.id for case in pairing.cases()}
-    fault = next(one for one in FAULTS if one.id == "pairing.unweighted")
-    said = tried(fault, sound_cases(pairing.cases(), IFW, "quick", [fault.where]))
-    assert catchers(said)
 
 
 def test_every_check_of_the_program_stands_in_the_catalogue_of_every_robot():

@@ -10,7 +10,6 @@ from validation.cases.program import (
     benchmarks,
     calculix,
     guards,
-    judgement,
     mechanisms,
     mesh_families,
     parts,
@@ -32,6 +31,5 @@ def cases() -> tuple[Case, ...]:
         *mechanisms.cases(),
         *spinning_rod.cases(),
         *parts.cases(),
-        *judgement.cases(),
     )
     return tuple(replace(case, subject="program") for case in found)

@@ -1,1 +1,0 @@
-"""Realistic mistakes, put into the models one at a time, and what the suite notices."""
