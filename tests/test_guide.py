@@ -23,10 +23,12 @@ import pytest
 
 from lumped import sections
 from lumped.robot_file import built_in_robots, load_robot
+from lumped.robot_file.variation import variations_of
 from meshes.section import section_mesh
 from validation import cli
 from validation.case import Case
 from validation.catalogue import catalogue
+from validation.variations.cases import cases_over
 
 ROOT = Path(__file__).resolve().parents[1]
 EXAMPLES = ROOT / "docs" / "examples"
@@ -181,6 +183,8 @@ def test_the_guide_to_the_cases_covers_the_catalogue_and_nothing_else():
     assert unsaid == []
     for other in ("five-bar", ROOT / "examples" / "tapered-biglide" / "robot.toml"):
         ids += [task.id for task in catalogue(load_robot(other)) if isinstance(task, Case)]
+    five_bar = load_robot("five-bar")
+    ids += [one.id for one in cases_over(five_bar, variations_of(five_bar, ["tool.mass=1:2:3"]))]
     assert [one for one in patterns if not any(fnmatchcase(i, one) for i in ids)] == []
 
 

@@ -130,8 +130,8 @@ def run(
         Also write export/: meshes, displacements and modes for ParaView, matrices as .npz and
         Matrix Market.
     cluster
-        Address of a Dask scheduler (tcp://host:port) that computes the sweeps over α, leg lengths
-        and postures, and those of --vary; needs the extra "cluster".
+        Address of a Dask scheduler (tcp://host:port) that computes the robots of --vary and CAD
+        parts; needs the extra "cluster".
     accept
         Accepted relative error of a model, deflection=0.03 say, in place of the robot file's; also
         frequency, modes, or one quantity (x y z phi_x phi_y phi_z any_force f1 f2 … order).
@@ -147,8 +147,8 @@ def run(
         kept for this version and machine are shown, and made where none are.
     vary
         A number of the robot file over a range, bodies.rod1.section.diameter=0.02:0.06:9 say: all
-        models over it, as figures; a * in the key stands for any part of a name. May be given
-        again for figures over another number.
+        models over it, as figures, and what each of them would choose; a * in the key stands for
+        any part of a name. May be given again for another number.
     """
     from dataclasses import replace  # noqa: PLC0415
 

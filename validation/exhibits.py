@@ -18,7 +18,6 @@ STROKE = "The robot over its stroke"
 SOLID_ROBOT = "The robot with solid legs"
 PATH = "The mechanism over its path"
 PARAMETERS = "Design parameters"
-LENGTHS = "Choosing the length of the legs"
 FAMILY = "Robots with longer legs"
 ELEMENTS = "Convergence of elements"
 

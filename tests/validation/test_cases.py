@@ -21,13 +21,10 @@ from validation.catalogue import catalogue
 from validation.context import Context
 from validation.independence.trace import DATA, Asked, disturbed
 from validation.results.outcome import judge, perturbed
-from validation.sweeps.studies import PLANS
 
 ROBOT_FILE = load_robot("ifw")
 # The cheapest preset: what a case claims and how it judges is the same in all of them.
 CONTEXT = Asked(ROBOT_FILE, "quick")
-# The decision is left to larger presets for its time and its second mesh alone.
-DECIDING = Context(ROBOT_FILE, "standard")
 LISTED = [task for task in catalogue(ROBOT_FILE) if isinstance(task, Case)]
 # That every number has an independent comparison is the business of test_trace.
 CASES = [
@@ -42,7 +39,6 @@ OF_MECHANISM = [
     for task in catalogue(MECHANISM.robot_file)
     if isinstance(task, Case) and "quick" in task.presets and task.subject == "robot"
 ]
-DECISIONS = [case for case in LISTED if "quick" not in case.presets and "decision." in case.id]
 # Of ten seconds each time they are computed.
 LONG = ("program.parts.fork.calculix.",)
 # A part is condensed again, the paper's segments are refined again for each wrong ingredient.
@@ -58,15 +54,6 @@ FEW, MOST = 2, 8
 EXACT_SOLIDS = {"robot.solid.sixty.energy"}
 
 
-@pytest.fixture(autouse=True, scope="module")
-def few_designs():
-    """The standard preset decides among the designs of the quick one."""
-    plan = replace(PLANS["quick"], divisions=2, coarse=1)
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setitem(PLANS, "standard", plan)
-        yield
-
-
 @pytest.fixture(scope="module")
 def case(request):
     """The tests of one case stand together, so that it is computed once."""
@@ -78,17 +65,17 @@ def computed(case):
     """What the case finds, and the entries of the memo that it asks for."""
     CONTEXT.asked.clear()
     try:
-        found = case.measure(CONTEXT if "quick" in case.presets else DECIDING)
+        found = case.measure(CONTEXT)
     except Skip as reason:
         pytest.skip(str(reason))
     return found, frozenset(CONTEXT.asked)
 
 
 def each(cases, long, dear=()):
-    """Cases by id, the long ones and the decision's with a mark: its robots are made of solids."""
+    """Cases by id, the long ones with a mark."""
 
     def marks(case):
-        if case.id.startswith(LONG) or case in DECISIONS:
+        if case.id.startswith(LONG):
             return long
         return dear if case.id.startswith(DEAR) else ()
 
@@ -101,9 +88,7 @@ def test_ids_are_unique_and_every_case_names_its_source():
     assert all(case.citation and case.tolerance_reason for case in LISTED)
 
 
-@pytest.mark.parametrize(
-    "case", each([*CASES, *DECISIONS], pytest.mark.exhaustive), indirect=True, scope="module"
-)
+@pytest.mark.parametrize("case", each(CASES, pytest.mark.exhaustive), indirect=True, scope="module")
 def test_case_agrees_and_turns_when_its_reference_moves_by_three_tolerances(case, computed):
     sound, _ = computed
     outcome = judge(case, sound, 0.0)

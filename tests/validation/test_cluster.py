@@ -1,4 +1,4 @@
-"""Sweeps on a real Dask scheduler and two workers, one of which is killed in mid-run."""
+"""Robots of --vary on a real Dask scheduler and two workers, one of which is killed in mid-run."""
 
 import os
 import random
@@ -20,6 +20,7 @@ from numpy.testing import assert_allclose
 from lumped.caches import forget
 from lumped.errors import ComputationError, InputError
 from lumped.robot_file import load_robot
+from lumped.robot_file.variation import variations_of
 from validation import cli
 from validation.adequacy.mechanism.part_solids import highest_of_parts
 from validation.adequacy.mechanism.parts_ahead import prepare_parts
@@ -28,29 +29,38 @@ from validation.context import Context
 from validation.models import parts
 from validation.store.opening import open_folder
 from validation.sweeps.cluster import on_cluster
+from validation.sweeps.cores import on_cores
 from validation.sweeps.journal import Journal
-from validation.sweeps.plans import lumped_models, member_units, solid_model
-from validation.sweeps.runner import sweep
+from validation.variations.curves import variation_study
 
 sys.path.insert(0, str(Path(__file__).parent))
 from crane import write_meshed_crane
 from one_arm import ONE_ARM
 
 ROOT = Path(__file__).resolve().parents[2]
-ROBOT = load_robot("ifw").robot
-MODELS = (*lumped_models(4), solid_model("solid", "rigid", 1))
 ARM = f"{ONE_ARM}[path]\nposes = [[0.0], [0.1]]\n"
-ALPHAS = (1.0, 1.2, 1.4, 1.6, 1.8, 2.0)
+VARY = "bodies.arm.section.width=0.04:0.06:3"
 
 distributed = pytest.importorskip("distributed", reason="the extra 'cluster' is not installed")
 
 
-def units():
-    return [
-        unit
-        for alpha in ALPHAS
-        for unit in member_units(MODELS, ROBOT, alpha, (0.0, 0.25, 0.5, 0.75, 1.0))
-    ]
+def varied(folder, *executor, journal=None):
+    """Curves of an arm of three widths, six units, by what computes them."""
+    path = folder / "arm.toml"
+    path.write_text(ARM, encoding="utf-8")
+    robot = load_robot(path)
+    (variation,) = variations_of(robot, [VARY])
+    return variation_study(robot, variation, "quick", journal or Journal(), *executor)
+
+
+def require_equal(found, expected):
+    """Every number of the decisions, byte for byte."""
+    for objective, curves in expected.items():
+        for part in ("models", "references", "uncertainties"):
+            own, its = (getattr(one.decision, part) for one in (curves, found[objective]))
+            assert {name: values.tobytes() for name, values in own.items()} == {
+                name: values.tobytes() for name, values in its.items()
+            }
 
 
 def start(*arguments, log, root=ROOT):
@@ -106,6 +116,12 @@ def cluster(tmp_path_factory):
         process.wait(timeout=30)
 
 
+def here(folder):
+    """The same in a process of this machine, with one thread as workers have."""
+    with on_cores(1) as executor:
+        return varied(folder, executor)
+
+
 def scheduled(address):
     """How often a task has changed its state on the scheduler."""
     with distributed.Client(address) as client:
@@ -119,7 +135,6 @@ def silent(_line):
 @pytest.mark.slow
 def test_a_killed_worker_loses_nothing_and_changes_no_number(cluster, tmp_path):
     address, workers = cluster
-    asked = units()
     finished = []
     with on_cluster(address, silent) as executor:
 
@@ -130,16 +145,11 @@ def test_a_killed_worker_loses_nothing_and_changes_no_number(cluster, tmp_path):
                     os.kill(workers[0].pid, signal.SIGKILL)
                 yield number, result
 
-        found = sweep(asked, killing, Journal(tmp_path))
+        found = varied(tmp_path, killing)
     assert workers[0].wait(timeout=30) == -signal.SIGKILL
     assert workers[1].poll() is None
-    # Each leg and each unit of postures arrived exactly once.
-    legs = {id(unit.legs) for unit in asked if unit.legs}
-    assert len(finished) == 2 * len(legs) + len(asked)
-    for there, here in zip(found, sweep(asked), strict=True):
-        # Required: the same numbers to 1e-12 on a cluster.
-        assert_allclose(there.compliances, here.compliances, rtol=1e-12, atol=1e-18)
-        assert_allclose(there.frequencies, here.frequencies, rtol=1e-12)
+    assert sorted(finished) == list(range(6))
+    require_equal(found, here(tmp_path))
 
 
 @pytest.mark.slow
@@ -172,6 +182,7 @@ def test_an_earlier_run_survives_a_scheduler_that_is_not_there(
     before = {f: f.read_bytes() for f in tmp_path.rglob("*") if f.name != ".lock" and f.is_file()}
     monkeypatch.chdir(tmp_path)
     arguments = ["run", "--preset", "quick", "--out", str(tmp_path), "--cluster", address]
+    arguments += ["--vary", "platform.mass=40:50:2"]
     assert cli.main(arguments) == 2
     printed = capfd.readouterr()
     assert printed.err.startswith("flexproof: --cluster")
@@ -230,8 +241,7 @@ def test_a_scheduler_that_dies_loses_nothing_that_was_finished(tmp_path, monkeyp
     monkeypatch.setattr("validation.sweeps.cluster._PATIENCE", 1.0)
     scheduler, address = started_scheduler(tmp_path)
     processes += [scheduler, started_worker(address, tmp_path, "worker")]
-    asked, kept = units(), tmp_path / "sweeps"
-    finished = []
+    kept, finished = tmp_path / "sweeps", []
 
     def killing(calls):
         for number, result in executor(calls):
@@ -242,11 +252,9 @@ def test_a_scheduler_that_dies_loses_nothing_that_was_finished(tmp_path, monkeyp
 
     gone = "the scheduler is gone; what was finished is kept"
     with on_cluster(address, silent) as executor, pytest.raises(ComputationError, match=gone):
-        sweep(asked, killing, Journal(kept))
+        varied(tmp_path, killing, journal=Journal(kept))
     assert len(list(kept.glob("*.npz"))) >= 3
-    for here, there in zip(sweep(asked), sweep(asked, journal=Journal(kept)), strict=True):
-        assert_allclose(there.compliances, here.compliances, rtol=1e-12, atol=1e-18)
-        assert_allclose(there.frequencies, here.frequencies, rtol=1e-12)
+    require_equal(varied(tmp_path, journal=Journal(kept)), here(tmp_path))
 
 
 @pytest.mark.exhaustive
@@ -351,7 +359,7 @@ def test_a_run_on_a_cluster_that_is_killed_goes_on_to_the_same_numbers(cluster_o
     for _ in range(2):
         known = len(list(path.rglob("*.npz")))
         run = validated(path, "--cluster", address, *(["--resume"] if path.exists() else []))
-        more = moments.randrange(1, 6)
+        more = moments.randrange(1, 3)
         while run.poll() is None and len(list(path.rglob("*.npz"))) < known + more:
             time.sleep(0.01)
         run.kill()
@@ -364,10 +372,12 @@ def test_a_run_on_a_cluster_that_is_killed_goes_on_to_the_same_numbers(cluster_o
 
 
 def validated(path, *arguments):
-    """A run of the sweeps over the stroke and the family alone."""
-    arguments = ("--preset", "quick", "--only", "decision.*", "--out", str(path), *arguments)
+    """A run over a number of the arm alone."""
+    robot = path.parent / "arm.toml"
+    robot.write_text(ARM, encoding="utf-8")
+    asked = ("--preset", "quick", "--only", "vary.*", "--vary", VARY, "--out", str(path))
     return subprocess.Popen(
-        [sys.executable, "-m", "validation.cli", "run", *arguments],
+        [sys.executable, "-m", "validation.cli", "run", str(robot), *asked, *arguments],
         cwd=ROOT,
         env=os.environ | {"PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"},
         stdout=subprocess.DEVNULL,
@@ -377,7 +387,7 @@ def validated(path, *arguments):
 
 
 def swept(path):
-    """The numbers that the figures of the sweeps show."""
+    """The numbers that the figures show."""
     return {file.name: file.read_text() for file in sorted((path / "figures").glob("*.csv"))}
 
 

@@ -36,7 +36,6 @@ from validation.solids.size import (
     too_large,
 )
 from validation.studies.paired_robot_modes import sample_weights
-from validation.sweeps.studies import decision_of, family_of, stroke_of
 
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 IFW = load_robot("ifw")
@@ -54,12 +53,6 @@ def context(monkeypatch):
     for place in ("validation.solids.robots", "fem.bodies.solid"):
         monkeypatch.setattr(f"{place}.solid_mesh", refused)
     return Context(SLENDER, "quick")
-
-
-@pytest.mark.parametrize("study", [stroke_of, family_of, decision_of])
-def test_sweeps_of_legs_too_large_as_solids_are_skipped_before_one_is_meshed(study, context):
-    with pytest.raises(Skip, match=r"^leg 1 as a solid of 1 division has about"):
-        study(context)
 
 
 def refused(*_):

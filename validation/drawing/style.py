@@ -58,7 +58,6 @@ LOOKS: Mapping[str, Look] = {
     # masses that legs known by a 6×6 plausibly have.
     "solid": Look(VERMILLION, "D"),
     "solid, free": Look(VERMILLION, "p", "--"),
-    "solid, coarser mesh": Look(VERMILLION, "8", ":"),
     "own 6×6": Look(BLACK, "H"),
     "mass as in a prism": Look(VERMILLION, "1", "-."),
     "mass as in a prism, free": Look(VERMILLION, "2", "--"),

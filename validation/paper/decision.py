@@ -19,7 +19,7 @@ from validation.paper.robot import (
 )
 from validation.paper.statement import Compute, Statement
 from validation.solids.legs import FORMAL_ORDER
-from validation.sweeps.decision import spearman
+from validation.variations.decision import equally_good, spearman
 
 _CONCLUSIONS = "§2.3, §3.3 and conclusions"
 _SOLVED: tuple[Preset, ...] = ("standard", "fine")
@@ -28,8 +28,6 @@ _MEMBERS = ALPHAS[::2]
 _DIVISIONS: dict[Preset, int] = {"standard": 2, "fine": 3}
 _COARSE = 1
 _POSTURES = 21
-# Robots whose largest deflections differ by less are equally good.
-_INDIFFERENT = 1e-6
 _SIXTY = 60
 # Share of the strain energy above which a mode is due to a part alone.
 _ALONE = 0.95
@@ -71,11 +69,7 @@ def _longest(context: Context, _reading: ModelOptions) -> Measurement:
             for alpha in ALPHAS
         ]
     )
-    best = [
-        alpha
-        for alpha, deflection in zip(ALPHAS, worst, strict=True)
-        if deflection <= worst.min() * (1.0 + _INDIFFERENT)
-    ]
+    best = [ALPHAS[number] for number in equally_good(worst, "deflection")]
     return Measurement(
         best[-1],
         reference=ALPHAS[-1],

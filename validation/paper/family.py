@@ -17,7 +17,7 @@ from validation.paper.robot import (
     family_modes,
 )
 from validation.paper.statement import FORMULAS, Compute, Statement
-from validation.sweeps.decision import spearman
+from validation.variations.decision import spearman
 
 EQUIVALENT = ModelOptions(legs="equivalent")
 _GROUP = "paper.family"
@@ -31,7 +31,7 @@ _DIRECTED = 0.95
 def _trend(curve: Array) -> float:
     """Spearman's rank correlation with α: +1 rises throughout, −1 falls throughout, 0 constant."""
     steps = np.round(curve / (_EQUAL * np.max(np.abs(curve))))
-    return 0.0 if np.ptp(steps) <= 1.0 else spearman(ALPHAS, steps)
+    return 0.0 if np.ptp(steps) <= 1.0 else spearman(np.array(ALPHAS), steps)
 
 
 def _family(context: Context, model: ModelName, point: str) -> Deflections:

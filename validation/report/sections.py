@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property, partial
 
 from validation.drawing.text import anchor
-from validation.exhibits import FAMILY, LENGTHS, PARAMETERS, PATH, SOLID_ROBOT, STROKE, Figure
+from validation.exhibits import FAMILY, PARAMETERS, PATH, SOLID_ROBOT, STROKE, Figure
 from validation.report.figures.studies.budgets import budget_figure, budgeted
 from validation.report.figures.studies.families import Family, families
 from validation.report.figures.studies.family_plots import family_plot
@@ -21,9 +21,9 @@ from validation.results.records import claims_of
 # Chapters in their order, with their sections as they follow each other; sections that stand in no
 # list go by the subject of their cases.
 CHAPTERS: Mapping[str, tuple[str, ...]] = {
-    "The robot": (STROKE, SOLID_ROBOT, PATH, PARAMETERS),
+    "The robot": (STROKE, SOLID_ROBOT, PATH),
     "Its legs": ("Leg 1", "Leg 2", "End restraint"),
-    "The decision": (LENGTHS, FAMILY),
+    "The decision": (PARAMETERS, FAMILY),
     "The paper": ("The paper's statements",),
 }
 APPENDIX = "The program"

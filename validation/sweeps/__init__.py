@@ -1,1 +1,1 @@
-"""Many robots in many postures by all leg models, as units of work for cores or a cluster."""
+"""Units of work for the cores of this machine or a cluster, and a journal of what is finished."""

@@ -1,15 +1,13 @@
-"""A sweep: legs first, each once, then postures; finished units are kept and not computed again."""
+"""Units of work: where they are computed; finished ones are kept and not computed again."""
 
-from collections.abc import Callable, Generator, Mapping, Sequence
+from collections.abc import Callable, Generator, Sequence
 from contextlib import closing
-from functools import partial
 from typing import Any, Protocol, TypeAlias, TypeVar
 
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
 from validation.sweeps.journal import Journal, key_of
-from validation.sweeps.units import PostureUnit, ReducedLeg, SolvedPostures
 
 # A call without arguments that can be pickled.
 Work: TypeAlias = Callable[[], Any]
@@ -27,30 +25,6 @@ def in_turn(calls: Sequence[Work]) -> Finished:
         yield number, call()
 
 
-def sweep(
-    units: Sequence[PostureUnit], executor: Executor = in_turn, journal: Journal | None = None
-) -> list[SolvedPostures]:
-    """What the units yield, in their order.
-
-    Every finished unit is in the journal before the next one is looked at, so that a sweep that
-    was interrupted goes on where it stopped. Progress goes to stderr if that is a terminal. Raises
-    what the first failing unit raises (InputError, ComputationError), and KeyboardInterrupt.
-    """
-    kept = Journal() if journal is None else journal
-    postures = {key_of(unit): unit for unit in units}
-    missing = [unit for key, unit in postures.items() if kept.find(key, SolvedPostures) is None]
-    legs = {key_of(leg): leg for unit in missing for leg in unit.legs}
-    leg_work = {key: leg.compute for key, leg in legs.items()}
-    reduced = _finish(leg_work, ReducedLeg, executor, kept, "condensing legs")
-    posture_work = {
-        key: partial(unit.compute, tuple(reduced[key_of(leg)] for leg in unit.legs))
-        for key, unit in postures.items()
-        if kept.find(key, SolvedPostures) is None
-    }
-    _finish(posture_work, SolvedPostures, executor, kept, "solving postures")
-    return [_kept(kept, key_of(unit), SolvedPostures) for unit in units]
-
-
 class Unit(Protocol[Result_co]):
     """Plain data that stand for a result, and can be sent to other processes and machines."""
 
@@ -65,23 +39,13 @@ def computed(
     journal: Journal,
     what: str,
 ) -> list[T]:
-    """What the units yield, a `kind` each, in their order, kept like the units of `sweep`.
+    """What the units yield, a `kind` each (a dataclass of numbers and arrays), in their order.
 
-    `what` is being done, for the progress display.
+    Every finished unit is in the journal before the next one is looked at, so that what was
+    interrupted goes on where it stopped; equal units are computed once. `what` is being done, for
+    the progress on stderr if that is a terminal. Raises what the first failing unit raises.
     """
     work = {key_of(unit): unit.compute for unit in units}
-    found = _finish(work, kind, executor, journal, what)
-    return [found[key_of(unit)] for unit in units]
-
-
-def _finish(
-    work: Mapping[str, Work],
-    kind: Callable[..., T],
-    executor: Executor,
-    journal: Journal,
-    what: str,
-) -> dict[str, T]:
-    """All results by key: those of the journal, and those that are computed now."""
     keys = [key for key in work if journal.find(key, kind) is None]
     console = Console(stderr=True)
     columns = (
@@ -101,7 +65,7 @@ def _finish(
             for number, result in finished:
                 journal.keep(keys[number], result)
                 progress.advance(shown)
-    return {key: _kept(journal, key, kind) for key in work}
+    return [_kept(journal, key_of(unit), kind) for unit in units]
 
 
 def _kept(journal: Journal, key: str, kind: Callable[..., T]) -> T:

@@ -43,7 +43,7 @@ def variation_study(
     for number, objective in enumerate(OBJECTIVES):
         robots = found[number * len(variation.values) :][: len(variation.values)]
         poses = np.array([robot.pose for robot in robots])
-        curves[objective] = VariedCurves(poses, _stacked(robots), _decision(objective, robots))
+        curves[objective] = VariedCurves(poses, _stacked(robots), decision_of(objective, robots))
     return curves
 
 
@@ -70,7 +70,7 @@ def _stacked(robots: Sequence[VariedModels]) -> Compared:
     )
 
 
-def _decision(objective: Objective, robots: Sequence[VariedModels]) -> Decision:
+def decision_of(objective: Objective, robots: Sequence[VariedModels]) -> Decision:
     """By the models that answer for every robot, and by every reading of the references."""
     models = [
         str(name)
@@ -85,7 +85,8 @@ def _decision(objective: Objective, robots: Sequence[VariedModels]) -> Decision:
     for reading in range(max(len(robot.names) - robot.against for robot in robots)):
         # Where a robot leaves less open than others, its last reading goes with all further ones.
         at = [min(robot.against + reading, len(robot.names) - 1) for robot in robots]
-        name = " or ".join(dict.fromkeys(read("names", at).tolist()))
+        kinds = set(read("names", at).tolist())
+        name = kinds.pop() if len(kinds) == 1 else f"reference, reading {reading + 1}"
         references[name], uncertainties[name] = read("extremes", at), read("uncertainties", at)
     own = {
         name: read("extremes", [list(robot.names).index(name) for robot in robots])

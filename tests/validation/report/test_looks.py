@@ -17,7 +17,6 @@ from validation.adequacy.subject.given_masses import MASSES
 from validation.drawing.chart import drawn_chart
 from validation.drawing.style import LOOKS, OTHERS, known_as, plot_style
 from validation.report.figures import adequacy, declared, measured
-from validation.sweeps.plans import COARSE, FREE, RIGID
 
 sys.path.insert(0, str(Path(__file__).parent))
 from matrix_sample import POSES, entry, sample_matrix
@@ -47,7 +46,7 @@ def test_alternatives_of_a_reference_have_looks_of_their_own(names):
         [f"solid, {name}" for name in names],
         [", ".join(filter(None, (name, mass))) for name in names for mass in MASSES],
         MASSES,
-        [RIGID, FREE, COARSE],
+        ["solid", "solid, ends free"],
     ):
         found = [LOOKS[known_as(name)] for name in curves]
         assert all(a != b for a, b in combinations(found, 2))

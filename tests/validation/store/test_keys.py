@@ -35,7 +35,6 @@ from validation.run import kept_checks
 from validation.run.session import Request
 from validation.store.mark import mark_of
 from validation.sweeps import journal
-from validation.sweeps.units import LegUnit, posture_unit
 from validation.variations.robots import VariedRobot
 
 sys.path.insert(0, str(Path(__file__).parent))
@@ -49,15 +48,6 @@ STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 LEG = ConstantLeg(0.85, HollowRectangle(0.10, 0.16, 0.008), STEEL)
 
 
-def leg_unit() -> LegUnit:
-    return LegUnit("solid", LEG, ModelOptions(), 800.0, 2000.0)
-
-
-def of_postures():
-    robot = load_robot("ifw").robot
-    return posture_unit("beam", robot, (0.3, 0.5), 4, ModelOptions(elements=2), 800.0, 2000.0)
-
-
 def varied(robot: str | Path) -> VariedRobot:
     return VariedRobot(load_robot(robot), "quick", "points.A[1] = 0.2", "deflection")
 
@@ -65,14 +55,12 @@ def varied(robot: str | Path) -> VariedRobot:
 @pytest.mark.parametrize(
     "unit",
     [
-        leg_unit(),
-        of_postures(),
         varied("five-bar"),
         varied("ifw"),
         varied(ROCKER),
         {"legs": LEG, "options": ModelOptions(), "poses": np.eye(3), "at": [0.1, None, True]},
     ],
-    ids=["leg", "postures", "five-bar", "ifw", "rocker", "arguments"],
+    ids=["five-bar", "ifw", "rocker", "arguments"],
 )
 def test_everything_in_a_unit_of_work_is_in_its_key(unit, monkeypatch):
     monkeypatch.setattr(journal, "_sources", lambda: "sources")
@@ -90,7 +78,7 @@ def test_sources_are_in_the_key_of_a_unit(monkeypatch):
     for sources in "ab":
         monkeypatch.setattr(journal, "suite_digest", lambda sources=sources: sources)
         forget()
-        keys.add(journal.key_of(leg_unit()))
+        keys.add(journal.key_of(varied("five-bar")))
     forget()
     assert len(keys) == 2
 
@@ -118,22 +106,22 @@ def test_every_source_is_in_the_digest_of_the_sources(tmp_path, monkeypatch):
 
 def test_the_memo_tells_functions_and_how_they_are_called():
     calls = [
-        (leg_unit, (), {}),
-        (of_postures, (), {}),
-        (leg_unit, (1,), {}),
-        (leg_unit, (1.0,), {}),
-        (leg_unit, ("1",), {}),
-        (leg_unit, (True,), {}),
-        (leg_unit, (), {"a": 1}),
-        (leg_unit, (), {"b": 1}),
-        (leg_unit, ((1, 2), 3), {}),
-        (leg_unit, (1, (2, 3)), {}),
-        (leg_unit, (np.zeros((2, 3)),), {}),
-        (leg_unit, (np.zeros((3, 2)),), {}),
-        (leg_unit, (np.zeros(6),), {}),
-        (leg_unit, (np.zeros(6, np.float32),), {}),
-        (leg_unit, (leg_unit,), {}),
-        (leg_unit, (of_postures,), {}),
+        (changed_leaves, (), {}),
+        (varied, (), {}),
+        (changed_leaves, (1,), {}),
+        (changed_leaves, (1.0,), {}),
+        (changed_leaves, ("1",), {}),
+        (changed_leaves, (True,), {}),
+        (changed_leaves, (), {"a": 1}),
+        (changed_leaves, (), {"b": 1}),
+        (changed_leaves, ((1, 2), 3), {}),
+        (changed_leaves, (1, (2, 3)), {}),
+        (changed_leaves, (np.zeros((2, 3)),), {}),
+        (changed_leaves, (np.zeros((3, 2)),), {}),
+        (changed_leaves, (np.zeros(6),), {}),
+        (changed_leaves, (np.zeros(6, np.float32),), {}),
+        (changed_leaves, (changed_leaves,), {}),
+        (changed_leaves, (varied,), {}),
     ]
     assert len({memo_key(*call) for call in calls}) == len(calls)
     with pytest.raises(ValueError, match="top of a module"):

@@ -18,8 +18,9 @@ from validation.sweeps.cores import on_cores
 from validation.sweeps.journal import Journal
 from validation.sweeps.runner import in_turn
 from validation.variations.cases import cases_over
-from validation.variations.curves import variation_study
+from validation.variations.curves import decision_of, variation_study
 from validation.variations.decision import Decision
+from validation.variations.robots import VariedModels
 
 LENGTH, WIDTH, E, RHO, TOOL, DRIVE = 0.8, 0.16, 2.1e11, 7850.0, 2.0, 3.0e6
 BAR = f"""
@@ -189,6 +190,24 @@ def test_processes_and_a_journal_give_the_same_numbers(bar, tmp_path):
                 assert list(own) == list(its)
                 for name, values in own.items():
                     assert values.tobytes() == its[name].tobytes()
+
+
+def test_references_of_several_kinds_are_one_robot_each():
+    """A leg of its own 6×6 leaves nothing open, where others leave two readings."""
+    legs = np.array(["beam", "legs' own 6×6"]), np.array(["vjm", "beam", "solid, a", "solid, b"])
+    extremes = np.array([2.0, 3.0]), np.array([7.0, 4.0, 5.0, 6.0])
+    robots = [
+        VariedModels(np.zeros(1), name, np.ones((n, 1)), np.ones((n, 1)), n // 2, one, 0.1 * one)
+        for name, one, n in zip(legs, extremes, (2, 4), strict=True)
+    ]
+    decision = decision_of("deflection", robots)
+    assert {name: one.tolist() for name, one in decision.models.items()} == {"beam": [2.0, 4.0]}
+    readings = [one.tolist() for one in decision.references.values()]
+    assert readings == [[3.0, 5.0], [3.0, 6.0]]
+    assert [one.tolist() for one in decision.uncertainties.values()] == [
+        pytest.approx([0.3, 0.5]),
+        pytest.approx([0.3, 0.6]),
+    ]
 
 
 def test_uncertain_references_leave_losses_open():

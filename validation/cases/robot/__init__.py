@@ -1,4 +1,4 @@
-"""The whole biglide over its stroke: its models against each other, and decisions made by them.
+"""The whole biglide over its stroke: its models against each other.
 
 In: the robot of a run. Out: cases whose subject is the robot.
 """
@@ -6,7 +6,6 @@ In: the robot of a run. Out: cases whose subject is the robot.
 from validation.case import Case
 from validation.cases.mechanism import calculix
 from validation.cases.robot import (
-    decision,
     modes,
     reduction,
     sixty,
@@ -24,5 +23,4 @@ def cases() -> tuple[Case, ...]:
         *reduction.cases(),
         *sixty.cases(),
         *calculix.cases_of_biglide(places=calculix.PLACES),
-        *decision.cases(),
     )

@@ -51,7 +51,6 @@ def _of_mechanism() -> tuple[PlannedFigure, ...]:
 def _of_biglide() -> tuple[PlannedFigure, ...]:
     # The figures share results with the cases, whose package lists cases and figures together.
     from validation.report.figures.curves import (  # noqa: PLC0415
-        decision,
         dynamics,
         energies,
         statics,
@@ -69,6 +68,5 @@ def _of_biglide() -> tuple[PlannedFigure, ...]:
         robot.figures,
         legs.of_leg1,
         legs.of_leg2,
-        decision.figures,
     )
     return tuple(figure for group in groups for figure in group())

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from functools import partial
+from itertools import cycle
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from lumped.robot_file.variation import Variation
 from validation.context import Context
 from validation.drawing.chart import Chart, Panel, Series, tapered
 from validation.drawing.scales import few_ticks, from_zero
-from validation.drawing.style import LOOKS, known_as
+from validation.drawing.style import LOOKS, OTHERS, known_as
 from validation.exhibits import PARAMETERS, Figure, PlannedFigure
 from validation.report.figures.declared import compared_with, curves
 from validation.report.figures.mechanism.curves import (
@@ -83,7 +84,7 @@ def decisions(context: Context, *, variation: Variation, number: int) -> Figure:
     found = varied_curves(context, variation)
     x, label, abscissa = _over(context, variation)
     panels = [_objective(one.decision, x) for one in found.values()]
-    said = (_verdict(one.decision, variation) for one in found.values())
+    said = (_verdict(one, variation) for one in found.values())
     return curves(Chart(panels, label, 2, 3.2, 4, abscissa, few_ticks), *said, _SEARCHED).figure(
         f"vary.{number}.decision", f"{_CHOSEN} over {variation.key}", PARAMETERS
     )
@@ -93,18 +94,23 @@ def _objective(decision: Decision, x: Array) -> Panel:
     objective = decision.objective
     curves = {**decision.models, **decision.references}
     series, stars = [], []
+    # Of references that are of several kinds, each reading has a name that no other figure has.
+    unlike = cycle((LOOKS["solid"], LOOKS["solid, free"], *OTHERS))
     for rank, (name, values) in enumerate(curves.items()):
-        look = LOOKS.get(known_as(name), LOOKS["solid"])
+        look = LOOKS.get(known_as(name)) or next(unlike)
         width = tapered(rank, len(curves))
         series.append(Series(name, x, values, look, width, f"{objective} ({UNITS[objective]})"))
+        if name in decision.references and values is not decision.reference:
+            continue
         at = [choice(values, decision.reference, objective).design]
         stars.append(Series(f"_{name}", x[at], values[at], look, fill=look.colour, more=_STAR))
     return Panel([*series, *stars], _TITLES[objective], scale=from_zero)
 
 
-def _verdict(decision: Decision, variation: Variation) -> str:
+def _verdict(found: VariedCurves, variation: Variation) -> str:
     """What each model chooses by an objective, and what that costs."""
-    values, best = variation.values, decision.best
+    decision, values = found.decision, variation.values
+    best = decision.best
     told = []
     for model in decision.models:
         chosen = decision.choice(model)
@@ -114,7 +120,7 @@ def _verdict(decision: Decision, variation: Variation) -> str:
             f"{model} {values[chosen.design]:.6g}{among} at a loss of {100.0 * chosen.loss:.2g} %"
         )
     return (
-        f"By the {MEANING[decision.objective]}, {next(iter(decision.references))} is best at "
+        f"By the {MEANING[decision.objective]} the reference ({found.compared.against}) chooses "
         f"{values[best]:.6g} ({decision.reference[best]:.4g} {UNITS[decision.objective]}); "
         f"{', '.join(told)}."
     )
