@@ -79,4 +79,5 @@ def _paper() -> Sequence[Task]:
     return (
         *paper.cases(),
         *anchors.paper_cases(),
+        *paper.figures(),
     )

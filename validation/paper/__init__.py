@@ -1,14 +1,23 @@
-"""The paper's statements, one case each, and what its figures say of robots with longer legs.
+"""The paper: its statements, one case each, its figures with all models, and its errata.
 
 S. Briot, A. Pashkevich, D. Chablat, "On the optimal design of parallel robots taking into account
 their deformations and natural frequencies". They hold for the IFW demonstrator alone.
 """
 
 from validation.case import Case
-from validation.paper import decision, family, frequencies, statics
+from validation.exhibits import PlannedFigure
+from validation.paper.statements import decision, family, frequencies, statics
 
 
 def cases() -> tuple[Case, ...]:
     """One case for each statement about stiffness and frequencies."""
     tables = (statics, frequencies, family, decision)
     return tuple(statement.case() for table in tables for statement in table.STATEMENTS)
+
+
+def figures() -> tuple[PlannedFigure, ...]:
+    """Figures 3 to 13 with all models in the same axes."""
+    # What draws takes half a second to import: only a run needs it.
+    from validation.paper.curves import over_family, over_stroke  # noqa: PLC0415
+
+    return (*over_stroke(), *over_family())

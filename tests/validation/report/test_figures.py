@@ -1,6 +1,5 @@
 """Figures of a run: where points come to lie, what curves say, and that pictures show something."""
 
-import csv
 import io
 import pickle
 
@@ -9,7 +8,6 @@ import pytest
 from PIL import Image
 
 from fem.bodies.solid import solid_mesh
-from lumped.errors import ComputationError
 from lumped.legs import ConstantLeg, Material
 from lumped.robot_file import load_robot
 from lumped.sections import Circle, ISection, Rectangle
@@ -34,22 +32,7 @@ from validation.drawing.view import fitted_view, pixels
 from validation.kinematics.solids import outlines
 from validation.models.biglide import robot_system
 from validation.report.figures import figures_of
-from validation.report.figures.curves.computed import stations
-from validation.report.figures.curves.dynamics import refined_frequencies
-from validation.report.figures.curves.lines import (
-    BEAM,
-    SIMPLIFIED,
-    accuracy,
-    course,
-    gather,
-    spread,
-)
 from validation.report.figures.curves.refinement import fitted_order
-from validation.report.figures.curves.statics import (
-    deflections_of_the_family,
-    family_deflections,
-    simplified_deflections,
-)
 from validation.report.figures.mechanism.bodies import legs
 from validation.report.figures.pictures.legs import boundary_faces
 from validation.report.figures.pictures.robot import deformed_robot
@@ -171,46 +154,12 @@ def test_seen_from_above_x_goes_right_and_y_goes_up():
     assert pixels(view, points) == pytest.approx(np.array(expected), abs=1e-9)
 
 
-def test_stations_reach_both_ends_and_the_centre(context):
-    robot = context.robot
-    x = stations(robot, 21)
-    assert (x[0], x[10], x[-1]) == pytest.approx((0.145, 0.4975, 0.85), rel=ROUNDING)
-    assert (np.diff(x) > 0.0).all()
-    # Every posture is one of the robot's: none is outside by rounding.
-    assert [robot.posture(float(value)).x for value in x] == pytest.approx(x)
-
-
 @pytest.mark.parametrize("points", [11, 21, 41])
 def test_no_two_lines_have_a_marker_at_the_same_point(points):
     ranks = [marked(points, rank, 5) for rank in range(5)]
     used = [place for places in ranks for place in places]
     assert len(used) == len(set(used))
     assert all(places and max(places) < points for places in ranks)
-
-
-def test_what_a_curve_does():
-    assert course(np.array([1.0, 2.0, 3.0])) == "rises"
-    assert course(np.array([3.0, 2.0, 1.0])) == "falls"
-    assert course(np.array([1.0, 3.0, 2.0])) == "goes"
-    assert spread([np.array([1.0, 4.0]), np.array([1.0, 3.0])]) == 0.25
-    assert (accuracy(0.0123), accuracy(3e-6), accuracy(1e-12)) == (
-        "1.2 %",
-        "3e-06",
-        "less than 1e-8",
-    )
-
-
-def test_a_model_that_fails_is_left_out_by_name():
-    def compute(line):
-        if line is SIMPLIFIED:
-            raise ComputationError("the legs are aligned")
-        return 1.0
-
-    found = gather((SIMPLIFIED, BEAM), compute)
-    assert list(found.values) == [BEAM]
-    assert found.notes == ("Left out: simplified (the legs are aligned).",)
-    with pytest.raises(ComputationError, match="aligned"):
-        gather((SIMPLIFIED,), compute)
 
 
 def test_the_fitted_order_leaves_out_what_is_not_asymptotic():
@@ -224,33 +173,6 @@ def test_the_surface_of_a_solid_mesh_encloses_its_volume():
     leg = ConstantLeg(0.5, Rectangle(0.1, 0.2), Material.isotropic(2.1e11, 0.3, 7850.0))
     mesh = solid_mesh(leg, 2)
     assert volume(Surface(mesh.nodes, boundary_faces(mesh))) == pytest.approx(0.01, rel=1e-9)
-
-
-def rows(data: str) -> list[dict[str, float]]:
-    return [{k: float(v) for k, v in row.items()} for row in csv.DictReader(io.StringIO(data))]
-
-
-def test_the_data_of_the_simplified_figure_are_those_of_the_paper(context):
-    """Fig. 3: below 1.1 µm, zero under a force along x at both ends, 1 µm under one along y."""
-    data = rows(simplified_deflections(context).data)
-    along_x = [row["simplified: deflection planar under 1000 N along x (µm)"] for row in data]
-    along_y = [row["simplified: deflection planar under 1000 N along y (µm)"] for row in data]
-    assert max(along_x + along_y) < 1.1
-    assert (along_x[0], along_x[-1]) == pytest.approx((0.0, 0.0), abs=1e-6)
-    # 1000 N on one drive of 1e9 N/m.
-    assert (along_y[0], along_y[-1]) == pytest.approx((1.0, 1.0), abs=1e-6)
-
-
-def test_the_printed_release_has_a_curve_of_its_own(context):
-    figure = refined_frequencies(context)
-    centre = rows(figure.data)[10]
-    assert centre["x (m)"] == pytest.approx(0.4975)
-    # Orientation values of an independent computation: 184 Hz, and about 300 Hz as printed.
-    assert centre["beam FE: frequency 2 (Hz)"] == pytest.approx(184.0, rel=0.005)
-    assert centre["segments, eq. (25) as printed: frequency 2 (Hz)"] == pytest.approx(
-        300.0, rel=0.02
-    )
-    assert figure.svg.startswith("<svg")
 
 
 def test_drawings_can_be_sent_to_another_process():
@@ -305,17 +227,3 @@ def test_the_deformed_robot_is_a_picture_of_modest_size(context):
     assert 0.02 < coloured.mean() < 0.5
     assert (picture[0, 0] == 255).all()
     assert len(figure.png) < 250_000
-
-
-def family_by_the_simplified_model_alone(model, *rest):
-    if model != "simplified":
-        raise ComputationError("lost in rounding")
-    return family_deflections(model, *rest)
-
-
-def test_a_family_that_only_the_simplified_model_can_compute_is_drawn(monkeypatch):
-    place = "validation.report.figures.curves.statics.family_deflections"
-    monkeypatch.setattr(place, family_by_the_simplified_model_alone)
-    drawn = deflections_of_the_family(Context(load_robot("ifw"), "quick"))
-    assert drawn.caption.startswith("Legs α times as long, stroke and sections unchanged. Left out")
-    assert "along z" not in drawn.caption

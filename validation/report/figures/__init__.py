@@ -50,19 +50,13 @@ def _of_mechanism() -> tuple[PlannedFigure, ...]:
 
 def _of_biglide() -> tuple[PlannedFigure, ...]:
     # The figures share results with the cases, whose package lists cases and figures together.
-    from validation.report.figures.curves import (  # noqa: PLC0415
-        dynamics,
-        energies,
-        statics,
-    )
+    from validation.report.figures.curves import energies  # noqa: PLC0415
+    from validation.report.figures.mechanism import curves  # noqa: PLC0415
     from validation.report.figures.pictures import legs, robot  # noqa: PLC0415
 
     groups = (
         robot.portraits,
-        statics.over_stroke,
-        statics.over_family,
-        dynamics.over_stroke,
-        dynamics.over_family,
+        curves.figures,
         energies.figures,
         energies.figures_of_solids,
         robot.figures,

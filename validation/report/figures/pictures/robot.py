@@ -12,7 +12,6 @@ from validation.drawing.scenes import interactive
 from validation.drawing.style import LOOKS, WIDTH, plot_style
 from validation.exhibits import PORTRAIT, STROKE
 from validation.models.biglide import robot_system
-from validation.report.figures.curves.lines import as_in_paper
 from validation.report.figures.declared import FigureGroup, Shown
 from validation.report.figures.mechanism.bodies import legs
 from validation.report.figures.mechanism.shapes import FORCE, Pair, modes_of, under_loads
@@ -61,9 +60,7 @@ def portrait(context: Context) -> Shown:
     )
 
 
-@figures.figure(
-    "robot.mode-shapes", f"First two mode shapes of the robot {as_in_paper(11)}", effort=3.0
-)
+@figures.figure("robot.mode-shapes", "First two mode shapes of the robot", effort=3.0)
 def mode_shapes(context: Context) -> Shown:
     """A panel for each mode: beams coloured by displacement, the segments' centres over them."""
     require_vtk()

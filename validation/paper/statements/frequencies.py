@@ -19,7 +19,7 @@ from validation.models.options import (
     ModelOptions,
 )
 from validation.paper.robot import Modes, frequencies, legs, modes, stations, stroke_of
-from validation.paper.statement import (
+from validation.paper.statements.statement import (
     AS_CORRECTED,
     AS_PRINTED,
     FORMULAS,

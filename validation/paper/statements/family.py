@@ -16,7 +16,7 @@ from validation.paper.robot import (
     family_frequencies,
     family_modes,
 )
-from validation.paper.statement import FORMULAS, Compute, Statement
+from validation.paper.statements.statement import FORMULAS, Compute, Statement
 from validation.variations.decision import spearman
 
 EQUIVALENT = ModelOptions(legs="equivalent")

@@ -11,7 +11,7 @@ from validation.case import Absolute, Measurement, Relation
 from validation.context import Context
 from validation.models.options import ModelOptions
 from validation.paper.robot import Deflections, changed, stroke_deflections
-from validation.paper.statement import POSTURES, Compute, Statement, sampled
+from validation.paper.statements.statement import POSTURES, Compute, Statement, sampled
 
 # L_Tool of the appendix (m): from B to the tool's point P.
 _TOOL_LENGTH = 0.155

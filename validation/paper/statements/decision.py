@@ -17,7 +17,7 @@ from validation.paper.robot import (
     stroke_deflections,
     stroke_of,
 )
-from validation.paper.statement import Compute, Statement
+from validation.paper.statements.statement import Compute, Statement
 from validation.solids.legs import FORMAL_ORDER
 from validation.variations.decision import equally_good, spearman
 

@@ -1,0 +1,309 @@
+"""Figures 3 to 13 of the paper with all models in the same axes."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
+
+import numpy as np
+
+from lumped.arrays import Array
+from validation.context import Context, Preset
+from validation.drawing.chart import Note, Panel, Series, compared, lettered
+from validation.drawing.scales import Scale, from_zero, largest, plain_log
+from validation.exhibits import FAMILY, STROKE
+from validation.paper.charts import (
+    BEAM,
+    DYNAMIC,
+    GIVEN,
+    ONE_FORMULATION,
+    PRINTED,
+    SEGMENTS,
+    SIMPLIFIED,
+    Line,
+    accuracy,
+    below,
+    cosine_spaced,
+    family_chart,
+    family_panel,
+    hertz,
+    spread,
+    stroke_chart,
+)
+from validation.paper.robot import (
+    ALPHAS,
+    FIGURE_POINTS,
+    LOAD,
+    Deflections,
+    deflections,
+    family_deflections,
+    family_frequencies,
+    frequencies,
+    stroke_of,
+)
+from validation.report.figures.declared import FigureGroup, Shown, compared_with, curves
+
+_MODES = 2
+_POSTURES: Mapping[Preset, int] = {"quick": 21, "standard": 41, "fine": 81}
+_LOADS = {
+    "planar_x": ("x", "planar"),
+    "planar_y": ("y", "planar"),
+    "along_z": ("z", "along z"),
+}
+_FIRST, _BOTH = "first natural frequency (Hz)", "natural frequency (Hz)"
+_LONGER = "Legs α times as long, stroke and sections unchanged."
+over_stroke = FigureGroup(STROKE, "paper.figures")
+over_family = FigureGroup(FAMILY, "paper.figures")
+
+
+@over_stroke.figure(
+    "deflection.simplified",
+    "Planar deflections, simplified model against beams (as the paper's Fig. 3)",
+)
+def simplified_deflections(context: Context) -> Shown:
+    """Two panels on logarithmic axes: a force along x and one along y."""
+    x, found = _deflections_over_the_stroke(context, (SIMPLIFIED, BEAM))
+    simple, beam = found[SIMPLIFIED], found[BEAM]
+    high = beam.largest_planar
+    scale = partial(plain_log, low=high / 100.0, high=1.6 * high)
+    panels = [
+        _panel(found, x, name, scale, "" if place else f"deflection under {LOAD:g} N (µm)", BEAM)
+        for place, name in enumerate(("planar_x", "planar_y"))
+    ]
+    return curves(
+        stroke_chart(x, lettered(panels)),
+        "Norm of the planar deflection of B: drives alone elastic (simplified), and the legs as "
+        "beams with their feet (finite elements). "
+        f"Simplified: at most {simple.largest_planar:.2f} µm; under a force along x "
+        f"{simple.planar_x[0]:.1f} and {simple.planar_x[-1]:.1f} µm at the ends of the stroke "
+        "(where a curve falls to zero it leaves the logarithmic axis). "
+        f"Beams: up to {high:.1f} µm, {high / simple.largest_planar:.1f} times as much. "
+        "The simplified model is no estimate of the deflection.",
+        compared_with(BEAM.label),
+    )
+
+
+@over_stroke.figure(
+    "deflection.stroke", "Deflections over the stroke, all models (as the paper's Fig. 5)"
+)
+def all_deflections(context: Context) -> Shown:
+    """Three panels: planar under a force along x, along y, and out of the plane."""
+    x, found = _deflections_over_the_stroke(context, (SIMPLIFIED, GIVEN, *ONE_FORMULATION))
+    panels = [
+        _panel(found, x, name, from_zero, "" if place else "deflection (µm)", GIVEN)
+        for place, name in enumerate(_LOADS)
+    ]
+    given, planar = found[GIVEN], found[GIVEN].largest_planar
+    along_z = float(given.along_z.max())
+    alike = [found[line] for line in ONE_FORMULATION]
+    apart = max(spread([getattr(one, name) for one in alike]) for name in _LOADS)
+    return curves(
+        stroke_chart(x, lettered(panels), legend_columns=3),
+        "Deflections of the loaded point. Virtual joints with the legs as given reach "
+        f"{planar:.1f} µm in the plane, {planar / found[SIMPLIFIED].largest_planar:.1f} times the "
+        f"simplified model, and {along_z:.1f} µm along z, {along_z / planar:.1f} times the planar "
+        "ones: what the simplified model leaves out is the larger part. With the same equivalent "
+        "legs, virtual joints, segments and beam elements lie on one curve (they differ by "
+        f"{accuracy(apart)}). What separates it from the legs as given is the data of the legs, "
+        "not the formulation.",
+        compared_with(GIVEN.label),
+    )
+
+
+@over_family.figure(
+    "deflection.family", "Deflections of robots with longer legs (as the paper's Fig. 6)"
+)
+def deflections_of_the_family(context: Context) -> Shown:
+    """A column of panels for each point of the stroke, a row for each load."""
+    found = {
+        point: {
+            line: context.get(
+                family_deflections, line.model, context.robot_file, ALPHAS, fraction, line.options
+            )
+            for line in (SIMPLIFIED, *ONE_FORMULATION)
+        }
+        for point, fraction in FIGURE_POINTS.items()
+    }
+    panels = []
+    for name, (load, meaning) in _LOADS.items():
+        top = largest(getattr(one, name) for at in found.values() for one in at.values())
+        label = f"{meaning}, {LOAD:g} N along {load}\n(µm)"
+        panels += [
+            family_panel(point, _deflected(at, np.array(ALPHAS), name), label, below(top))
+            for point, at in found.items()
+        ]
+    planar, along_z = found["centre"][BEAM].planar_x, found["centre"][BEAM].along_z
+    return curves(
+        family_chart(panels, high=1.9),
+        _LONGER,
+        f"At the centre the planar deflection under a force along x goes from {planar[0]:.1f} to "
+        f"{planar[-1]:.1f} µm, the one along z from {along_z[0]:.0f} to {along_z[-1]:.0f} µm. The "
+        "simplified model knows nothing of the deflection along z: an optimum found with it has "
+        "legs that are too long.",
+    )
+
+
+@over_stroke.figure(
+    "frequency.simplified",
+    "First natural frequency, simplified model against beams (as the paper's Fig. 7)",
+)
+def simplified_frequency(context: Context) -> Shown:
+    """Left all models on a logarithmic axis, right the simplified one alone."""
+    x, found = _frequencies_over_the_stroke(context, DYNAMIC)
+    first = _of_modes(found, x, 1)
+    alone = [one for one in first if one.label == SIMPLIFIED.label]
+    panels = [
+        Panel(first, "all models", _FIRST, hertz(first)),
+        Panel(alone, "the simplified model alone"),
+    ]
+    simple, beam = found[SIMPLIFIED][:, 0], found[BEAM][:, 0]
+    return curves(
+        stroke_chart(x, lettered(panels), high=2.5),
+        "The lowest frequency of the platform's mass on the drives, and of the whole robot. "
+        f"Simplified: {simple.min():.0f} to {simple.max():.0f} Hz. With elastic legs and feet "
+        f"and the legs' mass: {beam.min():.0f} to {beam.max():.0f} Hz, "
+        f"{(simple / beam).max():.1f} times lower. The mode that limits the robot is not in "
+        "the simplified model at all.",
+    )
+
+
+@over_stroke.figure(
+    "frequency.stroke",
+    "First two natural frequencies over the stroke (as the paper's Fig. 10)",
+    effort=2.0,
+)
+def refined_frequencies(context: Context) -> Shown:
+    """Both frequencies of segments and beams in one pair of axes, with the printed eq. (25)."""
+    x, found = _frequencies_over_the_stroke(context, (SEGMENTS, PRINTED, BEAM))
+    beam, printed = (found[line][len(x) // 2] for line in (BEAM, PRINTED))
+    series = _of_modes(found, x, _MODES)
+    panel = Panel(series, y_label=_BOTH, scale=from_zero, notes=list(_numbers(x, found)))
+    return curves(
+        stroke_chart(x, [compared(panel, BEAM.label)], high=2.8),
+        "First and second natural frequency of the whole robot, 20 elements in each leg. Segments "
+        f"and beam elements agree to {accuracy(spread([found[SEGMENTS], found[BEAM]]))}; at "
+        f"the centre they give {beam[0]:.0f} and {beam[1]:.0f} Hz. Eq. (25) as printed deletes row "
+        "and column of φz from the joint's stiffness, which locks whatever motion is coupled to "
+        f"φz: with it the second frequency is {printed[1]:.0f} Hz. Static condensation is the "
+        "right release of a joint.",
+        compared_with(BEAM.label),
+    )
+
+
+@over_family.figure(
+    "frequency.family-simplified",
+    "First natural frequency of robots with longer legs, simplified model against beams "
+    "(as the paper's Fig. 12)",
+)
+def simplified_family(context: Context) -> Shown:
+    """First frequency against α at three points, logarithmic axes."""
+    found = _frequencies_of_the_family(context, DYNAMIC)
+    series = {point: _of_modes(at, np.array(ALPHAS), 1) for point, at in found.items()}
+    scale = hertz([one for at in series.values() for one in at])
+    simple, beam = found["centre"][SIMPLIFIED][:, 0], found["centre"][BEAM][:, 0]
+    return curves(
+        family_chart([family_panel(point, at, _FIRST, scale) for point, at in series.items()]),
+        _LONGER,
+        f"At the centre the simplified first frequency goes from {simple[0]:.0f} to "
+        f"{simple[-1]:.0f} Hz, that of the beams from {beam[0]:.0f} to {beam[-1]:.0f} Hz: the two "
+        "models ask for opposite changes of the design.",
+    )
+
+
+@over_family.figure(
+    "frequency.family",
+    "First two natural frequencies of robots with longer legs (as the paper's Fig. 13)",
+)
+def refined_family(context: Context) -> Shown:
+    """Both frequencies against α at three points."""
+    found = _frequencies_of_the_family(context, (SEGMENTS, BEAM))
+    first, second = found["centre"][BEAM].T
+    apart = max(spread(list(at.values())) for at in found.values())
+    top = largest(values for at in found.values() for values in at.values())
+    panels = []
+    for point, at in found.items():
+        heights = np.max([values[:4] for values in at.values()], axis=(0, 1))
+        notes = [
+            Note(f"mode {mode + 1}", ALPHAS[0], float(height), (0.0, 6.0))
+            for mode, height in enumerate(heights)
+        ]
+        series = _of_modes(at, np.array(ALPHAS), _MODES)
+        panels.append(family_panel(point, series, _BOTH, below(top), notes))
+    return curves(
+        family_chart(panels),
+        _LONGER,
+        f"At the centre the first frequency goes from {first[0]:.0f} to {first[-1]:.0f} Hz, the "
+        f"second from {second[0]:.0f} to {second[-1]:.0f} Hz. Segments and beam elements agree to "
+        f"{accuracy(apart)}.",
+    )
+
+
+def _stations(context: Context) -> Array:
+    ends = stroke_of(context.robot_file.mechanism).ends
+    return cosine_spaced(*ends, _POSTURES[context.preset])
+
+
+def _deflections_over_the_stroke(
+    context: Context, lines: Sequence[Line]
+) -> tuple[Array, dict[Line, Deflections]]:
+    x = _stations(context)
+    return x, {
+        line: context.get(deflections, line.model, context.robot_file, x, line.options)
+        for line in lines
+    }
+
+
+def _frequencies_over_the_stroke(
+    context: Context, lines: Sequence[Line]
+) -> tuple[Array, dict[Line, Array]]:
+    x = _stations(context)
+    return x, {
+        line: context.get(frequencies, line.model, context.robot_file, x, _MODES, line.options)
+        for line in lines
+    }
+
+
+def _frequencies_of_the_family(
+    context: Context, lines: Sequence[Line]
+) -> dict[str, dict[Line, Array]]:
+    def at(line: Line, fraction: float) -> Array:
+        of = context.robot_file, ALPHAS, fraction, _MODES, line.options
+        return context.get(family_frequencies, line.model, *of)
+
+    return {
+        point: {line: at(line, fraction) for line in lines}
+        for point, fraction in FIGURE_POINTS.items()
+    }
+
+
+def _deflected(found: Mapping[Line, Deflections], x: Array, name: str) -> list[Series]:
+    load, meaning = _LOADS[name]
+    quantity = f"deflection {meaning} under {LOAD:g} N along {load} (µm)"
+    return [line.series(x, getattr(one, name), quantity) for line, one in found.items()]
+
+
+def _of_modes(found: Mapping[Line, Array], x: Array, modes: int) -> list[Series]:
+    """The curves of the first `modes` frequencies."""
+    return [
+        line.series(x, values[:, mode], f"frequency {mode + 1} (Hz)")
+        for line, values in found.items()
+        for mode in range(modes)
+    ]
+
+
+def _panel(
+    found: Mapping[Line, Deflections], x: Array, name: str, scale: Scale, y_label: str, to: Line
+) -> Panel:
+    load, meaning = _LOADS[name]
+    planar = "" if load == meaning[-1] else f"{meaning}, "
+    panel = Panel(_deflected(found, x, name), f"{planar}{LOAD:g} N along {load}", y_label, scale)
+    return compared(panel, to.label)
+
+
+def _numbers(x: Array, found: Mapping[Line, Array]) -> Iterator[Note]:
+    """The number of the mode at the right end of its curves, eq. (25)'s where it lies apart."""
+    heights = found[BEAM][-1]
+    least = 0.07 * max(float(values.max()) for values in found.values())
+    for mode, height in enumerate(heights):
+        yield Note(f"mode {mode + 1}", float(x[-1]), float(height), (6.0, -3.0))
+    for mode, height in enumerate(found[PRINTED][-1]):
+        if np.min(np.abs(height - heights)) > least:
+            yield Note(f"mode {mode + 1},\neq. (25)", float(x[-1]), float(height), (6.0, -8.0))
