@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lumped.acceptance.requirement import ANY_FORCE, FREQUENCIES, ORDER, STATIC_QUANTITIES
-from lumped.arrays import Array
+from lumped.arrays import Array, IntArray
 from validation.adequacy.partners import Partners, partners
 from validation.adequacy.response import Alternative, Reference, Response, Subject
 from validation.agreement.displacement import displacement, relative
@@ -35,7 +35,8 @@ class Errors:
     Frequencies: `value` and `expected` in Hz, `error` = value/expected − 1. Deflections: `value`
     and `expected` along the load, `error` of the whole displacement, never negative, and what
     belongs to it in `loaded`. `numerical` is the uncertainty of the error; `missing` where model
-    and reference have nothing that could be compared.
+    and reference have nothing that could be compared. `numbers` (a×p×m, of the order alone): which
+    mode of the model, from 0, has the shape of each of the reference's; −1: none has.
     """
 
     value: Array
@@ -44,13 +45,27 @@ class Errors:
     numerical: Array
     missing: NDArray[np.bool_]
     loaded: Loaded | None = None
+    numbers: IntArray | None = None
 
     @property
     def interval(self) -> tuple[Array, Array]:
-        """Lowest and highest error (p each) that alternatives and uncertainties leave open."""
-        low = np.min(self.error - self.numerical, axis=0)
-        high = np.max(self.error + self.numerical, axis=0)
+        """Lowest and highest error (p each) that alternatives and uncertainties leave open.
+
+        Of the order that of the alternative by which it misleads most: between a mode in its place
+        and one in another there is nothing.
+        """
+        low, high = self.error - self.numerical, self.error + self.numerical
+        if self.numbers is not None:
+            at = self.largest, np.arange(self.error.shape[1])
+            return low[at], high[at]
+        low, high = low.min(axis=0), high.max(axis=0)
         return (low if self.loaded is None else np.maximum(low, 0.0)), high
+
+    @property
+    def largest(self) -> IntArray:
+        """The alternative (p) of the largest error, of those with which there is something."""
+        sizes = np.where(self.missing, -1.0, np.abs(self.error))
+        return np.asarray(np.argmax(sizes, axis=0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +93,10 @@ class Scale:
         pairs = list(zip(alternatives, responses, strict=True))
         if quantity in STATIC_QUANTITIES:
             return _of_deflections(pairs, quantity)
+        numbers = None
         if quantity == ORDER:
+            found = [self._partners(one, response) for one, response in pairs]
+            numbers = np.array([one.number for one in found if one is not None])
             rows = [self._order(one, response) for one, response in pairs]
         else:
             rows = [
@@ -90,7 +108,8 @@ class Scale:
         value, expected, numerical = (np.array(column) for column in zip(*known, strict=True))
         missing = ~np.isfinite(value)
         error = np.where(missing, np.nan, value / expected - 1.0)
-        return Errors(value, expected, error, numerical * np.abs(value / expected), missing)
+        numerical = numerical * np.abs(value / expected)
+        return Errors(value, expected, error, numerical, missing, numbers=numbers)
 
     def _partners(self, one: Alternative, response: Response) -> Partners | None:
         if one.response.vibration is None or response.vibration is None:

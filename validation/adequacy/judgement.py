@@ -76,8 +76,8 @@ def _entry(scale: Scale, candidate: Candidate, quantity: str, limit: float) -> E
         uncertainties={} if missing else _parts(errors, reference, pose),
         errors=_optional(middle),
         spreads=_optional(half),
-        # Along the worst force, another one at every pose, numbers make no series.
-        values=() if quantity == ANY_FORCE else _optional(errors.value[0]),
+        # Of another force, or another mode, at every pose numbers make no series.
+        values=() if quantity in (ANY_FORCE, ORDER) else _optional(errors.value[0]),
         alongs=alongs,
         computed_by=(*candidate.computed_by, *reference.computed_by),
     )
@@ -109,10 +109,23 @@ def verdicts_of(errors: Errors, limit: float, reference: Reference) -> list[Adeq
 
     Adequate where no error that is left open exceeds the limit, inadequate where all do, on one
     side. A bracket of the plausible decides nothing but that a model has no such mode anywhere.
+    The order of modes is judged by each alternative of its own: undecided where they disagree.
     """
-    low, high = errors.interval
     if reference.bracket:
-        return ["inadequate" if errors.missing.all() else "undecided"] * len(low)
+        return ["inadequate" if errors.missing.all() else "undecided"] * errors.error.shape[1]
+    if errors.numbers is not None:
+        lows, highs = errors.error - errors.numerical, errors.error + errors.numerical
+        alone = [
+            {
+                _verdict(float(low), float(high), missing, limit)
+                for low, high, missing in zip(
+                    lows[:, p], highs[:, p], errors.missing[:, p, None], strict=True
+                )
+            }
+            for p in range(errors.error.shape[1])
+        ]
+        return [said.pop() if len(said) == 1 else "undecided" for said in alone]
+    low, high = errors.interval
     return [
         _verdict(float(low[p]), float(high[p]), errors.missing[:, p], limit)
         for p in range(len(low))
@@ -161,19 +174,36 @@ def _reason(
     if verdict == "inadequate":
         rigid = errors.loaded is not None and not errors.value[:, pose].any()
         return candidate.rigid if rigid else ""
-    if reference.bracket or errors.missing[:, pose].any():
-        return reference.decides or reference.finer
+    places = _places(errors, reference, pose)
+    if places or reference.bracket or errors.missing[:, pose].any():
+        return "; ".join(filter(None, (*places, reference.decides or reference.finer)))
     parts = _parts(errors, reference, pose)
     widest = max(parts, key=lambda name: parts[name])
     decides = widest == reference.open and reference.decides
     return reference.decides if decides else reference.finer
 
 
+def _places(errors: Errors, reference: Reference, pose: int) -> list[str]:
+    """Which modes stand elsewhere by each alternative of the order; [] where all say the same."""
+    if errors.numbers is None:
+        return []
+    said: dict[str, list[str]] = {}
+    for one, numbers in zip(reference.alternatives, errors.numbers[:, pose], strict=True):
+        moved = [
+            f"f{k + 1} is " + (f"the model's f{number + 1}" if number >= 0 else "missing")
+            for k, number in enumerate(numbers)
+            if number != k
+        ]
+        said.setdefault(", ".join(moved) or "every mode in its place", []).append(one.name)
+    alike = len(said) == 1
+    return [] if alike else [f"{', '.join(names)}: {moved}" for moved, names in said.items()]
+
+
 def _told(errors: Errors, quantity: str, pose: int) -> slice:
-    """The alternatives whose numbers are told: all; of any force that of the largest error."""
-    if quantity != ANY_FORCE or errors.missing[:, pose].all():
+    """The alternatives whose numbers are told: all; of any force, of the order the worst one."""
+    if quantity not in (ANY_FORCE, ORDER) or errors.missing[:, pose].all():
         return slice(None)
-    worst = int(np.nanargmax(errors.error[:, pose]))
+    worst = int(errors.largest[pose])
     return slice(worst, worst + 1)
 
 
@@ -200,6 +230,8 @@ def _force(errors: Errors, quantity: str, told: slice, pose: int) -> tuple[float
 
 def _parts(errors: Errors, reference: Reference, pose: int) -> dict[str, float]:
     error = errors.error[:, pose]
+    if errors.numbers is not None:
+        return {"meshes": float(errors.numerical[errors.largest[pose], pose])}
     parts = {"meshes": float(np.max(errors.numerical[:, pose]))}
     if reference.open:
         parts[reference.open] = float(0.5 * (np.max(error) - np.min(error)))

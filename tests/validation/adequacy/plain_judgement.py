@@ -21,11 +21,15 @@ Numbers = Mapping[str, Any]
 
 @dataclass(frozen=True)
 class Plain:
-    """Error of a quantity at a pose: `low` to `high` over all that is open; None: not there."""
+    """Error of a quantity at a pose: `low` to `high` over all that is open; None: not there.
+
+    `alone`: what each alternative says of the order by itself.
+    """
 
     low: float
     high: float
     missing: bool
+    alone: tuple["Plain", ...] = ()
 
     @property
     def middle(self) -> float:
@@ -38,6 +42,9 @@ class Plain:
     def verdict(self, limit: float) -> str:
         if self.missing:
             return "inadequate"
+        if self.alone:
+            said = {one.verdict(limit) for one in self.alone}
+            return said.pop() if len(said) == 1 else "undecided"
         if self.high <= limit and self.low >= -limit:
             return "adequate"
         return "inadequate" if self.low > limit or self.high < -limit else "undecided"
@@ -153,6 +160,10 @@ class Rule:
             spread = self.stated(found, place, pose) * found.get("grown", 1.0)
             lows.append(found["error"] - spread)
             highs.append(found["error"] + spread)
+        if self.quantity == "order" and not missing:
+            alone = tuple(Plain(a, b, missing=False) for a, b in zip(lows, highs, strict=True))
+            worst = max(alone, key=lambda one: abs(one.middle))
+            return Plain(worst.low, worst.high, missing=False, alone=alone)
         low = min(lows, default=nan)
         return Plain(max(low, 0.0) if self.static else low, max(highs, default=nan), missing)
 

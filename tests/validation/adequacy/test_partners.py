@@ -29,9 +29,20 @@ def vibration(frequencies: list[float], *shapes: np.ndarray) -> Vibration:
 TRUTH = vibration([100.0, 150.0, 200.0, 300.0], *AXES)
 
 
-def entry(model: Vibration, quantity: str, *, modes: int = 3) -> Entry:
-    """What is said of a model against the truth above, limits 5 %."""
-    reference = Reference("truth", [Alternative("", Response(vibration=TRUTH))])
+def entry(
+    model: Vibration, quantity: str, *others: Vibration, modes: int = 3, unsure: float = 0.0
+) -> Entry:
+    """What is said of a model against the truth above and other alternatives, limits 5 %."""
+    truths = {f"ends {k}": truth for k, truth in enumerate((TRUTH, *others))}
+    reference = Reference(
+        "truth",
+        [
+            Alternative(name, Response(vibration=one), dynamic=np.full((1, 4), unsure))
+            for name, one in truths.items()
+        ],
+        open="how the ends are held" if others else "",
+        decides="say how the ends are held" if others else "",
+    )
     subject = Subject(
         robot="toy",
         coordinates=(Coordinate("x", "m"),),
@@ -69,6 +80,41 @@ def test_modes_in_their_places_have_an_order_without_error() -> None:
     off = vibration([140.0, 150.0, 200.0, 300.0], *AXES)
     assert entry(off, "f1").error == pytest.approx(0.4)
     assert entry(off, "order").error == 0.0
+
+
+# The same robot with other ends: its second and third shape change places.
+SWAPPED = vibration([100.0, 160.0, 190.0, 300.0], AXES[0], AXES[2], AXES[1], AXES[3])
+
+
+def test_an_order_on_which_the_alternatives_disagree_is_undecided_and_names_the_modes() -> None:
+    like_the_first = vibration([101.0, 151.0, 202.0, 303.0], *AXES)
+    order = entry(like_the_first, "order", SWAPPED, unsure=0.002)
+    assert order.verdict == "undecided"
+    # Its third stands where the other ends have 190 Hz, its second for 160: 202/190 misleads most.
+    assert order.error == pytest.approx(202.0 / 190.0 - 1.0)
+    assert order.uncertainty == pytest.approx(0.002 * 202.0 / 190.0)
+    assert order.uncertainties == {"meshes": pytest.approx(order.uncertainty)}
+    assert (order.value, order.expected) == pytest.approx((202.0, 190.0))
+    assert order.reason == (
+        "ends 0: every mode in its place; ends 1: f2 is the model's f3, f3 is the model's f2; "
+        "say how the ends are held"
+    )
+
+
+def test_an_order_that_every_alternative_contradicts_is_inadequate() -> None:
+    turned = vibration([70.0, 130.0, 200.0, 300.0], AXES[1], AXES[0], AXES[2], AXES[3])
+    order = entry(turned, "order", SWAPPED)
+    assert order.verdict == "inadequate"
+    assert order.error == pytest.approx(70.0 / 100.0 - 1.0)
+    assert order.uncertainty == 0.0
+
+
+def test_an_order_that_misleads_by_less_than_the_limit_in_every_alternative_is_adequate() -> None:
+    # In its places by the other ends, by the first at 152 Hz for 150 and 198 Hz for 200.
+    close = vibration([100.0, 152.0, 198.0, 300.0], AXES[0], AXES[2], AXES[1], AXES[3])
+    order = entry(close, "order", SWAPPED)
+    assert (order.verdict, order.reason) == ("adequate", "")
+    assert order.error == pytest.approx(152.0 / 150.0 - 1.0)
 
 
 def test_a_mode_that_a_model_does_not_have_is_inadequate_with_its_reason() -> None:

@@ -66,11 +66,13 @@ def test_verdict_pose_interval_causes_and_remedy(seed: int) -> None:
                 assert entry.value == pytest.approx(alone[0]["value"])
             spread = [rule.stated(o, k, pose) * o.get("grown", 1.0) for k, o in enumerate(alone)]
             parts = {"meshes": max(spread)}
-            if rule.reference.open:
+            if entry.quantity == "order":
+                parts = {"meshes": path[pose].half}
+            elif rule.reference.open:
                 errors = [one["error"] for one in alone]
                 parts[rule.reference.open] = 0.5 * (max(errors) - min(errors))
             assert entry.uncertainties == pytest.approx(parts, abs=1e-12), said
-            for p, value in enumerate(entry.values if entry.quantity != "order" else ()):
+            for p, value in enumerate(entry.values):
                 of_pose = rule.numbers(rule.candidate.response, 0, p)["value"]
                 assert value is None or value == pytest.approx(of_pose), said
             explain(entry, rule, pose, said)
