@@ -22,7 +22,7 @@ from lumped.legs import (
 from lumped.models.bodies import legs_of
 from lumped.robot_file import load_robot
 from lumped.screws import move_compliance
-from lumped.sections import Circle, ISection, Rectangle, Tube
+from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Tube
 from meshes.section.section_mesh import section_mesh
 
 STEEL = Material.isotropic(E=2.1e11, nu=0.3, rho=7850.0)
@@ -110,6 +110,20 @@ def test_cantilever_by_textbook():
     assert C[3, 3] == pytest.approx(length / (G * J), rel=2e-3)
     bending = tip_compliance(BEAM.properties("euler-bernoulli"), length)
     assert bending[1, 1] == pytest.approx(length**3 / (3.0 * E * Iz), rel=1e-12)
+
+
+def test_every_plane_has_its_own_shear_stiffness_and_rotary_inertia():
+    """A tall box shears most along z, where its long walls lie, and turns hardest about y."""
+    box = ConstantLeg(1.0, HollowRectangle(0.05, 0.2, 0.005), Material.isotropic(2e11, 0.3, 7800.0))
+    beam = box.timoshenko
+    # The walls along a direction, of the middle line, take nearly all of its shear.
+    assert beam.GAz == pytest.approx(box.material.G * 2 * 0.195 * 0.005, rel=0.1)
+    assert beam.GAy < 0.3 * beam.GAz
+    for inertia, moment in (
+        (beam.rho_Iy, box.section.second_moment_y),
+        (beam.rho_Iz, box.section.second_moment_z),
+    ):
+        assert inertia == pytest.approx(7800.0 * moment, rel=1e-12)
 
 
 def test_two_pieces_in_series_are_the_whole():

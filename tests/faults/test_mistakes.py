@@ -1,0 +1,112 @@
+"""Mistakes put into a copy of the sources, one at a time: do the nearest tests notice?
+
+    ./flexproof test -m faults                              all of mistakes.toml, half an hour
+    ./flexproof test -m faults -k "shear or drive"          some of them
+    FAULTS_AGAINST=validation ./flexproof test -m faults    tests/validation in place of the nearest
+
+A mistake that is noticed passes, and the summary names the first test that failed on it. Whoever
+changes a line that stands in the table changes the table: a quick test looks for it.
+"""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tomllib
+from functools import cache
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import NamedTuple
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+PACKAGES = ("lumped", "meshes", "fem", "validation")
+# A mistake for which a loop never ends is noticed by whoever waits.
+PATIENCE = 900.0
+
+
+class Mistake(NamedTuple):
+    name: str
+    file: str
+    text: str
+    instead: str
+    nearest: tuple[str, ...]
+
+
+def table() -> list[Mistake]:
+    by_file = tomllib.loads(Path(__file__).with_name("mistakes.toml").read_text(encoding="utf-8"))
+    return [
+        Mistake(name, file, *change, tuple(entries["nearest"]))
+        for file, entries in by_file.items()
+        for name, change in entries.items()
+        if name != "nearest"
+    ]
+
+
+MISTAKES = table()
+
+
+def first_failure(nearest: tuple[str, ...], mistake: Mistake | None = None) -> str | None:
+    """The first of the `nearest` tests that fails in a copy with the mistake; None if all pass."""
+    with TemporaryDirectory(prefix="flexproof-faults-") as folder:
+        copy = Path(folder) / "copy"
+        for name in (*PACKAGES, "tests", "docs", "examples"):
+            shutil.copytree(ROOT / name, copy / name)
+        for name in ("pyproject.toml", "README.md"):
+            shutil.copy2(ROOT / name, copy)
+        if mistake is not None:
+            file = copy / mistake.file
+            faulty = file.read_text(encoding="utf-8").replace(mistake.text, mistake.instead)
+            file.write_text(faulty, encoding="utf-8")
+        env = {k: v for k, v in os.environ.items() if not k.startswith(("PYTEST_", "FLEXPROOF_"))}
+        # Before what is installed: also the processes that tests start take the copy.
+        env |= {"PYTHONPATH": str(copy), "HOME": folder, "XDG_CACHE_HOME": folder}
+        command = [sys.executable, "-m", "pytest", "-x", "-q", "-n", "0", "-p", "no:cacheprovider"]
+        tests = [f"tests/{one}" for one in nearest]
+        try:
+            said = subprocess.run(
+                [*command, *tests],
+                check=False,
+                cwd=copy,
+                env=env,
+                capture_output=True,
+                text=True,
+                timeout=PATIENCE,
+            )
+        except subprocess.TimeoutExpired:
+            return f"no end in {PATIENCE:g} s"
+    # What cannot be collected has been noticed, too; anything else is no answer.
+    assert said.returncode in {0, 1, 2}, said.stdout[-2000:] + said.stderr[-2000:]
+    found = re.search(r"^(?:FAILED|ERROR) (.*?)(?: - |$)", said.stdout, re.MULTILINE)
+    assert (said.returncode == 0) is (found is None), said.stdout[-2000:]
+    return found and found[1]
+
+
+@cache
+def sound(nearest: tuple[str, ...]) -> str | None:
+    """The same without a mistake, once in a process."""
+    return first_failure(nearest)
+
+
+def test_every_text_stands_once_in_its_file_and_its_nearest_tests_are_there():
+    assert len({one.name for one in MISTAKES}) == len(MISTAKES) >= 80
+    assert {one.file.split("/")[0] for one in MISTAKES} == set(PACKAGES)
+    for one in MISTAKES:
+        source = (ROOT / one.file).read_text(encoding="utf-8")
+        assert source.count(one.text) == 1, f"{one.name}: {one.text!r} in {one.file}"
+        compile(source.replace(one.text, one.instead), one.file, "exec")
+        missing = [test for test in one.nearest if not (ROOT / "tests" / test).exists()]
+        assert not missing, one.name
+
+
+@pytest.mark.faults
+@pytest.mark.parametrize("mistake", MISTAKES, ids=lambda one: one.name)
+def test_the_nearest_tests_notice(mistake, record_property):
+    against = os.environ.get("FAULTS_AGAINST")
+    nearest = (against,) if against else mistake.nearest
+    noticed_by = first_failure(nearest, mistake)
+    assert noticed_by is not None, f"{mistake.file}: {mistake.instead!r} is noticed by none"
+    assert sound(nearest) is None, f"{sound(nearest)} fails without a mistake"
+    record_property("noticed by", noticed_by)
