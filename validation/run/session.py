@@ -130,8 +130,8 @@ def validate(request: Request, catalogue: Catalogue) -> Results:
         elif request.selftest and request.start == "afresh" and request.only is None:
             kept.forget()
         _mention_checks(gathered)
-        if executor is not None:
-            with progress.stage("robots of --vary on the cluster"):
+        if variations and (executor is not None or request.jobs > 1):
+            with progress.stage("robots of --vary"):
                 _vary(request, variations, tasks, sweeps, executor)
         if any(not is_check(task) for task in tasks if task.id not in gathered.done):
             _prepare(robot_file, request.preset, executor, request.jobs)
@@ -198,18 +198,28 @@ def _vary(
     variations: Sequence[Variation],
     tasks: Sequence[Task],
     sweeps: Path,
-    executor: "Executor",
+    cluster: "Executor | None",
 ) -> None:
-    """Solve the robots that differ in one number, as far as their cases and figures are asked."""
+    """Solve the robots that differ in one number, as far as their cases and figures are asked.
+
+    On the `cluster`, raising what it raises where it is lost, else on cores of this machine.
+    """
+    from validation.sweeps.cores import on_cores  # noqa: PLC0415
     from validation.sweeps.journal import journal_in  # noqa: PLC0415
     from validation.variations.curves import variation_study  # noqa: PLC0415
 
     groups, journal = {task.group for task in tasks}, journal_in(str(sweeps))
     for number, variation in enumerate(variations, start=1):
-        # Of a robot without a reference its cases and figures say what is the matter.
-        if f"vary.{number}" in groups:
+        if f"vary.{number}" not in groups:
+            continue
+        asked = request.robot_file, variation, request.preset, journal
+        # What is lost here its cases and figures ask for again, and say what is the matter.
+        if cluster is not None:
             with suppress(InputError):
-                variation_study(request.robot_file, variation, request.preset, journal, executor)
+                variation_study(*asked, cluster)
+        else:
+            with suppress(ComputationError, InputError), on_cores(request.jobs) as cores:
+                variation_study(*asked, cores)
 
 
 def _baseline(request: Request) -> RunRecord | None:
