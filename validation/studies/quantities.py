@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lumped.arrays import Array
-from lumped.biglide import Biglide, in_words, scaled, with_equivalent_legs
+from lumped.biglide import Biglide, in_words, with_equivalent_legs
 from lumped.dense.modes import Modes
 from lumped.mechanism.body_model import LegMatrices
 from lumped.system import solution
@@ -20,11 +20,6 @@ from validation.models.biglide import (
     robot_system,
 )
 from validation.models.options import DEFAULT_OPTIONS, ModelName, ModelOptions
-
-# Lengths of the legs over those given, as in the paper's figures of its family.
-ALPHAS = tuple(np.linspace(1.0, 2.0, 11).tolist())
-# Where Figs 6, 12 and 13 are drawn, as a fraction of the stroke.
-FIGURE_POINTS = {"centre": 0.5, "left": 0.0, "right": 1.0}
 
 # Modes just above those asked for, with which they may have changed places.
 _ABOVE = 2
@@ -128,71 +123,6 @@ def rounded_frequencies(
     found = solution.modes(solution.solved(system), count + _ABOVE)
     left_open = solution.rounding_of_frequencies(system, found)
     return found.frequencies[:count], left_open[:count]
-
-
-def family_deflections(
-    model: ModelName,
-    robot: Biglide,
-    alphas: tuple[float, ...],
-    fraction: float,
-    options: ModelOptions = DEFAULT_OPTIONS,
-) -> Deflections:
-    """Deflections of the family of eqs (10), (11) at `fraction` of the stroke (0 left, 1 right)."""
-    return deflections_of(family_compliances(model, robot, alphas, fraction, options))
-
-
-def family_compliances(
-    model: ModelName,
-    robot: Biglide,
-    alphas: tuple[float, ...],
-    fraction: float,
-    options: ModelOptions = DEFAULT_OPTIONS,
-) -> Array:
-    """Compliances of the same family (len(alphas)×6×6, or ×2×2 by `simplified`)."""
-    members = [_member(robot, alpha, fraction, options) for alpha in alphas]
-    return np.array([robot_compliance(model, member, x, options) for member, x in members])
-
-
-def family_frequencies(
-    model: ModelName,
-    robot: Biglide,
-    alphas: tuple[float, ...],
-    fraction: float,
-    modes_count: int,
-    options: ModelOptions = DEFAULT_OPTIONS,
-) -> Array:
-    """First frequencies (len(alphas) × modes, Hz) of the same family."""
-    members = [_member(robot, alpha, fraction, options) for alpha in alphas]
-    return np.array(
-        [robot_frequencies(model, member, x, modes_count, options) for member, x in members]
-    )
-
-
-def family_modes(
-    robot: Biglide,
-    alphas: tuple[float, ...],
-    fraction: float,
-    count: int,
-    options: ModelOptions = DEFAULT_OPTIONS,
-) -> tuple[Array, Array]:
-    """First frequencies (Hz) in segments, and their shares of kinetic energy along z.
-
-    Both len(alphas)×count.
-    """
-    members = [_member(robot, alpha, fraction, options) for alpha in alphas]
-    found = [robot_modes("segments", member, x, count, options) for member, x in members]
-    return (
-        np.array([one.modes.frequencies for one in found]),
-        np.array([one.kinetic["z"] for one in found]),
-    )
-
-
-def _member(
-    robot: Biglide, alpha: float, fraction: float, options: ModelOptions
-) -> tuple[Biglide, float]:
-    member = scaled(robot, alpha, options.equivalent)
-    first, last = member.stroke
-    return member, first + fraction * (last - first)
 
 
 @dataclass(frozen=True)

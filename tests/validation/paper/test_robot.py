@@ -1,0 +1,83 @@
+"""What the paper's statements compute from, by hand and solved once more."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from lumped.errors import InputError
+from lumped.robot_file import load_robot
+from validation.paper.robot import (
+    FEET,
+    changed,
+    family_deflections,
+    family_modes,
+    frequencies,
+    member,
+    modes,
+    stations,
+    stroke_of,
+)
+
+ROBOT = load_robot("ifw")
+
+
+def on_drives(stroke, x):
+    """Displacements (µm, 2×2) of B under 1000 N along x and y: legs rigid, drives of 1e9 N/m.
+
+    A slide at (p, y_A) with |B − A| = L: (x − p) δx + s (δy − δy_A) = 0, s the leg's height.
+    """
+    heights = np.sqrt([stroke.length1**2 - x**2, stroke.length2**2 - (stroke.a - x) ** 2])
+    arms = np.column_stack([[x, x - stroke.a], heights])
+    from_slides = np.linalg.solve(arms, np.diag(heights))
+    return from_slides @ from_slides.T / 1.0e9 * 1e9
+
+
+@pytest.mark.parametrize("fraction", [0.1, 0.8])
+def test_the_family_on_drives_is_virtual_power(fraction):
+    found = family_deflections("simplified", ROBOT, (1.1, 1.25), fraction)
+    given = stroke_of(ROBOT.mechanism)
+    for place, alpha in enumerate((1.1, 1.25)):
+        stroke = stroke_of(member(ROBOT, alpha).mechanism)
+        assert stroke.length == pytest.approx(given.length)
+        assert [stroke.length1, stroke.length2] == pytest.approx([alpha * 0.85, alpha * 0.775])
+        first, last = stroke.ends
+        moved = np.linalg.norm(on_drives(stroke, first + fraction * (last - first)), axis=0)
+        assert found.planar_x[place] == pytest.approx(moved[0], rel=1e-9)
+        assert found.planar_y[place] == pytest.approx(moved[1], rel=1e-9)
+    assert np.isnan(found.along_z).all()
+
+
+@pytest.mark.parametrize("model", ["segments", "beam"])
+def test_shares_of_energy_sum_to_one_and_have_the_papers_words(model):
+    (found,) = modes(model, ROBOT, np.array([0.4975]), 4)
+    for shares in (found.strain, found.kinetic):
+        assert_allclose(sum(shares.values()), 1.0)
+        assert np.min(list(shares.values())) >= -1e-9
+    assert set(FEET) < set(found.strain)
+    assert {part.of for part in found.strain} == {"foot 1", "foot 2", "leg 1", "leg 2"}
+    # The first mode goes along z, the second stays in the plane (physics notes).
+    assert found.kinetic["z"][0] > 0.99
+    assert found.kinetic["z"][1] < 0.01
+    assert_allclose(found.in_the_feet, sum(found.strain[foot] for foot in FEET))
+
+
+def test_modes_of_the_family_are_those_of_its_members():
+    found = family_modes(ROBOT, (1.0, 1.5), 0.5, 2)
+    for alpha, of in zip((1.0, 1.5), found, strict=True):
+        robot = member(ROBOT, alpha)
+        x = stations(robot.mechanism, 3)[1:2]
+        assert_allclose(of.frequencies, frequencies("segments", robot, x, 2)[0], rtol=1e-9)
+
+
+def test_both_ends_of_the_stroke_are_rigid_along_x_on_drives():
+    x = stations(ROBOT.mechanism, 2)
+    found = frequencies("simplified", ROBOT, x, 2)
+    assert_allclose(found[:, 0], np.sqrt(1.0e9 / 46.0) / (2.0 * np.pi), rtol=1e-7)
+    assert np.isinf(found[:, 1]).all()
+
+
+def test_a_member_that_cannot_be_is_refused():
+    with pytest.raises(InputError, match=r"geometry\.alpha"):
+        member(ROBOT, 0.4)
+    with pytest.raises(InputError, match="foot"):
+        changed(ROBOT, "foot.compliance[6,6]", 3.16e-9)
