@@ -182,3 +182,12 @@ def test_the_change_of_a_mode_that_the_coarse_mesh_does_not_have_is_unknown() ->
     assert changes(vibration([100.0, 104.0], AXES[0], AXES[2])) == pytest.approx(
         [0.0, np.nan, 0.0], nan_ok=True
     )
+
+
+@pytest.mark.parametrize(("common", "number"), [(0.4, -1), (0.6, 0)])
+def test_a_mode_with_less_than_half_in_common_is_another_one(common: float, number: int) -> None:
+    reference = vibration([100.0, 150.0, 200.0], *AXES[:3])
+    model = vibration([100.0], np.sqrt(common) * AXES[0] + np.sqrt(1.0 - common) * AXES[3])
+    found = partners(reference, model, WEIGHTS, 1)
+    assert found.number.tolist() == [[number]]
+    assert found.likeness[0, 0] == pytest.approx(common)
