@@ -1,10 +1,20 @@
-"""From a path to the tables of a TOML file, refused where it is none before it costs anything."""
+"""From a path to the tables of a TOML file, refused where it is none before it costs anything.
+
+Of compliances also what the printed digits leave open, half a unit of the last one: 1.67e-10 lies
+between 1.665e-10 and 1.675e-10. Zeros and whole numbers are taken as exact.
+"""
 
 import re
 import tomllib
-from typing import Any
+from collections.abc import Iterator, Mapping
+from decimal import Decimal
+from typing import Any, NamedTuple
 
+import numpy as np
+
+from lumped.arrays import Array
 from lumped.errors import InputError
+from lumped.robot_file.leg_table import symmetric
 from lumped.text import cut
 
 _DEEPEST = 100
@@ -18,6 +28,16 @@ _TOKENS = re.compile(
     r"|[\[{\]}.=,\n]",
     re.DOTALL,
 )
+
+
+class Printed(NamedTuple):
+    """A 6×6 compliance of a robot file (SI), symmetric, and `half` units of its last digits (6×6).
+
+    An entry and its mirror image are one rounding.
+    """
+
+    compliance: Array
+    half: Array
 
 
 def decoded(content: bytes, source: str) -> str:
@@ -40,6 +60,30 @@ def parsed(text: str, source: str) -> dict[str, Any]:
         return tomllib.loads(text)
     except ValueError as error:  # tomllib's own, or an integer of too many digits
         raise InputError(f"{source}: not TOML: {cut(str(error), 200)}") from error
+
+
+def printed_compliances(text: str) -> list[Printed]:
+    """Every 6×6 `compliance` in the text of a sound robot file of either schema."""
+    return list(_printed(tomllib.loads(text, parse_float=Decimal)))
+
+
+def _printed(tables: Mapping[str, Any]) -> Iterator[Printed]:
+    for name, inner in tables.items():
+        if isinstance(inner, Mapping):
+            yield from _printed(inner)
+        elif name == "compliance":
+            yield Printed(symmetric(inner), _half_units(inner))
+
+
+def _half_units(rows: list[list[Any]]) -> Array:
+    half = np.array([[_half_unit(number) for number in row] for row in rows])
+    return np.asarray(np.maximum(half, half.T))
+
+
+def _half_unit(number: Decimal | int) -> float:
+    if not isinstance(number, Decimal) or not number:
+        return 0.0
+    return float(Decimal((0, (5,), int(number.as_tuple().exponent) - 1)))
 
 
 def _line_nested_too_deeply(text: str) -> int | None:

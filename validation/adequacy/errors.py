@@ -19,13 +19,15 @@ class Loaded:
 
     `load` (a×p×6) is the unit wrench, of any force the worst one; `along` (a×p) the signed error of
     the displacement along it. `off` (a×p×3) is the difference of displacements, relative to
-    `length` (a×p, m/N or rad/(N m), of the reference's).
+    `length` (a×p, m/N or rad/(N m), of the reference's). `digits` (a×p) is what printed digits of
+    the robot's 6×6 leave open of the error.
     """
 
     load: Array
     along: Array
     off: Array
     length: Array
+    digits: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,9 +36,9 @@ class Errors:
 
     Frequencies: `value` and `expected` in Hz, `error` = value/expected − 1. Deflections: `value`
     and `expected` along the load, `error` of the whole displacement, never negative, and what
-    belongs to it in `loaded`. `numerical` is the uncertainty of the error; `missing` where model
-    and reference have nothing that could be compared. `numbers` (a×p×m, of the order alone): which
-    mode of the model, from 0, has the shape of each of the reference's; −1: none has.
+    belongs to it in `loaded`. `numerical` is what meshes leave open of the error; `missing` where
+    model and reference have nothing that could be compared. `numbers` (a×p×m, of the order alone):
+    which mode of the model, from 0, has the shape of each of the reference's; −1: none has.
     """
 
     value: Array
@@ -54,7 +56,8 @@ class Errors:
         Of the order that of the alternative by which it misleads most: between a mode in its place
         and one in another there is nothing.
         """
-        low, high = self.error - self.numerical, self.error + self.numerical
+        spread = self.numerical if self.loaded is None else self.numerical + self.loaded.digits
+        low, high = self.error - spread, self.error + spread
         if self.numbers is not None:
             at = self.largest, np.arange(self.error.shape[1])
             return low[at], high[at]
@@ -174,11 +177,14 @@ def _deflection(one: Alternative, response: Response, quantity: str) -> tuple[Ar
     reach = 1.0 + size
     if quantity != ANY_FORCE:
         reach = np.linalg.norm(off + due / np.where(length > 0, length, np.inf)[:, None], axis=1)
-    numerical = np.zeros_like(size)
-    if one.static is not None:
-        stated = one.static[:, STATIC_QUANTITIES.index(quantity)]
-        numerical = np.multiply(stated, reach, out=numerical, where=length > 0)
-    return value, expected, size, numerical, load, along, off, length
+    column = STATIC_QUANTITIES.index(quantity)
+    numerical, digits = (
+        np.multiply(
+            _column(stated, column, len(size)), reach, out=np.zeros_like(size), where=length > 0
+        )
+        for stated in (one.static, one.digits)
+    )
+    return value, expected, size, numerical, load, along, off, length, digits
 
 
 def _column(uncertainty: Array | None, index: int, count: int) -> Array:

@@ -12,6 +12,8 @@ from validation.adequacy.errors import Errors, Scale
 from validation.adequacy.matrix import Adequacy, Entry, Matrix, ModelNote
 from validation.adequacy.response import Candidate, Reference, Subject
 
+DIGITS = "digits of the file"
+
 
 def judged(subject: Subject, requirement: Requirement) -> Matrix:
     """The matrix of a robot: every candidate by every quantity that it says anything of.
@@ -179,6 +181,8 @@ def _reason(
         return "; ".join(filter(None, (*places, reference.decides or reference.finer)))
     parts = _parts(errors, reference, pose)
     widest = max(parts, key=lambda name: parts[name])
+    if widest == DIGITS:
+        return "more digits of the 6×6 in the robot file decide"
     decides = widest == reference.open and reference.decides
     return reference.decides if decides else reference.finer
 
@@ -233,6 +237,8 @@ def _parts(errors: Errors, reference: Reference, pose: int) -> dict[str, float]:
     if errors.numbers is not None:
         return {"meshes": float(errors.numerical[errors.largest[pose], pose])}
     parts = {"meshes": float(np.max(errors.numerical[:, pose]))}
+    if errors.loaded is not None and errors.loaded.digits.any():
+        parts[DIGITS] = float(np.max(errors.loaded.digits[:, pose]))
     if reference.open:
         parts[reference.open] = float(0.5 * (np.max(error) - np.min(error)))
     return parts

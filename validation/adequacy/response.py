@@ -45,13 +45,15 @@ class Alternative:
     """The reference under one reading of what the user left open ("ends rigid", say).
 
     Relative numerical uncertainties (half-widths, 95 %): `static` (p×7, of the displacement that
-    each static quantity is of), `dynamic` (p×m, of the frequencies).
+    each static quantity is of), `dynamic` (p×m, of the frequencies). `digits` (p×7), as `static`:
+    what the printed digits of the robot's 6×6 leave open.
     """
 
     name: str
     response: Response
     static: Array | None = None
     dynamic: Array | None = None
+    digits: Array | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,6 +12,7 @@ from lumped.models import vjm
 from lumped.models.bodies import tip_compliances
 from validation.adequacy.biglide.closure import require_closed
 from validation.adequacy.mechanism import path
+from validation.adequacy.mechanism.digits import left_by_digits
 from validation.adequacy.mechanism.statics import assembled, assembled_title
 from validation.adequacy.subject.posed import Open, Springs, Statics
 from validation.context import Context
@@ -53,6 +54,7 @@ def biglide_statics(context: Context, robot: Biglide, x: Array) -> Statics:
             "fem.bodies.doubling.condensed_leg" if solid else "lumped.legs.given_compliance",
             "lumped.system.solution.compliance",
         ),
+        digits=partial(context.get, left_by_digits, context.robot_file.text, tuple(places)),
     )
 
 

@@ -1,6 +1,7 @@
 """The biglide with its models and references, ready to be judged."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 from lumped.biglide import with_equivalent_legs
 from validation.adequacy.biglide.dynamics import biglide_dynamics
@@ -34,7 +35,7 @@ def posed_biglide(context: Context) -> Posed:
         models=CANDIDATES,
         statics=statics,
         dynamics=biglide_dynamics(context, robot, context.robot_file.requirement.modes, POSTURES),
-        equivalent=biglide_statics(context, with_equivalent_legs(robot), x)
+        equivalent=replace(biglide_statics(context, with_equivalent_legs(robot), x), digits=None)
         if statics.given
         else None,
         rigid="its legs are rigid and its drives move along y alone: it knows no such motion",

@@ -42,7 +42,7 @@ class Compared:
 class ComparedStatics(NamedTuple):
     """Compliances (p×6×6, SI) by all models and, last, by the alternatives of the reference.
 
-    `uncertainties` of the alternatives (p×7, relative, as `Alternative.static`).
+    `uncertainties` of the alternatives (p×7, relative), of meshes and of the file's digits.
     """
 
     compliances: Mapping[str, Array]
@@ -70,7 +70,8 @@ def compared_statics(context: Context, postures: tuple[Posture, ...]) -> Compare
         solid = statics.prisms or statics.parts
         name = f"solid, {one.name}" if solid else "legs' own 6×6"
         if one.response.compliance is not None and one.static is not None:
-            found[name], uncertainties[name] = one.response.compliance, one.static
+            open_digits = 0.0 if one.digits is None else one.digits
+            found[name], uncertainties[name] = one.response.compliance, one.static + open_digits
     return ComparedStatics(found, uncertainties)
 
 

@@ -14,6 +14,7 @@ from lumped.models.bodies import tip_compliances
 from lumped.models.links import links
 from lumped.system.assembly import assembly
 from lumped.system.solution import compliance, solved
+from validation.adequacy.mechanism.digits import left_by_digits
 from validation.adequacy.mechanism.part_solids import Bodies, condensed_parts, solid_parts
 from validation.adequacy.mechanism.path import known_legs, left_open, offered
 from validation.adequacy.subject.posed import Springs, Statics
@@ -94,6 +95,7 @@ def mechanism_statics(context: Context, postures: Sequence[Posture]) -> Statics:
             *(("validation.models.parts.reduced",) if parts else ()),
             "lumped.system.solution.compliance",
         ),
+        digits=partial(context.get, left_by_digits, context.robot_file.text, tuple(postures)),
     )
 
 

@@ -67,7 +67,9 @@ def _equivalent(context: Context, postures: tuple[Posture, ...]) -> Statics | No
     if not has_given(mechanism) or mechanism.parts:
         return None
     member = on_equivalent_legs(mechanism)
-    return mechanism_statics(context, [replace(one, mechanism=member) for one in postures])
+    statics = mechanism_statics(context, [replace(one, mechanism=member) for one in postures])
+    # Both sides have these legs, feet and tool, whatever the robot's are.
+    return replace(statics, digits=None)
 
 
 def _path_note(mechanism: Mechanism, postures: tuple[Posture, ...]) -> tuple[str, ...]:

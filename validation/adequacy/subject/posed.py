@@ -71,7 +71,8 @@ class Statics(Legs):
     tips, with parts held so and on that rung of their meshes; `climbed` of the legs' springs, by
     the code of the model that `climbs` names, which is the assembler's only where legs are no
     serial chains; `tips` of the legs as given or equivalent. `rigid` says what is so in the
-    simplified model, `computed_by` what the reference comes from.
+    simplified model, `computed_by` what the reference comes from. `digits`: what the printed digits
+    of the robot file leave open (p×7, relative, 95 %), None where they are not in question.
     """
 
     answer: Callable[[ModelName, ModelOptions], Array]
@@ -82,6 +83,7 @@ class Statics(Legs):
     tips: Callable[[LegSprings], Springs]
     rigid: str
     computed_by: tuple[str, ...]
+    digits: Callable[[], Array] | None = None
 
 
 @dataclass(frozen=True, eq=False)

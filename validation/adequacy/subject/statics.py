@@ -59,13 +59,15 @@ def static_reference(robot: Statics) -> Reference:
     further = _section_uncertainty(robot) + refinement_share(
         robot.parts, lambda rung: answer(stiff, rung=rung), sizes
     )
+    digits = robot.digits() if robot.digits else None
     alternatives = []
     for name, ends in robot.open.holds.items():
         fine = answer(ends)
         step = np.full((len(fine), len(STATIC_QUANTITIES)), ROUNDING)
         if robot.prisms:
             step = step_uncertainty(sizes(answer(ends, fine=False) - fine, fine), ratio)
-        alternatives.append(Alternative(name, Response(compliance=fine), static=step + further))
+        response = Response(compliance=fine)
+        alternatives.append(Alternative(name, response, static=step + further, digits=digits))
     return Reference(
         title=robot.title,
         alternatives=alternatives,

@@ -1,0 +1,134 @@
+"""Digits of a robot file as an uncertainty, against robots whose digits are drawn and read."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from lumped.acceptance.requirement import STATIC_QUANTITIES, Requirement
+from lumped.arrays import Array
+from lumped.robot_file import RobotFile, load_robot
+from validation.adequacy.judgement import judged
+from validation.adequacy.matrix import Coordinate, Entry, Matrix
+from validation.adequacy.mechanism.digits import left_by_digits
+from validation.adequacy.response import Alternative, Candidate, Reference, Response, Subject
+from validation.kinematics.poses import postures_of
+from validation.models.mechanism import answers
+from validation.models.options import DEFAULT_OPTIONS
+
+DRAWS = 200
+MATRIX = re.compile(r"(compliance = \[)(.*?)(\n\])", re.DOTALL)
+FORCES = STATIC_QUANTITIES[:3]
+
+
+def drawn(text: str, rng: np.random.Generator) -> str:
+    """The text with every entry of its 6×6 anywhere within half a unit of its last digit."""
+
+    def within(block: re.Match[str]) -> str:
+        entries = [re.findall(r"-?[\d.]+e-\d+", row) for row in block[2].strip().splitlines()]
+        off = rng.uniform(-0.5, 0.5, (6, 6))
+        rows = []
+        for i, row in enumerate(entries):
+            numbers = []
+            for j, entry in enumerate(row):
+                digits, exponent = entry.split("e")
+                unit = 10.0 ** (int(exponent) - len(digits.split(".")[1]))
+                numbers.append(float(entry) + unit * off[min(i, j), max(i, j)])
+            rows.append(f"[{', '.join(map(str, numbers))}]")
+        return f"{block[1]}{', '.join(rows)}{block[3]}"
+
+    return MATRIX.sub(within, text)
+
+
+def read(text: str, folder: Path) -> RobotFile:
+    file = folder / "robot.toml"
+    file.write_text(text)
+    return load_robot(file)
+
+
+def virtual_joints(robot: RobotFile, poses: Array) -> Array:
+    """Compliances (p×6×6) by virtual joints, which share no code with the assembler."""
+    postures = postures_of(robot.mechanism, poses)
+    return np.array([one.compliance for one in answers("vjm", postures, 0, DEFAULT_OPTIONS)])
+
+
+@pytest.fixture(scope="module")
+def printed(tmp_path_factory: pytest.TempPathFactory) -> RobotFile:
+    """The paper's robot without its corrections, which have to stand in the file as they are."""
+    text = load_robot("ifw").text.split("\n[[corrections]]\n")[0]
+    return read(text, tmp_path_factory.mktemp("printed"))
+
+
+def test_95_percent_of_all_robots_with_these_digits_lie_within(
+    printed: RobotFile, tmp_path: Path
+) -> None:
+    poses = printed.mechanism.poses[[1, 4]]
+    stated = left_by_digits(printed.text, postures_of(printed.mechanism, poses))
+    own, rng = virtual_joints(printed, poses), np.random.default_rng(24)
+    off = []
+    for _ in range(DRAWS):
+        change = virtual_joints(read(drawn(printed.text, rng), tmp_path), poses) - own
+        columns = change[:, :3, :3], own[:, :3, :3]
+        lengths = [np.linalg.norm(one, axis=1) for one in columns]
+        off.append(lengths[0] / lengths[1])
+    inside = np.mean(np.array(off) <= stated[:, :3], axis=0)
+    # The share of 200 draws scatters by 1.5 %.
+    assert np.abs(inside - 0.95).max() <= 0.04
+
+
+def test_twelve_digits_leave_next_to_nothing(printed: RobotFile) -> None:
+    def longer(block: re.Match[str]) -> str:
+        return re.sub(r"-?[\d.]+e-\d+", lambda one: f"{float(one[0]):.11e}", block[0])
+
+    postures = postures_of(printed.mechanism, printed.mechanism.poses[[4]])
+    stated = left_by_digits(MATRIX.sub(longer, printed.text), postures)
+    # Two or three digits leave 1e-3.
+    assert 0.0 < stated.max() < 1e-10
+
+
+def test_what_is_not_the_robots_leaves_nothing_open() -> None:
+    """Legs of a section have no 6×6; those of another file have another one."""
+    five_bar = load_robot("five-bar").mechanism
+    for text in (load_robot("five-bar").text, load_robot("ifw").text):
+        assert not left_by_digits(text, postures_of(five_bar, five_bar.poses[:2])).any()
+
+
+def judged_of_equal(digits: float, limit: float) -> Entry:
+    """A model that answers what the reference does, of a 6×6 that is known to its digits."""
+    same = Response(compliance=np.diag([2e-9, 3e-9, 4e-9, 1e-7, 1e-7, 1e-7])[None])
+    open_digits = np.full((1, len(STATIC_QUANTITIES)), digits)
+    reference = Reference("own 6×6", [Alternative("", same, digits=open_digits)])
+    subject = Subject(
+        robot="toy",
+        coordinates=(Coordinate("x", "m"),),
+        poses=np.array([[0.5]]),
+        weights=np.zeros(0),
+        candidates=[Candidate("vjm", "virtual joints", same)],
+        statics=reference,
+        dynamics=Reference("none", ()),
+    )
+    entry = judged(subject, Requirement(deflection=limit)).entry("vjm", "y")
+    assert entry is not None
+    return entry
+
+
+def test_a_limit_that_the_digits_do_not_decide_is_undecided_and_says_so() -> None:
+    entry = judged_of_equal(digits=0.002, limit=0.001)
+    assert entry.verdict == "undecided"
+    assert entry.uncertainties == {"meshes": 0.0, "digits of the file": pytest.approx(0.002)}
+    assert entry.reason == "more digits of the 6×6 in the robot file decide"
+    assert judged_of_equal(digits=0.002, limit=0.01).verdict == "adequate"
+
+
+def test_virtual_joints_of_the_papers_robot_are_known_to_its_digits(paper: Matrix) -> None:
+    for quantity in FORCES:
+        entry = paper.entry("vjm", quantity)
+        assert entry is not None
+        assert entry.verdict == "adequate"
+        # Never negative: the interval goes from nothing to what three digits leave.
+        digits = entry.uncertainties["digits of the file"]
+        assert 2e-4 < digits < 3e-3
+        assert (entry.error or 0.0) + (entry.uncertainty or 0.0) == pytest.approx(digits, rel=1e-3)
+    assert paper.formulation is not None
+    assert all("digits of the file" not in one.uncertainties for one in paper.formulation.entries)

@@ -1,0 +1,93 @@
+"""What the printed digits of a robot's 6×6 leave open of the displacements of its tool.
+
+The 6×6 that the robot really has is known within its digits alone, while every model takes the
+number that is printed: what a model is off by is uncertain by as much, even where the reference is
+assembled from the same number.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+from scipy.stats import qmc
+
+from lumped.acceptance.requirement import STATIC_QUANTITIES
+from lumped.arrays import Array
+from lumped.mechanism.body import Given
+from lumped.mechanism.mechanism import Mechanism, Posture
+from lumped.models.bodies import tip_compliances
+from lumped.models.links import links
+from lumped.robot_file.reading import printed_compliances
+from lumped.system.assembly import assembly
+from lumped.system.solution import compliance, solved
+from validation.adequacy.mechanism.part_solids import condensed_parts
+from validation.agreement.displacement import sizes
+
+# 512 points of Sobol: half-widths of one seed and another differ by 1 to 2 % of themselves.
+_POWER = 9
+# Of the size that an entry of a 6×6 can have: the tool's compliance is linear in it so far.
+_STEP = 1e-6
+
+
+def left_by_digits(text: str, postures: Sequence[Posture]) -> Array:
+    """Half-widths (95 %, p×7, relative, of the displacement that each static quantity is of).
+
+    `text` of the robot file. Every number is off by up to half a unit of its last digit, each value
+    as likely as the other and independent of all others; the tool's compliance is linear in so
+    small a change. Zero where no 6×6 of the file is the robot's.
+    """
+    own = _compliances(postures)
+    changes = np.array(list(_changes(text, postures, own)))
+    if not len(changes):
+        return np.zeros((len(postures), len(STATIC_QUANTITIES)))
+    draws = 2.0 * qmc.Sobol(len(changes), seed=0).random_base2(_POWER) - 1.0
+    off = np.tensordot(draws, changes, axes=1).reshape(-1, 6, 6)
+    found = sizes(off, np.tile(own, (len(draws), 1, 1))).reshape(len(draws), len(postures), -1)
+    # Where the robot is rigid no model's error is relative to anything.
+    return np.quantile(np.where(np.isfinite(found), found, 0.0), 0.95, axis=0)
+
+
+def _changes(text: str, postures: Sequence[Posture], own: Array) -> Iterator[Array]:
+    """What half a unit of each number changes in the tool's compliance (p×6×6, SI).
+
+    Bodies and joints for which the same 6×6 is printed have the same one.
+    """
+    mechanism = postures[0].mechanism
+    known = {printed.compliance.tobytes(): printed for printed in printed_compliances(text)}
+    for printed in known.values():
+        size = np.sqrt(np.diag(printed.compliance))
+        for i, j in zip(*np.nonzero(np.triu(printed.half)), strict=True):
+            change = np.zeros((6, 6))
+            change[i, j] = change[j, i] = step = _STEP * size[i] * size[j]
+            changed = _with_change(mechanism, printed.compliance, change)
+            if changed is not None:
+                moved = _compliances([replace(at, mechanism=changed) for at in postures])
+                yield (moved - own) * (printed.half[i, j] / step)
+
+
+def _compliances(postures: Sequence[Posture]) -> Array:
+    """The robot (p×6×6, SI) of its legs as springs, 6×6 as given."""
+    mechanism = postures[0].mechanism
+    models = {**links(mechanism, tip_compliances(mechanism)), **condensed_parts(mechanism)}
+    prepared = assembly(mechanism, models)
+    return np.array([compliance(solved(prepared.at(posture))) for posture in postures])
+
+
+def _with_change(mechanism: Mechanism, given: Array, change: Array) -> Mechanism | None:
+    """The mechanism with a `change` of the `given` 6×6; None where nothing has that one."""
+    bodies = {
+        name: replace(body, shape=replace(body.shape, compliance=given + change))
+        for name, body in mechanism.bodies.items()
+        if isinstance(body.shape, Given) and np.array_equal(body.shape.compliance, given)
+    }
+    elastic = [
+        joint.compliance is not None and np.array_equal(joint.compliance, given)
+        for joint in mechanism.joints
+    ]
+    if not bodies and not any(elastic):
+        return None
+    joints = [
+        replace(joint, compliance=given + change) if gives else joint
+        for joint, gives in zip(mechanism.joints, elastic, strict=True)
+    ]
+    return replace(mechanism, bodies={**mechanism.bodies, **bodies}, joints=joints)
