@@ -191,8 +191,7 @@ class Case:
     it is ("segments", "solid"; empty where it is no model's). `subject` tells what a case says
     something about: the run's robot, one of its legs, or the program itself. Cases of one quantity
     by several models stand side by side, in the `row` of that name where there are several.
-    `label` is what an axis has room for of the quantity. `headlines` are the numbers of the first
-    screen and of the paper's table that it is about, by name (`validation.independence.headlines`).
+    `label` is what an axis has room for of the quantity.
     `section` is the heading under which the report shows the case, `figure` the id of the figure
     that shows what it measured. `group` names what
     expensive results the case shares: cases of one group run in the same process, one after the
@@ -219,7 +218,6 @@ class Case:
     row: str = ""
     figure: str = ""
     label: str = ""
-    headlines: tuple[str, ...] = ()
 
     def measure(self, context: Context) -> Measurement:
         """What `compute` finds of the subject; `context` is that of the run.

@@ -58,7 +58,6 @@ class CaseFields(TypedDict, total=False):
     row: Field[str]
     figure: Field[str]
     label: Field[str]
-    headlines: Field[tuple[str, ...]]
 
 
 class CaseGroup:

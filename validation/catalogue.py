@@ -7,11 +7,10 @@ from lumped.robot_file.variation import variations_of
 from validation import paper
 from validation.adequacy.matrix import ADEQUACY, MEASURED, Assessment
 from validation.adequacy.robot import robot_adequacy
-from validation.cases import anchors, legs, mechanism, program, robot
-from validation.cases.anchors import independence
+from validation.cases import legs, mechanism, program
 from validation.measured.matrix import measured_matrix
 from validation.paper.robot import is_the_papers
-from validation.report.figures import figures_of, figures_of_program, figures_of_variations
+from validation.report.figures import figures_of_program, figures_of_robot, figures_of_variations
 from validation.results.tasks import Task
 from validation.solids.robots import SHARED_SOLIDS
 from validation.variations.cases import cases_over
@@ -34,13 +33,22 @@ _MEASURED = Assessment(
 
 def catalogue(robot_file: RobotFile) -> Sequence[Task]:
     """Every case and figure for a robot; the paper's statements for the paper's robot alone."""
-    of_robot = _of_mechanism if robot_file.is_mechanism else _of_biglide
-    return (*of_robot(robot_file), *checks(robot_file), _ADEQUACY, *figures_of(robot_file))
+    described = robot_file.mechanism
+    return (
+        *(paper.cases() if is_the_papers(robot_file) else ()),
+        *legs.cases(described),
+        *mechanism.cases(described, robot_file.requirement.modes),
+        *([_MEASURED] if robot_file.measured else []),
+        *checks(robot_file),
+        _ADEQUACY,
+        *figures_of_robot(),
+        *(paper.figures() if is_the_papers(robot_file) else ()),
+    )
 
 
 def checks(_robot_file: RobotFile) -> Sequence[Task]:
     """What verifies the program, the same whatever the robot."""
-    return (*program.cases(), *independence.cases(), *figures_of_program())
+    return (*program.cases(), *figures_of_program())
 
 
 def with_variations(
@@ -55,29 +63,4 @@ def with_variations(
         *listed(robot_file),
         *cases_over(robot_file, variations),
         *figures_of_variations(variations),
-    )
-
-
-def _of_biglide(robot_file: RobotFile) -> Sequence[Task]:
-    return (
-        *(_paper() if is_the_papers(robot_file) else ()),
-        *legs.cases(),
-        *robot.cases(),
-        *anchors.of_biglide(robot_file.requirement.modes),
-        *([_MEASURED] if robot_file.measured else []),
-    )
-
-
-def _of_mechanism(robot_file: RobotFile) -> Sequence[Task]:
-    measured = [_MEASURED] if robot_file.measured else []
-    described = robot_file.mechanism
-    own = anchors.of_mechanism(described, robot_file.requirement.modes)
-    return (*mechanism.cases(described), *own, *measured)
-
-
-def _paper() -> Sequence[Task]:
-    return (
-        *paper.cases(),
-        *anchors.paper_cases(),
-        *paper.figures(),
     )

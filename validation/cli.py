@@ -26,8 +26,6 @@ from validation.run import selftest as selftests
 from validation.solve import parts as commands
 
 if TYPE_CHECKING:
-    from lumped.robot_file import RobotFile
-    from validation.results.tasks import Task
     from validation.store.opening import Start
 
 app = App(
@@ -390,16 +388,15 @@ def check(robot: str) -> int:
     from validation.report.listing import audit_text  # noqa: PLC0415
 
     robot_file = load_robot(robot)
-    of_parts = ""
-    if robot_file.is_mechanism:
-        postures_of(robot_file.mechanism, robot_file.mechanism.poses)
-        # Only where there are parts: reading them needs gmsh.
-        if robot_file.mechanism.parts:
-            from validation.models.part_check import parts_text  # noqa: PLC0415
+    mechanism, of_parts = robot_file.mechanism, ""
+    postures_of(mechanism, mechanism.poses)
+    # Only where there are parts: reading them needs gmsh.
+    if mechanism.parts:
+        from validation.models.part_check import parts_text  # noqa: PLC0415
 
-            of_parts = parts_text(robot_file.mechanism)
+        of_parts = parts_text(mechanism)
     findings = (*audit(robot_file), *paper_findings(robot_file))
-    say(audit_text(robot, robot_file.described, findings))
+    say(audit_text(robot, mechanism, findings))
     if of_parts:
         say(of_parts)
     return 0
@@ -433,7 +430,6 @@ def cases(
     robot: str = "ifw",
     *,
     json: Annotated[bool, Parameter(negative="")] = False,
-    independence: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
     """List the validation cases of a robot with their sources and tolerances.
 
@@ -443,9 +439,6 @@ def cases(
         A built-in robot or a robot file.
     json
         Print a JSON array for programs.
-    independence
-        Compute the comparisons of the robot's headline numbers (preset quick, minutes)
-        and print which modules value and reference rest on, and what both do.
     """
     from lumped.robot_file import load_robot  # noqa: PLC0415
     from validation.catalogue import catalogue  # noqa: PLC0415
@@ -453,24 +446,8 @@ def cases(
 
     robot_file = load_robot(robot)
     tasks = catalogue(robot_file)
-    if independence:
-        say(_independence(tasks, robot_file))
-    else:
-        say(as_json(tasks) if json else as_text(tasks))
+    say(as_json(tasks) if json else as_text(tasks))
     return 0
-
-
-def _independence(tasks: "Sequence[Task]", robot_file: "RobotFile") -> str:
-    from validation.case import Case  # noqa: PLC0415
-    from validation.independence.headlines import headline_numbers  # noqa: PLC0415
-    from validation.independence.listing import as_text, rows, without  # noqa: PLC0415
-    from validation.independence.trace import independence  # noqa: PLC0415
-
-    numbers = headline_numbers(robot_file)
-    cases = [task for task in tasks if isinstance(task, Case)]
-    about = [case for case in cases if any(number.is_compared_by(case) for number in numbers)]
-    found = independence(about, robot_file, "quick")
-    return as_text(rows(numbers, found), without(numbers, found))
 
 
 def _one_line(error: CycloptsError) -> str:

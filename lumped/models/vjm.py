@@ -157,20 +157,20 @@ def compliance(robot: Biglide, x: float, leg_springs: tuple[Array, Array]) -> Ar
     return platform if robot.tool_compliance is None else platform + robot.tool_compliance
 
 
-def rounding(robot: Biglide, x: float, leg_springs: tuple[Array, Array]) -> Array:
-    """What rounding leaves open of `compliance` (6×6, SI, robot axes; 95 %, of both signs).
+def rounding(chains: Iterable[Chain]) -> Array:
+    """What rounding leaves open of the compliance (6×6, SI) that chains give together.
 
-    A chain's bordered matrix B is rounded as a turned stiffness is (`rounding_of_flexibility`):
-    digits of L/EA are lost beside L³/3EI. C follows by (XC)ᵀ δB (XC), and by the rounding of the
-    chains' sum.
+    95 %, of both signs. A chain's bordered matrix B is rounded as a turned stiffness is
+    (`rounding_of_flexibility`): digits of L/EA are lost beside L³/3EI. C follows by
+    (XC)ᵀ δB (XC), and by the rounding of the chains' sum.
     """
-    chains = [_bordered_solution(c, "chain") for c in biglide_chains(robot, x, leg_springs)]
-    flexibility = platform_compliance(chains[0].stiffness + chains[1].stiffness)
+    solved = [_bordered_solution(chain, "chain") for chain in chains]
+    flexibility = platform_compliance(sum((one.stiffness for one in solved), np.zeros((6, 6))))
     squares = np.zeros((6, 6))
-    for chain in chains:
-        moved = chain.solution @ flexibility
-        squares += rounding_of_flexibility(chain.matrix, moved, turned=6) ** 2
-        squares += rounding_of_flexibility(chain.stiffness, flexibility, turned=6) ** 2
+    for one in solved:
+        moved = one.solution @ flexibility
+        squares += rounding_of_flexibility(one.matrix, moved, turned=6) ** 2
+        squares += rounding_of_flexibility(one.stiffness, flexibility, turned=6) ** 2
     return np.asarray(np.sqrt(squares))
 
 

@@ -81,20 +81,7 @@ class RobotFile:
     @cached_property
     def mechanism(self) -> Mechanism:
         """The robot as bodies and joints, whatever the schema of its file."""
-        described = self.described
-        if isinstance(described, Mechanism):
-            return described
-        return biglide(
-            described.name,
-            described.a,
-            described.leg1,
-            described.leg2,
-            platform_mass=described.platform_mass,
-            drive_stiffness=described.actuator_stiffness,
-            tool_offset=described.tool_offset,
-            foot_compliance=described.foot_compliance,
-            tool_compliance=described.tool_compliance,
-        )
+        return _as_mechanism(self.described)
 
     @property
     def name(self) -> str:
@@ -103,7 +90,7 @@ class RobotFile:
 
     def with_inputs_off(
         self,
-    ) -> tuple[tuple[str, Biglide | Mechanism, Biglide | Mechanism], ...]:
+    ) -> tuple[tuple[str, Mechanism, Mechanism], ...]:
         """Each uncertain input by its key, with the robot where it is a standard uncertainty off.
 
         Below, then above what the file says. Raises InputError where there is no such robot.
@@ -113,7 +100,7 @@ class RobotFile:
             for one in input_uncertainties_of(self.tables)
         )
 
-    def _scaled(self, key: str, change: float) -> Biglide | Mechanism:
+    def _scaled(self, key: str, change: float) -> Mechanism:
         tables = scaled(self.tables, key, 1.0 + change)
         # What was measured and what was misprinted is as the file says.
         for said in ("measured", "corrections"):
@@ -125,12 +112,28 @@ class RobotFile:
                 f"{self.source}: input_uncertainty, {key} by {change:+.3g}: {fault}"
                 for fault in faults
             )
-        return described
+        return _as_mechanism(described)
 
     @property
     def tables(self) -> dict[str, Any]:
         """The file's tables as written, with the data that only the audit reads."""
         return tomllib.loads(self.text)
+
+
+def _as_mechanism(described: Biglide | Mechanism) -> Mechanism:
+    if isinstance(described, Mechanism):
+        return described
+    return biglide(
+        described.name,
+        described.a,
+        described.leg1,
+        described.leg2,
+        platform_mass=described.platform_mass,
+        drive_stiffness=described.actuator_stiffness,
+        tool_offset=described.tool_offset,
+        foot_compliance=described.foot_compliance,
+        tool_compliance=described.tool_compliance,
+    )
 
 
 def _digest(content: bytes, described: Biglide | Mechanism) -> str:

@@ -12,7 +12,7 @@ from scipy.sparse import load_npz
 from lumped.legs import equivalent_leg, tip_compliance
 from lumped.models.cantilever import clamped_modes, tip_compliance_of
 from lumped.robot_file import load_robot
-from validation.export.models import export
+from validation.export.mechanism import export_mechanism
 from validation.export.readme import OF_PARTS, write_readme
 from validation.models.biglide import robot_compliance, robot_frequencies
 from validation.models.legs import leg_matrices, solid_compliance
@@ -27,7 +27,7 @@ AXES = ("x", "y", "z")
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     path = tmp_path_factory.mktemp("export")
-    export(ROBOT, "quick", path)
+    export_mechanism(load_robot("ifw").mechanism, "quick", path)
     return path
 
 
@@ -104,7 +104,7 @@ def test_the_matrices_give_the_models_compliance_and_frequencies(folder):
 
 
 def test_the_robot_deflects_at_b_by_its_compliance(folder):
-    robot = pyvista.read(folder / "robot_beam.vtp")
+    robot = pyvista.read(folder / "mechanism_beam.vtp")
     assert robot.n_lines == 2
     half = robot.n_points // 2
     compliance = robot_compliance("beam", ROBOT, ROBOT.centre)

@@ -10,11 +10,6 @@ from lumped.errors import InputError
 from lumped.legs import ConstantLeg, Material
 from lumped.robot_file import load_robot
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle
-from validation.case import Skip
-from validation.cases.robot import modes as robot_modes
-from validation.cases.robot import solid as robot_solid
-from validation.cases.robot.mode_tables import mac_table
-from validation.context import Context
 from validation.solids.robots import two_meshes
 from validation.studies.paired_robot_modes import (
     ELEMENTS,
@@ -70,39 +65,3 @@ def test_one_mesh_of_walls_is_refined_along_the_leg():
     assert not np.array_equal(found.coarse.free, found.fine.free)
     with pytest.raises(InputError, match="432 unknowns, more than 400"):
         two_meshes(hollow, 400)
-
-
-def test_statics_of_walls_too_thin_for_the_preset_are_skipped_with_the_reason():
-    """2 mm walls of a 0.3 m side: elements of eight times their thickness at most."""
-    thin = leg(HollowRectangle(0.2, 0.3, 0.002))
-    robot_file = replace(IFW, described=replace(IFW.robot, leg1=thin))
-    case = next(case for case in robot_solid.cases() if case.id.endswith("free.planar-x"))
-    with pytest.raises(Skip, match=r"leg: the coarsest section mesh of its hollow-rect"):
-        case.compute(Context(robot_file, "quick"))
-
-
-def test_where_no_modes_are_close_nothing_is_said_to_agree():
-    segments = model_modes(IFW.robot, "segments", "timoshenko", ELEMENTS, 3)
-    apart = replace(paired(IFW.robot, segments, segments), close=np.zeros((3, 6), dtype=bool))
-    with pytest.raises(Skip, match="no two modes are close at any posture"):
-        robot_modes.smallest_shared(apart, np.ones((3, 6), dtype=bool), np.zeros((3, 6)))
-
-
-def test_what_lies_above_all_modes_of_the_other_model_has_no_partner_there():
-    """Twelve modes of walls below the fourth of beams: what is paired with that is none of it."""
-    segments = model_modes(IFW.robot, "segments", "timoshenko", ELEMENTS, 3)
-    # Others' modes end between the third and the fourth.
-    ends = segments.frequencies[:, 2:3] + np.linspace(-1.0, 0.5, 12)
-    walls = replace(
-        segments, frequencies=np.sort(ends, axis=1), samples=segments.samples[:, :, ::-1]
-    )
-    found = paired(IFW.robot, segments, walls)
-    assert not found.reached[:, 3:].any()
-    assert found.reached[:, :2].all()
-    everywhere = np.ones((3, 6), dtype=bool)
-    apart = replace(found, close=everywhere)
-    few = robot_modes.smallest_shared(apart, everywhere, np.zeros((3, 6)))
-    assert any("modes left out, above the first 12 modes of the solids" in n for n in few.notes)
-    assert np.isnan(mac_table(found, "beams")["solid (Hz)"][3])
-    with pytest.raises(Skip, match="above the first 12 modes"):
-        robot_modes.smallest_shared(apart, ~found.reached, np.zeros((3, 6)))

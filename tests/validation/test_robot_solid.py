@@ -1,9 +1,5 @@
 """The robot with solid legs: its cases turn, and `solve` gives the unreduced robot's numbers."""
 
-import csv
-import io
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -11,16 +7,10 @@ from numpy.testing import assert_allclose
 from lumped.biglide import with_equivalent_legs
 from lumped.errors import InputError
 from lumped.robot_file import load_robot
-from lumped.system.joint_motion import Portion
 from validation.agreement.differences import scaled_difference
-from validation.case import Skip
-from validation.cases.mechanism import calculix
-from validation.cases.robot import sixty
 from validation.context import Context
 from validation.models.biglide import robot_compliance, robot_frequencies, robot_legs
 from validation.models.options import ModelOptions
-from validation.report.figures.curves import energies
-from validation.results.outcome import judge, perturbed
 from validation.solids.robots import full_mac, unreduced_robot
 from validation.studies.paired_robot_modes import ELEMENTS, model_modes, paired, solid_modes
 
@@ -31,31 +21,6 @@ ROBOT = with_equivalent_legs(ROBOT_FILE.robot)
 @pytest.fixture(scope="module")
 def context():
     return Context(ROBOT_FILE, "quick")
-
-
-# The cases of preset quick are the business of test_cases.
-@pytest.mark.parametrize(
-    "case",
-    [
-        pytest.param(case, marks=() if "[centre]" in case.id else pytest.mark.exhaustive)
-        for case in calculix.cases_of_biglide(places=calculix.PLACES)
-    ],
-    ids=lambda case: case.id,
-)
-def test_calculix_agrees_and_turns(case, context):
-    try:
-        outcome = judge(case, case.measure(context), 0.0)
-    except Skip as reason:
-        pytest.skip(str(reason))
-    assert outcome.verdict == "agree", (outcome.measurement, outcome.message)
-    assert perturbed(outcome, 3.0) == "disagree"
-
-
-def test_absent_calculix_is_a_skipped_case(monkeypatch):
-    monkeypatch.setenv("PATH", "")
-    case = calculix.cases_of_biglide(places=calculix.PLACES)[0]
-    with pytest.raises(Skip, match="calculix-ccx"):
-        case.measure(Context(ROBOT_FILE, "standard"))
 
 
 @pytest.mark.parametrize("x", [ROBOT.stroke[0], ROBOT.centre])
@@ -116,36 +81,3 @@ def test_close_modes_are_marked_and_compared_as_spaces():
     found = paired(ROBOT, segments, solid_modes(ROBOT, (1, 1), "rigid", 3))
     assert found.close[-1].tolist() == [False] * 5 + [True]
     assert not found.close[:-1].any()
-
-
-def test_energies_of_sixty_modes_sum_to_all_of_it_and_name_every_part(context):
-    found = sixty.sixty(context)
-    assert len(found.frequencies) == 60
-    assert_allclose(sum(found.shares.values()), 1.0, rtol=1e-12)
-    # Mode 4 at the centre, 353 Hz, is planar bending of leg 1 (known values and beams).
-    assert found.shares[Portion("leg 1", "bending z")][3] > 0.75
-    # Without elastic feet no energy can be in them.
-    rigid = replace(ROBOT, foot_compliance=None)
-    assert sixty.in_the_feet(sixty.sixty_modes(rigid, 1)).max() == 0.0
-
-
-def test_few_modes_have_their_numbers_in_the_bars(context):
-    figure = energies.of_beams(context)
-    # Modes of the paper's robot: the feet carry the second one, leg 1 bends in the fourth.
-    shown = figure.svg
-    for frequency in ("112.4 Hz", "184.0 Hz", "353.2 Hz"):
-        assert frequency in shown
-    rows = list(csv.DictReader(io.StringIO(figure.data)))
-    assert float(rows[3]["leg 1 bending z (%)"]) > 75.0
-    assert "largest share, 55 %, is in foot 1" in figure.caption
-
-
-def test_picture_and_table_of_sixty_modes(context):
-    figure = energies.of_solids(context)
-    rows = list(csv.DictReader(io.StringIO(figure.data)))
-    assert len(rows) == 60
-    shares = [name for name in rows[0] if name.endswith("(%)")]
-    assert len(shares) == 2 + 2 * 5
-    for row in rows:
-        assert sum(float(row[name]) for name in shares) == pytest.approx(100.0, abs=1e-9)
-    assert "none of these modes is due to the feet" in figure.caption

@@ -1,9 +1,15 @@
 """Solids of slender legs: counted before they are made, left out of runs that they would fill."""
 
 import re
+import sys
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
+
+sys.path.insert(0, str(Path(__file__).parents[0]))
+
+from placed import placed
 
 from fem.bodies import doubling
 from fem.bodies.solid import solid_mesh
@@ -13,11 +19,11 @@ from lumped.legs import ConstantLeg, Material
 from lumped.robot_file import load_robot
 from lumped.sections import Circle, HollowRectangle, Rectangle, Tube
 from meshes.section.section_mesh import section_mesh
-from validation.adequacy.biglide.dynamics import biglide_dynamics
 from validation.adequacy.judgement import judged
 from validation.adequacy.legs import finer_statics, solid_leg
 from validation.adequacy.matrix import Coordinate
 from validation.adequacy.mechanism import dynamics as of_mechanisms
+from validation.adequacy.mechanism.dynamics import mechanism_dynamics
 from validation.adequacy.mechanism.path import path_postures
 from validation.adequacy.response import Candidate, Reference, Subject, modes_of
 from validation.adequacy.subject.dynamics import dynamic_reference
@@ -35,7 +41,6 @@ from validation.solids.size import (
     solid_unknowns,
     too_large,
 )
-from validation.studies.paired_robot_modes import sample_weights
 
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 IFW = load_robot("ifw")
@@ -44,7 +49,7 @@ BLADE = ConstantLeg(0.85, Rectangle(0.001, 0.05), STEEL, name="leg 1")
 SLENDER = replace(
     IFW, described=replace(IFW.robot, leg1=BLADE, leg2=BLADE), built_in=False, source="blade.toml"
 )
-REASON = r"^leg 1 as a solid of 2 divisions has about 1e\+07.* unknowns, preset quick takes 100000"
+REASON = r"^leg1 as a solid of 2 divisions has about 1e\+07.* unknowns, preset quick takes 100000"
 
 
 @pytest.fixture
@@ -78,21 +83,6 @@ def test_what_a_run_takes_is_said_leg_by_leg():
     assert f"preset fine takes {LARGEST['fine']}" in said
 
 
-@pytest.mark.parametrize(
-    ("case", "divisions"),
-    [
-        ("robot.solid.frequency[1]", 2),
-        ("robot.solid.free.mac", 2),
-        ("robot.solid.reduction.statics", 1),
-        ("robot.solid.sixty.energy", 1),
-    ],
-)
-def test_comparisons_with_solids_too_large_for_a_run_are_skipped(case, divisions, context):
-    found = next(one for one in catalogue(SLENDER) if one.id == case)
-    with pytest.raises(Skip, match=f"^leg 1 as a solid of {divisions} divisions? has about"):
-        found.compute(context)
-
-
 @pytest.mark.parametrize("divisions", [1, 2, 4])
 def test_unknowns_of_an_end_face_are_those_of_its_mesh(divisions, monkeypatch):
     leg = ConstantLeg(0.5, Rectangle(0.1, 0.06), STEEL, name="leg 1")
@@ -115,20 +105,20 @@ def test_walls_too_thin_for_full_matrices_of_an_end_face_are_skipped(
     foil = ConstantLeg(0.85, HollowRectangle(0.05, 0.05, thickness), STEEL, name="leg 2")
     thin = replace(IFW, described=replace(IFW.robot, leg2=foil), built_in=False, source="foil.toml")
     found = next(one for one in catalogue(thin) if one.id == case)
-    with pytest.raises(Skip, match=f"^leg 2: an end face of its hollow-rectangle .*{said}"):
+    with pytest.raises(Skip, match=f"^leg2: an end face of its hollow-rectangle .*{said}"):
         found.compute(Context(thin, "quick"))
 
 
 def test_frequencies_without_such_a_reference_are_undecided_with_the_reason(context):
     robot = SLENDER.robot
-    dynamics = biglide_dynamics(context, robot, 2, 3)
+    dynamics = mechanism_dynamics(context, placed(context, robot.stations(3)), 2)
     reference = dynamic_reference(dynamics)
     found = modes_of(lambda: dynamics.answer("beam", ModelOptions()))
     subject = Subject(
         robot=robot.name,
         coordinates=(Coordinate("x", "m"),),
         poses=robot.stations(3)[:, None],
-        weights=sample_weights(robot),
+        weights=dynamics.weights,
         candidates=[Candidate("beam", "beam", found)],
         statics=Reference("none", ()),
         dynamics=reference,
@@ -193,40 +183,6 @@ def foils(thickness: float) -> Context:
     leg = ConstantLeg(0.85, Tube(0.12, thickness), STEEL, name="leg 1")
     robot = replace(IFW.robot, leg1=leg, leg2=leg)
     return Context(replace(IFW, described=robot, built_in=False, source="foils.toml"), "quick")
-
-
-# Unknowns of the coarsest section meshes of such tubes: 864, 1728, 4248 and 16 992.
-@pytest.mark.parametrize(
-    ("case", "thickness", "said"),
-    [
-        (
-            "leg1.compliance.solid-free[c22]",
-            1e-3,
-            "more than 1000 unknowns.* preset fine takes them$",
-        ),
-        (
-            "leg1.compliance.solid-free[c22]",
-            5e-4,
-            "more than 1000 unknowns.* no preset takes them$",
-        ),
-        (
-            "robot.solid.statics-rigid.planar-x",
-            5e-4,
-            "too many for preset quick; preset fine takes it$",
-        ),
-        (
-            "robot.solid.statics-rigid.planar-x",
-            2e-4,
-            "too many for preset quick; no preset takes it$",
-        ),
-    ],
-)
-def test_a_skipped_solid_names_the_preset_that_takes_it_or_says_that_none_does(
-    case, thickness, said
-):
-    found = next(one for one in catalogue(IFW) if one.id == case)
-    with pytest.raises(Skip, match=said):
-        found.compute(foils(thickness))
 
 
 @pytest.mark.parametrize(

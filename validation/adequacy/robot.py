@@ -1,7 +1,6 @@
 """The adequacy of a robot's models, whatever its robot file describes."""
 
 from lumped.robot_file import RobotFile
-from validation.adequacy.biglide.subject import CANDIDATES, posed_biglide
 from validation.adequacy.judgement import judged
 from validation.adequacy.matrix import Matrix
 from validation.adequacy.mechanism.subject import mechanism_models, posed_mechanism
@@ -12,15 +11,12 @@ from validation.context import Context
 
 def judged_models(robot_file: RobotFile) -> tuple[str, ...]:
     """The models that a robot's matrix has, in its order."""
-    if robot_file.is_mechanism:
-        return mechanism_models(robot_file.mechanism)
-    return tuple(CANDIDATES)
+    return mechanism_models(robot_file.mechanism)
 
 
 def robot_subject(context: Context) -> Subject:
     """The run's robot with its models and references. Raises Skip where there is no reference."""
-    posed = posed_mechanism if context.robot_file.is_mechanism else posed_biglide
-    return subject_of(posed(context))
+    return subject_of(posed_mechanism(context))
 
 
 def robot_adequacy(context: Context) -> Matrix:

@@ -9,16 +9,13 @@ from scipy.sparse import coo_array, csc_array, save_npz
 
 from fem.bodies import leg_modes, solid
 from lumped.arrays import Array, SparseMatrix
-from lumped.biglide import Biglide
 from lumped.dense.modes import dense
-from lumped.legs import ConstantLeg, equivalent_leg
+from lumped.legs import ConstantLeg
 from lumped.mechanism.body_model import LegMatrices
 from lumped.models.cantilever import clamped_modes
-from lumped.system.solution import modes, solved
 from validation.context import Preset
-from validation.export.readme import OF_LEGS, write_readme
+from validation.export.readme import OF_LEGS
 from validation.export.vtk_files import grid, polyline, save
-from validation.models.biglide import robot_system
 from validation.models.legs import leg_matrices
 
 WRENCHES = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
@@ -28,28 +25,6 @@ DIVISIONS: dict[Preset, int] = {"quick": 2, "standard": 4, "fine": 6}
 # The matrices are meant to be looked at and tried: one element across keeps them below 1000 rows.
 MATRIX_DIVISIONS = 1
 STATIONS = 41
-
-_HEAD = """\
-Models of {name}, SI units (m, N, kg, s, rad).
-Leg axes: x from root to tip, z that of the robot. A leg given by a compliance alone is its
-equivalent leg of constant section."""
-_OF_ROBOT = {
-    "robot_beam.vtp": (
-        "Both legs in robot axes, y counted from B, which is in the middle of its stroke: unit "
-        'wrenches at the loaded point, modes of the robot. Cell data "leg".'
-    )
-}
-
-
-def export(robot: Biglide, preset: Preset, folder: Path) -> None:
-    """Write both legs as solid, beam and segments, and the robot as beams, into `folder`.
-
-    Raises ComputationError where a model cannot be solved, OSError where the disk refuses.
-    """
-    for number, described in enumerate((robot.leg1, robot.leg2), start=1):
-        write_leg(equivalent_leg(described), f"leg{number}", DIVISIONS[preset], folder)
-    _write_robot(robot, folder / "robot_beam.vtp")
-    write_readme(folder, _HEAD.format(name=robot.name), {**_OF_ROBOT, **about_legs(preset)})
 
 
 def about_legs(preset: Preset) -> dict[str, str]:
@@ -99,32 +74,6 @@ def _write_centreline(leg: LegMatrices, path: Path) -> None:
     points = np.column_stack([stations, np.zeros((STATIONS, 2))])
     fields = named_fields(twists @ deflections, twists @ swung.shapes)
     save(polyline([points], vectors_of(fields), swung.frequencies), path)
-
-
-def _write_robot(robot: Biglide, path: Path) -> None:
-    posture = robot.posture(robot.centre)
-    beams = robot_system("beam", robot, robot.centre)
-    solution = solved(beams)
-    found = modes(solution, MODES)
-    deflections = solution.displacements(beams.tool.T)
-    lines, parts = [], []
-    places = zip(
-        (robot.leg1, robot.leg2),
-        ("leg1", "leg2"),
-        (posture.root1, posture.root2),
-        (posture.rotation1, posture.rotation2),
-        strict=True,
-    )
-    for described, name, root, rotation in places:
-        leg = leg_matrices("beam", equivalent_leg(described))
-        stations = np.linspace(0.0, leg.length, STATIONS)
-        twists = leg.centreline(stations)
-        moved, swung = (twists @ beams.own(name, of) for of in (deflections, found.shapes))
-        fields = vectors_of(named_fields(moved, swung))
-        lines.append(root + np.outer(stations, rotation[:, 0]))
-        parts.append({name: field @ rotation.T for name, field in fields.items()})
-    joined = {name: np.vstack([part[name] for part in parts]) for name in parts[0]}
-    save(polyline(lines, joined, found.frequencies), path)
 
 
 def write_matrix(matrix: SparseMatrix | Array, path: Path) -> None:

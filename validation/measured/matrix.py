@@ -2,33 +2,26 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TypeAlias
 
 import numpy as np
 
 from lumped.acceptance.measured import Measured
 from lumped.acceptance.requirement import AXES, Requirement
 from lumped.arrays import Array
-from lumped.biglide import Biglide
-from lumped.legs import Leg
 from lumped.mechanism.kinematics.postures import posture
 from lumped.mechanism.mechanism import Mechanism
 from lumped.models.bodies import legs_of
-from validation.adequacy.biglide.subject import CANDIDATES
 from validation.adequacy.judgement import worst_of
-from validation.adequacy.matrix import Coordinate, Entry, Matrix, ModelNote
+from validation.adequacy.matrix import Entry, Matrix, ModelNote
 from validation.adequacy.mechanism.path import coordinates
 from validation.adequacy.mechanism.statics import is_serial
 from validation.adequacy.mechanism.subject import mechanism_candidates
-from validation.adequacy.models import JudgedModel
 from validation.context import Context
 from validation.measured.comparison import COVERAGE, Comparison, propagated
-from validation.models.biglide import robot_compliance, robot_frequencies
 from validation.models.legs import leg_compliance
 from validation.models.mechanism import answers
 from validation.models.options import STATIC, ModelName, ModelOptions
 
-Robot: TypeAlias = Biglide | Mechanism
 # Models of elements; the others have none and no discretisation.
 _OF_ELEMENTS = ("segments", "beam")
 # Second order in the number of elements: the error of n of them is 4/3 of what 2n change.
@@ -37,8 +30,8 @@ _OF_A_DOUBLING = 4.0 / 3.0
 
 def measured_matrix(context: Context) -> Matrix:
     """Every model by every measured quantity; the poses are those of the measurements."""
-    robot_file, robot = context.robot_file, context.robot_file.described
-    candidates = _candidates(robot)
+    robot_file, robot = context.robot_file, context.robot_file.mechanism
+    candidates = mechanism_candidates(robot)
     ones = robot_file.measured
     off = robot_file.with_inputs_off()
     quantities = tuple(dict.fromkeys(one.quantity for one in ones))
@@ -56,7 +49,7 @@ def measured_matrix(context: Context) -> Matrix:
                 entries.append(_entry(name, quantity, found, robot_file.requirement, poses))
     return Matrix(
         robot=robot.name,
-        coordinates=(Coordinate("x", "m"),) if isinstance(robot, Biglide) else coordinates(robot),
+        coordinates=coordinates(robot),
         poses=poses,
         models=tuple(ModelNote(name, title) for name, (_, title, _) in candidates.items()),
         quantities=quantities,
@@ -64,13 +57,15 @@ def measured_matrix(context: Context) -> Matrix:
     )
 
 
-def predicted(model: ModelName, robot: Robot, one: Measured, options: ModelOptions) -> float | None:
+def predicted(
+    model: ModelName, robot: Mechanism, one: Measured, options: ModelOptions
+) -> float | None:
     """The model's number for a measured value, in its unit; None where the model has none."""
     if one.leg_entry is not None:
         if model == "simplified":
             return None
         name, row, column = one.leg_entry
-        return float(leg_compliance(model, _leg(robot, name), options)[row, column])
+        return float(leg_compliance(model, legs_of(robot)[name], options)[row, column])
     if one.mode is not None:
         if model in STATIC:
             return None
@@ -80,34 +75,18 @@ def predicted(model: ModelName, robot: Robot, one: Measured, options: ModelOptio
     compliance = _compliance(model, robot, one, options)
     if compliance is None:
         return None
-    # Where a model knows x and y alone it is rigid otherwise.
-    return one.load * float(compliance[index, index]) if index < len(compliance) else 0.0
+    return one.load * float(compliance[index, index])
 
 
-def _candidates(robot: Robot) -> Mapping[str, JudgedModel]:
-    return CANDIDATES if isinstance(robot, Biglide) else mechanism_candidates(robot)
-
-
-def _leg(robot: Robot, name: str) -> Leg:
-    if isinstance(robot, Biglide):
-        return robot.leg1 if name == "leg1" else robot.leg2
-    return legs_of(robot)[name]
-
-
-def _frequencies(model: ModelName, robot: Robot, one: Measured, options: ModelOptions) -> Array:
-    count = one.mode or 0
-    if isinstance(robot, Biglide):
-        return robot_frequencies(model, robot, one.pose[0], count, options)
-    (found,) = answers(model, [posture(robot, np.array(one.pose))], count, options)
+def _frequencies(model: ModelName, robot: Mechanism, one: Measured, options: ModelOptions) -> Array:
+    (found,) = answers(model, [posture(robot, np.array(one.pose))], one.mode or 0, options)
     return found.frequencies
 
 
 def _compliance(
-    model: ModelName, robot: Robot, one: Measured, options: ModelOptions
+    model: ModelName, robot: Mechanism, one: Measured, options: ModelOptions
 ) -> Array | None:
     """None where the legs are no serial chains, which virtual joints ask for."""
-    if isinstance(robot, Biglide):
-        return robot_compliance(model, robot, one.pose[0], options)
     at = [posture(robot, np.array(one.pose))]
     if model == "vjm" and is_serial(at):
         return None
@@ -117,10 +96,10 @@ def _compliance(
 
 def _compared(
     model: ModelName,
-    robot: Robot,
+    robot: Mechanism,
     one: Measured,
     options: ModelOptions,
-    off: tuple[tuple[str, Robot, Robot], ...],
+    off: tuple[tuple[str, Mechanism, Mechanism], ...],
 ) -> Comparison | None:
     value = predicted(model, robot, one, options)
     if value is None:

@@ -104,7 +104,7 @@ def robot_compliance(
 def rounded_compliance(model: ModelName, robot: Biglide, x: float, options: ModelOptions) -> Array:
     """What rounding leaves open of it (95 %, of both signs), but by `simplified`."""
     if model == "vjm":
-        return vjm.rounding(robot, x, _leg_springs(robot, options))
+        return vjm.rounding(vjm.biglide_chains(robot, x, _leg_springs(robot, options)))
     system = static_system(model, robot, x, options)
     return rounding(system, solved(system).displacements(system.tool.T))
 

@@ -17,6 +17,7 @@ from lumped.errors import InputError
 from lumped.legs import ConstantLeg, GivenLeg, Leg, equivalent_leg, given_compliance, tip_compliance
 from lumped.mechanism.body_model import BodyModel, LegMatrices
 from lumped.models import cantilever
+from lumped.models.bodies import legs_of
 from lumped.models.cantilever import clamped_modes, tip_compliance_of
 from lumped.models.segments import (
     SegmentChain,
@@ -163,10 +164,9 @@ def leg_frequencies(
     return clamped_modes(leg_matrices(model, constant, options), count).frequencies
 
 
-def constant_leg_of(context: Context, number: int) -> ConstantLeg:
-    """The equivalent constant-section leg 1 or 2 of the run's robot."""
-    robot = context.robot
-    return context.get(equivalent_leg, robot.leg1 if number == 1 else robot.leg2)
+def constant_leg_of(context: Context, body: str) -> ConstantLeg:
+    """The equivalent constant-section leg of a body of the run's robot."""
+    return context.get(equivalent_leg, legs_of(context.robot_file.mechanism)[body])
 
 
 def kind_frequencies(

@@ -5,7 +5,6 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from lumped.audit.finding import Finding
-from lumped.biglide import Biglide
 from lumped.mechanism.mechanism import Mechanism
 from validation.case import Absolute, Case, Tolerance
 from validation.kinematics.listing import mobility_text
@@ -52,7 +51,7 @@ def as_json(tasks: Sequence[Task]) -> str:
     )
 
 
-def audit_text(source: str, robot: Biglide | Mechanism, findings: Sequence[Finding]) -> str:
+def audit_text(source: str, robot: Mechanism, findings: Sequence[Finding]) -> str:
     """What an audit found, first whether the data that are used are sound.
 
     Faults of a printed source that its corrections remove stand apart from doubts that remain.
@@ -77,12 +76,9 @@ def audit_text(source: str, robot: Biglide | Mechanism, findings: Sequence[Findi
     return "\n".join(lines)
 
 
-def _motion(robot: Biglide | Mechanism) -> str:
-    if isinstance(robot, Mechanism):
-        poses = len(robot.poses)
-        return f"all {poses} poses of its path within reach\n{mobility_text(robot)}"
-    first, last = robot.stroke
-    return f"stroke of B from {first:g} to {last:g} m"
+def _motion(robot: Mechanism) -> str:
+    poses = len(robot.poses)
+    return f"all {poses} poses of its path within reach\n{mobility_text(robot)}"
 
 
 _UNCHANGED = frozenset({"as printed", "as given"})

@@ -17,7 +17,6 @@ from validation.drawing.scenes import packed_viewer
 from validation.exhibits import PORTRAIT, Figure, PlannedFigure
 from validation.report.first_screen.screen import FirstScreen, first_screen
 from validation.report.first_screen.words import capital
-from validation.report.independence import Listing, listings
 from validation.report.listing import program_line, summary
 from validation.report.sections import APPENDIX, Chapter, chapters_of
 from validation.report.tables import SectionLine, explained, unexplained_share
@@ -189,11 +188,6 @@ class Report:
     def figure_ids(self) -> Mapping[str, str]:
         """Titles of the figures that were computed, by id, to which comparisons lead."""
         return {figure.id: figure.title for figure in self.figures}
-
-    @cached_property
-    def independence(self) -> tuple[Listing, ...]:
-        """The headline numbers, and what both sides of the comparisons of each rest on."""
-        return listings(self.outcomes)
 
     @property
     def viewer(self) -> str:

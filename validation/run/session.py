@@ -12,6 +12,7 @@ from fem.machine import usable_cores
 from lumped.audit.finding import Finding
 from lumped.audit.robot_audit import audit
 from lumped.errors import ComputationError, InputError
+from lumped.models.bodies import legs_of
 from lumped.robot_file import RobotFile
 from lumped.robot_file.variation import Variation
 from validation.adequacy.matrix import MEASURED
@@ -89,7 +90,7 @@ def validate(request: Request, catalogue: Catalogue) -> Results:
     robot_file = request.robot_file
     if request.cluster is not None:
         _require_work_for_a_cluster(request)
-    if request.exports and not robot_file.is_mechanism:
+    if request.exports:
         _refuse_large_exports(request)
     variations = _variations(request)
     catalogue = _with_figures(catalogue, request)
@@ -259,7 +260,7 @@ def _prepare(robot_file: RobotFile, preset: Preset, cluster: "Executor | None", 
 
     Raises what the cluster raises where it is lost.
     """
-    if not robot_file.is_mechanism or not robot_file.mechanism.parts:
+    if not robot_file.mechanism.parts:
         return
     # Meshes and solvers, of which most runs ask for none.
     from validation.adequacy.mechanism.parts_ahead import prepare_parts  # noqa: PLC0415
@@ -276,14 +277,9 @@ def _prepare(robot_file: RobotFile, preset: Preset, cluster: "Executor | None", 
 
 
 def _export(request: Request, target: Path) -> None:
-    if request.robot_file.is_mechanism:
-        from validation.export.mechanism import export_mechanism  # noqa: PLC0415
+    from validation.export.mechanism import export_mechanism  # noqa: PLC0415
 
-        export_mechanism(request.robot_file.mechanism, request.preset, target)
-    else:
-        from validation.export.models import export  # noqa: PLC0415
-
-        export(request.robot_file.robot, request.preset, target)
+    export_mechanism(request.robot_file.mechanism, request.preset, target)
 
 
 def _require_work_for_a_cluster(request: Request) -> None:
@@ -300,8 +296,8 @@ def _refuse_large_exports(request: Request) -> None:
     from validation.export.models import DIVISIONS  # noqa: PLC0415
     from validation.solids.size import too_large  # noqa: PLC0415
 
-    robot, divisions = request.robot_file.robot, DIVISIONS[request.preset]
-    reason = too_large((robot.leg1, robot.leg2), (divisions, divisions), request.preset)
+    legs = list(legs_of(request.robot_file.mechanism).values())
+    reason = too_large(legs, len(legs) * (DIVISIONS[request.preset],), request.preset)
     if reason:
         raise InputError(f"--export: {reason}")
 

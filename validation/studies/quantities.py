@@ -75,6 +75,17 @@ def farthest_entry(found: Array, reference: Array) -> tuple[float, float]:
     return float(ours[at]), float(theirs[at])
 
 
+def farthest_beyond(found: Array, reference: Array, left_open: Array) -> tuple[float, float, float]:
+    """The same with what is left open of the difference: that which differs most beyond it."""
+    sizes = np.sqrt(np.abs(np.diagonal(reference, axis1=-2, axis2=-1)))
+    scale = sizes[..., :, None] * sizes[..., None, :]
+    scale = np.exp2(np.round(np.log2(np.where(scale > 0.0, scale, 1.0))))
+    ours, theirs, open_of_both = ((one / scale).ravel() for one in (found, reference, left_open))
+    beyond = np.round(np.abs(ours - theirs) - open_of_both, _DIGITS)
+    at = np.lexsort((np.abs(theirs), beyond))[-1]
+    return float(ours[at]), float(theirs[at]), float(open_of_both[at])
+
+
 def deflections_of(compliances: Array) -> Deflections:
     """Deflections from compliances (m×6×6 or m×2×2, SI, robot axes)."""
     scale = LOAD * MICRO

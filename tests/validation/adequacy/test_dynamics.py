@@ -4,13 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from validation.adequacy.biglide.dynamics import biglide_dynamics
 
 from lumped.acceptance.requirement import Requirement
 from lumped.biglide import Biglide
 from lumped.legs import ConstantLeg, Ends, GivenLeg, Material
 from lumped.robot_file import load_robot
 from lumped.sections import HollowRectangle, ISection, Tube
-from validation.adequacy.biglide.dynamics import biglide_dynamics
 from validation.adequacy.matrix import Entry, Matrix
 from validation.adequacy.partners import frequency_changes
 from validation.adequacy.robot import robot_adequacy

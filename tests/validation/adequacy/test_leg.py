@@ -8,12 +8,13 @@ from fem.bodies import doubling
 from fem.sections.section_constants import section_constants
 from lumped.acceptance.requirement import Requirement
 from lumped.legs import ConstantLeg, Leg, Material, tip_compliance
+from lumped.mechanism.body import leg_shape
 from lumped.robot_file import load_robot
 from lumped.sections import HollowRectangle, ISection
 from meshes.section.section_mesh import section_mesh
-from validation.adequacy.biglide.leg import leg_subject
 from validation.adequacy.judgement import judged
 from validation.adequacy.matrix import Matrix
+from validation.adequacy.mechanism.legs_alone import leg_subject
 from validation.context import Context
 from validation.solids.legs import COARSEST_WALLS
 
@@ -25,7 +26,7 @@ FLANGED = ConstantLeg(
 
 def adequacy(leg: Leg) -> Matrix:
     """The leg's matrix at preset quick."""
-    subject = leg_subject(Context(load_robot("ifw"), "quick"), leg, "leg 1")
+    subject = leg_subject(Context(load_robot("ifw"), "quick"), "leg1", leg_shape(leg))
     return judged(subject, Requirement())
 
 

@@ -17,6 +17,7 @@ from validation.adequacy.matrix import Coordinate
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
+from placed import placed
 from plain_displacement import plain_errors
 from random_robots import IFW, SHAPES, robots, shown
 
@@ -27,10 +28,9 @@ from lumped.biglide import Biglide
 from lumped.legs import ConstantLeg, Ends, equivalent_leg
 from lumped.models import vjm
 from meshes.section.section_mesh import section_mesh
-from validation.adequacy.biglide.statics import biglide_statics
-from validation.adequacy.biglide.subject import POSTURES
 from validation.adequacy.judgement import judged
 from validation.adequacy.matrix import Matrix
+from validation.adequacy.mechanism.statics import mechanism_statics
 from validation.adequacy.response import Candidate, Reference, Response, Subject
 from validation.adequacy.robot import robot_subject
 from validation.adequacy.subject.statics import static_reference
@@ -46,6 +46,7 @@ from validation.studies.paired_robot_modes import (
     solid_modes,
 )
 
+POSTURES = 9
 # Unknowns of the section meshes that the quick reference, of fewer, is held against.
 FINER = 1900
 MODELS: dict[str, tuple[ModelName, ModelOptions]] = {
@@ -80,7 +81,8 @@ def context_of(robot: Biglide) -> Context:
 def static_matrices(robot: Biglide) -> list[Matrix]:
     """Statics of some models, judged with several limits."""
     x = robot.stations(POSTURES)
-    statics = biglide_statics(context_of(robot), robot, x)
+    context = context_of(robot)
+    statics = mechanism_statics(context, placed(context, x))
     subject = Subject(
         robot=robot.name,
         coordinates=(Coordinate("x", "m"),),
@@ -139,7 +141,8 @@ def wrong_in_statics(robot: Biglide) -> list[str]:
     x = robot.stations(POSTURES)
     errors = {}
     for name, (model, options) in MODELS.items():
-        found = biglide_statics(context_of(robot), robot, x).answer(model, options)
+        context = context_of(robot)
+        found = mechanism_statics(context, placed(context, x)).answer(model, options)
         errors |= {(name, q): error for q, error in plain_errors(found, expected).items()}
     return [line for matrix in static_matrices(robot) for line in contradictions(matrix, errors)]
 

@@ -12,9 +12,9 @@ from lumped.legs import ConstantLeg, Material
 from lumped.robot_file import load_robot
 from lumped.sections import ISection
 from meshes.section.section_mesh import section_mesh
-from validation.adequacy.biglide.subject import posed_biglide
 from validation.adequacy.judgement import judged
 from validation.adequacy.matrix import Matrix
+from validation.adequacy.mechanism.subject import posed_mechanism
 from validation.adequacy.subject.subject import on_equivalent_legs
 from validation.context import Context
 from validation.models.biglide import robot_compliance
@@ -77,7 +77,7 @@ def test_a_rigid_model_knows_no_motion_along_z(paper: Matrix) -> None:
     entry = paper.entry("simplified", "z")
     assert entry is not None
     assert (entry.verdict, entry.error, entry.along) == ("inadequate", 1.0, -1.0)
-    assert "no such motion" in entry.reason
+    assert "the drives do not let the tool move so" in entry.reason
     assert entry.remedy == "use vjm"
 
 
@@ -114,7 +114,7 @@ def test_ends_that_nobody_described_leave_their_spread_open() -> None:
         robot = replace(robot_file.robot, a=0.95, leg1=legs, leg2=legs)
         context = Context(replace(robot_file, described=robot), "quick")
         # Statics alone; prisms are their own equivalent legs.
-        posed = posed_biglide(context)
+        posed = posed_mechanism(context)
         matrices[ends] = judged(on_equivalent_legs(posed, posed.statics), Requirement())
     unsaid, rigid, free = (one.entry("beam", "phi_x") for one in matrices.values())
     assert unsaid

@@ -11,7 +11,6 @@ import pytest
 from lumped.acceptance.requirement import STATIC_QUANTITIES
 from lumped.errors import ComputationError
 from lumped.robot_file import load_robot
-from validation.adequacy.biglide import dynamics, leg, statics
 from validation.adequacy.causes import REST
 from validation.adequacy.matrix import Matrix
 from validation.adequacy.mechanism import dynamics as mechanism_dynamics
@@ -19,11 +18,11 @@ from validation.adequacy.mechanism import statics as mechanism_statics
 from validation.adequacy.robot import robot_adequacy
 from validation.adequacy.subject import statics as subject_statics
 from validation.context import Context
-from validation.independence.trace import Asked
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from extreme_robots import extreme_robots
+from ingredients import Asked
 
 EULER = "euler-bernoulli"
 ROBOTS = list(extreme_robots(60, 7))
@@ -96,28 +95,6 @@ def test_robots_that_models_cannot_solve_are_undecided_and_their_legs_judged(tmp
                 assert said in one.reason
     assert {one.verdict for one in matrix.entries} == {"undecided"}
     assert {one.verdict for one in matrix.parts[1].of_model("vjm")} == {"adequate"}
-
-
-def test_a_biglide_is_judged_without_the_model_that_refuses(monkeypatch):
-    sound, solids = untouched("ifw")
-    refusing(monkeypatch, statics, "robot_compliance", lambda model: model == "segments")
-    refusing(monkeypatch, leg, "leg_compliance", lambda model: model == "segments")
-    refusing(monkeypatch, dynamics, "model_modes", lambda theory: theory == EULER, place=2)
-    matrix = matrix_on("ifw", solids)
-    assert [(one.model, one.quantity) for one in matrix.entries] == [
-        (one.model, one.quantity) for one in sound.entries
-    ]
-    for now, before in zip(matrix.entries, sound.entries, strict=True):
-        static = now.quantity in STATIC_QUANTITIES
-        if now.model.startswith("segments") if static else now.model.endswith(EULER):
-            assert (now.verdict, now.error) == ("undecided", None)
-            name = "segments" if static else EULER
-            assert now.reason == f"{now.model}: {name} refused: lost in rounding"
-        else:
-            assert now == before
-    for part in (*matrix.parts, matrix.formulation):
-        assert {one.verdict for one in part.of_model("segments")} == {"undecided"}
-        assert "undecided" not in {one.verdict for one in part.of_model("beam")}
 
 
 def test_a_mechanism_is_judged_without_the_model_that_refuses(monkeypatch, five_bar):

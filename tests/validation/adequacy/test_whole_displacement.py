@@ -11,6 +11,7 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
+from placed import placed
 from plain_displacement import AXES, directions, plain_errors
 
 from lumped.acceptance.requirement import STATIC_QUANTITIES, Requirement
@@ -18,11 +19,10 @@ from lumped.arrays import Array
 from lumped.biglide import Biglide
 from lumped.legs import GivenLeg
 from lumped.robot_file import RobotFile, built_in_robots, load_robot
-from validation.adequacy.biglide.statics import biglide_statics
-from validation.adequacy.biglide.subject import posed_biglide
 from validation.adequacy.judgement import judged
 from validation.adequacy.matrix import Coordinate, Matrix
 from validation.adequacy.mechanism.path import path_postures
+from validation.adequacy.mechanism.statics import mechanism_statics
 from validation.adequacy.mechanism.subject import posed_mechanism
 from validation.adequacy.models import JUDGED
 from validation.adequacy.response import (
@@ -35,7 +35,6 @@ from validation.adequacy.response import (
 )
 from validation.adequacy.subject.subject import judged_statics
 from validation.context import Context
-from validation.studies.ritz import biglide as by_biglide
 from validation.studies.ritz import mechanism as by_mechanism
 
 STATICS_ALONE = Reference("none", ())
@@ -99,7 +98,7 @@ def test_random_responses_are_judged_as_the_plain_rule_does(seed: int) -> None:
 def statics_of(robot_file: RobotFile) -> tuple[Subject, Matrix]:
     """Statics of every model of a robot, quick, and its matrix."""
     context = Context(robot_file, "quick")
-    posed = (posed_mechanism if robot_file.is_mechanism else posed_biglide)(context)
+    posed = posed_mechanism(context)
     reference, candidates = judged_statics(posed.statics, posed.models, "")
     coordinates = posed.coordinates
     subject = replace(subject_of(posed.poses, reference, *candidates), coordinates=coordinates)
@@ -147,7 +146,7 @@ def test_the_first_screen_of_every_built_in_robot_is_that_of_the_plain_rule(name
 def test_the_built_in_robots_legs_of_constant_section_at_seven_tenths() -> None:
     robot_file = load_robot("ifw")
     context, x = Context(robot_file, "quick"), np.array([0.7])
-    statics = biglide_statics(context, robot_file.robot, x)
+    statics = mechanism_statics(context, placed(context, x))
     models = {name: JUDGED[name] for name in ("vjm-equivalent", "beam")}
     reference, candidates = judged_statics(statics, models, "")
     matrix = judged(subject_of(x[:, None], reference, *candidates), Requirement())
@@ -277,19 +276,13 @@ def test_causes_are_what_each_step_does_along_the_vector_of_the_error(quantity: 
 def test_couplings_are_those_of_polynomials_along_the_legs(name: str) -> None:
     """The cases on the first screen compare diagonals; here is the whole displacement."""
     robot_file = load_robot(name)
-    mechanism = robot_file.is_mechanism
-    posed = (posed_mechanism if mechanism else posed_biglide)(Context(robot_file, "quick"))
+    posed = posed_mechanism(Context(robot_file, "quick"))
     for model, (kind, _, options) in posed.models.items():
         if model == "simplified":
             continue
         given = kind in ("vjm", "links") and options.legs == "given"
-        if mechanism:
-            places = path_postures(Context(robot_file, "quick"))
-            due = [by_mechanism.compliance(at, options.theory, 4, given=given) for at in places]
-        else:
-            legs = "given" if given else options.theory
-            stations = posed.poses[:, 0].tolist()
-            due = [by_biglide.compliance(robot_file.robot, x, legs, 4) for x in stations]
+        places = path_postures(Context(robot_file, "quick"))
+        due = [by_mechanism.compliance(at, options.theory, 4, given=given) for at in places]
         errors = plain_errors(posed.statics.answer(kind, options), np.array(due))
         # Cubic polynomials on either side: rounding alone, grown by the condition.
         assert all(one.max() < 1e-6 for one in errors.values()), model

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from lumped.acceptance.measured import Measured
-from lumped.biglide import Biglide
+from lumped.mechanism.mechanism import Mechanism
 from lumped.robot_file import load_robot
 from validation.context import Context
 from validation.measured.comparison import Comparison, propagated
@@ -25,8 +25,8 @@ def robot_file():
     return load_robot("biglide")
 
 
-def with_mass(robot: Biglide, factor: float) -> Biglide:
-    return replace(robot, platform_mass=factor * robot.platform_mass)
+def with_mass(robot: Mechanism, factor: float) -> Mechanism:
+    return replace(robot, tool=replace(robot.tool, mass=factor * robot.tool.mass))
 
 
 @pytest.mark.parametrize("quantity", ["z", "f1"])
@@ -35,7 +35,8 @@ def test_the_interval_holds_the_truth_in_95_of_100_draws_from_the_solid(robot_fi
 
     With 1000 draws 95 % has a standard deviation of 0.7 %.
     """
-    robot, x = robot_file.robot, robot_file.robot.centre
+    robot = robot_file.mechanism
+    (x,) = robot.reference_pose
     one = Measured(quantity, 1.0, 1.0, "drawn", (x,), LOAD)
     solid = predicted("solid", robot, one, ModelOptions(divisions=2))
     exact = predicted("beam", robot, one, ModelOptions())
@@ -90,13 +91,14 @@ def test_the_verdict_is_that_of_the_whole_interval(value, uncertainty, verdict):
 
 
 def test_measured_values_join_the_matrix_as_a_reference_of_their_own(robot_file):
-    robot, x = robot_file.robot, robot_file.robot.centre
+    robot = robot_file.mechanism
+    (x,), (first,) = robot.reference_pose, robot.poses[0]
     given = Measured("z", 1.0, 1.0, "gauge", (x,), LOAD)
     truth = predicted("vjm", robot, given, ModelOptions())
     ones = (
         replace(given, value=truth, uncertainty=1e-3 * truth),
-        replace(given, value=1.2 * truth, uncertainty=1e-3 * truth, pose=(robot.stroke[0],)),
-        Measured("leg1.c33", robot.leg1.length, 1e-3, "stand"),
+        replace(given, value=1.2 * truth, uncertainty=1e-3 * truth, pose=(first,)),
+        Measured("leg1.c33", 0.9, 1e-3, "stand"),
     )
     matrix = measured_matrix(Context(replace(robot_file, measured=ones[:1]), "quick"))
     entry = matrix.entry("vjm", "z")
@@ -107,8 +109,8 @@ def test_measured_values_join_the_matrix_as_a_reference_of_their_own(robot_file)
     # The worst of several poses decides; a leg's entry has none.
     more = measured_matrix(Context(replace(robot_file, measured=ones), "quick"))
     assert more.entry("vjm", "z").verdict == "inadequate"
-    assert more.entry("vjm", "z").pose == (robot.stroke[0],)
-    assert more.poses == ((robot.stroke[0],), (x,))
+    assert more.entry("vjm", "z").pose == (first,)
+    assert more.poses == ((first,), (x,))
     assert more.entry("vjm", "z").errors == pytest.approx(
         [predicted("vjm", robot, ones[1], ModelOptions()) / ones[1].value - 1.0, 0.0]
     )

@@ -9,9 +9,6 @@ from lumped.legs import ConstantLeg, GivenLeg, Material
 from lumped.mechanism.kinematics.postures import posture
 from lumped.robot_file import load_robot
 from lumped.sections import ISection, Tube
-from validation.adequacy.biglide.dynamics import biglide_dynamics
-from validation.adequacy.mechanism.dynamics import mechanism_dynamics
-from validation.context import Context
 from validation.models.biglide import robot_compliance, robot_frequencies
 from validation.models.mechanism import answers
 from validation.models.options import STATIC, ModelOptions
@@ -81,15 +78,3 @@ def test_both_ways_are_one(robot_file, model, options):
             frequencies = robot_frequencies(model, robot, x, COUNT, options)
             frequencies = frequencies[np.isfinite(frequencies)]
             assert found.frequencies == pytest.approx(frequencies, rel=ROUNDING)
-
-
-def test_plausible_masses_are_one():
-    robot_file = six_by_six(mass_centre=0.3, inertia=np.diag([0.4, 2.0, 2.2]))
-    context = Context(robot_file, "quick")
-    robot = robot_file.robot
-    places = tuple(posture(robot_file.mechanism, np.array([x])) for x in robot.stations(3))
-    one, other = biglide_dynamics(context, robot, 4, 3), mechanism_dynamics(context, places, 4)
-    ends = {"leg1": "rigid", "leg2": "rigid"}
-    for masses in ("mass as in a prism", "mass and inertia as given"):
-        found, expected = (by.solid("fine", ends, masses, 2).frequencies for by in (other, one))
-        assert found[:, :4] == pytest.approx(expected[:, :4], rel=1e-6)

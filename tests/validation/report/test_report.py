@@ -21,7 +21,6 @@ from validation.drawing import text
 from validation.drawing.scales import power_ticks
 from validation.drawing.style import canvas, csv_of, plot_style, svg_of
 from validation.exhibits import Figure, InteractiveScene, Study
-from validation.independence.listing import NOTHING, Row, as_table, from_table
 from validation.report import sections
 from validation.report.figures.studies.budgets import budget_figure, budgeted
 from validation.report.figures.studies.families import families
@@ -399,27 +398,6 @@ def test_chapters_answer_in_turn_whatever_came_first():
     found = chapters_of(outcomes, (), plotted=False)
     assert [chapter.title for chapter in found] == [*list(CHAPTERS)[:2], "The paper", APPENDIX]
     assert [section.title for section in found[0].sections] == [names[4], names[3]]
-
-
-def test_headline_numbers_stand_with_what_their_comparisons_rest_on():
-    row = Row("first screen", "deflections by beam", "robot.x[…] (6)", "fem.b", "ritz.c", NOTHING)
-    other = replace(row, number="frequencies by beam", shared="fem.both")
-    listed = judge(
-        case(
-            "guard.independence[biglide]",
-            section="Independence",
-            row="biglide",
-            unit="1",
-            tolerance=Absolute(0.5),
-        ),
-        Measurement(1.0, 0.0, exact=True, table=as_table([row, other])),
-        0.1,
-    )
-    assert from_table(listed.measurement.table) == (row, other)
-    shown = render(sample_report(outcomes=(listed,)))
-    assert "A biglide: 1 of 2 numbers have an independent comparison" in shown
-    assert "<strong>nothing</strong>" in shown
-    assert "fem.both" in shown
 
 
 def test_scenes_are_in_the_page_and_the_viewer_is_there_once():

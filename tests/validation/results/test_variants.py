@@ -1,5 +1,6 @@
 """Runs of two variants of a robot: what differs in the input, adequacy side by side, no drift."""
 
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -7,11 +8,15 @@ import pytest
 from msgspec.json import encode
 from msgspec.structs import replace
 
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+from placed import placed
+
 from lumped.acceptance.requirement import ANY_FORCE, AXES, Requirement
 from lumped.robot_file import RobotFile, load_robot
-from validation.adequacy.biglide.statics import biglide_statics
 from validation.adequacy.judgement import judged
 from validation.adequacy.matrix import Coordinate
+from validation.adequacy.mechanism.statics import mechanism_statics
 from validation.adequacy.response import Candidate, Reference, Response, Subject
 from validation.adequacy.subject.statics import static_reference
 from validation.context import Context
@@ -51,7 +56,8 @@ def saved(robot_file: RobotFile) -> RunRecord:
     """A run of nothing but the statics of two models, as it is written and read again."""
     robot = robot_file.robot
     x = robot.stations(9)
-    statics = biglide_statics(Context(robot_file, "quick"), robot, x)
+    context = Context(robot_file, "quick")
+    statics = mechanism_statics(context, placed(context, x))
     subject = Subject(
         robot=robot.name,
         coordinates=(Coordinate("x", "m"),),

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from lumped.legs import Ends, GivenLeg, Leg
+from lumped.legs import ConstantLeg, Ends, GivenLeg, Leg
 from lumped.mechanism.body import Given, Prism
 from lumped.mechanism.mechanism import UNITS_OF_MOVES, Mechanism, Posture
 from lumped.models.bodies import legs_of
@@ -95,6 +95,14 @@ def known_legs(mechanism: Mechanism) -> dict[str, Leg]:
         name: leg if isinstance(leg, GivenLeg) else prisms[name]
         for name, leg in legs_of(mechanism).items()
     }
+
+
+def distinct_legs(mechanism: Mechanism) -> tuple[str, ...]:
+    """The legs by name, of those that are alike the first alone."""
+    first: dict[object, str] = {}
+    for name, leg in known_legs(mechanism).items():
+        first.setdefault(leg if isinstance(leg, ConstantLeg) else name, name)
+    return tuple(first.values())
 
 
 def has_given(mechanism: Mechanism) -> bool:

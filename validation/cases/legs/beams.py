@@ -46,14 +46,12 @@ _LUMPED = (
         "more for a higher one, ten times that for rounding and roots",
     ),
 )
-# Of which leg by which model the paper prints frequencies.
-_IN_PAPER = 1, "segments"
 cases = CaseGroup(
-    over={"number": (1, 2), "model, near, reason": _LUMPED},
+    over={"body": lambda legs: legs, "model, near, reason": _LUMPED},
     reference_kind="closed-form",
-    row="leg {number}",
-    section="Leg {number}",
-    group="leg{number}.lumped",
+    row="{body}",
+    section="{body}",
+    group="{body}.lumped",
     effort=0.01,
 )
 
@@ -69,10 +67,9 @@ def exact_modes(leg: ConstantLeg) -> tuple[CantileverFrequency, ...]:
 
 
 @cases.case(
-    "leg{number}.compliance.{model}[{name}]",
-    "Leg {number}: {name} of the {model} model is the cantilever's",
+    "{body}.compliance.{model}[{name}]",
+    "{body}: {name} of the {model} model is the cantilever's",
     over={"name, entry": ENTRIES.items()},
-    headlines=("leg{number}.statics.{model}",),
     quantity="compliance {name}, {entry[2]}",
     unit=lambda entry: UNITS[entry[0] > 2, entry[1] > 2],
     citation=TIMOSHENKO,
@@ -81,28 +78,27 @@ def exact_modes(leg: ConstantLeg) -> tuple[CantileverFrequency, ...]:
     label="{name}, {entry[2]}",
 )
 def _entry(
-    context: Context, number: int, model: ModelName, entry: tuple[int, int, str]
+    context: Context, body: str, model: ModelName, entry: tuple[int, int, str]
 ) -> Measurement:
-    leg = constant_leg_of(context, number)
+    leg = constant_leg_of(context, body)
     found = context.get(leg_compliance, model, leg, ModelOptions())
     exact = context.get(exact_compliance, leg)
     return Measurement(float(found[entry[:2]]), float(exact[entry[:2]]), exact=True)
 
 
 @cases.case(
-    "leg{number}.frequency.{model}[{mode}]",
-    "Leg {number}: frequency {mode} of the {model} model is exact",
+    "{body}.frequency.{model}[{mode}]",
+    "{body}: frequency {mode} of the {model} model is exact",
     over={"index, mode": numbered(MODES)},
     quantity="natural frequency {mode}, clamped-free",
-    headlines=lambda number, model: ("paper.leg1",) if (number, model) == _IN_PAPER else (),
     label="frequency {mode}",
     unit="Hz",
     citation=HUANG,
     tolerance=lambda near: near,
     tolerance_reason="{reason}",
 )
-def _mode(context: Context, number: int, model: ModelName, index: int) -> Measurement:
-    leg = constant_leg_of(context, number)
+def _mode(context: Context, body: str, model: ModelName, index: int) -> Measurement:
+    leg = constant_leg_of(context, body)
     exact = context.get(exact_modes, leg)[index]
     elements = _elements(exact.order)
     coarse, fine = (

@@ -64,11 +64,11 @@ class Restraint:
     label: str
     claim: str
     exponent: float
-    amounts: Callable[[Context, int], Array]
+    amounts: Callable[[Context, str], Array]
 
 
-def _study_of(context: Context, number: int, material: Material) -> Lengthened:
-    own = constant_leg_of(context, number)
+def _study_of(context: Context, body: str, material: Material) -> Lengthened:
+    own = constant_leg_of(context, body)
     divisions = affordable_divisions(own, context.preset)
     if reason := _too_large(own, context.preset):
         takes = larger_preset(context.preset, lambda one: not _too_large(own, one))
@@ -82,33 +82,33 @@ def _too_large(leg: ConstantLeg, preset: Preset) -> str:
     return face_too_large(leg, affordable_divisions(leg, preset), preset)
 
 
-def _own(context: Context, number: int) -> Lengthened:
-    return _study_of(context, number, constant_leg_of(context, number).material)
+def _own(context: Context, body: str) -> Lengthened:
+    return _study_of(context, body, constant_leg_of(context, body).material)
 
 
-def _without_contraction(context: Context, number: int) -> Lengthened:
-    return _study_of(context, number, replace(constant_leg_of(context, number).material, nu=0.0))
+def _without_contraction(context: Context, body: str) -> Lengthened:
+    return _study_of(context, body, replace(constant_leg_of(context, body).material, nu=0.0))
 
 
-def _isotropic(context: Context, number: int) -> Lengthened:
-    own = constant_leg_of(context, number).material
-    return _study_of(context, number, Material.isotropic(own.E, _POISSON, own.rho))
+def _isotropic(context: Context, body: str) -> Lengthened:
+    own = constant_leg_of(context, body).material
+    return _study_of(context, body, Material.isotropic(own.E, _POISSON, own.rho))
 
 
-def _torsion(context: Context, number: int) -> Array:
-    if isinstance(constant_leg_of(context, number).section, (Circle, Tube)):
-        return np.zeros_like(_own(context, number).lengths)
-    found = _without_contraction(context, number)
+def _torsion(context: Context, body: str) -> Array:
+    if isinstance(constant_leg_of(context, body).section, (Circle, Tube)):
+        return np.zeros_like(_own(context, body).lengths)
+    found = _without_contraction(context, body)
     return np.asarray(1.0 - found.rigid[:, 3] / found.free[:, 3])
 
 
-def _shear_warping(context: Context, number: int) -> Array:
-    found = _without_contraction(context, number)
+def _shear_warping(context: Context, body: str) -> Array:
+    found = _without_contraction(context, body)
     return np.asarray((found.free - found.rigid)[:, 2] / found.slender[:, 2])
 
 
-def _shear_left_out(context: Context, number: int) -> Array:
-    found = _own(context, number)
+def _shear_left_out(context: Context, body: str) -> Array:
+    found = _own(context, body)
     lengths, turning = found.lengths, found.free[:, 4]
     # 1/EI of this very mesh: what the mesh lacks of it has no exponent. Cells that cannot contract
     # as they should (round sections) hold both faces a little: the root's share of that, felt at
@@ -119,16 +119,16 @@ def _shear_left_out(context: Context, number: int) -> Array:
     return np.asarray(found.free[:, 2] / slender - 1.0)
 
 
-def _rotary_inertia(context: Context, number: int) -> Array:
-    beam = constant_leg_of(context, number).timoshenko
-    lengths = _own(context, number).lengths
+def _rotary_inertia(context: Context, body: str) -> Array:
+    beam = constant_leg_of(context, body).timoshenko
+    lengths = _own(context, body).lengths
     return np.array(
         [context.get(fundamental_ratio, beam, float(length)) - 1.0 for length in lengths]
     )
 
 
-def _contraction(context: Context, number: int, entry: int) -> Array:
-    found = _isotropic(context, number)
+def _contraction(context: Context, body: str, entry: int) -> Array:
+    found = _isotropic(context, body)
     return np.asarray((found.free - found.rigid)[:, entry] / found.slender[:, entry])
 
 
@@ -179,18 +179,18 @@ CAUSES: dict[str, Restraint] = {
 
 
 cases = CaseGroup(
-    over={"number": (1, 2)},
+    over={"body": lambda legs: legs},
     unit="1",
     reference_kind="closed-form",
     section=SECTION,
-    group="restraint.leg{number}",
+    group="restraint.{body}",
     effort=0.5,
 )
 
 
 @cases.case(
-    "restraint.leg{number}.exponent[{name}]",
-    "Leg {number}: {cause.claim} with the slenderness to the power {cause.exponent:g}",
+    "restraint.{body}.exponent[{name}]",
+    "{body}: {cause.claim} with the slenderness to the power {cause.exponent:g}",
     over={"name, cause": CAUSES.items()},
     quantity="exponent of the slenderness, {cause.label}",
     citation=THEORY,
@@ -198,15 +198,15 @@ cases = CaseGroup(
     tolerance_reason="local exponents of three lengths, extrapolated in 1/s: the term after next "
     "leaves 0.02 at most; the nearest other cause is a whole power away",
 )
-def _exponent(context: Context, number: int, cause: Restraint) -> Measurement:
-    lengths = _own(context, number).lengths
-    amounts = cause.amounts(context, number)
+def _exponent(context: Context, body: str, cause: Restraint) -> Measurement:
+    lengths = _own(context, body).lengths
+    amounts = cause.amounts(context, body)
     if amounts[-1] < _ROUND_OFF:
         raise Skip(
-            f"leg {number}, {cause.label}: {amounts[-1]:.1g} of the value at {lengths[-1]:.3g} m, "
+            f"{body}, {cause.label}: {amounts[-1]:.1g} of the value at {lengths[-1]:.3g} m, "
             "no more than rounding (round sections do not warp)"
         )
-    slenderness = _slenderness(context, number)
+    slenderness = _slenderness(context, body)
     return Measurement(
         limit_exponent(lengths, amounts),
         cause.exponent,
@@ -223,28 +223,28 @@ def _exponent(context: Context, number: int, cause: Restraint) -> Measurement:
             "length / larger side": tuple(slenderness.tolist()),
             "relative difference (%)": tuple((100.0 * amounts).tolist()),
         },
-        studies=(_study(context, number),),
+        studies=(_study(context, body),),
     )
 
 
-def _slenderness(context: Context, number: int) -> Array:
-    side = max(constant_leg_of(context, number).section.extent)
-    return np.asarray(_own(context, number).lengths / side)
+def _slenderness(context: Context, body: str) -> Array:
+    side = max(constant_leg_of(context, body).section.extent)
+    return np.asarray(_own(context, body).lengths / side)
 
 
-def _study(context: Context, number: int) -> Study:
-    lengths = _own(context, number).lengths
-    found = {cause.label: cause.amounts(context, number) for cause in CAUSES.values()}
+def _study(context: Context, body: str) -> Study:
+    lengths = _own(context, body).lengths
+    found = {cause.label: cause.amounts(context, body) for cause in CAUSES.values()}
     visible = {label: amounts for label, amounts in found.items() if amounts[-1] >= _ROUND_OFF}
     shares = ", ".join(f"{label} {100.0 * amounts[0]:.3g} %" for label, amounts in visible.items())
     return Study(
-        id=f"restraint.leg{number}",
+        id=f"restraint.{body}",
         kind="convergence",
-        title=f"Leg {number}: what sets beam and solid apart, and how it vanishes with length",
+        title=f"{body}: what sets beam and solid apart, and how it vanishes with length",
         x_label="slenderness: length / larger side",
         y_label="relative difference",
         unit="1",
-        x=tuple(float(f"{s:.3g}") for s in _slenderness(context, number)),
+        x=tuple(float(f"{s:.3g}") for s in _slenderness(context, body)),
         series={label: tuple(amounts.tolist()) for label, amounts in visible.items()},
         orders={label: -limit_exponent(lengths, amounts) for label, amounts in visible.items()},
         limits=dict.fromkeys(visible, 0.0),
@@ -261,8 +261,8 @@ def _mesh_factor(divisions: int, other: int) -> float:
 
 
 @cases.case(
-    "restraint.leg{number}.free",
-    "Leg {number}: with ends free to warp and contract the solid is a Timoshenko beam",
+    "restraint.{body}.free",
+    "{body}: with ends free to warp and contract the solid is a Timoshenko beam",
     quantity="largest relative difference of the six diagonal compliances, all lengths",
     citation="Clapeyron's theorem on Saint-Venant's exact solution: C = ∫ of unit resultants over "
     "EA … κGA, κ by strain energy",
@@ -270,10 +270,10 @@ def _mesh_factor(divisions: int, other: int) -> float:
     tolerance_reason="no cause is left: the mesh alone, 0.003 % and less; 1e-4 is what the project "
     "asks for",
 )
-def _free(context: Context, number: int) -> Measurement:
-    found = _own(context, number)
+def _free(context: Context, body: str) -> Measurement:
+    found = _own(context, body)
     apart = found.free / found.beam - 1.0
-    own = constant_leg_of(context, number)
+    own = constant_leg_of(context, body)
     divisions = affordable_divisions(own, context.preset)
     other = divisions // 2 or 2
     rougher = context.get(lengthened, own, other, context.get(doublings_needed, own, divisions))

@@ -65,28 +65,27 @@ def _entries() -> Iterator[tuple[str, tuple[int, int], str, str]]:
 
 
 cases = CaseGroup(
-    over={"number": (1, 2)}, reference_kind="closed-form", section="Leg {number}", effort=0.5
+    over={"body": lambda legs: legs}, reference_kind="closed-form", section="{body}", effort=0.5
 )
 _compliances = cases.family(
     over={"name, entry, meaning, unit": tuple(_entries())},
     quantity="compliance {name}, {meaning}",
     label="{name}, {meaning}",
     citation=f"{TIMOSHENKO}; section constants by finite elements",
-    group="leg{number}.solid",
-    headlines=("leg{number}.statics.solid",),
+    group="{body}.solid",
 )
 
 
-def compliances(context: Context, number: int, ends: Ends) -> Refinement:
+def compliances(context: Context, body: str, ends: Ends) -> Refinement:
     """Tip compliances of leg 1 or 2 on the preset's meshes."""
-    leg = constant_leg_of(context, number)
+    leg = constant_leg_of(context, body)
     divisions = _divisions(context, leg, static_ladder, STATICS, "section meshes")
     return context.get(solid_compliances, leg, divisions)[ends]
 
 
-def frequencies(context: Context, number: int, ends: Ends) -> SolidModes:
+def frequencies(context: Context, body: str, ends: Ends) -> SolidModes:
     """Frequencies of leg 1 or 2 on the preset's meshes."""
-    leg = constant_leg_of(context, number)
+    leg = constant_leg_of(context, body)
     divisions = _divisions(context, leg, dynamic_ladder, DYNAMICS, "solid meshes")
     return context.get(solid_frequencies, leg, divisions, ends, MODES)
 
@@ -139,24 +138,24 @@ def _frequency_of(modes: tuple[CantileverFrequency, ...], kind: str, order: int)
 
 
 @_compliances.case(
-    "leg{number}.compliance.solid[{name}]",
-    "Leg {number}: {name} of the solid with rigid faces is the Timoshenko cantilever's less what "
+    "{body}.compliance.solid[{name}]",
+    "{body}: {name} of the solid with rigid faces is the Timoshenko cantilever's less what "
     "faces held plane take from it",
     tolerance=Relative(_HELD),
     tolerance_reason="end effects decay as Saint-Venant's theory of the prism says; what is left "
     "is the mesh at the edges of held faces: 0.02 %",
     model="solid",
-    row="leg {number}",
+    row="{body}",
 )
-def _held_entry(context: Context, number: int, entry: tuple[int, int]) -> Measurement:
-    leg = constant_leg_of(context, number)
-    rigid, free = (compliances(context, number, ends) for ends in ("rigid", "free"))
+def _held_entry(context: Context, body: str, entry: tuple[int, int]) -> Measurement:
+    leg = constant_leg_of(context, body)
+    rigid, free = (compliances(context, body, ends) for ends in ("rigid", "free"))
     found = context.get(_own_compliances, leg, rigid.divisions)
     own = Refinement(rigid.divisions, found, formal_order(leg, "free"))
     taken = context.get(_restrained, leg, rigid.divisions)
     left = Refinement(rigid.divisions, rigid.values - own.values - taken)
     value, reference = float(rigid.values[-1][entry]), float(own.values[-1][entry])
-    _require_decided(context, number, left, entry, _HELD * abs(reference))
+    _require_decided(context, body, left, entry, _HELD * abs(reference))
     return Measurement(
         value,
         reference,
@@ -178,21 +177,21 @@ def _held_entry(context: Context, number: int, entry: tuple[int, int]) -> Measur
 
 
 @_compliances.case(
-    "leg{number}.compliance.solid-free[{name}]",
-    "Leg {number}: {name} of the solid with free ends is the Timoshenko cantilever's",
+    "{body}.compliance.solid-free[{name}]",
+    "{body}: {name} of the solid with free ends is the Timoshenko cantilever's",
     tolerance=Relative(_FREE),
     tolerance_reason="beam theory is exact for ends free to warp and contract, and both have one "
     "section mesh: 3e-6 where its walls are curved",
 )
-def _free_entry(context: Context, number: int, entry: tuple[int, int]) -> Measurement:
-    leg = constant_leg_of(context, number)
-    free = compliances(context, number, "free")
+def _free_entry(context: Context, body: str, entry: tuple[int, int]) -> Measurement:
+    leg = constant_leg_of(context, body)
+    free = compliances(context, body, "free")
     found = context.get(_own_compliances, leg, free.divisions)
     own = Refinement(free.divisions, found, formal_order(leg, "free"))
     # Solid and beam have one section mesh, whose errors they share: what is judged has its own.
     left = Refinement(free.divisions, free.values - own.values)
     reference = float(own.values[-1][entry])
-    _require_decided(context, number, left, entry, _FREE * abs(reference))
+    _require_decided(context, body, left, entry, _FREE * abs(reference))
     return Measurement(
         float(free.values[-1][entry]),
         reference,
@@ -203,13 +202,13 @@ def _free_entry(context: Context, number: int, entry: tuple[int, int]) -> Measur
 
 
 def _require_decided(
-    context: Context, number: int, left: Refinement, entry: tuple[int, int], tolerance: float
+    context: Context, body: str, left: Refinement, entry: tuple[int, int], tolerance: float
 ) -> None:
     """Raise Skip where too few meshes for an order, three times their step, cannot decide."""
     uncertainty = left.uncertainty(*entry)
     undecided = abs(left.values[-1][entry]) <= tolerance < uncertainty
     if undecided and len(left.divisions) < GRIDS_FOR_ORDER:
-        leg, preset = constant_leg_of(context, number), context.preset
+        leg, preset = constant_leg_of(context, body), context.preset
         has = larger_preset(preset, lambda one: static_ladder(leg, STATICS[one]) != left.divisions)
         raise Skip(
             f"{len(left.divisions)} meshes of this section are affordable in preset {preset}: they "
@@ -223,8 +222,8 @@ def _percent(changed: float, base: float) -> str:
 
 
 @cases.case(
-    "leg{number}.frequency.solid[{mode}]",
-    "Leg {number}: frequency {mode} of the solid with free ends is the Timoshenko beam's",
+    "{body}.frequency.solid[{mode}]",
+    "{body}: frequency {mode} of the solid with free ends is the Timoshenko beam's",
     over={"index, mode": numbered(MODES)},
     quantity="natural frequency {mode}, clamped-free",
     label="frequency {mode}",
@@ -234,13 +233,12 @@ def _percent(changed: float, base: float) -> str:
     tolerance_reason="Timoshenko's theory is approximate in dynamics: below 1 % while the wave is "
     "longer than three section heights",
     model="solid",
-    row="leg {number}",
-    group="leg{number}.modes",
-    figure="leg{number}.solid-modes",
+    row="{body}",
+    group="{body}.modes",
     effort=2.0,
 )
-def _mode(context: Context, number: int, index: int) -> Measurement:
-    leg = constant_leg_of(context, number)
+def _mode(context: Context, body: str, index: int) -> Measurement:
+    leg = constant_leg_of(context, body)
     listed = context.get(exact_modes, leg)
     exact = listed[index]
     width, height = leg.section.extent
@@ -251,7 +249,7 @@ def _mode(context: Context, number: int, index: int) -> Measurement:
             f"{exact.kind}, number {exact.order} of its kind: its wave is {heights:.1f} section "
             f"heights long, below {SHORTEST_WAVE:g} no beam theory is meant to hold"
         )
-    rigid, free = (frequencies(context, number, ends) for ends in ("rigid", "free"))
+    rigid, free = (frequencies(context, body, ends) for ends in ("rigid", "free"))
     found = free.frequencies
     kinds = tuple((one.kind, one.order) for one in listed)
     beams = context.get(_own_frequencies, leg, found.divisions, kinds)
@@ -306,8 +304,8 @@ def _wave_notes(part: str, wave: float, tip: float) -> tuple[str, ...]:
 
 
 @cases.case(
-    "refinement.leg{number}.solid.order[{name}]",
-    "Leg {number}, quadratic solid with free ends: {name} converges with the order of energies",
+    "refinement.{body}.solid.order[{name}]",
+    "{body}, quadratic solid with free ends: {name} converges with the order of energies",
     over={"name": ("c22", "c44")},
     quantity="fitted order in the divisions of the section",
     unit="1",
@@ -318,12 +316,12 @@ def _wave_notes(part: str, wave: float, tip: float) -> tuple[str, ...]:
     tolerance_reason="coarse meshes show less in torsion, 3.4: between 3 and 5 the extrapolation "
     "holds within the safety factor",
     model="solid",
-    row="leg {number}, {name}",
+    row="{body}, {name}",
     section="Refinement",
-    group="leg{number}.solid",
+    group="{body}.solid",
 )
-def _order(context: Context, number: int, name: str) -> Measurement:
-    found = compliances(context, number, "free")
+def _order(context: Context, body: str, name: str) -> Measurement:
+    found = compliances(context, body, "free")
     if len(found.divisions) < GRIDS_FOR_ORDER:
         raise Skip(
             f"{len(found.divisions)} meshes of this section are affordable in preset "
@@ -335,9 +333,9 @@ def _order(context: Context, number: int, name: str) -> Measurement:
     uncertainty, limit = convergence.uncertainty, convergence.extrapolated
     notes = (convergence.refusal,) if convergence.refusal else ()
     study = Study(
-        id=f"refinement.leg{number}.solid.{name}",
+        id=f"refinement.{body}.solid.{name}",
         kind="convergence",
-        title=f"Leg {number} as a solid: {name}, {meaning}",
+        title=f"{body} as a solid: {name}, {meaning}",
         x_label="quadratic elements across the section",
         y_label=f"{name} ({UNITS[(i > 2, j > 2)]})",
         unit=UNITS[(i > 2, j > 2)],
@@ -348,8 +346,8 @@ def _order(context: Context, number: int, name: str) -> Measurement:
         uncertainties={} if uncertainty is None else {name: uncertainty},
         limits={} if limit is None else {name: limit},
         notes=notes,
-        family=f"refinement.leg{number}.solid",
-        family_title=f"Leg {number} as a solid",
+        family=f"refinement.{body}.solid",
+        family_title=f"{body} as a solid",
         variant=f"{name}, {meaning}",
     )
     if order is None:

@@ -1,15 +1,15 @@
-"""Any other mechanism over its path: its models against each other, its moves, CalculiX, EXUDYN.
+"""A robot over its path: its models against each other, its moves, CalculiX, EXUDYN.
 
 In: the mechanism of a run. Out: cases whose subject is the robot.
 """
 
 from lumped.mechanism.mechanism import Mechanism
 from validation.case import Case
-from validation.cases.mechanism import calculix, exudyn, motion, parts, path, solids
+from validation.cases.mechanism import calculix, exudyn, first_screen, motion, parts, path, solids
 
 
-def cases(described: Mechanism) -> tuple[Case, ...]:
-    """All of them, in the order of the report."""
+def cases(described: Mechanism, modes: int) -> tuple[Case, ...]:
+    """All of them, in the order of the report; `modes` frequencies are judged."""
     return (
         *path.cases(),
         *solids.cases(),
@@ -17,4 +17,5 @@ def cases(described: Mechanism) -> tuple[Case, ...]:
         *motion.cases(moving=bool(described.tool.moves)),
         *calculix.cases(),
         *exudyn.cases(mechanism=described),
+        *first_screen.cases(mechanism=described, modes=modes),
     )

@@ -1,39 +1,31 @@
 """A whole robot with solid legs, unreduced by CalculiX.
 
-A biglide is held against itself unreduced by sparse Cholesky, another mechanism, whose legs are
-bars of their outer size on coarse meshes, against its legs reduced.
+Its legs are bars of their outer size on coarse meshes, here reduced to their ends.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
-import numpy as np
-
-from fem.bodies.solid import SolidLeg, solid_leg, solid_leg_matrices
-from fem.calculix.leg import mass_at_stiffness_points
+from fem.bodies.solid import SolidLeg, solid_leg_matrices
 from fem.calculix.mechanism import HeldMesh, compliance_and_frequencies
 from fem.calculix.run import calculix_program
 from fem.reduction.craig_bampton import craig_bampton
 from fem.reduction.superelement import held_leg
 from lumped.arrays import Array
-from lumped.biglide import Biglide, postures, with_equivalent_legs
-from lumped.legs import ConstantLeg, equivalent_leg
+from lumped.legs import ConstantLeg
 from lumped.mechanism.body_model import BodyModel
 from lumped.mechanism.mechanism import Posture
 from lumped.system.assembly import assembly
 from lumped.system.solution import compliance, modes, solved
-from meshes.prism.tetrahedra import tetrahedra
 from validation.adequacy.mechanism.path import known_legs, path_postures
 from validation.case import Absolute, Measurement, Relative, Skip
 from validation.case_group import CaseGroup
 from validation.cases.program.calculix import PRINTED, against_printed
 from validation.context import Context, Preset
-from validation.exhibits import PATH, SOLID_ROBOT
+from validation.exhibits import PATH
 from validation.models.legs import filled
 from validation.models.mechanism import highest_frequency
-from validation.solids.bars import bar_meshes, bar_solids, mesh_of, with_bars
-from validation.solids.robots import solved_robot
-from validation.solids.size import skip_too_large
+from validation.solids.bars import bar_meshes, bar_solids, with_bars
 from validation.studies.quantities import farthest_entry
 
 MODES = 10
@@ -56,16 +48,6 @@ cases = CaseGroup(
     group="mechanism.calculix",
     effort=4.0,
 )
-cases_of_biglide = CaseGroup(
-    over={"place": lambda places: places},
-    reference_kind="independent-solver",
-    citation=f"{_CALCULIX}, feet and tool as full 6×6 springs",
-    presets=("standard", "fine"),
-    model="solid",
-    section=SOLID_ROBOT,
-    group="robot.solid.calculix",
-    effort=3.0,
-)
 
 
 @dataclass(frozen=True)
@@ -78,28 +60,6 @@ class Own:
     compliance: Array
     frequencies: Mapping[str, Array]
     note: str
-
-
-def by_sparse(robot: Biglide, x: float, divisions: int) -> Own:
-    """A biglide with B at `x` (m) on second-order tetrahedra, unreduced."""
-    whole = with_equivalent_legs(robot)
-    meshed = [
-        solid_leg(leg, tetrahedra(leg.section, leg.length, divisions))
-        for leg in map(equivalent_leg, (whole.leg1, whole.leg2))
-    ]
-    exact = solved_robot(whole, x, (meshed[0], meshed[1]), MODES)
-    same = solved_robot(whole, x, (_same_points(meshed[0]), _same_points(meshed[1])), MODES)
-    rule = 100.0 * np.abs(same.modes.frequencies / exact.modes.frequencies - 1.0).max()
-    return Own(
-        exact.compliance,
-        {"same mass points": same.modes.frequencies, "exact mass": exact.modes.frequencies},
-        f"mode 1; CalculiX's mass of C3D10, summed over four points, changes frequencies by up to "
-        f"{rule:.2g} %",
-    )
-
-
-def _same_points(solid: SolidLeg) -> SolidLeg:
-    return replace(solid, mass=mass_at_stiffness_points(solid.mesh, solid.leg.material.rho))
 
 
 def by_reduced(at: Posture) -> Own:
@@ -122,15 +82,6 @@ def _reduced(solid: SolidLeg, highest: float) -> BodyModel:
     return filled(craig_bampton(held, highest, _CUTOFF * highest).matrices)
 
 
-def biglide_by_calculix(robot: Biglide, x: float, divisions: int) -> tuple[Array, Array]:
-    """Compliance and frequencies by CalculiX; raises CalculixMissing without it."""
-    whole = with_equivalent_legs(robot)
-    both = {"leg1": whole.leg1, "leg2": whole.leg2}
-    legs = {name: mesh_of(equivalent_leg(leg), divisions) for name, leg in both.items()}
-    (at,) = postures(whole, (x,))
-    return _by_calculix(at, legs)
-
-
 def by_calculix(at: Posture) -> tuple[Array, Array]:
     """The same of a mechanism of bars on the same meshes, not reduced."""
     bars = with_bars(at)
@@ -142,71 +93,43 @@ def _by_calculix(at: Posture, legs: Mapping[str, HeldMesh]) -> tuple[Array, Arra
     return compliance_and_frequencies(at, legs, MODES)
 
 
-def _found(context: Context, place: str) -> tuple[Own, tuple[Array, Array]]:
+def _found(context: Context) -> tuple[Own, tuple[Array, Array]]:
     """By this program and by CalculiX, which is asked first: it may not be there."""
-    if context.robot_file.is_mechanism:
-        at = path_postures(context)[0]
-        legs = known_legs(at.mechanism).values()
-        if parts := at.mechanism.parts:
-            raise Skip(f"{', '.join(parts)}: CalculiX solves mechanisms of prisms and rigid bodies")
-        if not legs or not all(isinstance(leg, ConstantLeg) for leg in legs):
-            raise Skip("legs known by a 6×6 have no section that could be meshed")
-        theirs = context.get(by_calculix, at)
-        return context.get(by_reduced, at), theirs
-    robot, divisions = context.robot, DIVISIONS[context.preset]
-    skip_too_large((robot.leg1, robot.leg2), (divisions, divisions), context.preset)
-    first, last = robot.stroke
-    question = robot, first + PLACES[place] * (last - first), divisions
-    theirs = context.get(biglide_by_calculix, *question)
-    return context.get(by_sparse, *question), theirs
+    at = path_postures(context)[0]
+    legs = known_legs(at.mechanism).values()
+    if parts := at.mechanism.parts:
+        raise Skip(f"{', '.join(parts)}: CalculiX solves mechanisms of prisms and rigid bodies")
+    if not legs or not all(isinstance(leg, ConstantLeg) for leg in legs):
+        raise Skip("legs known by a 6×6 have no section that could be meshed")
+    theirs = context.get(by_calculix, at)
+    return context.get(by_reduced, at), theirs
 
 
-@cases_of_biglide.case(
-    "robot.solid.calculix.statics[{place}]",
-    "CalculiX gives the robot's 6×6 compliance, {place} of the stroke",
-    quantity=_ENTRY,
-    headlines=("robot.statics.solid",),
-    unit="1",
-    tolerance=Absolute(1e-4),
-    tolerance_reason=_SAME,
-)
 @cases.case(
     "mechanism.calculix.statics",
     "CalculiX gives the mechanism's 6×6 compliance, legs as solid bars",
     quantity=f"{_ENTRY}, first pose",
-    headlines=("robot.statics.solid",),
     unit="1",
     tolerance=Absolute(1e-5),
     tolerance_reason=_SAME,
     figure="mechanism.deflections",
 )
-def _statics(context: Context, place: str = "") -> Measurement:
-    own, (theirs, _) = _found(context, place)
+def _statics(context: Context) -> Measurement:
+    own, (theirs, _) = _found(context)
     value, reference = farthest_entry(own.compliance, theirs)
     return Measurement(value, reference, reference_uncertainty=PRINTED)
 
 
-@cases_of_biglide.case(
-    "robot.solid.calculix.frequencies[{place}]",
-    f"CalculiX gives the robot's first {MODES} frequencies, {{place}} of the stroke",
-    quantity=_FIRST,
-    headlines=("robot.frequencies.solid",),
-    unit="Hz",
-    tolerance=Relative(1e-4),
-    tolerance_reason="the same equations once the mass is summed over the same points: the seven "
-    "printed digits, with a margin",
-)
 @cases.case(
     "mechanism.calculix.frequencies",
     f"CalculiX gives the mechanism's first {MODES} frequencies, legs as solid bars",
     quantity=f"{_FIRST}, first pose of the path",
-    headlines=("robot.frequencies.solid",),
     unit="Hz",
     tolerance=Relative(1e-5),
     tolerance_reason="the printed digits, and what bodies reduced with modes up to four times the "
     "highest frequency leave",
     figure="mechanism.frequencies",
 )
-def _frequency(context: Context, place: str = "") -> Measurement:
-    own, (_, theirs) = _found(context, place)
+def _frequency(context: Context) -> Measurement:
+    own, (_, theirs) = _found(context)
     return against_printed(own.frequencies, theirs, own.note)

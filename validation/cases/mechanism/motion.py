@@ -122,7 +122,6 @@ def _refined(context: Context, apart: Callable[[_Moved], float]) -> Measurement:
     "The simplified model yields as its drives turn when the tool is moved",
     quantity="largest relative difference of the compliances along the moves, middle of path",
     citation="C = (QᵀKQ)⁻¹, Q the drives' motion per motion of the tool",
-    headlines=("robot.statics.simplified",),
 )
 def _yielding(context: Context) -> Measurement:
     return _refined(context, _yielding_apart)
@@ -142,7 +141,6 @@ def _yielding_apart(moved: _Moved) -> float:
     "On its drives it swings with the energy of its bodies' motions",
     quantity="largest relative difference of the frequencies, all bodies rigid",
     citation="QᵀKQ against Σ m vᵀv + ωᵀIω of all bodies per motion of the tool",
-    headlines=("robot.frequencies.simplified",),
 )
 def _swinging(context: Context) -> Measurement:
     return _refined(context, _swinging_apart)

@@ -32,7 +32,6 @@ cases = CaseGroup(
     tolerance=Relative(1e-3),
     tolerance_reason="what each reduction may be too high by its own bound says; a designer does "
     "not see less than a thousandth",
-    headlines=("robot.frequencies.solid",),
 )
 def _frequency(context: Context, index: int) -> Measurement:
     postures = path_postures(context)

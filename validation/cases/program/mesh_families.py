@@ -54,7 +54,7 @@ def _rod(_context: Context) -> ConstantLeg:
 
 
 def _first_leg(context: Context) -> ConstantLeg:
-    leg = constant_leg_of(context, 1)
+    leg = constant_leg_of(context, "leg1")
     if not isinstance(leg.section, Rectangle):
         raise Skip(
             f"leg 1 is a {leg.section.shape}: families of equal proportions are made for solid "

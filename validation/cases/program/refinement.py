@@ -37,7 +37,7 @@ cases = CaseGroup(over={"number": (1, 2)}, unit="1", reference_kind="closed-form
 
 
 def _errors(context: Context, number: int, name: str) -> tuple[Array, Array]:
-    leg = constant_leg_of(context, number)
+    leg = constant_leg_of(context, f"leg{number}")
     counts = COUNTS[context.preset]
     found = context.get(element_frequencies, leg, name, counts)
     return np.array(counts), found / context.get(exact_frequencies, leg) - 1.0
@@ -100,7 +100,7 @@ def _order(context: Context, number: int, name: str, mode: int, order: float) ->
 def _literal_coefficient(context: Context, number: int) -> Measurement:
     counts, errors = _errors(context, number, "literal")
     coarsest, coarse, fine = (counts * errors[:, 0])[-3:]
-    leg = constant_leg_of(context, number)
+    leg = constant_leg_of(context, f"leg{number}")
     with_shear = _rigid_root_effect(leg)
     return Measurement(
         float(2.0 * fine - coarse),

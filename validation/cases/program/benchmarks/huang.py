@@ -39,7 +39,7 @@ cases = CaseGroup(section=SECTION)
     group="benchmark.huang.{number}",
 )
 def _roots(context: Context, number: int, plane: Plane, order: int) -> Measurement:
-    leg = constant_leg_of(context, number)
+    leg = constant_leg_of(context, f"leg{number}")
     roots = context.get(bending_frequencies, leg.timoshenko, leg.length, plane, MODES)
     ritz, lower = (
         context.get(ritz_frequencies, leg.timoshenko, leg.length, plane, MODES, degree)[order - 1]

@@ -112,7 +112,7 @@ def _mirrored(context: Context) -> Measurement:
 def _mass(context: Context, number: int, model: ModelName) -> Measurement:
     robot = context.robot
     given: Leg = robot.leg1 if number == 1 else robot.leg2
-    leg = constant_leg_of(context, number)
+    leg = constant_leg_of(context, f"leg{number}")
     matrices = leg_matrices(model, leg, ModelOptions(elements=ELEMENTS))
     length = given.length
     mass = given.mass
@@ -150,7 +150,7 @@ def _mass(context: Context, number: int, model: ModelName) -> Measurement:
     model="beam",
 )
 def _consistent(context: Context, number: int) -> Measurement:
-    leg = constant_leg_of(context, number)
+    leg = constant_leg_of(context, f"leg{number}")
     options = ModelOptions(elements=1, theory="euler-bernoulli")
     mass = dense(leg_matrices("beam", leg, options).mass) / leg.mass
     published = np.array(
@@ -191,7 +191,7 @@ def _rigid_motions(stiffness: Array, length: float) -> Array:
 def _equivalent(context: Context, number: int) -> Measurement:
     robot = context.robot
     given: Leg = robot.leg1 if number == 1 else robot.leg2
-    leg = constant_leg_of(context, number)
+    leg = constant_leg_of(context, f"leg{number}")
     if isinstance(given, GivenLeg):
         wanted = np.diag(np.linalg.inv(given.compliance))[:4]
     else:
@@ -224,7 +224,7 @@ def _equivalent(context: Context, number: int) -> Measurement:
     tolerance_reason="fourth order in 1/n: 2e-5 for the third frequency with 20 elements",
 )
 def _slender(context: Context, number: int, plane: Plane) -> Measurement:
-    leg = constant_leg_of(context, number)
+    leg = constant_leg_of(context, f"leg{number}")
     exact = bending_frequencies(leg.properties("euler-bernoulli"), leg.length, plane, _ROOTS)
     return _by_beams(leg, f"bending {plane}", exact, "euler-bernoulli")
 
@@ -247,6 +247,6 @@ def _by_beams(leg: ConstantLeg, kind: str, exact: Array, theory: Theory) -> Meas
     tolerance_reason="fourth order in 1/n: 2e-5 for the third frequency with 20 elements",
 )
 def _bars(context: Context, number: int, kind: str) -> Measurement:
-    leg = constant_leg_of(context, number)
+    leg = constant_leg_of(context, f"leg{number}")
     exact = _BARS[kind](leg.timoshenko, leg.length, _ROOTS)
     return _by_beams(leg, kind, exact, "timoshenko")

@@ -254,7 +254,7 @@ def _free_ends(context: Context, entry: tuple[int, int]) -> Measurement:
     effort=0.5,
 )
 def _two_ways(context: Context, number: int, ends: Ends) -> Measurement:
-    leg = constant_leg_of(context, number)
+    leg = constant_leg_of(context, f"leg{number}")
     divisions = 1 if isinstance(leg.section, Rectangle) else 4
     counts = section_counts(leg, divisions)
     section = section_mesh(leg.section, counts)

@@ -97,7 +97,7 @@ def fitted_order(counts: Array, errors: Array, first: int, last: int) -> float:
 
 
 def _errors(context: Context, number: int, name: str) -> Array:
-    leg = constant_leg_of(context, number)
+    leg = constant_leg_of(context, f"leg{number}")
     found = context.get(element_frequencies, leg, name, COUNTS[context.preset])
     return np.abs(found / context.get(exact_frequencies, leg) - 1.0)
 

@@ -93,7 +93,7 @@ def second_leg(context: Context) -> Shown:
 def _mode_shapes(context: Context, number: int) -> Shown:
     """Four panels: the first modes of leg 1 or 2, root clamped."""
     require_vtk()
-    leg = constant_leg_of(context, number)
+    leg = constant_leg_of(context, f"leg{number}")
     skip_too_large([leg], [DIVISIONS], context.preset)
     found = context.get(leg_modes, leg, MODES)
     faces = boundary_faces(found.mesh)

@@ -21,7 +21,8 @@ from validation.adequacy.mechanism.subject import mechanism_candidates
 from validation.adequacy.models import JudgedModel
 from validation.case import Measurement, Relative, Skip
 from validation.case_group import numbered
-from validation.cases.anchors.quantities import (
+from validation.cases.mechanism.path import BEYOND_ROUNDING, path_roundings
+from validation.cases.mechanism.quantities import (
     EXACT,
     SHOWN,
     TITLE,
@@ -98,7 +99,6 @@ def _model(context: Context, model: str) -> tuple[ModelName, ModelOptions]:
     "mechanism.anchor.statics[{model}, {entry}]",
     TITLE,
     over={"of": ("The mechanism",), "model": _models, "entry, said, unit": SHOWN},
-    headlines=("robot.statics.{model}",),
     quantity="{said}, pose of the largest difference",
     figure="mechanism.deflections",
 )
@@ -118,12 +118,17 @@ def _static(context: Context, model: str, entry: str) -> Measurement:
     if not known[:, index].any():
         raise Skip(f"{model}: bodies and drives do not let the tool move so")
     at = farthest(found[:, index], expected[:, index], known[:, index])
+    left_open = 0.0
+    if kind != "simplified":
+        left_open = context.get(path_roundings, postures, kind, options)[at, index, index]
     return Measurement(
         in_shown_units(found[at, index], entry),
         in_shown_units(expected[at, index], entry),
+        value_uncertainty=in_shown_units(left_open, entry),
         reference_uncertainty=in_shown_units(
             rounding(expected[at, index], other[at, index]), entry
         ),
+        decides=BEYOND_ROUNDING,
         pose=tuple(postures[at].pose.tolist()),
     )
 
@@ -141,7 +146,6 @@ def _yielding(numbers: Array, size: float) -> NDArray[np.bool_]:
         "model, tolerance, tolerance_reason": _of_modes,
         "index, mode": numbered,
     },
-    headlines=("robot.frequencies.{model}",),
     quantity="natural frequency {mode}, middle of the path",
     figure="mechanism.frequencies",
     unit="Hz",
