@@ -305,7 +305,7 @@ def test_what_is_allowed_at_another_place_is_taken_off_there():
 @pytest.mark.parametrize(
     ("name", "shown"),
     [
-        ("ifw", {"leg1.solid-modes", "leg2.solid-modes", "deflection.stroke"}),
+        ("ifw", {"mechanism.deflections", "deflection.stroke"}),
         ("five-bar", {f"mechanism.{n}" for n in ("deflections", "frequencies", "mode-shapes")}),
     ],
 )

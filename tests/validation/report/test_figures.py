@@ -7,8 +7,6 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from fem.bodies.solid import solid_mesh
-from lumped.legs import ConstantLeg, Material
 from lumped.robot_file import load_robot
 from lumped.sections import Circle, ISection, Rectangle
 from lumped.system.solution import compliance, solved
@@ -31,11 +29,10 @@ from validation.drawing.style import marked
 from validation.drawing.view import fitted_view, pixels
 from validation.kinematics.solids import outlines
 from validation.models.biglide import robot_system
-from validation.report.figures import figures_of
-from validation.report.figures.curves.refinement import fitted_order
+from validation.report.figures import figures_of_robot
 from validation.report.figures.mechanism.bodies import legs
-from validation.report.figures.pictures.legs import boundary_faces
-from validation.report.figures.pictures.robot import deformed_robot
+from validation.report.figures.mechanism.pictures import deformed
+from validation.report.figures.refinement import fitted_order
 
 needs_opengl = pytest.mark.skipif(opengl.usable_window() is None, reason=opengl.MESSAGE)
 ROUNDING = 1e-12  # lengths of about 1 m, a few operations each
@@ -169,14 +166,8 @@ def test_the_fitted_order_leaves_out_what_is_not_asymptotic():
     assert fitted_order(counts, errors, 10, 40) == pytest.approx(4.0)
 
 
-def test_the_surface_of_a_solid_mesh_encloses_its_volume():
-    leg = ConstantLeg(0.5, Rectangle(0.1, 0.2), Material.isotropic(2.1e11, 0.3, 7850.0))
-    mesh = solid_mesh(leg, 2)
-    assert volume(Surface(mesh.nodes, boundary_faces(mesh))) == pytest.approx(0.01, rel=1e-9)
-
-
 def test_drawings_can_be_sent_to_another_process():
-    found = figures_of(load_robot("ifw"))
+    found = figures_of_robot()
     assert len({figure.id for figure in found}) == len(found)
     assert [figure.id for figure in pickle.loads(pickle.dumps(found))] == [  # noqa: S301  our own
         figure.id for figure in found
@@ -185,18 +176,19 @@ def test_drawings_can_be_sent_to_another_process():
 
 def test_without_opengl_the_package_is_named_and_scenes_and_data_remain(context, monkeypatch):
     monkeypatch.setenv(opengl.SWITCH, "off")
-    figure = deformed_robot(context)
+    figure = deformed(context)
     assert figure.png == b""
     assert "libegl1 and libgl1" in figure.left_out
     assert len(figure.scenes) == 3
-    assert len(figure.data.splitlines()) == 1 + 2 * 20  # twenty segments in each leg
+    # Six places along each leg.
+    assert len(figure.data.splitlines()) == 1 + 2 * 6
 
 
 def test_without_vtk_the_figure_is_skipped(context, monkeypatch):
     monkeypatch.setenv(opengl.SWITCH, "off")
     monkeypatch.setattr(opengl, "describes", lambda: False)
     with pytest.raises(Skip, match="libegl1 and libgl1"):
-        deformed_robot(context)
+        deformed(context)
 
 
 def test_a_crash_of_vtk_stays_in_the_process_that_asks(monkeypatch):
@@ -220,7 +212,7 @@ def test_a_small_box_is_drawn_where_the_projection_says():
 
 @needs_opengl
 def test_the_deformed_robot_is_a_picture_of_modest_size(context):
-    figure = deformed_robot(context)
+    figure = deformed(context)
     picture = np.asarray(Image.open(io.BytesIO(figure.png)).convert("RGB"))
     assert picture.shape[1] > 900
     coloured = np.ptp(picture.astype(int), axis=2) > 60

@@ -226,7 +226,7 @@ STATEMENTS = (
         sentence="Rigid segments: the second mode is due to the bending of leg 1",
         judged="as printed",
         differs=FORMULAS,
-        figure="robot.strain-energy",
+        figure="mechanism.strain-energy",
     ),
     Statement(
         "refined.leg1-beam",
@@ -279,6 +279,6 @@ STATEMENTS = (
         order=BEAM_ORDER,
         group="paper.sixty",
         effort=1.0,
-        figure="robot.strain-energy",
+        figure="mechanism.strain-energy",
     ),
 )

@@ -31,7 +31,7 @@ def figures_of_robot() -> tuple[PlannedFigure, ...]:
 
 def figures_of_program() -> tuple[PlannedFigure, ...]:
     """The figures of what verifies the program."""
-    from validation.report.figures.curves import refinement  # noqa: PLC0415
+    from validation.report.figures import refinement  # noqa: PLC0415
 
     return refinement.figures()
 
