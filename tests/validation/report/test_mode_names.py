@@ -10,7 +10,7 @@ from lumped.robot_file import load_robot
 from lumped.sections import Rectangle
 from validation.context import Context
 from validation.models.mechanism_modes import mechanism_modes
-from validation.report.figures.mechanism import energies, pictures
+from validation.report.figures.mechanism import pictures
 from validation.report.figures.mechanism.mode_names import (
     kinetic_energies,
     leading_kind,
@@ -115,12 +115,10 @@ def test_title_and_caption_of_a_mode_say_the_same(tmp_path):
     path.write_text(I_SECTIONS, encoding="utf-8")
     context = Context(load_robot(path), "quick")
     shown = pictures.mode_shapes(context)
-    caption = energies.energies(context).caption
     titles = [re.sub(r"^\(.\) |: [0-9.]+ Hz$", "", scene.title) for scene in shown.scenes]
     assert titles[:3] == ["mode 1, along z", "mode 2, torsion", "mode 3, torsion"]
     for title in titles:
         said = re.search(rf"{title[0].upper()}{title[1:]}: [^.]*\.", shown.caption)[0]
-        assert said in caption
         assert ("in torsion" in said) == title.endswith("torsion")
 
 
