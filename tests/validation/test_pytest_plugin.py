@@ -72,8 +72,8 @@ def test_the_fixture_judges_robots_beside_the_test(finished):
 def test_a_robot_file_is_collected_as_one_item_per_model_and_quantity(folder, finished):
     listed = pytest_in(folder, "--flexproof", "mine.toml", "--collect-only")
     assert "mine.toml::segments.f1" in listed.stdout
-    # Seven models by six axes and any force, four frequencies and their order.
-    assert listed.stdout.count("mine.toml::") == 84
+    # Eight models by six axes and any force, four frequencies and their order.
+    assert listed.stdout.count("mine.toml::") == 96
     assert "PASSED mine.toml::vjm.x" in finished.stdout
     assert "FAILED mine.toml::simplified.z" in finished.stdout
     assert re.search(r"SKIPPED .*vjm says nothing of f1", finished.stdout)

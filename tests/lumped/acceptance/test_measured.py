@@ -95,9 +95,12 @@ def test_a_robot_file_carries_measured_values_and_what_its_inputs_are_worth(robo
     assert own.measured == (Measured("z", 27.0e-6, 0.3e-6, "dial gauge", (0.4975,), 1000.0),)
     ((key, below, above),) = own.with_inputs_off()
     assert key == "foot.compliance"
-    given = robot_file.robot.foot_compliance
-    assert np.allclose(below.foot_compliance, 0.95 * given, rtol=1e-12, atol=0.0)
-    assert np.allclose(above.foot_compliance, 1.05 * given, rtol=1e-12, atol=0.0)
+    given, less, more = (
+        {joint.name: joint for joint in one.joints}["foot1"].compliance
+        for one in (robot_file.mechanism, below, above)
+    )
+    assert np.allclose(less, 0.95 * given, rtol=1e-12, atol=0.0)
+    assert np.allclose(more, 1.05 * given, rtol=1e-12, atol=0.0)
 
 
 @pytest.mark.parametrize(

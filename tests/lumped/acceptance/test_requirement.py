@@ -45,6 +45,7 @@ def test_five_per_cent_of_everything_is_asked_by_default() -> None:
         "phi_x",
         "phi_y",
         "phi_z",
+        "any_force",
         "f1",
         "f2",
         "f3",

@@ -184,7 +184,7 @@ def test_control_and_bidirectional_characters_are_written_out(path):
 def test_a_name_that_turns_the_terminal_around_is_shown_written_out(path, capsys):
     path.write_text(SOUND.replace("test robot", "a\\u202eb"), encoding="utf-8")
     assert cli.main(["check", str(path)]) == 0
-    assert f"{path}: sound; a\\u202eb, stroke" in capsys.readouterr().out
+    assert f"{path}: sound; a\\u202eb, all 9 poses" in capsys.readouterr().out
 
 
 def test_large_files_pipes_and_devices_are_refused_before_they_are_read(path):

@@ -1,10 +1,15 @@
 """Adequacy of frequencies: legs of I-section, legs known by a 6×6, both in full."""
 
+import sys
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
-from validation.adequacy.biglide.dynamics import biglide_dynamics
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+from placed import placed
 
 from lumped.acceptance.requirement import Requirement
 from lumped.biglide import Biglide
@@ -12,6 +17,7 @@ from lumped.legs import ConstantLeg, Ends, GivenLeg, Material
 from lumped.robot_file import load_robot
 from lumped.sections import HollowRectangle, ISection, Tube
 from validation.adequacy.matrix import Entry, Matrix
+from validation.adequacy.mechanism.dynamics import mechanism_dynamics
 from validation.adequacy.partners import frequency_changes
 from validation.adequacy.robot import robot_adequacy
 from validation.adequacy.subject.dynamics import dynamic_reference
@@ -105,10 +111,8 @@ def test_stated_uncertainties_of_frequencies_hold_the_next_presets(
     ifw = load_robot("ifw")
     robot = replace(ifw.robot, a=1.0, platform_mass=30.0, leg1=leg, leg2=leg)
     described = replace(ifw, described=robot)
-    quick, finer = (
-        biglide_dynamics(Context(described, preset), robot, 4, 2)
-        for preset in ("quick", "standard")
-    )
+    contexts = [Context(described, preset) for preset in ("quick", "standard")]
+    quick, finer = (mechanism_dynamics(one, placed(one, robot.stations(2)), 4) for one in contexts)
     (own,) = dynamic_reference(quick).alternatives
     assert own.response.vibration is not None
     assert own.dynamic is not None

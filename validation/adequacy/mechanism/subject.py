@@ -8,7 +8,6 @@ from lumped.mechanism.kinematics.mobility import mobility
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.models.bodies import on_equivalent_legs
 from validation.adequacy.mechanism.dynamics import mechanism_dynamics
-from validation.adequacy.mechanism.legs_alone import legs_alone
 from validation.adequacy.mechanism.part_solids import reduction_note
 from validation.adequacy.mechanism.path import (
     coordinates,
@@ -54,7 +53,6 @@ def posed_mechanism(context: Context) -> Posed:
         rigid="its bodies and joints are rigid: the drives do not let the tool move so",
         middle="in the middle of the path",
         computed_by="validation.models.mechanism.answers",
-        parts=legs_alone(context, mechanism),
         notes=(
             *_path_note(mechanism, postures),
             *_idle_note(postures),

@@ -4,7 +4,7 @@ The answers are each kind of robot's own; what they are held against, and how on
 a model, is the same for all of them.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
@@ -14,7 +14,7 @@ from lumped.mechanism.mechanism import Mechanism
 from lumped.models.bodies import LegSprings
 from validation.adequacy.matrix import Coordinate
 from validation.adequacy.models import JudgedModel
-from validation.adequacy.response import Subject, Vibration
+from validation.adequacy.response import Vibration
 from validation.adequacy.subject.given_masses import Masses
 from validation.context import Context
 from validation.models.options import ModelName, ModelOptions
@@ -127,4 +127,3 @@ class Posed:
     middle: str
     computed_by: str
     notes: tuple[str, ...] = ()
-    parts: Sequence[Subject] = ()

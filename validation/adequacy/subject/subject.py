@@ -62,7 +62,6 @@ def subject_of(robot: Posed) -> Subject:
         dynamics=reference,
         notes=robot.notes,
         bracket=bracketed_frequencies(reference, dynamics.judged, robot.middle),
-        parts=tuple(robot.parts),
         formulation=on_equivalent_legs(robot, robot.equivalent) if robot.equivalent else None,
     )
 
