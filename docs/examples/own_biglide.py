@@ -1,22 +1,25 @@
-"""A biglide as a record, its legs two tubes: virtual joints against beams."""
+"""A biglide made in Python, its legs two tubes: virtual joints against beams."""
 
 import numpy as np
 
-from lumped.biglide import Biglide
 from lumped.legs import ConstantLeg, Material
+from lumped.mechanism.biglide import biglide
+from lumped.mechanism.kinematics.postures import reference_posture
 from lumped.sections import Tube
-from validation.models.biglide import robot_compliance, robot_frequencies
+from validation.models.mechanism import answers
 
 steel = Material.isotropic(E=2.1e11, nu=0.3, rho=7850.0)
-robot = Biglide(
-    name="two tubes",
+robot = biglide(
+    "two tubes",
     a=0.9,
-    platform_mass=30.0,
-    actuator_stiffness=5.0e8,
     leg1=ConstantLeg(0.8, Tube(0.15, 0.008), steel),
     leg2=ConstantLeg(0.8, Tube(0.12, 0.006), steel),
+    platform_mass=30.0,
+    drive_stiffness=5.0e8,
 )
-by_vjm = robot_compliance("vjm", robot, robot.centre)
-by_beams = robot_compliance("beam", robot, robot.centre)
-assert np.allclose(by_vjm, by_beams, rtol=1e-9, atol=1e-18)
-assert np.isclose(robot_frequencies("beam", robot, robot.centre, 1)[0], 106.73, rtol=1e-4)
+centre = [reference_posture(robot)]
+(by_vjm,) = answers("vjm", centre, 0)
+(by_beams,) = answers("beam", centre, 1)
+statics = answers("beam", centre, 0)[0].compliance
+assert np.allclose(by_vjm.compliance, statics, rtol=1e-9, atol=1e-18)
+assert np.isclose(by_beams.frequencies[0], 106.73, rtol=1e-4)

@@ -6,8 +6,6 @@ import numpy as np
 
 from lumped.arrays import Array, IntArray
 
-_SIDES = 32
-
 
 @dataclass(frozen=True)
 class Surface:
@@ -47,16 +45,6 @@ def end_faces(corners: int, stations: int) -> IntArray:
     return np.vstack([root, tip])
 
 
-def section_displacements(points: Array, twists: Array) -> Array:
-    """Displacements (n×3) of points (n×3, leg axes) that turn with their sections.
-
-    `twists` (n×6) is the twist of each point's section on the centreline: u = t + φ × (0, y, z).
-    """
-    levers = points * np.array([0.0, 1.0, 1.0])
-    moved: Array = twists[:, :3] + np.cross(twists[:, 3:], levers)
-    return moved
-
-
 def edges(corners: int, stations: int) -> IntArray:
     """Pairs (e×2) of point numbers along the long edges and both rims; a circle has rims alone."""
     ring = np.arange(corners)
@@ -73,24 +61,6 @@ def frames(corners: int, stations: int) -> IntArray:
     rim = np.column_stack([ring, np.roll(ring, -1)])
     rims = (rim + corners * np.arange(stations)[:, None, None]).reshape(-1, 2)
     return np.vstack([rims, edges(corners, stations)])
-
-
-def box(low: Array, high: Array) -> Surface:
-    """Rectangular box between two opposite corners (3, m)."""
-    ring = [(0, 0), (1, 0), (1, 1), (0, 1)]
-    corners = np.array([(x, y, z) for z in (0, 1) for x, y in ring])
-    faces = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]]
-    return Surface(np.where(corners == 1, high, low).astype(float), np.array(faces))
-
-
-def pin(centre: Array, radius: float, height: float) -> Surface:
-    """Cylinder (m) about an axis along z through `centre`."""
-    angles = 2.0 * np.pi * np.arange(_SIDES) / _SIDES
-    ring = radius * np.column_stack([np.cos(angles), np.sin(angles)])
-    levels = np.repeat([-height / 2.0, height / 2.0], _SIDES)
-    points = np.column_stack([np.tile(ring, (2, 1)), levels]) + centre
-    faces = np.vstack([prism_faces(_SIDES, 2), end_faces(_SIDES, 2)])
-    return Surface(points, faces)
 
 
 def readable_factor(largest: float, wanted: float) -> float:

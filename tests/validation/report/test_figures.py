@@ -15,14 +15,11 @@ from validation.context import Context
 from validation.drawing import opengl
 from validation.drawing.prisms import (
     Surface,
-    box,
     edges,
     end_faces,
-    pin,
     prism_faces,
     prism_points,
     readable_factor,
-    section_displacements,
 )
 from validation.drawing.rendering import Body, Scene, render
 from validation.drawing.style import marked
@@ -68,13 +65,12 @@ def test_a_prism_is_closed_and_faces_outwards(section, area):
     assert volume(Surface(points, faces)) == pytest.approx(2.0 * area, rel=ROUNDING)
 
 
-def test_boxes_and_pins_are_closed_and_face_outwards():
-    brick = box(np.array([1.0, 2.0, 3.0]), np.array([2.0, 4.0, 6.0]))
-    assert volume(brick) == pytest.approx(6.0, rel=ROUNDING)
-    polygon = 16.0 * 0.25 * np.sin(np.pi / 16.0)
-    joint = pin(np.array([3.0, 2.0, 1.0]), radius=0.5, height=2.0)
-    assert volume(joint) == pytest.approx(2.0 * polygon, rel=ROUNDING)
-    assert joint.points.mean(axis=0) == pytest.approx([3.0, 2.0, 1.0], abs=ROUNDING)
+def box(low: np.ndarray, high: np.ndarray) -> Surface:
+    """Box (m) between two corners, edges along the axes."""
+    ring = [(0, 0), (1, 0), (1, 1), (0, 1)]
+    corners = np.array([(x, y, z) for z in (0, 1) for x, y in ring])
+    faces = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]]
+    return Surface(np.where(corners == 1, high, low).astype(float), np.array(faces))
 
 
 def test_the_edges_of_a_rectangular_prism_are_its_twelve():
@@ -83,16 +79,6 @@ def test_the_edges_of_a_rectangular_prism_are_its_twelve():
     pairs = edges(4, 2)
     lengths = np.linalg.norm(points[pairs[:, 0]] - points[pairs[:, 1]], axis=1)
     assert sorted(lengths) == pytest.approx([0.2] * 4 + [0.4] * 4 + [1.0] * 4, rel=ROUNDING)
-
-
-def test_a_section_carries_its_points_along():
-    """φx turns y towards z, φy turns z towards x, φz turns y towards −x (right-handed)."""
-    points = np.array([[0.7, 0.1, 0.2]] * 4)
-    twists = np.zeros((4, 6))
-    twists[0, :3] = [1.0, 2.0, 3.0]
-    twists[1, 3] = twists[2, 4] = twists[3, 5] = 0.01
-    expected = [[1.0, 2.0, 3.0], [0, -0.002, 0.001], [0.002, 0, 0], [-0.001, 0, 0]]
-    assert section_displacements(points, twists) == pytest.approx(np.array(expected))
 
 
 def test_the_legs_meet_at_the_loaded_point_and_move_with_it(context):

@@ -1,8 +1,8 @@
 """Shapes of any robot: its first modes, and how it yields under loads, segments beside beams."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol, TypeAlias
+from typing import Protocol
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -18,21 +18,17 @@ from validation.agreement.mode_pairing import neighbours
 from validation.drawing.opengl import require_vtk
 from validation.drawing.prisms import readable_factor
 from validation.drawing.rendering import (
-    Body,
     Scene,
-    Wire,
     arrow,
     colour_bar,
     picture_of,
     squares,
     staged,
-    write,
 )
 from validation.drawing.scenes import interactive
 from validation.drawing.style import LOOKS, VERMILLION, canvas, csv_of, plot_style
 from validation.report.figures.declared import Shown
 from validation.report.figures.mechanism.bodies import (
-    COMPARED,
     compared_points,
     elastic,
     outlines_of,
@@ -50,8 +46,6 @@ _HEIGHT, _SMALL_HEIGHT = 2.9, 2.5  # in, of a panel in two and in three columns
 _TITLE = 0.08
 _ABOVE = (np.array([0.0, -0.3, 1.0]), np.array([0.0, 1.0, 0.0]))
 _ASIDE = (np.array([0.35, -0.95, 0.5]), np.array([0.0, 0.0, 1.0]))
-# A point (3, m, base axes), what is written at it, and how far (pt) from it.
-Name: TypeAlias = tuple[Array, str, tuple[float, float]]
 
 
 class Vibrating(Protocol):
@@ -66,27 +60,6 @@ class Vibrating(Protocol):
         """The lowest of them."""
 
 
-@dataclass(frozen=True)
-class Stage:
-    """What stands around the legs and parts of a robot, displaced by unknowns, and its names.
-
-    Segments are shown in `compared` places of each leg. `clear` (m): how far what stands at the
-    loaded point reaches along x, y and z, where arrows of forces begin.
-    """
-
-    around: Callable[[System, Array], tuple[Sequence[Body], Sequence[Wire]]]
-    names: Callable[[System, Array], Sequence[Name]] = lambda _system, _unknowns: ()
-    compared: int = COMPARED
-    clear: tuple[float, float, float] = (0.0, 0.0, 0.0)
-
-
-def _joints(system: System, unknowns: Array) -> tuple[list[Body], list[Wire]]:
-    return [one.body(1.0, 1.0) for one in surroundings(system, unknowns)], list(rails(system))
-
-
-ANY = Stage(_joints)
-
-
 @dataclass(frozen=True, eq=False)
 class Pair:
     """Two models of a robot, one drawn over the other: beams, say, beside segments.
@@ -98,7 +71,6 @@ class Pair:
     segments: Vibrating
     said: str
     beside: str
-    stage: Stage = ANY
 
 
 def modes_of(pair: Pair, count: int, *further: str) -> Shown:
@@ -107,27 +79,27 @@ def modes_of(pair: Pair, count: int, *further: str) -> Shown:
     `further` is said in the caption. Raises Skip where nothing can be drawn.
     """
     require_vtk()
-    beam, segments, stage = pair.beam, pair.segments, pair.stage
+    beam, segments = pair.beam, pair.segments
     names = mode_names(beam.system, beam.modes.shapes[:, :count])
     rows = -(-count // 2)
-    columns = _places(beam.system, stage)
+    columns = _places(beam.system)
     scenes = []
     with plot_style():
         picture, panels = canvas(rows, 2, rows * (_HEIGHT + 0.75) + _TITLE)
         for axes in panels[count:]:
             axes.set_axis_off()
         for mode, axes in enumerate(panels[:count]):
-            bent = _Bent(beam.system, beam.modes.shapes[:, mode], stage)
+            bent = _Bent(beam.system, beam.modes.shapes[:, mode])
             like = _like(beam, segments, mode)
             factor = _DRAWN * beam.system.posture.mechanism.size / bent.largest
             scene = bent.shown(axes, factor, bent.largest, (2, _HEIGHT))
-            points, lumped = compared_points(segments.system, like, stage.compared)
+            points, lumped = compared_points(segments.system, like)
             squares(axes, scene.view, points + factor * lumped, LOOKS["segments"].colour)
             frequency = beam.modes.frequencies[mode]
             called = f", {bent.name}" if bent.name else ""
             title = f"({'abcd'[mode]}) mode {mode + 1}{called}: {frequency:.1f} Hz"
             axes.set_title(title)
-            overlay = outlines_of(segments.system, factor * like, stage.compared)
+            overlay = outlines_of(segments.system, factor * like)
             scenes.append(interactive(title, scene, [overlay]))
             colour_bar(picture, axes, scene.limits, "displacement, largest = 1")
             for name, (system, unknowns) in {
@@ -135,7 +107,7 @@ def modes_of(pair: Pair, count: int, *further: str) -> Shown:
                 "segments": (segments.system, like),
             }.items():
                 what = f"mode {mode + 1}, {name} (largest = 1)"
-                columns |= _columns(what, system, unknowns / bent.largest, stage)
+                columns |= _columns(what, system, unknowns / bent.largest)
         drawn = picture_of(picture)
     said = (
         f"{pair.said}, coloured by displacement, thin lines: at rest. Orange squares: the same "
@@ -151,16 +123,16 @@ def under_loads(pair: Pair) -> Shown:
     Raises Skip where nothing can be drawn.
     """
     require_vtk()
-    beam, segments, stage = pair.beam, pair.segments, pair.stage
+    beam, segments = pair.beam, pair.segments
     size = beam.system.posture.mechanism.size
-    columns = _places(beam.system, stage)
+    columns = _places(beam.system)
     scenes, moved = [], []
     with plot_style():
         picture, panels = canvas(1, 3, _SMALL_HEIGHT + 0.8)
         for place, (axes, name) in enumerate(zip(panels, "xyz", strict=True)):
-            bent = _Bent(beam.system, _under(beam.system, place), stage)
+            bent = _Bent(beam.system, _under(beam.system, place))
             factor = readable_factor(bent.largest, _DRAWN * size)
-            away = (0.16 * size + stage.clear[place]) * np.eye(3)[place]
+            away = 0.16 * size * np.eye(3)[place]
             tail = _tool(beam.system) + factor * bent.tip + away
             head = tail + 0.4 * size * np.eye(3)[place]
             force = np.array([tail, head])
@@ -169,13 +141,13 @@ def under_loads(pair: Pair) -> Shown:
             title = f"({'abc'[place]}) {FORCE:g} N along {name}, drawn × {_grouped(factor)}"
             axes.set_title(title, fontsize=9.0)
             lumped = factor * _under(segments.system, place)
-            overlay = outlines_of(segments.system, lumped, stage.compared)
+            overlay = outlines_of(segments.system, lumped)
             scenes.append(interactive(title, scene, [overlay], "push"))
             far = np.linalg.norm(bent.tip) * _MICRO
             moved.append(f"{far:.4g} µm under the force along {name}")
             colour_bar(picture, axes, scene.limits, "displacement (µm)")
             what = f"force along {name} (µm)"
-            columns |= _columns(what, beam.system, bent.unknowns * _MICRO, stage)
+            columns |= _columns(what, beam.system, bent.unknowns * _MICRO)
         drawn = picture_of(picture)
     caption = (
         f"{pair.said}, each picture with the enlargement named above it. The loaded point moves "
@@ -186,10 +158,10 @@ def under_loads(pair: Pair) -> Shown:
 
 
 class _Bent:
-    """A robot displaced by `unknowns` (n) of its system, on its stage."""
+    """A robot displaced by `unknowns` (n) of its system."""
 
-    def __init__(self, system: System, unknowns: Array, stage: Stage) -> None:
-        self.system, self.unknowns, self.stage = system, unknowns, stage
+    def __init__(self, system: System, unknowns: Array) -> None:
+        self.system, self.unknowns = system, unknowns
         self.name = mode_names(system, unknowns[:, None]).name(0)
         # From above what stays in the plane of the mechanism, else from aside.
         self.camera = _ABOVE if self.name == IN_THE_PLANE else _ASIDE
@@ -210,15 +182,12 @@ class _Bent:
         `room`: columns of panels and their height (in); `further` points are kept inside.
         """
         displaced = factor * self.unknowns
-        around, wires = self.stage.around(self.system, displaced)
+        around = [one.body(1.0, 1.0) for one in surroundings(self.system, displaced)]
         bodies = [*around, *(one.body(factor, unit) for one in self.moved)]
-        lines = (*wires, *(one.wire() for one in self.moved))
+        lines = (*rails(self.system), *(one.wire() for one in self.moved))
         limits = 0.0, self.largest / unit
         kept = [*(one.points for one in self.moved), *further]
-        scene = staged(axes, bodies, lines, limits, self.camera, room, kept)
-        for point, name, away in self.stage.names(self.system, displaced):
-            write(axes, scene.view, point, name, away)
-        return scene
+        return staged(axes, bodies, lines, limits, self.camera, room, kept)
 
 
 def _like(beam: Vibrating, segments: Vibrating, mode: int) -> Array:
@@ -254,16 +223,14 @@ def _grouped(number: float) -> str:
     return f"{number:,.0f}".replace(",", "\N{THIN SPACE}")
 
 
-def _places(system: System, stage: Stage) -> dict[str, list[float | str]]:
-    points, _ = compared_points(system, np.zeros(system.size), stage.compared)
+def _places(system: System) -> dict[str, list[float | str]]:
+    points, _ = compared_points(system, np.zeros(system.size))
     names = [*legs_of(system.posture.mechanism), *system.posture.mechanism.parts]
     each = len(points) // len(names)
     found: dict[str, list[float | str]] = {"body": [name for name in names for _ in range(each)]}
     return found | {f"{axis} (m)": points[:, i].tolist() for i, axis in enumerate("xyz")}
 
 
-def _columns(
-    what: str, system: System, unknowns: Array, stage: Stage
-) -> dict[str, list[float | str]]:
-    _, moved = compared_points(system, unknowns, stage.compared)
+def _columns(what: str, system: System, unknowns: Array) -> dict[str, list[float | str]]:
+    _, moved = compared_points(system, unknowns)
     return {f"{what}: along {axis}": moved[:, i].tolist() for i, axis in enumerate("xyz")}
