@@ -34,7 +34,7 @@ def test_the_matrix_is_that_of_a_run(judged, tmp_path):
         (e.model, e.quantity, e.verdict) for e in judged.matrix.entries
     ]
     # One choice of what is judged: each leg alone and the notes are there, too.
-    assert [part.robot for part in judged.matrix.parts] == ["leg 1", "leg 2"]
+    assert [part.robot for part in judged.matrix.parts] == ["leg1", "leg2"]
     for name in ("beside", "notes", "bracket"):
         assert getattr(finished.matrix, name) == getattr(judged.matrix, name)
     assert finished.matrix.formulation.robot == "equivalent legs"

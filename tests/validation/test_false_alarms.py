@@ -22,9 +22,9 @@ from validation.cases.program.guards.robot import VARIANTS
 CHUNKS, EXAMPLES = 2, 50
 # A robot costs a second: one that raises an alarm is shown as it is.
 UNSHRUNK = (Phase.explicit, Phase.generate)
-LUMPED = ("leg1.lumped", "leg2.lumped", "robot.statics", "guard.robot", "guard.legs")
+LUMPED = ("leg1.lumped", "leg2.lumped", "mechanism.lumped", "guard.robot", "guard.legs")
 LUMPED += ("guard.family", "guard.simplified")
-COSTLIER = ("robot.frequencies", "benchmark.huang.1", "benchmark.huang.2", "guard.sweep")
+COSTLIER = ("benchmark.huang.1", "benchmark.huang.2", "guard.sweep")
 COSTLIER += tuple(f"refinement.{n}.{name}" for n in (1, 2) for name in ("half", "literal", "beam"))
 RARELY = 25
 
@@ -32,17 +32,15 @@ RARELY = 25
 def in_turn(number: int) -> list[Case]:
     """What robot `number` meets of the lumped groups.
 
-    The guards on it as it is and in one more variant, its statics by one of the theories.
+    The guards on it as it is and in one more variant.
     """
-    theories = ("timoshenko", "euler-bernoulli")
     variants = [name for name in VARIANTS if name != "as it is"]
-    left_out = {theories[number % 2], *variants} - {variants[number % len(variants)]}
+    left_out = {*variants} - {variants[number % len(variants)]}
     groups = LUMPED + (COSTLIER if number % RARELY == 0 else ())
-    by_turns = {"guard.robot", "robot.statics"}
     return [
         case
         for case in of_groups(groups)
-        if case.group not in by_turns or not any(name in case.id for name in left_out)
+        if case.group != "guard.robot" or not any(name in case.id for name in left_out)
     ]
 
 

@@ -13,7 +13,7 @@ SOLIDS = (
     *(f"leg{n}.{group}" for n in (1, 2) for group in ("solid", "modes")),
     *(f"restraint.leg{n}" for n in (1, 2)),
     *(f"guard.leg{n}.two-ways" for n in (1, 2)),
-    *(f"robot.solid.{group}" for group in ("statics", "modes", "reduction", "sixty")),
+    "robot.solid.modes",
 )
 
 

@@ -67,7 +67,7 @@ def test_the_equivalent_leg_of_a_tapered_arm_is_far_too_soft(matrix):
     # Its own sections, ten times along it, are nearer, on the other side: rigid up to the bores'
     # edges, where the part begins to yield.
     stepped = matrix.entry("segments-stepped", "z")
-    assert -entry.error < stepped.error < 0.0
+    assert -entry.error < stepped.along < 0.0
     assert matrix.entry("beam", "f1").error < -0.05
 
 
@@ -78,7 +78,7 @@ def test_what_is_condensed_is_the_solid_within_what_is_open(matrix):
             entry = matrix.entry(model, quantity)
             # Held rigidly the part is stiffer than averaged: half of what lies between is the
             # error, the other half its uncertainty; the meshes' part comes on top.
-            assert -entry.uncertainty <= entry.error <= 0.0, (model, quantity)
+            assert -entry.uncertainty <= entry.along <= 0.0, (model, quantity)
             assert set(entry.uncertainties) == {"meshes", "how the parts' interfaces are held"}
     first = matrix.entry("segments-condensed", "f1")
     # Guyan's mass adds its own, little where most of the mass sits on the tool.

@@ -85,9 +85,9 @@ def test_robots_that_models_cannot_solve_are_undecided_and_their_legs_judged(tmp
     matrix = matrix_of(str(path))
     # Segments, of given springs, are solved: what is lacking is what they would be held against.
     for model, where, said in (
-        ("vjm", "vjm: extreme 21", "the platform is free to turn"),
-        ("segments", "no reference: extreme 21", "the platform is free to turn"),
-        ("beam", "beam: extreme 21", "the work of the loads and the energy stored differ"),
+        ("vjm", "vjm: extreme 21", "is free to turn"),
+        ("segments", "no reference: extreme 21", "is free to turn"),
+        ("beam", "no reference: extreme 21", "is free to turn"),
     ):
         for one in matrix.of_model(model):
             if one.quantity in STATIC_QUANTITIES:

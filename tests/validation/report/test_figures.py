@@ -2,10 +2,16 @@
 
 import io
 import pickle
+import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
 from PIL import Image
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+from made_box import box
 
 from lumped.robot_file import load_robot
 from lumped.sections import Circle, ISection, Rectangle
@@ -63,14 +69,6 @@ def test_a_prism_is_closed_and_faces_outwards(section, area):
     points = prism_points(corners, np.array([0.0, 0.4, 2.0]))
     faces = np.vstack([prism_faces(len(corners), 3), end_faces(len(corners), 3)])
     assert volume(Surface(points, faces)) == pytest.approx(2.0 * area, rel=ROUNDING)
-
-
-def box(low: np.ndarray, high: np.ndarray) -> Surface:
-    """Box (m) between two corners, edges along the axes."""
-    ring = [(0, 0), (1, 0), (1, 1), (0, 1)]
-    corners = np.array([(x, y, z) for z in (0, 1) for x, y in ring])
-    faces = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]]
-    return Surface(np.where(corners == 1, high, low).astype(float), np.array(faces))
 
 
 def test_the_edges_of_a_rectangular_prism_are_its_twelve():

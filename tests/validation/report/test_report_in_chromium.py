@@ -9,10 +9,13 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))
 
+from made_box import box
+
+sys.path.insert(0, str(Path(__file__).parent))
+
 from chromium import EXECUTABLE, browser
 from report_sample import PIXEL, sample_report
 
-from validation.drawing.prisms import box
 from validation.drawing.rendering import Body, Scene
 from validation.drawing.scenes import interactive
 from validation.drawing.view import fitted_view

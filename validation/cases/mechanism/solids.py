@@ -23,7 +23,7 @@ from validation.case_group import CaseGroup, numbered
 from validation.context import Context
 from validation.exhibits import PATH
 from validation.models.mechanism import CUTOFF, highest_frequency
-from validation.solids.legs import FORMAL_ORDER, divisions_across
+from validation.solids.legs import FORMAL_ORDER, divisions_across, leg_constants
 from validation.solids.robots import SHARED_SOLIDS
 from validation.solids.size import skip_too_large
 from validation.studies.leg_waves import NO_WAVES, WAVES, WAVES_SOURCE, wave_changes, waves_of
@@ -31,6 +31,8 @@ from validation.studies.paired_robot_modes import DIVISIONS, ELEMENTS, WALL_DIVI
 
 MODES = 6
 _OWN = "20 Timoshenko beam elements per leg, constants of the solids' own section meshes"
+# Of a leg's length: what reaches no farther is an effect of its ends.
+_SHORT = 0.1
 # Absolute tolerance of MAC.
 _SHAPE = 0.01
 
@@ -102,7 +104,20 @@ def _meshes(context: Context) -> tuple[tuple[Posture, ...], tuple[int, int], tup
     fine = DIVISIONS[context.preset], WALL_DIVISIONS[context.preset]
     numbers = [divisions_across(leg, *fine) for leg in prisms]
     skip_too_large(prisms, numbers, context.preset)
+    for leg, number in zip(prisms, numbers, strict=True):
+        if _decay_of_warping(leg, number) > _SHORT * leg.length:
+            raise Skip(
+                f"{leg.name}: warping of its open section reaches over more than a tenth of its "
+                "length, and beams without warping are none of its theory"
+            )
     return middle, (fine[0] - 1, fine[1] // 2), fine
+
+
+def _decay_of_warping(leg: ConstantLeg, divisions: int) -> float:
+    """√(EΓ/GJ) (m): how far from an end non-uniform torsion reaches (Vlasov)."""
+    constants, material = leg_constants(leg, divisions), leg.material
+    stiffer = material.E * constants.warping_constant
+    return float(np.sqrt(stiffer / (material.G * constants.torsion_constant)))
 
 
 def _both(context: Context) -> tuple[FreeModes, FreeModes, float]:
