@@ -8,24 +8,21 @@ the platform rigid with leg 1.
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
-from math import fsum, sqrt
 
 import numpy as np
 
 from lumped.arrays import Array
-from lumped.errors import InputError
+from lumped.errors import InputError, naming
 from lumped.legs import EquivalentBy, Leg, equivalent_leg
+from lumped.mechanism.biglide import Stroke, lengthened
 from lumped.mechanism.body import Frame, leg_shape
 from lumped.mechanism.body_model import BodyModel
 from lumped.mechanism.joint import Drive, Joint, JointKind, Side
 from lumped.mechanism.mechanism import GROUND, Mechanism, Posture, Tool
 from lumped.mechanism.placing import leg_on, rigid_on
-from lumped.screws import rotation_z
 from lumped.system.assembly import System, assemble
 from lumped.system.joint_motion import Portion, printed_release
 
-# Relative slack for a posture at the very end of the stroke, where x − end is rounding noise.
-_ROUNDING = 1e-12
 _POSES = 9
 _, _Y, _Z = np.eye(3)
 
@@ -71,33 +68,26 @@ class Biglide:
     @property
     def stroke(self) -> tuple[float, float]:
         """First and last x of B (m): leg 2 horizontal, leg 1 horizontal (type 1 singularities)."""
-        return self.a - self.leg2.length, self.leg1.length
+        return self._legs.ends
 
     @property
     def stroke_length(self) -> float:
         """Length d = L1 + L2 − a (m)."""
-        return self.leg1.length + self.leg2.length - self.a
+        return self._legs.length
 
     def posture(self, x: float) -> Places:
         """Where the joints are with B at `x` (m); raises InputError outside the stroke."""
-        first, last = self.stroke
-        slack = _ROUNDING * self.a
-        if not first - slack <= x <= last + slack:
-            by = f", by {max(x - last, first - x):.3g} m" if np.isfinite(x) else ""
-            raise InputError(
-                f"{self.name}: x = {x:.10g} m is outside the stroke {first:g} m to {last:g} m{by}"
-            )
-        s1 = _height(self.leg1.length, (x,))
-        s2 = _height(self.leg2.length, (self.a, -x))
+        with naming(self.name):
+            leg1, leg2 = self._legs.legs_at(x)
         return Places(
             x=x,
-            root1=np.array([0.0, -s1, 0.0]),
-            root2=np.array([self.a, -s2, 0.0]),
+            root1=leg1.position,
+            root2=leg2.position,
             tip=np.array([x, 0.0, 0.0]),
-            rotation1=rotation_z(float(np.arctan2(s1, x))),
-            rotation2=rotation_z(float(np.arctan2(s2, x - self.a))),
-            s1=s1,
-            s2=s2,
+            rotation1=leg1.rotation,
+            rotation2=leg2.rotation,
+            s1=-float(leg1.position[1]),
+            s2=-float(leg2.position[1]),
         )
 
     def stations(self, count: int) -> Array:
@@ -107,20 +97,11 @@ class Biglide:
     @property
     def centre(self) -> float:
         """Middle of the stroke (m)."""
-        return 0.5 * sum(self.stroke)
+        return self._legs.centre
 
-
-def _height(length: float, base: tuple[float, ...]) -> float:
-    """Extent √(L² − b²) (m) along y of a leg of `length` L over a base of the sum b (m) of `base`.
-
-    As √((L − b)(L + b)), both sums rounded once: the difference of squares would lose half of the
-    digits near the end of the stroke. A base that ends within the rounding of its own terms from
-    a horizontal leg is the end of the stroke.
-    """
-    short = fsum((length, *(-term for term in base)))
-    if short <= np.spacing(max(length, *map(abs, base))):
-        return 0.0
-    return sqrt(short * fsum((length, *base)))
+    @property
+    def _legs(self) -> Stroke:
+        return Stroke(self.a, self.leg1.length, self.leg2.length)
 
 
 def with_equivalent_legs(robot: Biglide, by: EquivalentBy = "stiffness") -> Biglide:
@@ -134,15 +115,8 @@ def scaled(robot: Biglide, alpha: float, by: EquivalentBy = "stiffness") -> Bigl
     The legs keep their (equivalent) constant section; a = α (L10 + L20) − d. Raises InputError
     for an α at which the legs cannot meet.
     """
-    leg1, leg2 = equivalent_leg(robot.leg1, by), equivalent_leg(robot.leg2, by)
-    a = alpha * (leg1.length + leg2.length) - robot.stroke_length
-    member = replace(
-        robot,
-        name=f"{robot.name}, α = {alpha:g}",
-        a=a,
-        leg1=replace(leg1, length=alpha * leg1.length),
-        leg2=replace(leg2, length=alpha * leg2.length),
-    )
+    a, leg1, leg2 = lengthened(robot.a, robot.leg1, robot.leg2, alpha, by)
+    member = replace(robot, name=f"{robot.name}, α = {alpha:g}", a=a, leg1=leg1, leg2=leg2)
     if faults := geometry_faults(member):
         raise InputError(f"α = {alpha:g}: {fault}" for fault in faults)
     return member
@@ -150,20 +124,7 @@ def scaled(robot: Biglide, alpha: float, by: EquivalentBy = "stiffness") -> Bigl
 
 def geometry_faults(robot: Biglide) -> list[str]:
     """Why the legs cannot meet or pass their singular postures; empty if the geometry is sound."""
-    l1, l2, a = robot.leg1.length, robot.leg2.length, robot.a
-    faults = []
-    if not a > 0.0:
-        faults.append(f"a = {a:g} m: the slides must be apart, a > 0")
-    if l1 + l2 <= a:
-        faults.append(
-            f"leg lengths {l1:g} m + {l2:g} m do not reach over a = {a:g} m: the legs cannot meet"
-        )
-    if a > 0.0 and (l1 >= l2 + a or l2 >= l1 + a):
-        faults.append(
-            f"leg lengths {l1:g} m and {l2:g} m differ by a = {a:g} m or more: "
-            "the shorter leg never becomes horizontal, so the stroke has no end"
-        )
-    return faults
+    return Stroke(robot.a, robot.leg1.length, robot.leg2.length).faults()
 
 
 def mechanism(robot: Biglide) -> Mechanism:

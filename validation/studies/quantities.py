@@ -67,12 +67,7 @@ def farthest_entry(found: Array, reference: Array) -> tuple[float, float]:
     are. Of entries that differ by rounding alone the largest: rounding differs from machine to
     machine.
     """
-    sizes = np.sqrt(np.abs(np.diagonal(reference, axis1=-2, axis2=-1)))
-    scale = sizes[..., :, None] * sizes[..., None, :]
-    scale = np.exp2(np.round(np.log2(np.where(scale > 0.0, scale, 1.0))))
-    ours, theirs = (found / scale).ravel(), (reference / scale).ravel()
-    at = np.lexsort((np.abs(theirs), np.round(np.abs(ours - theirs), _DIGITS)))[-1]
-    return float(ours[at]), float(theirs[at])
+    return farthest_beyond(found, reference, np.zeros_like(reference))[:2]
 
 
 def farthest_beyond(found: Array, reference: Array, left_open: Array) -> tuple[float, float, float]:

@@ -122,7 +122,7 @@ def shown_pose(mechanism: Mechanism, pose: Array) -> str:
     """A pose in words: "x = 0.2 m, phi_z = 0.1 rad"."""
     return ", ".join(
         f"{move} = {value:.6g} {UNITS_OF_MOVES[move]}"
-        for move, value in zip(mechanism.tool.moves, pose, strict=False)
+        for move, value in zip(mechanism.tool.moves, pose, strict=True)
     )
 
 
@@ -181,11 +181,12 @@ def _refuse_open_reference(closure: Closure) -> None:
 def _out_of_reach(closure: Closure, placement: Placement, pose: Array, done: float) -> str:
     """Why the way ends: which joint opens, by how much at the pose, and how far the way went."""
     widths = _widths(closure, _nearest(closure, placement, pose))
+    reached = closure.pose(placement)[: len(pose)]
     joint = closure.mechanism.joints[int(np.argmax(widths))]
     why = (
         f'cannot be reached: joint "{joint.name}" stays open by {widths.max():.3g} m; the way from '
         f"the reference posture ends after {100.0 * done:.0f} %, at "
-        f"{shown_pose(closure.mechanism, closure.pose(placement))}"
+        f"{shown_pose(closure.mechanism, reached)}"
     )
     found = mobility_at(closure, placement)
     if done == 0.0 and found.at_limit:
