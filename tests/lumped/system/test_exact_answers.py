@@ -192,3 +192,30 @@ def test_the_tool_moves_with_its_body():
     offset = frame.rotation @ posture.mechanism.bodies["platform"].interfaces["B0"].position
     expected = shift(offset) @ system @ shift(offset).T
     assert np.abs(moved - expected).max() <= 1e-11 * np.abs(expected).max()
+
+
+def test_a_rod_between_ball_joints_goes_round_a_cone_without_spinning():
+    """Led by a crank on a drive k: ω² = k/(I_crank + (I_across + mL²/4) sin²β), half angle β.
+
+    One ball joint is on the crank's axis. A rod that turned with the crank would add its large
+    inertia along itself, times cos²β.
+    """
+    arm, height, stiffness = 0.3, 0.4, 2e4
+    crank, mass, across, along = 0.05, 6.0, 0.5, 0.9
+    foot, centre, head = np.zeros(3), np.array([0.0, 0.0, height]), np.array([arm, 0.0, height])
+    length = float(np.linalg.norm(head))
+    make = Maker(np.random.default_rng(0), planar=True)
+    make.bodies[GROUND] = Body(GROUND, Rigid(), {"O": Frame(foot), "M": Frame(centre)})
+    turning = Rigid(1.0, np.zeros(3), crank * np.eye(3))
+    make.body("crank", turning, Frame(centre), {"M": centre, "Q": head})
+    middle, inertia = np.array([length / 2.0, 0.0, 0.0]), np.diag([along, across, across])
+    frame = Frame(foot, make.rotation(head / length))
+    make.body("rod", Rigid(mass, middle, inertia), frame, {"O": foot, "Q": head})
+    make.joint("revolute", ((GROUND, "M"), ("crank", "M")), Drive(stiffness))
+    make.joint("spherical", ((GROUND, "O"), ("rod", "O")))
+    make.joint("spherical", (("crank", "Q"), ("rod", "Q")))
+    solution = solved(assemble(make.posture(Tool("crank", "Q")), {}))
+    led = (across + mass * length**2 / 4.0) * (arm / length) ** 2
+    expected = np.sqrt(stiffness / (crank + led)) / (2.0 * np.pi)
+    assert solution.idle == 1
+    assert modes(solution, 1).frequencies == pytest.approx([expected], rel=1e-9)

@@ -10,12 +10,10 @@ from validation.cases.program import (
     benchmarks,
     calculix,
     guards,
-    mechanisms,
     mesh_families,
     parts,
     refinement,
     shapes,
-    spinning_rod,
 )
 
 
@@ -28,8 +26,6 @@ def cases() -> tuple[Case, ...]:
         *calculix.cases(),
         *benchmarks.cases(),
         *guards.cases(),
-        *mechanisms.cases(),
-        *spinning_rod.cases(),
         *parts.cases(),
     )
     return tuple(replace(case, subject="program") for case in found)
