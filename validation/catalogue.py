@@ -10,7 +10,7 @@ from validation.adequacy.robot import robot_adequacy
 from validation.cases import legs, mechanism, program
 from validation.measured.matrix import measured_matrix
 from validation.paper.robot import is_the_papers
-from validation.report.figures import figures_of_program, figures_of_robot, figures_of_variations
+from validation.report.figures import figures_of_robot, figures_of_variations
 from validation.results.tasks import Task
 from validation.solids.robots import SHARED_SOLIDS
 from validation.variations.cases import cases_over
@@ -48,7 +48,7 @@ def catalogue(robot_file: RobotFile) -> Sequence[Task]:
 
 def checks(_robot_file: RobotFile) -> Sequence[Task]:
     """What verifies the program, the same whatever the robot."""
-    return (*program.cases(), *figures_of_program())
+    return program.cases()
 
 
 def with_variations(

@@ -19,7 +19,6 @@ SOLID_ROBOT = "The robot with solid legs"
 PATH = "The mechanism over its path"
 PARAMETERS = "Design parameters"
 FAMILY = "Robots with longer legs"
-ELEMENTS = "Convergence of elements"
 
 StudyKind: TypeAlias = Literal["convergence", "sweep"]
 # The picture of the robot, which stands on the first screen.

@@ -15,7 +15,6 @@ from validation.agreement.convergence import (
     analyse,
     classify,
     fit_order,
-    order_of_errors,
     pairwise_orders,
     richardson,
     safety_factor,
@@ -202,7 +201,6 @@ def test_all_ways_to_an_order_agree_on_a_pure_power(order):
     assert (fit.limit, fit.order) == (pytest.approx(5.0, rel=1e-8), pytest.approx(order, rel=1e-5))
     assert fit.coefficient == pytest.approx(-0.4, rel=1e-4)
     assert pairwise_orders(sizes, values) == pytest.approx([order, order], rel=1e-9)
-    assert order_of_errors(sizes, values - 5.0) == pytest.approx(order, rel=1e-9)
 
 
 def test_two_grids_state_three_times_what_their_formal_order_leaves():

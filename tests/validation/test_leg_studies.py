@@ -1,41 +1,31 @@
-"""End restraint, section shapes, CalculiX and mesh families: that they agree, and can fail."""
+"""Differences with a name: the exponents with which they vanish agree, and can fail."""
 
-import shutil
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from fem.bodies import doubling
-from fem.calculix import run as calculix_run
 from lumped.legs import ConstantLeg, Material
 from lumped.robot_file import load_robot
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Tube
 from meshes.section.section_mesh import section_mesh
 from validation.case import Skip
 from validation.cases.legs import end_restraint, solids
-from validation.cases.program import calculix, mesh_families, shapes
 from validation.context import Context
 from validation.models.legs import constant_leg_of
 from validation.report.figures.studies.family_plots import study_plot
 from validation.results.outcome import judge, perturbed
-from validation.solids.legs import Refinement
 from validation.studies.lengthened_legs import fundamental_ratio, lengthened, limit_exponent
 
 ROBOT_FILE = load_robot("ifw")
 STEEL = Material.isotropic(E=2.1e11, nu=0.3, rho=7850.0)
 RESTRAINT = end_restraint.cases(legs=("leg1", "leg2"))
-CALCULIX_IS_MISSING = not any(map(shutil.which, calculix_run.PROGRAMS))
 
 
 @pytest.fixture(scope="module")
 def quick():
     return Context(ROBOT_FILE, "quick")
-
-
-@pytest.fixture(scope="module")
-def standard():
-    return Context(ROBOT_FILE, "standard")
 
 
 @pytest.fixture(scope="module")
@@ -64,51 +54,6 @@ def agrees_and_can_fail(case, context):
 @pytest.mark.parametrize("case", RESTRAINT, ids=named)
 def test_exponents_of_thin_walled_legs_agree_and_can_fail(case, walls):
     agrees_and_can_fail(case, walls)
-
-
-@pytest.mark.exhaustive
-@pytest.mark.parametrize("case", shapes.cases(), ids=named)
-def test_shapes_agree_and_can_fail(case, standard):
-    agrees_and_can_fail(case, standard)
-
-
-def sampled(cases, sample):
-    """All cases, those whose id does not hold `sample` with a mark: each study takes seconds."""
-    return [
-        pytest.param(case, marks=() if sample in case.id else pytest.mark.exhaustive)
-        for case in cases
-    ]
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("case", sampled(mesh_families.cases(), ".rod"), ids=named)
-def test_mesh_families_agree_and_can_fail(case, standard):
-    agrees_and_can_fail(case, standard)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    "case",
-    sampled([case for case in calculix.cases() if "quick" not in case.presets], ".tube."),
-    ids=named,
-)
-def test_calculix_agrees_and_the_cases_can_fail(case, standard):
-    if CALCULIX_IS_MISSING and case.reference_kind == "independent-solver":
-        pytest.skip("CalculiX (ccx) is not installed")
-    agrees_and_can_fail(case, standard)
-
-
-def test_ids_are_unique_and_quick_runs_are_spared_the_costly_ones():
-    modules = (shapes, calculix, mesh_families)
-    found = [*RESTRAINT, *(case for module in modules for case in module.cases())]
-    assert len({case.id for case in found}) == len(found)
-    in_quick = {case.id for case in found if "quick" in case.presets}
-    assert not any(name.startswith("mesh-families") for name in in_quick)
-    assert {name for name in in_quick if name.startswith("calculix")} == {
-        f"calculix.{specimen}.{quantity}"
-        for specimen in ("rectangle", "cubic")
-        for quantity in ("compliance", "frequencies")
-    }
 
 
 @pytest.mark.parametrize(
@@ -202,41 +147,6 @@ def test_study_of_all_causes_is_drawn_with_its_orders(quick):
     figure = study_plot(study)
     assert figure.svg.startswith("<svg")
     assert "c44, warping restrained 1.4" in figure.caption
-
-
-def test_absent_calculix_skips_its_cases(monkeypatch):
-    monkeypatch.setenv("PATH", "")
-    context = Context(ROBOT_FILE, "quick")
-    for case in calculix.cases()[:2]:
-        with pytest.raises(Skip, match="calculix-ccx"):
-            case.measure(context)
-
-
-@pytest.mark.skipif(CALCULIX_IS_MISSING, reason="CalculiX (ccx) is not installed")
-def test_a_wrong_poisson_ratio_is_caught_by_calculix(quick, monkeypatch):
-    specimen = calculix.SPECIMENS["rectangle"]
-    found = calculix.side_by_side(specimen.leg, specimen.divisions)
-    softer = replace(specimen.leg, material=Material.isotropic(E=2.1e11, nu=0.30001, rho=7850.0))
-    wrong = calculix.side_by_side(softer, specimen.divisions)
-    mixed = replace(found, compliance=wrong.compliance, same_mass=wrong.same_mass)
-    monkeypatch.setattr(calculix, "_solved", lambda _context, _name: mixed)
-    verdicts = [judge(c, c.measure(quick), 0.0).verdict for c in calculix.cases()[:2]]
-    assert verdicts == ["disagree", "disagree"]
-
-
-def test_uncertainty_is_never_below_the_last_step():
-    # Pairwise orders of 8 would make the GCI a hundredth of the last step.
-    sizes = np.array([1.0, 0.5, 0.25, 0.125])
-    values = (1.0 + sizes**8)[:, None]
-    found = Refinement((1, 2, 4, 8), values)
-    assert mesh_families.uncertainty(found, 0) == pytest.approx(abs(values[-1, 0] - values[-2, 0]))
-
-
-def test_legs_that_are_no_rectangles_skip_the_families_of_leg_1():
-    robot = replace(ROBOT_FILE.robot, leg1=ConstantLeg(0.8, Circle(0.1), STEEL))
-    context = Context(replace(ROBOT_FILE, described=robot), "standard")
-    with pytest.raises(Skip, match="leg 1 is a circle"):
-        mesh_families.cases()[0].measure(context)
 
 
 @pytest.mark.parametrize("section", [Circle(0.1), Tube(0.12, 0.01)])

@@ -153,11 +153,6 @@ def fit_order(sizes: Array, values: Array) -> Fit:
     )
 
 
-def order_of_errors(sizes: Array, errors: Array) -> float:
-    """Slope of log|error| over log h (least squares), for errors against a known solution."""
-    return float(np.polyfit(np.log(sizes), np.log(np.abs(errors)), 1)[0])
-
-
 def classify(sizes: Array, values: Array, round_off: float) -> Behaviour:
     """How the four finest values behave.
 

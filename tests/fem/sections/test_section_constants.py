@@ -18,7 +18,6 @@ from lumped.sections import (
     rectangle_torsion_constant,
 )
 from meshes.section.section_mesh import SectionMesh, section_mesh
-from validation.cases.program.shapes import renton_rectangle
 
 
 @pytest.mark.parametrize(
@@ -74,12 +73,27 @@ def test_cowper_coefficients(section, nu):
     assert constants.cowper_coefficients == pytest.approx(section.shear_coefficients(nu), rel=3e-5)
 
 
+def renton_rectangle(depth: float, width: float, nu: float) -> float:
+    """κ of a rectangle sheared along `depth`, by strain energy (Renton 1991)."""
+    odd_and_even, ratio = np.arange(1, 60), width / depth
+    series = ratio * np.sum(np.tanh(odd_and_even * np.pi / ratio) / odd_and_even**5)
+    bracket = 0.2 - 18.0 / np.pi**5 * series
+    return float(1.0 / (1.2 + (nu / (1.0 + nu)) ** 2 * ratio**4 * bracket))
+
+
 @pytest.mark.parametrize("nu", [0.0, 0.3])
 @pytest.mark.parametrize(("width", "height"), [(0.1, 0.1), (0.1, 0.2), (0.3, 0.1)])
 def test_energy_shear_coefficients_of_rectangles(width, height, nu):
     constants = section_constants(section_mesh(Rectangle(width, height), 12), nu)
     along_y, along_z = renton_rectangle(width, height, nu), renton_rectangle(height, width, nu)
     assert constants.shear_coefficients == pytest.approx((along_y, along_z), rel=2e-5)
+
+
+def test_energy_shear_coefficient_of_a_circle():
+    """1/κ = 7/6 + (ν/(1 + ν))²/6 (Renton, Int. J. Solids Struct. 27, 1991)."""
+    constants = section_constants(section_mesh(Circle(0.1), 12), 0.3)
+    kappa = 1.0 / (7.0 / 6.0 + (0.3 / 1.3) ** 2 / 6.0)
+    assert constants.shear_coefficients == pytest.approx((kappa, kappa), rel=2e-5)
 
 
 def test_without_poisson_contraction_both_shear_coefficients_of_a_rectangle_are_five_sixths():

@@ -35,7 +35,6 @@ from validation.models.biglide import robot_system
 from validation.report.figures import figures_of_robot
 from validation.report.figures.mechanism.bodies import legs
 from validation.report.figures.mechanism.pictures import deformed
-from validation.report.figures.refinement import fitted_order
 
 needs_opengl = pytest.mark.skipif(opengl.usable_window() is None, reason=opengl.MESSAGE)
 ROUNDING = 1e-12  # lengths of about 1 m, a few operations each
@@ -141,13 +140,6 @@ def test_no_two_lines_have_a_marker_at_the_same_point(points):
     used = [place for places in ranks for place in places]
     assert len(used) == len(set(used))
     assert all(places and max(places) < points for places in ranks)
-
-
-def test_the_fitted_order_leaves_out_what_is_not_asymptotic():
-    counts = np.array([5.0, 10.0, 20.0, 40.0, 80.0])
-    errors = counts**-4.0
-    errors[[0, -1]] = 1.0
-    assert fitted_order(counts, errors, 10, 40) == pytest.approx(4.0)
 
 
 def test_drawings_can_be_sent_to_another_process():

@@ -29,13 +29,6 @@ def figures_of_robot() -> tuple[PlannedFigure, ...]:
     return tuple(figure for group in groups for figure in group())
 
 
-def figures_of_program() -> tuple[PlannedFigure, ...]:
-    """The figures of what verifies the program."""
-    from validation.report.figures import refinement  # noqa: PLC0415
-
-    return refinement.figures()
-
-
 def figures_of_variations(variations: Sequence[Variation]) -> tuple[PlannedFigure, ...]:
     """The figures of the numbers of the robot file that a run varies."""
     from validation.report.figures.mechanism.variations import figures_over  # noqa: PLC0415

@@ -11,9 +11,6 @@ from typing import get_args
 import numpy as np
 
 from fem.bodies.part import grips_of, held_part, meshed_part
-from fem.bodies.rooted import rooted_body
-from fem.calculix.leg import mass_at_stiffness_points
-from fem.calculix.part import compliance_and_frequencies
 from fem.couplings.coupled_solid import coupled_solid
 from fem.couplings.grips import Grip, Kind
 from fem.elements.elasticity import on_three_components
@@ -25,7 +22,6 @@ from meshes.part.part_mesh import PartMesh
 from validation.agreement.differences import farthest_off, refined, scaled_difference
 from validation.case import Absolute, Measurement
 from validation.case_group import CaseGroup
-from validation.cases.program.calculix import PRINTED, PRINTED_ROOT
 from validation.cases.program.parts.drawing import SECTION, read_again
 from validation.context import Context
 
@@ -37,7 +33,6 @@ _BORES = {"A": (8.0, 20.0), "B": (6.0, 180.0), "C": (6.0, 100.0)}
 # Element size (mm) and sides of a circle: what holds on any mesh is looked at on the coarse one.
 _SIZE, _RATIO = 20.0, 1.5
 COARSE, FINE = 10.0, 10.0 * _RATIO
-_MODES = 8
 # From a bore's axis to a point beside it (m).
 _ASIDE = np.array([0.01, -0.02, 0.03])
 _MM = 1e-3
@@ -270,54 +265,3 @@ def _bore(name: str) -> tuple[float, float, Array]:
     z = ((_BAR[2] / 2.0) ** 3 - (gap / 2.0) ** 3) * 2.0 / 3.0 / h
     across = r**2 / 4.0 + z
     return -float(np.pi) * r**2 * h, x, np.array([across, across, r**2 / 2.0])
-
-
-def by_calculix(found: Fork) -> tuple[Array, Array]:
-    """Compliance (12×12, SI) and frequencies, which an averaged interface does not hold, of a run.
-
-    Raises CalculixMissing without it.
-    """
-    grips = grips_of(found.mesh, found.interfaces)
-    return compliance_and_frequencies(found.mesh, STEEL, grips, _MODES)
-
-
-def _theirs(context: Context) -> tuple[Array, Array]:
-    return context.get(by_calculix, context.get(fork, COARSE))
-
-
-@cases.case(
-    "program.parts.fork.calculix.statics",
-    "Compliance between three interfaces, one of them averaged, by CalculiX",
-    quantity="largest entry of the difference over √(Cii Cjj), all 144",
-    reference_kind="independent-solver",
-    citation="CalculiX CrunchiX, G. Dhondt, C3D10 elements, same mesh",
-    tolerance=Absolute(1e-6),
-    tolerance_reason="CalculiX prints seven digits",
-)
-def _statics(context: Context) -> Measurement:
-    theirs, _ = _theirs(context)
-    found = context.get(fork, COARSE)
-    grips = grips_of(found.mesh, found.interfaces)
-    own = held_part(meshed_part(found.mesh, STEEL), grips, "fork").compliance
-    apart = scaled_difference(theirs, own)
-    return Measurement(apart, 0.0, reference_uncertainty=PRINTED)
-
-
-@cases.case(
-    "program.parts.fork.calculix.frequencies",
-    f"{_MODES} frequencies of the fork, held at one bore, by CalculiX",
-    quantity="largest relative difference",
-    reference_kind="independent-solver",
-    citation="CalculiX CrunchiX, G. Dhondt, C3D10 elements, same mesh and mass rule",
-    tolerance=Absolute(1e-6),
-    tolerance_reason="CalculiX prints seven digits of the eigenvalue",
-)
-def _frequencies(context: Context) -> Measurement:
-    _, theirs = _theirs(context)
-    found = context.get(fork, COARSE)
-    grips = grips_of(found.mesh, found.interfaces[:2])
-    stiffness = meshed_part(found.mesh, STEEL).stiffness
-    mass = mass_at_stiffness_points(found.mesh, STEEL.rho)
-    body = rooted_body(coupled_solid(stiffness, mass, found.mesh.nodes, grips), "fork")
-    off = np.abs(body.modes(_MODES).frequencies / theirs - 1.0)
-    return Measurement(float(off.max()), 0.0, reference_uncertainty=PRINTED_ROOT)
