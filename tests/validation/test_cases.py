@@ -36,7 +36,6 @@ LISTED = {
 # An ingredient is wrong by so much, more than any tolerance; a shown number that moves by fewer
 # tolerances than these need not turn the verdict.
 WRONG, MOVED = 0.15, 3.0
-GIVEN = (*DATA, "validation.cases.program.guards.solids.block ")
 # Arrays of one ingredient that are tried: the first legs, meshes, postures of many alike.
 FEW = 2
 
@@ -106,7 +105,7 @@ def cancelled(case: Case, context: Asked) -> list[str]:
     """Ingredients that move what the case shows and not what it judges."""
     found: list[str] = []
     sound, asked = measured(case, context), frozenset(context.asked)
-    for key in sorted(key for key in asked if sound and not key.startswith(GIVEN)):
+    for key in sorted(key for key in asked if sound and not key.startswith(DATA)):
         for number, other in enumerate(islice(disturbed(context.entry(key), WRONG), FEW)):
             with suppress(Skip, ComputationError, ValueError):
                 wrong = case.measure(context.with_other(key, other))

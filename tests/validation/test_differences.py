@@ -2,7 +2,7 @@
 
 import pytest
 
-from validation.agreement.differences import both_refined, farthest_off, farthest_refined, refined
+from validation.agreement.differences import farthest_off, farthest_refined, refined
 from validation.case import Measurement
 
 
@@ -23,12 +23,3 @@ def test_the_farthest_of_two_meshes_has_the_step_of_its_own_number():
     found = farthest_refined([[0.5, -4.0], [9.0, 0.0]], [[1.0, -3.0], [2.0, 0.0]], order=2.0)
     assert (found.value, found.reference) == (3.0, 0.0)
     assert found.value_uncertainty == pytest.approx(1.0)
-
-
-def test_errors_of_a_mesh_that_both_sides_share_cancel_in_what_is_judged():
-    found = both_refined((2.0, 1.5), (2.5, 2.25), order=2.0, apart=4.0)
-    assert (found.value, found.reference) == (2.5, 2.25)
-    assert found.value_uncertainty == pytest.approx(0.5)
-    assert found.reference_uncertainty == pytest.approx(0.75)
-    # 3/(2⁴ − 1) of the step from 0.5 to 0.25.
-    assert found.numerical_uncertainty == pytest.approx(0.05)

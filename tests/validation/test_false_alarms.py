@@ -1,9 +1,8 @@
 """Lumped models of robots at random: the suite without a fault raises no alarm.
 
-Two hundred robots meet the cases of the lumped models and the guards on them, each in one of two
-theories and in two of the guards' variants by turns; the costlier groups (modes over the stroke,
-orders of convergence) meet every 25th. The soak test shows 200 robots to all of them in
-the standard preset.
+A hundred robots meet the cases of the lumped models; the costlier groups (Huang's equation, orders
+of convergence) meet every 25th. The soak test shows 200 robots to all of them in the standard
+preset.
 """
 
 import sys
@@ -17,31 +16,19 @@ sys.path.insert(0, str(Path(__file__).parent))
 from random_robots import alarms, of_groups, robots, shown
 
 from validation.case import Case
-from validation.cases.program.guards.robot import VARIANTS
 
 CHUNKS, EXAMPLES = 2, 50
 # A robot costs a second: one that raises an alarm is shown as it is.
 UNSHRUNK = (Phase.explicit, Phase.generate)
-LUMPED = ("leg1.lumped", "leg2.lumped", "mechanism.lumped", "guard.robot", "guard.legs")
-LUMPED += ("guard.family", "guard.simplified")
-COSTLIER = ("benchmark.huang.1", "benchmark.huang.2", "guard.sweep")
+LUMPED = ("leg1.lumped", "leg2.lumped", "mechanism.lumped")
+COSTLIER = ("benchmark.huang.1", "benchmark.huang.2")
 COSTLIER += tuple(f"refinement.{n}.{name}" for n in (1, 2) for name in ("half", "literal", "beam"))
 RARELY = 25
 
 
 def in_turn(number: int) -> list[Case]:
-    """What robot `number` meets of the lumped groups.
-
-    The guards on it as it is and in one more variant.
-    """
-    variants = [name for name in VARIANTS if name != "as it is"]
-    left_out = {*variants} - {variants[number % len(variants)]}
-    groups = LUMPED + (COSTLIER if number % RARELY == 0 else ())
-    return [
-        case
-        for case in of_groups(groups)
-        if case.group != "guard.robot" or not any(name in case.id for name in left_out)
-    ]
+    """What robot `number` meets of the lumped groups."""
+    return of_groups(LUMPED + (COSTLIER if number % RARELY == 0 else ()))
 
 
 @pytest.mark.exhaustive

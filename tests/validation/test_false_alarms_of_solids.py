@@ -12,7 +12,6 @@ from random_robots import SHAPES, alarms, of_groups, robots, shown
 SOLIDS = (
     *(f"leg{n}.{group}" for n in (1, 2) for group in ("solid", "modes")),
     *(f"restraint.leg{n}" for n in (1, 2)),
-    *(f"guard.leg{n}.two-ways" for n in (1, 2)),
     "robot.solid.modes",
 )
 

@@ -5,7 +5,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from lumped.legs import constant_leg
+from fem.beams.beam import beam_leg
+from lumped.legs import ConstantLeg, Material, constant_leg
+from lumped.models.cantilever import clamped_modes
+from lumped.sections import Rectangle
 from validation.agreement.mode_pairing import (
     centreline_samples,
     centreline_weights,
@@ -51,6 +54,31 @@ def test_subspaces_of_a_repeated_mode_agree_although_its_shapes_do_not():
     turned = shapes @ np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
     assert mac_matrix(shapes, turned, np.ones(5))[0, 0] < 0.6
     assert largest_angle(shapes, turned, np.ones(5)) < 1e-7
+
+
+def test_the_angle_between_spaces_is_in_the_product_of_the_masses():
+    """Bjorck and Golub, Math. Comp. 27 (1973) 579; MAC of two shapes is cos² of theirs."""
+    weights, angle = np.array([2.0, 0.05, 7.0, 0.3]), 0.4
+    start = np.array([[1.0, 2, 0, 1], [0.5, -1, 1, 0], [2, 1, 1, -1], [0, 1, 3, 1]])
+    orthogonal = np.linalg.qr(np.sqrt(weights)[:, None] * start)[0]
+    first, second, third, _ = (orthogonal / np.sqrt(weights)[:, None]).T
+    turned = np.cos(angle) * second + np.sin(angle) * third
+    spaces = np.column_stack([first, second]), np.column_stack([turned + first, turned - first])
+    assert_allclose(largest_angle(*spaces, weights), angle, rtol=1e-9)
+    found = mac_matrix(5.0 * second[:, None], 3.0 * turned[:, None], weights)
+    assert_allclose(found[0, 0], np.cos(angle) ** 2, rtol=1e-12)
+
+
+def test_sampled_modes_of_a_clamped_beam_are_orthogonal_and_find_themselves():
+    """In the product of the masses, rotary inertia included (Rayleigh)."""
+    leg = ConstantLeg(0.85, Rectangle(0.1, 0.16), Material.isotropic(2.1e11, 0.3, 7850.0))
+    beam = beam_leg(leg.timoshenko, leg.length, 20)
+    stations, lengths = centreline_samples(leg.length, 24)
+    shapes = beam.centreline(stations) @ clamped_modes(beam, 6).shapes
+    weights = centreline_weights(leg.timoshenko, lengths)
+    # Gauss stations integrate the first modes to 1e-4 and better, squared in MAC.
+    assert_allclose(mac_matrix(shapes, shapes, weights), np.eye(6), atol=1e-7)
+    assert list(pair_modes(shapes, shapes[:, ::-1], weights).partner) == [5, 4, 3, 2, 1, 0]
 
 
 def test_centreline_weights_sum_to_mass_and_rotary_inertia():

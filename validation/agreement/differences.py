@@ -43,21 +43,3 @@ def farthest_refined(
     worst = int(np.argmax(np.abs(off)))
     found = refined(before[worst], off[worst], order=order, ratio=ratio)
     return replace(found, value=abs(found.value))
-
-
-def both_refined(
-    coarse: tuple[float, float],
-    fine: tuple[float, float],
-    *,
-    order: float,
-    apart: float,
-    ratio: float = 2.0,
-) -> Measurement:
-    """Value and reference on the finer of two meshes that both share, converging with `order`.
-
-    Errors of the mesh cancel in their difference, which is judged and converges with `apart`.
-    """
-    (before, rough), (value, reference) = coarse, fine
-    own, other = (step_factor(ratio, order) * abs(s) for s in (value - before, reference - rough))
-    left = step_factor(ratio, apart) * abs((value - reference) - (before - rough))
-    return Measurement(float(value), float(reference), float(own), float(other), float(left))

@@ -20,7 +20,7 @@ def selftest(
     jobs: ProcessCount = None,
     out: Path | None = None,
 ) -> int:
-    """Check the program itself: guards, published benchmarks, meshes, other solvers.
+    """Check the program itself: published benchmarks, meshes, other solvers.
 
     What it finds is kept in the user's cache, where runs of this version and preset take it from.
 

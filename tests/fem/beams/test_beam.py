@@ -129,6 +129,21 @@ def test_rigid_motion_has_the_mass_and_inertia_of_the_leg(theory, elements):
     assert_allclose(motions.T @ dense(leg.mass) @ motions, expected, atol=1e-12 * m)
 
 
+def test_one_slender_element_has_the_consistent_mass_of_its_cubic_in_both_planes():
+    """m/420 (156, 22 L, 54, −13 L, 4 L², −3 L²): Archer, J. Struct. Div. ASCE 89 (1963) 161."""
+    L = LEG1.length
+    mass = dense(beam_leg(LEG1.properties("euler-bernoulli"), L, 1).mass) / LEG1.mass
+    published = np.array(
+        [[156, 22, 54, -13], [22, 4, 13, -3], [54, 13, 156, -22], [-13, -3, -22, 4]]
+    )
+    # Deflection and rotation at root and tip; a leg that goes up along z turns against y.
+    for places, turned in (((1, 5, 7, 11), 1.0), ((2, 4, 8, 10), -1.0)):
+        unit = np.array([1.0, turned / L] * 2)
+        found = mass[np.ix_(places, places)] * np.outer(unit, unit)
+        # Products of cubics, integrated exactly: rounding.
+        assert_allclose(found, published / 420.0, atol=1e-12)
+
+
 def test_parts_sum_to_the_stiffness_and_carry_their_own_load_only():
     p, L = LEG1.timoshenko, LEG1.length
     leg = beam_leg(p, L, 4)

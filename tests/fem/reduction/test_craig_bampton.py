@@ -29,6 +29,7 @@ from lumped.sections import Rectangle
 from lumped.system.solution import compliance, modes, solved
 from meshes.prism.extrude import extrude, stations
 from meshes.section.section_mesh import section_mesh
+from validation.agreement.differences import scaled_difference
 
 ROBOT = with_equivalent_legs(load_robot("ifw").robot)
 LEG_1, LEG_2 = ROBOT.leg1, ROBOT.leg2
@@ -111,6 +112,21 @@ def test_bounds_are_not_empty(legs, unreduced_robot):
     bounds = frequency_bounds(robot, dict(zip(NAMES, reduced, strict=True)), COUNT)
     error = bounds.upper / unreduced_robot[1][1].frequencies - 1.0
     assert error.max() > 1e-4
+
+
+def test_what_bounds_the_error_is_the_sum_over_all_modes_that_are_dropped():
+    """W = Σ p pᵀ/ω⁶ over every mode of the held mesh above the cut-off, by LAPACK."""
+    leg, cutoff = solid_leg_matrices(meshed(LEG_2, 1, 4)), 4000.0
+    K, M = leg.stiffness.toarray(), leg.mass.toarray()
+    constraint = np.vstack([np.eye(12), -np.linalg.solve(K[12:, 12:], K[12:, :12])])
+    squares, shapes = eigh(K[12:, 12:], M[12:, 12:])
+    dropped = squares > (2.0 * np.pi * cutoff) ** 2
+    assert np.sum(~dropped) > 0
+    share = shapes[:, dropped].T @ (M @ constraint)[12:]
+    expected = (share.T / squares[dropped] ** 3) @ share
+    stated = craig_bampton(held_leg(leg), 1.0, cutoff).truncated
+    # One sum, from static responses and term by term: rounding.
+    assert scaled_difference(stated, expected) < 1e-9
 
 
 def test_error_falls_as_the_seventh_power_of_the_cut_off():

@@ -1,4 +1,4 @@
-"""What verifies the program, not the robot of a run: guards, benchmarks, parts.
+"""What verifies the program, not the robot of a run: benchmarks, parts.
 
 They are computed on the built-in robot, whatever robot the run is about.
 """
@@ -8,7 +8,6 @@ from dataclasses import replace
 from validation.case import Case
 from validation.cases.program import (
     benchmarks,
-    guards,
     parts,
 )
 
@@ -17,7 +16,6 @@ def cases() -> tuple[Case, ...]:
     """All of them, in the order of the report."""
     found = (
         *benchmarks.cases(),
-        *guards.cases(),
         *parts.cases(),
     )
     return tuple(replace(case, subject="program") for case in found)
