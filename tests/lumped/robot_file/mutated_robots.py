@@ -1,4 +1,4 @@
-"""Mechanism files with something done to them, always the same for one seed, sound or not.
+"""Robot files with something done to them, always the same for one seed, sound or not.
 
 What slips while one edits a table (a key lost, renamed, a value in another's place), and values
 that nobody means.
@@ -13,6 +13,8 @@ from copy import deepcopy
 from pathlib import Path
 from typing import Any
 
+from sound_biglide import SOUND
+
 import lumped.robots
 
 NAMES = ("five-bar", "3-rrr", "delta", "orthoglide", "hexapod")
@@ -20,6 +22,7 @@ _FOLDER = Path(lumped.robots.__file__).parent
 _VALUES: tuple[Any, ...] = (
     *(0, -1, 1, 10**30, 2**63 - 1, True, 1e300, 1e-300, 5e-324, -1e-9, -0.0, math.nan, math.inf),
     *("", "ground", "A", "rigid", "x" * 5000, "\x1b[2J\u202e", [], {}, [[]], [1.0], ["x", "x"]),
+    *([[1, 2], [3]], {"shape": []}, [math.inf] * 3, ["a", "b"], [["a"]]),
     *([0.0] * 3, [1.0, 0.0, 0.0], [math.nan] * 3, [1e300] * 3, [0.0, 0.0, 1e-12]),
     *(["ground", "ground"], ["x", "y", "z", "phi_x", "phi_y", "phi_z"], [[1.0, 0.0, 0.0]] * 2),
 )
@@ -28,12 +31,13 @@ _FACTORS = (-1.0, 0.0, 1e6, 1e-6, 1.001, 3.0)
 _Path = tuple[str | int, ...]
 
 
-def _places(tree: Any, path: _Path = ()) -> Iterator[_Path]:
+def places(tree: Any, path: _Path = ()) -> Iterator[_Path]:
+    """Ways to all entries of nested tables and lists."""
     entries = tree.items() if isinstance(tree, dict) else enumerate(tree)
     for key, value in entries:
         yield (*path, key)
         if isinstance(value, dict | list):
-            yield from _places(value, (*path, key))
+            yield from places(value, (*path, key))
 
 
 def _at(tree: Any, path: _Path) -> Any:
@@ -45,8 +49,8 @@ def _at(tree: Any, path: _Path) -> Any:
 def _mutated(rng: random.Random, tree: dict[str, Any]) -> dict[str, Any]:
     tree = deepcopy(tree)
     for _ in range(rng.choice((1, 1, 1, 2, 3))):
-        places = list(_places(tree))
-        path, other = rng.choice(places), rng.choice(places)
+        ways = list(places(tree))
+        path, other = rng.choice(ways), rng.choice(ways)
         table, key = _at(tree, path[:-1]), path[-1]
         match rng.randrange(5):
             case 0:
@@ -76,12 +80,11 @@ def _toml(value: Any) -> str:
     return f"{{ {', '.join(entries)} }}"
 
 
-def mutated_mechanisms(count: int, seed: int) -> Iterator[str]:
-    """`count` files."""
+def mutated_robots(count: int, seed: int) -> Iterator[str]:
+    """`count` files, of a biglide of schema 1 and of every kind of mechanism in turn."""
     rng = random.Random(seed)  # noqa: S311  any choice will do
-    sound = [
-        tomllib.loads((_FOLDER / f"{name}.toml").read_text(encoding="utf-8")) for name in NAMES
-    ]
+    texts = [SOUND, *((_FOLDER / f"{name}.toml").read_text(encoding="utf-8") for name in NAMES)]
+    sound = [tomllib.loads(text) for text in texts]
     for number in range(count):
         tree = _mutated(rng, sound[number % len(sound)])
         yield "".join(f"{json.dumps(key)} = {_toml(value)}\n" for key, value in tree.items())

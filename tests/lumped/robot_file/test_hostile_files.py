@@ -1,0 +1,282 @@
+"""What is no robot file is refused at once and in few lines, whatever it holds."""
+
+import math
+import os
+import random
+import subprocess
+import sys
+import tomllib
+from datetime import date
+from functools import reduce
+from operator import getitem
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from lumped.errors import InputError
+from lumped.robot_file import load_robot
+from lumped.robot_file.load import described_by
+from lumped.text import shown
+from validation import cli
+
+sys.path.insert(0, str(Path(__file__).parent))
+from mutated_robots import mutated_robots, places
+from sound_biglide import SOUND
+
+ROOT = Path(__file__).parents[3]
+SEED = 20
+FEW, MANY = 36, 2000
+LEG2_MATRIX = SOUND[SOUND.rindex("compliance = [") :]
+NAMELESS = "a = 0.9\n"
+MANY_DIGITS = "9" * 100_000
+# Control characters, marks that turn the direction of reading, signs without width, half pairs.
+UNSEEN = "\\u001b[2J\\u202e\\u2066\\u200b\\r\\n\\u0007\\ufeff"
+WRONG_CORRECTION = '[[corrections]]\nkey = "{}"\nprinted = 1.0\nused = 2.0\nreason = "r"\n'
+
+
+def with_matrix(rows: int, columns: int, value: str = "1e-9") -> str:
+    row = f"[{', '.join([value] * columns)}]"
+    return SOUND.replace(LEG2_MATRIX, f"compliance = [{', '.join([row] * rows)}]\n")
+
+
+def with_length(text: str) -> str:
+    return SOUND.replace("0.85", text, 1)
+
+
+HOSTILE = {
+    "empty": "",
+    "blank": " \n\t\n",
+    "a comment": "#" * 1_000_000,
+    "JSON": '{"schema": 1, "name": "json"}',
+    "XML": "<?xml version='1.0'?><robot/>",
+    "YAML": "schema: 1\nname: yaml\n",
+    "PDF": "%PDF-1.7",
+    "two byte order marks": "\N{BYTE ORDER MARK}" * 2 + SOUND,
+    "cut off": SOUND[: SOUND.rindex("[0.0, 3.0e-8")],
+    "noise": random.Random(SEED).randbytes(100_000) + b"\xff",  # noqa: S311  any bytes will do
+    **{
+        f"bytes {broken!r}": SOUND[:99].encode() + broken + b"===" + SOUND[99:].encode()
+        for broken in (b"\xff", b"\x00", b"\xc0\x80", b"\x1b")
+    },
+    "a long unknown key": SOUND.replace(NAMELESS, f'{NAMELESS}"{"xyz-" * 2000}{UNSEEN}" = []\n'),
+    "20 000 unknown keys": SOUND.replace(
+        NAMELESS, "".join(f"lenght{i} = {i}\n" for i in range(20_000))
+    ),
+    "an unseen name": SOUND.replace("test robot", UNSEEN + "\\u0001" * 200),
+    "no name": SOUND.replace('"test robot"', r'"\u0000"'),
+    **{
+        f"digits {number[:3]}": with_length(number)
+        for number in (MANY_DIGITS, f"0x{MANY_DIGITS}", f"{MANY_DIGITS}.0", f"1e{MANY_DIGITS}")
+    },
+    **{
+        f"nested {opened}": f"a = {opened * 100_000}"
+        for opened in ("[", "{a=", "{ 'a' = [", "a.", "[[[]")
+    },
+    "a deep table": f"[{'a.' * 100_000}a]",
+    "a deep key": SOUND + "a." * 100_000 + "a = 1",
+    "brackets that close": SOUND + f"x = {'[' * 1000}{']' * 1000}",
+    **{
+        f"matrix {rows}×{columns}": with_matrix(rows, columns)
+        for rows, columns in ((0, 0), (1, 6), (6, 5), (7, 7), (1000, 6), (6, 1000), (300, 300))
+    },
+    "nothing but nan": with_matrix(6, 6, "nan"),
+    **{
+        f"unclosed {opened[:3]}": with_length(opened)
+        for opened in ('"' + '\\"' * 50_000, '"""' * 1001 + '"', "'" * 1000, "[" * 50, "{" * 50)
+    },
+    "2000 corrections": SOUND + WRONG_CORRECTION.format("leg2.weight") * 2000,
+    "a long correction": SOUND + WRONG_CORRECTION.format("x" * 10_000 + "\\u202e"),
+}
+# Checks each of the files that it is given, and prints the bytes that it took at the height.
+MEASURED = """
+import resource, sys
+from validation import cli
+codes = {cli.main(["check", path]) for path in sys.argv[1:]}
+print(*codes, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024)
+"""
+
+
+@pytest.fixture
+def path(tmp_path):
+    return tmp_path / "robot.toml"
+
+
+def write(path, content):
+    path.write_bytes(content if isinstance(content, bytes) else content.encode())
+
+
+def faults_of(path, content):
+    write(path, content)
+    with pytest.raises(InputError) as error:
+        load_robot(path)
+    return [fault.removeprefix(f"{path}: ") for fault in error.value.faults]
+
+
+def check(path, capsys, name) -> int:
+    """Exit code of `flexproof check`; what it prints is sound, or few short lines of faults."""
+    code = cli.main(["check", str(path)])
+    printed = capsys.readouterr()
+    lines = printed.err.splitlines()
+    assert len(lines) <= 50, name
+    for line in lines:
+        assert line.startswith(f"flexproof: {path}: "), name
+        assert len(line) < 400 + len(str(path)), name
+        assert line.isprintable(), name
+    assert (code, bool(lines), bool(printed.out)) in {(0, False, True), (2, True, False)}, name
+    return code
+
+
+def test_hostile_files_are_refused_in_few_short_lines(path, capsys):
+    for name, content in HOSTILE.items():
+        write(path, content)
+        assert check(path, capsys, name) == 2, name
+
+
+def test_hostile_files_take_little_memory(tmp_path):
+    paths = [tmp_path / f"{number}.toml" for number in range(len(HOSTILE))]
+    for path, content in zip(paths, HOSTILE.values(), strict=True):
+        write(path, content)
+    done = subprocess.run(
+        [sys.executable, "-c", MEASURED, *paths],
+        cwd=ROOT,
+        env=os.environ | {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    code, size = done.stdout.split()
+    assert code == "2"
+    assert int(size) < 200e6
+
+
+def check_mutated(count, path, capsys):
+    """Sound still, or refused like the others; some of every few are either."""
+    codes = set()
+    for number, text in enumerate(mutated_robots(count, SEED)):
+        write(path, text)
+        codes.add(check(path, capsys, number))
+    assert codes == {0, 2}
+
+
+def test_whatever_is_done_to_a_robot_s_file_is_sound_or_refused(path, capsys):
+    check_mutated(FEW, path, capsys)
+
+
+@pytest.mark.soak
+def test_whatever_is_done_to_many_files_is_sound_or_refused(path, capsys):
+    check_mutated(MANY, path, capsys)
+
+
+ODD_VALUES = (
+    *(math.nan, -math.inf, -1, 0, 1e308, True, "x", "", [], {}, [[]], [1], [[1, 2], [3]], [{}]),
+    *({"shape": []}, {"E": {}}, date(2020, 1, 1), 10**400),
+)
+
+
+@pytest.mark.parametrize("value", ODD_VALUES, ids=lambda value: str(value)[:9])
+def test_an_odd_value_at_any_key_is_refused(value):
+    ways = [way for way in places(tomllib.loads(SOUND)) if isinstance(way[-1], str)]
+    taken = []
+    for *tables, key in ways:
+        robot = tomllib.loads(SOUND)
+        reduce(getitem, tables, robot)[key] = value
+        described, faults = described_by(robot)
+        assert (described is None) == bool(faults), (tables, key)
+        taken += [] if faults else [key]
+    # Texts are fine names and reasons, zero is a fine Poisson's ratio.
+    assert len(taken) <= 3, taken
+
+
+def test_faults_beyond_fifty_lines_are_counted(path):
+    names = "".join(f"lenght{i} = 1\n" for i in range(70))
+    faults = faults_of(path, SOUND.replace(NAMELESS, f"{NAMELESS}{names}"))
+    assert len(faults) == 50
+    assert faults[-1] == "and 21 more faults"
+
+
+def test_long_keys_numbers_and_texts_are_cut(path):
+    (fault,) = faults_of(path, SOUND.replace(NAMELESS, f"{NAMELESS}{'k' * 9999} = 1\n"))
+    assert fault.startswith("geometry.kkk")
+    assert len(fault) < 120
+    (fault,) = faults_of(path, SOUND.replace("a = 0.9", f"a = 0x{'f' * 9999}"))
+    assert fault.startswith("geometry.a = a number of thousands of digits: must be at most 100 m")
+    (fault,) = faults_of(path, SOUND.replace("a = 0.9", f"a = {'9' * 4000}"))
+    assert len(fault) < 150
+    assert shown("x" * 10**7) == '"' + "x" * 58 + "…"
+
+
+def test_control_and_bidirectional_characters_are_written_out(path, capsys):
+    hostile = SOUND.replace(NAMELESS, NAMELESS + '"\\u001b[2J\\u202e\\u200b" = 1\n')
+    (fault,) = faults_of(path, hostile)
+    assert fault.startswith("geometry.\\x1b[2J\\u202e\\u200b: unknown key")
+    named = path.with_name("\u202elmot.toml")
+    named.write_text("", encoding="utf-8")
+    with pytest.raises(InputError) as error:
+        load_robot(named)
+    assert all("\\u202elmot.toml: " in fault for fault in error.value.faults)
+    path.write_text(SOUND.replace("test robot", "a\\u202eb"), encoding="utf-8")
+    assert cli.main(["check", str(path)]) == 0
+    assert f"{path}: sound; a\\u202eb, all 9 poses" in capsys.readouterr().out
+
+
+def test_large_files_pipes_and_devices_are_refused_before_they_are_read(path):
+    with path.open("wb") as file:
+        file.truncate(10_000_001)
+    with pytest.raises(InputError, match="is larger than 10 MB; must be a robot file"):
+        load_robot(path)
+    pipe = path.with_name("pipe.toml")
+    os.mkfifo(pipe)
+    # Opened, it would wait for someone to write.
+    for ending in (pipe, "/dev/zero", "/dev/null", "/dev/tty"):
+        if Path(ending).exists():
+            with pytest.raises(InputError, match=f"{ending}: is a pipe, socket or device; must be"):
+                load_robot(ending)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "a = " + "[" * 101,
+        "a = 1\nb = " + "{ a = " * 101,
+        "a." * 101 + "a = 1",
+        "[" + "a." * 101 + "a]",
+        'a = "[[["\nb = ' + "[" * 101 + "# ]",
+    ],
+)
+def test_nesting_beyond_a_hundred_is_refused_before_it_is_parsed(path, text):
+    (fault,) = faults_of(path, text)
+    assert fault.endswith("is nested more than 100 deep; not a robot file")
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["a = '" + "[" * 200 + "'", "# " + "[" * 200, 'a = """' + "{" * 200 + '\n."""', "a = [" * 9],
+)
+def test_brackets_in_texts_and_comments_do_not_nest(path, text):
+    assert not any("nested" in fault for fault in faults_of(path, text))
+
+
+@pytest.mark.parametrize("size", [1e5, 3.3e7, 1e10])
+def test_a_stiffness_matrix_gets_one_line_with_the_guess(path, size):
+    rows = (size * np.eye(6)).tolist()
+    (fault,) = faults_of(path, SOUND.replace(LEG2_MATRIX, f"compliance = {rows}\n"))
+    assert fault.startswith("leg2.compliance: 6 of 6 entries on the diagonal are above 1 m/N")
+    assert "is this a stiffness matrix?" in fault
+
+
+def test_a_doubt_about_sound_data_stands_in_the_first_line(path, capsys):
+    wrong_sign = SOUND.replace("0.0, 3.0e-8]", "0.0, -3.0e-8]").replace(
+        "[0.0, 3.0e-8", "[0.0, -3.0e-8"
+    )
+    for text, said in ((wrong_sign, "sound in form, 1 doubt"), (SOUND, "sound")):
+        path.write_text(text, encoding="utf-8")
+        assert cli.main(["check", str(path)]) == 0
+        assert capsys.readouterr().out.startswith(f"{path}: {said}; test robot")
+
+
+def test_a_position_beyond_the_stroke_is_told_by_how_much(path, capsys):
+    path.write_text(SOUND, encoding="utf-8")
+    assert cli.main(["solve", str(path), "--model", "simplified", "--x", "0.8500001"]) == 2
+    said = capsys.readouterr().err
+    assert "x = 0.8500001 m is outside the stroke 0.1 m to 0.85 m, by 1e-07 m" in said
