@@ -24,7 +24,7 @@ from functools import partial
 from inspect import signature
 from typing import Any, TypeAlias, TypedDict, TypeVar, Unpack
 
-from validation.case import Case, Measurement, ReferenceKind, Relation, Tolerance
+from validation.case import Case, Measurement, ReferenceKind, Relation, Sides, Tolerance
 from validation.context import About, Preset
 
 T = TypeVar("T")
@@ -58,6 +58,7 @@ class CaseFields(TypedDict, total=False):
     row: Field[str]
     figure: Field[str]
     label: Field[str]
+    sides: Field[Sides]
 
 
 class CaseGroup:

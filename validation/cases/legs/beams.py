@@ -2,11 +2,13 @@
 
 from math import ceil
 
+from fem.beams.beam import beam_leg
 from fem.beams.beam_theory import CantileverFrequency, cantilever_frequencies
 from lumped.arrays import Array
 from lumped.legs import ConstantLeg, tip_compliance
+from lumped.models.segments import segment_leg
 from validation.agreement.convergence import step_factor
-from validation.case import Measurement, Relative
+from validation.case import Measurement, Relative, Sides
 from validation.case_group import CaseGroup, numbered
 from validation.context import Context
 from validation.models.legs import constant_leg_of, kind_frequencies, leg_compliance
@@ -31,23 +33,25 @@ TIMOSHENKO = "S. P. Timoshenko, Phil. Mag. 41 (1921) 744; c = ∫ of unit result
 HUANG = "T. C. Huang, J. Appl. Mech. 28 (1961) 579, exact Timoshenko cantilever, solved here"
 
 
-# Model, and how near its frequencies are.
+# Model, its code, and how near its frequencies are.
 _LUMPED = (
     (
         "segments",
+        segment_leg,
         Relative(0.02),
         "second order in 1/n: mode k with n elements is off by k²/n², below 2 % with 20 for the "
         "third of its kind and as many more for a higher one",
     ),
     (
         "beam",
+        beam_leg,
         Relative(1e-4),
         "fourth order in 1/n: below 1e-5 with 20 elements for the third of its kind and as many "
         "more for a higher one, ten times that for rounding and roots",
     ),
 )
 cases = CaseGroup(
-    over={"body": lambda legs: legs, "model, near, reason": _LUMPED},
+    over={"body": lambda legs: legs, "model, code, near, reason": _LUMPED},
     reference_kind="closed-form",
     row="{body}",
     section="{body}",
@@ -76,6 +80,7 @@ def exact_modes(leg: ConstantLeg) -> tuple[CantileverFrequency, ...]:
     tolerance=Relative(1e-9),
     tolerance_reason="both are exact in statics: rounding alone, grown by n⁴",
     label="{name}, {entry[2]}",
+    sides=lambda code: Sides((code,), (tip_compliance,)),
 )
 def _entry(
     context: Context, body: str, model: ModelName, entry: tuple[int, int, str]
@@ -96,6 +101,7 @@ def _entry(
     citation=HUANG,
     tolerance=lambda near: near,
     tolerance_reason="{reason}",
+    sides=lambda code: Sides((code,), (cantilever_frequencies,)),
 )
 def _mode(context: Context, body: str, model: ModelName, index: int) -> Measurement:
     leg = constant_leg_of(context, body)

@@ -22,11 +22,13 @@ from functools import partial
 
 import numpy as np
 
+from fem.bodies import doubling
+from fem.sections.section_constants import beam_properties, section_constants
 from lumped.arrays import Array
 from lumped.legs import ConstantLeg, Material
 from lumped.sections import Circle, Tube
 from validation.agreement.convergence import step_factor
-from validation.case import Absolute, Measurement, Skip
+from validation.case import Absolute, Measurement, Sides, Skip
 from validation.case_group import CaseGroup
 from validation.cases.legs.beams import ENTRIES
 from validation.context import Context, Preset
@@ -51,6 +53,7 @@ THEORY = (
 # Relative differences below it are rounding.
 _ROUND_OFF = 1e-11
 _POISSON = 0.3
+_SOLID = (doubling.condensed_leg, doubling.tip_compliance)
 _DIAGONALS = tuple(name for name, (i, j, _) in ENTRIES.items() if i == j)
 
 
@@ -197,6 +200,7 @@ cases = CaseGroup(
     tolerance=Absolute(0.05),
     tolerance_reason="local exponents of three lengths, extrapolated in 1/s: the term after next "
     "leaves 0.02 at most; the nearest other cause is a whole power away",
+    sides=Sides(_SOLID),
 )
 def _exponent(context: Context, body: str, cause: Restraint) -> Measurement:
     lengths = _own(context, body).lengths
@@ -269,6 +273,7 @@ def _mesh_factor(divisions: int, other: int) -> float:
     tolerance=Absolute(1e-4),
     tolerance_reason="no cause is left: the mesh alone, 0.003 % and less; 1e-4 is what the project "
     "asks for",
+    sides=Sides(_SOLID, (section_constants, beam_properties)),
 )
 def _free(context: Context, body: str) -> Measurement:
     found = _own(context, body)

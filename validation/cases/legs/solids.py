@@ -7,14 +7,15 @@ from typing import TypeAlias
 import numpy as np
 
 from fem.beams.beam_theory import CantileverFrequency, cantilever_frequencies
+from fem.bodies import doubling, leg_modes
 from fem.bodies.solid import Ends
 from fem.couplings.end_effects import restrained_compliance
 from fem.sections import nonuniform_torsion
-from fem.sections.section_constants import beam_properties
+from fem.sections.section_constants import beam_properties, section_constants
 from fem.sections.waveguide import torsion_wave
 from lumped.arrays import Array
 from lumped.legs import BeamProperties, ConstantLeg, tip_compliance
-from validation.case import Absolute, Allowance, Measurement, Relative, Skip
+from validation.case import Absolute, Allowance, Measurement, Relative, Sides, Skip
 from validation.case_group import CaseGroup, numbered
 from validation.cases.legs.beams import (
     ENTRIES,
@@ -54,6 +55,8 @@ SECTION_DIVISIONS, WAVE_DIVISIONS = 16, 4
 # I-sections (2e-5); solid and beam with free ends have one section mesh, and what is left is how
 # each follows curved walls (1e-7 of a circle).
 _HELD, _FREE = 2e-4, 3e-6
+_SOLID = (doubling.condensed_leg, doubling.tip_compliance)
+_OWN_BEAM = (section_constants, beam_properties, tip_compliance)
 # Wave length of the shortest mode, in section heights, that beam theory is held to.
 SHORTEST_WAVE = 3.0
 
@@ -146,6 +149,7 @@ def _frequency_of(modes: tuple[CantileverFrequency, ...], kind: str, order: int)
     "is the mesh at the edges of held faces: 0.02 %",
     model="solid",
     row="{body}",
+    sides=Sides(_SOLID, (*_OWN_BEAM, restrained_compliance)),
 )
 def _held_entry(context: Context, body: str, entry: tuple[int, int]) -> Measurement:
     leg = constant_leg_of(context, body)
@@ -182,6 +186,7 @@ def _held_entry(context: Context, body: str, entry: tuple[int, int]) -> Measurem
     tolerance=Relative(_FREE),
     tolerance_reason="beam theory is exact for ends free to warp and contract, and both have one "
     "section mesh: 3e-6 where its walls are curved",
+    sides=Sides(_SOLID, _OWN_BEAM),
 )
 def _free_entry(context: Context, body: str, entry: tuple[int, int]) -> Measurement:
     leg = constant_leg_of(context, body)
@@ -236,6 +241,10 @@ def _percent(changed: float, base: float) -> str:
     row="{body}",
     group="{body}.modes",
     effort=2.0,
+    sides=Sides(
+        (leg_modes.modes,),
+        (cantilever_frequencies, torsion_wave, nonuniform_torsion.cantilever_frequencies),
+    ),
 )
 def _mode(context: Context, body: str, index: int) -> Measurement:
     leg = constant_leg_of(context, body)
@@ -319,6 +328,7 @@ def _wave_notes(part: str, wave: float, tip: float) -> tuple[str, ...]:
     row="{body}, {name}",
     section="Refinement",
     group="{body}.solid",
+    sides=Sides(_SOLID),
 )
 def _order(context: Context, body: str, name: str) -> Measurement:
     found = compliances(context, body, "free")

@@ -17,8 +17,9 @@ from lumped.mechanism.mechanism import Posture
 from lumped.system.assembly import assembly
 from lumped.system.solution import compliance, modes, solved
 from validation.adequacy.mechanism.path import known_legs, path_postures
-from validation.case import Absolute, Measurement, Relative, Skip, others
+from validation.case import Absolute, Measurement, Relative, Sides, Skip, others
 from validation.case_group import CaseGroup
+from validation.cases.mechanism.quantities import ASSEMBLER
 from validation.context import Context, Preset
 from validation.exhibits import PATH
 from validation.models.legs import filled
@@ -47,6 +48,10 @@ cases = CaseGroup(
     section=PATH,
     group="mechanism.calculix",
     effort=4.0,
+    sides=Sides(
+        (solid_leg_matrices, craig_bampton, *ASSEMBLER),
+        (compliance_and_frequencies,),
+    ),
 )
 
 

@@ -9,8 +9,9 @@ from lumped.mechanism.kinematics.postures import reference_posture
 from lumped.mechanism.mechanism import Mechanism, Posture
 from validation.adequacy.mechanism.path import path_postures
 from validation.agreement.convergence import step_factor
-from validation.case import Measurement, Relative, Skip, others
+from validation.case import Measurement, Relative, Sides, Skip, others
 from validation.case_group import CaseGroup
+from validation.cases.mechanism.quantities import ASSEMBLER, MODEL_CODE
 from validation.context import Context
 from validation.exhibits import PATH
 from validation.models.mechanism import PostureAnswer, answers
@@ -19,7 +20,13 @@ MODES = 6
 # Beams a leg: of second order, so that extrapolated ones are of fourth.
 _ELEMENTS = (4, 8, 16)
 
-cases = CaseGroup(section=PATH, group="mechanism.exudyn", effort=1.0, model="beam")
+cases = CaseGroup(
+    section=PATH,
+    group="mechanism.exudyn",
+    effort=1.0,
+    model="beam",
+    sides=Sides((*MODEL_CODE["beam"], *ASSEMBLER), (frequencies,)),
+)
 
 
 def _places(mechanism: Mechanism) -> list[tuple[str, str]]:

@@ -5,7 +5,7 @@ they are held against takes the frames of the bodies, measures anew that they cl
 and shares nothing else: neither what eliminates joints nor what sums chains, elements or segments.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from math import inf
 
 import numpy as np
@@ -18,12 +18,14 @@ from lumped.mechanism.mechanism import Mechanism, Posture
 from validation.adequacy.mechanism.path import path_postures
 from validation.adequacy.mechanism.statics import compliances, is_serial
 from validation.adequacy.mechanism.subject import mechanism_candidates
-from validation.adequacy.models import JudgedModel
-from validation.case import Measurement, Relative, Skip
+from validation.adequacy.models import JUDGED, JudgedModel
+from validation.case import Measurement, Relative, Sides, Skip
 from validation.case_group import numbered
 from validation.cases.mechanism.path import BEYOND_ROUNDING, path_roundings
 from validation.cases.mechanism.quantities import (
+    ASSEMBLER,
     EXACT,
+    MODEL_CODE,
     SHOWN,
     TITLE,
     in_shown_units,
@@ -58,6 +60,12 @@ def _of_modes(mechanism: Mechanism) -> list[tuple[str, Relative, str]]:
     """Models that have modes, how near their frequencies are, and why."""
     models = _models(mechanism).items()
     return [(model, *_DYNAMIC[kind]) for model, (kind, _, _) in models if kind in _DYNAMIC]
+
+
+def _sides(model: str, by: Callable[..., object]) -> Sides:
+    kind, *_ = JUDGED[model]
+    assembled = () if kind == "vjm" else ASSEMBLER
+    return Sides((*MODEL_CODE[kind], *assembled), (ritz.on_drives, by))
 
 
 cases = statics.like(section=PATH, group="mechanism.lumped")
@@ -101,6 +109,7 @@ def _model(context: Context, model: str) -> tuple[ModelName, ModelOptions]:
     over={"of": ("The mechanism",), "model": _models, "entry, said, unit": SHOWN},
     quantity="{said}, pose of the largest difference",
     figure="mechanism.deflections",
+    sides=lambda model: _sides(model, ritz.compliance),
 )
 def _static(context: Context, model: str, entry: str) -> Measurement:
     postures, index = path_postures(context), AXES.index(entry)
@@ -150,6 +159,7 @@ def _yielding(numbers: Array, size: float) -> NDArray[np.bool_]:
     figure="mechanism.frequencies",
     unit="Hz",
     row="The mechanism, first screen",
+    sides=lambda model: _sides(model, ritz.frequencies),
     effort=0.2,
 )
 def _frequency(context: Context, model: str, index: int, modes: int) -> Measurement:

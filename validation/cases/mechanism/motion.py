@@ -20,8 +20,9 @@ from lumped.models.bodies import legs_of
 from lumped.system.assembly import assembly
 from lumped.system.solution import compliance, modes, solved
 from validation.adequacy.mechanism.path import path_postures
-from validation.case import Absolute, Measurement, Skip
+from validation.case import Absolute, Measurement, Sides, Skip
 from validation.case_group import CaseGroup
+from validation.cases.mechanism.quantities import ASSEMBLER, MODEL_CODE
 from validation.context import Context
 from validation.exhibits import PATH
 from validation.models.legs import filled, leg_matrices
@@ -47,6 +48,7 @@ _of_moves = cases.family(
     tolerance=Absolute(1e-5),
     tolerance_reason=_QUOTIENTS,
     model="simplified",
+    sides=Sides(ASSEMBLER, (posture,)),
 )
 
 
@@ -197,6 +199,7 @@ def _with_rigid_legs(mechanism: Mechanism) -> Mechanism:
     tolerance=Absolute(0.5),
     tolerance_reason="a count is a whole number",
     model="beam",
+    sides=Sides((*ASSEMBLER, *MODEL_CODE["beam"]), (mobility,)),
 )
 def _idle(context: Context) -> Measurement:
     postures = path_postures(context)

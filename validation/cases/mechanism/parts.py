@@ -4,9 +4,11 @@ Craig and Bampton's modes and MacNeal and Rubin's span different spaces; what ea
 bounded by itself, so that both leave one robot.
 """
 
+from fem.reduction.craig_bampton import reduction
+from fem.reduction.free_interface import free_interface
 from validation.adequacy.mechanism.part_solids import bounded_frequencies
 from validation.adequacy.mechanism.path import holds, offered, path_postures
-from validation.case import Measurement, Relative
+from validation.case import Measurement, Relative, Sides
 from validation.case_group import CaseGroup, numbered
 from validation.context import Context
 from validation.exhibits import PATH
@@ -19,6 +21,7 @@ cases = CaseGroup(
     section=PATH,
     group="mechanism.parts",
     effort=5.0,
+    sides=Sides((free_interface,), (reduction,)),
 )
 
 

@@ -11,13 +11,18 @@ from functools import partial
 import numpy as np
 
 from fem.beams.stepped import SteppedLeg
+from fem.bodies import doubling
+from fem.couplings.end_effects import restrained_compliance
+from fem.reduction.craig_bampton import craig_bampton
+from fem.sections.section_constants import beam_properties, section_constants
 from lumped.arrays import Array
 from lumped.errors import InputError
-from lumped.legs import ConstantLeg, Ends
+from lumped.legs import ConstantLeg, Ends, tip_compliance
 from lumped.mechanism.body_model import LegMatrices
 from lumped.mechanism.free_twists import free_twists, interface_position
+from lumped.mechanism.kinematics.postures import posture
 from lumped.mechanism.mechanism import Posture
-from lumped.models import vjm
+from lumped.models import links, vjm
 from lumped.models.bodies import tip_compliances
 from lumped.models.serial_chains import serial_chains
 from lumped.system.assembly import assembly
@@ -26,8 +31,9 @@ from validation.adequacy.legs import solid_leg
 from validation.adequacy.mechanism.path import known_legs, path_postures
 from validation.adequacy.mechanism.statics import assembled, is_serial
 from validation.agreement.differences import farthest_off, farthest_refined, refined
-from validation.case import Absolute, Measurement, Relative, Skip
+from validation.case import Absolute, Measurement, Relative, Sides, Skip
 from validation.case_group import CaseGroup, numbered
+from validation.cases.mechanism.quantities import ASSEMBLER, MODEL_CODE
 from validation.context import Context
 from validation.exhibits import PATH
 from validation.models.legs import leg_matrices, reduced_leg
@@ -60,6 +66,8 @@ BEYOND_ROUNDING = (
 )
 _OF_ELEMENTS = (("beam", Absolute(1e-9)), ("segments", Absolute(1e-8)))
 _FEW_ELEMENTS = 8
+_SOLID = (doubling.condensed_leg, doubling.tip_compliance)
+_OWN_BEAM = (section_constants, beam_properties, tip_compliance)
 _SECOND_ORDER = 2.0
 
 cases = CaseGroup(
@@ -78,6 +86,7 @@ cases = CaseGroup(
     citation="positions of both sides, read off the bodies' frames",
     tolerance=Absolute(1e-12),
     tolerance_reason="the loops are closed until rounding is left",
+    sides=Sides((posture,), (interface_position, free_twists)),
 )
 def _closure(context: Context) -> Measurement:
     postures = path_postures(context)
@@ -110,11 +119,14 @@ of_links = cases.family(
     "mechanism.statics.{model}[{options.theory}]",
     "Links and {model} of {options.theory} theory are one statics",
     over={"options": (_EULER, _TIMOSHENKO), "model, tolerance": _OF_ELEMENTS},
+    # Both are assembled alike: what differs is what stands for a leg.
+    sides=lambda model: Sides(MODEL_CODE[model], (links.link,)),
 )
 @of_links.case(
     "mechanism.statics.{model}",
     "Virtual joints along serial chains and links are one statics",
     over={"model, options": [("vjm", ModelOptions())]},
+    sides=Sides(MODEL_CODE["vjm"], (links.link, *ASSEMBLER)),
 )
 def _same_statics(context: Context, model: ModelName, options: ModelOptions) -> Measurement:
     postures = path_postures(context)
@@ -165,6 +177,7 @@ _of_solids = cases.family(
     citation="Saint-Venant's end effects on the same mesh of the section, exact along the legs "
     "(fem.couplings.end_effects)",
     tolerance_reason="no cause is left: thin slices of the legs alone",
+    sides=Sides(_SOLID, (*_OWN_BEAM, restrained_compliance)),
 )
 @_of_solids.case(
     "mechanism.statics.solid",
@@ -173,6 +186,7 @@ _of_solids = cases.family(
     citation="Clapeyron's theorem on Saint-Venant's exact solution, constants of the same mesh",
     tolerance_reason="no cause is left: the mesh alone, 0.003 % and less of a leg",
     effort=10.0,
+    sides=Sides(_SOLID, _OWN_BEAM),
 )
 def _solid(context: Context, ends: Ends) -> Measurement:
     postures = path_postures(context)
@@ -219,6 +233,7 @@ def _off_beams(
     tolerance_reason="springs between rigid segments are second order in 1/n: what doubling their "
     "number changes is the uncertainty",
     model="segments",
+    sides=Sides(MODEL_CODE["segments"], MODEL_CODE["beam"]),
     effort=0.1,
     figure="mechanism.frequencies",
 )
@@ -252,6 +267,7 @@ def _frequencies(
     tolerance_reason="modes of the bodies up to four times the highest frequency leave less than "
     "that",
     model="beam",
+    sides=Sides((craig_bampton,), MODEL_CODE["beam"]),
 )
 def _reduction(context: Context) -> Measurement:
     postures = path_postures(context)

@@ -1,9 +1,25 @@
 """What the first screen's static quantities are called and measured in, one comparison for each."""
 
+from collections.abc import Callable, Mapping
+
+from fem.beams.beam import beam_leg
 from lumped.acceptance.requirement import AXES, ROTATIONS
+from lumped.models import links, segments, serial_chains
+from lumped.system.assembly import assembly
+from lumped.system.solution import solved
 from validation.case import Relative
 from validation.case_group import CaseGroup
+from validation.models.options import ModelName
 
+# What solves a mechanism of bodies, and what beside it is each model's own.
+ASSEMBLER = (assembly, solved)
+MODEL_CODE: Mapping[ModelName, tuple[Callable[..., object], ...]] = {
+    "simplified": (),
+    "vjm": (serial_chains.compliance,),
+    "links": (links.link,),
+    "segments": (segments.segment_leg, segments.static_leg),
+    "beam": (beam_leg,),
+}
 LOAD = 1000.0  # N or N m
 _ALONG = AXES[:3]
 # Degrees of polynomials that are both exact in statics.

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fem.couplings.wave_stiffness import prism_waves
 from fem.reduction.craig_bampton import craig_bampton
 from fem.reduction.superelement import held_leg
 from lumped.arrays import Array
@@ -18,13 +19,14 @@ from validation.adequacy.mechanism.path import known_legs, offered, path_posture
 from validation.adequacy.mechanism.samples import samples_of
 from validation.adequacy.partners import partners
 from validation.agreement.convergence import step_factor
-from validation.case import Absolute, Allowance, Measurement, Relative, Skip
+from validation.case import Absolute, Allowance, Measurement, Relative, Sides, Skip
 from validation.case_group import CaseGroup, numbered
+from validation.cases.mechanism.quantities import MODEL_CODE
 from validation.context import Context
 from validation.exhibits import PATH
 from validation.models.mechanism import CUTOFF, highest_frequency
 from validation.solids.legs import FORMAL_ORDER, divisions_across, leg_constants
-from validation.solids.robots import SHARED_SOLIDS
+from validation.solids.robots import SHARED_SOLIDS, held_solid
 from validation.solids.size import skip_too_large
 from validation.studies.leg_waves import NO_WAVES, WAVES, WAVES_SOURCE, wave_changes, waves_of
 from validation.studies.paired_robot_modes import DIVISIONS, ELEMENTS, WALL_DIVISIONS, own_beam
@@ -58,6 +60,7 @@ cases = CaseGroup(
     section=PATH,
     group=SHARED_SOLIDS,
     effort=5.0,
+    sides=Sides((held_solid, craig_bampton), (*MODEL_CODE["beam"], prism_waves)),
 )
 
 
