@@ -204,14 +204,11 @@ def run(
     preset: Preset = "standard",
     only: str | None = None,
     jobs: int | None = None,
-    selftest: bool | None = None,
     vary: Sequence[str] = (),
 ) -> Run:
     """Everything that `flexproof run` does, into the folder `out`.
 
-    `selftest`: the checks of the program are made again, or left out; None takes those that are
-    kept, and makes them where none are. `vary`: numbers of the robot file with their values, as
-    `--vary` has them.
+    `vary`: numbers of the robot file with their values, as `--vary` has them.
     Raises InputError before anything is written, ComputationError where the run cannot go on.
     """
     # The session loads every case; solving a model needs none of them.
@@ -219,7 +216,7 @@ def run(
     from validation.run.session import Request, default_jobs, validate  # noqa: PLC0415
 
     asked = Request(_loaded(robot), preset, Path(out), jobs or default_jobs(), only)
-    request = replace(asked, selftest=selftest, vary=tuple(vary))
+    request = replace(asked, vary=tuple(vary))
     with _arguments_named():
         gathered = validate(request, catalogue)
     found = [outcome.verdict for outcome in gathered.in_order()]

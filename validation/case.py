@@ -201,7 +201,7 @@ class Case:
     `id` is dotted, with parameters in brackets: "robot.beam-vjm.planar[x=0.4975]". `quantity` and
     `unit` name the value ("largest planar deflection", "µm"; "1" for ratios), `model` whose value
     it is ("segments", "solid"; empty where it is no model's). `subject` tells what a case says
-    something about: the run's robot, one of its legs, or the program itself. Cases of one quantity
+    something about: the run's robot, or one of its legs. Cases of one quantity
     by several models stand side by side, in the `row` of that name where there are several.
     `label` is what an axis has room for of the quantity.
     `section` is the heading under which the report shows the case, `figure` the id of the figure
@@ -233,12 +233,12 @@ class Case:
     sides: Sides | None = None
 
     def measure(self, context: Context) -> Measurement:
-        """What `compute` finds of the subject; `context` is that of the run.
+        """What `compute` finds in the `context` of the run.
 
         Raises Skip also where it needs CalculiX, and there is none.
         """
         try:
-            return self.compute(context.about(self.subject))
+            return self.compute(context)
         except CalculixMissing as missing:
             raise Skip(str(missing)) from None
 

@@ -7,7 +7,7 @@ from lumped.robot_file.variation import variations_of
 from validation import paper
 from validation.adequacy.matrix import ADEQUACY, MEASURED, Assessment
 from validation.adequacy.robot import robot_adequacy
-from validation.cases import legs, mechanism, program
+from validation.cases import legs, mechanism
 from validation.measured.matrix import measured_matrix
 from validation.paper.robot import is_the_papers
 from validation.report.figures import figures_of_robot, figures_of_variations
@@ -39,16 +39,10 @@ def catalogue(robot_file: RobotFile) -> Sequence[Task]:
         *legs.cases(described),
         *mechanism.cases(described, robot_file.requirement.modes),
         *([_MEASURED] if robot_file.measured else []),
-        *checks(robot_file),
         _ADEQUACY,
         *figures_of_robot(),
         *(paper.figures() if is_the_papers(robot_file) else ()),
     )
-
-
-def checks(_robot_file: RobotFile) -> Sequence[Task]:
-    """What verifies the program, the same whatever the robot."""
-    return program.cases()
 
 
 def with_variations(

@@ -22,7 +22,7 @@ from validation.console.arguments import ProcessCount, WholeNumber
 from validation.console.streams import complain, say
 from validation.console.written import require_apart, require_place, shown, write
 from validation.kinematics import commands as kinematics
-from validation.run import selftest as selftests
+from validation.selftest.command import selftest
 from validation.solve import parts as commands
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ app = App(
 app.command(commands.faces)
 app.command(kinematics.kinematics)
 app.command(commands.identify)
-app.command(selftests.selftest)
+app.command(selftest)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -102,7 +102,6 @@ def run(
     rely: tuple[str, ...] = (),
     strict: Annotated[bool, Parameter(negative="")] = False,
     measured: Path | None = None,
-    selftest: bool | None = None,
     vary: tuple[str, ...] = (),
 ) -> int:
     """Validate a robot's lumped models and write a report.
@@ -140,9 +139,6 @@ def run(
     measured
         Measured values of the robot (CSV: quantity, pose, value, uncertainty, source), besides
         those of the robot file.
-    selftest
-        Make the checks of the program itself again, or leave them out. Otherwise those that are
-        kept for this version and machine are shown, and made where none are.
     vary
         A number of the robot file over a range, bodies.rod1.section.diameter=0.02:0.06:9 say: all
         models over it, as figures, and what each of them would choose; a * in the key stands for
@@ -178,7 +174,6 @@ def run(
         cluster,
         {option: given for option, given in asked.items() if given},
         strict,
-        selftest,
         vary,
     )
     try:
@@ -189,7 +184,7 @@ def run(
         return complain(["interrupted", summary.how_to_go_on(request)], 3)
     complain([*gathered.remarks, *summary.left_out(gathered)], 0)
     changes, worsened = summary.changes(gathered)
-    say("\n".join([*summary.verdicts(gathered), summary.program(gathered), *changes]))
+    say("\n".join([*summary.verdicts(gathered), *changes]))
     say(f"report: {shown(gathered.path / 'report.html')}")
     for line in summary.adequacy(gathered):
         say(line)

@@ -1,22 +1,21 @@
 """What a case may use: the robot, the preset, and results that other cases computed before."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, fields, is_dataclass, replace
-from functools import cache
+from dataclasses import dataclass, field, fields, is_dataclass
 from hashlib import blake2b
 from pathlib import PurePath
-from typing import Any, Literal, ParamSpec, Self, TypeAlias, TypeVar
+from typing import Any, Literal, ParamSpec, TypeAlias, TypeVar
 
 import msgspec
 import numpy as np
 
 from lumped.biglide import Biglide
-from lumped.robot_file import RobotFile, load_robot
+from lumped.robot_file import RobotFile
 
 Preset: TypeAlias = Literal["quick", "standard", "fine"]
 About: TypeAlias = Literal["robot", "leg", "program"]
 PRESETS: tuple[Preset, ...] = ("quick", "standard", "fine")
-# The robot whose numbers the paper prints; the program itself is verified on it.
+# The robot whose numbers the paper prints.
 BUILT_IN = "ifw"
 # The option that holds the run's folder of finished units of sweeps, if its session names one.
 SWEEPS_FOLDER = "sweeps"
@@ -42,13 +41,6 @@ class Context:
         """The robot of the file."""
         return self.robot_file.robot
 
-    def about(self, subject: About) -> Self:
-        """The context of what says something of `subject`: the program is checked on one robot.
-
-        That is the built-in one, whatever the run's robot is; both share their memo.
-        """
-        return replace(self, robot_file=_built_in()) if subject == "program" else self
-
     def get(self, function: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
         """The function's value for these arguments, from the memo if it has been computed."""
         return self.recall(memo_key(function, args, kwargs), lambda: function(*args, **kwargs))
@@ -59,11 +51,6 @@ class Context:
             self._memo[key] = compute()
         value: T = self._memo[key]
         return value
-
-
-@cache
-def _built_in() -> RobotFile:
-    return load_robot(BUILT_IN)
 
 
 def memo_key(

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from math import isfinite
 from typing import Any, Literal, TypeAlias
 
-from validation.context import PRESETS, About, Context, Preset
+from validation.context import PRESETS, Context, Preset
 
 # Sections of the report that cases and figures share.
 STROKE = "The robot over its stroke"
@@ -122,7 +122,6 @@ class PlannedFigure:
     section: str = ""
     group: str = ""
     effort: float = 1.0
-    subject: About = "robot"
 
 
 def study_record(study: Study) -> dict[str, Any]:

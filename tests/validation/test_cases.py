@@ -41,11 +41,11 @@ FEW = 2
 
 
 def groups():
-    """Robot and group of the cases of preset quick; of the second robot what is about it alone."""
+    """Robot and group of the cases of preset quick."""
     found = {}
     for name, cases in LISTED.items():
         for case in cases:
-            if "quick" in case.presets and (name == "ifw" or case.subject != "program"):
+            if "quick" in case.presets:
                 found.setdefault((name, case.group), []).append(case)
     return found
 

@@ -237,7 +237,7 @@ def test_a_verdict_worse_than_in_the_baseline_ends_with_1(toys, with_catalogue, 
         entry["id"]: entry for entry in json.loads((out / "results.json").read_text())["cases"]
     }
     assert entries["toy.agrees"]["verdict"] == "agree"
-    assert entries["toy.agrees"]["frozen"] == 0.25
+    assert entries["toy.agrees"]["earlier"] == 0.25
     assert entries["toy.agrees"]["drift"] == pytest.approx(1.0 / 3.0 - 0.25, rel=1e-12)
     assert entries["toy.first[x=1]"]["drifted"] is False
     # A part of the run is compared with that part of the baseline.

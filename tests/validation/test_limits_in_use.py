@@ -112,7 +112,6 @@ RUN = {
     "preset": "fine",
     "only": "leg*",
     "jobs": 3,
-    "selftest": False,
     "vary": ("geometry.a=0.9:1:3",),
 }
 

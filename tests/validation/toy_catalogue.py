@@ -31,8 +31,6 @@ def case(identifier: str, compute: Callable[[Context], Measurement], group: str 
         tolerance_reason="made up",
         compute=compute,
         section="Toys",
-        # Of the run's robot: one of the program would load a robot of its own, and be kept.
-        subject="robot",
         group=group,
     )
 
@@ -167,43 +165,3 @@ def chatty(_robot_file: RobotFile) -> Sequence[Task]:
 
 def tells_much(_context: Context) -> Measurement:
     return Measurement(1.0 / 3.0, 0.34, exact=True, notes=("tell" * 5000,))
-
-
-def checks(_robot_file: RobotFile) -> Sequence[Task]:
-    """Checks of the program, beside which the robot's cases stand in a run."""
-    names = {"toy.check.steady": measured_on, "toy.check.sum": made_now}
-    return (
-        *(replace(case(name, compute), subject="program") for name, compute in names.items()),
-        PlannedFigure(
-            "toy.check.figure", "Toy figure of the program", draws_check, subject="program"
-        ),
-    )
-
-
-def checked(robot_file: RobotFile) -> Sequence[Task]:
-    return (case("toy.agrees", agrees), *checks(robot_file))
-
-
-def wrongly_checked(robot_file: RobotFile) -> Sequence[Task]:
-    wrong = replace(case("toy.check.wrong", disagrees), subject="program")
-    failing = replace(case("toy.check.failing", is_singular), subject="program")
-    return (*checked(robot_file), wrong, *([failing] if "FAILING" in os.environ else []))
-
-
-def slowly_checked(robot_file: RobotFile) -> Sequence[Task]:
-    """Checks of which the last takes a minute."""
-    last = replace(case("toy.check.slow", sleeps, group="checks"), subject="program")
-    return (*(replace(task, group="checks") for task in checked(robot_file)), last)
-
-
-def measured_on(context: Context) -> Measurement:
-    return Measurement(context.robot.a, 0.92, exact=True)
-
-
-def made_now(_context: Context) -> Measurement:
-    return Measurement(1.0, 1.0, exact=True, notes=(f"{os.getpid()} {time.perf_counter_ns()}",))
-
-
-def draws_check(context: Context) -> Figure:
-    text = f"x\n{context.robot.a}\n"
-    return Figure("toy.check.figure", "Toy", "A caption.", "Toys", svg="<svg ></svg>", data=text)

@@ -1,8 +1,7 @@
 """Cases and outcomes as lines of text and as JSON, for terminals and programs."""
 
 import json
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 from lumped.audit.finding import Finding
 from lumped.mechanism.mechanism import Mechanism
@@ -138,23 +137,6 @@ def summary(outcomes: Sequence[Outcome], unfinished: int = 0) -> str:
     parts += [f"{counts['skipped']} skipped"] if counts["skipped"] else []
     parts += [f"{unfinished} not computed"] if unfinished else []
     return ", ".join(parts) + "."
-
-
-def program_line(outcomes: Sequence[Outcome], run: Mapping[str, Any]) -> str:
-    """The program's checks in one line: how many agree, since when that is known, which version.
-
-    `run` is the header of the run.
-    """
-    about = run.get("selftest")
-    if not about:
-        return "the program: not checked in this run"
-    judged = [outcome for outcome in outcomes if outcome.verdict != "skipped"]
-    agreeing = sum(outcome.verdict == "agree" for outcome in judged)
-    version = run.get("versions", {}).get("flexproof", "")
-    return (
-        f"the program: {agreeing} of {len(judged)} checks agree, checked on "
-        f"{about['checked'][:10]}, flexproof {version}".rstrip()
-    )
 
 
 def _claim(case: Case) -> str:

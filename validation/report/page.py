@@ -16,14 +16,12 @@ from validation.drawing import text
 from validation.drawing.scenes import packed_viewer
 from validation.exhibits import PORTRAIT, Figure, PlannedFigure
 from validation.report.first_screen.screen import FirstScreen, first_screen
-from validation.report.first_screen.words import capital
-from validation.report.listing import program_line, summary
-from validation.report.sections import APPENDIX, Chapter, chapters_of
-from validation.report.tables import SectionLine, explained, unexplained_share
+from validation.report.listing import summary
+from validation.report.sections import Chapter, chapters_of
+from validation.report.tables import explained, unexplained_share
 from validation.results.drift import Drift
 from validation.results.outcome import Outcome, Verdict
 from validation.results.records import studies_of
-from validation.results.tasks import is_check
 
 # How many comparisons the appendix shows first beside those that do not agree.
 _FOREMOST = 10
@@ -41,10 +39,10 @@ class Report:
     """What the page shows.
 
     `matrix` is the adequacy of the models, `unjudged` says why there is none, `measured` that
-    against measured values. `unfinished` counts
-    the pieces of work that were not computed; `drifts` (by case id) are the moves from frozen
-    values, which stand in a column of their own; `no_longer_compared` (why, by case id) agreed in
-    them and are skipped now. The plots are drawn by so many `processes`.
+    against measured values. `unfinished` counts the pieces of work that were not computed; `drifts`
+    (by case id) are the moves from the values of the baseline, which stand in a column of their
+    own; `no_longer_compared` (why, by case id) agreed there and are skipped now. The plots are
+    drawn by so many `processes`.
     """
 
     outcomes: tuple[Outcome, ...]
@@ -93,12 +91,6 @@ class Report:
         return said
 
     @property
-    def program(self) -> str:
-        """The verification of the program in one line."""
-        checks = [outcome for outcome in self.outcomes if is_check(outcome.case)]
-        return capital(program_line(checks, self.provenance))
-
-    @property
     def portrait(self) -> Figure | None:
         """The picture of the robot."""
         return next((figure for figure in self.figures if figure.id == PORTRAIT), None)
@@ -107,17 +99,6 @@ class Report:
     def bad(self) -> tuple[Outcome, ...]:
         """Comparisons that disagree or failed."""
         return tuple(o for o in self.worst_first if o.verdict in {"disagree", "failed"})
-
-    @property
-    def parts(self) -> tuple[SectionLine, ...]:
-        """The appendix's sections in one line each, the largest unexplained difference first."""
-
-        def size(part: SectionLine) -> float:
-            return (unexplained_share(part.largest) or 0.0) if part.largest else -1.0
-
-        sections = self.appendix.sections if self.appendix else ()
-        parts = [section.part for section in sections if section.outcomes]
-        return tuple(sorted(parts, key=lambda part: -size(part)))
 
     @property
     def verdict(self) -> Verdict:
@@ -152,10 +133,11 @@ class Report:
         }
 
     @cached_property
-    def _all_chapters(self) -> tuple[Chapter, ...]:
-        """An interrupted run goes without the plots of studies and budgets.
+    def chapters(self) -> tuple[Chapter, ...]:
+        """The chapters on the robot, its legs and the paper.
 
-        Whoever presses Ctrl-C waits for nothing.
+        An interrupted run goes without the plots of studies and budgets: whoever presses Ctrl-C
+        waits for nothing.
         """
         drawn = {study.id for study in studies_of(self.outcomes)} | {PORTRAIT}
         figures = [figure for figure in self.figures if figure.id not in drawn]
@@ -164,21 +146,11 @@ class Report:
         )
 
     @property
-    def chapters(self) -> tuple[Chapter, ...]:
-        """The chapters on the robot."""
-        return tuple(chapter for chapter in self._all_chapters if chapter.title != APPENDIX)
-
-    @property
-    def appendix(self) -> Chapter | None:
-        """What verifies the program."""
-        return next((c for c in self._all_chapters if c.title == APPENDIX), None)
-
-    @property
     def shown(self) -> tuple[Figure, ...]:
         """Every figure of the page in its order, those drawn from the outcomes among them."""
         screens = (self.first, self.measurements)
         first = (*(screen.errors for screen in screens if screen), self.portrait)
-        sections = [section for chapter in self._all_chapters for section in chapter.sections]
+        sections = [section for chapter in self.chapters for section in chapter.sections]
         return (
             *(figure for figure in first if figure),
             *(figure for section in sections for figure in section.shown),

@@ -1,6 +1,6 @@
 """The parts of the report: which comparisons, plots and pictures stand together, in which order.
 
-Chapters answer the reader's questions in turn; what only verifies the program is an appendix.
+Chapters answer the reader's questions in turn.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -14,8 +14,8 @@ from validation.report.figures.studies.families import Family, families
 from validation.report.figures.studies.family_plots import family_plot
 from validation.report.figures.together import Draw, drawn_together
 from validation.report.said import SaidTable
-from validation.report.tables import Grid, SectionLine, grids
-from validation.results.outcome import Outcome
+from validation.report.tables import Grid, grids, largest_unexplained
+from validation.results.outcome import Outcome, Verdict
 from validation.results.records import claims_of
 
 # Chapters in their order, with their sections as they follow each other; sections that stand in no
@@ -26,8 +26,6 @@ CHAPTERS: Mapping[str, tuple[str, ...]] = {
     "The decision": (PARAMETERS, FAMILY),
     "The paper": ("The paper's statements",),
 }
-APPENDIX = "The program"
-_SUBJECTS: Mapping[str, str] = {"robot": "The robot", "leg": "Its legs"}
 
 
 @dataclass(frozen=True)
@@ -85,10 +83,14 @@ class Section:
         claims = claims_of(self.outcomes)
         return SaidTable(claims) if claims else None
 
+    def count(self, verdict: Verdict) -> int:
+        """How many comparisons have this verdict."""
+        return sum(outcome.verdict == verdict for outcome in self.outcomes)
+
     @property
-    def part(self) -> SectionLine:
-        """The section in one line."""
-        return SectionLine(self.title, self.outcomes)
+    def largest(self) -> Outcome | None:
+        """The comparison with the largest unexplained difference, see `unexplained_share`."""
+        return largest_unexplained(self.outcomes)
 
     @cached_property
     def homes(self) -> Mapping[str, str]:
@@ -131,7 +133,7 @@ class Chapter:
 def chapters_of(
     outcomes: Sequence[Outcome], figures: Sequence[Figure], *, plotted: bool, processes: int = 1
 ) -> tuple[Chapter, ...]:
-    """The chapters that have anything to show, the appendix last.
+    """The chapters that have anything to show.
 
     `plotted`: whether plots are to be drawn from the outcomes, by so many `processes`.
     """
@@ -147,7 +149,7 @@ def chapters_of(
     sections = _with_plots(sections, processes if plotted else 0)
     gathered = {
         chapter: tuple(section for section in sections if _home(section) == chapter)
-        for chapter in (*CHAPTERS, APPENDIX)
+        for chapter in CHAPTERS
     }
     return tuple(
         Chapter(title, tuple(sorted(found, key=lambda section: _place(title, section))))
@@ -159,8 +161,8 @@ def chapters_of(
 def _home(section: Section) -> str:
     """The chapter that names the section, else that of what its first case says something of."""
     named = {title: chapter for chapter, titles in CHAPTERS.items() for title in titles}
-    subject = section.outcomes[0].case.subject if section.outcomes else "program"
-    return named.get(section.title) or _SUBJECTS.get(subject, APPENDIX)
+    of_leg = section.outcomes and section.outcomes[0].case.subject == "leg"
+    return named.get(section.title) or ("Its legs" if of_leg else "The robot")
 
 
 def _place(chapter: str, section: Section) -> int:

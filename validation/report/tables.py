@@ -2,11 +2,10 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from math import isclose, isnan
 
 from validation.case import Measurement, Relation, Relative
-from validation.results.outcome import Outcome, Verdict
+from validation.results.outcome import Outcome
 
 # Models as cases name them, and the headings of their columns.
 VARIANTS = {
@@ -17,18 +16,9 @@ VARIANTS = {
     "segments": "segments",
     "beam": "beam FE",
     "solid": "solid FE",
-    "series": "series",
-    "mesh": "finite elements",
 }
 # Explained differences below this share of the reference are not told apart in a table.
 _WORTH_SAYING = 1e-6
-_RANK: dict[Verdict, int] = {
-    "disagree": 0,
-    "failed": 1,
-    "undecided": 2,
-    "agree": 3,
-    "skipped": 4,
-}
 
 
 @dataclass(frozen=True)
@@ -75,28 +65,6 @@ class Grid:
     def references(self) -> bool:
         """Whether any row has one reference for all its cells."""
         return any(row.reference is not None for row in self.rows)
-
-
-@dataclass(frozen=True)
-class SectionLine:
-    """A section of the report in one line: how many comparisons, and the least explained one."""
-
-    title: str
-    outcomes: tuple[Outcome, ...]
-
-    def count(self, verdict: Verdict) -> int:
-        """How many comparisons have this verdict."""
-        return sum(outcome.verdict == verdict for outcome in self.outcomes)
-
-    @property
-    def verdict(self) -> Verdict:
-        """The worst verdict of the part."""
-        return min((outcome.verdict for outcome in self.outcomes), key=lambda v: _RANK[v])
-
-    @cached_property
-    def largest(self) -> Outcome | None:
-        """The comparison with the largest unexplained difference, see `unexplained_share`."""
-        return largest_unexplained(self.outcomes)
 
 
 def grids(outcomes: Sequence[Outcome]) -> tuple[tuple[Grid, ...], tuple[Outcome, ...]]:

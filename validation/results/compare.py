@@ -148,7 +148,7 @@ def as_dict(comparison: RunComparison) -> dict[str, Any]:
                 "id": entry.id,
                 "what": entry.what,
                 "unit": entry.unit,
-                "before": entry.drift.frozen,
+                "before": entry.drift.earlier,
                 "after": entry.drift.value,
                 "drift": entry.drift.amount,
                 "allowed": entry.drift.allowed,

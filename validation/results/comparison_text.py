@@ -41,7 +41,7 @@ def as_text(before: RunRecord, after: RunRecord, comparison: RunComparison) -> s
         ["before", "after", "drift", "allowed", "unit", "", "case"],
         [
             [
-                f"{entry.drift.frozen:.10g}",
+                f"{entry.drift.earlier:.10g}",
                 f"{entry.drift.value:.10g}",
                 f"{entry.drift.amount:+.2g}",
                 f"{entry.drift.allowed:.2g}",

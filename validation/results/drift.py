@@ -1,7 +1,7 @@
-"""Drift: how far a value has moved from the one this project found earlier.
+"""Drift: how far a value has moved from that of an earlier run.
 
-References come from outside and decide the verdict; a frozen value is the project's own earlier
-result and decides nothing. A change of it is drift, never disagreement.
+References come from outside and decide the verdict; an earlier value is only our own and decides
+nothing. A change of it is drift, never disagreement.
 """
 
 from collections.abc import Sequence
@@ -21,16 +21,16 @@ _OF_TOLERANCE = 1e-3
 
 @dataclass(frozen=True)
 class Drift:
-    """From `frozen` to `value`; up to `allowed` (half-width, same unit) the two are the same."""
+    """From `earlier` to `value`; up to `allowed` (half-width, same unit) the two are the same."""
 
-    frozen: float
+    earlier: float
     value: float
     allowed: float
 
     @property
     def amount(self) -> float:
         """Value less frozen value."""
-        return self.value - self.frozen
+        return self.value - self.earlier
 
     @property
     def beyond(self) -> bool:
@@ -48,7 +48,7 @@ def same_pose(one: tuple[float, ...], other: tuple[float, ...]) -> bool:
 
 
 def drift(
-    frozen: float,
+    earlier: float,
     value: float,
     *,
     uncertainties: Sequence[float | None] = (),
@@ -61,15 +61,15 @@ def drift(
     any case. Where `reference` is zero, a thousandth of the `tolerance` counts as rounding.
     """
     known = [u for u in uncertainties if u is not None]
-    allowed = max([*known, _ROUNDING * max(abs(frozen), abs(value))])
+    allowed = max([*known, _ROUNDING * max(abs(earlier), abs(value))])
     if reference == 0.0 and tolerance is not None:
         allowed = max(allowed, _OF_TOLERANCE * tolerance)
-    return Drift(frozen, value, allowed)
+    return Drift(earlier, value, allowed)
 
 
-def drifts(outcomes: Sequence[Outcome], frozen: RunRecord) -> dict[str, Drift]:
-    """Drift by case id, of the outcomes that have a value and a frozen one of the same pose."""
-    earlier = frozen.by_id
+def drifts(outcomes: Sequence[Outcome], baseline: RunRecord) -> dict[str, Drift]:
+    """Drift by case id, of the outcomes that have a value and an earlier one of the same pose."""
+    earlier = baseline.by_id
     found = {}
     for outcome in outcomes:
         now, then = outcome.measurement, earlier.get(outcome.case.id)
@@ -102,7 +102,7 @@ def with_drift(record: CaseRecord, drift: Drift | None) -> CaseRecord:
         return record
     return msgspec.structs.replace(
         record,
-        frozen=drift.frozen,
+        earlier=drift.earlier,
         drift=finite(drift.amount),
         drift_allowed=finite(drift.allowed),
         drifted=drift.beyond,

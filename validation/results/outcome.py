@@ -22,8 +22,7 @@ class Result(msgspec.Struct, Generic[V, F], frozen=True):
     """What became of a task: a worker sends it, the journal keeps it, the run and its page read it.
 
     `verdict` is that on a comparison, of anything else whether it was made; `found` a measurement,
-    figure or matrix, None where there is none, and `message` says why. `checked` tells when it was
-    made, where it was kept for later runs.
+    figure or matrix, None where there is none, and `message` says why.
     """
 
     id: str
@@ -31,7 +30,6 @@ class Result(msgspec.Struct, Generic[V, F], frozen=True):
     seconds: float
     message: str = ""
     found: F | None = None
-    checked: str = ""
 
 
 @dataclass(frozen=True)

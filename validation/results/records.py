@@ -24,8 +24,7 @@ _LARGEST = 200_000_000
 class CaseRecord(msgspec.Struct, frozen=True, kw_only=True):
     """A case with what came out; numbers in `unit`, None where not finite.
 
-    Truth and frozen apart: beside the reference stands what this project found earlier. Frozen
-    values have id, verdict, value, uncertainty and pose alone.
+    The reference, which decides, and `earlier`, the value of the baseline, are two things.
     """
 
     id: str
@@ -56,7 +55,7 @@ class CaseRecord(msgspec.Struct, frozen=True, kw_only=True):
     table: Mapping[str, tuple[float | str | None, ...]] = {}
     pose: tuple[float, ...] = ()
     elsewhere: tuple[Mapping[str, Any], ...] = ()
-    frozen: float | None = None
+    earlier: float | None = None
     drift: float | None = None
     drift_allowed: float | None = None
     drifted: bool | None = None

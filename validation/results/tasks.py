@@ -18,11 +18,6 @@ Made: TypeAlias = Literal["made", "failed", "skipped"]
 AnyResult: TypeAlias = Result[Any, Any]
 
 
-def is_check(task: Task) -> bool:
-    """Whether a task says something of the program, not of the run's robot."""
-    return not isinstance(task, Assessment) and task.subject == "program"
-
-
 def plain(result: Result[Any, Any]) -> Record:
     """A result as plain data; numbers that JSON does not know stay."""
     record: Record = msgspec.to_builtins(result, enc_hook=_numpy_to_builtin)

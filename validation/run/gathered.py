@@ -14,8 +14,7 @@ from validation.results.compare import RunComparison, compare
 from validation.results.drift import Drift, drifts, no_longer_compared, with_drift
 from validation.results.outcome import Outcome
 from validation.results.records import RunRecord, case_record, parse_run, run_record
-from validation.results.tasks import AnyResult, Record, Task, from_plain, is_check, still_holding
-from validation.run.kept_checks import Kept
+from validation.results.tasks import AnyResult, Record, Task, from_plain, still_holding
 from validation.store.run_folder import RunFolder
 
 
@@ -23,63 +22,33 @@ from validation.store.run_folder import RunFolder
 class Results:
     """What has been finished so far, by id.
 
-    `baseline` is the earlier run that the user names, `frozen` the one that drift is counted from:
-    the baseline or, without one, what is kept of a built-in robot. `path` is where the report is:
-    beside an earlier run's as long as this one is not finished. `remarks` say what was found in
-    the folder that is not as it should be. `rely` names the models that must be adequate, `strict`
-    tells whether undecided is not enough. `checked` tells when those checks of the program were
-    made that are taken from an earlier run.
+    `baseline` is the earlier run that drift is counted from, where the user names one. `path` is
+    where the report is: beside an earlier run's as long as this one is not finished. `remarks` say
+    what was found in the folder that is not as it should be. `rely` names the models that must be
+    adequate, `strict` tells whether undecided is not enough.
     """
 
     header: Mapping[str, Any]
     tasks: Sequence[Task]
     baseline: RunRecord | None = None
-    frozen: RunRecord | None = None
     done: dict[str, AnyResult] = field(default_factory=dict)
     path: Path = Path()
     remarks: Sequence[str] = ()
     rely: Sequence[str] = ()
     strict: bool = False
 
-    def add(self, record: Record) -> Task:
-        """Take in a finished piece of work; the task that it was."""
+    def add(self, record: Record) -> None:
+        """Take in a finished piece of work."""
         task = next(task for task in self.tasks if task.id == record["id"])
         self.done[task.id] = from_plain(task, record)
-        return task
 
     def take_up(self, folder: RunFolder) -> None:
         """Take in what an earlier process finished in the folder, as far as it still holds."""
         for task in self.tasks:
-            self._take(task, folder.record(task.id))
-
-    def take_kept(self, kept: Kept) -> None:
-        """Take in the checks of the program that an earlier run made, as far as they still hold."""
-        records = kept.records()
-        for task in self.tasks:
-            if is_check(task) and task.id not in self.done:
-                self._take(task, records.get(task.id))
-
-    def _take(self, task: Task, record: Record | None) -> None:
-        result = still_holding(task, record) if record is not None else None
-        if result is not None:
-            self.done[task.id] = result
-
-    @property
-    def selftest(self) -> Mapping[str, Any] | None:
-        """The program's checks: how many are kept ones, how many this run's, since when they hold.
-
-        None where this run has none of them.
-        """
-        checks = [self.done[t.id] for t in self.tasks if is_check(t) and t.id in self.done]
-        if not checks:
-            return None
-        kept = [result.checked for result in checks if result.checked]
-        own = [self.header["started"]] if len(kept) < len(checks) else []
-        return {
-            "checked": min([*kept, *own]),
-            "kept": len(kept),
-            "computed": len(checks) - len(kept),
-        }
+            record = folder.record(task.id)
+            result = still_holding(task, record) if record is not None else None
+            if result is not None:
+                self.done[task.id] = result
 
     def in_order(self) -> list[Outcome]:
         """The outcomes in the order of the catalogue."""
@@ -126,18 +95,18 @@ class Results:
 
     @property
     def drifts(self) -> dict[str, Drift]:
-        """How far the values have moved from the frozen ones, by case id."""
-        return drifts(self.in_order(), self.frozen) if self.frozen else {}
+        """How far the values have moved from those of the baseline, by case id."""
+        return drifts(self.in_order(), self.baseline) if self.baseline else {}
 
     @property
     def no_longer_compared(self) -> dict[str, str]:
-        """Comparisons that agreed in the baseline or the frozen values and are skipped now: why."""
-        return no_longer_compared(self.in_order(), self.frozen)
+        """Comparisons that agreed in the baseline and are skipped now: why."""
+        return no_longer_compared(self.in_order(), self.baseline)
 
     def compared_with(self, baseline: RunRecord) -> RunComparison:
         """What changed since `baseline`, as far as its cases were to be run this time."""
         asked = {task.id for task in self.tasks}
-        part = not {"only", "selftest"}.isdisjoint(self.header["options"])
+        part = "only" in self.header["options"]
         before = tuple(
             case
             for case in baseline.cases
@@ -180,7 +149,7 @@ class Results:
         return msgspec.json.format(msgspec.json.encode(self._record()), indent=1).decode() + "\n"
 
     def _record(self) -> RunRecord:
-        header = dict(self.header) | {"unfinished": self.unfinished, "selftest": self.selftest}
+        header = dict(self.header) | {"unfinished": self.unfinished}
         outcomes, drifts = self.in_order(), self.drifts
         cases = [with_drift(case_record(o), drifts.get(o.case.id)) for o in outcomes]
         return run_record(header, cases, outcomes, self.matrices)

@@ -21,14 +21,13 @@ from validation.context import SWEEPS_FOLDER, Context, Preset
 from validation.paper.errata import paper_findings
 from validation.report.page import Report, render
 from validation.results import provenance
-from validation.results.freeze import built_in_frozen
 from validation.results.junit import junit_xml
 from validation.results.records import RunRecord, load_run
-from validation.results.tasks import Record, Task, is_check
+from validation.results.tasks import Record, Task
 from validation.run import progress, runner
 from validation.run.gathered import Results
-from validation.run.kept_checks import Kept, kept_of
 from validation.run.worker import Job
+from validation.selftest.record import last as last_selftest
 from validation.store.cache import cache_folder
 from validation.store.opening import Start, open_folder
 from validation.store.run_folder import RunFolder
@@ -50,8 +49,6 @@ class Request:
     `vary` are numbers of the robot file with their values, as typed. `cluster` is the address of a
     Dask scheduler that computes the robots of `vary` and parts. `asked` are options that changed
     the robot file's requirement, as typed; `strict`: undecided counts as inadequate.
-    `selftest`: whether the checks of the program are made again, left out, or, None, taken as they
-    are kept and made where they are not.
     """
 
     robot_file: RobotFile
@@ -65,20 +62,13 @@ class Request:
     cluster: str | None = None
     asked: Mapping[str, str] = field(default_factory=dict)
     strict: bool = False
-    selftest: bool | None = None
     vary: tuple[str, ...] = ()
 
     @property
     def options(self) -> Mapping[str, str]:
         """What the header of the run says of all this."""
         only = {"only": self.only} if self.only else {}
-        left_out = {"selftest": "left out"} if self.selftest is False else {}
-        return {**only, **left_out, **self.asked}
-
-    @property
-    def takes_kept(self) -> bool:
-        """Whether kept checks will do: who names some or asks for them wants them computed."""
-        return self.selftest is None and self.only is None
+        return {**only, **self.asked}
 
 
 def validate(request: Request, catalogue: Catalogue) -> Results:
@@ -95,49 +85,38 @@ def validate(request: Request, catalogue: Catalogue) -> Results:
     variations = _variations(request)
     catalogue = _with_figures(catalogue, request)
     listed = catalogue(robot_file)
-    if request.selftest is False:
-        listed = [task for task in listed if not is_check(task)]
     # Whoever names measured values in the command wants to see them, whatever else is left out.
     always = (MEASURED,) if request.asked.get("measured") else ()
     tasks = runner.select(listed, request.preset, request.only, always)
     options = request.options
     header = provenance.header(robot_file, request.preset, options)
-    kept = kept_of(header)
     # Before the run, so that after Ctrl-C only the page is left to be written.
     findings = (*audit(robot_file), *paper_findings(robot_file))
     # Read before anything is written: the folder may be the baseline's own.
     baseline = _baseline(request)
-    frozen = baseline or built_in_frozen(robot_file, request.preset)
     with ExitStack() as stack:
         executor = _cluster(request, stack)
         folder = stack.enter_context(open_folder(request.out, header, request.start))
         sweeps = folder.path / "sweeps"
         job = Job(catalogue, robot_file, request.preset, {**options, SWEEPS_FOLDER: str(sweeps)})
         header |= {"seconds": 0.0, "planned": len(tasks)} | folder.begun()
-        header |= {"frozen_from": _named(frozen)}
+        header |= {"selftest": last_selftest(header)}
         gathered = Results(
             header,
             tasks,
             baseline,
-            frozen,
             path=folder.path,
             rely=robot_file.requirement.rely,
             strict=request.strict,
         )
         gathered.take_up(folder)
         gathered.remarks = folder.remarks
-        if request.takes_kept:
-            gathered.take_kept(kept)
-        elif request.selftest and request.start == "afresh" and request.only is None:
-            kept.forget()
-        _mention_checks(gathered)
         if variations and (executor is not None or request.jobs > 1):
             with progress.stage("robots of --vary"):
                 _vary(request, variations, tasks, sweeps, executor)
-        if any(not is_check(task) for task in tasks if task.id not in gathered.done):
+        if any(task.id not in gathered.done for task in tasks):
             _prepare(robot_file, request.preset, executor, request.jobs)
-        _compute(job, gathered, folder, kept, request.jobs)
-        gathered.remarks = [*gathered.remarks, *_unkept(gathered, kept)]
+        _compute(job, gathered, folder, request.jobs)
         with progress.stage("writing the report"):
             publish(gathered, folder, findings, request.jobs)
         if request.exports and not gathered.unfinished:
@@ -169,7 +148,7 @@ def publish(
         figures=tuple(gathered.all_figures()),
         missing_figures=tuple(gathered.missing_figures()),
         findings=tuple(findings),
-        provenance={**gathered.header, "selftest": gathered.selftest},
+        provenance=gathered.header,
         matrix=gathered.matrix,
         measured=gathered.measured,
         unjudged=next(iter(gathered.unjudged()), ""),
@@ -306,40 +285,13 @@ def _mention(line: str) -> None:
     complain([line], 0)
 
 
-def _named(frozen: RunRecord | None) -> str | None:
-    if frozen is None:
-        return None
-    return f"run of {frozen.run['started']}" if "started" in frozen.run else "kept with the program"
-
-
-def _mention_checks(gathered: Results) -> None:
-    """Say that the program's own checks are made in this run, and why."""
-    asked = [task for task in gathered.tasks if is_check(task)]
-    waiting = sum(task.id not in gathered.done for task in asked)
-    if waiting:
-        why = "" if waiting < len(asked) else "; none are kept for this version on this machine"
-        _mention(f"{waiting} checks of the program itself are made in this run{why}")
-
-
-def _unkept(gathered: Results, kept: Kept) -> list[str]:
-    """What is to be said where checks of the program that this run made are not kept."""
-    if not gathered.selftest or not gathered.selftest["computed"]:
-        return []
-    # Workers read their sources when they start: what they found may belong to others by now.
-    if provenance.suite_digest() != gathered.header["suite_sha256"]:
-        kept.forget("the sources of flexproof changed while they were made")
-    why = f"the checks of the program cannot be kept for other runs: {kept.why}"
-    return [why] if kept.why else []
-
-
-def _compute(job: Job, gathered: Results, folder: RunFolder, kept: Kept, jobs: int) -> None:
+def _compute(job: Job, gathered: Results, folder: RunFolder, jobs: int) -> None:
     begun = perf_counter() - gathered.header["seconds"]
     due = 0.0
 
     def keep(record: Record) -> None:
         folder.keep(record)
-        if is_check(gathered.add(record)):
-            kept.add(record)
+        gathered.add(record)
         nonlocal due
         now = perf_counter()
         gathered.header = dict(gathered.header) | {"seconds": now - begun}

@@ -3,9 +3,8 @@
 from shlex import join
 
 from validation.adequacy.matrix import in_a_line
-from validation.report.listing import outcome_line, program_line, summary
+from validation.report.listing import outcome_line, summary
 from validation.results.comparison_text import sentence
-from validation.results.tasks import is_check
 from validation.run.gathered import Results
 from validation.run.session import Request
 
@@ -30,12 +29,6 @@ def adequacy(gathered: Results) -> list[str]:
     return [*lines, f"against measured values: {in_a_line(measured)}"] if measured else lines
 
 
-def program(gathered: Results) -> str:
-    """The line on the program's own checks."""
-    outcomes = [one for one in gathered.in_order() if is_check(one.case)]
-    return program_line(outcomes, {**gathered.header, "selftest": gathered.selftest})
-
-
 def left_out(gathered: Results) -> list[str]:
     """Lines on the figures that could not be drawn."""
     missing = gathered.missing_figures()
@@ -43,19 +36,13 @@ def left_out(gathered: Results) -> list[str]:
 
 
 def changes(gathered: Results) -> tuple[list[str], bool]:
-    """Lines on what moved or is no longer compared since the baseline, and whether that is worse.
-
-    Without a baseline, since the frozen values, of which nothing is worse.
-    """
-    earlier = "the frozen values" if gathered.baseline is None else "the baseline"
+    """Lines on what moved or is no longer compared since the baseline; whether that is worse."""
+    if gathered.baseline is None:
+        return [], False
     lost = [
-        f"warning: {name} agreed in {earlier} and is skipped now: {why}"
+        f"warning: {name} agreed in the baseline and is skipped now: {why}"
         for name, why in gathered.no_longer_compared.items()
     ]
-    if gathered.baseline is None:
-        drifted = [name for name, drift in gathered.drifts.items() if drift.beyond]
-        line = f"drifted from the frozen values (see the report): {', '.join(drifted)}"
-        return [*lost, *([line] if drifted else [])], False
     comparison = gathered.compared_with(gathered.baseline)
     worse = [
         f"worse     {change.id}: {change.before} in the baseline, now {change.after}"
@@ -75,6 +62,4 @@ def how_to_go_on(request: Request) -> str:
     for option, given in request.asked.items():
         command += [word for one in given.split() for word in (f"--{option}", one)]
     command += ["--strict"] if request.strict else []
-    if request.selftest is not None:
-        command.append("--selftest" if request.selftest else "--no-selftest")
     return f"go on with: {join([*command, '--out', str(request.out), '--resume'])}"

@@ -70,7 +70,7 @@ def execute(task: Task, context: Context) -> AnyResult:
                 measured = task.measure(context)
                 return judge(task, measured, perf_counter() - start).result
             case PlannedFigure():
-                drawn = task.draw(context.about(task.subject))
+                drawn = task.draw(context)
                 figure = replace(drawn, computed_by=(function_name(task.draw),))
                 return Result(task.id, "made", perf_counter() - start, figure.left_out, figure)
             case Assessment():

@@ -32,7 +32,7 @@ def case(identifier="legs.a", **changes):
         "tolerance_reason": "shear is in both models",
         "compute": never,
         "section": "The legs",
-        "subject": "program",
+        "subject": "leg",
     }
     return Case(**(fields | changes))
 
@@ -149,7 +149,7 @@ def sample_report(**changes):
             "seconds": 75.2,
             "machine": "Linux x86_64, 2 cores",
             "versions": {"python": "3.11.7", "numpy": "2.4.6", "flexproof": "1.2"},
-            "selftest": {"checked": "2026-01-01T03:04:05+00:00", "kept": 1, "computed": 0},
+            "selftest": "passed on 2026-01-01",
         },
         "missing_figures": ((PlannedFigure("fig7", "Fig. 7, mode shapes", never), "no OpenGL"),),
     }

@@ -1,4 +1,4 @@
-"""Two runs side by side, and truth and frozen apart. The numbers are made up to be told apart."""
+"""Two runs side by side, references apart from earlier values. The numbers are made up."""
 
 import json
 import re
@@ -8,16 +8,14 @@ from msgspec.json import encode
 from msgspec.structs import replace
 
 from lumped.errors import InputError
-from lumped.robot_file import load_robot
 from validation import cli
 from validation.case import Absolute, Case, Measurement
 from validation.report.page import Report
 from validation.results.compare import as_dict, compare
 from validation.results.comparison_text import as_text, table
 from validation.results.drift import drift, drifts, with_drift
-from validation.results.freeze import FOLDER, built_in_frozen, freeze, frozen_text, main
 from validation.results.outcome import Result, judge
-from validation.results.records import CaseRecord, RunRecord, case_record, load_run, parse_run
+from validation.results.records import CaseRecord, RunRecord, case_record, load_run
 from validation.run.gathered import Results
 from validation.run.summary import changes
 
@@ -220,8 +218,8 @@ def test_runs_without_a_common_case_are_not_called_the_same(tmp_path, capsys):
 
 
 def drifted(moved):
-    frozen = run_of(CaseRecord(id="toy", verdict="agree", value=0.5))
-    return with_drift(case_record(moved), drifts([moved], frozen)["toy"])
+    baseline = run_of(CaseRecord(id="toy", verdict="agree", value=0.5))
+    return with_drift(case_record(moved), drifts([moved], baseline)["toy"])
 
 
 def test_drift_stands_beside_the_verdict_and_never_changes_it():
@@ -229,25 +227,24 @@ def test_drift_stands_beside_the_verdict_and_never_changes_it():
     moved = outcome(1.05)
     entry = drifted(moved)
     assert entry.verdict == "agree"
-    assert (entry.reference, entry.frozen) == (1.0, 0.5)
+    assert (entry.reference, entry.earlier) == (1.0, 0.5)
     assert entry.drift == pytest.approx(0.55, rel=1e-12)
     assert entry.drifted is True
-    # At its frozen value and 0.5 from the reference: no drift, and still it disagrees.
+    # At its earlier value and 0.5 from the reference: no drift, and still it disagrees.
     wrong = outcome(0.5)
     entry = drifted(wrong)
     assert (entry.verdict, entry.drift, entry.drifted) == ("disagree", 0.0, False)
 
 
-def test_a_case_without_a_frozen_value_has_no_drift():
+def test_a_case_without_an_earlier_value_has_no_drift():
     assert drifts([outcome(1.0)], run_of()) == {}
     entry = with_drift(case_record(outcome(1.0)), None)
-    assert (entry.frozen, entry.drift, entry.drifted) == (None, None, None)
+    assert (entry.earlier, entry.drift, entry.drifted) == (None, None, None)
 
 
 AGREED = CaseRecord(id="toy", verdict="agree", value=1.0)
 
 
-@pytest.mark.parametrize("named", ["baseline", "frozen"])
 @pytest.mark.parametrize(
     ("before", "now", "warned"),
     [
@@ -258,7 +255,7 @@ AGREED = CaseRecord(id="toy", verdict="agree", value=1.0)
         (None, "skipped", False),
     ],
 )
-def test_what_agreed_and_is_skipped_is_a_warning(named, before, now, warned):
+def test_what_agreed_and_is_skipped_is_a_warning(before, now, warned):
     """CalculiX gone from the machine, say: what it protected is protected no more."""
     one = outcome(1.0)
     result = one.result
@@ -268,72 +265,17 @@ def test_what_agreed_and_is_skipped_is_a_warning(named, before, now, warned):
     gathered = Results(
         {"robot": "r", "preset": "quick", "options": {}},
         [one.case],
-        baseline=earlier if named == "baseline" else None,
-        frozen=earlier,
+        baseline=earlier,
         done={"toy": result},
     )
     lines, worsened = changes(gathered)
-    told = [line for line in lines if line.startswith("warning: toy agreed in the ")]
+    told = [line for line in lines if line.startswith("warning: toy agreed in the baseline")]
     assert len(told) == warned
-    assert all(named in line and line.endswith("CalculiX is not installed") for line in told)
-    # The user's own baseline is a promise, the frozen values a reminder.
-    assert worsened is (warned and named == "baseline")
+    assert all(line.endswith("CalculiX is not installed") for line in told)
+    assert worsened is warned
     page = Report((), (), (), {}, no_longer_compared=gathered.no_longer_compared)
     assert ("skipped now: toy." in page.checks) is warned
     assert gathered.exit_code() == 0
-
-
-def whole_run(tmp_path, *cases, **changes):
-    header = {
-        "robot_file": "ifw",
-        "robot_sha256": load_robot("ifw").sha256,
-        "options": {},
-        "unfinished": 0,
-    }
-    return saved(tmp_path / "results.json", *cases, **(header | changes))
-
-
-def test_a_run_is_frozen_with_all_digits(tmp_path):
-    third = replace(STEADY, id="third", value=1.0 / 3.0, numerical_uncertainty=1e-7 / 3.0)
-    path = freeze(whole_run(tmp_path, third, STEADY), tmp_path)
-    assert path.name == "ifw-quick.json"
-    frozen = parse_run(path.read_bytes(), "frozen").by_id
-    assert {name: (case.value, case.numerical_uncertainty) for name, case in frozen.items()} == {
-        "steady": (1.0, None),
-        "third": (1.0 / 3.0, 1e-7 / 3.0),
-    }
-
-
-@pytest.mark.parametrize(
-    ("changes", "said"),
-    [
-        ({"robot_file": "mine.toml"}, "only the values of built-in robots"),
-        ({"robot_sha256": "0"}, "has changed since"),
-        ({"options": {"only": "paper.*"}}, "only a part was run"),
-        ({"unfinished": 2}, "2 cases or figures were not computed"),
-    ],
-)
-def test_only_whole_runs_of_built_in_robots_are_frozen(changes, said, tmp_path, capsys):
-    path = whole_run(tmp_path, STEADY, **changes)
-    assert main([str(path)]) == 2
-    assert said in capsys.readouterr().err
-
-
-def test_a_failed_case_is_not_frozen(tmp_path):
-    path = whole_run(tmp_path, replace(STEADY, verdict="failed", value=None))
-    with pytest.raises(InputError, match="steady has failed"):
-        freeze(path, tmp_path)
-
-
-@pytest.mark.parametrize("path", sorted(FOLDER.glob("*.json")), ids=lambda path: path.stem)
-def test_kept_values_are_small_current_and_written_by_freeze(path):
-    run = parse_run(path.read_bytes(), str(path))
-    robot, _, preset = path.stem.rpartition("-")
-    assert (run.run["robot_file"], run.run["preset"]) == (robot, preset)
-    assert built_in_frozen(load_robot(robot), preset) == run
-    assert frozen_text(run) == path.read_text()
-    # A few hundred numbers, not a report.
-    assert path.stat().st_size < 200_000
 
 
 def test_different_robots_are_neither_better_nor_worse(tmp_path, capsys):

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from functools import wraps
 from typing import TypeAlias
 
-from validation.context import PRESETS, About, Context, Preset
+from validation.context import PRESETS, Context, Preset
 from validation.drawing.chart import Chart, chart_svg, chart_table
 from validation.drawing.rendering import Picture
 from validation.exhibits import Figure, InteractiveScene, PlannedFigure
@@ -68,7 +68,6 @@ class FigureGroup:
         *,
         effort: float = 1.0,
         presets: tuple[Preset, ...] = PRESETS,
-        subject: About = "robot",
     ) -> Callable[[Draw], Callable[[Context], Figure]]:
         """Declare a figure by what draws it."""
 
@@ -77,7 +76,7 @@ class FigureGroup:
             def drawn(context: Context) -> Figure:
                 return draw(context).figure(identifier, title, self._section)
 
-            where = (self._section, self._group, effort, subject)
+            where = (self._section, self._group, effort)
             self._planned.append(PlannedFigure(identifier, title, drawn, presets, *where))
             return drawn
 

@@ -1,0 +1,164 @@
+"""MacNeal–Harder's cantilever and NAFEMS FV5 as solids, torsion of rectangles by finite elements.
+
+Solids are held and loaded as Saint-Venant's theory has it, by means over their end faces, so that
+beam theory's own approximation is all that keeps the two apart. Statics have none; a simply
+supported mode is made of half waves, and there it is the prism's exact wave less the beam's.
+"""
+
+from dataclasses import replace
+from math import pi
+
+import numpy as np
+
+from fem.bodies import leg_modes, solid
+from fem.couplings.end_coupling import free_ends
+from fem.sections.section_constants import section_constants
+from fem.solvers.cholesky import analyse as analyse_pattern
+from fem.solvers.factor import upper_triangle
+from fem.solvers.renewable_factor import RenewableFactor
+from lumped.legs import ConstantLeg, Material
+from lumped.sections import Rectangle
+from meshes.prism.extrude import extrude, stations
+from meshes.section.section_mesh import section_mesh
+from validation.selftest.beams import DEEP, FV5, FV5_CLUSTERS, TOLERANCE, Cluster, farthest
+from validation.selftest.benchmark import Benchmark, Compared
+from validation.solids.waves import WaveKind, beam_wave_frequency, prism_wave_frequency
+
+# Statics: any density.
+STRAIGHT = ConstantLeg(6.0, Rectangle(0.2, 0.1), Material.isotropic(1e7, 0.3, 1.0))
+# Component of the tip, what it is, unit, target (m or rad per N or N m).
+MACNEAL_TARGETS = (
+    (0, "extension under a unit force", "m", 3.0e-5),
+    (1, "deflection in the plane of the larger side under a unit force", "m", 0.1081),
+    (2, "deflection out of that plane under a unit force", "m", 0.4321),
+    (3, "twist under a unit torque", "rad", 0.034109),
+)
+MACNEAL_HARDER = (
+    "R. H. MacNeal, R. L. Harder, Finite Elem. Anal. Des. 1 (1985) 3, straight cantilever beam; "
+    "the twist published there, 0.03208, is 6 % below Saint-Venant's T L/GJ = 0.034109, taken here"
+)
+# Kind of wave, and how many half waves a mode has along the beam.
+FV5_WAVES: tuple[tuple[WaveKind, float], ...] = (
+    ("bending", 1.0),
+    ("torsion", 0.5),
+    ("tension", 0.5),
+    ("bending", 2.0),
+    ("torsion", 1.5),
+    ("bending", 3.0),
+)
+# J/(b h³) of rectangles b × h.
+TORSION_CONSTANTS = {
+    1.0: 0.140577,
+    1.2: 0.166119,
+    1.5: 0.195761,
+    2.0: 0.228682,
+    2.5: 0.249365,
+    3.0: 0.263317,
+    4.0: 0.280813,
+    5.0: 0.291317,
+    10.0: 0.312325,
+}
+TIMOSHENKO = "S. P. Timoshenko, J. N. Goodier, Theory of Elasticity, §109, table of k1, six digits"
+# Elements across the section, and slices along the whole beam per element: errors alike.
+_STRAIGHT_DIVISIONS, _STRAIGHT_SLICES = 5, 5
+_DEEP_DIVISIONS, _DEEP_SLICES = 5, 3
+_TORSION_DIVISIONS = 16
+
+
+def benchmarks() -> tuple[Benchmark, ...]:
+    """Statics, modes and their count, and sections."""
+    return (
+        Benchmark(
+            "MacNeal–Harder's straight cantilever as a solid",
+            "Displacement of the tip of a cantilever of 6 × 0.2 × 0.1 under unit loads: "
+            "E = 10⁷, ν = 0.3, the clamped end free to warp and contract. Quadratic hexahedra, "
+            f"{_STRAIGHT_DIVISIONS} across the smaller side.",
+            MACNEAL_HARDER,
+            "0.1 % of the theory column, which has four digits; the mesh leaves a tenth of that",
+            straight_cantilever,
+        ),
+        Benchmark(
+            "NAFEMS FV5, deep simply supported beam, as a solid",
+            "The same beam of 10 × 2 × 2 m, held on average over its end faces, and the number of "
+            f"its modes by Sturm's count. Quadratic hexahedra, {_DEEP_DIVISIONS} across the side. "
+            "Explained is what beam theory neglects in such short waves: the exact wave of the "
+            "prism less the beam's.",
+            FV5,
+            "0.1 % of the theory column, which has four digits; the mesh leaves half of that",
+            deep_beam,
+        ),
+        Benchmark(
+            "Torsion constants of rectangles by finite elements",
+            "J/(b h³) of rectangles b × h, Saint-Venant's torsion on meshes of biquadratic "
+            f"elements, {_TORSION_DIVISIONS} across the smaller side.",
+            TIMOSHENKO,
+            "the last of six published digits, and as much again for the mesh",
+            lambda: [torsion_constant(ratio) for ratio in (1.0, 2.0, 10.0)],
+        ),
+    )
+
+
+def straight_cantilever() -> list[Compared]:
+    """The diagonal of the tip's compliance."""
+    beam = extruded(STRAIGHT, _STRAIGHT_DIVISIONS, _STRAIGHT_SLICES * _STRAIGHT_DIVISIONS)
+    found = np.diag(solid.tip_compliance(solid.clamped_leg(beam, "free")))
+    return [
+        Compared(quantity, unit, target, float(found[component]), TOLERANCE)
+        for component, quantity, unit, target in MACNEAL_TARGETS
+    ]
+
+
+def extruded(leg: ConstantLeg, divisions: int, slices: int) -> solid.SolidLeg:
+    """The beam as a solid, `divisions` elements across its smaller side, `slices` along it."""
+    section = section_mesh(leg.section, divisions)
+    return solid.solid_leg(leg, extrude(section, stations(leg.length, slices)))
+
+
+def deep_beam() -> list[Compared]:
+    """FV5's nine modes, and that there are no more below the shift above them."""
+    beam = extruded(DEEP, _DEEP_DIVISIONS, _DEEP_SLICES * _DEEP_DIVISIONS)
+    count = FV5_CLUSTERS[-1].last
+    found = leg_modes.modes(simply_supported(beam), count)
+    return [
+        *(
+            _with_wave(cluster, farthest(found.frequencies, cluster), *wave)
+            for cluster, wave in zip(FV5_CLUSTERS, FV5_WAVES, strict=True)
+        ),
+        Compared("modes up to bending 3", "1", float(count), float(found.count), TOLERANCE),
+    ]
+
+
+def _with_wave(cluster: Cluster, ours: float, kind: WaveKind, halves: float) -> Compared:
+    wavenumber = halves * pi / DEEP.length
+    prism = prism_wave_frequency(DEEP.section, DEEP.material, kind, wavenumber)
+    error = prism / beam_wave_frequency(DEEP.timoshenko, kind, wavenumber) - 1.0
+    return Compared(cluster.quantity, "Hz", cluster.target, ours, TOLERANCE, error)
+
+
+def simply_supported(beam: solid.SolidLeg) -> solid.ClampedLeg:
+    """The beam held in x, y, z, φx at its root and in y, z at its tip, on average over the faces.
+
+    The averages C are the conjugates of Saint-Venant's tractions, so warping, contraction and both
+    bending rotations are free. The six are statically determinate: L = C (RᵀC)⁻¹ takes the place
+    of the root's six loads in `end_coupling.FreeEnds`, with LᵀR = I for the rigid motions R.
+    """
+    ends = free_ends(beam.mesh, beam.leg.material)
+    averages = np.hstack([ends.root_loads[:, :4], ends.free_tip_loads[:, 1:3]])
+    held = replace(ends, root_loads=averages @ np.linalg.inv(ends.motions.T @ averages))
+    stiffness = upper_triangle(held.clamped_stiffness(beam.stiffness))
+    pattern = analyse_pattern(stiffness, held.leading_blocks)
+    return solid.ClampedLeg(
+        mesh=beam.mesh,
+        ends=held,
+        mass=held.clamped_mass(beam.mass),
+        factor=RenewableFactor(pattern, stiffness, "NAFEMS FV5 as a solid"),
+        solid=beam,
+    )
+
+
+def torsion_constant(ratio: float) -> Compared:
+    """J/(b h³) of a rectangle with b/h = `ratio`."""
+    mesh = section_mesh(Rectangle(ratio, 1.0), _TORSION_DIVISIONS)
+    found = section_constants(mesh, nu=0.0).torsion_constant / ratio
+    known = TORSION_CONSTANTS[ratio]
+    return Compared(f"J/(b h³), b/h = {ratio:g}", "1", known, found, 4e-6 / known)
