@@ -1,14 +1,9 @@
 """Adequacy of frequencies: legs of I-section, legs known by a 6×6, both in full."""
 
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parents[1]))
-
 from placed import placed
 
 from lumped.acceptance.requirement import Requirement

@@ -1,12 +1,12 @@
 """Runs of robots with CAD parts: what each idealisation of a part costs against its solid."""
 
 import pickle
-import sys
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from crane import write_crane
 
 from fem.reduction import free_interface
 from lumped.caches import forget
@@ -30,9 +30,6 @@ from validation.models.options import ModelOptions
 from validation.parts import kept, meshes
 from validation.results.outcome import judge
 from validation.store.cache import nothing_kept
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-from crane import write_crane
 
 
 @pytest.fixture(scope="module")

@@ -1,14 +1,7 @@
 """Every number of the matrix recomputed from the raw responses by a second, plain rule."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent))
-sys.path.insert(0, str(Path(__file__).parents[1]))
-
 from plain_displacement import plain_errors
 from plain_judgement import Rule
 from random_subjects import MODES, subject

@@ -4,19 +4,12 @@ Statics: virtual joints whose springs are those of solid legs on finer meshes th
 Dynamics: frequencies of the robot with finer solid legs, paired by the cases' own pairing.
 """
 
-import sys
 from collections.abc import Iterator
 from dataclasses import replace
 from itertools import islice
-from pathlib import Path
 
 import numpy as np
 import pytest
-
-from validation.adequacy.matrix import Coordinate
-
-sys.path.insert(0, str(Path(__file__).parents[1]))
-
 from placed import placed
 from plain_displacement import plain_errors
 from random_robots import IFW, SHAPES, robots, shown
@@ -29,7 +22,7 @@ from lumped.legs import ConstantLeg, Ends, equivalent_leg
 from lumped.models import vjm
 from meshes.section.section_mesh import section_mesh
 from validation.adequacy.judgement import judged
-from validation.adequacy.matrix import Matrix
+from validation.adequacy.matrix import Coordinate, Matrix
 from validation.adequacy.mechanism.statics import mechanism_statics
 from validation.adequacy.response import Candidate, Reference, Response, Subject
 from validation.adequacy.robot import robot_subject

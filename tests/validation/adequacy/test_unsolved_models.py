@@ -1,12 +1,12 @@
 """One model that cannot be solved leaves its own entries undecided, and all others judged."""
 
 import re
-import sys
 from functools import cache, wraps
-from pathlib import Path
 from typing import Any
 
 import pytest
+from extreme_robots import extreme_robots
+from ingredients import Asked
 
 from lumped.acceptance.requirement import STATIC_QUANTITIES
 from lumped.errors import ComputationError
@@ -18,11 +18,6 @@ from validation.adequacy.mechanism import statics as mechanism_statics
 from validation.adequacy.robot import robot_adequacy
 from validation.adequacy.subject import statics as subject_statics
 from validation.context import Context
-
-sys.path.insert(0, str(Path(__file__).parents[1]))
-
-from extreme_robots import extreme_robots
-from ingredients import Asked
 
 EULER = "euler-bernoulli"
 ROBOTS = list(extreme_robots(60, 7))

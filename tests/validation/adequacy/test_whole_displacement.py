@@ -1,16 +1,11 @@
 """Verdicts, causes and numbers of deflections against a plain second rule from raw responses."""
 
-import sys
 import warnings
 from dataclasses import replace
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parents[1]))
-
 from placed import placed
 from plain_displacement import AXES, directions, plain_errors
 

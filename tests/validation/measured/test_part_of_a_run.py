@@ -1,14 +1,9 @@
 """`--measured` beside `--only`: measured values that were asked for are shown, in words as well."""
 
-import sys
-from pathlib import Path
-
 import pytest
+from one_arm import ONE_ARM
 
 from validation.cli import main
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-from one_arm import ONE_ARM
 
 MEASURED = "quantity,pose,value,uncertainty,source\nf1,0.1,20.0,0.1,hammer test\n"
 

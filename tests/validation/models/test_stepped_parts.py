@@ -1,11 +1,10 @@
 """Parts as stepped legs: a tapered cantilever against its closed form, and its convergence."""
 
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
+from crane import ROBOT as CRANE
 
 from lumped.errors import InputError
 from lumped.legs import Material
@@ -22,16 +21,12 @@ from meshes.part.volume import Grading, volume_mesh
 from validation.adequacy.mechanism.statics import unanswered
 from validation.adequacy.response import Response
 from validation.adequacy.subject.parts import part_rungs
+from validation.agreement.differences import scaled_difference
 from validation.cases.program.parts.drawing import plane_ends
 from validation.models import parts
 from validation.models.legs import leg_matrices
 from validation.models.options import ModelOptions
 from validation.models.stepped_parts import stepped
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-from crane import ROBOT as CRANE
-
-from validation.agreement.differences import scaled_difference
 
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 LENGTH, WIDTH, ROOT, TIP = 0.5, 0.04, 0.06, 0.03

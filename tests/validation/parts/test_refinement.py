@@ -1,11 +1,11 @@
 """What three meshes leave open: series whose limit is known, and parts at random."""
 
-import sys
 from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from random_parts import TORSION, RandomPart, random_part, stated
 
 from lumped.legs import Material
 from lumped.sections import HollowRectangle
@@ -13,10 +13,6 @@ from meshes.part.volume import RATIO
 from validation.parts import identify
 from validation.parts.meshes import RUNGS
 from validation.parts.refinement import compliance_uncertainty, refinement_uncertainty
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-
-from random_parts import TORSION, RandomPart, random_part, stated
 
 H = np.array([RATIO**2, RATIO, 1.0])
 

@@ -2,16 +2,11 @@
 
 import io
 import pickle
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
-from PIL import Image
-
-sys.path.insert(0, str(Path(__file__).parent))
-
 from made_box import box
+from PIL import Image
 
 from lumped.robot_file import load_robot
 from lumped.sections import Circle, ISection, Rectangle

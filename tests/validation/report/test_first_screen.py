@@ -3,21 +3,14 @@
 import csv
 import io
 import re
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
-
-from validation.adequacy.matrix import Coordinate
-
-sys.path.insert(0, str(Path(__file__).parent))
-
 from matrix_sample import POSES, UNKNOWN, entry, sample_matrix, undecided
 from report_sample import sample_report
 
-from validation.adequacy.matrix import ModelNote
+from validation.adequacy.matrix import Coordinate, ModelNote
 from validation.drawing.text import number
 from validation.exhibits import Figure
 from validation.report.figures.adequacy import error_figure

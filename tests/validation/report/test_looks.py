@@ -2,12 +2,11 @@
 
 import csv
 import io
-import sys
 from itertools import combinations
-from pathlib import Path
 
 import numpy as np
 import pytest
+from matrix_sample import POSES, entry, sample_matrix
 
 from lumped.acceptance.requirement import MODEL_KINDS
 from lumped.robot_file import load_robot
@@ -17,9 +16,6 @@ from validation.adequacy.subject.given_masses import MASSES
 from validation.drawing.chart import drawn_chart
 from validation.drawing.style import LOOKS, OTHERS, known_as, plot_style
 from validation.report.figures import adequacy, declared, measured
-
-sys.path.insert(0, str(Path(__file__).parent))
-from matrix_sample import POSES, entry, sample_matrix
 
 HELD = [
     ("ends as said",),

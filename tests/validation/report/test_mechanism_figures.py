@@ -3,13 +3,12 @@
 import csv
 import io
 import re
-import sys
 import zipfile
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
+from crane import write_crane
 
 from lumped.mechanism.free_twists import interface_position
 from lumped.mechanism.joint import Side
@@ -28,9 +27,6 @@ from validation.report.figures.mechanism.bodies import (
     surroundings,
 )
 from validation.report.figures.mechanism.drawn_modes import finite_elements, segments
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-from crane import write_crane
 
 
 @pytest.fixture(scope="module")

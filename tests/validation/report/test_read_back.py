@@ -7,14 +7,9 @@ are parsed as a reader would; a factor, a sign, a unit or another entry's number
 import csv
 import io
 import re
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "adequacy"))
-
 from random_subjects import MODES, subject
 
 from lumped.acceptance.requirement import Requirement

@@ -3,17 +3,12 @@
 import base64
 import gzip
 import re
-import sys
 import warnings
 from dataclasses import replace
 from html.parser import HTMLParser
 from math import nan
-from pathlib import Path
 
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent))
-
 from report_sample import CONVERGENCE, PIXEL, SWEEP, case, never, sample_report, unmeasured
 
 from validation.case import Absolute, Allowance, Measurement, Relation

@@ -1,19 +1,11 @@
 """The report as a reader opens it: from a file, without a network, in a real browser."""
 
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent))
-
-from made_box import box
-
-sys.path.insert(0, str(Path(__file__).parent))
-
 from chromium import EXECUTABLE, browser
+from made_box import box
 from report_sample import PIXEL, sample_report
 
 from validation.drawing.rendering import Body, Scene

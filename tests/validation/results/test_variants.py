@@ -1,15 +1,11 @@
 """Runs of two variants of a robot: what differs in the input, adequacy side by side, no drift."""
 
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 from msgspec.json import encode
 from msgspec.structs import replace
-
-sys.path.insert(0, str(Path(__file__).parents[1]))
-
 from placed import placed
 
 from lumped.acceptance.requirement import ANY_FORCE, AXES, Requirement

@@ -4,16 +4,17 @@ Bits that flipped, files cut short, exchanged, replaced, linked elsewhere, or go
 not hold is computed again, and what somebody else wrote keeps every byte.
 """
 
-import json
 import os
 import random
 import shutil
 from pathlib import Path
 
 import pytest
+import toy_catalogue as toys
+from toy_runs import numbers, run_here
 
 from lumped.robot_file import load_robot
-from validation.results import provenance
+from validation.run import runner
 from validation.run.session import Request, validate
 
 COUNT = 100
@@ -30,30 +31,18 @@ PLACES = (
 )
 
 
-@pytest.fixture(scope="module")
-def toys():
+@pytest.fixture(autouse=True, scope="module")
+def without_workers():
     with pytest.MonkeyPatch.context() as patch:
-        patch.syspath_prepend(str(Path(__file__).parents[1]))
-        # Editing a source file while the tests run must not make a resumed run another one.
-        patch.setattr(provenance, "suite_digest", lambda: "0")
-        import toy_catalogue  # noqa: PLC0415  found only on the path set above
-
-        yield toy_catalogue
+        patch.setattr(runner, "run", run_here)
+        yield
 
 
 @pytest.fixture(scope="module")
-def undisturbed(toys, tmp_path_factory):
+def undisturbed(tmp_path_factory):
     path = tmp_path_factory.mktemp("undisturbed") / "run"
     validate(Request(load_robot("ifw"), "quick", path, 1), toys.disagreeing)
     return path
-
-
-def numbers(path):
-    """The cases and studies but for times and process numbers."""
-    content = json.loads((path / "results.json").read_text())
-    for entry in content["cases"]:
-        del entry["seconds"], entry["notes"]
-    return content["cases"], content["studies"]
 
 
 class Vandal:
@@ -184,7 +173,7 @@ def all_bytes(*folders):
         *(pytest.param(k, marks=pytest.mark.soak) for k in range(MORE, COUNT)),
     ],
 )
-def test_a_corrupted_run_goes_on_to_the_same_numbers(toys, undisturbed, tmp_path, seed):
+def test_a_corrupted_run_goes_on_to_the_same_numbers(undisturbed, tmp_path, seed):
     path, elsewhere = tmp_path / "run", tmp_path / "elsewhere"
     shutil.copytree(undisturbed, path)
     vandal = Vandal(path, elsewhere, seed)

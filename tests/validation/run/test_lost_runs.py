@@ -8,40 +8,10 @@ import select
 import shutil
 import signal
 import subprocess
-import sys
 import time
-from pathlib import Path
 
 import pytest
-
-HERE = Path(__file__).parents[1]
-ENVIRONMENT = os.environ | {"PYTHONPATH": os.pathsep.join([str(HERE.parents[1]), str(HERE)])}
-# How long (s) to wait for what should take two: the machine may be busy with other work. The
-# endless catalogue would take longer.
-PATIENCE = 30.0
-
-
-def command(catalogue, *arguments):
-    program = str(HERE / "command_line.py")
-    return [sys.executable, program, catalogue, *(str(argument) for argument in arguments)]
-
-
-def started(catalogue, *arguments, **options):
-    return subprocess.Popen(
-        command(catalogue, *arguments),
-        env=ENVIRONMENT,
-        start_new_session=True,
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.PIPE,
-        text=True,
-        **options,
-    )
-
-
-def completed(catalogue, *arguments):
-    return subprocess.run(
-        command(catalogue, *arguments), env=ENVIRONMENT, capture_output=True, text=True, check=False
-    )
+from toy_runs import ENVIRONMENT, PATIENCE, command, completed, started, wait_for
 
 
 def results(path):
@@ -76,7 +46,7 @@ def test_a_run_killed_four_times_goes_on_to_the_same_results(undisturbed, tmp_pa
     moments = random.Random(seed)  # noqa: S311  any moments will do
     kept = {}
     for _ in range(4):
-        run = started("real", *asked, *resumed(path))
+        run = started(command("real", *asked, *resumed(path)))
         time.sleep(moments.uniform(0.0, duration))
         os.killpg(run.pid, signal.SIGKILL)
         run.communicate()
@@ -109,33 +79,11 @@ def test_numbers_do_not_depend_on_the_number_of_processes(undisturbed, tmp_path)
                 assert one[name] == pytest.approx(two[name], rel=1e-10, abs=0.0), one["id"]
 
 
-def test_the_second_of_two_runs_in_one_folder_is_refused(tmp_path):
-    first = started("endless", "run", "--out", tmp_path / "run")
-    wait_for(lambda: list((tmp_path / "run" / "records").glob("*.json")))
-    for resume in ([], ["--resume"]):
-        second = completed("endless", "run", "--out", tmp_path / "run", *resume)
-        assert second.returncode == 2
-        assert f"another run (process {first.pid}) is writing there" in second.stderr
-        assert len(second.stderr.splitlines()) == 1
-    assert list((tmp_path / "run" / "records").glob("*.json"))
-    first.terminate()
-    _, said = first.communicate(timeout=PATIENCE)
-    assert first.returncode == 3
-    assert "go on with: flexproof run ifw" in said
-
-
 @pytest.mark.exhaustive
 def test_under_nohup_a_hang_up_changes_nothing(undisturbed, tmp_path):
     path = tmp_path / "run"
     asked = command("real", "run", "--preset", "quick", "--out", path, "--jobs", "2")
-    run = subprocess.Popen(
-        ["nohup", *asked],  # noqa: S607  whichever nohup there is
-        env=ENVIRONMENT,
-        start_new_session=True,
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
+    run = started(["nohup", *asked])
     wait_for(lambda: list((path / "records").glob("*.json")))
     # As the terminal does when it is closed: to all processes in front, workers included.
     os.killpg(run.pid, signal.SIGHUP)
@@ -144,27 +92,35 @@ def test_under_nohup_a_hang_up_changes_nothing(undisturbed, tmp_path):
     assert results(path) == undisturbed[0]
 
 
-def test_a_hang_up_without_nohup_ends_the_run_as_ctrl_c_does(tmp_path):
-    # The tests themselves may run under it.
+@pytest.fixture
+def endless(tmp_path):
+    """A run whose first case is finished and whose second takes a minute."""
+    # The tests themselves may run under nohup.
     before = signal.signal(signal.SIGHUP, signal.SIG_DFL)
-    run = started("endless", "run", "--out", tmp_path / "run")
+    run = started(command("endless", "run", "--out", tmp_path / "run"))
     signal.signal(signal.SIGHUP, before)
     wait_for(lambda: list((tmp_path / "run" / "records").glob("*.json")))
-    os.killpg(run.pid, signal.SIGHUP)
-    _, said = run.communicate(timeout=PATIENCE)
-    assert run.returncode == 3
+    return run
+
+
+def test_a_hang_up_without_nohup_ends_the_run_as_ctrl_c_does(endless, tmp_path):
+    second = completed("endless", "run", "--out", tmp_path / "run", "--resume")
+    assert second.returncode == 2
+    (line,) = second.stderr.splitlines()
+    assert f"another run (process {endless.pid}) is writing there" in line
+    os.killpg(endless.pid, signal.SIGHUP)
+    _, said = endless.communicate(timeout=PATIENCE)
+    assert endless.returncode == 3
     assert "go on with: flexproof run ifw" in said
     cases = json.loads((tmp_path / "run" / "results.json").read_text())["cases"]
     # The worker left it to the run: nothing has failed.
     assert [case["verdict"] for case in cases] == ["agree"]
 
 
-def test_workers_do_not_outlive_a_killed_run(tmp_path):
-    run = started("endless", "run", "--out", tmp_path / "run")
-    wait_for(lambda: list((tmp_path / "run" / "records").glob("*.json")))
-    run.kill()
+def test_workers_do_not_outlive_a_killed_run(endless):
+    endless.kill()
     # The pipe closes when the last process that holds it has ended; the worker sleeps for 60 s.
-    run.communicate(timeout=PATIENCE)
+    endless.communicate(timeout=PATIENCE)
 
 
 def test_ctrl_c_on_a_terminal_ends_the_run(tmp_path):
@@ -213,13 +169,6 @@ def test_a_full_disk_ends_with_a_clear_message_and_keeps_what_was_done(tmp_path)
         assert "All 12 comparisons agree" in done.stdout
     finally:
         subprocess.run([umount, str(disk)], check=True)
-
-
-def wait_for(condition):
-    begun = time.monotonic()
-    while not condition():
-        assert time.monotonic() - begun < PATIENCE
-        time.sleep(0.02)
 
 
 def read_until(terminal, condition):

@@ -5,37 +5,16 @@ import os
 import random
 import shutil
 import signal
-import subprocess
-import sys
 import time
-from pathlib import Path
 
 import pytest
+from toy_runs import command, completed, started, wait_for
 
-HERE = Path(__file__).parents[1]
 COUNT = 50
 # What `flexproof test` tries of it, and -m exhaustive besides; -m soak tries the rest.
 FEW, MORE = 1, 5
 # Every other kill falls into the replacement itself, which is made this slow (s per step) for it.
 STEP = 0.02
-PATIENCE = 60.0
-
-
-def command(*arguments):
-    return [sys.executable, str(HERE / "command_line.py"), "sound", "run", "--preset", *arguments]
-
-
-def environment(**changes):
-    path = os.pathsep.join([str(HERE.parents[1]), str(HERE)])
-    return os.environ | {"PYTHONPATH": path, "OMP_NUM_THREADS": "1"} | changes
-
-
-def completed(*arguments):
-    done = subprocess.run(
-        command(*arguments), env=environment(), capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 0, done.stderr
-    return done
 
 
 def preset_of(path):
@@ -60,26 +39,15 @@ def finished(tmp_path_factory):
     """A finished quick run, with a file of somebody else, and how long a run takes (s)."""
     path = tmp_path_factory.mktemp("finished") / "run"
     begun = time.monotonic()
-    completed("quick", "--out", str(path))
+    finish("quick", path)
     duration = time.monotonic() - begun
     (path / "figures" / "thesis.png").write_bytes(b"years of work")
     return path, duration
 
 
-def killed(path, moment, **changes):
-    """A new run at preset standard, killed `moment()` says when."""
-    run = subprocess.Popen(
-        command("standard", "--out", str(path)),
-        env=environment(**changes),
-        start_new_session=True,
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.PIPE,
-    )
-    moment(run)
-    with_children = os.getpgid(run.pid) if run.poll() is None else None
-    if with_children is not None:
-        os.killpg(with_children, signal.SIGKILL)
-    run.communicate()
+def finish(preset, path, *resumed):
+    done = completed("sound", "run", "--preset", preset, "--out", path, *resumed)
+    assert done.returncode == 0, done.stderr
 
 
 @pytest.mark.slow
@@ -97,27 +65,25 @@ def test_a_kill_leaves_the_old_run_or_the_new_one(finished, tmp_path, seed):
     shutil.copytree(former, path)
     before = files(path)
     chance = random.Random(seed)  # noqa: S311  any moment will do
-    if seed % 2:
-
-        def moment(run):
-            begun = time.monotonic()
-            while not (path / ".arriving").exists() and run.poll() is None:
-                assert time.monotonic() - begun < PATIENCE
-                time.sleep(0.002)
-            time.sleep(chance.uniform(0.0, 25 * STEP))
-
-        killed(path, moment, SLOW_STEPS=str(STEP))
+    slowly = {"SLOW_STEPS": str(STEP)} if seed % 2 else {}
+    run = started(command("sound", "run", "--preset", "standard", "--out", path), **slowly)
+    if slowly:
+        wait_for(lambda: (path / ".arriving").exists() or run.poll() is not None)
+        time.sleep(chance.uniform(0.0, 25 * STEP))
     else:
-        killed(path, lambda _run: time.sleep(chance.uniform(0.0, 1.2 * duration)))
+        time.sleep(chance.uniform(0.0, 1.2 * duration))
+    if run.poll() is None:
+        os.killpg(run.pid, signal.SIGKILL)
+    run.communicate()
     if (path / ".arriving").exists():
         # The new run is whole, and whoever opens the folder next puts it in its place.
-        completed("standard", "--out", str(path), "--resume")
+        finish("standard", path, "--resume")
         assert preset_of(path) == "standard"
     elif preset_of(path) == "quick":
         # Not a byte of the old run has changed.
         now = files(path)
         assert {name: now[name] for name in before} == before
-        completed("standard", "--out", str(path))
+        finish("standard", path)
     assert preset_of(path) == "standard"
     assert {name for name in files(path) if ".kept" in name or ".tmp" in name} == set()
     assert set(files(path)) == set(before)

@@ -5,14 +5,14 @@ import os
 import signal
 import threading
 import time
-from pathlib import Path
 from xml.etree import ElementTree as ET
 
 import pytest
+import toy_catalogue as toys
+from toy_runs import numbers
 
 from lumped.errors import ComputationError, InputError
 from lumped.robot_file import load_robot
-from validation.results import provenance
 from validation.results.junit import junit_xml
 from validation.results.outcome import Outcome, Result
 from validation.run import runner
@@ -20,18 +20,6 @@ from validation.run.progress import Progress, Quiet
 from validation.run.session import Request, validate
 from validation.run.worker import Job
 from validation.store.opening import open_folder
-
-
-@pytest.fixture(scope="module")
-def toys():
-    patch = pytest.MonkeyPatch()
-    patch.syspath_prepend(str(Path(__file__).parents[1]))
-    # Editing a source file while the tests run must not make a resumed run another one.
-    patch.setattr(provenance, "suite_digest", lambda: "0")
-    import toy_catalogue  # noqa: PLC0415  found only on the path set above
-
-    yield toy_catalogue
-    patch.undo()
 
 
 @pytest.fixture(scope="module")
@@ -44,27 +32,18 @@ def asked(robot_file, out, jobs=2, **changes):
 
 
 @pytest.fixture(scope="module")
-def sound_run(toys, robot_file, tmp_path_factory):
+def sound_run(robot_file, tmp_path_factory):
     path = tmp_path_factory.mktemp("sound")
     return validate(asked(robot_file, path), toys.sound), path
 
 
 @pytest.fixture(scope="module")
-def troubled_run(toys, robot_file, tmp_path_factory):
+def troubled_run(robot_file, tmp_path_factory):
     path = tmp_path_factory.mktemp("troubled")
     return validate(asked(robot_file, path), toys.troubled), path
 
 
-def numbers(path):
-    results = json.loads((path / "results.json").read_text())
-    for entry in results["cases"]:
-        del entry["seconds"]
-        # The toy notes carry process numbers.
-        del entry["notes"]
-    return results["cases"], results["studies"]
-
-
-def test_results_do_not_depend_on_the_number_of_processes(toys, robot_file, sound_run, tmp_path):
+def test_results_do_not_depend_on_the_number_of_processes(robot_file, sound_run, tmp_path):
     validate(asked(robot_file, tmp_path, jobs=1), toys.sound)
     assert numbers(tmp_path) == numbers(sound_run[1])
 
@@ -102,7 +81,7 @@ def test_a_group_shares_what_is_expensive(sound_run):
     assert notes[0] == notes[1]
 
 
-def test_a_disagreement_ends_with_exit_code_1(toys, robot_file, tmp_path):
+def test_a_disagreement_ends_with_exit_code_1(robot_file, tmp_path):
     gathered = validate(asked(robot_file, tmp_path, only="toy.disagrees"), toys.disagreeing)
     assert gathered.exit_code() == 1
 
@@ -120,7 +99,7 @@ def test_whatever_happens_in_a_case_is_its_verdict(troubled_run):
     assert "this belongs into the log" in log
 
 
-def test_nothing_is_printed_where_the_user_looks(toys, robot_file, tmp_path, capfd):
+def test_nothing_is_printed_where_the_user_looks(robot_file, tmp_path, capfd):
     validate(asked(robot_file, tmp_path, only="toy.bug"), toys.troubled)
     assert capfd.readouterr() == ("", "")
 
@@ -137,7 +116,7 @@ def test_junit_tells_disagreement_failure_and_skip(troubled_run):
     assert inner["toy.skipped"] == ["skipped"]
 
 
-def test_an_interrupted_run_keeps_what_was_finished_and_goes_on(toys, robot_file, tmp_path):
+def test_an_interrupted_run_keeps_what_was_finished_and_goes_on(robot_file, tmp_path):
     def interrupt_when_one_is_finished():
         while not list((tmp_path / "records").glob("*.json")):
             time.sleep(0.01)
@@ -155,7 +134,7 @@ def test_an_interrupted_run_keeps_what_was_finished_and_goes_on(toys, robot_file
     assert "1 not computed" in (tmp_path / "report.html").read_text()
 
 
-def test_a_resumed_run_computes_only_what_is_missing(toys, robot_file, troubled_run):
+def test_a_resumed_run_computes_only_what_is_missing(robot_file, troubled_run):
     first, path = troubled_run
     again = validate(asked(robot_file, path, start="resumed"), toys.troubled)
     kept = "toy.first[x=1]"
@@ -166,15 +145,13 @@ def test_a_resumed_run_computes_only_what_is_missing(toys, robot_file, troubled_
     assert again.exit_code() == 3
 
 
-def test_workers_that_cannot_start_end_the_run(toys, robot_file, tmp_path):
+def test_workers_that_cannot_start_end_the_run(robot_file, tmp_path):
     with pytest.raises(ComputationError, match="before it began"):
         validate(asked(robot_file, tmp_path), toys.unloadable)
     assert "only workers come here" in (tmp_path / "log.txt").read_text()
 
 
-def test_a_library_that_is_refused_memory_fails_the_case_with_its_reason(
-    toys, robot_file, tmp_path
-):
+def test_a_library_that_is_refused_memory_fails_the_case_with_its_reason(robot_file, tmp_path):
     # OpenBLAS ends the process, without a word to Python.
     gathered = validate(asked(robot_file, tmp_path, 1), toys.starved)
     assert gathered.done["toy.starved"].verdict == "failed"
@@ -186,9 +163,7 @@ def test_a_library_that_is_refused_memory_fails_the_case_with_its_reason(
     assert gathered.exit_code() == 3
 
 
-def test_a_record_whose_verdict_its_numbers_do_not_bear_out_is_computed_again(
-    toys, robot_file, tmp_path
-):
+def test_a_record_whose_verdict_its_numbers_do_not_bear_out_is_computed_again(robot_file, tmp_path):
     validate(asked(robot_file, tmp_path, only="toy.agrees"), toys.disagreeing)
     (name,) = (tmp_path / "records").iterdir()
     # Whoever knows how a record is sealed: the value is far off, the verdict left at agree.
@@ -204,7 +179,7 @@ def test_a_record_whose_verdict_its_numbers_do_not_bear_out_is_computed_again(
     assert again.done["toy.agrees"].found.value == 1.0 / 3.0
 
 
-def test_nothing_is_lost_when_keeping_fails(toys, robot_file, tmp_path):
+def test_nothing_is_lost_when_keeping_fails(robot_file, tmp_path):
     tasks = toys.sound(robot_file)
 
     def refuse(_record):
@@ -229,24 +204,24 @@ def test_nothing_is_lost_when_keeping_fails(toys, robot_file, tmp_path):
         ("*[x=?]", ["toy.first[x=1]", "toy.second[x=2]"]),
     ],
 )
-def test_patterns_choose_cases_with_brackets_taken_literally(toys, robot_file, pattern, chosen):
+def test_patterns_choose_cases_with_brackets_taken_literally(robot_file, pattern, chosen):
     tasks = runner.select(toys.sound(robot_file), "quick", pattern)
     assert [task.id for task in tasks] == chosen
 
 
-def test_two_cases_of_one_id_are_refused(toys, robot_file):
+def test_two_cases_of_one_id_are_refused(robot_file):
     with pytest.raises(ValueError, match="same id"):
         runner.select((*toys.sound(robot_file), toys.case("toy.agrees", toys.agrees)), "quick")
 
 
-def test_messages_with_control_characters_are_still_xml(toys):
+def test_messages_with_control_characters_are_still_xml():
     case = toys.case("toy.escape", toys.agrees)
     text = junit_xml([Outcome(case, Result(case.id, "failed", 0.0, "\x1b[31mred\x00 <&>"))], "toys")
     error = ET.fromstring(text).find("testsuite/testcase/error")  # noqa: S314  our own
     assert error.get("message") == "?[31mred? <&>"
 
 
-def test_ci_systems_are_told_how_many_failed_and_how_many_were_left_out(toys):
+def test_ci_systems_are_told_how_many_failed_and_how_many_were_left_out():
     case = toys.case("toy.counted", toys.agrees)
     told = {"agree": 1, "disagree": 2, "failed": 3, "skipped": 4, "undecided": 5}
     outcomes = [
@@ -262,12 +237,12 @@ def test_ci_systems_are_told_how_many_failed_and_how_many_were_left_out(toys):
         assert len(suite.findall(f"testcase/{name}")) == counts[kind]
 
 
-def test_an_unknown_case_is_refused_with_a_suggestion(toys, robot_file):
+def test_an_unknown_case_is_refused_with_a_suggestion(robot_file):
     with pytest.raises(InputError, match=r'did you mean "toy\.agrees"'):
         runner.select(toys.sound(robot_file), "quick", "toy.agree")
 
 
-def test_the_expected_time_goes_by_effort(toys, robot_file):
+def test_the_expected_time_goes_by_effort(robot_file):
     tasks = toys.sound(robot_file)[:4]
     progress = Progress(tasks)
     assert progress.expected(10.0) is None

@@ -3,19 +3,15 @@
 import csv
 import json
 import re
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
+from one_arm import ONE_ARM
 
 from lumped.robot_file import load_robot
 from lumped.robot_file.key_units import unit_of
 from validation.cli import main
 from validation.drawing.scales import short_number
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-from one_arm import ONE_ARM
 
 ARM = f"{ONE_ARM}[path]\nfrom = [0.0]\nto = [0.2]\ncount = 3\n"
 WIDTH = "bodies.arm.section.width=0.04:0.08:3"

@@ -1,12 +1,11 @@
 """What `solve` says of robots with CAD parts as solids: what is left open, and statics alone."""
 
 import json
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
+from crane import write_crane
 
 from lumped.mechanism.kinematics.postures import reference_posture
 from lumped.robot_file import load_robot
@@ -17,9 +16,6 @@ from validation.models.mechanism import CUTOFF, answers, dynamic_bodies
 from validation.solve.answer import as_json, as_text
 from validation.solve.model_answers import solve
 from validation.solve.question import Question
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-from crane import write_crane
 
 COUNT = 4
 

@@ -6,7 +6,6 @@ another robot, preset, option, library or source.
 
 import hashlib
 import re
-import sys
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import product
@@ -17,6 +16,7 @@ from typing import Any
 import gmsh
 import numpy as np
 import pytest
+from changed_leaves import changed_leaves
 
 from lumped.acceptance.measured import Measured, digest
 from lumped.caches import forget
@@ -35,9 +35,6 @@ from validation.run.session import Request
 from validation.store.mark import mark_of
 from validation.sweeps import journal
 from validation.variations.robots import VariedRobot
-
-sys.path.insert(0, str(Path(__file__).parent))
-from changed_leaves import changed_leaves
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
 ROCKER, TAPERED = (EXAMPLES / name / "robot.toml" for name in ("rocker", "tapered-biglide"))

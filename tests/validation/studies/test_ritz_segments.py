@@ -1,18 +1,12 @@
 """What theory says that rigid segments miss of frequencies, against segments and polynomials."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
+from extreme_robots import extreme_robots
 
 from lumped.robot_file import load_robot
 from validation.studies.quantities import rounded_frequencies
 from validation.studies.ritz import biglide as ritz
-
-sys.path.insert(0, str(Path(__file__).parents[1]))
-
-from extreme_robots import extreme_robots
 
 ROBOTS = list(extreme_robots(30, 7))
 # Legs that bend and shear (the paper's), that bend alone, stretch and twist.

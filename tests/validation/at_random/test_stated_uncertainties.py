@@ -1,11 +1,10 @@
 """Every comparison of a catalogue states its uncertainty, or is exact, and is decided."""
 
-import sys
 from math import isfinite
-from pathlib import Path
 
 import numpy as np
 import pytest
+from extreme_robots import extreme_robots
 
 from lumped.errors import ComputationError
 from lumped.legs import ConstantLeg, Material
@@ -17,10 +16,6 @@ from validation.catalogue import catalogue
 from validation.context import Context
 from validation.results.outcome import judge
 from validation.solids.legs import edge_order, formal_order, leg_constants, solid_compliances
-
-sys.path.insert(0, str(Path(__file__).parent))
-
-from extreme_robots import extreme_robots
 
 
 # A minute and a half; those of the paper's robot are the business of test_cases.

@@ -1,13 +1,13 @@
 """Exported CAD parts, read back by other readers, say what `identify` says of them."""
 
 import re
-import sys
 from pathlib import Path
 
 import meshio
 import numpy as np
 import pytest
 import pyvista
+from exported import names_in_readme
 from scipy.io import mmread
 from scipy.linalg import eigh
 from scipy.sparse import load_npz
@@ -16,10 +16,7 @@ from lumped.robot_file import load_robot
 from validation.export.mechanism import export_mechanism
 from validation.models.parts import identified
 
-sys.path.insert(0, str(Path(__file__).parent))
-from exported import names_in_readme
-
-EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
+EXAMPLES = Path(__file__).resolve().parents[3] / "examples"
 
 
 @pytest.fixture(

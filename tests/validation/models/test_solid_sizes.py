@@ -1,14 +1,9 @@
 """Solids of slender legs: counted before they are made, left out of runs that they would fill."""
 
 import re
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parents[0]))
-
 from placed import placed
 
 from fem.bodies import doubling

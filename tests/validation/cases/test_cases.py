@@ -7,17 +7,12 @@ must move as well. An allowance made of the two numbers that it explains would t
 again. One test for each group of cases, which share what they are computed from.
 """
 
-import sys
 from contextlib import suppress
 from dataclasses import replace
 from itertools import islice
 from math import isfinite
-from pathlib import Path
 
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent))
-
 from ingredients import DATA, Asked, disturbed
 
 from lumped.errors import ComputationError

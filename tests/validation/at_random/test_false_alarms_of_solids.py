@@ -1,12 +1,6 @@
 """Solid legs of robots at random, of every shape: the suite without a fault raises no alarm."""
 
-import sys
-from pathlib import Path
-
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent))
-
 from random_robots import SHAPES, alarms, of_groups, robots, shown
 
 SOLIDS = (

@@ -19,7 +19,7 @@ from validation.sweeps.cores import on_cores
 from validation.sweeps.journal import Journal, key_of
 from validation.sweeps.runner import computed, in_turn
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,14 +1,13 @@
 """Extreme but sound robots: every command is right about them, or fails and says why."""
 
 import json
-import sys
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
-from pathlib import Path
 
 import numpy as np
 import pytest
+from extreme_robots import extreme_robots
 
 from fem.sections.section_constants import beam_properties, section_constants
 from lumped.errors import ComputationError
@@ -26,10 +25,6 @@ from validation.results.outcome import judge
 from validation.solve import cost
 from validation.studies.quantities import deflections_of, rounded_frequencies
 from validation.studies.ritz import biglide as ritz
-
-sys.path.insert(0, str(Path(__file__).parent))
-
-from extreme_robots import extreme_robots
 
 SEED, COUNT, FEW = 7, 60, 6
 ROBOTS = list(extreme_robots(COUNT, SEED))

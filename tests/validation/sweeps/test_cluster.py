@@ -15,7 +15,9 @@ from threading import Thread
 
 import numpy as np
 import pytest
+from crane import write_meshed_crane
 from numpy.testing import assert_allclose
+from one_arm import ONE_ARM
 
 from lumped.caches import forget
 from lumped.errors import ComputationError, InputError
@@ -33,11 +35,7 @@ from validation.sweeps.cores import on_cores
 from validation.sweeps.journal import Journal
 from validation.variations.curves import variation_study
 
-sys.path.insert(0, str(Path(__file__).parent))
-from crane import write_meshed_crane
-from one_arm import ONE_ARM
-
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 ARM = f"{ONE_ARM}[path]\nposes = [[0.0], [0.1]]\n"
 VARY = "bodies.arm.section.width=0.04:0.06:3"
 

@@ -3,14 +3,8 @@
 The soak test shows them 200 robots in the standard preset.
 """
 
-import sys
-from pathlib import Path
-
 import pytest
 from hypothesis import Phase, given, settings
-
-sys.path.insert(0, str(Path(__file__).parent))
-
 from random_robots import alarms, of_groups, robots, shown
 
 CHUNKS, EXAMPLES = 2, 50

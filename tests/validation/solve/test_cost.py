@@ -21,7 +21,7 @@ from validation import cli
 from validation.run.waiting import in_a_process
 from validation.solve.cost import solid_cost
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 SECTIONS = (
     *(Rectangle(0.1, 0.14), HollowRectangle(0.1, 0.14, 0.01), Tube(0.12, 0.01), Circle(0.1)),

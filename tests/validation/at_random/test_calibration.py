@@ -1,12 +1,6 @@
 """A seeded part of the calibration of uncertainties, tests/benchmarks/calibrate_uncertainty.py."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
-
-sys.path.insert(0, str(Path(__file__).parent))
-
 from calibration import ROUNDING, coverage, of_statics, random_leg
 
 

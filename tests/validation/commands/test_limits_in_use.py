@@ -6,12 +6,13 @@ One made-up robot with known errors (toy_subject) is judged through the API, the
 
 import inspect
 import json
-import sys
 from dataclasses import replace
 from importlib.metadata import entry_points
 from pathlib import Path
 
 import pytest
+import toy_catalogue
+from toy_subject import ERROR, F2, toy_subject
 
 from lumped.errors import InputError
 from lumped.robot_file import load_robot
@@ -23,10 +24,6 @@ from validation.case import Measurement
 from validation.results.tasks import plain
 from validation.run import session
 from validation.run.worker import execute
-
-sys.path.insert(0, str(Path(__file__).parent))
-import toy_catalogue
-from toy_subject import ERROR, F2, toy_subject
 
 pytest_plugins = ["pytester"]
 BELOW, ABOVE = 0.99, 1.01

@@ -9,6 +9,7 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
+import toy_catalogue as toys
 
 from lumped.audit.finding import Finding
 from lumped.robot_file import load_robot
@@ -17,16 +18,8 @@ from validation.report.listing import audit_text
 from validation.store.opening import open_folder
 from validation.store.tree import Tree
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 HEAVY = ("gmsh", "pyvista", "vtk", "skfem", "matplotlib", "scipy", "numpy", "jinja2")
-
-
-@pytest.fixture
-def toys(monkeypatch):
-    monkeypatch.syspath_prepend(str(Path(__file__).parent))
-    import toy_catalogue  # noqa: PLC0415  found only on the path set above
-
-    return toy_catalogue
 
 
 @pytest.fixture
@@ -39,7 +32,7 @@ def with_catalogue(monkeypatch):
     return use
 
 
-def test_a_run_prints_its_verdict_and_where_the_report_is(toys, with_catalogue, tmp_path, capsys):
+def test_a_run_prints_its_verdict_and_where_the_report_is(with_catalogue, tmp_path, capsys):
     with_catalogue(toys.sound)
     assert cli.main(["run", "--out", str(tmp_path / "out"), "--jobs", "2"]) == 0
     printed = capsys.readouterr()
@@ -48,7 +41,7 @@ def test_a_run_prints_its_verdict_and_where_the_report_is(toys, with_catalogue, 
     assert printed.err == "flexproof: figure toy.undrawn left out: no OpenGL\n"
 
 
-def test_a_disagreement_is_named_with_its_numbers(toys, with_catalogue, tmp_path, capsys):
+def test_a_disagreement_is_named_with_its_numbers(with_catalogue, tmp_path, capsys):
     with_catalogue(toys.disagreeing)
     arguments = ["run", "--only", "toy.disagrees", "--out", str(tmp_path / "out")]
     assert cli.main(arguments) == 1
@@ -56,7 +49,7 @@ def test_a_disagreement_is_named_with_its_numbers(toys, with_catalogue, tmp_path
     assert "disagree  toy.disagrees: length 2 m, should be 1 m (tolerance 0.1 m)" in out
 
 
-def test_cases_are_listed_as_text_and_as_json(toys, with_catalogue, capsys):
+def test_cases_are_listed_as_text_and_as_json(with_catalogue, capsys):
     with_catalogue(toys.sound)
     assert cli.main(["cases"]) == 0
     assert "closed-form: made up" in capsys.readouterr().out
@@ -158,7 +151,7 @@ def test_every_fault_of_a_robot_file_has_its_line(tmp_path, capsys):
     ],
 )
 def test_wrong_input_ends_with_2_and_one_line(
-    arguments, said, toys, with_catalogue, tmp_path, monkeypatch, capsys
+    arguments, said, with_catalogue, tmp_path, monkeypatch, capsys
 ):
     with_catalogue(toys.sound)
     monkeypatch.chdir(tmp_path)
@@ -173,7 +166,7 @@ def test_wrong_input_ends_with_2_and_one_line(
     assert left <= {"report", ".lock"}
 
 
-def test_a_folder_in_use_is_refused(toys, with_catalogue, tmp_path, capsys):
+def test_a_folder_in_use_is_refused(with_catalogue, tmp_path, capsys):
     with_catalogue(toys.sound)
     with open_folder(tmp_path, {}, "afresh"):
         assert cli.main(["run", "--out", str(tmp_path)]) == 2
@@ -181,7 +174,7 @@ def test_a_folder_in_use_is_refused(toys, with_catalogue, tmp_path, capsys):
 
 
 def test_a_full_disk_ends_with_3_and_says_how_to_go_on(
-    toys, with_catalogue, tmp_path, monkeypatch, capsys
+    with_catalogue, tmp_path, monkeypatch, capsys
 ):
     written = Tree.write
 
@@ -212,7 +205,7 @@ def test_help_imports_nothing_heavy():
     assert "run" in done.stdout
 
 
-def test_a_verdict_worse_than_in_the_baseline_ends_with_1(toys, with_catalogue, tmp_path, capsys):
+def test_a_verdict_worse_than_in_the_baseline_ends_with_1(with_catalogue, tmp_path, capsys):
     with_catalogue(toys.sound)
     first = tmp_path / "first"
     assert cli.main(["run", "--out", str(first)]) == 0
@@ -246,7 +239,7 @@ def test_a_verdict_worse_than_in_the_baseline_ends_with_1(toys, with_catalogue, 
     assert "0 new, 0 removed." in capsys.readouterr().out
 
 
-def test_export_takes_its_place_in_the_run_folder(toys, with_catalogue, tmp_path):
+def test_export_takes_its_place_in_the_run_folder(with_catalogue, tmp_path):
     with_catalogue(toys.sound)
     arguments = ["run", "--only", "toy.agrees", "--preset", "quick", "--out", str(tmp_path)]
     assert cli.main([*arguments, "--export"]) == 0
@@ -257,9 +250,7 @@ def test_export_takes_its_place_in_the_run_folder(toys, with_catalogue, tmp_path
     assert not (tmp_path / "export").exists()
 
 
-def test_a_fault_of_the_program_is_no_disagreement(
-    toys, with_catalogue, tmp_path, monkeypatch, capsys
-):
+def test_a_fault_of_the_program_is_no_disagreement(with_catalogue, tmp_path, monkeypatch, capsys):
     def broken(*_arguments):
         raise RuntimeError("no template")
 

@@ -1,11 +1,9 @@
 """Exported files, read back by other readers, say what the models say."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
 import pyvista
+from exported import names_in_readme
 from scipy.io import mmread
 from scipy.sparse import load_npz
 
@@ -16,9 +14,6 @@ from validation.export.mechanism import export_mechanism
 from validation.export.readme import OF_PARTS, write_readme
 from validation.models.biglide import robot_compliance, robot_frequencies
 from validation.models.legs import leg_matrices, solid_compliance
-
-sys.path.insert(0, str(Path(__file__).parent))
-from exported import names_in_readme
 
 ROBOT = load_robot("ifw").robot
 AXES = ("x", "y", "z")

@@ -1,14 +1,9 @@
 """Mechanisms at random, read from files, in poses away from the reference, against closed forms."""
 
-import sys
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent))
-
 from random_linkages import five_bar, hexarod
 
 from lumped.mechanism.kinematics.mobility import mobility

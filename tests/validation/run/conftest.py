@@ -1,0 +1,11 @@
+import pytest
+
+from validation.results import provenance
+
+
+@pytest.fixture(autouse=True, scope="session")
+def same_sources():
+    """Editing a source file while the tests run must not make a resumed run another one."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(provenance, "suite_digest", lambda: "0")
+        yield
