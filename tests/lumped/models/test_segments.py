@@ -186,6 +186,12 @@ def test_printed_tip_joint_has_no_moment_but_is_too_stiff():
     shear = piece / LEG.timoshenko.GAy
     expected = 1.0 / (piece**3 / (12.0 * LEG.timoshenko.EIz) + shear)
     assert_allclose(tip.stiffness[1, 1], expected, rtol=1e-12)
+    # What the joint does not turn about stays the cantilever's: x, z, φx, φy with φz held.
+    stiffness = dense(static_leg(chain).stiffness)[6:11, 6:11]
+    untouched = [0, 2, 3, 4]
+    found = np.linalg.inv(stiffness)[np.ix_(untouched, untouched)]
+    expected = tip_compliance(LEG.timoshenko, LENGTH)[np.ix_(untouched, untouched)]
+    assert_allclose(found, expected, rtol=1e-10, atol=1e-20)
 
 
 def test_centreline_follows_a_uniform_twist_and_a_rigid_rotation():

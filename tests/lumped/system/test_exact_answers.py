@@ -15,8 +15,9 @@ from lumped.errors import ComputationError, InputError
 from lumped.mechanism.body import Body, Frame, Prism, Rigid
 from lumped.mechanism.joint import Drive, Side
 from lumped.mechanism.mechanism import GROUND, Posture, Tool
-from lumped.models.bodies import tip_compliances
+from lumped.models.bodies import legs_of, tip_compliances
 from lumped.models.links import links
+from lumped.models.segments import segment_chain, segment_leg
 from lumped.models.serial_chains import compliance as vjm_compliance
 from lumped.screws import shift
 from lumped.sections import Rectangle, Tube
@@ -141,6 +142,24 @@ def test_a_parallelogram_turns_by_the_stretch_of_its_rods_alone():
     bending = length**3 / (3.0 * STEEL.E * section.second_moment_z)
     assert found[0, 0] == pytest.approx(length**2 / 1e4 + bending, rel=1e-10)
     assert found[1, 1] == pytest.approx(0.5 * length / (STEEL.E * section.area), rel=1e-10)
+
+
+def test_the_energy_of_a_parallelogram_is_its_drive_s_and_its_driven_rod_s():
+    """A force F along x: half of F²L²/k, half of F²L³/3EI; the other rod carries none."""
+    posture, _, length = parallelogram()
+    chains = {
+        name: segment_leg(segment_chain(leg.properties("euler-bernoulli"), length, 3))
+        for name, leg in legs_of(posture.mechanism).items()
+    }
+    system = assemble(posture, chains)
+    moved = solved(system).displacements(system.tool.T[:, :1])
+    shares = strain_shares(system, moved)
+    of_drive = length**2 / 1e4
+    bending = length**3 / (3.0 * STEEL.E * Rectangle(0.02, 0.05).second_moment_z)
+    expected = {Portion("j0", "drive"): of_drive, Portion("rod1", "bending z"): bending}
+    for portion, share in shares.items():
+        amount = expected.get(portion, 0.0) / (of_drive + bending)
+        assert share == pytest.approx(amount, rel=1e-9, abs=1e-12), portion
 
 
 def test_a_tool_that_no_drive_holds_is_refused_with_its_motion():

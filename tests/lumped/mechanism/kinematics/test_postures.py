@@ -1,5 +1,8 @@
 """Postures against closed forms, and poses that have none."""
 
+from dataclasses import replace
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -77,3 +80,15 @@ def test_a_pose_has_as_many_numbers_as_the_tool_has_moves(ifw):
     for wrong in ([0.5], [0.5, 0.0, 0.0], [0.5, np.nan]):
         with pytest.raises(InputError, match=r"must be 2 finite numbers \(x, y\)"):
             posture(mechanism(ifw), np.array(wrong))
+
+
+def test_iteration_ends_where_the_biglide_s_closed_form_does():
+    """Poses are of B, from which its loaded point stands off."""
+    file = Path(__file__).parents[4] / "examples" / "elastic-biglide" / "robot.toml"
+    closed_form = load_robot(str(file)).mechanism
+    iterated = replace(closed_form, inverse_kinematics=None)
+    for pose in closed_form.poses[2:-2:3]:
+        expected, found = (posture(of, pose).frames for of in (closed_form, iterated))
+        for name, frame in expected.items():
+            assert found[name].position == pytest.approx(frame.position, abs=1e-9)
+            assert found[name].rotation == pytest.approx(frame.rotation, abs=1e-9)
