@@ -1,7 +1,8 @@
 """From a path to the tables of a TOML file, refused where it is none before it costs anything.
 
 Of compliances also what the printed digits leave open, half a unit of the last one: 1.67e-10 lies
-between 1.665e-10 and 1.675e-10. Zeros and whole numbers are taken as exact.
+between 1.665e-10 and 1.675e-10. Zeros and whole numbers are taken as exact, and so is a 6×6 of
+fewer than three digits throughout: a round figure that somebody chose, as a drive's stiffness is.
 """
 
 import re
@@ -18,6 +19,7 @@ from lumped.robot_file.leg_table import symmetric
 from lumped.text import cut
 
 _DEEPEST = 100
+_FEWEST_DIGITS = 3
 # Strings (closed or not), comments, and what opens, closes or separates tables and keys.
 _TOKENS = re.compile(
     r'"""(?:\\.|[^\\])*?(?:"""|\Z)'
@@ -76,6 +78,9 @@ def _printed(tables: Mapping[str, Any]) -> Iterator[Printed]:
 
 
 def _half_units(rows: list[list[Any]]) -> Array:
+    numbers = [number for row in rows for number in row if isinstance(number, Decimal)]
+    if max((len(number.as_tuple().digits) for number in numbers), default=0) < _FEWEST_DIGITS:
+        return np.zeros((6, 6))
     half = np.array([[_half_unit(number) for number in row] for row in rows])
     return np.asarray(np.maximum(half, half.T))
 

@@ -27,7 +27,15 @@ def test_zeros_and_whole_numbers_are_exact_and_mirror_images_one_rounding() -> N
 
 
 def test_every_6x6_of_either_schema_is_seen_and_nothing_else() -> None:
-    own = f"compliance = {rows(c11='1.5e-9')}\n"
+    own = f"compliance = {rows(c11='1.50e-9')}\n"
     tables = ("[leg1]", "[bodies.a]\nmass = 1.5", "[joints.'b.c']")
     text = "[path]\nfrom = [0.20, 0.50]\n" + "".join(f"{one}\n{own}" for one in tables)
-    assert [one.half[0, 0] for one in printed_compliances(text)] == [0.05e-9] * 3
+    assert [one.half[0, 0] for one in printed_compliances(text)] == [0.005e-9] * 3
+
+
+def test_round_figures_of_a_designer_are_exact() -> None:
+    """A bearing of 5e-10 m/N is no number between 4.5e-10 and 5.5e-10 that was rounded."""
+    (chosen,) = printed_compliances(f"[foot]\ncompliance = {rows(c11='5e-10', c66='1.2e-7')}")
+    assert not chosen.half.any()
+    (rounded,) = printed_compliances(f"[foot]\ncompliance = {rows(c11='5e-10', c66='1.20e-7')}")
+    assert np.diag(rounded.half).tolist() == [0.5e-10, 0.0, 0.0, 0.0, 0.0, 0.005e-7]
