@@ -13,7 +13,7 @@ from fem.beams.beam_theory import (
     tension_frequencies,
     torsion_frequencies,
 )
-from lumped.dense.modes import dense, solve_modes
+from lumped.dense.modes import dense
 from lumped.errors import InputError
 from lumped.legs import BeamProperties, ConstantLeg, Material, constant_leg, tip_compliance
 from lumped.mechanism.body_model import LegMatrices
@@ -249,30 +249,6 @@ def test_leg_1_about_z_is_about_180_hz():
     assert slender == pytest.approx(by_hand, rel=1e-6)
     # Figures of an independent computation, given to 0.1 Hz.
     assert [slender, rotary, full] == pytest.approx([186.8, 183.6, 181.8], abs=0.05)
-
-
-def test_nafems_test_71_slender_cantilever():
-    # NAFEMS, Selected Benchmarks for Natural Frequency Analysis, Test 71.
-    leg = ConstantLeg(10.0, Rectangle(0.125, 0.125), Material.isotropic(2.0e11, 0.3, 8000.0))
-    published = [1.010, 6.327, 17.716, 34.717, 57.390, 85.730]
-    model = beam_leg(leg.properties("euler-bernoulli"), leg.length, 120)
-    for part in ("bending y", "bending z"):
-        # Printed to 0.001 Hz; the elements' own error is below 0.0001 Hz, fourth order.
-        assert kind_frequencies(model, part, 6) == pytest.approx(published, abs=6e-4)
-
-
-def test_nafems_fv5_deep_simply_supported_beam():
-    # NAFEMS FV5: 10 m, 2 m × 2 m, x = y = z = φx = 0 at one end, y = z = 0 at the other.
-    leg = ConstantLeg(10.0, Rectangle(2.0, 2.0), Material.isotropic(2.0e11, 0.3, 8000.0))
-    model = beam_leg(leg.timoshenko, leg.length, 20)
-    free = np.setdiff1d(np.arange(model.size), [0, 1, 2, 3, 7, 8])
-    grid = np.ix_(free, free)
-    found = solve_modes(dense(model.stiffness)[grid], dense(model.mass)[grid], 9, "FV5").frequencies
-    published = [42.650, 42.650, 71.200, 125.00, 148.15, 148.15, 213.61, 283.47, 283.47]
-    # Printed to five digits (the first torsion and bending to four), torsion with J rounded to
-    # four; the elements' own error is 3e-5 of the ninth.
-    tolerances = np.array([2e-4, 2e-4, 1e-4, 5e-5, 5e-5, 5e-5, 2e-4, 5e-5, 5e-5])
-    assert np.all(np.abs(found / published - 1.0) < tolerances)
 
 
 def test_modes_are_drawn_with_the_root_at_rest():

@@ -1,0 +1,149 @@
+"""All benchmarks agree, stand in the verification manual, and catch models that are wrong."""
+
+import re
+import runpy
+from dataclasses import replace
+from math import pi
+from pathlib import Path
+
+import further_benchmarks as further
+import numpy as np
+import pytest
+from scipy.linalg import null_space, subspace_angles
+
+from fem.beams.frame import assemble, modes
+from fem.bodies import leg_modes
+from fem.bodies.solid import section_twists
+from validation.selftest import beams, solids
+from validation.selftest.benchmark import outcome
+
+ROOT = Path(__file__).resolve().parents[3]
+MANUAL = runpy.run_path(str(ROOT / "docs" / "pictures" / "verification.py"))
+PAGE = MANUAL["PAGE"].read_text(encoding="utf-8")
+OWN, FURTHER = MANUAL["listed"]()
+
+
+@pytest.mark.parametrize(
+    ("number", "benchmark"),
+    list(enumerate((*OWN, *FURTHER), start=1)),
+    ids=[benchmark.title for benchmark in (*OWN, *FURTHER)],
+)
+def test_the_numbers_agree_and_are_those_of_the_manual(number, benchmark):
+    found = outcome(benchmark)
+    if found.skipped:
+        pytest.skip(found.message)
+    assert found.verdict == "agrees", (found.message, found.compared)
+    old = "renew docs/guide/verification.md: python docs/pictures/verification.py"
+    assert MANUAL["section"](number, found) in PAGE, old
+
+
+def test_the_manual_has_all_benchmarks_and_no_others():
+    assert PAGE.startswith(MANUAL["head"]())
+    titles = re.findall(r"^## \d+\. (.*)$", PAGE, re.MULTILINE)
+    assert titles == [benchmark.title for benchmark in (*OWN, *FURTHER)]
+
+
+def test_the_selftest_is_short():
+    of_tests = PAGE.index(f". {FURTHER[0].title}")
+    assert len(re.findall(r"^\| (?!quantity)", PAGE[:of_tests], re.MULTILINE)) <= 40
+
+
+def with_plain_shear_coefficient():
+    sound = beams.deep_beam(32)
+    # Without Poisson's ratio a rectangle has 5/6 where Cowper has 10(1 + ν)/(12 + 11ν).
+    share = 5.0 / 6.0 / beams.DEEP.section.shear_coefficients(0.3)[0]
+    beam = sound.members[0].properties
+    return with_beam(sound, replace(beam, GAy=share * beam.GAy, GAz=share * beam.GAz))
+
+
+def without_shear():
+    return with_beam(beams.deep_beam(32), beams.DEEP.properties("euler-bernoulli"))
+
+
+def with_shear():
+    return with_beam(further.slender_cantilever(32), further.SLENDER.timoshenko)
+
+
+def softer_by_half_a_percent():
+    sound = further.slender_cantilever(32)
+    beam = sound.members[0].properties
+    return with_beam(sound, replace(beam, EIz=0.995 * beam.EIz))
+
+
+def crossing_that_does_not_turn():
+    sound = beams.double_cross(16)
+    held = tuple(replace(s, held=(*s.held, "φz")) if s.node == 0 else s for s in sound.supports)
+    return replace(sound, supports=held)
+
+
+def with_beam(frame, properties):
+    return replace(frame, members=(replace(frame.members[0], properties=properties),))
+
+
+@pytest.mark.parametrize(
+    ("build", "published", "caught"),
+    [
+        (with_plain_shear_coefficient, beams.FV5_CLUSTERS, {"f5 to f6", "f8 to f9"}),
+        (without_shear, beams.FV5_CLUSTERS, {"f1 to f2"}),
+        (with_shear, further.TEST_71_CLUSTERS, {"f4", "f5", "f6"}),
+        (softer_by_half_a_percent, further.TEST_71_CLUSTERS, {f"f{k}" for k in range(1, 7)}),
+        (crossing_that_does_not_turn, beams.FV2_CLUSTERS, {"f1", "f9"}),
+    ],
+)
+def test_a_wrong_model_is_caught(build, published, caught):
+    compared = beams.clusters(build(), published)
+    assert caught <= {one.quantity.partition(",")[0] for one in compared if not one.agrees}
+
+
+def test_a_section_turned_by_a_right_angle_is_caught():
+    compared = further.straight_cantilever(up=(0.0, 1.0, 0.0))
+    assert [one.agrees for one in compared] == [True, False, False, True]
+
+
+@pytest.mark.parametrize("cluster", beams.FV2_CLUSTERS, ids=lambda cluster: cluster.quantity)
+def test_equal_frequencies_of_the_cross_have_the_exact_shapes(cluster):
+    """Whatever basis of seven equal modes is found: principal angles to the exact subspace."""
+    stations = (np.arange(24) + 0.5) / 24
+    frame = assemble(beams.double_cross(16))
+    shapes = modes(frame, beams.FV2_CLUSTERS[-1].last).shapes[:, cluster.first - 1 : cluster.last]
+    at = stations * beams.ARM.length
+    found = np.vstack([(leg.centreline(at) @ own @ shapes)[1::6] for leg, own in frame.members])
+    order = 1 if cluster.last <= beams.ARMS else 2
+    if cluster.first == cluster.last:
+        # All arms alike and pinned: the crossing turns.
+        amplitudes, shape = np.ones((beams.ARMS, 1)), np.sin(order * pi * stations)
+    else:
+        # Clamped, with moments that balance: amplitudes of zero sum.
+        b = further.pinned_clamped_root(order)
+        amplitudes = null_space(np.ones((1, beams.ARMS)))
+        shape = np.sin(b * stations) / np.sin(b) - np.sinh(b * stations) / np.sinh(b)
+    # A frequency goes by the square of the angle: 0.1 % of it is 0.03, and this a thirtieth.
+    assert subspace_angles(found, np.kron(amplitudes, shape[:, None])).max() < 1e-3
+
+
+def test_roots_of_pinned_and_clamped_arms():
+    # Blevins, Formulas for Natural Frequency and Mode Shape, table 8-1: 3.92660231, 7.06858275.
+    found = [further.pinned_clamped_root(order) for order in (1, 2)]
+    assert found == pytest.approx([3.92660231, 7.06858275], abs=1e-8)
+
+
+def test_a_crossing_between_unyielding_arms_does_not_move():
+    # Without stretching the moving crossing is held: both roots become one, from below.
+    arms = (beams.ARM, replace(beams.ARM, length=beams.ARM.length * 10.0**1.5))
+    gaps = [further.pinned_clamped_root(1) - further.moving_crossing_root(1, arm) for arm in arms]
+    # The gap is EI β³/(L² EA) to first order: it falls with L².
+    assert gaps[0] > 0.0
+    assert gaps[0] / gaps[1] == pytest.approx(1e3, rel=0.01)
+
+
+def test_a_simply_supported_solid_is_held_on_average_and_turns_at_its_ends():
+    beam = solids.extruded(beams.DEEP, 2, 6)
+    shapes = leg_modes.modes(solids.simply_supported(beam), 2).shapes
+    twists = section_twists(beam.mesh, np.array([0.0, 5.0, 10.0])) @ shapes
+    first, middle, last = twists.reshape(3, 6, 2)
+    largest = np.abs(middle[1:3]).max()
+    # The conjugate of the parabolic shear is not quite the plain mean that is taken here.
+    assert np.abs([first[1:3], last[1:3]]).max() < 0.01 * largest
+    assert np.abs(first[[0, 3]]).max() < 0.01 * largest
+    # Half a wave of amplitude 1 over 10 m turns its ends by π/10, shear taking a part of it.
+    assert 0.8 * pi / 10.0 < np.abs(first[4:]).max() / largest < pi / 10.0
