@@ -1,6 +1,8 @@
 """Robot files of schema 2: what sound ones describe, and one line for each fault of wrong ones."""
 
+import shutil
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,6 +13,7 @@ from lumped.robot_file import load_robot, write_template
 from lumped.robot_file.load import built_in_robots
 from validation import cli
 
+ROCKER = Path(__file__).parents[3] / "examples" / "rocker" / "robot.toml"
 PIN = (
     '[joints.pin]\ntype = "revolute"\nbetween = ["rod1", "rod2"]\nat = "P"\naxis = [0.0, 0.0, 1.0]'
 )
@@ -330,6 +333,28 @@ def test_a_rigid_body_and_a_given_leg_keep_their_numbers(tmp_path):
     assert isinstance(platform, Rigid)
     assert platform.mass == 0.6
     assert platform.inertia[2, 2] == 1.3e-3
+    # From the body's origin, which is its first point.
+    at_tool = load_robot("delta").mechanism.bodies["platform"].interfaces["P"].position
+    assert platform.centre == pytest.approx(at_tool, abs=1e-15)
+    assert np.linalg.norm(at_tool) > 0.01
+
+
+def test_a_part_lies_where_it_is_placed(tmp_path):
+    """File axes x and y along base y and −x, y not quite square to x, origin at B."""
+    text = ROCKER.read_text(encoding="utf-8")
+    place = 'place = { at = "B", x = [0.0, 2.0, 0.0], y = [-1.0, 0.1, 0.0] }\n'
+    path = tmp_path / "placed.toml"
+    path.write_text(text.replace('step = "rocker.step"\n', f'step = "rocker.step"\n{place}'))
+    shutil.copy(ROCKER.with_name("rocker.step"), tmp_path)
+    mechanism = load_robot(path).mechanism
+    frame, body = mechanism.reference["rocker"], mechanism.bodies["rocker"]
+    assert frame.position == pytest.approx([0.26, 0.0, 0.0])
+    x, y, z = frame.rotation.T
+    assert x == pytest.approx([0.0, 1.0, 0.0], abs=1e-15)
+    assert y == pytest.approx([-1.0, 0.0, 0.0], abs=1e-15)
+    assert z == pytest.approx([0.0, 0.0, 1.0], abs=1e-15)
+    # C at (0.09, 0.18) in base axes.
+    assert body.interfaces["C"].position == pytest.approx([0.18, 0.17, 0.0])
 
 
 def test_a_path_is_a_line_a_grid_or_a_list(tmp_path):

@@ -11,6 +11,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 
 from random_mechanisms import STEEL, Maker
 
+from lumped.dense.modes import dense
 from lumped.errors import ComputationError, InputError
 from lumped.mechanism.body import Body, Frame, Prism, Rigid
 from lumped.mechanism.joint import Drive, Side
@@ -237,4 +238,12 @@ def test_a_rod_between_ball_joints_goes_round_a_cone_without_spinning():
     led = (across + mass * length**2 / 4.0) * (arm / length) ** 2
     expected = np.sqrt(stiffness / (crank + led)) / (2.0 * np.pi)
     assert solution.idle == 1
-    assert modes(solution, 1).frequencies == pytest.approx([expected], rel=1e-9)
+    found = modes(solution, 1)
+    assert found.frequencies == pytest.approx([expected], rel=1e-9)
+    # The rod is not dragged along: the shape is a mode of the whole, the idle motion included.
+    system, shape = solution.system, found.shapes[:, 0]
+    forces, momenta = dense(system.stiffness) @ shape, dense(system.mass) @ shape
+    assert shape @ momenta == pytest.approx(1.0, rel=1e-12)
+    assert forces == pytest.approx(
+        (2.0 * np.pi * expected) ** 2 * momenta, abs=1e-6 * abs(forces).max()
+    )
