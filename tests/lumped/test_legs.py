@@ -178,11 +178,6 @@ def test_a_negative_shear_stiffness_is_refused_by_name_and_only_where_it_is_used
     assert axial == pytest.approx(2.1e11 * wide.area)
 
 
-def test_isotropic_material():
-    """G = E/2(1+ν): 80.77 GPa for steel."""
-    assert pytest.approx(80.77e9, rel=1e-4) == STEEL.G
-
-
 def test_given_compliance_is_the_legs_own_or_timoshenkos(demonstrator):
     assert given_compliance(demonstrator.leg1) is demonstrator.leg1.compliance
     tube = ConstantLeg(0.8, Tube(0.1, 0.01), STEEL)

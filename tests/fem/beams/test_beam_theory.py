@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
@@ -81,6 +81,7 @@ def test_timoshenko_frequencies_are_all_the_roots_of_huang_s_equation(leg, plane
     shear_to_young=st.floats(0.05, 0.6),
     gyration=st.floats(0.2, 2.0),
 )
+@settings(max_examples=25)
 def test_random_timoshenko_frequencies_are_roots_of_huang_s_equation(
     slenderness, shear_to_young, gyration
 ):
@@ -94,17 +95,6 @@ def test_random_timoshenko_frequencies_are_roots_of_huang_s_equation(
     assert np.all(np.sign(below) == -np.sign(above))
 
 
-def test_orientation_values_of_leg_1():
-    # Figures of an independent computation, to 0.1 Hz (the last a 3-D solid with rigid ends).
-    p = LEG1.timoshenko
-    rayleigh = replace(p, GAy=np.inf, GAz=np.inf)
-    found = [
-        bending_frequencies(q, LEG1.length, "y", 1)[0]
-        for q in (p.as_euler_bernoulli(), rayleigh, p)
-    ]
-    assert found == pytest.approx([186.8, 183.6, 181.8], abs=0.05)
-
-
 def test_rotary_inertia_takes_its_known_first_order_share():
     # Rayleigh's quotient with the Euler–Bernoulli mode φ: ω² falls by (ρI/μ) ∫φ′²/∫φ², where
     # ∫φ′²/∫φ² = βσ(2 + σβ)/L², σ = 0.734096 for the first clamped–free mode (Young and Felgar).
@@ -116,19 +106,6 @@ def test_rotary_inertia_takes_its_known_first_order_share():
     rotary = bending_frequencies(replace(p, GAz=np.inf), L, "y", 1)[0]
     # The next order is the share itself, 4e-7; root finding leaves 1e-12/4e-7 = 3e-6.
     assert 1.0 - (rotary / explicit) ** 2 == pytest.approx(share, rel=2e-5)
-
-
-def test_frequencies_fall_as_each_effect_is_added():
-    p = LEG2.timoshenko
-    slender = bending_frequencies(p.as_euler_bernoulli(), LEG2.length, "z", 6)
-    rotary = bending_frequencies(replace(p, GAy=np.inf), LEG2.length, "z", 6)
-    sheared = bending_frequencies(replace(p, rho_Iz=0.0), LEG2.length, "z", 6)
-    full = bending_frequencies(p, LEG2.length, "z", 6)
-    # By minimax: more inertia, or a constraint less.
-    assert np.all(full < rotary)
-    assert np.all(full < sheared)
-    assert np.all(rotary < slender)
-    assert np.all(sheared < slender)
 
 
 def test_sixty_frequencies_of_a_deep_leg_are_as_dense_as_its_two_waves():

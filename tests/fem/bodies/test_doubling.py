@@ -24,7 +24,7 @@ from meshes.section.section_mesh import section_mesh
 from validation.agreement.differences import scaled_difference
 
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
-CUBIC = Material(E=2.1e11, G=1.2e11, nu=0.0, rho=7850.0)
+CUBIC = Material(E=2.1e11, G=1.2e11, nu=0.25, rho=7850.0)
 SECTIONS = [
     (Rectangle(0.10, 0.16), 2),
     (Tube(0.12, 0.012), 4),
@@ -42,12 +42,11 @@ def beam_compliance(leg, section):
     "slices", [1, 7, *(pytest.param(n, marks=pytest.mark.exhaustive) for n in (2, 12))]
 )
 @pytest.mark.parametrize("element", ["quad4", "quad9"])
-@pytest.mark.parametrize("material", [STEEL, CUBIC], ids=["isotropic", "cubic"])
 @pytest.mark.parametrize(
     ("section", "divisions"), SECTIONS, ids=[section.shape for section, _ in SECTIONS]
 )
-def test_tip_compliance_is_that_of_the_direct_solve(section, divisions, material, element, slices):
-    leg = ConstantLeg(0.8, section, material)
+def test_tip_compliance_is_that_of_the_direct_solve(section, divisions, element, slices):
+    leg = ConstantLeg(0.8, section, CUBIC)
     face = section_mesh(section, divisions, element)
     condensed = condensed_leg(leg, face, slices)
     solid = solid_leg(leg, extrude(face, stations(leg.length, slices)))
@@ -207,14 +206,6 @@ def test_doubling_by_symmetry_is_joining(i_leg):
         np.testing.assert_allclose(
             getattr(fast, name), reference, atol=1e-12 * np.abs(reference).max(), rtol=0.0
         )
-
-
-def test_compliance_is_symmetric_with_the_signs_of_a_beam(i_leg):
-    for ends in ("rigid", "free"):
-        compliance = tip_compliance(i_leg, ends)
-        assert np.array_equal(compliance, compliance.T)
-        assert np.linalg.eigvalsh(compliance)[0] > 0.0
-        assert compliance[1, 5] > 0.0 > compliance[2, 4]
 
 
 def test_impossible_requests_are_refused():

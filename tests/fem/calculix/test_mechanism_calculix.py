@@ -70,19 +70,13 @@ def agree(at) -> int:
 
 
 @needs_calculix
-def test_a_five_bar_in_a_pose_of_its_path():
-    mechanism = of_squares("five-bar")
-    assert agree(posture(mechanism, mechanism.poses[0])) == 0
-
-
-@needs_calculix
-def test_a_joint_that_gives_way_in_all_directions():
+def test_a_five_bar_with_a_joint_that_gives_way_in_all_directions():
     mechanism = of_squares("five-bar")
     root = np.random.default_rng(1).normal(size=(6, 6))
     give = 1e-8 * (root @ root.T + np.eye(6))
     first, *others = mechanism.joints
     soft = replace(mechanism, joints=(replace(first, compliance=give), *others))
-    assert agree(reference_posture(soft)) == 0
+    assert agree(posture(soft, soft.poses[0])) == 0
 
 
 TOOL = np.diag([2e-9, 3e-9, 1e-9, 4e-7, 3e-7, 5e-7])

@@ -42,7 +42,7 @@ def bar(tmp_path_factory):
         "C": PartInterface(ByPlane((1.0, 0.0, 0.0), (0.2, 0.0, 0.0)), "average"),
     }
     found = find_interfaces(part, wanted)
-    return volume_mesh(part, found, Grading(0.02)), found
+    return volume_mesh(part, found, Grading(0.04)), found
 
 
 def test_compliance_of_rigid_and_averaged_interfaces(bar):

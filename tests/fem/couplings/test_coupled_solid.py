@@ -116,7 +116,13 @@ def tied(part, grips):
     return np.vstack(rows)
 
 
-@pytest.mark.parametrize("kinds", [*[(k, k) for k in KINDS], ("pin", "rigid", "average")])
+@pytest.mark.parametrize(
+    "kinds",
+    [
+        ("pin", "rigid", "average"),
+        *(pytest.param((kind, kind), marks=pytest.mark.exhaustive) for kind in KINDS),
+    ],
+)
 def test_the_compliance_is_that_of_lagrange_multipliers(lug, kinds):
     part, found = lug
     grips = grips_of(part.mesh, interfaces(found, kinds))

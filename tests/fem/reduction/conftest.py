@@ -16,7 +16,7 @@ from validation.cases.program.parts.drawing import meshed
 
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 LENGTH = 0.2
-COUPLINGS = {"rigid": ("rigid", "rigid"), "averaged": ("rigid", "average"), "one": ("average",)}
+COUPLINGS = {"two": ("rigid", "average"), "one": ("average",)}
 
 
 @dataclass(frozen=True)

@@ -1,24 +1,17 @@
 """Craig–Bampton legs against the unreduced robot, and the bounds against the true error."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from scipy.linalg import eigh, null_space
 from scipy.sparse import csr_array
 
-sys.path.insert(0, str(Path(__file__).parent))
-
-from superelement_checks import free_frequencies, rigid_body_residual
-
 from fem.beams.beam import beam_leg
 from fem.bodies.solid import clamped_leg, solid_leg, solid_leg_matrices
 from fem.reduction.craig_bampton import craig_bampton, frequency_bounds
 from fem.reduction.free_superelement import held_free_leg
 from fem.reduction.interface_modes import interface_modes
-from fem.reduction.superelement import held_leg, mass_properties, rigid_motions
+from fem.reduction.superelement import held_leg, static_superelement
 from lumped.biglide import system, with_equivalent_legs
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, Material
@@ -29,7 +22,6 @@ from lumped.sections import Rectangle
 from lumped.system.solution import compliance, modes, solved
 from meshes.prism.extrude import extrude, stations
 from meshes.section.section_mesh import section_mesh
-from validation.agreement.differences import scaled_difference
 
 ROBOT = with_equivalent_legs(load_robot("ifw").robot)
 LEG_1, LEG_2 = ROBOT.leg1, ROBOT.leg2
@@ -89,10 +81,9 @@ def test_robot_of_reduced_legs_is_the_unreduced_one(legs, unreduced_robot):
         assert np.min(np.diag(gram) ** 2) > 0.9999
 
 
-@pytest.mark.parametrize("factor", [1.1, 1.5, 2.0, 2.5])
+@pytest.mark.parametrize("factor", [1.1, 2.5])
 def test_bounds_enclose_the_true_frequencies(legs, unreduced_robot, factor):
-    held = legs[1]
-    reduced = [craig_bampton(leg, HIGHEST, factor * HIGHEST) for leg in held]
+    reduced = [craig_bampton(leg, HIGHEST, factor * HIGHEST) for leg in legs[1]]
     for x, (_, exact) in zip(POSTURES, unreduced_robot, strict=True):
         robot = system(ROBOT, x, *(leg.matrices for leg in reduced))
         bounds = frequency_bounds(robot, dict(zip(NAMES, reduced, strict=True)), COUNT)
@@ -100,33 +91,12 @@ def test_bounds_enclose_the_true_frequencies(legs, unreduced_robot, factor):
         assert np.all(exact.frequencies <= bounds.upper * (1.0 + ROUNDING))
         error = bounds.upper / exact.frequencies - 1.0
         assert np.all(error <= bounds.relative_width + ROUNDING)
-        # A bound that is worth something: at the usual cut-off it promises what is asked for.
-        if factor == 2.5:
+        # A cut-off just above the highest frequency has a real error; the usual one promises
+        # what is asked for.
+        if factor == 1.1:
+            assert error.max() > 1e-4
+        else:
             assert bounds.relative_width.max() < 2e-4
-
-
-def test_bounds_are_not_empty(legs, unreduced_robot):
-    """With a cut-off just above the highest frequency the error is real, 1e-4 and more."""
-    reduced = [craig_bampton(leg, HIGHEST, 1.1 * HIGHEST) for leg in legs[1]]
-    robot = system(ROBOT, POSTURES[1], *(leg.matrices for leg in reduced))
-    bounds = frequency_bounds(robot, dict(zip(NAMES, reduced, strict=True)), COUNT)
-    error = bounds.upper / unreduced_robot[1][1].frequencies - 1.0
-    assert error.max() > 1e-4
-
-
-def test_what_bounds_the_error_is_the_sum_over_all_modes_that_are_dropped():
-    """W = Σ p pᵀ/ω⁶ over every mode of the held mesh above the cut-off, by LAPACK."""
-    leg, cutoff = solid_leg_matrices(meshed(LEG_2, 1, 4)), 4000.0
-    K, M = leg.stiffness.toarray(), leg.mass.toarray()
-    constraint = np.vstack([np.eye(12), -np.linalg.solve(K[12:, 12:], K[12:, :12])])
-    squares, shapes = eigh(K[12:, 12:], M[12:, 12:])
-    dropped = squares > (2.0 * np.pi * cutoff) ** 2
-    assert np.sum(~dropped) > 0
-    share = shapes[:, dropped].T @ (M @ constraint)[12:]
-    expected = (share.T / squares[dropped] ** 3) @ share
-    stated = craig_bampton(held_leg(leg), 1.0, cutoff).truncated
-    # One sum, from static responses and term by term: rounding.
-    assert scaled_difference(stated, expected) < 1e-9
 
 
 def test_error_falls_as_the_seventh_power_of_the_cut_off():
@@ -189,23 +159,25 @@ def test_repeated_interface_modes_are_all_found():
     assert_allclose(found.frequencies, frequencies[frequencies < cutoff], rtol=1e-9)
 
 
-def test_superelement_floats_and_weighs_what_the_leg_does(legs):
-    for held, leg in zip(legs[1], (LEG_1, LEG_2), strict=True):
-        matrices = craig_bampton(held, 1000.0).matrices
-        motions = rigid_motions(matrices)
-        assert rigid_body_residual(matrices, motions) < 1e-13
-        properties = mass_properties(matrices, motions)
-        assert properties.mass == pytest.approx(leg.mass, rel=1e-9)
-        assert_allclose(properties.centre, [leg.length / 2.0, 0.0, 0.0], atol=1e-9)
+def test_the_ends_are_those_of_the_static_superelement(legs):
+    for held in legs[1]:
+        found, static = craig_bampton(held, 1000.0).matrices, static_superelement(held).matrices
+        stiffness = found.stiffness.toarray()
+        assert np.array_equal(stiffness[:12, :12], static.stiffness.toarray())
+        assert not stiffness[:12, 12:].any()
+        mass = static.mass.toarray()
+        assert_allclose(found.mass.toarray()[:12, :12], mass, atol=1e-12 * mass.max())
 
 
 def test_free_frequencies_equal_those_of_the_unreduced_leg():
+    def free_frequencies(leg):
+        squares = eigh(leg.stiffness.toarray(), leg.mass.toarray(), eigvals_only=True)[6:12]
+        return np.sqrt(squares) / (2.0 * np.pi)
+
     leg = solid_leg_matrices(meshed(LEG_1, 1, 4))
-    exact = eigh(leg.stiffness.toarray(), leg.mass.toarray(), eigvals_only=True)[6:12]
-    full = free_frequencies(leg, 6, shift_frequency=500.0)
-    assert_allclose(full, np.sqrt(exact) / (2.0 * np.pi), rtol=1e-9)
+    full = free_frequencies(leg)
     reduced = craig_bampton(held_leg(leg), 1.05 * full[-1]).matrices
-    assert_allclose(free_frequencies(reduced, 6, 500.0), full, rtol=1e-4)
+    assert_allclose(free_frequencies(reduced), full, rtol=1e-4)
 
 
 @pytest.fixture(scope="module")

@@ -96,12 +96,6 @@ def test_energy_shear_coefficient_of_a_circle():
     assert constants.shear_coefficients == pytest.approx((kappa, kappa), rel=2e-5)
 
 
-def test_without_poisson_contraction_both_shear_coefficients_of_a_rectangle_are_five_sixths():
-    constants = section_constants(section_mesh(Rectangle(0.1, 0.25), 12), 0.0)
-    assert constants.shear_coefficients == pytest.approx((5 / 6, 5 / 6), rel=1e-5)
-    assert constants.cowper_coefficients == pytest.approx((5 / 6, 5 / 6), rel=1e-5)
-
-
 def test_cubic_material_enters_through_its_shear_modulus():
     mesh = section_mesh(Rectangle(0.3, 0.1), 6)
     isotropic = section_constants(mesh, 0.25)

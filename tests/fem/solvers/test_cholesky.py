@@ -6,10 +6,13 @@ import pytest
 from scipy.sparse import block_diag, csr_array, diags_array, eye_array
 from scipy.sparse.linalg import spsolve
 
+import fem.solvers.cholesky
 import fem.solvers.factor
 from fem.elements.elasticity import stiffness_and_mass
 from fem.machine import available_memory
 from fem.solvers.cholesky import analyse, default_backend, factorise
+from fem.solvers.cholmod.bisected_factor import BisectedFactor
+from fem.solvers.cholmod.whole_factor import CholmodFactor
 from fem.solvers.factor import NotPositiveDefiniteError, upper_triangle
 from fem.solvers.modes import MissedModesError
 from fem.solvers.ordering import block_graph, nested_dissection
@@ -19,50 +22,83 @@ from lumped.sections import Rectangle
 from meshes.prism.extrude import extrude, stations
 from meshes.section.section_mesh import section_mesh
 
-BACKENDS = [
-    "cholmod",
-    pytest.param(
-        "mkl",
-        marks=pytest.mark.skipif(
-            importlib.util.find_spec("pypardiso") is None, reason="the extra mkl is not installed"
-        ),
-    ),
-]
+CHOLMOD = {"whole": CholmodFactor, "halves": BisectedFactor}
 STEEL = Material.isotropic(E=2.1e11, nu=0.3, rho=7850.0)
 # Solutions of one matrix by two eliminations differ by its condition number (here 1e6) times 1e-16.
 SOLVER_TOLERANCE = 1e-9
 
 
-@pytest.mark.parametrize("backend", BACKENDS)
-def test_solutions_are_superlus(short_leg, backend):
-    K, _ = short_leg
-    factor = factorise(analyse(K, backend=backend), K)
-    loads = np.random.default_rng(1).standard_normal((K.shape[0], 40))
-    expected = spsolve(K.tocsc(), loads)
-    found = factor.solve(loads)
-    assert found.shape == loads.shape
-    assert np.abs(found - expected).max() <= SOLVER_TOLERANCE * np.abs(expected).max()
-    one = factor.solve(loads[:, 3])
-    assert one.shape == (K.shape[0],)
-    assert np.abs(one - expected[:, 3]).max() <= SOLVER_TOLERANCE * np.abs(expected[:, 3]).max()
-    assert factor.solve(loads[:, :0]).shape == (K.shape[0], 0)
+@pytest.fixture(
+    params=[
+        *CHOLMOD,
+        pytest.param(
+            "mkl",
+            marks=pytest.mark.skipif(
+                importlib.util.find_spec("pypardiso") is None,
+                reason="the extra mkl is not installed",
+            ),
+        ),
+    ]
+)
+def elimination(request, monkeypatch):
+    """Analysis by each way to eliminate, in halves a matrix that is far too small for two threads.
 
+    Solutions are SuperLU's.
+    """
+    way = request.param
+    if way in CHOLMOD:
+        monkeypatch.setenv("OMP_NUM_THREADS", "2")
+        monkeypatch.setattr(fem.solvers.cholesky, "_BISECTED", 0 if way == "halves" else 10**9)
 
-@pytest.mark.parametrize("backend", BACKENDS)
-def test_one_analysis_serves_several_matrices_at_once(short_leg, backend):
-    K, M = short_leg
-    symbolic = analyse(K, backend=backend)
-    first, second = factorise(symbolic, K), factorise(symbolic, K + 1e6 * M)
-    third = factorise(symbolic, diags_array(K.diagonal(), format="csr"))
-    load = np.ones(K.shape[0])
-    for factor, matrix in (
-        (first, K),
-        (second, K + 1e6 * M),
-        (third, diags_array(K.diagonal(), format="csc")),
-    ):
-        expected = spsolve(matrix.tocsc(), load)
-        found = factor.solve(load)
+    def analysed(matrix):
+        return analyse(matrix, backend="cholmod" if way in CHOLMOD else way)
+
+    def solves(factor, matrix, columns=2):
+        assert isinstance(factor, CHOLMOD.get(way, object))
+        loads = np.random.default_rng(1).standard_normal((matrix.shape[0], columns))
+        expected, found = spsolve(matrix.tocsc(), loads), factor.solve(loads)
+        assert found.shape == loads.shape
         assert np.abs(found - expected).max() <= SOLVER_TOLERANCE * np.abs(expected).max()
+
+    return analysed, solves
+
+
+def test_one_analysis_serves_several_matrices_at_once(short_leg, elimination):
+    (K, M), (analysed, solves) = short_leg, elimination
+    symbolic = analysed(K)
+    matrices = K, K + 1e6 * M, diags_array(K.diagonal(), format="csr")
+    factors = [factorise(symbolic, matrix) for matrix in matrices]
+    for factor, matrix, columns in zip(factors, matrices, (40, 2, 2), strict=True):
+        solves(factor, matrix, columns)
+    one = factors[0].solve(np.ones(K.shape[0]))
+    assert one.shape == (K.shape[0],)
+    np.testing.assert_allclose(K @ one, 1.0, atol=1e-6)
+    assert factors[0].solve(np.ones((K.shape[0], 0))).shape == (K.shape[0], 0)
+
+
+def test_what_is_no_positive_definite_matrix_of_the_pattern_is_refused(short_leg, elimination):
+    (K, M), (analysed, _) = short_leg, elimination
+    symbolic = analysed(diags_array(K.diagonal(), format="csr"))
+    with pytest.raises(ComputationError, match="outside the pattern"):
+        factorise(symbolic, K)
+    with pytest.raises(ComputationError, match="given to the analysis"):
+        factorise(symbolic, K[:-3, :-3])
+    shift = 2.0 * (2.0 * np.pi * 1e4) ** 2
+    with pytest.raises(NotPositiveDefiniteError, match=r"leg 1: .*not positive definite.*unknown"):
+        factorise(analysed(K), K - shift * M, part="leg 1")
+    free, _ = stiffness_and_mass(
+        extrude(section_mesh(Rectangle(0.04, 0.06), 2, "quad9"), stations(0.3, 3)), STEEL
+    )
+    with pytest.raises(NotPositiveDefiniteError, match="rigid body"):
+        factorise(analysed(free), free)
+
+
+def test_too_little_memory_is_said_before_the_factorisation(short_leg, elimination, monkeypatch):
+    (K, _), (analysed, _) = short_leg, elimination
+    symbolic = analysed(K)
+    monkeypatch.setattr(fem.solvers.factor, "available_memory", lambda: symbolic.peak_bytes - 1)
+    with pytest.raises(ComputationError, match=r"leg 2: factorising \d+ unknowns needs about"):
+        factorise(symbolic, K, part="leg 2")
 
 
 def test_block_solves_and_cvxopts_own_agree(short_leg, monkeypatch):
@@ -75,37 +111,12 @@ def test_block_solves_and_cvxopts_own_agree(short_leg, monkeypatch):
     assert np.abs(together - one_by_one).max() <= SOLVER_TOLERANCE * np.abs(together).max()
 
 
-@pytest.mark.parametrize("backend", BACKENDS)
-def test_a_matrix_outside_the_pattern_is_refused(short_leg, backend):
-    K, _ = short_leg
-    symbolic = analyse(diags_array(K.diagonal(), format="csr"), backend=backend)
-    with pytest.raises(ComputationError, match="outside the pattern"):
-        factorise(symbolic, K)
-    with pytest.raises(ComputationError, match="given to the analysis"):
-        factorise(symbolic, K[:-3, :-3])
-
-
-@pytest.mark.parametrize("backend", BACKENDS)
-def test_indefinite_matrix_is_refused_by_name(short_leg, backend):
-    K, M = short_leg
-    shift = 2.0 * (2.0 * np.pi * 1e4) ** 2
-    with pytest.raises(NotPositiveDefiniteError, match=r"leg 1: .*not positive definite.*unknown"):
-        factorise(analyse(K, backend=backend), K - shift * M, part="leg 1")
-
-
 def test_the_unknown_of_a_negative_pivot_is_named():
     matrix = diags_array(np.where(np.arange(30) == 17, -1.0, 2.0), format="csr")
     chain = matrix + 0.1 * (eye_array(30, k=1) + eye_array(30, k=-1))
     with pytest.raises(NotPositiveDefiniteError) as refused:
         factorise(analyse(csr_array(chain), backend="cholmod"), csr_array(chain))
     assert refused.value.unknown == 17
-
-
-def test_a_leg_free_to_move_is_refused():
-    mesh = extrude(section_mesh(Rectangle(0.04, 0.06), 2, "quad9"), stations(0.3, 3))
-    K, _ = stiffness_and_mass(mesh, STEEL)
-    with pytest.raises(NotPositiveDefiniteError, match="rigid body"):
-        factorise(analyse(K, backend="cholmod"), K)
 
 
 def test_predicted_size_is_the_factors(short_leg):
@@ -123,15 +134,6 @@ def test_predicted_size_is_the_factors(short_leg):
     assert symbolic.factor_entries == counts.sum()
     assert symbolic.flops == pytest.approx((counts.astype(float) ** 2).sum(), rel=1e-12)
     assert symbolic.peak_bytes >= 8 * symbolic.factor_entries
-
-
-@pytest.mark.parametrize("backend", BACKENDS)
-def test_too_little_memory_is_said_before_the_factorisation(short_leg, backend, monkeypatch):
-    K, _ = short_leg
-    symbolic = analyse(K, backend=backend)
-    monkeypatch.setattr(fem.solvers.factor, "available_memory", lambda: symbolic.peak_bytes - 1)
-    with pytest.raises(ComputationError, match=r"leg 2: factorising \d+ unknowns needs about"):
-        factorise(symbolic, K, part="leg 2")
 
 
 def test_available_memory_is_a_plausible_number():

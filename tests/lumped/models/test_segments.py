@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 
 from lumped.dense.modes import dense, solve_modes
 from lumped.errors import InputError
-from lumped.legs import BeamProperties, constant_leg, tip_compliance
+from lumped.legs import constant_leg, tip_compliance
 from lumped.models.segments import (
     SegmentChain,
     segment_chain,
@@ -48,7 +48,7 @@ def bending_z(chain: SegmentChain, count: int = 3) -> np.ndarray:
 
 
 @pytest.mark.parametrize("theory", ["euler-bernoulli", "timoshenko"])
-@pytest.mark.parametrize("elements", [1, 2, 7, 160])
+@pytest.mark.parametrize("elements", [1, 7, 160])
 def test_static_tip_compliance_is_exact_for_any_number_of_elements(theory, elements):
     properties = LEG.properties(theory)
     expected = tip_compliance(properties, LENGTH)
@@ -157,7 +157,7 @@ def test_condensed_chain_is_the_schur_complement_of_the_assembled_one(layout, pr
 
 
 @pytest.mark.parametrize("theory", ["euler-bernoulli", "timoshenko"])
-@pytest.mark.parametrize("elements", [1, 3, 160, 2000])
+@pytest.mark.parametrize("elements", [1, 2000])
 def test_condensed_chain_loses_nothing_for_any_number_of_elements(theory, elements):
     properties = LEG.properties(theory)
     chain = segment_chain(properties, LENGTH, elements)
@@ -207,11 +207,3 @@ def test_centreline_follows_a_uniform_twist_and_a_rigid_rotation():
 def test_too_few_elements_are_refused(elements, layout):
     with pytest.raises(InputError, match=f"elements = {elements}"):
         segment_chain(LEG.timoshenko, LENGTH, elements, layout)
-
-
-def test_euler_bernoulli_properties_have_no_shear_and_no_rotary_inertia():
-    assert isinstance(SLENDER, BeamProperties)
-    assert np.isinf(SLENDER.GAy)
-    assert np.isinf(SLENDER.GAz)
-    assert SLENDER.rho_Iy == SLENDER.rho_Iz == 0.0
-    assert SLENDER.rho_J > 0.0

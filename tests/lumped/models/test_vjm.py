@@ -50,19 +50,6 @@ def test_longer_legs_are_stiffer_in_the_plane_and_softer_along_z(demonstrator, a
     assert found[2] == pytest.approx(fz, abs=0.5)
 
 
-def test_leg_compliances_alone_do_not_depend_on_the_theory_in_the_plane(demonstrator):
-    """Pin-ended legs carry no planar shear or bending: only their tension and the feet yield."""
-    results = [
-        deflections(
-            vjm.compliance(demonstrator, 0.4975, vjm.equivalent_leg_springs(demonstrator, theory))
-        )
-        for theory in ("euler-bernoulli", "timoshenko")
-    ]
-    # leg 1 carries the platform, so only the small moment that bent feet send through it remains
-    assert_allclose(results[0][:2], results[1][:2], rtol=1e-8)
-    assert results[1][2] > 1.005 * results[0][2]
-
-
 def test_equivalent_springs_follow_the_chosen_diagonal(demonstrator):
     """By compliance the tip keeps L³/3EI = c22 (Euler–Bernoulli), by stiffness EA/L = K11."""
     leg = demonstrator.leg1.compliance
@@ -70,61 +57,6 @@ def test_equivalent_springs_follow_the_chosen_diagonal(demonstrator):
     assert_allclose(np.diag(by_compliance)[:4], np.diag(leg)[:4], rtol=1e-12)
     by_stiffness, _ = vjm.equivalent_leg_springs(demonstrator, "euler-bernoulli")
     assert_allclose(np.diag(np.linalg.inv(by_stiffness))[:4], np.diag(np.linalg.inv(leg))[:4])
-
-
-def test_spring_at_the_root_of_a_lever():
-    """δ = c + L² cφ across the lever; L cφ couples y and φz with +, z and φy with −."""
-    compliance = np.diag([1.0, 2.0, 3.0, 40.0, 50.0, 60.0]) * 1e-9
-    lever = 0.3
-    stiffness = vjm.chain_stiffness((VirtualSpring(compliance), Fixed(lever * X)))
-    expected = compliance.copy()
-    expected[1, 1] += lever**2 * 60e-9
-    expected[2, 2] += lever**2 * 50e-9
-    expected[1, 5] = expected[5, 1] = lever * 60e-9
-    expected[2, 4] = expected[4, 2] = -lever * 50e-9
-    assert_allclose(np.linalg.inv(stiffness), expected, rtol=1e-12, atol=1e-22)
-
-
-def test_turned_springs_in_series_add_their_compliances():
-    quarter = Fixed(rotation=rotation_z(np.pi / 2.0))
-    c1, c2 = np.diag([1.0, 2.0, 3.0, 4.0, 5.0, 6.0]), np.diag([7.0, 8.0, 9.0, 1.0, 2.0, 3.0])
-    stiffness = vjm.chain_stiffness((VirtualSpring(c1), quarter, VirtualSpring(c2)))
-    expected = np.diag([9.0, 9.0, 12.0, 6.0, 6.0, 9.0])
-    assert_allclose(np.linalg.inv(stiffness), expected, rtol=1e-13, atol=1e-14)
-
-
-def pinned_bar(root, tip, spring):
-    """A bar with a pin about z at both ends and its spring at the tip."""
-    direction = tip - root
-    angle = float(np.arctan2(direction[1], direction[0]))
-    length = float(np.linalg.norm(direction))
-    return (
-        Fixed(root),
-        passive(Z, coordinate=angle),
-        Fixed(length * X),
-        VirtualSpring(spring),
-        passive(Z, coordinate=-angle),
-    )
-
-
-def test_two_bar_truss():
-    """Planar truss: K = Σ (EA/L) u uᵀ and no moment about z, whatever the bars' bending."""
-    tip = np.array([0.4, 0.0, 0.0])
-    roots = [np.array([0.0, -0.5, 0.0]), np.array([0.9, -0.3, 0.0])]
-    rng = np.random.default_rng(1)
-    K = np.zeros((6, 6))
-    expected = np.zeros((2, 2))
-    for root, axial in zip(roots, (2e8, 5e8), strict=True):
-        other = rng.normal(size=(5, 5))
-        spring = np.zeros((6, 6))
-        spring[0, 0], spring[1:, 1:] = 1.0 / axial, 1e-8 * other @ other.T
-        K += vjm.chain_stiffness(pinned_bar(root, tip, spring))
-        u = (tip - root)[:2] / np.linalg.norm(tip - root)
-        expected += axial * np.outer(u, u)
-    assert_allclose(K[:2, :2], expected, rtol=1e-11)  # condition of the bordered system, 1e4
-    assert_allclose(K[:, 5], 0.0, atol=1e-6)
-    with pytest.raises(ComputationError, match="free to turn about z through the loaded point:"):
-        vjm.platform_compliance(K)
 
 
 KINDS = ["fixed", "prismatic", "revolute", "spring"]
@@ -234,17 +166,6 @@ def test_stretched_arm_of_three_parallel_joints():
     assert stretched[0, 0] == pytest.approx(1e8 / 2.0, rel=1e-12)
 
 
-def test_overconstrained_platform():
-    """Three clamped chains on one platform: stiffness three times that of one."""
-    chain = (
-        VirtualSpring(np.diag([1.0, 2.0, 3.0, 40.0, 50.0, 60.0]) * 1e-9),
-        Fixed(0.4 * X + 0.1 * Z),
-    )
-    one = np.linalg.inv(vjm.chain_stiffness(chain))
-    three = vjm.platform_compliance(vjm.robot_stiffness([chain, chain, chain]))
-    assert_allclose(three, one / 3.0, rtol=1e-12, atol=1e-12 * one.max())
-
-
 def test_singular_spring_whose_rigid_direction_a_joint_releases():
     """Sθ = diag(c, c, c, c, c, 0) alone is singular; with a revolute joint about z K exists."""
     compliance = np.diag([1.0, 2.0, 3.0, 4.0, 5.0, 0.0]) * 1e-9
@@ -348,17 +269,6 @@ def test_both_chains_end_in_the_same_frame(demonstrator):
         for end in ends:
             assert_allclose(end.end, [x + 0.03, -0.02, 0.155], atol=1e-15)
             assert_allclose(end.end_rotation, robot.posture(x).rotation1, atol=1e-15)
-
-
-def test_number_of_springs_and_joints(demonstrator):
-    """Eq. (3) is 7×7 for leg 1, 8×8 for leg 2; the springs are the foot's and the leg's."""
-    springs = vjm.given_leg_springs(demonstrator)
-    first, second = map(chain_jacobians, vjm.biglide_chains(demonstrator, 0.4, springs))
-    assert (first.passive.shape, second.passive.shape) == ((6, 1), (6, 2))
-    assert first.springs.shape == second.springs.shape == (6, 12)
-    rigid_feet = replace(demonstrator, foot_compliance=None)
-    for chain in map(chain_jacobians, vjm.biglide_chains(rigid_feet, 0.4, springs)):
-        assert chain.springs.shape == (6, 6)
 
 
 def test_tool_offset_moves_the_loaded_point_and_tool_compliance_adds(demonstrator):

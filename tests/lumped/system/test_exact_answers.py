@@ -71,7 +71,7 @@ def circle(angles: np.ndarray) -> np.ndarray:
     return np.column_stack([np.cos(angles), np.sin(angles), 0.0 * angles])
 
 
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", range(5))
 def test_a_gough_stewart_platform_is_the_sum_of_its_legs(seed):
     posture, stiffness = gough_stewart(seed)
     expected = np.linalg.inv(stiffness)

@@ -1,5 +1,7 @@
 """Meshes cut at re-entrant edges: which those are, why, and that the shape stays."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -36,16 +38,24 @@ def with_boss(occ, s):
     occ.cut(solid, [bore])
 
 
-def meshed(part, size):
-    return volume.volume_mesh(part, (), volume.Grading(size))
+@pytest.fixture(scope="module")
+def meshed(part_file):
+    """Meshes of parts by what builds them, made once."""
+
+    @cache
+    def of(build):
+        part = read_part(part_file(f"{build.__name__}.step", build))
+        return volume.volume_mesh(part, (), volume.Grading(0.03))
+
+    return of
 
 
-def test_edges_are_those_with_more_than_half_a_turn_of_material(part_file):
-    mesh = meshed(read_part(part_file("box_tube.step", box_tube)), 0.03)
+def test_edges_are_those_with_more_than_half_a_turn_of_material(meshed):
+    mesh = meshed(box_tube)
     _, y, z = np.abs(mesh.nodes[inner_edges(mesh)]).T
     assert y == pytest.approx(0.0375, abs=1e-9)
     assert z == pytest.approx(0.0675, abs=1e-9)
-    mesh = meshed(read_part(part_file("boss.step", with_boss)), 0.03)
+    mesh = meshed(with_boss)
     x, y, z = mesh.nodes[inner_edges(mesh)].T
     assert len(x) >= 12
     assert np.hypot(x, y) == pytest.approx(0.025, abs=1e-9)
@@ -53,13 +63,13 @@ def test_edges_are_those_with_more_than_half_a_turn_of_material(part_file):
 
 
 def test_a_part_without_them_keeps_its_mesh(box_step):
-    mesh = meshed(read_part(box_step), 0.02)
+    mesh = volume.volume_mesh(read_part(box_step), (), volume.Grading(0.03))
     assert cut_at_inner_edges(mesh) is mesh
 
 
 @pytest.mark.parametrize("shape", [box_tube, with_boss])
-def test_cut_meshes_fit_together_and_have_the_shape_of_the_whole(part_file, shape):
-    mesh = meshed(read_part(part_file("whole.step", shape)), 0.03)
+def test_cut_meshes_fit_together_and_have_the_shape_of_the_whole(meshed, shape):
+    mesh = meshed(shape)
     cut = cut_at_inner_edges(mesh)
     # Curved pieces as well: the piece of a quadratic element is one.
     masses = [meshed_part(m, STEEL).properties().mass for m in (mesh, cut)]

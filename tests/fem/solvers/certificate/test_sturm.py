@@ -37,7 +37,7 @@ def test_count_below_is_that_of_dense_eigenvalues(leg, backend, below):
 
 @pytest.mark.parametrize("backend", BACKENDS)
 @pytest.mark.parametrize(
-    "below", [0, 7, *(pytest.param(n, marks=pytest.mark.exhaustive) for n in (1, 20))]
+    "below", [7, *(pytest.param(n, marks=pytest.mark.exhaustive) for n in (0, 1, 20))]
 )
 def test_count_on_constrained_vectors(leg, backend, below):
     K, M, _ = leg

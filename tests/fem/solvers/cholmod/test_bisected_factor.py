@@ -6,7 +6,6 @@ from scipy.sparse import block_diag, csr_array, diags_array, eye_array
 from scipy.sparse.linalg import spsolve
 
 import fem.solvers.cholesky
-from fem.elements.elasticity import stiffness_and_mass
 from fem.machine import threads
 from fem.solvers.cholesky import analyse, factorise
 from fem.solvers.cholmod.bisected_factor import BisectedFactor
@@ -17,12 +16,7 @@ from fem.solvers.factor import (
     upper_triangle,
     whole_matrix,
 )
-from lumped.legs import Material
-from lumped.sections import Rectangle
-from meshes.prism.extrude import extrude, stations
-from meshes.section.section_mesh import section_mesh
 
-STEEL = Material.isotropic(E=2.1e11, nu=0.3, rho=7850.0)
 # Solutions of one matrix by two eliminations differ by its condition number (here 1e6) times 1e-16.
 SOLVER_TOLERANCE = 1e-9
 KIND = {"whole": CholmodFactor, "halves": BisectedFactor}
@@ -50,7 +44,7 @@ def factor_of(matrix, way):
     return factor
 
 
-def assert_solves(factor, matrix, columns=40):
+def assert_solves(factor, matrix, columns=2):
     loads = np.random.default_rng(1).standard_normal((matrix.shape[0], columns))
     expected, found = spsolve(matrix.tocsc(), loads), factor.solve(loads)
     assert found.shape == loads.shape
@@ -65,27 +59,6 @@ def patches(factor, n, count=5, size=12):
         own = separator[:size]
         columns[own, 3 * number : 3 * number + 3] = rng.standard_normal((len(own), 3))
     return csr_array(columns)
-
-
-def test_solutions_are_superlus(short_leg, way):
-    K, _ = short_leg
-    factor = factor_of(K, way)
-    assert_solves(factor, K)
-    one = factor.solve(np.ones(K.shape[0]))
-    assert one.shape == (K.shape[0],)
-    np.testing.assert_allclose(K @ one, 1.0, atol=1e-6)
-    assert factor.solve(np.ones((K.shape[0], 0))).shape == (K.shape[0], 0)
-
-
-def test_one_analysis_serves_several_matrices_at_once(short_leg, way):
-    K, M = short_leg
-    symbolic = analyse(K, backend="cholmod")
-    first, second = factorise(symbolic, K), factorise(symbolic, K + 1e6 * M)
-    third = factorise(symbolic, diags_array(K.diagonal(), format="csr"))
-    assert_solves(first, K, 2)
-    assert_solves(second, K + 1e6 * M, 2)
-    assert_solves(third, diags_array(K.diagonal(), format="csr"), 2)
-    assert isinstance(third, KIND[way])
 
 
 def test_the_upper_triangle_is_enough(short_leg, way):
@@ -146,7 +119,7 @@ def test_renewed_after_a_matrix_that_was_not_positive_definite(short_leg, way):
     factor = factor_of(K, way)
     with pytest.raises(NotPositiveDefiniteError, match="too far"):
         factor.renewed(upper_triangle(csr_array(K - 1e12 * M)), "too far")
-    assert_solves(factor.renewed(upper_triangle(K), "back"), K, 2)
+    assert_solves(factor.renewed(upper_triangle(K), "back"), K)
 
 
 @pytest.mark.parametrize("place", ["half", "separator"])
@@ -177,15 +150,7 @@ def test_whole_that_is_indefinite_although_both_halves_are_not():
     with pytest.raises(NotPositiveDefiniteError):
         factorise(analyse(shifted, backend="cholmod"), shifted)
     sound = csr_array(chain - 0.5 * lowest[0] * eye_array(n))
-    assert_solves(factor_of(sound, "halves"), sound, 2)
-
-
-@pytest.mark.usefixtures("halves")
-def test_a_leg_free_to_move_is_refused():
-    mesh = extrude(section_mesh(Rectangle(0.04, 0.06), 2, "quad9"), stations(0.3, 3))
-    K, _ = stiffness_and_mass(mesh, STEEL)
-    with pytest.raises(NotPositiveDefiniteError, match="rigid body"):
-        factorise(analyse(K, backend="cholmod"), K)
+    assert_solves(factor_of(sound, "halves"), sound)
 
 
 @pytest.mark.usefixtures("halves")
@@ -194,7 +159,7 @@ def test_pieces_that_are_not_coupled(short_leg):
     K, _ = short_leg
     for sizes in ((300, 90, 600, 60), (300, 300)):
         pieces = csr_array(block_diag([K[:size, :size] for size in sizes]))
-        assert_solves(factorise(analyse(pieces, backend="cholmod"), pieces), pieces, 2)
+        assert_solves(factorise(analyse(pieces, backend="cholmod"), pieces), pieces)
 
 
 @pytest.mark.usefixtures("halves")
@@ -223,7 +188,7 @@ def test_factorisations_at_once_do_not_disturb_each_other(short_leg):
     symbolic = analyse(K, backend="cholmod")
     loads = np.random.default_rng(5).standard_normal((K.shape[0], 8))
     first = factorise(symbolic, K).solve(loads)
-    for _ in range(60):
+    for _ in range(30):
         np.testing.assert_array_equal(factorise(symbolic, K).solve(loads), first)
 
 
