@@ -1,15 +1,15 @@
 """Cases declared where they are computed, and said once what many of them have in common.
 
-    cases = CaseGroup(section="Parts of the program", group="program.parts.fork", unit="1")
+    cases = CaseGroup(section="The mechanism over its path", group="mechanism.statics", unit="1")
 
     @cases.case(
-        "program.parts.fork.forces.{kind}",
-        "A {kind} interface passes on the wrench that acts on it, and is not torn",
-        over={"kind": ("rigid", "pin", "average")},
-        quantity="largest resultant that is not the wrench",
+        "mechanism.statics.{model}[{theory}]",
+        "Links and {model} of {theory} theory are one statics",
+        over={"model": ("beam", "segments"), "theory": ("euler-bernoulli", "timoshenko")},
+        quantity="entry of the 6×6 that differs most",
         ...
     )
-    def _forces(context: Context, kind: Kind) -> Measurement: ...
+    def _same_statics(context: Context, model: ModelName, theory: Theory) -> Measurement: ...
 
 `cases()` has them in the order of their declaration. One declaration is as many cases as there are
 parameters to take it over: texts, and tuples of texts, are templates of them ("{kind}",

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from drawn_parts import meshed, plane_ends
 
 from fem.bodies.part import grips_of, held_part, meshed_part, require_memory
 from lumped.errors import ComputationError
@@ -11,7 +12,6 @@ from meshes.gmsh_session import gmsh_model
 from meshes.part.interfaces import find_interfaces
 from meshes.part.reading.read import read_part
 from meshes.part.volume import Grading, volume_mesh
-from validation.cases.program.parts.drawing import plane_ends
 
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 LENGTH, ROOT, TIP = 0.5, 0.03, 0.02
@@ -51,6 +51,34 @@ def test_a_cone_stretches_twists_and_bends_as_its_closed_form(cone):
     # A truncated cone: V = πL(r₀² + r₀r₁ + r₁²)/3; circles of twelve quadratic sides leave 5e-5.
     volume = np.pi * LENGTH * (ROOT**2 + ROOT * TIP + TIP**2) / 3.0
     assert part.properties().mass == pytest.approx(STEEL.rho * volume, rel=1e-4)
+
+
+def test_a_bar_between_averaged_ends_stretches_and_bends_exactly_on_a_coarse_mesh(tmp_path):
+    """Even and linear tractions meet Saint-Venant's stresses: quadratic displacements, any ν."""
+    length, b, h = 0.12, 0.04, 0.024
+    drawn = meshed(
+        tmp_path / "bar.msh", lambda kernel: kernel.addBox(0, -20, -12, 120, 40, 24), 20.0
+    )
+    part = read_part(drawn, "mm")
+    grips = grips_of(part.mesh, find_interfaces(part, plane_ends(length, "average")))
+    whole = meshed_part(part.mesh, STEEL)
+    about_y, about_z = STEEL.E * b * h**3 / 12.0, STEEL.E * h * b**3 / 12.0
+    expected = np.zeros((6, 3))
+    expected[0, 0] = length / (STEEL.E * b * h)
+    expected[[4, 2], 1] = length / about_y, -(length**2) / (2.0 * about_y)
+    expected[[5, 1], 2] = length / about_z, length**2 / (2.0 * about_z)
+    compliance = held_part(whole, grips, "bar").compliance
+    scale = np.sqrt(np.diag(compliance))
+    loads = [0, 4, 5]
+    # Rounding: 5e-14.
+    assert compliance[:, loads] / np.outer(scale, scale[loads]) == pytest.approx(
+        expected / np.outer(scale, scale[loads]), abs=1e-12
+    )
+    properties, mass = whole.properties(), STEEL.rho * length * b * h
+    assert properties.mass == pytest.approx(mass, rel=1e-12)
+    assert properties.centre == pytest.approx([length / 2.0, 0.0, 0.0], abs=1e-14)
+    box = mass / 12.0 * np.diag([b**2 + h**2, length**2 + h**2, length**2 + b**2])
+    assert properties.inertia == pytest.approx(box, rel=1e-11, abs=1e-16)
 
 
 def test_a_mesh_beyond_memory_is_refused_before_it_is_made():

@@ -167,6 +167,24 @@ def test_rigid_motions_are_exact_and_loads_have_exact_resultants(lug, kind):
     assert abs(body.stiffness @ motions).max() < 1e-9 * abs(body.stiffness).max()
 
 
+def test_an_averaged_bore_moves_as_the_means_of_a_field_by_hand(lug):
+    """u_z = x² moves it by ∫x²/A = r²/2; u_x = z³ turns it about y by ∫z⁴/∫(x² + z²)."""
+    part, found = lug
+    grips = grips_of(part.mesh, interfaces(found, ("average", "average")))
+    solid = coupled_solid(
+        part.stiffness, on_three_components(part.scalar_mass), part.mesh.nodes, grips
+    )
+    away = part.mesh.nodes - grips[0].point
+    fields = np.zeros((len(away), 3, 2))
+    fields[:, 2, 0], fields[:, 0, 1] = away[:, 0] ** 2, away[:, 2] ** 3
+    radius, top = 0.008, 0.015
+    turned = top**4 / 5.0 / (top**2 / 3.0 + radius**2 / 2.0)
+    means = solid.twists[:, :6].T @ fields.reshape(-1, 2)
+    # Circles of nine quadratic sides: off by 2e-5 and 2e-4.
+    assert means[:3, 0] / radius**2 == pytest.approx([0.0, 0.0, 0.5], abs=2e-4)
+    assert means[3:, 1] / turned == pytest.approx([0.0, 1.0, 0.0], abs=2e-3)
+
+
 def test_rigid_is_stiffer_than_a_pin_and_than_an_average(lug):
     part, found = lug
     rigid, *softer = (

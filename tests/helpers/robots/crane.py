@@ -2,8 +2,9 @@
 
 from pathlib import Path
 
+from drawn_parts import meshed
+
 from meshes.gmsh_session import gmsh_model
-from validation.cases.program.parts.drawing import meshed
 
 ROBOT = """
 schema = 2

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from drawn_parts import meshed
 
 from lumped.errors import InputError
 from lumped.mechanism.part import ByCylinder, ByFaces, ByName, ByPlane, PartInterface
@@ -33,6 +34,37 @@ def test_a_plane_is_found_by_its_outward_normal_and_a_point(lug):
     (end,) = find_interfaces(lug, wanted)
     assert end.area == pytest.approx(0.04 * 0.03, rel=1e-9)
     assert end.point == pytest.approx([0.2, 0.0, 0.0], abs=1e-9)
+
+
+def fork(occ, s=1.0):
+    """A bar 200 × 40 × 30 mm, two bores of radius 6 along z; a slot breaks that at x = 180."""
+    bar = occ.addBox(0.0, -20.0 * s, -15.0 * s, 200.0 * s, 40.0 * s, 30.0 * s)
+    bores = [
+        (3, occ.addCylinder(x * s, 0.0, -30.0 * s, 0.0, 0.0, 60.0 * s, 6.0 * s))
+        for x in (100.0, 180.0)
+    ]
+    slot = occ.addBox(150.0 * s, -40.0 * s, -5.0 * s, 100.0 * s, 80.0 * s, 10.0 * s)
+    occ.cut([(3, bar)], [*bores, (3, slot)])
+
+
+@pytest.mark.parametrize("suffix", ["step", "msh"])
+def test_bores_of_one_radius_are_told_apart_by_place_and_a_broken_one_is_one(
+    suffix, part_file, tmp_path
+):
+    if suffix == "msh":
+        part = read_part(meshed(tmp_path / "fork.msh", fork, 20.0, 12.0), "mm")
+    else:
+        part = read_part(part_file("fork.step", fork))
+    wanted = {
+        name: PartInterface(ByCylinder(0.006, point=(x, 0.0, 0.0)))
+        for name, x in (("whole", 0.1), ("broken", 0.18))
+    }
+    whole, broken = find_interfaces(part, wanted)
+    assert (len(whole.faces), len(broken.faces)) == (1, 2)
+    for bore, x, height in ((whole, 0.1, 0.03), (broken, 0.18, 0.02)):
+        assert bore.point == pytest.approx([x, 0.0, 0.0], abs=1e-8)
+        # The facets of a mesh are taken as plane: some twenty sides of a circle, 0.6 %.
+        assert bore.area == pytest.approx(2.0 * np.pi * 0.006 * height, rel=1e-2)
 
 
 FAULTS = {

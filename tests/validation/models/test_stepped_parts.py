@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from crane import ROBOT as CRANE
+from drawn_parts import meshed, plane_ends
 
 from lumped.errors import InputError
 from lumped.legs import Material
@@ -22,7 +23,6 @@ from validation.adequacy.mechanism.statics import unanswered
 from validation.adequacy.response import Response
 from validation.adequacy.subject.parts import part_rungs
 from validation.agreement.differences import scaled_difference
-from validation.cases.program.parts.drawing import plane_ends
 from validation.models import parts
 from validation.models.legs import leg_matrices
 from validation.models.options import ModelOptions
@@ -253,6 +253,17 @@ def drawn(folder, draw):
     return Body("arm", Part(path, STEEL, plane_ends(0.4, "rigid")), points)
 
 
+def hollow_wedge(occ):
+    """400 mm long, 40 mm wide, its height falls from 60 to 40 mm; a hole of 20 × 16 mm along it."""
+    corners = [(0, -30), (400, -20), (400, 20), (0, 30)]
+    points = [occ.addPoint(x, -20, z) for x, z in corners]
+    lines = [occ.addLine(points[i], points[(i + 1) % 4]) for i in range(4)]
+    face = occ.addPlaneSurface([occ.addCurveLoop(lines)])
+    solid = [one for one in occ.extrude([(2, face)], 0, 40, 0) if one[0] == 3]
+    occ.cut(solid, [(3, occ.addBox(-400, -10, -8, 1200, 20, 16))])
+    occ.remove([(2, face)], recursive=True)
+
+
 @pytest.fixture
 def coarse(monkeypatch):
     monkeypatch.setattr(parts, "UNKNOWNS", 4000)
@@ -278,6 +289,24 @@ def test_sections_that_hold_for_their_own_size_are_pieces(tmp_path, draw, left):
     near = np.isclose(areas[:, None], [2400e-6, left], rtol=4e-3)
     assert near.any(axis=1).all()
     assert len(areas) == 10
+
+
+@pytest.mark.usefixtures("coarse")
+def test_pieces_of_a_hollow_wedge_are_the_prisms_of_its_drawing(tmp_path):
+    file = meshed(tmp_path / "wedge.msh", hollow_wedge, 30.0)
+    points = {"A": Frame(), "B": Frame(np.array([0.4, 0.0, 0.0]))}
+    leg = stepped(Body("arm", Part(file, STEEL, plane_ends(0.4), "mm"), points), 5)
+    heights = 0.06 - 0.02 * (np.arange(5) + 0.5) / 5.0
+    area = 0.04 * heights - 0.02 * 0.016
+    about_y = (0.04 * heights**3 - 0.02 * 0.016**3) / 12.0
+    about_z = (heights * 0.04**3 - 0.016 * 0.02**3) / 12.0
+    for name, exact in (("EA", area), ("EIy", about_y), ("EIz", about_z)):
+        values = [getattr(piece.properties, name) for piece in leg.pieces]
+        # Plane faces are cut exactly.
+        assert values == pytest.approx(list(STEEL.E * exact), rel=1e-9)
+    rest = leg.root_mass[0, 0] + leg.tip_mass[0, 0]
+    mass = sum(piece.properties.mu * piece.length for piece in leg.pieces) + rest
+    assert mass == pytest.approx(STEEL.rho * area.sum() * 0.08, rel=1e-9)
 
 
 # A robot of one arm like the crane, whose bores reach into each other.

@@ -8,13 +8,13 @@ Poisson's ratio, is in the mean ν(h²/12)/L² away from its middle.
 
 import numpy as np
 import pytest
+from drawn_parts import plane_ends
 from scipy.integrate import quad
 
 from lumped.legs import Material
 from meshes.gmsh_session import gmsh_model
 from meshes.part.interfaces import find_interfaces
 from meshes.part.reading.read import read_part
-from validation.cases.program.parts.drawing import plane_ends
 from validation.parts.identify import identify
 
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)

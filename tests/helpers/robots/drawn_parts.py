@@ -1,0 +1,28 @@
+"""Parts that tests draw by gmsh's kernel: their meshes as files, and their plane ends."""
+
+from lumped.mechanism.part import ByPlane, PartInterface
+from meshes.gmsh_session import gmsh_model
+
+
+def meshed(path, draw, size, sides=4.0):
+    """The mesh, in mm, of what `draw(kernel)` adds to an empty model, in mm.
+
+    Second-order tetrahedra of that `size` (mm), shorter where they make up the `sides` of a circle.
+    """
+    with gmsh_model(path.stem) as gmsh:
+        draw(gmsh.model.occ)
+        gmsh.model.occ.synchronize()
+        gmsh.option.setNumber("Mesh.MeshSizeMax", size)
+        gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", sides)
+        gmsh.model.mesh.generate(3)
+        gmsh.model.mesh.setOrder(2)
+        gmsh.write(str(path))
+    return path
+
+
+def plane_ends(length, coupling=None):
+    """Interfaces A and B: the plane ends of what is `length` (m) long along x, from the origin."""
+    return {
+        name: PartInterface(ByPlane((way, 0.0, 0.0), (x, 0.0, 0.0)), coupling)
+        for name, way, x in (("A", -1.0, 0.0), ("B", 1.0, length))
+    }

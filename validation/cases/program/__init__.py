@@ -1,1 +1,0 @@
-"""Families of checks of the program that are on their way to become tests."""
