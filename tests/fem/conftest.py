@@ -10,20 +10,10 @@ from meshes.section.section_mesh import section_mesh
 
 
 @pytest.fixture(scope="session")
-def held_leg():
-    """Stiffness and mass of a hexahedral leg without the nodes of its root, by its slices."""
-
-    def matrices(length, slices):
-        material = Material.isotropic(E=2.1e11, nu=0.3, rho=7850.0)
-        mesh = extrude(section_mesh(Rectangle(0.04, 0.06), 2, "quad9"), stations(length, slices))
-        free = unknowns(np.setdiff1d(np.arange(len(mesh.nodes)), mesh.root.nodes))
-        K, M = stiffness(mesh, material), mass(mesh, material.rho)
-        return K[free][:, free], M[free][:, free]
-
-    return matrices
-
-
-@pytest.fixture(scope="session")
-def short_leg(held_leg):
-    """Stiffness and mass of a short one."""
-    return held_leg(0.3, 6)
+def short_leg():
+    """Stiffness and mass of a hexahedral leg without the nodes of its root."""
+    material = Material.isotropic(E=2.1e11, nu=0.3, rho=7850.0)
+    mesh = extrude(section_mesh(Rectangle(0.04, 0.06), 2, "quad9"), stations(0.3, 6))
+    free = unknowns(np.setdiff1d(np.arange(len(mesh.nodes)), mesh.root.nodes))
+    K, M = stiffness(mesh, material), mass(mesh, material.rho)
+    return K[free][:, free], M[free][:, free]

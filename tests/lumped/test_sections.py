@@ -108,10 +108,6 @@ def test_shear_coefficient_of_a_solid_tube_is_the_circles():
     assert thick.shear_coefficients(0.3) == pytest.approx(Circle(0.1).shear_coefficients(0.3))
 
 
-def test_shear_without_poisson_is_five_sixths_in_a_rectangle():
-    assert Rectangle(0.1, 0.3).shear_coefficients(0.0) == pytest.approx([5.0 / 6.0] * 2)
-
-
 def test_shear_of_sections_that_are_almost_their_webs():
     """Flanges of vanishing width leave a rectangle (κ of the web on the whole area)."""
     nu, rectangle = 0.3, 10.0 * 1.3 / (12.0 + 11.0 * 0.3)

@@ -16,7 +16,7 @@ from lumped.dense.modes import dense
 from lumped.errors import InputError
 from lumped.legs import BeamProperties, ConstantLeg, Material, constant_leg, tip_compliance
 from lumped.mechanism.body_model import LegMatrices
-from lumped.models.cantilever import clamped_modes, kind_frequencies, tip_compliance_of
+from lumped.models.cantilever import kind_frequencies, tip_compliance_of
 from lumped.screws import shift
 from lumped.sections import Rectangle
 from validation.agreement.differences import scaled_difference
@@ -96,20 +96,6 @@ def test_one_element_is_przemieniecki_s_matrix(theory):
     reference = przemieniecki_stiffness(properties, LEG2.length)
     # Rounding alone: sums of four Gauss points.
     assert scaled_difference(ends, reference) < 1e-13
-
-
-@pytest.mark.parametrize("theory", THEORIES)
-def test_free_leg_has_six_rigid_motions_and_no_other(theory):
-    leg = beam_leg(LEG2.properties(theory), LEG2.length, 5)
-    k = dense(leg.stiffness)
-    scale = 1.0 / np.sqrt(np.diag(k))
-    values = np.linalg.eigvalsh(k * np.outer(scale, scale))
-    assert np.all(np.abs(values[:6]) < 1e-13)
-    assert values[6] > 1e-5
-    motions = rigid_motions(leg)
-    forces = np.abs(k @ motions)
-    # No force beyond the rounding of the sums that cancel.
-    assert np.all(forces <= 1e-12 * (np.abs(k) @ np.abs(motions) + 1.0))
 
 
 @pytest.mark.parametrize("elements", [1, 3])
@@ -240,17 +226,6 @@ def test_leg_1_about_z_is_about_180_hz():
     assert slender == pytest.approx(by_hand, rel=1e-6)
     # Figures of an independent computation, given to 0.1 Hz.
     assert [slender, rotary, full] == pytest.approx([186.8, 183.6, 181.8], abs=0.05)
-
-
-def test_modes_are_drawn_with_the_root_at_rest():
-    leg = beam_leg(LEG1.timoshenko, LEG1.length, 6)
-    modes = clamped_modes(leg, 3)
-    drawn = (leg.centreline(np.array([0.0, LEG1.length])) @ modes.shapes).reshape(2, 6, 3)
-    assert_allclose(drawn[0], 0.0, atol=1e-15)
-    assert_allclose(drawn[1], modes.shapes[6:12], rtol=1e-12, atol=1e-15)
-    # The first mode bends along y, about the weaker axis, the second along z.
-    assert np.argmax(np.abs(drawn[1, :3, 0])) == 1
-    assert np.argmax(np.abs(drawn[1, :3, 1])) == 2
 
 
 # ── wrong input ──────────────────────────────────────────────────────────────────────────────────

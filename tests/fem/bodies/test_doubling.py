@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from fem.bodies.doubling import (
-    _deformation_stiffness,
     condensed_leg,
     doubled,
     joined,
@@ -12,7 +11,6 @@ from fem.bodies.doubling import (
 )
 from fem.bodies.solid import clamped_leg, solid_leg
 from fem.bodies.solid import tip_compliance as direct_compliance
-from fem.elements.elasticity import stiffness
 from fem.sections.section_constants import beam_properties, section_constants
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, Material
@@ -166,36 +164,6 @@ def test_rigid_ends_of_a_slender_leg_tend_to_beam_theory():
 def i_leg():
     leg = ConstantLeg(0.8, ISection(0.10, 0.16, 0.012, 0.008), STEEL)
     return condensed_leg(leg, section_mesh(leg.section, 3), 5)
-
-
-def face_stiffness(condensed):
-    """Stiffness (2m×2m, N/m) on the nodes of the faces, root first, unknown 3·node + i.
-
-    Back from the mixed form: C⁻¹ for the relative twist, −C⁻¹H and S + HᵀC⁻¹H for deformations.
-    """
-    piece, face = condensed.piece, condensed.face
-    half = shift(np.array([piece.length / 2.0, 0.0, 0.0]))
-    deformation = face.deformations.T - face.deformations.T @ face.rigid @ face.loads.T
-    none = np.zeros_like(deformation)
-    to_deformations = np.block([[deformation, none], [none, deformation]])
-    relative = np.hstack([-half @ face.loads.T, np.linalg.inv(half) @ face.loads.T])
-    elastic = relative - np.hstack([piece.twists, piece.tip_twists]) @ to_deformations
-    own = to_deformations.T @ _deformation_stiffness(piece) @ to_deformations
-    return own + elastic.T @ np.linalg.solve(piece.compliance, elastic)
-
-
-def test_face_stiffness_is_the_schur_complement_of_the_solid(i_leg):
-    """Warping included: dense condensation of all nodes in between the end faces."""
-    mesh = extrude(i_leg.section, stations(i_leg.leg.length, i_leg.slices))
-    K = stiffness(mesh, i_leg.leg.material).toarray()
-    m = 3 * len(i_leg.section.nodes)
-    order = np.r_[0:m, len(K) - m : len(K), m : len(K) - m]
-    K = K[np.ix_(order, order)]
-    schur = K[: 2 * m, : 2 * m] - K[: 2 * m, 2 * m :] @ np.linalg.solve(
-        K[2 * m :, 2 * m :], K[2 * m :, : 2 * m]
-    )
-    # A thousand roundings of the largest entry, in both.
-    np.testing.assert_allclose(face_stiffness(i_leg), schur, atol=1e-11 * np.abs(schur).max())
 
 
 def test_doubling_by_symmetry_is_joining(i_leg):

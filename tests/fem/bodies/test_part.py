@@ -28,7 +28,7 @@ def cone(tmp_path_factory):
         gmsh.write(str(path))
     part = read_part(path)
     found = find_interfaces(part, plane_ends(LENGTH, "average"))
-    return volume_mesh(part, found, Grading(0.015)), found
+    return volume_mesh(part, found, Grading(0.02)), found
 
 
 def test_a_cone_stretches_twists_and_bends_as_its_closed_form(cone):

@@ -4,7 +4,6 @@ from functools import partial
 
 import numpy as np
 import pytest
-from scipy.linalg import eigh, null_space
 from scipy.sparse import bmat
 from scipy.sparse.linalg import spsolve
 
@@ -17,7 +16,6 @@ from fem.couplings.end_coupling import (
 )
 from fem.elements.elasticity import mass, stiffness
 from lumped.legs import Material
-from lumped.screws import shift
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Tube
 from meshes.prism.extrude import extrude, stations
 from meshes.prism.tetrahedra import tetrahedra
@@ -134,37 +132,6 @@ def test_free_ends_equal_the_bordered_system(mesh):
     scale = 1.0 / np.sqrt(np.diag(compliance))
     difference = (compliance - ends.free_tip_loads.T @ u) * scale[:, None] * scale
     assert np.abs(difference).max() < 1e-10
-
-
-def test_springs_carry_nothing_and_the_root_stays():
-    mesh = small_leg()
-    ends = free_ends(mesh, STEEL)
-    assert np.count_nonzero(ends.springs) == 6
-    x = spsolve(ends.clamped_stiffness(stiffness(mesh, STEEL)).tocsc(), ends.tip_loads())
-    u = ends.expanded(x)
-    # Unit loads: the springs' forces are parts of 1 N, rounding amplified by conditioning.
-    assert np.abs(ends.springs[:, None] * x).max() < 1e-7
-    assert np.abs(ends.root_loads.T @ u).max() < 1e-12 * np.abs(u).max()
-    np.testing.assert_allclose(ends.root_loads.T @ ends.motions, np.eye(6), atol=1e-12)
-    reactions = ends.tip_loads() - ends.free_tip_loads
-    np.testing.assert_allclose(
-        reactions, -ends.root_loads @ shift(np.array([LENGTH, 0.0, 0.0])).T, atol=1e-11
-    )
-
-
-def test_free_modes_equal_those_in_the_null_space_of_the_constraint():
-    """The eigenproblem restricted, dense, to a basis of B_rootᵀu = 0."""
-    mesh = small_leg(slices=2)
-    ends = free_ends(mesh, CUBIC)
-    K, M = stiffness(mesh, CUBIC), mass(mesh, CUBIC.rho)
-    basis = null_space(ends.root_loads.T)
-    expected = eigh(
-        basis.T @ K.toarray() @ basis, basis.T @ M.toarray() @ basis, eigvals_only=True
-    )[:8]
-    held_mass = ends.clamped_mass(M) @ np.eye(K.shape[0])
-    inverse = np.linalg.solve(ends.clamped_stiffness(K).toarray(), (held_mass + held_mass.T) / 2.0)
-    values = np.sort(np.linalg.eigvals(inverse).real)[::-1][:8]
-    np.testing.assert_allclose(1.0 / values, expected, rtol=1e-8)
 
 
 def test_unknowns_run_node_by_node():

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
@@ -117,6 +117,7 @@ def test_without_corrections_the_data_are_used_as_given(tmp_path):
 
 # --- each check is silent on sound data and speaks on data made unsound ---
 
+few = settings(max_examples=30)
 SIZES = st.floats(0.02, 0.2)
 POSITIVE = st.floats(0.1, 10.0)
 
@@ -163,16 +164,19 @@ def compliances(draw) -> np.ndarray:
     return (factor @ factor.T + 0.1 * np.eye(6)) * np.sqrt(np.outer(scale, scale))
 
 
+@few
 @given(beams())
 def test_sound_beams_have_no_findings(beam):
     assert data_findings(beam) == ()
 
 
+@few
 @given(slender_bodies())
 def test_sound_bodies_have_no_findings(body):
     assert data_findings(body) == ()
 
 
+@few
 @given(compliances())
 def test_every_positive_definite_compliance_passes(compliance):
     part = DescribedPart("tool", compliance)
@@ -180,6 +184,7 @@ def test_every_positive_definite_compliance_passes(compliance):
     assert definiteness(part) == ()
 
 
+@few
 @given(compliances(), st.integers(0, 5), st.integers(0, 5), st.floats(1e-3, 1.0))
 def test_one_changed_entry_is_an_asymmetry(compliance, i, j, share):
     if i == j:
@@ -190,6 +195,7 @@ def test_one_changed_entry_is_an_asymmetry(compliance, i, j, share):
     assert f"({max(i, j) + 1},{min(i, j) + 1})" in found.printed
 
 
+@few
 @given(compliances(), st.integers(0, 5), st.floats(1.01, 100.0))
 def test_a_diagonal_entry_too_small_is_indefinite(compliance, i, factor):
     # 1/(k⁻¹)_ii is what is left of k_ii by Schur complement; taking more of it away turns the sign.
@@ -199,6 +205,7 @@ def test_a_diagonal_entry_too_small_is_indefinite(compliance, i, factor):
     assert found.numbers["smallest eigenvalue"] < 0.0
 
 
+@few
 @given(beams(), st.sampled_from([(1, 5), (2, 4)]))
 def test_a_turned_sign_of_a_coupling_is_found(beam, entry):
     i, j = entry
@@ -209,6 +216,7 @@ def test_a_turned_sign_of_a_coupling_is_found(beam, entry):
     assert "c26 > 0 and c35 < 0" in found.wrong
 
 
+@few
 @given(beams(), st.sampled_from([(1, 5), (2, 4)]))
 def test_a_foot_may_look_either_way_but_not_both(beam, entry):
     mirrored = beam.compliance * np.outer([1, -1, -1, 1, 1, 1], [1, -1, -1, 1, 1, 1])
@@ -219,6 +227,7 @@ def test_a_foot_may_look_either_way_but_not_both(beam, entry):
     assert len(couplings(DescribedPart("foot", mirrored))) == 1
 
 
+@few
 @given(beams(), st.sampled_from([4, 5]))
 def test_a_tip_that_turns_too_much_is_found(beam, about):
     # at least 0.9 of a beam's rotation remains after shear at these slendernesses; 20 times is 18
@@ -228,12 +237,14 @@ def test_a_tip_that_turns_too_much_is_found(beam, about):
     assert found.numbers["ratio"] > 10.0
 
 
+@few
 @given(POSITIVE, POSITIVE, st.floats(1.01, 3.0))
 def test_a_moment_above_the_sum_of_the_others_is_found(first, second, factor):
     inertia = np.diag([first, factor * (first + second), second])
     assert len(triangle_inequality(DescribedPart("foot", inertia=inertia))) == 1
 
 
+@few
 @given(st.sampled_from([(1, 0, 2), (2, 1, 0)]))
 def test_a_leg_along_another_axis_is_found(order):
     inertia = np.diag(np.array([0.1, 1.0, 1.05])[list(order)])

@@ -13,16 +13,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from mutated_robots import mutated_robots, places
+from sound_biglide import SOUND
 
 from lumped.errors import InputError
 from lumped.robot_file import load_robot
 from lumped.robot_file.load import described_by
 from lumped.text import shown
 from validation import cli
-
-sys.path.insert(0, str(Path(__file__).parent))
-from mutated_robots import mutated_robots, places
-from sound_biglide import SOUND
 
 ROOT = Path(__file__).parents[3]
 SEED = 20

@@ -1,7 +1,6 @@
 import os
 import shutil
 import subprocess
-import sys
 import tomllib
 from dataclasses import dataclass
 from importlib import resources
@@ -9,14 +8,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from sound_biglide import SOUND as WITHOUT_CORRECTIONS
 
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, GivenLeg, equivalent_leg
 from lumped.robot_file import as_printed, built_in_robots, load_robot, write_template
 from lumped.sections import HollowRectangle
-
-sys.path.insert(0, str(Path(__file__).parent))
-from sound_biglide import SOUND as WITHOUT_CORRECTIONS
 
 # A sound robot of both kinds of leg; the wrong inputs below differ from it by one edit each.
 SOUND = f"""

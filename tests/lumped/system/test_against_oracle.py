@@ -5,16 +5,10 @@ rigid body, a joint's direction that does not give way) is a row. K̂ = TᵀKT w
 all rows by SVD; idle motions are left out by the pseudo-inverse.
 """
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-
-sys.path.insert(0, str(Path(__file__).parent))
-
 from random_mechanisms import random_posture
 
 from lumped.errors import ComputationError

@@ -1,15 +1,10 @@
 """The robot assembled from two legs: against shared unknowns, and known values."""
 
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-
-sys.path.insert(0, str(Path(__file__).parent))
-
 from shared_unknowns import by_hand
 
 from lumped import biglide

@@ -1,14 +1,9 @@
 """What a mechanism's stiffness must be in closed form: physics.md section 7."""
 
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent))
-
 from random_mechanisms import STEEL, Maker
 
 from lumped.dense.modes import dense

@@ -23,7 +23,7 @@ STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 
 def box_tube(occ, s):
     outer, inner = (
-        (3, occ.addBox(0.0, -y * s, -z * s, 500.0 * s, 2.0 * y * s, 2.0 * z * s))
+        (3, occ.addBox(0.0, -y * s, -z * s, 200.0 * s, 2.0 * y * s, 2.0 * z * s))
         for y, z in ((50.0, 80.0), (37.5, 67.5))
     )
     occ.cut([outer], [inner])

@@ -14,11 +14,11 @@ from meshes.shape_functions import gradients, quadrature, values
 
 
 def rounded(occ, s):
-    """A bar 200 × 40 × 40 mm whose long edges are rounded with 8 mm."""
-    bar = occ.addBox(0.0, -20.0 * s, -20.0 * s, 200.0 * s, 40.0 * s, 40.0 * s)
+    """A bar 80 × 40 × 40 mm whose long edges are rounded with 8 mm."""
+    bar = occ.addBox(0.0, -20.0 * s, -20.0 * s, 80.0 * s, 40.0 * s, 40.0 * s)
     occ.synchronize()
     boxes = {tag: occ.getBoundingBox(1, tag) for _, tag in occ.getEntities(1)}
-    occ.fillet([bar], [tag for tag, box in boxes.items() if box[3] - box[0] > 100.0 * s], [8.0 * s])
+    occ.fillet([bar], [tag for tag, box in boxes.items() if box[3] - box[0] > 50.0 * s], [8.0 * s])
 
 
 def test_roundings_keep_their_volume(part_file):

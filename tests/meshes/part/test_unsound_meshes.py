@@ -88,6 +88,7 @@ def box_beam(occ, s):
     occ.cut([loft(33.5, 53.0)], [loft(22.5, 42.0)])
 
 
+@pytest.mark.exhaustive
 def test_elements_much_longer_than_walls_are_thick_are_sound(part_file):
     part = read_part(part_file("box_beam.step", box_beam))
     ends = {

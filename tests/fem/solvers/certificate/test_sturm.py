@@ -20,9 +20,9 @@ BACKENDS = [
 
 
 @pytest.fixture(scope="module")
-def leg(held_leg):
+def leg(short_leg):
     """Stiffness and mass of a clamped leg, and its eigenvalues by LAPACK."""
-    K, M = held_leg(0.4, 8)
+    K, M = short_leg
     return K, M, eigh(K.toarray(), M.toarray(), eigvals_only=True)
 
 
