@@ -79,6 +79,19 @@ class _Moved:
         found: Array = motion @ np.diag(self.stiffness) @ motion.T
         return found
 
+    @property
+    def compliance(self) -> Array:
+        """C (moves × moves) against wrenches at the tool's point, of the drives alone.
+
+        A pose's rotations are a vector, whose rates are the body's only in the reference posture.
+        """
+        tool = self.mechanism.tool
+        at_tool = self.mechanism.bodies[tool.body].interfaces[tool.point].position
+        rows = [MOVES.index(move) for move in tool.moves]
+        twists = np.hstack(self.velocity(tool.body, at_tool))[:, rows]
+        found: Array = twists.T @ np.linalg.solve(self.drives, twists)
+        return found
+
     def velocity(self, body: str, point: Array) -> tuple[Array, Array]:
         """Velocities of a point in body axes, and angular ones (moves × 3 each, base axes)."""
         along, about = [], []
@@ -123,7 +136,7 @@ def _refined(context: Context, apart: Callable[[_Moved], float]) -> Measurement:
     "mechanism.simplified",
     "The simplified model yields as its drives turn when the tool is moved",
     quantity="largest relative difference of the compliances along the moves, middle of path",
-    citation="C = (QᵀKQ)⁻¹, Q the drives' motion per motion of the tool",
+    citation="C = T (QᵀKQ)⁻¹ Tᵀ, Q the drives' motion and T the tool's twist per change of pose",
 )
 def _yielding(context: Context) -> Measurement:
     return _refined(context, _yielding_apart)
@@ -133,7 +146,7 @@ def _yielding_apart(moved: _Moved) -> float:
     rows = [MOVES.index(move) for move in moved.mechanism.tool.moves]
     system = assembly(moved.mechanism, {}).at(replace(moved.middle, mechanism=moved.mechanism))
     found = compliance(solved(system))[np.ix_(rows, rows)]
-    expected = np.linalg.inv(moved.drives)
+    expected = moved.compliance
     sizes = np.sqrt(np.diag(expected))
     return float(np.abs((found - expected) / np.outer(sizes, sizes)).max())
 

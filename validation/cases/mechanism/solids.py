@@ -35,8 +35,9 @@ MODES = 6
 _OWN = "20 Timoshenko beam elements per leg, constants of the solids' own section meshes"
 # Of a leg's length: what reaches no farther is an effect of its ends.
 _SHORT = 0.1
-# Absolute tolerance of MAC.
-_SHAPE = 0.01
+# Absolute tolerance of MAC, and the share of its frequency from which on waves change a mode's
+# shape, too: walls bend with it, which no beam's do.
+_SHAPE, _WALLS_BEND = 0.01, 0.01
 
 
 @dataclass(frozen=True, eq=False)
@@ -181,15 +182,19 @@ def _table(found: FreeModes) -> dict[str, tuple[float | str, ...]]:
 
 @cases.case(
     "mechanism.solid.likeness",
-    f"The first {MODES} modes of solids with free ends have the shapes of beams",
+    f"Of the first {MODES} modes those that waves hardly change have the shapes of beams",
     quantity="smallest MAC, of close modes that of their space",
     unit="1",
     tolerance=Absolute(_SHAPE),
-    tolerance_reason="0.99 is the project's measure of one and the same mode",
+    tolerance_reason="0.99 is the project's measure of one and the same mode; seen: 2e-5 off, and "
+    "2e-3 where waves in walls change the frequency by nearly 1 %",
 )
 def _likeness(context: Context) -> Measurement:
     found, rougher, factor = _both(context)
-    mode = int(np.argmin(found.likeness))
+    alike = np.abs(np.nan_to_num(found.changes)) < _WALLS_BEND
+    if not alike.any():
+        raise Skip("the walls of its legs bend in every mode")
+    mode = int(np.argmin(np.where(alike, found.likeness, np.inf)))
     return Measurement(
         float(found.likeness[mode]),
         1.0,
