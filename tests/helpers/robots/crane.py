@@ -1,5 +1,6 @@
 """A crane: one tapered arm between two bores, a part drawn by gmsh, and a mass at its tip."""
 
+import re
 from pathlib import Path
 
 from drawn_parts import meshed
@@ -54,6 +55,9 @@ def write_crane(folder: Path) -> Path:
         occ.synchronize()
         gmsh.model.removeEntities(gmsh.model.getEntities(2), recursive=False)
         gmsh.write(str(folder / "arm.step"))
+    # Without the moment of writing every process keeps the same part under the same key.
+    text = (folder / "arm.step").read_text("utf-8")
+    (folder / "arm.step").write_text(re.sub(r"'\d{4}-\d\d-\d\dT[\d:]+'", "''", text), "utf-8")
     (folder / "robot.toml").write_text(ROBOT, "utf-8")
     return folder / "robot.toml"
 

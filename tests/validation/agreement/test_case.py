@@ -21,7 +21,7 @@ from validation.case import (
 )
 from validation.catalogue import catalogue
 from validation.exhibits import PlannedFigure
-from validation.results.outcome import Outcome, Result, judge, perturbed, verdict
+from validation.results.outcome import Outcome, Result, judge, perturbed
 from validation.results.records import case_record
 
 # Keys that interface.md fixes for an entry of "cases" in results.json.
@@ -56,25 +56,6 @@ AT_MOST = replace(EQUAL, relation=Relation.AT_MOST)
 AT_LEAST = replace(EQUAL, relation=Relation.AT_LEAST)
 
 
-@pytest.mark.parametrize(
-    ("case", "value", "expected"),
-    [
-        (EQUAL, 10.09, "agree"),
-        (EQUAL, 9.91, "agree"),
-        (EQUAL, 10.11, "disagree"),
-        (EQUAL, 9.89, "disagree"),
-        (AT_MOST, -50.0, "agree"),
-        (AT_MOST, 10.09, "agree"),
-        (AT_MOST, 10.11, "disagree"),
-        (AT_LEAST, 500.0, "agree"),
-        (AT_LEAST, 9.91, "agree"),
-        (AT_LEAST, 9.89, "disagree"),
-    ],
-)
-def test_the_relation_and_the_tolerance_decide(case, value, expected):
-    assert judge(case, Measurement(value, 10.0, exact=True), 0.0).verdict == expected
-
-
 @pytest.mark.parametrize("relation", list(Relation))
 @pytest.mark.parametrize(("value", "reference"), [(nan, 1.0), (1.0, nan), (inf, 1.0), (-inf, 1.0)])
 def test_what_is_no_finite_number_never_agrees(relation, value, reference):
@@ -83,12 +64,6 @@ def test_what_is_no_finite_number_never_agrees(relation, value, reference):
     )
     assert outcome.verdict == "disagree"
     assert "no finite number" in outcome.message
-
-
-def test_a_relative_tolerance_goes_by_the_size_of_the_reference():
-    case = replace(EQUAL, tolerance=Relative(0.01))
-    assert judge(case, Measurement(-99.1, -100.0, exact=True), 0.0).verdict == "agree"
-    assert judge(case, Measurement(-98.9, -100.0, exact=True), 0.0).verdict == "disagree"
 
 
 def test_a_relative_tolerance_about_zero_is_refused():
@@ -108,32 +83,14 @@ def test_a_case_without_a_source_is_refused():
         replace(EQUAL, citation=" ")
 
 
-def test_allowances_explain_a_part_of_the_error_with_its_sign():
-    explained = Measurement(10.5, 10.0, exact=True, allowances=(Allowance("shear", 0.45),))
-    opposite = Measurement(10.5, 10.0, exact=True, allowances=(Allowance("shear", -0.45),))
-    assert explained.unexplained == pytest.approx(0.05)
-    assert judge(EQUAL, explained, 0.0).verdict == "agree"
-    assert judge(EQUAL, opposite, 0.0).verdict == "disagree"
-
-
-def test_both_uncertainties_add_as_root_sum_of_squares():
-    assert Measurement(1.0, 1.0, 0.3, 0.4).numerical_uncertainty == pytest.approx(0.5)
-    assert Measurement(1.0, 1.0, None, 0.4).numerical_uncertainty == pytest.approx(0.4)
-    assert Measurement(1.0, 1.0, exact=True).numerical_uncertainty is None
-
-
 @pytest.mark.parametrize("uncertainty", [0.11, inf, nan])
-def test_a_comparison_less_certain_than_its_tolerance_is_undecided(uncertainty):
-    outcome = judge(EQUAL, Measurement(10.0, 10.0, value_uncertainty=uncertainty), 0.0)
+def test_a_comparison_less_certain_than_its_tolerance_says_what_would_decide_it(uncertainty):
+    measured = Measurement(10.0, 10.0, value_uncertainty=uncertainty)
+    outcome = judge(EQUAL, measured, 0.0)
     assert outcome.verdict == "undecided"
-    assert "cannot decide" in outcome.message
-
-
-def test_an_error_beyond_all_uncertainty_is_decided():
-    # 1.0 m off with ±0.2 m: no value within the uncertainty comes within 0.1 m.
-    outcome = judge(EQUAL, Measurement(11.0, 10.0, value_uncertainty=0.2), 0.0)
-    assert outcome.verdict == "disagree"
-    assert outcome.message == ""
+    assert outcome.message.endswith("the comparison cannot decide: refine the models")
+    rounded = replace(measured, decides="no finer model narrows it")
+    assert judge(EQUAL, rounded, 0.0).message.endswith("cannot decide: no finer model narrows it")
 
 
 # Within ±0.1 for EQUAL and up to one tolerance inside the bound for the others: there a move of
@@ -161,24 +118,13 @@ def test_what_was_not_measured_keeps_its_verdict():
     assert perturbed(Outcome(EQUAL, Result(EQUAL.id, "failed", 0.0, "singular")), 3.0) == "failed"
 
 
-def test_the_share_of_the_tolerance_is_the_excess_over_it():
-    assert judge(EQUAL, Measurement(9.95, 10.0, exact=True), 0.0).share == pytest.approx(0.5)
-    assert judge(AT_MOST, Measurement(9.95, 10.0, exact=True), 0.0).share == pytest.approx(-0.5)
-    assert judge(AT_LEAST, Measurement(9.8, 10.0, exact=True), 0.0).share == pytest.approx(2.0)
-
-
-def test_the_verdict_is_a_pure_function_of_difference_relation_and_tolerance():
-    assert verdict(0.1, Relation.EQUAL, 0.1) == "agree"
-    assert verdict(0.1, Relation.EQUAL, 0.1, uncertainty=0.1) == "agree"
-    assert verdict(nan, Relation.AT_MOST, 0.1) == "disagree"
-
-
 def test_verdicts_and_records_of_measurements_at_random_are_those_of_the_rule():
     """E less all allowances, with its sign, within the tolerance, and so the uncertainty."""
     rng = np.random.default_rng(12)
     for number in range(300):
         reference, share = float(rng.uniform(0.5, 5.0)), float(10.0 ** rng.uniform(-4.0, -1.0))
         limit = share * reference
+        reference *= (-1.0) ** (number // 3)
         parts = (rng.uniform(-0.2, 0.2, 2) * reference).tolist()
         left = float(rng.uniform(-2.5, 2.5) * limit)
         own, other, judged = (rng.uniform(0.0, 0.9, 3) * limit).tolist()
@@ -233,18 +179,11 @@ def test_a_measurement_states_its_uncertainty_or_that_it_is_exact():
         Measurement(1.0, 1.0)
     with pytest.raises(ValueError, match="exact to rounding"):
         Measurement(1.0, 1.0, value_uncertainty=0.1, exact=True)
+    assert Measurement(1.0, 1.0, exact=True).numerical_uncertainty is None
+    assert Measurement(1.0, 1.0, None, 0.4).numerical_uncertainty == 0.4
     assert case_record(judge(EQUAL, Measurement(10.0, 10.0, exact=True), 0.0)).exact is True
     stated = judge(EQUAL, Measurement(10.0, 10.0, reference_uncertainty=0.01), 0.0)
     assert case_record(stated).exact is False
-
-
-def test_an_undecided_comparison_says_what_would_decide_it():
-    meshed = Measurement(1.0, 1.0, value_uncertainty=0.2)
-    outcome = judge(EQUAL, meshed, 0.0)
-    assert outcome.verdict == "undecided"
-    assert outcome.message.endswith("the comparison cannot decide: refine the models")
-    rounded = replace(meshed, decides="no finer model narrows it")
-    assert judge(EQUAL, rounded, 0.0).message.endswith("cannot decide: no finer model narrows it")
 
 
 @pytest.mark.parametrize(

@@ -10,11 +10,13 @@ from types import ModuleType
 
 import pytest
 import toy_catalogue as toys
+from toy_runs import run_here
 
 from lumped.audit.finding import Finding
 from lumped.robot_file import load_robot
 from validation import cli
 from validation.report.listing import audit_text
+from validation.run import runner
 from validation.store.opening import open_folder
 from validation.store.tree import Tree
 
@@ -24,7 +26,10 @@ HEAVY = ("gmsh", "pyvista", "vtk", "skfem", "matplotlib", "scipy", "numpy", "jin
 
 @pytest.fixture
 def with_catalogue(monkeypatch):
-    def use(catalogue):
+    """Made-up tasks, computed here and not by workers but where those are wanted."""
+
+    def use(catalogue, by=run_here):
+        monkeypatch.setattr(runner, "run", by)
         cases = ModuleType("validation.catalogue")
         cases.catalogue = catalogue
         monkeypatch.setitem(sys.modules, "validation.catalogue", cases)
@@ -33,7 +38,7 @@ def with_catalogue(monkeypatch):
 
 
 def test_a_run_prints_its_verdict_and_where_the_report_is(with_catalogue, tmp_path, capsys):
-    with_catalogue(toys.sound)
+    with_catalogue(toys.sound, runner.run)
     assert cli.main(["run", "--out", str(tmp_path / "out"), "--jobs", "2"]) == 0
     printed = capsys.readouterr()
     assert "All 3 comparisons agree, 1 skipped." in printed.out
@@ -239,11 +244,15 @@ def test_a_verdict_worse_than_in_the_baseline_ends_with_1(with_catalogue, tmp_pa
     assert "0 new, 0 removed." in capsys.readouterr().out
 
 
-def test_export_takes_its_place_in_the_run_folder(with_catalogue, tmp_path):
+def test_export_takes_its_place_in_the_run_folder(with_catalogue, tmp_path, monkeypatch):
     with_catalogue(toys.sound)
+    monkeypatch.setattr(
+        "validation.export.mechanism.export_mechanism",
+        lambda mechanism, preset, folder: (folder / f"{mechanism.name} {preset}.vtu").touch(),
+    )
     arguments = ["run", "--only", "toy.agrees", "--preset", "quick", "--out", str(tmp_path)]
     assert cli.main([*arguments, "--export"]) == 0
-    assert (tmp_path / "export" / "leg2_solid.vtu").exists()
+    assert (tmp_path / "export" / "IFW demonstrator quick.vtu").exists()
     assert not (tmp_path / ".export.tmp").exists()
     # A run without it leaves no export of an earlier one behind.
     assert cli.main(arguments) == 0

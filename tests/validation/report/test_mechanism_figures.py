@@ -159,8 +159,6 @@ def crane(tmp_path_factory):
     """A robot of one CAD part, on coarse meshes."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(parts, "UNKNOWNS", 6_000)
-        patch.delenv("FLEXPROOF_CACHE", raising=False)
-        patch.setenv("XDG_CACHE_HOME", str(tmp_path_factory.mktemp("cache")))
         yield Context(load_robot(write_crane(tmp_path_factory.mktemp("crane"))), "quick")
 
 

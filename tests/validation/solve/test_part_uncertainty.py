@@ -21,11 +21,9 @@ COUNT = 4
 
 
 @pytest.fixture(scope="module", autouse=True)
-def coarse(tmp_path_factory):
+def coarse():
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(parts, "UNKNOWNS", 6_000)
-        patch.delenv("FLEXPROOF_CACHE", raising=False)
-        patch.setenv("XDG_CACHE_HOME", str(tmp_path_factory.mktemp("cache")))
         yield patch
 
 
