@@ -1,11 +1,11 @@
-"""Time and memory of identification, and of a robot of two parts, with its sweep after that.
+"""Time and memory of identification, and of a robot of two parts.
 
     python tests/benchmarks/bench_identify.py [UNKNOWNS]
 
 The tapered biglide's first leg on three meshes, the finest of 150 000 unknowns unless told, both
 couplings and six frequencies; then both of its legs on such a mesh, each meshed and reduced by a
-process of its own, and a thousand postures of their robot with ten frequencies. Times of the
-processor count all processes; nothing that an earlier run has kept is used.
+process of its own. Times of the processor count all processes; nothing that an earlier run has
+kept is used.
 """
 
 # ruff: noqa: T201  a script that prints its figures
@@ -15,22 +15,19 @@ import resource
 import sys
 import tempfile
 from concurrent.futures import ProcessPoolExecutor
-from itertools import cycle, islice
 from multiprocessing import get_context
 from pathlib import Path
-from time import perf_counter, process_time
+from time import perf_counter
 
 from lumped.mechanism.kinematics.postures import posture
 from lumped.robot_file import load_robot
-from lumped.system.assembly import assembly
-from lumped.system.sweep import swept
 from validation.models import parts
-from validation.models.mechanism import CUTOFF, dynamic_bodies, highest_frequency
+from validation.models.mechanism import CUTOFF, highest_frequency
 from validation.parts.identify import identify
 
 ROBOT = Path(__file__).resolve().parents[2] / "examples" / "tapered-biglide" / "robot.toml"
 MECHANISM = load_robot(ROBOT).mechanism
-POSTURES, FREQUENCIES = 1000, 10
+FREQUENCIES = 10
 
 
 def processor() -> float:
@@ -72,15 +69,6 @@ def main() -> None:
         each = [one.result() for one in work]
     said = " and ".join(f"{seconds:.1f} s ({memory:.2f} GiB)" for seconds, memory in each)
     print(f"two parts reduced: {said} of processor, {perf_counter() - wall:.1f} s side by side")
-    parts.UNKNOWNS = unknowns
-    prepared = assembly(MECHANISM, dynamic_bodies("solid", MECHANISM, highest))
-    many = list(islice(cycle(poses), POSTURES))
-    start, wall = process_time(), perf_counter()
-    swept(prepared, many, FREQUENCIES)
-    print(
-        f"{POSTURES} postures of {prepared.at(poses[0]).size} unknowns, {FREQUENCIES} frequencies: "
-        f"{process_time() - start:.2f} s of processor, {perf_counter() - wall:.2f} s"
-    )
 
 
 if __name__ == "__main__":

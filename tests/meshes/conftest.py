@@ -81,39 +81,3 @@ def facets() -> Callable[[Mesh], tuple[IntArray, IntArray]]:
         return np.unique(np.sort(every, axis=1), axis=0, return_counts=True)
 
     return find
-
-
-def _on_rectangle(y: Array, z: Array, width: float, height: float) -> Array:
-    return np.maximum(y - width / 2, z - height / 2)
-
-
-@pytest.fixture
-def off_outline(section: Section) -> Callable[[Array], Array]:
-    """Distance (to first order) of points (n×2) of the section from its true outline."""
-
-    def distance(points: Array) -> Array:
-        y, z = np.abs(points).T
-        radius = np.hypot(y, z)
-        match section:
-            case Rectangle():
-                return np.abs(_on_rectangle(y, z, section.width, section.height))
-            case HollowRectangle():
-                t = section.thickness
-                outer = _on_rectangle(y, z, section.width, section.height)
-                inner = _on_rectangle(y, z, section.width - 2 * t, section.height - 2 * t)
-                return np.minimum(np.abs(outer), np.abs(inner))
-            case Circle():
-                return np.abs(radius - section.diameter / 2)
-            case Tube():
-                outer, t = section.diameter / 2, section.thickness
-                return np.minimum(np.abs(radius - outer), np.abs(radius - outer + t))
-            case ISection():
-                root = section.height / 2 - section.flange
-                top = np.abs(z - section.height / 2)
-                edge = np.where(z > root - 1e-9, np.abs(y - section.width / 2), np.inf)
-                under = np.where(y > section.web / 2 - 1e-9, np.abs(z - root), np.inf)
-                web = np.where(z < root + 1e-9, np.abs(y - section.web / 2), np.inf)
-                return np.minimum.reduce([top, edge, under, web])
-        raise AssertionError(section)
-
-    return distance

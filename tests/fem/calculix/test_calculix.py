@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from fem.bodies.leg_modes import modes
-from fem.bodies.solid import SolidLeg, clamped_leg, solid_leg, tip_compliance
+from fem.bodies.solid import clamped_leg, solid_leg, tip_compliance
 from fem.calculix import run as calculix_run
 from fem.calculix.deck import (
     Deck,
@@ -18,7 +18,6 @@ from fem.calculix.deck import (
     MassElement,
     NodalForce,
     deck_text,
-    rigid_face,
 )
 from fem.calculix.leg import compliance_and_frequencies, leg_deck, mass_at_stiffness_points
 from fem.calculix.run import (
@@ -28,12 +27,8 @@ from fem.calculix.run import (
     read_results,
     run_calculix,
 )
-from fem.elements.elasticity import mass
-from fem.solvers.factor import whole_matrix
-from lumped.dense.modes import solve_modes
 from lumped.errors import ComputationError, InputError
 from lumped.legs import ConstantLeg, Material
-from lumped.screws import rotation_z
 from lumped.sections import ISection, Rectangle, Tube
 from meshes.prism.extrude import extrude, stations
 from meshes.prism.tetrahedra import tetrahedra
@@ -108,45 +103,6 @@ def test_calculix_converges_to_the_exact_mass() -> None:
         differences.append(np.abs(frequencies / ours - 1.0).max())
     assert differences[0] > 10.0 * PRINTED
     assert differences[1] < differences[0] / 4.0
-
-
-@needs_calculix
-def test_turned_leg_with_a_mass_on_its_tip() -> None:
-    # Frequencies do not depend on the direction of the leg if the cubic material turns with it.
-    leg = LEGS["cubic rectangle"]
-    mesh = tetrahedra(leg.section, leg.length, 1)
-    along_x = leg_deck(mesh, leg.material, modes=6)
-    (part,) = along_x.parts
-    rotation = rotation_z(0.7)
-    nodes = along_x.nodes @ rotation.T
-    tip, translation = mesh.tip.nodes, len(mesh.nodes)
-    turned = replace(
-        along_x,
-        nodes=nodes,
-        parts=(replace(part, axes=rotation),),
-        equations=rigid_face(
-            tip,
-            nodes[tip],
-            nodes[translation],
-            [force.freedom for (force,) in along_x.load_cases],
-        ),
-        masses=(MassElement(translation, 3.0),),
-        load_cases=(),
-        watched=(),
-    )
-    same_points = SolidLeg(
-        leg,
-        mesh,
-        solid_leg(leg, mesh).stiffness,
-        mass_at_stiffness_points(mesh, leg.material.rho),
-    )
-    clamped = clamped_leg(same_points)
-    loaded = clamped.mass.toarray()
-    loaded[range(3), range(3)] += 3.0
-    ours = solve_modes(
-        whole_matrix(clamped.factor.triangle), loaded, 6, "leg with a mass"
-    ).frequencies
-    np.testing.assert_allclose(run_calculix(turned).frequencies, ours, rtol=PRINTED)
 
 
 @needs_calculix
@@ -233,20 +189,6 @@ def test_numbers_fit_the_twenty_characters_that_are_read() -> None:
     np.testing.assert_allclose(read, values, rtol=1e-13)
 
 
-def test_rigid_face_moves_as_a_rigid_body() -> None:
-    points = np.array([[0.5, 0.1, 0.2], [0.5, -0.1, 0.3]])
-    reference = np.array([0.5, 0.0, 0.0])
-    twist = np.array([0.1, 0.2, 0.3, 0.4, 0.5, 0.6])
-    freedoms = [(9, 0), (9, 1), (9, 2), (10, 0), (10, 1), (10, 2)]
-    equations = rigid_face(np.array([3, 4]), points, reference, freedoms)
-    at = dict(zip(freedoms, twist, strict=True))
-    moved = {e.dependent: sum(c * at[f] for f, c in e.terms) for e in equations}
-    expected = twist[:3] + np.cross(twist[3:], points - reference)
-    found = [[moved[node, i] for i in range(3)] for node in (3, 4)]
-    # Sums of three products.
-    np.testing.assert_allclose(found, expected, rtol=1e-14)
-
-
 PRINTED_RESULTS = """
  displacements (vx,vy,vz) for set WATCHED and time  0.1000000E+01
 
@@ -303,15 +245,3 @@ def test_first_error_keeps_its_continuation() -> None:
     said = "header\n *ERROR reading *EQUATION:\n        node number is too large\n\n *ERROR later\n"
     assert first_error(said) == "*ERROR reading *EQUATION: node number is too large"
     assert first_error("Job finished\n") is None
-
-
-def test_mass_at_stiffness_points_has_the_mass_and_the_centre() -> None:
-    # Total mass and first moment need degree 2 at most, which the points have.
-    mesh = tetrahedra(Rectangle(0.1, 0.2), 0.3, 1)
-    reduced, exact = mass_at_stiffness_points(mesh, 7850.0), mass(mesh, 7850.0)
-    ones = np.tile(np.eye(3), (len(mesh.nodes), 1))
-    # Sums over some thousand entries.
-    np.testing.assert_allclose(
-        ones.T @ reduced @ ones, np.eye(3) * 7850.0 * 0.006, rtol=1e-12, atol=1e-12
-    )
-    assert abs(reduced - exact).max() > 0.1 * abs(exact).max()

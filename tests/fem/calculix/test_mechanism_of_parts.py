@@ -18,7 +18,6 @@ from lumped.mechanism.kinematics.postures import posture
 from lumped.robot_file import load_robot
 from lumped.system.assembly import assemble
 from lumped.system.solution import compliance, modes, solved
-from meshes.gmsh_session import gmsh_model
 from meshes.part.interfaces import find_interfaces
 from meshes.part.reading.read import read_part
 from meshes.part.volume import Grading, volume_mesh
@@ -78,21 +77,13 @@ count = 2
 
 
 @pytest.fixture(scope="module")
-def two_arms(tmp_path_factory):
+def two_arms(bar_step):
     """The robot, and the mesh of its parts: a bar of two bores, the first at the origin."""
-    folder = tmp_path_factory.mktemp("arms")
-    with gmsh_model("bar") as gmsh:
-        gmsh.option.setString("Geometry.OCCTargetUnit", "MM")
-        occ = gmsh.model.occ
-        bar = occ.addBox(-20, -20, -15, 170, 40, 30)
-        bores = [(3, occ.addCylinder(x, 0, -30, 0, 0, 60, r)) for x, r in ((0, 8), (130, 6))]
-        occ.cut([(3, bar)], bores)
-        occ.synchronize()
-        gmsh.write(str(folder / "bar.step"))
+    folder = bar_step.parent
     (folder / "robot.toml").write_text(ROBOT, "utf-8")
     mechanism = load_robot(folder / "robot.toml").mechanism
     upper = mechanism.bodies["upper"]
-    part = read_part(folder / "bar.step")
+    part = read_part(bar_step)
     points = {name: frame.position for name, frame in upper.interfaces.items()}
     found = find_interfaces(part, upper.shape.interfaces, points)
     return mechanism, volume_mesh(part, found, Grading(0.02)), found

@@ -17,7 +17,6 @@ from fem.couplings.coupled_solid import coupled_solid
 from fem.couplings.grips import area_weights
 from lumped.legs import Material
 from lumped.mechanism.part import ByCylinder, ByPlane, PartInterface
-from meshes.gmsh_session import gmsh_model
 from meshes.part.interfaces import find_interfaces
 from meshes.part.reading.read import read_part
 from meshes.part.volume import Grading, volume_mesh
@@ -27,26 +26,17 @@ STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 
 
 @pytest.fixture(scope="module")
-def bar(tmp_path_factory):
-    """A bar with two bores and a flat end, coarse, with its interfaces."""
+def bar(bar_step):
+    """A coarse mesh of the bar, and its interfaces: both bores and its flat end."""
     try:
         calculix_program()
     except CalculixMissing as reason:
         pytest.skip(str(reason))
-    path = tmp_path_factory.mktemp("bar") / "bar.step"
-    with gmsh_model("bar") as gmsh:
-        gmsh.option.setString("Geometry.OCCTargetUnit", "MM")
-        occ = gmsh.model.occ
-        bar = occ.addBox(0, -20, -15, 200, 40, 30)
-        bores = [(3, occ.addCylinder(x, 0, -30, 0, 0, 60, r)) for x, r in ((20, 8), (150, 6))]
-        occ.cut([(3, bar)], bores)
-        occ.synchronize()
-        gmsh.write(str(path))
-    part = read_part(path)
+    part = read_part(bar_step)
     wanted = {
         "A": PartInterface(ByCylinder(0.008), "rigid"),
         "B": PartInterface(ByCylinder(0.006), "rigid"),
-        "C": PartInterface(ByPlane((1.0, 0.0, 0.0), (0.2, 0.0, 0.0)), "average"),
+        "C": PartInterface(ByPlane((1.0, 0.0, 0.0), (0.15, 0.0, 0.0)), "average"),
     }
     found = find_interfaces(part, wanted)
     return volume_mesh(part, found, Grading(0.04)), found

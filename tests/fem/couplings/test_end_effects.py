@@ -60,17 +60,6 @@ def test_what_faces_take_from_long_thin_legs_is_symmetric_until_rounding_loses_i
         restrained_compliance(mesh, STEEL, 1e5)
 
 
-def test_warping_of_an_open_section_decays_as_vlasov_says():
-    # Walls a hundredth of the side: what Vlasov leaves out (Reissner's shear) is of that order.
-    section = ISection(0.1, 0.16, 0.0012, 0.0012)
-    mesh = section_mesh(section, 2)
-    constants = section_constants(mesh, 0.0)
-    depth = np.sqrt(2.0 * constants.warping_constant / constants.torsion_constant)
-    (slowest, *_) = decay_rates(mesh, WITHOUT_CONTRACTION)["torsion"]
-    assert slowest.imag == 0.0
-    assert slowest.real * depth == pytest.approx(1.0, rel=5e-3)
-
-
 @pytest.mark.parametrize("length", [0.5, 4.0])
 def test_held_torsion_of_an_open_section_is_vlasovs(length):
     """θ/T = (L − 2d tanh(L/2d))/GJ with warping held at both ends, d² = EΓ/GJ (Vlasov 1961)."""

@@ -107,25 +107,6 @@ def test_cubic_material_enters_through_its_shear_modulus():
     )
 
 
-@pytest.mark.parametrize(
-    "section",
-    [
-        Rectangle(0.1, 0.16),
-        HollowRectangle(0.1, 0.16, 0.01),
-        Circle(0.1),
-        Tube(0.1, 0.01),
-        ISection(0.1, 0.16, 0.012, 0.008),
-    ],
-)
-def test_symmetric_sections_have_everything_at_the_centre(section):
-    constants = section_constants(section_mesh(section, 4), 0.3)
-    size = max(section.extent)
-    assert constants.centroid == pytest.approx((0.0, 0.0), abs=1e-12 * size)
-    # Rounding of the warping function's moment: the sum of M·Q terms of size², 1e-11.
-    assert constants.shear_centre == pytest.approx((0.0, 0.0), abs=1e-10 * size)
-    assert abs(constants.product_moment) < 1e-12 * constants.second_moment_z
-
-
 def half_ring(radius: float, thickness: float) -> SectionMesh:
     """Half a thin ring about the origin, open towards −y, y² + z² = radius²."""
     strip = section_mesh(Rectangle(1.0, 1.0), (2, 48))

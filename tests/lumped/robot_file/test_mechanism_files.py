@@ -1,5 +1,6 @@
 """Robot files of schema 2: what sound ones describe, and one line for each fault of wrong ones."""
 
+import re
 import shutil
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +15,8 @@ from lumped.robot_file.load import built_in_robots
 from validation import cli
 
 ROCKER = Path(__file__).parents[3] / "examples" / "rocker" / "robot.toml"
+GUIDE = Path(__file__).resolve().parents[3] / "docs" / "guide" / "mechanisms.md"
+MANY_LINES = re.MULTILINE | re.DOTALL
 PIN = (
     '[joints.pin]\ntype = "revolute"\nbetween = ["rod1", "rod2"]\nat = "P"\naxis = [0.0, 0.0, 1.0]'
 )
@@ -377,3 +380,35 @@ def test_two_points_of_a_slide_give_its_axis():
     assert drive.axes[0] == pytest.approx(-leg, abs=1e-10)
     assert drive.drive is not None
     assert drive.drive.stiffness == 6.0e7
+
+
+def test_the_biglide_written_out_in_the_guide_is_the_built_in_one(tmp_path):
+    text = GUIDE.read_text(encoding="utf-8")
+    path = tmp_path / "biglide.toml"
+    path.write_text(
+        re.search(r"^```toml written-out.toml\n(.*?)^```", text, MANY_LINES)[1], "utf-8"
+    )
+    found, expected = (load_robot(robot).mechanism for robot in (path, "biglide"))
+    assert set(found.bodies) == set(expected.bodies)
+    for name, body in expected.bodies.items():
+        other = found.bodies[name]
+        if isinstance(body.shape, Prism):
+            for field in ("section", "material"):
+                assert getattr(other.shape, field) == getattr(body.shape, field)
+        assert set(other.interfaces) == set(body.interfaces)
+        # The guide's points are given to twelve decimals.
+        for point, place in body.interfaces.items():
+            assert other.interfaces[point].position == pytest.approx(place.position, abs=1e-11)
+        for part in ("position", "rotation"):
+            values = getattr(expected.reference[name], part)
+            assert getattr(found.reference[name], part) == pytest.approx(values, abs=1e-11)
+    joints = {joint.name: joint for joint in found.joints}
+    assert set(joints) == {joint.name for joint in expected.joints}
+    for joint in expected.joints:
+        other = joints[joint.name]
+        for field in ("kind", "first", "second", "drive"):
+            assert getattr(other, field) == getattr(joint, field)
+        for field in ("axes", "compliance"):
+            assert np.array_equal(getattr(other, field), getattr(joint, field))
+    for field in ("body", "point", "mass"):
+        assert getattr(found.tool, field) == getattr(expected.tool, field)

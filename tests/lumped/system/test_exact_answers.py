@@ -77,34 +77,6 @@ def test_a_gough_stewart_platform_is_the_sum_of_its_legs(seed):
     assert np.abs(vjm_compliance(posture, legs) - expected).max() <= 1e-10 * largest
 
 
-def test_a_rigid_gough_stewart_platform_yields_in_its_drives_alone():
-    posture, _ = gough_stewart(1)
-    expected = np.zeros((6, 6))
-    platform = posture.frames["platform"].position
-    for i in range(6):
-        low, up = (posture.frames[f"{name}{i}"] for name in ("low", "up"))
-        head = (up @ posture.mechanism.bodies[f"up{i}"].interfaces[f"B{i}"]).position
-        direction = (head - low.position) / np.linalg.norm(head - low.position)
-        line = np.concatenate([direction, np.cross(head - platform, direction)])
-        drive = posture.mechanism.joints[3 * i + 1].drive.stiffness
-        expected += drive * np.outer(line, line)
-    system = assemble(posture, {})
-    assert system.size == 6
-    flexibility = compliance(solved(system))
-    inverse = np.linalg.inv(expected)
-    assert np.abs(flexibility - inverse).max() <= 1e-10 * np.abs(inverse).max()
-    # Legs have no mass here: the platform's on six springs.
-    rotation = posture.frames["platform"].rotation
-    mass = np.diag([50.0] * 3 + [0.0] * 3)
-    mass[3:, 3:] = rotation @ np.diag([1.0, 2.0, 3.0]) @ rotation.T
-    squares = np.sort(np.linalg.eigvals(np.linalg.solve(mass, expected)).real)
-    found = modes(solved(system), 6)
-    assert (2 * np.pi * found.frequencies) ** 2 == pytest.approx(squares, rel=1e-9)
-    shares = strain_shares(system, found.shapes)
-    assert set(shares) == {Portion(f"j{3 * i + 1}", "drive") for i in range(6)}
-    assert sum(shares.values()) == pytest.approx(np.ones(6), abs=1e-12)
-
-
 def parallelogram() -> tuple[Posture, float, float]:
     """A bar on two parallel rods pinned at both ends, driven at one foot; width and length (m)."""
     make = Maker(np.random.default_rng(0), planar=True)
