@@ -90,11 +90,3 @@ def test_geometry_faults(demonstrator):
     assert "cannot meet" in geometry_faults(replace(demonstrator, a=1.7))[0]
     assert "must be apart" in geometry_faults(replace(demonstrator, a=0.0))[0]
     assert "differ by a = 0.05" in geometry_faults(replace(demonstrator, a=0.05))[0]
-
-
-def test_equivalent_legs_leave_the_rest(demonstrator):
-    robot = with_equivalent_legs(demonstrator)
-    assert robot.foot_compliance is demonstrator.foot_compliance
-    assert robot.stroke == demonstrator.stroke
-    assert robot.leg1.mass == pytest.approx(69.705, rel=1e-14)
-    assert robot.leg2.mass == pytest.approx(49.366, rel=1e-14)

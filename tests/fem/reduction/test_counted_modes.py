@@ -7,19 +7,25 @@ from numpy.testing import assert_allclose
 import fem.reduction.counted_modes as counting
 from fem.reduction.counted_modes import counted_modes
 from fem.reduction.craig_bampton import reduction
+from fem.reduction.held import FreeBody
 from fem.reduction.interface_modes import interface_modes
 from lumped.dense.modes import Modes
 from lumped.errors import ComputationError
 
 
-def test_inertia_counts_what_a_dense_eigensolver_finds(bar, held_frequencies):
-    assert bar.held.size > 400
+@pytest.mark.parametrize("free", [False, True])
+def test_inertia_counts_what_a_dense_eigensolver_finds(bar, held_frequencies, free):
+    """Of the bar with its interfaces held, and of the free bar without its rigid motions."""
+    body = FreeBody(bar.held.rooted) if free else bar.held
+    frequencies = bar.frequencies(0)[6:] if free else held_frequencies
+    assert body.size > 400
+    if free:
+        assert body.rigid.T @ (body.mass @ body.rigid) == pytest.approx(np.eye(6), abs=1e-10)
     for below in (0, 1, 2, 5, 12, 40):
-        lowest, next_one = np.append(0.0, held_frequencies)[[below, below + 1]]
-        if next_one < 1.001 * lowest:
-            continue
-        found = bar.held.inertia((np.pi * (lowest + next_one)) ** 2)
-        assert (found.negative, found.zero) == (below, 0)
+        lowest, next_one = np.append(0.0, frequencies)[[below, below + 1]]
+        if next_one > 1.001 * lowest:
+            found = body.inertia((np.pi * (lowest + next_one)) ** 2)
+            assert (found.negative, found.zero) == (below, 0)
 
 
 def test_a_reduction_has_the_modes_that_are_counted(bar, held_frequencies):

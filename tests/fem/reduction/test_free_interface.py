@@ -5,12 +5,8 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.linalg import eigh
 
-import fem.reduction.counted_modes as counting
 from fem.reduction.craig_bampton import reduction
 from fem.reduction.free_interface import free_interface
-from fem.reduction.held import FreeBody
-from fem.reduction.interface_modes import interface_modes
-from lumped.dense.modes import Modes
 from lumped.errors import ComputationError, InputError
 
 CLAMPED = 6
@@ -39,16 +35,6 @@ def clamped(stiffness, mass):
     inverse_squares = eigh(mass[own, own], stiffness[own, own], eigvals_only=True)[::-1]
     with_mass = inverse_squares[inverse_squares > 1e-12 * inverse_squares[0]]
     return 1.0 / (2.0 * np.pi * np.sqrt(with_mass))
-
-
-def test_a_free_body_is_counted_without_its_rigid_motions(bar, free_frequencies):
-    body = FreeBody(bar.held.rooted)
-    assert body.rigid.T @ (body.mass @ body.rigid) == pytest.approx(np.eye(6), abs=1e-10)
-    for below in (0, 1, 2, 5, 12):
-        lowest, next_one = np.append(0.0, free_frequencies)[[below, below + 1]]
-        if next_one > 1.001 * lowest:
-            inertia = body.inertia((np.pi * (lowest + next_one)) ** 2)
-            assert (inertia.negative, inertia.zero) == (below, 0)
 
 
 def test_it_has_the_free_modes_below_its_cut_off(found, free_frequencies):
@@ -96,17 +82,3 @@ def test_a_reduction_that_drops_nothing_is_refused(bar):
         free_interface(rooted, 1e8, 1e9)
     with pytest.raises(InputError, match="must be above the highest frequency"):
         free_interface(rooted, 1000.0, 900.0)
-
-
-def test_a_search_that_misses_modes_is_an_error_of_the_reduction(
-    bar, free_frequencies, monkeypatch
-):
-    cutoff = 1.001 * free_frequencies[14]
-
-    def every_second(held, cutoff, search=0):
-        found = interface_modes(held, cutoff, search)
-        return Modes(found.frequencies[::2], found.shapes[:, ::2])
-
-    monkeypatch.setattr(counting, "interface_modes", every_second)
-    with pytest.raises(ComputationError, match="bar, free: certificate"):
-        free_interface(bar.held.rooted, 0.4 * cutoff, cutoff)

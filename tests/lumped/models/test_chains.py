@@ -126,11 +126,3 @@ def test_springs_that_no_body_has_are_refused():
         VirtualSpring(np.eye(6) + np.diag([0.1] * 5, 1), "foot")
     with pytest.raises(InputError, match="foot: compliance has a negative eigenvalue"):
         VirtualSpring(np.diag([1e-9, 1e-9, 1e-9, 1e-7, 1e-7, -1e-12]), "foot")
-
-
-def test_the_printed_foot_of_the_paper_is_refused(demonstrator):
-    """k_Foot(6,6) = 3.16e-9 as printed: λmin = −3.5e-8 (known values)."""
-    printed = demonstrator.foot_compliance.copy()
-    printed[5, 5] = 3.16e-9
-    with pytest.raises(InputError, match="negative eigenvalue"):
-        VirtualSpring(printed)
