@@ -2,10 +2,12 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, fields, is_dataclass, replace
+from functools import cache
 from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
 
+from lumped.robot_file import load_robot
 from validation.context import Context, memo_key
 
 P = ParamSpec("P")
@@ -32,6 +34,12 @@ class Asked(Context):
     def entry(self, key: str) -> object:
         """What the memo holds."""
         return self._memo[key]
+
+
+@cache
+def quick_context(name: str) -> Asked:
+    """One for all tests of a process: what they share is computed once."""
+    return Asked(load_robot(name), "quick")
 
 
 def disturbed(value: Any, share: float) -> Iterator[Any]:

@@ -13,17 +13,16 @@ from itertools import islice
 from math import isfinite
 
 import pytest
-from ingredients import DATA, Asked, disturbed
+from ingredients import DATA, Asked, disturbed, quick_context
 
 from lumped.errors import ComputationError
-from lumped.robot_file import load_robot
 from validation.case import Allowance, Case, Measurement, Relation, Skip
 from validation.catalogue import catalogue
 from validation.context import Context
 from validation.results.outcome import judge, perturbed
 
 # The cheapest preset: what a case claims and how it judges is the same in all of them.
-CONTEXTS = {name: Asked(load_robot(name), "quick") for name in ("ifw", "five-bar")}
+CONTEXTS = {name: quick_context(name) for name in ("ifw", "five-bar")}
 LISTED = {
     name: [task for task in catalogue(context.robot_file) if isinstance(task, Case)]
     for name, context in CONTEXTS.items()

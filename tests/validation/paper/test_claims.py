@@ -2,13 +2,13 @@
 
 import numpy as np
 import pytest
+from ingredients import quick_context
 
 from lumped.robot_file import load_robot
 from validation import paper
 from validation.case import Case
 from validation.catalogue import catalogue
 from validation.claims import Claim, Curve, gathered, summary
-from validation.context import Context
 from validation.exhibits import PlannedFigure
 from validation.report.said import SaidTable
 from validation.results.outcome import judge
@@ -58,7 +58,7 @@ def test_curves_of_one_sentence_are_gathered():
 
 @pytest.fixture(scope="module")
 def outcomes():
-    context = Context(load_robot("ifw"), "quick")
+    context = quick_context("ifw")
     return [
         judge(case, case.compute(context), 0.0) for case in paper.cases() if "quick" in case.presets
     ]
