@@ -12,7 +12,8 @@ from lumped.legs import ConstantLeg, Ends, GivenLeg, Material
 from lumped.robot_file import load_robot
 from lumped.sections import HollowRectangle, ISection, Tube
 from validation.adequacy.matrix import Entry, Matrix
-from validation.adequacy.mechanism.dynamics import mechanism_dynamics
+from validation.adequacy.mechanism.dynamics import mechanism_dynamics, solid_vibration
+from validation.adequacy.mechanism.path import path_postures
 from validation.adequacy.partners import frequency_changes
 from validation.adequacy.robot import robot_adequacy
 from validation.adequacy.subject.dynamics import dynamic_reference
@@ -165,3 +166,20 @@ def test_given_legs_without_inertia_are_judged_by_the_nine_modes_that_they_have(
     legs = [replace(leg, inertia=None, mass_centre=None) for leg in (robot.leg1, robot.leg2)]
     entry = found(adequacy(replace(robot, leg1=legs[0], leg2=legs[1])), "beam", "f4")
     assert entry.error is not None
+
+
+class Listening(Context):
+    """Says what it is asked for and computes nothing of it."""
+
+    def get(self, function, *args, **kwargs):
+        if function is not solid_vibration:
+            return super().get(function, *args, **kwargs)
+        return args[1:3]
+
+
+@pytest.mark.parametrize("preset", ["quick", "standard", "fine"])
+def test_meshes_are_finer_by_no_less_than_what_uncertainties_are_taken_from(preset):
+    context = Listening(load_robot("five-bar"), preset)
+    dynamics = mechanism_dynamics(context, path_postures(context), 2)
+    coarse, fine = (dynamics.solid(mesh, {}, None, FINEST) for mesh in ("coarse", "fine"))
+    assert 1.0 < dynamics.ratio <= min(np.divide(fine, coarse))

@@ -191,3 +191,12 @@ def test_a_mode_with_less_than_half_in_common_is_another_one(common: float, numb
     found = partners(reference, model, WEIGHTS, 1)
     assert found.number.tolist() == [[number]]
     assert found.likeness[0, 0] == pytest.approx(common)
+
+
+def test_close_modes_of_one_side_span_what_is_apart_on_the_other() -> None:
+    """A pair that mixes evenly where it is close, one tenth and more apart where it does not."""
+    mixed = np.array([AXES[0] + AXES[1], AXES[0] - AXES[1]]) / np.sqrt(2.0)
+    close = vibration([100.0, 102.0, 300.0], *mixed, AXES[2])
+    apart = vibration([100.0, 130.0, 300.0], AXES[0], AXES[1], AXES[2])
+    for one, other in ((close, apart), (apart, close)):
+        assert partners(one, other, WEIGHTS, 2).likeness == pytest.approx(1.0)

@@ -23,7 +23,13 @@ from meshes.section.section_mesh import section_mesh
 from validation.cli import main
 from validation.models.biglide import robot_compliance, robot_frequencies
 from validation.models.legs import leg_matrices
-from validation.models.mechanism import answers, dynamic_bodies, highest_frequency, static_bodies
+from validation.models.mechanism import (
+    answers,
+    constant_legs,
+    dynamic_bodies,
+    highest_frequency,
+    static_bodies,
+)
 from validation.models.options import DEFAULT_OPTIONS, ModelOptions
 
 MECHANISMS = ("five-bar", "3-rrr", "delta", "orthoglide", "hexapod")
@@ -185,6 +191,18 @@ def test_strain_energy_is_shared_by_bodies_and_joints():
     drives = sum(share for part, share in shares.items() if part.kind == "drive")
     whole = np.diag(compliance(solution))[:3]
     assert drives * whole == pytest.approx(np.diag(simplified)[:3], rel=1e-9)
+
+
+def test_legs_are_one_only_where_they_are_alike_to_the_last_digits_typed():
+    described = load_robot("five-bar").mechanism
+    lengths = {name: leg.length for name, leg, _ in constant_legs(described, DEFAULT_OPTIONS)}
+    assert len(set(lengths.values())) < len(lengths)
+    for change, apart in ((1e-12, False), (1e-6, True)):
+        rod = described.bodies["rod1"]
+        longer = replace(rod, shape=replace(rod.shape, length=(1.0 + change) * rod.shape.length))
+        changed = replace(described, bodies={**described.bodies, "rod1": longer})
+        known = {name: leg.length for name, leg, _ in constant_legs(changed, DEFAULT_OPTIONS)}
+        assert (known["rod1"] != known["rod2"]) is apart
 
 
 def solve(capsys, *arguments):
