@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from compliances import scaled_difference
 from numpy.testing import assert_allclose
 
 from fem.beams.beam import beam_leg
@@ -19,7 +20,6 @@ from lumped.mechanism.body_model import LegMatrices
 from lumped.models.cantilever import kind_frequencies, tip_compliance_of
 from lumped.screws import shift
 from lumped.sections import Rectangle
-from validation.agreement.differences import scaled_difference
 
 # The equivalent legs of the IFW demonstrator (paper §2.3 applied to its appendix).
 LEG1 = constant_leg(0.85, EA=8.613e8, EIy=4.771e6, EIz=1.832e6, GJ=9.212e6, mass=69.705)

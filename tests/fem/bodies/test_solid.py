@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from compliances import scaled_difference
 
 from fem.bodies.leg_modes import modes
 from fem.bodies.solid import (
@@ -21,7 +22,6 @@ from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Tube
 from meshes.prism.extrude import extrude, stations
 from meshes.prism.tetrahedra import tetrahedra
 from meshes.section.section_mesh import section_mesh
-from validation.agreement.differences import scaled_difference
 
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 CUBIC = Material(E=2.1e11, G=1.2e11, nu=0.25, rho=7850.0)

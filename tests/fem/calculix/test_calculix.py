@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from compliances import scaled_difference
 
 from fem.bodies.leg_modes import modes
 from fem.bodies.solid import clamped_leg, solid_leg, tip_compliance
@@ -33,7 +34,6 @@ from lumped.sections import ISection, Rectangle, Tube
 from meshes.prism.extrude import extrude, stations
 from meshes.prism.tetrahedra import tetrahedra
 from meshes.section.section_mesh import section_mesh
-from validation.agreement.differences import scaled_difference
 
 needs_calculix = pytest.mark.skipif(
     not any(map(shutil.which, calculix_run.PROGRAMS)), reason="CalculiX (ccx) is not installed"

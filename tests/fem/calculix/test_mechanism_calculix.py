@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from compliances import scaled_difference
 
 from fem.bodies.solid import solid_leg, solid_leg_matrices
 from fem.calculix import run as calculix_run
@@ -21,7 +22,6 @@ from lumped.sections import Rectangle
 from lumped.system.assembly import assemble
 from lumped.system.solution import compliance, modes, solved
 from meshes.prism.tetrahedra import tetrahedra
-from validation.agreement.differences import scaled_difference
 
 needs_calculix = pytest.mark.skipif(
     not any(map(shutil.which, calculix_run.PROGRAMS)), reason="CalculiX (ccx) is not installed"

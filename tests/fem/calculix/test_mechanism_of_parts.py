@@ -3,6 +3,7 @@
 import shutil
 
 import pytest
+from compliances import scaled_difference
 
 from fem.bodies.part import grips_of, meshed_part
 from fem.bodies.rooted import rooted_body
@@ -21,7 +22,6 @@ from lumped.system.solution import compliance, modes, solved
 from meshes.part.interfaces import find_interfaces
 from meshes.part.reading.read import read_part
 from meshes.part.volume import Grading, volume_mesh
-from validation.agreement.differences import scaled_difference
 
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 ROBOT = """

@@ -7,6 +7,7 @@ transpose of its mean, and its mean is taken of the displacements that are print
 
 import numpy as np
 import pytest
+from compliances import scaled_difference
 
 from fem.bodies.part import grips_of, held_part, meshed_part
 from fem.bodies.rooted import rooted_body
@@ -20,7 +21,6 @@ from lumped.mechanism.part import ByCylinder, ByPlane, PartInterface
 from meshes.part.interfaces import find_interfaces
 from meshes.part.reading.read import read_part
 from meshes.part.volume import Grading, volume_mesh
-from validation.agreement.differences import scaled_difference
 
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from compliances import scaled_difference
 from numpy.testing import assert_allclose
 from scipy.sparse import csr_array
 
@@ -22,7 +23,6 @@ from lumped.robot_file import load_robot
 from lumped.system.solution import compliance, solved
 from meshes.prism.extrude import extrude, stations
 from meshes.section.section_mesh import section_mesh
-from validation.agreement.differences import scaled_difference
 
 ROBOT = with_equivalent_legs(load_robot("ifw").robot)
 POSTURES = (ROBOT.stroke[0], ROBOT.centre, ROBOT.stroke[1])

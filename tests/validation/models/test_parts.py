@@ -4,6 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from compliances import scaled_difference
 from drawn_parts import plane_ends
 
 from fem.bodies.part import grips_of, held_part, meshed_part
@@ -18,7 +19,6 @@ from meshes.part.interfaces import find_interfaces
 from meshes.part.reading.read import read_part
 from meshes.part.volume import Grading, volume_mesh
 from validation import cli
-from validation.agreement.differences import scaled_difference
 from validation.models import parts
 from validation.models.mechanism import answers
 from validation.models.options import ModelOptions

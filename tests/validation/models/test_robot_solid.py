@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
+from compliances import scaled_difference
 from numpy.testing import assert_allclose
 
 from lumped.biglide import with_equivalent_legs
 from lumped.errors import InputError
 from lumped.robot_file import load_robot
-from validation.agreement.differences import scaled_difference
 from validation.context import Context
 from validation.models.biglide import robot_compliance, robot_frequencies, robot_legs
 from validation.models.options import ModelOptions

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from compliances import scaled_difference
 from crane import ROBOT as CRANE
 from drawn_parts import meshed, plane_ends
 
@@ -22,7 +23,6 @@ from meshes.part.volume import Grading, volume_mesh
 from validation.adequacy.mechanism.statics import unanswered
 from validation.adequacy.response import Response
 from validation.adequacy.subject.parts import part_rungs
-from validation.agreement.differences import scaled_difference
 from validation.models import parts
 from validation.models.legs import leg_matrices
 from validation.models.options import ModelOptions

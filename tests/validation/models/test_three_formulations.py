@@ -7,13 +7,13 @@ they must give one answer.
 
 import numpy as np
 import pytest
+from compliances import scaled_difference
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from lumped.biglide import Biglide
 from lumped.legs import constant_leg
 from lumped.robot_file import load_robot
-from validation.agreement.differences import scaled_difference
 from validation.models.biglide import robot_compliance
 from validation.models.options import ModelOptions
 

@@ -7,6 +7,7 @@ be wrong in. Ends take up shear evenly, as Saint-Venant's solution does not: a t
 
 import numpy as np
 import pytest
+from compliances import scaled_difference
 from drawn_parts import meshed
 
 from lumped.legs import Material
@@ -15,7 +16,6 @@ from lumped.mechanism.part import ByPlane, PartInterface
 from lumped.robot_file import load_robot
 from meshes.part.interfaces import find_interfaces
 from meshes.part.reading.read import read_part
-from validation.agreement.differences import scaled_difference
 from validation.models.mechanism import answers
 from validation.models.options import ModelOptions
 from validation.parts.identify import identify

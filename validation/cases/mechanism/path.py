@@ -30,7 +30,7 @@ from lumped.system.solution import modes, rounding, solved
 from validation.adequacy.legs import solid_leg
 from validation.adequacy.mechanism.path import known_legs, path_postures
 from validation.adequacy.mechanism.statics import assembled, is_serial
-from validation.agreement.differences import farthest_off, farthest_refined, refined
+from validation.agreement.convergence import step_factor
 from validation.case import Absolute, Measurement, Relative, Sides, Skip
 from validation.case_group import CaseGroup, numbered
 from validation.cases.mechanism.quantities import ASSEMBLER, MODEL_CODE
@@ -205,7 +205,13 @@ def _solid(context: Context, ends: Ends) -> Measurement:
         for which in ("coarse", "fine")
     )
     ratio = min(both.ratio for both in meshes.values())
-    return farthest_refined(coarse, fine, order=FORMAL_ORDER, ratio=ratio)
+    worst = np.unravel_index(np.argmax(np.abs(fine)), fine.shape)
+    step = abs(fine[worst] - coarse[worst])
+    return Measurement(
+        float(abs(fine[worst])),
+        0.0,
+        value_uncertainty=float(step_factor(ratio, FORMAL_ORDER) * step),
+    )
 
 
 def _off_beams(
@@ -244,7 +250,8 @@ def _frequency(context: Context, index: int) -> Measurement:
         context.get(_frequencies, middle, model, ModelOptions(elements=elements))[index]
         for model, elements in _REFINED
     )
-    return refined(coarse, fine, beam, order=_SECOND_ORDER)
+    uncertainty = step_factor(2.0, _SECOND_ORDER) * abs(fine - coarse)
+    return Measurement(fine, beam, value_uncertainty=uncertainty)
 
 
 _REFINED: tuple[tuple[ModelName, int], ...] = (("segments", 20), ("segments", 40), ("beam", 20))
@@ -284,4 +291,4 @@ def _reduction(context: Context) -> Measurement:
         modes(solved(assembly(middle.mechanism, bodies).at(middle)), JUDGED_MODES).frequencies
         for bodies in (reduced, whole)
     )
-    return farthest_off(found / expected - 1.0)
+    return Measurement(float(np.abs(found / expected - 1.0).max()), 0.0, exact=True)
