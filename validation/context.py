@@ -13,7 +13,7 @@ from lumped.biglide import Biglide
 from lumped.robot_file import RobotFile
 
 Preset: TypeAlias = Literal["quick", "standard", "fine"]
-About: TypeAlias = Literal["robot", "leg", "program"]
+About: TypeAlias = Literal["robot", "leg"]
 PRESETS: tuple[Preset, ...] = ("quick", "standard", "fine")
 # The robot whose numbers the paper prints.
 BUILT_IN = "ifw"
