@@ -19,7 +19,7 @@ every_solid = pytest.mark.parametrize("element", ["hex8", "hex27", "tet4", "tet1
 
 
 @cache
-def _leg(section: Section, element: str, divisions: int = 4) -> SolidMesh:
+def _leg(section: Section, element: str, divisions: int = 2) -> SolidMesh:
     if element.startswith("hex"):
         return hexahedra(section, LENGTH, divisions, element)
     return tetrahedra(section, LENGTH, divisions, 2 if element == "tet10" else 1)

@@ -108,8 +108,8 @@ def outcomes(source, folder, seeds):
 @pytest.mark.parametrize(
     ("name", "count"),
     [
-        ("rocker", 3),
-        ("bracket", 6),
+        ("rocker", 2),
+        ("bracket", 4),
         *(pytest.param(name, 100, marks=pytest.mark.exhaustive) for name in FILES),
     ],
 )
