@@ -7,7 +7,8 @@ import pytest
 
 from lumped.biglide import postures
 from lumped.errors import ComputationError
-from lumped.mechanism.body import Frame
+from lumped.mechanism.body import Frame, Prism
+from lumped.mechanism.joint import Drive
 from lumped.robot_file import load_robot
 from validation.kinematics.poses import postures_of
 from validation.studies.ritz import biglide, mechanism
@@ -47,6 +48,33 @@ def test_a_hexapod_has_the_stiffness_of_its_bars():
         stiffness += np.outer(screw, screw) / give
     found = mechanism.compliance(at)
     np.testing.assert_allclose(found @ stiffness, np.eye(6), atol=1e-8)
+
+
+@pytest.mark.parametrize("softer", [1e-12, 1e-6, 1e6])
+def test_frequencies_may_be_of_any_size(softer):
+    """Rods that idle among them: of all stiffnesses the root."""
+    at = first_pose("delta")
+    described = at.mechanism
+    bodies = {
+        name: body
+        if not isinstance(body.shape, Prism)
+        else replace(body, shape=replace(body.shape, material=scaled(body.shape.material, softer)))
+        for name, body in described.bodies.items()
+    }
+    joints = [
+        joint
+        if joint.drive is None
+        else replace(joint, drive=Drive(softer * joint.drive.stiffness))
+        for joint in described.joints
+    ]
+    found = mechanism.frequencies(
+        replace(at, mechanism=replace(described, bodies=bodies, joints=joints)), 4
+    )
+    np.testing.assert_allclose(found, np.sqrt(softer) * mechanism.frequencies(at, 4), rtol=1e-6)
+
+
+def scaled(material, factor):
+    return replace(material, E=factor * material.E, G=factor * material.G)
 
 
 def test_idle_rods_count_as_no_frequency():

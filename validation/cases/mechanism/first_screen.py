@@ -45,8 +45,8 @@ _DYNAMIC = {
     "beam": (Relative(1e-4), "fourth order in 1/n: below 1e-5 with 20 elements"),
     "segments": (Relative(0.01), "second order in 1/n: below 1 % with 20 segments"),
     "simplified": (
-        Relative(1e-7),
-        "rigid bodies on springs: rounding alone, grown by idle motions",
+        Relative(1e-10),
+        "rigid bodies on springs: rounding alone, grown by idle motions, 6e-12 and less",
     ),
 }
 

@@ -32,7 +32,7 @@ from validation.models.options import ModelOptions
 # Of the size of the mechanism or in rad: difference quotients err by its square.
 _STEP = 1e-4
 _QUOTIENTS = (
-    "difference quotients: the square of their step, and what closing the loops leaves of it"
+    "difference quotients: the square of their step, and what closing the loops leaves of it, 5e-8"
 )
 
 cases = CaseGroup(
@@ -45,7 +45,7 @@ cases = CaseGroup(
 # Once where the tool is `moving`, else not at all.
 _of_moves = cases.family(
     over={"moved": lambda moving: ["the tool"] if moving else []},
-    tolerance=Absolute(1e-5),
+    tolerance=Absolute(5e-7),
     tolerance_reason=_QUOTIENTS,
     model="simplified",
     sides=Sides(ASSEMBLER, (posture,)),

@@ -32,9 +32,8 @@ cases = CaseGroup(
     quantity="natural frequency {mode}, middle of the path, coarsest mesh of the parts",
     unit="Hz",
     citation="the same meshes reduced by Craig and Bampton",
-    tolerance=Relative(1e-3),
-    tolerance_reason="what each reduction may be too high by its own bound says; a designer does "
-    "not see less than a thousandth",
+    tolerance=Relative(1e-5),
+    tolerance_reason="what each reduction may be too high by its own bound says, 3e-7 and less",
 )
 def _frequency(context: Context, index: int) -> Measurement:
     postures = path_postures(context)

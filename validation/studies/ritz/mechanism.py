@@ -23,12 +23,8 @@ from validation.studies.ritz.leg import RitzLeg, carried, free_motions, placed
 
 # Modes up to the second of a bar between its joints, to six digits.
 DEGREE = 8
-# Frequencies are sought about this one (Hz), so that idle motions, at zero, stay apart.
-_ABOUT = 20.0
 # Eigenvalues of stiffness below this share of the largest are idle motions.
 _IDLE = 1e-15
-# Squares of frequencies below this share of that one are idle motions.
-_STILL = 1e-4
 # Shares of the largest inertia over stiffness below which a motion has no mass.
 _MASSLESS = 1e-14
 # Gaps of joints, of the size of the mechanism or in rad: loops are closed to 1e-12.
@@ -109,16 +105,28 @@ def _compliance(system: _System) -> Array:
 
 
 def _frequencies(system: _System, count: int) -> Array:
-    shift = (2.0 * np.pi * _ABOUT) ** 2
+    # What idles only slows the others down while it is held: none lies below the lowest of these,
+    # from which idle motions, at zero, stay apart.
+    still = _roots(system.stiffness)
+    largest = np.linalg.eigvalsh(still.T @ system.mass @ still).max(initial=0.0)
+    if largest <= 0.0:
+        return np.zeros(0)
+    shift = 1.0 / largest
     # Of M against K + σM: idle motions have 1/σ, motions without mass zero, and those without
     # either are left out.
-    values, vectors = eigh(system.stiffness + shift * system.mass)
-    kept = values > _IDLE * len(values) * values[-1]
-    roots = vectors[:, kept] / np.sqrt(values[kept])
+    roots = _roots(system.stiffness + shift * system.mass)
     inverse = np.linalg.eigvalsh(roots.T @ system.mass @ roots)[::-1]
     squares = 1.0 / inverse[inverse > _MASSLESS * inverse[0]] - shift
-    squares = squares[squares > _STILL * shift][:count]
+    squares = squares[squares > 0.5 * shift][:count]
     return np.asarray(np.sqrt(squares) / (2.0 * np.pi))
+
+
+def _roots(matrix: Array) -> Array:
+    """R (n×k) with R Rᵀ the inverse of a matrix but for what it lets idle."""
+    values, vectors = eigh(matrix)
+    kept = values > _IDLE * len(values) * values[-1]
+    roots: Array = vectors[:, kept] / np.sqrt(values[kept])
+    return roots
 
 
 def _system(at: Posture, legs: Mapping[str, RitzLeg], *, simplified: bool = False) -> _System:
