@@ -78,13 +78,13 @@ class RobotCollector(pytest.File):
         """An item for each model and quantity; raises UsageError with the faults of the file."""
         from lumped.errors import InputError  # noqa: PLC0415  other sessions need not wait for it
         from lumped.robot_file import load_robot  # noqa: PLC0415
-        from validation.adequacy.robot import judged_models  # noqa: PLC0415
+        from validation.adequacy.models import judged_models  # noqa: PLC0415
 
         try:
             robot_file = load_robot(self.robot)
         except InputError as error:
             raise pytest.UsageError("\n".join(error.faults)) from error
-        for model in judged_models(robot_file):
+        for model in judged_models(robot_file.mechanism):
             for quantity in robot_file.requirement.quantities:
                 name = f"{model}.{quantity}"
                 yield ModelItem.from_parent(self, name=name, model=model, quantity=quantity)

@@ -1,9 +1,13 @@
 """The models that are judged, by the names that the matrix has them under."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
+from lumped.mechanism.mechanism import Mechanism, Posture
+from validation.adequacy.mechanism.path import has_given, why_not_serial
 from validation.models.options import ModelName, ModelOptions
+from validation.models.parts import is_leg
+from validation.models.stepped_parts import why_not_stepped
 
 
 class JudgedModel(NamedTuple):
@@ -38,3 +42,23 @@ JUDGED: Mapping[str, JudgedModel] = {
 }
 # Those whose legs are rigid or the robot's own; all others stand on equivalent legs.
 LEGS_AS_GIVEN = ("simplified", "vjm", "links")
+
+
+def judged_models(mechanism: Mechanism) -> dict[str, JudgedModel]:
+    """The models that are judged, in the matrix's order.
+
+    Without a leg known by its 6×6, or a part that a leg stands for, both kinds of virtual joints
+    are one.
+    """
+    parts = mechanism.parts.values()
+    left_out = set() if parts else {"segments-stepped", "segments-condensed"}
+    if not has_given(mechanism) and not any(is_leg(body) for body in parts):
+        left_out.add("vjm-equivalent")
+    return {name: model for name, model in JUDGED.items() if name not in left_out}
+
+
+def why_unable(postures: Sequence[Posture], model: ModelName, options: ModelOptions) -> str:
+    """Why a model cannot answer for the mechanism of these postures; "" where it can."""
+    if options.parts == "stepped":
+        return why_not_stepped(postures[0].mechanism)
+    return why_not_serial(postures) if model == "vjm" else ""

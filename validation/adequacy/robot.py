@@ -3,40 +3,72 @@
 What feet, joints and other legs hide, the leg alone shows: torsion of open sections, say.
 """
 
+from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import replace
+from functools import partial
+from typing import TypeAlias
 
 import numpy as np
 
 from lumped.mechanism.body import Given, Prism
 from lumped.mechanism.joint import Joint, Side
+from lumped.mechanism.kinematics.mobility import mobility
 from lumped.mechanism.kinematics.postures import reference_posture
 from lumped.mechanism.mechanism import GROUND, Mechanism, Tool
 from lumped.mechanism.placing import leg_on, rigid_on
-from lumped.robot_file import RobotFile
+from lumped.models.bodies import on_equivalent_legs
 from validation.adequacy.judgement import judged
 from validation.adequacy.matrix import Matrix
-from validation.adequacy.mechanism.path import distinct_legs
-from validation.adequacy.mechanism.statics import mechanism_statics
-from validation.adequacy.mechanism.subject import mechanism_models, posed_mechanism
-from validation.adequacy.models import JUDGED
-from validation.adequacy.response import Reference, Subject
-from validation.adequacy.subject.subject import judged_statics, subject_of
+from validation.adequacy.mechanism.dynamics import (
+    bracketed_frequencies,
+    dynamic_ladders,
+    dynamic_reference,
+    modes_by_model,
+)
+from validation.adequacy.mechanism.parts import reduction_note
+from validation.adequacy.mechanism.path import (
+    RobotOnPath,
+    coordinates,
+    distinct_legs,
+    robot_at,
+    robot_on_path,
+)
+from validation.adequacy.mechanism.statics import (
+    compliances,
+    static_ladders,
+    static_reference,
+)
+from validation.adequacy.models import (
+    JUDGED,
+    LEGS_AS_GIVEN,
+    JudgedModel,
+    judged_models,
+    why_unable,
+)
+from validation.adequacy.response import (
+    UNSOLVED,
+    Candidate,
+    Reference,
+    Response,
+    Rung,
+    Subject,
+    modes_of,
+    no_reference,
+    statics_of,
+    together,
+)
 from validation.context import Context
+from validation.models.options import STATIC
 
 _ROOT, _TIP = "root", "tip"
 # Rigid legs say nothing of a leg alone, and links are virtual joints there.
-_LEFT_OUT = ("simplified", "links", "segments-stepped", "segments-condensed")
-
-
-def judged_models(robot_file: RobotFile) -> tuple[str, ...]:
-    """The models that a robot's matrix has, in its order."""
-    return mechanism_models(robot_file.mechanism)
-
-
-def robot_subject(context: Context) -> Subject:
-    """The run's robot with its models and references. Raises Skip where there is no reference."""
-    robot = subject_of(posed_mechanism(context))
-    return replace(robot, parts=legs_alone(context, context.robot_file.mechanism))
+_NOT_OF_A_LEG = ("simplified", "links", "segments-stepped", "segments-condensed")
+_STATIC = "static: it has no masses, hence says nothing of frequencies"
+_NO_MASS = "neither its rigid bodies nor its tool have mass: it says nothing of frequencies"
+_RIGID = "its bodies and joints are rigid: the drives do not let the tool move so"
+# By their names in the matrix.
+Models: TypeAlias = Mapping[str, JudgedModel]
 
 
 def robot_adequacy(context: Context) -> Matrix:
@@ -44,14 +76,116 @@ def robot_adequacy(context: Context) -> Matrix:
     return judged(robot_subject(context), context.robot_file.requirement)
 
 
-def legs_alone(context: Context, mechanism: Mechanism) -> tuple[Subject, ...]:
-    """The legs of a mechanism and their models, statics alone; of alike ones the first."""
-    shapes = {name: mechanism.bodies[name].shape for name in distinct_legs(mechanism)}
-    return tuple(
-        leg_subject(context, name, shape)
-        for name, shape in shapes.items()
-        if isinstance(shape, Prism | Given)
+def robot_subject(context: Context) -> Subject:
+    """The run's robot with its models and what they are held against."""
+    robot = robot_on_path(context)
+    models = judged_models(robot.mechanism)
+    subject = _with_modes(static_subject(robot, models), robot, models)
+    legs = {name: robot.mechanism.bodies[name].shape for name in distinct_legs(robot.mechanism)}
+    return replace(
+        subject,
+        notes=_notes(robot),
+        bracket=bracketed_frequencies(subject.dynamics, robot.judged),
+        parts=tuple(
+            leg_subject(context, name, shape)
+            for name, shape in legs.items()
+            if isinstance(shape, Prism | Given)
+        ),
+        formulation=_on_legs_of_constant_section(robot, models),
     )
+
+
+def static_subject(robot: RobotOnPath, models: Models) -> Subject:
+    """A robot with models of its statics; no reference where solids cannot be made of its legs."""
+    rungs: Mapping[str, tuple[Rung, ...]] = {}
+    try:
+        reference, rungs = static_reference(robot), static_ladders(robot)
+    except UNSOLVED as error:
+        reference = no_reference(error)
+    candidates = []
+    for name, (kind, title, options) in models.items():
+        unable = why_unable(robot.postures, kind, options)
+        solve = partial(compliances, robot.postures, kind, options)
+        candidates.append(
+            Candidate(
+                model=name,
+                title=title,
+                response=Response() if unable else statics_of(solve),
+                static_rungs=rungs.get(name, ()),
+                rigid=_RIGID if name == "simplified" else "",
+                silent=unable,
+                computed_by=(f"validation.models.mechanism.answers({kind!r})",),
+            )
+        )
+    return Subject(
+        robot=robot.mechanism.name,
+        coordinates=coordinates(robot.mechanism),
+        poses=np.array([posture.pose for posture in robot.postures]),
+        weights=np.zeros(0),
+        candidates=candidates,
+        statics=reference,
+        dynamics=Reference("none", ()),
+    )
+
+
+def _with_modes(subject: Subject, robot: RobotOnPath, models: Models) -> Subject:
+    """The same with the modes of its models, and what these are held against."""
+    modes = {one.model: _modes(robot, models[one.model], one.silent) for one in subject.candidates}
+    try:
+        reference = dynamic_reference(robot)
+    except UNSOLVED as error:
+        reference = no_reference(error)
+    rungs = dynamic_ladders(robot, modes, reference)
+    candidates = [
+        replace(
+            one,
+            response=together(one.response, modes[one.model]),
+            dynamic_rungs=rungs.get(one.model, ()),
+            silent=one.silent or _silent(models[one.model], modes[one.model]),
+        )
+        for one in subject.candidates
+    ]
+    return replace(
+        subject, weights=robot.samples.weights, candidates=candidates, dynamics=reference
+    )
+
+
+def _modes(robot: RobotOnPath, model: JudgedModel, unable: str) -> Response:
+    if unable or model.kind in STATIC:
+        return Response()
+    return modes_of(partial(modes_by_model, robot, model.kind, model.options))
+
+
+def _silent(model: JudgedModel, modes: Response) -> str:
+    if model.kind in STATIC:
+        return _STATIC
+    return "" if modes.vibration or modes.unsolved_modes else _NO_MASS
+
+
+def _on_legs_of_constant_section(robot: RobotOnPath, models: Models) -> Subject | None:
+    """Statics of the models that put such legs for given ones, against solids of those.
+
+    None where no leg is given; nor beside parts, whose own idealisation would be in it.
+    """
+    if not robot.given or robot.mechanism.parts:
+        return None
+    mechanism = on_equivalent_legs(robot.mechanism)
+    postures = [replace(posture, mechanism=mechanism) for posture in robot.postures]
+    # Both sides have these legs, feet and tool, whatever the robot's are: no digit is uncertain.
+    on_solids = replace(robot_at(robot.context, postures), text="")
+    on_such_legs = {name: one for name, one in models.items() if name not in LEGS_AS_GIVEN}
+    return replace(static_subject(on_solids, on_such_legs), robot="equivalent legs")
+
+
+def leg_subject(context: Context, name: str, shape: Prism | Given) -> Subject:
+    """One leg alone and its models, statics alone."""
+    leg = robot_at(context, [reference_posture(leg_alone(name, shape))])
+    left_out = _NOT_OF_A_LEG if leg.given else (*_NOT_OF_A_LEG, "vjm-equivalent")
+    subject = static_subject(leg, {n: one for n, one in JUDGED.items() if n not in left_out})
+    if not subject.statics.alternatives:
+        return subject
+    title = "the leg's own 6×6" if leg.given else "solid leg, root clamped"
+    return replace(subject, statics=replace(subject.statics, title=title))
 
 
 def leg_alone(name: str, shape: Prism | Given) -> Mechanism:
@@ -72,22 +206,15 @@ def leg_alone(name: str, shape: Prism | Given) -> Mechanism:
     )
 
 
-def leg_subject(context: Context, name: str, shape: Prism | Given) -> Subject:
-    """One leg and its models."""
-    alone = leg_alone(name, shape)
-    statics = mechanism_statics(context, [reference_posture(alone)])
-    left_out = set(_LEFT_OUT) if statics.given else {*_LEFT_OUT, "vjm-equivalent"}
-    models = {name: one for name, one in JUDGED.items() if name not in left_out}
-    title = "the leg's own 6×6" if statics.given else "solid leg, root clamped"
-    reference, candidates = judged_statics(
-        replace(statics, title=title), models, "validation.models.mechanism.answers"
-    )
-    return Subject(
-        robot=name,
-        coordinates=(),
-        poses=np.zeros((1, 0)),
-        weights=np.zeros(0),
-        candidates=candidates,
-        statics=reference,
-        dynamics=Reference("none", ()),
-    )
+def _notes(robot: RobotOnPath) -> tuple[str, ...]:
+    """Facts that belong beside the matrix."""
+    notes = []
+    if len(robot.postures) < len(robot.mechanism.poses):
+        all_poses = len(robot.mechanism.poses)
+        notes.append(f"{len(robot.postures)} of the {all_poses} poses of the path were looked at")
+    if idle := mobility(robot.postures[0]).idle:
+        what = "mobilities do" if idle > 1 else "mobility does"
+        notes.append(f"{idle} idle {what} not move the tool; no frequency counts them")
+    with suppress(*UNSOLVED):
+        notes += reduction_note(robot.postures, robot.offered, robot.holding.first, robot.judged)
+    return tuple(notes)

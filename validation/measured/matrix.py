@@ -13,9 +13,8 @@ from lumped.mechanism.mechanism import Mechanism
 from lumped.models.bodies import legs_of
 from validation.adequacy.judgement import worst_of
 from validation.adequacy.matrix import Entry, Matrix, ModelNote
-from validation.adequacy.mechanism.path import coordinates
-from validation.adequacy.mechanism.statics import is_serial
-from validation.adequacy.mechanism.subject import mechanism_candidates
+from validation.adequacy.mechanism.path import coordinates, why_not_serial
+from validation.adequacy.models import judged_models
 from validation.context import Context
 from validation.measured.comparison import COVERAGE, Comparison, propagated
 from validation.models.legs import leg_compliance
@@ -31,7 +30,7 @@ _OF_A_DOUBLING = 4.0 / 3.0
 def measured_matrix(context: Context) -> Matrix:
     """Every model by every measured quantity; the poses are those of the measurements."""
     robot_file, robot = context.robot_file, context.robot_file.mechanism
-    candidates = mechanism_candidates(robot)
+    candidates = judged_models(robot)
     ones = robot_file.measured
     off = robot_file.with_inputs_off()
     quantities = tuple(dict.fromkeys(one.quantity for one in ones))
@@ -88,7 +87,7 @@ def _compliance(
 ) -> Array | None:
     """None where the legs are no serial chains, which virtual joints ask for."""
     at = [posture(robot, np.array(one.pose))]
-    if model == "vjm" and is_serial(at):
+    if model == "vjm" and why_not_serial(at):
         return None
     (found,) = answers(model, at, 0, options)
     return found.compliance

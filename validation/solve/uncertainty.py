@@ -16,7 +16,7 @@ from lumped.sections import Section
 from lumped.system.assembly import System, assembly
 from lumped.system.sweep import swept
 from meshes.section.section_blocks import element_count
-from validation.adequacy.subject.parts import UNKNOWN, refinement_share
+from validation.adequacy.mechanism.parts import UNKNOWN, refinement_share
 from validation.agreement.convergence import step_factor
 from validation.models.mechanism import CUTOFF
 from validation.models.options import ModelOptions, ReductionBy

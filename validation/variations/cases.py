@@ -6,7 +6,7 @@ from math import isnan
 from lumped.errors import InputError
 from lumped.robot_file import RobotFile
 from lumped.robot_file.variation import Variation
-from validation.adequacy.mechanism.compared import compared_models
+from validation.adequacy.compared import compared_models
 from validation.case import Absolute, Case, Measurement, Skip
 from validation.case_group import CaseGroup, Over
 from validation.context import SWEEPS_FOLDER, Context

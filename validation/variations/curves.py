@@ -8,7 +8,7 @@ import numpy as np
 from lumped.arrays import Array
 from lumped.robot_file import RobotFile
 from lumped.robot_file.variation import Variation
-from validation.adequacy.mechanism.compared import Compared
+from validation.adequacy.compared import Compared
 from validation.context import Preset
 from validation.sweeps.journal import Journal
 from validation.sweeps.runner import Executor, computed, in_turn

@@ -11,12 +11,12 @@ from lumped.errors import ComputationError, InputError
 from lumped.mechanism.mechanism import Posture
 from lumped.robot_file import RobotFile, load_robot
 from lumped.robot_file.variation import Variation, told, variations_of, varied
-from validation.adequacy.mechanism.compared import (
+from validation.adequacy.compared import (
     compared_compliances,
     compared_frequencies,
     compared_statics,
 )
-from validation.adequacy.mechanism.path import path_postures
+from validation.adequacy.mechanism.path import path_postures, robot_at
 from validation.context import BUILT_IN, Context, Preset
 from validation.studies.quantities import LOAD, MICRO
 from validation.variations.decision import OBJECTIVES, Objective
@@ -60,10 +60,11 @@ class VariedRobot:
 
     def compute(self) -> VariedModels:
         """All models; raises InputError, without reference, and ComputationError, which name it."""
-        at, context = self.postures(), self._context()
+        at = self.postures()
         try:
+            robot = robot_at(self._context(), at)
             if self.objective == "deflection":
-                statics = compared_statics(context, at)
+                statics = compared_statics(robot)
                 displacements = {
                     name: LOAD * MICRO * np.linalg.norm(one[:, :3, :3], axis=1)
                     for name, one in statics.compliances.items()
@@ -71,7 +72,7 @@ class VariedRobot:
                 found = compared_compliances(statics)
                 extremes = _extremes(displacements, statics.uncertainties, np.max)
             else:
-                found = compared_frequencies(context, at, self.robot_file.requirement.modes)
+                found = compared_frequencies(robot)
                 first = {name: one[:, :1] for name, one in found.values.items()}
                 extremes = _extremes(first, found.uncertainties, np.min)
         except InputError as error:

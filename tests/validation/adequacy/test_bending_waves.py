@@ -16,9 +16,9 @@ from lumped.mechanism.kinematics.postures import reference_posture
 from lumped.models.bodies import legs_of
 from lumped.robot_file import load_robot
 from meshes.section.section_mesh import section_mesh
-from validation.adequacy.mechanism.dynamics import own_vibration, solid_vibration
 from validation.adequacy.mechanism.path import known_legs
 from validation.adequacy.mechanism.samples import samples_of
+from validation.adequacy.mechanism.vibration import own_vibration, solid_vibration
 from validation.adequacy.partners import partners
 from validation.solids.legs import section_counts
 from validation.solids.waves import beam_wave_frequency

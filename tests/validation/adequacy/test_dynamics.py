@@ -12,16 +12,19 @@ from lumped.legs import ConstantLeg, Ends, GivenLeg, Material
 from lumped.robot_file import load_robot
 from lumped.sections import HollowRectangle, ISection, Tube
 from validation.adequacy.matrix import Entry, Matrix
-from validation.adequacy.mechanism.dynamics import mechanism_dynamics, solid_vibration
-from validation.adequacy.mechanism.path import path_postures
+from validation.adequacy.mechanism.dynamics import (
+    dynamic_reference,
+    modes_of_solids,
+    solid_meshes,
+)
+from validation.adequacy.mechanism.legs import MASSES, Masses, leg_with_masses
+from validation.adequacy.mechanism.path import robot_at, robot_on_path
+from validation.adequacy.mechanism.vibration import solid_vibration
 from validation.adequacy.partners import frequency_changes
 from validation.adequacy.robot import robot_adequacy
-from validation.adequacy.subject.dynamics import dynamic_reference
-from validation.adequacy.subject.given_masses import MASSES, Masses, leg_with_masses
 from validation.context import Context
 from validation.models.biglide import robot_frequencies
 from validation.models.options import ModelOptions
-from validation.parts.meshes import FINEST
 from validation.report.first_screen.sentence import sentence
 
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
@@ -108,13 +111,12 @@ def test_stated_uncertainties_of_frequencies_hold_the_next_presets(
     robot = replace(ifw.robot, a=1.0, platform_mass=30.0, leg1=leg, leg2=leg)
     described = replace(ifw, described=robot)
     contexts = [Context(described, preset) for preset in ("quick", "standard")]
-    quick, finer = (mechanism_dynamics(one, placed(one, robot.stations(2)), 4) for one in contexts)
+    quick, finer = (robot_at(one, placed(one, robot.stations(2))) for one in contexts)
     (own,) = dynamic_reference(quick).alternatives
     assert own.response.vibration is not None
     assert own.dynamic is not None
-    (hold,) = finer.open.holds.values()
-    truth = finer.solid("fine", hold, None, FINEST)
-    changes = frequency_changes(own.response.vibration, truth, quick.weights, 4)
+    truth = modes_of_solids(finer, finer.holding.first, None)
+    changes = frequency_changes(own.response.vibration, truth, quick.samples.weights, 4)
     assert (changes <= own.dynamic).all()
 
 
@@ -179,7 +181,6 @@ class Listening(Context):
 
 @pytest.mark.parametrize("preset", ["quick", "standard", "fine"])
 def test_meshes_are_finer_by_no_less_than_what_uncertainties_are_taken_from(preset):
-    context = Listening(load_robot("five-bar"), preset)
-    dynamics = mechanism_dynamics(context, path_postures(context), 2)
-    coarse, fine = (dynamics.solid(mesh, {}, None, FINEST) for mesh in ("coarse", "fine"))
-    assert 1.0 < dynamics.ratio <= min(np.divide(fine, coarse))
+    robot = robot_on_path(Listening(load_robot("five-bar"), preset))
+    coarse, fine = (modes_of_solids(robot, {}, None, fine=fine) for fine in (False, True))
+    assert 1.0 < solid_meshes(preset).ratio <= min(np.divide(fine, coarse))

@@ -16,11 +16,16 @@ from lumped.robot_file import load_robot
 from lumped.system.assembly import assembly
 from lumped.system.solution import modes, solved
 from validation import api, cli
-from validation.adequacy.legs import HOLD
-from validation.adequacy.mechanism.path import MOST_POSES, holds, path_postures
+from validation.adequacy.mechanism.path import (
+    HOLD,
+    MOST_POSES,
+    holding,
+    path_postures,
+    why_not_serial,
+)
 from validation.adequacy.mechanism.samples import samples_of
-from validation.adequacy.mechanism.statics import assembled, is_serial, summed
-from validation.adequacy.robot import judged_models
+from validation.adequacy.mechanism.statics import assembled, summed
+from validation.adequacy.models import judged_models
 from validation.catalogue import catalogue
 from validation.context import Context
 from validation.models.legs import leg_compliance, leg_matrices
@@ -66,7 +71,9 @@ def test_a_run_of_a_mechanism_ends_with_its_matrix(short, ran):
     matrix = ran.matrix
     assert list(map(str, matrix.coordinates)) == ["x (m)", "y (m)"]
     assert np.allclose(matrix.poses, load_robot(short).mechanism.poses)
-    assert tuple(note.model for note in matrix.models) == judged_models(load_robot(short))
+    assert tuple(note.model for note in matrix.models) == tuple(
+        judged_models(load_robot(short).mechanism)
+    )
     assert all(matrix.verdict(model) == "adequate" for model in ("vjm", "links"))
     # Rigid bodies move in the plane of their drives alone.
     for quantity in ("z", "phi_x", "phi_y"):
@@ -115,24 +122,24 @@ def test_virtual_joints_and_links_climb_the_same_ladder():
     assert np.allclose(
         summed(postures, springs), assembled(postures, springs), rtol=1e-9, atol=1e-18
     )
-    assert is_serial(postures) == ""
+    assert why_not_serial(postures) == ""
 
 
 def test_where_legs_branch_virtual_joints_say_so():
     postures = path_postures(Context(load_robot("delta"), "quick"))
-    assert "branches at" in is_serial(postures)
+    assert "branches at" in why_not_serial(postures)
 
 
 def test_ends_are_alternatives_until_the_file_says_them():
     mechanism = load_robot("five-bar").mechanism
-    assert list(holds(mechanism)) == ["ends rigid", "ends free"]
+    assert list(holding(mechanism).alternatives) == ["ends rigid", "ends free"]
     said = {
         name: replace(body, shape=replace(body.shape, ends="free"))
         if isinstance(body.shape, Prism)
         else body
         for name, body in mechanism.bodies.items()
     }
-    (ends,) = holds(replace(mechanism, bodies=said)).values()
+    (ends,) = holding(replace(mechanism, bodies=said)).alternatives.values()
     assert set(ends.values()) == {"free"}
 
 
@@ -171,7 +178,9 @@ def test_models_on_equivalent_legs_are_held_against_solids_of_those_too(short, r
     legs = {n: equivalent_leg(leg) for n, leg in legs_of(robot_file.mechanism).items()}
     own = ran.matrix.formulation
     assert [note.model for note in own.models] == [
-        name for name in judged_models(robot_file) if name not in ("simplified", "vjm", "links")
+        name
+        for name in judged_models(robot_file.mechanism)
+        if name not in ("simplified", "vjm", "links")
     ]
     # Assembled from solids of the equivalent legs, ends held and free; both of a kind are alike.
     solids = []

@@ -14,15 +14,15 @@ from lumped.errors import ComputationError
 from lumped.mechanism.body import Body
 from lumped.mechanism.part import ByCylinder, PartInterface
 from lumped.robot_file import load_robot
-from validation.adequacy.mechanism.part_solids import (
+from validation.adequacy.mechanism.parts import (
     reduction_note,
+    refinement_share,
     solid_parts,
 )
 from validation.adequacy.mechanism.parts_ahead import prepare_parts
-from validation.adequacy.mechanism.path import left_open, offered, path_postures
-from validation.adequacy.mechanism.statics import unanswered
-from validation.adequacy.robot import judged_models, robot_adequacy
-from validation.adequacy.subject.parts import refinement_share
+from validation.adequacy.mechanism.path import holding, offered, path_postures
+from validation.adequacy.models import judged_models, why_unable
+from validation.adequacy.robot import robot_adequacy
 from validation.cases.mechanism import parts as mechanism_parts
 from validation.context import Context
 from validation.models import parts
@@ -49,7 +49,7 @@ def matrix(robot_file, tmp_path_factory):
 @pytest.mark.exhaustive
 def test_the_matrix_has_every_idealisation(robot_file, matrix):
     models = [note.model for note in matrix.models]
-    assert models == list(judged_models(robot_file))
+    assert models == list(judged_models(robot_file.mechanism))
     assert {"vjm-equivalent", "segments-stepped", "segments-condensed"} <= set(models)
 
 
@@ -84,7 +84,7 @@ def test_what_is_condensed_is_the_solid_within_what_is_open(matrix):
 
 def test_what_the_file_says_of_the_faces_is_not_open(robot_file):
     mechanism = robot_file.mechanism
-    assert list(left_open(mechanism).holds) == ["interfaces rigid", "interfaces averaged"]
+    assert list(holding(mechanism).alternatives) == ["interfaces rigid", "interfaces averaged"]
     arm = mechanism.bodies["arm"]
     said = {
         name: PartInterface(ByCylinder(radius), "rigid")
@@ -92,9 +92,9 @@ def test_what_the_file_says_of_the_faces_is_not_open(robot_file):
     }
     shape = replace(arm.shape, interfaces=said)
     bodies = dict(mechanism.bodies) | {"arm": Body("arm", shape, arm.interfaces)}
-    settled = left_open(replace(mechanism, bodies=bodies))
-    assert (settled.what, settled.says) == ("", "")
-    assert list(settled.holds) == ["interfaces as said"]
+    settled = holding(replace(mechanism, bodies=bodies))
+    assert (settled.unsaid, settled.decides) == ("", "")
+    assert list(settled.alternatives) == ["interfaces as said"]
 
 
 def test_the_page_says_what_the_reduction_kept_and_what_that_leaves(robot_file, monkeypatch):
@@ -165,7 +165,7 @@ def test_parts_are_made_ahead_on_other_machines_and_never_again(robot_file, tmp_
         monkeypatch.setattr(parts, one, lambda *_: pytest.fail("reduced again"))
     prepare_parts(context, lambda work: pytest.fail(f"{len(work)} computed again"), carried=True)
     postures = path_postures(context)
-    for ends in left_open(robot_file.mechanism).holds.values():
+    for ends in holding(robot_file.mechanism).alternatives.values():
         assert solid_parts(postures, offered(robot_file.requirement.modes), ends)["arm"].size > 12
 
 
@@ -175,5 +175,5 @@ def test_a_part_of_three_interfaces_is_prepared_and_is_no_leg_to_be_stepped(monk
     context = Context(robot_file, "quick")
     prepare_parts(context, lambda work: [(n, one()) for n, one in enumerate(work)], carried=False)
     postures = path_postures(context)
-    said = unanswered(postures, "segments", ModelOptions(parts="stepped"))
+    said = why_unable(postures, "segments", ModelOptions(parts="stepped"))
     assert said.startswith("no part has two interfaces")

@@ -22,13 +22,12 @@ from lumped.legs import ConstantLeg, Ends, equivalent_leg
 from lumped.models import vjm
 from meshes.section.section_mesh import section_mesh
 from validation.adequacy.judgement import judged
-from validation.adequacy.matrix import Coordinate, Matrix
-from validation.adequacy.mechanism.statics import mechanism_statics
-from validation.adequacy.response import Candidate, Reference, Response, Subject
-from validation.adequacy.robot import robot_subject
-from validation.adequacy.subject.statics import static_reference
+from validation.adequacy.matrix import Matrix
+from validation.adequacy.mechanism.path import robot_at
+from validation.adequacy.mechanism.statics import compliances
+from validation.adequacy.models import JUDGED
+from validation.adequacy.robot import robot_subject, static_subject
 from validation.context import Context
-from validation.models.options import ModelName, ModelOptions
 from validation.solids.legs import COARSEST_WALLS, section_counts, static_ladder, static_slices
 from validation.studies.paired_robot_modes import (
     ELEMENTS,
@@ -42,12 +41,7 @@ from validation.studies.paired_robot_modes import (
 POSTURES = 9
 # Unknowns of the section meshes that the quick reference, of fewer, is held against.
 FINER = 1900
-MODELS: dict[str, tuple[ModelName, ModelOptions]] = {
-    "simplified": ("simplified", ModelOptions()),
-    "vjm": ("vjm", ModelOptions()),
-    "beam": ("beam", ModelOptions()),
-    "segments-euler-bernoulli": ("segments", ModelOptions(theory="euler-bernoulli")),
-}
+MODELS = ("simplified", "vjm", "beam", "segments-euler-bernoulli")
 # Several limits, so that verdicts of all kinds come up.
 LIMITS = (0.003, 0.02, 0.1)
 
@@ -73,21 +67,9 @@ def context_of(robot: Biglide) -> Context:
 
 def static_matrices(robot: Biglide) -> list[Matrix]:
     """Statics of some models, judged with several limits."""
-    x = robot.stations(POSTURES)
     context = context_of(robot)
-    statics = mechanism_statics(context, placed(context, x))
-    subject = Subject(
-        robot=robot.name,
-        coordinates=(Coordinate("x", "m"),),
-        poses=x[:, None],
-        weights=np.zeros(0),
-        candidates=[
-            Candidate(name, name, Response(statics.answer(model, options)))
-            for name, (model, options) in MODELS.items()
-        ],
-        statics=static_reference(statics),
-        dynamics=Reference("none", ()),
-    )
+    posed = robot_at(context, placed(context, robot.stations(POSTURES)))
+    subject = static_subject(posed, {name: JUDGED[name] for name in MODELS})
     return [judged(subject, Requirement(deflection=limit)) for limit in LIMITS]
 
 
@@ -133,9 +115,9 @@ def wrong_in_statics(robot: Biglide) -> list[str]:
     expected = finest_statics(robot)
     x = robot.stations(POSTURES)
     errors = {}
-    for name, (model, options) in MODELS.items():
-        context = context_of(robot)
-        found = mechanism_statics(context, placed(context, x)).answer(model, options)
+    for name in MODELS:
+        model, _, options = JUDGED[name]
+        found = compliances(placed(context_of(robot), x), model, options)
         errors |= {(name, q): error for q, error in plain_errors(found, expected).items()}
     return [line for matrix in static_matrices(robot) for line in contradictions(matrix, errors)]
 

@@ -14,8 +14,9 @@ from lumped.sections import ISection
 from meshes.section.section_mesh import section_mesh
 from validation.adequacy.judgement import judged
 from validation.adequacy.matrix import Matrix
-from validation.adequacy.mechanism.subject import posed_mechanism
-from validation.adequacy.subject.subject import on_equivalent_legs
+from validation.adequacy.mechanism.path import robot_on_path
+from validation.adequacy.models import JUDGED
+from validation.adequacy.robot import static_subject
 from validation.context import Context
 from validation.models.biglide import robot_compliance
 from validation.models.options import ModelOptions
@@ -113,9 +114,8 @@ def test_ends_that_nobody_described_leave_their_spread_open() -> None:
         legs = replace(leg, ends=ends)
         robot = replace(robot_file.robot, a=0.95, leg1=legs, leg2=legs)
         context = Context(replace(robot_file, described=robot), "quick")
-        # Statics alone; prisms are their own equivalent legs.
-        posed = posed_mechanism(context)
-        matrices[ends] = judged(on_equivalent_legs(posed, posed.statics), Requirement())
+        subject = static_subject(robot_on_path(context), {"beam": JUDGED["beam"]})
+        matrices[ends] = judged(subject, Requirement())
     unsaid, rigid, free = (one.entry("beam", "phi_x") for one in matrices.values())
     assert unsaid
     assert rigid

@@ -13,10 +13,8 @@ from lumped.errors import ComputationError
 from lumped.robot_file import load_robot
 from validation.adequacy.causes import REST
 from validation.adequacy.matrix import Matrix
-from validation.adequacy.mechanism import dynamics as mechanism_dynamics
-from validation.adequacy.mechanism import statics as mechanism_statics
+from validation.adequacy.mechanism import statics, vibration
 from validation.adequacy.robot import robot_adequacy
-from validation.adequacy.subject import statics as subject_statics
 from validation.context import Context
 
 EULER = "euler-bernoulli"
@@ -24,7 +22,7 @@ ROBOTS = list(extreme_robots(60, 7))
 # References are made of these, and of no model that is refused here.
 SOLIDS = (
     "validation.solids.robots.two_meshes ",
-    "validation.adequacy.mechanism.dynamics.solid_vibration ",
+    "validation.adequacy.mechanism.vibration.solid_vibration ",
 )
 
 
@@ -94,8 +92,8 @@ def test_robots_that_models_cannot_solve_are_undecided_and_their_legs_judged(tmp
 
 def test_a_mechanism_is_judged_without_the_model_that_refuses(monkeypatch, five_bar):
     sound, solids = untouched(five_bar)
-    refusing(monkeypatch, mechanism_statics, "answers", lambda model: model == "segments")
-    refusing(monkeypatch, mechanism_dynamics, "dynamic_bodies", lambda model: model == "segments")
+    refusing(monkeypatch, statics, "answers", lambda model: model == "segments")
+    refusing(monkeypatch, vibration, "dynamic_bodies", lambda model: model == "segments")
     matrix = matrix_on(five_bar, solids)
     assert len(matrix.entries) == len(sound.entries)
     for now, before in zip(matrix.entries, sound.entries, strict=True):
@@ -108,7 +106,7 @@ def test_a_mechanism_is_judged_without_the_model_that_refuses(monkeypatch, five_
 
 def test_a_step_that_is_not_solved_ends_the_causes_and_says_why(monkeypatch, five_bar):
     sound, solids = untouched(five_bar)
-    refusing(monkeypatch, subject_statics, "own_spring", lambda _: True)
+    refusing(monkeypatch, statics, "own_spring", lambda _: True)
     matrix = matrix_on(five_bar, solids)
     for now, before in zip(matrix.entries, sound.entries, strict=True):
         assert (now.verdict, now.error) == (before.verdict, before.error)

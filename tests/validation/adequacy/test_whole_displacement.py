@@ -16,10 +16,9 @@ from lumped.legs import GivenLeg
 from lumped.robot_file import RobotFile, built_in_robots, load_robot
 from validation.adequacy.judgement import judged
 from validation.adequacy.matrix import Coordinate, Matrix
-from validation.adequacy.mechanism.path import path_postures
-from validation.adequacy.mechanism.statics import mechanism_statics
-from validation.adequacy.mechanism.subject import posed_mechanism
-from validation.adequacy.models import JUDGED
+from validation.adequacy.mechanism.path import path_postures, robot_at, robot_on_path
+from validation.adequacy.mechanism.statics import compliances
+from validation.adequacy.models import JUDGED, judged_models
 from validation.adequacy.response import (
     Alternative,
     Candidate,
@@ -28,7 +27,7 @@ from validation.adequacy.response import (
     Rung,
     Subject,
 )
-from validation.adequacy.subject.subject import judged_statics
+from validation.adequacy.robot import static_subject
 from validation.context import Context
 from validation.studies.ritz import mechanism as by_mechanism
 
@@ -92,11 +91,8 @@ def test_random_responses_are_judged_as_the_plain_rule_does(seed: int) -> None:
 
 def statics_of(robot_file: RobotFile) -> tuple[Subject, Matrix]:
     """Statics of every model of a robot, quick, and its matrix."""
-    context = Context(robot_file, "quick")
-    posed = posed_mechanism(context)
-    reference, candidates = judged_statics(posed.statics, posed.models, "")
-    coordinates = posed.coordinates
-    subject = replace(subject_of(posed.poses, reference, *candidates), coordinates=coordinates)
+    robot = robot_on_path(Context(robot_file, "quick"))
+    subject = static_subject(robot, judged_models(robot.mechanism))
     return subject, judged(subject, robot_file.requirement)
 
 
@@ -140,11 +136,10 @@ def test_the_first_screen_of_every_built_in_robot_is_that_of_the_plain_rule(name
 
 def test_the_built_in_robots_legs_of_constant_section_at_seven_tenths() -> None:
     robot_file = load_robot("ifw")
-    context, x = Context(robot_file, "quick"), np.array([0.7])
-    statics = mechanism_statics(context, placed(context, x))
+    context = Context(robot_file, "quick")
     models = {name: JUDGED[name] for name in ("vjm-equivalent", "beam")}
-    reference, candidates = judged_statics(statics, models, "")
-    matrix = judged(subject_of(x[:, None], reference, *candidates), Requirement())
+    subject = static_subject(robot_at(context, placed(context, [0.7])), models)
+    matrix = judged(subject, Requirement())
     for model in models:
         y, force = matrix.entry(model, "y"), matrix.entry(model, "any_force")
         assert y is not None
@@ -153,8 +148,8 @@ def test_the_built_in_robots_legs_of_constant_section_at_seven_tenths() -> None:
         assert y.along == pytest.approx(-0.047, abs=5e-4)
         assert y.error == pytest.approx(0.137, abs=5e-4)
         assert (y.verdict, force.verdict) == ("inadequate", "inadequate")
-        own = next(c for c in candidates if c.model == model).response.compliance
-        due = reference.alternatives[0].response.compliance
+        own = next(c for c in subject.candidates if c.model == model).response.compliance
+        due = subject.statics.alternatives[0].response.compliance
         assert own is not None
         assert due is not None
         f = directions(20000)
@@ -271,14 +266,13 @@ def test_causes_are_what_each_step_does_along_the_vector_of_the_error(quantity: 
 def test_couplings_are_those_of_polynomials_along_the_legs(name: str) -> None:
     """The cases on the first screen compare diagonals; here is the whole displacement."""
     robot_file = load_robot(name)
-    posed = posed_mechanism(Context(robot_file, "quick"))
-    for model, (kind, _, options) in posed.models.items():
+    places = path_postures(Context(robot_file, "quick"))
+    for model, (kind, _, options) in judged_models(robot_file.mechanism).items():
         if model == "simplified":
             continue
         given = kind in ("vjm", "links") and options.legs == "given"
-        places = path_postures(Context(robot_file, "quick"))
         due = [by_mechanism.compliance(at, options.theory, 4, given=given) for at in places]
-        errors = plain_errors(posed.statics.answer(kind, options), np.array(due))
+        errors = plain_errors(compliances(places, kind, options), np.array(due))
         # Cubic polynomials on either side: rounding alone, grown by the condition.
         assert all(one.max() < 1e-6 for one in errors.values()), model
 

@@ -10,8 +10,8 @@ from lumped.mechanism.kinematics.mobility import mobility
 from lumped.mechanism.kinematics.postures import posture
 from lumped.models.bodies import legs_of
 from validation import api
-from validation.adequacy.mechanism.statics import mechanism_statics
-from validation.adequacy.subject import statics
+from validation.adequacy.mechanism import statics
+from validation.adequacy.mechanism.path import robot_at
 from validation.context import Context
 from validation.models.mechanism import constant_legs
 from validation.models.options import ModelOptions
@@ -82,7 +82,7 @@ def test_ends_that_the_file_says_are_those_of_their_leg_alone(tmp_path, monkeypa
     monkeypatch.setattr(statics, "solid_tip", tip)
     monkeypatch.setattr(statics, "shares_section", lambda *_: False)
     monkeypatch.setattr(statics, "solid_leg", lambda *_: SimpleNamespace(ratio=0.5))
-    reference = statics.static_reference(mechanism_statics(Context(robot, "quick"), [at]))
+    reference = statics.static_reference(robot_at(Context(robot, "quick"), [at]))
     found = {one.name: one.response.compliance[0] for one in reference.alternatives}
     assert list(found) == ["ends rigid", "ends free"]
     for left_open in softer:

@@ -15,13 +15,12 @@ from lumped.robot_file import load_robot
 from lumped.sections import Circle, HollowRectangle, Rectangle, Tube
 from meshes.section.section_mesh import section_mesh
 from validation.adequacy.judgement import judged
-from validation.adequacy.legs import finer_statics, solid_leg
 from validation.adequacy.matrix import Coordinate
 from validation.adequacy.mechanism import dynamics as of_mechanisms
-from validation.adequacy.mechanism.dynamics import mechanism_dynamics
-from validation.adequacy.mechanism.path import path_postures
+from validation.adequacy.mechanism import vibration
+from validation.adequacy.mechanism.legs import finer_statics, solid_leg
+from validation.adequacy.mechanism.path import robot_at, robot_on_path
 from validation.adequacy.response import Candidate, Reference, Subject, modes_of
-from validation.adequacy.subject.dynamics import dynamic_reference
 from validation.case import Skip
 from validation.catalogue import catalogue
 from validation.context import Context
@@ -105,18 +104,16 @@ def test_walls_too_thin_for_full_matrices_of_an_end_face_are_skipped(
 
 
 def test_frequencies_without_such_a_reference_are_undecided_with_the_reason(context):
-    robot = SLENDER.robot
-    dynamics = mechanism_dynamics(context, placed(context, robot.stations(3)), 2)
-    reference = dynamic_reference(dynamics)
-    found = modes_of(lambda: dynamics.answer("beam", ModelOptions()))
+    robot = robot_at(context, placed(context, SLENDER.robot.stations(3)))
+    found = modes_of(lambda: of_mechanisms.modes_by_model(robot, "beam", ModelOptions()))
     subject = Subject(
-        robot=robot.name,
+        robot="slender",
         coordinates=(Coordinate("x", "m"),),
-        poses=robot.stations(3)[:, None],
-        weights=dynamics.weights,
+        poses=SLENDER.robot.stations(3)[:, None],
+        weights=robot.samples.weights,
         candidates=[Candidate("beam", "beam", found)],
         statics=Reference("none", ()),
-        dynamics=reference,
+        dynamics=of_mechanisms.dynamic_reference(robot),
     )
     matrix = judged(subject, Requirement(modes=2))
     for quantity in ("f1", "f2", "order"):
@@ -146,10 +143,8 @@ def test_statics_of_a_mechanism_of_too_thin_walls_are_skipped_with_the_leg(tmp_p
 
 def test_so_are_those_of_a_mechanism(tmp_path, monkeypatch):
     context = five_bar('shape = "rectangle", width = 0.001, height = 0.050', tmp_path)
-    monkeypatch.setattr(of_mechanisms, "held_solid", refused)
-    reference = dynamic_reference(
-        of_mechanisms.mechanism_dynamics(context, path_postures(context), 2)
-    )
+    monkeypatch.setattr(vibration, "held_solid", refused)
+    reference = of_mechanisms.dynamic_reference(robot_on_path(context))
     assert len(reference.alternatives) == 0
     assert reference.decides.startswith("crank1 as a solid of 2 divisions has about")
 

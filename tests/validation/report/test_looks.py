@@ -10,9 +10,9 @@ from matrix_sample import POSES, entry, sample_matrix
 
 from lumped.acceptance.requirement import MODEL_KINDS
 from lumped.robot_file import load_robot
-from validation.adequacy.mechanism.path import left_open
+from validation.adequacy.mechanism.legs import MASSES
+from validation.adequacy.mechanism.path import holding
 from validation.adequacy.models import JUDGED
-from validation.adequacy.subject.given_masses import MASSES
 from validation.drawing.chart import drawn_chart
 from validation.drawing.style import LOOKS, OTHERS, known_as, plot_style
 from validation.report.figures import adequacy, declared, measured
@@ -50,7 +50,7 @@ def test_alternatives_of_a_reference_have_looks_of_their_own(names):
 
 @pytest.mark.parametrize("name", ["five-bar", "examples/tapered-biglide/robot.toml"])
 def test_names_of_alternatives_are_those_that_are_tested(name):
-    assert tuple(left_open(load_robot(name).mechanism).holds) in HELD
+    assert tuple(holding(load_robot(name).mechanism).alternatives) in HELD
 
 
 @pytest.mark.parametrize(

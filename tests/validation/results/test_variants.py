@@ -2,7 +2,6 @@
 
 from pathlib import Path
 
-import numpy as np
 import pytest
 from msgspec.json import encode
 from msgspec.structs import replace
@@ -11,10 +10,9 @@ from placed import placed
 from lumped.acceptance.requirement import ANY_FORCE, AXES, Requirement
 from lumped.robot_file import RobotFile, load_robot
 from validation.adequacy.judgement import judged
-from validation.adequacy.matrix import Coordinate
-from validation.adequacy.mechanism.statics import mechanism_statics
-from validation.adequacy.response import Candidate, Reference, Response, Subject
-from validation.adequacy.subject.statics import static_reference
+from validation.adequacy.mechanism.path import robot_at
+from validation.adequacy.models import JUDGED
+from validation.adequacy.robot import static_subject
 from validation.context import Context
 from validation.models.biglide import robot_compliance
 from validation.models.options import ModelOptions
@@ -53,19 +51,8 @@ def saved(robot_file: RobotFile) -> RunRecord:
     robot = robot_file.robot
     x = robot.stations(9)
     context = Context(robot_file, "quick")
-    statics = mechanism_statics(context, placed(context, x))
-    subject = Subject(
-        robot=robot.name,
-        coordinates=(Coordinate("x", "m"),),
-        poses=x[:, None],
-        weights=np.zeros(0),
-        candidates=[
-            Candidate(model, model, Response(statics.answer(model, ModelOptions())))
-            for model in ("vjm", "beam")
-        ],
-        statics=static_reference(statics),
-        dynamics=Reference("none", ()),
-    )
+    models = {name: JUDGED[name] for name in ("vjm", "beam")}
+    subject = static_subject(robot_at(context, placed(context, x)), models)
     matrix = judged(subject, Requirement())
     return parse_run(encode(run_record(header(robot_file, "quick", {}), (), (), [matrix])), "test")
 

@@ -25,7 +25,7 @@ from lumped.errors import ComputationError, InputError
 from lumped.robot_file import load_robot
 from lumped.robot_file.variation import variations_of
 from validation import api, cli
-from validation.adequacy.mechanism.part_solids import highest_of_parts
+from validation.adequacy.mechanism.parts import highest_of_parts
 from validation.adequacy.mechanism.parts_ahead import prepare_parts
 from validation.adequacy.mechanism.path import offered, path_postures
 from validation.context import Context

@@ -1,4 +1,4 @@
-"""Any mechanism with its models and what they are held against, over the poses of its path.
+"""What a robot's models are held against, over the poses of its path, and why they are off.
 
-In: a robot file of bodies and joints. Out: its subject for the judgement.
+In: a robot file of bodies and joints. Out: references and steps towards them, for the judgement.
 """

@@ -20,7 +20,7 @@ from lumped.models.links import links
 from lumped.robot_file.reading import printed_compliances
 from lumped.system.assembly import assembly
 from lumped.system.solution import compliance, solved
-from validation.adequacy.mechanism.part_solids import condensed_parts
+from validation.adequacy.mechanism.parts import condensed_parts
 from validation.agreement.displacement import sizes
 
 # 512 points of Sobol: half-widths of one seed and another differ by 1 to 2 % of themselves.

@@ -1,244 +1,309 @@
-"""Natural modes of a mechanism over its path: by models, by solids and by beams between them.
+"""Natural modes of a robot: what models are held against, and why they are off."""
 
-Shapes of all models are sampled alike: displacements of the tool, twists of rigid bodies about
-their centre, and four points in each of some sections of every leg, placed so that they have the
-section's mass and rotary inertia.
-"""
-
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
 from functools import partial
+from itertools import product
+from typing import NamedTuple
 
 import numpy as np
 
-from fem.reduction.craig_bampton import craig_bampton
-from fem.reduction.superelement import held_leg
-from lumped.caches import lru_cache
-from lumped.legs import ConstantLeg, Ends, GivenLeg, Leg, equivalent_leg
-from lumped.mechanism.body_model import BodyModel, LegMatrices
-from lumped.mechanism.mechanism import Posture
-from lumped.system.assembly import assembly
-from lumped.system.solution import mode_count, modes, solved
-from validation.adequacy.legs import SECTION_DIVISIONS, own_elements
-from validation.adequacy.mechanism.part_solids import Bodies, condensed_parts, solid_parts
-from validation.adequacy.mechanism.path import has_given, known_legs, left_open, offered
-from validation.adequacy.mechanism.samples import Samples, samples_of
-from validation.adequacy.response import Vibration
-from validation.adequacy.subject.given_masses import MASSES, Masses, leg_with_masses
-from validation.adequacy.subject.posed import Dynamics, Fineness, Holds
-from validation.context import Context
-from validation.models.legs import filled
-from validation.models.mechanism import (
-    CUTOFF,
-    dynamic_bodies,
-    highest_frequency,
-    on_drives_alone,
+from lumped.arrays import Array
+from lumped.legs import ConstantLeg
+from validation.adequacy.mechanism.legs import (
+    MASSES,
+    SECTION_DIVISIONS,
+    SECTION_RATIO,
+    Masses,
+    step_uncertainty,
 )
+from validation.adequacy.mechanism.parts import (
+    FINER_PARTS,
+    UNKNOWN,
+    part_rungs,
+    refinement_share,
+)
+from validation.adequacy.mechanism.path import Holds, RobotOnPath
+from validation.adequacy.mechanism.vibration import (
+    model_vibration,
+    own_vibration,
+    simplified_vibration,
+    solid_vibration,
+)
+from validation.adequacy.partners import amounts_by_shape, frequency_changes
+from validation.adequacy.response import (
+    UNSOLVED,
+    Alternative,
+    Reference,
+    Response,
+    Rung,
+    Vibration,
+    finer_by,
+    modes_of,
+)
+from validation.context import Preset
 from validation.models.options import ModelName, ModelOptions
-from validation.parts.meshes import FINEST
+from validation.parts.meshes import FINEST, MIDDLE
 from validation.solids.legs import divisions_across
-from validation.solids.robots import held_solid, renewed_where_needed
+from validation.solids.size import larger_preset, too_large
 from validation.studies.paired_robot_modes import DIVISIONS, ELEMENTS, WALL_DIVISIONS
 
-Build = Callable[[Leg, Ends, float], LegMatrices]
+_OPEN_MASS = "where the legs' mass lies"
+_SAY_MASS = "the legs' mass distribution: a section and a material in place of the 6×6"
+_RIGID = "legs rigid and without mass"
 
 
-def vibration(
-    samples: Samples, postures: Sequence[Posture], bodies: Mapping[str, BodyModel], count: int
-) -> Vibration:
-    """The first `count` modes in every posture with these models of the legs.
-
-    Of legs whose mass is one lump, and of parts condensed on their interfaces, as many as have
-    mass in every posture.
-    """
-    prepared = assembly(postures[0].mechanism, {name: filled(one) for name, one in bodies.items()})
-    if has_given(postures[0].mechanism) or postures[0].mechanism.parts:
-        known = [mode_count(solved(prepared.at(posture))) for posture in postures]
-        count = min(count, *known)
-    frequencies, shapes = [], []
-    of_bodies = samples.of_models(bodies)
-    for posture in postures:
-        system = prepared.at(posture)
-        found = modes(solved(system), count)
-        frequencies.append(found.frequencies)
-        shapes.append(samples.at(system, found.shapes, of_bodies))
-    return Vibration(np.array(frequencies), np.array(shapes))
+def modes_by_model(robot: RobotOnPath, model: ModelName, options: ModelOptions) -> Vibration | None:
+    """What a model answers; None where nothing has mass."""
+    if model == "simplified":
+        return simplified_vibration(robot.samples, robot.postures, robot.offered)
+    return robot.context.get(model_vibration, robot.postures, model, options, robot.offered)
 
 
-def simplified_vibration(
-    samples: Samples, postures: Sequence[Posture], count: int
-) -> Vibration | None:
-    """Rigid bodies on elastic drives, NaN beyond the modes that they have; None without mass."""
-    rigid = on_drives_alone(postures[0].mechanism)
-    prepared = assembly(rigid, {})
-    frequencies, shapes = [], []
-    for posture in postures:
-        system = prepared.at(replace(posture, mechanism=rigid))
-        solution = solved(system)
-        known = min(count, mode_count(solution)) if system.size else 0
-        if not known:
-            return None
-        found = modes(solution, known)
-        own = samples.at(system, found.shapes, {})
-        frequencies.append(np.append(found.frequencies, np.full(count - known, np.nan)))
-        shapes.append(np.hstack([own, np.zeros((len(own), count - known))]))
-    return Vibration(np.array(frequencies), np.array(shapes))
+class SolidMeshes(NamedTuple):
+    """Divisions of two meshes of the solid legs, each across rectangles and across walls."""
+
+    coarse: tuple[int, int]
+    fine: tuple[int, int]
+
+    @property
+    def ratio(self) -> float:
+        """By how much the coarse one's elements are larger at least."""
+        return min(fine / coarse for coarse, fine in zip(*self, strict=True))
 
 
-def model_vibration(
-    postures: tuple[Posture, ...], model: ModelName, options: ModelOptions, count: int
-) -> Vibration:
-    """Modes by segments or beam elements of textbook constants."""
-    mechanism = postures[0].mechanism
-    samples = samples_of(mechanism)
-
-    def solve(highest: float) -> Vibration:
-        return vibration(
-            samples, postures, dynamic_bodies(model, mechanism, highest, options), count
-        )
-
-    return _renewed(postures, count, solve)
+def solid_meshes(preset: Preset) -> SolidMeshes:
+    """The meshes whose step shows what they leave open."""
+    across, walls = DIVISIONS[preset], WALL_DIVISIONS[preset]
+    return SolidMeshes((across - 1, walls // 2), (across, walls))
 
 
-def built_vibration(
-    postures: tuple[Posture, ...],
-    build: Build,
-    parts: Bodies,
-    ends: Mapping[str, Ends],
-    count: int,
-) -> Vibration:
-    """Modes with every leg as `build` makes it of leg, ends and highest frequency (Hz).
-
-    `parts`: models of the CAD parts.
-    """
-    mechanism = postures[0].mechanism
-    samples, legs = samples_of(mechanism), known_legs(mechanism)
-
-    def solve(highest: float) -> Vibration:
-        made: dict[tuple[object, Ends], LegMatrices] = {}
-        bodies: dict[str, BodyModel] = {}
-        for name, leg in legs.items():
-            key = leg if isinstance(leg, ConstantLeg) else name, ends[name]
-            if key not in made:
-                made[key] = build(leg, ends[name], highest)
-            bodies[name] = made[key]
-        return vibration(samples, postures, {**bodies, **parts}, count)
-
-    return _renewed(postures, count, solve)
-
-
-def _renewed(
-    postures: Sequence[Posture], count: int, solve: Callable[[float], Vibration]
-) -> Vibration:
-    return renewed_where_needed(
-        highest_frequency(postures, count), solve, frequencies=lambda found: found.frequencies
-    )
-
-
-def solid_vibration(
-    postures: tuple[Posture, ...],
-    divisions: int,
-    walls: int,
-    ends: Mapping[str, Ends],
+def modes_of_solids(
+    robot: RobotOnPath,
+    ends: Holds,
     masses: Masses | None,
-    count: int,
+    *,
+    fine: bool = True,
     rung: int = FINEST,
 ) -> Vibration:
-    """Modes with prisms as solids reduced to their ends, and given legs with plausible masses.
-
-    `divisions` across rectangles, `walls` across the sections that have walls; CAD parts on the
-    mesh of that `rung`.
-    """
-    build = partial(_reference_leg, divisions=divisions, walls=walls, masses=masses)
-    parts = solid_parts(postures, count, ends, rung)
-    return built_vibration(postures, build, parts, ends, count)
-
-
-def _reference_leg(
-    leg: Leg, ends: Ends, highest: float, *, divisions: int, walls: int, masses: Masses | None
-) -> LegMatrices:
-    if isinstance(leg, GivenLeg):
-        return leg_with_masses(leg, masses or MASSES[0], highest)
-    return _reduced_solid(leg, divisions_across(leg, divisions, walls), ends, highest)
-
-
-# Robots that differ in one number share most of their legs.
-@lru_cache(maxsize=16)
-def _reduced_solid(leg: ConstantLeg, number: int, ends: Ends, highest: float) -> LegMatrices:
-    return craig_bampton(held_solid(leg, number, ends), highest).matrices
-
-
-def own_vibration(
-    postures: tuple[Posture, ...],
-    divisions: int,
-    walls: int,
-    ends: Mapping[str, Ends] | None,
-    count: int,
-) -> Vibration:
-    """Modes by beams of the sections' own constants; with warping, held as `ends` say.
-
-    `divisions` of the mesh of rectangles, `walls` of the others, as in `solid_vibration`.
-    """
-    mechanism = postures[0].mechanism
-    build = partial(_own_leg, divisions=divisions, walls=walls, warping=ends is not None)
-    hold: Mapping[str, Ends] = ends or dict.fromkeys(known_legs(mechanism), "rigid")
-    return built_vibration(postures, build, condensed_parts(mechanism), hold, count)
-
-
-def _own_leg(
-    leg: Leg, ends: Ends, highest: float, *, divisions: int, walls: int, warping: bool
-) -> LegMatrices:
-    number = divisions_across(equivalent_leg(leg), divisions, walls)
-    whole = own_elements(leg, ends if warping else None, ELEMENTS, number)
-    return craig_bampton(held_leg(whole), highest, CUTOFF["beam"] * highest).matrices
-
-
-def mechanism_dynamics(context: Context, postures: tuple[Posture, ...], judged: int) -> Dynamics:
-    """What computes natural modes in these postures."""
-    mechanism = postures[0].mechanism
-    count, samples, legs = offered(judged), samples_of(mechanism), known_legs(mechanism)
-    fine = DIVISIONS[context.preset], WALL_DIVISIONS[context.preset]
-    coarse = fine[0] - 1, fine[1] // 2
-
-    def answer(model: ModelName, options: ModelOptions) -> Vibration | None:
-        if model == "simplified":
-            return simplified_vibration(samples, postures, count)
-        return context.get(model_vibration, postures, model, options, count)
-
-    def solid(mesh: Fineness, ends: Holds, masses: Masses | None, rung: int) -> Vibration:
-        number = fine if mesh == "fine" else coarse
-        # As the cases and figures ask for it: the finest meshes of parts go without saying.
-        further = () if rung == FINEST else (rung,)
-        return context.get(solid_vibration, postures, *number, ends, masses, count, *further)
-
-    def own(divisions: int, walls: int, ends: Holds | None) -> Vibration:
-        return context.get(own_vibration, postures, divisions, walls, ends, count)
-
-    return Dynamics(
-        context,
-        reduced_title("mechanism", legs, parts=bool(mechanism.parts)),
-        legs,
-        left_open(mechanism),
-        mechanism if mechanism.parts else None,
-        judged=judged,
-        weights=samples.weights,
-        ratio=min(fine[0] / coarse[0], fine[1] / coarse[1]),
-        answer=answer,
-        solid=solid,
-        own=partial(own, SECTION_DIVISIONS, SECTION_DIVISIONS),
-        sections=lambda holds: (
-            own(*fine, holds),
-            own(SECTION_DIVISIONS, SECTION_DIVISIONS, holds),
-        ),
-        rigid="legs rigid and without mass",
-        computed_by="validation.adequacy.mechanism.dynamics.solid_vibration",
+    """Solid legs on one of two meshes, given ones with such masses, parts on one of three."""
+    meshes = solid_meshes(robot.context.preset)
+    divisions = meshes.fine if fine else meshes.coarse
+    return robot.context.get(
+        solid_vibration, robot.postures, *divisions, ends, masses, robot.offered, rung
     )
 
 
-def reduced_title(robot: str, legs: Mapping[str, Leg], *, parts: bool = False) -> str:
-    """What models of a "robot", say, are held against in dynamics."""
-    if any(isinstance(leg, GivenLeg) for leg in legs.values()):
-        return f"{robot} of the legs' own 6×6 and plausible masses"
-    if parts:
-        return f"{robot} of its parts as solids{' and solid legs' if legs else ''}, reduced"
-    return f"{robot} of solid legs, reduced to their ends"
+def modes_of_own_beams(
+    robot: RobotOnPath,
+    ends: Holds | None,
+    divisions: tuple[int, int] = (SECTION_DIVISIONS, SECTION_DIVISIONS),
+) -> Vibration:
+    """Beams of the sections' own constants from such meshes, with warping where ends are held."""
+    return robot.context.get(own_vibration, robot.postures, *divisions, ends, robot.offered)
+
+
+def dynamic_reference(robot: RobotOnPath) -> Reference:
+    """Solid legs reduced to their ends or, where legs are given, a bracket of plausible masses."""
+    preset, holds = robot.context.preset, robot.holding.alternatives
+    parts = robot.mechanism.parts
+    if reason := _why_unmeshed(robot.prisms, preset):
+        return Reference("none", (), decides=reason)
+    masses: tuple[Masses | None, ...] = MASSES if robot.given else (None,)
+    if not (robot.prisms or parts):
+        holds = dict(list(holds.items())[:1])
+    left_by_parts = _part_uncertainty(robot, masses[0])
+    alternatives = []
+    for (name, hold), mass in product(holds.items(), masses):
+        fine = modes_of_solids(robot, hold, mass)
+        uncertainty = np.zeros_like(fine.frequencies[:, : robot.judged]) + left_by_parts
+        # Where no section is meshed there is one solution.
+        if robot.prisms:
+            coarse = modes_of_solids(robot, hold, mass, fine=False)
+            uncertainty += _mesh_uncertainty(robot, coarse, fine, hold)
+        said = name if robot.prisms or parts or not robot.given else ""
+        both = ", ".join(filter(None, (said, mass)))
+        dynamic = np.where(np.isnan(uncertainty), UNKNOWN, uncertainty)
+        alternatives.append(Alternative(both, Response(vibration=fine), dynamic=dynamic))
+    left_open = [(robot.holding.unsaid, robot.holding.decides)] if len(holds) > 1 else []
+    left_open += [(_OPEN_MASS, _SAY_MASS)] if robot.given else []
+    return Reference(
+        title=_title(robot),
+        alternatives=alternatives,
+        open=" and ".join(unsaid for unsaid, _ in left_open),
+        decides="; ".join(decides for _, decides in left_open),
+        finer=FINER_PARTS if parts else _finer_preset(robot.prisms, preset),
+        # Without the legs' mass, alternatives are no more than a bracket.
+        bracket=bool(robot.given),
+        computed_by=("validation.adequacy.mechanism.vibration.solid_vibration",),
+    )
+
+
+def _title(robot: RobotOnPath) -> str:
+    """What models are held against."""
+    if robot.given:
+        return "mechanism of the legs' own 6×6 and plausible masses"
+    if robot.mechanism.parts:
+        solid = " and solid legs" if robot.legs else ""
+        return f"mechanism of its parts as solids{solid}, reduced"
+    return "mechanism of solid legs, reduced to their ends"
+
+
+def _why_unmeshed(prisms: Sequence[ConstantLeg], preset: Preset) -> str:
+    """Why a preset does not mesh these legs; or ""."""
+    divisions = [divisions_across(leg, *solid_meshes(preset).fine) for leg in prisms]
+    return too_large(prisms, divisions, preset)
+
+
+def _finer_preset(prisms: Sequence[ConstantLeg], preset: Preset) -> str:
+    """What would leave less of the meshes of these legs: a larger preset, if one meshes them."""
+    return finer_by(larger_preset(preset, lambda one: not _why_unmeshed(prisms, one)))
+
+
+def _mesh_uncertainty(robot: RobotOnPath, coarse: Vibration, fine: Vibration, ends: Holds) -> Array:
+    """What the meshes of prisms leave open of the judged frequencies of `fine` (p×K, relative).
+
+    From the step between two solids, whose elements become shorter while walls keep one mesh
+    across, and from what such a mesh leaves open of the beams' modes of the same shape. NaN for a
+    mode that the coarser solid does not have, or the beams: it is known to no digit.
+    """
+    weights, judged = robot.samples.weights, robot.judged
+    step = frequency_changes(fine, coarse, weights, judged)
+    # Beams free to warp lean on Saint-Venant's constant less than such solids do.
+    meshes = solid_meshes(robot.context.preset)
+    warping = None if "free" in ends.values() else ends
+    rough, beams = (
+        modes_of_own_beams(robot, warping, meshes.fine),
+        modes_of_own_beams(robot, warping),
+    )
+    count = beams.frequencies.shape[1]
+    changes = frequency_changes(beams, rough, weights, count)
+    of_beams = np.broadcast_to(changes[:, None, :], (*fine.frequencies.shape, count))
+    section = amounts_by_shape(fine, beams, of_beams, weights, judged)
+    return step_uncertainty(step, meshes.ratio) + step_uncertainty(section, SECTION_RATIO)
+
+
+def _part_uncertainty(robot: RobotOnPath, masses: Masses | None) -> Array | float:
+    """What the meshes of CAD parts leave open of frequencies (p×K, relative).
+
+    NaN for a mode that a coarser mesh does not have.
+    """
+
+    def frequencies(rung: int) -> Array:
+        finest, found = (
+            modes_of_solids(robot, robot.holding.first, masses, rung=one) for one in (FINEST, rung)
+        )
+        own = finest.frequencies[:, : robot.judged]
+        if rung == FINEST:
+            return own
+        changes = frequency_changes(finest, found, robot.samples.weights, robot.judged)
+        return np.asarray(own * (1.0 + changes))
+
+    return refinement_share(robot.mechanism, frequencies)
+
+
+def bracketed_frequencies(reference: Reference, modes: int) -> str:
+    """What plausible masses leave open of the frequencies in the middle of the path, in words.
+
+    Empty where they are known.
+    """
+    if not reference.bracket:
+        return ""
+    answers = [one.response.vibration for one in reference.alternatives]
+    found = np.array([one.frequencies[len(one.frequencies) // 2, :modes] for one in answers if one])
+    spans = [
+        f"f{k + 1} {low:.4g} to {high:.4g} Hz"
+        for k, (low, high) in enumerate(zip(found.min(axis=0), found.max(axis=0), strict=True))
+    ]
+    return (
+        "frequencies cannot be judged without the legs' mass distribution; plausible ones give "
+        f"{', '.join(spans)} in the middle of the path"
+    )
+
+
+def dynamic_ladders(
+    robot: RobotOnPath, found: Mapping[str, Response], reference: Reference
+) -> dict[str, tuple[Rung, ...]]:
+    """Rungs by name of the model, each ladder from the model upwards; `found` are their modes."""
+    names = [one.name for one in reference.alternatives]
+    if not names:
+        return {}
+
+    def same(modes: Response) -> dict[str, Response]:
+        return dict.fromkeys(names, modes)
+
+    def answered(model: ModelName, options: ModelOptions) -> Response:
+        return modes_of(partial(modes_by_model, robot, model, options), UNSOLVED)
+
+    # From beams of textbook constants upwards.
+    upper: tuple[Rung, ...] = ()
+    if robot.prisms and not reference.bracket:
+        upper = _to_solids(robot, names)
+    of_parts = part_rungs(
+        robot.mechanism, names, lambda kind: answered("beam", ModelOptions(parts=kind))
+    )
+    above = (*of_parts, *upper)
+    twice = 2 * ELEMENTS
+    beams = same(found["beam"])
+    segments = (
+        Rung(
+            f"discretisation (n = {ELEMENTS})",
+            f"{twice} segments, then beam elements",
+            # Second order in 1/n: a quarter of the error is left.
+            same(answered("segments", ModelOptions(elements=twice))),
+            f"n = {twice}",
+        ),
+        Rung(f"discretisation (n = {ELEMENTS})", "beam elements of the same constants", beams),
+    )
+    shear, remedy = "shear deformation and rotary inertia left out", "use Timoshenko"
+    return {
+        "simplified": (
+            Rung(f"drives only: {_RIGID}", "beam elements", beams, "use beam"),
+            *above,
+        ),
+        "segments": (*segments, *above),
+        "beam": above,
+        "segments-euler-bernoulli": (
+            Rung(shear, "Timoshenko segments", same(found["segments"]), remedy),
+            *segments,
+            *above,
+        ),
+        "beam-euler-bernoulli": (Rung(shear, "Timoshenko beams", beams, remedy), *above),
+        "segments-stepped": (*of_parts[1:], *upper),
+        "segments-condensed": (
+            *((_inner_modes(robot, names),) if of_parts else ()),
+            *upper,
+        ),
+    }
+
+
+def _to_solids(robot: RobotOnPath, names: Sequence[str]) -> tuple[Rung, ...]:
+    """From textbook constants to the sections' own, and to warping by alternative."""
+
+    def own(ends: Holds | None) -> Response:
+        return modes_of(partial(modes_of_own_beams, robot, ends), UNSOLVED)
+
+    return (
+        Rung(
+            "textbook section constants",
+            "fem.sections.section_constants, beam elements",
+            dict.fromkeys(names, own(None)),
+            "take the section's constants from finite elements",
+        ),
+        Rung(
+            "warping: held at the ends, and non-uniform torsion between them",
+            "beams with Reissner's torsion, the section's own Γ",
+            {name: own(ends) for name, ends in robot.holding.alternatives.items()},
+            "add the warping stiffness",
+        ),
+    )
+
+
+def _inner_modes(robot: RobotOnPath, names: Sequence[str]) -> Rung:
+    """From Guyan's mass to modes of the parts' own, on a coarser mesh than the reference's."""
+    solids = partial(modes_of_solids, robot, robot.holding.first, None, rung=MIDDLE)
+    return Rung(
+        "inertia inside the parts (Guyan's mass)",
+        "parts reduced by Craig and Bampton, the middle one of their meshes",
+        dict.fromkeys(names, modes_of(solids, UNSOLVED)),
+        "give the parts modes of their own: model solid",
+    )

@@ -16,9 +16,8 @@ from pathlib import Path
 from lumped.arrays import Array
 from lumped.errors import ComputationError, InputError
 from lumped.mechanism.body import Body
-from lumped.mechanism.mechanism import Posture
-from validation.adequacy.mechanism.part_solids import highest_of_parts, hold_of
-from validation.adequacy.mechanism.path import holds, offered, path_postures
+from validation.adequacy.mechanism.parts import highest_of_parts, hold_of
+from validation.adequacy.mechanism.path import RobotOnPath, robot_on_path
 from validation.context import Context
 from validation.models import parts
 from validation.models.stepped_parts import stepped
@@ -72,8 +71,8 @@ def prepare_parts(context: Context, executor: Executor, *, carried: bool) -> Non
         for body in mechanism.parts.values()
     }
     _finish([(body, _as_it_is) for body in bodies.values()], executor, carried=carried)
-    postures = path_postures(context)
-    _finish(list(_reductions(context, postures, bodies.values())), executor, carried=carried)
+    asked = list(_reductions(robot_on_path(context), bodies.values()))
+    _finish(asked, executor, carried=carried)
 
 
 def _as_it_is(body: Body) -> None:
@@ -82,13 +81,11 @@ def _as_it_is(body: Body) -> None:
         stepped(body)
 
 
-def _reductions(
-    context: Context, postures: Sequence[Posture], bodies: Collection[Body]
-) -> Iterator[tuple[Body, Question]]:
+def _reductions(robot: RobotOnPath, bodies: Collection[Body]) -> Iterator[tuple[Body, Question]]:
     """The finest meshes first: they take longest."""
-    alternatives = tuple(holds(context.robot_file.mechanism).values())
+    alternatives = tuple(robot.holding.alternatives.values())
     first = alternatives[:1]
-    highest, cutoff = highest_of_parts(postures, offered(context.robot_file.requirement.modes))
+    highest, cutoff = highest_of_parts(robot.postures, robot.offered)
     ask = partial(parts.reduced, highest=highest, cutoff=cutoff)
     # Coarser meshes are those of the uncertainty, and the coarsest that of the other reduction: of
     # the first way of holding.

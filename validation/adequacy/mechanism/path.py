@@ -1,27 +1,125 @@
-"""Where a mechanism is looked at, and what its robot file leaves open about its legs."""
+"""A mechanism in the postures in which it is judged, and what its robot file leaves unsaid."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TypeAlias
 
 import numpy as np
 
+from lumped.arrays import Array
+from lumped.errors import InputError
 from lumped.legs import ConstantLeg, Ends, GivenLeg, Leg
 from lumped.mechanism.body import Given, Prism
 from lumped.mechanism.mechanism import UNITS_OF_MOVES, Mechanism, Posture
-from lumped.models.bodies import legs_of
-from validation.adequacy.legs import HOLD, OPEN_ENDS
+from lumped.models import serial_chains
+from lumped.models.bodies import legs_of, tip_compliances
 from validation.adequacy.matrix import Coordinate
-from validation.adequacy.subject.posed import Holds, Open
+from validation.adequacy.mechanism.samples import Samples, samples_of
 from validation.context import Context, Preset
 from validation.kinematics.poses import postures_of
 from validation.models.mechanism import constant_legs
 from validation.models.options import DEFAULT_OPTIONS
+from validation.models.part_legs import part_springs, require_legs
 from validation.models.parts import is_held_as_said
+
+# How ends are held, and tip compliances (6×6, SI, leg axes), by body.
+Holds: TypeAlias = Mapping[str, Ends]
+Springs: TypeAlias = Mapping[str, Array]
 
 # Poses of a long path, of a grid say, are looked at in even steps.
 MOST_POSES: Mapping[Preset, int] = {"quick": 9, "standard": 25, "fine": 81}
+HOLD: tuple[Ends, Ends] = ("rigid", "free")
+_OPEN_ENDS = "how the ends are held"
 _OPEN_PARTS = "how the parts' interfaces are held"
-SAY_PARTS = 'say how the faces of parts are held: coupling = "rigid", "average" or "pin"'
-SAY_ENDS = """say how the prisms' end faces are held: ends = "rigid" or "free" in [bodies]"""
+_SAY_PARTS = 'say how the faces of parts are held: coupling = "rigid", "average" or "pin"'
+_SAY_ENDS = """say how the prisms' end faces are held: ends = "rigid" or "free" in [bodies]"""
+
+
+@dataclass(frozen=True)
+class Holding:
+    """How ends of legs and interfaces of parts are held.
+
+    `alternatives`: the ends of every leg and part by the alternative's name ("free" ones of parts
+    are averaged), one where all is said. `unsaid` what the robot file leaves open, in words,
+    `decides` what would settle it; both empty where it says all.
+    """
+
+    alternatives: Mapping[str, Holds]
+    unsaid: str = ""
+    decides: str = ""
+
+    @property
+    def first(self) -> Holds:
+        """The stiffest alternative."""
+        return next(iter(self.alternatives.values()))
+
+
+@dataclass(frozen=True, eq=False)
+class RobotOnPath:
+    """A mechanism in its postures, with what every reference of it is computed from.
+
+    `legs` by body, prisms that are alike the same. `text`: the robot file, whose printed digits
+    leave something open; "" where they are not in question.
+    """
+
+    context: Context
+    postures: tuple[Posture, ...]
+    legs: Mapping[str, Leg]
+    holding: Holding
+    text: str
+
+    @property
+    def mechanism(self) -> Mechanism:
+        """The mechanism, the same in all postures."""
+        return self.postures[0].mechanism
+
+    @property
+    def prisms(self) -> list[ConstantLeg]:
+        """The legs that are solids in the reference."""
+        return [leg for leg in self.legs.values() if isinstance(leg, ConstantLeg)]
+
+    @property
+    def given(self) -> list[str]:
+        """The legs that are known by their 6×6 alone."""
+        return [name for name, leg in self.legs.items() if isinstance(leg, GivenLeg)]
+
+    @property
+    def judged(self) -> int:
+        """How many frequencies are judged."""
+        return self.context.robot_file.requirement.modes
+
+    @property
+    def offered(self) -> int:
+        """How many modes of each model are looked at."""
+        return offered(self.judged)
+
+    @cached_property
+    def samples(self) -> Samples:
+        """Where the shapes of all models are sampled."""
+        return samples_of(self.mechanism)
+
+    @cached_property
+    def climbs(self) -> str:
+        """The model by whose code causes in statics are computed: links where vjm cannot."""
+        return "links" if self.mechanism.parts or why_not_serial(self.postures) else "vjm"
+
+
+def robot_on_path(context: Context) -> RobotOnPath:
+    """The run's robot in the postures of its path."""
+    return robot_at(context, path_postures(context))
+
+
+def robot_at(context: Context, postures: Sequence[Posture]) -> RobotOnPath:
+    """A mechanism, of the run's robot or a part of it, in these postures."""
+    mechanism = postures[0].mechanism
+    return RobotOnPath(
+        context,
+        tuple(postures),
+        known_legs(mechanism),
+        holding(mechanism),
+        context.robot_file.text,
+    )
 
 
 def path_postures(context: Context) -> tuple[Posture, ...]:
@@ -48,41 +146,40 @@ def coordinates(mechanism: Mechanism) -> tuple[Coordinate, ...]:
     return tuple(Coordinate(move, UNITS_OF_MOVES[move]) for move in mechanism.tool.moves)
 
 
-def left_open(mechanism: Mechanism) -> Open:
-    """How legs and parts are held: what is said, and what is not."""
-    said = {name: _said(mechanism, name) for name in legs_of(mechanism)}
+def holding(mechanism: Mechanism) -> Holding:
+    """How legs and parts are held: as is said, and where it is not in both ways."""
+    legs = {name: _said_ends(mechanism, name) for name in legs_of(mechanism)}
     parts: dict[str, Ends | None] = {
         name: "rigid" if is_held_as_said(body) else None for name, body in mechanism.parts.items()
     }
-    everything = {**said, **parts}
-    if all(everything.values()):
-        name = "interfaces as said" if parts and not said else "ends as said"
-        return Open("", "", {name: {name: one or "rigid" for name, one in everything.items()}})
-    open_ends, open_parts = (not all(one.values()) for one in (said, parts))
-    kinds = [name for name, is_open in (("ends", open_ends), ("interfaces", open_parts)) if is_open]
-    words = {"rigid": "rigid", "free": "free" if open_ends else "averaged"}
-    return Open(
-        " and ".join(
-            text for text, is_open in ((OPEN_ENDS, open_ends), (_OPEN_PARTS, open_parts)) if is_open
-        ),
-        "; ".join(
-            text for text, is_open in ((SAY_ENDS, open_ends), (SAY_PARTS, open_parts)) if is_open
-        ),
+    said = {**legs, **parts}
+    if all(said.values()):
+        name = "interfaces as said" if parts and not legs else "ends as said"
+        return Holding({name: {body: ends or "rigid" for body, ends in said.items()}})
+    open_legs, open_parts = (not all(of_kind.values()) for of_kind in (legs, parts))
+    kinds = [
+        words
+        for words, is_open in (
+            (("ends", _OPEN_ENDS, _SAY_ENDS), open_legs),
+            (("interfaces", _OPEN_PARTS, _SAY_PARTS), open_parts),
+        )
+        if is_open
+    ]
+    names, unsaid, decides = zip(*kinds, strict=True)
+    loose = "free" if open_legs else "averaged"
+    return Holding(
         {
-            f"{' and '.join(kinds)} {words[hold]}": {
-                name: one or hold for name, one in everything.items()
+            f"{' and '.join(names)} {'rigid' if hold == 'rigid' else loose}": {
+                body: ends or hold for body, ends in said.items()
             }
             for hold in HOLD
         },
+        " and ".join(unsaid),
+        "; ".join(decides),
     )
 
 
-def holds(mechanism: Mechanism) -> Mapping[str, Holds]:
-    """Ends of every leg and part by the name of the alternative."""
-    return left_open(mechanism).holds
-
-
-def _said(mechanism: Mechanism, name: str) -> Ends | None:
+def _said_ends(mechanism: Mechanism, name: str) -> Ends | None:
     shape = mechanism.bodies[name].shape
     # The 6×6 of a given leg has its ends in it.
     return shape.ends if isinstance(shape, Prism) else "rigid"
@@ -108,3 +205,17 @@ def distinct_legs(mechanism: Mechanism) -> tuple[str, ...]:
 def has_given(mechanism: Mechanism) -> bool:
     """Whether any leg is known by its 6×6 alone."""
     return any(isinstance(body.shape, Given) for body in mechanism.bodies.values())
+
+
+def why_not_serial(postures: Sequence[Posture]) -> str:
+    """Why virtual joints cannot be summed along every leg; "" where they can."""
+    mechanism = postures[0].mechanism
+    try:
+        require_legs(mechanism)
+        springs = tip_compliances(mechanism) | part_springs(mechanism, DEFAULT_OPTIONS)
+        serial_chains.serial_chains(postures[0], springs)
+    except serial_chains.NoChainError as error:
+        return error.reason
+    except InputError as error:
+        return str(error)
+    return ""

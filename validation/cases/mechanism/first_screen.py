@@ -15,10 +15,9 @@ from lumped.acceptance.requirement import AXES
 from lumped.arrays import Array
 from lumped.legs import Theory
 from lumped.mechanism.mechanism import Mechanism, Posture
-from validation.adequacy.mechanism.path import path_postures
-from validation.adequacy.mechanism.statics import compliances, is_serial
-from validation.adequacy.mechanism.subject import mechanism_candidates
-from validation.adequacy.models import JUDGED, JudgedModel
+from validation.adequacy.mechanism.path import path_postures, why_not_serial
+from validation.adequacy.mechanism.statics import compliances
+from validation.adequacy.models import JUDGED, JudgedModel, judged_models
 from validation.case import Measurement, Relative, Sides, Skip
 from validation.case_group import numbered
 from validation.cases.mechanism.path import BEYOND_ROUNDING, path_roundings
@@ -53,7 +52,7 @@ _DYNAMIC = {
 
 def _models(mechanism: Mechanism) -> Mapping[str, JudgedModel]:
     """Those of the first screen; none where a part is no leg of polynomials."""
-    return {} if mechanism.parts else mechanism_candidates(mechanism)
+    return {} if mechanism.parts else judged_models(mechanism)
 
 
 def _of_modes(mechanism: Mechanism) -> list[tuple[str, Relative, str]]:
@@ -99,7 +98,7 @@ def expected_frequencies(at: Posture, theory: Theory, degree: int, modes: int) -
 
 
 def _model(context: Context, model: str) -> tuple[ModelName, ModelOptions]:
-    kind, _, options = mechanism_candidates(context.robot_file.mechanism)[model]
+    kind, _, options = judged_models(context.robot_file.mechanism)[model]
     return kind, options
 
 
@@ -114,7 +113,7 @@ def _model(context: Context, model: str) -> tuple[ModelName, ModelOptions]:
 def _static(context: Context, model: str, entry: str) -> Measurement:
     postures, index = path_postures(context), AXES.index(entry)
     kind, options = _model(context, model)
-    if kind == "vjm" and (branches := is_serial(postures)):
+    if kind == "vjm" and (branches := why_not_serial(postures)):
         raise Skip(branches)
     found = context.get(shown_statics, postures, kind, options)
     legs = "given" if kind in STATIC and options.legs == "given" else "equivalent"

@@ -6,8 +6,8 @@ bounded by itself, so that both leave one robot.
 
 from fem.reduction.craig_bampton import reduction
 from fem.reduction.free_interface import free_interface
-from validation.adequacy.mechanism.part_solids import bounded_frequencies
-from validation.adequacy.mechanism.path import holds, offered, path_postures
+from validation.adequacy.mechanism.parts import bounded_frequencies
+from validation.adequacy.mechanism.path import robot_on_path
 from validation.case import Measurement, Relative, Sides
 from validation.case_group import CaseGroup, numbered
 from validation.context import Context
@@ -36,12 +36,10 @@ cases = CaseGroup(
     tolerance_reason="what each reduction may be too high by its own bound says, 3e-7 and less",
 )
 def _frequency(context: Context, index: int) -> Measurement:
-    postures = path_postures(context)
-    ends = next(iter(holds(context.robot_file.mechanism).values()))
-    count = offered(context.robot_file.requirement.modes)
+    robot = robot_on_path(context)
+    at = robot.postures, robot.offered, robot.holding.first
     free, held = (
-        context.get(bounded_frequencies, postures, count, ends, JUDGED_MODES, COARSE, by)
-        for by in ("free", "fixed")
+        context.get(bounded_frequencies, *at, JUDGED_MODES, COARSE, by) for by in ("free", "fixed")
     )
     return Measurement(
         float(free.upper[index]),

@@ -27,9 +27,9 @@ from lumped.models.bodies import tip_compliances
 from lumped.models.serial_chains import serial_chains
 from lumped.system.assembly import System, assembly
 from lumped.system.solution import modes, rounding, rounding_of_frequencies, solved
-from validation.adequacy.legs import solid_leg
-from validation.adequacy.mechanism.path import known_legs, path_postures
-from validation.adequacy.mechanism.statics import assembled, is_serial
+from validation.adequacy.mechanism.legs import solid_leg
+from validation.adequacy.mechanism.path import known_legs, path_postures, why_not_serial
+from validation.adequacy.mechanism.statics import assembled, compliances
 from validation.agreement.convergence import step_factor
 from validation.case import Absolute, Measurement, Relative, Sides, Skip
 from validation.case_group import CaseGroup, numbered
@@ -132,23 +132,14 @@ of_links = cases.family(
 )
 def _same_statics(context: Context, model: ModelName, options: ModelOptions) -> Measurement:
     postures = path_postures(context)
-    if model == "vjm" and (branches := is_serial(postures)):
+    if model == "vjm" and (branches := why_not_serial(postures)):
         raise Skip(branches)
-    found, expected = (
-        context.get(path_compliances, postures, one, options) for one in (model, "links")
-    )
+    found, expected = (context.get(compliances, postures, one, options) for one in (model, "links"))
     of_model, of_links = (
         context.get(path_roundings, postures, one, options) for one in (model, "links")
     )
     value, reference, uncertainty = farthest_beyond(found, expected, np.hypot(of_model, of_links))
     return Measurement(value, reference, value_uncertainty=uncertainty, decides=BEYOND_ROUNDING)
-
-
-def path_compliances(
-    postures: tuple[Posture, ...], model: ModelName, options: ModelOptions
-) -> Array:
-    """Compliances (p×6×6, SI, base axes) by a model."""
-    return np.array([one.compliance for one in answers(model, postures, 0, options)])
 
 
 def path_roundings(postures: tuple[Posture, ...], model: ModelName, options: ModelOptions) -> Array:

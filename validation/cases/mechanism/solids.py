@@ -14,9 +14,10 @@ from fem.reduction.superelement import held_leg
 from lumped.arrays import Array
 from lumped.legs import ConstantLeg, Ends
 from lumped.mechanism.mechanism import Posture
-from validation.adequacy.mechanism.dynamics import solid_vibration, vibration
+from validation.adequacy.mechanism.dynamics import solid_meshes
 from validation.adequacy.mechanism.path import known_legs, offered, path_postures
 from validation.adequacy.mechanism.samples import samples_of
+from validation.adequacy.mechanism.vibration import solid_vibration, vibration
 from validation.adequacy.partners import partners
 from validation.agreement.convergence import step_factor
 from validation.case import Absolute, Allowance, Measurement, Relative, Sides, Skip
@@ -29,7 +30,7 @@ from validation.solids.legs import FORMAL_ORDER, divisions_across, leg_constants
 from validation.solids.robots import SHARED_SOLIDS, held_solid
 from validation.solids.size import skip_too_large
 from validation.studies.leg_waves import NO_WAVES, WAVES, WAVES_SOURCE, wave_changes, waves_of
-from validation.studies.paired_robot_modes import DIVISIONS, ELEMENTS, WALL_DIVISIONS, own_beam
+from validation.studies.paired_robot_modes import ELEMENTS, own_beam
 
 MODES = 6
 _OWN = "20 Timoshenko beam elements per leg, constants of the solids' own section meshes"
@@ -105,7 +106,7 @@ def _meshes(context: Context) -> tuple[tuple[Posture, ...], tuple[int, int], tup
     prisms = [leg for leg in legs if isinstance(leg, ConstantLeg)]
     if mechanism.parts or not prisms or len(prisms) < len(legs):
         raise Skip("not all of its legs are prisms, whose waves are known")
-    fine = DIVISIONS[context.preset], WALL_DIVISIONS[context.preset]
+    coarse, fine = solid_meshes(context.preset)
     numbers = [divisions_across(leg, *fine) for leg in prisms]
     skip_too_large(prisms, numbers, context.preset)
     for leg, number in zip(prisms, numbers, strict=True):
@@ -114,7 +115,7 @@ def _meshes(context: Context) -> tuple[tuple[Posture, ...], tuple[int, int], tup
                 f"{leg.name}: warping of its open section reaches over more than a tenth of its "
                 "length, and beams without warping are none of its theory"
             )
-    return middle, (fine[0] - 1, fine[1] // 2), fine
+    return middle, coarse, fine
 
 
 def _decay_of_warping(leg: ConstantLeg, divisions: int) -> float:

@@ -7,13 +7,13 @@ import numpy as np
 
 from lumped.acceptance.requirement import AXES, ROTATIONS
 from lumped.arrays import Array
-from validation.adequacy.mechanism.compared import (
+from validation.adequacy.compared import (
     Compared,
     compared_compliances,
     compared_frequencies,
     compared_statics,
 )
-from validation.adequacy.mechanism.path import coordinates, path_postures
+from validation.adequacy.mechanism.path import coordinates, path_postures, robot_on_path
 from validation.adequacy.response import UNSOLVED
 from validation.case import Skip
 from validation.context import Context
@@ -41,7 +41,7 @@ figures = FigureGroup(PATH, SHARED_SOLIDS)
 def deflections(context: Context) -> Shown:
     """A panel for each direction, under a force or a moment along it."""
     try:
-        found = compared_compliances(compared_statics(context, path_postures(context)))
+        found = compared_compliances(compared_statics(robot_on_path(context)))
     except UNSOLVED as error:
         raise Skip(str(error)) from error
     chart = deflection_chart(found, *_path(context))
@@ -52,9 +52,8 @@ def deflections(context: Context) -> Shown:
 @figures.figure("mechanism.frequencies", "Natural frequencies over the path", effort=3.0)
 def frequencies(context: Context) -> Shown:
     """A panel for each of the first frequencies, in ascending order at each pose."""
-    judged = context.robot_file.requirement.modes
     try:
-        found = compared_frequencies(context, path_postures(context), judged)
+        found = compared_frequencies(robot_on_path(context))
     except UNSOLVED as error:
         raise Skip(str(error)) from error
     chart = frequency_chart(found, *_path(context))

@@ -7,8 +7,8 @@ from lumped.dense.modes import Modes
 from lumped.mechanism.mechanism import Posture
 from lumped.system.assembly import assembly
 from lumped.system.solution import mode_count, solved
-from validation.adequacy.mechanism.part_solids import solid_parts
-from validation.adequacy.mechanism.path import holds, offered, path_postures
+from validation.adequacy.mechanism.parts import solid_parts
+from validation.adequacy.mechanism.path import holding, offered, path_postures
 from validation.context import Context
 from validation.models.mechanism import dynamic_bodies, highest_frequency
 from validation.models.mechanism_modes import PostureModes, mechanism_modes, posture_modes
@@ -47,7 +47,7 @@ def _middle(postures: Sequence[Posture]) -> Posture:
 def _with_solid_parts(postures: tuple[Posture, ...], offers: int, count: int) -> PostureModes:
     """Parts as the run has them: held in the first of the ways that it looks at."""
     at, mechanism = _middle(postures), postures[0].mechanism
-    parts = solid_parts(postures, offers, next(iter(holds(mechanism).values())))
+    parts = solid_parts(postures, offers, holding(mechanism).first)
     highest = min(part.highest for part in parts.values())
     bodies = dynamic_bodies("beam", mechanism, highest, _CONDENSED)
     system = assembly(mechanism, {**bodies, **parts}).at(at)

@@ -4,11 +4,10 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from lumped.arrays import Array
-from validation.adequacy.mechanism.dynamics import mechanism_dynamics
-from validation.adequacy.mechanism.path import offered, path_postures
+from validation.adequacy.mechanism.dynamics import dynamic_reference, modes_by_model
+from validation.adequacy.mechanism.path import robot_on_path
 from validation.adequacy.partners import partners
 from validation.adequacy.response import Vibration
-from validation.adequacy.subject.dynamics import dynamic_reference
 from validation.agreement.mode_pairing import mac_matrix
 from validation.case import Skip
 from validation.context import Context
@@ -25,20 +24,18 @@ figures = FigureGroup(PATH, SHARED_SOLIDS)
 @figures.figure("mechanism.pairs", "Modes paired by shape with the reference's", effort=2.0)
 def pairs(context: Context) -> Shown:
     """MAC of beams and segments with the reference, and by how much paired frequencies differ."""
-    postures = path_postures(context)
-    judged = context.robot_file.requirement.modes
-    dynamics = mechanism_dynamics(context, postures, judged)
-    reference = dynamic_reference(dynamics)
+    robot = robot_on_path(context)
+    weights, reference = robot.samples.weights, dynamic_reference(robot)
     held = next(iter(reference.alternatives), None)
     if held is None or held.response.vibration is None:
         raise Skip(f"there is no reference of the frequencies: {reference.decides}")
     truth = held.response.vibration
     first = _middle(truth)
-    shown = min(offered(judged), truth.frequencies.shape[1])
+    shown = min(robot.offered, truth.frequencies.shape[1])
     models = {
         name: _middle(modes)
         for name in _MODELS
-        if (modes := dynamics.answer(name, DEFAULT_OPTIONS))
+        if (modes := modes_by_model(robot, name, DEFAULT_OPTIONS))
     }
     columns: dict[str, list[float]] = {
         "mode": [float(k) for k in range(1, shown + 1)],
@@ -47,9 +44,9 @@ def pairs(context: Context) -> Shown:
     with plot_style():
         drawn, (left, middle, right) = canvas(1, 3, 3.3)
         for axes, (name, model) in zip((left, middle), models.items(), strict=True):
-            mac = mac_matrix(first.samples[0][:, :shown], model.samples[0], dynamics.weights)
+            mac = mac_matrix(first.samples[0][:, :shown], model.samples[0], weights)
             _matrix(axes, mac, name)
-            found = partners(first, model, dynamics.weights, shown)
+            found = partners(first, model, weights, shown)
             change = 100.0 * (found.frequency[0] / first.frequencies[0, :shown] - 1.0)
             look = LOOKS[name]
             right.plot(columns["mode"], change, label=name, linewidth=0.8, **look.options())

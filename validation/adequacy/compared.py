@@ -1,6 +1,6 @@
 """What all models say of a mechanism in some postures, and how far they are from its solids."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -8,14 +8,12 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.errors import InputError
-from lumped.mechanism.mechanism import Mechanism, Posture
-from validation.adequacy.mechanism.dynamics import mechanism_dynamics
-from validation.adequacy.mechanism.statics import mechanism_statics, unanswered
-from validation.adequacy.mechanism.subject import mechanism_candidates
+from lumped.mechanism.mechanism import Mechanism
+from validation.adequacy.mechanism.dynamics import dynamic_reference, modes_by_model
+from validation.adequacy.mechanism.path import RobotOnPath
+from validation.adequacy.mechanism.statics import compliances, static_reference
+from validation.adequacy.models import judged_models, why_unable
 from validation.adequacy.partners import partners
-from validation.adequacy.subject.dynamics import dynamic_reference
-from validation.adequacy.subject.statics import static_reference
-from validation.context import Context
 from validation.models.options import ModelName, ModelOptions
 
 # From the bottom of a stack of curves to its top.
@@ -51,23 +49,22 @@ class ComparedStatics(NamedTuple):
 
 def compared_models(mechanism: Mechanism) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """The models that are compared in statics, and those that are in frequencies."""
-    judged = mechanism_candidates(mechanism)
+    judged = judged_models(mechanism)
     static, dynamic = (
         tuple(name for name in stack if name in judged) for stack in (_STATIC_STACK, _DYNAMIC_STACK)
     )
     return static, dynamic
 
 
-def compared_statics(context: Context, postures: tuple[Posture, ...]) -> ComparedStatics:
+def compared_statics(robot: RobotOnPath) -> ComparedStatics:
     """All models and the alternatives; raises InputError or ComputationError without reference."""
-    statics = mechanism_statics(context, postures)
     found = {
-        name: statics.answer(model, options)
-        for name, (model, options) in _answering(postures, _STATIC_STACK).items()
+        name: compliances(robot.postures, model, options)
+        for name, (model, options) in _answering(robot, _STATIC_STACK).items()
     }
     uncertainties = {}
-    for one in static_reference(statics).alternatives:
-        solid = statics.prisms or statics.parts
+    for one in static_reference(robot).alternatives:
+        solid = robot.prisms or robot.mechanism.parts
         name = f"solid, {one.name}" if solid else "legs' own 6×6"
         if one.response.compliance is not None and one.static is not None:
             open_digits = 0.0 if one.digits is None else one.digits
@@ -87,18 +84,17 @@ def compared_compliances(statics: ComparedStatics) -> Compared:
     return Compared(found, differences, against)
 
 
-def compared_frequencies(context: Context, postures: tuple[Posture, ...], judged: int) -> Compared:
-    """The first frequencies (p×`judged`, Hz), ascending; differences of modes of one shape.
+def compared_frequencies(robot: RobotOnPath) -> Compared:
+    """The first frequencies (p×k, Hz), ascending; differences of modes of one shape.
 
     Raises InputError or ComputationError where there is no reference.
     """
-    dynamics = mechanism_dynamics(context, postures, judged)
     found = {
         name: modes
-        for name, (model, options) in _answering(postures, _DYNAMIC_STACK).items()
-        if (modes := dynamics.answer(model, options))
+        for name, (model, options) in _answering(robot, _DYNAMIC_STACK).items()
+        if (modes := modes_by_model(robot, model, options))
     }
-    reference = dynamic_reference(dynamics)
+    reference = dynamic_reference(robot)
     uncertainties = {}
     for one in reference.alternatives:
         if one.response.vibration is not None and one.dynamic is not None:
@@ -107,12 +103,12 @@ def compared_frequencies(context: Context, postures: tuple[Posture, ...], judged
     if not uncertainties:
         raise InputError(reference.decides)
     against = next(iter(uncertainties))
-    first, weights = found[against], dynamics.weights
+    first, judged = found[against], robot.judged
     own = first.frequencies[:, :judged]
     return Compared(
         {name: one.frequencies[:, :judged] for name, one in found.items()},
         {
-            name: partners(first, one, weights, judged).frequency / own - 1.0
+            name: partners(first, one, robot.samples.weights, judged).frequency / own - 1.0
             for name, one in found.items()
             if name != against
         },
@@ -122,8 +118,12 @@ def compared_frequencies(context: Context, postures: tuple[Posture, ...], judged
 
 
 def _answering(
-    postures: Sequence[Posture], stack: Sequence[str]
+    robot: RobotOnPath, stack: tuple[str, ...]
 ) -> dict[str, tuple[ModelName, ModelOptions]]:
-    judged = mechanism_candidates(postures[0].mechanism)
-    asked = {name: (judged[name].kind, judged[name].options) for name in stack if name in judged}
-    return {name: model for name, model in asked.items() if not unanswered(postures, *model)}
+    judged = judged_models(robot.mechanism)
+    return {
+        name: (judged[name].kind, judged[name].options)
+        for name in stack
+        if name in judged
+        and not why_unable(robot.postures, judged[name].kind, judged[name].options)
+    }
