@@ -6,6 +6,7 @@ from numpy.testing import assert_allclose
 
 from lumped.errors import InputError
 from lumped.robot_file import load_robot
+from validation.models.options import ModelOptions
 from validation.paper.robot import (
     FEET,
     changed,
@@ -16,6 +17,7 @@ from validation.paper.robot import (
     modes,
     stations,
     stroke_of,
+    unreduced_modes,
 )
 
 ROBOT = load_robot("ifw")
@@ -59,6 +61,16 @@ def test_shares_of_energy_sum_to_one_and_have_the_papers_words(model):
     assert found.kinetic["z"][0] > 0.99
     assert found.kinetic["z"][1] < 0.01
     assert_allclose(found.in_the_feet, sum(found.strain[foot] for foot in FEET))
+
+
+def test_solids_on_all_their_unknowns_have_the_modes_of_reduced_ones():
+    x = 0.4975
+    whole = unreduced_modes(ROBOT, x, 4, 1)
+    (reduced,) = modes("solid", ROBOT, np.array([x]), 4, ModelOptions(divisions=1))
+    # The modes that the reduction drops lie above 2.5 times the highest of these.
+    assert_allclose(whole.frequencies, reduced.frequencies, rtol=1e-6)
+    assert_allclose(whole.in_the_feet, reduced.in_the_feet, atol=1e-5)
+    assert_allclose(whole.kinetic["z"], reduced.kinetic["z"], atol=1e-5)
 
 
 def test_modes_of_the_family_are_those_of_its_members():

@@ -13,9 +13,9 @@ from validation.paper.robot import (
     family_deflections,
     family_frequencies,
     member,
-    modes,
     stroke_deflections,
     stroke_of,
+    unreduced_modes,
 )
 from validation.paper.statements.statement import Compute, Statement
 from validation.solids.legs import FORMAL_ORDER
@@ -79,11 +79,11 @@ def _longest(context: Context, _reading: ModelOptions) -> Measurement:
 
 
 def _due_to_actuators(context: Context, _reading: ModelOptions) -> Measurement:
-    x = np.array([stroke_of(context.robot_file.mechanism).centre])
+    centre = stroke_of(context.robot_file.mechanism).centre
     divisions = _DIVISIONS[context.preset]
     coarse, fine = (
-        context.get(modes, "solid", context.robot_file, x, _SIXTY, ModelOptions(divisions=d))[0]
-        for d in (_COARSE, divisions)
+        context.get(unreduced_modes, context.robot_file, centre, _SIXTY, number)
+        for number in (_COARSE, divisions)
     )
     counts = [float(np.sum(found.in_the_feet > _ALONE)) for found in (fine, coarse)]
     feet = fine.in_the_feet
@@ -117,7 +117,7 @@ STATEMENTS = (
         "a count: nothing but none will do",
         _due_to_actuators,
         group="paper.solid.sixty",
-        effort=8.0,
+        effort=2.0,
         # A count needs a second mesh to be believed, which a quick answer has no time for.
         presets=_SOLVED,
         model="solid",
