@@ -17,6 +17,7 @@ from meshes.elements import SectionElement, SolidElement
 from meshes.gmsh_arrays import connectivity, numbered
 from meshes.own_process import Crashed, in_own_process
 from meshes.part.boundary import Facets
+from meshes.part.filled import require_filled
 from meshes.part.inner_edges import cut_at_inner_edges, second_order_unknowns
 from meshes.part.interfaces import Interface
 from meshes.part.part_mesh import PartMesh
@@ -126,7 +127,13 @@ def _meshed(
         with naming_the_place(part.path, model):
             gmsh.model.mesh.generate(3)
             gmsh.model.mesh.setOrder(2)
-        return _mesh(gmsh, model.faces(), cut=grading.cut)
+        mesh = _as_it_is(gmsh, model.faces(), "tet10", "tri6")
+        require_filled(mesh, model, part.path)
+    # Not by gmsh's own optimisers of curved elements: where they do not succeed they may end the
+    # whole process (std::runtime_error in 4.15).
+    places, count = straightened(mesh.nodes, mesh.cells)
+    mesh = replace(mesh, nodes=places, straightened=count)
+    return cut_at_inner_edges(mesh) if grading.cut else mesh
 
 
 def ladder(part: PartFile, interfaces: Sequence[Interface], unknowns: int) -> tuple[Grading, ...]:
@@ -205,15 +212,6 @@ def _set_sizes(model: CadModel, interfaces: Sequence[Interface], grading: Gradin
     field.setNumber(threshold, "DistMin", 0.0)
     field.setNumber(threshold, "DistMax", _REACH * grading.size)
     field.setAsBackgroundMesh(threshold)
-
-
-def _mesh(gmsh: ModuleType, faces: Sequence[int], *, cut: bool) -> PartMesh:
-    # Not by gmsh's own optimisers of curved elements: where they do not succeed they may end the
-    # whole process (std::runtime_error in 4.15).
-    mesh = _as_it_is(gmsh, faces, "tet10", "tri6")
-    places, count = straightened(mesh.nodes, mesh.cells)
-    mesh = replace(mesh, nodes=places, straightened=count)
-    return cut_at_inner_edges(mesh) if cut else mesh
 
 
 def _as_it_is(

@@ -93,11 +93,13 @@ def cad_model(path: Path, unit: str | None = None) -> Iterator[CadModel]:
         _import(gmsh, path, chosen)
         occ.synchronize()
         tag = _one_solid(gmsh, path)
-        extent = _extent(gmsh, tag)
+        box = _box(gmsh, tag)
+        extent = [max(float(side), 0.0) for side in box[1] - box[0]]
         require_plausible(extent, chosen, str(path))
         gap, place = largest_gap(gmsh, tag)
         model = CadModel(gmsh, tag, chosen, extent, gap)
         _require_sound(model, path, place)
+        _require_all_points(model, path, box)
         if path.suffix.lower() in STEP:
             _require_all_faces(model, path)
         yield model
@@ -126,8 +128,8 @@ def _import(gmsh: ModuleType, path: Path, unit: str) -> None:
         raise InputError(f"{path}: OpenCASCADE cannot read it: {error}") from error
 
 
-def _extent(gmsh: ModuleType, solid: int) -> list[float]:
-    """Sides (3, m) of the box around a solid.
+def _box(gmsh: ModuleType, solid: int) -> Array:
+    """Lower and upper corner (2×3, m) of the box around a solid.
 
     The kernel's boxes hold all control points of splines, off the surface as they are: around faces
     that are splines it is the box of the kernel's triangles.
@@ -143,8 +145,21 @@ def _extent(gmsh: ModuleType, solid: int) -> list[float]:
         lower.append(box[:3] + around)
         upper.append(box[3:] - around)
     gmsh.option.setNumber("Geometry.OCCBoundsUseStl", 0)
-    sides = np.max(upper, axis=0) - np.min(lower, axis=0)
-    return [max(float(side), 0.0) for side in sides]
+    return np.array([np.min(lower, axis=0), np.max(upper, axis=0)])
+
+
+def _require_all_points(model: CadModel, path: Path, box: Array) -> None:
+    """Raise InputError where a point of the file lies outside the solid."""
+    gmsh = model.gmsh.model
+    points = np.array([gmsh.getValue(0, tag, []) for _, tag in gmsh.getEntities(0)])
+    outside = np.maximum(box[0] - points, points - box[1]).max(axis=1)
+    allowed = model.gap + _TINY_EDGE * max(model.extent)
+    if (off := float(outside.max())) > allowed:
+        x, y, z = points[np.argmax(outside)]
+        raise InputError(
+            f"{path}: the point ({x:.4g}, {y:.4g}, {z:.4g}) m lies {off:.3g} m outside the solid, "
+            f"{allowed:.2g} m is allowed: part of it is lost, or the file holds more than the part"
+        )
 
 
 def _require_all_faces(model: CadModel, path: Path) -> None:

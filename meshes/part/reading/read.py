@@ -1,11 +1,12 @@
 """A part as it is picked from: its file, unit, size and faces, whatever the file's format."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
-from lumped.arrays import Array
+from lumped.arrays import Array, IntArray
 from lumped.errors import InputError
 from lumped.files import require_ordinary
 from lumped.mechanism.part import METRES
@@ -121,6 +122,7 @@ def _picked(path: Path, model: CadModel) -> PartFile:
     if bare:
         raise InputError(f"{path}: face {bare[0]} cannot be meshed: it has no area or no outline")
     tags, nodes = numbered(gmsh, np.concatenate(list(triangles.values())))
+    _require_outward(path, triangles)
     names, occ = model.names(), gmsh.model.occ
     faces = tuple(
         replace(
@@ -141,3 +143,20 @@ def _picked(path: Path, model: CadModel) -> PartFile:
         model.gap,
         model.unknown_share,
     )
+
+
+def _require_outward(path: Path, triangles: Mapping[int, IntArray]) -> None:
+    """Raise InputError where a face looks inwards: the kernel counts what is under it as missing.
+
+    `triangles` (F×3, tags of nodes) by face, each as its face looks. Neighbours run along the edge
+    between them in opposite directions.
+    """
+    faces = np.repeat(list(triangles), [3 * len(cells) for cells in triangles.values()])
+    edges = np.concatenate(list(triangles.values()))[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+    _, place, counts = np.unique(edges, axis=0, return_inverse=True, return_counts=True)
+    alike = faces[counts[place.ravel()] > 1]
+    if len(alike):
+        raise InputError(
+            f"{path}: face {np.bincount(alike).argmax()} looks inwards: its edges run as those of "
+            f"its neighbours do, {len(alike) // 2} times; export it anew from the CAD system"
+        )

@@ -2,10 +2,13 @@
 
 import re
 
+import numpy as np
 import pytest
 
 from lumped.errors import InputError
 from meshes.part.reading.read import read_part
+from meshes.part.spread import cell_volumes
+from meshes.part.volume import Grading, volume_mesh
 
 
 def two_solids(occ, s):
@@ -35,6 +38,11 @@ def tiny_edge(occ, s):
     occ.extrude([(2, occ.addPlaneSurface([occ.addCurveLoop(lines)]))], 0, 0, 10 * s)
 
 
+def box_and_line(occ, s):
+    occ.addBox(0, 0, 0, 10 * s, 10 * s, 10 * s)
+    occ.addLine(occ.addPoint(5 * s, 0, 0), occ.addPoint(30 * s, 0, 0))
+
+
 def minute(occ, s):
     occ.addBox(0, 0, 0, 1e-3 * s, 1e-3 * s, 1e-3 * s)
 
@@ -45,6 +53,10 @@ SHAPES = {
     "open shell": (open_shell, "5 faces, but no solid"),
     "wire": (wire, "holds no faces"),
     "tiny edge": (tiny_edge, "m long, no mesh can follow it"),
+    "box and line": (
+        box_and_line,
+        "the point (0.03, 0, 0) m lies 0.02 m outside the solid, 1e-07 m is allowed",
+    ),
     "minute": (minute, "is no part of a robot; is its unit right?"),
 }
 
@@ -61,6 +73,43 @@ def refused(path, unit=None) -> str:
 @pytest.mark.parametrize(("build", "message"), SHAPES.values(), ids=SHAPES.keys())
 def test_a_shape_that_is_no_solid_part(part_file, build, message):
     assert message in refused(part_file(f"{build.__name__}.step", build))
+
+
+def block(occ, s):
+    occ.addBox(0.0, 0.0, 0.0, 100.0 * s, 20.0 * s, 30.0 * s)
+
+
+def turned(path, face):
+    """The BREP file with one face of its last shell turned inside out."""
+    text = path.read_text()
+    start = text.rindex("\nSh\n")
+    signed = list(re.finditer(r"([+-])\d+ 0 ", text[start:]))[face].start() + start
+    other = {"+": "-", "-": "+"}[text[signed]]
+    damaged = path.with_name("turned.brep")
+    damaged.write_text(text[:signed] + other + text[signed + 1 :])
+    return damaged
+
+
+def test_a_face_that_looks_inwards(part_file):
+    """The kernel's volume of the box is 40 cm³ then, that of its outline 60 cm³."""
+    line = refused(turned(part_file("block.brep", block, 1e-3), 2), "m")
+    assert "looks inwards: its edges run as those of its neighbours do" in line
+
+
+def hollow(occ, s):
+    block = occ.addBox(0, 0, 0, 40 * s, 40 * s, 40 * s)
+    occ.cut([(3, block)], [(3, occ.addSphere(20 * s, 20 * s, 20 * s, 10 * s))])
+
+
+def test_tetrahedra_fill_what_the_faces_enclose(part_file):
+    """A cavity whose one face looks inwards has no neighbour: the kernel counts it as filled."""
+    path = part_file("hollow.brep", hollow, 1e-3)
+    sound = volume_mesh(read_part(path), (), Grading(0.01))
+    # 64 cm³ less the ball; facets of 12 sides are within 0.1 % of its volume.
+    assert cell_volumes(sound).sum() == pytest.approx(64e-6 - 4e-6 / 3 * np.pi, rel=1e-3)
+    part = read_part(turned(path, 0))
+    with pytest.raises(InputError, match=r"enclose 68\.\d+ cm³, tetrahedra .* fill 59\.8"):
+        volume_mesh(part, (), Grading(0.01))
 
 
 def test_a_surface_that_crosses_itself(part_file):
