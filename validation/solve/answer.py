@@ -56,14 +56,25 @@ class PartUncertainty:
 
 
 @dataclass(frozen=True)
+class DigitUncertainty:
+    """What the printed digits of 6×6 leave open at most, to first order, of all that is printed.
+
+    Half-widths, of the diagonal of the compliance (SI) and of frequencies (Hz).
+    """
+
+    compliance: Array
+    frequencies: Array
+
+
+@dataclass(frozen=True)
 class Answer:
     """Compliance (6×6 or 2×2, SI) and frequencies (Hz, ascending) at one posture or of one leg.
 
     `place` is {"x": m}, {"pose": [m or rad]}, {"leg": 1 or 2} or {"body": name}; `idle` counts the
     mobilities of a mechanism that do not move its tool; `strain` maps its drives, joints and bodies
     to their shares of each mode's strain energy, `pairs` is the record of the modes' partners in
-    another model; `uncertainty` is that of the mesh of prisms where one is known, None else, and
-    `of_parts` that of CAD parts.
+    another model; `uncertainty` is that of the mesh of prisms where one is known, None else,
+    `of_parts` that of CAD parts and `of_digits` that of the 6×6 in the robot file.
     """
 
     place: dict[str, float | int | str | list[float]]
@@ -72,6 +83,7 @@ class Answer:
     idle: int | None = None
     uncertainty: MeshUncertainty | None = None
     of_parts: PartUncertainty | None = None
+    of_digits: DigitUncertainty | None = None
     strain: Mapping[Portion, Array] = field(default_factory=dict)
     pairs: Mapping[str, Any] = field(default_factory=dict)
 
@@ -149,6 +161,7 @@ def record_of(answer: Answer) -> dict[str, Any]:
         **({} if answer.idle is None else {"idle": answer.idle}),
         **({} if answer.uncertainty is None else _record(answer.uncertainty)),
         **({} if answer.of_parts is None else {"parts": _part_record(answer.of_parts)}),
+        **({} if answer.of_digits is None else {"digits": _digit_record(answer.of_digits)}),
         **_mode_records(answer),
     }
 
@@ -170,6 +183,13 @@ def _record(uncertainty: MeshUncertainty) -> dict[str, Any]:
         "frequencies": uncertainty.frequencies.tolist(),
     }
     return {"uncertainty": found}
+
+
+def _digit_record(found: DigitUncertainty) -> dict[str, list[float]]:
+    return {
+        "compliance": found.compliance.tolist(),
+        "frequencies": found.frequencies.tolist(),
+    }
 
 
 def _part_record(found: PartUncertainty) -> dict[str, Any]:
@@ -222,6 +242,9 @@ def _answer_lines(answer: Answer) -> list[str]:
         lines += _uncertainty_lines(answer, answer.uncertainty)
     if answer.of_parts is not None:
         lines += _part_lines(answer, answer.of_parts)
+    if (digits := answer.of_digits) is not None:
+        lines.append("  left open by the last digits of the 6×6 in the robot file (at most):")
+        lines += _share_lines(answer, digits.compliance, digits.frequencies)
     return lines
 
 

@@ -45,7 +45,8 @@ class Question:
 
     In the reference posture without poses. `modes`: how many, None for six; `given` are the
     options that were typed. The modes are paired with those of `against`. `biglide`: the file is
-    of schema 1, whose poses are positions x and whose bodies are legs by number.
+    of schema 1, whose poses are positions x and whose bodies are legs by number. `text` of the
+    file, whose printed digits are looked at; "" where they are not in question.
     """
 
     model: ModelName
@@ -56,6 +57,7 @@ class Question:
     body: str | None = None
     against: ModelName | None = None
     biglide: bool = False
+    text: str = ""
 
     @property
     def count(self) -> int:
@@ -199,4 +201,5 @@ def question(
         raise InputError(faults)
     body = place.body if place.leg is None else f"leg{place.leg}"
     poses = (*(repr(x) for x in place.x), *place.poses)
-    return Question(model, modes, given, mechanism, poses, body, against, biglide)
+    text = robot_file.text
+    return Question(model, modes, given, mechanism, poses, body, against, biglide, text)

@@ -1,6 +1,7 @@
 """Digits of a robot file as an uncertainty, against robots whose digits are drawn and read."""
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +16,10 @@ from validation.adequacy.mechanism.digits import left_by_digits
 from validation.adequacy.response import Alternative, Candidate, Reference, Response, Subject
 from validation.kinematics.poses import postures_of
 from validation.models.mechanism import answers
-from validation.models.options import DEFAULT_OPTIONS
+from validation.models.options import DEFAULT_OPTIONS, ModelName
+from validation.solve.answer import Answer, Solution, as_text, record_of
+from validation.solve.model_answers import solve
+from validation.solve.question import Place, question
 
 DRAWS = 200
 MATRIX = re.compile(r"(compliance = \[)(.*?)(\n\])", re.DOTALL)
@@ -85,6 +89,33 @@ def test_twelve_digits_leave_next_to_nothing(printed: RobotFile) -> None:
     stated = left_by_digits(MATRIX.sub(longer, printed.text), postures)
     # Two or three digits leave 1e-3.
     assert 0.0 < stated.max() < 1e-10
+
+
+@pytest.mark.parametrize("model", ["vjm", "segments", "beam"])
+def test_solve_says_what_the_digits_leave_open_at_most(
+    printed: RobotFile, tmp_path: Path, model: ModelName
+) -> None:
+    asked = question(printed, model, Place(), None, {})
+
+    def solved(robot: RobotFile, text: str = "") -> Answer:
+        return solve(replace(asked, mechanism=robot.mechanism, text=text)).answers[0]
+
+    def sizes(answer: Answer) -> Array:
+        return np.concatenate([np.diag(answer.compliance), answer.frequencies])
+
+    answer, rng = solved(printed, printed.text), np.random.default_rng(24)
+    assert answer.of_digits is not None
+    most = np.concatenate([answer.of_digits.compliance, answer.of_digits.frequencies])
+    drawn_ones = (solved(read(drawn(printed.text, rng), tmp_path)) for _ in range(60))
+    largest = np.max([np.abs(sizes(one) - sizes(answer)) for one in drawn_ones], axis=0)
+    # Of 60 draws none has all its roundings on one side; five numbers or so count in each.
+    assert (largest <= most).all()
+    assert (most <= 3.0 * largest).all()
+    assert record_of(answer)["digits"]["compliance"] == most[:6].tolist()
+    text = as_text(Solution(printed.mechanism.name, model, {}, (answer,)))
+    assert "left open by the last digits of the 6×6 in the robot file (at most):" in text
+    # Digits are the robot file's: without a 6×6 of it there is nothing to say.
+    assert solve(replace(asked, text="")).answers[0].of_digits is None
 
 
 def test_what_is_not_the_robots_leaves_nothing_open() -> None:

@@ -1,11 +1,11 @@
-"""What the printed digits of a robot's 6×6 leave open of the displacements of its tool.
+"""What the printed digits of a robot's 6×6 leave open of its displacements and frequencies.
 
 The 6×6 that the robot really has is known within its digits alone, while every model takes the
 number that is printed: what a model is off by is uncertain by as much, even where the reference is
 assembled from the same number.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -25,7 +25,7 @@ from validation.agreement.displacement import sizes
 
 # 512 points of Sobol: half-widths of one seed and another differ by 1 to 2 % of themselves.
 _POWER = 9
-# Of the size that an entry of a 6×6 can have: the tool's compliance is linear in it so far.
+# Of the size that an entry of a 6×6 can have: compliances and frequencies are linear in it so far.
 _STEP = 1e-6
 
 
@@ -37,7 +37,7 @@ def left_by_digits(text: str, postures: Sequence[Posture]) -> Array:
     small a change. Zero where no 6×6 of the file is the robot's.
     """
     own = _compliances(postures)
-    changes = np.array(list(_changes(text, postures, own)))
+    changes = np.array(list(_changes(text, postures, _compliances)))
     if not len(changes):
         return np.zeros((len(postures), len(STATIC_QUANTITIES)))
     draws = 2.0 * qmc.Sobol(len(changes), seed=0).random_base2(_POWER) - 1.0
@@ -47,12 +47,26 @@ def left_by_digits(text: str, postures: Sequence[Posture]) -> Array:
     return np.quantile(np.where(np.isfinite(found), found, 0.0), 0.95, axis=0)
 
 
-def _changes(text: str, postures: Sequence[Posture], own: Array) -> Iterator[Array]:
-    """What half a unit of each number changes in the tool's compliance (p×6×6, SI).
+def most_by_digits(
+    text: str, postures: Sequence[Posture], values: Callable[[Sequence[Posture]], Array]
+) -> Array:
+    """The most that `values` of the postures can be off by, to first order: all roundings add up.
+
+    `text` of the robot file. Zero where no 6×6 of the file is the robot's, or `values` are
+    infinite.
+    """
+    sizes = [np.abs(change) for change in _changes(text, postures, values)]
+    return np.sum(sizes, axis=0) if sizes else np.zeros_like(values(postures))
+
+
+def _changes(
+    text: str, postures: Sequence[Posture], values: Callable[[Sequence[Posture]], Array]
+) -> Iterator[Array]:
+    """What half a unit of each number changes in what `values` gives of the postures (SI).
 
     Bodies and joints for which the same 6×6 is printed have the same one.
     """
-    mechanism = postures[0].mechanism
+    mechanism, own = postures[0].mechanism, None
     known = {printed.compliance.tobytes(): printed for printed in printed_compliances(text)}
     for printed in known.values():
         size = np.sqrt(np.diag(printed.compliance))
@@ -61,8 +75,11 @@ def _changes(text: str, postures: Sequence[Posture], own: Array) -> Iterator[Arr
             change[i, j] = change[j, i] = step = _STEP * size[i] * size[j]
             changed = _with_change(mechanism, printed.compliance, change)
             if changed is not None:
-                moved = _compliances([replace(at, mechanism=changed) for at in postures])
-                yield (moved - own) * (printed.half[i, j] / step)
+                own = values(postures) if own is None else own
+                moved = values([replace(at, mechanism=changed) for at in postures])
+                finite = np.isfinite(own)
+                off = np.subtract(moved, own, out=np.zeros_like(own), where=finite)
+                yield off * (printed.half[i, j] / step)
 
 
 def _compliances(postures: Sequence[Posture]) -> Array:

@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -66,7 +66,8 @@ def solve_varied(
     units = []
     for values, robot in robots:
         said = told(variations, values)
-        asked = question(robot, model, place, modes, given)
+        # Tables of many robots have no room for what digits leave open of each.
+        asked = replace(question(robot, model, place, modes, given), text="")
         try:
             checked(asked)
         except InputError as error:
