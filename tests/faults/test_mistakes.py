@@ -91,7 +91,7 @@ def sound(nearest: tuple[str, ...]) -> str | None:
 
 
 def test_every_text_stands_once_in_its_file_and_its_nearest_tests_are_there():
-    assert len({one.name for one in MISTAKES}) == len(MISTAKES) >= 80
+    assert len({one.name for one in MISTAKES}) == len(MISTAKES) >= 70
     assert {one.file.split("/")[0] for one in MISTAKES} == set(PACKAGES)
     for one in MISTAKES:
         source = (ROOT / one.file).read_text(encoding="utf-8")
