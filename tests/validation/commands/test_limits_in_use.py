@@ -143,7 +143,10 @@ def test_more_modes(flexproof):
 
 @pytest.fixture
 def in_folder(pytester):
-    """A pytest of its own in a folder with a robot; `run(accept, *options)` gives its outcomes."""
+    """A pytest of its own in a folder with a robot; `run(accept, *options)` gives its outcomes.
+
+    `run.said` is what the last of them said of each test.
+    """
     known = any(one.value == pytest_plugin.__name__ for one in entry_points(group="pytest11"))
     named = [] if known else ["-p", pytest_plugin.__name__]
     text = load_robot("ifw").text
@@ -151,7 +154,8 @@ def in_folder(pytester):
     def run(accept, *options):
         (pytester.path / "mine.toml").write_text(f"{text}\n[accept]\n{accept}\n", encoding="utf-8")
         found = pytester.inline_run("-p", "no:cacheprovider", *named, *options)
-        reports = (r for r in found.getreports("pytest_runtest_logreport") if r.when == "call")
+        reports = [r for r in found.getreports("pytest_runtest_logreport") if r.when == "call"]
+        run.said = {report.nodeid: str(report.longrepr) for report in reports}
         return {report.nodeid.rpartition("::")[2]: report.outcome for report in reports}
 
     return run
@@ -165,6 +169,9 @@ def test_within_and_accept_of_the_fixture(in_folder, pytester):
     assert len(outcomes) == 8
     for name, outcome in outcomes.items():
         assert outcome == ("failed" if f"{limits['below']}" in name else "passed"), name
+        said = in_folder.said[f"test_within_and_accept_of_the_fixture.py::{name}"]
+        told = "beam, f1: inadequate; error +4" if "f1" in name else "beam, x: inadequate; error 4"
+        assert (told in said) is (outcome == "failed")
 
 
 @pytest.mark.parametrize(
@@ -184,6 +191,16 @@ def test_a_robot_file_as_tests(limit, sure, unsure, in_folder):
         outcome = {"adequate": "passed", "inadequate": "failed", "undecided": of_undecided}
         expected = {**dict.fromkeys(names, outcome[sure]), "beam.f2": outcome[unsure]}
         assert in_folder(accept, *chosen, *strict) == expected
+        said = in_folder.said["mine.toml::beam.x"]
+        assert ("beam, x: inadequate; error 4" in said) is (sure == "inadequate")
+        assert "Traceback" not in said
+
+
+def test_a_quantity_of_which_a_model_says_nothing_is_skipped(in_folder):
+    assert in_folder("", "--flexproof", "mine.toml", "-k", "vjm.f1 and not euler") == {
+        "vjm.f1": "skipped"
+    }
+    assert "vjm says nothing of f1" in in_folder.said["mine.toml::vjm.f1"]
 
 
 @pytest.mark.parametrize("preset", ["quick", "standard", "fine"])

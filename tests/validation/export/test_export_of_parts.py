@@ -16,6 +16,7 @@ from lumped.robot_file import load_robot
 from validation.export.mechanism import export_mechanism
 from validation.models.parts import identified
 
+pytestmark = pytest.mark.usefixtures("coarse_parts")
 EXAMPLES = Path(__file__).resolve().parents[3] / "examples"
 
 

@@ -28,6 +28,8 @@ from validation.report.figures.mechanism.bodies import (
 )
 from validation.report.figures.mechanism.drawn_modes import finite_elements, segments
 
+pytestmark = pytest.mark.usefixtures("coarse_parts")
+
 
 @pytest.fixture(scope="module")
 def five_bar():
@@ -156,10 +158,8 @@ def test_differences_are_from_the_first_reference(five_bar, tmp_path):
 
 @pytest.fixture(scope="module")
 def crane(tmp_path_factory):
-    """A robot of one CAD part, on coarse meshes."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(parts, "UNKNOWNS", 6_000)
-        yield Context(load_robot(write_crane(tmp_path_factory.mktemp("crane"))), "quick")
+    """A robot of one CAD part."""
+    return Context(load_robot(write_crane(tmp_path_factory.mktemp("crane"))), "quick")
 
 
 def test_a_part_is_drawn_as_its_solid_moves(crane):

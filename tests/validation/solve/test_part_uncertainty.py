@@ -17,14 +17,8 @@ from validation.solve.answer import as_json, as_text
 from validation.solve.model_answers import solve
 from validation.solve.question import Question
 
+pytestmark = pytest.mark.usefixtures("coarse_parts")
 COUNT = 4
-
-
-@pytest.fixture(scope="module", autouse=True)
-def coarse():
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(parts, "UNKNOWNS", 6_000)
-        yield patch
 
 
 @pytest.fixture(scope="module")
@@ -46,10 +40,10 @@ def solution(file):
 
 
 @pytest.mark.exhaustive
-def test_the_meshes_leave_open_what_a_far_finer_one_changes(solution, file, coarse):
+def test_the_meshes_leave_open_what_a_far_finer_one_changes(solution, file, coarse_parts):
     (own,) = solution.answers
     at = [reference_posture(load_robot(file).mechanism)]
-    with coarse.context() as patch:
+    with coarse_parts.context() as patch:
         patch.setattr(parts, "UNKNOWNS", 20_000)
         (finer,) = answers("solid", at, COUNT)
     apart = np.abs(values(finer) - values(own))
