@@ -1,6 +1,6 @@
 """Why a model is off and what would help: steps from the model towards the reference.
 
-Every rung of a model's ladder removes one named cause by a computation of its own, none of which
+Every step of a model's ladder removes one named cause by a computation of its own, none of which
 knows the reference; what the ladder does not reach is the rest, and is shown as such.
 """
 
@@ -9,14 +9,13 @@ from collections.abc import Sequence
 import numpy as np
 
 from lumped.acceptance.requirement import STATIC_QUANTITIES
-from lumped.arrays import Array
 from validation.adequacy.errors import Errors, Scale
 from validation.adequacy.matrix import Cause
-from validation.adequacy.response import Candidate, Response, Rung
+from validation.adequacy.response import Candidate, Response, Step
 from validation.agreement.displacement import displacement
 
 REST = "rest, not attributed"
-# Causes below this share of an error are not named, rungs below this part of a limit not taken.
+# Causes below this share of an error are not named, steps below this part of a limit not taken.
 _WORTH_NAMING, _WORTH_TAKING = 0.005, 0.1
 
 
@@ -36,16 +35,16 @@ def explained(
         return ()
     amounts: dict[str, float] = {}
     sources: dict[str, str] = {REST: "error less the causes named"}
-    before = [candidate.response] * _count(scale, quantity)
-    for rung in rungs_of(candidate, quantity):
-        after = _responses(scale, rung, quantity)
+    before = [candidate.response] * len(errors.names)
+    for step in steps_of(candidate, quantity):
+        after = [step.responses[name] for name in errors.names]
         amount = _amount(scale, quantity, errors, before, after, pose)
         if amount is None:
             if unsolved := next(filter(None, (one.unsolved(quantity) for one in after)), ""):
-                sources[REST] += f"; {rung.cause} cannot be computed: {unsolved}"
+                sources[REST] += f"; {step.cause} cannot be computed: {unsolved}"
             break
-        amounts[rung.cause] = amounts.get(rung.cause, 0.0) + amount
-        sources.setdefault(rung.cause, rung.source)
+        amounts[step.cause] = amounts.get(step.cause, 0.0) + amount
+        sources.setdefault(step.cause, step.source)
         before = after
     amounts[REST] = total - sum(amounts.values())
     found = [Cause(name, amount / total, sources[name]) for name, amount in amounts.items()]
@@ -79,7 +78,7 @@ def _amount(
 
 
 def remedied(
-    scale: Scale, candidate: Candidate, quantity: str, limit: float, pose: int
+    scale: Scale, candidate: Candidate, quantity: str, errors: Errors, limit: float, pose: int
 ) -> tuple[str, float | None]:
     """The shortest way up the ladder that brings the error within its limit, or nearest to it.
 
@@ -87,47 +86,30 @@ def remedied(
     Only those steps are named that change anything worth the name. ("", None) where none helps.
     """
     tried: list[tuple[float, float, str]] = []
-    steps: list[str] = []
-    before = _middle(scale, [candidate.response] * _count(scale, quantity), quantity)
-    start = None if before is None else before[pose]
-    for rung in rungs_of(candidate, quantity):
-        after = _middle(scale, _responses(scale, rung, quantity), quantity)
+    remedies: list[str] = []
+    start = before = float(errors.middle[pose])
+    for step in steps_of(candidate, quantity):
+        after = scale.errors([step.responses[name] for name in errors.names], quantity)
         if after is None:
             break
-        changes = before is None or not abs(after[pose] - before[pose]) < _WORTH_TAKING * limit
-        if rung.remedy and changes:
-            steps.append(rung.remedy)
-        if rung.remedy and steps and np.isfinite(after).all():
-            worst = float(after[np.argmax(np.abs(after))])
-            tried.append((abs(worst), worst, ", ".join(dict.fromkeys(steps))))
-        # A rung without a remedy of its own is taken together with the next one.
-        before = after if rung.remedy else before
+        middle = after.middle
+        if step.remedy and not abs(middle[pose] - before) < _WORTH_TAKING * limit:
+            remedies.append(step.remedy)
+        if step.remedy and remedies and np.isfinite(middle).all():
+            worst = float(middle[np.argmax(np.abs(middle))])
+            tried.append((abs(worst), worst, ", ".join(dict.fromkeys(remedies))))
+        # A step without a remedy of its own is taken together with the next one.
+        before = float(middle[pose]) if step.remedy else before
     if not tried:
         return "", None
     enough = [one for one in tried if one[0] <= limit]
     size, error, remedy = enough[0] if enough else min(tried)
-    if start is not None and np.isfinite(start) and size >= abs(start):
+    if np.isfinite(start) and size >= abs(start):
         return "", None
     return remedy, error
 
 
-def rungs_of(candidate: Candidate, quantity: str) -> Sequence[Rung]:
+def steps_of(candidate: Candidate, quantity: str) -> Sequence[Step]:
     """The candidate's ladder for a quantity."""
     static = quantity in STATIC_QUANTITIES
-    return candidate.static_rungs if static else candidate.dynamic_rungs
-
-
-def _count(scale: Scale, quantity: str) -> int:
-    return len(scale.reference(quantity).alternatives)
-
-
-def _responses(scale: Scale, rung: Rung, quantity: str) -> list[Response]:
-    return [rung.responses[one.name] for one in scale.reference(quantity).alternatives]
-
-
-def _middle(scale: Scale, responses: Sequence[Response], quantity: str) -> Array | None:
-    errors = scale.errors(responses, quantity)
-    if errors is None:
-        return None
-    low, high = errors.interval
-    return np.asarray(0.5 * (low + high))
+    return candidate.static_steps if static else candidate.dynamic_steps

@@ -32,7 +32,7 @@ class Loaded:
 
 @dataclass(frozen=True, eq=False)
 class Errors:
-    """Errors of one quantity: a alternatives of the reference by p poses.
+    """Errors of one quantity: a alternatives of the reference, by their `names`, by p poses.
 
     Frequencies: `value` and `expected` in Hz, `error` = value/expected − 1. Deflections: `value`
     and `expected` along the load, `error` of the whole displacement, never negative, and what
@@ -41,6 +41,7 @@ class Errors:
     which mode of the model, from 0, has the shape of each of the reference's; −1: none has.
     """
 
+    names: tuple[str, ...]
     value: Array
     expected: Array
     error: Array
@@ -63,6 +64,12 @@ class Errors:
             return low[at], high[at]
         low, high = low.min(axis=0), high.max(axis=0)
         return (low if self.loaded is None else np.maximum(low, 0.0)), high
+
+    @property
+    def middle(self) -> Array:
+        """The error (p) in the middle of what is left open."""
+        low, high = self.interval
+        return np.asarray(0.5 * (low + high))
 
     @property
     def largest(self) -> IntArray:
@@ -112,7 +119,8 @@ class Scale:
         missing = ~np.isfinite(value)
         error = np.where(missing, np.nan, value / expected - 1.0)
         numerical = numerical * np.abs(value / expected)
-        return Errors(value, expected, error, numerical, missing, numbers=numbers)
+        names = tuple(one.name for one in alternatives)
+        return Errors(names, value, expected, error, numerical, missing, numbers=numbers)
 
     def _partners(self, one: Alternative, response: Response) -> Partners | None:
         if one.response.vibration is None or response.vibration is None:
@@ -159,7 +167,8 @@ def _of_deflections(pairs: Sequence[tuple[Alternative, Response]], quantity: str
     )
     missing = np.isinf(error)
     error = np.where(missing, np.nan, error)
-    return Errors(value, expected, error, numerical, missing, Loaded(*loaded))
+    names = tuple(one.name for one, _ in pairs)
+    return Errors(names, value, expected, error, numerical, missing, Loaded(*loaded))
 
 
 def _deflection(one: Alternative, response: Response, quantity: str) -> tuple[Array, ...] | None:

@@ -57,7 +57,7 @@ def _entry(scale: Scale, candidate: Candidate, quantity: str, limit: float) -> E
     causes = explained(scale, candidate, quantity, errors, pose) if verdict != "adequate" else ()
     remedy, left = "", None
     if verdict == "inadequate" and not reference.bracket:
-        remedy, left = remedied(scale, candidate, quantity, limit, pose)
+        remedy, left = remedied(scale, candidate, quantity, errors, limit, pose)
     return Entry(
         model=candidate.model,
         quantity=quantity,

@@ -113,7 +113,7 @@ def finer_by(preset: str) -> str:
 
 
 @dataclass(frozen=True, eq=False)
-class Rung:
+class Step:
     """A step from a model towards the reference: one cause removed, the others left.
 
     `responses` holds what the model answers after this step and all before it, by alternative of
@@ -130,15 +130,15 @@ class Rung:
 class Candidate:
     """A model that a designer might use: what it answers and what leads from it to the truth.
 
-    `rungs` for static quantities and for frequencies; `rigid` says why zeros in the compliance are
+    `steps` for static quantities and for frequencies; `rigid` says why zeros in the compliance are
     there, `silent` what it says nothing of.
     """
 
     model: str
     title: str
     response: Response
-    static_rungs: Sequence[Rung] = ()
-    dynamic_rungs: Sequence[Rung] = ()
+    static_steps: Sequence[Step] = ()
+    dynamic_steps: Sequence[Step] = ()
     rigid: str = ""
     silent: str = ""
     computed_by: tuple[str, ...] = ()

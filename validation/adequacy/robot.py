@@ -51,7 +51,7 @@ from validation.adequacy.response import (
     Candidate,
     Reference,
     Response,
-    Rung,
+    Step,
     Subject,
     modes_of,
     no_reference,
@@ -97,9 +97,9 @@ def robot_subject(context: Context) -> Subject:
 
 def static_subject(robot: RobotOnPath, models: Models) -> Subject:
     """A robot with models of its statics; no reference where solids cannot be made of its legs."""
-    rungs: Mapping[str, tuple[Rung, ...]] = {}
+    ladders: Mapping[str, tuple[Step, ...]] = {}
     try:
-        reference, rungs = static_reference(robot), static_ladders(robot)
+        reference, ladders = static_reference(robot), static_ladders(robot)
     except UNSOLVED as error:
         reference = no_reference(error)
     candidates = []
@@ -111,7 +111,7 @@ def static_subject(robot: RobotOnPath, models: Models) -> Subject:
                 model=name,
                 title=title,
                 response=Response() if unable else statics_of(solve),
-                static_rungs=rungs.get(name, ()),
+                static_steps=ladders.get(name, ()),
                 rigid=_RIGID if name == "simplified" else "",
                 silent=unable,
                 computed_by=(f"validation.models.mechanism.answers({kind!r})",),
@@ -135,12 +135,12 @@ def _with_modes(subject: Subject, robot: RobotOnPath, models: Models) -> Subject
         reference = dynamic_reference(robot)
     except UNSOLVED as error:
         reference = no_reference(error)
-    rungs = dynamic_ladders(robot, modes, reference)
+    ladders = dynamic_ladders(robot, modes, reference)
     candidates = [
         replace(
             one,
             response=together(one.response, modes[one.model]),
-            dynamic_rungs=rungs.get(one.model, ()),
+            dynamic_steps=ladders.get(one.model, ()),
             silent=one.silent or _silent(models[one.model], modes[one.model]),
         )
         for one in subject.candidates

@@ -171,7 +171,7 @@ def reduced(
     body: Body,
     highest: float,
     cutoff: float,
-    rung: int = FINEST,
+    level: int = FINEST,
     hold: Hold = "rigid",
     by: ReductionBy = "fixed",
 ) -> ReducedPart:
@@ -183,14 +183,14 @@ def reduced(
     file, known = found_in(body)
     shape = shape_of(body)
     if file.mesh is not None:
-        # A mesh is on one rung alone: it is not reduced anew for the others.
-        rung = FINEST
+        # A mesh is on one level alone: it is not reduced anew for the others.
+        level = FINEST
     interfaces = tuple(
         one if shape.interfaces[one.name].coupling else replace(one, coupling=hold) for one in known
     )
 
     def compute() -> dict[str, Any]:
-        mesh = part_mesh(file, known, UNKNOWNS, rung)
+        mesh = part_mesh(file, known, UNKNOWNS, level)
         meshed = meshed_part(mesh, shape.material)
         rooted = held_part(meshed, grips_of(mesh, interfaces), body.name)
         dropped: dict[str, Array] = {}
@@ -210,7 +210,7 @@ def reduced(
             "truncated": found.truncated,
         }
 
-    key = key_of(file, interfaces, shape.material, "reduced", UNKNOWNS, rung, highest, cutoff, by)
+    key = key_of(file, interfaces, shape.material, "reduced", UNKNOWNS, level, highest, cutoff, by)
     found = kept(key, compute)
     moved = interpolated(found["nodes"], found["recovery"])
     own: dict[str, Any] = {

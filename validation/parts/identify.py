@@ -27,7 +27,7 @@ from meshes.part.part_mesh import PartMesh
 from meshes.part.reading.read import PartFile
 from meshes.part.spread import spread_over
 from validation.parts.kept import kept, key_of
-from validation.parts.meshes import COARSE, FINEST, MIDDLE, RUNGS, gradings, part_mesh
+from validation.parts.meshes import COARSE, FINEST, LEVELS, MIDDLE, gradings, part_mesh
 from validation.parts.refinement import compliance_uncertainty, refinement_uncertainty
 
 DEFAULT_UNKNOWNS = 100_000
@@ -135,7 +135,7 @@ def _computed(
     meshes = _meshes(part, interfaces, unknowns)
     # The coarser ones while the finest is made.
     coarser = []
-    for _ in range(0 if part.mesh is not None else len(RUNGS) - 1):
+    for _ in range(0 if part.mesh is not None else len(LEVELS) - 1):
         mesh = next(meshes)
         found = _answer(meshed_part(mesh, material), interfaces, None, modes, name)
         coarser.append((mesh.unknowns, found))
@@ -185,11 +185,11 @@ def _meshes(part: PartFile, interfaces: Sequence[Interface], unknowns: int) -> I
     with ThreadPoolExecutor(2) as pool:
         # The finest takes longest.
         began = {
-            rung: pool.submit(part_mesh, part, interfaces, unknowns, rung)
-            for rung in (FINEST, COARSE, MIDDLE)
+            level: pool.submit(part_mesh, part, interfaces, unknowns, level)
+            for level in (FINEST, COARSE, MIDDLE)
         }
-        for rung in RUNGS:
-            yield began.pop(rung).result()
+        for level in LEVELS:
+            yield began.pop(level).result()
 
 
 def _answer(

@@ -15,13 +15,13 @@ from meshes.part.volume import Grading, ladder, volume_mesh
 from validation.parts.kept import kept, key_of
 
 COARSE, MIDDLE, FINEST = 0, 1, 2
-RUNGS = (COARSE, MIDDLE, FINEST)
+LEVELS = (COARSE, MIDDLE, FINEST)
 # Meshes do not depend on the material.
 _ANY = Material.isotropic(1.0, 0.0, 1.0)
 
 
 def part_mesh(
-    part: PartFile, interfaces: Sequence[Interface], unknowns: int, rung: int = FINEST
+    part: PartFile, interfaces: Sequence[Interface], unknowns: int, level: int = FINEST
 ) -> PartMesh:
     """The part on one of three meshes, the finest of about so many `unknowns`; a mesh as it is.
 
@@ -29,12 +29,12 @@ def part_mesh(
     """
     if part.mesh is not None:
         return part.mesh
-    key = key_of(part, interfaces, _ANY, "mesh", unknowns, rung)
-    return _unpacked(kept(key, lambda: _packed(_made(part, interfaces, unknowns, rung))))
+    key = key_of(part, interfaces, _ANY, "mesh", unknowns, level)
+    return _unpacked(kept(key, lambda: _packed(_made(part, interfaces, unknowns, level))))
 
 
 def gradings(part: PartFile, interfaces: Sequence[Interface], unknowns: int) -> tuple[Grading, ...]:
-    """Those of the three meshes, by rung; raises InputError as `part_mesh` does."""
+    """Those of the three meshes, by level; raises InputError as `part_mesh` does."""
     key = key_of(part, interfaces, _ANY, "ladder", unknowns)
     found = kept(
         key,
@@ -43,8 +43,8 @@ def gradings(part: PartFile, interfaces: Sequence[Interface], unknowns: int) -> 
     return tuple(Grading(size, sides, bool(cut)) for size, sides, cut in found["steps"].tolist())
 
 
-def _made(part: PartFile, interfaces: Sequence[Interface], unknowns: int, rung: int) -> PartMesh:
-    return volume_mesh(part, interfaces, gradings(part, interfaces, unknowns)[rung])
+def _made(part: PartFile, interfaces: Sequence[Interface], unknowns: int, level: int) -> PartMesh:
+    return volume_mesh(part, interfaces, gradings(part, interfaces, unknowns)[level])
 
 
 def _packed(mesh: PartMesh) -> dict[str, Any]:

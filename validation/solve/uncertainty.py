@@ -123,9 +123,9 @@ def of_parts(
     solids = {name: one for name, one in models.items() if isinstance(one, ReducedPart)}
     highest = max((one.highest for one in solids.values()), default=_STILL)
 
-    def again(rung: int, hold: Hold = "rigid") -> Array:
+    def again(level: int, hold: Hold = "rigid") -> Array:
         own = {
-            name: reduced(body, highest, CUTOFF["solid"] * highest, rung, hold, by)
+            name: reduced(body, highest, CUTOFF["solid"] * highest, level, hold, by)
             for name, body in bodies.items()
         }
         found = swept(assembly(mechanism, {**models, **own}), postures, count)
@@ -135,7 +135,7 @@ def of_parts(
     fine = again(FINEST)
 
     def left_by_meshes(own: slice) -> Array:
-        share = refinement_share(mechanism, lambda rung: again(rung)[:, own])
+        share = refinement_share(mechanism, lambda level: again(level)[:, own])
         return np.broadcast_to(share, fine[:, own].shape)
 
     # Deflections show one order together, frequencies another.

@@ -180,10 +180,10 @@ class Rule:
         known = [p for p in alike if not found[p].missing] or alike
         return worst, max(known, key=lambda p: size[p]), found
 
-    def rungs(self) -> list[Any]:
-        ladder = self.candidate.static_rungs if self.static else self.candidate.dynamic_rungs
+    def steps(self) -> list[Any]:
+        ladder = self.candidate.static_steps if self.static else self.candidate.dynamic_steps
         names = [one.name for one in self.reference.alternatives]
-        return [(rung, [rung.responses[name] for name in names]) for rung in ladder]
+        return [(step, [step.responses[name] for name in names]) for step in ladder]
 
     def causes(self, pose: int) -> dict[str, float]:
         """Shares by cause, with the rest that no cause accounts for."""
@@ -192,14 +192,14 @@ class Rule:
         total = sum(one["error"] for one in first) / len(places)
         amounts: dict[str, float] = {}
         before = self.model()
-        for rung, after in self.rungs():
+        for step, after in self.steps():
             taken = 0.0
             for k in places:
                 if self.static:
                     of = first[k]
                     change = before[k].compliance[pose] - after[k].compliance[pose]
-                    step = column(change, of["load"], turning=of["turning"])
-                    along = sum(a * b for a, b in zip(step, of["off"], strict=True))
+                    moved = column(change, of["load"], turning=of["turning"])
+                    along = sum(a * b for a, b in zip(moved, of["off"], strict=True))
                     taken += along / of["length"] / of["error"]
                 else:
                     taken += (
@@ -208,7 +208,7 @@ class Rule:
                     )
             if isnan(taken):
                 break
-            amounts[rung.cause] = amounts.get(rung.cause, 0.0) + taken / len(places)
+            amounts[step.cause] = amounts.get(step.cause, 0.0) + taken / len(places)
             before = after
         amounts["rest"] = total - sum(amounts.values())
         return {name: one / total for name, one in amounts.items()}
@@ -217,12 +217,12 @@ class Rule:
         """The first step that is enough, else the best one; none that is no better than nothing."""
         start = self.at(self.model(), pose)
         before, words, tried = start, list[str](), []
-        for rung, responses in self.rungs():
+        for step, responses in self.steps():
             after = [self.at(responses, p) for p in self.poses]
             lost = before.missing or after[pose].missing
-            if rung.remedy:
+            if step.remedy:
                 if lost or abs(after[pose].middle - before.middle) >= 0.1 * limit:
-                    words += [rung.remedy] if rung.remedy not in words else []
+                    words += [step.remedy] if step.remedy not in words else []
                 if words and not any(one.missing for one in after):
                     worst = max((one.middle for one in after), key=abs)
                     tried.append((abs(worst), worst, ", ".join(words)))

@@ -13,7 +13,7 @@ from validation.adequacy.response import (
     Candidate,
     Reference,
     Response,
-    Rung,
+    Step,
     Subject,
     Vibration,
 )
@@ -23,9 +23,10 @@ UNITS = np.array([1e-4] * 3 + [1e-2] * 3)
 
 
 def compliance(rng: np.random.Generator) -> Array:
-    """Of a robot: m/N, rad/N, rad/(N m), all coupled; p×6×6."""
+    """Of a robot: m/N, rad/N, rad/(N m), all coupled, axes up to a thousand times apart; p×6×6."""
     root = rng.normal(size=(POSES, 6, 6)) + 2.0 * np.eye(6)
-    return np.asarray(root @ root.transpose(0, 2, 1) * np.outer(UNITS, UNITS))
+    softness = UNITS * 10.0 ** rng.uniform(-0.75, 0.75, 6)
+    return np.asarray(root @ root.transpose(0, 2, 1) * np.outer(softness, softness))
 
 
 def near(rng: np.random.Generator, own: Array, size: float) -> Array:
@@ -82,20 +83,20 @@ def subject(seed: int) -> Subject:
         modes = None if still else vibration(rng, truth.vibration, size)
         return Response(near(rng, truth.compliance, size), modes)
 
-    def rungs(start: float) -> tuple[Rung, ...]:
+    def ladder(start: float) -> tuple[Step, ...]:
         sizes = start * np.array([0.6, 0.2, 0.05])
         remedies = [("take the beam", "", "take the solid"), ("", "a", "b"), ("a", "b", "c")]
         words = remedies[int(rng.integers(3))]
         return tuple(
-            Rung(cause, f"from {cause}", {name: answer(size) for name in names}, word)
+            Step(cause, f"from {cause}", {name: answer(size) for name in names}, word)
             for cause, size, word in zip(("shear", "warping", "shear"), sizes, words, strict=True)
         )
 
     off = [10.0 ** rng.uniform(-2.5, -0.5) for _ in range(3)]
     candidates = [
-        Candidate("segments", "segments", answer(off[0]), rungs(off[0]), rungs(off[0])),
-        Candidate("beam", "beams", answer(off[1]), rungs(off[1]), rungs(off[1])),
-        Candidate("vjm", "joints", answer(off[2], still=True), rungs(off[2]), silent="static"),
+        Candidate("segments", "segments", answer(off[0]), ladder(off[0]), ladder(off[0])),
+        Candidate("beam", "beams", answer(off[1]), ladder(off[1]), ladder(off[1])),
+        Candidate("vjm", "joints", answer(off[2], still=True), ladder(off[2]), silent="static"),
     ]
     what = "ends" if len(names) > 1 else ""
     decides = "say how ends are held" if what else ""

@@ -135,7 +135,7 @@ def test_held_and_free_modes_of_parts_are_compared_in_a_run(robot_file, monkeypa
 def test_refinement_of_second_order_leaves_what_the_series_says(robot_file):
     """v(h) = 1 + h²: the finest of h = 2, √2, 1 is off by 1, which a factor of 1.5 holds."""
     values = {0: np.array([5.0]), 1: np.array([3.0]), 2: np.array([2.0])}
-    share = refinement_share(robot_file.mechanism, lambda rung: values[rung])
+    share = refinement_share(robot_file.mechanism, lambda level: values[level])
     assert share == pytest.approx([1.5 * 1.0 / 2.0], rel=1e-6)
 
 

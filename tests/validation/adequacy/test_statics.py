@@ -7,17 +7,12 @@ import pytest
 
 from fem.sections.nonuniform_torsion import held_torsion_compliance
 from fem.sections.section_constants import section_constants
-from lumped.acceptance.requirement import STATIC_QUANTITIES, Requirement
-from lumped.legs import ConstantLeg, Material
+from lumped.acceptance.requirement import STATIC_QUANTITIES
+from lumped.legs import Material
 from lumped.robot_file import load_robot
 from lumped.sections import ISection
 from meshes.section.section_mesh import section_mesh
-from validation.adequacy.judgement import judged
 from validation.adequacy.matrix import Matrix
-from validation.adequacy.mechanism.path import robot_on_path
-from validation.adequacy.models import JUDGED
-from validation.adequacy.robot import static_subject
-from validation.context import Context
 from validation.models.biglide import robot_compliance
 from validation.models.options import ModelOptions
 
@@ -102,26 +97,3 @@ def test_torsion_between_held_ends_lies_between_its_two_limits() -> None:
     vlasov = 1.0 - np.tanh(0.45 * k) / (0.45 * k)
     # It differs by about J/I_p of what warping takes away, three times what it leaves here.
     assert relative(0.9, own) == pytest.approx(vlasov, rel=3.0 * constants.torsion_constant / polar)
-
-
-def test_ends_that_nobody_described_leave_their_spread_open() -> None:
-    robot_file = load_robot("ifw")
-    section = ISection(width=0.1, height=0.1, flange=0.008, web=0.006)
-    material = Material.isotropic(2.1e11, 0.3, 7850.0)
-    leg = ConstantLeg(0.9, section, material)
-    matrices = {}
-    for ends in (None, "rigid", "free"):
-        legs = replace(leg, ends=ends)
-        robot = replace(robot_file.robot, a=0.95, leg1=legs, leg2=legs)
-        context = Context(replace(robot_file, described=robot), "quick")
-        subject = static_subject(robot_on_path(context), {"beam": JUDGED["beam"]})
-        matrices[ends] = judged(subject, Requirement())
-    unsaid, rigid, free = (one.entry("beam", "phi_x") for one in matrices.values())
-    assert unsaid
-    assert rigid
-    assert free
-    spread = unsaid.uncertainties["how the ends are held"]
-    at = rigid.errors[4], free.errors[4]
-    assert rigid.uncertainties.keys() == {"meshes", "digits of the file"}
-    assert spread > 0.0
-    assert unsaid.errors[4] == pytest.approx(np.mean([e for e in at if e is not None]), abs=0.005)

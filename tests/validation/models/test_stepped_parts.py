@@ -20,7 +20,7 @@ from meshes.part.interfaces import find_interfaces
 from meshes.part.reading.read import read_part
 from meshes.part.slices import slices_of
 from meshes.part.volume import Grading, volume_mesh
-from validation.adequacy.mechanism.parts import part_rungs
+from validation.adequacy.mechanism.parts import part_steps
 from validation.adequacy.models import why_unable
 from validation.adequacy.response import Response
 from validation.models import parts
@@ -163,9 +163,9 @@ def test_what_cannot_be_stepped_is_told_and_judged_without(tmp_path, monkeypatch
     assert why.startswith("bodies.arm: its interfaces overlap along the line between them")
     assert why_unable((at,), "segments", ModelOptions(parts="condensed")) == ""
     idealised = []
-    rungs = part_rungs(mechanism, ("rigid",), lambda kind: idealised.append(kind) or Response())
+    steps = part_steps(mechanism, ("rigid",), lambda kind: idealised.append(kind) or Response())
     assert idealised == ["condensed"]
-    assert [rung.remedy for rung in rungs] == [
+    assert [step.remedy for step in steps] == [
         "condense the parts on their interfaces: --parts condensed"
     ]
 

@@ -11,7 +11,7 @@ from lumped.legs import Material
 from lumped.sections import HollowRectangle
 from meshes.part.volume import RATIO
 from validation.parts import identify
-from validation.parts.meshes import RUNGS
+from validation.parts.meshes import LEVELS
 from validation.parts.refinement import compliance_uncertainty, refinement_uncertainty
 
 H = np.array([RATIO**2, RATIO, 1.0])
@@ -44,7 +44,7 @@ def test_entries_of_a_compliance_are_relative_to_the_diagonal():
 
 
 def test_identify_extrapolates_from_the_finest_of_its_three_meshes(monkeypatch):
-    """Numbers of known limits and order on the mesh of each rung, whose sizes are 2 : √2 : 1.
+    """Numbers of known limits and order on the mesh of each level, whose sizes are 2 : √2 : 1.
 
     A mesh taken for another one would show another order or another last step.
     """
@@ -67,7 +67,7 @@ def test_identify_extrapolates_from_the_finest_of_its_three_meshes(monkeypatch):
         return identify.Answer(tip, tip, tip, frequencies, none, 2, 300.0)
 
     def mesh(*request):
-        return Mesh(dict(zip(RUNGS, H, strict=True))[request[-1]])
+        return Mesh(dict(zip(LEVELS, H, strict=True))[request[-1]])
 
     monkeypatch.setattr(identify, "gradings", lambda *_: None)
     monkeypatch.setattr(identify, "require_memory", lambda *_: None)

@@ -177,7 +177,7 @@ def asked_of_parts(folder: Path) -> Iterator[tuple[str, Any]]:
     body = load_robot(ROCKER).mechanism.parts["rocker"]
     yield from {
         "mesh": lambda: meshes.part_mesh(file, interfaces, 1000, 0),
-        "mesh, rung": lambda: meshes.part_mesh(file, interfaces, 1000, 1),
+        "mesh, level": lambda: meshes.part_mesh(file, interfaces, 1000, 1),
         "mesh, unknowns": lambda: meshes.part_mesh(file, interfaces, 1001, 0),
         "ladder": lambda: meshes.gradings(file, interfaces, 1000),
         "ladder, unknowns": lambda: meshes.gradings(file, interfaces, 1001),
@@ -192,7 +192,7 @@ def asked_of_parts(folder: Path) -> Iterator[tuple[str, Any]]:
         "": {},
         "highest": {"highest": 801.0},
         "cutoff": {"cutoff": 2001.0},
-        "rung": {"rung": 1},
+        "level": {"level": 1},
         "hold": {"hold": "average"},
         "by": {"by": "free"},
     }.items():

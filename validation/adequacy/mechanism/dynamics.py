@@ -19,7 +19,7 @@ from validation.adequacy.mechanism.legs import (
 from validation.adequacy.mechanism.parts import (
     FINER_PARTS,
     UNKNOWN,
-    part_rungs,
+    part_steps,
     refinement_share,
 )
 from validation.adequacy.mechanism.path import Holds, RobotOnPath
@@ -35,7 +35,7 @@ from validation.adequacy.response import (
     Alternative,
     Reference,
     Response,
-    Rung,
+    Step,
     Vibration,
     finer_by,
     modes_of,
@@ -83,13 +83,13 @@ def modes_of_solids(
     masses: Masses | None,
     *,
     fine: bool = True,
-    rung: int = FINEST,
+    level: int = FINEST,
 ) -> Vibration:
     """Solid legs on one of two meshes, given ones with such masses, parts on one of three."""
     meshes = solid_meshes(robot.context.preset)
     divisions = meshes.fine if fine else meshes.coarse
     return robot.context.get(
-        solid_vibration, robot.postures, *divisions, ends, masses, robot.offered, rung
+        solid_vibration, robot.postures, *divisions, ends, masses, robot.offered, level
     )
 
 
@@ -188,12 +188,13 @@ def _part_uncertainty(robot: RobotOnPath, masses: Masses | None) -> Array | floa
     NaN for a mode that a coarser mesh does not have.
     """
 
-    def frequencies(rung: int) -> Array:
+    def frequencies(level: int) -> Array:
         finest, found = (
-            modes_of_solids(robot, robot.holding.first, masses, rung=one) for one in (FINEST, rung)
+            modes_of_solids(robot, robot.holding.first, masses, level=one)
+            for one in (FINEST, level)
         )
         own = finest.frequencies[:, : robot.judged]
-        if rung == FINEST:
+        if level == FINEST:
             return own
         changes = frequency_changes(finest, found, robot.samples.weights, robot.judged)
         return np.asarray(own * (1.0 + changes))
@@ -222,8 +223,8 @@ def bracketed_frequencies(reference: Reference, modes: int) -> str:
 
 def dynamic_ladders(
     robot: RobotOnPath, found: Mapping[str, Response], reference: Reference
-) -> dict[str, tuple[Rung, ...]]:
-    """Rungs by name of the model, each ladder from the model upwards; `found` are their modes."""
+) -> dict[str, tuple[Step, ...]]:
+    """Steps by name of the model, each ladder from the model upwards; `found` are their modes."""
     names = [one.name for one in reference.alternatives]
     if not names:
         return {}
@@ -235,39 +236,39 @@ def dynamic_ladders(
         return modes_of(partial(modes_by_model, robot, model, options), UNSOLVED)
 
     # From beams of textbook constants upwards.
-    upper: tuple[Rung, ...] = ()
+    upper: tuple[Step, ...] = ()
     if robot.prisms and not reference.bracket:
         upper = _to_solids(robot, names)
-    of_parts = part_rungs(
+    of_parts = part_steps(
         robot.mechanism, names, lambda kind: answered("beam", ModelOptions(parts=kind))
     )
     above = (*of_parts, *upper)
     twice = 2 * ELEMENTS
     beams = same(found["beam"])
     segments = (
-        Rung(
+        Step(
             f"discretisation (n = {ELEMENTS})",
             f"{twice} segments, then beam elements",
             # Second order in 1/n: a quarter of the error is left.
             same(answered("segments", ModelOptions(elements=twice))),
             f"n = {twice}",
         ),
-        Rung(f"discretisation (n = {ELEMENTS})", "beam elements of the same constants", beams),
+        Step(f"discretisation (n = {ELEMENTS})", "beam elements of the same constants", beams),
     )
     shear, remedy = "shear deformation and rotary inertia left out", "use Timoshenko"
     return {
         "simplified": (
-            Rung(f"drives only: {_RIGID}", "beam elements", beams, "use beam"),
+            Step(f"drives only: {_RIGID}", "beam elements", beams, "use beam"),
             *above,
         ),
         "segments": (*segments, *above),
         "beam": above,
         "segments-euler-bernoulli": (
-            Rung(shear, "Timoshenko segments", same(found["segments"]), remedy),
+            Step(shear, "Timoshenko segments", same(found["segments"]), remedy),
             *segments,
             *above,
         ),
-        "beam-euler-bernoulli": (Rung(shear, "Timoshenko beams", beams, remedy), *above),
+        "beam-euler-bernoulli": (Step(shear, "Timoshenko beams", beams, remedy), *above),
         "segments-stepped": (*of_parts[1:], *upper),
         "segments-condensed": (
             *((_inner_modes(robot, names),) if of_parts else ()),
@@ -276,20 +277,20 @@ def dynamic_ladders(
     }
 
 
-def _to_solids(robot: RobotOnPath, names: Sequence[str]) -> tuple[Rung, ...]:
+def _to_solids(robot: RobotOnPath, names: Sequence[str]) -> tuple[Step, ...]:
     """From textbook constants to the sections' own, and to warping by alternative."""
 
     def own(ends: Holds | None) -> Response:
         return modes_of(partial(modes_of_own_beams, robot, ends), UNSOLVED)
 
     return (
-        Rung(
+        Step(
             "textbook section constants",
             "fem.sections.section_constants, beam elements",
             dict.fromkeys(names, own(None)),
             "take the section's constants from finite elements",
         ),
-        Rung(
+        Step(
             "warping: held at the ends, and non-uniform torsion between them",
             "beams with Reissner's torsion, the section's own Γ",
             {name: own(ends) for name, ends in robot.holding.alternatives.items()},
@@ -298,10 +299,10 @@ def _to_solids(robot: RobotOnPath, names: Sequence[str]) -> tuple[Rung, ...]:
     )
 
 
-def _inner_modes(robot: RobotOnPath, names: Sequence[str]) -> Rung:
+def _inner_modes(robot: RobotOnPath, names: Sequence[str]) -> Step:
     """From Guyan's mass to modes of the parts' own, on a coarser mesh than the reference's."""
-    solids = partial(modes_of_solids, robot, robot.holding.first, None, rung=MIDDLE)
-    return Rung(
+    solids = partial(modes_of_solids, robot, robot.holding.first, None, level=MIDDLE)
+    return Step(
         "inertia inside the parts (Guyan's mass)",
         "parts reduced by Craig and Bampton, the middle one of their meshes",
         dict.fromkeys(names, modes_of(solids, UNSOLVED)),

@@ -10,13 +10,13 @@ from lumped.legs import Ends
 from lumped.mechanism.body_model import BodyModel
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.system.assembly import assemble
-from validation.adequacy.response import Response, Rung
+from validation.adequacy.response import Response, Step
 from validation.drawing.text import percent
 from validation.models.mechanism import CUTOFF, highest_frequency, static_bodies
 from validation.models.options import PartLegs, ReductionBy
 from validation.models.parts import Hold, ReducedPart, condensed, found_in, reduced
 from validation.models.stepped_parts import why_not_stepped
-from validation.parts.meshes import FINEST, RUNGS
+from validation.parts.meshes import FINEST, LEVELS
 from validation.parts.refinement import left_by_changes
 
 Bodies = Mapping[str, BodyModel]
@@ -43,7 +43,7 @@ def solid_parts(
     postures: Sequence[Posture],
     count: int,
     ends: Mapping[str, Ends],
-    rung: int = FINEST,
+    level: int = FINEST,
     by: ReductionBy = "fixed",
 ) -> dict[str, ReducedPart]:
     """Every part on one of its three meshes, reduced where `count` modes are looked at.
@@ -56,7 +56,7 @@ def solid_parts(
         return {}
     highest, cutoff = highest_of_parts(postures, count)
     return {
-        name: reduced(body, highest, cutoff, rung, hold_of(ends[name]), by)
+        name: reduced(body, highest, cutoff, level, hold_of(ends[name]), by)
         for name, body in mechanism.parts.items()
     }
 
@@ -102,14 +102,14 @@ def bounded_frequencies(
     count: int,
     ends: Mapping[str, Ends],
     judged: int,
-    rung: int = FINEST,
+    level: int = FINEST,
     by: ReductionBy = "fixed",
 ) -> FrequencyBounds:
     """The first `judged` frequencies in the middle posture, other bodies beams, and their bounds.
 
     Arguments as of `solid_parts`; raises as `reduction_note` does.
     """
-    parts = solid_parts(postures, count, ends, rung, by)
+    parts = solid_parts(postures, count, ends, level, by)
     middle = postures[len(postures) // 2]
     bodies = {**static_bodies("beam", middle.mechanism), **parts}
     return frequency_bounds(assemble(middle, bodies), parts, judged)
@@ -120,21 +120,21 @@ def condensed_parts(mechanism: Mechanism) -> dict[str, BodyModel]:
     return {name: condensed(body) for name, body in mechanism.parts.items()}
 
 
-def part_rungs(
-    mechanism: Mechanism | None,
+def part_steps(
+    mechanism: Mechanism,
     alternatives: Iterable[str],
     idealised: Callable[[PartLegs], Response],
-) -> tuple[Rung, ...]:
-    """Rungs above models with equivalent legs, or none without parts.
+) -> tuple[Step, ...]:
+    """Steps above models with equivalent legs, or none without parts.
 
     The last one is all that stepped legs lack, and the only one where parts cannot be stepped.
     `idealised` gives the response with parts idealised otherwise, all else as in the model.
     """
-    if mechanism is None or not mechanism.parts:
+    if not mechanism.parts:
         return ()
     unstepped = why_not_stepped(mechanism)
     return tuple(
-        Rung(cause, source, dict.fromkeys(alternatives, idealised(kind)), remedy)
+        Step(cause, source, dict.fromkeys(alternatives, idealised(kind)), remedy)
         for kind, (cause, source, remedy) in _STEPS.items()
         if kind != "stepped" or not unstepped
     )
@@ -147,19 +147,19 @@ def number_by_number(difference: Array, values: Array) -> Array:
 
 
 def refinement_share(
-    mechanism: Mechanism | None,
+    mechanism: Mechanism,
     answer: Callable[[int], Array],
     sizes: Callable[[Array, Array], Array] = number_by_number,
 ) -> Array | float:
     """What the meshes of the parts leave open of the answer on the finest, relative.
 
-    `answer` gives the values on a rung of the ladder, `sizes` how large differences of them are
+    `answer` gives the values on a level of the ladder, `sizes` how large differences of them are
     relative to those on the finest, number by number where nothing else is said. A part that is a
     mesh cannot be refined: what it leaves open is unknown, and taken as all of it.
     """
-    if mechanism is None or not mechanism.parts:
+    if not mechanism.parts:
         return 0.0
     if any(found_in(body)[0].mesh is not None for body in mechanism.parts.values()):
         return UNKNOWN
-    coarse, middle, fine = (answer(rung) for rung in RUNGS)
+    coarse, middle, fine = (answer(level) for level in LEVELS)
     return left_by_changes(sizes(middle - coarse, fine), sizes(fine - middle, fine))

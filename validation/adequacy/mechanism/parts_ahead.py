@@ -90,10 +90,10 @@ def _reductions(robot: RobotOnPath, bodies: Collection[Body]) -> Iterator[tuple[
     # Coarser meshes are those of the uncertainty, and the coarsest that of the other reduction: of
     # the first way of holding.
     for question, several in (
-        (partial(ask, rung=FINEST), alternatives),
-        (partial(ask, rung=MIDDLE), first),
-        (partial(ask, rung=COARSE), first),
-        (partial(ask, rung=COARSE, by="free"), first),
+        (partial(ask, level=FINEST), alternatives),
+        (partial(ask, level=MIDDLE), first),
+        (partial(ask, level=COARSE), first),
+        (partial(ask, level=COARSE, by="free"), first),
     ):
         for ends, body in product(several, bodies):
             yield body, partial(question, hold=hold_of(ends[body.name]))

@@ -38,7 +38,7 @@ from validation.adequacy.mechanism.parts import (
     FINER_PARTS,
     Bodies,
     condensed_parts,
-    part_rungs,
+    part_steps,
     refinement_share,
     solid_parts,
 )
@@ -48,7 +48,7 @@ from validation.adequacy.response import (
     Alternative,
     Reference,
     Response,
-    Rung,
+    Step,
     statics_of,
 )
 from validation.agreement.displacement import sizes
@@ -90,7 +90,7 @@ def static_reference(robot: RobotOnPath) -> Reference:
     context, parts = robot.context, robot.mechanism.parts
     ratio = min((solid_leg(context, leg).ratio for leg in robot.prisms), default=1.0)
     further = _section_uncertainty(robot) + refinement_share(
-        robot.mechanism, lambda rung: _of_solids(robot, robot.holding.first, rung=rung), sizes
+        robot.mechanism, lambda level: _of_solids(robot, robot.holding.first, level=level), sizes
     )
     digits = None
     if robot.text:
@@ -119,13 +119,13 @@ def static_reference(robot: RobotOnPath) -> Reference:
     )
 
 
-def _of_solids(robot: RobotOnPath, ends: Holds, *, fine: bool = True, rung: int = FINEST) -> Array:
+def _of_solids(robot: RobotOnPath, ends: Holds, *, fine: bool = True, level: int = FINEST) -> Array:
     """Compliances (p×6×6) with solid legs on one of two meshes, parts on one of three."""
     tips = {
         body: solid_tip(robot.context, leg, ends[body], fine=fine)
         for body, leg in robot.legs.items()
     }
-    parts = solid_parts(robot.postures, robot.offered, ends, rung)
+    parts = solid_parts(robot.postures, robot.offered, ends, level)
     return assembled(robot.postures, tips, parts)
 
 
@@ -169,7 +169,7 @@ def _title(robot: RobotOnPath) -> str:
     return f"mechanism assembled from solid legs{own}"
 
 
-def static_ladders(robot: RobotOnPath) -> dict[str, tuple[Rung, ...]]:
+def static_ladders(robot: RobotOnPath) -> dict[str, tuple[Step, ...]]:
     """Steps by name of the model, each ladder from the model upwards, one cause each."""
     context, by = robot.context, _BY[robot.climbs]
     alternatives = robot.holding.alternatives
@@ -193,12 +193,12 @@ def static_ladders(robot: RobotOnPath) -> dict[str, tuple[Rung, ...]]:
 
     as_given = alike(given_compliance)
     # From legs of constant section to the 6×6 that they were made of, then from parts as such legs,
-    section: tuple[Rung, ...] = ()
+    section: tuple[Step, ...] = ()
     if robot.given:
         section = _of_given_legs(by, alike(straight_spring), as_given)
-    idealisation = part_rungs(robot.mechanism, alternatives, idealised)
+    idealisation = part_steps(robot.mechanism, alternatives, idealised)
     # and from there to solids.
-    upper: tuple[Rung, ...] = ()
+    upper: tuple[Step, ...] = ()
     if robot.prisms:
         upper = _to_solids(
             alike(partial(own_spring, context)),
@@ -206,7 +206,7 @@ def static_ladders(robot: RobotOnPath) -> dict[str, tuple[Rung, ...]]:
             held(partial(restrained_spring, context)),
         )
     constant = (*section, *idealisation, *upper)
-    shear = Rung(
+    shear = Step(
         "shear deformation left out",
         f"{by}Timoshenko's cantilever",
         dict.fromkeys(alternatives, idealised("equivalent"))
@@ -214,7 +214,7 @@ def static_ladders(robot: RobotOnPath) -> dict[str, tuple[Rung, ...]]:
         else alike(lambda leg: given_compliance(equivalent_leg(leg))),
         "use Timoshenko",
     )
-    drives = Rung(
+    drives = Step(
         f"drives only: {_RIGID}", f"{by}the legs as given", as_given, f"use {robot.climbs}"
     )
     return {
@@ -233,14 +233,14 @@ def static_ladders(robot: RobotOnPath) -> dict[str, tuple[Rung, ...]]:
 
 def _of_given_legs(
     by: str, straight: Mapping[str, Response], as_given: Mapping[str, Response]
-) -> tuple[Rung, ...]:
+) -> tuple[Step, ...]:
     return (
-        Rung(
+        Step(
             "equivalent leg: another diagonal than the 6×6",
             f"{by}the straight leg's entries of the 6×6",
             straight,
         ),
-        Rung(
+        Step(
             "equivalent leg: couplings of the 6×6 left out",
             f"{by}the 6×6 as given",
             as_given,
@@ -253,22 +253,22 @@ def _to_solids(
     own: Mapping[str, Response],
     warping: Mapping[str, Response],
     contraction: Mapping[str, Response],
-) -> tuple[Rung, ...]:
+) -> tuple[Step, ...]:
     """From textbook constants to solids with rigid end faces."""
     return (
-        Rung(
+        Step(
             "textbook section constants",
             "fem.sections.section_constants, tip of the cantilever",
             own,
             "take the section's constants from finite elements",
         ),
-        Rung(
+        Step(
             "warping held at the ends",
             "Reissner's torsion with held ends, the section's own Γ",
             warping,
             "add the warping stiffness",
         ),
-        Rung(
+        Step(
             "contraction and warping by shear held at the ends",
             "fem.couplings.end_effects, exact along the leg",
             contraction,

@@ -139,15 +139,15 @@ def solid_vibration(
     ends: Holds,
     masses: Masses | None,
     count: int,
-    rung: int = FINEST,
+    level: int = FINEST,
 ) -> Vibration:
     """Modes with prisms as solids reduced to their ends, and given legs with plausible masses.
 
     `divisions` across rectangles, `walls` across the sections that have walls; CAD parts on the
-    mesh of that `rung`.
+    mesh of that `level`.
     """
     build = partial(_reference_leg, divisions=divisions, walls=walls, masses=masses)
-    parts = solid_parts(postures, count, ends, rung)
+    parts = solid_parts(postures, count, ends, level)
     return built_vibration(postures, build, parts, ends, count)
 
 
