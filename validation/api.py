@@ -14,13 +14,12 @@ from typing import Any
 import numpy as np
 
 from lumped.acceptance.requirement import Requirement, with_options
-from lumped.errors import ComputationError, InputError
+from lumped.errors import InputError
 from lumped.robot_file import RobotFile, load_robot
 from validation.adequacy.judgement import judged
 from validation.adequacy.matrix import Entry, Matrix
 from validation.adequacy.response import Subject
 from validation.adequacy.robot import robot_subject
-from validation.case import Skip
 from validation.context import Context, Preset
 from validation.drawing.text import percent
 from validation.models.options import ModelName
@@ -165,14 +164,12 @@ def adequacy(
 ) -> Adequacy:
     """Judge every model of a robot by every quantity, within `accept` or what its file accepts.
 
-    Raises InputError, and ComputationError where no reference can be computed.
+    What has no reference is undecided. Raises InputError, and ComputationError where a posture of
+    the path cannot be computed.
     """
     loaded = _loaded(robot)
     requirement = _accepting(loaded.requirement, accept or {})
-    try:
-        subject = robot_subject(Context(replace(loaded, requirement=requirement), preset))
-    except Skip as reason:
-        raise ComputationError(str(reason)) from reason
+    subject = robot_subject(Context(replace(loaded, requirement=requirement), preset))
     return Adequacy(judged(subject, requirement), requirement, subject)
 
 

@@ -72,7 +72,7 @@ Models: TypeAlias = Mapping[str, JudgedModel]
 
 
 def robot_adequacy(context: Context) -> Matrix:
-    """The matrix of the run's robot. Raises Skip where no reference can be computed."""
+    """The matrix of the run's robot; what has no reference is undecided."""
     return judged(robot_subject(context), context.robot_file.requirement)
 
 
