@@ -9,9 +9,10 @@ import numpy as np
 from lumped.arrays import Array
 from lumped.errors import InputError
 from lumped.mechanism.mechanism import Mechanism
-from validation.adequacy.mechanism.dynamics import dynamic_reference, modes_by_model
+from validation.adequacy.mechanism.dynamics import dynamic_reference
 from validation.adequacy.mechanism.path import RobotOnPath
 from validation.adequacy.mechanism.statics import compliances, static_reference
+from validation.adequacy.mechanism.vibration import modes_by_model
 from validation.adequacy.models import judged_models, why_unable
 from validation.adequacy.partners import partners
 from validation.models.options import ModelName, ModelOptions

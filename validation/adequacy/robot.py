@@ -24,7 +24,6 @@ from validation.adequacy.mechanism.dynamics import (
     bracketed_frequencies,
     dynamic_ladders,
     dynamic_reference,
-    modes_by_model,
 )
 from validation.adequacy.mechanism.parts import reduction_note
 from validation.adequacy.mechanism.path import (
@@ -39,6 +38,7 @@ from validation.adequacy.mechanism.statics import (
     static_ladders,
     static_reference,
 )
+from validation.adequacy.mechanism.vibration import modes_by_model
 from validation.adequacy.models import (
     JUDGED,
     LEGS_AS_GIVEN,

@@ -12,14 +12,10 @@ from lumped.legs import ConstantLeg, Ends, GivenLeg, Material
 from lumped.robot_file import load_robot
 from lumped.sections import HollowRectangle, ISection, Tube
 from validation.adequacy.matrix import Entry, Matrix
-from validation.adequacy.mechanism.dynamics import (
-    dynamic_reference,
-    modes_of_solids,
-    solid_meshes,
-)
+from validation.adequacy.mechanism.dynamics import dynamic_reference
 from validation.adequacy.mechanism.legs import MASSES, Masses, leg_with_masses
 from validation.adequacy.mechanism.path import robot_at, robot_on_path
-from validation.adequacy.mechanism.vibration import solid_vibration
+from validation.adequacy.mechanism.vibration import modes_of_solids, solid_meshes, solid_vibration
 from validation.adequacy.partners import frequency_changes
 from validation.adequacy.robot import robot_adequacy
 from validation.context import Context

@@ -105,7 +105,7 @@ def test_walls_too_thin_for_full_matrices_of_an_end_face_are_skipped(
 
 def test_frequencies_without_such_a_reference_are_undecided_with_the_reason(context):
     robot = robot_at(context, placed(context, SLENDER.robot.stations(3)))
-    found = modes_of(lambda: of_mechanisms.modes_by_model(robot, "beam", ModelOptions()))
+    found = modes_of(lambda: vibration.modes_by_model(robot, "beam", ModelOptions()))
     subject = Subject(
         robot="slender",
         coordinates=(Coordinate("x", "m"),),

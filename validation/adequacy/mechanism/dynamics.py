@@ -3,7 +3,6 @@
 from collections.abc import Mapping, Sequence
 from functools import partial
 from itertools import product
-from typing import NamedTuple
 
 import numpy as np
 
@@ -11,7 +10,6 @@ from lumped.arrays import Array
 from lumped.legs import ConstantLeg
 from validation.adequacy.mechanism.legs import (
     MASSES,
-    SECTION_DIVISIONS,
     SECTION_RATIO,
     Masses,
     step_uncertainty,
@@ -24,10 +22,10 @@ from validation.adequacy.mechanism.parts import (
 )
 from validation.adequacy.mechanism.path import Holds, RobotOnPath
 from validation.adequacy.mechanism.vibration import (
-    model_vibration,
-    own_vibration,
-    simplified_vibration,
-    solid_vibration,
+    modes_by_model,
+    modes_of_own_beams,
+    modes_of_solids,
+    solid_meshes,
 )
 from validation.adequacy.partners import amounts_by_shape, frequency_changes
 from validation.adequacy.response import (
@@ -45,75 +43,22 @@ from validation.models.options import ModelName, ModelOptions
 from validation.parts.meshes import FINEST, MIDDLE
 from validation.solids.legs import divisions_across
 from validation.solids.size import larger_preset, too_large
-from validation.studies.paired_robot_modes import DIVISIONS, ELEMENTS, WALL_DIVISIONS
+from validation.studies.paired_robot_modes import ELEMENTS
 
 _OPEN_MASS = "where the legs' mass lies"
 _SAY_MASS = "the legs' mass distribution: a section and a material in place of the 6×6"
 _RIGID = "legs rigid and without mass"
 
 
-def modes_by_model(robot: RobotOnPath, model: ModelName, options: ModelOptions) -> Vibration | None:
-    """What a model answers; None where nothing has mass."""
-    if model == "simplified":
-        return simplified_vibration(robot.samples, robot.postures, robot.offered)
-    return robot.context.get(model_vibration, robot.postures, model, options, robot.offered)
-
-
-class SolidMeshes(NamedTuple):
-    """Divisions of two meshes of the solid legs, each across rectangles and across walls."""
-
-    coarse: tuple[int, int]
-    fine: tuple[int, int]
-
-    @property
-    def ratio(self) -> float:
-        """By how much the coarse one's elements are larger at least."""
-        return min(fine / coarse for coarse, fine in zip(*self, strict=True))
-
-
-def solid_meshes(preset: Preset) -> SolidMeshes:
-    """The meshes whose step shows what they leave open."""
-    across, walls = DIVISIONS[preset], WALL_DIVISIONS[preset]
-    return SolidMeshes((across - 1, walls // 2), (across, walls))
-
-
-def modes_of_solids(
-    robot: RobotOnPath,
-    ends: Holds,
-    masses: Masses | None,
-    *,
-    fine: bool = True,
-    level: int = FINEST,
-) -> Vibration:
-    """Solid legs on one of two meshes, given ones with such masses, parts on one of three."""
-    meshes = solid_meshes(robot.context.preset)
-    divisions = meshes.fine if fine else meshes.coarse
-    return robot.context.get(
-        solid_vibration, robot.postures, *divisions, ends, masses, robot.offered, level
-    )
-
-
-def modes_of_own_beams(
-    robot: RobotOnPath,
-    ends: Holds | None,
-    divisions: tuple[int, int] = (SECTION_DIVISIONS, SECTION_DIVISIONS),
-) -> Vibration:
-    """Beams of the sections' own constants from such meshes, with warping where ends are held."""
-    return robot.context.get(own_vibration, robot.postures, *divisions, ends, robot.offered)
-
-
 def dynamic_reference(robot: RobotOnPath) -> Reference:
     """Solid legs reduced to their ends or, where legs are given, a bracket of plausible masses."""
-    preset, holds = robot.context.preset, robot.holding.alternatives
-    parts = robot.mechanism.parts
+    preset, holding, parts = robot.context.preset, robot.holding, robot.mechanism.parts
     if reason := _why_unmeshed(robot.prisms, preset):
         return Reference("none", (), decides=reason)
     masses: tuple[Masses | None, ...] = MASSES if robot.given else (None,)
-    if not (robot.prisms or parts):
-        holds = dict(list(holds.items())[:1])
     left_by_parts = _part_uncertainty(robot, masses[0])
     alternatives = []
-    for (name, hold), mass in product(holds.items(), masses):
+    for (name, hold), mass in product(holding.alternatives.items(), masses):
         fine = modes_of_solids(robot, hold, mass)
         uncertainty = np.zeros_like(fine.frequencies[:, : robot.judged]) + left_by_parts
         # Where no section is meshed there is one solution.
@@ -124,13 +69,12 @@ def dynamic_reference(robot: RobotOnPath) -> Reference:
         both = ", ".join(filter(None, (said, mass)))
         dynamic = np.where(np.isnan(uncertainty), UNKNOWN, uncertainty)
         alternatives.append(Alternative(both, Response(vibration=fine), dynamic=dynamic))
-    left_open = [(robot.holding.unsaid, robot.holding.decides)] if len(holds) > 1 else []
-    left_open += [(_OPEN_MASS, _SAY_MASS)] if robot.given else []
+    mass_unsaid, say_mass = (_OPEN_MASS, _SAY_MASS) if robot.given else ("", "")
     return Reference(
         title=_title(robot),
         alternatives=alternatives,
-        open=" and ".join(unsaid for unsaid, _ in left_open),
-        decides="; ".join(decides for _, decides in left_open),
+        open=" and ".join(filter(None, (holding.unsaid, mass_unsaid))),
+        decides="; ".join(filter(None, (holding.decides, say_mass))),
         finer=FINER_PARTS if parts else _finer_preset(robot.prisms, preset),
         # Without the legs' mass, alternatives are no more than a bracket.
         bracket=bool(robot.given),

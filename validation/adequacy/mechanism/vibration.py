@@ -8,6 +8,7 @@ section's mass and rotary inertia.
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 
@@ -19,11 +20,18 @@ from lumped.mechanism.body_model import BodyModel, LegMatrices
 from lumped.mechanism.mechanism import Posture
 from lumped.system.assembly import assembly
 from lumped.system.solution import mode_count, modes, solved
-from validation.adequacy.mechanism.legs import MASSES, Masses, leg_with_masses, own_elements
+from validation.adequacy.mechanism.legs import (
+    MASSES,
+    SECTION_DIVISIONS,
+    Masses,
+    leg_with_masses,
+    own_elements,
+)
 from validation.adequacy.mechanism.parts import Bodies, condensed_parts, solid_parts
-from validation.adequacy.mechanism.path import Holds, has_given, known_legs
+from validation.adequacy.mechanism.path import Holds, RobotOnPath, has_given, known_legs
 from validation.adequacy.mechanism.samples import Samples, samples_of
 from validation.adequacy.response import Vibration
+from validation.context import Preset
 from validation.models.legs import filled
 from validation.models.mechanism import (
     CUTOFF,
@@ -35,9 +43,59 @@ from validation.models.options import ModelName, ModelOptions
 from validation.parts.meshes import FINEST
 from validation.solids.legs import divisions_across
 from validation.solids.robots import held_solid, renewed_where_needed
-from validation.studies.paired_robot_modes import ELEMENTS
+from validation.studies.paired_robot_modes import DIVISIONS, ELEMENTS, WALL_DIVISIONS
 
 Build = Callable[[Leg, Ends, float], LegMatrices]
+
+
+def modes_by_model(robot: RobotOnPath, model: ModelName, options: ModelOptions) -> Vibration | None:
+    """What a model answers; None where nothing has mass."""
+    if model == "simplified":
+        return simplified_vibration(robot.samples, robot.postures, robot.offered)
+    return robot.context.get(model_vibration, robot.postures, model, options, robot.offered)
+
+
+class SolidMeshes(NamedTuple):
+    """Divisions of two meshes of the solid legs, each across rectangles and across walls."""
+
+    coarse: tuple[int, int]
+    fine: tuple[int, int]
+
+    @property
+    def ratio(self) -> float:
+        """By how much the coarse one's elements are larger at least."""
+        return min(fine / coarse for coarse, fine in zip(*self, strict=True))
+
+
+def solid_meshes(preset: Preset) -> SolidMeshes:
+    """The meshes whose step shows what they leave open."""
+    across, walls = DIVISIONS[preset], WALL_DIVISIONS[preset]
+    return SolidMeshes((across - 1, walls // 2), (across, walls))
+
+
+def modes_of_solids(
+    robot: RobotOnPath,
+    ends: Holds,
+    masses: Masses | None,
+    *,
+    fine: bool = True,
+    level: int = FINEST,
+) -> Vibration:
+    """Solid legs on one of two meshes, given ones with such masses, parts on one of three."""
+    meshes = solid_meshes(robot.context.preset)
+    divisions = meshes.fine if fine else meshes.coarse
+    return robot.context.get(
+        solid_vibration, robot.postures, *divisions, ends, masses, robot.offered, level
+    )
+
+
+def modes_of_own_beams(
+    robot: RobotOnPath,
+    ends: Holds | None,
+    divisions: tuple[int, int] = (SECTION_DIVISIONS, SECTION_DIVISIONS),
+) -> Vibration:
+    """Beams of the sections' own constants from such meshes, with warping where ends are held."""
+    return robot.context.get(own_vibration, robot.postures, *divisions, ends, robot.offered)
 
 
 def vibration(

@@ -14,10 +14,14 @@ from fem.reduction.superelement import held_leg
 from lumped.arrays import Array
 from lumped.legs import ConstantLeg, Ends
 from lumped.mechanism.mechanism import Posture
-from validation.adequacy.mechanism.dynamics import solid_meshes
 from validation.adequacy.mechanism.path import known_legs, offered, path_postures
 from validation.adequacy.mechanism.samples import samples_of
-from validation.adequacy.mechanism.vibration import solid_vibration, vibration
+from validation.adequacy.mechanism.vibration import (
+    SolidMeshes,
+    solid_meshes,
+    solid_vibration,
+    vibration,
+)
 from validation.adequacy.partners import partners
 from validation.agreement.convergence import step_factor
 from validation.case import Absolute, Allowance, Measurement, Relative, Sides, Skip
@@ -97,8 +101,8 @@ def free_modes(postures: tuple[Posture, ...], divisions: int, walls: int, count:
     return FreeModes(own.frequencies[0, :MODES], found.frequency[0], changes[0], found.likeness[0])
 
 
-def _meshes(context: Context) -> tuple[tuple[Posture, ...], tuple[int, int], tuple[int, int]]:
-    """The middle posture, and coarse and fine divisions across rectangles and across walls."""
+def _meshes(context: Context) -> tuple[tuple[Posture, ...], SolidMeshes]:
+    """The middle posture, and the two meshes of its legs; raises Skip where waves are not known."""
     postures = path_postures(context)
     middle = (postures[len(postures) // 2],)
     mechanism = middle[0].mechanism
@@ -106,8 +110,8 @@ def _meshes(context: Context) -> tuple[tuple[Posture, ...], tuple[int, int], tup
     prisms = [leg for leg in legs if isinstance(leg, ConstantLeg)]
     if mechanism.parts or not prisms or len(prisms) < len(legs):
         raise Skip("not all of its legs are prisms, whose waves are known")
-    coarse, fine = solid_meshes(context.preset)
-    numbers = [divisions_across(leg, *fine) for leg in prisms]
+    meshes = solid_meshes(context.preset)
+    numbers = [divisions_across(leg, *meshes.fine) for leg in prisms]
     skip_too_large(prisms, numbers, context.preset)
     for leg, number in zip(prisms, numbers, strict=True):
         if _decay_of_warping(leg, number) > _SHORT * leg.length:
@@ -115,7 +119,7 @@ def _meshes(context: Context) -> tuple[tuple[Posture, ...], tuple[int, int], tup
                 f"{leg.name}: warping of its open section reaches over more than a tenth of its "
                 "length, and beams without warping are none of its theory"
             )
-    return middle, coarse, fine
+    return middle, meshes
 
 
 def _decay_of_warping(leg: ConstantLeg, divisions: int) -> float:
@@ -127,11 +131,10 @@ def _decay_of_warping(leg: ConstantLeg, divisions: int) -> float:
 
 def _both(context: Context) -> tuple[FreeModes, FreeModes, float]:
     """Both meshes and what the finer one's step means (uncertainty over change)."""
-    middle, coarse, fine = _meshes(context)
+    middle, meshes = _meshes(context)
     count = offered(MODES)
-    ratio = min(f / c for c, f in zip(coarse, fine, strict=True))
-    found, rougher = (context.get(free_modes, middle, *number, count) for number in (fine, coarse))
-    return found, rougher, step_factor(ratio, FORMAL_ORDER)
+    rougher, found = (context.get(free_modes, middle, *mesh, count) for mesh in meshes)
+    return found, rougher, step_factor(meshes.ratio, FORMAL_ORDER)
 
 
 @cases.case(

@@ -4,8 +4,9 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from lumped.arrays import Array
-from validation.adequacy.mechanism.dynamics import dynamic_reference, modes_by_model
+from validation.adequacy.mechanism.dynamics import dynamic_reference
 from validation.adequacy.mechanism.path import robot_on_path
+from validation.adequacy.mechanism.vibration import modes_by_model
 from validation.adequacy.partners import partners
 from validation.adequacy.response import Vibration
 from validation.agreement.mode_pairing import mac_matrix
