@@ -37,8 +37,13 @@ def undisturbed(tmp_path_factory):
     return content, time.monotonic() - begun
 
 
-@pytest.mark.exhaustive
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize(
+    "seed",
+    [
+        pytest.param(0, marks=pytest.mark.exhaustive),
+        *(pytest.param(k, marks=pytest.mark.soak) for k in range(1, 5)),
+    ],
+)
 def test_a_run_killed_four_times_goes_on_to_the_same_results(undisturbed, tmp_path, seed):
     expected, duration = undisturbed
     path = tmp_path / "run"

@@ -12,7 +12,7 @@ from toy_runs import command, completed, started, wait_for
 
 COUNT = 50
 # What `flexproof test` tries of it, and -m exhaustive besides; -m soak tries the rest.
-FEW, MORE = 1, 5
+FEW, MORE = 1, 3
 # Every other kill falls into the replacement itself, which is made this slow (s per step) for it.
 STEP = 0.02
 
