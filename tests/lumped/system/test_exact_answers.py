@@ -17,6 +17,7 @@ from lumped.models.segments import segment_chain, segment_leg
 from lumped.models.serial_chains import compliance as vjm_compliance
 from lumped.screws import shift
 from lumped.sections import Rectangle, Tube
+from lumped.system import solution
 from lumped.system.assembly import assemble
 from lumped.system.joint_motion import Portion
 from lumped.system.solution import compliance, modes, solved, strain_shares
@@ -214,3 +215,14 @@ def test_a_rod_between_ball_joints_goes_round_a_cone_without_spinning():
     assert forces == pytest.approx(
         (2.0 * np.pi * expected) ** 2 * momenta, abs=1e-6 * abs(forces).max()
     )
+
+
+def test_a_frequency_is_open_by_half_of_what_its_stiffness_is(monkeypatch):
+    """Its square is φᵀKφ of mass-normalised shapes."""
+    posture, _ = gough_stewart(2)
+    system = assemble(posture, {})
+    found = modes(solved(system), 6)
+    stiffness = found.shapes.T @ dense(system.stiffness) @ found.shapes
+    monkeypatch.setattr(solution, "rounding", lambda *_: 1e-6 * stiffness)
+    left_open = solution.rounding_of_frequencies(system, found)
+    assert left_open == pytest.approx(0.5e-6 * found.frequencies, rel=1e-4)
