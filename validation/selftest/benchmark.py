@@ -2,12 +2,13 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from typing import Literal
 
 from fem.calculix.run import CalculixMissing
 from fem.multibody import ExudynMissing
 
-Verdict: TypeAlias = Literal["agrees", "differs", "failed", "skipped"]
+_ROW = "  {:<62} {:>16} {:>13} {:>11} {:>11}  {}"
+HEADINGS = _ROW.format("", "known", "here", "difference", "explained", "")
 
 
 @dataclass(frozen=True)
@@ -51,25 +52,35 @@ class Outcome:
     """What became of a benchmark; `message` says why nothing was compared."""
 
     benchmark: Benchmark
+    verdict: Literal["agrees", "differs", "failed", "skipped"]
     compared: tuple[Compared, ...] = ()
     message: str = ""
-    skipped: bool = False
 
     @property
-    def verdict(self) -> Verdict:
-        """Whether all its numbers agree, or why there are none."""
-        if self.skipped:
-            return "skipped"
-        if self.message:
-            return "failed"
-        return "agrees" if all(one.agrees for one in self.compared) else "differs"
+    def text(self) -> str:
+        """The benchmark, its source, and its numbers or why there are none."""
+        rows = [
+            _ROW.format(
+                one.quantity,
+                f"{one.known:.6g} {one.unit}".removesuffix(" 1"),
+                f"{one.ours:.6g}",
+                f"{one.difference:+.1e}",
+                f"{one.explained:+.1e}" if one.explained else "",
+                "agrees" if one.agrees else "DIFFERS",
+            )
+            for one in self.compared
+        ]
+        rows += [f"  {self.verdict}: {self.message}"] if self.message else []
+        return "\n".join([f"\n{self.benchmark.title}\n  {self.benchmark.source}", *rows])
 
 
 def outcome(benchmark: Benchmark) -> Outcome:
     """Compute a benchmark: whatever goes wrong on this machine is its outcome."""
     try:
-        return Outcome(benchmark, tuple(benchmark.compare()))
+        compared = tuple(benchmark.compare())
     except (CalculixMissing, ExudynMissing) as missing:
-        return Outcome(benchmark, message=str(missing), skipped=True)
+        return Outcome(benchmark, "skipped", message=str(missing))
     except Exception as error:  # noqa: BLE001  libraries of this machine are on trial
-        return Outcome(benchmark, message=f"{type(error).__name__}: {error}")
+        return Outcome(benchmark, "failed", message=f"{type(error).__name__}: {error}")
+    agrees = all(one.agrees for one in compared)
+    return Outcome(benchmark, "agrees" if agrees else "differs", compared)

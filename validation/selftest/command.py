@@ -1,15 +1,9 @@
 """The command `selftest`: known numbers beside those of this machine, as a table."""
 
 from time import perf_counter
-from typing import TYPE_CHECKING
 
 from fem.machine import TO_COMPUTE, require_address_space
 from validation.console.streams import say
-
-if TYPE_CHECKING:
-    from validation.selftest.benchmark import Outcome
-_ROW = "  {:<62} {:>16} {:>13} {:>11} {:>11}  {}"
-_HEADINGS = _ROW.format("", "known", "here", "difference", "explained", "")
 
 
 def selftest() -> int:
@@ -19,21 +13,21 @@ def selftest() -> int:
     """
     from validation.results.provenance import machine, versions  # noqa: PLC0415
     from validation.selftest import beams, record, robots, solids  # noqa: PLC0415
-    from validation.selftest.benchmark import outcome  # noqa: PLC0415
+    from validation.selftest.benchmark import HEADINGS, outcome  # noqa: PLC0415
 
     require_address_space(TO_COMPUTE)
     begun = perf_counter()
-    say(_HEADINGS)
+    say(HEADINGS)
     listed = (*beams.benchmarks(), *solids.benchmarks(), *robots.benchmarks())
     outcomes = []
     for benchmark in listed:
         outcomes.append(outcome(benchmark))
-        say("\n".join(lines(outcomes[-1])))
+        say(outcomes[-1].text)
     bad = sum(one.verdict in {"differs", "failed"} for one in outcomes)
     record.keep(passed=not bad)
     numbers = [compared for one in outcomes for compared in one.compared]
     agreeing = sum(one.agrees for one in numbers)
-    skipped = [one.benchmark.title for one in outcomes if one.skipped]
+    skipped = [one.benchmark.title for one in outcomes if one.verdict == "skipped"]
     say(
         f"\nselftest {'FAILED' if bad else 'passed'}: {agreeing} of {len(numbers)} numbers agree"
         + (f"; skipped: {', '.join(skipped)}" if skipped else "")
@@ -41,23 +35,3 @@ def selftest() -> int:
         f"flexproof {versions().get('flexproof', '')}, {machine()}"
     )
     return int(bad > 0)
-
-
-def lines(outcome: "Outcome") -> list[str]:
-    """A benchmark, its source, and its numbers or why there are none."""
-    benchmark = outcome.benchmark
-    return [
-        f"\n{benchmark.title}\n  {benchmark.source}",
-        *(
-            _ROW.format(
-                one.quantity,
-                f"{one.known:.6g} {one.unit}".removesuffix(" 1"),
-                f"{one.ours:.6g}",
-                f"{one.difference:+.1e}",
-                f"{one.explained:+.1e}" if one.explained else "",
-                "agrees" if one.agrees else "DIFFERS",
-            )
-            for one in outcome.compared
-        ),
-        *([f"  {outcome.verdict}: {outcome.message}"] if outcome.message else []),
-    ]

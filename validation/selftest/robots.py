@@ -11,6 +11,7 @@ from fem.bodies.part import grips_of, held_part, meshed_part
 from fem.bodies.solid import clamped_leg, solid_leg, tip_compliance
 from fem.calculix.leg import compliance_and_frequencies
 from fem.multibody import frequencies
+from lumped.arrays import Array
 from lumped.legs import ConstantLeg, Material
 from lumped.mechanism.body import Prism
 from lumped.mechanism.kinematics.postures import posture, reference_posture
@@ -99,12 +100,8 @@ def hexapod() -> list[Compared]:
         along = (end - base) / np.linalg.norm(end - base)
         screw = np.concatenate([along, np.cross(end - pose[:3], along)])
         stiffness += np.outer(screw, screw) / give
-    known = np.diag(np.linalg.inv(stiffness))
     (own,) = answers("beam", [posture(mechanism, pose)], 0, ModelOptions(elements=1))
-    return [
-        Compared(f"{name} under a unit force", "m", known[i], own.compliance[i, i], 1e-8)
-        for i, name in enumerate("xyz")
-    ]
+    return _deflections(np.diag(np.linalg.inv(stiffness)), np.diag(own.compliance), 1e-8)
 
 
 def bar() -> list[Compared]:
@@ -143,16 +140,8 @@ def by_calculix() -> list[Compared]:
     clamped = clamped_leg(solid_leg(_BLOCK, mesh))
     own, own_frequencies = tip_compliance(clamped), modes(clamped, _MODES).frequencies
     return [
-        *(
-            Compared(f"{name} under a unit force", "m", theirs[i, i], own[i, i], 1e-6)
-            for i, name in enumerate("xyz")
-        ),
-        *(
-            Compared(f"f{number}", "Hz", known, found, 5e-4)
-            for number, (known, found) in enumerate(
-                zip(their_frequencies, own_frequencies, strict=True), start=1
-            )
-        ),
+        *_deflections(np.diag(theirs), np.diag(own), 1e-6),
+        *_frequencies(their_frequencies, own_frequencies, 5e-4),
     ]
 
 
@@ -161,8 +150,18 @@ def by_exudyn() -> list[Compared]:
     at = reference_posture(load_robot("five-bar").mechanism)
     coarse, fine = (frequencies(at, number, _MODES) for number in _ELEMENTS)
     (own,) = answers("beam", [at], _MODES)
-    pairs = zip(fine + (fine - coarse) / 3.0, own.frequencies, strict=True)
+    return _frequencies(fine + (fine - coarse) / 3.0, own.frequencies, 1e-5)
+
+
+def _deflections(known: Array, found: Array, tolerance: float) -> list[Compared]:
     return [
-        Compared(f"f{number}", "Hz", float(known), float(found), 1e-5)
-        for number, (known, found) in enumerate(pairs, start=1)
+        Compared(f"{name} under a unit force", "m", known[i], found[i], tolerance)
+        for i, name in enumerate("xyz")
+    ]
+
+
+def _frequencies(known: Array, found: Array, tolerance: float) -> list[Compared]:
+    return [
+        Compared(f"f{number}", "Hz", *pair, tolerance)
+        for number, pair in enumerate(zip(known, found, strict=True), start=1)
     ]

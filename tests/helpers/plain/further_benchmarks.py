@@ -21,10 +21,20 @@ TEST_71 = (
     "Analysis, NAFEMS (1987), Test 71"
 )
 SLENDER = ConstantLeg(10.0, Rectangle(0.125, 0.125), Material.isotropic(2e11, 0.3, 8000.0))
+FV5_CLUSTERS = tuple(cluster for cluster, *_ in solids.FV5_MODES)
 TEST_71_CLUSTERS = tuple(
     Cluster(k, k, target, f"bending {k}")
     for k, target in enumerate((1.010, 6.327, 17.716, 34.717, 57.390, 85.730), start=1)
 )
+# J/(b h³), beside those of the self-test.
+TORSION_CONSTANTS = solids.TORSION_CONSTANTS | {
+    1.2: 0.166119,
+    1.5: 0.195761,
+    2.5: 0.249365,
+    3.0: 0.263317,
+    4.0: 0.280813,
+    5.0: 0.291317,
+}
 # Two modes of each seven move the crossing, against the stretching of the arms.
 MOVING_CLUSTERS = (
     Cluster(2, 3, 17.709, "arms pinned and clamped, the crossing moves"),
@@ -35,6 +45,14 @@ MOVING_CLUSTERS = (
 def benchmarks() -> tuple[Benchmark, ...]:
     """All of them."""
     return (
+        Benchmark(
+            "NAFEMS FV5, deep simply supported beam, by Timoshenko beams",
+            "The beam of 10 m with a square section of 2 m, its ends held as those of the solid. "
+            "32 elements.",
+            solids.FV5,
+            REASON,
+            lambda: beams.clusters(deep_beam(32), FV5_CLUSTERS),
+        ),
         Benchmark(
             "NAFEMS Test 71, slender cantilever, by Euler–Bernoulli beams",
             "Bending frequencies in one plane of a cantilever of 10 m with a square section of "
@@ -66,6 +84,16 @@ def benchmarks() -> tuple[Benchmark, ...]:
             "the last of six published digits",
             torsion_by_series,
         ),
+    )
+
+
+def deep_beam(elements: int) -> Frame:
+    """FV5: simply supported, held along and about its axis at the first end alone."""
+    return Frame(
+        "NAFEMS FV5",
+        np.array([[0.0, 0.0, 0.0], [solids.DEEP.length, 0.0, 0.0]]),
+        (Member(0, 1, solids.DEEP.timoshenko, (0.0, 0.0, 1.0), elements),),
+        (Support(0, ("x", "y", "z", "φx")), Support(1, ("y", "z"))),
     )
 
 
@@ -153,5 +181,5 @@ def torsion_by_series() -> list[Compared]:
             rectangle_torsion_constant(ratio, 1.0) / ratio,
             1e-6 / known,
         )
-        for ratio, known in solids.TORSION_CONSTANTS.items()
+        for ratio, known in sorted(TORSION_CONSTANTS.items())
     ]
