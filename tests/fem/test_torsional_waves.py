@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from prismatic_legs import STEEL
 
 from fem.sections.nonuniform_torsion import cantilever_frequencies, wave_frequency
 from fem.sections.section_constants import section_constants
@@ -10,8 +11,6 @@ from fem.sections.waveguide import torsion_wave
 from lumped.legs import Material
 from lumped.sections import Circle, ISection, Rectangle
 from meshes.section.section_mesh import section_mesh
-
-STEEL = Material.isotropic(E=2.1e11, nu=0.3, rho=7850.0)
 
 
 def saint_venant_frequency(constants, wave_number):

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from prismatic_legs import STEEL
 
 from fem.bodies.doubling import condensed_leg
 from fem.bodies.solid import solid_leg, solid_mesh
@@ -25,7 +26,6 @@ from lumped.screws import move_compliance
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Tube
 from meshes.section.section_mesh import section_mesh
 
-STEEL = Material.isotropic(E=2.1e11, nu=0.3, rho=7850.0)
 BEAM = ConstantLeg(1.2, Rectangle(width=0.05, height=0.10), STEEL)
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from compliances import scaled_difference
 from numpy.testing import assert_allclose
+from prismatic_legs import LEG_1, LEG_2
 
 from fem.beams.beam import beam_leg
 from fem.beams.beam_theory import (
@@ -15,15 +16,12 @@ from fem.beams.beam_theory import (
 )
 from lumped.dense.modes import dense
 from lumped.errors import InputError
-from lumped.legs import BeamProperties, ConstantLeg, Material, constant_leg, tip_compliance
+from lumped.legs import BeamProperties, ConstantLeg, Material, tip_compliance
 from lumped.mechanism.body_model import LegMatrices
 from lumped.models.cantilever import kind_frequencies, tip_compliance_of
 from lumped.screws import shift
 from lumped.sections import Rectangle
 
-# The equivalent legs of the IFW demonstrator (paper §2.3 applied to its appendix).
-LEG1 = constant_leg(0.85, EA=8.613e8, EIy=4.771e6, EIz=1.832e6, GJ=9.212e6, mass=69.705)
-LEG2 = constant_leg(0.775, EA=4.316e9, EIy=5.98e7, EIz=4.182e6, GJ=6.478e6, mass=49.366)
 THEORIES = ("euler-bernoulli", "timoshenko")
 PARTS = ("tension", "torsion", "bending y", "bending z")
 
@@ -44,7 +42,7 @@ def rigid_motions(leg: LegMatrices):
 def test_tip_compliance_is_exact_for_any_slenderness_and_number_of_elements(slenderness, theory):
     steel = Material.isotropic(2.1e11, 0.3, 7850.0)
     stub = ConstantLeg(slenderness * 0.1, Rectangle(0.06, 0.1), steel)
-    for leg in (stub, LEG2):
+    for leg in (stub, LEG_2):
         properties = leg.properties(theory)
         expected = tip_compliance(properties, leg.length)
         for elements in (1, 2, 7):
@@ -83,10 +81,10 @@ def przemieniecki_stiffness(p: BeamProperties, l: float):
 
 @pytest.mark.parametrize("theory", THEORIES)
 def test_one_element_is_przemieniecki_s_matrix(theory):
-    properties = LEG2.properties(theory)
-    k = dense(beam_leg(properties, LEG2.length, 1).stiffness)
+    properties = LEG_2.properties(theory)
+    k = dense(beam_leg(properties, LEG_2.length, 1).stiffness)
     ends = k[:12, :12] - k[:12, 12:] @ np.linalg.solve(k[12:, 12:], k[12:, :12])
-    reference = przemieniecki_stiffness(properties, LEG2.length)
+    reference = przemieniecki_stiffness(properties, LEG_2.length)
     # Rounding alone: sums of four Gauss points.
     assert scaled_difference(ends, reference) < 1e-13
 
@@ -94,7 +92,7 @@ def test_one_element_is_przemieniecki_s_matrix(theory):
 @pytest.mark.parametrize("elements", [1, 3])
 @pytest.mark.parametrize("theory", THEORIES)
 def test_rigid_motion_has_the_mass_and_inertia_of_the_leg(theory, elements):
-    p, L = LEG1.properties(theory), LEG1.length
+    p, L = LEG_1.properties(theory), LEG_1.length
     leg = beam_leg(p, L, elements)
     motions = rigid_motions(leg)
     m = p.mu * L
@@ -109,8 +107,8 @@ def test_rigid_motion_has_the_mass_and_inertia_of_the_leg(theory, elements):
 
 def test_one_slender_element_has_the_consistent_mass_of_its_cubic_in_both_planes():
     """m/420 (156, 22 L, 54, −13 L, 4 L², −3 L²): Archer, J. Struct. Div. ASCE 89 (1963) 161."""
-    L = LEG1.length
-    mass = dense(beam_leg(LEG1.properties("euler-bernoulli"), L, 1).mass) / LEG1.mass
+    L = LEG_1.length
+    mass = dense(beam_leg(LEG_1.properties("euler-bernoulli"), L, 1).mass) / LEG_1.mass
     published = np.array(
         [[156, 22, 54, -13], [22, 4, 13, -3], [54, 13, 156, -22], [-13, -3, -22, 4]]
     )
@@ -123,7 +121,7 @@ def test_one_slender_element_has_the_consistent_mass_of_its_cubic_in_both_planes
 
 
 def test_parts_sum_to_the_stiffness_and_carry_their_own_load_only():
-    p, L = LEG1.timoshenko, LEG1.length
+    p, L = LEG_1.timoshenko, LEG_1.length
     leg = beam_leg(p, L, 4)
     assert set(leg.parts) == set(PARTS)
     total = sum(dense(part) for part in leg.parts.values())
@@ -145,8 +143,8 @@ def test_parts_sum_to_the_stiffness_and_carry_their_own_load_only():
 
 @pytest.mark.parametrize("theory", THEORIES)
 def test_centreline_of_a_rigid_motion_is_rigid_everywhere(theory):
-    leg = beam_leg(LEG1.properties(theory), LEG1.length, 3)
-    stations = np.array([0.0, 0.1, LEG1.length / 3.0, 0.5, LEG1.length])
+    leg = beam_leg(LEG_1.properties(theory), LEG_1.length, 3)
+    stations = np.array([0.0, 0.1, LEG_1.length / 3.0, 0.5, LEG_1.length])
     twists = (leg.centreline(stations) @ rigid_motions(leg)).reshape(5, 6, 6)
     for station, twist in zip(stations, twists, strict=True):
         assert_allclose(twist, shift(np.array([station, 0.0, 0.0])), atol=1e-13)
@@ -154,7 +152,7 @@ def test_centreline_of_a_rigid_motion_is_rigid_everywhere(theory):
 
 @pytest.mark.parametrize("theory", THEORIES)
 def test_centreline_under_tip_loads_follows_the_deflection_curves(theory):
-    p, L = LEG2.properties(theory), LEG2.length
+    p, L = LEG_2.properties(theory), LEG_2.length
     leg = beam_leg(p, L, 3)
     x = np.linspace(0.0, L, 14)
     loads = np.zeros((leg.size - 6, 6))
@@ -188,7 +186,7 @@ CAP = 6e-6
 @pytest.mark.parametrize("part", PARTS)
 @pytest.mark.parametrize("theory", THEORIES)
 def test_frequencies_converge_with_order_four(theory, part):
-    p, L = LEG2.properties(theory), LEG2.length
+    p, L = LEG_2.properties(theory), LEG_2.length
     exact = {
         "tension": lambda: tension_frequencies(p, L, 2),
         "torsion": lambda: torsion_frequencies(p, L, 2),
@@ -209,7 +207,7 @@ def test_frequencies_converge_with_order_four(theory, part):
 
 def test_leg_1_about_z_is_about_180_hz():
     # Paper §3.3, "about 180 Hz"; Euler–Bernoulli by hand: 1.875104² √(EI/μ)/2πL².
-    p, L = LEG1.timoshenko, LEG1.length
+    p, L = LEG_1.timoshenko, LEG_1.length
     by_hand = 1.875104069**2 * np.sqrt(p.EIy / p.mu) / (2.0 * np.pi * L**2)
     slender = kind_frequencies(beam_leg(p.as_euler_bernoulli(), L, 20), "bending y", 1)[0]
     rayleigh = replace(p, GAy=np.inf, GAz=np.inf)
@@ -227,16 +225,16 @@ def test_leg_1_about_z_is_about_180_hz():
 @pytest.mark.parametrize("length", [0.0, -0.85, np.nan])
 def test_length_must_be_positive(length):
     with pytest.raises(InputError, match="length"):
-        beam_leg(LEG1.timoshenko, length, 3)
+        beam_leg(LEG_1.timoshenko, length, 3)
 
 
 def test_at_least_one_element():
     with pytest.raises(InputError, match="elements = 0"):
-        beam_leg(LEG1.timoshenko, 0.85, 0)
+        beam_leg(LEG_1.timoshenko, 0.85, 0)
 
 
 @pytest.mark.parametrize("station", [-0.01, 0.86, np.nan])
 def test_stations_lie_on_the_leg(station):
-    leg = beam_leg(LEG1.timoshenko, 0.85, 3)
+    leg = beam_leg(LEG_1.timoshenko, 0.85, 3)
     with pytest.raises(InputError, match="station"):
         leg.centreline(np.array([0.1, station]))

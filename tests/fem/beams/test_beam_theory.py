@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
+from prismatic_legs import LEG_1, LEG_2
 
 from fem.beams.beam_theory import (
     bending_frequencies,
@@ -15,12 +16,8 @@ from fem.beams.beam_theory import (
     tension_frequencies,
     torsion_frequencies,
 )
-from lumped.legs import BeamProperties, ConstantLeg, Material, constant_leg
+from lumped.legs import BeamProperties, ConstantLeg, Material
 from lumped.sections import Rectangle
-
-# The equivalent legs of the IFW demonstrator (paper §2.3 applied to its appendix).
-LEG1 = constant_leg(0.85, EA=8.613e8, EIy=4.771e6, EIz=1.832e6, GJ=9.212e6, mass=69.705)
-LEG2 = constant_leg(0.775, EA=4.316e9, EIy=5.98e7, EIz=4.182e6, GJ=6.478e6, mass=49.366)
 
 
 def huang_function(p: BeamProperties, L: float, plane: str, omega):
@@ -61,7 +58,7 @@ def test_high_euler_bernoulli_roots_approach_odd_right_angles():
 
 
 @pytest.mark.parametrize("plane", ["y", "z"])
-@pytest.mark.parametrize("leg", [LEG1, LEG2, square_leg(1.0), square_leg(3.0)])
+@pytest.mark.parametrize("leg", [LEG_1, LEG_2, square_leg(1.0), square_leg(3.0)])
 def test_timoshenko_frequencies_are_all_the_roots_of_huang_s_equation(leg, plane):
     p, L = leg.timoshenko, leg.length
     omega = 2.0 * np.pi * bending_frequencies(p, L, plane, 20)
@@ -109,7 +106,7 @@ def test_rotary_inertia_takes_its_known_first_order_share():
 
 
 def test_sixty_frequencies_of_a_deep_leg_are_as_dense_as_its_two_waves():
-    p, L = LEG2.timoshenko, LEG2.length
+    p, L = LEG_2.timoshenko, LEG_2.length
     omega = 2.0 * np.pi * bending_frequencies(p, L, "y", 60)
     assert np.all(np.diff(omega) > 0.0)
     # Far above the cut-off the cantilever is two bars, one of bending waves, √(EI/ρI), one of shear
@@ -132,7 +129,7 @@ def test_tension_and_torsion_are_odd_quarter_waves():
 
 
 def test_cantilever_frequencies_are_merged_ascending_with_their_names():
-    found = cantilever_frequencies(LEG1.timoshenko, LEG1.length, 8)
+    found = cantilever_frequencies(LEG_1.timoshenko, LEG_1.length, 8)
     frequencies = [item.frequency for item in found]
     assert frequencies == sorted(frequencies)
     assert [(item.kind, item.order) for item in found[:6]] == [
@@ -144,7 +141,7 @@ def test_cantilever_frequencies_are_merged_ascending_with_their_names():
         ("torsion", 1),
     ]
     # Nothing below the eighth is left out.
-    p, L = LEG1.timoshenko, LEG1.length
+    p, L = LEG_1.timoshenko, LEG_1.length
     everything = np.concatenate(
         [
             tension_frequencies(p, L, 8),

@@ -2,18 +2,18 @@
 
 import numpy as np
 import pytest
+from prismatic_legs import STEEL
 
 from fem.beams.beam import beam_leg
 from fem.beams.warping_beam import warping_beam_leg
 from fem.sections.nonuniform_torsion import cantilever_frequencies, held_torsion_compliance
 from fem.sections.section_constants import SectionConstants, beam_properties, section_constants
-from lumped.legs import Material, tip_compliance
+from lumped.legs import tip_compliance
 from lumped.models.cantilever import clamped_modes, tip_compliance_of
 from lumped.sections import Circle, ISection
 from meshes.section.section_mesh import section_mesh
 
 LENGTH = 0.9
-STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 
 
 @pytest.fixture(scope="module")

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from compliances import scaled_difference
+from prismatic_legs import STEEL
 
 from fem.bodies.doubling import (
     condensed_leg,
@@ -21,7 +22,6 @@ from lumped.sections import ISection, Rectangle, Tube
 from meshes.prism.extrude import extrude, stations
 from meshes.section.section_mesh import section_mesh
 
-STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 CUBIC = Material(E=2.1e11, G=1.2e11, nu=0.25, rho=7850.0)
 SECTIONS = [
     (Rectangle(0.10, 0.16), 2),

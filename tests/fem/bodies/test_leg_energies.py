@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from prismatic_legs import STEEL
 
 from fem.bodies.leg_energies import DISTORTION, kind_energies
 from fem.bodies.solid import clamped_leg, solid_leg, solid_mesh
 from lumped.errors import InputError
-from lumped.legs import ConstantLeg, Material
+from lumped.legs import ConstantLeg
 from lumped.sections import Rectangle
 from meshes.prism.tetrahedra import tetrahedra
 
-STEEL = Material.isotropic(E=2.1e11, nu=0.3, rho=7850.0)
 LEG = ConstantLeg(0.6, Rectangle(width=0.08, height=0.12), STEEL)
 # Wrench on the tip and the kind that carries all of its energy.
 PURE = {0: "tension", 3: "torsion", 1: "bending z", 2: "bending y", 4: "bending y", 5: "bending z"}

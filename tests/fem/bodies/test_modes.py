@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from prismatic_legs import STEEL, meshed
 from scipy.linalg import eigh, null_space
 from scipy.sparse import csr_array, eye_array
 
@@ -14,20 +15,14 @@ from fem.solvers.modes import MissedModesError, certify, lowest_modes
 from lumped.errors import ComputationError, InputError
 from lumped.legs import ConstantLeg, Material
 from lumped.sections import Circle, Rectangle, Tube
-from meshes.prism.extrude import extrude, stations
 from meshes.prism.tetrahedra import tetrahedra
-from meshes.section.section_mesh import section_mesh
 
-STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 # Both solve one matrix pencil; what is left is rounding, eps times the condition of K (some 1e5).
 SAME = 1e-10
 
 
 def leg(section, length=0.6, slices=6, ends="rigid"):
-    one = ConstantLeg(length, section, STEEL)
-    return clamped_leg(
-        solid_leg(one, extrude(section_mesh(section, 1), stations(length, slices))), ends
-    )
+    return clamped_leg(meshed(ConstantLeg(length, section, STEEL), 1, slices), ends)
 
 
 def dense_solution(clamped):
@@ -258,8 +253,7 @@ def test_last_place_of_the_shift_is_half_way_to_the_next_mode(bar):
 def test_double_mode_of_a_very_slender_leg():
     """87 diameters long: K's largest eigenvalue is 1e11 times its lowest mode's."""
     one = ConstantLeg(7.6, Circle(0.0873), STEEL)
-    mesh = extrude(section_mesh(one.section, 1), stations(one.length, 40))
-    found = modes(clamped_leg(solid_leg(one, mesh)), 2)
+    found = modes(clamped_leg(meshed(one, 1, 40)), 2)
     assert found.count == 2
     # Bernoulli's cantilever 1.8751²/2π √(EI/ρA)/L²; shear and rotary inertia take 1e-4, and
     # slices of two diameters and the held face add no more than that.

@@ -3,17 +3,16 @@
 import numpy as np
 import pytest
 from drawn_parts import meshed, plane_ends
+from prismatic_legs import STEEL
 
 from fem.bodies.part import grips_of, held_part, meshed_part, require_memory
 from lumped.errors import ComputationError
-from lumped.legs import Material
 from lumped.mechanism.part import ByPlane, PartInterface
 from meshes.gmsh_session import gmsh_model
 from meshes.part.interfaces import find_interfaces
 from meshes.part.reading.read import read_part
 from meshes.part.volume import Grading, volume_mesh
 
-STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 LENGTH, ROOT, TIP = 0.5, 0.03, 0.02
 
 

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from compliances import scaled_difference
+from prismatic_legs import LEG_1, LEG_2, STEEL, meshed
 
 from fem.bodies.leg_modes import modes
 from fem.bodies.solid import (
@@ -15,24 +16,14 @@ from fem.bodies.solid import (
 )
 from fem.sections.section_constants import beam_properties, section_constants
 from lumped.errors import ComputationError, InputError
-from lumped.legs import ConstantLeg, Material, constant_leg
+from lumped.legs import ConstantLeg, Material
 from lumped.legs import tip_compliance as beam_tip_compliance
 from lumped.screws import shift
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Tube
-from meshes.prism.extrude import extrude, stations
 from meshes.prism.tetrahedra import tetrahedra
 from meshes.section.section_mesh import section_mesh
 
-STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 CUBIC = Material(E=2.1e11, G=1.2e11, nu=0.25, rho=7850.0)
-# The equivalent legs of the known values.
-LEG_1 = constant_leg(0.85, EA=8.613e8, EIy=4.771e6, EIz=1.832e6, GJ=9.212e6, mass=69.705)
-LEG_2 = constant_leg(0.775, EA=4.316e9, EIy=5.980e7, EIz=4.182e6, GJ=6.478e6, mass=49.366)
-
-
-def on_mesh(leg, divisions, slices, grading=1.0):
-    section = section_mesh(leg.section, divisions)
-    return solid_leg(leg, extrude(section, stations(leg.length, slices, grading)))
 
 
 def beam_with_mesh_constants(solid):
@@ -59,7 +50,7 @@ FREE_LEGS = [
 )
 def test_free_ends_reproduce_beam_theory(length, section, divisions, slices):
     """Clapeyron: with Saint-Venant ends the solid is Timoshenko's beam of its section."""
-    solid = on_mesh(ConstantLeg(length, section, CUBIC), divisions, slices)
+    solid = meshed(ConstantLeg(length, section, CUBIC), divisions, slices)
     compliance = tip_compliance(clamped_leg(solid, "free"))
     # The issue's limit, 1e-4; what remains is the deflection's cubic on quadratic slices.
     assert scaled_difference(compliance, beam_with_mesh_constants(solid)) < 1e-4
@@ -100,7 +91,7 @@ def test_hexahedra_and_tetrahedra_agree_on_a_short_rod_with_rigid_ends():
 
 @pytest.fixture(scope="module")
 def leg_1():
-    return on_mesh(LEG_1, 4, 20)
+    return meshed(LEG_1, 4, 20)
 
 
 @pytest.fixture(scope="module")
@@ -121,7 +112,7 @@ def test_rigid_ends_stiffen_torsion_of_leg_1_alone(clamped_leg_1):
 
 def test_rigid_ends_stiffen_torsion_of_leg_2():
     """Known values: 18 %; and 0.26 % along z, where shear carries a sixth of the deflection."""
-    solid = on_mesh(LEG_2, (3, 9), 16)
+    solid = meshed(LEG_2, (3, 9), 16)
     compliance = tip_compliance(clamped_leg(solid))
     beam = beam_tip_compliance(LEG_2.timoshenko, LEG_2.length)
     share = 1.0 - np.diag(compliance) / np.diag(beam)
@@ -132,7 +123,7 @@ def test_rigid_ends_stiffen_torsion_of_leg_2():
 
 def test_compliance_equals_condensation_of_the_leg_matrices():
     """Dense inverse of the free leg's matrix with the root's rows struck out."""
-    solid = on_mesh(LEG_1, 1, 4)
+    solid = meshed(LEG_1, 1, 4)
     matrices = solid_leg_matrices(solid)
     dense = matrices.stiffness.toarray()
     direct = np.linalg.inv(dense[6:, 6:])[:6, :6]
@@ -153,7 +144,7 @@ def test_first_frequencies_of_leg_1(clamped_leg_1):
 
 def test_free_ends_vibrate_lower_than_rigid_ones():
     """A constraint less lowers every frequency (Rayleigh); torsion is then that of a free bar."""
-    solid = on_mesh(LEG_2, (2, 6), 12)
+    solid = meshed(LEG_2, (2, 6), 12)
     rigid = modes(clamped_leg(solid), 5).frequencies
     clamped = clamped_leg(solid, "free")
     free = modes(clamped, 5)
@@ -167,7 +158,7 @@ def test_free_ends_vibrate_lower_than_rigid_ones():
 
 
 def test_leg_matrices_of_a_free_leg():
-    solid = on_mesh(LEG_2, 1, 4)
+    solid = meshed(LEG_2, 1, 4)
     matrices = solid_leg_matrices(solid)
     assert matrices.size == matrices.mass.shape[0]
     at = np.array([0.0, 0.1, 0.35, 0.775])
@@ -188,7 +179,7 @@ def test_leg_matrices_of_a_free_leg():
 
 def test_centreline_of_a_tip_load_is_the_beam():
     """Under Fy the sections of the middle follow Timoshenko's cantilever."""
-    solid = on_mesh(LEG_1, 2, 24)
+    solid = meshed(LEG_1, 2, 24)
     clamped = clamped_leg(solid)
     u = clamped.ends.expanded(clamped.factor.solve(clamped.ends.tip_loads()[:, 1]))
     at = np.array([0.3, 0.5, 0.85])
@@ -202,7 +193,7 @@ def test_centreline_of_a_tip_load_is_the_beam():
 
 
 def test_section_twists_need_planes_and_stations_on_the_leg():
-    solid = on_mesh(LEG_1, 1, 2)
+    solid = meshed(LEG_1, 1, 2)
     with pytest.raises(InputError, match=r"between 0 m and 0.85 m"):
         section_twists(solid.mesh, np.array([0.9]))
     with pytest.raises(InputError, match="extruded"):

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from compliances import scaled_difference
+from prismatic_legs import STEEL
 
 from fem.bodies.leg_modes import modes
 from fem.bodies.solid import clamped_leg, solid_leg, tip_compliance
@@ -39,7 +40,6 @@ needs_calculix = pytest.mark.skipif(
     not any(map(shutil.which, calculix_run.PROGRAMS)), reason="CalculiX (ccx) is not installed"
 )
 
-STEEL = Material.isotropic(E=2.1e11, nu=0.3, rho=7850.0)
 # G twice the isotropic value: as far from isotropy as the robot's equivalent legs.
 CUBIC = Material(E=7.0e10, G=5.4e10, nu=0.3, rho=2700.0)
 

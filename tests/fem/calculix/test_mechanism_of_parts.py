@@ -4,6 +4,7 @@ import shutil
 
 import pytest
 from compliances import scaled_difference
+from prismatic_legs import STEEL
 
 from fem.bodies.part import grips_of, meshed_part
 from fem.bodies.rooted import rooted_body
@@ -13,7 +14,6 @@ from fem.calculix.mechanism import HeldMesh, compliance_and_frequencies
 from fem.couplings.coupled_solid import coupled_solid
 from fem.reduction.craig_bampton import reduction
 from fem.reduction.held import HeldBody
-from lumped.legs import Material
 from lumped.mechanism.body_model import BodyModel
 from lumped.mechanism.kinematics.postures import posture
 from lumped.robot_file import load_robot
@@ -23,7 +23,6 @@ from meshes.part.interfaces import find_interfaces
 from meshes.part.reading.read import read_part
 from meshes.part.volume import Grading, volume_mesh
 
-STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 ROBOT = """
 schema = 2
 name = "two arms"

@@ -8,6 +8,7 @@ transpose of its mean, and its mean is taken of the displacements that are print
 import numpy as np
 import pytest
 from compliances import scaled_difference
+from prismatic_legs import STEEL
 
 from fem.bodies.part import grips_of, held_part, meshed_part
 from fem.bodies.rooted import rooted_body
@@ -16,13 +17,10 @@ from fem.calculix.leg import mass_at_stiffness_points
 from fem.calculix.run import CalculixMissing, calculix_program, run_calculix
 from fem.couplings.coupled_solid import coupled_solid
 from fem.couplings.grips import area_weights
-from lumped.legs import Material
 from lumped.mechanism.part import ByCylinder, ByPlane, PartInterface
 from meshes.part.interfaces import find_interfaces
 from meshes.part.reading.read import read_part
 from meshes.part.volume import Grading, volume_mesh
-
-STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 
 
 @pytest.fixture(scope="module")

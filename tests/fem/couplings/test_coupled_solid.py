@@ -6,6 +6,7 @@ every tie. It shares the element matrices with the fast one, and nothing else.
 
 import numpy as np
 import pytest
+from prismatic_legs import STEEL
 from scipy.sparse import block_array, block_diag, csc_array, csr_array
 from scipy.sparse.linalg import splu
 
@@ -14,7 +15,6 @@ from fem.couplings.coupled_solid import coupled_solid
 from fem.couplings.end_coupling import rigid_motions
 from fem.couplings.grips import area_weights
 from fem.elements.elasticity import on_three_components
-from lumped.legs import Material
 from meshes.gmsh_arrays import connectivity, numbered
 from meshes.gmsh_session import gmsh_model
 from meshes.part.boundary import boundary, smooth_faces
@@ -23,7 +23,6 @@ from meshes.part.interfaces import Interface
 from meshes.part.part_mesh import PartMesh
 from meshes.part.straighten import straightened
 
-STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 # The second bore is referred to a point beside its axis.
 OFF = np.array([1e-3, 2e-3, 0.0])
 KINDS = ("rigid", "average", "pin")

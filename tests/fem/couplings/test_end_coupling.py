@@ -4,6 +4,7 @@ from functools import partial
 
 import numpy as np
 import pytest
+from prismatic_legs import STEEL
 from scipy.sparse import bmat
 from scipy.sparse.linalg import spsolve
 
@@ -21,7 +22,6 @@ from meshes.prism.extrude import extrude, stations
 from meshes.prism.tetrahedra import tetrahedra
 from meshes.section.section_mesh import section_mesh
 
-STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 CUBIC = Material(E=2.1e11, G=1.3e11, nu=0.25, rho=7850.0)
 SECTIONS = [
     Rectangle(0.10, 0.16),

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from prismatic_legs import STEEL
 
 from fem.bodies import doubling
 from fem.couplings.end_effects import _decays, restrained_compliance
@@ -15,7 +16,6 @@ from lumped.legs import ConstantLeg, Material, tip_compliance
 from lumped.sections import HollowRectangle, ISection, Rectangle, Tube
 from meshes.section.section_mesh import section_mesh
 
-STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 WITHOUT_CONTRACTION = Material.isotropic(2.1e11, 0.0, 7850.0)
 
 

@@ -4,11 +4,12 @@ from functools import partial
 
 import numpy as np
 import pytest
+from prismatic_legs import STEEL
 
 from fem.couplings.wave_stiffness import prism_waves
 from fem.sections.waveguide import bending_wave, torsion_wave
 from lumped.errors import ComputationError
-from lumped.legs import ConstantLeg, Material
+from lumped.legs import ConstantLeg
 from lumped.sections import HollowRectangle, ISection, Rectangle, Tube
 from meshes.section.section_mesh import section_mesh
 from validation.solids.legs import solid_frequencies
@@ -16,7 +17,6 @@ from validation.solids.waves import prism_wave_frequency
 from validation.studies.leg_waves import dynamic_stiffness
 from validation.studies.paired_robot_modes import own_beam
 
-STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 LENGTH = 0.9
 BOX = HollowRectangle(0.14, 0.2, 0.01)
 OPEN = ISection(0.1, 0.16, 0.012, 0.008)

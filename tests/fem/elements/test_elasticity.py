@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 import skfem
+from prismatic_legs import STEEL
 from scipy.sparse.linalg import cg
 from skfem.helpers import ddot, dot, sym_grad, trace
 from skfem.helpers import eye as identity
@@ -13,7 +14,6 @@ from meshes.section.section_mesh import SectionMesh
 from meshes.shape_functions import gradients, quadrature, values
 from meshes.solid_mesh import EndFace, SolidMesh
 
-STEEL = Material.isotropic(E=2.1e11, nu=0.3, rho=7850.0)
 CUBIC = Material(E=1.9e11, G=1.2e11, nu=0.22, rho=7850.0)
 NAMES = ("hex8", "hex27", "tet4", "tet10")
 SKFEM = {

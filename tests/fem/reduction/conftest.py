@@ -5,16 +5,15 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 from drawn_parts import meshed
+from prismatic_legs import STEEL
 from scipy.linalg import eigh, null_space
 
 from fem.bodies.part import grips_of, held_part, meshed_part
 from fem.reduction.held import HeldBody
-from lumped.legs import Material
 from lumped.mechanism.part import ByPlane, PartInterface
 from meshes.part.interfaces import find_interfaces
 from meshes.part.reading.read import read_part
 
-STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 LENGTH = 0.2
 COUPLINGS = {"two": ("rigid", "average"), "one": ("average",)}
 

@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from prismatic_legs import meshed
 from scipy.linalg import eigh, null_space
 from scipy.sparse import csr_array
 
 from fem.beams.beam import beam_leg
-from fem.bodies.solid import clamped_leg, solid_leg, solid_leg_matrices
+from fem.bodies.solid import clamped_leg, solid_leg_matrices
 from fem.reduction.craig_bampton import craig_bampton, frequency_bounds
 from fem.reduction.free_superelement import held_free_leg
 from fem.reduction.interface_modes import interface_modes
@@ -20,8 +21,6 @@ from lumped.models.segments import segment_chain, segment_leg
 from lumped.robot_file import load_robot
 from lumped.sections import Rectangle
 from lumped.system.solution import compliance, modes, solved
-from meshes.prism.extrude import extrude, stations
-from meshes.section.section_mesh import section_mesh
 
 ROBOT = with_equivalent_legs(load_robot("ifw").robot)
 LEG_1, LEG_2 = ROBOT.leg1, ROBOT.leg2
@@ -31,11 +30,6 @@ COUNT = 20
 HIGHEST = 3800.0
 # Rounding of dense frequencies, 1e-12, with a margin.
 ROUNDING = 1e-10
-
-
-def meshed(leg, divisions, slices):
-    section = section_mesh(leg.section, divisions)
-    return solid_leg(leg, extrude(section, stations(leg.length, slices)))
 
 
 NAMES = ("leg1", "leg2")

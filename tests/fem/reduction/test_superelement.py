@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 from compliances import scaled_difference
 from numpy.testing import assert_allclose
+from prismatic_legs import meshed
 from scipy.sparse import csr_array
 
 from fem.beams.beam import beam_leg
-from fem.bodies.solid import clamped_leg, section_twists, solid_leg, solid_leg_matrices
+from fem.bodies.solid import clamped_leg, section_twists, solid_leg_matrices
 from fem.reduction.free_superelement import held_free_leg
 from fem.reduction.superelement import held_leg, mass_properties, static_superelement
 from fem.reduction.superelement import rigid_motions as reduced_rigid_motions
@@ -21,8 +22,6 @@ from lumped.mechanism.body_model import LegMatrices
 from lumped.models.segments import segment_chain, segment_leg
 from lumped.robot_file import load_robot
 from lumped.system.solution import compliance, solved
-from meshes.prism.extrude import extrude, stations
-from meshes.section.section_mesh import section_mesh
 
 ROBOT = with_equivalent_legs(load_robot("ifw").robot)
 POSTURES = (ROBOT.stroke[0], ROBOT.centre, ROBOT.stroke[1])
@@ -39,11 +38,6 @@ def equivalent(robot: Biglide) -> tuple[ConstantLeg, ConstantLeg]:
 
 
 LEG_1, LEG_2 = equivalent(ROBOT)
-
-
-def meshed(leg, divisions, slices):
-    section = section_mesh(leg.section, divisions)
-    return solid_leg(leg, extrude(section, stations(leg.length, slices)))
 
 
 MODELS = {

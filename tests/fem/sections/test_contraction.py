@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from prismatic_legs import STEEL
 
 from fem.bodies.solid import clamped_leg, solid_leg, tip_compliance
 from fem.sections.contraction import held_contraction
@@ -15,7 +16,6 @@ from meshes.prism.extrude import extrude, stations
 from meshes.section.section_mesh import section_mesh
 
 AUXETIC = Material.isotropic(2.1e11, -0.9, 7850.0)
-STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 CUBIC = Material(E=1.0, G=2.0, nu=0.25, rho=1.0)
 
 

@@ -3,6 +3,7 @@ import pickle
 
 import numpy as np
 import pytest
+from prismatic_legs import STEEL
 from scipy.sparse import block_diag, csr_array, diags_array, eye_array
 from scipy.sparse.linalg import spsolve
 
@@ -17,13 +18,11 @@ from fem.solvers.factor import NotPositiveDefiniteError, upper_triangle
 from fem.solvers.modes import MissedModesError
 from fem.solvers.ordering import block_graph, nested_dissection
 from lumped.errors import ComputationError, InputError
-from lumped.legs import Material
 from lumped.sections import Rectangle
 from meshes.prism.extrude import extrude, stations
 from meshes.section.section_mesh import section_mesh
 
 CHOLMOD = {"whole": CholmodFactor, "halves": BisectedFactor}
-STEEL = Material.isotropic(E=2.1e11, nu=0.3, rho=7850.0)
 # Solutions of one matrix by two eliminations differ by its condition number (here 1e6) times 1e-16.
 SOLVER_TOLERANCE = 1e-9
 

@@ -5,28 +5,29 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from prismatic_legs import meshed
 
-from fem.bodies.solid import solid_leg, solid_leg_matrices
+from fem.bodies.solid import solid_leg_matrices
 from fem.solvers.sparse_system import compliance, factorised, modes
 from lumped.biglide import system, with_equivalent_legs
 from lumped.errors import ComputationError
 from lumped.models.segments import segment_chain, static_leg
 from lumped.robot_file import load_robot
 from lumped.system import solution
-from meshes.prism.extrude import extrude, stations
-from meshes.section.section_mesh import section_mesh
 
 ROBOT = with_equivalent_legs(load_robot("ifw").robot)
 
 
-def meshed(leg, slices):
-    section = section_mesh(leg.section, 1)
-    return solid_leg_matrices(solid_leg(leg, extrude(section, stations(leg.length, slices))))
+def of_slices(*counts):
+    legs = zip((ROBOT.leg1, ROBOT.leg2), counts, strict=True)
+    return tuple(solid_leg_matrices(meshed(leg, 1, count)) for leg, count in legs)
 
 
 @pytest.fixture(scope="module")
 def legs():
-    return meshed(ROBOT.leg1, 4), meshed(ROBOT.leg2, 3)
+    return solid_leg_matrices(meshed(ROBOT.leg1, 1, 4)), solid_leg_matrices(
+        meshed(ROBOT.leg2, 1, 3)
+    )
 
 
 @pytest.mark.parametrize("x", [ROBOT.stroke[0], ROBOT.centre])
@@ -46,7 +47,7 @@ def test_sparse_solutions_equal_dense_ones(legs, x):
 
 def test_first_frequencies_at_the_centre():
     """Known values: 113.0, 184.0, 212.5, 353 Hz with both legs as solids, rigid end faces."""
-    whole = system(ROBOT, ROBOT.centre, meshed(ROBOT.leg1, 12), meshed(ROBOT.leg2, 12))
+    whole = system(ROBOT, ROBOT.centre, *of_slices(12, 12))
     found = modes(factorised(whole), 4).frequencies
     # One element across the section: torsion, a part of the first mode, is a little too stiff.
     assert_allclose(found, [113.0, 184.0, 212.5, 353.0], rtol=5e-3)

@@ -4,10 +4,10 @@ from functools import cache
 
 import numpy as np
 import pytest
+from prismatic_legs import STEEL
 
 from fem.bodies.part import meshed_part
 from fem.sections.section_constants import section_constants
-from lumped.legs import Material
 from lumped.sections import HollowRectangle, Rectangle
 from meshes.part import volume
 from meshes.part.boundary import Facets, area_vectors, boundary
@@ -18,7 +18,6 @@ from meshes.part.spread import cell_volumes
 from meshes.section.section_mesh import section_mesh
 
 BOX = HollowRectangle(0.1, 0.16, 0.0125)
-STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 
 
 def box_tube(occ, s):

@@ -1,26 +1,20 @@
 import numpy as np
 import pytest
+from prismatic_legs import STEEL, meshed
 from scipy.linalg import eigvalsh, null_space
 
 import fem.solvers.certificate.count
 from fem.bodies.leg_modes import clamped_count
-from fem.bodies.solid import clamped_leg, solid_leg
+from fem.bodies.solid import clamped_leg
 from fem.solvers.certificate.supported_count import separator_supports, supported_count
 from fem.solvers.factor import upper_triangle, whole_matrix
 from fem.solvers.modes import MissedModesError, certify
-from lumped.legs import ConstantLeg, Material
+from lumped.legs import ConstantLeg
 from lumped.sections import ISection, Rectangle
-from meshes.prism.extrude import extrude, stations
-from meshes.section.section_mesh import section_mesh
-
-STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 
 
 def held(section, ends):
-    one = ConstantLeg(0.6, section, STEEL)
-    return clamped_leg(
-        solid_leg(one, extrude(section_mesh(section, 2), stations(one.length, 8))), ends
-    )
+    return clamped_leg(meshed(ConstantLeg(0.6, section, STEEL), 2, 8), ends)
 
 
 @pytest.fixture(scope="module", params=["rigid", "free"])
