@@ -242,7 +242,7 @@ def _prepare(robot_file: RobotFile, preset: Preset, cluster: "Executor | None", 
     if not robot_file.mechanism.parts:
         return
     # Meshes and solvers, of which most runs ask for none.
-    from validation.adequacy.mechanism.parts_ahead import prepare_parts  # noqa: PLC0415
+    from validation.run.parts_ahead import prepare_parts  # noqa: PLC0415
     from validation.sweeps.cores import on_cores  # noqa: PLC0415
 
     context = Context(robot_file, preset)

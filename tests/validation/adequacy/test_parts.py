@@ -19,7 +19,6 @@ from validation.adequacy.mechanism.parts import (
     refinement_share,
     solid_parts,
 )
-from validation.adequacy.mechanism.parts_ahead import prepare_parts
 from validation.adequacy.mechanism.path import holding, offered, path_postures
 from validation.adequacy.models import judged_models, why_unable
 from validation.adequacy.robot import robot_adequacy
@@ -29,6 +28,7 @@ from validation.models import parts
 from validation.models.options import ModelOptions
 from validation.parts import kept, meshes
 from validation.results.outcome import judge
+from validation.run.parts_ahead import prepare_parts
 from validation.store.cache import nothing_kept
 
 

@@ -26,10 +26,10 @@ from lumped.robot_file import load_robot
 from lumped.robot_file.variation import variations_of
 from validation import api, cli
 from validation.adequacy.mechanism.parts import highest_of_parts
-from validation.adequacy.mechanism.parts_ahead import prepare_parts
 from validation.adequacy.mechanism.path import offered, path_postures
 from validation.context import Context
 from validation.models import parts
+from validation.run.parts_ahead import prepare_parts
 from validation.store.opening import open_folder
 from validation.sweeps.cluster import on_cluster
 from validation.sweeps.cores import on_cores
