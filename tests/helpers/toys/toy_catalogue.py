@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from multiprocessing import parent_process
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -19,20 +20,18 @@ from validation.exhibits import Figure, PlannedFigure, Study
 from validation.results.tasks import Task
 
 
-def case(identifier: str, compute: Callable[[Context], Measurement], group: str = "") -> Case:
-    return Case(
-        id=identifier,
-        title=f"Toy {identifier}",
-        quantity="length",
-        unit="m",
-        reference_kind="closed-form",
-        citation="made up",
-        tolerance=Absolute(0.1),
-        tolerance_reason="made up",
-        compute=compute,
-        section="Toys",
-        group=group,
-    )
+def case(identifier: str, compute: Callable[[Context], Measurement], **changes: Any) -> Case:
+    fields = {
+        "title": f"Toy {identifier}",
+        "quantity": "length",
+        "unit": "m",
+        "reference_kind": "closed-form",
+        "citation": "made up",
+        "tolerance": Absolute(0.1),
+        "tolerance_reason": "made up",
+        "section": "Toys",
+    }
+    return Case(id=identifier, compute=compute, **fields | changes)
 
 
 def agrees(_context: Context) -> Measurement:

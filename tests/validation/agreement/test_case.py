@@ -5,6 +5,7 @@ from math import hypot, inf, isnan, nan
 
 import numpy as np
 import pytest
+import toy_catalogue
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -41,17 +42,7 @@ INTERFACE = {
     "verdict",
     "seconds",
 }
-EQUAL = Case(
-    id="toy.equal[x=1]",
-    title="Toy",
-    quantity="length",
-    unit="m",
-    reference_kind="closed-form",
-    citation="none: made up",
-    tolerance=Absolute(0.1),
-    tolerance_reason="made up",
-    compute=lambda _context: Measurement(1.0, 1.0, exact=True),
-)
+EQUAL = toy_catalogue.case("toy.equal[x=1]", toy_catalogue.agrees)
 AT_MOST = replace(EQUAL, relation=Relation.AT_MOST)
 AT_LEAST = replace(EQUAL, relation=Relation.AT_LEAST)
 

@@ -8,8 +8,9 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
+from toy_catalogue import agrees, case
 
-from validation.case import Absolute, Case, Measurement, Relative
+from validation.case import Absolute, Measurement, Relative
 from validation.drawing import text
 from validation.exhibits import Study, study_record
 from validation.report.figures.studies.family_plots import study_plot
@@ -18,17 +19,7 @@ from validation.results.junit import junit_xml
 from validation.results.outcome import Outcome, Result, judge
 
 SUPERSCRIPTS = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
-CASE = Case(
-    id="toy",
-    title="Toy",
-    quantity="deflection",
-    unit="µm",
-    reference_kind="closed-form",
-    citation="made up",
-    tolerance=Relative(0.1),
-    tolerance_reason="made up",
-    compute=lambda _context: Measurement(0.0, 0.0, exact=True),
-)
+CASE = case("toy", agrees, quantity="deflection", unit="µm", tolerance=Relative(0.1))
 
 
 def read(written: str) -> float:

@@ -6,10 +6,11 @@ import re
 import pytest
 from msgspec.json import encode
 from msgspec.structs import replace
+from toy_catalogue import agrees, case
 
 from lumped.errors import InputError
 from validation import cli
-from validation.case import Absolute, Case, Measurement
+from validation.case import Measurement
 from validation.report.page import Report
 from validation.results.compare import as_dict, compare
 from validation.results.comparison_text import as_text, table
@@ -194,18 +195,7 @@ def test_what_is_no_run_ends_with_2_and_one_line(content, said, tmp_path, capsys
 
 
 def outcome(value):
-    case = Case(
-        id="toy",
-        title="Toy",
-        quantity="length",
-        unit="m",
-        reference_kind="closed-form",
-        citation="made up",
-        tolerance=Absolute(0.1),
-        tolerance_reason="made up",
-        compute=lambda _context: Measurement(value, 1.0, exact=True),
-    )
-    return judge(case, Measurement(value, 1.0, exact=True), 0.0)
+    return judge(case("toy", agrees), Measurement(value, 1.0, exact=True), 0.0)
 
 
 def test_runs_without_a_common_case_are_not_called_the_same(tmp_path, capsys):

@@ -28,6 +28,11 @@ def finished(path, header=HEADER, number=1.0):
     return folder
 
 
+def assert_refused(said, path, header, start):
+    with pytest.raises(InputError, match=said), open_folder(path, header, start):
+        pass
+
+
 def content(path):
     """What a folder holds but for what changes with every opening, by name."""
     return {
@@ -163,11 +168,7 @@ def test_a_folder_of_something_else_is_left_alone(tmp_path, mark):
         (tmp_path / name).write_text(text)
     before = {file: file.read_bytes() for file in tmp_path.rglob("*") if file.is_file()}
     for start in ("afresh", "resumed"):
-        with (
-            pytest.raises(InputError, match="other files"),
-            open_folder(tmp_path, HEADER, start),
-        ):
-            pass
+        assert_refused("other files", tmp_path, HEADER, start)
     assert {f: f.read_bytes() for f in tmp_path.rglob("*") if f.is_file()} == before
 
 
@@ -274,11 +275,7 @@ def test_times_that_cannot_be_are_not_taken_up(tmp_path):
 def test_a_second_run_in_the_same_folder_is_refused(tmp_path):
     with open_folder(tmp_path, HEADER, "afresh") as folder:
         folder.keep({"id": "a", "value": 1.0})
-        with (
-            pytest.raises(InputError, match=f"another run \\(process {os.getpid()}\\)"),
-            open_folder(tmp_path, HEADER, "afresh"),
-        ):
-            pass
+        assert_refused(f"another run \\(process {os.getpid()}\\)", tmp_path, HEADER, "afresh")
         assert folder.record("a") is not None
     with open_folder(tmp_path, HEADER, "afresh"):
         pass
@@ -296,11 +293,7 @@ def test_a_second_run_in_the_same_folder_is_refused(tmp_path):
 def test_a_different_run_is_not_resumed(tmp_path, change, named):
     with open_folder(tmp_path, HEADER, "afresh"):
         pass
-    with (
-        pytest.raises(InputError, match=f"another run \\({named} differ"),
-        open_folder(tmp_path, HEADER | change, "resumed"),
-    ):
-        pass
+    assert_refused(f"another run \\({named} differ", tmp_path, HEADER | change, "resumed")
 
 
 @pytest.mark.parametrize("lost", ["run.json", ".manifest"])
@@ -309,11 +302,7 @@ def test_one_witness_of_what_was_run_is_enough(tmp_path, lost):
     (tmp_path / lost).unlink()
     with open_folder(tmp_path, HEADER, "resumed") as folder:
         assert folder.record("a") == {"id": "a", "value": 1.0}
-    with (
-        pytest.raises(InputError, match="another run"),
-        open_folder(tmp_path, OTHER, "resumed"),
-    ):
-        pass
+    assert_refused("another run", tmp_path, OTHER, "resumed")
 
 
 @pytest.mark.parametrize("made", [True, False])
@@ -321,21 +310,13 @@ def test_nothing_to_resume_is_said(tmp_path, made):
     path = tmp_path / "new"
     if made:
         path.mkdir()
-    with (
-        pytest.raises(InputError, match="no run to go on with"),
-        open_folder(path, HEADER, "resumed"),
-    ):
-        pass
+    assert_refused("no run to go on with", path, HEADER, "resumed")
 
 
 @pytest.mark.parametrize("tail", ["file", "file/below", "file/below/deeper"])
 def test_a_folder_that_cannot_be_made_is_refused(tmp_path, tail):
     (tmp_path / "file").write_text("")
-    with (
-        pytest.raises(InputError, match="cannot write there"),
-        open_folder(tmp_path / tail, HEADER, "afresh"),
-    ):
-        pass
+    assert_refused("cannot write there", tmp_path / tail, HEADER, "afresh")
 
 
 def test_files_made_by_others_take_their_places_in_one_step_each(tmp_path):
@@ -358,11 +339,7 @@ def test_a_new_run_without_room_beside_the_earlier_one_is_refused(tmp_path, monk
     volume = os.statvfs(tmp_path)
     full = os.statvfs_result([0 if k == 4 else entry for k, entry in enumerate(volume)])
     monkeypatch.setattr(os, "fstatvfs", lambda _descriptor: full)
-    with (
-        pytest.raises(InputError, match=r"0\.0 MB are free, and the new run needs about"),
-        open_folder(tmp_path, OTHER, "afresh"),
-    ):
-        pass
+    assert_refused(r"0\.0 MB are free, and the new run needs about", tmp_path, OTHER, "afresh")
     assert content(tmp_path) == before
 
 
