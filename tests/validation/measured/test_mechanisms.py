@@ -7,14 +7,16 @@ import pytest
 
 from lumped.acceptance.measured import Measured
 from lumped.errors import InputError
+from lumped.legs import tip_compliance
 from lumped.models.bodies import legs_of
 from lumped.robot_file import load_robot
 from validation.catalogue import catalogue
 from validation.context import Context
 from validation.kinematics.poses import postures_of
-from validation.measured.matrix import measured_matrix
+from validation.measured.matrix import measured_matrix, predicted
 from validation.models.legs import leg_compliance
 from validation.models.mechanism import answers
+from validation.models.options import ModelOptions
 from validation.report.figures.measured import measured_figure
 
 OWN = """
@@ -109,3 +111,20 @@ def test_virtual_joints_that_branch_have_no_number():
     matrix = measured_matrix(Context(replace(robot_file, measured=(one,)), "quick"))
     assert matrix.entry("vjm", "z") is None
     assert matrix.entry("links", "z") is not None
+
+
+def test_an_entry_of_a_leg_is_that_row_and_column_and_a_load_counts():
+    mechanism = load_robot("five-bar").mechanism
+    leg = legs_of(mechanism)["rod1"]
+    exact = tip_compliance(leg.timoshenko, leg.length)
+    for i, j in np.ndindex(6, 6):
+        one = Measured(f"rod1.c{i + 1}{j + 1}", 1e-6, 1e-8, "stand")
+        for model in ("vjm", "beam"):
+            found = predicted(model, mechanism, one, ModelOptions())
+            assert found == pytest.approx(exact[i, j], rel=1e-9, abs=1e-18)
+    pose = tuple(mechanism.poses[0])
+    once, twice = (
+        predicted("links", mechanism, Measured("y", 1.0, 1.0, "gauge", pose, load), ModelOptions())
+        for load in (30.0, 60.0)
+    )
+    assert twice == pytest.approx(2.0 * once, rel=1e-12)

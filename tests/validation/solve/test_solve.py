@@ -11,9 +11,18 @@ from lumped.legs import ConstantLeg, Material, equivalent_leg
 from lumped.mechanism.body import Prism
 from lumped.robot_file import load_robot
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Tube
+from lumped.system.joint_motion import Portion
 from meshes.section.section_mesh import section_mesh
 from validation import cli
 from validation.models.options import ModelOptions
+from validation.solve.answer import (
+    Answer,
+    MeshUncertainty,
+    PartUncertainty,
+    Solution,
+    as_text,
+    record_of,
+)
 from validation.solve.cost import solid_cost
 from validation.solve.model_answers import solve
 from validation.solve.question import Question
@@ -219,3 +228,45 @@ def test_a_mesh_that_nothing_stands_beside_says_so(robot, capsys, monkeypatch):
     assert "uncertainty of the mesh: not known; the mesh that would tell" in capsys.readouterr().out
     assert cli.main([*arguments, "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["results"][0]["uncertainty"] is None
+
+
+def test_every_number_of_an_answer_stands_under_its_own_name():
+    numbers = iter(np.arange(1.0, 200.0))
+
+    def take(count):
+        return np.array([next(numbers) for _ in range(count)])
+
+    parts = PartUncertainty(*map(take, (6, 2, 6, 2, 2)), counted={"arm": (7, 811.0)}, by="fixed")
+    answer = Answer(
+        {"pose": [0.1]},
+        take(36).reshape(6, 6),
+        take(2),
+        idle=3,
+        uncertainty=MeshUncertainty(5, take(6), take(2)),
+        of_parts=parts,
+        strain={Portion("rod", "tension"): take(2)},
+    )
+    record = record_of(answer)
+    assert record == {
+        "pose": [0.1],
+        "compliance": np.arange(19.0, 55.0).reshape(6, 6).tolist(),
+        "frequencies": [55.0, 56.0],
+        "idle": 3,
+        "uncertainty": {
+            "divisions": 5,
+            "compliance": list(range(57, 63)),
+            "frequencies": [63.0, 64.0],
+        },
+        "parts": {
+            "uncertainty": {"compliance": list(range(1, 7)), "frequencies": [7.0, 8.0]},
+            "averaged_less_rigid": {"compliance": list(range(9, 15)), "frequencies": [15, 16]},
+            "reduction": [17.0, 18.0],
+            "modes_counted": {"arm": {"count": 7, "below": 811.0}},
+        },
+        "strain": {"rod tension": [65.0, 66.0]},
+    }
+    solution = Solution("robot", "beam", {}, (answer,))
+    # 1000 N in µm: compliances of 19, 26 and 33 m/N on the diagonal.
+    told = "x 1.9e+10, y 2.6e+10, z 3.3e+10"
+    assert told in as_text(solution)
+    assert "<td>1.9e+10</td><td>2.6e+10</td><td>3.3e+10</td>" in solution._repr_html_()
