@@ -27,7 +27,7 @@ def cone(tmp_path_factory):
         gmsh.write(str(path))
     part = read_part(path)
     found = find_interfaces(part, plane_ends(LENGTH, "average"))
-    return volume_mesh(part, found, Grading(0.02)), found
+    return volume_mesh(part, found, Grading(0.025)), found
 
 
 def test_a_cone_stretches_twists_and_bends_as_its_closed_form(cone):
@@ -104,7 +104,7 @@ def ring(tmp_path_factory):
         "B": PartInterface(ByPlane((-1.0, 0.0, 0.0), (0.0, RADIUS, 0.0)), "average"),
     }
     found = find_interfaces(part, ends)
-    mesh = volume_mesh(part, found, Grading(0.012))
+    mesh = volume_mesh(part, found, Grading(0.015))
     return held_part(meshed_part(mesh, STEEL), grips_of(mesh, found), "ring")
 
 

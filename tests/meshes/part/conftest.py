@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from meshes.gmsh_session import gmsh_model
+from meshes.part.reading import read
 
 
 def written(path: Path, build: Callable, scale: float = 1.0) -> Path:
@@ -31,6 +32,12 @@ def lug(occ, s):
         for x, r in ((20.0, 8.0), (180.0, 5.0))
     ]
     occ.cut([(3, bar)], bores)
+
+
+@pytest.fixture
+def in_this_process(monkeypatch):
+    """Files that do not end the CAD kernel are read without a process of their own."""
+    monkeypatch.setattr(read, "in_own_process", lambda function, *arguments: function(*arguments))
 
 
 @pytest.fixture(scope="session")

@@ -13,7 +13,7 @@ from meshes.part.reading.read import read_part
 from meshes.part.spread import cell_volumes
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def bar(box_step):
     part = read_part(box_step)
     plane = ByPlane((-1.0, 0.0, 0.0), (0.0, 0.0, 0.0))

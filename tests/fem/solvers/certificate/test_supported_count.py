@@ -14,7 +14,7 @@ from lumped.sections import ISection, Rectangle
 
 
 def held(section, ends):
-    return clamped_leg(meshed(ConstantLeg(0.6, section, STEEL), 2, 8), ends)
+    return clamped_leg(meshed(ConstantLeg(0.6, section, STEEL), 2, 6), ends)
 
 
 @pytest.fixture(scope="module", params=["rigid", "free"])

@@ -8,6 +8,8 @@ import pytest
 from lumped.errors import InputError
 from meshes.part.reading.read import read_part
 
+pytestmark = pytest.mark.usefixtures("in_this_process")
+
 
 def test_a_box_is_as_large_as_it_was_drawn(box_step):
     part = read_part(box_step)
