@@ -38,16 +38,6 @@ class Relation(Enum):
             case Relation.AT_LEAST:
                 return -difference
 
-    def adverse(self, difference: float) -> float:
-        """Sign of the move of the reference that makes `difference` worse."""
-        match self:
-            case Relation.EQUAL:
-                return -1.0 if difference >= 0.0 else 1.0
-            case Relation.AT_MOST:
-                return -1.0
-            case Relation.AT_LEAST:
-                return 1.0
-
 
 @dataclass(frozen=True)
 class Absolute:

@@ -49,7 +49,6 @@ LOOKS: Mapping[str, Look] = {
     "segments": Look(ORANGE, "s", "--"),
     "segments-euler-bernoulli": Look(ORANGE, "v", ":"),
     "segments-printed": Look(PURPLE, "h", ":"),
-    "segments-literal": Look(PURPLE, "|", "--"),
     "segments-stepped": Look(BROWN, "*"),
     "segments-condensed": Look(SKY, "X", "-."),
     "beam": Look(GREEN, "^", "-."),

@@ -22,7 +22,7 @@ from validation.results.records import claims_of
 # list go by the subject of their cases.
 CHAPTERS: Mapping[str, tuple[str, ...]] = {
     "The robot": (STROKE, SOLID_ROBOT, PATH),
-    "Its legs": ("Leg 1", "Leg 2", "End restraint"),
+    "Its legs": (),
     "The decision": (PARAMETERS, FAMILY),
     "The paper": ("The paper's statements",),
 }

@@ -11,8 +11,6 @@ from validation.results.outcome import Outcome
 VARIANTS = {
     "simplified": "simplified",
     "vjm": "virtual joints",
-    "half": "segments, half springs at the ends",
-    "literal": "segments, springs as printed",
     "segments": "segments",
     "beam": "beam FE",
     "solid": "solid FE",

@@ -5,7 +5,7 @@ comparison is undecided and does not count as agreement.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import isfinite, nan
 from typing import Generic, Literal, TypeAlias, TypeVar
 
@@ -119,22 +119,6 @@ def judge(case: Case, measurement: Measurement, seconds: float) -> Outcome:
 
 
 _GRAVITY: Mapping[Verdict, int] = {"agree": 0, "undecided": 1, "disagree": 2}
-
-
-def perturbed(outcome: Outcome, factor: float) -> Verdict:
-    """The verdict if the reference lay `factor` tolerances further on the adverse side.
-
-    The tolerance keeps its amount. A sound case turns for a factor of three.
-    """
-    measurement = outcome.measurement
-    if measurement is None:
-        return outcome.verdict
-    tolerance = outcome.tolerance
-    direction = outcome.case.relation.adverse(measurement.unexplained)
-    moved = replace(measurement, reference=measurement.reference + direction * factor * tolerance)
-    return verdict(
-        moved.unexplained, outcome.case.relation, tolerance, measurement.numerical_uncertainty
-    )
 
 
 def _remark(case: Case, measurement: Measurement, tolerance: float) -> str:

@@ -8,6 +8,7 @@ import pytest
 import toy_catalogue
 from hypothesis import given
 from hypothesis import strategies as st
+from perturbed import perturbed
 
 from lumped.robot_file import load_robot
 from validation.case import (
@@ -22,7 +23,7 @@ from validation.case import (
 )
 from validation.catalogue import catalogue
 from validation.exhibits import PlannedFigure
-from validation.results.outcome import Outcome, Result, judge, perturbed
+from validation.results.outcome import Outcome, Result, judge
 from validation.results.records import case_record
 
 # Keys that interface.md fixes for an entry of "cases" in results.json.

@@ -14,12 +14,13 @@ from math import isfinite
 
 import pytest
 from ingredients import DATA, Asked, disturbed, quick_context
+from perturbed import perturbed
 
 from lumped.errors import ComputationError
 from validation.case import Allowance, Case, Measurement, Relation, Skip
 from validation.catalogue import catalogue
 from validation.context import Context
-from validation.results.outcome import judge, perturbed
+from validation.results.outcome import judge
 
 # The cheapest preset: what a case claims and how it judges is the same in all of them.
 CONTEXTS = {name: quick_context(name) for name in ("ifw", "five-bar")}

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from perturbed import perturbed
 
 from fem.bodies import doubling
 from lumped.legs import ConstantLeg, Material
@@ -15,7 +16,7 @@ from validation.cases.legs import end_restraint, solids
 from validation.context import Context
 from validation.models.legs import constant_leg_of
 from validation.report.figures.studies.family_plots import study_plot
-from validation.results.outcome import judge, perturbed
+from validation.results.outcome import judge
 from validation.studies.lengthened_legs import fundamental_ratio, lengthened, limit_exponent
 
 ROBOT_FILE = load_robot("ifw")

@@ -189,7 +189,7 @@ def test_rows_of_one_quantity_are_told_apart_by_their_names():
             0.1,
         )
         for leg in (1, 2)
-        for way in ("half", "beam")
+        for way in ("segments", "beam")
     ]
     (grid,), _ = grids(outcomes)
     assert [row.quantity for row in grid.rows] == ["order (leg 1)", "order (leg 2)"]
@@ -364,7 +364,7 @@ def test_chapters_answer_in_turn_whatever_came_first():
     found = chapters_of(outcomes, (), plotted=False)
     assert [chapter.title for chapter in found] == [*list(CHAPTERS)[:2], "The paper"]
     assert [section.title for section in found[0].sections] == [names[4], names[3]]
-    assert [section.title for section in found[1].sections] == ["Leg 2", "crank"]
+    assert [section.title for section in found[1].sections] == ["crank", "Leg 2"]
 
 
 def test_scenes_are_in_the_page_and_the_viewer_is_there_once():

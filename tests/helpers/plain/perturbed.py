@@ -1,0 +1,23 @@
+"""What a comparison would say of a reference that lay elsewhere: a sound one can disagree."""
+
+from dataclasses import replace
+
+from validation.case import Relation
+from validation.results.outcome import Outcome, Verdict, verdict
+
+
+def perturbed(outcome: Outcome, factor: float) -> Verdict:
+    """The verdict if the reference lay `factor` tolerances further where the difference grows.
+
+    The tolerance keeps its amount. A sound case turns for a factor of three.
+    """
+    measurement, relation = outcome.measurement, outcome.case.relation
+    if measurement is None:
+        return outcome.verdict
+    below = relation is Relation.AT_MOST or measurement.unexplained >= 0.0
+    down = relation is not Relation.AT_LEAST and below
+    by = (-factor if down else factor) * outcome.tolerance
+    moved = replace(measurement, reference=measurement.reference + by)
+    return verdict(
+        moved.unexplained, relation, outcome.tolerance, measurement.numerical_uncertainty
+    )
