@@ -177,8 +177,9 @@ _of_solids = cases.family(
     "Solids with free ends are Timoshenko beams of the sections' own constants",
     over={"ends": ("free",)},
     citation="Clapeyron's theorem on Saint-Venant's exact solution, constants of the same mesh",
-    tolerance=Absolute(1e-5),
-    tolerance_reason="no cause is left: the mesh alone, which both have, 5e-7 and less",
+    tolerance=Absolute(3e-5),
+    tolerance_reason="no cause is left: the mesh alone, which both have, 6e-7 and less; a second "
+    "mesh leaves up to 1.4e-5 open",
     effort=10.0,
     sides=Sides(_SOLID, _OWN_BEAM),
 )
