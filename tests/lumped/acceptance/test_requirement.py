@@ -3,54 +3,27 @@
 from pathlib import Path
 
 import pytest
+from sound_biglide import SOUND
 
 from lumped.acceptance.requirement import Requirement, with_options
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg
 from lumped.robot_file import load_robot
 
-SMALL = """
-schema = 1
-name = "small"
-type = "biglide"
-geometry = {{ a = 0.9 }}
-platform = {{ mass = 30.0 }}
-actuators = {{ stiffness = 5.0e8 }}
-{accept}
-[leg1]
-length = 0.8
-{ends}
-section = {{ shape = "tube", diameter = 0.15, thickness = 0.008 }}
-material = {{ E = 2.1e11, nu = 0.3, rho = 7850.0 }}
-[leg2]
-length = 0.8
-section = {{ shape = "tube", diameter = 0.12, thickness = 0.006 }}
-material = {{ E = 2.1e11, nu = 0.3, rho = 7850.0 }}
-"""
-
 
 def written(folder: Path, *, accept: str = "", ends: str = "") -> Path:
     """A robot file with what is given."""
-    path = folder / "small.toml"
-    path.write_text(SMALL.format(accept=accept, ends=ends), encoding="utf-8")
+    path = folder / "robot.toml"
+    text = SOUND.replace("length = 0.85\n", f"length = 0.85\n{ends}\n")
+    path.write_text(f"{text}\n{accept}\n", encoding="utf-8")
     return path
 
 
 def test_five_per_cent_of_everything_is_asked_by_default() -> None:
     requirement = Requirement()
     assert requirement.quantities == (
-        "x",
-        "y",
-        "z",
-        "phi_x",
-        "phi_y",
-        "phi_z",
-        "any_force",
-        "f1",
-        "f2",
-        "f3",
-        "f4",
-        "order",
+        *("x", "y", "z", "phi_x", "phi_y", "phi_z", "any_force"),
+        *("f1", "f2", "f3", "f4", "order"),
     )
     assert {requirement.limit(quantity) for quantity in requirement.quantities} == {0.05}
 
@@ -83,10 +56,9 @@ def test_a_robot_file_says_what_is_accepted_and_how_ends_are_held(tmp_path: Path
     requirement = robot_file.requirement
     assert [requirement.limit(q) for q in ("y", "z", "f6")] == [0.02, 0.2, 0.05]
     assert requirement.rely == ("vjm", "segments")
-    leg1, leg2 = robot_file.robot.leg1, robot_file.robot.leg2
+    leg1 = robot_file.robot.leg1
     assert isinstance(leg1, ConstantLeg)
-    assert isinstance(leg2, ConstantLeg)
-    assert (leg1.ends, leg2.ends) == ("rigid", None)
+    assert leg1.ends == "rigid"
 
 
 @pytest.mark.parametrize(
