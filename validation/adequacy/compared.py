@@ -13,9 +13,8 @@ from validation.adequacy.mechanism.dynamics import dynamic_reference
 from validation.adequacy.mechanism.path import RobotOnPath
 from validation.adequacy.mechanism.statics import compliances, static_reference
 from validation.adequacy.mechanism.vibration import modes_by_model
-from validation.adequacy.models import judged_models, why_unable
+from validation.adequacy.models import JudgedModel, judged_models, why_unable
 from validation.adequacy.partners import partners
-from validation.models.options import ModelName, ModelOptions
 
 # From the bottom of a stack of curves to its top.
 _DYNAMIC = ("segments", "segments-stepped", "segments-condensed", "beam", "beam-euler-bernoulli")
@@ -61,7 +60,7 @@ def compared_statics(robot: RobotOnPath) -> ComparedStatics:
     """All models and the alternatives; raises InputError or ComputationError without reference."""
     found = {
         name: compliances(robot.postures, model, options)
-        for name, (model, options) in _answering(robot, _STATIC_STACK).items()
+        for name, (model, _, options) in _answering(robot, _STATIC_STACK).items()
     }
     uncertainties = {}
     for one in static_reference(robot).alternatives:
@@ -92,7 +91,7 @@ def compared_frequencies(robot: RobotOnPath) -> Compared:
     """
     found = {
         name: modes
-        for name, (model, options) in _answering(robot, _DYNAMIC_STACK).items()
+        for name, (model, _, options) in _answering(robot, _DYNAMIC_STACK).items()
         if (modes := modes_by_model(robot, model, options))
     }
     reference = dynamic_reference(robot)
@@ -118,13 +117,10 @@ def compared_frequencies(robot: RobotOnPath) -> Compared:
     )
 
 
-def _answering(
-    robot: RobotOnPath, stack: tuple[str, ...]
-) -> dict[str, tuple[ModelName, ModelOptions]]:
+def _answering(robot: RobotOnPath, stack: tuple[str, ...]) -> dict[str, JudgedModel]:
     judged = judged_models(robot.mechanism)
     return {
-        name: (judged[name].kind, judged[name].options)
+        name: judged[name]
         for name in stack
-        if name in judged
-        and not why_unable(robot.postures, judged[name].kind, judged[name].options)
+        if name in judged and not why_unable(robot.postures, judged[name])
     }

@@ -57,8 +57,8 @@ def judged_models(mechanism: Mechanism) -> dict[str, JudgedModel]:
     return {name: model for name, model in JUDGED.items() if name not in left_out}
 
 
-def why_unable(postures: Sequence[Posture], model: ModelName, options: ModelOptions) -> str:
+def why_unable(postures: Sequence[Posture], model: JudgedModel) -> str:
     """Why a model cannot answer for the mechanism of these postures; "" where it can."""
-    if options.parts == "stepped":
+    if model.options.parts == "stepped":
         return why_not_stepped(postures[0].mechanism)
-    return why_not_serial(postures) if model == "vjm" else ""
+    return why_not_serial(postures) if model.kind == "vjm" else ""

@@ -103,18 +103,18 @@ def static_subject(robot: RobotOnPath, models: Models) -> Subject:
     except UNSOLVED as error:
         reference = no_reference(error)
     candidates = []
-    for name, (kind, title, options) in models.items():
-        unable = why_unable(robot.postures, kind, options)
-        solve = partial(compliances, robot.postures, kind, options)
+    for name, model in models.items():
+        unable = why_unable(robot.postures, model)
+        solve = partial(compliances, robot.postures, model.kind, model.options)
         candidates.append(
             Candidate(
                 model=name,
-                title=title,
+                title=model.title,
                 response=Response() if unable else statics_of(solve),
                 static_steps=ladders.get(name, ()),
                 rigid=_RIGID if name == "simplified" else "",
                 silent=unable,
-                computed_by=(f"validation.models.mechanism.answers({kind!r})",),
+                computed_by=(f"validation.models.mechanism.answers({model.kind!r})",),
             )
         )
     return Subject(

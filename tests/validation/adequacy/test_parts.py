@@ -20,12 +20,11 @@ from validation.adequacy.mechanism.parts import (
     solid_parts,
 )
 from validation.adequacy.mechanism.path import holding, offered, path_postures
-from validation.adequacy.models import judged_models, why_unable
+from validation.adequacy.models import JUDGED, judged_models, why_unable
 from validation.adequacy.robot import robot_adequacy
 from validation.cases.mechanism import parts as mechanism_parts
 from validation.context import Context
 from validation.models import parts
-from validation.models.options import ModelOptions
 from validation.parts import kept, meshes
 from validation.results.outcome import judge
 from validation.run.parts_ahead import prepare_parts
@@ -175,5 +174,5 @@ def test_a_part_of_three_interfaces_is_prepared_and_is_no_leg_to_be_stepped(monk
     context = Context(robot_file, "quick")
     prepare_parts(context, lambda work: [(n, one()) for n, one in enumerate(work)], carried=False)
     postures = path_postures(context)
-    said = why_unable(postures, "segments", ModelOptions(parts="stepped"))
+    said = why_unable(postures, JUDGED["segments-stepped"])
     assert said.startswith("no part has two interfaces")

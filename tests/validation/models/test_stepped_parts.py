@@ -21,7 +21,7 @@ from meshes.part.reading.read import read_part
 from meshes.part.slices import slices_of
 from meshes.part.volume import Grading, volume_mesh
 from validation.adequacy.mechanism.parts import part_steps
-from validation.adequacy.models import why_unable
+from validation.adequacy.models import JUDGED, why_unable
 from validation.adequacy.response import Response
 from validation.models import parts
 from validation.models.legs import leg_matrices
@@ -159,9 +159,9 @@ def test_what_cannot_be_stepped_is_told_and_judged_without(tmp_path, monkeypatch
     (tmp_path / "robot.toml").write_text(OVERLAPPING, "utf-8")
     mechanism = load_robot(tmp_path / "robot.toml").mechanism
     at = posture(mechanism, mechanism.poses[0])
-    why = why_unable((at,), "segments", ModelOptions(parts="stepped"))
+    why = why_unable((at,), JUDGED["segments-stepped"])
     assert why.startswith("bodies.arm: its interfaces overlap along the line between them")
-    assert why_unable((at,), "segments", ModelOptions(parts="condensed")) == ""
+    assert why_unable((at,), JUDGED["segments-condensed"]) == ""
     idealised = []
     steps = part_steps(mechanism, ("rigid",), lambda kind: idealised.append(kind) or Response())
     assert idealised == ["condensed"]
