@@ -313,26 +313,6 @@ def test_parts_are_reduced_by_a_worker_and_nothing_of_them_here(tmp_path, monkey
         assert_allclose(mine, its, rtol=1e-12, atol=1e-12 * np.abs(its).max())
 
 
-@pytest.mark.exhaustive
-def test_a_run_over_a_number_draws_the_same_curves_from_the_cluster(cluster, tmp_path):
-    """All models of a mechanism, its solid among them, for each value on one of two workers."""
-    address, _ = cluster
-    robot = tmp_path / "arm.toml"
-    robot.write_text(ARM, encoding="utf-8")
-    asked = ["run", str(robot), "--preset", "quick", "--jobs", "1", "--only", "vary.*"]
-    asked += ["--vary", "bodies.arm.section.width=0.05:0.06:2"]
-    here, there = tmp_path / "here", tmp_path / "there"
-    assert cli.main([*asked, "--out", str(here)]) == 0
-    before = scheduled(address)
-    assert cli.main([*asked, "--out", str(there), "--cluster", address]) == 0
-    assert scheduled(address) > before
-    tables = sorted(file.name for file in (here / "figures").glob("vary.1.*.csv"))
-    assert len(tables) >= 2
-    for name in tables:
-        own, theirs = ((folder / "figures" / name).read_bytes() for folder in (here, there))
-        assert own == theirs, name
-
-
 def test_without_dask_the_message_says_how_to_get_it(monkeypatch):
     monkeypatch.setitem(sys.modules, "distributed", None)
     monkeypatch.setattr("validation.sweeps.cluster.require_scheduler", silent)
@@ -364,8 +344,10 @@ def test_a_run_on_a_cluster_that_is_killed_goes_on_to_the_same_numbers(cluster_o
     done = validated(path, "--cluster", address, "--resume")
     _, said = done.communicate()
     assert done.returncode == 0, said
-    found = swept(path)
-    assert found == here
+    # All models of a mechanism, its solid among them, for each value on the worker.
+    assert scheduled(address) > 0
+    assert len(here) >= 2
+    assert swept(path) == here
 
 
 def validated(path, *arguments):
