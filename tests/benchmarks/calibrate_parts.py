@@ -22,7 +22,7 @@ from dataclasses import replace
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "helpers" / "robots"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "helpers" / "at_random"))
 
 import numpy as np
 from random_parts import random_part, stated

@@ -18,7 +18,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "helpers" / "plain"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "helpers" / "at_random"))
 
 import numpy as np
 from calibration import (
