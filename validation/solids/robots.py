@@ -1,15 +1,13 @@
-"""Both legs of a robot as solids: meshed, reduced to their ends, and the whole robot of them."""
+"""Legs of a robot as solids, beams of the same section meshes, and what both are at their tips."""
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass
 from math import ceil, log2
 from typing import TypeVar
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
-from scipy.sparse import csr_array
 
-from fem.bodies.leg_energies import kind_energies
+from fem.beams.beam import beam_leg
 from fem.bodies.solid import (
     Ends,
     SolidLeg,
@@ -18,22 +16,16 @@ from fem.bodies.solid import (
     solid_leg_matrices,
     solid_mesh,
 )
-from fem.couplings.end_coupling import rigid_ends
 from fem.couplings.end_effects import restrained_compliance
 from fem.reduction.free_superelement import held_free_leg
-from fem.reduction.superelement import ENDS, HeldLeg, Superelement, ends_stiffness, held_leg
-from fem.sections.section_constants import beam_properties
-from fem.solvers import sparse_system
-from lumped.arrays import Array, SparseMatrix
-from lumped.biglide import Biglide, in_words, with_equivalent_legs
-from lumped.biglide import system as robot_system
-from lumped.dense.modes import Modes
+from fem.reduction.superelement import HeldLeg, held_leg
+from fem.sections.section_constants import beam_properties, section_constants
+from lumped.arrays import Array
 from lumped.errors import InputError, naming
-from lumped.legs import ConstantLeg, Leg, equivalent_leg, tip_compliance
+from lumped.legs import ConstantLeg, tip_compliance
 from lumped.mechanism.body_model import LegMatrices
-from lumped.system import solution
-from lumped.system.assembly import System
-from lumped.system.joint_motion import Portion
+from meshes.section.section_mesh import section_mesh
+from validation.context import Preset
 from validation.solids.legs import (
     COARSEST_WALLS,
     doubled_tip,
@@ -45,8 +37,13 @@ from validation.solids.legs import (
 
 # Tasks of this group share what is kept of the robot's solids.
 SHARED_SOLIDS = "robot.solid.modes"
-# Frequencies of two modes of a double one differ by no more (relative): rounding alone.
-_OF_ONE = 1e-9
+# Divisions of rectangles where legs vibrate; the next coarser ones give the numerical uncertainty.
+# Up to four, walls have one element across: half of that shows what the length of elements does,
+# and what the section mesh leaves out it leaves out of the constants alike.
+DIVISIONS: dict[Preset, int] = {"quick": 2, "standard": 3, "fine": 4}
+WALL_DIVISIONS: dict[Preset, int] = {"quick": 2, "standard": 4, "fine": 8}
+# Of beams beside them.
+ELEMENTS = 20
 
 T = TypeVar("T")
 
@@ -63,6 +60,14 @@ def held_solid(leg: ConstantLeg, divisions: int, ends: Ends) -> HeldLeg:
         if ends == "free":
             return held_free_leg(clamped_leg(solid, "free"))
         return held_leg(solid_leg_matrices(solid))
+
+
+def own_beam(leg: ConstantLeg, divisions: int) -> LegMatrices:
+    """Timoshenko beam of the constants of the very section mesh that the solid has."""
+    material = leg.material
+    mesh = section_mesh(leg.section, divisions)
+    constants = section_constants(mesh, material.nu, material.G / material.E)
+    return beam_leg(beam_properties(constants, material), leg.length, ELEMENTS)
 
 
 def renewed_where_needed(
@@ -82,25 +87,6 @@ def renewed_where_needed(
 def half_octave_above(frequency: float) -> float:
     """The next frequency (Hz) in steps of half an octave, so that postures share reduced legs."""
     return float(2.0 ** (0.5 * ceil(2.0 * log2(frequency))))
-
-
-def static_leg(leg: Leg, compliance: Array, model: str) -> LegMatrices:
-    """A leg of given tip compliance (6×6, SI, leg axes, root clamped) condensed to its ends.
-
-    `model` is its name. Without mass; between its ends it is drawn as a straight line.
-    """
-
-    def centreline(at: Array) -> SparseMatrix:
-        share = np.asarray(at, dtype=float) / leg.length
-        return csr_array(np.kron(np.column_stack([1.0 - share, share]), np.eye(6)))
-
-    return LegMatrices(
-        model=model,
-        length=leg.length,
-        stiffness=ends_stiffness(np.linalg.inv(compliance).astype(float), leg.length),
-        mass=np.zeros((ENDS, ENDS)),
-        centreline=centreline,
-    )
 
 
 @dataclass(frozen=True)
@@ -190,91 +176,3 @@ def own_tip(leg: ConstantLeg, divisions: int) -> Array:
 def restrained_tip(leg: ConstantLeg, divisions: int) -> Array:
     """What rigid faces take from it in theory."""
     return restrained_compliance(face_mesh(leg, divisions), leg.material, leg.length)
-
-
-@dataclass(frozen=True, eq=False)
-class UnreducedRobot:
-    """A robot with both legs meshed and no reduction, in one posture.
-
-    `compliance` (6×6, SI, robot axes) at the loaded point and what `rounding` leaves open of it
-    (half-widths, 95 %); `modes` with shapes on the unknowns of `system`; `solids` are the legs,
-    rigid end faces, `legs` their matrices.
-    """
-
-    system: System
-    compliance: Array
-    rounding: Array
-    modes: Modes
-    solids: tuple[SolidLeg, SolidLeg]
-    legs: tuple[LegMatrices, LegMatrices]
-
-
-def unreduced_robot(
-    robot: Biglide, positions: Sequence[float], divisions: int, count: int
-) -> tuple[UnreducedRobot, ...]:
-    """The whole robot in 3-D with B at each of `positions` (m), `count` modes each."""
-    member = with_equivalent_legs(robot)
-    solids = tuple(meshed_leg(equivalent_leg(leg), divisions) for leg in (member.leg1, member.leg2))
-    pair = solids[0], solids[1]
-    return tuple(solved_robot(member, x, pair, count) for x in positions)
-
-
-def solved_robot(
-    robot: Biglide, x: float, solids: tuple[SolidLeg, SolidLeg], count: int
-) -> UnreducedRobot:
-    """The whole robot with B at `x` (m) from two meshed legs with rigid end faces."""
-    legs = solid_leg_matrices(solids[0]), solid_leg_matrices(solids[1])
-    found = sparse_system.factorised(robot_system(robot, x, *legs))
-    return UnreducedRobot(
-        system=found.system,
-        compliance=sparse_system.compliance(found),
-        rounding=sparse_system.rounding(found),
-        modes=sparse_system.modes(found, count),
-        solids=solids,
-        legs=legs,
-    )
-
-
-def recovered(reduced: System, legs: Mapping[str, Superelement], shapes: Array) -> Array:
-    """Shapes of the robot of reduced `legs` on the unknowns of the unreduced robot (n×m).
-
-    Both number the nodes of the robot first and alike, then the insides of the legs.
-    """
-    inner = [leg.recover(reduced.own(name, shapes))[ENDS:] for name, leg in legs.items()]
-    return np.vstack([shapes[: reduced.outer], *inner])
-
-
-def full_mac(mass: SparseMatrix, first: Array, second: Array, frequencies: Array) -> Array:
-    """MAC (m) of each of the shapes `first` (n×m) with its partner in `second` (n×k), k ≥ m.
-
-    Optimal pairing, weighted with the full `mass` (n×n): every unknown of the mesh counts. Shapes
-    of one of the `frequencies` (k, Hz, of `second`) are any of their space: they count together,
-    so that the last of `first` needs all of its space among the k.
-    """
-    momenta = mass @ second
-    sizes = np.einsum("ij,ij->j", first, mass @ first)[:, None] * np.einsum(
-        "ij,ij->j", second, momenta
-    )
-    mac = np.square(first.T @ momenta) / sizes
-    _, partners = linear_sum_assignment(mac, maximize=True)
-    of_one = np.abs(frequencies / frequencies[partners, None] - 1.0) < _OF_ONE
-    return np.asarray(np.sum(mac, axis=1, where=of_one))
-
-
-def strain_energy_shares(robot: UnreducedRobot) -> dict[Portion, Array]:
-    """Share of the strain energy of each mode in feet, tool, and each leg's kinds.
-
-    Foot 1, …, bending z of leg 1, …, section distortion of leg 2 (m values each) sum to 1.
-    """
-    kinds = {}
-    for name, solid in zip(("leg1", "leg2"), robot.solids, strict=True):
-        own = robot.system.own(name, robot.modes.shapes)
-        energies = kind_energies(solid, np.asarray(rigid_ends(solid.mesh).transformation @ own))
-        whole = sum(energies.values())
-        kinds[name] = {kind: energy / whole for kind, energy in energies.items()}
-    shares: dict[Portion, Array] = {}
-    for part, share in solution.strain_shares(robot.system, robot.modes.shapes).items():
-        said = in_words(part)
-        of = {replace(said, kind=kind): own * share for kind, own in kinds.get(part.of, {}).items()}
-        shares |= of or {said: share}
-    return shares

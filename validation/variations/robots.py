@@ -18,8 +18,10 @@ from validation.adequacy.compared import (
 )
 from validation.adequacy.mechanism.path import path_postures, robot_at
 from validation.context import BUILT_IN, Context, Preset
-from validation.studies.quantities import LOAD, MICRO
 from validation.variations.decision import OBJECTIVES, Objective
+
+# Deflections (µm) under 1000 N of compliances in m/N.
+_MICROMETRES = 1e9
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +68,7 @@ class VariedRobot:
             if self.objective == "deflection":
                 statics = compared_statics(robot)
                 displacements = {
-                    name: LOAD * MICRO * np.linalg.norm(one[:, :3, :3], axis=1)
+                    name: _MICROMETRES * np.linalg.norm(one[:, :3, :3], axis=1)
                     for name, one in statics.compliances.items()
                 }
                 found = compared_compliances(statics)

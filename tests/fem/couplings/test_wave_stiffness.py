@@ -13,9 +13,9 @@ from lumped.legs import ConstantLeg
 from lumped.sections import HollowRectangle, ISection, Rectangle, Tube
 from meshes.section.section_mesh import section_mesh
 from validation.solids.legs import solid_frequencies
+from validation.solids.robots import own_beam
 from validation.solids.waves import prism_wave_frequency
 from validation.studies.leg_waves import dynamic_stiffness
-from validation.studies.paired_robot_modes import own_beam
 
 LENGTH = 0.9
 BOX = HollowRectangle(0.14, 0.2, 0.01)

@@ -5,17 +5,19 @@ least half again as fine as the finest of those.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
+from like_ifw import like_ifw, placed_at, stations
 
 from fem.bodies.solid import Ends
 from lumped.arrays import Array
-from lumped.biglide import Biglide, system
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, Material
-from lumped.robot_file import load_robot
+from lumped.mechanism.mechanism import Posture
+from lumped.models.links import link
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Section, Tube
+from lumped.system.assembly import assemble
 from lumped.system.solution import compliance, solved
 from validation.solids.legs import (
     Refinement,
@@ -24,9 +26,7 @@ from validation.solids.legs import (
     solid_compliances,
     solid_frequencies,
 )
-from validation.solids.robots import static_leg
 
-_IFW = load_robot("ifw").robot
 _BOTH: tuple[Ends, Ends] = ("rigid", "free")
 _FREQUENCIES = 3
 # Two meshes from which robots of rectangles are stated, and one twice as fine.
@@ -104,21 +104,17 @@ def _both(
 def of_robots(rng: np.random.Generator) -> Iterator[Stated]:
     """Deflections of a robot of two random legs at a random posture, from two meshes."""
     legs = random_leg(rng), random_leg(rng)
-    robot = replace(
-        _IFW,
-        a=float(rng.uniform(0.7, 0.95) * (legs[0].length + legs[1].length)),
-        leg1=legs[0],
-        leg2=legs[1],
-    )
+    a = float(rng.uniform(0.7, 0.95) * (legs[0].length + legs[1].length))
+    share = rng.uniform(0.1, 0.9)
     try:
-        first, last = robot.stroke
-        x = first + rng.uniform(0.1, 0.9) * (last - first)
-        robot.posture(x)
+        robot = like_ifw(a=a, leg1=legs[0], leg2=legs[1])
     except InputError:
         return
+    first, last = stations(robot, 2)
+    (place,) = placed_at(robot, first + share * (last - first))
     by_leg = [solid_compliances(leg, _OF_ROBOTS) for leg in legs]
     values = {
-        ends: np.array([_deflections(robot, x, legs, by_leg, ends, at) for at in range(3)])
+        ends: np.array([_deflections(place, legs, by_leg, ends, at) for at in range(3)])
         for ends in _BOTH
     }
     # Of two legs of unlike order the lower one is for both.
@@ -129,18 +125,17 @@ def of_robots(rng: np.random.Generator) -> Iterator[Stated]:
 
 
 def _deflections(
-    robot: Biglide,
-    x: float,
+    place: Posture,
     legs: tuple[ConstantLeg, ConstantLeg],
     by_leg: list[dict[Ends, Refinement]],
     ends: Ends,
     at: int,
 ) -> Array:
-    leg1, leg2 = (
-        static_leg(leg, of_leg[ends].values[at], ends)
-        for leg, of_leg in zip(legs, by_leg, strict=True)
-    )
-    return np.diag(compliance(solved(system(robot, x, leg1, leg2))))[:3]
+    springs = {
+        f"leg{number}": link(leg.length, of_leg[ends].values[at])
+        for number, (leg, of_leg) in enumerate(zip(legs, by_leg, strict=True), start=1)
+    }
+    return np.diag(compliance(solved(assemble(place, springs))))[:3]
 
 
 def _stated(quantity: str, found: Refinement, finest: float, at: tuple[int, ...]) -> Stated:

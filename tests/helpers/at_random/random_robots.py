@@ -6,18 +6,18 @@ from dataclasses import replace
 import numpy as np
 from hypothesis import Phase, assume, given, seed, settings
 from hypothesis import strategies as st
+from like_ifw import IFW, file_of
 
-from lumped.biglide import Biglide, geometry_faults
 from lumped.errors import ComputationError
 from lumped.legs import ConstantLeg, GivenLeg, Leg, Material
-from lumped.robot_file import RobotFile, load_robot
+from lumped.mechanism.biglide import Stroke, biglide
+from lumped.mechanism.mechanism import Mechanism
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Section, Tube
 from validation.case import Case, Skip
 from validation.catalogue import catalogue
 from validation.context import Context, Preset
 from validation.results.outcome import judge
 
-IFW = load_robot("ifw")
 # 12°: where the legs come near to one line the robot is near to a type 2 singularity, its
 # compliance grows without bound and rounding with it, beyond what comparisons to 1e-9 can bear.
 SMALLEST_ANGLE = 0.2
@@ -87,17 +87,14 @@ def legs(draw: st.DrawFn, length: float, shape: str | None = None) -> Leg:
     return ConstantLeg(length, draw(sections(size, shape)), draw(materials()))
 
 
-def smallest_angle(robot: Biglide) -> float:
+def smallest_angle(stroke: Stroke) -> float:
     """Sine of the smallest angle between the legs over the stroke."""
-    sines = []
-    for x in robot.stations(41):
-        posture = robot.posture(x)
-        sines.append(abs(np.cross(posture.rotation1[:, 0], posture.rotation2[:, 0])[2]))
-    return min(sines)
+    legs = (stroke.legs_at(x) for x in np.linspace(*stroke.ends, 41))
+    return min(abs(np.cross(one.rotation[:, 0], two.rotation[:, 0])[2]) for one, two in legs)
 
 
 @st.composite
-def robots(draw: st.DrawFn, shape: str | None = None) -> Biglide:
+def robots(draw: st.DrawFn, shape: str | None = None) -> Mechanism:
     """Robots whose legs meet and become horizontal at both ends of the stroke.
 
     Leg 1 of the `shape` asked for.
@@ -107,29 +104,28 @@ def robots(draw: st.DrawFn, shape: str | None = None) -> Biglide:
     # The slides lie apart between |L1 − L2| and L1 + L2, with a margin on both sides.
     share = draw(st.floats(0.15, 0.85))
     a = abs(first - second) + share * (first + second - abs(first - second))
+    stroke = Stroke(a, first, second)
+    assume(not stroke.faults() and smallest_angle(stroke) > SMALLEST_ANGLE)
     rng = np.random.default_rng(draw(st.integers(0, 2**32)))
     foot = compliance_of(rng, 1.0) / 30.0 if draw(st.booleans()) else None
     tool = compliance_of(rng, 1.0) / 100.0 if draw(st.booleans()) else None
     offset = draw(st.tuples(*[st.floats(-0.2, 0.2)] * 3))
-    robot = Biglide(
+    return biglide(
         name="random",
         a=a,
         platform_mass=draw(st.floats(5.0, 100.0)),
-        actuator_stiffness=10.0 ** draw(st.floats(7.0, 9.5)),
+        drive_stiffness=10.0 ** draw(st.floats(7.0, 9.5)),
         leg1=draw(legs(first, shape)),
         leg2=draw(legs(second)),
         tool_offset=np.array(offset),
         foot_compliance=foot,
         tool_compliance=tool,
     )
-    assume(not geometry_faults(robot) and smallest_angle(robot) > SMALLEST_ANGLE)
-    return robot
 
 
-def alarms(robot: Biglide, chosen: Iterable[Case], preset: Preset = "quick") -> list[str]:
+def alarms(robot: Mechanism, chosen: Iterable[Case], preset: Preset = "quick") -> list[str]:
     """Those of the cases that do not agree, with what they say."""
-    robot_file = RobotFile(robot, "random.toml", built_in=False, text="", sha256="", corrections=())
-    context = Context(robot_file, preset)
+    context = Context(file_of(robot, text="", sha256="", corrections=()), preset)
     found = []
     for case in chosen:
         if preset not in case.presets:
@@ -158,14 +154,14 @@ def of_groups(groups: tuple[str, ...]) -> list[Case]:
     return [case for case in CASES if case.group in groups and "vjm-equivalent" not in case.id]
 
 
-def shown(strategy: st.SearchStrategy[Biglide], number: int, chunk: int = 0) -> list[Biglide]:
+def shown(strategy: st.SearchStrategy[Mechanism], number: int, chunk: int = 0) -> list[Mechanism]:
     """As many robots, always the same ones."""
-    found: list[Biglide] = []
+    found: list[Mechanism] = []
 
     @seed(chunk)
     @settings(max_examples=number, database=None, phases=(Phase.generate,), deadline=None)
     @given(strategy)
-    def collect(chosen: Biglide) -> None:
+    def collect(chosen: Mechanism) -> None:
         found.append(chosen)
 
     collect()

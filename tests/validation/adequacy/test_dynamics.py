@@ -4,11 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from like_ifw import LEG1, LEG2, file_of, like_ifw, stations
 from placed import placed
 
 from lumped.acceptance.requirement import Requirement
-from lumped.biglide import Biglide
 from lumped.legs import ConstantLeg, Ends, GivenLeg, Material
+from lumped.mechanism.kinematics.postures import posture
+from lumped.mechanism.mechanism import Mechanism
 from lumped.robot_file import load_robot
 from lumped.sections import HollowRectangle, ISection, Tube
 from validation.adequacy.matrix import Entry, Matrix
@@ -19,17 +21,16 @@ from validation.adequacy.mechanism.vibration import modes_of_solids, solid_meshe
 from validation.adequacy.partners import frequency_changes
 from validation.adequacy.robot import robot_adequacy
 from validation.context import Context
-from validation.models.biglide import robot_frequencies
-from validation.models.options import ModelOptions
+from validation.models.mechanism import answers
 from validation.report.first_screen.sentence import sentence
 
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 BEAMS = ("segments", "beam", "segments-euler-bernoulli", "beam-euler-bernoulli")
 
 
-def adequacy(robot: Biglide, modes: int = 4) -> Matrix:
+def adequacy(robot: Mechanism, modes: int = 4) -> Matrix:
     """The matrix at preset quick."""
-    robot_file = replace(load_robot("ifw"), described=robot, requirement=Requirement(modes=modes))
+    robot_file = file_of(robot, requirement=Requirement(modes=modes))
     return robot_adequacy(Context(robot_file, "quick"))
 
 
@@ -41,15 +42,15 @@ def found(matrix: Matrix, model: str, quantity: str) -> Entry:
 
 
 @pytest.fixture(scope="module")
-def flanged_robot() -> Biglide:
+def flanged_robot() -> Mechanism:
     """100 × 100 × 8/6 mm, 0.9 m, elastic feet, end faces bolted flat."""
     section = ISection(width=0.1, height=0.1, flange=0.008, web=0.006)
     leg = ConstantLeg(0.9, section, STEEL, ends="rigid")
-    return replace(load_robot("ifw").robot, a=0.95, platform_mass=30.0, leg1=leg, leg2=leg)
+    return like_ifw(a=0.95, platform_mass=30.0, leg1=leg, leg2=leg)
 
 
 @pytest.fixture(scope="module")
-def flanged(flanged_robot: Biglide) -> Matrix:
+def flanged(flanged_robot: Mechanism) -> Matrix:
     return adequacy(flanged_robot)
 
 
@@ -103,11 +104,9 @@ def test_stated_uncertainties_of_frequencies_hold_the_next_presets(
     section: ISection | Tube | HollowRectangle, ends: Ends
 ) -> None:
     leg = ConstantLeg(0.9, section, STEEL, ends=ends)
-    ifw = load_robot("ifw")
-    robot = replace(ifw.robot, a=1.0, platform_mass=30.0, leg1=leg, leg2=leg)
-    described = replace(ifw, described=robot)
-    contexts = [Context(described, preset) for preset in ("quick", "standard")]
-    quick, finer = (robot_at(one, placed(one, robot.stations(2))) for one in contexts)
+    robot = like_ifw(a=1.0, platform_mass=30.0, leg1=leg, leg2=leg)
+    contexts = [Context(file_of(robot), preset) for preset in ("quick", "standard")]
+    quick, finer = (robot_at(one, placed(one, stations(robot, 2))) for one in contexts)
     (own,) = dynamic_reference(quick).alternatives
     assert own.response.vibration is not None
     assert own.dynamic is not None
@@ -123,10 +122,10 @@ def test_bending_is_known_better_than_torsion_of_an_open_section(flanged: Matrix
     assert min(spreads[1:3]) < 0.0025
 
 
-def test_the_value_by_number_is_the_models_own(flanged: Matrix, flanged_robot: Biglide) -> None:
+def test_the_value_by_number_is_the_models_own(flanged: Matrix, flanged_robot: Mechanism) -> None:
     order = found(flanged, "beam", "order")
-    own = robot_frequencies("beam", flanged_robot, order.pose[0], 4, ModelOptions())
-    assert np.abs(own / order.value - 1.0).min() < 1e-9
+    (own,) = answers("beam", [posture(flanged_robot, np.array(order.pose))], 4)
+    assert np.abs(own.frequencies / order.value - 1.0).min() < 1e-9
 
 
 @pytest.mark.parametrize("model", BEAMS)
@@ -148,21 +147,19 @@ def test_static_models_are_silent_of_frequencies(paper: Matrix) -> None:
 
 @pytest.mark.parametrize("masses", MASSES)
 def test_a_given_legs_translations_carry_its_whole_mass(masses: Masses) -> None:
-    leg = load_robot("ifw").robot.leg1
-    assert isinstance(leg, GivenLeg)
-    matrices = leg_with_masses(leg, masses, 2000.0)
+    assert isinstance(LEG1, GivenLeg)
+    matrices = leg_with_masses(LEG1, masses, 2000.0)
     motions = np.zeros((matrices.size, 3))
     motions[:3] = motions[6:9] = np.eye(3)
     kinetic = motions.T @ (matrices.mass @ motions)
-    assert np.diag(kinetic) == pytest.approx(np.full(3, leg.mass), rel=1e-9)
+    assert np.diag(kinetic) == pytest.approx(np.full(3, LEG1.mass), rel=1e-9)
     assert matrices.stiffness @ motions == pytest.approx(0.0, abs=1e-4)
 
 
 def test_given_legs_without_inertia_are_judged_by_the_nine_modes_that_they_have() -> None:
     # Three ways each for the platform and two point masses, fewer than are offered for pairing.
-    robot = load_robot("ifw").robot
-    legs = [replace(leg, inertia=None, mass_centre=None) for leg in (robot.leg1, robot.leg2)]
-    entry = found(adequacy(replace(robot, leg1=legs[0], leg2=legs[1])), "beam", "f4")
+    legs = [replace(leg, inertia=None, mass_centre=None) for leg in (LEG1, LEG2)]
+    entry = found(adequacy(like_ifw(leg1=legs[0], leg2=legs[1])), "beam", "f4")
     assert entry.error is not None
 
 

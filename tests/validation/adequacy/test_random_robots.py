@@ -1,7 +1,7 @@
 """Verdicts on robots at random, slender to stubby, against errors computed without the matrix.
 
 Statics: virtual joints whose springs are those of solid legs on finer meshes than the reference's.
-Dynamics: frequencies of the robot with finer solid legs, paired by the cases' own pairing.
+Dynamics: frequencies of the robot with finer solid legs.
 """
 
 from collections.abc import Iterator
@@ -10,35 +10,37 @@ from itertools import islice
 
 import numpy as np
 import pytest
+from like_ifw import file_of, placed_at, stations
 from placed import placed
 from plain_displacement import plain_errors
-from random_robots import IFW, SHAPES, robots, shown
+from random_robots import SHAPES, robots, shown
 
 from fem.bodies import doubling
 from lumped.acceptance.requirement import Requirement
 from lumped.arrays import Array
-from lumped.biglide import Biglide
-from lumped.legs import ConstantLeg, Ends, equivalent_leg
-from lumped.models import vjm
+from lumped.legs import ConstantLeg, Ends
+from lumped.mechanism.body import Prism
+from lumped.mechanism.mechanism import Mechanism
+from lumped.models import serial_chains
+from lumped.models.bodies import legs_of, on_equivalent_legs
 from meshes.section.section_mesh import section_mesh
 from validation.adequacy.judgement import judged
 from validation.adequacy.matrix import Matrix
 from validation.adequacy.mechanism.path import robot_at
+from validation.adequacy.mechanism.samples import samples_of
 from validation.adequacy.mechanism.statics import compliances
 from validation.adequacy.models import JUDGED
+from validation.adequacy.partners import partners
 from validation.adequacy.robot import robot_subject, static_subject
 from validation.context import Context
+from validation.models.mechanism_modes import mechanism_modes
+from validation.models.options import ModelOptions
 from validation.solids.legs import COARSEST_WALLS, section_counts, static_ladder, static_slices
-from validation.studies.paired_robot_modes import (
-    ELEMENTS,
-    PAIRED,
-    divisions_of,
-    model_modes,
-    paired,
-    solid_modes,
-)
+from validation.solve.pairs import vibration_of
 
 POSTURES = 9
+# Modes judged, and looked at besides.
+COUNT, OFFERED = 4, 12
 # Unknowns of the section meshes that the quick reference, of fewer, is held against.
 FINER = 1900
 MODELS = ("simplified", "vjm", "beam", "segments-euler-bernoulli")
@@ -46,48 +48,50 @@ MODELS = ("simplified", "vjm", "beam", "segments-euler-bernoulli")
 LIMITS = (0.003, 0.02, 0.1)
 
 
-def with_ends(robot: Biglide, ends: Ends) -> Biglide:
+def with_ends(robot: Mechanism, ends: Ends) -> Mechanism:
     """The same robot with its ends said; legs are constant ones."""
-    leg1, leg2 = (replace(equivalent_leg(leg), ends=ends) for leg in (robot.leg1, robot.leg2))
-    return replace(robot, leg1=leg1, leg2=leg2)
+    robot = on_equivalent_legs(robot)
+    said = {
+        name: replace(body, shape=replace(body.shape, ends=ends))
+        for name, body in robot.bodies.items()
+        if isinstance(body.shape, Prism)
+    }
+    return replace(robot, bodies={**robot.bodies, **said})
 
 
-def chosen(count: int, chunk: int) -> Iterator[Biglide]:
+def ends_of(robot: Mechanism) -> Ends:
+    """How the ends of all legs are said to be held."""
+    (ends,) = {one.shape.ends for one in robot.bodies.values() if isinstance(one.shape, Prism)}
+    assert ends
+    return ends
+
+
+def chosen(count: int, chunk: int) -> Iterator[Mechanism]:
     """So many robots with solid legs, of every shape in turn, ends rigid and free by turns."""
     found = [shown(robots(shape), count // len(SHAPES) + 1, chunk)[1:] for shape in SHAPES]
     for number, robot in enumerate(robot for group in zip(*found, strict=True) for robot in group):
         yield with_ends(robot, "rigid" if number % 2 else "free")
 
 
-def context_of(robot: Biglide) -> Context:
-    """A quick run's context."""
-    robot_file = replace(IFW, described=robot, built_in=False, source="random.toml")
-    return Context(robot_file, "quick")
-
-
-def static_matrices(robot: Biglide) -> list[Matrix]:
+def static_matrices(robot: Mechanism) -> list[Matrix]:
     """Statics of some models, judged with several limits."""
-    context = context_of(robot)
-    posed = robot_at(context, placed(context, robot.stations(POSTURES)))
+    context = Context(file_of(robot), "quick")
+    posed = robot_at(context, placed(context, stations(robot, POSTURES)))
     subject = static_subject(posed, {name: JUDGED[name] for name in MODELS})
     return [judged(subject, Requirement(deflection=limit)) for limit in LIMITS]
 
 
-def finest_statics(robot: Biglide) -> Array:
+def finest_statics(robot: Mechanism) -> Array:
     """Compliances (p×6×6) with solid legs on finer meshes, by virtual joints."""
-    springs = []
-    for leg in (robot.leg1, robot.leg2):
+    springs = {}
+    for name, leg in legs_of(robot).items():
         assert isinstance(leg, ConstantLeg)
         divisions = (static_ladder(leg, FINER) or (COARSEST_WALLS,))[-1]
         mesh = section_mesh(leg.section, section_counts(leg, divisions))
         condensed = doubling.condensed_leg(leg, mesh, static_slices(leg, divisions))
-        springs.append(doubling.tip_compliance(condensed, leg.ends or "rigid"))
-    return np.array(
-        [
-            vjm.compliance(robot, x, (springs[0], springs[1]))
-            for x in robot.stations(POSTURES).tolist()
-        ]
-    )
+        springs[name] = doubling.tip_compliance(condensed, ends_of(robot))
+    places = placed_at(robot, *stations(robot, POSTURES))
+    return np.array([serial_chains.compliance(at, springs) for at in places])
 
 
 def contradictions(matrix: Matrix, errors: dict[tuple[str, str], Array]) -> list[str]:
@@ -110,39 +114,33 @@ def contradictions(matrix: Matrix, errors: dict[tuple[str, str], Array]) -> list
     return found
 
 
-def wrong_in_statics(robot: Biglide) -> list[str]:
+def wrong_in_statics(robot: Mechanism) -> list[str]:
     """What the finest statics contradict."""
     expected = finest_statics(robot)
-    x = robot.stations(POSTURES)
+    places = placed_at(robot, *stations(robot, POSTURES))
     errors = {}
     for name in MODELS:
         model, _, options = JUDGED[name]
-        found = compliances(placed(context_of(robot), x), model, options)
+        found = compliances(places, model, options)
         errors |= {(name, q): error for q, error in plain_errors(found, expected).items()}
     return [line for matrix in static_matrices(robot) for line in contradictions(matrix, errors)]
 
 
-def wrong_in_dynamics(robot: Biglide) -> list[str]:
+def wrong_in_dynamics(robot: Mechanism) -> list[str]:
     """What finer solids contradict of frequencies by segments, where both pair a mode alike."""
-    context = context_of(robot)
-    legs = equivalent_leg(robot.leg1), equivalent_leg(robot.leg2)
-    _, finer = divisions_of(legs, "standard")
-    assert isinstance(robot.leg1, ConstantLeg)
-    reference = solid_modes(robot, finer, robot.leg1.ends or "rigid", POSTURES)
-    segments = model_modes(robot, "segments", "timoshenko", ELEMENTS, POSTURES)
-    pairs = paired(robot, reference, segments)
-    subject = robot_subject(context)
-    found = []
-    for limit in LIMITS:
-        matrix = judged(subject, Requirement(frequency=limit, modes=4))
-        sure = (pairs.shared > 0.9).all(axis=0)
-        errors = {
-            ("segments", f"f{k + 1}"): (pairs.found / pairs.reference - 1.0)[:, k]
-            for k in range(min(4, PAIRED))
-            if sure[k]
-        }
-        found += contradictions(matrix, errors)
-    return found
+    places, samples = placed_at(robot, *stations(robot, POSTURES)), samples_of(robot)
+    finer = ModelOptions(divisions=4, ends=ends_of(robot))
+    reference, segments = (
+        vibration_of(samples, mechanism_modes(model, places, OFFERED, options))
+        for model, options in (("solid", finer), ("segments", ModelOptions()))
+    )
+    pairs = partners(reference, segments, samples.weights, COUNT)
+    off = pairs.frequency / reference.frequencies[:, :COUNT] - 1.0
+    sure = (pairs.likeness > 0.9).all(axis=0)
+    errors = {("segments", f"f{k + 1}"): off[:, k] for k in range(COUNT) if sure[k]}
+    subject = robot_subject(Context(file_of(robot), "quick"))
+    matrices = (judged(subject, Requirement(frequency=limit, modes=COUNT)) for limit in LIMITS)
+    return [line for matrix in matrices for line in contradictions(matrix, errors)]
 
 
 @pytest.mark.exhaustive

@@ -1,19 +1,19 @@
-"""Adequacy of static models of the biglide, against numbers computed without the matrix."""
+"""Adequacy of static models of the paper's robot, against numbers computed without the matrix."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from like_ifw import IFW, placed_at, stations
 
 from fem.sections.nonuniform_torsion import held_torsion_compliance
 from fem.sections.section_constants import section_constants
 from lumped.acceptance.requirement import STATIC_QUANTITIES
 from lumped.legs import Material
-from lumped.robot_file import load_robot
 from lumped.sections import ISection
 from meshes.section.section_mesh import section_mesh
 from validation.adequacy.matrix import Matrix
-from validation.models.biglide import robot_compliance
+from validation.models.mechanism import answers
 from validation.models.options import ModelOptions
 
 EQUIVALENT = ("vjm-equivalent", "segments", "beam")
@@ -47,16 +47,12 @@ def test_constant_sections_distort_the_papers_legs(
 
 def test_errors_are_those_of_the_models_themselves(paper: Matrix) -> None:
     # 27.9 µm along z by the legs given and 23.7 by those of constant section, at their largest.
-    robot = load_robot("ifw").robot
+    places = placed_at(IFW.mechanism, *stations(IFW.mechanism, 65))
     given, equivalent = (
-        np.array(
-            [
-                robot_compliance("vjm", robot, x, ModelOptions(legs=legs))[:3, 2]
-                for x in robot.stations(65)
-            ]
-        )
+        np.array([one.compliance for one in answers("vjm", places, 0, ModelOptions(legs=legs))])
         for legs in ("given", "equivalent")
     )
+    given, equivalent = given[:, :3, 2], equivalent[:, :3, 2]
     assert given[:, 2].max() * 1e9 == pytest.approx(27.9, abs=0.05)
     assert equivalent[:, 2].max() * 1e9 == pytest.approx(23.7, abs=0.05)
     entry = paper.entry("segments", "z")

@@ -1,17 +1,17 @@
 """Deflections of robots judged as the plain second rule does, from what their models answer."""
 
 import warnings
-from dataclasses import replace
 
 import numpy as np
 import pytest
+from like_ifw import LEG1, LEG2, file_of, like_ifw
 from placed import placed
 from plain_displacement import directions, plain_errors
 
 from lumped.acceptance.requirement import STATIC_QUANTITIES, Requirement
 from lumped.arrays import Array
-from lumped.biglide import Biglide
 from lumped.legs import GivenLeg
+from lumped.mechanism.mechanism import Mechanism
 from lumped.robot_file import RobotFile, built_in_robots, load_robot
 from validation.adequacy.judgement import judged
 from validation.adequacy.matrix import Matrix
@@ -126,19 +126,16 @@ def coupled_leg(length: float) -> Array:
     return tip
 
 
-def coupled_biglide() -> Biglide:
-    """The built-in robot on rigid feet with such legs."""
-    robot = load_robot("ifw").robot
-    legs = [
-        GivenLeg(length, leg.mass, coupled_leg(length))
-        for leg, length in ((robot.leg1, 0.85), (robot.leg2, 0.775))
-    ]
-    return replace(robot, leg1=legs[0], leg2=legs[1], foot_compliance=None)
+COUPLED = [GivenLeg(leg.length, leg.mass, coupled_leg(leg.length)) for leg in (LEG1, LEG2)]
+
+
+def on_rigid_feet(legs: list[GivenLeg]) -> Mechanism:
+    """The paper's robot on rigid feet with other legs."""
+    return like_ifw(leg1=legs[0], leg2=legs[1], foot_compliance=None)
 
 
 def test_a_coupling_that_is_left_out_is_not_adequate_however_good_the_diagonals_are() -> None:
-    robot_file = replace(load_robot("ifw"), described=coupled_biglide(), built_in=False)
-    subject, matrix = statics_of(robot_file)
+    subject, matrix = statics_of(file_of(on_rigid_feet(COUPLED)))
     (due,) = (one.response.compliance for one in subject.statics.alternatives)
     assert due is not None
     for model in ("vjm-equivalent", "segments", "beam", "beam-euler-bernoulli"):
@@ -179,20 +176,14 @@ def test_couplings_are_those_of_polynomials_along_the_legs(name: str) -> None:
 def test_robots_of_coupled_legs_at_random_are_judged_as_forces_at_random_show(seed: int) -> None:
     """Adequate: under no force off by more than the limit; solids are among the soak tests."""
     rng = np.random.default_rng([242, seed])
-    robot = coupled_biglide()
     part = 10.0 ** rng.uniform(-3.0, 0.0)
     legs = [
         GivenLeg(leg.length, leg.mass, tip + part * 0.3 * noise)
-        for leg in (robot.leg1, robot.leg2)
-        if isinstance(leg, GivenLeg)
+        for leg in COUPLED
         for tip, noise in [(leg.compliance, coupled_noise(rng, leg.compliance))]
     ]
-    robot_file = replace(
-        load_robot("ifw"),
-        described=replace(robot, leg1=legs[0], leg2=legs[1]),
-        built_in=False,
-        requirement=Requirement(deflection=float(rng.choice([0.02, 0.05, 0.2]))),
-    )
+    asked = Requirement(deflection=float(rng.choice([0.02, 0.05, 0.2])))
+    robot_file = file_of(on_rigid_feet(legs), requirement=asked)
     subject, matrix = statics_of(robot_file)
     (due,) = (one.response.compliance for one in subject.statics.alternatives)
     assert due is not None

@@ -2,29 +2,34 @@
 
 import json
 from contextlib import suppress
-from dataclasses import replace
 from functools import partial
 
 import numpy as np
 import pytest
 from extreme_robots import extreme_robots
+from like_ifw import placed_at, stations
 
 from fem.sections.section_constants import beam_properties, section_constants
 from lumped.errors import ComputationError
 from lumped.legs import equivalent_leg, tip_compliance
+from lumped.models.bodies import legs_of
 from lumped.robot_file import load_robot
 from lumped.sections import Circle, Rectangle, Tube
+from lumped.system.assembly import assemble
+from lumped.system.solution import modes, rounding_of_frequencies, solved
 from meshes.section.section_mesh import section_mesh
 from validation import cli
+from validation.adequacy.mechanism.statics import compliances
 from validation.case import Skip
+from validation.cases.mechanism.path import path_roundings
 from validation.catalogue import catalogue
 from validation.context import Context
-from validation.models.biglide import robot_compliance, robot_frequencies, rounded_compliance
+from validation.models.legs import cached_leg
+from validation.models.mechanism import bodies_of
 from validation.models.options import ModelOptions
 from validation.results.outcome import judge
 from validation.solve import cost
-from validation.studies.quantities import deflections_of, rounded_frequencies
-from validation.studies.ritz import biglide as ritz
+from validation.studies.ritz import mechanism as ritz
 
 SEED, COUNT, FEW = 7, 60, 6
 ROBOTS = list(extreme_robots(COUNT, SEED))
@@ -160,8 +165,8 @@ def no_hour(monkeypatch):
 @pytest.mark.usefixtures("no_hour")
 @pytest.mark.parametrize("number", range(COUNT))
 def test_solid_legs_are_beams_with_free_ends_and_stiffer_with_rigid_ones(number, command, tmp_path):
-    robot = described(number, tmp_path).robot
-    for place, leg in enumerate((robot.leg1, robot.leg2), start=1):
+    legs = legs_of(described(number, tmp_path).mechanism).values()
+    for place, leg in enumerate(legs, start=1):
         check_solid_leg(command, ROBOTS[number], equivalent_leg(leg), place)
 
 
@@ -180,20 +185,22 @@ def test_solids_and_quick_runs_are_right_or_say_why_not(number, command, tmp_pat
             assert "traceback in log.txt" not in case["message"], case
 
 
-def planar_exactly(robot, x):
-    """Planar deflections (µm at 1000 N) under loads along x and y: two bars on pins, C by hand.
+def planar_exactly(at):
+    """Planar compliances (m/N) under loads along x and y: two bars on pins, C by hand.
 
     K = k₁ n₁n₁ᵀ + k₂ n₂n₂ᵀ has the inverse (m₂m₂ᵀ/k₁ + m₁m₁ᵀ/k₂) / (n₁ × n₂)², mᵢ ⟂ nᵢ: sums of
     positive terms, in which nothing is lost. Legs do not bend under loads at B.
     """
-    posture = robot.posture(x)
-    legs = [equivalent_leg(leg) for leg in (robot.leg1, robot.leg2)]
+    legs = [equivalent_leg(leg) for leg in legs_of(at.mechanism).values()]
     give = [leg.length / leg.timoshenko.EA for leg in legs]
-    n1 = np.array([x, posture.s1]) / robot.leg1.length
-    n2 = np.array([x - robot.a, posture.s2]) / robot.leg2.length
+    roots = (at.frames[name].position[:2] for name in ("leg1", "leg2"))
+    n1, n2 = (
+        (at.frames["platform"].position[:2] - root) / leg.length
+        for root, leg in zip(roots, legs, strict=True)
+    )
     m1, m2 = (np.array([-n[1], n[0]]) for n in (n1, n2))
     C = (give[0] * np.outer(m2, m2) + give[1] * np.outer(m1, m1)) / np.dot(n1, m2) ** 2
-    return 1e9 * np.hypot(C[0], C[1])
+    return np.hypot(C[0], C[1])
 
 
 # Soft beside stiff (20), legs that nearly align (7), thin tubes and blades (0, 9, 26) among them.
@@ -202,20 +209,20 @@ def planar_exactly(robot, x):
 def test_what_rounding_leaves_open_covers_the_error_against_the_closed_form(
     number, model, tmp_path
 ):
-    robot = described(number, tmp_path).robot
+    robot = described(number, tmp_path).mechanism
     options = ModelOptions(legs="equivalent", theory="euler-bernoulli")
-    for x in robot.stations(5).tolist():
-        exact = planar_exactly(robot, x)
+    for at in placed_at(robot, *stations(robot, 5)):
+        exact = planar_exactly(at)
         try:
-            found = deflections_of(robot_compliance(model, robot, x, options)[None])
+            found = compliances((at,), model, options)[0]
         except ComputationError:
             # Refused, since its energies are out of balance.
             continue
-        left_open = deflections_of(rounded_compliance(model, robot, x, options)[np.newaxis])
-        for i, curve in enumerate(("planar_x", "planar_y")):
-            # Beside the roundings of the matrix those of its solution, some in the last place.
-            known = getattr(left_open, curve)[0] + 1e-13 * exact[i]
-            assert abs(getattr(found, curve)[0] - exact[i]) < known, (x, curve)
+        left_open = path_roundings((at,), model, options)[0]
+        off = np.abs(np.linalg.norm(found[:2, :2], axis=0) - exact)
+        # Beside the roundings of the matrix those of its solution, some in the last place.
+        known = np.linalg.norm(left_open[:2, :2], axis=0) + 1e-13 * exact
+        assert (off < known).all(), at.pose
 
 
 @pytest.mark.parametrize("number", [2, 10])
@@ -242,13 +249,16 @@ def test_what_rounding_hides_in_three_formulations_is_undecided_or_told(number, 
 # A stiff leg that swings on a soft one (28, 42), soft and stiff joined by a hinge (41).
 @pytest.mark.parametrize("number", [28, 41, 42])
 def test_what_rounding_leaves_open_of_frequencies_covers_what_polynomials_miss(number, tmp_path):
-    robot = described(number, tmp_path).robot
-    for x in robot.stations(3).tolist():
-        found, left_open = rounded_frequencies("beam", robot, x, 4)
-        exact, rougher = (ritz.frequencies(robot, x, 4, degree=degree) for degree in (14, 12))
+    robot = described(number, tmp_path).mechanism
+    beams = bodies_of(robot, ModelOptions(), partial(cached_leg, "beam"))
+    for at in placed_at(robot, *stations(robot, 3)):
+        system = assemble(at, beams)
+        found = modes(solved(system), 6)
+        left_open = rounding_of_frequencies(system, found)[:4]
+        exact, rougher = (ritz.frequencies(at, 4, degree=degree) for degree in (14, 12))
         # Twenty elements are less than 1e-4 off.
         known = left_open + 10.0 * np.abs(exact - rougher) + 1e-4 * exact
-        assert np.all(np.abs(found - exact) < known), x
+        assert np.all(np.abs(found.frequencies[:4] - exact) < known), at.pose
 
 
 def test_polynomials_and_what_rounding_leaves_of_stiffnesses_far_apart_do_not_disagree(tmp_path):
@@ -277,26 +287,20 @@ def test_an_end_of_the_stroke_is_one_in_double_and_in_28_digits(tmp_path):
 def test_a_free_joint_loses_nothing_of_a_soft_leg_on_a_stiff_one(tmp_path):
     # Leg 1 of 41 bends on a hinge at the tip of a leg 10¹³ times as stiff about z: in sums of both
     # legs' rotations it was 2 % off.
-    robot = described(41, tmp_path).robot
-    found = robot_frequencies("beam", robot, robot.centre, 1)
-    assert found == pytest.approx(ritz.frequencies(robot, robot.centre, 1), rel=1e-4)
+    (at,) = placed_at(described(41, tmp_path).mechanism)
+    beams = bodies_of(at.mechanism, ModelOptions(), partial(cached_leg, "beam"))
+    found = modes(solved(assemble(at, beams)), 1).frequencies
+    assert found == pytest.approx(ritz.frequencies(at, 1, degree=14), rel=1e-4)
 
 
 @pytest.mark.parametrize("number", [18, 41, 59])
 def test_polynomials_of_robots_keep_their_digits(number, tmp_path):
     # Legs that nearly align, stiffnesses 10¹² to 10¹⁵ apart: frequencies moved by 1e-2 from degree
     # to degree, and once there were none.
-    robot = described(number, tmp_path).robot
-    for x in robot.stations(3).tolist():
-        high, low = (ritz.frequencies(robot, x, 3, degree=degree) for degree in (16, 13))
+    robot = described(number, tmp_path).mechanism
+    for at in placed_at(robot, *stations(robot, 3)):
+        high, low = (ritz.frequencies(at, 3, degree=degree) for degree in (16, 13))
         assert high == pytest.approx(low, rel=1e-7)
-
-
-def test_polynomials_of_an_indefinite_stiffness_are_told(tmp_path):
-    robot = replace(described(59, tmp_path).robot, tool_compliance=-1e-6 * np.eye(6))
-    for solved in (ritz.compliance, partial(ritz.frequencies, count=4)):
-        with pytest.raises(ComputationError, match=r"^extreme 59 by polynomials"):
-            solved(robot, robot.centre)
 
 
 def test_a_negative_shear_stiffness_is_named(tmp_path):

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from like_ifw import file_of, like_ifw
 from perturbed import perturbed
 
 from fem.bodies import doubling
@@ -32,12 +33,11 @@ def quick():
 @pytest.fixture(scope="module")
 def walls():
     """Steel legs: a box, whose section distorts, and an open I, whose warping reaches far."""
-    robot = replace(
-        ROBOT_FILE.robot,
+    robot = like_ifw(
         leg1=ConstantLeg(0.85, HollowRectangle(0.1, 0.16, 0.008), STEEL),
         leg2=ConstantLeg(0.775, ISection(0.1, 0.16, 0.012, 0.008), STEEL),
     )
-    return Context(replace(ROBOT_FILE, described=robot), "quick")
+    return Context(file_of(robot), "quick")
 
 
 def named(case):
@@ -86,8 +86,8 @@ def test_faces_held_by_curved_cells_are_not_taken_for_shear():
     # 600 times as long as thick and ν = 0.49: of shear 2e-6 is left, where cells of a circle that
     # cannot contract as they should hold both faces. From the longest legs −1.94 was found.
     rubber = Material.isotropic(E=1e6, nu=0.49, rho=1100.0)
-    robot = replace(ROBOT_FILE.robot, a=21.5, leg1=ConstantLeg(21.6, Circle(0.036), rubber))
-    context = Context(replace(ROBOT_FILE, described=robot), "quick")
+    robot = like_ifw(a=21.5, leg1=ConstantLeg(21.6, Circle(0.036), rubber))
+    context = Context(file_of(robot), "quick")
     (case,) = (c for c in RESTRAINT if c.id == "restraint.leg1.exponent[shear]")
     assert agrees_and_can_fail(case, context).value == pytest.approx(-2.0, abs=1e-5)
 
@@ -131,9 +131,8 @@ def test_lengthened_leg_is_the_leg_of_that_length():
 
 
 def test_round_legs_skip_the_torsion_that_does_not_warp():
-    round_leg = ConstantLeg(0.8, Circle(0.1), STEEL)
-    robot = replace(ROBOT_FILE.robot, leg1=round_leg)
-    context = Context(replace(ROBOT_FILE, described=robot), "quick")
+    robot = like_ifw(leg1=ConstantLeg(0.8, Circle(0.1), STEEL))
+    context = Context(file_of(robot), "quick")
     case = next(c for c in RESTRAINT if c.id == "restraint.leg1.exponent[torsion]")
     with pytest.raises(Skip, match="do not warp"):
         case.measure(context)

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from fem import multibody
-from lumped import biglide
 from lumped.errors import InputError
 from lumped.mechanism.joint import Drive
 from lumped.mechanism.kinematics.postures import posture, reference_posture
@@ -131,7 +130,7 @@ def test_without_exudyn_the_cases_say_so(monkeypatch):
 
 def test_what_is_not_written_for_it_is_named():
     """A leg of a 6×6, a body without mass and a joint that gives, each on a line of its own."""
-    mechanism = biglide.mechanism(load_robot("ifw").robot)
+    mechanism = load_robot("ifw").mechanism
     with pytest.raises(InputError) as raised:
         multibody.require_beams(mechanism)
     said = "\n".join(raised.value.faults)

@@ -4,31 +4,30 @@ import numpy as np
 import pytest
 import pyvista
 from exported import names_in_readme
+from like_ifw import IFW, LEG1, LEG2, placed_at
 from scipy.io import mmread
 from scipy.sparse import load_npz
 
 from lumped.legs import equivalent_leg, tip_compliance
 from lumped.models.cantilever import clamped_modes, tip_compliance_of
-from lumped.robot_file import load_robot
 from validation.export.mechanism import export_mechanism
 from validation.export.readme import OF_PARTS, write_readme
-from validation.models.biglide import robot_compliance, robot_frequencies
 from validation.models.legs import leg_matrices, solid_compliance
+from validation.models.mechanism import answers
 
-ROBOT = load_robot("ifw").robot
 AXES = ("x", "y", "z")
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     path = tmp_path_factory.mktemp("export")
-    export_mechanism(load_robot("ifw").mechanism, "quick", path)
+    export_mechanism(IFW.mechanism, "quick", path)
     return path
 
 
 @pytest.mark.parametrize("number", [1, 2])
 def test_the_tip_of_the_solid_moves_by_its_compliance(folder, number):
-    leg = equivalent_leg((ROBOT.leg1, ROBOT.leg2)[number - 1])
+    leg = equivalent_leg((LEG1, LEG2)[number - 1])
     mesh = pyvista.read(folder / f"leg{number}_solid.vtu")
     assert mesh.bounds[1] == pytest.approx(leg.length, rel=1e-12)
     assert mesh.volume == pytest.approx(leg.section.area * leg.length, rel=1e-9)
@@ -48,7 +47,7 @@ def test_the_tip_of_the_solid_moves_by_its_compliance(folder, number):
 
 @pytest.mark.parametrize("model", ["segments", "beam"])
 def test_centrelines_deflect_as_a_cantilever(folder, model):
-    leg = equivalent_leg(ROBOT.leg1)
+    leg = equivalent_leg(LEG1)
     line = pyvista.read(folder / f"leg1_{model}.vtp")
     assert line.n_lines == 1
     assert line.length == pytest.approx(leg.length)
@@ -69,7 +68,7 @@ def test_centrelines_deflect_as_a_cantilever(folder, model):
 @pytest.mark.parametrize("model", ["segments", "beam", "solid"])
 @pytest.mark.parametrize("number", [1, 2])
 def test_both_formats_hold_the_same_symmetric_matrices(folder, model, number):
-    leg = equivalent_leg((ROBOT.leg1, ROBOT.leg2)[number - 1])
+    leg = equivalent_leg((LEG1, LEG2)[number - 1])
     for letter in "KM":
         path = folder / f"leg{number}_{model}_{letter}"
         compressed, market = load_npz(f"{path}.npz"), mmread(f"{path}.mtx")
@@ -86,7 +85,7 @@ def test_both_formats_hold_the_same_symmetric_matrices(folder, model, number):
 
 
 def test_the_matrices_give_the_models_compliance_and_frequencies(folder):
-    leg = leg_matrices("beam", equivalent_leg(ROBOT.leg1))
+    leg = leg_matrices("beam", equivalent_leg(LEG1))
     K, M = (load_npz(folder / f"leg1_beam_{letter}.npz").toarray()[6:, 6:] for letter in "KM")
     found = np.linalg.inv(K)[:6, :6]
     assert found == pytest.approx(tip_compliance_of(leg), rel=1e-6, abs=1e-20)
@@ -102,17 +101,16 @@ def test_the_robot_deflects_at_b_by_its_compliance(folder):
     robot = pyvista.read(folder / "mechanism_beam.vtp")
     assert robot.n_lines == 2
     half = robot.n_points // 2
-    compliance = robot_compliance("beam", ROBOT, ROBOT.centre)
+    (answer,) = answers("beam", placed_at(IFW.mechanism), 6)
+    compliance = answer.compliance
     for tip in (half - 1, -1):
-        assert robot.points[tip] == pytest.approx([ROBOT.centre, 0.0, 0.0], abs=1e-12)
+        assert robot.points[tip] == pytest.approx([0.4975, 0.0, 0.0], abs=1e-12)
         for column, wrench in enumerate(("Fx", "Fy", "Fz")):
             # The revolute joint at B lets the legs turn; they share its displacement.
             assert robot.point_data[f"displacement {wrench}"][tip] == pytest.approx(
                 compliance[:3, column], rel=1e-7, abs=1e-7 * compliance[2, 2]
             )
-    assert robot.field_data["frequencies"] == pytest.approx(
-        robot_frequencies("beam", ROBOT, ROBOT.centre, 6), rel=1e-9
-    )
+    assert robot.field_data["frequencies"] == pytest.approx(answer.frequencies, rel=1e-9)
 
 
 def test_the_readme_names_every_file(folder):

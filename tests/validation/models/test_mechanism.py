@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from fem.sections.section_constants import beam_properties, section_constants
-from lumped.biglide import postures as biglide_postures
 from lumped.errors import InputError
 from lumped.legs import tip_compliance
 from lumped.mechanism.body import Prism
@@ -21,7 +20,6 @@ from lumped.system.assembly import assemble, assembly
 from lumped.system.solution import compliance, mode_count, modes, solved, strain_shares
 from meshes.section.section_mesh import section_mesh
 from validation.cli import main
-from validation.models.biglide import robot_compliance, robot_frequencies
 from validation.models.legs import leg_matrices
 from validation.models.mechanism import (
     answers,
@@ -122,33 +120,6 @@ def test_equal_bodies_are_reduced_once():
     shapes = {id(body.centreline) for body in bodies.values()}
     sections = {(leg.section, round(leg.length, 9)) for leg in legs_of(mechanism).values()}
     assert len(shapes) == len(sections)
-
-
-@pytest.mark.parametrize("x", [0.145, 0.3, 0.85])
-def test_the_biglide_as_bodies_and_joints_gives_the_same_numbers(x):
-    robot = load_robot("ifw").robot
-    at = biglide_postures(robot, (x,))
-    equivalent = ModelOptions(legs="equivalent")
-    for model, options in (
-        ("vjm", DEFAULT_OPTIONS),
-        ("vjm", equivalent),
-        ("segments", DEFAULT_OPTIONS),
-        ("beam", DEFAULT_OPTIONS),
-    ):
-        (found,) = answers(model, at, 0, options)
-        expected = robot_compliance(model, robot, x, options)
-        assert np.abs(found.compliance - expected).max() <= 1e-10 * np.abs(expected).max()
-    for model in ("segments", "beam"):
-        (found,) = answers(model, at, 6)
-        assert found.frequencies == pytest.approx(robot_frequencies(model, robot, x, 6), rel=1e-10)
-    if 0.145 < x < 0.85:
-        (found,) = answers("simplified", at, 2)
-        assert found.compliance[:2, :2] == pytest.approx(
-            robot_compliance("simplified", robot, x), rel=1e-10
-        )
-        assert found.frequencies == pytest.approx(
-            robot_frequencies("simplified", robot, x, 2), rel=1e-10
-        )
 
 
 def test_simplified_has_the_modes_of_what_is_rigid():

@@ -1,9 +1,9 @@
 """Solids of slender legs: counted before they are made, left out of runs that they would fill."""
 
 import re
-from dataclasses import replace
 
 import pytest
+from like_ifw import IFW, file_of, like_ifw, stations
 from placed import placed
 
 from fem.bodies import doubling
@@ -37,12 +37,9 @@ from validation.solids.size import (
 )
 
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
-IFW = load_robot("ifw")
 # Half a millimetre wide elements over 0.85 m and 50 mm: 1700 slices of 100.
 BLADE = ConstantLeg(0.85, Rectangle(0.001, 0.05), STEEL, name="leg 1")
-SLENDER = replace(
-    IFW, described=replace(IFW.robot, leg1=BLADE, leg2=BLADE), built_in=False, source="blade.toml"
-)
+SLENDER = file_of(like_ifw(leg1=BLADE, leg2=BLADE))
 REASON = r"^leg1 as a solid of 2 divisions has about 1e\+07.* unknowns, preset quick takes 100000"
 
 
@@ -97,19 +94,20 @@ def test_walls_too_thin_for_full_matrices_of_an_end_face_are_skipped(
     # Elements as wide as a wall is thick or so: the matrices of a face grow with its square.
     monkeypatch.setattr(doubling, "condensed_leg", refused)
     foil = ConstantLeg(0.85, HollowRectangle(0.05, 0.05, thickness), STEEL, name="leg 2")
-    thin = replace(IFW, described=replace(IFW.robot, leg2=foil), built_in=False, source="foil.toml")
+    thin = file_of(like_ifw(leg2=foil))
     found = next(one for one in catalogue(thin) if one.id == case)
     with pytest.raises(Skip, match=f"^leg2: an end face of its hollow-rectangle .*{said}"):
         found.compute(Context(thin, "quick"))
 
 
 def test_frequencies_without_such_a_reference_are_undecided_with_the_reason(context):
-    robot = robot_at(context, placed(context, SLENDER.robot.stations(3)))
+    x = stations(SLENDER.mechanism, 3)
+    robot = robot_at(context, placed(context, x))
     found = modes_of(lambda: vibration.modes_by_model(robot, "beam", ModelOptions()))
     subject = Subject(
         robot="slender",
         coordinates=(Coordinate("x", "m"),),
-        poses=SLENDER.robot.stations(3)[:, None],
+        poses=x[:, None],
         weights=robot.samples.weights,
         candidates=[Candidate("beam", "beam", found)],
         statics=Reference("none", ()),
@@ -169,19 +167,13 @@ def test_a_larger_preset_is_named_where_one_takes_it_and_none_where_not():
     assert larger_preset("fine", lambda _: True) == "no preset"
 
 
-def foils(thickness: float) -> Context:
-    leg = ConstantLeg(0.85, Tube(0.12, thickness), STEEL, name="leg 1")
-    robot = replace(IFW.robot, leg1=leg, leg2=leg)
-    return Context(replace(IFW, described=robot, built_in=False, source="foils.toml"), "quick")
-
-
 @pytest.mark.parametrize(
     ("thickness", "said"), [(2e-4, "preset fine takes it$"), (5e-5, "no preset takes it$")]
 )
 def test_a_reference_too_large_names_the_preset_that_takes_it(thickness, said):
-    context = foils(thickness)
+    foil = ConstantLeg(0.85, Tube(0.12, thickness), STEEL, name="leg 1")
     with pytest.raises(InputError, match=said):
-        solid_leg(context, context.robot.leg1)
+        solid_leg(Context(IFW, "quick"), foil)
 
 
 def test_an_undecided_entry_is_sent_to_a_preset_that_is_finer_if_any():

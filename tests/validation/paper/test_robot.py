@@ -49,6 +49,14 @@ def test_the_family_on_drives_is_virtual_power(fraction):
     assert np.isnan(found.along_z).all()
 
 
+def test_longer_legs_are_stiffer_in_the_plane_and_softer_along_z():
+    """Known values, α = 1 and 2 at the centre, to half a unit of the last digit (physics notes)."""
+    slender = ModelOptions(legs="equivalent", theory="euler-bernoulli")
+    found = family_deflections("vjm", ROBOT, (1.0, 2.0), 0.5, slender)
+    assert found.planar_x == pytest.approx([7.3, 3.0], abs=0.05)
+    assert found.along_z == pytest.approx([23.0, 85.0], abs=0.5)
+
+
 @pytest.mark.parametrize("model", ["segments", "beam"])
 def test_shares_of_energy_sum_to_one_and_have_the_papers_words(model):
     (found,) = modes(model, ROBOT, np.array([0.4975]), 4)

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+from like_ifw import placed_at, stations
 from msgspec.json import encode
 from msgspec.structs import replace
 from placed import placed
@@ -14,8 +15,7 @@ from validation.adequacy.mechanism.path import robot_at
 from validation.adequacy.models import JUDGED
 from validation.adequacy.robot import static_subject
 from validation.context import Context
-from validation.models.biglide import robot_compliance
-from validation.models.options import ModelOptions
+from validation.models.mechanism import answers
 from validation.results import comparison_text
 from validation.results.compare import as_dict, compare
 from validation.results.provenance import header
@@ -48,8 +48,8 @@ def variant(folder: Path, thickness: float) -> RobotFile:
 
 def saved(robot_file: RobotFile) -> RunRecord:
     """A run of nothing but the statics of two models, as it is written and read again."""
-    robot = robot_file.robot
-    x = robot.stations(9)
+    robot = robot_file.mechanism
+    x = stations(robot, 9)
     context = Context(robot_file, "quick")
     models = {name: JUDGED[name] for name in ("vjm", "beam")}
     subject = static_subject(robot_at(context, placed(context, x)), models)
@@ -74,7 +74,7 @@ def both(folder: Path) -> tuple[RunRecord, RunRecord]:
 def test_statics_of_two_variants_differ_as_solve_says(
     folder: Path, both: tuple[RunRecord, RunRecord]
 ) -> None:
-    thick, thin = (variant(folder, thickness).robot for thickness in (0.004, 0.003))
+    thick, thin = (variant(folder, thickness).mechanism for thickness in (0.004, 0.003))
     comparison = compare(*both)
     assert len(comparison.adequacy) == 14
     for change in comparison.adequacy:
@@ -87,7 +87,7 @@ def test_statics_of_two_variants_differ_as_solve_says(
         for (x,), before, after in change.shared_poses:
             model = "vjm" if change.model == "vjm" else "beam"
             solved = [
-                robot_compliance(model, robot, x, ModelOptions())[index, index]
+                answers(model, placed_at(robot, x), 0)[0].compliance[index, index]
                 for robot in (thick, thin)
             ]
             assert after - before == pytest.approx(solved[1] - solved[0], rel=1e-9)

@@ -1,22 +1,19 @@
 """Waves in the legs of a robot against its solids."""
 
 import numpy as np
+from like_ifw import placed_at
 from numpy.testing import assert_allclose
 
+from fem.reduction.craig_bampton import craig_bampton
 from fem.reduction.superelement import Superelement
-from lumped.biglide import postures, with_equivalent_legs
-from lumped.legs import equivalent_leg
+from lumped.models.bodies import legs_of
 from lumped.robot_file import load_robot
+from lumped.system.assembly import assemble
+from lumped.system.solution import modes, solved
+from validation.solids.robots import ELEMENTS, held_solid, own_beam
 from validation.studies.leg_waves import wave_changes, waves_of
-from validation.studies.paired_robot_modes import (
-    ELEMENTS,
-    OFFERED,
-    own_beam,
-    own_beam_modes,
-    paired,
-    solid_modes,
-)
 
+OFFERED = 12
 # A leg so light bends between ends at rest. With ν = −0.9 its κ by strain energy is 0.007; waves
 # are much stiffer in shear.
 ROBOT = """
@@ -40,13 +37,12 @@ material = { E = 2.1e11, nu = 0.0, rho = 7850.0 }
 def test_a_leg_that_swings_between_ends_at_rest_has_its_waves(tmp_path):
     path = tmp_path / "robot.toml"
     path.write_text(ROBOT, encoding="utf-8")
-    robot = load_robot(path).robot
-    member = with_equivalent_legs(robot)
-    legs = {"leg1": equivalent_leg(member.leg1), "leg2": equivalent_leg(member.leg2)}
-    divisions = {"leg1": 2, "leg2": 2}
+    mechanism = load_robot(path).mechanism
+    legs, divisions = legs_of(mechanism), {"leg1": 2, "leg2": 2}
     beams = {name: own_beam(leg, divisions[name]) for name, leg in legs.items()}
+    places = placed_at(mechanism)
     changes = wave_changes(
-        postures(member, member.stations(3)[1:2]),
+        places,
         {name: Superelement(beam, np.eye(beam.size)) for name, beam in beams.items()},
         beams,
         waves_of(legs, divisions),
@@ -54,10 +50,12 @@ def test_a_leg_that_swings_between_ends_at_rest_has_its_waves(tmp_path):
         offered=OFFERED,
         count=5,
     )[0]
-    both = divisions["leg1"], divisions["leg2"]
-    own = own_beam_modes(robot, both, 3)
-    found = paired(robot, own, solid_modes(robot, both, "free", 3))
-    apart = (found.found / found.reference - 1.0)[1, :5]
+    own = modes(solved(assemble(places[0], beams)), 5).frequencies
+    solids = {
+        name: craig_bampton(held_solid(leg, divisions[name], "free"), 2.0 * own[-1]).matrices
+        for name, leg in legs.items()
+    }
+    apart = modes(solved(assemble(places[0], solids)), 5).frequencies / own - 1.0
     assert apart.max() > 4e-3
     # What is left is the length of the solids' elements, fourth order.
     assert_allclose(changes, apart, atol=3e-5)

@@ -42,8 +42,8 @@ from validation.context import Preset
 from validation.models.options import ModelName, ModelOptions
 from validation.parts.meshes import FINEST, MIDDLE
 from validation.solids.legs import divisions_across
+from validation.solids.robots import ELEMENTS
 from validation.solids.size import larger_preset, too_large
-from validation.studies.paired_robot_modes import ELEMENTS
 
 _OPEN_MASS = "where the legs' mass lies"
 _SAY_MASS = "the legs' mass distribution: a section and a material in place of the 6×6"

@@ -42,8 +42,13 @@ from validation.models.mechanism import (
 from validation.models.options import ModelName, ModelOptions
 from validation.parts.meshes import FINEST
 from validation.solids.legs import divisions_across
-from validation.solids.robots import held_solid, renewed_where_needed
-from validation.studies.paired_robot_modes import DIVISIONS, ELEMENTS, WALL_DIVISIONS
+from validation.solids.robots import (
+    DIVISIONS,
+    ELEMENTS,
+    WALL_DIVISIONS,
+    held_solid,
+    renewed_where_needed,
+)
 
 Build = Callable[[Leg, Ends, float], LegMatrices]
 

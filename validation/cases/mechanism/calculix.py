@@ -17,6 +17,7 @@ from lumped.mechanism.mechanism import Posture
 from lumped.system.assembly import assembly
 from lumped.system.solution import compliance, modes, solved
 from validation.adequacy.mechanism.path import known_legs, path_postures
+from validation.agreement.farthest import farthest_entry
 from validation.case import Absolute, Measurement, Relative, Sides, Skip, others
 from validation.case_group import CaseGroup
 from validation.cases.mechanism.quantities import ASSEMBLER
@@ -25,7 +26,6 @@ from validation.exhibits import PATH
 from validation.models.legs import filled
 from validation.models.mechanism import highest_frequency
 from validation.solids.bars import bar_meshes, bar_solids, with_bars
-from validation.studies.quantities import farthest_entry
 
 MODES = 10
 DIVISIONS: dict[Preset, int] = {"quick": 1, "standard": 1, "fine": 2}

@@ -18,6 +18,7 @@ from lumped.mechanism.mechanism import Mechanism, Posture
 from validation.adequacy.mechanism.path import path_postures, why_not_serial
 from validation.adequacy.mechanism.statics import compliances
 from validation.adequacy.models import JUDGED, JudgedModel, judged_models
+from validation.agreement.farthest import farthest
 from validation.case import Measurement, Relative, Sides, Skip
 from validation.case_group import numbered
 from validation.cases.mechanism.path import BEYOND_ROUNDING, path_roundings
@@ -35,7 +36,6 @@ from validation.context import Context
 from validation.exhibits import PATH
 from validation.models.mechanism import answers
 from validation.models.options import STATIC, ModelName, ModelOptions
-from validation.studies.quantities import farthest
 from validation.studies.ritz import mechanism as ritz
 
 # What yields by less, of the largest of its unit, is rounding of rigid.

@@ -31,6 +31,7 @@ from validation.adequacy.mechanism.legs import solid_leg
 from validation.adequacy.mechanism.path import known_legs, path_postures, why_not_serial
 from validation.adequacy.mechanism.statics import assembled, compliances
 from validation.agreement.convergence import step_factor
+from validation.agreement.farthest import farthest_beyond
 from validation.case import Absolute, Measurement, Relative, Sides, Skip
 from validation.case_group import CaseGroup, numbered
 from validation.cases.mechanism.quantities import ASSEMBLER, MODEL_CODE
@@ -49,7 +50,6 @@ from validation.models.options import ModelName, ModelOptions
 from validation.models.part_legs import part_springs
 from validation.solids.legs import FORMAL_ORDER
 from validation.solids.robots import SHARED_SOLIDS, TipCompliances
-from validation.studies.quantities import farthest_beyond
 
 _EULER = ModelOptions(theory="euler-bernoulli", legs="equivalent")
 _TIMOSHENKO = ModelOptions(legs="equivalent")

@@ -31,10 +31,14 @@ from validation.context import Context
 from validation.exhibits import PATH
 from validation.models.mechanism import CUTOFF, highest_frequency
 from validation.solids.legs import FORMAL_ORDER, divisions_across, leg_constants
-from validation.solids.robots import SHARED_SOLIDS, held_solid
+from validation.solids.robots import (
+    ELEMENTS,
+    SHARED_SOLIDS,
+    held_solid,
+    own_beam,
+)
 from validation.solids.size import skip_too_large
 from validation.studies.leg_waves import NO_WAVES, WAVES, WAVES_SOURCE, wave_changes, waves_of
-from validation.studies.paired_robot_modes import ELEMENTS, own_beam
 
 MODES = 6
 _OWN = "20 Timoshenko beam elements per leg, constants of the solids' own section meshes"

@@ -106,14 +106,6 @@ def of_compliance(compliance: Array, length: float) -> RitzLeg:
     return RitzLeg(0.5 * (stiffness + stiffness.T), np.zeros((12, 12)), root, tip)
 
 
-def between_ends(prism: RitzLeg) -> Array:
-    """Coefficients (n×12) of the shape that a prism takes when its ends, root first, are moved."""
-    ends = np.vstack([prism.root, prism.tip])
-    free, moved = null_space(ends), np.linalg.pinv(ends)
-    left = np.linalg.solve(free.T @ prism.stiffness @ free, free.T @ prism.stiffness @ moved)
-    return np.asarray(moved - free @ left)
-
-
 def rigid(length: float) -> RitzLeg:
     """A rigid leg without mass, on the twist of its root."""
     tip = carried(np.array([length, 0.0, 0.0]))

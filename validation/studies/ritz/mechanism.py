@@ -99,34 +99,30 @@ def _beam(shape: Prism | Given, theory: Theory, degree: int) -> RitzLeg:
 
 
 def _compliance(system: _System) -> Array:
-    # Forces at the tool do no work on idle motions, which the pseudo-inverse leaves out.
-    inverse = pinvh(system.stiffness, rtol=_IDLE * len(system.stiffness))
-    return np.asarray(system.loaded @ inverse @ system.loaded.T)
+    # Forces at the tool do no work on idle motions.
+    elastic, _ = _motions(system)
+    moved = system.loaded @ elastic
+    return np.asarray(moved @ moved.T)
 
 
 def _frequencies(system: _System, count: int) -> Array:
-    # What idles only slows the others down while it is held: none lies below the lowest of these,
-    # from which idle motions, at zero, stay apart.
-    still = _roots(system.stiffness)
-    largest = np.linalg.eigvalsh(still.T @ system.mass @ still).max(initial=0.0)
-    if largest <= 0.0:
-        return np.zeros(0)
-    shift = 1.0 / largest
-    # Of M against K + σM: idle motions have 1/σ, motions without mass zero, and those without
-    # either are left out.
-    roots = _roots(system.stiffness + shift * system.mass)
-    inverse = np.linalg.eigvalsh(roots.T @ system.mass @ roots)[::-1]
-    squares = 1.0 / inverse[inverse > _MASSLESS * inverse[0]] - shift
-    squares = squares[squares > 0.5 * shift][:count]
+    elastic, idle = _motions(system)
+    momenta = system.mass @ elastic
+    mass = elastic.T @ momenta
+    if idle.shape[1]:
+        # Idle motions go with the others such that they have no momentum.
+        along = idle.T @ momenta
+        mass -= along.T @ pinvh(idle.T @ system.mass @ idle) @ along
+    inverse = np.linalg.eigvalsh(mass)[::-1]
+    squares = 1.0 / inverse[inverse > _MASSLESS * inverse.max(initial=0.0)][:count]
     return np.asarray(np.sqrt(squares) / (2.0 * np.pi))
 
 
-def _roots(matrix: Array) -> Array:
-    """R (n×k) with R Rᵀ the inverse of a matrix but for what it lets idle."""
-    values, vectors = eigh(matrix)
-    kept = values > _IDLE * len(values) * values[-1]
-    roots: Array = vectors[:, kept] / np.sqrt(values[kept])
-    return roots
+def _motions(system: _System) -> tuple[Array, Array]:
+    """Motions (n×k) in which the stiffness is the unit matrix, and idle ones, of no stiffness."""
+    values, vectors = eigh(system.stiffness)
+    idle = values < _IDLE * len(values) * values[-1]
+    return vectors[:, ~idle] / np.sqrt(values[~idle]), vectors[:, idle]
 
 
 def _system(at: Posture, legs: Mapping[str, RitzLeg], *, simplified: bool = False) -> _System:

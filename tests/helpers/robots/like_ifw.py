@@ -1,0 +1,48 @@
+"""The paper's robot with other legs, feet or tool, for tests that need a robot to change."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from lumped.arrays import Array
+from lumped.mechanism.biglide import biglide
+from lumped.mechanism.kinematics.postures import posture
+from lumped.mechanism.mechanism import Mechanism, Posture
+from lumped.models.bodies import legs_of, on_equivalent_legs
+from lumped.robot_file import RobotFile, load_robot
+
+IFW = load_robot("ifw")
+LEG1, LEG2 = legs_of(IFW.mechanism).values()
+FOOT = np.array(IFW.tables["foot"]["compliance"])
+DATA: dict[str, Any] = {
+    "name": "IFW",
+    "a": 0.92,
+    "leg1": LEG1,
+    "leg2": LEG2,
+    "platform_mass": 46.0,
+    "drive_stiffness": 1.0e9,
+    "foot_compliance": FOOT,
+}
+EQUIVALENT = on_equivalent_legs(IFW.mechanism)
+
+
+def like_ifw(**changes: Any) -> Mechanism:
+    """The robot with other arguments of its constructor."""
+    return biglide(**DATA | changes)
+
+
+def file_of(mechanism: Mechanism, **changes: Any) -> RobotFile:
+    """A file that describes another robot, no built-in one."""
+    return replace(IFW, described=mechanism, built_in=False, source="changed.toml", **changes)
+
+
+def stations(mechanism: Mechanism, count: int) -> Array:
+    """`count` positions x of B (m), evenly over the stroke, both ends included."""
+    first, *_, last = mechanism.poses[:, 0]
+    return np.linspace(first, last, count)
+
+
+def placed_at(mechanism: Mechanism, *x: float) -> list[Posture]:
+    """The postures with B at each x (m), in the middle of the stroke without one."""
+    return [posture(mechanism, np.array([one])) for one in x or stations(mechanism, 3)[1:2]]
