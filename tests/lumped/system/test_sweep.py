@@ -23,7 +23,7 @@ def postures_of(name):
 
 
 @pytest.mark.parametrize(
-    ("name", "elements"), [("ifw", 60), ("five-bar", 4), ("delta", 4), ("hexapod", 60)]
+    ("name", "elements"), [("ifw", 60), ("five-bar", 4), ("delta", 60), ("hexapod", 60)]
 )
 def test_many_postures_are_each_of_them(name, elements):
     """Reduced bodies, bodies as they stand, and a Delta whose rods spin idly."""
