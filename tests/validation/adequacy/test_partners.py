@@ -200,3 +200,12 @@ def test_close_modes_of_one_side_span_what_is_apart_on_the_other() -> None:
     apart = vibration([100.0, 130.0, 300.0], AXES[0], AXES[1], AXES[2])
     for one, other in ((close, apart), (apart, close)):
         assert partners(one, other, WEIGHTS, 2).likeness == pytest.approx(1.0)
+
+
+def test_the_reference_that_is_told_goes_with_the_mean_error() -> None:
+    """Of two readings of the reference, 100 and 104 Hz."""
+    model = vibration([101.0, 150.0, 200.0, 300.0], *AXES)
+    told = entry(model, "f1", vibration([104.0, 150.0, 200.0, 300.0], *AXES))
+    mean = np.mean([101.0 / 100.0 - 1.0, 101.0 / 104.0 - 1.0])
+    assert told.value == pytest.approx(101.0)
+    assert told.value / told.expected - 1.0 == pytest.approx(mean, rel=1e-12)

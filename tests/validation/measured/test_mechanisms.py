@@ -113,7 +113,7 @@ def test_virtual_joints_that_branch_have_no_number():
     assert matrix.entry("links", "z") is not None
 
 
-def test_an_entry_of_a_leg_is_that_row_and_column_and_a_load_counts():
+def test_an_entry_of_a_leg_a_load_and_a_mode_are_those_that_were_measured():
     mechanism = load_robot("five-bar").mechanism
     leg = legs_of(mechanism)["rod1"]
     exact = tip_compliance(leg.timoshenko, leg.length)
@@ -128,3 +128,6 @@ def test_an_entry_of_a_leg_is_that_row_and_column_and_a_load_counts():
         for load in (30.0, 60.0)
     )
     assert twice == pytest.approx(2.0 * once, rel=1e-12)
+    third = predicted("beam", mechanism, Measured("f3", 1.0, 1.0, "hammer", pose), ModelOptions())
+    (beam,) = answers("beam", postures_of(mechanism, np.array([pose])), 4)
+    assert third == pytest.approx(beam.frequencies[2], rel=1e-6)
