@@ -3,7 +3,7 @@ import pytest
 from validation.results import provenance
 
 
-@pytest.fixture(autouse=True, scope="session")
+@pytest.fixture(autouse=True, scope="module")
 def same_sources():
     """Editing a source file while the tests run must not make a resumed run another one."""
     with pytest.MonkeyPatch.context() as patch:

@@ -31,8 +31,8 @@ def table(folder, name):
     return {key: np.array([float(row[key]) for row in columns]) for key in columns[0]}
 
 
-def run_of(arm, folder, *options):
-    asked = ["run", str(arm), "--preset", "quick", "--only", "vary.*", "--out", str(folder)]
+def run_of(arm, folder, *options, only="vary.*"):
+    asked = ["run", str(arm), "--preset", "quick", "--only", only, "--out", str(folder)]
     return main([*asked, *options])
 
 
@@ -77,8 +77,8 @@ def test_curves_are_what_the_models_answer(arm, tmp_path, capsys):
 def test_a_biglide_is_varied_like_any_mechanism(tmp_path):
     """Feet as joints that give, legs by their 6×6: deflections fall as the tool's leg stiffens."""
     folder = tmp_path / "report"
-    asked = ["--vary", "foot.compliance[3,3]=1e-9:4e-9:2", "--only", "vary.1.deflections"]
-    assert run_of("ifw", folder, *asked) == 0
+    asked = ["--vary", "foot.compliance[3,3]=1e-9:4e-9:2"]
+    assert run_of("ifw", folder, *asked, only="vary.1.deflections") == 0
     along_z = table(folder, "vary.1.deflections")
     assert "foot.compliance[3,3] (m/N)" in along_z
     assert (np.diff(along_z["vjm: along z (µm)"]) > 0.0).all()
