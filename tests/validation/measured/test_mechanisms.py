@@ -63,6 +63,9 @@ def test_models_are_held_against_what_was_measured(tmp_path):
     entry = matrix.entry("beam", "z")
     assert entry.value == pytest.approx(200.0 * beam.compliance[2, 2], rel=1e-12)
     assert entry.pose == (0.1, 0.525)
+    # Of the 1e-4 m that were measured.
+    assert entry.error == pytest.approx(entry.value / 1e-4 - 1.0, rel=1e-12)
+    assert entry.errors == (entry.error,)
     assert matrix.entry("beam", "f1").value == pytest.approx(beam.frequencies[0], rel=1e-9)
     assert matrix.entry("vjm", "f1") is None
     expected = leg_compliance("beam", legs_of(mechanism)["rod1"])
