@@ -47,19 +47,21 @@ def solid_mesh(
     divisions: Divisions,
     element: SectionElement = "quad9",
     grading: float = 1.0,
+    section: Divisions | None = None,
 ) -> SolidMesh:
     """Extruded mesh of a leg, `divisions` elements across the smaller side of its section.
 
-    Slices are as long as these; `grading` as in `meshes.prism.extrude.stations`. Raises InputError
-    where the leg or the divisions are impossible.
+    Slices are as long as these, also where the `section` has other divisions; `grading` as in
+    `meshes.prism.extrude.stations`. Raises InputError where the leg or the divisions are
+    impossible.
     """
     with naming(leg.name):
         require_leg(leg.section, leg.length, divisions)
     count = min(divisions) if isinstance(divisions, tuple) else divisions
     size = min(leg.section.extent) / count
     slices = max(2, ceil(leg.length / (_SLICE_ASPECT * size)))
-    section = section_mesh(leg.section, divisions, element)
-    return extrude(section, stations(leg.length, slices, grading))
+    face = section_mesh(leg.section, section or divisions, element)
+    return extrude(face, stations(leg.length, slices, grading))
 
 
 def solid_leg(leg: ConstantLeg, mesh: SolidMesh) -> SolidLeg:

@@ -19,15 +19,13 @@ class Loaded:
 
     `load` (a×p×6) is the unit wrench, of any force the worst one; `along` (a×p) the signed error of
     the displacement along it. `off` (a×p×3) is the difference of displacements, relative to
-    `length` (a×p, m/N or rad/(N m), of the reference's). `digits` (a×p) is what printed digits of
-    the robot's 6×6 leave open of the error.
+    `length` (a×p, m/N or rad/(N m), of the reference's).
     """
 
     load: Array
     along: Array
     off: Array
     length: Array
-    digits: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,7 +34,8 @@ class Errors:
 
     Frequencies: `value` and `expected` in Hz, `error` = value/expected − 1. Deflections: `value`
     and `expected` along the load, `error` of the whole displacement, never negative, and what
-    belongs to it in `loaded`. `numerical` is what meshes leave open of the error; `missing` where
+    belongs to it in `loaded`. `numerical` is what meshes leave open of the error, `digits` what the
+    printed digits of the robot's 6×6 do; `missing` where
     model and reference have nothing that could be compared. `numbers` (a×p×m, of the order alone):
     which mode of the model, from 0, has the shape of each of the reference's; −1: none has.
     """
@@ -46,9 +45,15 @@ class Errors:
     expected: Array
     error: Array
     numerical: Array
+    digits: Array
     missing: NDArray[np.bool_]
     loaded: Loaded | None = None
     numbers: IntArray | None = None
+
+    @property
+    def spread(self) -> Array:
+        """What meshes and digits leave open of each error (a×p)."""
+        return self.numerical + self.digits
 
     @property
     def interval(self) -> tuple[Array, Array]:
@@ -57,8 +62,7 @@ class Errors:
         Of the order that of the alternative by which it misleads most: between a mode in its place
         and one in another there is nothing.
         """
-        spread = self.numerical if self.loaded is None else self.numerical + self.loaded.digits
-        low, high = self.error - spread, self.error + spread
+        low, high = self.error - self.spread, self.error + self.spread
         if self.numbers is not None:
             at = self.largest, np.arange(self.error.shape[1])
             return low[at], high[at]
@@ -115,12 +119,12 @@ class Scale:
         known = [row for row in rows if row is not None]
         if len(known) < len(rows) or not rows:
             return None
-        value, expected, numerical = (np.array(column) for column in zip(*known, strict=True))
+        value, expected, *left = (np.array(column) for column in zip(*known, strict=True))
         missing = ~np.isfinite(value)
         error = np.where(missing, np.nan, value / expected - 1.0)
-        numerical = numerical * np.abs(value / expected)
+        numerical, digits = (share * np.abs(value / expected) for share in left)
         names = tuple(one.name for one in alternatives)
-        return Errors(names, value, expected, error, numerical, missing, numbers=numbers)
+        return Errors(names, value, expected, error, numerical, digits, missing, numbers=numbers)
 
     def _partners(self, one: Alternative, response: Response) -> Partners | None:
         if one.response.vibration is None or response.vibration is None:
@@ -134,14 +138,17 @@ class Scale:
 
     def _frequency(
         self, one: Alternative, response: Response, mode: int
-    ) -> tuple[Array, Array, Array] | None:
+    ) -> tuple[Array, ...] | None:
         found = self._partners(one, response)
         if found is None or one.response.vibration is None:
             return None
         expected = one.response.vibration.frequencies[:, mode]
-        return found.frequency[:, mode], expected, _column(one.dynamic, mode, len(expected))
+        left = (
+            _column(stated, mode, len(expected)) for stated in (one.dynamic, one.dynamic_digits)
+        )
+        return found.frequency[:, mode], expected, *left
 
-    def _order(self, one: Alternative, response: Response) -> tuple[Array, Array, Array] | None:
+    def _order(self, one: Alternative, response: Response) -> tuple[Array, ...] | None:
         """The mode, among those in another place, whose number misleads most about frequency."""
         found = self._partners(one, response)
         if found is None or one.response.vibration is None:
@@ -153,8 +160,11 @@ class Scale:
         worst = np.argmax(np.where(np.isnan(error), np.inf, error), axis=1)
         at = np.arange(len(own)), worst
         value = np.where(moved[at], found.by_number[at], own[at])
-        numerical = np.array([_column(one.dynamic, mode, len(own)) for mode in range(self.modes)])
-        return value, own[at], np.where(moved[at], numerical[worst, at[0]], 0.0)
+        left = (
+            np.zeros(len(own)) if stated is None else np.where(moved[at], stated[at], 0.0)
+            for stated in (one.dynamic, one.dynamic_digits)
+        )
+        return value, own[at], *left
 
 
 def _of_deflections(pairs: Sequence[tuple[Alternative, Response]], quantity: str) -> Errors | None:
@@ -162,17 +172,17 @@ def _of_deflections(pairs: Sequence[tuple[Alternative, Response]], quantity: str
     known = [row for row in rows if row is not None]
     if len(known) < len(rows) or not rows:
         return None
-    value, expected, error, numerical, *loaded = (
+    value, expected, error, numerical, digits, *loaded = (
         np.array(column) for column in zip(*known, strict=True)
     )
     missing = np.isinf(error)
     error = np.where(missing, np.nan, error)
     names = tuple(one.name for one, _ in pairs)
-    return Errors(names, value, expected, error, numerical, missing, Loaded(*loaded))
+    return Errors(names, value, expected, error, numerical, digits, missing, Loaded(*loaded))
 
 
 def _deflection(one: Alternative, response: Response, quantity: str) -> tuple[Array, ...] | None:
-    """Value, expected, error, numerical, and the fields of `Loaded`, for every pose."""
+    """Value, expected, error, numerical, digits, and the fields of `Loaded`, for every pose."""
     reference, compliance = one.response.compliance, response.compliance
     if reference is None or compliance is None:
         return None
@@ -193,7 +203,7 @@ def _deflection(one: Alternative, response: Response, quantity: str) -> tuple[Ar
         )
         for stated in (one.static, one.digits)
     )
-    return value, expected, size, numerical, load, along, off, length, digits
+    return value, expected, size, numerical, digits, load, along, off, length
 
 
 def _column(uncertainty: Array | None, index: int, count: int) -> Array:

@@ -116,7 +116,7 @@ def verdicts_of(errors: Errors, limit: float, reference: Reference) -> list[Adeq
     if reference.bracket:
         return ["inadequate" if errors.missing.all() else "undecided"] * errors.error.shape[1]
     if errors.numbers is not None:
-        lows, highs = errors.error - errors.numerical, errors.error + errors.numerical
+        lows, highs = errors.error - errors.spread, errors.error + errors.spread
         alone = [
             {
                 _verdict(float(low), float(high), missing, limit)
@@ -234,12 +234,11 @@ def _force(errors: Errors, quantity: str, told: slice, pose: int) -> tuple[float
 
 def _parts(errors: Errors, reference: Reference, pose: int) -> dict[str, float]:
     error = errors.error[:, pose]
-    if errors.numbers is not None:
-        return {"meshes": float(errors.numerical[errors.largest[pose], pose])}
-    parts = {"meshes": float(np.max(errors.numerical[:, pose]))}
-    if errors.loaded is not None and errors.loaded.digits.any():
-        parts[DIGITS] = float(np.max(errors.loaded.digits[:, pose]))
-    if reference.open:
+    told = slice(None) if errors.numbers is None else errors.largest[pose]
+    parts = {"meshes": float(np.max(errors.numerical[told, pose]))}
+    if (errors.digits > 0.0).any():
+        parts[DIGITS] = float(np.max(errors.digits[told, pose]))
+    if reference.open and errors.numbers is None:
         parts[reference.open] = float(0.5 * (np.max(error) - np.min(error)))
     return parts
 

@@ -45,8 +45,8 @@ class Alternative:
     """The reference under one reading of what the user left open ("ends rigid", say).
 
     Relative numerical uncertainties (half-widths, 95 %): `static` (p×7, of the displacement that
-    each static quantity is of), `dynamic` (p×m, of the frequencies). `digits` (p×7), as `static`:
-    what the printed digits of the robot's 6×6 leave open.
+    each static quantity is of), `dynamic` (p×m, of the frequencies). `digits` (p×7), as `static`,
+    and `dynamic_digits` (p×m), as `dynamic`: what the printed digits of the robot's 6×6 leave open.
     """
 
     name: str
@@ -54,6 +54,7 @@ class Alternative:
     static: Array | None = None
     dynamic: Array | None = None
     digits: Array | None = None
+    dynamic_digits: Array | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -53,9 +53,12 @@ def meshed_leg(leg: ConstantLeg, divisions: int) -> SolidLeg:
     return solid_leg(leg, solid_mesh(leg, divisions))
 
 
-def held_solid(leg: ConstantLeg, divisions: int, ends: Ends) -> HeldLeg:
-    """The solid leg with the twists of both ends given; `ends` as in its coupling."""
-    solid = meshed_leg(leg, divisions)
+def held_solid(leg: ConstantLeg, divisions: int, ends: Ends, section: int | None = None) -> HeldLeg:
+    """The solid leg with the twists of both ends given; `ends` as in its coupling.
+
+    `section`: divisions of its section, where they are others than `divisions` along it.
+    """
+    solid = solid_leg(leg, solid_mesh(leg, divisions, section=section))
     with naming(leg.name):
         if ends == "free":
             return held_free_leg(clamped_leg(solid, "free"))

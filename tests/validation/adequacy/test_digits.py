@@ -13,7 +13,11 @@ from lumped.robot_file import RobotFile, load_robot
 from validation.adequacy.judgement import judged
 from validation.adequacy.matrix import Coordinate, Entry, Matrix
 from validation.adequacy.mechanism.digits import left_by_digits
+from validation.adequacy.mechanism.dynamics import dynamic_reference, modes_of_solids
+from validation.adequacy.mechanism.legs import MASSES
+from validation.adequacy.mechanism.path import RobotOnPath, robot_at
 from validation.adequacy.response import Alternative, Candidate, Reference, Response, Subject
+from validation.context import Context
 from validation.kinematics.poses import postures_of
 from validation.models.mechanism import answers
 from validation.models.options import DEFAULT_OPTIONS, ModelName
@@ -79,6 +83,28 @@ def test_95_percent_of_all_robots_with_these_digits_lie_within(
     inside = np.mean(np.array(off) <= stated[:, :3], axis=0)
     # The share of 200 draws scatters by 1.5 %.
     assert np.abs(inside - 0.95).max() <= 0.04
+
+
+def test_frequencies_of_no_robot_with_these_digits_lie_beyond(
+    printed: RobotFile, tmp_path: Path
+) -> None:
+    poses, rng = printed.mechanism.poses[[1, 4]], np.random.default_rng(24)
+
+    def on_path(robot: RobotFile) -> RobotOnPath:
+        return robot_at(Context(robot, "quick"), postures_of(robot.mechanism, poses))
+
+    def frequencies(robot: RobotOnPath) -> Array:
+        hold = robot.holding.first
+        solids = [modes_of_solids(robot, hold, one).frequencies[:, :4] for one in MASSES]
+        return np.array(solids)
+
+    own = on_path(printed)
+    stated = [one.dynamic_digits for one in dynamic_reference(own).alternatives]
+    found = [frequencies(on_path(read(drawn(printed.text, rng), tmp_path))) for _ in range(30)]
+    largest = np.abs(np.array(found) / frequencies(own) - 1.0).max(axis=0)
+    assert (largest <= np.array(stated)).all()
+    # Where the mass is one lump, fewer roundings count than in a prism's.
+    assert (stated[0] <= 3.0 * largest[0]).all()
 
 
 def test_twelve_digits_leave_next_to_nothing(printed: RobotFile) -> None:
@@ -161,5 +187,9 @@ def test_virtual_joints_of_the_papers_robot_are_known_to_its_digits(paper: Matri
         digits = entry.uncertainties["digits of the file"]
         assert 2e-4 < digits < 3e-3
         assert (entry.error or 0.0) + (entry.uncertainty or 0.0) == pytest.approx(digits, rel=1e-3)
+    for quantity in ("f1", "f2"):
+        entry = paper.entry("beam", quantity)
+        assert entry is not None
+        assert 5e-4 < entry.uncertainties["digits of the file"] < 3e-3
     assert paper.formulation is not None
     assert all("digits of the file" not in one.uncertainties for one in paper.formulation.entries)

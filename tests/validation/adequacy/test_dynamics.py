@@ -23,6 +23,7 @@ from validation.adequacy.robot import robot_adequacy
 from validation.context import Context
 from validation.models.mechanism import answers
 from validation.report.first_screen.sentence import sentence
+from validation.solids.legs import COARSEST_WALLS
 
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 BEAMS = ("segments", "beam", "segments-euler-bernoulli", "beam-euler-bernoulli")
@@ -92,15 +93,11 @@ def test_beams_of_i_section_have_modes_that_solids_do_not_have(flanged: Matrix, 
         (Tube(0.12, 0.006), "rigid"),
         (Tube(0.12, 0.006), "free"),
         (HollowRectangle(0.1, 0.16, 0.008), "rigid"),
-        pytest.param(
-            HollowRectangle(0.1, 0.16, 0.008),
-            "free",
-            # Elements of 100 and 50 mm differ by 0.01 %, of 50 and 25 mm by 0.3 %.
-            marks=pytest.mark.xfail(strict=True, reason="both meshes of quick are too coarse"),
-        ),
+        # One section mesh with one and two divisions: it resists distortion 0.4 % too much in f3.
+        (HollowRectangle(0.1, 0.16, 0.008), "free"),
     ],
 )
-def test_stated_uncertainties_of_frequencies_hold_the_next_presets(
+def test_stated_uncertainties_of_frequencies_hold_shorter_slices_and_finer_sections(
     section: ISection | Tube | HollowRectangle, ends: Ends
 ) -> None:
     leg = ConstantLeg(0.9, section, STEEL, ends=ends)
@@ -110,9 +107,13 @@ def test_stated_uncertainties_of_frequencies_hold_the_next_presets(
     (own,) = dynamic_reference(quick).alternatives
     assert own.response.vibration is not None
     assert own.dynamic is not None
-    truth = modes_of_solids(finer, finer.holding.first, None)
-    changes = frequency_changes(own.response.vibration, truth, quick.samples.weights, 4)
-    assert (changes <= own.dynamic).all()
+    hold = finer.holding.first
+    of_sections = solid_vibration(
+        quick.postures, 2, 2, hold, None, quick.offered, section=2 * COARSEST_WALLS
+    )
+    for truth in (modes_of_solids(finer, hold, None), of_sections):
+        changes = frequency_changes(own.response.vibration, truth, quick.samples.weights, 4)
+        assert (changes <= own.dynamic).all()
 
 
 def test_bending_is_known_better_than_torsion_of_an_open_section(flanged: Matrix) -> None:

@@ -13,20 +13,32 @@ from scipy.stats import qmc
 
 from lumped.acceptance.requirement import STATIC_QUANTITIES
 from lumped.arrays import Array
+from lumped.legs import GivenLeg
 from lumped.mechanism.body import Given
+from lumped.mechanism.body_model import BodyModel
 from lumped.mechanism.mechanism import Mechanism, Posture
-from lumped.models.bodies import tip_compliances
+from lumped.models.bodies import legs_of, tip_compliances
 from lumped.models.links import links
 from lumped.robot_file.reading import printed_compliances
 from lumped.system.assembly import assembly
 from lumped.system.solution import compliance, solved
+from lumped.system.sweep import swept
+from validation.adequacy.mechanism.legs import MASSES, leg_with_masses
 from validation.adequacy.mechanism.parts import condensed_parts
+from validation.adequacy.mechanism.samples import samples_of
+from validation.adequacy.mechanism.vibration import vibration
+from validation.adequacy.response import Vibration
 from validation.agreement.displacement import sizes
+from validation.models.legs import filled
+from validation.models.mechanism import dynamic_bodies, highest_frequency
+from validation.models.options import ModelOptions
 
 # 512 points of Sobol: half-widths of one seed and another differ by 1 to 2 % of themselves.
 _POWER = 9
 # Of the size that an entry of a 6×6 can have: compliances and frequencies are linear in it so far.
 _STEP = 1e-6
+# Of shares of frequencies that digits leave open a hundredth does not matter.
+_FEW_ELEMENTS = ModelOptions(elements=8)
 
 
 def left_by_digits(text: str, postures: Sequence[Posture]) -> Array:
@@ -57,6 +69,40 @@ def most_by_digits(
     """
     sizes = [np.abs(change) for change in _changes(text, postures, values)]
     return np.sum(sizes, axis=0) if sizes else np.zeros_like(values(postures))
+
+
+def modes_by_digits(
+    text: str, postures: tuple[Posture, ...], count: int
+) -> tuple[Vibration, Array]:
+    """Modes by beams, given legs by their own 6×6, and the share of each that digits leave open.
+
+    At most, to first order (p×m), by the printed digits of the 6×6 in the `text` of the robot file.
+    """
+    mechanism = postures[0].mechanism
+    highest = highest_frequency(postures, count)
+    beams = dynamic_bodies("beam", mechanism, highest, _FEW_ELEMENTS)
+    made: dict[bytes, BodyModel] = {}
+
+    def bodies(of: Mechanism) -> dict[str, BodyModel]:
+        models = dict(beams)
+        for name, leg in legs_of(of).items():
+            if isinstance(leg, GivenLeg):
+                key = name.encode() + leg.compliance.tobytes()
+                if key not in made:
+                    made[key] = filled(
+                        leg_with_masses(leg, MASSES[0], highest, _FEW_ELEMENTS.elements)
+                    )
+                models[name] = made[key]
+        return models
+
+    own = vibration(samples_of(mechanism), postures, bodies(mechanism), count)
+    known = own.frequencies.shape[1]
+
+    def frequencies(at: Sequence[Posture]) -> Array:
+        of = at[0].mechanism
+        return swept(assembly(of, bodies(of)), at, known).frequencies
+
+    return own, most_by_digits(text, postures, frequencies) / own.frequencies
 
 
 def _changes(

@@ -8,6 +8,8 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.legs import ConstantLeg
+from lumped.robot_file.reading import printed_compliances
+from validation.adequacy.mechanism.digits import modes_by_digits
 from validation.adequacy.mechanism.legs import (
     MASSES,
     SECTION_RATIO,
@@ -41,7 +43,7 @@ from validation.adequacy.response import (
 from validation.context import Preset
 from validation.models.options import ModelName, ModelOptions
 from validation.parts.meshes import FINEST, MIDDLE
-from validation.solids.legs import divisions_across
+from validation.solids.legs import COARSEST_WALLS, divisions_across
 from validation.solids.robots import ELEMENTS
 from validation.solids.size import larger_preset, too_large
 
@@ -68,7 +70,10 @@ def dynamic_reference(robot: RobotOnPath) -> Reference:
         said = name if robot.prisms or parts or not robot.given else ""
         both = ", ".join(filter(None, (said, mass)))
         dynamic = np.where(np.isnan(uncertainty), UNKNOWN, uncertainty)
-        alternatives.append(Alternative(both, Response(vibration=fine), dynamic=dynamic))
+        digits = _digit_uncertainty(robot, fine)
+        alternatives.append(
+            Alternative(both, Response(vibration=fine), dynamic=dynamic, dynamic_digits=digits)
+        )
     mass_unsaid, say_mass = (_OPEN_MASS, _SAY_MASS) if robot.given else ("", "")
     return Reference(
         title=_title(robot),
@@ -106,17 +111,18 @@ def _finer_preset(prisms: Sequence[ConstantLeg], preset: Preset) -> str:
 def _mesh_uncertainty(robot: RobotOnPath, coarse: Vibration, fine: Vibration, ends: Holds) -> Array:
     """What the meshes of prisms leave open of the judged frequencies of `fine` (p×K, relative).
 
-    From the step between two solids, whose elements become shorter while walls keep one mesh
-    across, and from what such a mesh leaves open of the beams' modes of the same shape. NaN for a
+    From the step between two solids, whose elements become shorter along walls and legs while walls
+    keep one across, and from what that leaves open of the beams' modes of the same shape. NaN for a
     mode that the coarser solid does not have, or the beams: it is known to no digit.
     """
     weights, judged = robot.samples.weights, robot.judged
     step = frequency_changes(fine, coarse, weights, judged)
     # Beams free to warp lean on Saint-Venant's constant less than such solids do.
     meshes = solid_meshes(robot.context.preset)
+    across, walls = meshes.fine
     warping = None if "free" in ends.values() else ends
     rough, beams = (
-        modes_of_own_beams(robot, warping, meshes.fine),
+        modes_of_own_beams(robot, warping, (across, max(walls, COARSEST_WALLS))),
         modes_of_own_beams(robot, warping),
     )
     count = beams.frequencies.shape[1]
@@ -124,6 +130,21 @@ def _mesh_uncertainty(robot: RobotOnPath, coarse: Vibration, fine: Vibration, en
     of_beams = np.broadcast_to(changes[:, None, :], (*fine.frequencies.shape, count))
     section = amounts_by_shape(fine, beams, of_beams, weights, judged)
     return step_uncertainty(step, meshes.ratio) + step_uncertainty(section, SECTION_RATIO)
+
+
+def _digit_uncertainty(robot: RobotOnPath, fine: Vibration) -> Array | None:
+    """What printed digits leave open of the judged frequencies of `fine` (p×K, relative).
+
+    As of the beams' modes of the same shape; of a mode that beams do not have the most of all
+    judged.
+    """
+    if not (robot.text and printed_compliances(robot.text)):
+        return None
+    beams, share = robot.context.get(modes_by_digits, robot.text, robot.postures, robot.offered)
+    amounts = np.broadcast_to(share[:, None, :], (*fine.frequencies.shape, share.shape[1]))
+    found = amounts_by_shape(fine, beams, amounts, robot.samples.weights, robot.judged)
+    most = share[:, : robot.judged].max(axis=1, keepdims=True)
+    return np.where(np.isnan(found), most, found)
 
 
 def _part_uncertainty(robot: RobotOnPath, masses: Masses | None) -> Array | float:

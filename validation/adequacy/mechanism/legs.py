@@ -166,13 +166,15 @@ def own_constants(leg: ConstantLeg, divisions: int = SECTION_DIVISIONS) -> Secti
         return leg_constants(leg, divisions)
 
 
-def leg_with_masses(leg: GivenLeg, masses: Masses, highest: float) -> LegMatrices:
+def leg_with_masses(
+    leg: GivenLeg, masses: Masses, highest: float, elements: int = _ELEMENTS
+) -> LegMatrices:
     """The leg's own stiffness between its ends and plausible masses, up to `highest` (Hz).
 
     Without `mass_centre` the lump lies in the middle, without `inertia` it is a point.
     """
     prism = equivalent_leg(leg)
-    held = held_leg(beam_leg(prism.timoshenko, prism.length, _ELEMENTS))
+    held = held_leg(beam_leg(prism.timoshenko, prism.length, elements))
     own = ends_stiffness(np.linalg.inv(leg.compliance).astype(float), leg.length)
     if masses == "mass as in a prism":
         reduced = craig_bampton(held, highest).matrices

@@ -41,7 +41,7 @@ from validation.models.mechanism import (
 )
 from validation.models.options import ModelName, ModelOptions
 from validation.parts.meshes import FINEST
-from validation.solids.legs import divisions_across
+from validation.solids.legs import COARSEST_WALLS, divisions_across
 from validation.solids.robots import (
     DIVISIONS,
     ELEMENTS,
@@ -86,11 +86,15 @@ def modes_of_solids(
     fine: bool = True,
     level: int = FINEST,
 ) -> Vibration:
-    """Solid legs on one of two meshes, given ones with such masses, parts on one of three."""
+    """Solid legs on one of two meshes, given ones with such masses, parts on one of three.
+
+    Sections of thin walls are one mesh with one and with two divisions: how much too stiff it
+    resists distortion no shorter slices would tell. The fine one has at least four.
+    """
     meshes = solid_meshes(robot.context.preset)
-    divisions = meshes.fine if fine else meshes.coarse
+    divisions, section = (meshes.fine, COARSEST_WALLS) if fine else (meshes.coarse, 0)
     return robot.context.get(
-        solid_vibration, robot.postures, *divisions, ends, masses, robot.offered, level
+        solid_vibration, robot.postures, *divisions, ends, masses, robot.offered, level, section
     )
 
 
@@ -203,29 +207,32 @@ def solid_vibration(
     masses: Masses | None,
     count: int,
     level: int = FINEST,
+    section: int = 0,
 ) -> Vibration:
     """Modes with prisms as solids reduced to their ends, and given legs with plausible masses.
 
-    `divisions` across rectangles, `walls` across the sections that have walls; CAD parts on the
-    mesh of that `level`.
+    `divisions` across rectangles, `walls` across the sections that have walls, which are meshed
+    with `section` divisions where those are more; CAD parts on the mesh of that `level`.
     """
-    build = partial(_reference_leg, divisions=divisions, walls=walls, masses=masses)
+
+    def build(leg: Leg, ends: Ends, highest: float) -> LegMatrices:
+        if isinstance(leg, GivenLeg):
+            return leg_with_masses(leg, masses or MASSES[0], highest)
+        number, face = (
+            divisions_across(leg, divisions, one) for one in (walls, max(walls, section))
+        )
+        return _reduced_solid(leg, number, face, ends, highest)
+
     parts = solid_parts(postures, count, ends, level)
     return built_vibration(postures, build, parts, ends, count)
 
 
-def _reference_leg(
-    leg: Leg, ends: Ends, highest: float, *, divisions: int, walls: int, masses: Masses | None
-) -> LegMatrices:
-    if isinstance(leg, GivenLeg):
-        return leg_with_masses(leg, masses or MASSES[0], highest)
-    return _reduced_solid(leg, divisions_across(leg, divisions, walls), ends, highest)
-
-
 # Robots that differ in one number share most of their legs.
 @lru_cache(maxsize=16)
-def _reduced_solid(leg: ConstantLeg, number: int, ends: Ends, highest: float) -> LegMatrices:
-    return craig_bampton(held_solid(leg, number, ends), highest).matrices
+def _reduced_solid(
+    leg: ConstantLeg, number: int, face: int, ends: Ends, highest: float
+) -> LegMatrices:
+    return craig_bampton(held_solid(leg, number, ends, face), highest).matrices
 
 
 def own_vibration(
