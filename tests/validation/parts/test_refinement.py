@@ -11,6 +11,7 @@ from lumped.legs import Material
 from lumped.sections import HollowRectangle
 from meshes.part.volume import RATIO
 from validation.parts import identify
+from validation.parts.identify import Answer, _bracket
 from validation.parts.meshes import LEVELS
 from validation.parts.refinement import compliance_uncertainty, refinement_uncertainty
 
@@ -109,3 +110,15 @@ def test_torsion_of_a_tube_with_sharp_inner_corners(tmp_path, monkeypatch):
     errors = np.array([error for *_, error in numbers])
     assert -2e-3 < errors[TORSION] < 0.0
     assert np.abs(np.delete(errors, TORSION)).max() < 6e-4
+
+
+def test_what_holding_leaves_open_is_averaged_less_rigid():
+    """As `solve` says it: averaged faces yield more and swing lower."""
+    nothing = np.zeros((6, 6))
+    rigid, average = (
+        Answer(nothing, nothing, give * np.eye(6), np.array([hertz]), nothing, 0, 0.0)
+        for give, hertz in ((1.0, 10.0), (3.0, 9.0))
+    )
+    found = _bracket(rigid=rigid, average=average)
+    assert np.array_equal(found["compliance_bracket"], 2.0 * np.eye(6))
+    assert np.array_equal(found["frequency_bracket"], [-1.0])
