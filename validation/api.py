@@ -55,7 +55,7 @@ def solve(
     """What one model answers, where and with the options that `flexproof solve` takes.
 
     `poses` (m, rad) in the order of what the tool's pose prescribes, a number alone where that is
-    one coordinate (x of a biglide); the middle of the path if none is given. `leg` or `body` ask
+    one coordinate; the middle of the path if none is given. `leg` or `body` ask
     for one alone. Raises InputError, ComputationError.
     """
     typed = tuple(",".join(repr(float(number)) for number in np.atleast_1d(one)) for one in poses)

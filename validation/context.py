@@ -9,7 +9,6 @@ from typing import Any, Literal, ParamSpec, TypeAlias, TypeVar
 import msgspec
 import numpy as np
 
-from lumped.biglide import Biglide
 from lumped.robot_file import RobotFile
 
 Preset: TypeAlias = Literal["quick", "standard", "fine"]
@@ -35,11 +34,6 @@ class Context:
     preset: Preset = "standard"
     options: Mapping[str, str] = field(default_factory=dict)
     _memo: dict[str, Any] = field(default_factory=dict, repr=False, compare=False)
-
-    @property
-    def robot(self) -> Biglide:
-        """The robot of the file."""
-        return self.robot_file.robot
 
     def get(self, function: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
         """The function's value for these arguments, from the memo if it has been computed."""

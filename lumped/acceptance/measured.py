@@ -22,7 +22,6 @@ from lumped.acceptance.requirement import (
     MOST_MODES,
     ROTATIONS,
 )
-from lumped.biglide import Biglide
 from lumped.errors import InputError
 from lumped.files import read_ordinary
 from lumped.mechanism.kinematics.postures import posture
@@ -142,24 +141,19 @@ def digest(ones: Sequence[Measured]) -> str:
     return sha256(repr(ones).encode()).hexdigest()[:16]
 
 
-def pose_faults(robot: Biglide | Mechanism, one: Measured, place: str) -> list[str]:
+def pose_faults(robot: Mechanism, one: Measured, place: str) -> list[str]:
     """Why this robot has no such leg, or cannot be where a value was measured; nothing else."""
     if one.leg_entry is not None:
-        legs = tuple(legs_of(robot)) if isinstance(robot, Mechanism) else ("leg1", "leg2")
+        legs = tuple(legs_of(robot))
         known = one.leg_entry[0] in legs
         allowed = f"must be of one of {', '.join(legs) or 'no legs'}"
         return [] if known else [f"{place}.quantity = {shown(one.quantity)}: {allowed}"]
+    moves = robot.tool.moves
+    if len(one.pose) != len(moves):
+        said = f"as many numbers as the tool's moves ({', '.join(moves) or 'none'}; m, rad)"
+        return [f"{place}.pose: must hold {said}"]
     try:
-        if isinstance(robot, Mechanism):
-            moves = robot.tool.moves
-            if len(one.pose) != len(moves):
-                said = f"as many as the tool's moves ({', '.join(moves) or 'none'}; m, rad)"
-                return [f"{place}.pose: must hold {len(moves)} numbers, {said}"]
-            posture(robot, np.array(one.pose))
-        elif len(one.pose) != 1:
-            return [f"{place}.pose: must hold one number, the position x of B in m"]
-        else:
-            robot.posture(one.pose[0])
+        posture(robot, np.array(one.pose))
     except InputError as error:
         return [f"{place}.pose: {fault}" for fault in error.faults]
     return []

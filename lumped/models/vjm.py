@@ -1,4 +1,4 @@
-"""The virtual joint method on parallel robots (eqs 3, 8 and 9) and on the biglide (Fig. 4).
+"""The virtual joint method on parallel robots (eqs 3, 8 and 9).
 
 Every chain's bordered system is solved as it stands, so that overconstrained robots and singular
 postures need no special treatment; the chains' stiffness matrices are summed at the platform.
@@ -11,11 +11,9 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve, solve
 
 from lumped.arrays import Array
-from lumped.biglide import Biglide
 from lumped.dense.balance import rounding_of_flexibility
 from lumped.errors import ComputationError
-from lumped.legs import EquivalentBy, Theory, equivalent_leg, given_compliance, tip_compliance
-from lumped.models.chains import Chain, ChainJoint, Element, Fixed, VirtualSpring, chain_jacobians
+from lumped.models.chains import Chain, Element, chain_jacobians
 from lumped.screws import name_twists, name_wrenches
 
 # All thresholds act on matrices without units. Rounding of a 6×6 problem is about 1e-15; a robot
@@ -23,7 +21,6 @@ from lumped.screws import name_twists, name_wrenches
 _DEPENDENT = 1e-12
 _RIGID = 1e-13
 _FREE = 1e-12
-_X, _Y, _Z = np.eye(3)
 
 
 def chain_stiffness(chain: Sequence[Element], name: str = "chain") -> Array:
@@ -113,50 +110,6 @@ def platform_compliance(stiffness: Array, name: str = "platform") -> Array:
     return flexibility
 
 
-def biglide_chains(
-    robot: Biglide, x: float, leg_springs: tuple[Array, Array]
-) -> tuple[Chain, Chain]:
-    """Both chains of the biglide with B at `x` (m), items (a) to (i) of §2.2, eq. (6).
-
-    `leg_springs` are the 6×6 tip compliances (SI, leg axes) of leg 1 and leg 2. Both chains end
-    at the loaded point in the axes of leg 1, which the platform is rigid with. Raises InputError
-    outside the stroke or for a compliance that is none.
-    """
-    posture = robot.posture(x)
-    spring1, spring2 = leg_springs
-    angle1, angle2 = _angle(posture.rotation1), _angle(posture.rotation2)
-    tool = Fixed(translation=posture.rotation1.T @ robot.tool_offset)
-    end_of_leg2 = ChainJoint("revolute", _Z, coordinate=angle1 - angle2)
-    slide1, slide2 = float(posture.root1[1]), float(posture.root2[1])
-    base2 = Fixed(translation=np.array([robot.a, 0.0, 0.0]))
-    return (
-        (
-            *_slide_and_foot(robot, Fixed(), slide1, "foot of leg 1"),
-            *_leg(robot.leg1.length, angle1, spring1, "spring of leg 1"),
-            tool,
-        ),
-        (
-            *_slide_and_foot(robot, base2, slide2, "foot of leg 2"),
-            *_leg(robot.leg2.length, angle2, spring2, "spring of leg 2"),
-            end_of_leg2,
-            tool,
-        ),
-    )
-
-
-def compliance(robot: Biglide, x: float, leg_springs: tuple[Array, Array]) -> Array:
-    """6×6 compliance (SI, robot axes) at the loaded point with B at `x` (m), eqs (3) to (9).
-
-    `leg_springs` as in `biglide_chains`, from `given_leg_springs` or `equivalent_leg_springs`. A
-    tool compliance lies in series with the platform. Raises InputError outside the stroke,
-    ComputationError where the platform is free to move (legs aligned).
-    """
-    place = f"{robot.name}, virtual joints, x = {x:g} m: the platform"
-    stiffness = robot_stiffness(biglide_chains(robot, x, leg_springs))
-    platform = platform_compliance(stiffness, place)
-    return platform if robot.tool_compliance is None else platform + robot.tool_compliance
-
-
 def rounding(chains: Iterable[Chain]) -> Array:
     """What rounding leaves open of the compliance (6×6, SI) that chains give together.
 
@@ -172,41 +125,6 @@ def rounding(chains: Iterable[Chain]) -> Array:
         squares += rounding_of_flexibility(one.matrix, moved, turned=6) ** 2
         squares += rounding_of_flexibility(one.stiffness, flexibility, turned=6) ** 2
     return np.asarray(np.sqrt(squares))
-
-
-def given_leg_springs(robot: Biglide) -> tuple[Array, Array]:
-    """Tip compliances (6×6, SI, leg axes) of both legs as the robot file describes them."""
-    return given_compliance(robot.leg1), given_compliance(robot.leg2)
-
-
-def equivalent_leg_springs(
-    robot: Biglide, theory: Theory, by: EquivalentBy = "stiffness"
-) -> tuple[Array, Array]:
-    """Tip compliances (6×6, SI, leg axes) of both legs' equivalent constant-section legs (§2.3)."""
-    leg1, leg2 = (equivalent_leg(leg, by) for leg in (robot.leg1, robot.leg2))
-    return (
-        tip_compliance(leg1.properties(theory), leg1.length),
-        tip_compliance(leg2.properties(theory), leg2.length),
-    )
-
-
-def _slide_and_foot(robot: Biglide, base: Fixed, slide: float, name: str) -> Chain:
-    """Items (a) to (d). The foot's frame is at the revolute joint, in robot axes."""
-    actuated = ChainJoint("prismatic", _Y, coordinate=slide, drive="actuated")
-    if robot.foot_compliance is None:
-        return base, actuated
-    return base, actuated, VirtualSpring(robot.foot_compliance, name)
-
-
-def _leg(length: float, angle: float, spring: Array, name: str) -> Chain:
-    """Items (e) to (g): the joint at the root, the rigid leg, its spring at the tip."""
-    root = ChainJoint("revolute", _Z, coordinate=angle)
-    return root, Fixed(translation=length * _X), VirtualSpring(spring, name)
-
-
-def _angle(rotation: Array) -> float:
-    """Angle (rad) of a rotation about z."""
-    return float(np.arctan2(rotation[1, 0], rotation[0, 0]))
 
 
 def _column_space(matrix: Array) -> Array:

@@ -14,11 +14,8 @@ import msgspec
 
 from lumped.acceptance.measured import Measured, pose_faults, read_measured
 from lumped.acceptance.requirement import STATIC_QUANTITIES, Requirement
-from lumped.biglide import Biglide
-from lumped.caches import cached_property
 from lumped.errors import InputError
 from lumped.files import read_ordinary, require_ordinary
-from lumped.mechanism.biglide import biglide
 from lumped.mechanism.mechanism import Mechanism
 from lumped.mechanism.part import Part
 from lumped.robot_file.biglide.build import (
@@ -48,14 +45,13 @@ _ONLY_IN_2 = ("points", "bodies", "joints")
 class RobotFile:
     """A robot and the file it came from.
 
-    `described` is what the file describes: a biglide (schema 1) or any mechanism (schema 2).
     `source` is the path as given or, if `built_in`, the robot's name; `text` the file's text and
     `sha256` the digest (hexadecimal) of its bytes and those of its parts' files; `corrections` of
     misprints in its source; `requirement` what is asked of its models, `measured` what was measured
     of the robot.
     """
 
-    described: Biglide | Mechanism
+    mechanism: Mechanism
     source: str
     built_in: bool
     text: str
@@ -65,28 +61,14 @@ class RobotFile:
     measured: tuple[Measured, ...] = ()
 
     @property
-    def robot(self) -> Biglide:
-        """The biglide of the file; raises InputError where it describes another mechanism."""
-        if isinstance(self.described, Mechanism):
-            raise InputError(
-                f"{self.source}: a mechanism of schema 2; must be a biglide of schema 1 here"
-            )
-        return self.described
-
-    @property
-    def is_mechanism(self) -> bool:
-        """Whether the file is of schema 2."""
-        return isinstance(self.described, Mechanism)
-
-    @cached_property
-    def mechanism(self) -> Mechanism:
-        """The robot as bodies and joints, whatever the schema of its file."""
-        return _as_mechanism(self.described)
+    def schema(self) -> int:
+        """Schema of the file: 2 names bodies and joints, 1 has legs by number."""
+        return int(self.tables["schema"])
 
     @property
     def name(self) -> str:
         """The robot's name."""
-        return self.described.name
+        return self.mechanism.name
 
     def with_inputs_off(
         self,
@@ -112,7 +94,7 @@ class RobotFile:
                 f"{self.source}: input_uncertainty, {key} by {change:+.3g}: {fault}"
                 for fault in faults
             )
-        return _as_mechanism(described)
+        return described
 
     @property
     def tables(self) -> dict[str, Any]:
@@ -120,26 +102,10 @@ class RobotFile:
         return tomllib.loads(self.text)
 
 
-def _as_mechanism(described: Biglide | Mechanism) -> Mechanism:
-    if isinstance(described, Mechanism):
-        return described
-    return biglide(
-        described.name,
-        described.a,
-        described.leg1,
-        described.leg2,
-        platform_mass=described.platform_mass,
-        drive_stiffness=described.actuator_stiffness,
-        tool_offset=described.tool_offset,
-        foot_compliance=described.foot_compliance,
-        tool_compliance=described.tool_compliance,
-    )
-
-
-def _digest(content: bytes, described: Biglide | Mechanism) -> str:
+def _digest(content: bytes, mechanism: Mechanism) -> str:
     """Digest of the text and of the parts' files; who needs one that is missing says so then."""
     digest = hashlib.sha256(content)
-    for body in described.bodies.values() if isinstance(described, Mechanism) else ():
+    for body in mechanism.bodies.values():
         if isinstance(body.shape, Part):
             with suppress(OSError, InputError):
                 require_ordinary(body.shape.file, "a part")
@@ -168,7 +134,7 @@ def load_robot(name_or_path: str | Path) -> RobotFile:
     if described is None:
         raise InputError(_listed(source, faults))
     return RobotFile(
-        described=described,
+        mechanism=described,
         source=source,
         built_in=built_in,
         text=text,
@@ -224,7 +190,7 @@ def write_template(path: str | Path, kind: RobotType = "biglide") -> None:
 
 def described_by(
     tables: Mapping[str, Any], folder: Path | None = None
-) -> tuple[Biglide | Mechanism | None, list[str]]:
+) -> tuple[Mechanism | None, list[str]]:
     """What the tables of a file of either schema describe, or None and their faults.
 
     Files of parts are sought in `folder`, the current one where None.
@@ -274,7 +240,7 @@ def with_measured(robot_file: RobotFile, path: Path) -> RobotFile:
 
     Raises InputError with one line per fault, where the robot cannot be at a pose too.
     """
-    robot, ones = robot_file.described, read_measured(path)
+    robot, ones = robot_file.mechanism, read_measured(path)
     faults = [
         fault
         for number, one in enumerate(ones, start=2)

@@ -70,7 +70,7 @@ def varied(
         described, faults = described_by(tables, folder)
         if described is None:
             raise InputError(f"--vary {told(variations, values)}: {faults[0]}")
-        robots.append((values, replace(robot_file, described=described)))
+        robots.append((values, replace(robot_file, mechanism=described)))
     return robots
 
 

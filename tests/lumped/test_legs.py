@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from like_ifw import LEG1, LEG2
 from numpy.testing import assert_allclose
 from prismatic_legs import STEEL
 
@@ -32,23 +33,23 @@ BEAM = ConstantLeg(1.2, Rectangle(width=0.05, height=0.10), STEEL)
 @pytest.mark.parametrize(
     ("leg", "by", "expected"),
     [
-        ("leg1", "stiffness", (8.613e8, 1.832e6, 4.771e6, 9.212e6)),
-        ("leg2", "stiffness", (4.316e9, 4.182e6, 5.980e7, 6.478e6)),
-        ("leg1", "compliance", (3.025e8, 1.157e6, 6.417e6, 4.913e6)),
+        (LEG1, "stiffness", (8.613e8, 1.832e6, 4.771e6, 9.212e6)),
+        (LEG2, "stiffness", (4.316e9, 4.182e6, 5.980e7, 6.478e6)),
+        (LEG1, "compliance", (3.025e8, 1.157e6, 6.417e6, 4.913e6)),
     ],
 )
-def test_equivalent_legs(demonstrator, leg, by, expected):
+def test_equivalent_legs(leg, by, expected):
     """Known values, EA, EIz, EIy, GJ to the four printed digits."""
-    beam = equivalent_leg(getattr(demonstrator, leg), by).timoshenko
+    beam = equivalent_leg(leg, by).timoshenko
     assert_allclose((beam.EA, beam.EIz, beam.EIy, beam.GJ), expected, rtol=5e-4)
 
 
-def test_equivalent_solid(demonstrator):
+def test_equivalent_solid():
     """Known values: h along z, b along y, ν = 0, G/E ≈ 2.05 for leg 1, the leg's mass.
 
     186.8 Hz, the paper's "about 180 Hz", from f = 1.8751²/2πL² √(EIy/μ).
     """
-    leg1, leg2 = equivalent_leg(demonstrator.leg1), equivalent_leg(demonstrator.leg2)
+    leg1, leg2 = equivalent_leg(LEG1), equivalent_leg(LEG2)
     # The notes compute the sides from EA and EI rounded to four digits: up to 1e-4 m.
     assert_allclose((leg1.section.height, leg1.section.width), (0.2578, 0.1598), atol=1e-4)
     assert_allclose((leg2.section.height, leg2.section.width), (0.4078, 0.1078), atol=1e-4)
@@ -169,8 +170,8 @@ def test_a_negative_shear_stiffness_is_refused_by_name_and_only_where_it_is_used
     assert axial == pytest.approx(2.1e11 * wide.area)
 
 
-def test_given_compliance_is_the_legs_own_or_timoshenkos(demonstrator):
-    assert given_compliance(demonstrator.leg1) is demonstrator.leg1.compliance
+def test_given_compliance_is_the_legs_own_or_timoshenkos():
+    assert given_compliance(LEG1) is LEG1.compliance
     tube = ConstantLeg(0.8, Tube(0.1, 0.01), STEEL)
     I = np.pi / 64.0 * (0.1**4 - 0.08**4)
     assert given_compliance(tube)[5, 5] == pytest.approx(0.8 / (2.1e11 * I), rel=1e-12)
@@ -191,7 +192,7 @@ def test_a_leg_that_fails_is_named():
         solid_leg(uneven, solid_mesh(uneven, 2))
     with pytest.raises(ComputationError, match=r"^rod: material with ν = 0.3: changes of"):
         condensed_leg(uneven, section_mesh(uneven.section, 1), 4)
-    assert load_robot("ifw").robot.leg1.name == "leg 1"
+    assert LEG1.name == "leg1"
     assert [leg.name for leg in legs_of(load_robot("five-bar").mechanism).values()] == [
         "crank1",
         "crank2",

@@ -18,7 +18,7 @@ from lumped.errors import InputError
 from lumped.legs import ConstantLeg, equivalent_leg, tip_compliance
 from lumped.mechanism.body import Given, Prism
 from lumped.mechanism.body_model import BodyModel, LegMatrices
-from lumped.mechanism.joint import Drive, Joint, Side
+from lumped.mechanism.joint import Drive, Joint
 from lumped.mechanism.kinematics.mobility import mobility
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.models import serial_chains
@@ -97,13 +97,12 @@ def answers(
     if options.release == "printed":
         printed = as_printed(mechanism)
         postures = [replace(at, mechanism=printed) for at in postures]
-        mechanism = printed
     if not count:
         models = static_bodies(model, mechanism, options)
-        return _solve(assembly(mechanism, models), postures, 0)
+        return _solve(assembly(postures[0].mechanism, models), postures, 0)
     return renewed_where_needed(
         highest_frequency(postures, count, options),
-        partial(_dynamic, model, postures, count, options),
+        partial(_dynamic, model, mechanism, postures, count, options),
         frequencies=lambda found: np.array([one.frequencies for one in found]),
     )
 
@@ -214,20 +213,24 @@ def _on_drives(postures: Sequence[Posture], count: int) -> Iterator[PostureAnswe
 
 def _dynamic(
     model: ModelName,
+    mechanism: Mechanism,
     postures: Sequence[Posture],
     count: int,
     options: ModelOptions,
     highest: float,
 ) -> list[PostureAnswer]:
-    mechanism = postures[0].mechanism
     bodies = dynamic_bodies(model, mechanism, highest, options)
-    return _solve(assembly(mechanism, bodies), postures, count)
+    return _solve(assembly(postures[0].mechanism, bodies), postures, count)
 
 
 def constant_legs(
     mechanism: Mechanism, options: ModelOptions
 ) -> list[tuple[str, ConstantLeg, ModelOptions]]:
-    """Every leg as a constant-section one, alike ones the same, with its own ends as options."""
+    """Every leg as a constant-section one, alike ones the same, with its own ends as options.
+
+    With `release="printed"` the last spring of a leg carries the joint at its tip that `as_printed`
+    fixes in the `mechanism` given here as it is described.
+    """
     known: list[ConstantLeg] = []
     legs = []
     for name, described in legs_of(mechanism).items():
@@ -237,7 +240,7 @@ def constant_legs(
         shape = mechanism.bodies[name].shape
         own = shape.ends if isinstance(shape, Prism) else None
         told = replace(options, ends=own or options.ends)
-        if not _is_printed_at_tip(mechanism, name):
+        if not any(_at_tip(mechanism, joint) == name for joint in mechanism.joints):
             told = replace(told, release="condensed")
         legs.append((name, alike, told))
     return legs
@@ -256,27 +259,26 @@ def as_printed(mechanism: Mechanism) -> Mechanism:
 def _printed(mechanism: Mechanism, joint: Joint) -> Joint:
     if joint.kind != "revolute" or joint.drive is not None:
         return joint
+    if _at_tip(mechanism, joint):
+        return replace(joint, kind="fixed", axes=np.zeros((0, 3)))
     if joint.compliance is not None:
         stiffness: Array = np.linalg.inv(joint.compliance).astype(float)
         uncoupled = printed_release(stiffness)
         uncoupled[5, 5] = stiffness[5, 5]
         return replace(joint, compliance=np.linalg.inv(uncoupled).astype(float))
-    if _is_tip(mechanism, joint.second):
-        return replace(joint, kind="fixed", axes=np.zeros((0, 3)))
     return joint
 
 
-def _is_printed_at_tip(mechanism: Mechanism, leg: str) -> bool:
-    """Whether `as_printed` has fixed the joint at the tip of a leg, whose springs now carry it."""
-    return any(
-        joint.kind == "fixed" and joint.second.body == leg and _is_tip(mechanism, joint.second)
-        for joint in mechanism.joints
-    )
+def _at_tip(mechanism: Mechanism, joint: Joint) -> str:
+    """The leg whose last spring carries a passive revolute joint where it is printed; "" if none.
 
-
-def _is_tip(mechanism: Mechanism, side: Side) -> bool:
-    body = mechanism.bodies[side.body]
-    return isinstance(body.shape, Prism | Given) and side.point == tuple(body.interfaces)[1]
+    The second side of the joint is that leg's tip, and the joint has no give of its own.
+    """
+    if joint.kind != "revolute" or joint.drive is not None or joint.compliance is not None:
+        return ""
+    body = mechanism.bodies[joint.second.body]
+    is_leg = isinstance(body.shape, Prism | Given)
+    return body.name if is_leg and joint.second.point == tuple(body.interfaces)[1] else ""
 
 
 def _are_alike(one: ConstantLeg, other: ConstantLeg) -> bool:

@@ -9,7 +9,7 @@ import numpy as np
 from lumped.arrays import Array
 from lumped.dense.modes import Modes
 from lumped.errors import InputError
-from lumped.mechanism.mechanism import Posture
+from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.system.assembly import System, assembly
 from lumped.system.joint_motion import Portion
 from lumped.system.solution import compliance, mode_count, modes, solved, strain_shares
@@ -61,25 +61,27 @@ def mechanism_modes(
         return [
             posture_modes(prepared.at(replace(at, mechanism=rigid)), at, count) for at in postures
         ]
+    mechanism = postures[0].mechanism
     if options.release == "printed":
-        printed = as_printed(postures[0].mechanism)
+        printed = as_printed(mechanism)
         postures = [replace(at, mechanism=printed) for at in postures]
     return renewed_where_needed(
         highest_frequency(postures, count, options),
-        partial(_of_bodies, model, postures, count, options),
+        partial(_of_bodies, model, mechanism, postures, count, options),
         frequencies=lambda found: np.array([one.modes.frequencies for one in found]),
     )
 
 
 def _of_bodies(
     model: ModelName,
+    mechanism: Mechanism,
     postures: Sequence[Posture],
     count: int,
     options: ModelOptions,
     highest: float,
 ) -> list[PostureModes]:
-    mechanism = postures[0].mechanism
-    prepared = assembly(mechanism, dynamic_bodies(model, mechanism, highest, options))
+    bodies = dynamic_bodies(model, mechanism, highest, options)
+    prepared = assembly(postures[0].mechanism, bodies)
     return [posture_modes(prepared.at(at), at, count) for at in postures]
 
 

@@ -91,7 +91,7 @@ def changed(robot_file: RobotFile, key: str, value: float) -> RobotFile:
     described, faults = described_by(with_value(tables, key, value))
     if described is None:
         raise InputError(faults)
-    return replace(robot_file, described=described)
+    return replace(robot_file, mechanism=described)
 
 
 def member(robot_file: RobotFile, alpha: float) -> RobotFile:

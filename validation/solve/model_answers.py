@@ -163,12 +163,12 @@ def _in_postures(
 
 
 def _place(question: Question, at: Posture) -> dict[str, float | int | str | list[float]]:
-    return {"x": float(at.pose[0])} if question.biglide else {"pose": at.pose.tolist()}
+    return {"x": float(at.pose[0])} if question.numbered else {"pose": at.pose.tolist()}
 
 
 def _shown(question: Question, compliance: Array) -> Array:
     """What the paper's simplified model knows of its robot: x and y."""
-    planar = question.biglide and question.model == "simplified"
+    planar = question.numbered and question.model == "simplified"
     return compliance[:2, :2] if planar else compliance
 
 
@@ -195,7 +195,7 @@ def _of_body(question: Question, name: str, options: ModelOptions) -> Answer:
         options = replace(options, ends=body.shape.ends)
     frequencies = leg_frequencies(model, leg, count, options) if count else np.zeros(0)
     place: dict[str, float | int | str | list[float]] = {"body": name}
-    if question.biglide:
+    if question.numbered:
         place = {"leg": int(name.removeprefix("leg"))}
     return Answer(place, leg_compliance(model, leg, options), frequencies)
 

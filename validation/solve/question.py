@@ -44,7 +44,7 @@ class Question:
     """A `model` of a mechanism in the typed `poses` ("0.25,0.6"), or of one `body`.
 
     In the reference posture without poses. `modes`: how many, None for six; `given` are the
-    options that were typed. The modes are paired with those of `against`. `biglide`: the file is
+    options that were typed. The modes are paired with those of `against`. `numbered`: the file is
     of schema 1, whose poses are positions x and whose bodies are legs by number. `text` of the
     file, whose printed digits are looked at; "" where they are not in question.
     """
@@ -56,7 +56,7 @@ class Question:
     poses: tuple[str, ...] = ()
     body: str | None = None
     against: ModelName | None = None
-    biglide: bool = False
+    numbered: bool = False
     text: str = ""
 
     @property
@@ -95,13 +95,13 @@ class Question:
 
         outside = each(closed, self.poses)[1]
         return found + [
-            f"--x: {fault}" if self.biglide and not fault.startswith("--") else fault
+            f"--x: {fault}" if self.numbered and not fault.startswith("--") else fault
             for fault in outside
         ]
 
     def _allowed(self) -> tuple[str, ...]:
         # Eq. (25) as printed is a statement about the paper's own kind of robot.
-        return tuple(n for n in OPTIONS[self.model] if self.biglide or n != "release")
+        return tuple(n for n in OPTIONS[self.model] if self.numbered or n != "release")
 
     def _option_faults(self) -> list[str]:
         """Options that the model does not take, that change nothing, or whose value is wrong.
@@ -160,7 +160,7 @@ class Question:
             if body in mechanism.parts:
                 what = "is a part from a file, see flexproof identify ROBOT --body"
             faults.append(f"--body {body}: {what}; must be one of {', '.join(names)}")
-        pose, one = ("--x", "--leg") if self.biglide else ("--pose", "--body")
+        pose, one = ("--x", "--leg") if self.numbered else ("--pose", "--body")
         if self.poses:
             faults.append(f"{pose}: a body alone has no pose; leave out {pose} or {one}")
         if self.model == "simplified":
@@ -189,11 +189,11 @@ def question(
 
     Raises InputError where the robot has no such place.
     """
-    mechanism, biglide = robot_file.mechanism, not robot_file.is_mechanism
+    mechanism, numbered = robot_file.mechanism, robot_file.schema == 1
     faults = []
-    if place.x and not biglide:
+    if place.x and not numbered:
         faults.append("--x: poses of a mechanism are typed as --pose")
-    if place.leg is not None and not biglide:
+    if place.leg is not None and not numbered:
         faults.append("--leg: bodies of a mechanism have names; take --body")
     elif place.leg not in (None, 1, 2):
         faults.append(f"--leg = {place.leg}: must be 1 or 2")
@@ -202,4 +202,4 @@ def question(
     body = place.body if place.leg is None else f"leg{place.leg}"
     poses = (*(repr(x) for x in place.x), *place.poses)
     text = robot_file.text
-    return Question(model, modes, given, mechanism, poses, body, against, biglide, text)
+    return Question(model, modes, given, mechanism, poses, body, against, numbered, text)

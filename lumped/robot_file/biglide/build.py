@@ -1,4 +1,4 @@
-"""Robot files of schema 1: a biglide, or every fault of its description."""
+"""Robot files of schema 1: the mechanism of a biglide, or every fault of its description."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -7,9 +7,8 @@ import msgspec
 import numpy as np
 
 from lumped.acceptance.measured import Measured, measured_faults, pose_faults
-from lumped.biglide import Biglide, geometry_faults
-from lumped.legs import GivenLeg, Leg
-from lumped.mechanism.biglide import Stroke, lengthened
+from lumped.legs import Leg
+from lumped.mechanism.biglide import Stroke, biglide, lengthened
 from lumped.mechanism.mechanism import Mechanism
 from lumped.robot_file.biglide.corrections import can_be_scaled, correction_faults, value_at
 from lumped.robot_file.leg_table import leg_faults, leg_of, symmetric
@@ -37,7 +36,7 @@ def biglide_faults(tables: Mapping[str, Any]) -> list[str]:
     ]
 
 
-def evidence_faults(tables: Mapping[str, Any], robot: Biglide | Mechanism) -> list[str]:
+def evidence_faults(tables: Mapping[str, Any], robot: Mechanism) -> list[str]:
     """Measured values that this robot cannot have, uncertainties of what stands nowhere."""
     faults = []
     for number, one in enumerate(measured_of(tables), start=1):
@@ -70,7 +69,7 @@ def input_uncertainties_of(tables: Mapping[str, Any]) -> tuple[InputUncertainty,
     return tuple(msgspec.convert(tables.get("input_uncertainty", []), list[InputUncertainty]))
 
 
-def biglide_of(tables: Mapping[str, Any]) -> Biglide:
+def biglide_of(tables: Mapping[str, Any]) -> Mechanism:
     """The biglide that tables without faults describe."""
     return _robot(msgspec.convert(tables, RobotTables))
 
@@ -84,11 +83,8 @@ def _geometry_faults(tables: Mapping[str, Any]) -> list[str]:
         )
     except (LookupError, msgspec.ValidationError):
         return []
-    # Only the lengths matter to the question, so the rest may still be wrong in the file.
-    leg1, leg2 = (GivenLeg(length, 1.0, np.eye(6)) for length in (length1, length2))
-    skeleton = Biglide("", a, platform_mass=1.0, actuator_stiffness=1.0, leg1=leg1, leg2=leg2)
     place = "geometry.a, leg1.length, leg2.length"
-    return [f"{place}: {fault}" for fault in geometry_faults(skeleton)]
+    return [f"{place}: {fault}" for fault in Stroke(a, length1, length2).faults()]
 
 
 def _family_faults(tables: RobotTables) -> list[str]:
@@ -106,16 +102,16 @@ def _member(tables: RobotTables) -> tuple[float, Leg, Leg]:
     return given if geometry.alpha == 1.0 else lengthened(*given, geometry.alpha)
 
 
-def _robot(tables: RobotTables) -> Biglide:
+def _robot(tables: RobotTables) -> Mechanism:
     foot, tool = tables.foot, tables.tool
     a, leg1, leg2 = _member(tables)
-    return Biglide(
-        name=tables.name,
-        a=a,
+    return biglide(
+        tables.name,
+        a,
+        leg1,
+        leg2,
         platform_mass=tables.platform.mass,
-        actuator_stiffness=tables.actuators.stiffness,
-        leg1=leg1,
-        leg2=leg2,
+        drive_stiffness=tables.actuators.stiffness,
         tool_offset=np.array(tables.geometry.tool_offset, dtype=float),
         foot_compliance=None if foot is None else symmetric(foot.compliance),
         tool_compliance=symmetric(tool.compliance) if tool and tool.active else None,

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from compliances import scaled_difference
+from like_ifw import like_ifw, placed_at
 
 from fem.bodies.solid import solid_leg, solid_leg_matrices
 from fem.calculix import run as calculix_run
@@ -13,10 +14,9 @@ from fem.calculix.leg import mass_at_stiffness_points
 from fem.calculix.mechanism import compliance_and_frequencies, mechanism_deck
 from fem.reduction.craig_bampton import craig_bampton
 from fem.reduction.superelement import held_leg
-from lumped.biglide import postures, with_equivalent_legs
 from lumped.mechanism.body import Prism, Rigid
 from lumped.mechanism.kinematics.postures import posture, reference_posture
-from lumped.models.bodies import legs_of
+from lumped.models.bodies import legs_of, on_equivalent_legs
 from lumped.robot_file import load_robot
 from lumped.sections import Rectangle
 from lumped.system.assembly import assemble
@@ -99,9 +99,8 @@ BIGLIDES = {
     ],
 )
 def test_the_biglide_with_feet_and_tool_springs(changes):
-    robot = replace(with_equivalent_legs(load_robot("ifw").robot), **changes)
-    place = robot.centre if changes else robot.stroke[0]
-    agree(*postures(robot, (place,)))
+    robot = on_equivalent_legs(like_ifw(**changes))
+    agree(*placed_at(robot, 0.4975 if changes else 0.145))
 
 
 @needs_calculix

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from like_ifw import EQUIVALENT, system_of
 from numpy.testing import assert_allclose
 from prismatic_legs import meshed
 from scipy.linalg import eigh, null_space
@@ -13,18 +14,16 @@ from fem.reduction.craig_bampton import craig_bampton, frequency_bounds
 from fem.reduction.free_superelement import held_free_leg
 from fem.reduction.interface_modes import interface_modes
 from fem.reduction.superelement import held_leg, static_superelement
-from lumped.biglide import system, with_equivalent_legs
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, Material
 from lumped.mechanism.body_model import LegMatrices
+from lumped.models.bodies import legs_of
 from lumped.models.segments import segment_chain, segment_leg
-from lumped.robot_file import load_robot
 from lumped.sections import Rectangle
 from lumped.system.solution import compliance, modes, solved
 
-ROBOT = with_equivalent_legs(load_robot("ifw").robot)
-LEG_1, LEG_2 = ROBOT.leg1, ROBOT.leg2
-POSTURES = (ROBOT.stroke[0], ROBOT.centre, ROBOT.stroke[1])
+LEG_1, LEG_2 = legs_of(EQUIVALENT).values()
+POSTURES = (0.145, 0.4975, 0.85)
 COUNT = 20
 # Just above the twentieth frequency of the robot in all postures, 3.5 to 3.7 kHz.
 HIGHEST = 3800.0
@@ -50,7 +49,7 @@ def legs(request):
 @pytest.fixture(scope="module")
 def unreduced_robot(legs):
     """Per posture the robot of unreduced legs and its modes."""
-    robots = [solved(system(ROBOT, x, *legs[0])) for x in POSTURES]
+    robots = [solved(system_of(x, *legs[0])) for x in POSTURES]
     return [(robot, modes(robot, COUNT)) for robot in robots]
 
 
@@ -59,7 +58,7 @@ def test_robot_of_reduced_legs_is_the_unreduced_one(legs, unreduced_robot):
     unreduced, held = legs
     reduced = [craig_bampton(leg, HIGHEST) for leg in held]
     for x, (whole, exact) in zip(POSTURES, unreduced_robot, strict=True):
-        robot = solved(system(ROBOT, x, *(leg.matrices for leg in reduced)))
+        robot = solved(system_of(x, *(leg.matrices for leg in reduced)))
         expected = compliance(whole)
         scale = 1.0 / np.sqrt(np.diag(expected))
         difference = (compliance(robot) - expected) * scale[:, None] * scale
@@ -68,7 +67,7 @@ def test_robot_of_reduced_legs_is_the_unreduced_one(legs, unreduced_robot):
         assert_allclose(found.frequencies, exact.frequencies, rtol=1e-4)
         # Both are mass-normalised, so the product of two shapes is the root of their MAC.
         platform = robot.system.tool[:3] @ found.shapes, whole.system.tool[:3] @ exact.shapes
-        gram = ROBOT.platform_mass * platform[0].T @ platform[1]
+        gram = 46.0 * platform[0].T @ platform[1]
         for name, superelement, leg in zip(NAMES, reduced, unreduced, strict=True):
             field = superelement.recover(robot.system.own(name, found.shapes))
             gram += field.T @ (leg.mass @ whole.system.own(name, exact.shapes))
@@ -79,7 +78,7 @@ def test_robot_of_reduced_legs_is_the_unreduced_one(legs, unreduced_robot):
 def test_bounds_enclose_the_true_frequencies(legs, unreduced_robot, factor):
     reduced = [craig_bampton(leg, HIGHEST, factor * HIGHEST) for leg in legs[1]]
     for x, (_, exact) in zip(POSTURES, unreduced_robot, strict=True):
-        robot = system(ROBOT, x, *(leg.matrices for leg in reduced))
+        robot = system_of(x, *(leg.matrices for leg in reduced))
         bounds = frequency_bounds(robot, dict(zip(NAMES, reduced, strict=True)), COUNT)
         assert np.all(bounds.lower <= exact.frequencies * (1.0 + ROUNDING))
         assert np.all(exact.frequencies <= bounds.upper * (1.0 + ROUNDING))
@@ -202,8 +201,8 @@ def test_robot_with_free_ends_is_the_one_in_the_null_space(free_ends):
     """An interface by work-conjugate twists, against unknowns that contain them."""
     held, unreduced = free_ends
     reduced = [craig_bampton(leg, HIGHEST) for leg in held]
-    whole = solved(system(ROBOT, ROBOT.centre, *unreduced))
-    robot = solved(system(ROBOT, ROBOT.centre, *(leg.matrices for leg in reduced)))
+    whole = solved(system_of(0.4975, *unreduced))
+    robot = solved(system_of(0.4975, *(leg.matrices for leg in reduced)))
     assert_allclose(compliance(robot)[:3, :3], compliance(whole)[:3, :3], rtol=1e-8, atol=1e-15)
     exact = modes(whole, COUNT).frequencies
     bounds = frequency_bounds(robot.system, dict(zip(NAMES, reduced, strict=True)), COUNT)
@@ -220,6 +219,6 @@ def test_cut_off_below_the_asked_frequencies_is_refused():
     with pytest.raises(InputError, match=r"highest frequency = -1\.0 Hz"):
         craig_bampton(held, -1.0)
     reduced = [craig_bampton(held_leg(MODELS["beam"](leg)), 400.0, 500.0) for leg in (LEG_1, LEG_2)]
-    robot = system(ROBOT, ROBOT.centre, *(leg.matrices for leg in reduced))
+    robot = system_of(0.4975, *(leg.matrices for leg in reduced))
     with pytest.raises(InputError, match=r"frequency 12 .* cut off at 500 Hz"):
         frequency_bounds(robot, dict(zip(NAMES, reduced, strict=True)), 12)

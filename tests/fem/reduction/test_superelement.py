@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from compliances import scaled_difference
+from like_ifw import EQUIVALENT, system_of
 from numpy.testing import assert_allclose
 from prismatic_legs import meshed
 from scipy.sparse import csr_array
@@ -15,29 +16,19 @@ from fem.reduction.free_superelement import held_free_leg
 from fem.reduction.superelement import held_leg, mass_properties, static_superelement
 from fem.reduction.superelement import rigid_motions as reduced_rigid_motions
 from fem.sections.section_constants import beam_properties, section_constants
-from lumped.biglide import Biglide, system, with_equivalent_legs
 from lumped.errors import ComputationError, InputError
-from lumped.legs import ConstantLeg, tip_compliance
+from lumped.legs import tip_compliance
 from lumped.mechanism.body_model import LegMatrices
+from lumped.models.bodies import legs_of
 from lumped.models.segments import segment_chain, segment_leg
-from lumped.robot_file import load_robot
 from lumped.system.solution import compliance, solved
 
-ROBOT = with_equivalent_legs(load_robot("ifw").robot)
-POSTURES = (ROBOT.stroke[0], ROBOT.centre, ROBOT.stroke[1])
+LEG_1, LEG_2 = legs_of(EQUIVALENT).values()
+POSTURES = (0.145, 0.4975, 0.85)
 
 
-def robot_of(robot, x, *legs):
-    return solved(system(robot, x, *legs))
-
-
-def equivalent(robot: Biglide) -> tuple[ConstantLeg, ConstantLeg]:
-    legs = robot.leg1, robot.leg2
-    assert all(isinstance(leg, ConstantLeg) for leg in legs)
-    return legs
-
-
-LEG_1, LEG_2 = equivalent(ROBOT)
+def robot_of(x, *legs):
+    return solved(system_of(x, *legs))
 
 
 MODELS = {
@@ -57,9 +48,9 @@ def test_static_superelement_is_exact_in_the_robot(model):
     legs = [model(LEG_1), model(LEG_2)]
     reduced = [static_superelement(held_leg(leg)).matrices for leg in legs]
     for x in POSTURES:
-        expected = compliance(robot_of(ROBOT, x, *legs))
+        expected = compliance(robot_of(x, *legs))
         # The limit; rounding leaves 1e-12.
-        assert scaled_difference(compliance(robot_of(ROBOT, x, *reduced)), expected) < 1e-9
+        assert scaled_difference(compliance(robot_of(x, *reduced)), expected) < 1e-9
 
 
 @models

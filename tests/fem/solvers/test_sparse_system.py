@@ -4,35 +4,33 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from like_ifw import EQUIVALENT, system_of
 from numpy.testing import assert_allclose
 from prismatic_legs import meshed
 
 from fem.bodies.solid import solid_leg_matrices
 from fem.solvers.sparse_system import compliance, factorised, modes
-from lumped.biglide import system, with_equivalent_legs
 from lumped.errors import ComputationError
+from lumped.models.bodies import legs_of
 from lumped.models.segments import segment_chain, static_leg
-from lumped.robot_file import load_robot
 from lumped.system import solution
 
-ROBOT = with_equivalent_legs(load_robot("ifw").robot)
+LEG_1, LEG_2 = legs_of(EQUIVALENT).values()
 
 
 def of_slices(*counts):
-    legs = zip((ROBOT.leg1, ROBOT.leg2), counts, strict=True)
+    legs = zip((LEG_1, LEG_2), counts, strict=True)
     return tuple(solid_leg_matrices(meshed(leg, 1, count)) for leg, count in legs)
 
 
 @pytest.fixture(scope="module")
 def legs():
-    return solid_leg_matrices(meshed(ROBOT.leg1, 1, 4)), solid_leg_matrices(
-        meshed(ROBOT.leg2, 1, 3)
-    )
+    return solid_leg_matrices(meshed(LEG_1, 1, 4)), solid_leg_matrices(meshed(LEG_2, 1, 3))
 
 
-@pytest.mark.parametrize("x", [ROBOT.stroke[0], ROBOT.centre])
+@pytest.mark.parametrize("x", [0.145, 0.4975])
 def test_sparse_solutions_equal_dense_ones(legs, x):
-    whole = system(ROBOT, x, *legs)
+    whole = system_of(x, *legs)
     robot = factorised(whole)
     dense = solution.solved(whole)
     expected = solution.compliance(dense)
@@ -47,15 +45,15 @@ def test_sparse_solutions_equal_dense_ones(legs, x):
 
 def test_first_frequencies_at_the_centre():
     """Known values: 113.0, 184.0, 212.5, 353 Hz with both legs as solids, rigid end faces."""
-    whole = system(ROBOT, ROBOT.centre, *of_slices(12, 12))
+    whole = system_of(0.4975, *of_slices(12, 12))
     found = modes(factorised(whole), 4).frequencies
     # One element across the section: torsion, a part of the first mode, is a little too stiff.
     assert_allclose(found, [113.0, 184.0, 212.5, 353.0], rtol=5e-3)
 
 
 def test_free_part_is_an_error_that_names_the_robot():
-    chains = [segment_chain(leg.timoshenko, leg.length, 2) for leg in (ROBOT.leg1, ROBOT.leg2)]
-    whole = system(ROBOT, ROBOT.centre, *(static_leg(chain) for chain in chains))
+    chains = [segment_chain(leg.timoshenko, leg.length, 2) for leg in (LEG_1, LEG_2)]
+    whole = system_of(0.4975, *(static_leg(chain) for chain in chains))
     loose = whole.stiffness.tolil()
     loose[2, :] = 0.0
     loose[:, 2] = 0.0

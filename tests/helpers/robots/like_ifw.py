@@ -7,10 +7,12 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.mechanism.biglide import biglide
+from lumped.mechanism.body_model import BodyModel
 from lumped.mechanism.kinematics.postures import posture
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.models.bodies import legs_of, on_equivalent_legs
 from lumped.robot_file import RobotFile, load_robot
+from lumped.system.assembly import System, assemble
 
 IFW = load_robot("ifw")
 LEG1, LEG2 = legs_of(IFW.mechanism).values()
@@ -34,7 +36,7 @@ def like_ifw(**changes: Any) -> Mechanism:
 
 def file_of(mechanism: Mechanism, **changes: Any) -> RobotFile:
     """A file that describes another robot, no built-in one."""
-    return replace(IFW, described=mechanism, built_in=False, source="changed.toml", **changes)
+    return replace(IFW, mechanism=mechanism, built_in=False, source="changed.toml", **changes)
 
 
 def stations(mechanism: Mechanism, count: int) -> Array:
@@ -46,3 +48,8 @@ def stations(mechanism: Mechanism, count: int) -> Array:
 def placed_at(mechanism: Mechanism, *x: float) -> list[Posture]:
     """The postures with B at each x (m), in the middle of the stroke without one."""
     return [posture(mechanism, np.array([one])) for one in x or stations(mechanism, 3)[1:2]]
+
+
+def system_of(x: float, leg1: BodyModel, leg2: BodyModel) -> System:
+    """The robot with B at `x` (m) from models of its two legs, of constant section or any other."""
+    return assemble(*placed_at(EQUIVALENT, x), {"leg1": leg1, "leg2": leg2})

@@ -57,7 +57,9 @@ def expensive(length: float) -> tuple[float, int]:
 
 
 def shares(context: Context) -> Measurement:
-    value, moment = context.get(expensive, context.robot.a)
+    value, moment = context.get(
+        expensive, float(context.robot_file.mechanism.reference["slide2"].position[0])
+    )
     return Measurement(value, 1.84, exact=True, notes=(f"{os.getpid()} {moment}",))
 
 

@@ -44,7 +44,7 @@ def test_a_csv_file_joins_the_robot_s_own_values(robot_file, tmp_path):
         ("w,0.4975,1,1,s,", 'line 2.quantity = "w": must be one of'),
         ("f11,0.4975,1,1,s,", 'line 2.quantity = "f11": must be one of'),
         ("leg3.c11,,1,1,s,", "line 2.quantity"),
-        ("x,,1,1,s,", "line 2.pose: must hold one number"),
+        ("x,,1,1,s,", "line 2.pose: must hold as many numbers as the tool"),
         ("leg1.c11,0.3,1,1,s,", "line 2.pose: must be left out"),
         ("x,5.0,1,1,s,", "line 2.pose: IFW demonstrator: x = 5"),
         ("x,0.3,0,1,s,", "line 2.value = 0.0: must be above 0, a deflection along its own load"),

@@ -7,7 +7,7 @@ from sound_biglide import SOUND
 
 from lumped.acceptance.requirement import Requirement, with_options
 from lumped.errors import InputError
-from lumped.legs import ConstantLeg
+from lumped.mechanism.body import Prism
 from lumped.robot_file import load_robot
 
 
@@ -56,8 +56,8 @@ def test_a_robot_file_says_what_is_accepted_and_how_ends_are_held(tmp_path: Path
     requirement = robot_file.requirement
     assert [requirement.limit(q) for q in ("y", "z", "f6")] == [0.02, 0.2, 0.05]
     assert requirement.rely == ("vjm", "segments")
-    leg1 = robot_file.robot.leg1
-    assert isinstance(leg1, ConstantLeg)
+    leg1 = robot_file.mechanism.bodies["leg1"].shape
+    assert isinstance(leg1, Prism)
     assert leg1.ends == "rigid"
 
 

@@ -6,13 +6,15 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
+from like_ifw import IFW, like_ifw, placed_at, stations
 from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
 
-from lumped.biglide import Biglide, scaled
-from lumped.errors import ComputationError, InputError
-from lumped.legs import GivenLeg, constant_leg, given_compliance
-from lumped.models import simplified, vjm
+from lumped.errors import ComputationError
+from lumped.legs import constant_leg, given_compliance
+from lumped.mechanism.biglide import Stroke, biglide
+from lumped.models import serial_chains, vjm
+from lumped.models.bodies import tip_compliances
 from lumped.models.chains import ChainJoint, Fixed, VirtualSpring, chain_jacobians
 from lumped.screws import move_compliance, rotation_z
 
@@ -30,24 +32,20 @@ def deflections(compliance):
     return np.array([*planar, compliance[2, 2]]) / MICROMETRE_PER_KILONEWTON
 
 
+def compliance(robot, x, springs=None):
+    """At the loaded point with B at `x` (m), legs as given or by their tip compliances."""
+    (at,) = placed_at(robot, x)
+    return serial_chains.compliance(at, springs or tip_compliances(robot))
+
+
 @pytest.mark.parametrize(
     ("x", "fx", "fy", "fz"),
     [(0.145, 0.42, 8.76, 26.1), (0.4975, 8.81, 4.19, 27.2), (0.850, 2.97, 6.15, 27.6)],
 )
-def test_demonstrator_with_the_appendix_matrices(demonstrator, x, fx, fy, fz):
+def test_demonstrator_with_the_appendix_matrices(x, fx, fy, fz):
     """Known values, to half a unit of the last printed digit; 27.145 is printed as 27.2."""
-    found = deflections(vjm.compliance(demonstrator, x, vjm.given_leg_springs(demonstrator)))
+    found = deflections(compliance(IFW.mechanism, x))
     assert np.all(np.abs(found - [fx, fy, fz]) <= [0.005, 0.005, 0.06])
-
-
-@pytest.mark.parametrize(("alpha", "fx", "fz"), [(1.0, 7.3, 23.0), (2.0, 3.0, 85.0)])
-def test_longer_legs_are_stiffer_in_the_plane_and_softer_along_z(demonstrator, alpha, fx, fz):
-    """Known values, equivalent legs at the centre, to half a unit of the last digit."""
-    robot = scaled(demonstrator, alpha)
-    springs = vjm.equivalent_leg_springs(robot, "euler-bernoulli")
-    found = deflections(vjm.compliance(robot, robot.centre, springs))
-    assert found[0] == pytest.approx(fx, abs=0.05)
-    assert found[2] == pytest.approx(fz, abs=0.5)
 
 
 KINDS = ["fixed", "prismatic", "revolute", "spring"]
@@ -215,19 +213,6 @@ def test_a_platform_without_chains_and_one_on_a_negative_spring():
         vjm.platform_compliance(np.diag([1e9, 1e9, -1e3, 1e7, 1e7, 1e7]))
 
 
-def test_aligned_legs_leave_the_biglide_free(demonstrator):
-    """A = (0, −√3), C = (½, −√3/2), B = (1, 0) in line: the platform turns about A."""
-    robot = replace(
-        demonstrator,
-        a=0.5,
-        leg1=replace(demonstrator.leg1, length=2.0),
-        leg2=replace(demonstrator.leg2, length=1.0),
-    )
-    words = r"x = 1 m: the platform is free to turn about z through \(-1, -1.73, 0\) m"
-    with pytest.raises(ComputationError, match=words):
-        vjm.compliance(robot, 1.0, vjm.given_leg_springs(robot))
-
-
 @pytest.mark.parametrize("side", [0.1, 0.01, 0.002])
 def test_a_free_platform_on_slender_legs_is_not_taken_for_a_soft_one(side):
     """A bar of slenderness 10 to 500 pinned at its root: EA L²/EI up to 3e6, still named free."""
@@ -240,48 +225,30 @@ def test_a_free_platform_on_slender_legs_is_not_taken_for_a_soft_one(side):
             vjm.platform_compliance(vjm.chain_stiffness(chain))
 
 
-def test_both_chains_end_in_the_same_frame(demonstrator):
-    """Closure of eq. (6): the loaded point at B + tool offset, the platform along leg 1."""
-    robot = replace(demonstrator, tool_offset=np.array([0.03, -0.02, 0.155]))
-    for x in robot.stations(5):
-        ends = [
-            chain_jacobians(chain)
-            for chain in vjm.biglide_chains(robot, x, vjm.given_leg_springs(robot))
-        ]
-        for end in ends:
-            assert_allclose(end.end, [x + 0.03, -0.02, 0.155], atol=1e-15)
-            assert_allclose(end.end_rotation, robot.posture(x).rotation1, atol=1e-15)
+def test_both_chains_end_in_the_same_frame():
+    """Closure of eq. (6): the loaded point at B + tool offset, the platform along the robot."""
+    robot = like_ifw(tool_offset=np.array([0.03, -0.02, 0.155]))
+    for at in placed_at(robot, *stations(robot, 5)):
+        parallel, _ = serial_chains.serial_chains(at, tip_compliances(robot))
+        assert len(parallel) == 2
+        for end in map(chain_jacobians, parallel):
+            assert_allclose(end.end, [at.pose[0] + 0.03, -0.02, 0.155], atol=1e-15)
 
 
-def test_tool_offset_moves_the_loaded_point_and_tool_compliance_adds(demonstrator):
+def test_tool_offset_moves_the_loaded_point_and_tool_compliance_adds():
     """A rigid offset is C_P = X C_B Xᵀ; planar deflection grows to about 13.6 µm (notes §1).
 
     The sign of the offset is not printed; 13.6 µm is reached with the tool on the −z side.
     """
     offset = np.array([0.0, 0.0, -0.155])
-    springs = vjm.given_leg_springs(demonstrator)
-    at_b = vjm.compliance(demonstrator, 0.4975, springs)
-    robot = replace(demonstrator, tool_offset=offset)
-    at_p = vjm.compliance(robot, 0.4975, springs)
+    at_b, at_p = compliance(IFW.mechanism, 0.4975), compliance(like_ifw(tool_offset=offset), 0.4975)
     assert_allclose(at_p, move_compliance(at_b, offset), rtol=1e-11, atol=1e-20)
-    largest = max(
-        deflections(vjm.compliance(robot, x, springs))[:2].max() for x in robot.stations(41)
-    )
+    robot = like_ifw(tool_offset=offset)
+    largest = max(deflections(compliance(robot, x))[:2].max() for x in stations(robot, 41))
     assert largest == pytest.approx(13.6, abs=0.05)  # digits printed
     tool = np.diag([1.0, 2.0, 3.0, 4.0, 5.0, 6.0]) * 1e-9
-    with_tool = vjm.compliance(replace(robot, tool_compliance=tool), 0.4975, springs)
-    assert_allclose(with_tool, at_p + tool, rtol=1e-14)
-
-
-def test_rigid_legs_on_feet_that_yield_along_y_are_the_simplified_model(demonstrator):
-    """δt = J K⁻¹ Jᵀ f, eq. (1): nothing but the feet's y yields."""
-    foot = np.diag([0.0, 1e-9, 0.0, 0.0, 0.0, 0.0])
-    robot = replace(demonstrator, foot_compliance=foot)
-    stiff = np.diag([1e-15] * 6)
-    for x in robot.stations(5):
-        found = vjm.compliance(robot, x, (stiff, stiff))[:2, :2]
-        # the legs are a million times stiffer than the feet
-        assert_allclose(found, simplified.compliance(robot, x), rtol=1e-5, atol=2e-15)
+    with_tool = compliance(like_ifw(tool_offset=offset, tool_compliance=tool), 0.4975)
+    assert_allclose(with_tool, at_p + tool, rtol=1e-12)
 
 
 @given(
@@ -299,24 +266,16 @@ def test_random_biglides_with_rigid_feet(l1, l2, share, place, seed):
         for length in (l1, l2)
     ]
     shortest = abs(l1 - l2)
-    robot = Biglide("random", shortest + share * (l1 + l2 - shortest), 10.0, 1e9, *legs)
-    x = robot.stroke[0] + place * robot.stroke_length
-    posture = robot.posture(x)
-    directions = np.column_stack([posture.rotation1[:2, 0], posture.rotation2[:2, 0]])
+    a = shortest + share * (l1 + l2 - shortest)
+    robot = biglide("random", a, *legs, platform_mass=10.0, drive_stiffness=1e9)
+    first, last = stations(robot, 2)
+    x = first + place * (last - first)
+    both = Stroke(a, l1, l2).legs_at(x)
+    directions = np.column_stack([leg.rotation[:2, 0] for leg in both])
     assume(abs(np.linalg.det(directions)) > 0.05)  # away from aligned legs
     axial = np.diag([leg.timoshenko.EA / leg.length for leg in legs])
     expected = np.linalg.inv(directions @ axial @ directions.T)
     for theory in ("euler-bernoulli", "timoshenko"):
-        springs = vjm.equivalent_leg_springs(robot, theory)
-        found = vjm.compliance(robot, x, springs)[:2, :2]
+        found = compliance(robot, x, tip_compliances(robot, theory=theory))[:2, :2]
         # condition of the legs (1e4) and of the truss (1e3) times rounding, with margin
         assert np.abs(found - expected).max() <= 1e-9 * np.abs(expected).max()
-
-
-def test_wrong_input(demonstrator):
-    springs = vjm.given_leg_springs(demonstrator)
-    with pytest.raises(InputError, match="outside the stroke"):
-        vjm.compliance(demonstrator, 0.86, springs)
-    broken = replace(demonstrator, leg2=GivenLeg(0.775, 49.366, -np.eye(6)))
-    with pytest.raises(InputError, match="spring of leg 2: compliance has a negative eigenvalue"):
-        vjm.compliance(broken, 0.4, vjm.given_leg_springs(broken))

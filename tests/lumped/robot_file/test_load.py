@@ -8,10 +8,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from like_ifw import LEG1, LEG2
 from sound_biglide import SOUND as WITHOUT_CORRECTIONS
 
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, GivenLeg, equivalent_leg
+from lumped.models.bodies import legs_of
 from lumped.robot_file import as_printed, built_in_robots, load_robot, write_template
 from lumped.sections import HollowRectangle
 
@@ -256,16 +258,26 @@ def test_each_fault_is_one_line_with_file_key_and_what_is_allowed(wrong, robot_p
         assert "\n" not in fault
 
 
+def distance_of_slides(mechanism):
+    return mechanism.reference["slide2"].position[0] - mechanism.reference["slide1"].position[0]
+
+
+def compliance_of(robot_file, name):
+    return next(joint for joint in robot_file.mechanism.joints if joint.name == name).compliance
+
+
 @pytest.mark.parametrize("alpha", [0.8, 1.5, 2.0])
 def test_legs_longer_by_alpha_keep_stroke_and_section(alpha, robot_path):
     text = resources.files("lumped").joinpath("robots/ifw.toml").read_text(encoding="utf-8")
-    longer = load_robot(robot_path(text.replace("alpha = 1.0", f"alpha = {alpha}"))).robot
-    given = load_robot("ifw").robot
+    longer = load_robot(robot_path(text.replace("alpha = 1.0", f"alpha = {alpha}"))).mechanism
+    leg1, leg2 = legs_of(longer).values()
     l10, l20, a0 = 0.85, 0.775, 0.92
     # eq. (10): L_i = α L_i0; eq. (11): a = α (L10 + L20) − d with the stroke d = L10 + L20 − a0
-    assert [longer.leg1.length, longer.leg2.length] == pytest.approx([alpha * l10, alpha * l20])
-    assert longer.a == pytest.approx(alpha * (l10 + l20) - (l10 + l20 - a0), rel=1e-14)
-    for leg, before in ((longer.leg1, given.leg1), (longer.leg2, given.leg2)):
+    assert [leg1.length, leg2.length] == pytest.approx([alpha * l10, alpha * l20])
+    assert distance_of_slides(longer) == pytest.approx(
+        alpha * (l10 + l20) - (l10 + l20 - a0), rel=1e-14
+    )
+    for leg, before in ((leg1, LEG1), (leg2, LEG2)):
         assert leg.section == equivalent_leg(before).section
         assert leg.mass == pytest.approx(alpha * before.mass)
 
@@ -274,37 +286,38 @@ def test_sound_file_is_read(robot_path):
     path = robot_path(SOUND)
     loaded = load_robot(path)
     assert (loaded.source, loaded.built_in) == (str(path), False)
-    assert isinstance(loaded.robot.leg1, ConstantLeg)
-    assert loaded.robot.leg1.section == HollowRectangle(0.10, 0.16, 0.008)
+    leg1, leg2 = legs_of(loaded.mechanism).values()
+    assert isinstance(leg1, ConstantLeg)
+    assert leg1.section == HollowRectangle(0.10, 0.16, 0.008)
     # hollow rectangle 0.1 × 0.16 × 0.008 of steel: (0.016 − 0.084·0.144) m² · 7850 · 0.85
-    assert loaded.robot.leg1.mass == pytest.approx((0.016 - 0.084 * 0.144) * 7850 * 0.85)
-    assert isinstance(loaded.robot.leg2, GivenLeg)
-    assert loaded.robot.leg2.compliance[1, 5] == 3.0e-8
-    assert loaded.robot.tool_offset.tolist() == [0.0, 0.0, 0.1]
-    assert loaded.robot.tool_compliance is None
+    assert leg1.mass == pytest.approx((0.016 - 0.084 * 0.144) * 7850 * 0.85)
+    assert isinstance(leg2, GivenLeg)
+    assert leg2.compliance[1, 5] == 3.0e-8
+    assert loaded.mechanism.tool.datum == (0.0, 0.0, 0.1)
+    assert "spring" not in {joint.name for joint in loaded.mechanism.joints}
 
 
 def test_mass_stands_for_the_density_and_g_for_that_of_an_isotropic_material(robot_path):
     text = SOUND.replace(", rho = 7850.0", "").replace("length = 0.85", "length = 0.85\nmass = 60")
-    leg = load_robot(robot_path(text)).robot.leg1
+    leg = legs_of(load_robot(robot_path(text)).mechanism)["leg1"]
     assert leg.mass == pytest.approx(60.0)
     # E over 2(1 + ν)
     assert pytest.approx(2.1e11 / 2.6) == leg.material.G
-    own = load_robot(robot_path(SOUND.replace("nu = 0.3", "nu = 0.3, G = 7e10"))).robot.leg1
-    assert own.material.G == 7e10
+    own = load_robot(robot_path(SOUND.replace("nu = 0.3", "nu = 0.3, G = 7e10"))).mechanism
+    assert legs_of(own)["leg1"].material.G == 7e10
 
 
 def test_byte_order_mark_and_windows_line_ends_are_read(tmp_path):
     path = tmp_path / "windows.toml"
     path.write_bytes(b"\xef\xbb\xbf" + SOUND.replace("\n", "\r\n").encode())
-    assert load_robot(path).robot.a == 0.9
+    assert distance_of_slides(load_robot(path).mechanism) == 0.9
 
 
 def test_rounding_of_seven_digits_is_symmetric_enough(robot_path):
     text = SOUND.replace(
         "[0.0, 4.0e-8, 0.0, 0.0, 0.0, 3.0e-7]", "[0.0, 4.000001e-8, 0.0, 0.0, 0.0, 3.0e-7]"
     )
-    foot = load_robot(robot_path(text)).robot.foot_compliance
+    foot = compliance_of(load_robot(robot_path(text)), "foot1")
     assert np.array_equal(foot, foot.T)
 
 
@@ -333,18 +346,19 @@ def test_empty_file_names_every_missing_key(robot_path):
 
 # Paper, appendix.
 def test_ifw_has_the_appendix_values():
-    robot = load_robot("ifw").robot
-    assert (robot.a, robot.leg1.length, robot.leg2.length) == (0.92, 0.85, 0.775)
-    assert (robot.leg1.mass, robot.leg2.mass, robot.platform_mass) == (69.705, 49.366, 46.0)
-    assert (robot.leg1.mass_centre, robot.leg2.mass_centre) == (0.542, 0.375)
-    assert robot.actuator_stiffness == 1e9
-    assert not robot.tool_offset.any()
-    assert robot.leg1.compliance[1, 5] == -2.90e-7
-    assert robot.leg2.compliance[2, 2] == 1.07e-9
+    mechanism = load_robot("ifw").mechanism
+    assert (distance_of_slides(mechanism), LEG1.length, LEG2.length) == (0.92, 0.85, 0.775)
+    assert (LEG1.mass, LEG2.mass, mechanism.tool.mass) == (69.705, 49.366, 46.0)
+    assert (LEG1.mass_centre, LEG2.mass_centre) == (0.542, 0.375)
+    drives = [joint.drive for joint in mechanism.joints if joint.drive]
+    assert [drive.simplified for drive in drives] == [1e9, 1e9]
+    assert not any(mechanism.tool.datum)
+    assert LEG1.compliance[1, 5] == -2.90e-7
+    assert LEG2.compliance[2, 2] == 1.07e-9
     # sums of the printed diagonals, added by hand
-    assert np.trace(robot.leg1.compliance) == pytest.approx(1.80571e-6)
-    assert np.trace(robot.leg2.compliance) == pytest.approx(1.157941e-6)
-    assert np.trace(load_robot("ifw").robot.leg1.inertia) == pytest.approx(6.855)
+    assert np.trace(LEG1.compliance) == pytest.approx(1.80571e-6)
+    assert np.trace(LEG2.compliance) == pytest.approx(1.157941e-6)
+    assert np.trace(LEG1.inertia) == pytest.approx(6.855)
 
 
 def test_ifw_corrections_hold_the_printed_values_beside_the_used():
@@ -361,15 +375,15 @@ def test_ifw_corrections_hold_the_printed_values_beside_the_used():
     assert printed["tool"]["compliance"][1][0] == 9.70e-11
     assert printed["leg1"]["inertia"][1][2] == printed["leg1"]["inertia"][2][1] == -0.940
     assert loaded.tables["foot"]["compliance"][5][5] == 3.16e-7
-    assert loaded.robot.foot_compliance[5, 5] == 3.16e-7
+    assert compliance_of(loaded, "foot1")[5, 5] == 3.16e-7
 
 
 def test_tool_compliance_acts_only_when_active(tmp_path):
     loaded = load_robot("ifw")
-    assert loaded.robot.tool_compliance is None
+    assert "spring" not in {joint.name for joint in loaded.mechanism.joints}
     path = tmp_path / "ifw-tool.toml"
     path.write_text(loaded.text.replace("active = false", "active = true"), encoding="utf-8")
-    assert load_robot(path).robot.tool_compliance[1, 0] == -9.70e-11
+    assert compliance_of(load_robot(path), "spring")[1, 0] == -9.70e-11
 
 
 @pytest.mark.skipif(shutil.which("sha256sum") is None, reason="needs sha256sum")
@@ -382,7 +396,7 @@ def test_digest_is_that_of_the_bytes(robot_path):
 def test_template_loads_and_is_never_overwritten(tmp_path):
     path = tmp_path / "new.toml"
     write_template(path)
-    assert load_robot(path).robot.stroke == pytest.approx((0.2, 0.9))
+    assert load_robot(path).mechanism.poses[[0, -1], 0] == pytest.approx([0.2, 0.9])
     before = path.read_bytes()
     with pytest.raises(InputError, match=r"exists already; must be the name of a new file"):
         write_template(path)

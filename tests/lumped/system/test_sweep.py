@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from lumped.biglide import postures as biglide_postures
 from lumped.errors import ComputationError
 from lumped.mechanism.kinematics.postures import posture
 from lumped.robot_file import load_robot
@@ -15,11 +14,8 @@ from validation.models.options import ModelOptions
 
 
 def postures_of(name):
-    file = load_robot(name)
-    if name == "ifw":
-        robot = file.robot
-        return biglide_postures(robot, robot.stations(5))
-    return [posture(file.mechanism, pose) for pose in file.mechanism.poses[::4]]
+    mechanism = load_robot(name).mechanism
+    return [posture(mechanism, pose) for pose in mechanism.poses[::4]]
 
 
 @pytest.mark.parametrize(

@@ -9,6 +9,7 @@ from fem.sections.section_constants import section_constants
 from lumped.acceptance.requirement import Requirement
 from lumped.legs import ConstantLeg, Leg, Material, tip_compliance
 from lumped.mechanism.body import leg_shape
+from lumped.models.bodies import legs_of
 from lumped.robot_file import load_robot
 from lumped.sections import HollowRectangle, ISection
 from meshes.section.section_mesh import section_mesh
@@ -96,7 +97,7 @@ def test_walls_that_allow_one_section_mesh_leave_its_constants_open() -> None:
 
 
 def test_a_given_leg_is_its_own_reference() -> None:
-    matrix = adequacy(load_robot("ifw").robot.leg1)
+    matrix = adequacy(legs_of(load_robot("ifw").mechanism)["leg1"])
     assert matrix.verdict("vjm") == "adequate"
     entry = matrix.entry("beam", "y")
     assert entry is not None

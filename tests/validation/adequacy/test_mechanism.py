@@ -146,7 +146,7 @@ def test_ends_are_alternatives_until_the_file_says_them():
 def test_long_paths_are_looked_at_in_even_steps():
     robot_file = load_robot("five-bar")
     poses = np.linspace(robot_file.mechanism.poses[0], robot_file.mechanism.poses[-1], 40)
-    longer = replace(robot_file, described=replace(robot_file.mechanism, poses=poses))
+    longer = replace(robot_file, mechanism=replace(robot_file.mechanism, poses=poses))
     shown = [posture.pose for posture in path_postures(Context(longer, "quick"))]
     assert len(shown) == MOST_POSES["quick"]
     assert np.allclose([shown[0], shown[-1]], poses[[0, -1]])

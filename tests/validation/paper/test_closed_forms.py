@@ -7,7 +7,14 @@ from numpy.testing import assert_allclose
 from lumped.robot_file import load_robot
 from validation.models.mechanism import answers
 from validation.paper.closed_forms import drive_compliance, jacobian
-from validation.paper.robot import member, postures_at, stations, stroke_of
+from validation.paper.robot import (
+    frequencies,
+    member,
+    postures_at,
+    stations,
+    stroke_deflections,
+    stroke_of,
+)
 
 
 @pytest.mark.parametrize("alpha", [1.0, 1.7])
@@ -23,6 +30,20 @@ def test_rigid_bodies_on_drives_have_the_compliance_of_equation_1(alpha):
         # eq. (12) with the work balance: the softest direction of J K⁻¹ Jᵀ carries 46 kg
         first = 1.0 / np.sqrt(46.0 * np.linalg.eigvalsh(expected)[-1]) / (2.0 * np.pi)
         assert answer.frequencies[0] == pytest.approx(first, rel=1e-10)
+
+
+def test_deflections_and_frequencies_on_drives_are_the_papers():
+    """Known values: 1.063 µm near x = 0.497 under fx (paper §2.1: below 1.1), 0.503 under fy in
+    the middle, 1.0 at both ends; first frequencies of 713.4 to 756.2 Hz (§3.1: above 710)."""
+    robot = load_robot("ifw")
+    x = stations(robot.mechanism, 201)
+    found = stroke_deflections("simplified", robot, 201)
+    assert found.planar_x.max() == pytest.approx(1.063, abs=0.0005)
+    # The maximum is flat: 0.01 m beside it the deflection has changed by its fourth digit.
+    assert x[found.planar_x.argmax()] == pytest.approx(0.497, abs=0.01)
+    assert found.planar_y[[0, 100, -1]] == pytest.approx([1.0, 0.503, 1.0], abs=0.0005)
+    first = frequencies("simplified", robot, x, 1)
+    assert [first.min(), first.max()] == pytest.approx([713.4, 756.2], abs=0.05)
 
 
 def test_both_ends_of_the_stroke_hold_b_along_x():

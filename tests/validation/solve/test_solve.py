@@ -9,6 +9,7 @@ import pytest
 
 from lumped.legs import ConstantLeg, Material, equivalent_leg
 from lumped.mechanism.body import Prism
+from lumped.models.bodies import legs_of
 from lumped.robot_file import load_robot
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Tube
 from lumped.system.joint_motion import Portion
@@ -221,7 +222,7 @@ def test_a_coarse_round_leg_says_how_wrong_it_is(robot, capsys):
 
 def test_a_mesh_that_nothing_stands_beside_says_so(robot, capsys, monkeypatch):
     arguments = ["solve", robot, "--model", "solid", "--leg", "2", "--divisions", "2"]
-    leg = equivalent_leg(load_robot(robot).robot.leg2)
+    leg = equivalent_leg(legs_of(load_robot(robot).mechanism)["leg2"])
     only = 1.2 * solid_cost((leg,), 2, 6).memory
     monkeypatch.setattr("validation.solve.cost.available_memory", lambda: only)
     assert cli.main(arguments) == 0
