@@ -64,7 +64,7 @@ LOOKS: Mapping[str, Look] = {
     "mass and inertia as given, free": Look(BLACK, "+", "--"),
     "measured": Look(BLACK, "d", "none"),
 }
-# Names in figures of the biglide, whose virtual joints stand for legs of constant section there.
+# Names in the figures of the paper, whose virtual joints stand for legs of constant section.
 _AS_WELL = {
     "VJM": "vjm-equivalent",
     "VJM, Timoshenko": "vjm-equivalent",

@@ -38,8 +38,8 @@ from validation.variations.robots import VariedRobot
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
 ROCKER, TAPERED = (EXAMPLES / name / "robot.toml" for name in ("rocker", "tapered-biglide"))
-# What serves messages alone: the name of a leg.
-NAME_ALONE = re.compile(r"leg\w*\]?\.name$")
+# What serves messages alone: the name of a leg that is no body of a mechanism.
+NAME_ALONE = re.compile(r"(?<!bodies\[)leg\w*\]?\.name$")
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 LEG = ConstantLeg(0.85, HollowRectangle(0.10, 0.16, 0.008), STEEL)
 
