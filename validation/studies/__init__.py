@@ -1,4 +1,4 @@
-"""Studies over strokes, meshes and choices of legs: what cases and figures rest on.
+"""Second mathematics beside the models: Ritz's method, waves in legs, legs made ever longer.
 
-Robots and models go in; deflections, frequencies, paired modes, orders and decisions come out.
+Postures and legs go in; compliances, frequencies and the exponents of what ends do come out.
 """
