@@ -122,6 +122,17 @@ def test_equal_bodies_are_reduced_once():
     assert len(shapes) == len(sections)
 
 
+def test_a_leg_carries_the_printed_joint_at_its_tip_and_no_fixed_one():
+    """The platform of the paper's robot is fixed to the tip of leg 1, leg 2 hinged there."""
+    mechanism = load_robot("ifw").mechanism
+    joints = [
+        replace(joint, first=joint.second, second=joint.first) if joint.name == "seat" else joint
+        for joint in mechanism.joints
+    ]
+    legs = constant_legs(replace(mechanism, joints=joints), ModelOptions(release="printed"))
+    assert {name: own.release for name, _, own in legs} == {"leg1": "condensed", "leg2": "printed"}
+
+
 def test_simplified_has_the_modes_of_what_is_rigid():
     """Rigid platform of the hexapod on six drives: its legs have no mass in this model."""
     at = reference_posture(load_robot("hexapod").mechanism)
