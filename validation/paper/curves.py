@@ -1,7 +1,8 @@
 """Figures 3 to 13 of the paper with all models in the same axes."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
+from typing import TypeVar
 
 import numpy as np
 
@@ -33,14 +34,15 @@ from validation.paper.robot import (
     FIGURE_POINTS,
     LOAD,
     Deflections,
+    Places,
     deflections,
-    family_deflections,
-    family_frequencies,
+    family,
     frequencies,
     stroke_of,
 )
 from validation.report.figures.declared import FigureGroup, Shown, compared_with, curves
 
+T = TypeVar("T")
 _MODES = 2
 _POSTURES: Mapping[Preset, int] = {"quick": 21, "standard": 41, "fine": 81}
 _LOADS = {
@@ -60,7 +62,7 @@ over_family = FigureGroup(FAMILY, "paper.figures")
 )
 def simplified_deflections(context: Context) -> Shown:
     """Two panels on logarithmic axes: a force along x and one along y."""
-    x, found = _deflections_over_the_stroke(context, (SIMPLIFIED, BEAM))
+    x, found = _over_the_stroke(context, (SIMPLIFIED, BEAM), _deflections)
     simple, beam = found[SIMPLIFIED], found[BEAM]
     high = beam.largest_planar
     scale = partial(plain_log, low=high / 100.0, high=1.6 * high)
@@ -86,7 +88,7 @@ def simplified_deflections(context: Context) -> Shown:
 )
 def all_deflections(context: Context) -> Shown:
     """Three panels: planar under a force along x, along y, and out of the plane."""
-    x, found = _deflections_over_the_stroke(context, (SIMPLIFIED, GIVEN, *ONE_FORMULATION))
+    x, found = _over_the_stroke(context, (SIMPLIFIED, GIVEN, *ONE_FORMULATION), _deflections)
     panels = [
         _panel(found, x, name, from_zero, "" if place else "deflection (µm)", GIVEN)
         for place, name in enumerate(_LOADS)
@@ -113,15 +115,7 @@ def all_deflections(context: Context) -> Shown:
 )
 def deflections_of_the_family(context: Context) -> Shown:
     """A column of panels for each point of the stroke, a row for each load."""
-    found = {
-        point: {
-            line: context.get(
-                family_deflections, line.model, context.robot_file, ALPHAS, fraction, line.options
-            )
-            for line in (SIMPLIFIED, *ONE_FORMULATION)
-        }
-        for point, fraction in FIGURE_POINTS.items()
-    }
+    found = _over_the_family(context, (SIMPLIFIED, *ONE_FORMULATION), _deflections)
     panels = []
     for name, (load, meaning) in _LOADS.items():
         top = largest(getattr(one, name) for at in found.values() for one in at.values())
@@ -147,7 +141,7 @@ def deflections_of_the_family(context: Context) -> Shown:
 )
 def simplified_frequency(context: Context) -> Shown:
     """Left all models on a logarithmic axis, right the simplified one alone."""
-    x, found = _frequencies_over_the_stroke(context, DYNAMIC)
+    x, found = _over_the_stroke(context, DYNAMIC, _frequencies)
     first = _of_modes(found, x, 1)
     alone = [one for one in first if one.label == SIMPLIFIED.label]
     panels = [
@@ -172,7 +166,7 @@ def simplified_frequency(context: Context) -> Shown:
 )
 def refined_frequencies(context: Context) -> Shown:
     """Both frequencies of segments and beams in one pair of axes, with the printed eq. (25)."""
-    x, found = _frequencies_over_the_stroke(context, (SEGMENTS, PRINTED, BEAM))
+    x, found = _over_the_stroke(context, (SEGMENTS, PRINTED, BEAM), _frequencies)
     beam, printed = (found[line][len(x) // 2] for line in (BEAM, PRINTED))
     series = _of_modes(found, x, _MODES)
     panel = Panel(series, y_label=_BOTH, scale=from_zero, notes=list(_numbers(x, found)))
@@ -195,7 +189,7 @@ def refined_frequencies(context: Context) -> Shown:
 )
 def simplified_family(context: Context) -> Shown:
     """First frequency against α at three points, logarithmic axes."""
-    found = _frequencies_of_the_family(context, DYNAMIC)
+    found = _over_the_family(context, DYNAMIC, _frequencies)
     series = {point: _of_modes(at, np.array(ALPHAS), 1) for point, at in found.items()}
     scale = hertz([one for at in series.values() for one in at])
     simple, beam = found["centre"][SIMPLIFIED][:, 0], found["centre"][BEAM][:, 0]
@@ -214,7 +208,7 @@ def simplified_family(context: Context) -> Shown:
 )
 def refined_family(context: Context) -> Shown:
     """Both frequencies against α at three points."""
-    found = _frequencies_of_the_family(context, (SEGMENTS, BEAM))
+    found = _over_the_family(context, (SEGMENTS, BEAM), _frequencies)
     first, second = found["centre"][BEAM].T
     apart = max(spread(list(at.values())) for at in found.values())
     top = largest(values for at in found.values() for values in at.values())
@@ -236,41 +230,32 @@ def refined_family(context: Context) -> Shown:
     )
 
 
-def _stations(context: Context) -> Array:
-    ends = stroke_of(context.robot_file.mechanism).ends
-    return cosine_spaced(*ends, _POSTURES[context.preset])
+def _deflections(context: Context, line: Line, places: Sequence[Places]) -> Deflections:
+    return context.get(deflections, line.model, places, line.options)
 
 
-def _deflections_over_the_stroke(
-    context: Context, lines: Sequence[Line]
-) -> tuple[Array, dict[Line, Deflections]]:
-    x = _stations(context)
-    return x, {
-        line: context.get(deflections, line.model, context.robot_file, x, line.options)
-        for line in lines
-    }
+def _frequencies(context: Context, line: Line, places: Sequence[Places]) -> Array:
+    return context.get(frequencies, line.model, places, _MODES, line.options)
 
 
-def _frequencies_over_the_stroke(
-    context: Context, lines: Sequence[Line]
-) -> tuple[Array, dict[Line, Array]]:
-    x = _stations(context)
-    return x, {
-        line: context.get(frequencies, line.model, context.robot_file, x, _MODES, line.options)
-        for line in lines
-    }
+def _over_the_stroke(
+    context: Context, lines: Sequence[Line], found: Callable[[Context, Line, Sequence[Places]], T]
+) -> tuple[Array, dict[Line, T]]:
+    """Positions x of B (m), and what each line's model says there."""
+    mechanism = context.robot_file.mechanism
+    x = cosine_spaced(*stroke_of(mechanism).ends, _POSTURES[context.preset])
+    return x, {line: found(context, line, (Places(mechanism, x),)) for line in lines}
 
 
-def _frequencies_of_the_family(
-    context: Context, lines: Sequence[Line]
-) -> dict[str, dict[Line, Array]]:
-    def at(line: Line, fraction: float) -> Array:
-        of = context.robot_file, ALPHAS, fraction, _MODES, line.options
-        return context.get(family_frequencies, line.model, *of)
-
+def _over_the_family(
+    context: Context, lines: Sequence[Line], found: Callable[[Context, Line, Sequence[Places]], T]
+) -> dict[str, dict[Line, T]]:
+    """What each line's model says of the family, by point of the stroke."""
+    points = FIGURE_POINTS.items()
+    members = {point: context.get(family, context.robot_file, at) for point, at in points}
     return {
-        point: {line: at(line, fraction) for line in lines}
-        for point, fraction in FIGURE_POINTS.items()
+        point: {line: found(context, line, places) for line in lines}
+        for point, places in members.items()
     }
 
 

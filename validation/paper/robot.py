@@ -5,6 +5,7 @@ The mechanism's bodies and joints have the paper's words here: leg 1 and leg 2, 
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 
 import numpy as np
 
@@ -39,6 +40,19 @@ _MICRO = 1e6
 # The centreline's modes up to the tenth half wave are integrated to better than 1e-3.
 _CENTRELINE_POINTS = 24
 _WORDS = {"leg1": "leg 1", "leg2": "leg 2", "foot1": "foot 1", "foot2": "foot 2"}
+
+
+@dataclass(frozen=True)
+class Places:
+    """One robot with B at each `x` (m)."""
+
+    mechanism: Mechanism
+    x: Array
+
+    @property
+    def postures(self) -> list[Posture]:
+        """The robot's posture for each x."""
+        return [posture(self.mechanism, np.array([station])) for station in self.x]
 
 
 @dataclass(frozen=True)
@@ -111,128 +125,68 @@ def stroke_of(mechanism: Mechanism) -> Stroke:
     return Stroke(float(mechanism.reference["slide2"].position[0]), *lengths)
 
 
-def stations(mechanism: Mechanism, count: int) -> Array:
-    """`count` positions x of B (m), evenly over the stroke, both ends included."""
-    return np.linspace(*stroke_of(mechanism).ends, count)
+def over_stroke(mechanism: Mechanism, count: int) -> tuple[Places]:
+    """`count` positions of B evenly over the stroke, both ends included."""
+    return (Places(mechanism, np.linspace(*stroke_of(mechanism).ends, count)),)
 
 
-def postures_at(mechanism: Mechanism, x: Sequence[float] | Array) -> list[Posture]:
-    """The postures with B at each x (m)."""
-    return [posture(mechanism, np.array([station])) for station in x]
+def family(
+    robot_file: RobotFile, fraction: float, alphas: Sequence[float] = ALPHAS
+) -> tuple[Places, ...]:
+    """The members of the family with B at a fraction of the stroke (0 left, 1 right)."""
+    members = [member(robot_file, alpha).mechanism for alpha in alphas]
+    ends = [stroke_of(one).ends for one in members]
+    x = [np.array([first + fraction * (last - first)]) for first, last in ends]
+    return tuple(map(Places, members, x))
 
 
 def compliances(
-    model: ModelName,
-    robot_file: RobotFile,
-    x: Array,
-    options: ModelOptions = DEFAULT_OPTIONS,
+    model: ModelName, places: Sequence[Places], options: ModelOptions = DEFAULT_OPTIONS
 ) -> Array:
-    """Compliances (m×6×6, SI, base axes) with B at each x (m)."""
-    places = postures_at(robot_file.mechanism, x)
-    return np.array([answer.compliance for answer in answers(model, places, 0, options)])
+    """Compliances (m×6×6, SI, base axes) in all places."""
+    found = (answers(model, at.postures, 0, options) for at in places)
+    return np.array([answer.compliance for answer in chain(*found)])
 
 
 def deflections(
-    model: ModelName,
-    robot_file: RobotFile,
-    x: Array,
-    options: ModelOptions = DEFAULT_OPTIONS,
+    model: ModelName, places: Sequence[Places], options: ModelOptions = DEFAULT_OPTIONS
 ) -> Deflections:
-    """Deflections with B at each x (m)."""
-    return _deflections(model, compliances(model, robot_file, x, options))
-
-
-def stroke_deflections(
-    model: ModelName,
-    robot_file: RobotFile,
-    count: int,
-    options: ModelOptions = DEFAULT_OPTIONS,
-) -> Deflections:
-    """Deflections at `count` postures evenly over the stroke."""
-    return deflections(model, robot_file, stations(robot_file.mechanism, count), options)
+    """Deflections in all places."""
+    scale = LOAD * _MICRO
+    found = compliances(model, places, options)
+    planar = np.linalg.norm(found[:, :2, :2], axis=1) * scale
+    along_z = found[:, 2, 2] * (np.nan if model == "simplified" else scale)
+    return Deflections(planar[:, 0], planar[:, 1], along_z)
 
 
 def frequencies(
     model: ModelName,
-    robot_file: RobotFile,
-    x: Array,
+    places: Sequence[Places],
     count: int,
     options: ModelOptions = DEFAULT_OPTIONS,
 ) -> Array:
-    """First frequencies (m×count, Hz) with B at each x (m), infinite where nothing gives way."""
-    places = postures_at(robot_file.mechanism, x)
-    found = np.full((len(places), count), np.inf)
-    for row, answer in zip(found, answers(model, places, count, options), strict=True):
-        row[: len(answer.frequencies)] = answer.frequencies
-    return found
-
-
-def family_compliances(
-    model: ModelName,
-    robot_file: RobotFile,
-    alphas: tuple[float, ...],
-    fraction: float,
-    options: ModelOptions = DEFAULT_OPTIONS,
-) -> Array:
-    """Compliances (m×6×6) of the family at a fraction of the stroke (0 left, 1 right)."""
-    members = (_member_at(robot_file, alpha, fraction) for alpha in alphas)
-    return np.concatenate([compliances(model, of, x, options) for of, x in members])
-
-
-def family_deflections(
-    model: ModelName,
-    robot_file: RobotFile,
-    alphas: tuple[float, ...],
-    fraction: float,
-    options: ModelOptions = DEFAULT_OPTIONS,
-) -> Deflections:
-    """Deflections of the family at a fraction of the stroke."""
-    return _deflections(model, family_compliances(model, robot_file, alphas, fraction, options))
-
-
-def family_frequencies(
-    model: ModelName,
-    robot_file: RobotFile,
-    alphas: tuple[float, ...],
-    fraction: float,
-    count: int,
-    options: ModelOptions = DEFAULT_OPTIONS,
-) -> Array:
-    """First frequencies (m×count, Hz) of the family at a fraction of the stroke."""
-    members = (_member_at(robot_file, alpha, fraction) for alpha in alphas)
-    return np.concatenate([frequencies(model, of, x, count, options) for of, x in members])
-
-
-def family_modes(
-    robot_file: RobotFile,
-    alphas: tuple[float, ...],
-    fraction: float,
-    count: int,
-    options: ModelOptions = DEFAULT_OPTIONS,
-) -> list[Modes]:
-    """Modes of the family in segments, a fraction of the stroke from its left end."""
-    members = [_member_at(robot_file, alpha, fraction) for alpha in alphas]
-    return [modes("segments", of, x, count, options)[0] for of, x in members]
+    """First frequencies (m×count, Hz) in all places, infinite where nothing gives way."""
+    found = chain(*(answers(model, at.postures, count, options) for at in places))
+    rows = [answer.frequencies for answer in found]
+    return np.array([np.pad(row, (0, count - len(row)), constant_values=np.inf) for row in rows])
 
 
 def modes(
     model: ModelName,
-    robot_file: RobotFile,
-    x: Array,
+    places: Sequence[Places],
     count: int,
     options: ModelOptions = DEFAULT_OPTIONS,
 ) -> list[Modes]:
-    """The lowest `count` modes with B at each x (m), shares of energy beside them."""
-    places = postures_at(robot_file.mechanism, x)
-    return [_told(found) for found in mechanism_modes(model, places, count, options)]
+    """The lowest `count` modes in all places, shares of energy beside them."""
+    found = (mechanism_modes(model, at.postures, count, options) for at in places)
+    return [_told(one) for one in chain(*found)]
 
 
-def unreduced_modes(robot_file: RobotFile, x: float, count: int, divisions: int) -> Modes:
-    """The lowest `count` modes with B at `x` (m), legs as solids on all their unknowns.
+def unreduced_modes(at: Posture, count: int, divisions: int) -> Modes:
+    """The lowest `count` modes in a posture, legs as solids on all their unknowns.
 
     Sixty modes of such solids take less time than bodies reduced for the last of them.
     """
-    (at,) = postures_at(robot_file.mechanism, [x])
     solids = {
         name: solid_leg_matrices(meshed_leg(equivalent_leg(leg), divisions))
         for name, leg in legs_of(at.mechanism).items()
@@ -257,19 +211,6 @@ def _told(found: PostureModes) -> Modes:
         kinetic=_kinetic_shares(found.posture.mechanism, found),
         strain={_in_words(part): share for part, share in found.strain.items()},
     )
-
-
-def _member_at(robot_file: RobotFile, alpha: float, fraction: float) -> tuple[RobotFile, Array]:
-    of = member(robot_file, alpha)
-    first, last = stroke_of(of.mechanism).ends
-    return of, np.array([first + fraction * (last - first)])
-
-
-def _deflections(model: ModelName, compliances: Array) -> Deflections:
-    scale = LOAD * _MICRO
-    planar = np.linalg.norm(compliances[:, :2, :2], axis=1) * scale
-    along_z = compliances[:, 2, 2] * (np.nan if model == "simplified" else scale)
-    return Deflections(planar[:, 0], planar[:, 1], along_z)
 
 
 def _kinetic_shares(mechanism: Mechanism, found: PostureModes) -> dict[str, Array]:

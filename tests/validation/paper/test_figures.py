@@ -12,7 +12,7 @@ from validation import paper
 from validation.context import Context
 from validation.paper.charts import accuracy, cosine_spaced, spread
 from validation.paper.curves import refined_frequencies, simplified_deflections
-from validation.paper.robot import postures_at
+from validation.paper.robot import Places
 
 
 @pytest.fixture(scope="module")
@@ -25,7 +25,9 @@ def test_stations_reach_both_ends_and_the_centre(context):
     assert (x[0], x[10], x[-1]) == pytest.approx((0.145, 0.4975, 0.85), rel=1e-12)
     assert (np.diff(x) > 0.0).all()
     # Every posture is one of the robot's: none is outside by rounding.
-    assert [at.pose[0] for at in postures_at(context.robot_file.mechanism, x)] == pytest.approx(x)
+    assert [at.pose[0] for at in Places(context.robot_file.mechanism, x).postures] == pytest.approx(
+        x
+    )
 
 
 def test_how_far_curves_are_apart():

@@ -9,18 +9,20 @@ from lumped.robot_file import load_robot
 from validation.models.options import ModelOptions
 from validation.paper.robot import (
     FEET,
+    Places,
     changed,
-    family_deflections,
-    family_modes,
+    deflections,
+    family,
     frequencies,
     member,
     modes,
-    stations,
+    over_stroke,
     stroke_of,
     unreduced_modes,
 )
 
 ROBOT = load_robot("ifw")
+CENTRE = Places(ROBOT.mechanism, np.array([0.4975]))
 
 
 def on_drives(stroke, x):
@@ -36,7 +38,7 @@ def on_drives(stroke, x):
 
 @pytest.mark.parametrize("fraction", [0.1, 0.8])
 def test_the_family_on_drives_is_virtual_power(fraction):
-    found = family_deflections("simplified", ROBOT, (1.1, 1.25), fraction)
+    found = deflections("simplified", family(ROBOT, fraction, (1.1, 1.25)))
     given = stroke_of(ROBOT.mechanism)
     for place, alpha in enumerate((1.1, 1.25)):
         stroke = stroke_of(member(ROBOT, alpha).mechanism)
@@ -52,14 +54,14 @@ def test_the_family_on_drives_is_virtual_power(fraction):
 def test_longer_legs_are_stiffer_in_the_plane_and_softer_along_z():
     """Known values, α = 1 and 2 at the centre, to half a unit of the last digit (physics notes)."""
     slender = ModelOptions(legs="equivalent", theory="euler-bernoulli")
-    found = family_deflections("vjm", ROBOT, (1.0, 2.0), 0.5, slender)
+    found = deflections("vjm", family(ROBOT, 0.5, (1.0, 2.0)), slender)
     assert found.planar_x == pytest.approx([7.3, 3.0], abs=0.05)
     assert found.along_z == pytest.approx([23.0, 85.0], abs=0.5)
 
 
 @pytest.mark.parametrize("model", ["segments", "beam"])
 def test_shares_of_energy_sum_to_one_and_have_the_papers_words(model):
-    (found,) = modes(model, ROBOT, np.array([0.4975]), 4)
+    (found,) = modes(model, (CENTRE,), 4)
     for shares in (found.strain, found.kinetic):
         assert_allclose(sum(shares.values()), 1.0)
         assert np.min(list(shares.values())) >= -1e-9
@@ -72,9 +74,8 @@ def test_shares_of_energy_sum_to_one_and_have_the_papers_words(model):
 
 
 def test_solids_on_all_their_unknowns_have_the_modes_of_reduced_ones():
-    x = 0.4975
-    whole = unreduced_modes(ROBOT, x, 4, 1)
-    (reduced,) = modes("solid", ROBOT, np.array([x]), 4, ModelOptions(divisions=1))
+    whole = unreduced_modes(CENTRE.postures[0], 4, 1)
+    (reduced,) = modes("solid", (CENTRE,), 4, ModelOptions(divisions=1))
     # The modes that the reduction drops lie above 2.5 times the highest of these.
     assert_allclose(whole.frequencies, reduced.frequencies, rtol=1e-6)
     assert_allclose(whole.in_the_feet, reduced.in_the_feet, atol=1e-5)
@@ -82,16 +83,14 @@ def test_solids_on_all_their_unknowns_have_the_modes_of_reduced_ones():
 
 
 def test_modes_of_the_family_are_those_of_its_members():
-    found = family_modes(ROBOT, (1.0, 1.5), 0.5, 2)
+    found = modes("segments", family(ROBOT, 0.5, (1.0, 1.5)), 2)
     for alpha, of in zip((1.0, 1.5), found, strict=True):
-        robot = member(ROBOT, alpha)
-        x = stations(robot.mechanism, 3)[1:2]
-        assert_allclose(of.frequencies, frequencies("segments", robot, x, 2)[0], rtol=1e-9)
+        places = over_stroke(member(ROBOT, alpha).mechanism, 3)
+        assert_allclose(of.frequencies, frequencies("segments", places, 2)[1], rtol=1e-9)
 
 
 def test_both_ends_of_the_stroke_are_rigid_along_x_on_drives():
-    x = stations(ROBOT.mechanism, 2)
-    found = frequencies("simplified", ROBOT, x, 2)
+    found = frequencies("simplified", over_stroke(ROBOT.mechanism, 2), 2)
     assert_allclose(found[:, 0], np.sqrt(1.0e9 / 46.0) / (2.0 * np.pi), rtol=1e-7)
     assert np.isinf(found[:, 1]).all()
 

@@ -10,11 +10,11 @@ from validation.models.options import ModelName, ModelOptions
 from validation.paper.robot import (
     ALPHAS,
     FIGURE_POINTS,
-    family_deflections,
-    family_frequencies,
+    deflections,
+    family,
+    frequencies,
     member,
-    stroke_deflections,
-    stroke_of,
+    over_stroke,
     unreduced_modes,
 )
 from validation.paper.statements.statement import Compute, Statement
@@ -37,10 +37,10 @@ def _contradiction(objective: str) -> Compute:
     def compute(context: Context, _reading: ModelOptions) -> Measurement:
         def curve(model: ModelName, divisions: int = _COARSE) -> Array:
             options = ModelOptions(divisions=divisions)
-            at = context.robot_file, _MEMBERS, FIGURE_POINTS["centre"]
+            members = context.get(family, context.robot_file, FIGURE_POINTS["centre"], _MEMBERS)
             if objective == "frequency":
-                return context.get(family_frequencies, model, *at, 1, options)[:, 0]
-            found = context.get(family_deflections, model, *at, options)
+                return context.get(frequencies, model, members, 1, options)[:, 0]
+            found = context.get(deflections, model, members, options)
             return found.planar_x if model == "simplified" else found.along_z
 
         simple, solid = curve("simplified"), curve("solid", _DIVISIONS[context.preset])
@@ -61,14 +61,10 @@ def _contradiction(objective: str) -> Compute:
 
 
 def _longest(context: Context, _reading: ModelOptions) -> Measurement:
-    worst = np.array(
-        [
-            context.get(
-                stroke_deflections, "simplified", member(context.robot_file, alpha), _POSTURES
-            ).largest_planar
-            for alpha in ALPHAS
-        ]
-    )
+    members = (member(context.robot_file, alpha).mechanism for alpha in ALPHAS)
+    strokes = (over_stroke(mechanism, _POSTURES) for mechanism in members)
+    found = [context.get(deflections, "simplified", places) for places in strokes]
+    worst = np.array([one.largest_planar for one in found])
     best = [ALPHAS[number] for number in equally_good(worst, "deflection")]
     return Measurement(
         best[-1],
@@ -79,11 +75,10 @@ def _longest(context: Context, _reading: ModelOptions) -> Measurement:
 
 
 def _due_to_actuators(context: Context, _reading: ModelOptions) -> Measurement:
-    centre = stroke_of(context.robot_file.mechanism).centre
+    _, centre, _ = over_stroke(context.robot_file.mechanism, 3)[0].postures
     divisions = _DIVISIONS[context.preset]
     coarse, fine = (
-        context.get(unreduced_modes, context.robot_file, centre, _SIXTY, number)
-        for number in (_COARSE, divisions)
+        context.get(unreduced_modes, centre, _SIXTY, number) for number in (_COARSE, divisions)
     )
     counts = [float(np.sum(found.in_the_feet > _ALONE)) for found in (fine, coarse)]
     feet = fine.in_the_feet

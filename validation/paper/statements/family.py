@@ -1,5 +1,8 @@
 """Statements about robots with longer legs and the same stroke (paper §2.3 and §3.3)."""
 
+from collections.abc import Callable
+from dataclasses import replace
+
 import numpy as np
 
 from lumped.arrays import Array
@@ -11,10 +14,12 @@ from validation.paper.robot import (
     FIGURE_POINTS,
     Deflections,
     Modes,
-    family_compliances,
-    family_deflections,
-    family_frequencies,
-    family_modes,
+    Places,
+    compliances,
+    deflections,
+    family,
+    frequencies,
+    modes,
 )
 from validation.paper.statements.statement import FORMULAS, Compute, Statement
 from validation.variations.decision import spearman
@@ -34,27 +39,48 @@ def _trend(curve: Array) -> float:
     return 0.0 if np.ptp(steps) <= 1.0 else spearman(np.array(ALPHAS), steps)
 
 
-def _family(context: Context, model: ModelName, point: str) -> Deflections:
-    fraction = FIGURE_POINTS[point]
-    return context.get(family_deflections, model, context.robot_file, ALPHAS, fraction, EQUIVALENT)
+def _members(context: Context, point: str) -> tuple[Places, ...]:
+    return context.get(family, context.robot_file, FIGURE_POINTS[point])
+
+
+def _deflected(context: Context, point: str, model: ModelName = "vjm") -> Deflections:
+    return context.get(deflections, model, _members(context, point), EQUIVALENT)
 
 
 def _simplified(context: Context, point: str) -> Array:
-    fraction = FIGURE_POINTS[point]
-    found = context.get(family_frequencies, "simplified", context.robot_file, ALPHAS, fraction, 1)
-    return found[:, 0]
+    return context.get(frequencies, "simplified", _members(context, point), 1)[:, 0]
 
 
 def _modes(context: Context, point: str, reading: ModelOptions) -> list[Modes]:
-    return context.get(family_modes, context.robot_file, ALPHAS, FIGURE_POINTS[point], 2, reading)
+    return context.get(modes, "segments", _members(context, point), 2, reading)
 
 
-def _planar_falls(context: Context, _reading: ModelOptions) -> Measurement:
-    found = {point: _family(context, "vjm", point).planar_x for point in FIGURE_POINTS}
-    return Measurement(
-        _trend(found["centre"]),
-        reference=-1.0,
-        exact=True,
+def _trend_of(curve: Callable[[Context, ModelOptions], Array], reference: float) -> Compute:
+    def compute(context: Context, reading: ModelOptions) -> Measurement:
+        return Measurement(_trend(curve(context, reading)), reference=reference, exact=True)
+
+    return compute
+
+
+def _deflection_trend(name: str, point: str, reference: float) -> Compute:
+    return _trend_of(lambda context, _: getattr(_deflected(context, point), name), reference)
+
+
+def _simplified_trend(point: str) -> Compute:
+    return _trend_of(lambda context, _: _simplified(context, point), 1.0)
+
+
+def _frequency_trend(mode: int, point: str) -> Compute:
+    def curve(context: Context, reading: ModelOptions) -> Array:
+        return np.array([one.frequencies[mode] for one in _modes(context, point, reading)])
+
+    return _trend_of(curve, -1.0)
+
+
+def _planar_falls(context: Context, reading: ModelOptions) -> Measurement:
+    found = {point: _deflected(context, point).planar_x for point in FIGURE_POINTS}
+    return replace(
+        _deflection_trend("planar_x", "centre", -1.0)(context, reading),
         notes=(
             "At the ends of the stroke, where one leg carries the force along its axis, the "
             f"deflection is small and grows with the leg: {found['left'][0]:.2f} to "
@@ -66,38 +92,12 @@ def _planar_falls(context: Context, _reading: ModelOptions) -> Measurement:
     )
 
 
-def _deflection_trend(attribute: str, point: str, reference: float) -> Compute:
-    def compute(context: Context, _reading: ModelOptions) -> Measurement:
-        curve = getattr(_family(context, "vjm", point), attribute)
-        return Measurement(_trend(curve), reference=reference, exact=True)
-
-    return compute
-
-
-def _simplified_trend(point: str) -> Compute:
-    def compute(context: Context, _reading: ModelOptions) -> Measurement:
-        return Measurement(_trend(_simplified(context, point)), reference=1.0, exact=True)
-
-    return compute
-
-
-def _frequency_trend(mode: int, point: str) -> Compute:
-    def compute(context: Context, reading: ModelOptions) -> Measurement:
-        found = [one.frequencies[mode] for one in _modes(context, point, reading)]
-        return Measurement(_trend(np.array(found)), reference=-1.0, exact=True)
-
-    return compute
-
-
-def _simplified_rises(context: Context, _reading: ModelOptions) -> Measurement:
-    found = {point: _simplified(context, point) for point in FIGURE_POINTS}
-    return Measurement(
-        _trend(found["centre"]),
-        reference=1.0,
-        exact=True,
+def _simplified_rises(context: Context, reading: ModelOptions) -> Measurement:
+    return replace(
+        _simplified_trend("centre")(context, reading),
         notes=(
             "At both ends of the stroke the simplified first frequency does not depend on α: "
-            f"{found['left'][0]:.1f} Hz throughout.",
+            f"{_simplified(context, 'left')[0]:.1f} Hz throughout.",
         ),
     )
 
@@ -106,14 +106,8 @@ def _across(loads: tuple[int, ...], directions: tuple[int, ...]) -> Compute:
     """Largest displacement along `directions` under unit `loads`, in % of that along the load."""
 
     def compute(context: Context, _reading: ModelOptions) -> Measurement:
-        found = np.concatenate(
-            [
-                context.get(
-                    family_compliances, "vjm", context.robot_file, ALPHAS, fraction, EQUIVALENT
-                )
-                for fraction in FIGURE_POINTS.values()
-            ]
-        )
+        everywhere = [at for point in FIGURE_POINTS for at in _members(context, point)]
+        found = context.get(compliances, "vjm", everywhere, EQUIVALENT)
         largest = max(
             np.max(np.linalg.norm(found[:, directions, load], axis=1))
             / np.max(np.linalg.norm(found[:, _plane_or_z(load), load], axis=1))
@@ -147,7 +141,7 @@ def _lowest_two(point: str) -> Compute:
 
 def _stiffest(context: Context, _reading: ModelOptions) -> Measurement:
     def best(model: ModelName) -> float:
-        found = _family(context, model, "centre")
+        found = _deflected(context, "centre", model)
         planar = np.maximum(found.planar_x, found.planar_y)
         worst = planar if model == "simplified" else np.maximum(planar, found.along_z)
         chosen: float = ALPHAS[int(np.argmin(worst))]

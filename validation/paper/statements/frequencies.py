@@ -18,7 +18,7 @@ from validation.models.options import (
     ModelName,
     ModelOptions,
 )
-from validation.paper.robot import Modes, frequencies, legs, modes, stations, stroke_of
+from validation.paper.robot import Modes, Places, frequencies, legs, modes, over_stroke, stroke_of
 from validation.paper.statements.statement import (
     AS_CORRECTED,
     AS_PRINTED,
@@ -36,23 +36,24 @@ _SIXTY = 60
 
 def _simplified_frequency(context: Context, _reading: ModelOptions) -> Measurement:
     def lowest(postures: int) -> float:
-        x = stations(context.robot_file.mechanism, postures)
-        return float(context.get(frequencies, "simplified", context.robot_file, x, 1).min())
+        places = over_stroke(context.robot_file.mechanism, postures)
+        return float(context.get(frequencies, "simplified", places, 1).min())
 
     return sampled(lowest, reference=710.0)
 
 
 def _over_the_stroke(context: Context, reading: ModelOptions) -> Sequence[Modes]:
     """The first two modes in segments at nine postures."""
-    x = stations(context.robot_file.mechanism, _STATIONS)
-    return context.get(modes, "segments", context.robot_file, x, 2, reading)
+    places = over_stroke(context.robot_file.mechanism, _STATIONS)
+    return context.get(modes, "segments", places, 2, reading)
 
 
 def _at_the_centre(
     context: Context, reading: ModelOptions, count: int, model: ModelName = "segments"
 ) -> Modes:
-    x = np.array([stroke_of(context.robot_file.mechanism).centre])
-    (found,) = context.get(modes, model, context.robot_file, x, count, reading)
+    mechanism = context.robot_file.mechanism
+    centre = Places(mechanism, np.array([stroke_of(mechanism).centre]))
+    (found,) = context.get(modes, model, (centre,), count, reading)
     return found
 
 

@@ -6,11 +6,11 @@ from dataclasses import replace
 import numpy as np
 
 from lumped.arrays import Array
-from lumped.robot_file.load import as_printed
+from lumped.robot_file import RobotFile, as_printed
 from validation.case import Absolute, Measurement, Relation
 from validation.context import Context
 from validation.models.options import ModelOptions
-from validation.paper.robot import Deflections, changed, stroke_deflections
+from validation.paper.robot import Deflections, changed, deflections, over_stroke
 from validation.paper.statements.statement import POSTURES, Compute, Statement, sampled
 
 # L_Tool of the appendix (m): from B to the tool's point P.
@@ -20,11 +20,16 @@ _PLACE = 100.0 / (POSTURES - 1)
 
 
 def _simplified(context: Context, postures: int = POSTURES) -> Deflections:
-    return context.get(stroke_deflections, "simplified", context.robot_file, postures)
+    places = over_stroke(context.robot_file.mechanism, postures)
+    return context.get(deflections, "simplified", places)
 
 
-def _refined(context: Context, postures: int = POSTURES) -> Deflections:
-    return context.get(stroke_deflections, "vjm", context.robot_file, postures)
+def _refined(
+    context: Context, postures: int = POSTURES, other: RobotFile | None = None
+) -> Deflections:
+    """By virtual joints, of the paper's robot or another."""
+    robot_file = other or context.robot_file
+    return context.get(deflections, "vjm", over_stroke(robot_file.mechanism, postures))
 
 
 def _largest_simplified(context: Context, _reading: ModelOptions) -> Measurement:
@@ -54,7 +59,7 @@ def _refined_over_simplified(context: Context, _reading: ModelOptions) -> Measur
 
 def _z_over_planar(context: Context, _reading: ModelOptions) -> Measurement:
     at_tool = changed(context.robot_file, "geometry.tool_offset[3]", _TOOL_LENGTH)
-    there = context.get(stroke_deflections, "vjm", at_tool, POSTURES)
+    there = _refined(context, other=at_tool)
 
     def ratio(postures: int) -> float:
         found = _refined(context, postures)
@@ -73,8 +78,8 @@ def _z_over_planar(context: Context, _reading: ModelOptions) -> Measurement:
 def _profile(curve: str, extremum: Callable[[Array], np.intp]) -> Compute:
     def compute(context: Context, _reading: ModelOptions) -> Measurement:
         place = [
-            _PLACE * int(extremum(getattr(deflections, curve)))
-            for deflections in (_refined(context), _simplified(context))
+            _PLACE * int(extremum(getattr(found, curve)))
+            for found in (_refined(context), _simplified(context))
         ]
         return Measurement(
             value=place[0],
@@ -95,8 +100,7 @@ def _foot_stiffness(context: Context, reading: ModelOptions) -> Measurement:
     if reading.release == "printed":
         return Measurement(float(np.linalg.inv(printed)[1, 1]) / 1e9, reference=1.0, exact=True)
     softer = changed(robot_file, "foot.compliance[6,6]", 2.0 * float(used[5, 5]))
-    other = context.get(stroke_deflections, "vjm", softer, POSTURES)
-    moved = other.largest_planar / _refined(context).largest_planar - 1.0
+    moved = _refined(context, other=softer).largest_planar / _refined(context).largest_planar - 1.0
     return Measurement(
         float(np.linalg.inv(used)[1, 1]) / 1e9,
         reference=1.0,
