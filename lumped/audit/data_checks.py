@@ -283,7 +283,6 @@ def _finding(
         wrong=wrong,
         evidence=evidence,
         used="as given",
-        kind="computed",
         severity=severity,
         numbers=numbers,
     )

@@ -26,6 +26,6 @@ class Finding:
     wrong: str
     evidence: str
     used: str
-    kind: Kind
     severity: Severity
     numbers: Mapping[str, float] = field(default_factory=dict)
+    kind: Kind = "computed"

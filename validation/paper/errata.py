@@ -7,13 +7,14 @@ its equations (12) to (25) by `formula_errata`.
 
 import numpy as np
 
+from fem.beams.beam_theory import Plane, bending_frequencies, tension_frequencies
 from lumped.arrays import Array
 from lumped.audit.finding import Finding
 from lumped.legs import ConstantLeg, equivalent_leg
 from lumped.mechanism.mechanism import Mechanism
 from lumped.models.cantilever import clamped_modes
 from lumped.models.segments import segment_chain, segment_leg
-from lumped.robot_file import RobotFile, as_printed
+from lumped.robot_file import RobotFile
 from validation.paper.formula_errata import (
     joint_release,
     lever_arms,
@@ -21,11 +22,10 @@ from validation.paper.formula_errata import (
     small_rotations,
     work_balance,
 )
-from validation.paper.robot import is_the_papers, legs, stroke_of
+from validation.paper.robot import foot_compliances, is_the_papers, legs, stroke_of
 
-# First root of cos β cosh β = −1: the clamped-free Euler–Bernoulli beam.
-_CLAMPED_FREE_ROOT = 1.8751040687119611
 _ELEMENTS = 20
+_PLANES: tuple[Plane, ...] = ("z", "y")
 
 
 def paper_findings(robot_file: RobotFile) -> tuple[Finding, ...]:
@@ -33,10 +33,7 @@ def paper_findings(robot_file: RobotFile) -> tuple[Finding, ...]:
     if not is_the_papers(robot_file):
         return ()
     robot = robot_file.mechanism
-    printed_foot, foot = (
-        np.array(tables["foot"]["compliance"], dtype=float)
-        for tables in (as_printed(robot_file), robot_file.tables)
-    )
+    printed_foot, foot = foot_compliances(robot_file)
     return (
         caption(robot),
         foot_stiffness(printed_foot, foot),
@@ -63,7 +60,6 @@ def caption(robot: Mechanism) -> Finding:
         wrong="outside the stroke; the right end is reached when leg 1 is horizontal",
         evidence=f"L1 − a = {x:.3g} m, the stroke goes from {first:.3g} to {last:.3g} m",
         used="x = L1",
-        kind="computed",
         severity="note",
         numbers={"x": x, "first": first, "last": last},
     )
@@ -79,7 +75,6 @@ def foot_stiffness(printed: Array, corrected: Array) -> Finding:
         wrong="§2.1 says about 1e9 N/m along y; the printed matrix does not have it",
         evidence=f"(k⁻¹)₂₂ = {as_printed:.3g} N/m as printed, {as_corrected:.4g} N/m as corrected",
         used="the corrected matrix",
-        kind="computed",
         severity="error",
         numbers={"as printed": as_printed, "corrected": as_corrected},
     )
@@ -88,9 +83,9 @@ def foot_stiffness(printed: Array, corrected: Array) -> Finding:
 def longitudinal_frequencies(robot: Mechanism) -> Finding:
     """§1 says longitudinal natural frequencies are many times smaller than bending ones."""
     ratios = {
-        f"{name}, bending {axis}": _longitudinal_to_bending(equivalent_leg(leg), stiffness)
+        f"{name}, bending {plane}": _longitudinal_to_bending(equivalent_leg(leg), plane)
         for name, leg in zip(("leg 1", "leg 2"), legs(robot), strict=True)
-        for axis, stiffness in (("z", "EIz"), ("y", "EIy"))
+        for plane in _PLANES
     }
     shown = ", ".join(f"{ratio:.2g} ({name})" for name, ratio in ratios.items())
     return Finding(
@@ -100,7 +95,6 @@ def longitudinal_frequencies(robot: Mechanism) -> Finding:
         wrong="the other way round",
         evidence=f"first longitudinal over first bending frequency, clamped-free: {shown}",
         used="nothing",
-        kind="computed",
         severity="note",
         numbers=ratios,
     )
@@ -123,7 +117,6 @@ def literal_layout(robot: Mechanism) -> Finding:
         f"its first frequency is {coarse:.1%} too high, at m = {2 * _ELEMENTS} {fine:.1%} "
         f"(order {order:.2f})",
         used="half springs of length L/2n at both ends; the printed layout as a variant",
-        kind="computed",
         severity="error",
         numbers={
             "error at 20": coarse,
@@ -138,49 +131,34 @@ def _literal_error(leg: ConstantLeg, elements: int) -> float:
     """Relative error of the first frequency of the literal layout, clamped-free."""
     properties = leg.properties("euler-bernoulli")
     chain = segment_chain(properties, leg.length, elements, "literal")
-    softest = min(properties.EIy, properties.EIz)
-    exact = _bending_frequency(softest, properties.mu, leg.length)
+    exact = min(bending_frequencies(properties, leg.length, plane, 1)[0] for plane in _PLANES)
     return float(clamped_modes(segment_leg(chain), 1).frequencies[0] / exact - 1.0)
 
 
-def _bending_frequency(EI: float, mu: float, length: float) -> float:
-    return float(_CLAMPED_FREE_ROOT**2 / (2.0 * np.pi * length**2) * np.sqrt(EI / mu))
+def _longitudinal_to_bending(leg: ConstantLeg, plane: Plane) -> float:
+    beam = leg.properties("euler-bernoulli"), leg.length
+    return float(tension_frequencies(*beam, 1)[0] / bending_frequencies(*beam, plane, 1)[0])
 
 
-def _longitudinal_to_bending(leg: ConstantLeg, bending: str) -> float:
-    properties = leg.properties("euler-bernoulli")
-    longitudinal = np.sqrt(properties.EA / properties.mu) / (4.0 * leg.length)
-    EI = getattr(properties, bending)
-    return float(longitudinal / _bending_frequency(EI, properties.mu, leg.length))
-
-
-def _read(where: str, printed: str, wrong: str, used: str) -> Finding:
-    return Finding(
-        where=where,
-        check="text",
-        printed=printed,
-        wrong=wrong,
-        evidence="read",
-        used=used,
-        kind="read",
-        severity="note",
-    )
-
-
-_READ = (
-    _read("§2.1", "matrix K of equation (2)", "K stands in eq. (1)", "eq. (1)"),
-    _read("§3.3", "α of eq. (6)", "α is defined by eq. (10); eq. (6) is the chain", "eq. (10)"),
-    _read(
+# Place, what is printed, what is wrong, and what is used instead.
+_READINGS = (
+    ("§2.1", "matrix K of equation (2)", "K stands in eq. (1)", "eq. (1)"),
+    ("§3.3", "α of eq. (6)", "α is defined by eq. (10); eq. (6) is the chain", "eq. (10)"),
+    (
         "eq. (16) ff., eq. (21)",
         "C_k and C_k+1",
         "eq. (16) itself writes C₂,ₖ and C₁,ₖ₊₁; with one index the two arms of an element merge",
         "C₂,ₖ and C₁,ₖ₊₁",
     ),
-    _read("appendix", "L_Tool = 0.155", "the unit is missing", "0.155 m, along z"),
-    _read(
+    ("appendix", "L_Tool = 0.155", "the unit is missing", "0.155 m, along z"),
+    (
         "appendix",
         "J_Foot without a mass of the foot",
         "the foot's inertia is given, its mass and the place of its mass centre are not",
         "feet as massless springs",
     ),
+)
+_READ = tuple(
+    Finding(where, "text", printed, wrong, evidence="read", used=used, severity="note", kind="read")
+    for where, printed, wrong, used in _READINGS
 )

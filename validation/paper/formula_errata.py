@@ -1,19 +1,37 @@
-"""Errata of the paper's equations (12), (17)–(19), (23), (25), shown on the robot's numbers."""
+"""Errata of the paper's equations (12), (17)–(19), (23), (25), shown on the robot's numbers.
+
+Eqs (1), (2) are elastic drives and rigid legs. The legs keep their length: A t = B q̇ with
+A = [[x, s1], [x − a, s2]], B = diag(s1, s2). Hence J = A⁻¹B, which exists at both ends of the
+stroke, where B is singular and J⁻¹ does not.
+"""
 
 import numpy as np
 
 from lumped.arrays import Array
-from lumped.audit.finding import Finding, Severity
+from lumped.audit.finding import Finding
 from lumped.legs import equivalent_leg
+from lumped.mechanism.biglide import Stroke
 from lumped.mechanism.mechanism import Mechanism
 from lumped.screws import shift, turn, turn_matrix
 from lumped.system.joint_motion import condensed_release, printed_release
-from validation.paper.closed_forms import drive_compliance, jacobian
 from validation.paper.robot import legs, stroke_of
 
 # Number of elements of a leg in §3.2, and a small rigid rotation (rad).
 _ELEMENTS = 20
 _ROTATION = 1e-3
+
+
+def jacobian(stroke: Stroke, x: float) -> Array:
+    """J (2×2, no unit) of eq. (2): velocity (x, y) of B at `x` (m) from the slides' along y."""
+    directions = np.array([leg.rotation[:2, 0] for leg in stroke.legs_at(x)])
+    slides = directions[:, 1, None] * np.eye(2)
+    return np.linalg.solve(directions, slides).astype(float)
+
+
+def drive_compliance(J: Array, K: Array) -> Array:
+    """J K⁻¹ Jᵀ (2×2, m/N) of eq. (1) from a Jacobian and the drives' stiffness K (2×2, N/m)."""
+    flexibility: Array = J @ np.linalg.solve(K, J.T)
+    return flexibility
 
 
 def work_balance(robot: Mechanism) -> Finding:
@@ -30,7 +48,7 @@ def work_balance(robot: Mechanism) -> Finding:
     same = _first_frequency(inverse @ equal_drives @ inverse.T, robot) - _first_frequency(
         inverse.T @ equal_drives @ inverse, robot
     )
-    return _computed(
+    return Finding(
         "eq. (12)",
         "work balance",
         printed="J⁻¹KJ⁻ᵀ",
@@ -65,11 +83,11 @@ def lever_arms(robot: Mechanism) -> Finding:
     leg_axes, base_axes = robot.reference["leg1"].rotation, np.eye(3)
     piece = legs(robot)[0].length / _ELEMENTS
     spring = _spring_stiffness(robot, piece)
-    arms = (piece / 2.0, piece / 2.0)
-    printed = _energy_of_rotation(spring, leg_axes, base_axes, arms, arms)
-    turned = _energy_of_rotation(spring, leg_axes, leg_axes, arms, arms)
-    along_x = _energy_of_rotation(spring, base_axes, base_axes, arms, arms)
-    return _computed(
+    arm = piece / 2.0
+    printed = _energy_of_rotation(spring, leg_axes, base_axes, arm, arm)
+    turned = _energy_of_rotation(spring, leg_axes, leg_axes, arm, arm)
+    along_x = _energy_of_rotation(spring, base_axes, base_axes, arm, arm)
+    return Finding(
         "eqs (17), (18)",
         "lever arms",
         printed="C₂,ₖ and C₁,ₖ₊₁ with d along x",
@@ -93,7 +111,7 @@ def small_rotations(robot: Mechanism) -> Finding:
     stiffness = _spring_stiffness(robot, legs(robot)[0].length / _ELEMENTS)
     stored = float(0.5 * deflection @ stiffness @ deflection)
     due = float(0.5 * bend @ stiffness @ bend)
-    return _computed(
+    return Finding(
         "eqs (19), (20)",
         "small rotations",
         printed="diag(I₃, Rˢ) with Rˢ the cross-product matrix of φ",
@@ -111,9 +129,9 @@ def neighbour_index(robot: Mechanism) -> Finding:
     piece, axes = legs(robot)[0].length / _ELEMENTS, np.eye(3)
     arm, arm_of_third = piece / 2.0, piece
     spring = _spring_stiffness(robot, piece)
-    printed = _energy_of_rotation(spring, axes, axes, (arm, arm), (arm, arm_of_third))
-    correct = _energy_of_rotation(spring, axes, axes, (arm, arm), (arm, arm))
-    return _computed(
+    printed = _energy_of_rotation(spring, axes, axes, arm, arm_of_third)
+    correct = _energy_of_rotation(spring, axes, axes, arm, arm)
+    return Finding(
         "eq. (23)",
         "neighbour index",
         printed="second block row C₂,₁ C₁,₃",
@@ -131,7 +149,7 @@ def joint_release(foot_compliance: Array) -> Finding:
     stiffness: Array = np.linalg.inv(foot_compliance).astype(float)
     printed = float(printed_release(stiffness)[1, 1])
     condensed = float(condensed_release(stiffness)[1, 1])
-    return _computed(
+    return Finding(
         "eq. (25)",
         "joint release",
         printed="K_R = I₅ K_S I₅",
@@ -153,21 +171,21 @@ def _energy_of_rotation(
     spring: Array,
     leg_axes: Array,
     arm_axes: Array,
-    arms: tuple[float, float],
-    assumed_arms: tuple[float, float],
+    arm: float,
+    assumed_arm: float,
 ) -> float:
     """Energy (J) by eqs (15), (16) in a spring whose two elements turn about z as one body.
 
     `spring` is 6×6 in leg axes, `leg_axes` (3×3) the leg's direction; the elements' centres lie
-    `arms` (m) before and behind the spring. Eqs (17), (18) are written with `assumed_arms` in
-    `arm_axes`.
+    `arm` (m) before and behind the spring. Eqs (17), (18) are written in `arm_axes`, the one behind
+    with `assumed_arm`.
     """
     along = np.array([1.0, 0.0, 0.0])
     first_twist = np.array([0.0, 0.0, 0.0, 0.0, 0.0, _ROTATION])
-    second_twist = shift(leg_axes @ along * sum(arms)) @ first_twist
+    second_twist = shift(leg_axes @ along * 2.0 * arm) @ first_twist
     D = turn(arm_axes)
-    C2 = -D @ shift(along * assumed_arms[0]) @ D.T
-    C1 = D @ shift(-along * assumed_arms[1]) @ D.T
+    C2 = -D @ shift(along * arm) @ D.T
+    C1 = D @ shift(-along * assumed_arm) @ D.T
     deflection = C2 @ first_twist + C1 @ second_twist
     return float(0.5 * deflection @ turn_matrix(spring, leg_axes) @ deflection)
 
@@ -189,17 +207,3 @@ def _first_frequency(stiffness: Array, robot: Mechanism) -> float:
 
 def _difference(matrix: Array, reference: Array) -> float:
     return float(np.linalg.norm(matrix - reference) / np.linalg.norm(reference))
-
-
-def _computed(
-    where: str,
-    check: str,
-    *,
-    printed: str,
-    wrong: str,
-    evidence: str,
-    used: str,
-    severity: Severity,
-    numbers: dict[str, float],
-) -> Finding:
-    return Finding(where, check, printed, wrong, evidence, used, "computed", severity, numbers)

@@ -18,7 +18,7 @@ from lumped.mechanism.biglide import Stroke
 from lumped.mechanism.kinematics.postures import posture
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.models.bodies import legs_of
-from lumped.robot_file import RobotFile
+from lumped.robot_file import RobotFile, as_printed
 from lumped.robot_file.biglide.corrections import with_value
 from lumped.robot_file.load import described_by
 from lumped.system.assembly import assembly
@@ -111,6 +111,15 @@ def changed(robot_file: RobotFile, key: str, value: float) -> RobotFile:
 def member(robot_file: RobotFile, alpha: float) -> RobotFile:
     """The robot whose legs are α times as long, stroke and sections unchanged (eqs 10, 11)."""
     return changed(robot_file, "geometry.alpha", alpha)
+
+
+def foot_compliances(robot_file: RobotFile) -> tuple[Array, Array]:
+    """The foot's compliance (6×6, SI) as printed, and as used."""
+    printed, used = (
+        np.array(tables["foot"]["compliance"], dtype=float)
+        for tables in (as_printed(robot_file), robot_file.tables)
+    )
+    return printed, used
 
 
 def legs(mechanism: Mechanism) -> tuple[Leg, Leg]:

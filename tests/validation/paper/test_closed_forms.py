@@ -6,7 +6,7 @@ from numpy.testing import assert_allclose
 
 from lumped.robot_file import load_robot
 from validation.models.mechanism import answers
-from validation.paper.closed_forms import drive_compliance, jacobian
+from validation.paper.formula_errata import drive_compliance, jacobian
 from validation.paper.robot import (
     deflections,
     frequencies,

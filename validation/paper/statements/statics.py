@@ -6,11 +6,17 @@ from dataclasses import replace
 import numpy as np
 
 from lumped.arrays import Array
-from lumped.robot_file import RobotFile, as_printed
+from lumped.robot_file import RobotFile
 from validation.case import Absolute, Measurement, Relation
 from validation.context import Context
 from validation.models.options import ModelOptions
-from validation.paper.robot import Deflections, changed, deflections, over_stroke
+from validation.paper.robot import (
+    Deflections,
+    changed,
+    deflections,
+    foot_compliances,
+    over_stroke,
+)
 from validation.paper.statements.statement import POSTURES, Compute, Statement, sampled
 
 # L_Tool of the appendix (m): from B to the tool's point P.
@@ -93,10 +99,7 @@ def _profile(curve: str, extremum: Callable[[Array], np.intp]) -> Compute:
 
 def _foot_stiffness(context: Context, reading: ModelOptions) -> Measurement:
     robot_file = context.robot_file
-    printed, used = (
-        np.array(tables["foot"]["compliance"], dtype=float)
-        for tables in (as_printed(robot_file), robot_file.tables)
-    )
+    printed, used = foot_compliances(robot_file)
     if reading.release == "printed":
         return Measurement(float(np.linalg.inv(printed)[1, 1]) / 1e9, reference=1.0, exact=True)
     softer = changed(robot_file, "foot.compliance[6,6]", 2.0 * float(used[5, 5]))
