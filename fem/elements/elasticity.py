@@ -166,25 +166,14 @@ def stiffness(mesh: VolumeMesh, material: Material) -> SparseMatrix:
     return symmetric_matrix(pairs, _node_blocks(_gradient_products(mesh, pairs), material))
 
 
-def scalar_mass(mesh: VolumeMesh, rho: float) -> SparseMatrix:
-    """Consistent mass ∫ ρ N_a N_b dV (csr N×N, kg), the same for the three components.
-
-    M x is `scalar_mass @ x.reshape(N, 3)`: a ninth of the stiffness matrix's entries to read.
-    Raises ComputationError naming the first element whose Jacobian is not positive.
-    """
-    return _scalar_mass(mesh, rho, node_pairs(mesh.cells, len(mesh.nodes)))
-
-
 def stiffness_and_mass(mesh: VolumeMesh, material: Material) -> tuple[SparseMatrix, SparseMatrix]:
-    """`stiffness` and `scalar_mass` of one mesh, cheaper than one after the other."""
+    """`stiffness` of a mesh, and its consistent mass ∫ ρ N_a N_b dV (csr N×N, kg), a component's.
+
+    M x is `mass @ x.reshape(N, 3)`: a ninth of the stiffness matrix's entries to read.
+    """
     pairs = node_pairs(mesh.cells, len(mesh.nodes))
     K = symmetric_matrix(pairs, _node_blocks(_gradient_products(mesh, pairs), material))
     return K, _scalar_mass(mesh, material.rho, pairs)
-
-
-def mass(mesh: VolumeMesh, rho: float) -> SparseMatrix:
-    """Consistent mass matrix (csr 3N×3N, kg), unknown 3·node + component: scalar_mass ⊗ I₃."""
-    return on_three_components(scalar_mass(mesh, rho))
 
 
 def on_three_components(scalar: SparseMatrix) -> SparseMatrix:

@@ -1,4 +1,4 @@
-"""A leg reduced to its two 6-DOF ends: constraint modes, static condensation, recovery, mass.
+"""A leg reduced to its two 6-DOF ends: constraint modes, static condensation, recovery.
 
 A leg only turns from posture to posture, so it is reduced once, in its own axes. What a reduction
 needs of a leg is the same for every model and for both kinds of ends: displacements for unit
@@ -16,7 +16,6 @@ from fem.solvers.factor import Factor
 from lumped.arrays import Array, SparseMatrix
 from lumped.dense.balance import ELIMINATION, balanced_flexibility, rounding_of_flexibility
 from lumped.errors import ComputationError
-from lumped.mechanism.body import Rigid
 from lumped.mechanism.body_model import LegMatrices
 from lumped.screws import shift
 
@@ -149,24 +148,6 @@ def reduced(held: HeldLeg, recovery: Array, stiffness: Array, mass: Array) -> Su
         parts=parts,
     )
     return Superelement(matrices, recovery)
-
-
-def rigid_motions(leg: LegMatrices) -> Array:
-    """Unknowns (r×6) of a superelement in the rigid motions about its root: no amplitudes."""
-    return np.vstack([end_motions(leg.length), np.zeros((leg.size - ENDS, 6))])
-
-
-def mass_properties(leg: LegMatrices, motions: Array) -> Rigid:
-    """What the mass matrix says of the rigid leg, from its root; ComputationError without mass."""
-    rigid = motions.T @ (leg.mass @ motions)
-    mass = float(rigid[0, 0])
-    if not mass > 0.0:
-        raise ComputationError(f"{leg.model} leg: its mass matrix has no mass along x")
-    # Upper right block m [c]ᵀ: a rotation about the root moves the centre c by φ × c.
-    moment = rigid[:3, 3:] / mass
-    centre = np.array([moment[1, 2], moment[2, 0], moment[0, 1]])
-    square = centre @ centre * np.eye(3) - np.outer(centre, centre)
-    return Rigid(mass, centre, rigid[3:, 3:] - mass * square)
 
 
 def _symmetric(matrix: Array) -> Array:

@@ -15,7 +15,6 @@ from lumped.arrays import Array
 from lumped.dense.balance import balanced_flexibility
 from lumped.dense.modes import Modes, fix_signs
 from lumped.errors import ComputationError
-from lumped.system import solution
 from lumped.system.assembly import System
 
 _SEED = 1
@@ -43,11 +42,6 @@ def compliance(found: FactorisedSystem) -> Array:
     displacements = found.factor.solve(wrenches)
     forces = found.system.stiffness @ displacements
     return balanced_flexibility(wrenches, displacements, forces, found.system.name)
-
-
-def rounding(found: FactorisedSystem) -> Array:
-    """What the rounding of the stiffness matrix leaves open of the compliance (6×6, SI, 95 %)."""
-    return solution.rounding(found.system, found.factor.solve(found.system.tool.T))
 
 
 def modes(found: FactorisedSystem, count: int) -> Modes:

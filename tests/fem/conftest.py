@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from fem.couplings.end_coupling import unknowns
-from fem.elements.elasticity import mass, stiffness
+from fem.elements.elasticity import on_three_components, stiffness_and_mass
 from lumped.legs import Material
 from lumped.sections import Rectangle
 from meshes.prism.extrude import extrude, stations
@@ -15,5 +15,5 @@ def short_leg():
     material = Material.isotropic(E=2.1e11, nu=0.3, rho=7850.0)
     mesh = extrude(section_mesh(Rectangle(0.04, 0.06), 2, "quad9"), stations(0.3, 6))
     free = unknowns(np.setdiff1d(np.arange(len(mesh.nodes)), mesh.root.nodes))
-    K, M = stiffness(mesh, material), mass(mesh, material.rho)
-    return K[free][:, free], M[free][:, free]
+    K, M = stiffness_and_mass(mesh, material)
+    return K[free][:, free], on_three_components(M)[free][:, free]

@@ -6,7 +6,6 @@ MAC = (aᵀWb)² / (aᵀWa · bᵀWb) with a mass-weighted product W (Allemang &
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import subspace_angles
 from scipy.optimize import linear_sum_assignment
 
 from lumped.arrays import Array, IntArray
@@ -54,12 +53,6 @@ def neighbours(frequencies: Array, mode: int) -> IntArray:
     apart = np.diff(frequencies) > CLOSE * frequencies[:-1]
     family = np.concatenate([[0], np.cumsum(apart)])
     return np.flatnonzero(family == family[mode])
-
-
-def largest_angle(first: Array, second: Array, weights: Array) -> float:
-    """Largest principal angle (rad) between the spans of two sets of shapes, for close modes."""
-    root = np.sqrt(weights)[:, None]
-    return float(subspace_angles(root * first, root * second)[0])
 
 
 def centreline_samples(length: float, count: int) -> tuple[Array, Array]:

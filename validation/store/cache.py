@@ -5,11 +5,7 @@ or says "off".
 """
 
 import os
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
-
-_SAID = "FLEXPROOF_CACHE"
 
 
 def cache_folder(name: str) -> Path | None:
@@ -17,7 +13,7 @@ def cache_folder(name: str) -> Path | None:
 
     The folder need not exist.
     """
-    told = os.environ.get(_SAID)
+    told = os.environ.get("FLEXPROOF_CACHE")
     if told == "off":
         return None
     if told:
@@ -30,17 +26,3 @@ def cache_folder(name: str) -> Path | None:
         return Path.home() / ".cache" / "flexproof" / name
     except RuntimeError:
         return None
-
-
-@contextmanager
-def nothing_kept() -> Iterator[None]:
-    """Neither read nor write what is kept, here and in processes started meanwhile."""
-    before = os.environ.get(_SAID)
-    os.environ[_SAID] = "off"
-    try:
-        yield
-    finally:
-        if before is None:
-            del os.environ[_SAID]
-        else:
-            os.environ[_SAID] = before

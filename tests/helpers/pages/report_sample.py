@@ -8,7 +8,8 @@ from matrix_sample import sample_matrix
 from lumped.audit.finding import Finding
 from validation.case import Absolute, Allowance, Measurement, Relation, Relative
 from validation.exhibits import Figure, PlannedFigure, Study
-from validation.report.figures.studies.family_plots import study_plot
+from validation.report.figures.studies.families import alone
+from validation.report.figures.studies.family_plots import family_plot
 from validation.report.page import Report
 from validation.results.outcome import Outcome, Result, judge
 
@@ -129,8 +130,8 @@ def sample_report(**changes):
     fields = {
         "outcomes": (bound, agreeing, tight, failed, skipped, disagreeing),
         "figures": (
-            study_plot(CONVERGENCE),
-            study_plot(SWEEP),
+            family_plot(alone(CONVERGENCE)),
+            family_plot(alone(SWEEP)),
             Figure(
                 "fig5", "Fig. 5", "Made up.", "The paper's statements", png=PIXEL, data="x\n1\n"
             ),

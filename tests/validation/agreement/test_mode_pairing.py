@@ -12,7 +12,6 @@ from lumped.sections import Rectangle
 from validation.agreement.mode_pairing import (
     centreline_samples,
     centreline_weights,
-    largest_angle,
     mac_matrix,
     pair_modes,
 )
@@ -46,27 +45,6 @@ def test_optimal_pairing_is_better_than_greedy():
     rest = np.sqrt(1.0 - np.square(target).sum(axis=0).clip(max=1.0))
     second = np.vstack([target / np.maximum(1.0, np.linalg.norm(target, axis=0)), np.diag(rest)])
     assert list(pair_modes(first, second, np.ones(4)).partner) == [1, 0]
-
-
-def test_subspaces_of_a_repeated_mode_agree_although_its_shapes_do_not():
-    shapes = np.eye(5)[:, :2]
-    angle = 0.7
-    turned = shapes @ np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
-    assert mac_matrix(shapes, turned, np.ones(5))[0, 0] < 0.6
-    assert largest_angle(shapes, turned, np.ones(5)) < 1e-7
-
-
-def test_the_angle_between_spaces_is_in_the_product_of_the_masses():
-    """Bjorck and Golub, Math. Comp. 27 (1973) 579; MAC of two shapes is cos² of theirs."""
-    weights, angle = np.array([2.0, 0.05, 7.0, 0.3]), 0.4
-    start = np.array([[1.0, 2, 0, 1], [0.5, -1, 1, 0], [2, 1, 1, -1], [0, 1, 3, 1]])
-    orthogonal = np.linalg.qr(np.sqrt(weights)[:, None] * start)[0]
-    first, second, third, _ = (orthogonal / np.sqrt(weights)[:, None]).T
-    turned = np.cos(angle) * second + np.sin(angle) * third
-    spaces = np.column_stack([first, second]), np.column_stack([turned + first, turned - first])
-    assert_allclose(largest_angle(*spaces, weights), angle, rtol=1e-9)
-    found = mac_matrix(5.0 * second[:, None], 3.0 * turned[:, None], weights)
-    assert_allclose(found[0, 0], np.cos(angle) ** 2, rtol=1e-12)
 
 
 def test_sampled_modes_of_a_clamped_beam_are_orthogonal_and_find_themselves():

@@ -13,7 +13,8 @@ from toy_catalogue import agrees, case
 from validation.case import Absolute, Measurement, Relative
 from validation.drawing import text
 from validation.exhibits import Study, study_record
-from validation.report.figures.studies.family_plots import study_plot
+from validation.report.figures.studies.families import alone
+from validation.report.figures.studies.family_plots import family_plot
 from validation.report.listing import outcome_line, summary, tolerance_text
 from validation.results.junit import junit_xml
 from validation.results.outcome import Outcome, Result, judge
@@ -81,7 +82,7 @@ def test_data_of_curves_belong_to_their_names():
         uncertainties={"solid": 0.01},
         limits={"vjm": 4.0},
     )
-    rows = list(csv.DictReader(io.StringIO(study_plot(study).data)))
+    rows = list(csv.DictReader(io.StringIO(family_plot(alone(study)).data)))
     columns = {name: [float(row[name]) for row in rows] for name in rows[0]}
     assert columns["x (m)"] == [0.1, 0.2, 0.3]
     assert [v for name, v in columns.items() if "solid" in name.lower()] == [[1.5, 2.5, 3.5]]

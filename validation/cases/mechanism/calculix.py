@@ -21,15 +21,13 @@ from validation.agreement.farthest import farthest_entry
 from validation.case import Absolute, Measurement, Relative, Sides, Skip, others
 from validation.case_group import CaseGroup
 from validation.cases.mechanism.quantities import ASSEMBLER
-from validation.context import Context, Preset
+from validation.context import Context
 from validation.exhibits import PATH
 from validation.models.legs import filled
 from validation.models.mechanism import highest_frequency
 from validation.solids.bars import bar_meshes, bar_solids, with_bars
 
 MODES = 10
-DIVISIONS: dict[Preset, int] = {"quick": 1, "standard": 1, "fine": 2}
-PLACES = {"left": 0.0, "centre": 0.5}
 # Relative rounding of seven printed digits; frequencies are roots of the printed eigenvalues.
 _PRINTED, _PRINTED_ROOT = 5e-7, 2.5e-7
 # Modes of the bodies are kept up to four times the highest frequency of the mechanism: what is

@@ -61,15 +61,6 @@ def compliance(
     return _compliance(_system(at, legs))
 
 
-def of_springs(at: Posture, springs: Mapping[str, Array]) -> Array:
-    """The same with legs of these 6×6 tip compliances (leg axes)."""
-    legs = {
-        name: ritz_leg.of_compliance(springs[name], shape.length)
-        for name, shape in _legs(at.mechanism)
-    }
-    return _compliance(_system(at, legs))
-
-
 def frequencies(
     at: Posture, count: int, theory: Theory = "timoshenko", degree: int = DEGREE
 ) -> Array:

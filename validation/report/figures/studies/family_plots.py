@@ -13,9 +13,9 @@ from lumped.arrays import Array
 from validation.drawing.chart import Chart, Note, Panel, Series, tapered
 from validation.drawing.scales import largest, power_ticks, up_to
 from validation.drawing.style import LOOKS, OTHERS, Frame, Look, csv_of, known_as
-from validation.exhibits import Figure, Study
+from validation.exhibits import Figure
 from validation.report.figures.declared import curves
-from validation.report.figures.studies.families import Curve, Family, alone
+from validation.report.figures.studies.families import Curve, Family
 
 
 def family_plot(family: Family) -> Figure:
@@ -27,11 +27,6 @@ def family_plot(family: Family) -> Figure:
     return replace(
         figure.figure(family.id, family.title, "studies"), computed_by=family.computed_by
     )
-
-
-def study_plot(study: Study) -> Figure:
-    """The plot of a study alone, with its data."""
-    return family_plot(alone(study))
 
 
 def _reading(family: Family) -> list[str]:
