@@ -19,7 +19,7 @@ from lumped.dense.balance import balanced_flexibility
 from lumped.errors import InputError, naming
 from lumped.legs import ConstantLeg
 from lumped.mechanism.body_model import LegMatrices
-from meshes.elements import ELEMENTS, SectionElement
+from meshes.elements import ELEMENTS
 from meshes.prism.extrude import extrude, stations
 from meshes.section.section_blocks import Divisions
 from meshes.section.section_mesh import SectionMesh, require_leg, section_mesh
@@ -43,25 +43,20 @@ class SolidLeg:
 
 
 def solid_mesh(
-    leg: ConstantLeg,
-    divisions: Divisions,
-    element: SectionElement = "quad9",
-    grading: float = 1.0,
-    section: Divisions | None = None,
+    leg: ConstantLeg, divisions: Divisions, section: Divisions | None = None
 ) -> SolidMesh:
     """Extruded mesh of a leg, `divisions` elements across the smaller side of its section.
 
-    Slices are as long as these, also where the `section` has other divisions; `grading` as in
-    `meshes.prism.extrude.stations`. Raises InputError where the leg or the divisions are
-    impossible.
+    Slices are as long as these, also where the `section` has other divisions. Raises InputError
+    where the leg or the divisions are impossible.
     """
     with naming(leg.name):
         require_leg(leg.section, leg.length, divisions)
     count = min(divisions) if isinstance(divisions, tuple) else divisions
     size = min(leg.section.extent) / count
     slices = max(2, ceil(leg.length / (_SLICE_ASPECT * size)))
-    face = section_mesh(leg.section, section or divisions, element)
-    return extrude(face, stations(leg.length, slices, grading))
+    face = section_mesh(leg.section, section or divisions, "quad9")
+    return extrude(face, stations(leg.length, slices))
 
 
 def solid_leg(leg: ConstantLeg, mesh: SolidMesh) -> SolidLeg:

@@ -1,7 +1,5 @@
 """Extrusion of a section mesh along the leg: hexahedra as the product of section and line."""
 
-from math import log
-
 import numpy as np
 
 from lumped.arrays import Array
@@ -13,25 +11,11 @@ from meshes.solid_mesh import EndFace, SolidMesh
 _SOLID: dict[SectionElement, SolidElement] = {"quad4": "hex8", "quad9": "hex27"}
 
 
-def stations(length: float, count: int, grading: float = 1.0) -> Array:
-    """Boundaries (count+1, in m) of `count` slices between x = 0 and `length`.
-
-    `grading` is the ratio of slice length in the middle to that at the ends (1: all equal), slices
-    growing geometrically from both ends. The stations are samples of one smooth map, so twice the
-    count halves every slice. Raises InputError for a count below 1 or a grading not above 0.
-    """
+def stations(length: float, count: int) -> Array:
+    """Boundaries (count+1, in m) of `count` ≥ 1 slices of one length between x = 0 and `length`."""
     if count < 1:
         raise InputError(f"slices = {count}: must be at least 1")
-    if not grading > 0.0:
-        raise InputError(f"grading = {grading!r}: must be above 0")
-    parameter = np.linspace(0.0, 1.0, count + 1)
-    from_nearer_end = np.minimum(parameter, 1.0 - parameter)
-    if grading != 1.0:
-        # x'(t) grows as grading^(2t) up to the middle, t = 1/2.
-        from_nearer_end = 0.5 * np.expm1(2.0 * from_nearer_end * log(grading)) / (grading - 1.0)
-    x = length * np.where(parameter <= 0.5, from_nearer_end, 1.0 - from_nearer_end)
-    x[-1] = length
-    return x
+    return length * np.linspace(0.0, 1.0, count + 1)
 
 
 def extrude(section: SectionMesh, at: Array) -> SolidMesh:

@@ -31,16 +31,15 @@ def hexahedra(
     element: SolidElement = "hex27",
     *,
     slices: int | None = None,
-    grading: float = 1.0,
 ) -> SolidMesh:
     """The leg of `length` (m) in hex8 or hex27, `divisions` as in `section_blocks`.
 
-    `slices` defaults to `slice_count`, `grading` is that of `stations`. Raises InputError for
-    impossible requests, ComputationError where gmsh fails or elements are too distorted.
+    `slices` defaults to `slice_count`. Raises InputError for impossible requests,
+    ComputationError where gmsh fails or elements are too distorted.
     """
     require_leg(section, length, divisions)
     count = slice_count(section, length, divisions) if slices is None else slices
     flat = section_mesh(section, divisions, _SECTION[element])
-    mesh = extrude(flat, stations(length, count, grading))
+    mesh = extrude(flat, stations(length, count))
     check(mesh, f"extruded leg ({section.shape})")
     return mesh

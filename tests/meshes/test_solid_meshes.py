@@ -102,18 +102,6 @@ def test_even_stations_are_evenly_spaced_and_end_exactly() -> None:
     assert stations(0.7, 7)[-1] == 0.7
 
 
-def test_graded_stations_are_symmetric_and_nested() -> None:
-    coarse, fine = stations(2.0, 10, grading=4.0), stations(2.0, 20, grading=4.0)
-    assert coarse + coarse[::-1] == pytest.approx(2.0)
-    assert fine[::2] == pytest.approx(coarse)
-
-
-def test_grading_is_the_ratio_of_slices_in_the_middle_and_at_the_ends() -> None:
-    lengths = np.diff(stations(1.0, 2000, grading=4.0))
-    # Slices are finite samples of the map: half a slice of geometric growth at each end.
-    assert lengths[1000] / lengths[0] == pytest.approx(4.0, rel=2e-3)
-
-
 def test_slices_are_as_long_as_elements_are_wide() -> None:
     assert slice_count(Rectangle(0.1, 0.2), 1.0, 4) == 40
 
@@ -127,7 +115,6 @@ def test_slices_of_a_very_thin_wall_stay_within_the_aspect_that_is_accepted() ->
     ("call", "reason"),
     [
         (lambda: stations(1.0, 0), "slices = 0"),
-        (lambda: stations(1.0, 4, grading=0.0), "grading"),
         (lambda: extrude(section_mesh(Circle(0.1), 4, "tri6"), stations(1.0, 2)), "tri6"),
         (lambda: extrude(section_mesh(Circle(0.1), 4), np.array([0.1, 0.2])), "ascend"),
         (lambda: hexahedra(Circle(0.1), 0.05, 4), "shorter than its circle section"),

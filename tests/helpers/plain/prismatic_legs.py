@@ -11,7 +11,7 @@ LEG_1 = constant_leg(0.85, EA=8.613e8, EIy=4.771e6, EIz=1.832e6, GJ=9.212e6, mas
 LEG_2 = constant_leg(0.775, EA=4.316e9, EIy=5.980e7, EIz=4.182e6, GJ=6.478e6, mass=49.366)
 
 
-def meshed(leg: ConstantLeg, divisions: Divisions, slices: int, grading: float = 1.0) -> SolidLeg:
+def meshed(leg: ConstantLeg, divisions: Divisions, slices: int) -> SolidLeg:
     """A leg in hexahedra of second order, by elements across its section and along it."""
     section = section_mesh(leg.section, divisions)
-    return solid_leg(leg, extrude(section, stations(leg.length, slices, grading)))
+    return solid_leg(leg, extrude(section, stations(leg.length, slices)))

@@ -18,8 +18,8 @@ from validation.drawing.style import canvas, csv_of, plot_style
 from validation.exhibits import Figure, InteractiveScene
 from validation.report import sections
 from validation.report.figures.studies.budgets import budget_figure, budgeted
-from validation.report.figures.studies.families import families
-from validation.report.figures.studies.family_plots import study_plot
+from validation.report.figures.studies.families import alone, families
+from validation.report.figures.studies.family_plots import family_plot
 from validation.report.page import render
 from validation.report.sections import CHAPTERS, chapters_of
 from validation.report.tables import grids, unexplained_share
@@ -145,7 +145,7 @@ def test_a_study_shared_by_several_cases_is_shown_once():
         judge(case(f"legs.{n}"), Measurement(1.0, 1.0, exact=True, studies=(CONVERGENCE,)), 0.1)
         for n in "ab"
     ]
-    report = sample_report(outcomes=tuple(outcomes), figures=(study_plot(CONVERGENCE),))
+    report = sample_report(outcomes=tuple(outcomes), figures=(family_plot(alone(CONVERGENCE)),))
     ((section,),) = (chapter.sections for chapter in report.chapters)
     assert [plot.family.studies for plot in section.plots] == [(CONVERGENCE,)]
     assert section.figures == ()
@@ -271,7 +271,7 @@ def test_every_figure_names_the_function_it_is_from():
         *(judge(case(f.__name__, compute=f), convergence, 0.1) for f in (never, other)),
         model_case("solid", "c44", 1.9, allowances=HALF),
     ]
-    drawn = replace(study_plot(SWEEP), computed_by=("validation.report.figures.made_up",))
+    drawn = replace(family_plot(alone(SWEEP)), computed_by=("validation.report.figures.made_up",))
     report = sample_report(outcomes=tuple(outcomes), figures=(drawn,))
     made = {figure.id: figure.computed_by for figure in report.shown}
     names = (f"{never.__module__}.never", f"{other.__module__}.other")
@@ -397,7 +397,7 @@ def test_curves_that_are_errors_tend_to_zero():
     )
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        assert study_plot(errors).svg
+        assert family_plot(alone(errors)).svg
 
 
 def test_a_value_that_is_no_number_is_shown_as_such():
@@ -424,7 +424,7 @@ def test_numbers_are_written_as_in_print(value, shown):
 
 
 def test_plots_of_one_page_have_ids_of_their_own():
-    first, second = study_plot(CONVERGENCE), study_plot(SWEEP)
+    first, second = family_plot(alone(CONVERGENCE)), family_plot(alone(SWEEP))
     ids = [set(re.findall(r'id="([^"]+)"', text.inline_svg(f))) for f in (first, second)]
     assert not ids[0] & ids[1]
     inlined = text.inline_svg(first)
@@ -433,8 +433,8 @@ def test_plots_of_one_page_have_ids_of_their_own():
 
 
 def test_equal_studies_give_equal_files_without_date_or_machine():
-    svg = study_plot(CONVERGENCE).svg
-    assert svg == study_plot(CONVERGENCE).svg
+    svg = family_plot(alone(CONVERGENCE)).svg
+    assert svg == family_plot(alone(CONVERGENCE)).svg
     assert svg.startswith("<svg")
     assert "<dc:date>" not in svg
 
