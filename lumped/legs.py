@@ -4,13 +4,13 @@ A leg's local x axis runs from its root to its tip, its local z axis is the robo
 """
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from math import sqrt
 from typing import Literal, TypeAlias
 
 import numpy as np
 
 from lumped.arrays import Array
-from lumped.caches import cached_property
 from lumped.errors import ComputationError, InputError
 from lumped.screws import move_compliance
 from lumped.sections import Rectangle, Section

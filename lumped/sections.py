@@ -17,6 +17,10 @@ class Section(Protocol):
 
     shape: ClassVar[str]
 
+    def __hash__(self) -> int:
+        """Of its sizes: meshes and constants of a section are kept by it."""
+        ...
+
     @property
     def area(self) -> float:
         """Area A (m²)."""

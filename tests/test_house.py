@@ -147,23 +147,6 @@ def test_the_patterns_catch_what_they_are_meant_to():
     assert not HOME.search("#!/bin/sh and /usr/bin/python and docs/home/page")
 
 
-def test_what_is_computed_of_models_is_kept_where_it_can_be_forgotten():
-    rooms = (*FLOORS[:3], "validation/models", "validation/cases", "validation/sweeps")
-    # Programs and libraries are no model's: they are looked up once for all.
-    found_once = {"fem/calculix/run.py", "public_factor.py", "library.py"}
-    wrong = [
-        f"{module.relative_to(ROOT)}: {alias.name}"
-        for room in rooms
-        for module in sorted((ROOT / room).rglob("*.py"))
-        if not module.as_posix().endswith(("lumped/caches.py", *found_once))
-        for node in ast.walk(ast.parse(module.read_text(encoding="utf-8")))
-        if isinstance(node, ast.ImportFrom) and node.module == "functools"
-        for alias in node.names
-        if "cache" in alias.name
-    ]
-    assert not wrong
-
-
 def test_the_drawing_of_the_house_is_as_its_imports_are():
     assert MAP["drawing"]() == MAP["PICTURE"].read_text(encoding="utf-8")
 

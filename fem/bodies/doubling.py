@@ -29,6 +29,7 @@ thus do not couple.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.linalg import LinAlgError, cholesky, qr, solve_triangular
@@ -38,7 +39,6 @@ from fem.bodies.solid import Ends
 from fem.couplings.end_coupling import rigid_motions, saint_venant_loads
 from fem.elements.elasticity import stiffness
 from lumped.arrays import Array, IntArray, SparseMatrix
-from lumped.caches import cached_property
 from lumped.errors import ComputationError, InputError, naming
 from lumped.legs import ConstantLeg
 from lumped.screws import shift

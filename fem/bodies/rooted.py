@@ -8,6 +8,7 @@ of the flexibility G is G − U C⁻¹Uᵀ (fem.reduction.free_superelement, for
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve, qr
@@ -22,7 +23,6 @@ from fem.solvers.factor import upper_triangle
 from fem.solvers.modes import CertifiedModes, lowest_modes, searched_modes
 from fem.solvers.renewable_factor import RenewableFactor
 from lumped.arrays import Array, IntArray
-from lumped.caches import cached_property
 from lumped.dense.modes import Modes
 from lumped.errors import ComputationError
 from lumped.screws import shift

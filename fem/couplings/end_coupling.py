@@ -10,6 +10,7 @@ free   the face carries the tractions of Saint-Venant's solution; its twist is t
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
@@ -20,7 +21,6 @@ from scipy.sparse.linalg import LinearOperator
 from fem.sections.saint_venant import saint_venant
 from fem.sections.section_constants import poisson_shear_ratio
 from lumped.arrays import Array, IntArray, SparseMatrix
-from lumped.caches import cached_property
 from lumped.errors import ComputationError
 from lumped.legs import Material
 from meshes.solid_mesh import EndFace, SolidMesh

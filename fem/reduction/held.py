@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
@@ -10,7 +11,6 @@ from scipy.linalg import cholesky, solve_triangular
 from fem.bodies.rooted import RootedBody
 from fem.solvers.certificate.sturm import Inertia
 from lumped.arrays import Array, SparseMatrix
-from lumped.caches import cached_property
 
 
 class Swinging(Protocol):

@@ -8,13 +8,13 @@ postures together.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.linalg import block_diag as dense_block_diag
 from scipy.sparse import block_array, block_diag, csr_array, issparse
 
 from lumped.arrays import Array, SparseMatrix
-from lumped.caches import cached_property
 from lumped.mechanism.body import Rigid
 from lumped.mechanism.body_model import BodyModel
 from lumped.mechanism.kinematics.postures import shown_pose

@@ -1,13 +1,13 @@
 """The boundary of a volume mesh: its outward facets, and the smooth faces that these make up."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
 from lumped.arrays import Array, IntArray
-from lumped.caches import lru_cache
 from meshes.elements import ELEMENTS, SectionElement, SolidElement
 from meshes.shape_functions import gradients, values
 from meshes.solid_mesh import VolumeMesh

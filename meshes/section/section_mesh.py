@@ -5,13 +5,13 @@ a second family that shares nothing with the first but the shape.
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 from types import ModuleType
 
 import numpy as np
 from scipy.spatial import cKDTree
 
 from lumped.arrays import Array, IntArray
-from lumped.caches import lru_cache
 from lumped.errors import ComputationError, InputError
 from lumped.sections import Rectangle, Section
 from meshes.elements import ELEMENTS, SectionElement

@@ -13,11 +13,11 @@ from functools import cache
 from pathlib import Path
 
 import pytest
+from forgetting import forget
 
 from fem.beams import frame
 from fem.beams.beam import beam_leg
 from fem.bodies.rooted import RootedBody, rooted_body
-from lumped.caches import forget
 from lumped.robot_file import load_robot
 from lumped.system.solution import solved
 from lumped.system.sweep import swept
@@ -33,7 +33,6 @@ FILES = runpy.run_path(str(ROOT / "docs" / "pictures" / "architecture.py"))["mod
 # Modules, or single functions, that both sides may rest on, and why.
 BASICS = {
     "lumped.arrays": "types",
-    "lumped.caches": "keeping what was computed",
     "lumped.dense.modes": "eigenvalues of small matrices",
     "lumped.errors": "messages",
     "lumped.legs": "data of legs",

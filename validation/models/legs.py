@@ -1,7 +1,7 @@
 """The models of one leg, each made once: of one shape, however many legs have it."""
 
 from dataclasses import replace
-from functools import partial
+from functools import lru_cache, partial
 from typing import TypeVar
 
 from fem.beams.beam import beam_leg
@@ -11,7 +11,6 @@ from fem.bodies.solid import ClampedLeg
 from fem.reduction.craig_bampton import craig_bampton
 from fem.reduction.superelement import HeldLeg, held_leg, static_superelement
 from lumped.arrays import Array
-from lumped.caches import lru_cache
 from lumped.dense.modes import Modes, dense
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, GivenLeg, Leg, equivalent_leg, given_compliance, tip_compliance

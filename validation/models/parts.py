@@ -5,6 +5,7 @@ Meshed, factorised and reduced once, kept on the disk and in memory (validation.
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
@@ -18,7 +19,6 @@ from fem.reduction.craig_bampton import Reduction, heavier_at_interfaces, reduct
 from fem.reduction.free_interface import FreeTruncation, free_interface
 from fem.reduction.held import HeldBody
 from lumped.arrays import Array, SparseMatrix
-from lumped.caches import lru_cache
 from lumped.dense.modes import dense
 from lumped.errors import ComputationError, InputError
 from lumped.mechanism.body import Body, Frame

@@ -1,5 +1,6 @@
 """Parts as stepped legs: prismatic pieces with the part's own sections along its centre line."""
 
+from functools import lru_cache
 from itertools import pairwise
 from typing import Any
 
@@ -8,7 +9,6 @@ import numpy as np
 from fem.beams.stepped import Piece, SteppedLeg
 from fem.sections.section_constants import beam_properties, section_constants
 from lumped.arrays import Array
-from lumped.caches import lru_cache
 from lumped.errors import InputError
 from lumped.legs import BeamProperties, Material
 from lumped.mechanism.body import Body

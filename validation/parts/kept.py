@@ -16,7 +16,6 @@ import gmsh
 import numpy as np
 
 from lumped.arrays import Array
-from lumped.caches import on_forget
 from lumped.legs import Material
 from meshes.part.interfaces import Interface
 from meshes.part.reading.read import PartFile
@@ -30,7 +29,6 @@ _EDITION = 12
 _MOST_IN_MEMORY = 24
 _in_memory: dict[str, dict[str, Array]] = {}
 _MEMORY = Lock()
-on_forget(_in_memory.clear)
 # Who collects what is asked for, the innermost last.
 _collecting: list[dict[str, dict[str, Array]]] = []
 # Not empty while it is only looked at what is there.

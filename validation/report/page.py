@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 from math import isnan
 from typing import Any
 
@@ -10,7 +10,6 @@ from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescap
 from markupsafe import Markup
 
 from lumped.audit.finding import Finding
-from lumped.caches import lru_cache
 from validation.adequacy.matrix import Matrix
 from validation.drawing import text
 from validation.drawing.scenes import packed_viewer

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from math import ceil
 
 import numpy as np
@@ -12,7 +13,6 @@ from fem.bodies import doubling, leg_modes, solid
 from fem.bodies.solid import Ends
 from fem.sections.section_constants import SectionConstants, section_constants
 from lumped.arrays import Array
-from lumped.caches import lru_cache
 from lumped.legs import ConstantLeg
 from lumped.models.cantilever import clamped_modes
 from lumped.sections import HollowRectangle, ISection, Rectangle

@@ -6,10 +6,10 @@ sources: another robot, mesh or version never meets an old result.
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, fields
+from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
 
-from lumped.caches import lru_cache
 from validation.context import fingerprint
 from validation.results.provenance import suite_digest
 from validation.store.arrays import find_arrays, keep_arrays
@@ -43,7 +43,7 @@ class Journal:
             keep_arrays(self.folder, key, arrays)
 
 
-@lru_cache(maxsize=None)
+@cache
 def journal_in(folder: str) -> Journal:
     """The journal of a folder, one per process; "" for one in memory."""
     return Journal(Path(folder) if folder else None)
@@ -54,6 +54,6 @@ def key_of(unit: object) -> str:
     return fingerprint((_sources(), unit))
 
 
-@lru_cache(maxsize=None)
+@cache
 def _sources() -> str:
     return suite_digest()

@@ -2,11 +2,11 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 
 from lumped.arrays import Array
-from lumped.caches import lru_cache
 from lumped.errors import ComputationError, InputError
 from lumped.mechanism.mechanism import Posture
 from lumped.robot_file import RobotFile, load_robot
@@ -124,7 +124,7 @@ def varied_robots(
     )
 
 
-@lru_cache(maxsize=None)
+@cache
 def _shared(preset: Preset) -> Context:
     """A memo for all robots of a process: most of their bodies are the same."""
     return Context(load_robot(BUILT_IN), preset)

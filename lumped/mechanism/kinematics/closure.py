@@ -8,12 +8,12 @@ weighed likewise.
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property, lru_cache
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from lumped.arrays import Array, IntArray
-from lumped.caches import cached_property, lru_cache
 from lumped.mechanism.body import Frame
 from lumped.mechanism.free_twists import turned_since_reference
 from lumped.mechanism.kinematics.constraints import axes_of_drive, constraints, coordinates

@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from crane import write_crane
+from forgetting import forget
 
 from fem.reduction import free_interface
-from lumped.caches import forget
 from lumped.errors import ComputationError
 from lumped.mechanism.body import Body
 from lumped.mechanism.part import ByCylinder, PartInterface

@@ -17,9 +17,9 @@ import gmsh
 import numpy as np
 import pytest
 from changed_leaves import changed_leaves
+from forgetting import forget
 
 from lumped.acceptance.measured import Measured, digest
-from lumped.caches import forget
 from lumped.legs import ConstantLeg, Material
 from lumped.robot_file import RobotFile, load_robot
 from lumped.sections import HollowRectangle

@@ -17,10 +17,10 @@ from threading import Thread
 import numpy as np
 import pytest
 from crane import write_meshed_crane
+from forgetting import forget
 from numpy.testing import assert_allclose
 from one_arm import ONE_ARM
 
-from lumped.caches import forget
 from lumped.errors import ComputationError, InputError
 from lumped.robot_file import load_robot
 from lumped.robot_file.variation import variations_of

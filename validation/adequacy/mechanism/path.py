@@ -2,12 +2,12 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TypeAlias
 
 import numpy as np
 
 from lumped.arrays import Array
-from lumped.caches import cached_property
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, Ends, GivenLeg, Leg
 from lumped.mechanism.body import Given, Prism

@@ -7,14 +7,13 @@ section's mass and rotary inertia.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from functools import partial
+from functools import lru_cache, partial
 from typing import NamedTuple
 
 import numpy as np
 
 from fem.reduction.craig_bampton import craig_bampton
 from fem.reduction.superelement import held_leg
-from lumped.caches import lru_cache
 from lumped.legs import ConstantLeg, Ends, GivenLeg, Leg, equivalent_leg
 from lumped.mechanism.body_model import BodyModel, LegMatrices
 from lumped.mechanism.mechanism import Posture
