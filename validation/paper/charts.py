@@ -1,6 +1,6 @@
 """What the figures of the paper's room are made of: a line for each model, and their axes."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from lumped.arrays import Array
 from validation.drawing.chart import Chart, Note, Panel, Series, lettered
-from validation.drawing.scales import Scale, plain_log, up_to
+from validation.drawing.scales import Scale, plain_log
 from validation.drawing.style import BLUE, LOOKS, PURPLE, Look
 from validation.models.options import DEFAULT_OPTIONS, ModelName, ModelOptions
 from validation.paper.robot import ALPHAS, FIGURE_POINTS
@@ -89,11 +89,6 @@ def family_panel(
     return Panel(series, _PLACES[point], label, scale, notes=notes, place=point)
 
 
-def below(top: float) -> Callable[..., None]:
-    """Axes from zero to `top`."""
-    return partial(up_to, top=top)
-
-
 def hertz(series: Sequence[Series]) -> Scale:
     """Logarithmic frequencies around the curves."""
     low = 0.8 * min(float(one.y.min()) for one in series)
@@ -104,10 +99,3 @@ def spread(curves_of_one: Sequence[Array]) -> float:
     """Largest difference between curves on the same points, relative to the largest value."""
     stacked = np.array(curves_of_one)
     return float(np.max(np.ptp(stacked, axis=0)) / np.max(np.abs(stacked)))
-
-
-def accuracy(difference: float) -> str:
-    """A relative difference in words: percent, or its power of ten below 0.01 %."""
-    if difference >= 1e-4:
-        return f"{100.0 * difference:.2g} %"
-    return "less than 1e-8" if difference < 1e-8 else f"{difference:.0e}"

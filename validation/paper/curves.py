@@ -9,7 +9,8 @@ import numpy as np
 from lumped.arrays import Array
 from validation.context import Context, Preset
 from validation.drawing.chart import Note, Panel, Series, compared, lettered
-from validation.drawing.scales import Scale, from_zero, largest, plain_log
+from validation.drawing.scales import Scale, from_zero, largest, plain_log, up_to
+from validation.drawing.text import percent
 from validation.exhibits import FAMILY, STROKE
 from validation.paper.charts import (
     BEAM,
@@ -20,8 +21,6 @@ from validation.paper.charts import (
     SEGMENTS,
     SIMPLIFIED,
     Line,
-    accuracy,
-    below,
     cosine_spaced,
     family_chart,
     family_panel,
@@ -104,8 +103,8 @@ def all_deflections(context: Context) -> Shown:
         f"simplified model, and {along_z:.1f} µm along z, {along_z / planar:.1f} times the planar "
         "ones: what the simplified model leaves out is the larger part. With the same equivalent "
         "legs, virtual joints, segments and beam elements lie on one curve (they differ by "
-        f"{accuracy(apart)}). What separates it from the legs as given is the data of the legs, "
-        "not the formulation.",
+        f"{percent(apart, signed=False)}). What separates it from the legs as given is the data "
+        "of the legs, not the formulation.",
         compared_with(GIVEN.label),
     )
 
@@ -121,7 +120,9 @@ def deflections_of_the_family(context: Context) -> Shown:
         top = largest(getattr(one, name) for at in found.values() for one in at.values())
         label = f"{meaning}, {LOAD:g} N along {load}\n(µm)"
         panels += [
-            family_panel(point, _deflected(at, np.array(ALPHAS), name), label, below(top))
+            family_panel(
+                point, _deflected(at, np.array(ALPHAS), name), label, partial(up_to, top=top)
+            )
             for point, at in found.items()
         ]
     planar, along_z = found["centre"][BEAM].planar_x, found["centre"][BEAM].along_z
@@ -168,12 +169,13 @@ def refined_frequencies(context: Context) -> Shown:
     """Both frequencies of segments and beams in one pair of axes, with the printed eq. (25)."""
     x, found = _over_the_stroke(context, (SEGMENTS, PRINTED, BEAM), _frequencies)
     beam, printed = (found[line][len(x) // 2] for line in (BEAM, PRINTED))
+    apart = spread([found[SEGMENTS], found[BEAM]])
     series = _of_modes(found, x, _MODES)
     panel = Panel(series, y_label=_BOTH, scale=from_zero, notes=list(_numbers(x, found)))
     return curves(
         stroke_chart(x, [compared(panel, BEAM.label)], high=2.8),
         "First and second natural frequency of the whole robot, 20 elements in each leg. Segments "
-        f"and beam elements agree to {accuracy(spread([found[SEGMENTS], found[BEAM]]))}; at "
+        f"and beam elements agree to {percent(apart, signed=False)}; at "
         f"the centre they give {beam[0]:.0f} and {beam[1]:.0f} Hz. Eq. (25) as printed deletes row "
         "and column of φz from the joint's stiffness, which locks whatever motion is coupled to "
         f"φz: with it the second frequency is {printed[1]:.0f} Hz. Static condensation is the "
@@ -220,13 +222,13 @@ def refined_family(context: Context) -> Shown:
             for mode, height in enumerate(heights)
         ]
         series = _of_modes(at, np.array(ALPHAS), _MODES)
-        panels.append(family_panel(point, series, _BOTH, below(top), notes))
+        panels.append(family_panel(point, series, _BOTH, partial(up_to, top=top), notes))
     return curves(
         family_chart(panels),
         _LONGER,
         f"At the centre the first frequency goes from {first[0]:.0f} to {first[-1]:.0f} Hz, the "
         f"second from {second[0]:.0f} to {second[-1]:.0f} Hz. Segments and beam elements agree to "
-        f"{accuracy(apart)}.",
+        f"{percent(apart, signed=False)}.",
     )
 
 

@@ -10,7 +10,7 @@ import pytest
 from lumped.robot_file import load_robot
 from validation import paper
 from validation.context import Context
-from validation.paper.charts import accuracy, cosine_spaced, spread
+from validation.paper.charts import cosine_spaced, spread
 from validation.paper.curves import refined_frequencies, simplified_deflections
 from validation.paper.robot import Places
 
@@ -32,11 +32,6 @@ def test_stations_reach_both_ends_and_the_centre(context):
 
 def test_how_far_curves_are_apart():
     assert spread([np.array([1.0, 4.0]), np.array([1.0, 3.0])]) == 0.25
-    assert (accuracy(0.0123), accuracy(3e-6), accuracy(1e-12)) == (
-        "1.2 %",
-        "3e-06",
-        "less than 1e-8",
-    )
 
 
 def rows(data: str) -> list[dict[str, float]]:

@@ -126,7 +126,6 @@ STATEMENTS = (
         Absolute(0.1),
         "a tenth of the paper's range of α",
         _longest,
-        group="paper.decision",
     ),
     *(
         Statement(

@@ -25,7 +25,6 @@ from validation.paper.statements.statement import FORMULAS, Compute, Statement
 from validation.variations.decision import spearman
 
 EQUIVALENT = ModelOptions(legs="equivalent")
-_GROUP = "paper.family"
 # Two values of a curve closer than this (relative) are equal: a curve that rounding alone moves
 # neither rises nor falls.
 _EQUAL = 1e-9
@@ -55,6 +54,10 @@ def _modes(context: Context, point: str, reading: ModelOptions) -> list[Modes]:
     return context.get(modes, "segments", _members(context, point), 2, reading)
 
 
+def _refined(context: Context, point: str, reading: ModelOptions, mode: int) -> Array:
+    return np.array([one.frequencies[mode] for one in _modes(context, point, reading)])
+
+
 def _trend_of(curve: Callable[[Context, ModelOptions], Array], reference: float) -> Compute:
     def compute(context: Context, reading: ModelOptions) -> Measurement:
         return Measurement(_trend(curve(context, reading)), reference=reference, exact=True)
@@ -71,10 +74,7 @@ def _simplified_trend(point: str) -> Compute:
 
 
 def _frequency_trend(mode: int, point: str) -> Compute:
-    def curve(context: Context, reading: ModelOptions) -> Array:
-        return np.array([one.frequencies[mode] for one in _modes(context, point, reading)])
-
-    return _trend_of(curve, -1.0)
+    return _trend_of(lambda context, reading: _refined(context, point, reading, mode), -1.0)
 
 
 def _planar_falls(context: Context, reading: ModelOptions) -> Measurement:
@@ -103,18 +103,16 @@ def _simplified_rises(context: Context, reading: ModelOptions) -> Measurement:
 
 
 def _across(loads: tuple[int, ...], directions: tuple[int, ...]) -> Compute:
-    """Largest displacement along `directions` under unit `loads`, in % of that along the load."""
+    """Largest displacement along `directions` under unit `loads`, in % of that along the loads."""
 
     def compute(context: Context, _reading: ModelOptions) -> Measurement:
         everywhere = [at for point in FIGURE_POINTS for at in _members(context, point)]
-        found = context.get(compliances, "vjm", everywhere, EQUIVALENT)
-        largest = max(
-            np.max(np.linalg.norm(found[:, directions, load], axis=1))
-            / np.max(np.linalg.norm(found[:, _plane_or_z(load), load], axis=1))
-            for load in loads
+        found = context.get(compliances, "vjm", everywhere, EQUIVALENT)[:, :, loads]
+        across, along = (
+            np.max(np.linalg.norm(found[:, rows], axis=1), axis=0) for rows in (directions, loads)
         )
         return Measurement(
-            100.0 * float(largest),
+            100.0 * float(np.max(across / along)),
             reference=0.0,
             exact=True,
             notes=(
@@ -124,10 +122,6 @@ def _across(loads: tuple[int, ...], directions: tuple[int, ...]) -> Compute:
         )
 
     return compute
-
-
-def _plane_or_z(load: int) -> tuple[int, ...]:
-    return (2,) if load == 2 else (0, 1)
 
 
 def _lowest_two(point: str) -> Compute:
@@ -140,30 +134,25 @@ def _lowest_two(point: str) -> Compute:
 
 
 def _stiffest(context: Context, _reading: ModelOptions) -> Measurement:
-    def best(model: ModelName) -> float:
-        found = _deflected(context, "centre", model)
-        planar = np.maximum(found.planar_x, found.planar_y)
-        worst = planar if model == "simplified" else np.maximum(planar, found.along_z)
-        chosen: float = ALPHAS[int(np.argmin(worst))]
-        return chosen
-
-    return _shorter(best("vjm"), best("simplified"))
+    refined, simplified = (_deflected(context, "centre", of) for of in ("vjm", "simplified"))
+    worst = np.max([refined.planar_x, refined.planar_y, refined.along_z], axis=0)
+    worst_simplified = np.maximum(simplified.planar_x, simplified.planar_y)
+    return _shorter(np.argmin(worst), np.argmin(worst_simplified))
 
 
 def _fastest(context: Context, reading: ModelOptions) -> Measurement:
-    first = np.array([one.frequencies[0] for one in _modes(context, "centre", reading)])
-    found = first, _simplified(context, "centre")
-    refined, simplified = (ALPHAS[int(np.argmax(curve))] for curve in found)
-    return _shorter(refined, simplified)
+    first = _refined(context, "centre", reading, 0)
+    return _shorter(np.argmax(first), np.argmax(_simplified(context, "centre")))
 
 
-def _shorter(refined: float, simplified: float) -> Measurement:
-    step = ALPHAS[1] - ALPHAS[0]
+def _shorter(refined: np.intp, simplified: np.intp) -> Measurement:
+    """The member that the refined model chooses, against the one before the simplified model's."""
+    alpha, simple = ALPHAS[refined], ALPHAS[simplified]
     return Measurement(
-        refined,
-        reference=simplified - step,
+        alpha,
+        reference=simple - (ALPHAS[1] - ALPHAS[0]),
         exact=True,
-        notes=(f"α = {refined:g} by the refined model, {simplified:g} by the simplified one.",),
+        notes=(f"α = {alpha:g} by the refined model, {simple:g} by the simplified one.",),
     )
 
 
@@ -171,103 +160,82 @@ _REASON = "±1 means throughout; one exchanged pair among eleven members changes
 _TREND = ("rank correlation with α from 1 to 2", "1", Absolute(0.005), _REASON)
 
 
-def _trends() -> tuple[Statement, ...]:
-    planar = {
-        f"{point}, force along {axis}": _deflection_trend(f"planar_{axis}", point, -1.0)
-        for point in FIGURE_POINTS
-        for axis in "xy"
-    }
-    rises = {point: _simplified_trend(point) for point in FIGURE_POINTS}
-    single = (
-        Statement(
-            "family.planar-falls",
-            "§2.3, Fig. 6",
-            "Longer legs: smaller planar deflection under a force along x, at the centre",
-            *_TREND,
-            _planar_falls,
-            group=_GROUP,
-            sentence="Longer legs: smaller planar deflections (six curves)",
-            curves=planar,
-            figure="deflection.family",
-        ),
-        Statement(
-            "family.simplified-rises",
-            "§3.3, Fig. 12",
-            "Simplified model: longer legs, higher first frequency, at the centre",
-            *_TREND,
-            _simplified_rises,
-            group=_GROUP,
-            sentence="Simplified model: longer legs, higher frequency (three points)",
-            curves=rises,
-            figure="frequency.family-simplified",
-        ),
-    )
-    per_point = (
-        statement
-        for point in FIGURE_POINTS
-        for statement in (_z_rises(point), _frequencies_fall(point), _lowest(point))
-    )
-    return (*single, *per_point)
-
-
-def _z_rises(point: str) -> Statement:
-    compute = _deflection_trend("along_z", point, 1.0)
-    return Statement(
-        f"family.z-rises[{point}]",
-        "§2.3, Fig. 6",
-        f"Longer legs: larger deflection along z ({point})",
-        *_TREND,
-        compute,
-        group=_GROUP,
-        sentence="Longer legs: larger deflections along z (three points)",
-        curves={point: compute},
-        figure="deflection.family",
-    )
-
-
-def _frequencies_fall(point: str) -> Statement:
-    return Statement(
-        f"family.refined-falls[{point}]",
-        "§3.3, Fig. 13",
-        f"Rigid segments: longer legs, lower first frequency ({point})",
-        *_TREND,
-        _frequency_trend(0, point),
-        order=SEGMENT_ORDER,
-        group=_GROUP,
-        sentence="Rigid segments: longer legs, lower frequencies (six curves)",
-        curves={
-            f"{point}, {name}": _frequency_trend(mode, point)
-            for mode, name in enumerate(("first", "second"))
-        },
-        differs=FORMULAS,
-        figure="frequency.family",
-    )
-
-
-def _lowest(point: str) -> Statement:
-    compute = _lowest_two(point)
-    return Statement(
-        f"family.lowest-two[{point}]",
-        "§3.3, Fig. 13",
-        f"Longer legs keep one mode along z and one in the plane below all others ({point})",
-        "members whose first mode is not along z or whose second is not planar",
-        "1",
-        Absolute(0.5),
-        "a count is a whole number; a mode has a direction if 95 % of its motion goes there",
-        compute,
-        order=LITERAL_ORDER,
-        group=_GROUP,
-        effort=2.0,
-        sentence="Longer legs: a mode along z and one in the plane stay the lowest two",
-        curves={point: compute},
-        differs=FORMULAS,
-        judged="as printed",
-        figure="frequency.family",
-    )
-
-
 STATEMENTS = (
-    *_trends(),
+    Statement(
+        "family.planar-falls",
+        "§2.3, Fig. 6",
+        "Longer legs: smaller planar deflection under a force along x, at the centre",
+        *_TREND,
+        _planar_falls,
+        sentence="Longer legs: smaller planar deflections (six curves)",
+        curves={
+            f"{point}, force along {axis}": _deflection_trend(f"planar_{axis}", point, -1.0)
+            for point in FIGURE_POINTS
+            for axis in "xy"
+        },
+        figure="deflection.family",
+    ),
+    Statement(
+        "family.simplified-rises",
+        "§3.3, Fig. 12",
+        "Simplified model: longer legs, higher first frequency, at the centre",
+        *_TREND,
+        _simplified_rises,
+        sentence="Simplified model: longer legs, higher frequency (three points)",
+        curves={point: _simplified_trend(point) for point in FIGURE_POINTS},
+        figure="frequency.family-simplified",
+    ),
+    *(
+        Statement(
+            f"family.z-rises[{point}]",
+            "§2.3, Fig. 6",
+            f"Longer legs: larger deflection along z ({point})",
+            *_TREND,
+            _deflection_trend("along_z", point, 1.0),
+            sentence="Longer legs: larger deflections along z (three points)",
+            curves={point: _deflection_trend("along_z", point, 1.0)},
+            figure="deflection.family",
+        )
+        for point in FIGURE_POINTS
+    ),
+    *(
+        Statement(
+            f"family.refined-falls[{point}]",
+            "§3.3, Fig. 13",
+            f"Rigid segments: longer legs, lower first frequency ({point})",
+            *_TREND,
+            _frequency_trend(0, point),
+            order=SEGMENT_ORDER,
+            sentence="Rigid segments: longer legs, lower frequencies (six curves)",
+            curves={
+                f"{point}, {name}": _frequency_trend(mode, point)
+                for mode, name in enumerate(("first", "second"))
+            },
+            differs=FORMULAS,
+            figure="frequency.family",
+        )
+        for point in FIGURE_POINTS
+    ),
+    *(
+        Statement(
+            f"family.lowest-two[{point}]",
+            "§3.3, Fig. 13",
+            f"Longer legs keep one mode along z and one in the plane below all others ({point})",
+            "members whose first mode is not along z or whose second is not planar",
+            "1",
+            Absolute(0.5),
+            "a count is a whole number; a mode has a direction if 95 % of its motion goes there",
+            _lowest_two(point),
+            order=LITERAL_ORDER,
+            effort=2.0,
+            sentence="Longer legs: a mode along z and one in the plane stay the lowest two",
+            curves={point: _lowest_two(point)},
+            differs=FORMULAS,
+            judged="as printed",
+            figure="frequency.family",
+        )
+        for point in FIGURE_POINTS
+    ),
     Statement(
         "family.other-directions-null",
         "§2.3, Fig. 6",
@@ -277,7 +245,6 @@ STATEMENTS = (
         Absolute(1.0),
         "a curve drawn as far above the axis as a line is wide, a hundredth of the figure, is null",
         _across((0, 1), (2,)),
-        group=_GROUP,
         sentence="Deformations along the other directions are null",
         curves={
             "along z under planar forces": _across((0, 1), (2,)),
@@ -295,7 +262,6 @@ STATEMENTS = (
         "half a step of the family: shorter by one member at least",
         _stiffest,
         Relation.AT_MOST,
-        group=_GROUP,
         curves={"by deflection": _stiffest, "by first frequency": _fastest},
         differs=FORMULAS,
     ),
