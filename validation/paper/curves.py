@@ -253,12 +253,11 @@ def _over_the_family(
     context: Context, lines: Sequence[Line], found: Callable[[Context, Line, Sequence[Places]], T]
 ) -> dict[str, dict[Line, T]]:
     """What each line's model says of the family, by point of the stroke."""
-    points = FIGURE_POINTS.items()
-    members = {point: context.get(family, context.robot_file, at) for point, at in points}
-    return {
-        point: {line: found(context, line, places) for line in lines}
-        for point, places in members.items()
-    }
+    told = {}
+    for point, fraction in FIGURE_POINTS.items():
+        members = context.get(family, context.robot_file, fraction)
+        told[point] = {line: found(context, line, members) for line in lines}
+    return told
 
 
 def _deflected(found: Mapping[Line, Deflections], x: Array, name: str) -> list[Series]:

@@ -81,9 +81,7 @@ def drive_stiffness(robot: Mechanism) -> float:
 def lever_arms(robot: Mechanism) -> Finding:
     """Eqs (17), (18) hold in the leg's axes; beside eq. (15) they must be turned by D_k."""
     leg_axes, base_axes = robot.reference["leg1"].rotation, np.eye(3)
-    piece = legs(robot)[0].length / _ELEMENTS
-    spring = _spring_stiffness(robot, piece)
-    arm = piece / 2.0
+    spring, arm = _spring_and_arm(robot)
     printed = _energy_of_rotation(spring, leg_axes, base_axes, arm, arm)
     turned = _energy_of_rotation(spring, leg_axes, leg_axes, arm, arm)
     along_x = _energy_of_rotation(spring, base_axes, base_axes, arm, arm)
@@ -107,8 +105,9 @@ def lever_arms(robot: Mechanism) -> Finding:
 def small_rotations(robot: Mechanism) -> Finding:
     """Eq. (19) multiplies the rotations by their own cross-product matrix, φ × φ = 0."""
     bend = np.array([0.0, 0.0, 0.0, 0.0, 0.0, _ROTATION])
-    deflection = _printed_rotation(bend) - _printed_rotation(np.zeros(6))
-    stiffness = _spring_stiffness(robot, legs(robot)[0].length / _ELEMENTS)
+    # diag(I₃, Rˢ) q of eq. (19)
+    deflection = np.concatenate([bend[:3], np.cross(bend[3:], bend[3:])])
+    stiffness, _ = _spring_and_arm(robot)
     stored = float(0.5 * deflection @ stiffness @ deflection)
     due = float(0.5 * bend @ stiffness @ bend)
     return Finding(
@@ -126,9 +125,9 @@ def small_rotations(robot: Mechanism) -> Finding:
 
 def neighbour_index(robot: Mechanism) -> Finding:
     """Eq. (23) couples spring 1 by C₁,₃, the arm of element 3, to element 2."""
-    piece, axes = legs(robot)[0].length / _ELEMENTS, np.eye(3)
-    arm, arm_of_third = piece / 2.0, piece
-    spring = _spring_stiffness(robot, piece)
+    spring, arm = _spring_and_arm(robot)
+    axes = np.eye(3)
+    arm_of_third = 2.0 * arm
     printed = _energy_of_rotation(spring, axes, axes, arm, arm_of_third)
     correct = _energy_of_rotation(spring, axes, axes, arm, arm)
     return Finding(
@@ -190,14 +189,12 @@ def _energy_of_rotation(
     return float(0.5 * deflection @ turn_matrix(spring, leg_axes) @ deflection)
 
 
-def _spring_stiffness(robot: Mechanism, piece: float) -> Array:
-    properties = equivalent_leg(legs(robot)[0]).properties("euler-bernoulli")
-    return np.diag(1.0 / np.diag(properties.piece_compliance(piece)))
-
-
-def _printed_rotation(twist: Array) -> Array:
-    """diag(I₃, Rˢ) q of eq. (19)."""
-    return np.concatenate([twist[:3], np.cross(twist[3:], twist[3:])])
+def _spring_and_arm(robot: Mechanism) -> tuple[Array, float]:
+    """Stiffness (6×6, leg axes) between two elements of leg 1, and half an element's length (m)."""
+    leg = equivalent_leg(legs(robot)[0])
+    piece = leg.length / _ELEMENTS
+    compliance = leg.properties("euler-bernoulli").piece_compliance(piece)
+    return np.diag(1.0 / np.diag(compliance)), piece / 2.0
 
 
 def _first_frequency(stiffness: Array, robot: Mechanism) -> float:

@@ -12,6 +12,7 @@ import numpy as np
 from fem.bodies.solid import solid_leg_matrices
 from fem.solvers import sparse_system
 from lumped.arrays import Array
+from lumped.dense.modes import Modes as SystemModes
 from lumped.errors import InputError
 from lumped.legs import Leg, equivalent_leg
 from lumped.mechanism.biglide import Stroke
@@ -21,12 +22,12 @@ from lumped.models.bodies import legs_of
 from lumped.robot_file import RobotFile, as_printed
 from lumped.robot_file.biglide.corrections import with_value
 from lumped.robot_file.load import described_by
-from lumped.system.assembly import assembly
+from lumped.system.assembly import System, assembly
 from lumped.system.joint_motion import Portion
 from lumped.system.solution import strain_shares
 from validation.context import BUILT_IN
 from validation.models.mechanism import answers
-from validation.models.mechanism_modes import PostureModes, mechanism_modes
+from validation.models.mechanism_modes import mechanism_modes
 from validation.models.options import DEFAULT_OPTIONS, ModelName, ModelOptions
 from validation.solids.robots import meshed_leg
 
@@ -188,7 +189,7 @@ def modes(
 ) -> list[Modes]:
     """The lowest `count` modes in all places, shares of energy beside them."""
     found = (mechanism_modes(model, at.postures, count, options) for at in places)
-    return [_told(one) for one in chain(*found)]
+    return [_told(one.system, one.modes) for one in chain(*found)]
 
 
 def unreduced_modes(at: Posture, count: int, divisions: int) -> Modes:
@@ -201,37 +202,28 @@ def unreduced_modes(at: Posture, count: int, divisions: int) -> Modes:
         for name, leg in legs_of(at.mechanism).items()
     }
     solution = sparse_system.factorised(assembly(at.mechanism, solids).at(at))
-    found = sparse_system.modes(solution, count)
-    return _told(
-        PostureModes(
-            posture=at,
-            system=solution.system,
-            compliance=sparse_system.compliance(solution),
-            modes=found,
-            idle=0,
-            strain=strain_shares(solution.system, found.shapes),
-        )
-    )
+    return _told(solution.system, sparse_system.modes(solution, count))
 
 
-def _told(found: PostureModes) -> Modes:
+def _told(system: System, found: SystemModes) -> Modes:
+    strain = strain_shares(system, found.shapes)
     return Modes(
-        frequencies=found.modes.frequencies,
-        kinetic=_kinetic_shares(found.posture.mechanism, found),
-        strain={_in_words(part): share for part, share in found.strain.items()},
+        frequencies=found.frequencies,
+        kinetic=_kinetic_shares(system, found.shapes),
+        strain={_in_words(part): share for part, share in strain.items()},
     )
 
 
-def _kinetic_shares(mechanism: Mechanism, found: PostureModes) -> dict[str, Array]:
+def _kinetic_shares(system: System, shapes: Array) -> dict[str, Array]:
     """Share of kinetic energy along x, y, z: the platform's mass and both centrelines'."""
-    system, shapes = found.system, found.modes.shapes
-    energy = mechanism.tool.mass * np.square((system.tool @ shapes)[:3])
+    at = system.posture
+    energy = at.mechanism.tool.mass * np.square((system.tool @ shapes)[:3])
     points, weights = np.polynomial.legendre.leggauss(_CENTRELINE_POINTS)
-    for name, leg in legs_of(mechanism).items():
+    for name, leg in legs_of(at.mechanism).items():
         along = np.zeros((_CENTRELINE_POINTS, 3))
         along[:, 0] = 0.5 * leg.length * (1.0 + points)
         own = system.models[name].displacements(along) @ system.own(name, shapes)
-        rotation = found.posture.frames[name].rotation
+        rotation = at.frames[name].rotation
         moved = np.einsum("ij,sjm->sim", rotation, own.reshape(_CENTRELINE_POINTS, 3, -1))
         energy = energy + leg.mass * np.einsum("s,sim->im", 0.5 * weights, np.square(moved))
     return dict(zip("xyz", energy / energy.sum(axis=0), strict=True))
