@@ -13,9 +13,8 @@ from fem.machine import available_memory
 from lumped.arrays import Array, SparseMatrix
 from lumped.errors import ComputationError
 from lumped.legs import Material
-from meshes.part.boundary import Facets
+from meshes.part.boundary import Facets, PartMesh
 from meshes.part.interfaces import Interface
-from meshes.part.part_mesh import PartMesh
 
 # Measured on tetrahedra in parts: what 150k unknowns take at the height of the factorisation, and
 # the power by which it grows.

@@ -92,13 +92,12 @@ Chain: TypeAlias = tuple[Element, ...]
 class ChainJacobians:
     """What eq. (3) needs of a chain, at its end point in base axes (SI).
 
-    `end` (3, m) is the end point in base axes, `end_rotation` the end frame's axes as columns;
-    `passive` Jq (6×n), `springs` Jθ (6×6m), `compliance` Kθ⁻¹ (6m×6m) of eq. (5), `reach` (m) the
-    largest distance of a passive joint or a spring from the end point.
+    `end` (3, m) is the end point in base axes; `passive` Jq (6×n), `springs` Jθ (6×6m),
+    `compliance` Kθ⁻¹ (6m×6m) of eq. (5), `reach` (m) the largest distance of a passive joint or a
+    spring from the end point.
     """
 
     end: Array
-    end_rotation: Array
     passive: Array
     springs: Array
     compliance: Array
@@ -142,7 +141,6 @@ def chain_jacobians(chain: Sequence[Element]) -> ChainJacobians:
     distances = [float(np.linalg.norm(position - point)) for point, _ in passive + springs]
     return ChainJacobians(
         end=position,
-        end_rotation=rotation,
         passive=_at_end(passive, position),
         springs=_at_end(springs, position),
         compliance=_block_diagonal(compliances),

@@ -1,6 +1,7 @@
 """The boundary of a volume mesh: its outward facets, and the smooth faces that these make up."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import lru_cache
 
 import numpy as np
@@ -54,6 +55,26 @@ class Facets:
     def at(self, rows: IntArray) -> "Facets":
         """Some of the pieces."""
         return Facets(self.cells[rows], self.element)
+
+
+@dataclass(frozen=True, eq=False)
+class PartMesh(VolumeMesh):
+    """Mesh of a part in the file's axes (m).
+
+    `faces`: facets by the number of their face, outward; `names` of faces, where there are some;
+    `bare`: sets of the file that hold no whole facet; `straightened`: how many elements were given
+    straight edges because they had folded.
+    """
+
+    faces: Mapping[int, Facets]
+    names: Mapping[int, str] = field(default_factory=dict)
+    bare: tuple[str, ...] = ()
+    straightened: int = 0
+
+    @property
+    def unknowns(self) -> int:
+        """Displacements of its nodes."""
+        return 3 * len(self.nodes)
 
 
 @lru_cache(maxsize=8)

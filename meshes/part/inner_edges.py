@@ -14,8 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lumped.arrays import Array, IntArray
-from meshes.part.boundary import CREASE, Facets, boundary
-from meshes.part.part_mesh import PartMesh
+from meshes.part.boundary import CREASE, Facets, PartMesh, boundary
 from meshes.part.straighten import are_folded
 from meshes.shape_functions import gradients, values
 

@@ -16,10 +16,9 @@ from lumped.errors import ComputationError, InputError
 from meshes.elements import SectionElement, SolidElement
 from meshes.gmsh_arrays import connectivity, numbered
 from meshes.own_process import Crashed, in_own_process
-from meshes.part.boundary import Facets
+from meshes.part.boundary import Facets, PartMesh
 from meshes.part.inner_edges import cut_at_inner_edges, second_order_unknowns
 from meshes.part.interfaces import Interface
-from meshes.part.part_mesh import PartMesh
 from meshes.part.reading.cad import CadModel, cad_model, naming_the_place
 from meshes.part.reading.filled import require_filled
 from meshes.part.reading.read import PartFile

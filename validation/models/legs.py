@@ -172,10 +172,4 @@ def kind_frequencies(
     leg: ConstantLeg, model: ModelName, kind: str, count: int, options: ModelOptions
 ) -> Array:
     """First frequencies (Hz) of one kind of deformation of the clamped leg."""
-    return cantilever.kind_frequencies(_matrices(leg, model, options), kind, count)
-
-
-@lru_cache(maxsize=8)
-def _matrices(leg: ConstantLeg, model: ModelName, options: ModelOptions) -> LegMatrices:
-    """All kinds and modes of a leg come from one set of matrices."""
-    return leg_matrices(model, leg, options)
+    return cantilever.kind_frequencies(cached_leg(model, leg, options), kind, count)

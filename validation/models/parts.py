@@ -25,8 +25,8 @@ from lumped.mechanism.body import Body, Frame
 from lumped.mechanism.body_model import BodyModel
 from lumped.mechanism.part import Part
 from lumped.mechanism.placing import leg_frame
+from meshes.part.boundary import PartMesh
 from meshes.part.interfaces import Interface, find_interfaces
-from meshes.part.part_mesh import PartMesh
 from meshes.part.reading.read import PartFile, read_part
 from validation.models.options import ReductionBy
 from validation.parts.identify import Identified, identify

@@ -14,8 +14,7 @@ from lumped.legs import BeamProperties, Material
 from lumped.mechanism.body import Body
 from lumped.mechanism.mechanism import Mechanism
 from lumped.screws import shift, skew
-from meshes.part.boundary import Facets, boundary
-from meshes.part.part_mesh import PartMesh
+from meshes.part.boundary import Facets, PartMesh, boundary
 from meshes.part.slices import Slice, slice_mesh, slices_of
 from meshes.part.spread import cell_volumes
 from meshes.section.section_mesh import SectionMesh

@@ -22,8 +22,8 @@ from fem.bodies.part import (
 from fem.couplings.grips import Kind
 from lumped.arrays import Array
 from lumped.legs import Material
+from meshes.part.boundary import PartMesh
 from meshes.part.interfaces import Interface
-from meshes.part.part_mesh import PartMesh
 from meshes.part.reading.read import PartFile
 from meshes.part.spread import spread_over
 from validation.parts.kept import kept, key_of

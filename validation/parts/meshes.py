@@ -7,9 +7,8 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.legs import Material
-from meshes.part.boundary import Facets
+from meshes.part.boundary import Facets, PartMesh
 from meshes.part.interfaces import Interface
-from meshes.part.part_mesh import PartMesh
 from meshes.part.reading.read import PartFile
 from meshes.part.volume import Grading, ladder, volume_mesh
 from validation.parts.kept import kept, key_of

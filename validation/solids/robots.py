@@ -166,7 +166,7 @@ def _compliances(leg: ConstantLeg, divisions: int, along: int) -> TipCompliances
         rigid=doubled_tip(leg, divisions, along, "rigid"),
         free=doubled_tip(leg, divisions, along, "free"),
         own=own_tip(leg, divisions),
-        restrained=restrained_tip(leg, divisions),
+        restrained=restrained_compliance(face_mesh(leg, divisions), leg.material, leg.length),
     )
 
 
@@ -174,8 +174,3 @@ def own_tip(leg: ConstantLeg, divisions: int) -> Array:
     """The Timoshenko cantilever's with the constants of the same section mesh."""
     properties = beam_properties(leg_constants(leg, divisions), leg.material)
     return tip_compliance(properties, leg.length)
-
-
-def restrained_tip(leg: ConstantLeg, divisions: int) -> Array:
-    """What rigid faces take from it in theory."""
-    return restrained_compliance(face_mesh(leg, divisions), leg.material, leg.length)

@@ -5,8 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from lumped.errors import InputError
-from meshes.part.boundary import Facets, area_vectors
-from meshes.part.part_mesh import PartMesh
+from meshes.part.boundary import Facets, PartMesh, area_vectors
 from meshes.part.reading.cad import CadModel
 from meshes.shape_functions import gradients, quadrature
 

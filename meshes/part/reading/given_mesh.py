@@ -16,8 +16,7 @@ from lumped.arrays import IntArray
 from lumped.errors import InputError
 from lumped.mechanism.part import METRES
 from meshes.elements import ELEMENTS, SolidElement
-from meshes.part.boundary import Facets, boundary, facets_of_cells, smooth_faces
-from meshes.part.part_mesh import PartMesh
+from meshes.part.boundary import Facets, PartMesh, boundary, facets_of_cells, smooth_faces
 from meshes.part.reading.units import chosen_unit, require_plausible
 from meshes.quality import quality
 from meshes.solid_mesh import VolumeMesh

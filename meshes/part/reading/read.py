@@ -12,9 +12,8 @@ from lumped.files import require_ordinary
 from lumped.mechanism.part import METRES
 from meshes.gmsh_arrays import connectivity, numbered
 from meshes.own_process import Crashed, in_own_process
-from meshes.part.boundary import Facets
+from meshes.part.boundary import Facets, PartMesh
 from meshes.part.faces import Face, face_of
-from meshes.part.part_mesh import PartMesh
 from meshes.part.reading.cad import (
     BREP,
     STEP,

@@ -17,10 +17,9 @@ from fem.couplings.grips import area_weights
 from fem.elements.elasticity import on_three_components
 from meshes.gmsh_arrays import connectivity, numbered
 from meshes.gmsh_session import gmsh_model
-from meshes.part.boundary import boundary, smooth_faces
+from meshes.part.boundary import PartMesh, boundary, smooth_faces
 from meshes.part.faces import face_of
 from meshes.part.interfaces import Interface
-from meshes.part.part_mesh import PartMesh
 from meshes.part.straighten import straightened
 
 # The second bore is referred to a point beside its axis.

@@ -17,9 +17,8 @@ from lumped.legs import Material
 from lumped.mechanism.part import ByPlane, PartInterface
 from lumped.sections import Circle, HollowRectangle, Rectangle, Section, Tube
 from meshes.gmsh_session import gmsh_model
-from meshes.part.boundary import Facets
+from meshes.part.boundary import Facets, PartMesh
 from meshes.part.interfaces import find_interfaces
-from meshes.part.part_mesh import PartMesh
 from meshes.part.reading.read import read_part
 from meshes.prism.extrude import extrude, stations
 from meshes.section.section_mesh import SectionMesh, section_mesh

@@ -10,9 +10,8 @@ from fem.bodies.part import meshed_part
 from fem.sections.section_constants import section_constants
 from lumped.sections import HollowRectangle, Rectangle
 from meshes.part import volume
-from meshes.part.boundary import Facets, area_vectors, boundary
+from meshes.part.boundary import Facets, PartMesh, area_vectors, boundary
 from meshes.part.inner_edges import cut_at_inner_edges, inner_edges, second_order_unknowns
-from meshes.part.part_mesh import PartMesh
 from meshes.part.reading.read import read_part
 from meshes.part.spread import cell_volumes
 from meshes.section.section_mesh import section_mesh

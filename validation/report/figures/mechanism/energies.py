@@ -48,7 +48,7 @@ def energies(context: Context) -> Shown:
     by_body = _by_body(found.strain, mechanism)
     bodies = [name for name in by_body if name not in _KINDS]
     panels = {
-        "(a) by what they do": _by_kind(found.strain, mechanism),
+        "(a) by what they do": _kinds_first(by_kind(found.strain, mechanism)),
         "(b) by what they are": by_body,
     }
     colours = _KINDS | dict(zip(bodies, cycle(_BODIES), strict=False))
@@ -82,21 +82,15 @@ def _kinds_said(mechanism: Mechanism) -> str:
     )
 
 
-def _by_kind(strain: Portions, mechanism: Mechanism) -> Shares:
-    return _kinds_first(by_kind(strain, mechanism))
-
-
 def _by_body(strain: Portions, mechanism: Mechanism) -> Shares:
     """Shares of drives, of joints and of legs, those of one shape together."""
     groups: dict[object, list[str]] = {name: [name] for name in mechanism.parts}
     for name, leg in known_legs(mechanism).items():
         groups.setdefault(leg if isinstance(leg, ConstantLeg) else name, []).append(name)
     label = {name: _listed(names) for names in groups.values() for name in names}
-    return _summed(strain, lambda part: label.get(part.of) or _in_joints(part))
-
-
-def _in_joints(part: Portion) -> str:
-    return _DRIVES if part.kind == "drive" else _JOINTS
+    return _summed(
+        strain, lambda part: label.get(part.of) or (_DRIVES if part.kind == "drive" else _JOINTS)
+    )
 
 
 def _summed(strain: Portions, what: Callable[[Portion], str]) -> Shares:

@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from lumped.arrays import Array
-from validation.case import Allowance, Measurement
+from validation.case import Measurement
 from validation.drawing.style import (
     BLUE,
     GREEN,
@@ -76,7 +76,8 @@ def budget_figure(identifier: str, title: str, outcomes: Sequence[Outcome]) -> F
     heights = np.array([max(1.0, 0.2 + 0.55 * (name.count("\n") + 1)) for name in names])
     bottom = float(heights.sum())
     rows = np.cumsum(heights) - 0.5 * heights
-    causes = {a.cause: fill(a.cause, _CAUSE_WIDTH) for o in outcomes for a in _allowances(o)}
+    allowances = (one for outcome in outcomes for one in _measured(outcome).allowances)
+    causes = {one.cause: fill(one.cause, _CAUSE_WIDTH) for one in allowances}
     entries = [*causes.values(), *_FURTHER]
     first = entries[: -(-len(entries) // 2)]
     longest = max(len(line) for name in names for line in name.split("\n"))
@@ -182,10 +183,6 @@ def _rest(axes: Axes, rows: Array, outcomes: Sequence[Outcome]) -> list[Patch | 
         Line2D([], [], color="black", marker="|", label=_UNCERTAINTY),
         Patch(facecolor=_BAND, label=_TOLERANCE),
     ]
-
-
-def _allowances(outcome: Outcome) -> Sequence[Allowance]:
-    return _measured(outcome).allowances
 
 
 def _measured(outcome: Outcome) -> Measurement:
