@@ -1,4 +1,4 @@
-"""Frames in space: prismatic beam members between nodes, supports, springs and point masses.
+"""Frames in space: prismatic beam members between nodes, and supports.
 
 Members are those of `fem.beams.beam`, so that statics under loads at the nodes are exact and
 frequencies converge with the fourth power of the element's length. Nodes have six unknowns in
@@ -22,14 +22,13 @@ from lumped.dense.statics import solve_statics
 from lumped.errors import InputError
 from lumped.legs import BeamProperties
 from lumped.mechanism.body_model import LegMatrices
-from lumped.screws import shift, skew, turn
+from lumped.screws import skew, turn
 
 Component: TypeAlias = Literal["x", "y", "z", "φx", "φy", "φz"]
 Vector: TypeAlias = tuple[float, float, float]
 
 KINDS: tuple[Kind, ...] = get_args(Kind)
 COMPONENTS: tuple[Component, ...] = get_args(Component)
-_ORIGIN: Vector = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -37,9 +36,8 @@ class Member:
     """Prismatic beam from node `start` to node `end` (numbers from 0), local x along it.
 
     `normal` (frame axes) lies in the member's x–z plane on the side of +z and fixes the section's
-    orientation; y = z × x. The offsets (m, frame axes) are rigid arms from the nodes to the ends.
-    `kinds` are the deformations that the member has; along the others its inside does not move,
-    and it gives its nodes no stiffness.
+    orientation; y = z × x. `kinds` are the deformations that the member has; along the others its
+    inside does not move, and it gives its nodes no stiffness.
     """
 
     start: int
@@ -47,58 +45,25 @@ class Member:
     properties: BeamProperties
     normal: Vector
     elements: int = 8
-    start_offset: Vector = _ORIGIN
-    end_offset: Vector = _ORIGIN
     kinds: tuple[Kind, ...] = KINDS
 
 
 @dataclass(frozen=True)
 class Support:
-    """Components of a node's twist that are held, in frame axes or in axes of its own.
-
-    `axes` (3×3) has the support's axes as columns, in frame axes. A pin holds x, y and z.
-    """
+    """Components of a node's twist that are held, in frame axes; a pin holds x, y and z."""
 
     node: int
     held: tuple[Component, ...] = COMPONENTS
-    axes: Array | None = None
-
-
-@dataclass(frozen=True)
-class Spring:
-    """Spring of 6×6 `stiffness` (SI, frame axes) at `node`, to the node `other` or to the ground.
-
-    It acts on the difference of the twists at the place of `node`; to `other` leads a rigid arm.
-    """
-
-    node: int
-    stiffness: Array
-    other: int | None = None
-
-
-@dataclass(frozen=True)
-class PointMass:
-    """Body of `mass` (kg) with its centre at `offset` (m, frame axes) from `node`.
-
-    `inertia` (3×3, kg m²) is about its centre, in frame axes; none if left out.
-    """
-
-    node: int
-    mass: float
-    offset: Vector = _ORIGIN
-    inertia: Array | None = None
 
 
 @dataclass(frozen=True)
 class Frame:
-    """Nodes (N×3, m) and what is between and at them; `name` is for messages."""
+    """Nodes (N×3, m), what is between them and what holds them; `name` is for messages."""
 
     name: str
     nodes: Array
-    members: tuple[Member, ...] = ()
+    members: tuple[Member, ...]
     supports: tuple[Support, ...] = ()
-    springs: tuple[Spring, ...] = ()
-    masses: tuple[PointMass, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -130,22 +95,12 @@ def assemble(frame: Frame) -> AssembledFrame:
     starts = node_count + np.cumsum([0, *inner_sizes])
     to_own = [one.placed(start, size) @ motion for one, start in zip(built, starts, strict=False)]
     twists = csr_matrix(identity(size, format="csr")[:node_count] @ motion)
-    none = csr_matrix((motion.shape[1], motion.shape[1]))
     stiffness = [t.T @ one.stiffness @ t for one, t in zip(built, to_own, strict=True)]
     mass = [t.T @ one.leg.mass @ t for one, t in zip(built, to_own, strict=True)]
-    for spring in frame.springs:
-        strain = _node_twist(twists, spring.node)
-        if spring.other is not None:
-            arm = frame.nodes[spring.node] - frame.nodes[spring.other]
-            strain = strain - csr_matrix(shift(arm)) @ _node_twist(twists, spring.other)
-        stiffness.append(strain.T @ csr_matrix(spring.stiffness) @ strain)
-    for body in frame.masses:
-        twist = csr_matrix(shift(np.array(body.offset))) @ _node_twist(twists, body.node)
-        mass.append(twist.T @ csr_matrix(_inertia(body)) @ twist)
     return AssembledFrame(
         name=frame.name,
-        stiffness=csr_matrix(reduce(add, stiffness, none)),
-        mass=csr_matrix(reduce(add, mass, none)),
+        stiffness=csr_matrix(reduce(add, stiffness)),
+        mass=csr_matrix(reduce(add, mass)),
         twists=twists,
         members=tuple((one.leg, t) for one, t in zip(built, to_own, strict=True)),
     )
@@ -195,11 +150,8 @@ def _member(frame: Frame, member: Member) -> _BuiltMember:
     to_member_axes = turn(_member_axes(frame, member)).T
     rows = identity(6 * len(frame.nodes), format="csr")
     ends = [
-        csr_matrix(to_member_axes @ shift(np.array(offset))) @ _node_twist(rows, node)
-        for node, offset in (
-            (member.start, member.start_offset),
-            (member.end, member.end_offset),
-        )
+        csr_matrix(to_member_axes) @ rows[6 * node : 6 * node + 6]
+        for node in (member.start, member.end)
     ]
     stiffness = csr_matrix(reduce(add, (leg.parts[kind] for kind in member.kinds)))
     moved = np.flatnonzero(stiffness.diagonal() > 0.0)
@@ -208,10 +160,7 @@ def _member(frame: Frame, member: Member) -> _BuiltMember:
 
 def _member_ends(frame: Frame, member: Member) -> tuple[Array, Array]:
     nodes = np.asarray(frame.nodes, dtype=float)
-    return (
-        nodes[member.start] + np.array(member.start_offset),
-        nodes[member.end] + np.array(member.end_offset),
-    )
+    return nodes[member.start], nodes[member.end]
 
 
 def _member_axes(frame: Frame, member: Member) -> Array:
@@ -223,25 +172,13 @@ def _member_axes(frame: Frame, member: Member) -> Array:
     return np.column_stack([x, y, np.cross(x, y)])
 
 
-def _node_twist(twists: SparseMatrix, node: int) -> SparseMatrix:
-    return twists[6 * node : 6 * node + 6]
-
-
 def _free_nodes(frame: Frame) -> SparseMatrix:
     """6N × free: twists of the nodes from the components that no support holds."""
     blocks = [np.eye(6) for _ in frame.nodes]
     for support in frame.supports:
-        axes = np.eye(6) if support.axes is None else turn(support.axes)
         free = [i for i, component in enumerate(COMPONENTS) if component not in support.held]
-        blocks[support.node] = axes[:, free]
+        blocks[support.node] = np.eye(6)[:, free]
     return block_diag(blocks, format="csr")
-
-
-def _inertia(body: PointMass) -> Array:
-    matrix = np.diag([body.mass] * 3 + [0.0] * 3)
-    if body.inertia is not None:
-        matrix[3:, 3:] = body.inertia
-    return matrix
 
 
 def _check(frame: Frame) -> None:
@@ -249,9 +186,6 @@ def _check(frame: Frame) -> None:
     count = len(frame.nodes)
     used = [node for member in frame.members for node in (member.start, member.end)]
     used += [support.node for support in frame.supports]
-    used += [spring.node for spring in frame.springs]
-    used += [body.node for body in frame.masses]
-    used += [spring.other for spring in frame.springs if spring.other is not None]
     faults += [f"node {n}: there are {count}" for n in sorted(set(used)) if not 0 <= n < count]
     held = [support.node for support in frame.supports]
     faults += [f"node {n}: supported twice" for n in sorted({n for n in held if held.count(n) > 1})]

@@ -8,8 +8,6 @@ import pytest
 from fem.beams.frame import (
     Frame,
     Member,
-    PointMass,
-    Spring,
     Support,
     assemble,
     displacements,
@@ -17,7 +15,7 @@ from fem.beams.frame import (
 )
 from lumped.errors import ComputationError, InputError
 from lumped.legs import ConstantLeg, Material, tip_compliance
-from lumped.screws import move_compliance, rotation_z, shift, turn_matrix
+from lumped.screws import turn_matrix
 from lumped.sections import Rectangle
 
 LEG = ConstantLeg(2.0, Rectangle(0.12, 0.2), Material.isotropic(2.1e11, 0.3, 7850.0))
@@ -75,61 +73,6 @@ def test_a_bent_cantilever_under_a_load_out_of_its_plane():
     assert node_compliance(frame, 2)[2, 2] == pytest.approx(expected, rel=EXACT)
 
 
-def test_rigid_offsets_move_the_compliance():
-    root, tip = np.array([0.1, -0.2, 0.3]), np.array([-0.3, 0.2, 0.1])
-    frame = direct(
-        [-root, np.array([LEG.length, 0, 0]) - tip],
-        [Member(0, 1, BEAM, UP, 2, start_offset=tuple(root), end_offset=tuple(tip))],
-    )
-    close(node_compliance(frame, 1), move_compliance(tip_compliance(BEAM, LEG.length), -tip))
-
-
-def test_springs_add_their_compliance_where_they_act():
-    rng = np.random.default_rng(5)
-    compliances = [m @ m.T * 1e-8 for m in rng.normal(size=(2, 6, 6))]
-    ground, joint = (np.linalg.inv(c) for c in compliances)
-    tip, gap = np.array([LEG.length, 0.0, 0.0]), np.array([0.2, -0.1, 0.3])
-    frame = direct(
-        [np.zeros(3), tip, tip + gap],
-        [Member(0, 1, BEAM, UP, 2)],
-        supports=(),
-        springs=(Spring(0, ground), Spring(2, joint, other=1)),
-    )
-    at_tip = tip_compliance(BEAM, LEG.length) + move_compliance(compliances[0], tip)
-    # Six-digit springs in random axes condition the matrix worse than the beam does.
-    close(node_compliance(frame, 2), move_compliance(at_tip, gap) + compliances[1], rtol=1e-7)
-
-
-def test_a_support_in_axes_of_its_own():
-    # A bar whose end slides at 45°: without rotation held it only stretches, s cos 45° = F L/EA.
-    axes = rotation_z(np.pi / 4.0)
-    frame = direct(
-        [[0, 0, 0], [LEG.length, 0, 0]],
-        [Member(0, 1, BEAM, UP, 1)],
-        supports=(
-            Support(0, ("x", "y", "z", "φx")),
-            Support(1, ("y", "z"), axes),
-        ),
-    )
-    stretch = LEG.length / BEAM.EA
-    found = node_compliance(frame, 1)[:3, 0]
-    np.testing.assert_allclose(found, [stretch, stretch, 0.0], rtol=EXACT, atol=1e-9 * stretch)
-
-
-def test_a_body_on_a_light_cantilever():
-    # With a beam of no mass to speak of, the six frequencies are those of C M at its tip.
-    light = replace(BEAM, mu=1e-9, rho_J=1e-9, rho_Iy=1e-9, rho_Iz=1e-9)
-    offset, inertia = np.array([0.1, 0.2, -0.15]), np.diag([3.0, 4.0, 5.0])
-    body = PointMass(1, 40.0, tuple(offset), inertia)
-    frame = direct([[0, 0, 0], [LEG.length, 0, 0]], [Member(0, 1, light, UP, 1)], masses=(body,))
-    at_centre = np.diag([40.0, 40.0, 40.0, 3.0, 4.0, 5.0])
-    mass = shift(offset).T @ at_centre @ shift(offset)
-    periods = np.linalg.eigvals(tip_compliance(BEAM, LEG.length) @ mass).real
-    expected = np.sort(1.0 / (2.0 * np.pi * np.sqrt(periods)))
-    # The beam's own mass is 1e-10 of the body's.
-    np.testing.assert_allclose(modes(assemble(frame), 6).frequencies, expected, rtol=1e-8)
-
-
 def test_a_member_without_a_kind_of_deformation_gives_no_stiffness_in_it():
     nodes = [[0, 0, 0], [LEG.length, 0, 0]]
     bending = assemble(direct(nodes, [Member(0, 1, BEAM, UP, 2, kinds=("bending z",))], ()))
@@ -177,8 +120,7 @@ def test_a_loose_frame_is_named():
         ({"members": (Member(1, 1, BEAM, UP),)}, "at one place"),
         ({"members": (Member(0, 1, BEAM, UP, kinds=()),)}, "kinds is empty"),
         ({"supports": (Support(0), Support(0))}, "node 0: supported twice"),
-        ({"springs": (Spring(0, np.eye(6), other=-1),)}, "node -1"),
-        ({"masses": (PointMass(7, 1.0),)}, "node 7"),
+        ({"supports": (Support(-1),)}, "node -1"),
     ],
 )
 def test_impossible_frames_are_refused(change, message):
