@@ -32,12 +32,24 @@ def bending_wave(
     """Angular frequency (rad/s) of the wave of `wave_number` k (rad/m) that bends along y or z.
 
     Timoshenko's is that of its section's own constants as k → 0. At finite k contraction by
-    Poisson's ratio stiffens it, relative order (k · side)², and the section's warping by shear
-    softens it, (k · side)⁴.
+    Poisson's ratio stiffens it, relative order (k · side)²; warping by shear, (k · side)⁴, and
+    walls that bend soften it.
     """
     motion = np.zeros((len(mesh.nodes), 3))
     motion[:, "xyz".index(along)] = 1.0
     return _wave_like(motion.ravel(), section_quadrature(mesh), material, wave_number)
+
+
+def wall_frequency(mesh: SectionMesh, material: Material) -> float:
+    """Lowest angular frequency (rad/s) at which the walls of an endless leg move, all in phase.
+
+    From there on waves of walls travel beside those of beams, and couple with them at the ends.
+    """
+    quad = section_quadrature(mesh)
+    stiffness, mass = _stiffness(quad, material, 0.0), mass_matrix(quad, material.rho)
+    # The first four are the section's rigid motions: tension, two bendings, torsion.
+    values = eigh(stiffness, mass, subset_by_index=[4, 4], eigvals_only=True)
+    return float(np.sqrt(values[0]))
 
 
 def _wave_like(

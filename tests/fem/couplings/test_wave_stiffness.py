@@ -7,7 +7,7 @@ import pytest
 from prismatic_legs import STEEL
 
 from fem.couplings.wave_stiffness import prism_waves
-from fem.sections.waveguide import bending_wave, torsion_wave
+from fem.sections.waveguide import bending_wave, torsion_wave, wall_frequency
 from lumped.errors import ComputationError
 from lumped.legs import ConstantLeg
 from lumped.sections import HollowRectangle, ISection, Rectangle, Tube
@@ -53,6 +53,16 @@ def test_the_bending_wave_of_a_section_mesh_is_that_of_polynomials():
     wave = bending_wave(section_mesh(section, 4), STEEL, k, "z") / (2.0 * np.pi)
     # One theory of elasticity, on nine-node elements and on polynomials.
     assert wave == pytest.approx(prism_wave_frequency(section, STEEL, "bending", k), rel=2e-4)
+
+
+def test_the_walls_of_a_thin_tube_become_oval_as_hoppe_says():
+    """ω² = n²(n² − 1)²/(n² + 1) EI/(μR⁴) of a ring, n = 2; long, so of E/(1 − ν²) (Love, §293)."""
+    radius, wall = 0.05, 0.001
+    mesh = section_mesh(Tube(2.0 * radius + wall, wall), 6)
+    plate = STEEL.E / (1.0 - STEEL.nu**2) * wall**2 / (12.0 * STEEL.rho)
+    expected = np.sqrt(36.0 / 5.0 * plate) / radius**2
+    # The curved cells of the mesh are too stiff by 0.46 %, 0.05 % at ten divisions.
+    assert wall_frequency(mesh, STEEL) == pytest.approx(expected, rel=1e-2)
 
 
 @pytest.mark.parametrize("section", [OPEN, Rectangle(0.05, 0.08)])

@@ -104,6 +104,15 @@ def test_rotary_inertia_takes_what_rayleigh_says():
     assert found == pytest.approx(first_order, rel=5e-4)
 
 
+def test_modes_in_which_walls_bend_are_not_held_against_beams():
+    """Solids of these arms are 8 % and 31 % lower in the modes that are left out."""
+    delta = Context(load_robot("delta"), "quick")
+    cases = {case.id: case for case in solids.cases(legs=("arm1",))}
+    for mode, why in ((4, "3-D wave of its length is -9.3 % off"), (6, "from 2557 Hz on")):
+        with pytest.raises(Skip, match=why):
+            cases[f"arm1.frequency.solid[{mode}]"].measure(delta)
+
+
 @pytest.mark.parametrize(("power", "next_term"), [(1.0, 0.0), (1.0, 0.4), (3.0, -0.2)])
 def test_limit_exponent_of_a_power_with_a_second_term(power, next_term):
     s = 8.0 * 2.0 ** np.arange(4)
