@@ -55,14 +55,12 @@ class Series:
 
 @dataclass(frozen=True)
 class Note:
-    """A small text `away` (pt) from a point of the axes; on a white ground if `boxed`."""
+    """A small text `away` (pt) from a point of the axes."""
 
     text: str
     x: float
     y: float
     away: tuple[float, float] = (5.0, -3.0)
-    colour: str = "black"
-    boxed: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -214,8 +212,6 @@ def draw_panel(axes: Axes, panel: Panel) -> None:
             textcoords="offset points",
             annotation_clip=False,
             fontsize=8.5,
-            color=note.colour,
-            bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6} if note.boxed else None,
         )
     axes.set(title=panel.title, ylabel=panel.y_label)
 

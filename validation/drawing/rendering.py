@@ -229,9 +229,8 @@ def colour_bar(
     axes: Axes | list[Axes],
     limits: tuple[float, float],
     label: str,
-    aspect: float = 28.0,
 ) -> None:
-    """A horizontal colour bar under the axes, `aspect` times as long as high, unit in `label`."""
+    """A horizontal colour bar under the axes, unit in `label`."""
     mappable = mpl.cm.ScalarMappable(mpl.colors.Normalize(*limits), COLOUR_MAP)
     bar = picture.colorbar(
         mappable,
@@ -239,7 +238,7 @@ def colour_bar(
         orientation="horizontal",
         fraction=0.05,
         pad=0.02,
-        aspect=aspect,
+        aspect=28.0,
         shrink=0.8,
     )
     bar.set_label(label)

@@ -19,8 +19,7 @@ from lumped.arrays import Array
 from lumped.legs import Material
 from meshes.part.interfaces import Interface
 from meshes.part.reading.read import PartFile
-from validation.store.arrays import find_arrays, keep_arrays, place_of
-from validation.store.cache import cache_folder
+from validation.store.arrays import cache_folder, find_arrays, keep_arrays, place_of
 from validation.store.tree import StoreError
 
 # Raised where the same input gives other numbers than before: meshes, elements, reduction.

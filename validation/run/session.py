@@ -28,7 +28,7 @@ from validation.run import progress, runner
 from validation.run.gathered import Results
 from validation.run.worker import Job
 from validation.selftest.record import last as last_selftest
-from validation.store.cache import cache_folder
+from validation.store.arrays import cache_folder
 from validation.store.opening import Start, open_folder
 from validation.store.run_folder import RunFolder
 

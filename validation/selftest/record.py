@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from validation.results.provenance import processor, suite_digest, versions
-from validation.store.cache import cache_folder
+from validation.store.arrays import cache_folder
 from validation.store.tree import StoreError, read_regular, write_atomically
 
 

@@ -2,9 +2,11 @@
 
 A file per key, written whole or not at all, with a seal that covers the key and the content: what
 is damaged, changed, or filed under another name is nothing, and is computed again. Any number of
-processes may share a folder.
+processes may share a folder, as the user's cache: $XDG_CACHE_HOME/flexproof, else
+~/.cache/flexproof; FLEXPROOF_CACHE names another one, or says "off".
 """
 
+import os
 from collections.abc import Mapping
 from io import BytesIO
 from pathlib import Path
@@ -15,6 +17,26 @@ import numpy as np
 from lumped.arrays import Array
 from validation.store.manifest import sealed, unsealed
 from validation.store.tree import read_regular, refusals, write_atomically
+
+
+def cache_folder(name: str) -> Path | None:
+    """Where results of that kind are kept; None where nothing is to be kept, or there is no home.
+
+    The folder need not exist.
+    """
+    told = os.environ.get("FLEXPROOF_CACHE")
+    if told == "off":
+        return None
+    if told:
+        return Path(told) / name
+    base = os.environ.get("XDG_CACHE_HOME")
+    # The specification has relative paths ignored.
+    if base and Path(base).is_absolute():
+        return Path(base) / "flexproof" / name
+    try:
+        return Path.home() / ".cache" / "flexproof" / name
+    except RuntimeError:
+        return None
 
 
 def place_of(folder: Path, key: str) -> Path:
