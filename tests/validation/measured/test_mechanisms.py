@@ -95,7 +95,10 @@ def test_inputs_are_a_standard_uncertainty_off_in_every_model(tmp_path):
 @pytest.mark.parametrize(
     ("changed", "said"),
     [
-        (("[0.1, 0.525]", "[0.1]"), "measured[1].pose: must hold 2 numbers, as many as the tool's"),
+        (
+            ("[0.1, 0.525]", "[0.1]"),
+            "pose: must hold as many numbers as the tool's moves (x, y; m, rad)",
+        ),
         (("[0.1, 0.525]", "[0.9, 0.9]"), "measured[1].pose: five-bar, pose x = 0.9 m, y = 0.9 m"),
         (("rod1.c22", "rod7.c22"), 'measured[3].quantity = "rod7.c22": must be of one of crank1'),
         (("drive.stiffness", "drive.colour"), "input_uncertainty[1].key"),

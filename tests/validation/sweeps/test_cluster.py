@@ -110,7 +110,7 @@ def cluster(tmp_path_factory):
     workers = [started_worker(address, folder, f"worker{number}") for number in range(2)]
     yield address, workers
     for process in (*workers, scheduler):
-        process.terminate()
+        process.kill()
     for process in (*workers, scheduler):
         process.wait(timeout=30)
 
