@@ -20,7 +20,7 @@ from meshes.gmsh_session import gmsh_model
 from meshes.part.boundary import Facets, PartMesh
 from meshes.part.interfaces import find_interfaces
 from meshes.part.reading.read import read_part
-from meshes.prism.extrude import extrude, stations
+from meshes.prism.extrude import extrude
 from meshes.section.section_mesh import SectionMesh, section_mesh
 from validation.parts.identify import identify
 
@@ -117,8 +117,14 @@ def written(part: RandomPart, path: Path) -> Path:
 
 
 def graded(start: float, end: float, count: int) -> Array:
-    """Places from start to end (count + 1), closer at both ends."""
-    return start + stations(end - start, count, _GRADING)
+    """Places from start to end (count + 1), closer at both ends.
+
+    The ratio of their distances in the middle to those at the ends is `_GRADING`: dx/dt grows with
+    its power 2t up to the middle, t = 1/2.
+    """
+    t = np.linspace(0.0, 1.0, count + 1)
+    nearer = np.expm1(2.0 * np.minimum(t, 1.0 - t) * np.log(_GRADING)) / (_GRADING - 1.0) / 2.0
+    return start + (end - start) * np.where(t <= 0.5, nearer, 1.0 - nearer)
 
 
 def _section(section: Section, fineness: float) -> SectionMesh:
@@ -177,7 +183,7 @@ def true_compliance(part: RandomPart, fineness: float = 1.0) -> Array:
     """Compliance (6×6, SI) of the tip on graded hexahedra."""
     mesh = _section(part.section, fineness)
     slices = round(fineness * (10 + part.length / np.ptp(mesh.nodes, axis=0).min()))
-    solid = extrude(mesh, stations(part.length, slices, _GRADING))
+    solid = extrude(mesh, graded(0.0, part.length, slices))
     nodes = solid.nodes.copy()
     nodes[:, 1:] *= 1.0 - (nodes[:, :1] / part.length) * (1.0 - np.array(part.taper))
     faces = {

@@ -37,6 +37,8 @@ from validation.models.options import ModelOptions
 _POWER = 9
 # Of the size that an entry of a 6×6 can have: compliances and frequencies are linear in it so far.
 _STEP = 1e-6
+# Half a unit, of the size that its entry can have, that is not looked at: seven digits and more.
+_NEGLIGIBLE = 1e-7
 # Of shares of frequencies that digits leave open a hundredth does not matter.
 _FEW_ELEMENTS = ModelOptions(elements=8)
 
@@ -110,13 +112,15 @@ def _changes(
 ) -> Iterator[Array]:
     """What half a unit of each number changes in what `values` gives of the postures (SI).
 
-    Bodies and joints for which the same 6×6 is printed have the same one.
+    Bodies and joints for which the same 6×6 is printed have the same one. Numbers of seven digits
+    and more are left out.
     """
     mechanism, own = postures[0].mechanism, None
     known = {printed.compliance.tobytes(): printed for printed in printed_compliances(text)}
     for printed in known.values():
         size = np.sqrt(np.diag(printed.compliance))
-        for i, j in zip(*np.nonzero(np.triu(printed.half)), strict=True):
+        counts = np.triu(printed.half) > _NEGLIGIBLE * np.outer(size, size)
+        for i, j in zip(*np.nonzero(counts), strict=True):
             change = np.zeros((6, 6))
             change[i, j] = change[j, i] = step = _STEP * size[i] * size[j]
             changed = _with_change(mechanism, printed.compliance, change)
