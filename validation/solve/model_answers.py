@@ -12,11 +12,11 @@ from lumped.legs import ConstantLeg
 from lumped.mechanism.body import Prism
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.models.bodies import leg_of
-from validation.adequacy.mechanism.digits import most_by_digits
 from validation.models.legs import leg_compliance, leg_frequencies
 from validation.models.mechanism import PostureAnswer, answers, constant_legs, static_bodies
 from validation.models.mechanism_modes import mechanism_modes
 from validation.models.options import ModelOptions
+from validation.models.roundings import roundings_of, share_by_digits
 from validation.solve.answer import Answer, DigitUncertainty, PartUncertainty, Solution
 from validation.solve.cost import Cost, dense_cost, require_affordable, solid_cost
 from validation.solve.pairs import paired
@@ -79,6 +79,9 @@ def _with_digits(
     By the model itself, of few elements, of solids by beams in their place: what a 6×6 changes is a
     small share, and which share it is depends little on the model.
     """
+    roundings = roundings_of(question.text, at)
+    if not roundings:
+        return list(found)
     given = question.given
     if question.model == "solid":
         given = {name: given[name] for name in ("equivalent",) if name in given}
@@ -97,11 +100,9 @@ def _with_digits(
             rows = answers(question.model, postures, question.count, options)
         return np.array([_sizes(one) for one in rows])
 
-    most = most_by_digits(question.text, at, values)
-    if not most.any():
+    share = share_by_digits(roundings, at, values)
+    if not share.any():
         return list(found)
-    sizes = np.abs(values(at))
-    share = np.divide(most, sizes, out=np.zeros_like(most), where=most > 0.0)
     digits = [
         np.nan_to_num(own * np.abs(_sizes(one))) for one, own in zip(found, share, strict=True)
     ]

@@ -8,7 +8,6 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.legs import ConstantLeg
-from lumped.robot_file.reading import printed_compliances
 from validation.adequacy.mechanism.digits import modes_by_digits
 from validation.adequacy.mechanism.legs import (
     MASSES,
@@ -138,13 +137,14 @@ def _digit_uncertainty(robot: RobotOnPath, fine: Vibration) -> Array | None:
     As of the beams' modes of the same shape; of a mode that beams do not have the most of all
     judged.
     """
-    if not (robot.text and printed_compliances(robot.text)):
+    found = robot.context.get(modes_by_digits, robot.text, robot.postures, robot.offered)
+    if found is None:
         return None
-    beams, share = robot.context.get(modes_by_digits, robot.text, robot.postures, robot.offered)
+    beams, share = found
     amounts = np.broadcast_to(share[:, None, :], (*fine.frequencies.shape, share.shape[1]))
-    found = amounts_by_shape(fine, beams, amounts, robot.samples.weights, robot.judged)
+    by_shape = amounts_by_shape(fine, beams, amounts, robot.samples.weights, robot.judged)
     most = share[:, : robot.judged].max(axis=1, keepdims=True)
-    return np.where(np.isnan(found), most, found)
+    return np.where(np.isnan(by_shape), most, by_shape)
 
 
 def _part_uncertainty(robot: RobotOnPath, masses: Masses | None) -> Array | float:

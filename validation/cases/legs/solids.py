@@ -256,7 +256,7 @@ def _mode(context: Context, body: str, index: int) -> Measurement:
     exact = listed[index]
     width, height = leg.section.extent
     depth = {"bending y": height, "bending z": width}.get(exact.kind, max(width, height))
-    heights = 4.0 * leg.length / (2 * exact.order - 1) / depth
+    heights = 2.0 * np.pi / _wave_number(leg, exact.order) / depth
     if heights < SHORTEST_WAVE:
         raise Skip(
             f"{exact.kind}, number {exact.order} of its kind: its wave is {heights:.1f} section "
@@ -290,6 +290,11 @@ def _mode(context: Context, body: str, index: int) -> Measurement:
     )
 
 
+def _wave_number(leg: ConstantLeg, order: int) -> float:
+    """Of a clamped-free mode (rad/m): so many quarters of a wave, an odd number, fit the leg."""
+    return (2 * order - 1) * np.pi / (2.0 * leg.length)
+
+
 def _walls_bend(leg: ConstantLeg, mode: CantileverFrequency) -> str:
     """Empty where a mode is one of beams, else why it is not, by waves in an endless leg.
 
@@ -306,7 +311,7 @@ def _walls_bend(leg: ConstantLeg, mode: CantileverFrequency) -> str:
     along: Literal["y", "z"] = "z"
     if mode.kind == "bending z":
         beam, along = replace(beam, EIy=beam.EIz, GAz=beam.GAy, rho_Iy=beam.rho_Iz), "y"
-    wave_number = (2 * mode.order - 1) * np.pi / (2.0 * leg.length)
+    wave_number = _wave_number(leg, mode.order)
     wave = bending_wave(section, leg.material, wave_number, along) / (2.0 * np.pi)
     change = wave / beam_wave_frequency(beam, "bending", wave_number) - 1.0
     if abs(change) < _BEAMS:
@@ -320,7 +325,7 @@ def _warping_waves(leg: ConstantLeg, order: int) -> tuple[float, float]:
     That of the 3-D wave of the same length in an endless leg, and of the tip's face, free of that
     wave's normal stress.
     """
-    wave_number = (2 * order - 1) * np.pi / (2.0 * leg.length)
+    wave_number = _wave_number(leg, order)
     constants, material = leg_constants(leg, SECTION_DIVISIONS), leg.material
     section = face_mesh(leg, WAVE_DIVISIONS)
     coarse = leg_constants(leg, WAVE_DIVISIONS)
