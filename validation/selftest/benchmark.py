@@ -82,5 +82,6 @@ def outcome(benchmark: Benchmark) -> Outcome:
         return Outcome(benchmark, "skipped", message=str(missing))
     except Exception as error:  # noqa: BLE001  libraries of this machine are on trial
         return Outcome(benchmark, "failed", message=f"{type(error).__name__}: {error}")
-    agrees = all(one.agrees for one in compared)
+    # A benchmark that compared nothing has shown nothing.
+    agrees = bool(compared) and all(one.agrees for one in compared)
     return Outcome(benchmark, "agrees" if agrees else "differs", compared)

@@ -52,6 +52,7 @@ NOT_THERE = raising(CalculixMissing("CalculiX is not installed"))
         ([gives(2.0, 2.0021)], 1, "FAILED: 1 of 2 numbers agree"),
         ([gives(2.0, 1.9979)], 1, "DIFFERS"),
         ([gives(float("nan"))], 1, "DIFFERS"),
+        ([gives()], 1, "FAILED: 0 of 0 numbers agree"),
         ([gives(2.0), NOT_THERE], 0, "passed: 1 of 1 numbers agree; skipped: title 1"),
         ([gives(2.0), NOT_THERE], 0, "skipped: CalculiX is not installed"),
         ([raising(ComputationError("no mesh"))], 1, "failed: ComputationError: no mesh"),

@@ -118,7 +118,7 @@ def _static(context: Context, model: str, entry: str) -> Measurement:
     found = context.get(shown_statics, postures, kind, options)
     legs = "given" if kind in STATIC and options.legs == "given" else "equivalent"
     legs = "rigid" if kind == "simplified" else legs
-    expected, other = (
+    expected, *others = (
         context.get(expected_statics, postures, legs, options.theory, degree) for degree in EXACT
     )
     size = postures[0].mechanism.size
@@ -134,7 +134,7 @@ def _static(context: Context, model: str, entry: str) -> Measurement:
         in_shown_units(expected[at, index], entry),
         value_uncertainty=in_shown_units(left_open, entry),
         reference_uncertainty=in_shown_units(
-            rounding(expected[at, index], other[at, index]), entry
+            rounding(expected[at, index], *(other[at, index] for other in others)), entry
         ),
         decides=BEYOND_ROUNDING,
         pose=tuple(postures[at].pose.tolist()),

@@ -22,9 +22,9 @@ MODEL_CODE: Mapping[ModelName, tuple[Callable[..., object], ...]] = {
 }
 LOAD = 1000.0  # N or N m
 _ALONG = AXES[:3]
-# Degrees of polynomials that are both exact in statics.
-EXACT = (3, 4)
-# Rounding is a number at random in either: two of them seldom differ by less than a tenth of it.
+# Degrees of polynomials that are all exact in statics.
+EXACT = (3, 4, 5)
+# Rounding is a number at random in each: they seldom differ all by less than a tenth of it.
 _SELDOM = 10.0
 _MICRO, _MILLI = 1e-6, 1e-3
 RITZ = "Ritz's method, Legendre polynomials along the legs (validation.studies.ritz)"
@@ -42,9 +42,9 @@ def unit(quantity: str) -> str:
     return "µm" if quantity in _ALONG else "mrad"
 
 
-def rounding(found: float, other: float) -> float:
-    """What rounding leaves open of a number that two degrees of polynomials ought to share."""
-    return _SELDOM * abs(found - other)
+def rounding(found: float, *others: float) -> float:
+    """What rounding leaves open of a number that further degrees of polynomials ought to share."""
+    return _SELDOM * max(abs(found - other) for other in others)
 
 
 def in_shown_units(compliance: float, quantity: str) -> float:
