@@ -6,8 +6,6 @@ from math import hypot, inf, isnan, nan
 import numpy as np
 import pytest
 import toy_catalogue
-from hypothesis import given
-from hypothesis import strategies as st
 from perturbed import perturbed
 
 from lumped.robot_file import load_robot
@@ -28,24 +26,10 @@ from validation.results.records import case_record
 
 # Keys that interface.md fixes for an entry of "cases" in results.json.
 INTERFACE = {
-    "id",
-    "title",
-    "quantity",
-    "unit",
-    "value",
-    "reference",
-    "reference_kind",
-    "citation",
-    "error",
-    "numerical_uncertainty",
-    "tolerance",
-    "tolerance_reason",
-    "verdict",
-    "seconds",
+    *("id", "title", "quantity", "unit", "value", "reference", "reference_kind", "citation"),
+    *("error", "numerical_uncertainty", "tolerance", "tolerance_reason", "verdict", "seconds"),
 }
 EQUAL = toy_catalogue.case("toy.equal[x=1]", toy_catalogue.agrees)
-AT_MOST = replace(EQUAL, relation=Relation.AT_MOST)
-AT_LEAST = replace(EQUAL, relation=Relation.AT_LEAST)
 
 
 @pytest.mark.parametrize("relation", list(Relation))
@@ -83,31 +67,6 @@ def test_a_comparison_less_certain_than_its_tolerance_says_what_would_decide_it(
     assert outcome.message.endswith("the comparison cannot decide: refine the models")
     rounded = replace(measured, decides="no finer model narrows it")
     assert judge(EQUAL, rounded, 0.0).message.endswith("cannot decide: no finer model narrows it")
-
-
-# Within ±0.1 for EQUAL and up to one tolerance inside the bound for the others: there a move of
-# the reference by three tolerances leaves at least one of excess.
-@given(st.sampled_from([EQUAL, AT_MOST, AT_LEAST]), st.floats(-0.099, 0.099))
-def test_every_agreement_near_the_reference_turns_at_three_tolerances(case, difference):
-    outcome = judge(case, Measurement(10.0 + difference, 10.0, exact=True), 0.0)
-    assert outcome.verdict == "agree"
-    assert perturbed(outcome, 3.0) == "disagree"
-    assert perturbed(outcome, 0.0) == "agree"
-
-
-def test_a_bound_far_away_is_told_from_a_sharp_one():
-    far = judge(AT_MOST, Measurement(5.0, 10.0, exact=True), 0.0)
-    assert perturbed(far, 3.0) == "agree"
-
-
-def test_the_tolerance_keeps_its_amount_when_the_reference_moves():
-    # value 1.0, reference 1.0, ±50 %: moved to −1.0 + ... a growing tolerance would never turn.
-    outcome = judge(replace(EQUAL, tolerance=Relative(0.5)), Measurement(1.0, 1.0, exact=True), 0.0)
-    assert perturbed(outcome, 1.1) == "disagree"
-
-
-def test_what_was_not_measured_keeps_its_verdict():
-    assert perturbed(Outcome(EQUAL, Result(EQUAL.id, "failed", 0.0, "singular")), 3.0) == "failed"
 
 
 def test_verdicts_and_records_of_measurements_at_random_are_those_of_the_rule():

@@ -112,15 +112,10 @@ def test_a_group_like_another_has_its_parameters_and_fields_but_none_of_its_case
     ]
 
 
-def test_braces_of_a_case_without_parameters_are_braces():
-    cases = CaseGroup(**COMMON)
-    cases.case("one", "The set {a}")(exact)
-    assert cases()[0].title == "The set {a}"
-
-
 @pytest.mark.parametrize(
     ("declaration", "fault"),
     [
+        ({"compute": lambda _context, lenght: exact(lenght)}, TypeError),
         ({"title": "{lenght}"}, KeyError),
         ({"over": {"a, b": [(1,)]}}, ValueError),
         ({"quantity": ""}, ValueError),
@@ -130,25 +125,15 @@ def test_braces_of_a_case_without_parameters_are_braces():
 )
 def test_a_wrong_declaration_is_an_error_when_cases_are_listed(declaration, fault):
     cases = CaseGroup(over={"length": (1, 2)}, **COMMON)
-    title, over = declaration.pop("title", "One"), declaration.pop("over", None)
-    cases.case("{length}", title, over=over, **declaration)(exact)
+    own = {"title": "One", "compute": exact, **declaration}
+    compute = own.pop("compute")
+    cases.case("{length}", **own)(compute)
     with pytest.raises(fault):
         cases()
 
 
-def test_a_parameter_that_no_one_gives_is_an_error_when_cases_are_listed():
-    cases = CaseGroup(over={"length": (1, 2)}, **COMMON)
-
-    @cases.case("{length}", "One")
-    def misspelt(context, lenght):
-        return exact(context, lenght)
-
-    with pytest.raises(TypeError, match="lenght"):
-        cases()
-
-
-def test_the_quantity_is_the_title_where_nothing_else_is_said():
+def test_without_parameters_braces_are_braces_and_the_title_is_the_quantity():
     cases = CaseGroup(**{name: field for name, field in COMMON.items() if name != "quantity"})
-    cases.case("one", "Number of legs")(exact)
+    cases.case("one", "Legs of {a}")(exact)
     cases.case("two", "Number of feet", quantity="feet")(exact)
-    assert [case.quantity for case in cases()] == ["Number of legs", "feet"]
+    assert [case.quantity for case in cases()] == ["Legs of {a}", "feet"]

@@ -43,34 +43,13 @@ def test_the_matrix_is_that_of_a_run(judged, tmp_path):
     assert judged.entry("segments", "z").verdict == "inadequate"
 
 
-def test_another_limit_is_another_verdict_of_the_same_error(judged):
-    strict = judged.entry("beam", "z")
-    lenient = judged.entry("beam", "z", within=0.99)
-    assert (strict.verdict, lenient.verdict) == ("inadequate", "adequate")
-    assert lenient.error == strict.error
-    judged.assert_adequate("beam", "z", within=0.99)
-
-
 def test_what_is_not_adequate_is_told_with_pose_cause_and_remedy(judged):
     with pytest.raises(AssertionError) as raised:
         judged.assert_adequate("beam", "z")
     told = str(raised.value)
     assert told.startswith("beam, z: inadequate; error 3")
-    for word in (
-        "along the load −",
-        " at x = ",
-        "accepted 5 %",
-        "cause: equivalent leg",
-        "remedy: ",
-    ):
-        assert word in told
-
-
-def test_undecided_is_not_adequate(judged):
-    # Only a mass is known of the paper's legs, not where it lies.
-    assert judged.entry("segments", "f1").verdict == "undecided"
-    with pytest.raises(AssertionError, match="undecided"):
-        judged.assert_adequate("segments", "f1")
+    parts = "along the load −", " at x = ", "accepted 5 %", "cause: equivalent leg", "remedy: "
+    assert [part for part in parts if part not in told] == []
 
 
 @pytest.mark.parametrize(

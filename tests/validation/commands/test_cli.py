@@ -17,7 +17,6 @@ from lumped.robot_file import load_robot
 from validation import cli
 from validation.report.listing import audit_text
 from validation.run import runner
-from validation.store.opening import open_folder
 from validation.store.tree import Tree
 
 ROOT = Path(__file__).parents[3]
@@ -153,6 +152,7 @@ def test_every_fault_of_a_robot_file_has_its_line(tmp_path, capsys):
         (["new"], "requires an argument"),
         (["new", "/nonexistent/robot.toml"], "cannot be written"),
         (["cases", "--jason"], "Unknown option"),
+        (["faces", "nothing.step"], "no such file"),
     ],
 )
 def test_wrong_input_ends_with_2_and_one_line(
@@ -169,13 +169,6 @@ def test_wrong_input_ends_with_2_and_one_line(
     assert "Traceback" not in printed.err
     left = {entry.name for entry in tmp_path.rglob("*")}
     assert left <= {"report", ".lock"}
-
-
-def test_a_folder_in_use_is_refused(with_catalogue, tmp_path, capsys):
-    with_catalogue(toys.sound)
-    with open_folder(tmp_path, {}, "afresh"):
-        assert cli.main(["run", "--out", str(tmp_path)]) == 2
-    assert "another run" in capsys.readouterr().err
 
 
 def test_a_full_disk_ends_with_3_and_says_how_to_go_on(

@@ -145,19 +145,20 @@ def test_more_modes(flexproof):
 def in_folder(pytester):
     """A pytest of its own in a folder with a robot; `run(accept, *options)` gives its outcomes.
 
-    `run.said` is what the last of them said of each test.
+    `run.said` is what the last of them said of each test, `run.plugin` the options of all.
     """
+    # An environment set up before the plugin was there knows it by its module alone.
     known = any(one.value == pytest_plugin.__name__ for one in entry_points(group="pytest11"))
-    named = [] if known else ["-p", pytest_plugin.__name__]
     text = load_robot("ifw").text
 
     def run(accept, *options):
         (pytester.path / "mine.toml").write_text(f"{text}\n[accept]\n{accept}\n", encoding="utf-8")
-        found = pytester.inline_run("-p", "no:cacheprovider", *named, *options)
+        found = pytester.inline_run(*run.plugin, *options)
         reports = [r for r in found.getreports("pytest_runtest_logreport") if r.when == "call"]
         run.said = {report.nodeid: str(report.longrepr) for report in reports}
         return {report.nodeid.rpartition("::")[2]: report.outcome for report in reports}
 
+    run.plugin = "-p", "no:cacheprovider", *(() if known else ("-p", pytest_plugin.__name__))
     return run
 
 
@@ -194,6 +195,20 @@ def test_a_robot_file_as_tests(limit, sure, unsure, in_folder):
         said = in_folder.said["mine.toml::beam.x"]
         assert ("beam, x: inadequate; error 4" in said) is (sure == "inadequate")
         assert "Traceback" not in said
+
+
+def test_a_robot_file_is_collected_as_one_item_per_model_and_quantity(in_folder, pytester, capsys):
+    in_folder("", "--flexproof", "mine.toml", "--collect-only", "-q")
+    listed = capsys.readouterr().out
+    assert "mine.toml::segments.f1" in listed
+    # Eight models by six axes and any force, four frequencies and their order.
+    assert listed.count("mine.toml::") == 96
+    (pytester.path / "mine.toml").write_text("schema = 1\nname = 3\n", encoding="utf-8")
+    refused = pytester.inline_run(*in_folder.plugin, "--flexproof", "mine.toml")
+    assert refused.ret == pytest.ExitCode.USAGE_ERROR
+    told = "".join(capsys.readouterr())
+    assert "mine.toml: name" in told
+    assert "Traceback" not in told
 
 
 def test_a_quantity_of_which_a_model_says_nothing_is_skipped(in_folder):

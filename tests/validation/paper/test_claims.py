@@ -4,12 +4,8 @@ import numpy as np
 import pytest
 from ingredients import quick_context
 
-from lumped.robot_file import load_robot
 from validation import paper
-from validation.case import Case
-from validation.catalogue import catalogue
 from validation.claims import Claim, Curve, gathered, summary
-from validation.exhibits import PlannedFigure
 from validation.report.said import SaidTable
 from validation.results.outcome import judge
 from validation.results.records import claims_of, run_record
@@ -138,11 +134,3 @@ def test_every_statement_of_the_run_is_in_its_results_and_on_the_page(outcomes, 
 def test_claims_survive_the_journal(outcomes):
     first = outcomes[0]
     assert from_plain(first.case, plain(first.result)) == first.result
-
-
-def test_figures_that_cases_name_are_drawn_in_the_run():
-    tasks = catalogue(load_robot("ifw"))
-    drawn = {task.id for task in tasks if isinstance(task, PlannedFigure)}
-    named = {task.figure for task in tasks if isinstance(task, Case)} - {""}
-    assert named
-    assert named <= drawn

@@ -1,6 +1,7 @@
 """`flexproof identify`: numbers, uncertainties, the table to paste, the cache, wrong requests."""
 
 import json
+import re
 import tomllib
 from pathlib import Path
 
@@ -20,9 +21,9 @@ BORES = [
 STEEL = "{ E = 2.1e11, nu = 0.3, rho = 7850.0 }"
 
 
-def asked(bores, *more) -> list[str]:
+def asked(bores, *more, material=STEEL) -> list[str]:
     chosen = [word for bore in bores for word in ("--interface", bore)]
-    return ["identify", str(ROCKER), *chosen, "--material", STEEL, *more]
+    return ["identify", str(ROCKER), *chosen, "--material", material, *more]
 
 
 @pytest.fixture
@@ -74,62 +75,36 @@ def test_two_interfaces_give_a_table_to_paste(capsys):
     assert compliance[2, 2] > compliance[1, 1]
 
 
-WRONG = {
-    "no interface": ([], ["--interface: missing"]),
-    "not TOML": (["A"], ["not TOML"]),
-    "no faces": (["A = {}"], ["A: does not say which faces"]),
-    "two ways": (["A = { faces = [1], name = 'x' }"], ["A: has faces and name"]),
-    "unknown key": (["A = { face = [1] }"], ['unknown key; did you mean "faces"?']),
-    "coupling": (["A = { faces = [8], coupling = 'glued' }"], ["must be", "rigid"]),
-    "no such face": (["A = { faces = [99] }"], ["face 99 does not exist", "1 to 12"]),
-    "empty": ([""], ["--interface '': names none"]),
-    "twice": (["A = { faces = [8] }", "A = { faces = [9] }"], ["A: given twice"]),
-}
+# Interfaces, material, further words, and what is said.
+WRONG = [
+    ([], STEEL, "", "--interface: missing"),
+    ([""], STEEL, "", "--interface '': names none"),
+    (["A"], STEEL, "", "not TOML"),
+    (["A = {}"], STEEL, "", "A: does not say which faces"),
+    (["A = { faces = [1], name = 'x' }"], STEEL, "", "A: has faces and name"),
+    (["A = { face = [1] }"], STEEL, "", 'unknown key; did you mean "faces"?'),
+    (["A = { faces = [8], coupling = 'glued' }"], STEEL, "", "must be .*rigid"),
+    (["A = { faces = [99] }"], STEEL, "", "face 99 does not exist.*1 to 12"),
+    ([BORES[0], BORES[0]], STEEL, "", "A: given twice"),
+    (BORES, STEEL, "--modes 1.7", 'Invalid value "1.7" for --modes. Must be a whole number'),
+    (BORES, STEEL, "--modes 100000", "--modes = 100000: must be from 0 to 100"),
+    (BORES, STEEL, "--unknowns 999", "--unknowns = 999: must be 1000 or more"),
+    (BORES, STEEL, f"--out {ROCKER}/matrices.npz", "rocker.step is no folder"),
+    (BORES, STEEL.replace("7850.0", "0.0"), "", "rho = 0.0: must be at least 25 kg/m³"),
+    (BORES, "{ E = 2.1e11, nu = 0.3 }", "", "rho: missing"),
+    (BORES, STEEL.replace("2.1e11", "210.0"), "", "is this in GPa"),
+    (BORES, STEEL.replace("0.3", "0.5"), "", "nu = 0.5"),
+    (BORES, STEEL.replace("nu", "G = 1e10, nu"), "", "isotropic"),
+    (BORES, "steel", "", "not TOML"),
+    (BORES, f"{STEEL}\nloss = 0.1", "", "must be a table"),
+]
 
 
-@pytest.mark.parametrize(("bores", "messages"), WRONG.values(), ids=WRONG.keys())
-def test_a_wrong_request_is_one_line_and_exit_code_2(capsys, bores, messages):
-    assert cli.main(asked(bores)) == 2
-    said = capsys.readouterr().err
-    assert said.count("\n") == 1
-    assert all(message in said for message in messages)
-
-
-@pytest.mark.parametrize(
-    ("option", "value", "message"),
-    [
-        ("--modes", "1.7", 'Invalid value "1.7" for --modes. Must be a whole number'),
-        ("--modes", "100000", "--modes = 100000: must be from 0 to 100"),
-        ("--unknowns", "1500.9", 'Invalid value "1500.9" for --unknowns. Must be a whole number'),
-        ("--unknowns", "999", "--unknowns = 999: must be 1000 or more"),
-        ("--out", str(ROCKER / "matrices.npz"), "rocker.step is no folder"),
-    ],
-)
-def test_a_wrong_option_is_refused_before_the_part_is_read(
-    capsys, monkeypatch, option, value, message
+@pytest.mark.parametrize(("bores", "material", "more", "said"), WRONG, ids=lambda of: str(of)[-25:])
+def test_a_wrong_request_is_one_line_before_anything_is_computed(
+    capsys, monkeypatch, bores, material, more, said
 ):
     monkeypatch.setattr(identifying, "identify", lambda *_: pytest.fail("computed"))
-    assert cli.main(asked(BORES, option, value)) == 2
-    said = capsys.readouterr().err
-    assert message in said
-    assert said.count("\n") == 1
-
-
-@pytest.mark.parametrize(
-    ("material", "message"),
-    [
-        ("{ E = 2.1e11, nu = 0.3, rho = 0.0 }", "rho = 0.0: must be at least 25 kg/m³"),
-        ("{ E = 2.1e11, nu = 0.3 }", "rho: missing"),
-        ("{ E = 210.0, nu = 0.3, rho = 7850.0 }", "is this in GPa"),
-        ("{ E = 2.1e11, nu = 0.5, rho = 7850.0 }", "nu = 0.5"),
-        ("{ E = 2.1e11, G = 1e10, nu = 0.3, rho = 7850.0 }", "isotropic"),
-        ("steel", "not TOML"),
-        ("{ E = 2.1e11, nu = 0.3, rho = 7850.0 }\nloss = 0.1", "must be a table"),
-    ],
-)
-def test_a_wrong_material_is_one_line(capsys, material, message):
-    words = ["identify", str(ROCKER), "--interface", BORES[0], "--material", material]
-    assert cli.main(words) == 2
-    said = capsys.readouterr().err
-    assert message in said
-    assert said.count("\n") == 1
+    assert cli.main(asked(bores, *more.split(), material=material)) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert re.search(said, line)
