@@ -7,7 +7,6 @@ from prismatic_legs import STEEL
 
 from fem.bodies.part import grips_of, held_part, meshed_part, require_memory
 from lumped.errors import ComputationError
-from lumped.mechanism.part import ByPlane, PartInterface
 from meshes.gmsh_session import gmsh_model
 from meshes.part.interfaces import find_interfaces
 from meshes.part.reading.read import read_part
@@ -83,48 +82,3 @@ def test_a_bar_between_averaged_ends_stretches_and_bends_exactly_on_a_coarse_mes
 def test_a_mesh_beyond_memory_is_refused_before_it_is_made():
     with pytest.raises(ComputationError, match="ask for fewer unknowns"):
         require_memory(1e9, "leg.step")
-
-
-@pytest.fixture(scope="module")
-def ring(tmp_path_factory):
-    """A quarter ring about z, 30 × 20 mm (radial × z), mean radius 150 mm, averaged ends."""
-    path = tmp_path_factory.mktemp("ring") / "ring.step"
-    with gmsh_model("ring") as gmsh:
-        gmsh.option.setString("Geometry.OCCTargetUnit", "MM")
-        occ = gmsh.model.occ
-        face = occ.addRectangle(135, -10, 0, 30, 20)
-        occ.rotate([(2, face)], 0, 0, 0, 1, 0, 0, np.pi / 2)
-        occ.revolve([(2, face)], 0, 0, 0, 0, 0, 1, np.pi / 2)
-        occ.synchronize()
-        gmsh.model.removeEntities(gmsh.model.getEntities(2), recursive=False)
-        gmsh.write(str(path))
-    part = read_part(path)
-    ends = {
-        "A": PartInterface(ByPlane((0.0, -1.0, 0.0), (RADIUS, 0.0, 0.0)), "average"),
-        "B": PartInterface(ByPlane((-1.0, 0.0, 0.0), (0.0, RADIUS, 0.0)), "average"),
-    }
-    found = find_interfaces(part, ends)
-    mesh = volume_mesh(part, found, Grading(0.015))
-    return held_part(meshed_part(mesh, STEEL), grips_of(mesh, found), "ring")
-
-
-RADIUS, HIGH, DEEP = 0.15, 0.03, 0.02
-
-
-def test_a_quarter_ring_bends_as_a_curved_bar(ring):
-    inner, outer = RADIUS - HIGH / 2.0, RADIUS + HIGH / 2.0
-    # Golovin's exact solution of pure bending (Timoshenko & Goodier, Theory of Elasticity, § 29):
-    # the ends turn by 8M(b² − a²)/(E N t) per radian, N = (b² − a²)² − 4a²b² ln²(b/a).
-    squares = outer**2 - inner**2
-    N = squares**2 - 4.0 * (inner * outer * np.log(outer / inner)) ** 2
-    exact = 8.0 * squares / (STEEL.E * N * DEEP) * np.pi / 2.0
-    # Winkler and Bach: M/(E A e), e from the mean radius to that of the neutral axis.
-    e = RADIUS - HIGH / np.log(outer / inner)
-    winkler = np.pi / 2.0 / (STEEL.E * HIGH * DEEP * e)
-    # They leave out the energy of the radial stress, ∫σr² = (M/IR)² h⁵/120: (h/R)²/10 of the whole.
-    radial = (HIGH / RADIUS) ** 2 / 10.0
-    assert winkler / exact - 1.0 == pytest.approx(-radial, rel=2.0 * (HIGH / RADIUS) ** 2)
-    found = ring.compliance[5, 5]
-    assert found == pytest.approx(exact, rel=1e-3)
-    # Four times nearer to the exact solution than theirs.
-    assert abs(found / exact - 1.0) < 0.25 * abs(winkler / exact - 1.0)

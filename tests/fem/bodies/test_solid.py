@@ -21,7 +21,6 @@ from lumped.legs import tip_compliance as beam_tip_compliance
 from lumped.screws import shift
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Tube
 from meshes.prism.tetrahedra import tetrahedra
-from meshes.section.section_mesh import section_mesh
 
 CUBIC = Material(E=2.1e11, G=1.2e11, nu=0.25, rho=7850.0)
 
@@ -56,58 +55,16 @@ def test_free_ends_reproduce_beam_theory(length, section, divisions, slices):
     assert scaled_difference(compliance, beam_with_mesh_constants(solid)) < 1e-4
 
 
-@pytest.mark.parametrize(
-    ("section", "tolerance"),
-    [
-        # Discretisation of unstructured quadratic tetrahedra four to a side.
-        (Circle(0.12), 2e-3),
-        # Torsion: stress is singular at four re-entrant corners, the error falls as h^(4/3) only.
-        (ISection(0.10, 0.16, 0.012, 0.008), 2.5e-2),
-    ],
-    ids=["circle", "i-section"],
-)
-def test_free_ends_of_tetrahedra_reproduce_beam_theory(section, tolerance):
-    """The second family of meshes, with the section constants of a fine mesh of the first."""
-    leg = ConstantLeg(0.5, section, STEEL)
-    solid = solid_leg(leg, tetrahedra(section, leg.length, 4))
-    fine = section_constants(section_mesh(section, 16), STEEL.nu)
-    beam = beam_tip_compliance(beam_properties(fine, STEEL), leg.length)
-    compliance = tip_compliance(clamped_leg(solid, "free"))
-    assert scaled_difference(compliance, beam) < tolerance
-    compliance[3, 3] = beam[3, 3]
-    assert scaled_difference(compliance, beam) < 2e-3
-
-
-def test_hexahedra_and_tetrahedra_agree_on_a_short_rod_with_rigid_ends():
+@pytest.mark.parametrize("ends", ["rigid", "free"])
+def test_hexahedra_and_tetrahedra_agree_on_a_short_rod(ends):
     """Two families of meshes that share nothing but the outline."""
     leg = ConstantLeg(0.12, Circle(0.1), STEEL)
     found = []
     for mesh in (solid_mesh(leg, 4), tetrahedra(leg.section, leg.length, 4)):
-        clamped = clamped_leg(solid_leg(leg, mesh))
+        clamped = clamped_leg(solid_leg(leg, mesh), ends)
         found.append([*np.diag(tip_compliance(clamped)), *modes(clamped, 3).frequencies])
-    # Stress is singular at the edges of rigid faces: 1.6e-3 apart, with 8 divisions 3e-4.
+    # Stress is singular at the edges of rigid faces.
     np.testing.assert_allclose(found[0], found[1], rtol=5e-3)
-
-
-@pytest.fixture(scope="module")
-def leg_1():
-    return meshed(LEG_1, 4, 20)
-
-
-@pytest.fixture(scope="module")
-def clamped_leg_1(leg_1):
-    return clamped_leg(leg_1)
-
-
-def test_rigid_ends_stiffen_torsion_of_leg_1_alone(clamped_leg_1):
-    """ν = 0: plane end faces change torsion by 1.6 % (known values), the rest by below 0.02 %."""
-    compliance = tip_compliance(clamped_leg_1)
-    assert np.array_equal(compliance, compliance.T)
-    beam = beam_tip_compliance(LEG_1.timoshenko, LEG_1.length)
-    assert 1.0 - compliance[3, 3] / beam[3, 3] == pytest.approx(0.016, abs=0.0015)
-    compliance[3, 3] = beam[3, 3]
-    # Known values after mesh convergence; 5e-5 is the warping of shear, restrained.
-    assert scaled_difference(compliance, beam) < 2e-4
 
 
 def test_rigid_ends_stiffen_torsion_of_leg_2():
@@ -131,9 +88,9 @@ def test_compliance_equals_condensation_of_the_leg_matrices():
     assert scaled_difference(compliance, direct) < 1e-9
 
 
-def test_first_frequencies_of_leg_1(clamped_leg_1):
+def test_first_frequencies_of_leg_1():
     """Known values: z-bending of leg 1 at 181.8 Hz in the 3-D solid."""
-    found = modes(clamped_leg_1, 4)
+    found = modes(clamped_leg(meshed(LEG_1, 2, 12)), 4)
     # One unit in the last digit given.
     assert found.frequencies[1] == pytest.approx(181.8, abs=0.1)
     # Tension: √(EA/μ)/4L, exact for ν = 0 but for the slices' own error, (kl)⁴.
@@ -208,19 +165,10 @@ def test_solid_mesh_has_slices_as_long_as_its_elements_are_wide():
         solid_mesh(ConstantLeg(0.1, Rectangle(0.10, 0.16), STEEL), 2)
 
 
-@pytest.mark.parametrize("nu", [-0.999999999, -0.9999999, 0.4999999, 0.4999999999])
+@pytest.mark.parametrize("nu", [-0.9999999, 0.4999999])
 def test_a_material_that_double_precision_does_not_resolve_is_refused(nu):
     leg = ConstantLeg(0.8, Rectangle(0.1, 0.14), Material.isotropic(2.1e11, nu, 7850.0))
     with pytest.raises(
         ComputationError, match=r"material with ν = .*: changes of .* and .* differ"
     ):
         solid_leg(leg, solid_mesh(leg, 2))
-
-
-@pytest.mark.parametrize("nu", [-0.9999, 0.4999])
-def test_what_is_just_resolved_keeps_its_digits(nu):
-    # Tension with free ends: L/EA whatever ν is.
-    leg = ConstantLeg(0.8, Rectangle(0.1, 0.14), Material.isotropic(2.1e11, nu, 7850.0))
-    clamped = clamped_leg(solid_leg(leg, solid_mesh(leg, 2)), "free")
-    along = tip_compliance(clamped)[0, 0]
-    assert along == pytest.approx(0.8 / (2.1e11 * 0.1 * 0.14), rel=1e-8)

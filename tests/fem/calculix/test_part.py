@@ -11,11 +11,8 @@ from compliances import scaled_difference
 from prismatic_legs import STEEL
 
 from fem.bodies.part import grips_of, held_part, meshed_part
-from fem.bodies.rooted import rooted_body
 from fem.calculix.deck import Deck, ElementSet, NodalForce, rigid_face
-from fem.calculix.leg import mass_at_stiffness_points
 from fem.calculix.run import CalculixMissing, calculix_program, run_calculix
-from fem.couplings.coupled_solid import coupled_solid
 from fem.couplings.grips import area_weights
 from lumped.mechanism.part import ByCylinder, ByPlane, PartInterface
 from meshes.part.interfaces import find_interfaces
@@ -97,14 +94,3 @@ def test_compliance_of_rigid_and_averaged_interfaces(bar):
     theirs, _ = by_calculix(mesh, grips)
     # CalculiX prints seven digits.
     assert scaled_difference(theirs, body.compliance) < 1e-6
-
-
-@pytest.mark.exhaustive
-def test_twenty_frequencies_with_its_own_mass(bar):
-    mesh, interfaces = bar
-    grips = grips_of(mesh, interfaces[:2])
-    part = meshed_part(mesh, STEEL)
-    M = mass_at_stiffness_points(mesh, STEEL.rho)
-    body = rooted_body(coupled_solid(part.stiffness, M, mesh.nodes, grips), "bar")
-    _, theirs = by_calculix(mesh, grips, 20)
-    assert body.modes(20).frequencies == pytest.approx(theirs, rel=1e-6)

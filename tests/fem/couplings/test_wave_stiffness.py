@@ -57,12 +57,12 @@ def test_the_bending_wave_of_a_section_mesh_is_that_of_polynomials():
 
 def test_the_walls_of_a_thin_tube_become_oval_as_hoppe_says():
     """ω² = n²(n² − 1)²/(n² + 1) EI/(μR⁴) of a ring, n = 2; long, so of E/(1 − ν²) (Love, §293)."""
-    radius, wall = 0.05, 0.001
+    radius, wall = 0.05, 0.003
     mesh = section_mesh(Tube(2.0 * radius + wall, wall), 6)
     plate = STEEL.E / (1.0 - STEEL.nu**2) * wall**2 / (12.0 * STEEL.rho)
     expected = np.sqrt(36.0 / 5.0 * plate) / radius**2
-    # The curved cells of the mesh are too stiff by 0.46 %, 0.05 % at ten divisions.
-    assert wall_frequency(mesh, STEEL) == pytest.approx(expected, rel=1e-2)
+    # The curved cells of the mesh are too stiff by 3 %; ν² alone is 9 %.
+    assert wall_frequency(mesh, STEEL) == pytest.approx(expected, rel=4e-2)
 
 
 @pytest.mark.parametrize("section", [OPEN, Rectangle(0.05, 0.08)])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from like_ifw import EQUIVALENT, system_of
 from numpy.testing import assert_allclose
-from prismatic_legs import meshed
+from prismatic_legs import STEEL, meshed
 from scipy.linalg import eigh, null_space
 from scipy.sparse import csr_array
 
@@ -13,9 +13,9 @@ from fem.bodies.solid import clamped_leg, solid_leg_matrices
 from fem.reduction.craig_bampton import craig_bampton, frequency_bounds
 from fem.reduction.free_superelement import held_free_leg
 from fem.reduction.interface_modes import interface_modes
-from fem.reduction.superelement import held_leg, static_superelement
+from fem.reduction.superelement import held_leg
 from lumped.errors import InputError
-from lumped.legs import ConstantLeg, Material
+from lumped.legs import ConstantLeg
 from lumped.mechanism.body_model import LegMatrices
 from lumped.models.bodies import legs_of
 from lumped.models.segments import segment_chain, segment_leg
@@ -116,61 +116,29 @@ def test_all_modes_kept_is_exact():
     assert np.abs(reduced.truncated).max() < 1e-12 * np.abs(matrices.mass.toarray()).max()
 
 
-def test_interface_modes_are_those_of_the_clamped_clamped_matrices():
-    """Block Lanczos against a dense solution, all of them and none besides."""
-    leg = solid_leg_matrices(meshed(LEG_2, 1, 4))
-    assert leg.size > 400
-    exact, _ = eigh(leg.stiffness.toarray()[12:, 12:], leg.mass.toarray()[12:, 12:])
-    frequencies = np.sqrt(exact) / (2.0 * np.pi)
-    cutoff = 1.5 * frequencies[20]
-    found = interface_modes(held_leg(leg), cutoff)
-    assert_allclose(found.frequencies, frequencies[frequencies < cutoff], rtol=1e-9)
-    gram = found.shapes.T @ (leg.mass @ found.shapes)
-    assert_allclose(gram, np.eye(len(gram)), atol=1e-10)
+SQUARE = ConstantLeg(0.8, Rectangle(0.1, 0.1), STEEL)
 
 
-def test_interface_modes_of_a_coarse_mesh_are_found_though_most_lie_below_the_cut_off():
-    """Two thirds of 687 unknowns: more than Lanczos may look for."""
-    leg = solid_leg_matrices(meshed(LEG_1, 1, 8))
-    held = held_leg(leg)
-    assert held.size == 687
-    expected = np.sqrt(eigh(leg.stiffness[12:, 12:].toarray(), leg.mass[12:, 12:].toarray())[0])
-    expected /= 2.0 * np.pi
-    cutoff = float(np.sqrt(expected[449] * expected[450]))
-    found = interface_modes(held, cutoff)
-    assert_allclose(found.frequencies, expected[:450], rtol=1e-8)
-
-
-def test_repeated_interface_modes_are_all_found():
-    """A square leg bends alike in both planes: every bending mode twice."""
-    steel = Material.isotropic(2.1e11, 0.3, 7850.0)
-    leg = solid_leg_matrices(meshed(ConstantLeg(0.8, Rectangle(0.1, 0.1), steel), 2, 6))
-    exact = eigh(leg.stiffness.toarray()[12:, 12:], leg.mass.toarray()[12:, 12:], eigvals_only=True)
-    frequencies = np.sqrt(exact) / (2.0 * np.pi)
-    cutoff = 0.5 * (frequencies[10] + frequencies[11])
-    found = interface_modes(held_leg(leg), cutoff)
-    assert_allclose(found.frequencies, frequencies[frequencies < cutoff], rtol=1e-9)
-
-
-def test_the_ends_are_those_of_the_static_superelement(legs):
-    for held in legs[1]:
-        found, static = craig_bampton(held, 1000.0).matrices, static_superelement(held).matrices
-        stiffness = found.stiffness.toarray()
-        assert np.array_equal(stiffness[:12, :12], static.stiffness.toarray())
-        assert not stiffness[:12, 12:].any()
-        mass = static.mass.toarray()
-        assert_allclose(found.mass.toarray()[:12, :12], mass, atol=1e-12 * mass.max())
-
-
-def test_free_frequencies_equal_those_of_the_unreduced_leg():
-    def free_frequencies(leg):
-        squares = eigh(leg.stiffness.toarray(), leg.mass.toarray(), eigvals_only=True)[6:12]
-        return np.sqrt(squares) / (2.0 * np.pi)
-
-    leg = solid_leg_matrices(meshed(LEG_1, 1, 4))
-    full = free_frequencies(leg)
-    reduced = craig_bampton(held_leg(leg), 1.05 * full[-1]).matrices
-    assert_allclose(free_frequencies(reduced), full, rtol=1e-4)
+@pytest.mark.parametrize(
+    ("leg", "divisions", "slices", "count"),
+    [
+        (LEG_2, 1, 4, 40),
+        # Every bending mode twice.
+        (SQUARE, 2, 6, 11),
+        # Two thirds of 687 unknowns: more than Lanczos may look for.
+        (LEG_1, 1, 8, 450),
+    ],
+)
+def test_interface_modes_are_those_of_the_clamped_clamped_matrices(leg, divisions, slices, count):
+    """All of them, and none besides: against a dense solution."""
+    whole = solid_leg_matrices(meshed(leg, divisions, slices))
+    assert whole.size > 400
+    held = whole.stiffness.toarray()[12:, 12:], whole.mass.toarray()[12:, 12:]
+    frequencies = np.sqrt(eigh(*held, eigvals_only=True)) / (2.0 * np.pi)
+    found = interface_modes(held_leg(whole), 0.5 * (frequencies[count - 1] + frequencies[count]))
+    assert_allclose(found.frequencies, frequencies[:count], rtol=1e-8)
+    gram = found.shapes.T @ (whole.mass @ found.shapes)
+    assert_allclose(gram, np.eye(count), atol=1e-8)
 
 
 @pytest.fixture(scope="module")

@@ -74,11 +74,3 @@ def test_it_is_what_a_bent_solid_of_this_section_mesh_is_too_stiff_by(section, m
     assert stiffness == pytest.approx(
         constants.second_moment_y + constants.held_contraction[0], rel=left
     )
-
-
-def test_it_is_gone_with_the_fourth_power_of_the_cells():
-    held = [
-        section_constants(section_mesh(Circle(0.1), n), 0.3).held_contraction[0] for n in (4, 8, 16)
-    ]
-    assert held[1] / held[0] < 0.5**4
-    assert held[2] / held[1] < 0.5**4

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from meshes.gmsh_session import gmsh_model
+from meshes.part import volume
 from meshes.part.reading import read
 
 
@@ -36,8 +37,9 @@ def lug(occ, s):
 
 @pytest.fixture
 def in_this_process(monkeypatch):
-    """Files that do not end the CAD kernel are read without a process of their own."""
-    monkeypatch.setattr(read, "in_own_process", lambda function, *arguments: function(*arguments))
+    """Files that do not end the CAD kernel are read and meshed without a process of their own."""
+    for module in (read, volume):
+        monkeypatch.setattr(module, "in_own_process", lambda function, *rest: function(*rest))
 
 
 @pytest.fixture(scope="session")

@@ -7,16 +7,13 @@ import pytest
 from prismatic_legs import STEEL
 
 from fem.bodies.part import meshed_part
-from fem.sections.section_constants import section_constants
-from lumped.sections import HollowRectangle, Rectangle
 from meshes.part import volume
 from meshes.part.boundary import Facets, PartMesh, area_vectors, boundary
 from meshes.part.inner_edges import cut_at_inner_edges, inner_edges, second_order_unknowns
 from meshes.part.reading.read import read_part
 from meshes.part.spread import cell_volumes
-from meshes.section.section_mesh import section_mesh
 
-BOX = HollowRectangle(0.1, 0.16, 0.0125)
+pytestmark = pytest.mark.usefixtures("in_this_process")
 
 
 def box_tube(occ, s):
@@ -28,7 +25,7 @@ def box_tube(occ, s):
 
 
 def with_boss(occ, s):
-    """A plate with a round boss: its edge is re-entrant and curved; a bore's edges are not."""
+    """A plate with a round boss: its edge is re-entrant and curved; a bore's are not."""
     plate = (3, occ.addBox(-50.0 * s, -40.0 * s, 0.0, 100.0 * s, 80.0 * s, 15.0 * s))
     boss = (3, occ.addCylinder(0.0, 0.0, 10.0 * s, 0.0, 0.0, 30.0 * s, 25.0 * s))
     bore = (3, occ.addCylinder(0.0, 0.0, -10.0 * s, 0.0, 0.0, 60.0 * s, 12.0 * s))
@@ -90,21 +87,3 @@ def test_cut_meshes_fit_together_and_have_the_shape_of_the_whole(meshed, shape):
     straight = PartMesh(mesh.nodes[corners], numbers.reshape(-1, 4), "tet4", faces)
     assert second_order_unknowns(straight, cut=True) == cut.unknowns
     assert second_order_unknowns(straight, cut=False) == mesh.unknowns
-
-
-def test_the_exponent_of_torsion_at_sharp_inner_corners():
-    """Of elements shorter by two the torsion constant misses 2^(-4/3) of what it did: 0.397.
-
-    At an edge of 270° warping goes as r^(2/3). A solid box has edges of 90° alone, and there it is
-    smooth but for r² log r: nearly the fourth power of elements of second order.
-    """
-
-    def exponents(section, divisions):
-        meshes = (section_mesh(section, n) for n in divisions)
-        J = [section_constants(mesh, 0.3).torsion_constant for mesh in meshes]
-        # Energy falls to the truth: in the warping's space the section is too stiff.
-        assert np.all(np.diff(J) < 0.0)
-        return np.log2(np.diff(J)[:-1] / np.diff(J)[1:])
-
-    assert exponents(BOX, (8, 16, 32, 64)) == pytest.approx(4.0 / 3.0, abs=0.03)
-    assert np.all(exponents(Rectangle(0.1, 0.16), (2, 4, 8, 16)) > 3.5)

@@ -9,6 +9,8 @@ from lumped.mechanism.part import ByCylinder, ByFaces, ByName, ByPlane, PartInte
 from meshes.part.interfaces import find_interfaces
 from meshes.part.reading.read import read_part
 
+pytestmark = pytest.mark.usefixtures("in_this_process")
+
 
 @pytest.fixture(scope="module")
 def lug(lug_step):

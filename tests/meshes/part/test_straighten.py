@@ -12,6 +12,8 @@ from meshes.part.straighten import straightened
 from meshes.part.volume import Grading, volume_mesh
 from meshes.shape_functions import gradients, quadrature, values
 
+pytestmark = pytest.mark.usefixtures("in_this_process")
+
 
 def rounded(occ, s):
     """A bar 80 × 40 × 40 mm whose long edges are rounded with 8 mm."""
@@ -62,13 +64,10 @@ def test_a_folded_element_becomes_straight_and_its_neighbour_follows():
     assert np.array_equal(np.delete(found, 4, axis=0), np.delete(nodes, 4, axis=0))
 
 
-def test_what_is_flat_is_an_error_that_says_where():
-    nodes = ELEMENTS["tet10"].nodes * [1.0, 1.0, 1e-12]
-    with pytest.raises(ComputationError, match="1 tetrahedra are flat, the first at"):
-        straightened(nodes, np.arange(10)[None])
-
-
-def test_what_stays_inverted_is_an_error_that_says_where():
-    nodes = ELEMENTS["tet10"].nodes * [1.0, 1.0, -1.0]
-    with pytest.raises(ComputationError, match="stay inverted, the first at"):
-        straightened(nodes, np.arange(10)[None])
+@pytest.mark.parametrize(
+    ("height", "message"),
+    [(1e-12, "1 tetrahedra are flat, the first"), (-1.0, "stay inverted, the first")],
+)
+def test_what_is_flat_or_stays_inverted_is_an_error_that_says_where(height, message):
+    with pytest.raises(ComputationError, match=f"{message} at"):
+        straightened(ELEMENTS["tet10"].nodes * [1.0, 1.0, height], np.arange(10)[None])

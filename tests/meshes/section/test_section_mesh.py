@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from lumped.errors import ComputationError, InputError
+from lumped.errors import ComputationError
 from lumped.sections import Circle, HollowRectangle, Rectangle, Tube
 from meshes.section.section_mesh import section_mesh, symmetrised
 
@@ -75,31 +75,11 @@ def test_areas_of_round_sections_are_those_of_chords_or_parabolas(element, area,
     assert tube == pytest.approx(area(0.05, 24) - area(0.044, 24), rel=1e-12)
 
 
-@pytest.mark.parametrize("section", [Circle(0.1), Tube(0.1, 0.02)], ids=lambda s: s.shape)
-@pytest.mark.parametrize(("element", "order"), [("quad4", 2), ("quad9", 4)])
-def test_second_moments_of_curved_sections_converge(section, element, order, integral) -> None:
-    # Chords miss the arc by h², parabolas through their middle by h⁴ in area.
-    errors = [
-        integral(section_mesh(section, divisions, element), lambda x: x[..., 1] ** 2)
-        / section.second_moment_y
-        - 1
-        for divisions in (8, 16, 32)
-    ]
-    observed = np.log2(np.abs(errors[:-1]) / np.abs(errors[1:]))
-    # 0.1: terms of the next order.
-    assert observed == pytest.approx(order, abs=0.1)
-
-
 def test_two_divisions_count_elements_along_y_and_z() -> None:
     mesh = section_mesh(Rectangle(0.2, 0.3), (8, 4))
     assert mesh.cells.shape == (32, 9)
     assert len(np.unique(mesh.nodes[:, 0].round(9))) == 17
     assert len(np.unique(mesh.nodes[:, 1].round(9))) == 9
-
-
-def test_divisions_count_elements_across_the_smaller_side() -> None:
-    mesh = section_mesh(Rectangle(0.3, 0.2), 4, "quad4")
-    assert mesh.cells.shape == (24, 4)
 
 
 @pytest.mark.parametrize(("divisions", "across"), [(1, 1), (4, 1), (8, 2), (16, 4)])
@@ -108,12 +88,9 @@ def test_walls_get_one_element_across_per_four_divisions(divisions, across) -> N
     through_the_wall = mesh.nodes[(np.abs(mesh.nodes[:, 1] + 0.05) < 1e-9)]
     in_the_corner = np.sum(through_the_wall[:, 0] < -0.045 + 1e-9)
     assert in_the_corner == across + 1
-
-
-def test_elements_along_a_thin_wall_are_at_most_eight_times_their_thickness() -> None:
-    mesh = section_mesh(HollowRectangle(0.1, 0.1, 0.001), 4, "quad4")
-    longest = np.ptp(mesh.nodes[mesh.cells], axis=1).max()
-    assert longest <= 0.008
+    # None along it is longer than eight times what it is thick.
+    thin = section_mesh(HollowRectangle(0.1, 0.1, 0.001), divisions, "quad4")
+    assert np.ptp(thin.nodes[thin.cells], axis=1).max() <= 0.008
 
 
 def test_doubled_divisions_halve_every_element(section) -> None:
@@ -124,9 +101,3 @@ def test_doubled_divisions_halve_every_element(section) -> None:
 def test_a_mesh_without_symmetry_is_refused() -> None:
     with pytest.raises(ComputationError, match=r"section: .* not symmetric"):
         symmetrised(np.array([[0.0, 0.0], [1.0, 0.0], [-0.9, 0.0]]), "section")
-
-
-@pytest.mark.parametrize("element", ["quad9", "tri6"])
-def test_impossible_sections_are_refused(element) -> None:
-    with pytest.raises(InputError, match="closes the hollow"):
-        section_mesh(HollowRectangle(0.1, 0.1, 0.05), 4, element)

@@ -27,7 +27,7 @@ def leg(short_leg):
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
-@pytest.mark.parametrize("below", [0, 1, 2, 7, 20, 300])
+@pytest.mark.parametrize("below", [0, 1, 20, 300])
 def test_count_below_is_that_of_dense_eigenvalues(leg, backend, below):
     K, M, eigenvalues = leg
     sigma = 0.5 * (eigenvalues[below] + (eigenvalues[below - 1] if below else 0.0))
@@ -36,29 +36,17 @@ def test_count_below_is_that_of_dense_eigenvalues(leg, backend, below):
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
-@pytest.mark.parametrize(
-    "below", [7, *(pytest.param(n, marks=pytest.mark.exhaustive) for n in (0, 1, 20))]
-)
-def test_count_on_constrained_vectors(leg, backend, below):
+def test_count_on_constrained_vectors(leg, backend):
     K, M, _ = leg
     B = np.zeros((K.shape[0], 5))
     B[-5:] = np.random.default_rng(4).standard_normal((5, 5))
     B[:50, 2] = 1.0
     allowed = null_space(B.T)
     values = eigvalsh(allowed.T @ (K @ allowed), allowed.T @ (M @ allowed))
-    sigma = 0.5 * (values[below] + (values[below - 1] if below else 0.0))
-    found = count_below(K, M, sigma, backend=backend, constraints=B)
-    assert found == Inertia(below, 0, len(values) - below)
-
-
-def test_fronts_reused_for_another_shift(leg):
-    K, M, eigenvalues = leg
-    fronts = dissect(block_graph(K))
-    assert len(fronts) > 3
-    assert (np.sort(np.concatenate([f.unknowns for f in fronts])) == np.arange(K.shape[0])).all()
-    for below in (3, 40):
-        sigma = 0.5 * (eigenvalues[below] + eigenvalues[below - 1])
-        assert inertia(csr_array(K - sigma * M), fronts).negative == below
+    for below in (1, 7):
+        sigma = 0.5 * (values[below - 1] + values[below])
+        found = count_below(K, M, sigma, backend=backend, constraints=B)
+        assert found == Inertia(below, 0, len(values) - below)
 
 
 def test_separators_separate(leg):

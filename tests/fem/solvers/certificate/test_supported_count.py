@@ -6,11 +6,10 @@ from scipy.linalg import eigvalsh, null_space
 import fem.solvers.certificate.count
 from fem.bodies.leg_modes import clamped_count
 from fem.bodies.solid import clamped_leg
-from fem.solvers.certificate.supported_count import separator_supports, supported_count
+from fem.solvers.certificate.supported_count import supported_count
 from fem.solvers.factor import upper_triangle, whole_matrix
-from fem.solvers.modes import MissedModesError, certify
 from lumped.legs import ConstantLeg
-from lumped.sections import ISection, Rectangle
+from lumped.sections import Rectangle
 
 
 def held(section, ends):
@@ -33,9 +32,7 @@ def leg(request):
     return clamped, K, M, clamped.mesh.nodes, B, 1.0 / theta[::-1]
 
 
-@pytest.mark.parametrize(
-    "below", [0, 2, 12, *(pytest.param(n, marks=pytest.mark.exhaustive) for n in (1, 5, 20))]
-)
+@pytest.mark.parametrize("below", [0, 2, 12])
 def test_count_is_that_of_dense_eigenvalues(leg, below):
     clamped, K, M, points, B, values = leg
     lower = values[below - 1] if below else 0.0
@@ -43,15 +40,6 @@ def test_count_is_that_of_dense_eigenvalues(leg, below):
     for sigma in (0.5 * (lower + values[below]), lower * 1.001, values[below] * 0.999):
         found = supported_count(clamped.factor, K, M, sigma, points, B)
         assert found == (below, 0, len(values) - below)
-
-
-def test_a_set_with_one_mode_missing_is_refused(leg):
-    clamped, values = leg[0], leg[-1]
-    count = clamped_count(clamped)
-    assert values[9] < certify(values[:10], values[10], count, "leg") < values[10]
-    with pytest.raises(MissedModesError) as refused:
-        certify(np.delete(values[:10], 4), values[10], count, "leg")
-    assert refused.value.missing == 1
 
 
 def test_shift_on_an_eigenvalue_has_no_sign_or_moves_the_count_by_one(leg):
@@ -93,17 +81,3 @@ def test_count_without_room_for_two_factors(leg, monkeypatch):
     assert clamped.factor.numeric is not first
     assert clamped.factor.numeric is clamped.factor.numeric
     np.testing.assert_array_equal(clamped.factor.solve(loads), before)
-
-
-def test_supports_are_orthonormal_on_distinct_nodes():
-    clamped = held(ISection(0.1, 0.16, 0.012, 0.008), "rigid")
-    points = clamped.mesh.nodes[clamped.ends.interior]
-    n = clamped.factor.symbolic.size
-    supports = separator_supports(clamped.factor.separators(15), points, n)
-    unknowns = np.concatenate([s.unknowns for s in supports])
-    assert len(np.unique(unknowns)) == len(unknowns)
-    # The tip's six motions come first and are never supported.
-    assert unknowns.min() >= 6
-    for s in supports:
-        gram = s.shapes.T @ s.shapes
-        np.testing.assert_allclose(gram, np.eye(len(gram)), atol=1e-12)

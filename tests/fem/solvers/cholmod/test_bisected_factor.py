@@ -163,32 +163,13 @@ def test_pieces_that_are_not_coupled(short_leg):
 
 
 @pytest.mark.usefixtures("halves")
-def test_predicted_entries_are_those_of_both_parts(short_leg):
-    """Dense Cholesky of each half with the separator, in the order of elimination."""
-    K, _ = short_leg
-    symbolic = analyse(K, backend="cholmod")
-    factor = factorise(symbolic, K)
-    pattern = K.copy()
-    pattern.data = np.random.default_rng(3).uniform(-1.0, -0.5, K.nnz)
-    pattern = pattern + pattern.T
-    dominant = (pattern + diags_array(np.abs(pattern).sum(axis=1) + 1.0)).toarray()
-    entries = sum(
-        np.count_nonzero(np.linalg.cholesky(dominant[np.ix_(half.order, half.order)]))
-        for half in factor.halves
-    )
-    # The zeros that keep the separator last may add some.
-    assert entries <= symbolic.factor_entries <= 1.01 * entries
-    assert symbolic.peak_bytes >= 8 * symbolic.factor_entries
-
-
-@pytest.mark.usefixtures("halves")
 def test_factorisations_at_once_do_not_disturb_each_other(short_leg):
     """CHOLMOD's workspaces are apart and its BLAS locks its buffers: the same bits every time."""
     K, _ = short_leg
     symbolic = analyse(K, backend="cholmod")
     loads = np.random.default_rng(5).standard_normal((K.shape[0], 8))
     first = factorise(symbolic, K).solve(loads)
-    for _ in range(30):
+    for _ in range(8):
         np.testing.assert_array_equal(factorise(symbolic, K).solve(loads), first)
 
 

@@ -108,8 +108,7 @@ def outcomes(source, folder, seeds):
 @pytest.mark.parametrize(
     ("name", "count"),
     [
-        ("rocker", 2),
-        ("bracket", 4),
+        ("bracket", 3),
         *(pytest.param(name, 100, marks=pytest.mark.exhaustive) for name in FILES),
     ],
 )

@@ -109,15 +109,12 @@ def test_bad_meshes_say_what_is_wrong(tmp_path):
     assert "finite" in refused(np.where(CUBE == 1.0, np.nan, CUBE), "hexahedron", HEXAHEDRON)
 
 
-def test_an_element_of_a_node_that_is_not_there(tmp_path):
+def test_what_an_input_file_refers_to_is_there(tmp_path):
     path = tmp_path / "mesh.inp"
     nodes = "1, 0., 0., 0.\n2, .1, 0., 0.\n3, 0., .1, 0."
     path.write_text(f"*NODE\n{nodes}\n*ELEMENT, TYPE=C3D4\n1, 1, 2, 3, 4\n")
     with pytest.raises(InputError, match="it does not hold 4, to which it refers"):
         read_part(path)
-
-
-def test_a_set_of_one_node_is_no_interface(tmp_path):
     path = mesh_file(tmp_path, CUBE, "hexahedron", HEXAHEDRON, point_sets={"A": np.array([0])})
     with pytest.raises(InputError, match="holds no whole facet"):
         find_interfaces(read_part(path), {"A": PartInterface(ByName("A"))})
