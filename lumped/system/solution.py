@@ -137,16 +137,23 @@ def modes(solution: Solved, count: int) -> Modes:
 
     Raises ComputationError where fewer modes have mass.
     """
+    found = modes_with_mass(solution, count)
+    if not 0 < count == len(found.frequencies):
+        raise too_few(solution.system.name, count)
+    return found
+
+
+def modes_with_mass(solution: Solved, count: int) -> Modes:
+    """The same, where fewer than `count` have mass these."""
+    n = len(solution.kept)
+    if not (looked_at := min(count, n)):
+        return Modes(np.zeros(0), np.zeros((solution.system.size, 0)))
     standard, drag = _inverse_squares(solution)
-    n = len(standard)
-    if not 0 < count <= n:
-        raise _too_few(solution.system, count)
     values, vectors = eigh(
-        standard, subset_by_index=[n - count, n - 1], driver="evr", check_finite=False
+        standard, subset_by_index=[n - looked_at, n - 1], driver="evr", check_finite=False
     )
-    values, vectors = values[::-1], vectors[:, ::-1]
-    if values[-1] <= np.finfo(float).eps * n * values[0]:
-        raise _too_few(solution.system, count)
+    with_mass = values > np.finfo(float).eps * n * max(values[-1], 0.0)
+    values, vectors = values[with_mass][::-1], vectors[:, with_mass][:, ::-1]
     still = dtrsm(1.0, solution.lower, vectors, lower=1, trans_a=1)
     still *= solution.scale[:, None] / np.sqrt(values)
     shapes = solution.motions @ (drag @ still)
@@ -154,10 +161,9 @@ def modes(solution: Solved, count: int) -> Modes:
     return Modes(1.0 / (2.0 * np.pi * np.sqrt(values)), fix_signs(shapes))
 
 
-def mode_count(solution: Solved) -> int:
-    """How many modes the system has: motions that have both stiffness and mass."""
-    values = np.linalg.eigvalsh(_inverse_squares(solution)[0])
-    return int(np.sum(values > np.finfo(float).eps * len(values) * values.max(initial=0.0)))
+def too_few(name: str, count: int) -> ComputationError:
+    """The refusal of more modes than a system has."""
+    return ComputationError(f"{name}: {count} modes asked for, but fewer have mass")
 
 
 def _inverse_squares(solution: Solved) -> tuple[Array, Array]:
@@ -230,7 +236,3 @@ def _pseudo_inverse(mass: Array, size: float) -> Array:
     heavy = values > _MASSLESS * size
     inverse: Array = (vectors[:, heavy] / values[heavy]) @ vectors[:, heavy].T
     return inverse
-
-
-def _too_few(system: System, count: int) -> ComputationError:
-    return ComputationError(f"{system.name}: {count} modes asked for, but fewer have mass")

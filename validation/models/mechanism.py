@@ -26,7 +26,7 @@ from lumped.models.bodies import legs_of, tip_compliances
 from lumped.models.links import link, links
 from lumped.system.assembly import Assembly, assembly
 from lumped.system.joint_motion import printed_release
-from lumped.system.solution import compliance, mode_count, modes, solved
+from lumped.system.solution import compliance, modes, modes_with_mass, solved
 from lumped.system.sweep import swept
 from validation.models import parts
 from validation.models.legs import (
@@ -190,8 +190,8 @@ def highest_frequency(
     bodies |= part_models(middle.mechanism, coarse, partial(leg_matrices, "beam"))
     solution = solved(assembly(middle.mechanism, bodies).at(middle))
     # Parts on their interfaces alone have few modes.
-    known = min(count, mode_count(solution)) if middle.mechanism.parts else count
-    return half_octave_above(float(modes(solution, known).frequencies[-1]))
+    lowest = modes_with_mass if middle.mechanism.parts else modes
+    return half_octave_above(float(lowest(solution, count).frequencies[-1]))
 
 
 def _solve(prepared: Assembly, postures: Sequence[Posture], count: int) -> list[PostureAnswer]:
@@ -206,8 +206,7 @@ def _on_drives(postures: Sequence[Posture], count: int) -> Iterator[PostureAnswe
     prepared = assembly(rigid, {})
     for posture in postures:
         solution = solved(prepared.at(replace(posture, mechanism=rigid)))
-        wanted = min(count, mode_count(solution))
-        frequencies = modes(solution, wanted).frequencies if wanted else np.zeros(0)
+        frequencies = modes_with_mass(solution, count).frequencies
         yield PostureAnswer(posture, compliance(solution), frequencies, solution.idle)
 
 

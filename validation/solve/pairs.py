@@ -4,11 +4,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
-from validation.adequacy.mechanism.samples import Samples, samples_of
+from validation.adequacy.mechanism.samples import samples_of
+from validation.adequacy.mechanism.vibration import vibration_of
 from validation.adequacy.partners import Partners, partners
-from validation.adequacy.response import Vibration
 from validation.models.mechanism_modes import PostureModes, mechanism_modes
 from validation.models.options import ModelName, ModelOptions
 
@@ -54,12 +52,3 @@ def paired(found: Sequence[PostureModes], against: ModelName, options: ModelOpti
     others = mechanism_modes(against, postures, count + _BESIDES, options)
     own, other = (vibration_of(samples, ones) for ones in (found, others))
     return Pairs(against, partners(own, other, samples.weights, count))
-
-
-def vibration_of(samples: Samples, found: Sequence[PostureModes]) -> Vibration:
-    """Frequencies and sampled shapes of modes, posture by posture."""
-    of_models = samples.of_models(found[0].system.models)
-    return Vibration(
-        np.array([one.modes.frequencies for one in found]),
-        np.array([samples.at(one.system, one.modes.shapes, of_models) for one in found]),
-    )

@@ -29,6 +29,7 @@ from validation.adequacy.matrix import Matrix
 from validation.adequacy.mechanism.path import robot_at
 from validation.adequacy.mechanism.samples import samples_of
 from validation.adequacy.mechanism.statics import compliances
+from validation.adequacy.mechanism.vibration import vibration_of
 from validation.adequacy.models import JUDGED
 from validation.adequacy.partners import partners
 from validation.adequacy.robot import robot_subject, static_subject
@@ -36,7 +37,6 @@ from validation.context import Context
 from validation.models.mechanism_modes import mechanism_modes
 from validation.models.options import ModelOptions
 from validation.solids.legs import COARSEST_WALLS, section_counts, static_ladder, static_slices
-from validation.solve.pairs import vibration_of
 
 POSTURES = 9
 # Modes judged, and looked at besides.

@@ -17,7 +17,7 @@ from lumped.models.links import links
 from lumped.models.serial_chains import NoChainError
 from lumped.robot_file import load_robot
 from lumped.system.assembly import assemble, assembly
-from lumped.system.solution import compliance, mode_count, modes, solved, strain_shares
+from lumped.system.solution import compliance, modes, solved, strain_shares
 from meshes.section.section_mesh import section_mesh
 from validation.cli import main
 from validation.models.legs import leg_matrices
@@ -138,8 +138,6 @@ def test_simplified_has_the_modes_of_what_is_rigid():
     at = reference_posture(load_robot("hexapod").mechanism)
     (found,) = answers("simplified", [at], 20)
     assert len(found.frequencies) == 6
-    system = assemble(at, {})
-    assert mode_count(solved(system)) == 6
 
 
 @pytest.mark.slow

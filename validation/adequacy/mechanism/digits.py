@@ -23,11 +23,12 @@ from lumped.system.sweep import swept
 from validation.adequacy.mechanism.legs import MASSES, leg_with_masses
 from validation.adequacy.mechanism.parts import condensed_parts
 from validation.adequacy.mechanism.samples import samples_of
-from validation.adequacy.mechanism.vibration import vibration
+from validation.adequacy.mechanism.vibration import vibration_of
 from validation.adequacy.response import Vibration
 from validation.agreement.displacement import sizes
 from validation.models.legs import filled
 from validation.models.mechanism import dynamic_bodies, highest_frequency
+from validation.models.mechanism_modes import modes_along
 from validation.models.options import ModelOptions
 from validation.models.roundings import changes_by_digits, roundings_of, share_by_digits
 
@@ -84,7 +85,8 @@ def modes_by_digits(
                 models[name] = made[key]
         return models
 
-    own = vibration(samples_of(mechanism), postures, bodies(mechanism), count)
+    along = modes_along(assembly(mechanism, bodies(mechanism)), postures, count)
+    own = vibration_of(samples_of(mechanism), along)
     known = own.frequencies.shape[1]
 
     def frequencies(at: Sequence[Posture]) -> Array:

@@ -5,8 +5,7 @@ their centre, and four points in each of some sections of every leg, placed so t
 section's mass and rotary inertia.
 """
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterable, Sequence
 from functools import lru_cache, partial
 from typing import NamedTuple
 
@@ -18,7 +17,6 @@ from lumped.legs import ConstantLeg, Ends, GivenLeg, Leg, equivalent_leg
 from lumped.mechanism.body_model import BodyModel, LegMatrices
 from lumped.mechanism.mechanism import Posture
 from lumped.system.assembly import assembly
-from lumped.system.solution import mode_count, modes, solved
 from validation.adequacy.mechanism.legs import (
     MASSES,
     SECTION_DIVISIONS,
@@ -27,17 +25,13 @@ from validation.adequacy.mechanism.legs import (
     own_elements,
 )
 from validation.adequacy.mechanism.parts import Bodies, condensed_parts, solid_parts
-from validation.adequacy.mechanism.path import Holds, RobotOnPath, has_given, known_legs
+from validation.adequacy.mechanism.path import Holds, RobotOnPath, known_legs
 from validation.adequacy.mechanism.samples import Samples, samples_of
 from validation.adequacy.response import Vibration
 from validation.context import Preset
 from validation.models.legs import filled
-from validation.models.mechanism import (
-    CUTOFF,
-    dynamic_bodies,
-    highest_frequency,
-    on_drives_alone,
-)
+from validation.models.mechanism import CUTOFF, dynamic_bodies, highest_frequency
+from validation.models.mechanism_modes import PostureModes, modes_along, modes_on_drives
 from validation.models.options import ModelName, ModelOptions
 from validation.parts.meshes import FINEST
 from validation.solids.legs import COARSEST_WALLS, divisions_across
@@ -55,7 +49,7 @@ Build = Callable[[Leg, Ends, float], LegMatrices]
 def modes_by_model(robot: RobotOnPath, model: ModelName, options: ModelOptions) -> Vibration | None:
     """What a model answers; None where nothing has mass."""
     if model == "simplified":
-        return simplified_vibration(robot.samples, robot.postures, robot.offered)
+        return simplified_vibration(robot)
     return robot.context.get(model_vibration, robot.postures, model, options, robot.offered)
 
 
@@ -106,46 +100,32 @@ def modes_of_own_beams(
     return robot.context.get(own_vibration, robot.postures, *divisions, ends, robot.offered)
 
 
-def vibration(
-    samples: Samples, postures: Sequence[Posture], bodies: Mapping[str, BodyModel], count: int
-) -> Vibration:
-    """The first `count` modes in every posture with these models of the legs.
-
-    Of legs whose mass is one lump, and of parts condensed on their interfaces, as many as have
-    mass in every posture.
-    """
-    prepared = assembly(postures[0].mechanism, {name: filled(one) for name, one in bodies.items()})
-    if has_given(postures[0].mechanism) or postures[0].mechanism.parts:
-        known = [mode_count(solved(prepared.at(posture))) for posture in postures]
-        count = min(count, *known)
-    frequencies, shapes = [], []
-    of_bodies = samples.of_models(bodies)
-    for posture in postures:
-        system = prepared.at(posture)
-        found = modes(solved(system), count)
-        frequencies.append(found.frequencies)
-        shapes.append(samples.at(system, found.shapes, of_bodies))
-    return Vibration(np.array(frequencies), np.array(shapes))
+def vibration_of(samples: Samples, found: Iterable[PostureModes]) -> Vibration:
+    """Frequencies and sampled shapes of modes, as many as there are in every posture."""
+    frequencies, shapes, of_models = [], [], None
+    for one in found:
+        # Bodies have the same models in every posture.
+        of_models = of_models or samples.of_models(one.system.models)
+        frequencies.append(one.modes.frequencies)
+        shapes.append(samples.at(one.system, one.modes.shapes, of_models))
+    count = min(len(row) for row in frequencies)
+    return Vibration(
+        np.array([row[:count] for row in frequencies]),
+        np.array([sampled[:, :count] for sampled in shapes]),
+    )
 
 
-def simplified_vibration(
-    samples: Samples, postures: Sequence[Posture], count: int
-) -> Vibration | None:
+def simplified_vibration(robot: RobotOnPath) -> Vibration | None:
     """Rigid bodies on elastic drives, NaN beyond the modes that they have; None without mass."""
-    rigid = on_drives_alone(postures[0].mechanism)
-    prepared = assembly(rigid, {})
-    frequencies, shapes = [], []
-    for posture in postures:
-        system = prepared.at(replace(posture, mechanism=rigid))
-        solution = solved(system)
-        known = min(count, mode_count(solution)) if system.size else 0
-        if not known:
-            return None
-        found = modes(solution, known)
-        own = samples.at(system, found.shapes, {})
-        frequencies.append(np.append(found.frequencies, np.full(count - known, np.nan)))
-        shapes.append(np.hstack([own, np.zeros((len(own), count - known))]))
-    return Vibration(np.array(frequencies), np.array(shapes))
+    found = vibration_of(robot.samples, modes_on_drives(robot.postures, robot.offered))
+    known = found.frequencies.shape[1]
+    if not known:
+        return None
+    lacking = ((0, 0), (0, robot.offered - known))
+    return Vibration(
+        np.pad(found.frequencies, lacking, constant_values=np.nan),
+        np.pad(found.samples, ((0, 0), *lacking)),
+    )
 
 
 def model_vibration(
@@ -156,9 +136,8 @@ def model_vibration(
     samples = samples_of(mechanism)
 
     def solve(highest: float) -> Vibration:
-        return vibration(
-            samples, postures, dynamic_bodies(model, mechanism, highest, options), count
-        )
+        bodies = dynamic_bodies(model, mechanism, highest, options)
+        return vibration_of(samples, modes_along(assembly(mechanism, bodies), postures, count))
 
     return _renewed(postures, count, solve)
 
@@ -183,9 +162,10 @@ def built_vibration(
         for name, leg in legs.items():
             key = leg if isinstance(leg, ConstantLeg) else name, ends[name]
             if key not in made:
-                made[key] = build(leg, ends[name], highest)
+                made[key] = filled(build(leg, ends[name], highest))
             bodies[name] = made[key]
-        return vibration(samples, postures, {**bodies, **parts}, count)
+        prepared = assembly(mechanism, {**bodies, **parts})
+        return vibration_of(samples, modes_along(prepared, postures, count))
 
     return _renewed(postures, count, solve)
 

@@ -14,13 +14,14 @@ from fem.reduction.superelement import held_leg
 from lumped.arrays import Array
 from lumped.legs import ConstantLeg, Ends
 from lumped.mechanism.mechanism import Posture
+from lumped.system.assembly import assembly
 from validation.adequacy.mechanism.path import known_legs, offered, path_postures
 from validation.adequacy.mechanism.samples import samples_of
 from validation.adequacy.mechanism.vibration import (
     SolidMeshes,
     solid_meshes,
     solid_vibration,
-    vibration,
+    vibration_of,
 )
 from validation.adequacy.partners import partners
 from validation.agreement.convergence import step_factor
@@ -29,7 +30,9 @@ from validation.case_group import CaseGroup, numbered
 from validation.cases.mechanism.quantities import MODEL_CODE
 from validation.context import Context
 from validation.exhibits import PATH
+from validation.models.legs import filled
 from validation.models.mechanism import CUTOFF, highest_frequency
+from validation.models.mechanism_modes import modes_along
 from validation.solids.legs import FORMAL_ORDER, divisions_across, leg_constants
 from validation.solids.robots import (
     ELEMENTS,
@@ -88,8 +91,8 @@ def free_modes(postures: tuple[Posture, ...], divisions: int, walls: int, count:
         leg: craig_bampton(held_leg(beam), highest, CUTOFF["beam"] * highest)
         for leg, beam in alike.items()
     }
-    beams = {name: reduced[leg].matrices for name, leg in legs.items()}
-    own = vibration(samples, postures, beams, count)
+    beams = {name: filled(reduced[leg].matrices) for name, leg in legs.items()}
+    own = vibration_of(samples, modes_along(assembly(mechanism, beams), postures, count))
     free: dict[str, Ends] = dict.fromkeys(legs, "free")
     solids = solid_vibration(postures, divisions, walls, free, None, count)
     found = partners(own, solids, samples.weights, MODES)

@@ -6,12 +6,11 @@ from dataclasses import replace
 from lumped.dense.modes import Modes
 from lumped.mechanism.mechanism import Posture
 from lumped.system.assembly import assembly
-from lumped.system.solution import mode_count, solved
 from validation.adequacy.mechanism.parts import solid_parts
 from validation.adequacy.mechanism.path import holding, offered, path_postures
 from validation.context import Context
 from validation.models.mechanism import dynamic_bodies, highest_frequency
-from validation.models.mechanism_modes import PostureModes, mechanism_modes, posture_modes
+from validation.models.mechanism_modes import PostureModes, mechanism_modes, modes_along
 from validation.models.options import ModelOptions
 
 _CONDENSED = ModelOptions(parts="condensed")
@@ -50,18 +49,13 @@ def _with_solid_parts(postures: tuple[Posture, ...], offers: int, count: int) ->
     parts = solid_parts(postures, offers, holding(mechanism).first)
     highest = min(part.highest for part in parts.values())
     bodies = dynamic_bodies("beam", mechanism, highest, _CONDENSED)
-    system = assembly(mechanism, {**bodies, **parts}).at(at)
-    found = posture_modes(system, at, min(count, mode_count(solved(system))))
+    (found,) = modes_along(assembly(mechanism, {**bodies, **parts}), [at], count)
     known = found.modes.frequencies <= highest
-    return replace(
-        found,
-        modes=Modes(found.modes.frequencies[known], found.modes.shapes[:, known]),
-        strain={name: share[known] for name, share in found.strain.items()},
-    )
+    return replace(found, modes=Modes(found.modes.frequencies[known], found.modes.shapes[:, known]))
 
 
 def _with_condensed_parts(at: Posture, count: int) -> PostureModes:
     highest = highest_frequency((at,), count)
     bodies = dynamic_bodies("segments", at.mechanism, highest, _CONDENSED)
-    system = assembly(at.mechanism, bodies).at(at)
-    return posture_modes(system, at, min(count, mode_count(solved(system))))
+    (found,) = modes_along(assembly(at.mechanism, bodies), [at], count)
+    return found
