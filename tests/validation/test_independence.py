@@ -8,25 +8,25 @@ and a type in an annotation for the class whose methods are called.
 import ast
 import inspect
 import runpy
-import sys
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 
 import pytest
-from forgetting import forget
 
 from fem.beams import frame
 from fem.beams.beam import beam_leg
 from fem.bodies.rooted import RootedBody, rooted_body
 from lumped.robot_file import load_robot
+from lumped.robot_file.variation import variations_of
 from lumped.system.solution import solved
 from lumped.system.sweep import swept
-from validation.case import Case, Sides, Skip
+from validation import paper
+from validation.case import Case, Sides
 from validation.cases import legs, mechanism
 from validation.cases.mechanism.quantities import ASSEMBLER, MODEL_CODE
-from validation.context import Context
 from validation.models.legs import leg_matrices
 from validation.studies.ritz import mechanism as ritz
+from validation.variations.cases import cases_over
 
 ROOT = Path(__file__).resolve().parents[2]
 FILES = runpy.run_path(str(ROOT / "docs" / "pictures" / "architecture.py"))["modules"]()
@@ -102,7 +102,11 @@ def named(functions) -> set[str]:
 
 def rests_on(functions) -> set[str]:
     """Everything that the functions rest on, they themselves included."""
-    found, todo = set(), named(functions)
+    return closure(named(functions))
+
+
+def closure(definitions: set[str]) -> set[str]:
+    found, todo = set(), definitions
     while todo:
         found |= todo
         todo = set().union(*map(uses, todo)) - found
@@ -122,20 +126,38 @@ def shared(sides: Sides, also: str = "") -> set[str]:
 
 
 def of_robot(path: str) -> list[Case]:
-    described = load_robot(path).mechanism
-    return [*legs.cases(described), *mechanism.cases(described, 2)]
+    robot = load_robot(path)
+    described = robot.mechanism
+    varied = variations_of(robot, ["tool.mass=1:2:3"]) if robot.schema == 2 else ()
+    return [*legs.cases(described), *mechanism.cases(described, 2), *cases_over(robot, varied)]
 
 
 # Prisms and 6×6s with feet and a tool that give, and parts.
-ROBOTS = ("ifw", *(str(path) for path in sorted((ROOT / "examples").glob("*/*.toml"))))
+ROBOTS = ("ifw", "five-bar", *(str(path) for path in sorted((ROOT / "examples").glob("*/*.toml"))))
+LISTED = [*paper.cases(), *(case for path in ROBOTS for case in of_robot(path))]
+CASES = {(case.id.partition("[")[0], case.model): case for case in LISTED}
+
+
+def roots(compute) -> set[str]:
+    """The definitions that compute a case: of closures those that hold them, and what they hold."""
+    own = compute.func if isinstance(compute, partial) else compute
+    function = inspect.unwrap(compute if hasattr(compute, "__wrapped__") else own)
+    held = [cell.cell_contents for cell in function.__closure__ or ()]
+    found = {f"{function.__module__}:{function.__qualname__.partition('.')[0]}"}
+    return found.union(*(roots(one) for one in held if inspect.isfunction(one)))
 
 
 def test_value_and_reference_share_named_basics_alone():
-    cases = {case.id.partition("[")[0]: case for path in ROBOTS for case in of_robot(path)}
-    assert len(cases) > 20
-    assert not [name for name, case in cases.items() if case.sides is None]
-    common = {name: shared(case.sides, WITHIN.get(name, "")) for name, case in cases.items()}
-    assert {name: both for name, both in common.items() if both} == {}
+    assert len(CASES) > 60
+    assert not [key for key, case in CASES.items() if case.sides is None]
+    common = {key: shared(case.sides, WITHIN.get(key[0], "")) for key, case in CASES.items()}
+    assert {key: both for key, both in common.items() if both} == {}
+
+
+def test_what_computes_a_comparison_rests_on_both_sides_that_it_names():
+    for key, case in CASES.items():
+        strange = named((*case.sides.value, *case.sides.reference)) - closure(roots(case.compute))
+        assert not strange, key
 
 
 @pytest.mark.parametrize(
@@ -160,39 +182,3 @@ def test_every_model_has_a_comparison_that_shares_nothing_with_it():
     }
     for model, own in MODEL_CODE.items():
         assert any(set(own) <= set(value) for value in by_ritz if value != ASSEMBLER), model
-
-
-def called(case: Case, context: Context) -> set[object]:
-    """Code of all functions that are called while the case is computed, nothing being kept."""
-    heard: set[object] = set()
-    forget()
-    sys.setprofile(lambda frame, event, _: heard.add(frame.f_code) if event == "call" else None)
-    try:
-        case.measure(context)
-    finally:
-        sys.setprofile(None)
-    return heard
-
-
-def test_both_sides_that_a_comparison_names_are_called():
-    """Of the cheap ones; one of a family, since they share a declaration."""
-    robot = load_robot(str(ROOT / "examples" / "elastic-biglide" / "robot.toml"))
-    described = robot.mechanism
-    listed = [*legs.cases(described), *mechanism.cases(described, 2)]
-    cheap = {
-        (case.id.partition("[")[0], case.model): case
-        for case in listed
-        if case.effort <= 1.0 and "lumped" in case.group
-    }
-    assert len(cheap) > 10
-    skipped = []
-    for case in cheap.values():
-        try:
-            heard = called(case, Context(robot, "quick"))
-        except Skip:
-            skipped.append(case.id)
-            continue
-        for side in (case.sides.value, case.sides.reference):
-            codes = {inspect.unwrap(function).__code__ for function in side}
-            assert codes & heard, f"{case.id}: none of {named(side)}"
-    assert len(skipped) < 3, skipped

@@ -29,6 +29,7 @@ from validation.context import BUILT_IN
 from validation.models.mechanism import answers
 from validation.models.mechanism_modes import mechanism_modes
 from validation.models.options import DEFAULT_OPTIONS, ModelName, ModelOptions
+from validation.report.figures.mechanism.mode_names import kinetic_shares
 from validation.solids.robots import meshed_leg
 
 LOAD = 1000.0  # N, the paper's loads (§2.1, §2.2)
@@ -38,8 +39,6 @@ ALPHAS = tuple(np.linspace(1.0, 2.0, 11).tolist())
 FIGURE_POINTS = {"centre": 0.5, "left": 0.0, "right": 1.0}
 FEET = (Portion("foot 1"), Portion("foot 2"))
 _MICRO = 1e6
-# The centreline's modes up to the tenth half wave are integrated to better than 1e-3.
-_CENTRELINE_POINTS = 24
 _WORDS = {"leg1": "leg 1", "leg2": "leg 2", "foot1": "foot 1", "foot2": "foot 2"}
 
 
@@ -79,7 +78,8 @@ class Deflections:
 class Modes:
     """The lowest m modes in one posture: `frequencies` (Hz) and shares of energy (m values each).
 
-    `kinetic` by direction of translation, "x", "y" and "z"; `strain` by part, in the paper's words.
+    `kinetic` along "x", "y" and "z", turning sections included; `strain` by part, in the paper's
+    words.
     """
 
     frequencies: Array
@@ -209,24 +209,9 @@ def _told(system: System, found: SystemModes) -> Modes:
     strain = strain_shares(system, found.shapes)
     return Modes(
         frequencies=found.frequencies,
-        kinetic=_kinetic_shares(system, found.shapes),
+        kinetic=dict(zip("xyz", kinetic_shares(system, found.shapes), strict=True)),
         strain={_in_words(part): share for part, share in strain.items()},
     )
-
-
-def _kinetic_shares(system: System, shapes: Array) -> dict[str, Array]:
-    """Share of kinetic energy along x, y, z: the platform's mass and both centrelines'."""
-    at = system.posture
-    energy = at.mechanism.tool.mass * np.square((system.tool @ shapes)[:3])
-    points, weights = np.polynomial.legendre.leggauss(_CENTRELINE_POINTS)
-    for name, leg in legs_of(at.mechanism).items():
-        along = np.zeros((_CENTRELINE_POINTS, 3))
-        along[:, 0] = 0.5 * leg.length * (1.0 + points)
-        own = system.models[name].displacements(along) @ system.own(name, shapes)
-        rotation = at.frames[name].rotation
-        moved = np.einsum("ij,sjm->sim", rotation, own.reshape(_CENTRELINE_POINTS, 3, -1))
-        energy = energy + leg.mass * np.einsum("s,sim->im", 0.5 * weights, np.square(moved))
-    return dict(zip("xyz", energy / energy.sum(axis=0), strict=True))
 
 
 def _in_words(part: Portion) -> Portion:

@@ -1,16 +1,20 @@
 """Decisions by models over a number of the robot file, judged by the reference: cases of a run."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from math import isnan
 
+from fem.bodies import doubling
 from lumped.errors import InputError
 from lumped.robot_file import RobotFile
 from lumped.robot_file.variation import Variation
 from validation.adequacy.compared import compared_models
-from validation.case import Absolute, Case, Measurement, Skip
+from validation.adequacy.models import JUDGED
+from validation.case import Absolute, Case, Measurement, Sides, Skip
 from validation.case_group import CaseGroup, Over
+from validation.cases.mechanism.quantities import ASSEMBLER, MODEL_CODE
 from validation.context import SWEEPS_FOLDER, Context
 from validation.exhibits import PARAMETERS
+from validation.solids.robots import held_solid
 from validation.sweeps.journal import journal_in
 from validation.variations.curves import VariedCurves, variation_study
 from validation.variations.decision import MEANING, OBJECTIVES, UNITS, Decision, Objective
@@ -18,6 +22,17 @@ from validation.variations.decision import MEANING, OBJECTIVES, UNITS, Decision,
 # Without two designs there is nothing to choose, without three no order that says anything.
 _TO_CHOOSE, _TO_ORDER = 2, 3
 _BY: Over = {"objective": OBJECTIVES, "model": lambda models, objective: models[objective]}
+# Of prisms, whose deflections and frequencies are found by different code.
+_SOLIDS: Mapping[Objective, tuple[Callable[..., object], ...]] = {
+    "deflection": (doubling.condensed_leg, doubling.tip_compliance),
+    "frequency": (held_solid,),
+}
+
+
+def _sides(model: str, objective: Objective) -> Sides:
+    return Sides(MODEL_CODE[JUDGED[model].kind] or ASSEMBLER, _SOLIDS[objective])
+
+
 _losses = CaseGroup(
     section=PARAMETERS,
     group="vary.{number}",
@@ -25,6 +40,7 @@ _losses = CaseGroup(
     reference_kind="finer-model",
     citation="the same robots with solids, given 6×6 and parts; the values as typed, none between",
     effort=0.1,
+    sides=_sides,
 )
 _orders = _losses.like()
 

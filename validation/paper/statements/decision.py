@@ -2,9 +2,11 @@
 
 import numpy as np
 
+from fem.bodies.solid import solid_leg_matrices
 from lumped.arrays import Array
 from validation.agreement.convergence import step_factor
-from validation.case import Absolute, Measurement
+from validation.case import Absolute, Measurement, Sides
+from validation.cases.mechanism.quantities import ASSEMBLER
 from validation.context import Context, Preset
 from validation.models.options import ModelName, ModelOptions
 from validation.paper.robot import (
@@ -17,8 +19,9 @@ from validation.paper.robot import (
     over_stroke,
     unreduced_modes,
 )
-from validation.paper.statements.statement import Compute, Statement
+from validation.paper.statements.statement import SIMPLIFIED, Compute, Statement
 from validation.solids.legs import FORMAL_ORDER
+from validation.solids.robots import held_solid
 from validation.variations.decision import equally_good, spearman
 
 _CONCLUSIONS = "§2.3, §3.3 and conclusions"
@@ -111,6 +114,7 @@ STATEMENTS = (
         Absolute(0.5),
         "a count: nothing but none will do",
         _due_to_actuators,
+        Sides((solid_leg_matrices, *ASSEMBLER)),
         group="paper.solid.sixty",
         effort=2.0,
         # A count needs a second mesh to be believed, which a quick answer has no time for.
@@ -126,6 +130,7 @@ STATEMENTS = (
         Absolute(0.1),
         "a tenth of the paper's range of α",
         _longest,
+        SIMPLIFIED,
     ),
     *(
         Statement(
@@ -138,6 +143,7 @@ STATEMENTS = (
             "the paper's 'in contradiction': opposite order, but for an exchange of neighbours "
             "among five designs or more, 12/n(n² − 1)",
             _contradiction(objective),
+            Sides(SIMPLIFIED.value, (held_solid,)),
             group="paper.decision",
             effort=3.0,
             presets=_SOLVED,

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from lumped.arrays import Array
-from validation.case import Absolute, Measurement, Relation
+from validation.case import Absolute, Measurement, Relation, Sides
 from validation.context import Context
 from validation.models.options import LITERAL_ORDER, SEGMENT_ORDER, ModelName, ModelOptions
 from validation.paper.robot import (
@@ -21,7 +21,14 @@ from validation.paper.robot import (
     frequencies,
     modes,
 )
-from validation.paper.statements.statement import FORMULAS, Compute, Statement
+from validation.paper.statements.statement import (
+    FORMULAS,
+    SEGMENTS,
+    SIMPLIFIED,
+    VJM,
+    Compute,
+    Statement,
+)
 from validation.variations.decision import spearman
 
 EQUIVALENT = ModelOptions(legs="equivalent")
@@ -167,6 +174,7 @@ STATEMENTS = (
         "Longer legs: smaller planar deflection under a force along x, at the centre",
         *_TREND,
         _planar_falls,
+        VJM,
         sentence="Longer legs: smaller planar deflections (six curves)",
         curves={
             f"{point}, force along {axis}": _deflection_trend(f"planar_{axis}", point, -1.0)
@@ -181,6 +189,7 @@ STATEMENTS = (
         "Simplified model: longer legs, higher first frequency, at the centre",
         *_TREND,
         _simplified_rises,
+        SIMPLIFIED,
         sentence="Simplified model: longer legs, higher frequency (three points)",
         curves={point: _simplified_trend(point) for point in FIGURE_POINTS},
         figure="frequency.family-simplified",
@@ -192,6 +201,7 @@ STATEMENTS = (
             f"Longer legs: larger deflection along z ({point})",
             *_TREND,
             _deflection_trend("along_z", point, 1.0),
+            VJM,
             sentence="Longer legs: larger deflections along z (three points)",
             curves={point: _deflection_trend("along_z", point, 1.0)},
             figure="deflection.family",
@@ -205,6 +215,7 @@ STATEMENTS = (
             f"Rigid segments: longer legs, lower first frequency ({point})",
             *_TREND,
             _frequency_trend(0, point),
+            SEGMENTS,
             order=SEGMENT_ORDER,
             sentence="Rigid segments: longer legs, lower frequencies (six curves)",
             curves={
@@ -226,6 +237,7 @@ STATEMENTS = (
             Absolute(0.5),
             "a count is a whole number; a mode has a direction if 95 % of its motion goes there",
             _lowest_two(point),
+            SEGMENTS,
             order=LITERAL_ORDER,
             effort=2.0,
             sentence="Longer legs: a mode along z and one in the plane stay the lowest two",
@@ -245,6 +257,7 @@ STATEMENTS = (
         Absolute(1.0),
         "a curve drawn as far above the axis as a line is wide, a hundredth of the figure, is null",
         _across((0, 1), (2,)),
+        VJM,
         sentence="Deformations along the other directions are null",
         curves={
             "along z under planar forces": _across((0, 1), (2,)),
@@ -261,6 +274,7 @@ STATEMENTS = (
         Absolute(0.05),
         "half a step of the family: shorter by one member at least",
         _stiffest,
+        Sides(VJM.value, SIMPLIFIED.value),
         Relation.AT_MOST,
         curves={"by deflection": _stiffest, "by first frequency": _fastest},
         differs=FORMULAS,

@@ -7,8 +7,10 @@ import numpy as np
 
 from fem.beams.beam_theory import bending_frequencies
 from lumped.legs import ConstantLeg, equivalent_leg
+from lumped.models.segments import segment_leg
 from lumped.system.joint_motion import Portion
-from validation.case import Absolute, Measurement, Relation, Relative
+from validation.case import Absolute, Measurement, Relation, Relative, Sides
+from validation.cases.mechanism.quantities import ASSEMBLER, MODEL_CODE
 from validation.context import Context
 from validation.models.legs import leg_frequencies
 from validation.models.options import (
@@ -23,6 +25,8 @@ from validation.paper.statements.statement import (
     AS_CORRECTED,
     AS_PRINTED,
     FORMULAS,
+    SEGMENTS,
+    SIMPLIFIED,
     Compute,
     Statement,
     sampled,
@@ -181,6 +185,7 @@ STATEMENTS = (
         Absolute(5.0),
         "half a unit in the last printed digit that counts (tens)",
         _simplified_frequency,
+        SIMPLIFIED,
         Relation.AT_LEAST,
         figure="frequency.simplified",
     ),
@@ -193,6 +198,7 @@ STATEMENTS = (
         Absolute(5.0),
         "a mode is named by its direction if 95 % of its motion goes there",
         _first_mode_along_z,
+        SEGMENTS,
         order=SEGMENT_ORDER,
         effort=1.0,
         differs=FORMULAS,
@@ -207,6 +213,7 @@ STATEMENTS = (
         Absolute(5.0),
         "a mode is named by its direction if 95 % of its motion goes there",
         _second_mode_planar,
+        SEGMENTS,
         order=SEGMENT_ORDER,
         differs=FORMULAS,
         figure="frequency.stroke",
@@ -220,6 +227,7 @@ STATEMENTS = (
         Absolute(0.5),
         "a rank is a whole number",
         _second_mode_bends_leg1,
+        SEGMENTS,
         order=LITERAL_ORDER,
         sentence="Rigid segments: the second mode is due to the bending of leg 1",
         judged="as printed",
@@ -235,6 +243,7 @@ STATEMENTS = (
         Absolute(5.0),
         "half a unit in the last printed digit that counts (tens)",
         _leg1_beam,
+        Sides((bending_frequencies,)),
     ),
     Statement(
         "refined.twenty-elements",
@@ -245,6 +254,7 @@ STATEMENTS = (
         Relative(0.01),
         "the statement itself",
         _twenty_elements,
+        Sides((segment_leg,), (bending_frequencies,)),
         order=SEGMENT_ORDER,
         differs="layout of the springs (§3.2)",
     ),
@@ -257,6 +267,7 @@ STATEMENTS = (
         Absolute(0.5),
         "one order of magnitude reaches a factor of √10 to either side",
         _order_of_magnitude(0),
+        Sides(SEGMENTS.value, (bending_frequencies,)),
         order=SEGMENT_ORDER,
         curves={"first": _order_of_magnitude(0), "second": _order_of_magnitude(1)},
         differs=FORMULAS,
@@ -271,6 +282,7 @@ STATEMENTS = (
         Absolute(0.5),
         "a count is a whole number",
         _actuators_alone,
+        Sides((*MODEL_CODE["beam"], *ASSEMBLER)),
         group="paper.sixty",
         order=BEAM_ORDER,
         effort=1.0,

@@ -15,7 +15,8 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from validation.agreement.convergence import step_factor
-from validation.case import Case, Measurement, Relation, Tolerance
+from validation.case import Case, Measurement, Relation, Sides, Tolerance
+from validation.cases.mechanism.quantities import ASSEMBLER, MODEL_CODE
 from validation.claims import Claim, Curve
 from validation.context import PRESETS, Context, Preset
 from validation.models.options import DEFAULT_OPTIONS, ModelOptions
@@ -29,19 +30,22 @@ AS_CORRECTED = DEFAULT_OPTIONS
 # What of the printed text changes a number.
 FORMULAS = "release of joints (eq. 25), layout of the springs (§3.2)"
 Compute: TypeAlias = Callable[[Context, ModelOptions], Measurement]
+# What a number is computed by, where the paper prints the other one.
+SIMPLIFIED, VJM = Sides(ASSEMBLER), Sides(MODEL_CODE["vjm"])
+SEGMENTS = Sides((*MODEL_CODE["segments"], *ASSEMBLER))
 
 
 @dataclass(frozen=True)
 class Statement:
     """A sentence or figure of the paper (`where`) that a computation can check.
 
-    `title` says what the case compares. `compute` takes the options of a reading; `judged` is the
-    one whose number the case reports. `sentence` is what the paper says where that is more than
-    the title, of all `curves` (the case's own where empty); sentences of several statements are
-    one. `differs` names what sets the readings apart (empty: nothing does), `circular` why the
-    sentence counts for nothing. `order` is that of the elements in which a number is computed,
-    zero where there are none: what half as many change of it is its uncertainty. `figure`: id
-    of the report's figure that shows it.
+    `title` says what the case compares, `sides` by which code. `compute` takes the options of a
+    reading; `judged` is the one whose number the case reports. `sentence` is what the paper says
+    where that is more than the title, of all `curves` (the case's own where empty); sentences of
+    several statements are one. `differs` names what sets the readings apart (empty: nothing does),
+    `circular` why the sentence counts for nothing. `order` is that of the elements in which a
+    number is computed, zero where there are none: what half as many change of it is its
+    uncertainty. `figure`: id of the report's figure that shows it.
     """
 
     id: str
@@ -52,6 +56,7 @@ class Statement:
     tolerance: Tolerance
     reason: str
     compute: Compute
+    sides: Sides
     relation: Relation = Relation.EQUAL
     group: str = "paper"
     effort: float = 0.2
@@ -84,6 +89,7 @@ class Statement:
             figure=self.figure,
             presets=self.presets,
             model=self.model,
+            sides=self.sides,
         )
 
     def claim(self, context: Context) -> Claim:

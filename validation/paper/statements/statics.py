@@ -7,7 +7,7 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.robot_file import RobotFile
-from validation.case import Absolute, Measurement, Relation
+from validation.case import Absolute, Measurement, Relation, Sides
 from validation.context import Context
 from validation.models.options import ModelOptions
 from validation.paper.robot import (
@@ -17,7 +17,14 @@ from validation.paper.robot import (
     foot_compliances,
     over_stroke,
 )
-from validation.paper.statements.statement import POSTURES, Compute, Statement, sampled
+from validation.paper.statements.statement import (
+    POSTURES,
+    SIMPLIFIED,
+    VJM,
+    Compute,
+    Statement,
+    sampled,
+)
 
 # L_Tool of the appendix (m): from B to the tool's point P.
 _TOOL_LENGTH = 0.155
@@ -128,6 +135,7 @@ STATEMENTS = (
         Absolute(0.1),
         "half a unit in the second digit that 'about' leaves open",
         _foot_stiffness,
+        Sides((foot_compliances,)),
         differs="k_Foot(6,6)",
         circular="it chose the correction of k_Foot(6,6)",
     ),
@@ -140,6 +148,7 @@ STATEMENTS = (
         Absolute(0.05),
         "half a unit in the last printed digit",
         _largest_simplified,
+        SIMPLIFIED,
         Relation.AT_MOST,
         figure="deflection.simplified",
     ),
@@ -152,6 +161,7 @@ STATEMENTS = (
         Absolute(1e-6),
         "a millionth of the largest deflection: s = √(L² − x²) amplifies rounding to 1e-8",
         _x_at_the_ends,
+        SIMPLIFIED,
         figure="deflection.simplified",
     ),
     Statement(
@@ -163,6 +173,7 @@ STATEMENTS = (
         Absolute(_PLACE),
         f"one of the {POSTURES - 1} steps of the stroke",
         _y_largest_at_the_ends,
+        SIMPLIFIED,
         figure="deflection.simplified",
     ),
     Statement(
@@ -174,6 +185,7 @@ STATEMENTS = (
         Absolute(2.9),
         "'about 10' on a scale of 5, 10, 20 covers 7.1 to 14: 10 − 10/√2 below it",
         _refined_over_simplified,
+        Sides(VJM.value, SIMPLIFIED.value),
         figure="deflection.stroke",
     ),
     Statement(
@@ -185,6 +197,7 @@ STATEMENTS = (
         Absolute(0.5),
         "half a unit in the printed digit",
         _z_over_planar,
+        VJM,
         figure="deflection.stroke",
     ),
     Statement(
@@ -196,6 +209,7 @@ STATEMENTS = (
         Absolute(10.0),
         "a tenth of the stroke: further apart, two curves of one hump look different",
         _profile("planar_x", np.argmax),
+        Sides(VJM.value, SIMPLIFIED.value),
         sentence=_PROFILE,
         curves={"peak under a force along x": _profile("planar_x", np.argmax)},
         figure="deflection.stroke",
@@ -209,6 +223,7 @@ STATEMENTS = (
         Absolute(15.0),
         "the trough is flat: its place is softer than a peak's, 15 % of the stroke",
         _profile("planar_y", np.argmin),
+        Sides(VJM.value, SIMPLIFIED.value),
         sentence=_PROFILE,
         curves={"trough under a force along y": _profile("planar_y", np.argmin)},
         figure="deflection.stroke",
