@@ -144,6 +144,12 @@ def staged(
     return scene
 
 
+def canvas(rows: int, columns: int, height: float) -> tuple[Canvas, list[Axes]]:
+    """An empty picture as wide as the page and its axes, row by row; they make room for texts."""
+    picture = Canvas(figsize=(WIDTH, height), layout="constrained")
+    return picture, list(picture.subplots(rows, columns, squeeze=False).flat)
+
+
 def squares(axes: Axes, view: View, points: Array, colour: str) -> None:
     """Small squares at points (n×3, m) of the scene, on top of everything."""
     axes.plot(

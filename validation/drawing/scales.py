@@ -16,6 +16,8 @@ from validation.drawing.text import power_of_ten
 
 Scale: TypeAlias = Callable[[Axes], None]
 _FEW_DECADES = 1.5
+# Least distance of two labels as a share of the axis.
+_LEAST_GAP = 0.07
 
 
 def from_zero(axes: Axes) -> None:
@@ -71,6 +73,29 @@ def few_ticks(axes: Axes, *, count: int = 4, whole: bool = False) -> None:
 def side_by_side(axes: Axes) -> None:
     """An x axis on which things stand beside each other, without numbers."""
     axes.set_xticks([])
+
+
+def refined(axes: Axes, *, x: Array, decay: bool = False) -> None:
+    """A logarithmic x axis with ticks at `x`, as far as labels do not meet; so y in a `decay`."""
+    axes.set_xscale("log")
+    if decay:
+        axes.set_yscale("log")
+        power_ticks(axes.yaxis)
+    labels: list[str] = []
+    last = -np.inf
+    for place, value in zip(np.abs(np.log(x / x[0])) / (np.ptp(np.log(x)) or 1.0), x, strict=True):
+        free = place - last > _LEAST_GAP or not labels
+        labels.append(f"{value:.3g}" if free else "")
+        last = place if free else last
+    axes.set_xticks(x, labels)
+    axes.minorticks_off()
+
+
+def around_zero(axes: Axes, *, least: float) -> None:
+    """An x axis from `least` below zero to as much above it, farther where something is drawn."""
+    drawn = [np.abs(np.asarray(line.get_xdata(), dtype=float)) for line in axes.get_lines()]
+    limit = max(least, 1.1 * largest(drawn))
+    axes.set_xlim(-limit, limit)
 
 
 def power_ticks(axis: Axis) -> None:

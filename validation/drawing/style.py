@@ -8,19 +8,15 @@ plot looks the same everywhere, and equal plots give equal files.
 import csv
 import io
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from itertools import cycle
 from typing import Any
 
 import matplotlib as mpl
-from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.backends.backend_svg import FigureCanvasSVG
-from matplotlib.figure import Figure as Canvas
 
 WIDTH = 7.4  # in, of every plot
-LINE_HEIGHT = 0.165  # in, of a line in a legend
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
 YELLOW, BLUE, VERMILLION, PURPLE = "#F0E442", "#0072B2", "#D55E00", "#CC79A7"
 BROWN = "#6B4226"  # dark, as orange and vermillion are not
@@ -33,10 +29,6 @@ class Look:
     colour: str
     marker: str
     line: str = "-"
-
-    def options(self) -> dict[str, Any]:
-        """Keyword arguments for `Axes.plot`."""
-        return {"color": self.colour, "marker": self.marker, "linestyle": self.line}
 
 
 # Every model and reference of every figure by its name; no two have the same marker and line.
@@ -63,9 +55,17 @@ LOOKS: Mapping[str, Look] = {
     "mass and inertia as given": Look(BLACK, "3", ":"),
     "mass and inertia as given, free": Look(BLACK, "+", "--"),
     "measured": Look(BLACK, "d", "none"),
+    # Of comparisons: the difference as measured, and what no cause explains of it.
+    "measured difference E": Look(BLACK, "D", "none"),
+    "numerical uncertainty of both sides": Look(BLACK, "o", "none"),
+    "slope": Look("#999999", ""),
 }
 # Names in the figures of the paper, whose virtual joints stand for legs of constant section.
 _AS_WELL = {
+    "VJM, legs as given": "vjm",
+    "VJM, equivalent legs": "vjm-equivalent",
+    "segments, eq. (25) as printed": "segments-printed",
+    "beam FE": "beam",
     "VJM": "vjm-equivalent",
     "VJM, Timoshenko": "vjm-equivalent",
     "VJM, Euler–Bernoulli": "vjm-equivalent-euler-bernoulli",
@@ -75,6 +75,21 @@ _AS_WELL = {
     "beam, Euler–Bernoulli": "beam-euler-bernoulli",
     "legs' own 6×6": "own 6×6",
 }
+# Fills of bars by what they stand for; anything else takes the first colours that are free.
+FILLS: Mapping[str, str] = {
+    "drives": BLUE,
+    "give of joints": GREEN,
+    "bending y": VERMILLION,
+    "bending z": ORANGE,
+    "torsion": PURPLE,
+    "tension": SKY,
+    "parts": "#7a7f87",
+    "unexplained": VERMILLION,
+}
+_OTHER_FILLS = (
+    *(BLUE, ORANGE, GREEN, PURPLE, SKY, "#666666", YELLOW),
+    *("#8c6d46", "#b9a7d6", "#7f9f3f", "#444444", "#a8c7c9", "#c98ca7", "#5b5ea6"),
+)
 _REFERENCE = re.compile(r"^(solid|ends|interfaces|mass)\b")
 # For curves that are no models (modes, components), unlike any of these; yellow is too pale.
 OTHERS: tuple[Look, ...] = (
@@ -95,6 +110,19 @@ def known_as(name: str) -> str:
         return name
     mass = next((key for key in LOOKS if key.startswith("mass") and name.endswith(key)), "solid")
     return f"{mass}, free" if re.search("free|averaged", name) else mass
+
+
+def looks_of(names: Iterable[str]) -> Mapping[str, Look]:
+    """A look for every name: that of the model in `LOOKS`, else one that no other has."""
+    others = cycle(OTHERS)
+    return {name: LOOKS.get(known_as(name)) or next(others) for name in dict.fromkeys(names)}
+
+
+def fills_of(names: Collection[str]) -> Mapping[str, str]:
+    """A colour for every name: its own in `FILLS`, else one that no other of them has."""
+    taken = {FILLS[name] for name in names if name in FILLS}
+    free = cycle([colour for colour in _OTHER_FILLS if colour not in taken])
+    return {name: FILLS.get(name) or next(free) for name in dict.fromkeys(names)}
 
 
 # Any: the type of the settings is a list of all their names, which says no more.
@@ -125,91 +153,6 @@ def plot_style() -> Iterator[None]:
     """The style of all plots while the context lasts; create, draw and save inside it."""
     with mpl.rc_context(_SETTINGS):
         yield
-
-
-def canvas(
-    rows: int = 1, columns: int = 1, height: float = 3.3, heights: Sequence[float] | None = None
-) -> tuple[Canvas, list[Axes]]:
-    """An empty picture as wide as the page and its axes, row by row; they make room for texts.
-
-    `heights` of the rows, in proportion; alike if left out.
-    """
-    picture = Canvas(figsize=(WIDTH, height), layout="constrained")
-    axes = picture.subplots(rows, columns, squeeze=False, height_ratios=heights)
-    return picture, list(axes.flat)
-
-
-@dataclass(frozen=True)
-class Frame:
-    """Room (in) around and between the axes of a plot; `entries` are the lines of its legend."""
-
-    left: float
-    between: float
-    entries: int
-    bottom: float = 0.55
-    right: float = 0.2
-
-    @property
-    def top(self) -> float:
-        """Room for the legend."""
-        return 0.2 + LINE_HEIGHT * self.entries
-
-
-def framed_canvas(frame: Frame, columns: int, height: float) -> tuple[Canvas, list[Axes]]:
-    """A picture with axes `height` inches high, side by side, and a fixed frame around them.
-
-    Unlike those of `canvas`, its axes need not be fitted, which is half the time of a plot: the
-    report draws dozens of these when all else is finished.
-    """
-    whole = frame.bottom + height + frame.top
-    picture = Canvas(figsize=(WIDTH, whole))
-    left, right = frame.left / WIDTH, 1.0 - frame.right / WIDTH
-    width = (WIDTH - frame.left - frame.right - frame.between * (columns - 1)) / columns
-    axes = picture.subplots(
-        1,
-        columns,
-        squeeze=False,
-        gridspec_kw={
-            "left": left,
-            "right": right,
-            "bottom": frame.bottom / whole,
-            "top": 1.0 - frame.top / whole,
-            "wspace": frame.between / width,
-        },
-    )
-    return picture, list(axes.flat)
-
-
-def framed_legend(
-    picture: Canvas, frame: Frame, handles: Sequence[Any], labels: Sequence[str], columns: int
-) -> None:
-    """The legend above the axes of a framed canvas."""
-    picture.legend(
-        handles,
-        labels,
-        loc="upper left",
-        bbox_to_anchor=(0.4 * frame.left / WIDTH, 1.0),
-        ncols=columns,
-        fontsize=8.0,
-        handlelength=3.2,
-        borderaxespad=0.3,
-    )
-
-
-def svg_of(picture: Canvas) -> str:
-    """The picture as SVG markup, without date and document header."""
-    # A page has dozens of plots: laying them out by Agg's metrics of text and drawing them once
-    # takes a third of the time of `savefig`, which measures by outlines and draws twice.
-    engine = picture.get_layout_engine()
-    if engine is not None:
-        FigureCanvasAgg(picture)
-        engine.execute(picture)
-        picture.set_layout_engine("none")
-    buffer = io.StringIO()
-    drawing: Any = FigureCanvasSVG(picture)  # untyped in matplotlib
-    drawing.print_svg(buffer, metadata={"Date": None, "Creator": None})
-    text = buffer.getvalue()
-    return text[text.index("<svg") :]
 
 
 def marked(points: int, rank: int, ranks: int) -> list[int]:

@@ -9,7 +9,6 @@ import numpy as np
 from lumped.arrays import Array
 from validation.drawing.chart import Chart, Note, Panel, Series, lettered
 from validation.drawing.scales import Scale, plain_log
-from validation.drawing.style import BLUE, LOOKS, PURPLE, Look
 from validation.models.options import DEFAULT_OPTIONS, ModelName, ModelOptions
 from validation.paper.robot import ALPHAS, FIGURE_POINTS
 
@@ -18,41 +17,19 @@ _PLACES = {"centre": "centre of the stroke", "left": "left end", "right": "right
 
 @dataclass(frozen=True)
 class Line:
-    """One model in a figure; `width` (pt) shrinks from the bottom of a stack to its top.
-
-    `fill` is the colour inside its markers.
-    """
+    """One model in a figure."""
 
     label: str
     model: ModelName
-    look: Look
     options: ModelOptions = DEFAULT_OPTIONS
-    width: float = 1.6
-    fill: str = "white"
-
-    def series(self, x: Array, y: Array, quantity: str) -> Series:
-        """Its curve of a quantity."""
-        return Series(self.label, x, y, self.look, self.width, quantity, self.fill)
 
 
-SIMPLIFIED = Line("simplified", "simplified", LOOKS["simplified"])
-GIVEN = Line("VJM, legs as given", "vjm", LOOKS["vjm"], fill=BLUE)
-EQUIVALENT = Line(
-    "VJM, equivalent legs",
-    "vjm",
-    LOOKS["vjm-equivalent"],
-    ModelOptions(legs="equivalent"),
-    width=3.6,
-)
-SEGMENTS = Line("segments", "segments", LOOKS["segments"], width=2.4)
-PRINTED = Line(
-    "segments, eq. (25) as printed",
-    "segments",
-    LOOKS["segments-printed"],
-    ModelOptions(release="printed"),
-    fill=PURPLE,
-)
-BEAM = Line("beam FE", "beam", LOOKS["beam"], width=1.2)
+SIMPLIFIED = Line("simplified", "simplified")
+GIVEN = Line("VJM, legs as given", "vjm")
+EQUIVALENT = Line("VJM, equivalent legs", "vjm", ModelOptions(legs="equivalent"))
+SEGMENTS = Line("segments", "segments")
+PRINTED = Line("segments, eq. (25) as printed", "segments", ModelOptions(release="printed"))
+BEAM = Line("beam FE", "beam")
 ONE_FORMULATION = (EQUIVALENT, SEGMENTS, BEAM)
 DYNAMIC = (SIMPLIFIED, SEGMENTS, BEAM)
 
@@ -66,11 +43,9 @@ def cosine_spaced(first: float, last: float, count: int) -> Array:
     return np.clip(first + 0.5 * (last - first) * (1.0 - np.cos(angles)), first, last)
 
 
-def stroke_chart(
-    x: Array, panels: Sequence[Panel], *, legend_columns: int = 0, high: float = 2.0
-) -> Chart:
+def stroke_chart(x: Array, panels: Sequence[Panel], *, high: float = 2.0) -> Chart:
     """Panels over the postures x (m) of B, side by side."""
-    return Chart(panels, "x of B (m)", len(panels), high, legend_columns, {"x (m)": x.tolist()})
+    return Chart(panels, "x of B (m)", len(panels), high, {"x (m)": x.tolist()})
 
 
 def family_chart(panels: Sequence[Panel], high: float = 2.5) -> Chart:
@@ -78,7 +53,7 @@ def family_chart(panels: Sequence[Panel], high: float = 2.5) -> Chart:
     columns = len(FIGURE_POINTS)
     rest = [replace(panel, title="") for panel in panels[columns:]]
     shown = [*lettered(panels[:columns]), *rest]
-    return Chart(shown, "relative leg length α", columns, high, abscissa={"alpha": ALPHAS})
+    return Chart(shown, "relative leg length α", columns, high, {"alpha": ALPHAS})
 
 
 def family_panel(

@@ -97,7 +97,7 @@ def all_deflections(context: Context) -> Shown:
     alike = [found[line] for line in ONE_FORMULATION]
     apart = max(spread([getattr(one, name) for one in alike]) for name in _LOADS)
     return curves(
-        stroke_chart(x, lettered(panels), legend_columns=3),
+        stroke_chart(x, lettered(panels)),
         "Deflections of the loaded point. Virtual joints with the legs as given reach "
         f"{planar:.1f} µm in the plane, {planar / found[SIMPLIFIED].largest_planar:.1f} times the "
         f"simplified model, and {along_z:.1f} µm along z, {along_z / planar:.1f} times the planar "
@@ -263,13 +263,13 @@ def _over_the_family(
 def _deflected(found: Mapping[Line, Deflections], x: Array, name: str) -> list[Series]:
     load, meaning = _LOADS[name]
     quantity = f"deflection {meaning} under {LOAD:g} N along {load} (µm)"
-    return [line.series(x, getattr(one, name), quantity) for line, one in found.items()]
+    return [Series(line.label, x, getattr(one, name), quantity) for line, one in found.items()]
 
 
 def _of_modes(found: Mapping[Line, Array], x: Array, modes: int) -> list[Series]:
     """The curves of the first `modes` frequencies."""
     return [
-        line.series(x, values[:, mode], f"frequency {mode + 1} (Hz)")
+        Series(line.label, x, values[:, mode], f"frequency {mode + 1} (Hz)")
         for line, values in found.items()
         for mode in range(modes)
     ]

@@ -13,8 +13,7 @@ from report_sample import CONVERGENCE, PIXEL, SWEEP, case, never, sample_report,
 
 from validation.case import Absolute, Allowance, Measurement, Relation
 from validation.drawing import text
-from validation.drawing.scales import power_ticks
-from validation.drawing.style import canvas, csv_of, plot_style
+from validation.drawing.style import csv_of
 from validation.exhibits import Figure, InteractiveScene
 from validation.report import sections
 from validation.report.figures.studies.budgets import budget_figure, budgeted
@@ -316,23 +315,6 @@ def test_a_picture_that_could_not_be_drawn_leaves_its_scenes_and_data():
     page = render(sample_report(figures=(figure,)))
     assert "Picture left out: no usable OpenGL" in page
     assert page.count("data-scene=") == 1
-
-
-@pytest.mark.parametrize(
-    ("low", "high", "shown"),
-    [
-        (2e-7, 3e-2, ["10⁻⁶", "10⁻⁵", "10⁻⁴", "0.001", "0.01"]),
-        (0.8, 7.0, ["1", "2", "5"]),
-    ],
-)
-def test_logarithmic_axes_have_plain_labels(low, high, shown):
-    with plot_style():
-        picture, (axes,) = canvas()
-        axes.set(yscale="log", ylim=(low, high))
-        power_ticks(axes.yaxis)
-        picture.draw_without_rendering()
-    ticks = zip(axes.get_yticks(), axes.yaxis.get_ticklabels(), strict=True)
-    assert [label.get_text() for value, label in ticks if low <= value <= high] == shown
 
 
 def test_a_plot_that_fails_costs_nothing_but_itself(monkeypatch):

@@ -1,6 +1,6 @@
 """Relative error of every model over the poses, quantity by quantity, with what is accepted."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 
 import numpy as np
@@ -8,11 +8,10 @@ import numpy as np
 from lumped.acceptance.requirement import ANY_FORCE, AXES
 from lumped.arrays import Array
 from validation.adequacy.matrix import Entry, Matrix
-from validation.drawing.chart import Chart, Panel, Series, tapered
+from validation.drawing.chart import Chart, Column, Panel, Series
 from validation.drawing.scales import few_ticks, percent
-from validation.drawing.style import LOOKS, csv_of
 from validation.exhibits import Figure
-from validation.report.figures.declared import curves
+from validation.report.figures.declared import Shown, curves
 
 _POSE = "pose"
 # The deflections, and the frequencies where there are any: what is read off first.
@@ -25,6 +24,14 @@ _COLUMNS = 3
 
 
 def error_figure(matrix: Matrix) -> Figure | None:
+    """Drawn, where anything is known."""
+    shown = error_curves(matrix)
+    if shown is None:
+        return None
+    return shown.figure("adequacy.errors", "Relative error of the models", "adequacy")
+
+
+def error_curves(matrix: Matrix) -> Shown | None:
     """A panel for each deflection and the first frequencies; None where nothing is known.
 
     Errors within the limit lie in the shaded band, on a linear scale; beyond it the scale is
@@ -36,19 +43,17 @@ def error_figure(matrix: Matrix) -> Figure | None:
         return None
     panels = [_panel(matrix, q, leftmost=not i % _COLUMNS) for i, q in enumerate(shown)]
     return curves(
-        matrix_chart(panels, abscissa(matrix)[1]),
+        matrix_chart(panels, abscissa(matrix)[1], _table(matrix)),
         "Error of the whole displacement of the loaded point, never negative, and of frequencies; "
         "bars: what the reference leaves open. Shaded: what is accepted, beyond it the scale is "
         "logarithmic.",
-        data=_table(matrix),
-    ).figure("adequacy.errors", "Relative error of the models", "adequacy")
+    )
 
 
-def matrix_chart(panels: Sequence[Panel], label: str) -> Chart:
-    """Panels of a matrix, a quantity each, over its poses."""
+def matrix_chart(panels: Sequence[Panel], label: str, table: Mapping[str, Column]) -> Chart:
+    """Panels of a matrix, a quantity each, over its poses, and its numbers."""
     ticks = partial(few_ticks, count=5, whole=label == _POSE)
-    columns = min(len(panels), _COLUMNS)
-    return Chart(panels, label, columns, 2.1, _COLUMNS, x_scale=ticks)
+    return Chart(panels, label, min(len(panels), _COLUMNS), 2.1, table, ticks)
 
 
 def abscissa(matrix: Matrix) -> tuple[Array, str]:
@@ -73,15 +78,12 @@ def _known(matrix: Matrix, quantity: str) -> list[Entry]:
 def _panel(matrix: Matrix, quantity: str, *, leftmost: bool) -> Panel:
     x, _ = abscissa(matrix)
     entries, series = _known(matrix, quantity), []
-    models = list(dict.fromkeys(entry.model for entry in matrix.entries))
     limit = 100.0 * max(entry.limit for entry in entries)
     signed = any(entry.signed for entry in entries)
     for entry in entries:
         spreads = 100.0 * numbers(entry.spreads)
         bars = spreads if len(spreads) and np.nanmax(spreads, initial=0.0) > 0.02 * limit else None
-        width = tapered(models.index(entry.model), len(models))
-        errors = 100.0 * numbers(entry.errors)
-        series.append(Series(entry.model, x, errors, LOOKS[entry.model], width, bars=bars))
+        series.append(Series(entry.model, x, 100.0 * numbers(entry.errors), bars=bars))
     return Panel(
         series,
         _MEANINGS.get(quantity, quantity),
@@ -91,8 +93,8 @@ def _panel(matrix: Matrix, quantity: str, *, leftmost: bool) -> Panel:
     )
 
 
-def _table(matrix: Matrix) -> str:
-    columns: dict[str, list[float | str]] = {
+def _table(matrix: Matrix) -> Mapping[str, Column]:
+    columns: dict[str, Column] = {
         str(coordinate): [pose[place] for pose in matrix.poses]
         for place, coordinate in enumerate(matrix.coordinates)
     }
@@ -103,7 +105,7 @@ def _table(matrix: Matrix) -> str:
             columns[f"{entry.model}: error along the load of {entry.quantity}"] = _cells(
                 entry.alongs
             )
-    return csv_of(columns)
+    return columns
 
 
 def _cells(values: Sequence[float | None]) -> list[float | str]:

@@ -6,44 +6,47 @@ from functools import wraps
 from typing import TypeAlias
 
 from validation.context import PRESETS, Context, Preset
-from validation.drawing.chart import Chart, chart_svg, chart_table
+from validation.drawing.chart import Chart, chart_table
+from validation.drawing.plot import chart_svg
 from validation.drawing.rendering import Picture
 from validation.exhibits import Figure, InteractiveScene, PlannedFigure
 
 
 @dataclass(frozen=True)
 class Shown:
-    """What a figure shows, with its caption and data (see `Figure`).
+    """What a figure shows, with its caption; a chart has its data (see `Figure`).
 
     `title` where it says more than that of the plan.
     """
 
     caption: str
-    svg: str = ""
+    chart: Chart | None = None
     picture: Picture = field(default_factory=Picture)
     data: str = ""
     scenes: tuple[InteractiveScene, ...] = ()
     title: str = ""
 
-    def figure(self, identifier: str, title: str, section: str) -> Figure:
-        """As a figure of the page."""
+    def figure(
+        self, identifier: str, title: str, section: str, computed_by: tuple[str, ...] = ()
+    ) -> Figure:
+        """As a figure of the page, drawn."""
         return Figure(
             id=identifier,
             title=self.title or title,
             caption=self.caption,
             section=section,
-            svg=self.svg,
+            svg=chart_svg(self.chart) if self.chart else "",
             png=self.picture.png,
-            data=self.data,
+            data=chart_table(self.chart) if self.chart else self.data,
             left_out=self.picture.left_out,
             scenes=self.scenes,
+            computed_by=computed_by,
         )
 
 
-def curves(chart: Chart, *said: str, data: str = "", title: str = "") -> Shown:
-    """A chart with its table, and what is said of it; `data` in place of its own table."""
-    caption = " ".join(text for text in said if text)
-    return Shown(caption, chart_svg(chart), data=data or chart_table(chart), title=title)
+def curves(chart: Chart, *said: str, title: str = "") -> Shown:
+    """A chart, and what is said of it."""
+    return Shown(" ".join(text for text in said if text), chart, title=title)
 
 
 def compared_with(against: str) -> str:

@@ -1,21 +1,26 @@
 """Measured values as points with bars, and what the models say there."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from validation.adequacy.matrix import Entry, Matrix
-from validation.drawing.chart import Panel, Series
+from validation.drawing.chart import Column, Panel, Series
 from validation.drawing.scales import side_by_side
-from validation.drawing.style import BLACK, LOOKS, csv_of
 from validation.exhibits import Figure
 from validation.report.figures.adequacy import abscissa, matrix_chart, numbers
-from validation.report.figures.declared import curves
+from validation.report.figures.declared import Shown, curves
 
 
 def measured_figure(matrix: Matrix) -> Figure | None:
+    """Drawn, where anything was measured."""
+    title = "Measured values, and what the models say"
+    shown = measured_curves(matrix)
+    return None if shown is None else shown.figure("measured.values", title, "measured")
+
+
+def measured_curves(matrix: Matrix) -> Shown | None:
     """A panel for each measured quantity: measured with its 95 % interval, models beside it."""
     if not matrix.quantities:
         return None
@@ -23,7 +28,6 @@ def measured_figure(matrix: Matrix) -> Figure | None:
         quantity: [entry for entry in matrix.entries if entry.quantity == quantity]
         for quantity in matrix.quantities
     }
-    label = abscissa(matrix)[1]
     panels = []
     for place, (quantity, entries) in enumerate(found.items()):
         named = {"title": quantity, "y_label": "" if place % 3 else "value / measured value"}
@@ -32,7 +36,7 @@ def measured_figure(matrix: Matrix) -> Figure | None:
             panels.append(Panel(_over_poses(matrix, entries), **shape))
         else:
             panels.append(Panel(_one_pose(entries), scale=side_by_side, x_label="", **shape))
-    data: dict[str, Sequence[float | str]] = {
+    data: dict[str, Column] = {
         "model": [entry.model for entry in matrix.entries],
         "quantity": [entry.quantity for entry in matrix.entries],
         "value": [_or_empty(entry.value) for entry in matrix.entries],
@@ -41,12 +45,11 @@ def measured_figure(matrix: Matrix) -> Figure | None:
         "95 % of numerics and inputs": [_of_model(e) for e in matrix.entries],
     }
     return curves(
-        matrix_chart(panels, label),
+        matrix_chart(panels, abscissa(matrix)[1], data),
         "Black: measured, with the 95 % interval of its own uncertainty. Models with that of "
         "numerics and uncertain inputs. Each divided by what was measured there; over the "
         "poses where there are several, with the 95 % interval of all three.",
-        data=csv_of(data),
-    ).figure("measured.values", "Measured values, and what the models say", "measured")
+    )
 
 
 def _one_pose(entries: Sequence[Entry]) -> list[Series]:
@@ -62,8 +65,7 @@ def _one_pose(entries: Sequence[Entry]) -> list[Series]:
 
 def _point(label: str, place: int, value: float, bar: float) -> Series:
     x, y, bars = (np.array([number]) for number in (float(place), value, bar))
-    look = replace(LOOKS[label], line="none")
-    return Series(label, x, y, look, fill=look.colour, bars=bars)
+    return Series(label, x, y, bars=bars)
 
 
 def _over_poses(matrix: Matrix, entries: Sequence[Entry]) -> list[Series]:
@@ -73,10 +75,9 @@ def _over_poses(matrix: Matrix, entries: Sequence[Entry]) -> list[Series]:
     for entry in entries:
         errors, spreads = numbers(entry.errors), numbers(entry.spreads)
         known = np.isfinite(errors)
-        look, bars = LOOKS[entry.model], spreads[known]
-        series.append(Series(entry.model, x[known], 1.0 + errors[known], look, bars=bars))
+        series.append(Series(entry.model, x[known], 1.0 + errors[known], bars=spreads[known]))
     at = series[-1].x
-    return [*series, Series("measured", at, np.ones(len(at)), LOOKS["measured"], fill=BLACK)]
+    return [*series, Series("measured", at, np.ones(len(at)))]
 
 
 def _part(entry: Entry, name: str) -> float:

@@ -1,8 +1,6 @@
 """Curves of `solve --vary` over the first number, one for each combination of what else varies."""
 
 from collections.abc import Sequence
-from io import BytesIO
-from itertools import cycle
 
 import numpy as np
 
@@ -10,9 +8,10 @@ from lumped.errors import InputError
 from lumped.robot_file import RobotFile
 from lumped.robot_file.key_units import unit_of
 from lumped.robot_file.variation import Variation, told
-from validation.drawing.chart import Chart, Panel, Series, drawn_chart, tapered
+from validation.drawing.chart import Chart, Panel, Series
+from validation.drawing.plot import chart_png
 from validation.drawing.scales import few_ticks, from_zero
-from validation.drawing.style import OTHERS, plot_style
+from validation.drawing.style import OTHERS
 from validation.solve.answer import Answer
 from validation.solve.variations.robots import VariedAnswers, quantities
 
@@ -47,14 +46,10 @@ def png(robot_file: RobotFile, found: VariedAnswers) -> bytes:
         for values, answer in rows
     ]
     own = {name: [place for place, one in enumerate(names) if one == name] for name in names}
-    looks = dict(zip(own, cycle(OTHERS), strict=False))
     x = np.array(first.values)
     panels = [
         Panel(
-            [
-                Series(name, x, np.array(numbers)[places], looks[name], tapered(rank, len(own)))
-                for rank, (name, places) in enumerate(own.items())
-            ],
+            [Series(name, x, np.array(numbers)[places]) for name, places in own.items()],
             heading,
             scale=from_zero,
         )
@@ -62,11 +57,7 @@ def png(robot_file: RobotFile, found: VariedAnswers) -> bytes:
     ]
     unit = unit_of(robot_file.tables, first.keys[0])
     label = f"{first.key} ({unit})" if unit else first.key
-    with plot_style():
-        content = BytesIO()
-        chart = Chart(panels, label, legend_columns=4, x_scale=few_ticks)
-        drawn_chart(chart).savefig(content, dpi=_DOTS, format="png")
-    return content.getvalue()
+    return chart_png(Chart(panels, label, x_scale=few_ticks), _DOTS)
 
 
 def _curve(others: Sequence[Variation], values: Sequence[float], answer: Answer | None) -> str:

@@ -6,26 +6,18 @@ from functools import partial
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
-from validation.drawing.chart import (
-    Chart,
-    Panel,
-    Series,
-    chart_table,
-    compared,
-    drawn_chart,
-    lettered,
-    tapered,
-)
-from validation.drawing.scales import largest, percent, up_to
-from validation.drawing.style import LOOKS, OTHERS, Frame, canvas, marked, plot_style
+from validation.drawing.chart import Bars, Chart, Panel, Series, chart_table, compared, lettered
+from validation.drawing.plot import drawn_chart
+from validation.drawing.scales import largest, percent, power_ticks, up_to
+from validation.drawing.style import marked, plot_style
 
 X = np.array([0.0, 1.0, 2.0])
-LOOK = LOOKS["beam"]
 
 
-def series(label, values, quantity="deflection (µm)", look=LOOK):
-    return Series(label, X, np.array(values, dtype=float), look, quantity=quantity)
+def series(label, values, quantity="deflection (µm)", **more):
+    return Series(label, X, np.array(values, dtype=float), quantity, **more)
 
 
 def test_differences_are_in_percent_of_the_same_quantity():
@@ -54,25 +46,69 @@ def test_the_table_has_the_abscissa_and_every_curve_that_has_numbers():
             Panel([series("a", [4, 5, 6]), series("mark", [0, 0, 0], quantity="")]),
         ],
         "x (m)",
-        abscissa={"x (m)": X.tolist()},
+        table={"x (m)": X.tolist()},
     )
     rows = list(csv.reader(io.StringIO(chart_table(chart))))
     assert rows[0] == ["x (m)", "left end: a: deflection (µm)", "a: deflection (µm)"]
     assert [[float(cell) for cell in row] for row in rows[1:]] == [[0, 1, 4], [1, 2, 5], [2, 3, 6]]
 
 
-@pytest.mark.parametrize("frame", [None, Frame(left=0.9, between=0.5, entries=1)])
-def test_curves_of_one_label_have_one_entry_in_the_legend(frame):
+def test_curves_of_one_label_have_one_entry_in_the_legend_and_get_thinner():
     panels = [
         Panel([series("a", [1, 2, 3]), series("a", [2, 3, 4]), series("b", [np.nan] * 3)], "first"),
-        Panel([series("a", [1, 2, 3]), series("c", [1, 1, 1], look=OTHERS[0])], "second"),
+        Panel([*(series(name, [1, 2, 3]) for name in "ac"), series("d", [1, 1, 1], best=2)], "2nd"),
     ]
     with plot_style():
-        picture = drawn_chart(Chart(lettered(panels), "x (m)", 2, frame=frame, legend_columns=2))
+        picture = drawn_chart(Chart(lettered(panels), "x (m)", 2))
     (legend,) = picture.legends
-    assert [text.get_text() for text in legend.get_texts()] == ["a", "c"]
-    assert [axes.get_title(loc="left") for axes in picture.axes] == ["(a) first", "(b) second"]
-    assert [len(axes.get_lines()) for axes in picture.axes] == [2, 2]
+    assert [text.get_text() for text in legend.get_texts()] == ["a", "c", "d"]
+    first, second = picture.axes
+    assert [axes.get_title(loc="left") for axes in picture.axes] == ["(a) first", "(b) 2nd"]
+    assert len(first.get_lines()) == 2
+    *lines, star = second.get_lines()
+    assert [line.get_linewidth() for line in lines] == [3.0, 2.0, 1.0]
+    assert (star.get_marker(), star.get_xydata().tolist()) == ("*", [[2.0, 1.0]])
+
+
+def test_bars_stack_away_from_zero_and_lie_in_rows_from_above():
+    bars = [Bars("shear", np.array([1.0, -2.0])), Bars("unexplained", np.array([-3.0, -4.0]))]
+    lying = Panel(
+        [Series("measured difference E", X[:2], np.array([-2.0, -6.0]), bars=np.array([0.1, 0.2]))],
+        bars=bars,
+        names=["upper", "lower\nin two lines"],
+        lying=True,
+        band=(-1.0, 1.0),
+        band_label="tolerance",
+    )
+    shares = [np.array([60.0, 3.0]), np.array([40.0, 97.0])]
+    standing = Panel(bars=[Bars(str(k), one) for k, one in enumerate(shares)], names=["f1", "f2"])
+    with plot_style():
+        picture = drawn_chart(Chart([lying, standing], "mode", 2))
+    rows, columns = picture.axes
+    found = [(box.get_x(), box.get_width()) for box in rows.patches if box.get_width() != 2.0]
+    assert found == [(0.0, 1.0), (0.0, -2.0), (0.0, -3.0), (-2.0, -4.0)]
+    points = rows.get_lines()[0]
+    assert points.get_xdata().tolist() == [-2.0, -6.0]
+    np.testing.assert_allclose(points.get_ydata(), rows.get_yticks())
+    upper, lower = rows.transData.transform([(0.0, y) for y in rows.get_yticks()])[:, 1]
+    assert upper > lower
+    assert [label.get_text() for label in rows.get_yticklabels()] == list(lying.names)
+    assert [box.get_y() for box in columns.patches] == [0.0, 0.0, 60.0, 3.0]
+    # Shares too small for their number have none.
+    assert [text.get_text() for text in columns.texts] == ["60", "", "40", "97"]
+    assert [label.get_text() for label in columns.get_xticklabels()] == ["f1", "f2"]
+    legend = [text.get_text() for text in picture.legends[0].get_texts()]
+    assert set(legend) == {"shear", "unexplained", "measured difference E", "tolerance", "0", "1"}
+
+
+def test_rows_of_a_matrix_count_from_above():
+    matrix = np.array([[1.0, 0.0], [0.5, 0.25], [0.0, 1.0]])
+    with plot_style():
+        (axes,) = drawn_chart(Chart([Panel(matrix=matrix)], "mode", 1)).axes
+    (mesh,) = axes.collections
+    np.testing.assert_array_equal(np.asarray(mesh.get_array()), matrix)
+    assert axes.get_ylim() == (3.5, 0.5)
+    assert axes.get_xlim() == (0.5, 2.5)
 
 
 def test_rows_of_differences_stand_below_their_panels():
@@ -90,7 +126,7 @@ def test_rows_of_differences_stand_below_their_panels():
 
 def test_percent_has_ticks_at_the_limit_and_beyond_as_far_as_curves_go():
     with plot_style():
-        _, (axes, finer) = canvas(columns=2)
+        axes, finer = Figure().subplots(1, 2)
         axes.plot([0.0, 1.0], [0.5, -50.0])
         percent(axes)
         finer.plot([0.0, 1.0], [20.0, 0.0])
@@ -104,7 +140,7 @@ def test_a_common_height_is_that_of_the_largest_finite_value():
     assert largest([np.array([1.0, np.inf]), np.array([[3.0, np.nan]])]) == 3.0
     assert largest([np.array([np.nan])]) == 1.0
     with plot_style():
-        _, (axes,) = canvas()
+        axes = Figure().subplots()
         partial(up_to, top=10.0)(axes)
     assert axes.get_ylim() == (0.0, 11.5)
 
@@ -114,6 +150,19 @@ def test_every_line_has_a_marker_even_where_there_are_more_lines_than_points():
     assert [marked(2, rank, 4) for rank in range(4)] == [[0], [1], [0], [1]]
 
 
-def test_widths_fall_from_the_bottom_of_a_stack_to_its_top():
-    assert [tapered(rank, 3) for rank in range(3)] == [3.0, 2.0, 1.0]
-    assert tapered(0, 1) == 3.0
+@pytest.mark.parametrize(
+    ("low", "high", "shown"),
+    [
+        (2e-7, 3e-2, ["10⁻⁶", "10⁻⁵", "10⁻⁴", "0.001", "0.01"]),
+        (0.8, 7.0, ["1", "2", "5"]),
+    ],
+)
+def test_logarithmic_axes_have_plain_labels(low, high, shown):
+    with plot_style():
+        picture = Figure()
+        axes = picture.subplots()
+        axes.set(yscale="log", ylim=(low, high))
+        power_ticks(axes.yaxis)
+        picture.draw_without_rendering()
+    ticks = zip(axes.get_yticks(), axes.yaxis.get_ticklabels(), strict=True)
+    assert [label.get_text() for value, label in ticks if low <= value <= high] == shown

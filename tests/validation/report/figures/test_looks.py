@@ -13,9 +13,11 @@ from lumped.robot_file import load_robot
 from validation.adequacy.mechanism.legs import MASSES
 from validation.adequacy.mechanism.path import holding
 from validation.adequacy.models import JUDGED
-from validation.drawing.chart import drawn_chart
+from validation.drawing.chart import chart_table
+from validation.drawing.plot import drawn_chart
 from validation.drawing.style import LOOKS, OTHERS, known_as, plot_style
-from validation.report.figures import adequacy, declared, measured
+from validation.report.figures.adequacy import error_curves
+from validation.report.figures.measured import measured_curves
 
 HELD = [
     ("ends as said",),
@@ -53,12 +55,8 @@ def test_names_of_alternatives_are_those_that_are_tested(name):
     assert tuple(holding(load_robot(name).mechanism).alternatives) in HELD
 
 
-@pytest.mark.parametrize(
-    ("module", "draw"),
-    [(adequacy, adequacy.error_figure), (measured, measured.measured_figure)],
-    ids=["errors", "measured"],
-)
-def test_panels_legend_and_table_agree_on_every_model(monkeypatch, module, draw):
+@pytest.mark.parametrize("declare", [error_curves, measured_curves], ids=["errors", "measured"])
+def test_panels_legend_and_table_agree_on_every_model(declare):
     """Some models are missing in some panels; each curve is its model's numbers in its look."""
     quantities = {"x": MODEL_KINDS, "y": MODEL_KINDS[2:], "f1": MODEL_KINDS[4::2]}
     generator = np.random.default_rng(1)
@@ -70,16 +68,10 @@ def test_panels_legend_and_table_agree_on_every_model(monkeypatch, module, draw)
             for model in models
         ),
     )
-    charts = []
-
-    def keep(chart, *said, **more):
-        charts.append(chart)
-        return declared.curves(chart, *said, **more)
-
-    monkeypatch.setattr(module, "curves", keep)
-    (row, *_) = rows = list(csv.DictReader(io.StringIO(draw(matrix).data)))
+    chart = declare(matrix).chart
+    (row, *_) = rows = list(csv.DictReader(io.StringIO(chart_table(chart))))
     with plot_style():
-        drawn = drawn_chart(charts[0])
+        drawn = drawn_chart(chart)
     for axes in (one for one in drawn.axes if one.axison):
         quantity = axes.get_title("left").removeprefix("force along ")
         lines = {line.get_label(): line for line in axes.lines if line.get_label()[0] != "_"}

@@ -17,9 +17,8 @@ from validation.adequacy.mechanism.path import coordinates, path_postures, robot
 from validation.adequacy.response import UNSOLVED
 from validation.case import Skip
 from validation.context import Context
-from validation.drawing.chart import Chart, Panel, Series, tapered
+from validation.drawing.chart import Chart, Column, Panel, Series
 from validation.drawing.scales import few_ticks, from_zero
-from validation.drawing.style import LOOKS, known_as
 from validation.exhibits import PATH
 from validation.models.mechanism import JUDGED_MODES
 from validation.report.figures.declared import FigureGroup, Shown, compared_with, curves
@@ -61,7 +60,7 @@ def frequencies(context: Context) -> Shown:
 
 
 def deflection_chart(
-    found: Compared, x: Array, label: str, abscissa: Mapping[str, Sequence[float]]
+    found: Compared, x: Array, label: str, abscissa: Mapping[str, Column]
 ) -> Chart:
     """Compliances (p×6, SI) as deflections under `FORCE` and `MOMENT`, a panel each.
 
@@ -73,49 +72,33 @@ def deflection_chart(
         title = f"about {axis} (µrad)" if axis else f"along {name} (µm)"
         factor = 1e6 * (MOMENT if axis else FORCE)
         panels.append(_panel(found, x, place, title, factor))
-    return path_chart(panels, label, abscissa)
+    return _chart(panels, label, abscissa)
 
 
-def frequency_chart(
-    found: Compared,
-    x: Array,
-    label: str,
-    abscissa: Mapping[str, Sequence[float]],
-) -> Chart:
+def frequency_chart(found: Compared, x: Array, label: str, abscissa: Mapping[str, Column]) -> Chart:
     """The first frequencies (p×k, Hz), a panel each."""
     count = min(JUDGED_MODES, next(iter(found.values.values())).shape[1])
     panels = [_panel(found, x, mode, f"f{mode + 1} (Hz)", 1.0) for mode in range(count)]
-    return path_chart(panels, label, abscissa, columns=2)
+    return _chart(panels, label, abscissa, columns=2)
 
 
-def path_chart(
-    panels: Sequence[Panel], label: str, abscissa: Mapping[str, Sequence[float]], columns: int = 3
+def _chart(
+    panels: Sequence[Panel], label: str, abscissa: Mapping[str, Column], columns: int = 3
 ) -> Chart:
     """Panels over a path or a number of the file; numbers of poses have whole ticks."""
     ticks = partial(few_ticks, whole=label == POSE)
-    return Chart(panels, label, columns, 2.0, 4, abscissa, ticks)
+    return Chart(panels, label, columns, table=abscissa, x_scale=ticks)
 
 
 def _panel(found: Compared, x: Array, place: int, title: str, factor: float) -> Panel:
-
-    def series(all_values: Mapping[str, Array], times: float) -> list[Series]:
-        return [
-            Series(
-                name,
-                x,
-                times * values[:, place],
-                LOOKS[known_as(name)],
-                tapered(rank, len(all_values)),
-                title,
-            )
-            for rank, (name, values) in enumerate(all_values.items())
-        ]
-
-    above, below = series(found.values, factor), series(found.differences, 100.0)
+    above, below = (
+        [Series(name, x, times * values[:, place], title) for name, values in curves_of.items()]
+        for curves_of, times in ((found.values, factor), (found.differences, 100.0))
+    )
     return Panel(above, title, scale=from_zero, below=below)
 
 
-def _path(context: Context) -> tuple[Array, str, Mapping[str, Sequence[float]]]:
+def _path(context: Context) -> tuple[Array, str, Mapping[str, Column]]:
     """The only coordinate that changes along the path, or the poses' numbers along it."""
     named = [str(one) for one in coordinates(context.robot_file.mechanism)]
     poses = np.array([at.pose for at in path_postures(context)])

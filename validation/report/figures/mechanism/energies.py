@@ -1,7 +1,6 @@
 """What carries the strain energy of a mechanism's first modes: which bodies, which deformation."""
 
 from collections.abc import Callable, Mapping, Sequence
-from itertools import cycle
 
 import numpy as np
 
@@ -12,29 +11,18 @@ from lumped.system.joint_motion import Portion
 from validation.adequacy.mechanism.path import known_legs
 from validation.case import Skip
 from validation.context import Context
-from validation.drawing.style import YELLOW, csv_of
+from validation.drawing.chart import Bars, Chart, Column, Panel
+from validation.drawing.style import FILLS
 from validation.exhibits import PATH
 from validation.models.mechanism_modes import PostureModes
-from validation.report.figures.declared import FigureGroup, Shown
+from validation.report.figures.declared import FigureGroup, Shown, curves
 from validation.report.figures.mechanism.drawn_modes import finite_elements
-from validation.report.figures.mechanism.mode_names import DRIVES as _DRIVES
-from validation.report.figures.mechanism.mode_names import JOINTS as _JOINTS
-from validation.report.figures.mechanism.mode_names import PARTS, by_kind
-from validation.report.figures.stacked_bars import (
-    DRIVES,
-    JOINTS,
-    KINDS,
-    Shares,
-    energy_table,
-    stacked_bars,
-)
+from validation.report.figures.mechanism.mode_names import DRIVES, JOINTS, by_kind
 from validation.solids.robots import SHARED_SOLIDS
 
 Portions = Mapping[Portion, Array]
+Shares = Mapping[str, Array]
 SIXTY = 60
-_KINDS = {_DRIVES: DRIVES, _JOINTS: JOINTS, **KINDS, PARTS: "#7a7f87"}
-# Bodies: none of the colours above.
-_BODIES = ("#8c6d46", "#b9a7d6", "#7f9f3f", "#444444", YELLOW, "#a8c7c9", "#c98ca7", "#5b5ea6")
 figures = FigureGroup(PATH, SHARED_SOLIDS)
 
 
@@ -45,20 +33,31 @@ def energies(context: Context) -> Shown:
     """A stacked bar for each mode: by kind of deformation, and by drives, joints and bodies."""
     found = _sixty(context)
     mechanism, frequencies = found.posture.mechanism, found.modes.frequencies
-    by_body = _by_body(found.strain, mechanism)
-    bodies = [name for name in by_body if name not in _KINDS]
-    panels = {
+    shares = {
         "(a) by what they do": _kinds_first(by_kind(found.strain, mechanism)),
-        "(b) by what they are": by_body,
+        "(b) by what they are": _by_body(found.strain, mechanism),
     }
-    colours = _KINDS | dict(zip(bodies, cycle(_BODIES), strict=False))
-    return Shown(
+    names = [f"{number}: {one:.1f} Hz" for number, one in enumerate(frequencies, 1)]
+    panels = [
+        Panel(
+            title=title,
+            y_label="strain energy (%)",
+            bars=[Bars(name, 100.0 * share) for name, share in own.items()],
+            names=names,
+        )
+        for title, own in shares.items()
+    ]
+    table: dict[str, Column] = {
+        "mode": [float(number) for number in range(1, len(frequencies) + 1)],
+        "frequency (Hz)": frequencies.tolist(),
+    }
+    table |= {f"{part} (%)": (100.0 * share).tolist() for part, share in found.strain.items()}
+    return curves(
+        Chart(panels, "mode", 1, 2.4, table),
         f"The first {len(frequencies)} modes of the {_model(mechanism)} in the middle of the path, "
         f"{frequencies[0]:.4g} to {frequencies[-1]:.4g} Hz. "
         f"{_kinds_said(mechanism)}Bodies of one shape are taken together; the table of the figure "
         "has each by itself.",
-        stacked_bars(panels, colours, 4, frequencies),
-        data=csv_of(energy_table(frequencies, found.strain)),
     )
 
 
@@ -89,7 +88,7 @@ def _by_body(strain: Portions, mechanism: Mechanism) -> Shares:
         groups.setdefault(leg if isinstance(leg, ConstantLeg) else name, []).append(name)
     label = {name: _listed(names) for names in groups.values() for name in names}
     return _summed(
-        strain, lambda part: label.get(part.of) or (_DRIVES if part.kind == "drive" else _JOINTS)
+        strain, lambda part: label.get(part.of) or (DRIVES if part.kind == "drive" else JOINTS)
     )
 
 
@@ -104,8 +103,8 @@ def _summed(strain: Portions, what: Callable[[Portion], str]) -> Shares:
 
 
 def _kinds_first(shares: Shares) -> Shares:
-    ordered = [key for key in _KINDS if key in shares]
-    return {key: shares[key] for key in (*ordered, *(key for key in shares if key not in _KINDS))}
+    ordered = [key for key in FILLS if key in shares]
+    return {key: shares[key] for key in (*ordered, *(key for key in shares if key not in FILLS))}
 
 
 def _listed(names: Sequence[str]) -> str:

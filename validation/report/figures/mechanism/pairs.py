@@ -1,9 +1,7 @@
 """Which mode of each model is which of the reference, and how alike their shapes are."""
 
 import numpy as np
-from matplotlib.axes import Axes
 
-from lumped.arrays import Array
 from validation.adequacy.mechanism.dynamics import dynamic_reference
 from validation.adequacy.mechanism.path import robot_on_path
 from validation.adequacy.mechanism.vibration import modes_by_model
@@ -12,10 +10,10 @@ from validation.adequacy.response import Vibration
 from validation.agreement.mode_pairing import mac_matrix
 from validation.case import Skip
 from validation.context import Context
-from validation.drawing.style import LOOKS, canvas, csv_of, plot_style, svg_of
+from validation.drawing.chart import Chart, Column, Panel, Series
 from validation.exhibits import PATH
 from validation.models.options import DEFAULT_OPTIONS, ModelName
-from validation.report.figures.declared import FigureGroup, Shown
+from validation.report.figures.declared import FigureGroup, Shown, curves
 from validation.solids.robots import SHARED_SOLIDS
 
 _MODELS: tuple[ModelName, ...] = ("beam", "segments")
@@ -38,36 +36,32 @@ def pairs(context: Context) -> Shown:
         for name in _MODELS
         if (modes := modes_by_model(robot, name, DEFAULT_OPTIONS))
     }
-    columns: dict[str, list[float]] = {
-        "mode": [float(k) for k in range(1, shown + 1)],
+    numbers = np.arange(1.0, shown + 1.0)
+    columns: dict[str, Column] = {
+        "mode": numbers.tolist(),
         "reference (Hz)": first.frequencies[0, :shown].tolist(),
     }
-    with plot_style():
-        drawn, (left, middle, right) = canvas(1, 3, 3.3)
-        for axes, (name, model) in zip((left, middle), models.items(), strict=True):
-            mac = mac_matrix(first.samples[0][:, :shown], model.samples[0], weights)
-            _matrix(axes, mac, name)
-            found = partners(first, model, weights, shown)
-            change = 100.0 * (found.frequency[0] / first.frequencies[0, :shown] - 1.0)
-            look = LOOKS[name]
-            right.plot(columns["mode"], change, label=name, linewidth=0.8, **look.options())
-            columns |= {
-                f"{name}: partner": [float(k) + 1.0 for k in found.number[0]],
-                f"{name} (Hz)": found.frequency[0].tolist(),
-                f"{name}: MAC": found.likeness[0].tolist(),
-            }
-        left.set_ylabel("mode of the reference")
-        right.axhline(0.0, color="#999999", linewidth=0.8)
-        right.set(title="difference (%)", xlabel="mode of the reference")
-        right.legend(loc="best")
-        svg = svg_of(drawn)
-    return Shown(
+    panels: list[Panel] = []
+    changes: list[Series] = []
+    for name, model in models.items():
+        mac = mac_matrix(first.samples[0][:, :shown], model.samples[0], weights)
+        label = "" if panels else "mode of the reference"
+        panels.append(Panel((), f"MAC with {name}", label, x_label=f"mode of {name}", matrix=mac))
+        found = partners(first, model, weights, shown)
+        change = 100.0 * (found.frequency[0] / first.frequencies[0, :shown] - 1.0)
+        changes.append(Series(name, numbers, change))
+        columns |= {
+            f"{name}: partner": [float(k) + 1.0 for k in found.number[0]],
+            f"{name} (Hz)": found.frequency[0].tolist(),
+            f"{name}: MAC": found.likeness[0].tolist(),
+        }
+    panels.append(Panel(changes, "difference (%)", levels=(0.0,), staggered=False))
+    return curves(
+        Chart(panels, "mode of the reference", len(panels), 2.0, columns),
         f"In the middle of the path, reference: {held.name}. Left: modal assurance "
         "criterion, dark where two shapes are one; blocks are modes of almost one frequency, of "
         "which any mixture is a mode. Right: frequencies of partners; a mode without one is left "
         "out.",
-        svg,
-        data=csv_of(columns),
     )
 
 
@@ -78,18 +72,3 @@ def _middle(found: Vibration) -> Vibration:
     return Vibration(
         found.frequencies[place : place + 1, known], found.samples[place : place + 1][:, :, known]
     )
-
-
-def _matrix(axes: Axes, mac: Array, name: str) -> None:
-    rows, columns = mac.shape
-    axes.pcolormesh(
-        np.arange(columns + 1) + 0.5,
-        np.arange(rows + 1) + 0.5,
-        mac,
-        cmap="Greys",
-        vmin=0.0,
-        vmax=1.0,
-    )
-    axes.set(title=f"MAC with {name}", xlabel=f"mode of {name}", aspect="equal")
-    axes.grid(visible=False)
-    axes.invert_yaxis()

@@ -20,13 +20,14 @@ from validation.drawing.prisms import readable_factor
 from validation.drawing.rendering import (
     Scene,
     arrow,
+    canvas,
     colour_bar,
     picture_of,
     squares,
     staged,
 )
 from validation.drawing.scenes import interactive
-from validation.drawing.style import LOOKS, VERMILLION, canvas, csv_of, plot_style
+from validation.drawing.style import LOOKS, VERMILLION, csv_of, plot_style
 from validation.report.figures.declared import Shown
 from validation.report.figures.mechanism.bodies import (
     compared_points,

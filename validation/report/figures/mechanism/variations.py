@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 from functools import partial
-from itertools import cycle
 
 import numpy as np
 
@@ -11,9 +10,8 @@ from lumped.mechanism.kinematics.postures import shown_pose
 from lumped.robot_file.key_units import unit_of
 from lumped.robot_file.variation import Variation
 from validation.context import Context
-from validation.drawing.chart import Chart, Panel, Series, tapered
+from validation.drawing.chart import Chart, Column, Panel, Series
 from validation.drawing.scales import few_ticks, from_zero
-from validation.drawing.style import LOOKS, OTHERS, known_as
 from validation.exhibits import PARAMETERS, Figure, PlannedFigure
 from validation.report.figures.declared import compared_with, curves
 from validation.report.figures.mechanism.curves import (
@@ -29,7 +27,6 @@ from validation.variations.decision import MEANING, UNITS, Decision, choice
 
 _CHOSEN = "What each model chooses"
 _TITLES = {"deflection": "largest deflection (µm)", "frequency": "smallest first frequency (Hz)"}
-_STAR = {"marker": "*", "markersize": 13.0, "markeredgecolor": "black", "linestyle": "none"}
 _SEARCHED = (
     "Over the whole path, each robot on its own. A star marks what a curve finds best among the "
     "values shown; none is sought between them."
@@ -85,26 +82,19 @@ def decisions(context: Context, *, variation: Variation, number: int) -> Figure:
     x, label, abscissa = _over(context, variation)
     panels = [_objective(one.decision, x) for one in found.values()]
     said = (_verdict(one, variation) for one in found.values())
-    return curves(Chart(panels, label, 2, 3.2, 4, abscissa, few_ticks), *said, _SEARCHED).figure(
+    return curves(Chart(panels, label, 2, 3.2, abscissa, few_ticks), *said, _SEARCHED).figure(
         f"vary.{number}.decision", f"{_CHOSEN} over {variation.key}", PARAMETERS
     )
 
 
 def _objective(decision: Decision, x: Array) -> Panel:
     objective = decision.objective
-    curves = {**decision.models, **decision.references}
-    series, stars = [], []
-    # Of references that are of several kinds, each reading has a name that no other figure has.
-    unlike = cycle((LOOKS["solid"], LOOKS["solid, free"], *OTHERS))
-    for rank, (name, values) in enumerate(curves.items()):
-        look = LOOKS.get(known_as(name)) or next(unlike)
-        width = tapered(rank, len(curves))
-        series.append(Series(name, x, values, look, width, f"{objective} ({UNITS[objective]})"))
-        if name in decision.references and values is not decision.reference:
-            continue
-        at = [choice(values, decision.reference, objective).design]
-        stars.append(Series(f"_{name}", x[at], values[at], look, fill=look.colour, more=_STAR))
-    return Panel([*series, *stars], _TITLES[objective], scale=from_zero)
+    series = []
+    for name, values in {**decision.models, **decision.references}.items():
+        starred = name not in decision.references or values is decision.reference
+        best = choice(values, decision.reference, objective).design if starred else None
+        series.append(Series(name, x, values, f"{objective} ({UNITS[objective]})", best=best))
+    return Panel(series, _TITLES[objective], scale=from_zero)
 
 
 def _verdict(found: VariedCurves, variation: Variation) -> str:
@@ -133,9 +123,7 @@ def _place(context: Context, found: VariedCurves) -> str:
     return f"with the tool at {shown}" if alike else "in the middle of the path"
 
 
-def _over(
-    context: Context, variation: Variation
-) -> tuple[Array, str, Mapping[str, Sequence[float]]]:
+def _over(context: Context, variation: Variation) -> tuple[Array, str, Mapping[str, Column]]:
     unit = unit_of(context.robot_file.tables, variation.keys[0])
     label = f"{variation.key} ({unit})" if unit else variation.key
     values = np.array(variation.values)
