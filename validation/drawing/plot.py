@@ -4,7 +4,7 @@ Text is measured once, by Agg, and the axes are laid out once: a page has dozens
 """
 
 import io
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -61,6 +61,7 @@ def drawn_chart(chart: Chart) -> Canvas:
     ).ravel()
     shown = [one for panel in chart.panels for one in (*panel.series, *panel.below)]
     looks = looks_of(one.look for one in shown)
+    fills = fills_of([one.label for panel in chart.panels for one in panel.bars])
     for axes in places:
         axes.set_axis_off()
     for number, panel in enumerate(chart.panels):
@@ -74,7 +75,9 @@ def drawn_chart(chart: Chart) -> Canvas:
         for axes, one in zip((above, lowest), both, strict=False):
             if chart.x_scale:
                 chart.x_scale(axes)
-            _draw_panel(axes, one, looks, leftmost=not column)
+            _draw_panel(axes, one, looks, fills)
+            if panel.lying and column:
+                axes.tick_params(labelleft=False)
         if number + chart.columns >= len(chart.panels):
             label = chart.x_label if panel.x_label is None else panel.x_label
             lowest.set_xlabel(_fitting(label, chart.columns))
@@ -82,7 +85,9 @@ def drawn_chart(chart: Chart) -> Canvas:
     return picture
 
 
-def _draw_panel(axes: Axes, panel: Panel, looks: Mapping[str, Look], *, leftmost: bool) -> None:
+def _draw_panel(
+    axes: Axes, panel: Panel, looks: Mapping[str, Look], fills: Mapping[str, str]
+) -> None:
     axes.set_axis_on()
     span, line = (axes.axvspan, axes.axvline) if panel.lying else (axes.axhspan, axes.axhline)
     if panel.band:
@@ -90,7 +95,7 @@ def _draw_panel(axes: Axes, panel: Panel, looks: Mapping[str, Look], *, leftmost
     if panel.matrix is not None:
         _draw_matrix(axes, panel.matrix)
     at = _rows(panel) if panel.lying else np.arange(1.0, len(panel.names) + 1.0)
-    _draw_bars(axes, panel, at)
+    _draw_bars(axes, panel, at, fills)
     labels = list(dict.fromkeys(one.label for one in panel.series))
     for one in panel.series:
         if np.isfinite(one.y).any():
@@ -98,6 +103,10 @@ def _draw_panel(axes: Axes, panel: Panel, looks: Mapping[str, Look], *, leftmost
             _draw_series(axes, panel, one, looks[one.look], rank, at)
     for level in panel.levels:
         line(level, color=_GREY, linewidth=0.8)
+    if panel.lying:
+        # Markers at the longest bars keep clear of the edge.
+        axes.use_sticky_edges = False
+        axes.margins(x=0.06)
     if panel.scale:
         panel.scale(axes)
     for note in panel.notes:
@@ -111,7 +120,7 @@ def _draw_panel(axes: Axes, panel: Panel, looks: Mapping[str, Look], *, leftmost
         )
     axes.set(title=panel.title, ylabel=panel.y_label)
     if panel.lying:
-        axes.set_yticks(at, panel.names if leftmost else [], fontsize=8.5, linespacing=0.95)
+        axes.set_yticks(at, panel.names, fontsize=8.5, linespacing=0.95)
         axes.set_ylim(_height(panel), 0.0)
         axes.grid(visible=False, axis="y")
 
@@ -140,11 +149,10 @@ def _draw_series(
         axes.plot(one.x[one.best], one.y[one.best], **star, color=look.colour, mfc=look.colour)
 
 
-def _draw_bars(axes: Axes, panel: Panel, at: Array) -> None:
+def _draw_bars(axes: Axes, panel: Panel, at: Array, fills: Mapping[str, str]) -> None:
     """Stacked bars; few standing ones have room for their names, and for numbers on them."""
     if not panel.bars:
         return
-    fills = fills_of([one.label for one in panel.bars])
     ends = {sign: np.zeros(len(at)) for sign in (False, True)}
     few = len(at) <= _FEW
     for one in panel.bars:
@@ -194,14 +202,21 @@ def _lay_out(picture: Canvas) -> None:
             found.setdefault(label, handle)
     top = 0.0
     if found:
-        longest = max(len(line) for label in found for line in label.split("\n"))
-        columns = min(len(found), max(1, _LEGEND_ROOM // (longest + _HANDLE)))
+        columns = next(n for n in range(len(found), 0, -1) if n == 1 or _fits(list(found), n))
         legend = picture.legend(
             found.values(), found, loc="upper left", ncols=columns, handlelength=3.2
         )
         top = legend.get_window_extent().height / picture.dpi
         picture.set_figheight(picture.get_figheight() + top)
     picture.tight_layout(pad=0.4, rect=(0.0, 0.0, 1.0, 1.0 - top / picture.get_figheight()))
+
+
+def _fits(labels: Sequence[str], columns: int) -> bool:
+    """Whether a legend has room for its entries, which go down the columns in turn."""
+    high = -(-len(labels) // columns)
+    below_each_other = [labels[first : first + high] for first in range(0, len(labels), high)]
+    longest = [max(len(k) for one in own for k in one.split("\n")) for own in below_each_other]
+    return sum(length + _HANDLE for length in longest) <= _LEGEND_ROOM
 
 
 def _fitting(label: str, columns: int) -> str:

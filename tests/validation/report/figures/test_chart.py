@@ -97,6 +97,8 @@ def test_bars_stack_away_from_zero_and_lie_in_rows_from_above():
     # Shares too small for their number have none.
     assert [text.get_text() for text in columns.texts] == ["60", "", "40", "97"]
     assert [label.get_text() for label in columns.get_xticklabels()] == ["f1", "f2"]
+    faces = {box.get_facecolor() for box in (*rows.patches[1:], *columns.patches)}
+    assert len(faces) == 4
     legend = [text.get_text() for text in picture.legends[0].get_texts()]
     assert set(legend) == {"shear", "unexplained", "measured difference E", "tolerance", "0", "1"}
 
