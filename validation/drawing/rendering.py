@@ -14,9 +14,8 @@ from numpy.typing import NDArray
 
 from lumped.arrays import Array, IntArray
 from validation.drawing.opengl import MESSAGE, usable_window
-from validation.drawing.prisms import Surface
 from validation.drawing.style import WIDTH
-from validation.drawing.view import View, fitted_view, pixels
+from validation.drawing.surfaces import Surface, View, fitted_view, pixels
 
 # Told apart by colour-blind readers, and light against dark when printed in grey.
 COLOUR_MAP = "viridis"

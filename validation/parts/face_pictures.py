@@ -15,7 +15,6 @@ from meshes.part.boundary import area_vectors
 from meshes.part.faces import Face
 from meshes.part.reading.read import PartFile
 from validation.drawing.opengl import require_vtk
-from validation.drawing.prisms import Surface
 from validation.drawing.rendering import (
     Body,
     Picture,
@@ -28,8 +27,8 @@ from validation.drawing.rendering import (
 )
 from validation.drawing.scenes import interactive
 from validation.drawing.style import WIDTH
+from validation.drawing.surfaces import Surface, View, fitted_view, pixels
 from validation.drawing.text import base64
-from validation.drawing.view import View, fitted_view, pixels
 
 # Light, so that black numbers are read on all of them; neighbours in number differ.
 _COLOURS = ("#9ecae1", "#fdd0a2", "#a1d99b", "#dadaeb", "#fee391", "#c7c7c7", "#f4b6c2", "#8dd3c7")

@@ -3,7 +3,7 @@
 import numpy as np
 
 from lumped.arrays import Array
-from validation.drawing.prisms import Surface
+from validation.drawing.surfaces import Surface
 
 
 def box(low: Array, high: Array) -> Surface:

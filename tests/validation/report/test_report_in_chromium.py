@@ -10,7 +10,7 @@ from report_sample import PIXEL, sample_report
 
 from validation.drawing.rendering import Body, Scene
 from validation.drawing.scenes import interactive
-from validation.drawing.view import fitted_view
+from validation.drawing.surfaces import fitted_view
 from validation.exhibits import Figure
 from validation.report.page import render
 

@@ -2,9 +2,8 @@
 
 import numpy as np
 
-from validation.drawing.prisms import Surface
 from validation.drawing.rendering import Body, Scene, clear_corner
-from validation.drawing.view import fitted_view
+from validation.drawing.surfaces import Surface, fitted_view
 
 ABOVE = np.array([0.0, 0.0, 1.0]), np.array([0.0, 1.0, 0.0])
 # A cross of points as wide as the picture, and patches of points in its corners.

@@ -16,17 +16,18 @@ from lumped.system.solution import compliance, solved
 from validation.case import Skip
 from validation.context import Context
 from validation.drawing import opengl
-from validation.drawing.prisms import (
+from validation.drawing.rendering import Body, Scene, render
+from validation.drawing.style import marked
+from validation.drawing.surfaces import (
     Surface,
     edges,
     end_faces,
+    fitted_view,
+    pixels,
     prism_faces,
     prism_points,
     readable_factor,
 )
-from validation.drawing.rendering import Body, Scene, render
-from validation.drawing.style import marked
-from validation.drawing.view import fitted_view, pixels
 from validation.kinematics.solids import outlines
 from validation.models.mechanism import static_bodies
 from validation.report.figures import figures_of_robot

@@ -16,7 +16,9 @@ from lumped.mechanism.mechanism import GROUND, Mechanism
 from lumped.models.bodies import leg_of, legs_of
 from lumped.system.assembly import System
 from meshes.part.boundary import Facets
-from validation.drawing.prisms import (
+from validation.drawing.rendering import DARK, GREY, Body, Wire
+from validation.drawing.style import LOOKS, ORANGE
+from validation.drawing.surfaces import (
     Surface,
     edges,
     end_faces,
@@ -24,8 +26,6 @@ from validation.drawing.prisms import (
     prism_faces,
     prism_points,
 )
-from validation.drawing.rendering import DARK, GREY, Body, Wire
-from validation.drawing.style import LOOKS, ORANGE
 from validation.kinematics.solids import Face, body_faces, joint_faces, on_ground, outlines
 from validation.models.parts import coarsest_mesh, identified
 

@@ -16,7 +16,6 @@ from lumped.system.assembly import System
 from lumped.system.solution import solved
 from validation.agreement.mode_pairing import neighbours
 from validation.drawing.opengl import require_vtk
-from validation.drawing.prisms import readable_factor
 from validation.drawing.rendering import (
     Scene,
     arrow,
@@ -28,6 +27,7 @@ from validation.drawing.rendering import (
 )
 from validation.drawing.scenes import interactive
 from validation.drawing.style import LOOKS, VERMILLION, csv_of, plot_style
+from validation.drawing.surfaces import readable_factor
 from validation.report.figures.declared import Shown
 from validation.report.figures.mechanism.bodies import (
     compared_points,
