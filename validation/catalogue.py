@@ -12,7 +12,7 @@ from validation.measured.matrix import measured_matrix
 from validation.paper.robot import is_the_papers
 from validation.report.figures import figures_of_robot, figures_of_variations
 from validation.results.tasks import Task
-from validation.solids.robots import SHARED_SOLIDS
+from validation.solids.leg_models import SHARED_SOLIDS
 from validation.variations.cases import cases_over
 
 _ADEQUACY = Assessment(

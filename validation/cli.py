@@ -16,11 +16,17 @@ from cyclopts import App, CycloptsError, Parameter, UnusedCliTokensError
 
 from fem.machine import TO_COMPUTE, TO_READ, require_address_space
 from lumped.errors import ComputationError, InputError
-from lumped.robots import RobotType
+from lumped.robots import FIRST_TYPE, RobotType
 from validation.console import streams
-from validation.console.arguments import ProcessCount, WholeNumber
 from validation.console.streams import complain, say
-from validation.console.written import require_apart, require_place, shown, write
+from validation.console.typed import (
+    ProcessCount,
+    WholeNumber,
+    require_apart,
+    require_place,
+    shown,
+    write,
+)
 from validation.kinematics import commands as kinematics
 from validation.selftest.command import selftest
 from validation.solve import parts as commands
@@ -401,7 +407,7 @@ def check(robot: str) -> int:
 def new(
     file: Path,
     *,
-    robot_type: Annotated[RobotType, Parameter(name="--type")] = "biglide",
+    robot_type: Annotated[RobotType, Parameter(name="--type")] = FIRST_TYPE,
 ) -> int:
     """Write a commented robot file to start from.
 

@@ -31,7 +31,7 @@ from lumped.robot_file.mechanism.build import description_faults, mechanism_of
 from lumped.robot_file.mechanism.motion_faults import motion_faults
 from lumped.robot_file.reading import decoded, parsed
 from lumped.robot_file.tables import Accept, Correction
-from lumped.robots import RobotType
+from lumped.robots import FIRST_TYPE, RobotType
 from lumped.text import cut, did_you_mean, visible
 
 _SUFFIX = ".toml"
@@ -164,7 +164,7 @@ def as_printed(robot_file: RobotFile) -> dict[str, Any]:
     return with_printed_values(robot_file.tables, robot_file.corrections)
 
 
-def write_template(path: str | Path, kind: RobotType = "biglide") -> None:
+def write_template(path: str | Path, kind: RobotType = FIRST_TYPE) -> None:
     """Write a commented robot file to start from: the built-in robot of that name.
 
     Raises InputError where `path` exists already or cannot be written; nothing half-written stays.

@@ -7,3 +7,5 @@ from typing import Literal, TypeAlias
 
 # Mechanisms of which there is a commented file to start from.
 RobotType: TypeAlias = Literal["biglide", "five-bar", "3-rrr", "delta", "orthoglide", "hexapod"]
+# What one starts from where nothing is said.
+FIRST_TYPE: RobotType = "biglide"

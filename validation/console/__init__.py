@@ -1,4 +1,4 @@
-"""What lies between commands and shell: streams, numbers that people type, files that they name.
+"""What lies between commands and shell: streams, and the numbers and files that people type.
 
 Everything the commands print goes through here, whatever became of the terminal.
 """

@@ -6,7 +6,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from validation.console.streams import say
-from validation.console.written import require_place, write
+from validation.console.typed import require_place, write
 
 
 def kinematics(

@@ -7,7 +7,6 @@ import numpy as np
 
 from lumped.acceptance.measured import Measured
 from lumped.acceptance.requirement import AXES, Requirement
-from lumped.arrays import Array
 from lumped.mechanism.kinematics.postures import posture
 from lumped.mechanism.mechanism import Mechanism
 from lumped.models.bodies import legs_of
@@ -65,32 +64,15 @@ def predicted(
             return None
         name, row, column = one.leg_entry
         return float(leg_compliance(model, legs_of(robot)[name], options)[row, column])
-    if one.mode is not None:
-        if model in STATIC:
-            return None
-        frequencies = _frequencies(model, robot, one, options)
-        return float(frequencies[one.mode - 1]) if len(frequencies) >= one.mode else None
-    index = AXES.index(one.quantity)
-    compliance = _compliance(model, robot, one, options)
-    if compliance is None:
-        return None
-    return one.load * float(compliance[index, index])
-
-
-def _frequencies(model: ModelName, robot: Mechanism, one: Measured, options: ModelOptions) -> Array:
-    (found,) = answers(model, [posture(robot, np.array(one.pose))], one.mode or 0, options)
-    return found.frequencies
-
-
-def _compliance(
-    model: ModelName, robot: Mechanism, one: Measured, options: ModelOptions
-) -> Array | None:
-    """None where the legs are no serial chains, which virtual joints ask for."""
     at = [posture(robot, np.array(one.pose))]
-    if model == "vjm" and why_not_serial(at):
+    if (one.mode and model in STATIC) or (model == "vjm" and why_not_serial(at)):
         return None
-    (found,) = answers(model, at, 0, options)
-    return found.compliance
+    (found,) = answers(model, at, one.mode or 0, options)
+    if one.mode:
+        known = len(found.frequencies) >= one.mode
+        return float(found.frequencies[one.mode - 1]) if known else None
+    index = AXES.index(one.quantity)
+    return one.load * float(found.compliance[index, index])
 
 
 def _compared(

@@ -38,7 +38,7 @@ from validation.models.legs import (
 )
 from validation.models.options import DEFAULT_OPTIONS, STATIC, ModelName, ModelOptions, PartLegs
 from validation.models.part_legs import part_models, part_springs, require_legs
-from validation.solids.robots import half_octave_above, renewed_where_needed
+from validation.solids.leg_models import half_octave_above, renewed_where_needed
 
 # Bodies whose lengths differ by what twelve typed digits leave are one body.
 _ALIKE = 1e-9

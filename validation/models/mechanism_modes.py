@@ -27,7 +27,7 @@ from validation.models.mechanism import (
     on_drives_alone,
 )
 from validation.models.options import DEFAULT_OPTIONS, STATIC, ModelName, ModelOptions
-from validation.solids.robots import renewed_where_needed
+from validation.solids.leg_models import renewed_where_needed
 
 
 @dataclass(frozen=True, eq=False)

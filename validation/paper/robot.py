@@ -9,7 +9,7 @@ from itertools import chain
 
 import numpy as np
 
-from fem.bodies.solid import solid_leg_matrices
+from fem.bodies.solid import solid_leg, solid_leg_matrices, solid_mesh
 from fem.solvers import sparse_system
 from lumped.arrays import Array
 from lumped.dense.modes import Modes as SystemModes
@@ -30,7 +30,6 @@ from validation.models.mechanism import answers
 from validation.models.mechanism_modes import mechanism_modes
 from validation.models.options import DEFAULT_OPTIONS, ModelName, ModelOptions
 from validation.report.figures.mechanism.mode_names import kinetic_shares
-from validation.solids.robots import meshed_leg
 
 LOAD = 1000.0  # N, the paper's loads (§2.1, §2.2)
 # Lengths of the legs over those given, as in the figures of the family.
@@ -197,9 +196,10 @@ def unreduced_modes(at: Posture, count: int, divisions: int) -> Modes:
 
     Sixty modes of such solids take less time than bodies reduced for the last of them.
     """
+    legs = {name: equivalent_leg(leg) for name, leg in legs_of(at.mechanism).items()}
     solids = {
-        name: solid_leg_matrices(meshed_leg(equivalent_leg(leg), divisions))
-        for name, leg in legs_of(at.mechanism).items()
+        name: solid_leg_matrices(solid_leg(leg, solid_mesh(leg, divisions)))
+        for name, leg in legs.items()
     }
     solution = sparse_system.factorised(assembly(at.mechanism, solids).at(at))
     return _told(solution.system, sparse_system.modes(solution, count))

@@ -7,9 +7,6 @@ from typing import Literal
 from fem.calculix.run import CalculixMissing
 from fem.multibody import ExudynMissing
 
-_ROW = "  {:<62} {:>16} {:>13} {:>11} {:>11}  {}"
-HEADINGS = _ROW.format("", "known", "here", "difference", "explained", "")
-
 
 @dataclass(frozen=True)
 class Compared:
@@ -55,23 +52,6 @@ class Outcome:
     verdict: Literal["agrees", "differs", "failed", "skipped"]
     compared: tuple[Compared, ...] = ()
     message: str = ""
-
-    @property
-    def text(self) -> str:
-        """The benchmark, its source, and its numbers or why there are none."""
-        rows = [
-            _ROW.format(
-                one.quantity,
-                f"{one.known:.6g} {one.unit}".removesuffix(" 1"),
-                f"{one.ours:.6g}",
-                f"{one.difference:+.1e}",
-                f"{one.explained:+.1e}" if one.explained else "",
-                "agrees" if one.agrees else "DIFFERS",
-            )
-            for one in self.compared
-        ]
-        rows += [f"  {self.verdict}: {self.message}"] if self.message else []
-        return "\n".join([f"\n{self.benchmark.title}\n  {self.benchmark.source}", *rows])
 
 
 def outcome(benchmark: Benchmark) -> Outcome:

@@ -1,9 +1,15 @@
 """The command `selftest`: known numbers beside those of this machine, as a table."""
 
 from time import perf_counter
+from typing import TYPE_CHECKING
 
 from fem.machine import TO_COMPUTE, require_address_space
 from validation.console.streams import say
+
+if TYPE_CHECKING:
+    from validation.selftest.benchmark import Outcome
+
+_ROW = "  {:<62} {:>16} {:>13} {:>11} {:>11}  {}"
 
 
 def selftest() -> int:
@@ -13,16 +19,16 @@ def selftest() -> int:
     """
     from validation.results.provenance import machine, versions  # noqa: PLC0415
     from validation.selftest import beams, record, robots, solids  # noqa: PLC0415
-    from validation.selftest.benchmark import HEADINGS, outcome  # noqa: PLC0415
+    from validation.selftest.benchmark import outcome  # noqa: PLC0415
 
     require_address_space(TO_COMPUTE)
     begun = perf_counter()
-    say(HEADINGS)
+    say(_ROW.format("", "known", "here", "difference", "explained", ""))
     listed = (*beams.benchmarks(), *solids.benchmarks(), *robots.benchmarks())
     outcomes = []
     for benchmark in listed:
         outcomes.append(outcome(benchmark))
-        say(outcomes[-1].text)
+        say(_text(outcomes[-1]))
     bad = sum(one.verdict in {"differs", "failed"} for one in outcomes)
     record.keep(passed=not bad)
     numbers = [compared for one in outcomes for compared in one.compared]
@@ -35,3 +41,20 @@ def selftest() -> int:
         f"flexproof {versions().get('flexproof', '')}, {machine()}"
     )
     return int(bad > 0)
+
+
+def _text(found: "Outcome") -> str:
+    """The benchmark, its source, and its numbers or why there are none."""
+    rows = [
+        _ROW.format(
+            one.quantity,
+            f"{one.known:.6g} {one.unit}".removesuffix(" 1"),
+            f"{one.ours:.6g}",
+            f"{one.difference:+.1e}",
+            f"{one.explained:+.1e}" if one.explained else "",
+            "agrees" if one.agrees else "DIFFERS",
+        )
+        for one in found.compared
+    ]
+    rows += [f"  {found.verdict}: {found.message}"] if found.message else []
+    return "\n".join([f"\n{found.benchmark.title}\n  {found.benchmark.source}", *rows])

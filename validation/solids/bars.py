@@ -4,7 +4,6 @@ from dataclasses import replace
 
 from fem.bodies.solid import SolidLeg, solid_leg
 from fem.calculix.leg import mass_at_stiffness_points
-from fem.calculix.mechanism import HeldMesh
 from lumped.legs import ConstantLeg, equivalent_leg
 from lumped.mechanism.body import Prism
 from lumped.mechanism.mechanism import Mechanism, Posture
@@ -40,21 +39,3 @@ def bar_solids(mechanism: Mechanism) -> dict[str, SolidLeg]:
             made[leg] = replace(solid, mass=mass)
         found[name] = made[leg]
     return found
-
-
-def bar_meshes(mechanism: Mechanism) -> dict[str, HeldMesh]:
-    """The same meshes alone, held at their end faces, for another program."""
-    made: dict[ConstantLeg, HeldMesh] = {}
-    found = {}
-    for name, described in legs_of(mechanism).items():
-        leg = equivalent_leg(described)
-        if leg not in made:
-            made[leg] = mesh_of(leg, 1)
-        found[name] = made[leg]
-    return found
-
-
-def mesh_of(leg: ConstantLeg, divisions: int) -> HeldMesh:
-    """A leg on second-order tetrahedra, held at its end faces."""
-    mesh = tetrahedra(leg.section, leg.length, divisions)
-    return HeldMesh(mesh, leg.material, (mesh.root.nodes, mesh.tip.nodes))

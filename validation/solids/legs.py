@@ -11,9 +11,9 @@ from scipy.optimize import brentq, newton
 from fem.beams.beam import beam_leg
 from fem.bodies import doubling, leg_modes, solid
 from fem.bodies.solid import Ends
-from fem.sections.section_constants import SectionConstants, section_constants
+from fem.sections.section_constants import SectionConstants, beam_properties, section_constants
 from lumped.arrays import Array
-from lumped.legs import ConstantLeg
+from lumped.legs import BeamProperties, ConstantLeg
 from lumped.models.cantilever import clamped_modes
 from lumped.sections import HollowRectangle, ISection, Rectangle
 from meshes.prism.hexahedra import hexahedra
@@ -208,6 +208,18 @@ def leg_constants(leg: ConstantLeg, divisions: int) -> SectionConstants:
     """Constants of a leg's section by finite elements, without thin-wall assumptions."""
     material = leg.material
     return section_constants(face_mesh(leg, divisions), material.nu, material.G / material.E)
+
+
+def own_properties(leg: ConstantLeg, divisions: int) -> BeamProperties:
+    """Timoshenko beam of those constants."""
+    return beam_properties(leg_constants(leg, divisions), leg.material)
+
+
+def decay_of_warping(leg: ConstantLeg, divisions: int) -> float:
+    """√(EΓ/GJ) (m): how far from an end non-uniform torsion reaches (Vlasov)."""
+    constants, material = leg_constants(leg, divisions), leg.material
+    stiffer = material.E * constants.warping_constant
+    return float(np.sqrt(stiffer / (material.G * constants.torsion_constant)))
 
 
 def solid_compliances(leg: ConstantLeg, divisions: tuple[int, ...]) -> dict[Ends, Refinement]:

@@ -19,51 +19,43 @@ _MOST_PARTS, _TOLD = 3, 0.005
 
 
 @dataclass(frozen=True)
-class MeshUncertainty:
-    """Half-widths of 95 % intervals, of the diagonal of a 6×6 (SI) and of frequencies (Hz).
+class LeftOpen:
+    """Half-widths, of the diagonal of a 6×6 (SI) and of frequencies (Hz); infinite if unknown."""
 
-    From the step to a mesh of other `divisions`; infinite where that one is too large to be had.
-    """
-
-    divisions: int
     compliance: Array
     frequencies: Array
 
     @property
     def known(self) -> bool:
-        """Whether there was another mesh."""
+        """Whether anything is known of them."""
         return bool(np.isfinite(self.compliance).all())
 
 
 @dataclass(frozen=True)
-class PartUncertainty:
-    """What the CAD parts of a mechanism leave open: diagonal of its 6×6 (SI), frequencies (Hz).
+class MeshUncertainty(LeftOpen):
+    """Of 95 % intervals, from the step to a mesh of other `divisions`.
 
-    `compliance`, `frequencies`: half-widths of 95 % intervals by the three meshes of each part,
-    infinite for a part that is a mesh; `compliance_bracket`, `frequency_bracket`: with averaged
+    Infinite where that one is too large to be had.
+    """
+
+    divisions: int
+
+
+@dataclass(frozen=True)
+class PartUncertainty(LeftOpen):
+    """What the CAD parts of a mechanism leave open: of 95 % intervals by three meshes of each part.
+
+    Infinite for a part that is a mesh; `compliance_bracket`, `frequency_bracket`: with averaged
     interfaces less with rigid ones, of those of which nobody says how they are held. `reduction`:
     most by which frequencies are too high for the modes that were dropped; `counted`: by part, how
     many lie below which frequency (Hz) with its interfaces as `by` says, all of them kept.
     """
 
-    compliance: Array
-    frequencies: Array
     compliance_bracket: Array
     frequency_bracket: Array
     reduction: Array
     counted: Mapping[str, tuple[int, float]]
     by: ReductionBy
-
-
-@dataclass(frozen=True)
-class DigitUncertainty:
-    """What the printed digits of 6×6 leave open at most, to first order, of all that is printed.
-
-    Half-widths, of the diagonal of the compliance (SI) and of frequencies (Hz).
-    """
-
-    compliance: Array
-    frequencies: Array
 
 
 @dataclass(frozen=True)
@@ -74,7 +66,8 @@ class Answer:
     mobilities of a mechanism that do not move its tool; `strain` maps its drives, joints and bodies
     to their shares of each mode's strain energy, `pairs` is the record of the modes' partners in
     another model; `uncertainty` is that of the mesh of prisms where one is known, None else,
-    `of_parts` that of CAD parts and `of_digits` that of the 6×6 in the robot file.
+    `of_parts` that of CAD parts, and `of_digits` what the printed digits of the 6×6 in the robot
+    file leave open at most, to first order.
     """
 
     place: dict[str, float | int | str | list[float]]
@@ -83,7 +76,7 @@ class Answer:
     idle: int | None = None
     uncertainty: MeshUncertainty | None = None
     of_parts: PartUncertainty | None = None
-    of_digits: DigitUncertainty | None = None
+    of_digits: LeftOpen | None = None
     strain: Mapping[Portion, Array] = field(default_factory=dict)
     pairs: Mapping[str, Any] = field(default_factory=dict)
 
@@ -154,62 +147,37 @@ def as_json(solution: Solution) -> str:
 
 def record_of(answer: Answer) -> dict[str, Any]:
     """An answer's entry in the results; an infinite frequency is null."""
-    return {
+    found: dict[str, Any] = {
         **answer.place,
         "compliance": answer.compliance.tolist(),
         "frequencies": [f if np.isfinite(f) else None for f in answer.frequencies.tolist()],
-        **({} if answer.idle is None else {"idle": answer.idle}),
-        **({} if answer.uncertainty is None else _record(answer.uncertainty)),
-        **({} if answer.of_parts is None else {"parts": _part_record(answer.of_parts)}),
-        **({} if answer.of_digits is None else {"digits": _digit_record(answer.of_digits)}),
-        **_mode_records(answer),
     }
-
-
-def _mode_records(answer: Answer) -> dict[str, Any]:
-    """Strain energy and partners of the modes, where they are known."""
-    shares = {str(part): share.tolist() for part, share in answer.strain.items()}
-    return ({"strain": shares} if shares else {}) | (
-        {"partners": dict(answer.pairs)} if answer.pairs else {}
-    )
-
-
-def _record(uncertainty: MeshUncertainty) -> dict[str, Any]:
-    if not uncertainty.known:
-        return {"uncertainty": None}
-    found = {
-        "divisions": uncertainty.divisions,
-        "compliance": uncertainty.compliance.tolist(),
-        "frequencies": uncertainty.frequencies.tolist(),
-    }
-    return {"uncertainty": found}
-
-
-def _digit_record(found: DigitUncertainty) -> dict[str, list[float]]:
-    return {
-        "compliance": found.compliance.tolist(),
-        "frequencies": found.frequencies.tolist(),
-    }
-
-
-def _part_record(found: PartUncertainty) -> dict[str, Any]:
-    known = bool(np.isfinite(found.compliance).all())
-    return {
-        "uncertainty": {
-            "compliance": found.compliance.tolist(),
-            "frequencies": found.frequencies.tolist(),
+    if answer.idle is not None:
+        found["idle"] = answer.idle
+    if (mesh := answer.uncertainty) is not None:
+        stated = {"divisions": mesh.divisions} | _both(mesh.compliance, mesh.frequencies)
+        found["uncertainty"] = stated if mesh.known else None
+    if (parts := answer.of_parts) is not None:
+        found["parts"] = {
+            "uncertainty": _both(parts.compliance, parts.frequencies) if parts.known else None,
+            "averaged_less_rigid": _both(parts.compliance_bracket, parts.frequency_bracket),
+            "reduction": parts.reduction.tolist(),
+            "modes_counted": {
+                name: {"count": count, "below": below}
+                for name, (count, below) in parts.counted.items()
+            },
         }
-        if known
-        else None,
-        "averaged_less_rigid": {
-            "compliance": found.compliance_bracket.tolist(),
-            "frequencies": found.frequency_bracket.tolist(),
-        },
-        "reduction": found.reduction.tolist(),
-        "modes_counted": {
-            name: {"count": count, "below": below} for name, (count, below) in found.counted.items()
-        },
-    }
+    if (digits := answer.of_digits) is not None:
+        found["digits"] = _both(digits.compliance, digits.frequencies)
+    if answer.strain:
+        found["strain"] = {str(part): share.tolist() for part, share in answer.strain.items()}
+    if answer.pairs:
+        found["partners"] = dict(answer.pairs)
+    return found
+
+
+def _both(compliance: Array, frequencies: Array) -> dict[str, Any]:
+    return {"compliance": compliance.tolist(), "frequencies": frequencies.tolist()}
 
 
 def as_text(solution: Solution) -> str:
@@ -286,7 +254,7 @@ def _uncertainty_lines(answer: Answer, found: MeshUncertainty) -> list[str]:
 
 def _part_lines(answer: Answer, found: PartUncertainty) -> list[str]:
     """What meshes, holding and reduction of CAD parts leave open."""
-    if np.isfinite(found.compliance).all():
+    if found.known:
         lines = ["  uncertainty of the parts' meshes (95 %, from three of each):"]
         lines += _share_lines(answer, found.compliance, found.frequencies)
     else:

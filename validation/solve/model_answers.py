@@ -17,7 +17,7 @@ from validation.models.mechanism import PostureAnswer, answers, constant_legs, s
 from validation.models.mechanism_modes import mechanism_modes
 from validation.models.options import ModelOptions
 from validation.models.roundings import roundings_of, share_by_digits
-from validation.solve.answer import Answer, DigitUncertainty, PartUncertainty, Solution
+from validation.solve.answer import Answer, LeftOpen, PartUncertainty, Solution
 from validation.solve.cost import Cost, dense_cost, require_affordable, solid_cost
 from validation.solve.pairs import paired
 from validation.solve.question import OF_ELEMENTS, Question
@@ -107,7 +107,7 @@ def _with_digits(
         np.nan_to_num(own * np.abs(_sizes(one))) for one, own in zip(found, share, strict=True)
     ]
     return [
-        replace(one, of_digits=DigitUncertainty(left[:6], left[6:]))
+        replace(one, of_digits=LeftOpen(left[:6], left[6:]))
         for one, left in zip(found, digits, strict=True)
     ]
 

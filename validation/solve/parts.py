@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from cyclopts import Parameter
 
 from lumped.errors import InputError
-from validation.console.arguments import WholeNumber
 from validation.console.streams import complain, say
-from validation.console.written import require_place, write
+from validation.console.typed import WholeNumber, require_place, write
 
 if TYPE_CHECKING:
     from validation.parts.identify import Identified

@@ -99,9 +99,9 @@ def _half_widths(
     answer: Answer, divisions: int, compliance: Array | float, frequencies: Array | float
 ) -> Answer:
     uncertainty = MeshUncertainty(
-        divisions,
         np.full(len(answer.compliance), compliance),
         np.full(len(answer.frequencies), frequencies),
+        divisions,
     )
     return replace(answer, uncertainty=uncertainty)
 

@@ -6,7 +6,6 @@ import numpy as np
 
 from fem.beams.beam import beam_leg
 from fem.bodies import doubling
-from fem.sections.section_constants import beam_properties
 from lumped.arrays import Array
 from lumped.legs import BeamProperties, ConstantLeg, tip_compliance
 from lumped.models.cantilever import kind_frequencies
@@ -14,7 +13,12 @@ from lumped.sections import Circle, Rectangle, Tube
 from meshes.prism.hexahedra import slice_count
 from meshes.section.section_mesh import section_mesh
 from validation.context import Preset
-from validation.solids.legs import leg_constants, section_counts
+from validation.solids.legs import (
+    decay_of_warping,
+    face_mesh,
+    own_properties,
+    section_counts,
+)
 
 # Unknowns of a rectangle's section mesh at most, elements across the smaller side of the others. A
 # round rim needs eight for its flexure (ν > 0) to reach 1e-4.
@@ -50,7 +54,7 @@ def lengthened(leg: ConstantLeg, divisions: int, doublings: int) -> Lengthened:
     """The leg, its length doubled so many times: each costs one dense step."""
     counts = section_counts(leg, divisions)
     mesh = section_mesh(leg.section, counts)
-    beam = beam_properties(leg_constants(leg, divisions), leg.material)
+    beam = own_properties(leg, divisions)
     condensed = doubling.condensed_leg(leg, mesh, slice_count(leg.section, leg.length, counts))
     pieces = [condensed]
     for _ in range(doublings):
@@ -96,18 +100,12 @@ def affordable_divisions(leg: ConstantLeg, preset: Preset) -> int:
     """Elements across the smaller side that a preset affords."""
     match leg.section:
         case Rectangle():
-            affordable = (n for n in _RECTANGLE_LADDER if _unknowns(leg, n) <= RECTANGLE[preset])
-            return next(affordable, 1)
+            sizes = ((n, 3 * len(face_mesh(leg, n).nodes)) for n in _RECTANGLE_LADDER)
+            return next((n for n, unknowns in sizes if unknowns <= RECTANGLE[preset]), 1)
         case Circle() | Tube():
             return ROUND[preset]
         case _:
             return WALLS[preset]
-
-
-def _unknowns(leg: ConstantLeg, divisions: int) -> int:
-    smaller, larger = sorted(leg.section.extent)
-    along = divisions * max(1, round(larger / smaller))
-    return 3 * (2 * divisions + 1) * (2 * along + 1)
 
 
 def doublings_needed(leg: ConstantLeg, divisions: int) -> int:
@@ -115,9 +113,5 @@ def doublings_needed(leg: ConstantLeg, divisions: int) -> int:
 
     The depth of an end effect is the larger side, or √(EΓ/GJ) of an open section (Vlasov).
     """
-    constants, material = leg_constants(leg, divisions), leg.material
-    vlasov = np.sqrt(
-        material.E * constants.warping_constant / (material.G * constants.torsion_constant)
-    )
-    shortest = _DEPTHS * max(*leg.section.extent, float(vlasov))
+    shortest = _DEPTHS * max(*leg.section.extent, decay_of_warping(leg, divisions))
     return DOUBLINGS + max(0, int(np.ceil(np.log2(shortest / leg.length))))

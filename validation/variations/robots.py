@@ -7,16 +7,17 @@ from functools import cache
 import numpy as np
 
 from lumped.arrays import Array
-from lumped.errors import ComputationError, InputError
+from lumped.errors import naming
 from lumped.mechanism.mechanism import Posture
 from lumped.robot_file import RobotFile, load_robot
 from lumped.robot_file.variation import Variation, told, variations_of, varied
 from validation.adequacy.compared import (
+    Compared,
     compared_compliances,
     compared_frequencies,
     compared_statics,
 )
-from validation.adequacy.mechanism.path import path_postures, robot_at
+from validation.adequacy.mechanism.path import RobotOnPath, path_postures, robot_at
 from validation.context import BUILT_IN, Context, Preset
 from validation.variations.decision import OBJECTIVES, Objective
 
@@ -55,32 +56,14 @@ class VariedRobot:
 
     def postures(self) -> tuple[Posture, ...]:
         """The robot on its path; raises InputError where it cannot be there."""
-        try:
+        with naming(f"--vary {self.said}"):
             return path_postures(self._context())
-        except InputError as error:
-            raise InputError([f"--vary {self.said}: {fault}" for fault in error.faults]) from error
 
     def compute(self) -> VariedModels:
         """All models; raises InputError, without reference, and ComputationError, which name it."""
         at = self.postures()
-        try:
-            robot = robot_at(self._context(), at)
-            if self.objective == "deflection":
-                statics = compared_statics(robot)
-                displacements = {
-                    name: _MICROMETRES * np.linalg.norm(one[:, :3, :3], axis=1)
-                    for name, one in statics.compliances.items()
-                }
-                found = compared_compliances(statics)
-                extremes = _extremes(displacements, statics.uncertainties, np.max)
-            else:
-                found = compared_frequencies(robot)
-                first = {name: one[:, :1] for name, one in found.values.items()}
-                extremes = _extremes(first, found.uncertainties, np.min)
-        except InputError as error:
-            raise InputError([f"--vary {self.said}: {fault}" for fault in error.faults]) from error
-        except ComputationError as error:
-            raise ComputationError(f"--vary {self.said}: {error}") from error
+        with naming(f"--vary {self.said}"):
+            found, extremes = self._over_path(robot_at(self._context(), at))
         middle, names = len(at) // 2, list(found.values)
         values = np.array([one[middle] for one in found.values.values()])
         none = np.full((len(at), values.shape[1]), np.nan)
@@ -93,6 +76,20 @@ class VariedRobot:
             names.index(found.against),
             *extremes,
         )
+
+    def _over_path(self, robot: RobotOnPath) -> tuple[Compared, tuple[Array, Array]]:
+        """What the models say in every pose, and the extremes with their uncertainties."""
+        if self.objective == "frequency":
+            compared = compared_frequencies(robot)
+            first = {name: one[:, :1] for name, one in compared.values.items()}
+            return compared, _extremes(first, compared.uncertainties, np.min)
+        statics = compared_statics(robot)
+        displacements = {
+            name: _MICROMETRES * np.linalg.norm(one[:, :3, :3], axis=1)
+            for name, one in statics.compliances.items()
+        }
+        extremes = _extremes(displacements, statics.uncertainties, np.max)
+        return compared_compliances(statics), extremes
 
     def _context(self) -> Context:
         return replace(_shared(self.preset), robot_file=self.robot_file)

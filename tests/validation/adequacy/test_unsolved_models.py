@@ -21,7 +21,7 @@ EULER = "euler-bernoulli"
 ROBOTS = list(extreme_robots(60, 7))
 # References are made of these, and of no model that is refused here.
 SOLIDS = (
-    "validation.solids.robots.two_meshes ",
+    "validation.solids.leg_models.two_meshes ",
     "validation.adequacy.mechanism.vibration.solid_vibration ",
 )
 

@@ -5,19 +5,18 @@ from compliances import scaled_difference
 from like_ifw import EQUIVALENT, IFW, placed_at
 from numpy.testing import assert_allclose
 
-from fem.bodies.solid import solid_leg_matrices
+from fem.bodies.solid import solid_leg, solid_leg_matrices, solid_mesh
 from fem.solvers import sparse_system
 from lumped.models.bodies import legs_of
 from lumped.system.assembly import assemble
 from validation.models.mechanism import answers
 from validation.models.options import ModelOptions
-from validation.solids.robots import meshed_leg
 
 
 @pytest.mark.parametrize("x", [0.145, 0.4975])
 def test_solve_with_solid_legs_is_the_unreduced_robot(x):
     legs = legs_of(EQUIVALENT).items()
-    whole = {name: solid_leg_matrices(meshed_leg(leg, 1)) for name, leg in legs}
+    whole = {name: solid_leg_matrices(solid_leg(leg, solid_mesh(leg, 1))) for name, leg in legs}
     unreduced = sparse_system.factorised(assemble(*placed_at(EQUIVALENT, x), whole))
     (found,) = answers("solid", placed_at(IFW.mechanism, x), 6, ModelOptions(divisions=1))
     # Required: statics 1e-9, frequencies 1e-4; the compliance of reduced legs is exact.

@@ -243,7 +243,7 @@ def test_every_number_of_an_answer_stands_under_its_own_name():
         take(36).reshape(6, 6),
         take(2),
         idle=3,
-        uncertainty=MeshUncertainty(5, take(6), take(2)),
+        uncertainty=MeshUncertainty(take(6), take(2), 5),
         of_parts=parts,
         strain={Portion("rod", "tension"): take(2)},
     )

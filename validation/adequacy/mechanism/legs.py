@@ -32,8 +32,8 @@ from lumped.legs import (
 from lumped.mechanism.body_model import LegMatrices
 from validation.adequacy.response import finer_by
 from validation.context import Context, Preset
+from validation.solids.leg_models import TwoMeshes, has_meshes, mesh_pair, two_meshes
 from validation.solids.legs import COARSEST_WALLS, leg_constants, static_ladder
-from validation.solids.robots import TwoMeshes, has_meshes, mesh_pair, two_meshes
 from validation.solids.size import larger_preset
 
 # Unknowns of the finest section mesh of a solid leg; the second number where the first one does not

@@ -34,14 +34,14 @@ from validation.models.mechanism import CUTOFF, dynamic_bodies, highest_frequenc
 from validation.models.mechanism_modes import PostureModes, modes_along, modes_on_drives
 from validation.models.options import ModelName, ModelOptions
 from validation.parts.meshes import FINEST
-from validation.solids.legs import COARSEST_WALLS, divisions_across
-from validation.solids.robots import (
+from validation.solids.leg_models import (
     DIVISIONS,
     ELEMENTS,
     WALL_DIVISIONS,
     held_solid,
     renewed_where_needed,
 )
+from validation.solids.legs import COARSEST_WALLS, divisions_across
 
 Build = Callable[[Leg, Ends, float], LegMatrices]
 

@@ -15,7 +15,7 @@ from fem.sections import nonuniform_torsion
 from fem.sections.section_constants import beam_properties, section_constants
 from fem.sections.waveguide import bending_wave, torsion_wave, wall_frequency
 from lumped.arrays import Array
-from lumped.legs import BeamProperties, ConstantLeg, tip_compliance
+from lumped.legs import ConstantLeg, tip_compliance
 from validation.case import Absolute, Allowance, Measurement, Relative, Sides, Skip
 from validation.case_group import CaseGroup, numbered
 from validation.cases.legs.beams import (
@@ -39,6 +39,7 @@ from validation.solids.legs import (
     face_mesh,
     formal_order,
     leg_constants,
+    own_properties,
     solid_compliances,
     solid_frequencies,
     static_ladder,
@@ -111,14 +112,10 @@ def _divisions(
     )
 
 
-def own_beam(leg: ConstantLeg, divisions: int = SECTION_DIVISIONS) -> BeamProperties:
-    """Timoshenko beam of the section's own constants."""
-    return beam_properties(leg_constants(leg, divisions), leg.material)
-
-
 def _own_compliances(leg: ConstantLeg, divisions: tuple[int, ...]) -> Array:
     """Tip compliances (m×6×6) of the beam, section constants on each of the solids' meshes."""
-    return np.array([tip_compliance(own_beam(leg, number), leg.length) for number in divisions])
+    beams = (own_properties(leg, number) for number in divisions)
+    return np.array([tip_compliance(beam, leg.length) for beam in beams])
 
 
 def _restrained(leg: ConstantLeg, divisions: tuple[int, ...]) -> Array:
@@ -135,7 +132,7 @@ def _own_frequencies(
     leg: ConstantLeg, divisions: tuple[int, ...], kinds: tuple[tuple[str, int], ...]
 ) -> Array:
     """Frequencies (Hz, m×k) of the beam by kind and order, for each of the solids' meshes."""
-    beams = (own_beam(leg, number) for number in divisions)
+    beams = (own_properties(leg, number) for number in divisions)
     modes = (cantilever_frequencies(beam, leg.length, 2 * MODES) for beam in beams)
     return np.array([[_frequency_of(found, *kind) for kind in kinds] for found in modes])
 
@@ -307,7 +304,7 @@ def _walls_bend(leg: ConstantLeg, mode: CantileverFrequency) -> str:
         if mode.frequency < lowest:
             return ""
         return f"from {lowest:.4g} Hz on its walls vibrate by themselves, which no beam's do"
-    beam = beam_properties(leg_constants(leg, WAVE_DIVISIONS), leg.material)
+    beam = own_properties(leg, WAVE_DIVISIONS)
     along: Literal["y", "z"] = "z"
     if mode.kind == "bending z":
         beam, along = replace(beam, EIy=beam.EIz, GAz=beam.GAy, rho_Iy=beam.rho_Iz), "y"

@@ -3,10 +3,8 @@
 Its legs are bars of their outer size on coarse meshes, here reduced to their ends.
 """
 
-from collections.abc import Mapping
-
 from fem.bodies.solid import SolidLeg, solid_leg_matrices
-from fem.calculix.mechanism import HeldMesh, compliance_and_frequencies
+from fem.calculix.mechanism import compliance_and_frequencies
 from fem.calculix.run import calculix_program
 from fem.reduction.craig_bampton import craig_bampton
 from fem.reduction.superelement import held_leg
@@ -25,7 +23,7 @@ from validation.context import Context
 from validation.exhibits import PATH
 from validation.models.legs import filled
 from validation.models.mechanism import highest_frequency
-from validation.solids.bars import bar_meshes, bar_solids, with_bars
+from validation.solids.bars import bar_solids, with_bars
 
 MODES = 10
 # Relative rounding of seven printed digits; frequencies are roots of the printed eigenvalues.
@@ -75,13 +73,9 @@ def _reduced(solid: SolidLeg, highest: float) -> BodyModel:
 
 def by_calculix(at: Posture) -> tuple[Array, Array]:
     """The same of a mechanism of bars on the same meshes, not reduced."""
-    bars = with_bars(at)
-    return _by_calculix(bars, bar_meshes(bars.mechanism))
-
-
-def _by_calculix(at: Posture, legs: Mapping[str, HeldMesh]) -> tuple[Array, Array]:
     calculix_program()
-    return compliance_and_frequencies(at, legs, MODES)
+    bars = with_bars(at)
+    return compliance_and_frequencies(bars, bar_solids(bars.mechanism), MODES)
 
 
 def _found(context: Context) -> tuple[tuple[Array, Array], tuple[Array, Array]]:

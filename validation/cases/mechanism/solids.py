@@ -33,13 +33,13 @@ from validation.exhibits import PATH
 from validation.models.legs import filled
 from validation.models.mechanism import CUTOFF, highest_frequency
 from validation.models.mechanism_modes import modes_along
-from validation.solids.legs import FORMAL_ORDER, divisions_across, leg_constants
-from validation.solids.robots import (
+from validation.solids.leg_models import (
     ELEMENTS,
     SHARED_SOLIDS,
     held_solid,
     own_beam,
 )
+from validation.solids.legs import FORMAL_ORDER, decay_of_warping, divisions_across
 from validation.solids.size import skip_too_large
 from validation.studies.leg_waves import NO_WAVES, WAVES, WAVES_SOURCE, wave_changes, waves_of
 
@@ -121,19 +121,12 @@ def _meshes(context: Context) -> tuple[tuple[Posture, ...], SolidMeshes]:
     numbers = [divisions_across(leg, *meshes.fine) for leg in prisms]
     skip_too_large(prisms, numbers, context.preset)
     for leg, number in zip(prisms, numbers, strict=True):
-        if _decay_of_warping(leg, number) > _SHORT * leg.length:
+        if decay_of_warping(leg, number) > _SHORT * leg.length:
             raise Skip(
                 f"{leg.name}: warping of its open section reaches over more than a tenth of its "
                 "length, and beams without warping are none of its theory"
             )
     return middle, meshes
-
-
-def _decay_of_warping(leg: ConstantLeg, divisions: int) -> float:
-    """√(EΓ/GJ) (m): how far from an end non-uniform torsion reaches (Vlasov)."""
-    constants, material = leg_constants(leg, divisions), leg.material
-    stiffer = material.E * constants.warping_constant
-    return float(np.sqrt(stiffer / (material.G * constants.torsion_constant)))
 
 
 def _both(context: Context) -> tuple[FreeModes, FreeModes, float]:

@@ -20,8 +20,8 @@ from validation.paper.robot import (
     unreduced_modes,
 )
 from validation.paper.statements.statement import SIMPLIFIED, Compute, Statement
+from validation.solids.leg_models import held_solid
 from validation.solids.legs import FORMAL_ORDER
-from validation.solids.robots import held_solid
 from validation.variations.decision import equally_good, spearman
 
 _CONCLUSIONS = "§2.3, §3.3 and conclusions"

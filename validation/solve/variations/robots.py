@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from lumped.acceptance.requirement import AXES, ROTATIONS
-from lumped.errors import ComputationError, InputError
+from lumped.errors import naming
 from lumped.robot_file import RobotFile
 from lumped.robot_file.variation import Variation, told, varied
 from validation.drawing.style import csv_of
@@ -40,12 +40,8 @@ class _Unit:
     asked: Question
 
     def __call__(self) -> Solution:
-        try:
+        with naming(f"--vary {self.said}"):
             return solve(self.asked)
-        except InputError as error:
-            raise InputError([f"--vary {self.said}: {fault}" for fault in error.faults]) from error
-        except ComputationError as error:
-            raise ComputationError(f"--vary {self.said}: {error}") from error
 
 
 def solve_varied(
@@ -68,10 +64,8 @@ def solve_varied(
         said = told(variations, values)
         # Tables of many robots have no room for what digits leave open of each.
         asked = replace(question(robot, model, place, modes, given), text="")
-        try:
+        with naming(f"--vary {said}"):
             checked(asked)
-        except InputError as error:
-            raise InputError([f"--vary {said}: {fault}" for fault in error.faults]) from error
         units.append(_Unit(said, asked))
     solved = dict(executor(units))
     return VariedAnswers(

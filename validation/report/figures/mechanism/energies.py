@@ -18,7 +18,7 @@ from validation.models.mechanism_modes import PostureModes
 from validation.report.figures.declared import FigureGroup, Shown, curves
 from validation.report.figures.mechanism.drawn_modes import finite_elements
 from validation.report.figures.mechanism.mode_names import DRIVES, JOINTS, by_kind
-from validation.solids.robots import SHARED_SOLIDS
+from validation.solids.leg_models import SHARED_SOLIDS
 
 Portions = Mapping[Portion, Array]
 Shares = Mapping[str, Array]

@@ -14,7 +14,7 @@ from validation.drawing.chart import Chart, Column, Panel, Series
 from validation.exhibits import PATH
 from validation.models.options import DEFAULT_OPTIONS, ModelName
 from validation.report.figures.declared import FigureGroup, Shown, curves
-from validation.solids.robots import SHARED_SOLIDS
+from validation.solids.leg_models import SHARED_SOLIDS
 
 _MODELS: tuple[ModelName, ...] = ("beam", "segments")
 figures = FigureGroup(PATH, SHARED_SOLIDS)

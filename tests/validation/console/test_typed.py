@@ -7,7 +7,7 @@ import pytest
 
 from lumped.errors import InputError
 from validation.cli import main
-from validation.console.written import require_place, write
+from validation.console.typed import require_place, write
 
 COMMANDS = {
     "table": ["solve", "five-bar", "--model", "vjm", "--vary", "tool.mass=1:2:2", "--csv"],

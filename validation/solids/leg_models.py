@@ -1,4 +1,4 @@
-"""Legs of a robot as solids, beams of the same section meshes, and what both are at their tips."""
+"""Legs as solids, as beams of the same section meshes, and what both are at their tips."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -10,7 +10,6 @@ import numpy as np
 from fem.beams.beam import beam_leg
 from fem.bodies.solid import (
     Ends,
-    SolidLeg,
     clamped_leg,
     solid_leg,
     solid_leg_matrices,
@@ -30,7 +29,7 @@ from validation.solids.legs import (
     COARSEST_WALLS,
     doubled_tip,
     face_mesh,
-    leg_constants,
+    own_properties,
     static_ladder,
     static_slices,
 )
@@ -46,11 +45,6 @@ WALL_DIVISIONS: dict[Preset, int] = {"quick": 2, "standard": 4, "fine": 8}
 ELEMENTS = 20
 
 T = TypeVar("T")
-
-
-def meshed_leg(leg: ConstantLeg, divisions: int) -> SolidLeg:
-    """A leg as a solid, `divisions` quadratic elements across the smaller side of its section."""
-    return solid_leg(leg, solid_mesh(leg, divisions))
 
 
 def held_solid(leg: ConstantLeg, divisions: int, ends: Ends, section: int | None = None) -> HeldLeg:
@@ -165,12 +159,6 @@ def _compliances(leg: ConstantLeg, divisions: int, along: int) -> TipCompliances
     return TipCompliances(
         rigid=doubled_tip(leg, divisions, along, "rigid"),
         free=doubled_tip(leg, divisions, along, "free"),
-        own=own_tip(leg, divisions),
+        own=tip_compliance(own_properties(leg, divisions), leg.length),
         restrained=restrained_compliance(face_mesh(leg, divisions), leg.material, leg.length),
     )
-
-
-def own_tip(leg: ConstantLeg, divisions: int) -> Array:
-    """The Timoshenko cantilever's with the constants of the same section mesh."""
-    properties = beam_properties(leg_constants(leg, divisions), leg.material)
-    return tip_compliance(properties, leg.length)

@@ -1,16 +1,41 @@
-"""Files that a user names for results: refused before those are computed, written after.
+"""What people type: whole numbers, and files for results, refused at once and written afterwards.
 
 A file that is there is replaced only by one of its kind, as its name ends: never a robot file or a
 drawing by the table made of it.
 """
 
 import os
+import re
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Annotated, TypeAlias
+
+from cyclopts import Parameter, Token
 
 from lumped.errors import InputError
 from lumped.text import visible
 from validation.console.streams import complain
 from validation.store.tree import Tree
+
+
+def _whole_number(_type: object, tokens: Sequence[Token]) -> int:
+    # int() of the parser's own cuts 1.5 down to 1.
+    text = tokens[0].value
+    if not re.fullmatch(r"[+-]?\d{1,15}", text, re.ASCII):
+        option = tokens[0].keyword
+        raise ValueError(f'Invalid value "{text[:40]}" for {option}. Must be a whole number.')
+    return int(text)
+
+
+def _process_count(_type: object, tokens: Sequence[Token]) -> int:
+    count = _whole_number(_type, tokens)
+    if not 1 <= count <= 1024:
+        raise ValueError(f'Invalid value "{count}" for --jobs. Must be a whole number, 1 to 1024.')
+    return count
+
+
+WholeNumber: TypeAlias = Annotated[int, Parameter(converter=_whole_number)]
+ProcessCount: TypeAlias = Annotated[int | None, Parameter(converter=_process_count)]
 
 
 def require_place(path: Path | None, kind: str) -> None:
