@@ -427,6 +427,17 @@ def new(
 
 
 @app.command
+def schema() -> int:
+    """Print the JSON schema of robot files, for editors."""
+    from json import dumps  # noqa: PLC0415
+
+    from lumped.robot_file.rules.published import json_schema  # noqa: PLC0415
+
+    say(dumps(json_schema(), indent=1, ensure_ascii=False))
+    return 0
+
+
+@app.command
 def cases(
     robot: str = "ifw",
     *,

@@ -11,7 +11,7 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.audit.finding import Finding, Severity
-from lumped.robot_file.matrix_faults import asymmetries, is_positive_definite, smallest_eigenvalue
+from lumped.robot_file.rules.matrices import asymmetries, is_positive_definite, smallest_eigenvalue
 
 # Moments of inertia are printed with three to four digits.
 _TRIANGLE_ROUNDING = 1e-3

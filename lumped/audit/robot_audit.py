@@ -7,7 +7,7 @@ from typing import Any
 from lumped.audit.data_checks import data_findings, parts
 from lumped.audit.finding import Finding
 from lumped.robot_file import RobotFile, as_printed
-from lumped.robot_file.tables import Correction
+from lumped.robot_file.evidence import Correction
 
 
 def audit(robot_file: RobotFile) -> tuple[Finding, ...]:

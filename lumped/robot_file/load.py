@@ -2,7 +2,7 @@
 
 import hashlib
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from importlib import resources
@@ -10,27 +10,27 @@ from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import Any
 
-import msgspec
-
 from lumped.acceptance.measured import Measured, pose_faults, read_measured
-from lumped.acceptance.requirement import STATIC_QUANTITIES, Requirement
+from lumped.acceptance.requirement import Requirement
 from lumped.errors import InputError
 from lumped.files import read_ordinary, require_ordinary
 from lumped.mechanism.mechanism import Mechanism
 from lumped.mechanism.part import Part
-from lumped.robot_file.biglide.build import (
-    biglide_faults,
-    biglide_of,
+from lumped.robot_file.biglide import biglide_faults, biglide_of
+from lumped.robot_file.evidence import (
+    Correction,
     corrections_of,
     evidence_faults,
-    input_uncertainties_of,
     measured_of,
+    requirement_of,
+    times,
 )
-from lumped.robot_file.biglide.corrections import scaled, with_printed_values
 from lumped.robot_file.mechanism.build import description_faults, mechanism_of
 from lumped.robot_file.mechanism.motion_faults import motion_faults
+from lumped.robot_file.places import value_at, with_value
 from lumped.robot_file.reading import decoded, parsed
-from lumped.robot_file.tables import Accept, Correction
+from lumped.robot_file.rules.published import key_comments
+from lumped.robot_file.rules.tables import MECHANISM, rules_of
 from lumped.robots import FIRST_TYPE, RobotType
 from lumped.text import cut, did_you_mean, visible
 
@@ -38,7 +38,6 @@ _SUFFIX = ".toml"
 # What a person reads before mending the first of them.
 _MOST_LINES = 50
 _LONGEST_LINE = 300
-_ONLY_IN_2 = ("points", "bodies", "joints")
 
 
 @dataclass(frozen=True)
@@ -70,31 +69,46 @@ class RobotFile:
         """The robot's name."""
         return self.mechanism.name
 
-    def with_inputs_off(
-        self,
-    ) -> tuple[tuple[str, Mechanism, Mechanism], ...]:
+    def with_inputs_off(self) -> tuple[tuple[str, Mechanism, Mechanism], ...]:
         """Each uncertain input by its key, with the robot where it is a standard uncertainty off.
 
         Below, then above what the file says. Raises InputError where there is no such robot.
         """
+        read = rules_of(self.tables).read(self.tables)
         return tuple(
-            (one.key, self._scaled(one.key, -one.relative), self._scaled(one.key, one.relative))
-            for one in input_uncertainties_of(self.tables)
+            (
+                one["key"],
+                self._scaled(one["key"], -one["relative"]),
+                self._scaled(one["key"], one["relative"]),
+            )
+            for one in read["input_uncertainty"]
         )
 
     def _scaled(self, key: str, change: float) -> Mechanism:
-        tables = scaled(self.tables, key, 1.0 + change)
+        try:
+            value = times(value_at(self.tables, key), 1.0 + change)
+            return self.with_values({key: value}).mechanism
+        except InputError as error:
+            place = f"{self.source}: input_uncertainty, {key} by {change:+.3g}"
+            raise InputError(f"{place}: {fault}" for fault in error.faults) from error
+
+    def with_values(self, values: Mapping[str, Any]) -> "RobotFile":
+        """The robot with other numbers or matrices at keys of its file.
+
+        Raises InputError where there is no such robot, LookupError where there is no such key.
+        """
+        tables = self.tables
         # What was measured and what was misprinted is as the file says.
         for said in ("measured", "corrections"):
             tables.pop(said, None)
-        folder = Path() if self.built_in else Path(self.source).parent
-        described, faults = described_by(tables, folder)
-        if described is None:
-            raise InputError(
-                f"{self.source}: input_uncertainty, {key} by {change:+.3g}: {fault}"
-                for fault in faults
-            )
-        return described
+        for key, value in values.items():
+            tables = with_value(tables, key, value)
+        return replace(self, mechanism=described_by(tables, self.folder)[0])
+
+    @property
+    def folder(self) -> Path:
+        """Where files that it names are sought."""
+        return Path() if self.built_in else Path(self.source).parent
 
     @property
     def tables(self) -> dict[str, Any]:
@@ -130,47 +144,38 @@ def load_robot(name_or_path: str | Path) -> RobotFile:
     content = _built_in(source) if built_in else _read(source)
     text = decoded(content, source)
     tables = parsed(text, source)
-    described, faults = described_by(tables, Path() if built_in else Path(source).parent)
-    if described is None:
-        raise InputError(_listed(source, faults))
+    try:
+        mechanism, read = described_by(tables, Path() if built_in else Path(source).parent)
+    except InputError as error:
+        raise InputError(_listed(source, error.faults)) from None
     return RobotFile(
-        mechanism=described,
+        mechanism=mechanism,
         source=source,
         built_in=built_in,
         text=text,
-        sha256=_digest(content, described),
-        corrections=corrections_of(tables),
-        requirement=requirement_of(msgspec.convert(tables.get("accept"), Accept | None)),
-        measured=measured_of(tables),
-    )
-
-
-def requirement_of(accept: Accept | None) -> Requirement:
-    """What a file's [accept] asks; the defaults without it."""
-    if accept is None:
-        return Requirement()
-    limits = {name: getattr(accept, name) for name in STATIC_QUANTITIES}
-    return Requirement(
-        deflection=accept.deflection,
-        frequency=accept.frequency,
-        modes=accept.modes,
-        rely=tuple(accept.rely),
-        limits={name: limit for name, limit in limits.items() if limit is not None},
+        sha256=_digest(content, mechanism),
+        corrections=corrections_of(read),
+        requirement=requirement_of(read["accept"]),
+        measured=measured_of(read),
     )
 
 
 def as_printed(robot_file: RobotFile) -> dict[str, Any]:
     """The file's tables with every correction undone: the data as their source prints them."""
-    return with_printed_values(robot_file.tables, robot_file.corrections)
+    tables = robot_file.tables
+    for correction in robot_file.corrections:
+        tables = with_value(tables, correction.key, correction.printed)
+    return tables
 
 
 def write_template(path: str | Path, kind: RobotType = FIRST_TYPE) -> None:
-    """Write a commented robot file to start from: the built-in robot of that name.
+    """Write a commented robot file to start from: the built-in robot of that name, all keys below.
 
     Raises InputError where `path` exists already or cannot be written; nothing half-written stays.
     """
     target = Path(path)
-    content = _built_in(kind)
+    text = decoded(_built_in(kind), kind)
+    content = f"{text}\n{key_comments(tomllib.loads(text))}".encode()
     try:
         file = target.open("xb")
     except FileExistsError as error:
@@ -188,26 +193,24 @@ def write_template(path: str | Path, kind: RobotType = FIRST_TYPE) -> None:
         raise InputError(f"{path}: cannot be written ({error.strerror})") from error
 
 
-def described_by(
-    tables: Mapping[str, Any], folder: Path | None = None
-) -> tuple[Mechanism | None, list[str]]:
-    """What the tables of a file of either schema describe, or None and their faults.
+def described_by(tables: Mapping[str, Any], folder: Path) -> tuple[Mechanism, dict[str, Any]]:
+    """What the tables of a file of either schema describe, and the tables as they are read.
 
-    Files of parts are sought in `folder`, the current one where None.
+    Files of parts are sought in `folder`. Raises InputError with one line per fault.
     """
-    schema = tables.get("schema")
-    # Whoever mistypes the number has written one of the two all the same.
-    if schema == 2 or (schema != 1 and not tables.keys().isdisjoint(_ONLY_IN_2)):
-        faults = description_faults(tables)
-        mechanism = None if faults else mechanism_of(tables, folder)
-        if mechanism is not None:
-            faults = motion_faults(mechanism) or evidence_faults(tables, mechanism)
-        return (None if faults else mechanism), faults
-    faults = biglide_faults(tables)
-    return (None if faults else biglide_of(tables)), faults
+    rules = rules_of(tables)
+    any_robot = rules is MECHANISM
+    if faults := description_faults(tables) if any_robot else biglide_faults(tables):
+        raise InputError(faults)
+    read = rules.read(tables)
+    mechanism = mechanism_of(tables, folder) if any_robot else biglide_of(read)
+    faults = motion_faults(mechanism) if any_robot else []
+    if faults := faults or evidence_faults(tables, read, mechanism):
+        raise InputError(faults)
+    return mechanism, read
 
 
-def _listed(source: str, faults: list[str]) -> list[str]:
+def _listed(source: str, faults: Sequence[str]) -> list[str]:
     """The faults with their file, each on one short line, the rest counted where there are many."""
     some = faults if len(faults) <= _MOST_LINES else faults[: _MOST_LINES - 1]
     lines = [visible(f"{source}: {cut(fault, _LONGEST_LINE)}") for fault in some]

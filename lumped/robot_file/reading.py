@@ -15,7 +15,7 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.errors import InputError
-from lumped.robot_file.leg_table import symmetric
+from lumped.robot_file.rules.matrices import symmetric
 from lumped.text import cut
 
 _DEEPEST = 100

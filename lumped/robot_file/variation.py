@@ -6,19 +6,17 @@ key stands for any part of a name: all numbers whose keys match take the same va
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from itertools import product
 from math import isfinite
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from lumped.errors import InputError, each
-from lumped.robot_file.biglide.corrections import with_value
-from lumped.robot_file.load import RobotFile, described_by
-from lumped.robot_file.matrix_faults import is_finite_number
+from lumped.robot_file.load import RobotFile
+from lumped.robot_file.rules.rule import is_finite_number
 from lumped.text import cut, did_you_mean, shown
 
 MOST_VALUES, MOST_ROBOTS = 1000, 10_000
@@ -60,17 +58,15 @@ def varied(
 
     Raises InputError, one line, for the first robot that cannot be: one number is one cause.
     """
-    folder = Path() if robot_file.built_in else Path(robot_file.source).parent
     robots = []
     for values in product(*(one.values for one in variations)):
-        tables: Mapping[str, Any] = robot_file.tables
-        for one, value in zip(variations, values, strict=True):
-            for key in one.keys:
-                tables = with_value(tables, key, value)
-        described, faults = described_by(tables, folder)
-        if described is None:
-            raise InputError(f"--vary {told(variations, values)}: {faults[0]}")
-        robots.append((values, replace(robot_file, mechanism=described)))
+        pairs = zip(variations, values, strict=True)
+        changes = {key: value for one, value in pairs for key in one.keys}
+        try:
+            robots.append((values, robot_file.with_values(changes)))
+        except InputError as error:
+            place = f"--vary {told(variations, values)}"
+            raise InputError(f"{place}: {error.faults[0]}") from error
     return robots
 
 

@@ -13,15 +13,12 @@ from fem.bodies.solid import solid_leg, solid_leg_matrices, solid_mesh
 from fem.solvers import sparse_system
 from lumped.arrays import Array
 from lumped.dense.modes import Modes as SystemModes
-from lumped.errors import InputError
 from lumped.legs import Leg, equivalent_leg
 from lumped.mechanism.biglide import Stroke
 from lumped.mechanism.kinematics.postures import posture
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.models.bodies import legs_of
 from lumped.robot_file import RobotFile, as_printed
-from lumped.robot_file.biglide.corrections import with_value
-from lumped.robot_file.load import described_by
 from lumped.system.assembly import System, assembly
 from lumped.system.joint_motion import Portion
 from lumped.system.solution import strain_shares
@@ -98,19 +95,9 @@ def is_the_papers(robot_file: RobotFile) -> bool:
     return robot_file.built_in and robot_file.source == BUILT_IN
 
 
-def changed(robot_file: RobotFile, key: str, value: float) -> RobotFile:
-    """The robot with another number at a key of its file; raises InputError if there is none."""
-    # What was misprinted is as the file says.
-    tables = {name: t for name, t in robot_file.tables.items() if name != "corrections"}
-    described, faults = described_by(with_value(tables, key, value))
-    if described is None:
-        raise InputError(faults)
-    return replace(robot_file, mechanism=described)
-
-
 def member(robot_file: RobotFile, alpha: float) -> RobotFile:
     """The robot whose legs are α times as long, stroke and sections unchanged (eqs 10, 11)."""
-    return changed(robot_file, "geometry.alpha", alpha)
+    return robot_file.with_values({"geometry.alpha": alpha})
 
 
 def foot_compliances(robot_file: RobotFile) -> tuple[Array, Array]:

@@ -4,16 +4,19 @@ import tomllib
 from collections.abc import Sequence
 from typing import Any
 
-import msgspec
 import numpy as np
 
 from lumped.arrays import Array
 from lumped.errors import InputError
 from lumped.legs import Material
 from lumped.mechanism.part import PartInterface
-from lumped.robot_file.mechanism.part_tables import InterfaceTable, choice_faults, interface_of
-from lumped.robot_file.table_faults import table_faults
-from lumped.robot_file.tables import MaterialTable
+from lumped.robot_file.mechanism.part_tables import (
+    choice_faults,
+    interface_of,
+    isotropic_of,
+    material_faults,
+)
+from lumped.robot_file.rules.tables import INTERFACE, MATERIAL
 
 _EXAMPLE = "A = { cylinder = { radius = 0.04 } }"
 
@@ -38,14 +41,13 @@ def interfaces_of(texts: Sequence[str]) -> tuple[dict[str, PartInterface], dict[
             if not isinstance(table, dict):
                 faults.append(f"{key}: must be a table, {_EXAMPLE}")
                 continue
-            own = table_faults(InterfaceTable, table, f"{key}.")
+            own = INTERFACE.faults_within(table, f"{key}.")
+            read = {} if own else INTERFACE.read(table)
+            own = own or choice_faults(read, key)
             if not own:
-                typed = msgspec.convert(table, InterfaceTable)
-                own = choice_faults(typed, key)
-                if not own:
-                    wanted[name] = interface_of(typed)
-                    if typed.point is not None:
-                        points[name] = np.array(typed.point, dtype=float)
+                wanted[name] = interface_of(read)
+                if read["point"] is not None:
+                    points[name] = np.array(read["point"])
             faults += own
     if not texts:
         faults.append(f"--interface: missing; must be given, {_EXAMPLE!r} say")
@@ -61,16 +63,11 @@ def material_of(text: str) -> Material:
     table = tables["material"]
     if not isinstance(table, dict) or len(tables) > 1:
         raise InputError(f"--material: must be a table, {example}")
-    faults = table_faults(MaterialTable, table, "--material ")
-    if not faults:
-        typed = msgspec.convert(table, MaterialTable)
-        if typed.rho is None:
-            faults.append("--material rho: missing; a part's mass follows from its density")
-        elif typed.G is not None:
-            faults.append("--material G: does not belong to a part; its material is isotropic")
-        else:
-            return Material.isotropic(typed.E, typed.nu, typed.rho)
-    raise InputError(faults)
+    faults = MATERIAL.faults_within(table, "--material ")
+    read = {} if faults else MATERIAL.read(table)
+    if faults := faults or material_faults(read, "--material "):
+        raise InputError(faults)
+    return isotropic_of(read)
 
 
 def _table(text: str, option: str, example: str) -> dict[str, Any]:

@@ -5,23 +5,18 @@ Faults in one entry must not hide those of the others; so each entry is read on 
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeAlias
 
-import msgspec
 import numpy as np
 
 from lumped.arrays import Array
 from lumped.mechanism.mechanism import GROUND
-from lumped.robot_file.mechanism.part_tables import Point
-from lumped.robot_file.mechanism.tables import (
-    BodyTable,
-    JointTable,
-    PathTable,
-    ToolTable,
-)
-from lumped.robot_file.table_faults import value_faults
-from lumped.robot_file.tables import MaterialTable
+from lumped.robot_file.rules.rule import Named
+from lumped.robot_file.rules.tables import MECHANISM
 from lumped.text import did_you_mean, shown
+
+# A sound table as it is read: a value for every key, None where left out.
+Entry: TypeAlias = Mapping[str, Any]
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,11 +24,11 @@ class Draft:
     """The sound entries of a robot file's tables, by name; `names` of all, sound or not."""
 
     points: Mapping[str, Array]
-    materials: Mapping[str, MaterialTable]
-    bodies: Mapping[str, BodyTable]
-    joints: Mapping[str, JointTable]
-    tool: ToolTable | None
-    path: PathTable | None
+    materials: Mapping[str, Entry]
+    bodies: Mapping[str, Entry]
+    joints: Mapping[str, Entry]
+    tool: Entry | None
+    path: Entry | None
     names: Mapping[str, tuple[str, ...]]
 
     def unknown(self, key: str, name: str, among: str) -> list[str]:
@@ -49,7 +44,7 @@ class Draft:
         if body == GROUND or body not in self.bodies:
             return None
         table = self.bodies[body]
-        held = (table.points, table.interfaces, (table.start, table.to))
+        held = (table["points"], table["interfaces"], (table["from"], table["to"]))
         given = [tuple(point for point in points or () if point) for points in held]
         begun = [points for points in given if points]
         if len(begun) != 1 or (begun[0] == given[2] and len(set(begun[0])) != 2):
@@ -69,29 +64,29 @@ def wrong_name(key: str, name: str, known: Iterable[str], allowed: str) -> list[
 
 def draft(tables: Mapping[str, Any]) -> Draft:
     """What is sound in the tables of a robot file of schema 2."""
-    groups = {key: _table(tables, key) for key in ("points", "materials", "bodies", "joints")}
+    points, materials, bodies, joints, tool, path = (
+        _sound(tables, key) for key in ("points", "materials", "bodies", "joints", "tool", "path")
+    )
     return Draft(
-        points={n: np.array(place, dtype=float) for n, place in _sound(groups["points"], Point)},
-        materials=dict(_sound(groups["materials"], MaterialTable)),
-        bodies=dict(_sound(groups["bodies"], BodyTable)),
-        joints=dict(_sound(groups["joints"], JointTable)),
-        tool=_one(tables, "tool", ToolTable),
-        path=_one(tables, "path", PathTable),
-        names={key: tuple(group) for key, group in groups.items()},
+        points={name: np.array(place) for name, place in points.items()},
+        materials=materials,
+        bodies=bodies,
+        joints=joints,
+        tool=tool or None,
+        path=path or None,
+        names={key: tuple(_group(tables, key)) for key in MECHANISM.keys},
     )
 
 
-def _table(tables: Mapping[str, Any], key: str) -> Mapping[str, Any]:
+def _group(tables: Mapping[str, Any], key: str) -> Mapping[str, Any]:
     group = tables.get(key)
     return group if isinstance(group, dict) else {}
 
 
-def _one(tables: Mapping[str, Any], key: str, kind: Any) -> Any:
-    entry = {key: tables[key]} if key in tables else {}
-    return next((table for _, table in _sound(entry, kind)), None)
-
-
-def _sound(entries: Mapping[str, Any], kind: Any) -> Iterable[tuple[str, Any]]:
-    for name, entry in entries.items():
-        if not value_faults(kind, entry, name):
-            yield name, msgspec.convert(entry, kind)
+def _sound(tables: Mapping[str, Any], key: str) -> dict[str, Any]:
+    """The sound entries of a table of named ones; of [tool] and [path] all or nothing."""
+    group, rule = _group(tables, key), MECHANISM.keys[key].kind
+    if isinstance(rule, Named):
+        kind = rule.kind
+        return {name: kind.read(one) for name, one in group.items() if not kind.faults(one, name)}
+    return {} if rule.faults(tables.get(key), key) else rule.read(group)

@@ -1,83 +1,52 @@
-"""Interfaces of a CAD part as they are typed: which faces, which coupling, which point."""
+"""Interfaces and material of a CAD part as they are typed, in a robot file or at a command line."""
 
-from typing import Annotated, TypeAlias
-
-from msgspec import Meta
-
+from lumped.legs import Material
 from lumped.mechanism.part import (
     ByCylinder,
     ByFaces,
     ByName,
     ByPlane,
-    Coupling,
     PartInterface,
     Selection,
 )
-from lumped.robot_file.tables import Length, Table, Text, number
-
-# 100 m: beyond any robot with rigid legs, below one of 10 cm written in millimetres.
-Coordinate: TypeAlias = Annotated[
-    float,
-    Meta(ge=-100.0, le=100.0, extra=number("m", "is this in mm?", "is this in mm?")),
-]
-Point: TypeAlias = tuple[Coordinate, Coordinate, Coordinate]
-# Any length: a direction is made a unit vector.
-Component: TypeAlias = Annotated[float, Meta(ge=-1e6, le=1e6)]
-Direction: TypeAlias = tuple[Component, Component, Component]
+from lumped.robot_file.mechanism.draft import Entry
 
 _CHOICES = ("faces", "name", "cylinder", "plane")
 
 
-class CylinderTable(Table, frozen=True):
-    """`cylinder`: the bore or boss of that `radius` (m), its axis through the point or `point`."""
-
-    radius: Length
-    axis: Direction | None = None
-    point: Point | None = None
-    tolerance: Length | None = None
-
-
-class PlaneTable(Table, frozen=True):
-    """`plane`: the flat faces of that outward `normal` through the point or `point` (m)."""
-
-    normal: Direction
-    point: Point | None = None
-    tolerance: Length | None = None
-
-
-class InterfaceTable(Table, frozen=True):
-    """An interface of a CAD part: its faces in one of four ways, and how they are held.
-
-    `point`: its reference point (m, the file's axes) where it has no name of a point in a robot.
-    """
-
-    faces: list[int] | None = None
-    name: Text | None = None
-    cylinder: CylinderTable | None = None
-    plane: PlaneTable | None = None
-    coupling: Coupling | None = None
-    point: Point | None = None
-
-
-def choice_faults(table: InterfaceTable, key: str) -> list[str]:
+def choice_faults(interface: Entry, key: str) -> list[str]:
     """The fault of an interface whose faces are said in no way or in several."""
-    given = [choice for choice in _CHOICES if getattr(table, choice) is not None]
+    given = [choice for choice in _CHOICES if interface[choice] is not None]
     if len(given) == 1:
         return []
     said = f"has {' and '.join(given)}" if given else "does not say which faces"
     return [f"{key}: {said}; must have one of {', '.join(_CHOICES)}"]
 
 
-def interface_of(table: InterfaceTable) -> PartInterface:
+def material_faults(material: Entry, path: str) -> list[str]:
+    """Why a material is none of a part; `path` goes before each key."""
+    faults = []
+    if material["rho"] is None:
+        faults.append(f"{path}rho: missing; a part's mass follows from its density")
+    if material["G"] is not None:
+        faults.append(f"{path}G: does not belong to a part; its material is isotropic")
+    return faults
+
+
+def interface_of(interface: Entry) -> PartInterface:
     """The interface of a table without faults."""
     chosen: Selection
-    if table.cylinder is not None:
-        cylinder = table.cylinder
-        chosen = ByCylinder(cylinder.radius, cylinder.axis, cylinder.point, cylinder.tolerance)
-    elif table.plane is not None:
-        chosen = ByPlane(table.plane.normal, table.plane.point, table.plane.tolerance)
-    elif table.name is not None:
-        chosen = ByName(table.name)
+    if interface["cylinder"] is not None:
+        chosen = ByCylinder(**interface["cylinder"])
+    elif interface["plane"] is not None:
+        chosen = ByPlane(**interface["plane"])
+    elif interface["name"] is not None:
+        chosen = ByName(interface["name"])
     else:
-        chosen = ByFaces(tuple(table.faces or ()))
-    return PartInterface(chosen, table.coupling)
+        chosen = ByFaces(interface["faces"])
+    return PartInterface(chosen, interface["coupling"])
+
+
+def isotropic_of(material: Entry) -> Material:
+    """The isotropic material of a table without faults."""
+    return Material.isotropic(material["E"], material["nu"], material["rho"])

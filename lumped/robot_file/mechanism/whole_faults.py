@@ -14,41 +14,35 @@ def connection_faults(draft: Draft) -> list[str]:
 
 def path_faults(draft: Draft) -> list[str]:
     """Faults of [path] beside the tool's moves."""
-    path, tool = draft.path, draft.tool
-    if path is None or tool is None:
+    if draft.path is None or draft.tool is None:
         return []
-    moves = len(tool.moves)
-    lists = {"from": path.start, "to": path.to, "counts": path.counts}
-    if path.poses is not None:
-        lists["count"] = None if path.count is None else [path.count]
-        extra = [key for key, value in lists.items() if value is not None]
-        faults = [f"path.{key}: must not be given beside path.poses" for key in extra]
-        if not path.poses:
+    path, moves = draft.path, draft.tool["moves"]
+    given = [key for key in ("from", "to", "count", "counts") if path[key] is not None]
+    if path["poses"] is not None:
+        faults = [f"path.{key}: must not be given beside path.poses" for key in given]
+        if not path["poses"]:
             faults.append("path.poses = []: must hold at least one pose")
-        poses = {f"poses[{i}]": pose for i, pose in enumerate(path.poses, start=1)}
-        return faults + _length_faults(poses, moves, tool.moves)
+        poses = {f"poses[{i}]": pose for i, pose in enumerate(path["poses"], start=1)}
+        return faults + _length_faults(poses, moves)
     faults = [
-        f"path.{key}: missing; must be a pose, {moves} numbers ({', '.join(tool.moves)})"
+        f"path.{key}: missing; must be a pose, {len(moves)} numbers ({', '.join(moves)})"
         for key in ("from", "to")
-        if lists[key] is None
+        if key not in given
     ]
-    if (path.count is None) == (path.counts is None):
+    if ("count" in given) == ("counts" in given):
         faults.append(
             "path.count: must be given for a line (how many poses), or path.counts for a grid "
             "(how many along each move), and only one of them"
         )
-    given = {key: value for key, value in lists.items() if value is not None}
-    return faults + _length_faults(given, moves, tool.moves)
+    return faults + _length_faults({key: path[key] for key in given if key != "count"}, moves)
 
 
-def _length_faults(
-    lists: Mapping[str, Sequence[float]], moves: int, names: Sequence[str]
-) -> list[str]:
-    wanted = f"one for each of tool.moves ({', '.join(names)})" if moves else "none: no tool.moves"
+def _length_faults(lists: Mapping[str, Sequence[float]], moves: Sequence[str]) -> list[str]:
+    wanted = f"one for each of tool.moves ({', '.join(moves)})" if moves else "none: no tool.moves"
     return [
-        f"path.{key}: {len(values)} numbers; must be {moves}, {wanted}"
+        f"path.{key}: {len(values)} numbers; must be {len(moves)}, {wanted}"
         for key, values in lists.items()
-        if len(values) != moves
+        if len(values) != len(moves)
     ]
 
 
@@ -56,7 +50,7 @@ def _loose_bodies(draft: Draft) -> Iterator[str]:
     """Bodies without a joint, and groups of bodies that no joint connects to ground."""
     neighbours: dict[str, set[str]] = {name: set() for name in (GROUND, *draft.bodies)}
     for joint in draft.joints.values():
-        first, second = joint.between
+        first, second = joint["between"]
         neighbours[first].add(second)
         neighbours[second].add(first)
     standing, reached = [GROUND], {GROUND}
@@ -78,10 +72,10 @@ def _idle_interfaces(draft: Draft) -> Iterator[str]:
     used = {
         (body, point)
         for joint in draft.joints.values()
-        for body, point in zip(joint.between, points_of(joint), strict=True)
+        for body, point in zip(joint["between"], points_of(joint), strict=True)
     }
     if draft.tool is not None:
-        used.add((draft.tool.body, draft.tool.point))
+        used.add((draft.tool["body"], draft.tool["point"]))
     for name in draft.bodies:
         joined = any(body == name for body, _ in used)
         for point in draft.interfaces(name) or ():
@@ -94,8 +88,9 @@ def _idle_interfaces(draft: Draft) -> Iterator[str]:
 
 def _idle_points(draft: Draft) -> Iterator[str]:
     used = {point for name in draft.bodies for point in draft.interfaces(name) or ()}
-    used |= {body.centre for body in draft.bodies.values() if isinstance(body.centre, str)}
-    used |= {b.place.at for b in draft.bodies.values() if b.place and isinstance(b.place.at, str)}
+    for body in draft.bodies.values():
+        places = body["centre"], body["place"] and body["place"]["at"]
+        used |= {place for place in places if isinstance(place, str)}
     used |= {point for joint in draft.joints.values() for point in points_of(joint)}
     for point in draft.points:
         if point not in used:

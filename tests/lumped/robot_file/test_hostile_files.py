@@ -6,6 +6,7 @@ import random
 import subprocess
 import sys
 import tomllib
+from contextlib import suppress
 from datetime import date
 from functools import reduce
 from operator import getitem
@@ -182,9 +183,9 @@ def test_an_odd_value_at_any_key_is_refused(value):
     for *tables, key in ways:
         robot = tomllib.loads(SOUND)
         reduce(getitem, tables, robot)[key] = value
-        described, faults = described_by(robot)
-        assert (described is None) == bool(faults), (tables, key)
-        taken += [] if faults else [key]
+        with suppress(InputError):
+            described_by(robot, Path())
+            taken.append(key)
     # Texts are fine names and reasons, zero is a fine Poisson's ratio.
     assert len(taken) <= 3, taken
 

@@ -11,7 +11,6 @@ from validation.paper.formula_errata import drive_compliance, jacobian
 from validation.paper.robot import (
     FEET,
     Places,
-    changed,
     deflections,
     family,
     frequencies,
@@ -124,4 +123,4 @@ def test_a_member_that_cannot_be_is_refused():
     with pytest.raises(InputError, match=r"geometry\.alpha"):
         member(ROBOT, 0.4)
     with pytest.raises(InputError, match="foot"):
-        changed(ROBOT, "foot.compliance[6,6]", 3.16e-9)
+        ROBOT.with_values({"foot.compliance[6,6]": 3.16e-9})

@@ -9,7 +9,7 @@ import pytest
 from one_arm import ONE_ARM
 
 from lumped.robot_file import load_robot
-from lumped.robot_file.key_units import unit_of
+from lumped.robot_file.places import unit_of
 from validation.cli import main
 from validation.drawing.scales import short_number
 

@@ -12,7 +12,6 @@ from validation.context import Context
 from validation.models.options import ModelOptions
 from validation.paper.robot import (
     Deflections,
-    changed,
     deflections,
     foot_compliances,
     over_stroke,
@@ -71,7 +70,7 @@ def _refined_over_simplified(context: Context, _reading: ModelOptions) -> Measur
 
 
 def _z_over_planar(context: Context, _reading: ModelOptions) -> Measurement:
-    at_tool = changed(context.robot_file, "geometry.tool_offset[3]", _TOOL_LENGTH)
+    at_tool = context.robot_file.with_values({"geometry.tool_offset[3]": _TOOL_LENGTH})
     there = _refined(context, other=at_tool)
 
     def ratio(postures: int) -> float:
@@ -109,7 +108,7 @@ def _foot_stiffness(context: Context, reading: ModelOptions) -> Measurement:
     printed, used = foot_compliances(robot_file)
     if reading.release == "printed":
         return Measurement(float(np.linalg.inv(printed)[1, 1]) / 1e9, reference=1.0, exact=True)
-    softer = changed(robot_file, "foot.compliance[6,6]", 2.0 * float(used[5, 5]))
+    softer = robot_file.with_values({"foot.compliance[6,6]": 2.0 * float(used[5, 5])})
     moved = _refined(context, other=softer).largest_planar / _refined(context).largest_planar - 1.0
     return Measurement(
         float(np.linalg.inv(used)[1, 1]) / 1e9,

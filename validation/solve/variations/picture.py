@@ -6,7 +6,7 @@ import numpy as np
 
 from lumped.errors import InputError
 from lumped.robot_file import RobotFile
-from lumped.robot_file.key_units import unit_of
+from lumped.robot_file.places import unit_of
 from lumped.robot_file.variation import Variation, told
 from validation.drawing.chart import Chart, Panel, Series
 from validation.drawing.plot import chart_png

@@ -7,7 +7,7 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.mechanism.kinematics.postures import shown_pose
-from lumped.robot_file.key_units import unit_of
+from lumped.robot_file.places import unit_of
 from lumped.robot_file.variation import Variation
 from validation.context import Context
 from validation.drawing.chart import Chart, Column, Panel, Series

@@ -3,14 +3,13 @@
 The loader of robot files and the audit ask the same questions here.
 """
 
-import math
 from dataclasses import dataclass
-from typing import TypeGuard
+from typing import Any
 
 import numpy as np
 
 from lumped.arrays import Array
-from lumped.robot_file.tables import SquareMatrix
+from lumped.robot_file.rules.rule import Number, Rule, Several, is_finite_number
 from lumped.text import cut, shown
 
 # Relative to √(k_ii k_jj): finite element programs print seven digits, so symmetric entries may
@@ -61,7 +60,38 @@ def is_positive_definite(matrix: Array) -> bool:
     return smallest_eigenvalue(matrix * np.outer(scale, scale)) > DEFINITENESS_TOLERANCE
 
 
-def matrix_faults(value: object, kind: SquareMatrix) -> list[str]:
+def symmetric(rows: Any) -> Array:
+    """The matrix with what rounding left of asymmetry averaged away."""
+    matrix: Array = np.array(rows, dtype=float)
+    mean: Array = 0.5 * (matrix + matrix.T)
+    return mean
+
+
+@dataclass(frozen=True)
+class SquareMatrix(Rule):
+    """A symmetric matrix of `size` rows in `unit`; positive definite if it is a `compliance`."""
+
+    written = (list,)
+    size: int
+    unit: str
+    compliance: bool
+
+    @property
+    def allowed(self) -> str:
+        return f"a symmetric {self.size}×{self.size} matrix in {self.unit}"
+
+    @property
+    def schema(self) -> dict[str, Any]:
+        return Several(Several(Number(), self.size), self.size).schema
+
+    def faults(self, value: object, key: str) -> list[str]:
+        return [f"{key}{fault}" for fault in _matrix_faults(value, self)]
+
+    def read(self, value: Any) -> Array:
+        return symmetric(value)
+
+
+def _matrix_faults(value: object, kind: SquareMatrix) -> list[str]:
     """Faults of a matrix as read from a file, each to be put behind its key: "[1,2] = …"."""
     faults = _shape_faults(value, kind)
     if faults:
@@ -100,16 +130,6 @@ def _shape_faults(value: object, kind: SquareMatrix) -> list[str]:
         for j, entry in enumerate(row, start=1)
         if not is_finite_number(entry)
     ]
-
-
-def is_finite_number(entry: object) -> TypeGuard[float]:
-    """Whether a value of a TOML file is a number that a float can hold; true and false are not."""
-    if isinstance(entry, bool) or not isinstance(entry, int | float):
-        return False
-    try:
-        return math.isfinite(entry)
-    except OverflowError:
-        return False
 
 
 def _diagonal_faults(matrix: Array, kind: SquareMatrix) -> list[str]:

@@ -1,0 +1,99 @@
+"""What a robot file says beside its robot: what is asked, measured, uncertain and misprinted."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from lumped.acceptance.measured import Measured, measured_faults, pose_faults
+from lumped.acceptance.requirement import STATIC_QUANTITIES, Requirement
+from lumped.mechanism.mechanism import Mechanism
+from lumped.robot_file.places import value_at
+from lumped.robot_file.rules.rule import is_finite_number
+from lumped.text import shown
+
+
+@dataclass(frozen=True)
+class Correction:
+    """At `key` the source prints `printed`, the file uses `used`, for a `reason`."""
+
+    key: str
+    printed: float
+    used: float
+    reason: str
+
+
+def corrections_of(read: Mapping[str, Any]) -> tuple[Correction, ...]:
+    """Corrections of misprints in a file as it is read; none of schema 2."""
+    return tuple(Correction(**one) for one in read.get("corrections", ()))
+
+
+def measured_of(read: Mapping[str, Any]) -> tuple[Measured, ...]:
+    """Measured values of a file as it is read."""
+    return tuple(Measured(**one) for one in read["measured"])
+
+
+def requirement_of(accept: Mapping[str, Any] | None) -> Requirement:
+    """What a file's [accept] asks; the defaults without it."""
+    if accept is None:
+        return Requirement()
+    limits = {name: accept[name] for name in STATIC_QUANTITIES if accept[name] is not None}
+    own = {name: value for name, value in accept.items() if name not in STATIC_QUANTITIES}
+    return Requirement(**own, limits=limits)
+
+
+def times(value: Any, factor: float) -> Any:
+    """A number, or every number of a matrix, times `factor`."""
+    return [times(one, factor) for one in value] if isinstance(value, list) else factor * value
+
+
+def evidence_faults(
+    tables: Mapping[str, Any], read: Mapping[str, Any], robot: Mechanism
+) -> list[str]:
+    """Corrections of what the file does not say, values that this robot cannot have, one a line."""
+    faults = _correction_faults(tables, corrections_of(read))
+    for number, one in enumerate(measured_of(read), start=1):
+        place = f"measured[{number}]"
+        faults += measured_faults(one, place) or pose_faults(robot, one, place)
+    return faults + [
+        f"input_uncertainty[{number}].key = {shown(one['key'])}: must name a number or a matrix "
+        'of this file, like "leg1.length" or "foot.compliance"'
+        for number, one in enumerate(read["input_uncertainty"], start=1)
+        if not _are_numbers(_value_or_none(tables, one["key"]))
+    ]
+
+
+def _correction_faults(tables: Mapping[str, Any], corrections: Iterable[Correction]) -> list[str]:
+    faults = []
+    for i, correction in enumerate(corrections, start=1):
+        place = f"corrections[{i}]"
+        value = _value_or_none(tables, correction.key)
+        if not is_finite_number(value):
+            faults.append(
+                f"{place}.key = {shown(correction.key)}: must name a number of this file, "
+                'like "leg1.length" or "foot.compliance[6,6]"'
+            )
+            continue
+        if value != correction.used:
+            faults.append(
+                f"{place}.used = {correction.used!r}: must be what stands at {correction.key}, "
+                f"{value!r}"
+            )
+        if correction.printed == correction.used:
+            faults.append(
+                f"{place}.printed = {correction.printed!r}: must differ from used, "
+                "or there is nothing to correct"
+            )
+    return faults
+
+
+def _value_or_none(tables: Mapping[str, Any], key: str) -> Any:
+    try:
+        return value_at(tables, key)
+    except LookupError:
+        return None
+
+
+def _are_numbers(value: Any) -> bool:
+    if isinstance(value, list):
+        return bool(value) and all(map(_are_numbers, value))
+    return is_finite_number(value)

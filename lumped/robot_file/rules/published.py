@@ -1,0 +1,67 @@
+"""What is made of the table of rules for others: JSON schema, list of keys, comments of a file."""
+
+import json
+from collections.abc import Iterator, Mapping
+from textwrap import wrap
+from typing import Any, NamedTuple
+
+from lumped.robot_file.rules.rule import Either, Named, Rule, Several, Table
+from lumped.robot_file.rules.tables import BIGLIDE, MECHANISM
+
+_WIDTH = 100
+
+
+class KeyLine(NamedTuple):
+    """A key by its whole name, what it may be, and what it says."""
+
+    name: str
+    allowed: str
+    says: str
+
+
+def json_schema() -> dict[str, Any]:
+    """JSON schema (draft 2020-12) of robot files of both schemas, for editors."""
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "robot file of flexproof",
+        "if": {"properties": {"schema": {"const": 1}}, "required": ["schema"]},
+        "then": BIGLIDE.schema,
+        "else": MECHANISM.schema,
+    }
+
+
+def key_table(rules: Table = MECHANISM) -> str:
+    """All keys as a table of Markdown."""
+    rows = (f"| `{one.name}` | {one.allowed} | {one.says} |" for one in _lines(rules))
+    return "\n".join(("| key | must be | what it says |", "|---|---|---|", *rows))
+
+
+def key_comments(tables: Mapping[str, Any]) -> str:
+    """All keys of a file of the schema of `tables`, as comments to stand at its end."""
+    rules = MECHANISM if tables["schema"] == 2 else BIGLIDE
+    lines = ["# All keys, what each must be, and what it says:"]
+    for one in _lines(rules):
+        text = f"{one.name}: {one.allowed}; {one.says}"
+        lines += wrap(text, _WIDTH, initial_indent="# ", subsequent_indent="#     ")
+    return "\n".join(lines) + "\n"
+
+
+def _lines(rule: Rule, path: str = "") -> Iterator[KeyLine]:
+    """The keys of a table and of what stands in it, in the order of the rules."""
+    match rule:
+        case Table():
+            for name, key in rule.keys.items():
+                whole = f"{path}.{name}" if path else name
+                says = f"of a {' or '.join(key.of)}: {key.says}" if key.of else key.says
+                if key.required:
+                    says += "; required"
+                elif key.default not in (None, (), {}):
+                    says += f"; {json.dumps(key.default)} where left out"
+                yield KeyLine(whole, key.kind.allowed, says)
+                yield from _lines(key.kind, whole)
+        case Named():
+            yield from _lines(rule.kind, f"{path}.NAME")
+        case Several():
+            yield from _lines(rule.kind, path)
+        case Either():
+            yield from _lines(rule.second, path)

@@ -1,0 +1,249 @@
+"""The table of rules: every key of a robot file, what it may be, and what it says.
+
+Bounds that only catch wrong units are wide: nothing that has been built lies outside, and the
+usual mistake (millimetres, gigapascals, a stiffness for a compliance) does.
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any, get_args
+
+from lumped.acceptance.requirement import (
+    MODEL_KINDS,
+    MOST_MODES,
+    SMALLEST_SHARE,
+    STATIC_QUANTITIES,
+    Requirement,
+)
+from lumped.legs import Ends
+from lumped.mechanism.joint import JointKind
+from lumped.mechanism.mechanism import MOVES
+from lumped.mechanism.part import Coupling, LengthUnit
+from lumped.robot_file.rules.matrices import SquareMatrix
+from lumped.robot_file.rules.rule import (
+    Either,
+    Key,
+    Named,
+    Number,
+    OneOf,
+    Several,
+    Table,
+    Text,
+    needed,
+)
+from lumped.robot_file.rules.section_rule import SectionRule
+
+_MM, _GPA, _DIAMOND = "is this in mm?", "is this in GPa or MPa?", "above diamond"
+_PERCENT = "is this in percent?"
+# 100 m: beyond any parallel robot with rigid legs, below a leg of 10 cm written in millimetres.
+# 0.1 mm: shorter than the legs of flexure stages.
+_LENGTH = Number("m", above=0.0, most=100.0, high=_MM, slip=1e-4)
+# 10 m: a tool of 1 cm in millimetres is caught, no tool is as long.
+_OFFSET = Number("m", least=-10.0, most=10.0, low=_MM, high=_MM)
+_POINT = Several(Number("m", least=-100.0, most=100.0, low=_MM, high=_MM), 3)
+# Metres and radians alike; what is out of reach is found by closing the loops.
+_POSE = Several(Number("m or rad", least=-100.0, most=100.0, low=_MM, high=_MM))
+# Any length: a direction is made a unit vector.
+_DIRECTION = Several(Number(least=-1e6, most=1e6), 3)
+# 1e5 kg: a hundred tonnes in one leg or platform. 1 µg: less than the smallest silicon part.
+_MASS = Number("kg", above=0.0, most=1e5, high="is this in g?", slip=1e-9)
+_MASS_OR_NONE = Number("kg", least=0.0, most=1e5, high="is this in g?")
+# 1 MPa: soft rubber; 2e12 Pa: above diamond (1.2e12). Moduli in GPa or MPa fall below.
+_YOUNGS_MODULUS = Number("Pa", least=1e6, most=2e12, low=_GPA, high=_DIAMOND)
+# G = E/2(1+ν) of the softest material above, rounded down; half of E's upper bound.
+_SHEAR_MODULUS = Number("Pa", least=3e5, most=1e12, low=_GPA, high=_DIAMOND)
+# The limits of isotropic elasticity; both open.
+_POISSONS_RATIO = Number(above=-1.0, below=0.5)
+# 25 kg/m³: structural foam; 25000 kg/m³: above osmium (22600).
+_DENSITY = Number("kg/m³", least=25.0, most=25e3, low="is this in g/cm³?", high="above osmium")
+# 1e15: stiffer than any drive; a larger number would only cost digits.
+_STIFFEST = 'more than any drive has; "rigid" holds it'
+_STIFFNESS = Number("N/m or N m/rad", above=0.0, most=1e15, high=_STIFFEST)
+_COMPLIANCE = SquareMatrix(6, "m/N, rad/N and rad/(N m)", compliance=True)
+_INERTIA = SquareMatrix(3, "kg m²", compliance=False)
+# 1: off by as much as there is.
+_SHARE = Number(least=SMALLEST_SHARE, most=1.0, high=_PERCENT, example="(0.05 is 5 %)")
+_COUNT = Number(least=1, most=10000, whole=True)
+_MODES = Number(least=1, most=MOST_MODES, whole=True)
+_NUMBER, _TEXT = Number(), Text()
+_TITLE = Text(r"[^\x00-\x1f\x7f]{1,100}", "a text of 1 to 100 characters on one line")
+_NAME = Text(r"[\w-]{1,40}", "1 to 40 letters, digits, _ or -")
+
+MATERIAL = Table(
+    needed("E", _YOUNGS_MODULUS, "Young's modulus"),
+    needed("nu", _POISSONS_RATIO, "Poisson's ratio"),
+    Key("rho", _DENSITY, "density; of a leg its `mass` may stand instead"),
+    Key("G", _SHEAR_MODULUS, "shear modulus of a leg; E/2(1 + nu) where left out"),
+)
+
+_ON_IT = Key("point", _POINT, "a point on it; the interface's own where left out")
+_NEAR = Key("tolerance", _LENGTH, "how far faces may lie from it")
+_AXIS = Key("axis", _DIRECTION, "its direction; any where left out")
+_CYLINDER = Table(needed("radius", _LENGTH, "of the bore or boss"), _AXIS, _ON_IT, _NEAR)
+_PLANE = Table(needed("normal", _DIRECTION, "outward"), _ON_IT, _NEAR)
+INTERFACE = Table(
+    Key("faces", Several(Number(whole=True)), "by their numbers, as `flexproof faces` lists them"),
+    Key("name", _TEXT, "faces by the name that the file gives them"),
+    Key("cylinder", _CYLINDER, "faces on one cylinder"),
+    Key("plane", _PLANE, "flat faces in one plane"),
+    Key("coupling", OneOf(get_args(Coupling)), "how they follow the joint"),
+    Key("point", _POINT, "reference point of a part by itself; in a robot it is that of its name"),
+)
+
+_LEG, _RIGID, _PART = ("leg",), ("rigid body",), ("part",)
+_PLACE = Table(
+    needed("at", Either(_NAME, _POINT), "where the file's origin is"),
+    Key("x", _DIRECTION, "where its x axis points", default=(1.0, 0.0, 0.0)),
+    Key("y", _DIRECTION, "where its y axis points as nearly", default=(0.0, 1.0, 0.0)),
+)
+_UP = "where its z axis points as nearly as it can; [0, 0, 1] where left out, along z [1, 0, 0]"
+_ENDS = "whether its end faces are kept plane or may warp; both are looked at where left out"
+_TIP = "at `to`, `from` clamped, leg axes; with `mass`, in place of section and material"
+BODY = Table(
+    Key("from", _NAME, "the point at its root", of=_LEG),
+    Key("to", _NAME, "the point at its tip, where its x axis leads", of=_LEG),
+    Key("up", _DIRECTION, _UP, of=_LEG),
+    Key("section", SectionRule(), "width along its y, height along its z", of=_LEG),
+    Key("material", Either(_NAME, MATERIAL), "its own, or one of [materials]", of=_LEG + _PART),
+    Key("mass", _MASS_OR_NONE, "in place of a density", of=_LEG + _RIGID),
+    Key("compliance", _COMPLIANCE, _TIP, of=_LEG),
+    Key("ends", OneOf(get_args(Ends)), _ENDS, of=_LEG),
+    Key("mass_centre", _OFFSET, "from its root, beside a compliance", of=_LEG),
+    Key("points", Several(_NAME), "where joints can take hold of it", of=_RIGID),
+    Key("centre", Either(_NAME, _POINT), "its mass centre, a point or [x, y, z]", of=_RIGID),
+    Key("inertia", _INERTIA, "about its centre: base axes, of a leg its own", of=_LEG + _RIGID),
+    Key("step", _TEXT, "its STEP or BREP file, beside the robot file", of=_PART),
+    Key("mesh", _TEXT, "its mesh file, in place of that", of=_PART),
+    Key("unit", OneOf(get_args(LengthUnit)), "of length, where that file names none", of=_PART),
+    Key("place", _PLACE, "where the file's axes lie; in base axes where left out", of=_PART),
+    Key("interfaces", Named(_NAME, INTERFACE), "faces by the name of their point", of=_PART),
+)
+
+_TWO_NAMES = Either(_NAME, Several(_NAME, 2))
+_SERIES = "its own give, in series: base axes of the reference posture, fixed to the first body"
+_DRIVE = Table(
+    needed("stiffness", Either(_STIFFNESS, OneOf(("rigid",))), "in every model"),
+    Key("simplified", _STIFFNESS, "in place of it in the simplified model"),
+)
+JOINT = Table(
+    needed("type", OneOf(get_args(JointKind)), "what it leaves free, see below"),
+    needed("between", Several(_NAME, 2), 'two bodies; "ground" is one'),
+    needed("at", _TWO_NAMES, "a point of both, or one of each, apart along a sliding axis"),
+    Key("axis", _DIRECTION, "along which it slides, about which it turns; a plane's normal"),
+    Key("axes", Several(_DIRECTION, 2), "if universal: fixed in the first body, in the second"),
+    Key("drive", _DRIVE, "of a revolute or prismatic joint; passive where left out"),
+    Key("compliance", _COMPLIANCE, _SERIES),
+)
+TOOL = Table(
+    needed("body", _NAME, "the body that is loaded"),
+    needed("point", _NAME, "its loaded point"),
+    needed("moves", Several(OneOf(MOVES)), "what a pose prescribes of the point, in order"),
+    Key("mass", _MASS_OR_NONE, "at the point", default=0.0),
+)
+PATH = Table(
+    Key("from", _POSE, "the first pose"),
+    Key("to", _POSE, "the last pose"),
+    Key("count", _COUNT, "how many on the line between them"),
+    Key("counts", Several(_COUNT), "in place of it: how many along each move, a grid"),
+    Key("poses", Several(_POSE), "in place of all these: one by one"),
+)
+
+ACCEPT = Table(
+    Key("deflection", _SHARE, "relative error of deflections", default=Requirement.deflection),
+    Key("frequency", _SHARE, "of frequencies and their order", default=Requirement.frequency),
+    Key("modes", _MODES, "how many frequencies are judged", default=Requirement.modes),
+    Key("rely", Several(OneOf(MODEL_KINDS)), "models whose inadequacy is exit code 1", default=()),
+    *(Key(one, _SHARE, f"in place of `deflection` for {one}") for one in STATIC_QUANTITIES),
+)
+MEASURED = Table(
+    needed("quantity", _TEXT, "x y z phi_x phi_y phi_z, f1 f2 … or leg1.c22 …"),
+    needed("value", _NUMBER, "m or rad under `load`, Hz, or SI of a compliance"),
+    needed("uncertainty", _NUMBER, "its standard uncertainty, in the same unit"),
+    needed("source", _TEXT, "who measured it"),
+    Key("pose", Several(_NUMBER), "where, in the order of the moves", default=()),
+    Key("load", _NUMBER, "N or N m", default=1.0),
+)
+_INPUT_UNCERTAINTY = Table(
+    needed("key", _TEXT, 'a number or matrix of this file, "leg1.length" say'),
+    needed("relative", _SHARE, "its relative standard uncertainty"),
+)
+_HEAD = (
+    needed("schema", OneOf((1, 2)), "version of this format: 2, of the biglide's own 1"),
+    needed("name", _TITLE, "appears in the report"),
+)
+_ASKED = (
+    Key("accept", ACCEPT, "what is asked of a model"),
+    Key("measured", Several(MEASURED), "measured values", default=()),
+    Key("input_uncertainty", Several(_INPUT_UNCERTAINTY), "how well data are known", default=()),
+)
+MECHANISM = Table(
+    *_HEAD,
+    needed("points", Named(_NAME, _POINT), "places in the reference posture"),
+    needed("bodies", Named(_NAME, BODY), "legs, rigid bodies and parts on these points"),
+    needed("joints", Named(_NAME, JOINT), "between bodies"),
+    needed("tool", TOOL, "the loaded point"),
+    Key("materials", Named(_NAME, MATERIAL), "of several bodies", default={}),
+    Key("path", PATH, "where `run` looks; the reference posture where left out"),
+    *_ASKED,
+)
+
+# Schema 1, the biglide: what schema 2 says under names of its own, and three numbers more.
+# Ten times as long: beyond any family of one design.
+_RATIO = Number(above=0.0, most=10.0, high=_PERCENT)
+# 1e4 N/m: a drive that gives way 0.1 m under the paper's 1000 N is not a drive.
+_ACTUATOR_STIFFNESS = Number(
+    "N/m",
+    least=1e4,
+    most=1e15,
+    low="is this in N/µm or kN/mm?",
+    high="more than any drive has; 1e15 is as good as rigid",
+)
+_OF_LEGS = ("ends", "compliance", "section", "inertia", "mass_centre")
+_BIGLIDE_LEG = Table(
+    needed("length", _LENGTH, "between its joints"),
+    Key("mass", _MASS, "in place of a density"),
+    Key("material", MATERIAL, "with a section"),
+    *(replace(BODY.keys[name], of=()) for name in _OF_LEGS),
+)
+_GEOMETRY = Table(
+    needed("a", _LENGTH, "distance of the slides along x"),
+    Key("alpha", _RATIO, "both legs so many times as long, the stroke kept", default=1.0),
+    Key("tool_offset", Several(_OFFSET, 3), "from B to the loaded point", default=(0.0, 0.0, 0.0)),
+)
+_FOOT = Table(
+    needed("compliance", _COMPLIANCE, "at its revolute joint, robot axes"),
+    Key("inertia", _INERTIA, "for the audit alone"),
+)
+_SPRING = Table(
+    needed("compliance", _COMPLIANCE, "in series at the loaded point, robot axes"),
+    Key("active", OneOf((True, False)), "false: kept, not used", default=True),
+)
+_CORRECTION = Table(
+    needed("key", _TEXT, "where this file differs from its source"),
+    needed("printed", _NUMBER, "what the source prints"),
+    needed("used", _NUMBER, "what stands in this file"),
+    needed("reason", _TEXT, "why"),
+)
+BIGLIDE = Table(
+    *_HEAD,
+    needed("type", OneOf(("biglide",)), "two slides along y, two legs that meet at B"),
+    needed("geometry", _GEOMETRY, "of slides and tool"),
+    needed("platform", Table(needed("mass", _MASS, "at the loaded point")), "on leg 1"),
+    needed(
+        "actuators", Table(needed("stiffness", _ACTUATOR_STIFFNESS, "along y")), "if simplified"
+    ),
+    needed("leg1", _BIGLIDE_LEG, "from the slide on x = 0 to B"),
+    needed("leg2", _BIGLIDE_LEG, "from the slide on x = a to B"),
+    Key("foot", _FOOT, "of both legs; rigid where left out"),
+    Key("tool", _SPRING, "rigid where left out"),
+    Key("corrections", Several(_CORRECTION), "misprints of the source", default=()),
+    *_ASKED,
+)
+
+
+def rules_of(tables: Mapping[str, Any]) -> Table:
+    """The rules for a file's tables: those of its schema."""
+    schema = tables.get("schema")
+    # Whoever mistypes the number has written one of the two all the same.
+    any_robot = not tables.keys().isdisjoint(("points", "bodies", "joints"))
+    return MECHANISM if schema == 2 or (schema != 1 and any_robot) else BIGLIDE
