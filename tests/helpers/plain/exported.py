@@ -1,10 +1,29 @@
-"""What the README of an export names."""
+"""An exported folder as readers of other people take it up."""
 
 import re
 
+import meshio
+import pyvista
+from scipy.io import mmread
+from scipy.sparse import load_npz
 
-def names_in_readme(folder):
-    """The files that stand at the margin of README.txt."""
+
+def assert_read_back(folder):
+    """README.txt names every file, and every one is read; symmetric matrices in both formats."""
     text = (folder / "README.txt").read_text(encoding="utf-8")
     margin = [line for line in text.splitlines() if re.match(r"\S+\.\w+(,|$)", line)]
-    return {name for line in margin for name in re.findall(r"[^,\s]+", line)}
+    there = {path.name for path in folder.iterdir()} - {"README.txt"}
+    assert {name for line in margin for name in re.findall(r"[^,\s]+", line)} == there
+    for path in (folder / name for name in there):
+        match path.suffix:
+            case ".vtu":
+                assert len(meshio.read(path).points) == pyvista.read(path).n_points > 0
+            case ".vtp":
+                assert pyvista.read(path).n_points > 0
+            case ".npz":
+                matrix, market = load_npz(path), mmread(path.with_suffix(".mtx"))
+                # Matrix Market is text: all digits are there.
+                assert abs(matrix - market).max() <= 1e-15 * abs(matrix).max()
+                assert abs(matrix - matrix.T).max() == 0.0
+            case other:
+                assert other in {".mtx", ".inp"}

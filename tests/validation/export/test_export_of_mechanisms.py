@@ -11,6 +11,7 @@ from fem.calculix.run import CalculixMissing, calculix_program
 from lumped.models.bodies import legs_of
 from lumped.robot_file import load_robot
 from validation.export.mechanism import export_mechanism
+from validation.export.models import DIVISIONS
 from validation.kinematics.poses import postures_of
 from validation.models.legs import leg_matrices
 from validation.models.mechanism import answers
@@ -21,7 +22,9 @@ MECHANISM = load_robot("delta").mechanism
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     path = tmp_path_factory.mktemp("export")
-    export_mechanism(MECHANISM, "quick", path)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setitem(DIVISIONS, "quick", 1)
+        export_mechanism(MECHANISM, "quick", path)
     return path
 
 
