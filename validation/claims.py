@@ -22,7 +22,7 @@ STANDINGS: Mapping[Standing, str] = {
 
 
 @dataclass(frozen=True)
-class Curve:
+class ClaimedCurve:
     """One number or curve that a sentence speaks of: its value in each reading, and the verdicts.
 
     A value is None where that reading gives no finite number; then it does not hold either.
@@ -48,7 +48,7 @@ class Claim:
     sentence: str
     where: str
     quantity: str
-    curves: tuple[Curve, ...]
+    curves: tuple[ClaimedCurve, ...]
     differs: str = ""
     circular: str = ""
 

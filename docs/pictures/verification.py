@@ -18,7 +18,7 @@ sys.path.insert(0, str(ROOT / "tests" / "helpers" / "plain"))
 import further_benchmarks  # noqa: E402
 
 from validation.selftest import beams, robots, solids  # noqa: E402
-from validation.selftest.benchmark import Benchmark, Compared, Outcome, outcome  # noqa: E402
+from validation.selftest.benchmark import Benchmark, BenchmarkOutcome, KnownNumber, outcome  # noqa: E402
 
 PAGE = ROOT / "docs" / "guide" / "verification.md"
 HEAD = (
@@ -42,7 +42,7 @@ def listed() -> tuple[tuple[Benchmark, ...], tuple[Benchmark, ...]]:
     return own, further_benchmarks.benchmarks()
 
 
-def section(number: int, found: Outcome) -> str:
+def section(number: int, found: BenchmarkOutcome) -> str:
     """A benchmark's part of the page."""
     benchmark = found.benchmark
     lines = [
@@ -66,13 +66,13 @@ def head() -> str:
     return f"# Verification\n\n{fill(HEAD.format(own=len(listed()[0])), WIDTH)}\n"
 
 
-def page(outcomes: Sequence[Outcome]) -> str:
+def page(outcomes: Sequence[BenchmarkOutcome]) -> str:
     """The whole page."""
     sections = [section(number, found) for number, found in enumerate(outcomes, start=1)]
     return "\n".join([head(), *sections])
 
 
-def _row(one: Compared) -> str:
+def _row(one: KnownNumber) -> str:
     unit = "" if one.unit == "1" else f" {one.unit}"
     cells = (
         one.quantity,

@@ -32,7 +32,7 @@ class Worst(NamedTuple):
     force: Array
 
 
-class Relative(NamedTuple):
+class RelativeDisplacement(NamedTuple):
     """A difference of two displacements in p poses, relative to the reference's.
 
     `size` of the whole and `along` the load, signed (p each); `load` (p×6) is the unit wrench that
@@ -64,7 +64,7 @@ def sizes(difference: Array, reference: Array) -> Array:
     return np.asarray(np.stack(found, axis=1))
 
 
-def relative(difference: Array, reference: Array, quantity: str) -> Relative:
+def relative(difference: Array, reference: Array, quantity: str) -> RelativeDisplacement:
     """A difference of compliances under the load of a quantity; both p×6×6."""
     rows = slice(3, 6) if quantity in ROTATIONS else slice(0, 3)
     block = reference[:, rows, rows]
@@ -83,7 +83,7 @@ def relative(difference: Array, reference: Array, quantity: str) -> Relative:
     infinite = np.where(size > nothing, np.inf, 0.0)
     own, other = (np.einsum("pi,pi->p", load[:, rows], one) for one in (moved, off))
     own = np.maximum(own, floor)
-    return Relative(
+    return RelativeDisplacement(
         np.divide(size, length, out=infinite, where=yields),
         np.divide(other, own, out=np.zeros_like(own), where=yields & (own > 0.0)),
         load,

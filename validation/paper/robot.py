@@ -12,7 +12,7 @@ import numpy as np
 from fem.bodies.solid import solid_leg, solid_leg_matrices, solid_mesh
 from fem.solvers import sparse_system
 from lumped.arrays import Array
-from lumped.dense.modes import Modes as SystemModes
+from lumped.dense.modes import Modes
 from lumped.legs import Leg, equivalent_leg
 from lumped.mechanism.biglide import Stroke
 from lumped.mechanism.kinematics.postures import posture
@@ -71,7 +71,7 @@ class Deflections:
 
 
 @dataclass(frozen=True)
-class Modes:
+class ModeShares:
     """The lowest m modes in one posture: `frequencies` (Hz) and shares of energy (m values each).
 
     `kinetic` along "x", "y" and "z", turning sections included; `strain` by part, in the paper's
@@ -172,13 +172,13 @@ def modes(
     places: Sequence[Places],
     count: int,
     options: ModelOptions = DEFAULT_OPTIONS,
-) -> list[Modes]:
+) -> list[ModeShares]:
     """The lowest `count` modes in all places, shares of energy beside them."""
     found = (mechanism_modes(model, at.postures, count, options) for at in places)
     return [_told(one.system, one.modes) for one in chain(*found)]
 
 
-def unreduced_modes(at: Posture, count: int, divisions: int) -> Modes:
+def unreduced_modes(at: Posture, count: int, divisions: int) -> ModeShares:
     """The lowest `count` modes in a posture, legs as solids on all their unknowns.
 
     Sixty modes of such solids take less time than bodies reduced for the last of them.
@@ -192,9 +192,9 @@ def unreduced_modes(at: Posture, count: int, divisions: int) -> Modes:
     return _told(solution.system, sparse_system.modes(solution, count))
 
 
-def _told(system: System, found: SystemModes) -> Modes:
+def _told(system: System, found: Modes) -> ModeShares:
     strain = strain_shares(system, found.shapes)
-    return Modes(
+    return ModeShares(
         frequencies=found.frequencies,
         kinetic=dict(zip("xyz", kinetic_shares(system, found.shapes), strict=True)),
         strain={_in_words(part): share for part, share in strain.items()},

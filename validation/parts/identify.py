@@ -36,7 +36,7 @@ _BOUNDS: tuple[Kind, Kind] = ("rigid", "average")
 
 
 @dataclass(frozen=True, eq=False)
-class Answer:
+class MeshAnswer:
     """What one mesh and one coupling say (SI, file axes): see `Identified`; `shapes` everywhere.
 
     `counted` is 0 where nobody counts.
@@ -200,7 +200,7 @@ def _answer(
     name: str,
     *,
     certified: bool = False,
-) -> Answer:
+) -> MeshAnswer:
     """Modes are counted where they are what is stated: `certified`.
 
     One that were missed where they are only taken off these would be seen in what is left open.
@@ -214,7 +214,7 @@ def _answer(
     elif modes:
         frequencies = body.uncounted_modes(modes).frequencies
     shapes = body.solid.transformation @ body.constraint_modes
-    return Answer(
+    return MeshAnswer(
         body.stiffness,
         body.condensed_mass,
         body.compliance,
@@ -225,14 +225,14 @@ def _answer(
     )
 
 
-def _bracket(rigid: Answer, average: Answer) -> dict[str, Array]:
+def _bracket(rigid: MeshAnswer, average: MeshAnswer) -> dict[str, Array]:
     return {
         "compliance_bracket": average.compliance - rigid.compliance,
         "frequency_bracket": average.frequencies - rigid.frequencies,
     }
 
 
-def _refinement(answers: Sequence[Answer]) -> tuple[Array, Array]:
+def _refinement(answers: Sequence[MeshAnswer]) -> tuple[Array, Array]:
     """Of compliance and of frequencies; `answers` are coarse to fine."""
     if len(answers) < 3:
         (only,) = answers

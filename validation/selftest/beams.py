@@ -11,7 +11,7 @@ from fem.beams.frame import Component, Frame, Member, Support, assemble, modes
 from lumped.arrays import Array
 from lumped.legs import ConstantLeg, Material
 from lumped.sections import Rectangle
-from validation.selftest.benchmark import Benchmark, Compared
+from validation.selftest.benchmark import Benchmark, KnownNumber
 
 FV2 = "NAFEMS, The Standard NAFEMS Benchmarks, TNSB rev. 3 (1990), Test FV2"
 REASON = "0.1 % of the theory column, which has four digits; the beams' own error is below 0.01 %"
@@ -63,11 +63,11 @@ def benchmarks() -> tuple[Benchmark, ...]:
     )
 
 
-def clusters(frame: Frame, published: Sequence[Cluster]) -> list[Compared]:
+def clusters(frame: Frame, published: Sequence[Cluster]) -> list[KnownNumber]:
     """The worst frequency of each cluster beside its target."""
     found = modes(assemble(frame), published[-1].last).frequencies
     return [
-        Compared(one.quantity, "Hz", one.target, farthest(found, one), TOLERANCE)
+        KnownNumber(one.quantity, "Hz", one.target, farthest(found, one), TOLERANCE)
         for one in published
     ]
 

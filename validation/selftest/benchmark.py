@@ -9,7 +9,7 @@ from fem.multibody import ExudynMissing
 
 
 @dataclass(frozen=True)
-class Compared:
+class KnownNumber:
     """One known number in `unit` and ours: the same within `tolerance` (relative).
 
     `explained` is the part of the relative difference that the two theories are known to have.
@@ -41,27 +41,27 @@ class Benchmark:
     problem: str
     source: str
     tolerance_reason: str
-    compare: Callable[[], Sequence[Compared]]
+    compare: Callable[[], Sequence[KnownNumber]]
 
 
 @dataclass(frozen=True)
-class Outcome:
+class BenchmarkOutcome:
     """What became of a benchmark; `message` says why nothing was compared."""
 
     benchmark: Benchmark
     verdict: Literal["agrees", "differs", "failed", "skipped"]
-    compared: tuple[Compared, ...] = ()
+    compared: tuple[KnownNumber, ...] = ()
     message: str = ""
 
 
-def outcome(benchmark: Benchmark) -> Outcome:
+def outcome(benchmark: Benchmark) -> BenchmarkOutcome:
     """Compute a benchmark: whatever goes wrong on this machine is its outcome."""
     try:
         compared = tuple(benchmark.compare())
     except (CalculixMissing, ExudynMissing) as missing:
-        return Outcome(benchmark, "skipped", message=str(missing))
+        return BenchmarkOutcome(benchmark, "skipped", message=str(missing))
     except Exception as error:  # noqa: BLE001  libraries of this machine are on trial
-        return Outcome(benchmark, "failed", message=f"{type(error).__name__}: {error}")
+        return BenchmarkOutcome(benchmark, "failed", message=f"{type(error).__name__}: {error}")
     # A benchmark that compared nothing has shown nothing.
     agrees = bool(compared) and all(one.agrees for one in compared)
-    return Outcome(benchmark, "agrees" if agrees else "differs", compared)
+    return BenchmarkOutcome(benchmark, "agrees" if agrees else "differs", compared)

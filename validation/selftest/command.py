@@ -7,7 +7,7 @@ from fem.machine import TO_COMPUTE, require_address_space
 from validation.console.streams import say
 
 if TYPE_CHECKING:
-    from validation.selftest.benchmark import Outcome
+    from validation.selftest.benchmark import BenchmarkOutcome
 
 _ROW = "  {:<62} {:>16} {:>13} {:>11} {:>11}  {}"
 
@@ -43,7 +43,7 @@ def selftest() -> int:
     return int(bad > 0)
 
 
-def _text(found: "Outcome") -> str:
+def _text(found: "BenchmarkOutcome") -> str:
     """The benchmark, its source, and its numbers or why there are none."""
     rows = [
         _ROW.format(

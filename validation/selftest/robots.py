@@ -25,7 +25,7 @@ from meshes.part.volume import Grading, volume_mesh
 from meshes.prism.tetrahedra import tetrahedra
 from validation.models.mechanism import answers
 from validation.models.options import ModelOptions
-from validation.selftest.benchmark import Benchmark, Compared
+from validation.selftest.benchmark import Benchmark, KnownNumber
 
 _STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 _BLOCK = ConstantLeg(0.4, Rectangle(0.08, 0.12), _STEEL)
@@ -77,7 +77,7 @@ def benchmarks() -> tuple[Benchmark, ...]:
     )
 
 
-def hexapod() -> list[Compared]:
+def hexapod() -> list[KnownNumber]:
     """Deflections of the platform's point, beside a stiffness summed over the legs."""
     mechanism = load_robot("hexapod").mechanism
     pose, centre = mechanism.poses[0], mechanism.reference_pose[:3]
@@ -104,7 +104,7 @@ def hexapod() -> list[Compared]:
     return _deflections(np.diag(np.linalg.inv(stiffness)), np.diag(own.compliance), 1e-8)
 
 
-def bar() -> list[Compared]:
+def bar() -> list[KnownNumber]:
     """Columns of pull and bending of one end of a bar from the other, by gmsh and back."""
     length, width, height = _BAR
     ends = {
@@ -124,7 +124,7 @@ def bar() -> list[Compared]:
     E, I = _STEEL.E, height * width**3 / 12.0
     found = held.compliance
     return [
-        Compared(quantity, unit, known, float(found[row, column]), 1e-8)
+        KnownNumber(quantity, unit, known, float(found[row, column]), 1e-8)
         for quantity, unit, row, column, known in (
             ("stretching under a unit force", "m", 0, 0, length / (E * width * height)),
             ("deflection under a unit moment", "m", 1, 5, length**2 / (2.0 * E * I)),
@@ -133,7 +133,7 @@ def bar() -> list[Compared]:
     ]
 
 
-def by_calculix() -> list[Compared]:
+def by_calculix() -> list[KnownNumber]:
     """Deflections and frequencies of one mesh by both programs."""
     mesh = tetrahedra(_BLOCK.section, _BLOCK.length, 1)
     theirs, their_frequencies = compliance_and_frequencies(mesh, _STEEL, _MODES)
@@ -145,7 +145,7 @@ def by_calculix() -> list[Compared]:
     ]
 
 
-def by_exudyn() -> list[Compared]:
+def by_exudyn() -> list[KnownNumber]:
     """Frequencies of a mechanism in a multibody code."""
     at = reference_posture(load_robot("five-bar").mechanism)
     coarse, fine = (frequencies(at, number, _MODES) for number in _ELEMENTS)
@@ -153,15 +153,15 @@ def by_exudyn() -> list[Compared]:
     return _frequencies(fine + (fine - coarse) / 3.0, own.frequencies, 1e-5)
 
 
-def _deflections(known: Array, found: Array, tolerance: float) -> list[Compared]:
+def _deflections(known: Array, found: Array, tolerance: float) -> list[KnownNumber]:
     return [
-        Compared(f"{name} under a unit force", "m", known[i], found[i], tolerance)
+        KnownNumber(f"{name} under a unit force", "m", known[i], found[i], tolerance)
         for i, name in enumerate("xyz")
     ]
 
 
-def _frequencies(known: Array, found: Array, tolerance: float) -> list[Compared]:
+def _frequencies(known: Array, found: Array, tolerance: float) -> list[KnownNumber]:
     return [
-        Compared(f"f{number}", "Hz", *pair, tolerance)
+        KnownNumber(f"f{number}", "Hz", *pair, tolerance)
         for number, pair in enumerate(zip(known, found, strict=True), start=1)
     ]

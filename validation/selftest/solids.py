@@ -21,7 +21,7 @@ from lumped.sections import Rectangle
 from meshes.prism.extrude import extrude, stations
 from meshes.section.section_mesh import section_mesh
 from validation.selftest.beams import TOLERANCE, Cluster, farthest
-from validation.selftest.benchmark import Benchmark, Compared
+from validation.selftest.benchmark import Benchmark, KnownNumber
 from validation.solids.waves import WaveKind, beam_wave_frequency, prism_wave_frequency
 
 # Statics: any density.
@@ -96,12 +96,12 @@ def benchmarks() -> tuple[Benchmark, ...]:
     )
 
 
-def straight_cantilever() -> list[Compared]:
+def straight_cantilever() -> list[KnownNumber]:
     """The diagonal of the tip's compliance."""
     beam = extruded(STRAIGHT, _STRAIGHT_DIVISIONS, _STRAIGHT_SLICES * _STRAIGHT_DIVISIONS)
     found = np.diag(solid.tip_compliance(solid.clamped_leg(beam, "free")))
     return [
-        Compared(quantity, unit, target, float(found[component]), TOLERANCE)
+        KnownNumber(quantity, unit, target, float(found[component]), TOLERANCE)
         for component, quantity, unit, target in MACNEAL_TARGETS
     ]
 
@@ -112,18 +112,18 @@ def extruded(leg: ConstantLeg, divisions: int, slices: int) -> solid.SolidLeg:
     return solid.solid_leg(leg, extrude(section, stations(leg.length, slices)))
 
 
-def deep_beam() -> list[Compared]:
+def deep_beam() -> list[KnownNumber]:
     """FV5's nine modes, and that there are no more below the shift above them."""
     beam = extruded(DEEP, _DEEP_DIVISIONS, _DEEP_SLICES * _DEEP_DIVISIONS)
     count = FV5_MODES[-1][0].last
     found = leg_modes.modes(simply_supported(beam), count)
-    compared = [Compared("modes up to bending 3", "1", count, found.count, TOLERANCE)]
+    compared = [KnownNumber("modes up to bending 3", "1", count, found.count, TOLERANCE)]
     for cluster, kind, halves in FV5_MODES:
         wavenumber = halves * pi / DEEP.length
         prism = prism_wave_frequency(DEEP.section, DEEP.material, kind, wavenumber)
         error = prism / beam_wave_frequency(DEEP.timoshenko, kind, wavenumber) - 1.0
         ours = farthest(found.frequencies, cluster)
-        compared.append(Compared(cluster.quantity, "Hz", cluster.target, ours, TOLERANCE, error))
+        compared.append(KnownNumber(cluster.quantity, "Hz", cluster.target, ours, TOLERANCE, error))
     return compared
 
 
@@ -148,9 +148,9 @@ def simply_supported(beam: solid.SolidLeg) -> solid.ClampedLeg:
     )
 
 
-def torsion_constant(ratio: float) -> Compared:
+def torsion_constant(ratio: float) -> KnownNumber:
     """J/(b h³) of a rectangle with b/h = `ratio`."""
     mesh = section_mesh(Rectangle(ratio, 1.0), _TORSION_DIVISIONS)
     found = section_constants(mesh, nu=0.0).torsion_constant / ratio
     known = TORSION_CONSTANTS[ratio]
-    return Compared(f"J/(b h³), b/h = {ratio:g}", "1", known, found, 2e-6 / known)
+    return KnownNumber(f"J/(b h³), b/h = {ratio:g}", "1", known, found, 2e-6 / known)

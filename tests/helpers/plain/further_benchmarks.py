@@ -14,7 +14,7 @@ from lumped.legs import ConstantLeg, Material
 from lumped.sections import Rectangle, rectangle_torsion_constant
 from validation.selftest import beams, solids
 from validation.selftest.beams import ARM, FV2, REASON, TOLERANCE, Cluster
-from validation.selftest.benchmark import Benchmark, Compared
+from validation.selftest.benchmark import Benchmark, KnownNumber
 
 TEST_71 = (
     "F. Abbassian, D. J. Dawswell, N. C. Knowles, Selected Benchmarks for Natural Frequency "
@@ -108,7 +108,7 @@ def slender_cantilever(elements: int) -> Frame:
     )
 
 
-def straight_cantilever(up: tuple[float, float, float] = (0.0, 0.0, 1.0)) -> list[Compared]:
+def straight_cantilever(up: tuple[float, float, float] = (0.0, 0.0, 1.0)) -> list[KnownNumber]:
     """MacNeal–Harder, clamped at node 0, its section's height along `up`."""
     frame = Frame(
         "MacNeal–Harder cantilever",
@@ -118,19 +118,19 @@ def straight_cantilever(up: tuple[float, float, float] = (0.0, 0.0, 1.0)) -> lis
     )
     found = displacements(assemble(frame), np.eye(12)[:, 6:])[6:]
     return [
-        Compared(quantity, unit, target, float(found[component, component]), TOLERANCE)
+        KnownNumber(quantity, unit, target, float(found[component, component]), TOLERANCE)
         for component, quantity, unit, target in solids.MACNEAL_TARGETS
     ]
 
 
-def stretching_cross() -> list[Compared]:
+def stretching_cross() -> list[KnownNumber]:
     """FV2 with arms that bend in the plane and stretch."""
     crossing = Support(0, ("z", "φx", "φy"))
     compared = beams.clusters(
         beams.double_cross(16, ("tension", "bending z"), crossing), MOVING_CLUSTERS
     )
     return [
-        Compared(
+        KnownNumber(
             one.quantity,
             one.unit,
             one.known,
@@ -171,10 +171,10 @@ def moving_crossing_root(order: int, arm: ConstantLeg = ARM) -> float:
     return float(brentq(stiffness, order * pi, (order + 0.5) * pi))
 
 
-def torsion_by_series() -> list[Compared]:
+def torsion_by_series() -> list[KnownNumber]:
     """Saint-Venant's series at every published ratio."""
     return [
-        Compared(
+        KnownNumber(
             f"J/(b h³), b/h = {ratio:g}",
             "1",
             known,

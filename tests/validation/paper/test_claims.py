@@ -5,18 +5,18 @@ import pytest
 from ingredients import quick_context
 
 from validation import paper
-from validation.claims import Claim, Curve, gathered, summary
+from validation.claims import Claim, ClaimedCurve, gathered, summary
 from validation.report.said import SaidTable
 from validation.results.outcome import judge
 from validation.results.records import claims_of, run_record
 from validation.results.tasks import from_plain, plain
 
 
-def curve(*, printed: bool, corrected: bool) -> Curve:
-    return Curve("", "1", 1.0, printed, 2.0, corrected)
+def curve(*, printed: bool, corrected: bool) -> ClaimedCurve:
+    return ClaimedCurve("", "1", 1.0, printed, 2.0, corrected)
 
 
-def claim(*curves: Curve, circular: str = "", sentence: str = "it does") -> Claim:
+def claim(*curves: ClaimedCurve, circular: str = "", sentence: str = "it does") -> Claim:
     return Claim(sentence, "§1", "how far", curves, circular=circular)
 
 

@@ -13,7 +13,7 @@ from meshes.part.interfaces import find_interfaces
 from meshes.part.reading.read import read_part
 from meshes.part.volume import RATIO
 from validation.parts import identify
-from validation.parts.identify import Answer, _bracket
+from validation.parts.identify import MeshAnswer, _bracket
 from validation.parts.meshes import LEVELS
 from validation.parts.refinement import compliance_uncertainty, refinement_uncertainty
 
@@ -68,7 +68,7 @@ def test_identify_extrapolates_from_the_finest_of_its_three_meshes(monkeypatch):
         error = meshed.size**order
         frequencies, tip = limits + slopes * error, compliance + change * error
         none = np.zeros((3, 6))
-        return identify.Answer(tip, tip, tip, frequencies, none, 2, 300.0)
+        return identify.MeshAnswer(tip, tip, tip, frequencies, none, 2, 300.0)
 
     def mesh(*request):
         return Mesh(dict(zip(LEVELS, H, strict=True))[request[-1]])
@@ -139,7 +139,7 @@ def test_what_holding_leaves_open_is_averaged_less_rigid():
     """As `solve` says it: averaged faces yield more and swing lower."""
     nothing = np.zeros((6, 6))
     rigid, average = (
-        Answer(nothing, nothing, give * np.eye(6), np.array([hertz]), nothing, 0, 0.0)
+        MeshAnswer(nothing, nothing, give * np.eye(6), np.array([hertz]), nothing, 0, 0.0)
         for give, hertz in ((1.0, 10.0), (3.0, 9.0))
     )
     found = _bracket(rigid=rigid, average=average)

@@ -10,14 +10,14 @@ from lumped.robot_file import load_robot
 from validation import cli
 from validation.results import provenance
 from validation.selftest import beams, record, robots, solids
-from validation.selftest.benchmark import Benchmark, Compared
+from validation.selftest.benchmark import Benchmark, KnownNumber
 
 HEADER = provenance.header(load_robot("ifw"), "quick", {})
 TODAY = HEADER["started"][:10]
 
 
 def gives(*found):
-    return lambda: [Compared(f"q{k}", "Hz", 2.0, one, 1e-3) for k, one in enumerate(found)]
+    return lambda: [KnownNumber(f"q{k}", "Hz", 2.0, one, 1e-3) for k, one in enumerate(found)]
 
 
 def raising(error):
@@ -69,8 +69,8 @@ def test_it_says_what_agrees_and_runs_quote_it(with_benchmarks, computations, co
 
 
 def test_what_is_explained_is_no_difference():
-    assert Compared("q", "Hz", 2.0, 2.02, 1e-3, explained=0.01).agrees
-    assert not Compared("q", "Hz", 2.0, 2.0, 1e-3, explained=0.01).agrees
+    assert KnownNumber("q", "Hz", 2.0, 2.02, 1e-3, explained=0.01).agrees
+    assert not KnownNumber("q", "Hz", 2.0, 2.0, 1e-3, explained=0.01).agrees
 
 
 @pytest.mark.parametrize("changed", ["versions", "suite_sha256"])

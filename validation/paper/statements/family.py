@@ -13,7 +13,7 @@ from validation.paper.robot import (
     ALPHAS,
     FIGURE_POINTS,
     Deflections,
-    Modes,
+    ModeShares,
     Places,
     compliances,
     deflections,
@@ -57,7 +57,7 @@ def _simplified(context: Context, point: str) -> Array:
     return context.get(frequencies, "simplified", _members(context, point), 1)[:, 0]
 
 
-def _modes(context: Context, point: str, reading: ModelOptions) -> list[Modes]:
+def _modes(context: Context, point: str, reading: ModelOptions) -> list[ModeShares]:
     return context.get(modes, "segments", _members(context, point), 2, reading)
 
 

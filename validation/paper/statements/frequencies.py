@@ -20,7 +20,15 @@ from validation.models.options import (
     ModelName,
     ModelOptions,
 )
-from validation.paper.robot import Modes, Places, frequencies, legs, modes, over_stroke, stroke_of
+from validation.paper.robot import (
+    ModeShares,
+    Places,
+    frequencies,
+    legs,
+    modes,
+    over_stroke,
+    stroke_of,
+)
 from validation.paper.statements.statement import (
     AS_CORRECTED,
     AS_PRINTED,
@@ -46,7 +54,7 @@ def _simplified_frequency(context: Context, _reading: ModelOptions) -> Measureme
     return sampled(lowest, reference=710.0)
 
 
-def _over_the_stroke(context: Context, reading: ModelOptions) -> Sequence[Modes]:
+def _over_the_stroke(context: Context, reading: ModelOptions) -> Sequence[ModeShares]:
     """The first two modes in segments at nine postures."""
     places = over_stroke(context.robot_file.mechanism, _STATIONS)
     return context.get(modes, "segments", places, 2, reading)
@@ -54,7 +62,7 @@ def _over_the_stroke(context: Context, reading: ModelOptions) -> Sequence[Modes]
 
 def _at_the_centre(
     context: Context, reading: ModelOptions, count: int, model: ModelName = "segments"
-) -> Modes:
+) -> ModeShares:
     mechanism = context.robot_file.mechanism
     centre = Places(mechanism, np.array([stroke_of(mechanism).centre]))
     (found,) = context.get(modes, model, (centre,), count, reading)

@@ -17,7 +17,7 @@ import numpy as np
 from validation.agreement.convergence import step_factor
 from validation.case import Case, Measurement, Relation, Sides, Tolerance
 from validation.cases.mechanism.quantities import ASSEMBLER, MODEL_CODE
-from validation.claims import Claim, Curve
+from validation.claims import Claim, ClaimedCurve
 from validation.context import PRESETS, Context, Preset
 from validation.models.options import DEFAULT_OPTIONS, ModelOptions
 from validation.results.outcome import verdict
@@ -104,10 +104,10 @@ class Statement:
             circular=self.circular,
         )
 
-    def _curve(self, context: Context, name: str, compute: Compute) -> Curve:
+    def _curve(self, context: Context, name: str, compute: Compute) -> ClaimedCurve:
         corrected = compute(context, AS_CORRECTED)
         printed = compute(context, AS_PRINTED) if self.differs else corrected
-        return Curve(
+        return ClaimedCurve(
             name=name,
             unit=self.unit,
             printed=_finite(printed.value),
