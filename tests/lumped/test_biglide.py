@@ -32,15 +32,6 @@ def test_legs_reach_from_their_slides_to_b(x):
         assert leg.position[1] <= 0.0  # both legs on the same side
 
 
-def test_singular_ends():
-    """Leg 2 points along −x at the first end, leg 1 along +x at the last one."""
-    (first1, first2), (last1, last2) = map(STROKE.legs_at, STROKE.ends)
-    assert_allclose(first2.rotation[:, 0], [-1.0, 0.0, 0.0], atol=1e-15)
-    assert first1.position[1] == pytest.approx(-np.sqrt(0.85**2 - 0.145**2), rel=1e-14)
-    assert_allclose(last1.rotation[:, 0], [1.0, 0.0, 0.0], atol=1e-15)
-    assert last2.position[1] == pytest.approx(-np.sqrt(0.775**2 - 0.07**2), rel=1e-14)
-
-
 @pytest.mark.parametrize("short", [1e-3, 1e-6, 1e-9, 1e-12])
 def test_heights_near_the_ends_of_the_stroke_keep_their_digits(short):
     """Against rational arithmetic: L² − x² alone would have 1e-16 L² of rounding."""

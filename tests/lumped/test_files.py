@@ -27,12 +27,6 @@ def test_pipes_are_refused_before_they_are_opened(name, tmp_path):
         READERS[name](path)
 
 
-def test_a_run_folder_with_a_pipe_for_results_is_refused(tmp_path):
-    os.mkfifo(tmp_path / "results.json")
-    with pytest.raises(InputError, match=r"results\.json: is a pipe, socket or device"):
-        load_run(tmp_path)
-
-
 @pytest.mark.parametrize("name", ["measured.csv", "results.json"])
 def test_endless_and_oversized_files_are_refused_before_they_are_read(name, tmp_path):
     path = tmp_path / name

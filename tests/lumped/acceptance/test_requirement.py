@@ -59,22 +59,3 @@ def test_a_robot_file_says_what_is_accepted_and_how_ends_are_held(tmp_path: Path
     leg1 = robot_file.mechanism.bodies["leg1"].shape
     assert isinstance(leg1, Prism)
     assert leg1.ends == "rigid"
-
-
-@pytest.mark.parametrize(
-    ("accept", "ends", "said"),
-    [
-        ("[accept]\ndeflection = 5.0", "", "accept.deflection = 5.0: must be at most 1"),
-        ("[accept]\nmodes = 11", "", "accept.modes = 11: must be"),
-        ('[accept]\nrely = ["vjmm"]', "", "accept.rely"),
-        ("[accept]\ndeflections = 0.1", "", 'did you mean "deflection"'),
-        ("", 'ends = "loose"', "leg1.ends"),
-    ],
-)
-def test_what_cannot_be_asked_is_one_clear_line(
-    tmp_path: Path, accept: str, ends: str, said: str
-) -> None:
-    with pytest.raises(InputError) as refused:
-        load_robot(written(tmp_path, accept=accept, ends=ends))
-    (fault,) = refused.value.faults
-    assert said in fault

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from lumped.errors import InputError
-from lumped.mechanism.joint import AXES, Joint, Side
+from lumped.mechanism.joint import Joint, Side
 
 X, Y = np.eye(3)[:2]
 SIDES = Side("one", "P"), Side("other", "P")
@@ -26,13 +26,6 @@ SIDES = Side("one", "P"), Side("other", "P")
 def test_axes_that_are_another_joint(kind, axes, said):
     with pytest.raises(InputError, match=said):
         Joint("hinge", kind, *SIDES, np.array(axes))
-
-
-@pytest.mark.parametrize("kind", AXES)
-def test_axes_that_are_right(kind):
-    slanted = np.array([0.6, 0.8, 0.0])
-    axes = np.array([X, slanted])[: AXES[kind]].reshape(-1, 3)
-    assert Joint("hinge", kind, *SIDES, axes).kind == kind
 
 
 def test_the_give_of_a_joint_is_6_by_6():

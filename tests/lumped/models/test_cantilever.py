@@ -50,13 +50,3 @@ def test_a_leg_that_is_not_held_is_named():
     leg = replace(spring_leg(), stiffness=csr_matrix(broken))
     with pytest.raises(ComputationError, match="springs"):
         tip_compliance_of(leg)
-
-
-def test_negative_stiffness_is_named():
-    broken = spring_leg().stiffness.toarray()
-    broken[7, 12 + 1] = broken[12 + 1, 7] = -1.1 * 2.0 * SPRINGS[1] * np.sqrt(2.0)
-    leg = replace(spring_leg(), stiffness=csr_matrix(broken))
-    with pytest.raises(ComputationError, match="springs"):
-        tip_compliance_of(leg)
-    with pytest.raises(ComputationError, match="springs"):
-        clamped_modes(leg, 3)

@@ -93,14 +93,6 @@ def test_jacobians_are_the_derivatives_of_the_end_pose(kinds, seed):
     assert_allclose(found.end, pose[:3, 3], atol=1e-12)
 
 
-def test_revolute_joint_at_the_root_of_a_lever():
-    """Turning about z moves a tip on the x axis along y by its distance."""
-    lever = (ChainJoint("revolute", np.array([0.0, 0.0, 2.0])), Fixed(np.array([0.85, 0.0, 0.0])))
-    found = chain_jacobians(lever)
-    assert_allclose(found.passive[:, 0], [0.0, 0.85, 0.0, 0.0, 0.0, 1.0], atol=1e-15)
-    assert found.reach == pytest.approx(0.85)
-
-
 def test_compliances_lie_in_the_order_of_the_springs():
     """Eq. (5): block diagonal, base first."""
     soft, hard = (

@@ -5,7 +5,6 @@ import pytest
 
 from fem.beams.beam import beam_leg
 from lumped.legs import ConstantLeg, Material
-from lumped.mechanism.body import Frame
 from lumped.mechanism.placing import leg_frame
 from lumped.models.placed_leg import placed_leg
 from lumped.screws import shift, turn_matrix
@@ -55,13 +54,3 @@ def test_its_compliance_is_turned(placed):
     found = np.linalg.inv(model.stiffness.toarray()[free, free])[:6, :6]
     expected = turn_matrix(tip, leg_frame(START, END).rotation)
     assert found == pytest.approx(expected, rel=1e-9, abs=1e-9 * np.abs(expected).max())
-
-
-def test_at_home_it_is_the_leg_itself():
-    leg = beam_leg(LEG.timoshenko, LEG.length, 2)
-    model = placed_leg(leg, Frame(), ("A", "B"))
-    assert np.array_equal(model.stiffness.toarray(), leg.stiffness.toarray())
-    points = np.array([[0.2, 0.01, 0.02], [0.55, -0.02, 0.0]])
-    assert model.displacements(points).toarray() == pytest.approx(
-        leg.displacements(points).toarray(), abs=1e-15
-    )

@@ -154,13 +154,6 @@ def test_singular_spring_whose_rigid_direction_a_joint_releases():
     assert_allclose(K, expected, rtol=1e-12, atol=1e-3)
 
 
-def test_joints_alone_hold_nothing():
-    """Six independent passive joints and no spring: K = 0."""
-    axes = (X, Y, Z)
-    joints = [ChainJoint(kind, axis) for kind in ("prismatic", "revolute") for axis in axes]
-    assert_allclose(vjm.chain_stiffness(joints), 0.0, atol=1e-12)
-
-
 @pytest.mark.parametrize(
     ("chain", "words"),
     [
@@ -223,16 +216,6 @@ def test_a_free_platform_on_slender_legs_is_not_taken_for_a_soft_one(side):
         chain = (passive(Z, coordinate=angle), Fixed(X), spring)
         with pytest.raises(ComputationError, match=r"free to turn about z through \("):
             vjm.platform_compliance(vjm.chain_stiffness(chain))
-
-
-def test_both_chains_end_in_the_same_frame():
-    """Closure of eq. (6): the loaded point at B + tool offset, the platform along the robot."""
-    robot = like_ifw(tool_offset=np.array([0.03, -0.02, 0.155]))
-    for at in placed_at(robot, *stations(robot, 5)):
-        parallel, _ = serial_chains.serial_chains(at, tip_compliances(robot))
-        assert len(parallel) == 2
-        for end in map(chain_jacobians, parallel):
-            assert_allclose(end.end, [at.pose[0] + 0.03, -0.02, 0.155], atol=1e-15)
 
 
 def test_tool_offset_moves_the_loaded_point_and_tool_compliance_adds():

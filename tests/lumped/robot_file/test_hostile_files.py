@@ -12,7 +12,6 @@ from functools import reduce
 from operator import getitem
 from pathlib import Path
 
-import numpy as np
 import pytest
 from mutated_robots import mutated_robots, places
 from sound_biglide import SOUND
@@ -135,9 +134,10 @@ def test_hostile_files_are_refused_in_few_short_lines(path, capsys):
         assert check(path, capsys, name) == 2, name
 
 
-def test_hostile_files_take_little_memory(tmp_path):
-    paths = [tmp_path / f"{number}.toml" for number in range(len(HOSTILE))]
-    for path, content in zip(paths, HOSTILE.values(), strict=True):
+def test_large_hostile_files_take_little_memory(tmp_path):
+    large = {name: content for name, content in HOSTILE.items() if len(content) > 20_000}
+    paths = [tmp_path / f"{number}.toml" for number in range(len(large))]
+    for path, content in zip(paths, large.values(), strict=True):
         write(path, content)
     done = subprocess.run(
         [sys.executable, "-c", MEASURED, *paths],
@@ -147,7 +147,7 @@ def test_hostile_files_take_little_memory(tmp_path):
         text=True,
         check=True,
     )
-    for name, line in zip(HOSTILE, done.stdout.splitlines(), strict=True):
+    for name, line in zip(large, done.stdout.splitlines(), strict=True):
         code, size = map(int, line.split())
         assert (code, size < 200e6) == (2, True), (name, code, size)
 
@@ -237,34 +237,21 @@ def test_large_files_pipes_and_devices_are_refused_before_they_are_read(path):
 
 
 @pytest.mark.parametrize(
-    "text",
+    ("text", "deep"),
     [
-        "a = " + "[" * 101,
-        "a = 1\nb = " + "{ a = " * 101,
-        "a." * 101 + "a = 1",
-        "[" + "a." * 101 + "a]",
-        'a = "[[["\nb = ' + "[" * 101 + "# ]",
+        *[(f"a = {'[' * 101}", True), ("a = 1\nb = " + "{ a = " * 101, True)],
+        *[("a." * 101 + "a = 1", True), ("[" + "a." * 101 + "a]", True)],
+        ('a = "[[["\nb = ' + "[" * 101 + "# ]", True),
+        *[("a = '" + "[" * 200 + "'", False), ("# " + "[" * 200, False)],
+        *[('a = """' + "{" * 200 + '\n."""', False), ("a = [" * 9, False)],
     ],
 )
-def test_nesting_beyond_a_hundred_is_refused_before_it_is_parsed(path, text):
-    (fault,) = faults_of(path, text)
-    assert fault.endswith("is nested more than 100 deep; not a robot file")
-
-
-@pytest.mark.parametrize(
-    "text",
-    ["a = '" + "[" * 200 + "'", "# " + "[" * 200, 'a = """' + "{" * 200 + '\n."""', "a = [" * 9],
-)
-def test_brackets_in_texts_and_comments_do_not_nest(path, text):
-    assert not any("nested" in fault for fault in faults_of(path, text))
-
-
-@pytest.mark.parametrize("size", [1e5, 3.3e7, 1e10])
-def test_a_stiffness_matrix_gets_one_line_with_the_guess(path, size):
-    rows = (size * np.eye(6)).tolist()
-    (fault,) = faults_of(path, SOUND.replace(LEG2_MATRIX, f"compliance = {rows}\n"))
-    assert fault.startswith("leg2.compliance: 6 of 6 entries on the diagonal are above 1 m/N")
-    assert "is this a stiffness matrix?" in fault
+def test_nesting_beyond_a_hundred_is_refused_before_it_is_parsed(path, text, deep):
+    said = [
+        fault.endswith("nested more than 100 deep; not a robot file")
+        for fault in faults_of(path, text)
+    ]
+    assert any(said) == deep
 
 
 def test_a_doubt_about_sound_data_stands_in_the_first_line(path, capsys):
@@ -275,10 +262,3 @@ def test_a_doubt_about_sound_data_stands_in_the_first_line(path, capsys):
         path.write_text(text, encoding="utf-8")
         assert cli.main(["check", str(path)]) == 0
         assert capsys.readouterr().out.startswith(f"{path}: {said}; test robot")
-
-
-def test_a_position_beyond_the_stroke_is_told_by_how_much(path, capsys):
-    path.write_text(SOUND, encoding="utf-8")
-    assert cli.main(["solve", str(path), "--model", "simplified", "--x", "0.8500001"]) == 2
-    said = capsys.readouterr().err
-    assert "x = 0.8500001 m is outside the stroke 0.1 m to 0.85 m, by 1e-07 m" in said

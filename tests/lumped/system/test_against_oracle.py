@@ -160,12 +160,3 @@ def test_compliance_idle_motions_and_frequencies_are_those_of_the_null_space(see
         assert (2 * np.pi * modes(solution, count).frequencies) ** -2 == pytest.approx(
             inverse[:count], rel=1e-7 * grown
         )
-
-
-def test_turned_axes_are_those_of_the_posture():
-    """The generator gives axes in the reference posture such that planar robots stay planar."""
-    posture = random_posture(3, planar=True)
-    for joint in posture.mechanism.joints:
-        if joint.kind == "revolute":
-            twist = free_twists(posture, joint)[:, 0]
-            assert np.abs(twist[3:]) == pytest.approx([0.0, 0.0, 1.0], abs=1e-12)
