@@ -43,7 +43,7 @@ def compliance(rng: np.random.Generator, yields: Array) -> Array:
     return np.asarray(axes * yields @ axes.T)
 
 
-@pytest.mark.parametrize("seed", range(40))
+@pytest.mark.parametrize("seed", range(16))
 def test_the_worst_direction_of_force_is_found(seed: int) -> None:
     rng = np.random.default_rng([24, seed])
     # From one direction that alone yields to a reference that is singular.

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from sound_biglide import SOUND
 
 from lumped.legs import ConstantLeg, Material, equivalent_leg
 from lumped.mechanism.body import Prism
@@ -29,49 +30,22 @@ from validation.solve.model_answers import solve
 from validation.solve.question import Question
 from validation.solve.uncertainty import beside
 
-# Leg 1 by its 6×6, leg 2 by section and material.
-GIVEN_LEG1 = """
-schema = 1
-name = "one leg of each kind"
-type = "biglide"
-geometry = { a = 0.9 }
-platform = { mass = 46.0 }
-actuators = { stiffness = 1.0e9 }
-
-[leg1]
-length = 0.8
-mass = 49.0
-compliance = [
-    [3.0e-10, 0.0, 0.0, 0.0, 0.0, 0.0],
-    [0.0, 2.0e-8, 0.0, 0.0, 0.0, 3.0e-8],
-    [0.0, 0.0, 3.0e-8, 0.0, -5.0e-8, 0.0],
-    [0.0, 0.0, 0.0, 2.5e-7, 0.0, 0.0],
-    [0.0, 0.0, -5.0e-8, 0.0, 1.5e-7, 0.0],
-    [0.0, 3.0e-8, 0.0, 0.0, 0.0, 1.0e-7],
-]
-
-[leg2]
-length = 0.85
-section = { shape = "hollow-rectangle", width = 0.10, height = 0.16, thickness = 0.008 }
-material = { E = 2.1e11, nu = 0.3, rho = 7850.0 }
-"""
-
 
 @pytest.fixture
 def robot(tmp_path):
     path = tmp_path / "robot.toml"
-    path.write_text(GIVEN_LEG1, encoding="utf-8")
+    path.write_text(SOUND, encoding="utf-8")
     return str(path)
 
 
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["vjm", "--leg", "1", "--theory", "timoshenko"], "--theory: the vjm model takes the legs"),
+        (["vjm", "--leg", "2", "--theory", "timoshenko"], "--theory: the vjm model takes the legs"),
         (["vjm", "--equivalent", "compliance"], "--equivalent: the vjm model takes the legs as"),
-        (["vjm", "--leg", "2", "--legs", "equivalent"], "--legs: no leg that is asked about is"),
-        (["beam", "--leg", "2", "--equivalent", "compliance"], "no leg that is asked about is"),
-        (["segments", "--leg", "1", "--release", "printed"], "--release: a leg alone has no joint"),
+        (["vjm", "--leg", "1", "--legs", "equivalent"], "--legs: no leg that is asked about is"),
+        (["beam", "--leg", "1", "--equivalent", "compliance"], "no leg that is asked about is"),
+        (["segments", "--leg", "2", "--release", "printed"], "--release: a leg alone has no joint"),
         (["beam", "--modes", "1.5"], 'Invalid value "1.5" for --modes. Must be a whole number'),
         (["beam", "--elements", "2.7"], 'Invalid value "2.7" for --elements. Must be a whole'),
         (["beam", "--leg", "1.4"], 'Invalid value "1.4" for --leg. Must be a whole number'),
@@ -98,13 +72,13 @@ def test_the_answer_names_the_options_that_had_a_say(robot, capsys):
         "legs": "given",
         "theory": "timoshenko",
     }
-    assert options_heard(capsys, robot, "--model", "vjm", "--leg", "1") == {"legs": "given"}
+    assert options_heard(capsys, robot, "--model", "vjm", "--leg", "2") == {"legs": "given"}
     assert options_heard(capsys, robot, "--model", "vjm", "--legs", "equivalent") == {
         "legs": "equivalent",
         "theory": "timoshenko",
         "equivalent": "stiffness",
     }
-    alone = ("--model", "beam", "--leg", "2", "--elements", "2")
+    alone = ("--model", "beam", "--leg", "1", "--elements", "2")
     assert options_heard(capsys, robot, *alone) == {"theory": "timoshenko", "elements": 2}
 
 
@@ -118,7 +92,7 @@ def test_what_is_heard_changes_the_answer(robot, capsys):
     assert compliance("--legs", "equivalent", "--equivalent", "compliance") != usual
 
 
-@pytest.mark.parametrize("place", [(), ("--leg", "2")])
+@pytest.mark.parametrize("place", [(), ("--leg", "1")])
 def test_a_number_that_rounding_has_eaten_is_no_answer(robot, place, capsys):
     text = Path(robot).read_text(encoding="utf-8")
     Path(robot).write_text(text.replace("nu = 0.3", "nu = -0.999999999"), encoding="utf-8")
@@ -130,11 +104,11 @@ def test_a_number_that_rounding_has_eaten_is_no_answer(robot, place, capsys):
 
 def test_solids_say_the_uncertainty_of_their_mesh(robot, capsys):
     def answer(divisions):
-        arguments = ["--model", "solid", "--leg", "2", "--divisions", divisions, "--modes", "1"]
+        arguments = ["--model", "solid", "--leg", "1", "--divisions", divisions, "--modes", "1"]
         assert cli.main(["solve", robot, *arguments, "--json"]) == 0
         return json.loads(capsys.readouterr().out)["results"][0]
 
-    text = GIVEN_LEG1.replace("hollow-rectangle", "rectangle").replace(", thickness = 0.008", "")
+    text = SOUND.replace("hollow-rectangle", "rectangle").replace(", thickness = 0.008", "")
     Path(robot).write_text(text, encoding="utf-8")
     coarse, fine = answer("1"), answer("2")
     stated = fine["uncertainty"]
@@ -204,12 +178,12 @@ def test_the_mesh_that_says_the_uncertainty_is_another_one(section, divisions):
 
 def test_a_coarse_round_leg_says_how_wrong_it_is(robot, capsys):
     """ν = −0.9: two divisions bend 20 % too little; to one division, the same mesh, 0.007 %."""
-    text = GIVEN_LEG1.replace('"hollow-rectangle", width = 0.10, height = 0.16', '"circle"')
+    text = SOUND.replace('"hollow-rectangle", width = 0.10, height = 0.16', '"circle"')
     text = text.replace("thickness = 0.008", "diameter = 0.25").replace("nu = 0.3", "nu = -0.9")
     Path(robot).write_text(text, encoding="utf-8")
 
     def answer(*arguments):
-        assert cli.main(["solve", robot, "--leg", "2", "--modes", "0", "--json", *arguments]) == 0
+        assert cli.main(["solve", robot, "--leg", "1", "--modes", "0", "--json", *arguments]) == 0
         return json.loads(capsys.readouterr().out)["results"][0]
 
     coarse = answer("--model", "solid", "--ends", "free", "--divisions", "2")
@@ -221,8 +195,8 @@ def test_a_coarse_round_leg_says_how_wrong_it_is(robot, capsys):
 
 
 def test_a_mesh_that_nothing_stands_beside_says_so(robot, capsys, monkeypatch):
-    arguments = ["solve", robot, "--model", "solid", "--leg", "2", "--divisions", "2"]
-    leg = equivalent_leg(legs_of(load_robot(robot).mechanism)["leg2"])
+    arguments = ["solve", robot, "--model", "solid", "--leg", "1", "--divisions", "2"]
+    leg = equivalent_leg(legs_of(load_robot(robot).mechanism)["leg1"])
     only = 1.2 * solid_cost((leg,), 2, 6).memory
     monkeypatch.setattr("validation.solve.cost.available_memory", lambda: only)
     assert cli.main(arguments) == 0
