@@ -15,6 +15,7 @@ from lumped.arrays import Array
 from lumped.legs import ConstantLeg, Material
 from lumped.mechanism.body import Prism
 from lumped.mechanism.kinematics.postures import posture, reference_posture
+from lumped.mechanism.mechanism import Mechanism
 from lumped.mechanism.part import ByPlane, PartInterface
 from lumped.robot_file import load_robot
 from lumped.sections import Rectangle
@@ -80,7 +81,15 @@ def benchmarks() -> tuple[Benchmark, ...]:
 def hexapod() -> list[KnownNumber]:
     """Deflections of the platform's point, beside a stiffness summed over the legs."""
     mechanism = load_robot("hexapod").mechanism
-    pose, centre = mechanism.poses[0], mechanism.reference_pose[:3]
+    at = posture(mechanism, mechanism.poses[0])
+    (own,) = answers("beam", [at], 0, ModelOptions(elements=1))
+    known = np.linalg.inv(hexapod_stiffness(mechanism, at.pose))
+    return _deflections(np.diag(known), np.diag(own.compliance), 1e-8)
+
+
+def hexapod_stiffness(mechanism: Mechanism, pose: Array) -> Array:
+    """Σ k j jᵀ (6×6, SI, base axes) of the built-in hexapod at its platform's point."""
+    centre = mechanism.reference_pose[:3]
     turn = Rotation.from_rotvec(pose[3:]).as_matrix()
     drives = {joint.name: joint.drive for joint in mechanism.joints}
     stiffness = np.zeros((6, 6))
@@ -100,8 +109,7 @@ def hexapod() -> list[KnownNumber]:
         along = (end - base) / np.linalg.norm(end - base)
         screw = np.concatenate([along, np.cross(end - pose[:3], along)])
         stiffness += np.outer(screw, screw) / give
-    (own,) = answers("beam", [posture(mechanism, pose)], 0, ModelOptions(elements=1))
-    return _deflections(np.diag(np.linalg.inv(stiffness)), np.diag(own.compliance), 1e-8)
+    return stiffness
 
 
 def bar() -> list[KnownNumber]:

@@ -17,6 +17,7 @@ from lumped.sections import Rectangle, Tube
 from validation.kinematics.poses import postures_of
 from validation.models.mechanism import answers
 from validation.models.options import ModelOptions
+from validation.selftest.robots import hexapod_stiffness
 from validation.studies.ritz import leg, mechanism
 
 
@@ -52,20 +53,8 @@ def test_frequencies_are_what_beams_converge_to():
 
 def test_a_hexapod_has_the_stiffness_of_its_bars():
     at = first_pose("hexapod")
-    stiffness = np.zeros((6, 6))
-    for number in range(1, 7):
-        bodies = (f"strut{number}", f"rod{number}")
-        shapes = [at.mechanism.bodies[name].shape for name in bodies]
-        give = sum(s.length / (s.material.E * s.section.area) for s in shapes)
-        drive = next(j.drive for j in at.mechanism.joints if j.name == f"drive{number}")
-        give += 1.0 / drive.stiffness
-        rod = at.frames[f"rod{number}"]
-        along = rod.rotation[:, 0]
-        tip = (rod @ at.mechanism.bodies[f"rod{number}"].interfaces[f"Q{number}"]).position
-        screw = np.concatenate([along, np.cross(tip - at.pose[:3], along)])
-        stiffness += np.outer(screw, screw) / give
-    found = mechanism.compliance(at)
-    np.testing.assert_allclose(found @ stiffness, np.eye(6), atol=1e-8)
+    stiffness = hexapod_stiffness(at.mechanism, at.pose)
+    np.testing.assert_allclose(mechanism.compliance(at) @ stiffness, np.eye(6), atol=1e-8)
 
 
 @pytest.mark.parametrize("softer", [1e-12, 1e-6, 1e6])
