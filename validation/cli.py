@@ -165,9 +165,12 @@ def run(
     start: Start = "resumed" if resume else "afresh"
     robot_file = load_robot(robot)
     robot_file = with_measured(robot_file, measured) if measured else robot_file
-    asked = {"accept": " ".join(accept), "rely": " ".join(rely)}
-    asked["measured"] = digest(robot_file.measured) if measured else ""
-    asked["vary"] = " ".join(vary)
+    asked = {
+        "accept": " ".join(accept),
+        "rely": " ".join(rely),
+        "measured": digest(robot_file.measured) if measured else "",
+        "vary": " ".join(vary),
+    }
     request = Request(
         replace(robot_file, requirement=with_options(robot_file.requirement, accept, rely)),
         preset,

@@ -33,40 +33,22 @@ UNPROVEN = 3.0
 
 
 @dataclass(frozen=True)
-class Fit:
-    """Least-squares fit f = limit + coefficient · h^order; `residual` is the largest deviation."""
-
-    limit: float
-    coefficient: float
-    order: float
-    residual: float
-
-
-@dataclass(frozen=True)
 class Convergence:
-    """What a refinement study shows.
+    """What a refinement study shows of its `values`, coarse to fine.
 
     `orders` are the pairwise observed orders (one per three neighbouring grids, NaN where the
-    differences do not shrink monotonically). `fit`, `extrapolated` (Richardson) and `uncertainty`
-    (GCI times |f|, in the unit of f) are None outside the asymptotic range, and `refusal` says
-    why. On a round-off plateau the uncertainty is the round-off level itself.
+    differences do not shrink monotonically), `observed_order` is fitted over the asymptotic tail.
+    That, `extrapolated` (Richardson) and `uncertainty` (GCI times |f|, in the unit of f) are None
+    outside the asymptotic range, and `refusal` says why. On a round-off plateau the uncertainty is
+    the round-off level itself.
     """
 
-    sizes: Array
     values: Array
-    formal_order: float
-    behaviour: Behaviour
     orders: Array
-    fit: Fit | None
-    extrapolated: float | None
-    safety: float | None
-    uncertainty: float | None
+    observed_order: float | None = None
+    extrapolated: float | None = None
+    uncertainty: float | None = None
     refusal: str = ""
-
-    @property
-    def observed_order(self) -> float | None:
-        """Fitted order over the asymptotic tail."""
-        return self.fit.order if self.fit else None
 
 
 def three_grid_order(
@@ -122,35 +104,34 @@ def pairwise_orders(sizes: Array, values: Array) -> Array:
     )
 
 
-def fit_order(sizes: Array, values: Array) -> Fit:
-    """Least-squares f∞, C and p over all given grids (at least three), weights 1/h.
+def fit_order(sizes: Array, values: Array) -> float:
+    """Order p in (0, 12] of f = f∞ + C hᵖ over all given grids (at least three).
 
-    Weights as in Eça and Hoekstra, J. Comput. Phys. 262 (2014) 104: the fine grids count more.
-    For a given p the fit is linear; p in (0, 12] then minimises its residual.
+    The one whose least-squares fit leaves least, weighted as in `_fitted`.
     """
-    shape = sizes / sizes[-1]
-    weight = 1.0 / np.sqrt(shape)
 
-    def solve(order: float) -> tuple[Array, Array]:
-        basis = np.column_stack([np.ones_like(shape), shape**order])
-        solution = np.linalg.lstsq(basis * weight[:, None], values * weight, rcond=None)[0]
-        return solution, basis @ solution - values
-
-    def cost(order: float) -> float:
-        return float(np.linalg.norm(solve(order)[1] * weight))
+    def left(order: float) -> float:
+        deviations = _fitted(sizes, values, (order,))[1]
+        return float(np.linalg.norm(deviations / np.sqrt(sizes / sizes[-1])))
 
     candidates = np.linspace(0.05, LARGEST_ORDER, 240)
-    best = int(np.argmin([cost(order) for order in candidates]))
+    best = int(np.argmin([left(order) for order in candidates]))
     bounds = (candidates[max(best - 1, 0)], candidates[min(best + 1, len(candidates) - 1)])
-    found = minimize_scalar(cost, bounds=bounds, method="bounded", options={"xatol": 1e-10})
-    order = float(found.x)
-    (limit, scaled), residual = solve(order)
-    return Fit(
-        limit=float(limit),
-        coefficient=float(scaled) / float(sizes[-1]) ** order,
-        order=order,
-        residual=float(np.max(np.abs(residual))),
-    )
+    found = minimize_scalar(left, bounds=bounds, method="bounded", options={"xatol": 1e-10})
+    return float(found.x)
+
+
+def _fitted(sizes: Array, values: Array, orders: tuple[float, ...]) -> tuple[Array, Array]:
+    """f∞ and Cᵢ of f = f∞ + Σ Cᵢ h^pᵢ, h in units of the finest, and how far values are off it.
+
+    Least squares, weights 1/h as in Eça and Hoekstra, J. Comput. Phys. 262 (2014) 104: the fine
+    grids count more.
+    """
+    shape = sizes / sizes[-1]
+    root = 1.0 / np.sqrt(shape)
+    basis = np.column_stack([np.ones_like(shape), *(shape**order for order in orders)])
+    solution = np.linalg.lstsq(basis * root[:, None], values * root, rcond=None)[0]
+    return solution, basis @ solution - values
 
 
 def classify(sizes: Array, values: Array, round_off: float) -> Behaviour:
@@ -184,22 +165,16 @@ def analyse(
         raise ValueError("mesh sizes must decrease, stay positive, and every value be finite")
     behaviour = classify(sizes, values, round_off)
     if behaviour == "round-off plateau":
-        return _plateau(sizes, values, formal_order, round_off)
+        return _plateau(sizes, values, round_off)
     orders = pairwise_orders(sizes, values)
-    refusal = _refusal(behaviour, orders)
-    if refusal:
-        return Convergence(
-            sizes, values, formal_order, behaviour, orders, None, None, None, None, refusal
-        )
+    if refusal := _refusal(behaviour, orders):
+        return Convergence(values, orders, refusal=refusal)
     tail = _asymptotic_tail(orders)
-    fit = fit_order(sizes[tail:], values[tail:])
-    safety = safety_factor(fit.order, formal_order)
+    order = fit_order(sizes[tail:], values[tail:])
     ratio = float(sizes[-2] / sizes[-1])
-    extrapolated = richardson(values[-2], values[-1], ratio, min(fit.order, formal_order))
-    uncertainty = safety * abs(extrapolated - values[-1])
-    return Convergence(
-        sizes, values, formal_order, behaviour, orders, fit, extrapolated, safety, uncertainty
-    )
+    extrapolated = richardson(values[-2], values[-1], ratio, min(order, formal_order))
+    uncertainty = safety_factor(order, formal_order) * abs(extrapolated - values[-1])
+    return Convergence(values, orders, order, extrapolated, uncertainty)
 
 
 def uncertainty_of(convergence: Convergence) -> float:
@@ -222,32 +197,20 @@ def uncertainty_of_known_orders(sizes: Array, values: Array, orders: tuple[float
     """
     if len(values) < len(orders) + 2:
         raise ValueError(f"{len(orders)} orders need {len(orders) + 2} grids, not {len(values)}")
-    shape = sizes / sizes[-1]
-    weight = 1.0 / np.sqrt(shape)
-    basis = np.column_stack([np.ones_like(shape), *(shape**order for order in orders)])
-    fitted = np.linalg.lstsq(basis * weight[:, None], values * weight, rcond=None)[0]
-    residual = float(np.max(np.abs(basis @ fitted - values)))
-    return PROVEN * float(abs(fitted[0] - values[-1])) + residual
+    fitted, deviations = _fitted(sizes, values, orders)
+    return PROVEN * float(abs(fitted[0] - values[-1])) + float(np.max(np.abs(deviations)))
 
 
-def _plateau(sizes: Array, values: Array, formal_order: float, round_off: float) -> Convergence:
+def _plateau(sizes: Array, values: Array, round_off: float) -> Convergence:
     level = round_off * abs(values[-1])
     scatter = float(np.ptp(values[-2:]))
     above = int(np.sum(np.abs(np.diff(values)) > level)) + 1
     orders = pairwise_orders(sizes[:above], values[:above])
-    usable = above >= 4 and not _refusal("monotone", orders)
-    tail = _asymptotic_tail(orders) if usable else 0
-    return Convergence(
-        sizes=sizes,
-        values=values,
-        formal_order=formal_order,
-        behaviour="round-off plateau",
-        orders=orders,
-        fit=fit_order(sizes[tail:above], values[tail:above]) if usable else None,
-        extrapolated=float(values[-1]),
-        safety=None,
-        uncertainty=max(level, scatter),
-    )
+    order = None
+    if above >= 4 and not _refusal("monotone", orders):
+        tail = _asymptotic_tail(orders)
+        order = fit_order(sizes[tail:above], values[tail:above])
+    return Convergence(values, orders, order, float(values[-1]), max(level, scatter))
 
 
 def _refusal(behaviour: Behaviour, orders: Array) -> str:

@@ -10,7 +10,6 @@ from lumped.errors import InputError
 from lumped.legs import ConstantLeg, Leg, equivalent_leg
 from lumped.sections import Section
 from meshes.section.section_blocks import section_blocks, sides_of
-from validation.case import Skip
 from validation.context import PRESETS, Preset
 
 # Unknowns of one solid that a run factorises: some 20 s and 2 GB, 50 s and 5 GB, 7 min and 29 GB
@@ -46,12 +45,6 @@ def too_large(legs: Sequence[Leg], divisions: Sequence[int], preset: Preset) -> 
         f"{' and '.join(reasons)} unknowns, preset {preset} takes {most}; "
         "solve --model solid says what one answer would take"
     )
-
-
-def skip_too_large(legs: Sequence[Leg], divisions: Sequence[int], preset: Preset) -> None:
-    """Raise Skip where a run does not take one of the legs."""
-    if reason := too_large(legs, divisions, preset):
-        raise Skip(reason)
 
 
 def face_too_large(leg: ConstantLeg, divisions: int, preset: Preset) -> str:

@@ -40,7 +40,7 @@ from validation.solids.leg_models import (
     own_beam,
 )
 from validation.solids.legs import FORMAL_ORDER, decay_of_warping, divisions_across
-from validation.solids.size import skip_too_large
+from validation.solids.size import too_large
 from validation.studies.leg_waves import NO_WAVES, WAVES, WAVES_SOURCE, wave_changes, waves_of
 
 MODES = 6
@@ -119,7 +119,8 @@ def _meshes(context: Context) -> tuple[tuple[Posture, ...], SolidMeshes]:
         raise Skip("not all of its legs are prisms, whose waves are known")
     meshes = solid_meshes(context.preset)
     numbers = [divisions_across(leg, *meshes.fine) for leg in prisms]
-    skip_too_large(prisms, numbers, context.preset)
+    if reason := too_large(prisms, numbers, context.preset):
+        raise Skip(reason)
     for leg, number in zip(prisms, numbers, strict=True):
         if decay_of_warping(leg, number) > _SHORT * leg.length:
             raise Skip(
