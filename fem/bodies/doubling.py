@@ -36,7 +36,7 @@ from scipy.linalg import LinAlgError, cholesky, qr, solve_triangular
 from scipy.sparse import diags_array
 
 from fem.bodies.solid import Ends
-from fem.couplings.end_coupling import rigid_motions, saint_venant_loads
+from fem.couplings.grips import rigid_motions, saint_venant_loads
 from fem.elements.elasticity import stiffness
 from lumped.arrays import Array, IntArray, SparseMatrix
 from lumped.errors import ComputationError, InputError, naming
@@ -140,7 +140,7 @@ def condensed_leg(leg: ConstantLeg, section: SectionMesh, slices: int) -> Conden
 def tip_compliance(condensed: CondensedLeg, ends: Ends = "rigid") -> Array:
     """6×6 compliance (SI, leg axes) at (L, 0, 0), root held.
 
-    `ends` as in `fem.couplings.end_coupling`.
+    `ends` as in `fem.bodies.solid.coupled_leg`.
     """
     piece = condensed.piece
     compliance = piece.compliance

@@ -4,10 +4,10 @@ The rigid motions are taken off by the first interface's twist, P = I − R̂B�
 unknowns make K̂ positive definite, and loads in equilibrium leave them without force. With the unit
 wrenches B at the other interfaces, U = P(K̂ + springs)⁻¹Pᵀ B and C = BᵀU: their compliance. Then
 Ψ = U C⁻¹ are the displacements for unit twists with the first held, and what all twists held leave
-of the flexibility G is G − U C⁻¹Uᵀ (fem.reduction.free_superelement, for any number of interfaces).
+of the flexibility G is G − U C⁻¹Uᵀ for any number of them.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -23,7 +23,8 @@ from fem.solvers.factor import upper_triangle
 from fem.solvers.modes import CertifiedModes, lowest_modes, searched_modes
 from fem.solvers.renewable_factor import RenewableFactor
 from lumped.arrays import Array, IntArray
-from lumped.dense.modes import Modes
+from lumped.dense.balance import balanced_flexibility
+from lumped.dense.modes import fix_signs
 from lumped.errors import ComputationError
 from lumped.screws import shift
 
@@ -66,9 +67,12 @@ class RootedBody:
 
     @cached_property
     def compliance(self) -> Array:
-        """C (6(m−1) × 6(m−1), SI, body axes) of the other interfaces, the first clamped."""
-        own = self.loads.T @ self.response
-        return np.asarray((own + own.T) / 2.0)
+        """C (6(m−1) × 6(m−1), SI, body axes) of the other interfaces, the first clamped.
+
+        Raises ComputationError where rounding leaves too little of it.
+        """
+        forces = self.solid.stiffness @ self.response
+        return balanced_flexibility(self.equilibrated(self.loads), self.response, forces, self.name)
 
     @cached_property
     def relative(self) -> Array:
@@ -120,19 +124,20 @@ class RootedBody:
         shape = self.solid.mass.shape
         return LinearOperator(shape, matvec=apply, matmat=apply, dtype=np.float64)
 
-    def modes(self, count: int) -> CertifiedModes:
+    def modes(self, count: int, start: Array | None = None) -> CertifiedModes:
         """The lowest `count` modes with the first interface clamped, the others free; on u.
 
-        None is missing: counted by fem.solvers.certificate.count.
+        None is missing: counted by fem.solvers.certificate.count. `start` (n×s) as in
+        `fem.solvers.modes.lowest_modes`, which says what is raised.
         """
-        backend = self.factor.symbolic.backend
-        return lowest_modes(
-            self.factor, self.rooted_mass(), count, self._count, self.name, count_name(backend)
-        )
+        name, mass = count_name(self.factor.symbolic.backend), self.rooted_mass()
+        modes = lowest_modes(self.factor, mass, count, self.rooted_inertia, self.name, name, start)
+        shapes = self.solid.transformation @ self.expanded(modes.shapes)
+        return replace(modes, shapes=fix_signs(shapes))
 
-    def uncounted_modes(self, count: int) -> Modes:
-        """The same as the search finds them: nothing proves that none is missing."""
-        return searched_modes(self.factor, self.rooted_mass(), count, self.name)
+    def uncounted_frequencies(self, count: int) -> Array:
+        """Those of `modes` (Hz) as the search finds them: nothing proves that none is missing."""
+        return searched_modes(self.factor, self.rooted_mass(), count, self.name).frequencies
 
     def held_inertia(self, sigma: float) -> Inertia:
         """Of K − σM (σ in rad²/s²) on what moves with the twists of all interfaces held."""
@@ -142,7 +147,8 @@ class RootedBody:
         """Of K − σM (σ in rad²/s²) with nothing held, the six rigid motions among it."""
         return self._inertia(sigma, None)
 
-    def _count(self, sigma: float) -> Inertia:
+    def rooted_inertia(self, sigma: float) -> Inertia:
+        """Of K − σM (σ in rad²/s²) on what moves with the first interface clamped."""
         return self._inertia(sigma, self.root)
 
     def _inertia(self, sigma: float, held: Array | None) -> Inertia:
@@ -174,7 +180,10 @@ def rooted_body(solid: CoupledSolid, name: str) -> RootedBody:
 
 
 def _statically_determinate(solid: CoupledSolid, name: str) -> IntArray:
-    """Six unknowns of nodes that hold every rigid motion, as far apart as can be."""
+    """Six unknowns of nodes that hold every rigid motion, as far apart as can be.
+
+    Springs at a rigid root itself would leave a digit less of a leg 87 diameters long.
+    """
     own = sum(solid.leading)
     size = float(np.ptp(solid.places, axis=0).max())
     scaled = solid.motions[own:] * np.repeat([1.0, 1.0 / size], [3, 3])

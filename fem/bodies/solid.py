@@ -1,25 +1,24 @@
 """One prismatic leg as a solid: mesh → stiffness and mass → compliance, modes, leg matrices."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import ceil
 from typing import Literal, TypeAlias
 
 import numpy as np
 from scipy.sparse import csr_array, kron
-from scipy.sparse.linalg import LinearOperator
 
-from fem.couplings.end_coupling import FreeEnds, RigidEnds, free_ends, rigid_ends, rigid_motions
+from fem.bodies.rooted import RootedBody, rooted_body
+from fem.couplings.coupled_solid import CoupledSolid, coupled_solid
+from fem.couplings.grips import Grip, rigid_motions, saint_venant_loads
 from fem.elements.elasticity import on_three_components, stiffness_and_mass
 from fem.sections.saint_venant import section_quadrature
-from fem.solvers.cholesky import analyse
-from fem.solvers.factor import symmetric_product, upper_triangle
-from fem.solvers.renewable_factor import RenewableFactor
 from lumped.arrays import Array, SparseMatrix
-from lumped.dense.balance import balanced_flexibility
 from lumped.errors import InputError, naming
 from lumped.legs import ConstantLeg
 from lumped.mechanism.body_model import LegMatrices
 from meshes.elements import ELEMENTS
+from meshes.part.boundary import Facets
 from meshes.prism.extrude import extrude, stations
 from meshes.section.section_blocks import Divisions
 from meshes.section.section_mesh import SectionMesh, require_leg, section_mesh
@@ -66,69 +65,47 @@ def solid_leg(leg: ConstantLeg, mesh: SolidMesh) -> SolidLeg:
     return SolidLeg(leg, mesh, K, on_three_components(scalar_mass))
 
 
-@dataclass(frozen=True, eq=False)
-class ClampedLeg:
-    """A solid leg held at its root, factorised.
+def coupled_leg(solid: SolidLeg, ends: Ends = "rigid") -> CoupledSolid:
+    """The leg on the unknowns of its ends, root and tip, and of its other nodes.
 
-    Unknowns are those of `ends`: `mass` (n×n) is a sparse matrix or an operator, `factor` that of
-    the stiffness (n×n), which is positive definite. `solid` is the leg before it was held; with
-    rigid ends nothing needs it any more, and it is None.
+    `ends` rigid, or free to warp and to contract as Saint-Venant's theory has it.
     """
+    mesh, material = solid.mesh, solid.leg.material
+    grips = []
+    for face, x in ((mesh.root, 0.0), (mesh.tip, mesh.length)):
+        facets, point = Facets(face.nodes[face.mesh.cells], face.mesh.element), np.array([x, 0, 0])
+        if ends == "rigid":
+            grips.append(Grip("rigid", facets, point))
+        else:
+            tractions = saint_venant_loads(face, mesh.nodes[face.nodes], point, material)
+            grips.append(Grip("saint-venant", facets, point, tractions=tractions))
+    return coupled_solid(solid.stiffness, solid.mass, mesh.nodes, grips)
 
-    mesh: SolidMesh
-    ends: RigidEnds | FreeEnds
-    mass: SparseMatrix | LinearOperator
-    factor: RenewableFactor
-    solid: SolidLeg | None
 
-
-def clamped_leg(solid: SolidLeg, ends: Ends = "rigid") -> ClampedLeg:
-    """The leg with its root held, `rigid` or `free` as in `fem.couplings.end_coupling`.
-
-    Raises ComputationError where the stiffness cannot be factorised.
-    """
-    coupling = (
-        rigid_ends(solid.mesh) if ends == "rigid" else free_ends(solid.mesh, solid.leg.material)
-    )
-    mesh, mass = solid.mesh, coupling.clamped_mass(solid.mass)
-    stiffness = upper_triangle(coupling.clamped_stiffness(solid.stiffness))
-    kept = solid if ends == "free" else None
+def clamped_leg(solid: SolidLeg, ends: Ends = "rigid") -> RootedBody:
+    """The leg with its root held, factorised; raises ComputationError where that cannot be done."""
+    coupled = coupled_leg(solid, ends)
     part = f"{solid.leg.name or 'leg'} as a solid, {ends} ends"
     # A caller that keeps no reference of its own has this memory for the factor.
     del solid
-    symbolic = analyse(stiffness, coupling.leading_blocks)
-    factor = RenewableFactor(symbolic, stiffness, part)
-    # At once, so that a leg which cannot be held is refused here.
-    _ = factor.numeric
-    return ClampedLeg(mesh, coupling, mass, factor, kept)
-
-
-def tip_compliance(clamped: ClampedLeg) -> Array:
-    """6×6 compliance (SI, leg axes) at (L, 0, 0): six unit wrenches solved for together.
-
-    C = Fᵀ K⁻¹ F is the twist that does work on the wrenches, symmetric by construction. Raises
-    ComputationError where rounding leaves too little of it.
-    """
-    loads = clamped.ends.tip_loads()
-    displacements = clamped.factor.solve(loads)
-    forces = symmetric_product(clamped.factor.triangle, displacements)
-    return balanced_flexibility(loads, displacements, forces, clamped.factor.part)
+    return rooted_body(coupled, part)
 
 
 def solid_leg_matrices(solid: SolidLeg) -> LegMatrices:
     """The leg with rigid end faces as free leg matrices: (root 6, tip 6, interior nodes 3 each)."""
-    ends = rigid_ends(solid.mesh)
-
-    def centreline(at: Array) -> SparseMatrix:
-        return csr_array(section_twists(solid.mesh, at) @ ends.transformation)
-
+    coupled = coupled_leg(solid)
     return LegMatrices(
         model="solid",
         length=solid.leg.length,
-        stiffness=ends.reduced(solid.stiffness),
-        mass=ends.reduced(solid.mass),
-        centreline=centreline,
+        stiffness=coupled.stiffness,
+        mass=coupled.mass,
+        centreline=centreline_of(solid.mesh, coupled),
     )
+
+
+def centreline_of(mesh: SolidMesh, coupled: CoupledSolid) -> Callable[[Array], SparseMatrix]:
+    """From stations (m values, m) to the twists of sections there (6m×n) by a leg's unknowns."""
+    return lambda at: csr_array(section_twists(mesh, at) @ coupled.transformation)
 
 
 def section_twists(mesh: SolidMesh, at: Array) -> SparseMatrix:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from math import isclose
 from typing import TypeAlias
 
-from fem.couplings.end_coupling import rigid_motions
+from fem.couplings.grips import rigid_motions
 from lumped.arrays import Array, IntArray
 from lumped.errors import InputError
 from lumped.legs import Material

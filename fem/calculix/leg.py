@@ -1,6 +1,6 @@
 """A clamped leg solved by CalculiX: the independent judge of the solid model.
 
-The deck is the leg with rigid end faces of `fem.couplings.end_coupling`: root held, tip a rigid
+The deck is the leg with rigid end faces as in `fem.couplings.grips`: root held, tip a rigid
 body under six unit wrenches. Both programs then solve the same equations, but for one integral:
 CalculiX sums the mass of C3D10 and C3D4 over the points of the stiffness (four and one), which is
 too few for N_a N_b. `mass_at_stiffness_points` is that mass; the difference to the exact one

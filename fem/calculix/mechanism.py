@@ -23,7 +23,7 @@ from fem.calculix.deck import (
     NodalForce,
 )
 from fem.calculix.run import run_calculix
-from fem.couplings.end_coupling import rigid_motions
+from fem.couplings.grips import rigid_motions
 from lumped.arrays import Array, IntArray
 from lumped.legs import Material
 from lumped.mechanism.body import Rigid

@@ -14,8 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csc_array, csr_array, diags_array, hstack, vstack
 
-from fem.couplings.end_coupling import rigid_motions, unknowns
-from fem.couplings.grips import OWN, Grip, area_weights
+from fem.couplings.grips import OWN, Grip, area_weights, rigid_motions, unknowns
 from lumped.arrays import Array, IntArray, SparseMatrix
 from lumped.screws import shift
 
@@ -115,7 +114,7 @@ class _Numbering:
         """E (csc 3N×own): dependent displacements, in local axes, from the own unknowns."""
         rows, columns, entries = [], [], []
         for grip, first in zip(self.grips, self.first, strict=False):
-            if grip.kind == "average":
+            if not OWN[grip.kind]:
                 continue
             motion, at = grip.motions(self.nodes), unknowns(grip.nodes)
             if grip.kind == "pin":
@@ -180,15 +179,12 @@ class _Numbering:
         own = slice(int(self.first[which]), int(self.first[which + 1]))
         rows[: OWN[grip.kind], own] = np.eye(OWN[grip.kind])
         if grip.kind != "rigid":
-            weights = area_weights(self.nodes, grip.facets)
             at = self.own + unknowns(self.place[grip.nodes]).reshape(-1, 3)
-            if grip.kind == "average":
-                moments = grip.motions(self.nodes).reshape(-1, 3, 6)
-                weighted = np.stack([weights @ moments[:, k] for k in range(3)], axis=1)
-                rows[:, at.ravel()] = weighted.reshape(-1, 6).T
-            else:
+            if grip.kind == "pin":
                 # Means of the slides along and about the axis; radii differ by rounding alone.
-                shares = weights.sum(axis=0)
+                shares = area_weights(self.nodes, grip.facets).sum(axis=0)
                 rows[4, at[:, 2]] = rows[5, at[:, 1]] = shares / shares.sum()
+            else:
+                rows[:, at.ravel()] = grip.loads(self.nodes).T
         about = motions @ shift(self.grips[0].point - grip.point)
         return np.asarray(np.linalg.solve(rows @ about, rows).T)

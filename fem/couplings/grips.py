@@ -1,4 +1,4 @@
-"""How others take hold of faces of a solid: rigid, averaged, or by a pin.
+"""How others take hold of faces of a solid: rigid, averaged, by a pin, or as Saint-Venant has it.
 
 rigid    u = R q on the faces: they move as one body with the interface's twist q.
 average  q = (RᵀWR)⁻¹RᵀWu with the faces' consistent area weights W (∫N_a N_b dA); a wrench loads
@@ -6,6 +6,8 @@ average  q = (RᵀWR)⁻¹RᵀWu with the faces' consistent area weights W (∫N
 pin      each point of a bore moves radially with q and slides freely along and about the axis; the
          two components of q that this leaves open are the bore's mean motions. What a joint leaves
          free along and about the axis is the joint's affair, not the coupling's.
+saint-venant  q = Bᵀu with the nodal loads B of the tractions of Saint-Venant's solution for unit
+         wrenches, BᵀR = I: an end of a prism free to warp and to contract.
 """
 
 from dataclasses import dataclass
@@ -14,18 +16,37 @@ from typing import Literal, TypeAlias
 import numpy as np
 from scipy.sparse import csr_array
 
-from fem.couplings.end_coupling import rigid_motions
+from fem.sections.saint_venant import saint_venant
+from fem.sections.section_constants import poisson_shear_ratio
 from lumped.arrays import Array, IntArray, SparseMatrix
+from lumped.legs import Material
 from lumped.screws import shift
 from meshes.part.boundary import Facets
 from meshes.shape_functions import gradients, quadrature, values
+from meshes.solid_mesh import EndFace
 
-Kind: TypeAlias = Literal["rigid", "average", "pin"]
+Kind: TypeAlias = Literal["rigid", "average", "pin", "saint-venant"]
 
 # Twice the order of second-order facets, and two more for their curvature.
 _FACE_DEGREE = 6
 # Own unknowns of an interface before those of the nodes.
-OWN: dict[Kind, int] = {"rigid": 6, "average": 0, "pin": 4}
+OWN: dict[Kind, int] = {"rigid": 6, "average": 0, "pin": 4, "saint-venant": 0}
+
+
+def unknowns(nodes: IntArray) -> IntArray:
+    """Unknowns 3·node + component (3n) of `nodes` (n), node by node."""
+    return (3 * np.asarray(nodes)[:, None] + np.arange(3)).ravel()
+
+
+def rigid_motions(points: Array, reference: Array) -> Array:
+    """Displacements (3n×6) of `points` (n×3, m) for unit twists at `reference` (3, m)."""
+    x, y, z = (np.asarray(points) - reference).T
+    motions = np.zeros((len(points), 3, 6))
+    motions[:, :, :3] = np.eye(3)
+    motions[:, 0, 4], motions[:, 0, 5] = z, -y
+    motions[:, 1, 3], motions[:, 1, 5] = -z, x
+    motions[:, 2, 3], motions[:, 2, 4] = y, -x
+    return motions.reshape(-1, 6)
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +54,7 @@ class Grip:
     """Faces of a solid that are held together, and how.
 
     `facets` on its nodes, reference `point` (3, m); `axis` (unit vector) of a pin's bore and a
-    point `on_axis` (3, m) of it.
+    point `on_axis` (3, m) of it; `tractions` (3n×6): Saint-Venant's nodal loads.
     """
 
     kind: Kind
@@ -41,6 +62,7 @@ class Grip:
     point: Array
     axis: Array | None = None
     on_axis: Array | None = None
+    tractions: Array | None = None
 
     @property
     def nodes(self) -> IntArray:
@@ -82,6 +104,14 @@ class Grip:
         """Displacements (3n×6) of its nodes for unit twists at its point."""
         return rigid_motions(nodes[self.nodes], self.point)
 
+    def loads(self, nodes: Array) -> Array:
+        """Nodal loads (3n×6) of six independent wrenches on what moves freely: its faces' mean."""
+        if self.tractions is not None:
+            return self.tractions
+        count = len(self.nodes)
+        moments = area_weights(nodes, self.facets) @ self.motions(nodes).reshape(count, -1)
+        return np.asarray(moments.reshape(-1, 6))
+
     def radial_motions(self, nodes: Array) -> Array:
         """Radial displacements (n×4) of a pin's nodes for its own unknowns."""
         fields = rigid_motions(nodes[self.nodes], self.centre).reshape(-1, 3, 6)
@@ -109,3 +139,30 @@ def area_weights(nodes: Array, facets: Facets) -> SparseMatrix:
     size = len(facets.nodes)
     places = (rows.ravel(), columns.ravel())
     return csr_array((blocks.ravel(), places), shape=(size, size))
+
+
+def saint_venant_loads(face: EndFace, points: Array, reference: Array, material: Material) -> Array:
+    """Consistent nodal loads (3n×6) of unit wrenches at `reference` (3, m) on an end face.
+
+    Tractions of Saint-Venant's solution: uniform for Fx, flexural shear for Fy and Fz, torsion's
+    shear for Mx, linear σxx for My and Mz. `points` (n×3, m) are the face's nodes, rows of the
+    result 3·(place in face.nodes) + component. BᵀR = I to rounding for the rigid motions R.
+    """
+    ratio = poisson_shear_ratio(material.nu, material.G / material.E)
+    section = saint_venant(face.mesh, ratio)
+    quad = section.quadrature
+    y, z = quad.points
+    # σxx = M·(c·s) with the bending moments Mz = −∫y σxx and My = +∫z σxx.
+    along_y, along_z = (slope[0] * y + slope[1] * z for slope in section.slopes)
+    loads = np.zeros((len(points), 3, 6))
+    axial = {0: np.full_like(y, 1.0 / section.area), 4: along_z, 5: -along_y}
+    for wrench, traction in axial.items():
+        loads[:, 0, wrench] = quad.load(traction)
+    force_y, force_z = section.centroid_force_stress()
+    for wrench, tractions in {1: force_y, 2: force_z, 3: section.torsion_stress()}.items():
+        for component, traction in enumerate(tractions, start=1):
+            loads[:, component, wrench] = quad.load(traction)
+    at_centroid = loads.reshape(-1, 6)
+    # Moves the wrenches from the mesh's own centroid to the reference point.
+    work = at_centroid.T @ rigid_motions(points, reference)
+    return np.asarray(np.linalg.solve(work, at_centroid.T).T)

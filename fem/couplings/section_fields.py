@@ -14,7 +14,7 @@ import numpy as np
 from scipy.sparse import csr_array
 from scipy.spatial import cKDTree
 
-from fem.couplings.end_coupling import rigid_motions
+from fem.couplings.grips import rigid_motions
 from fem.sections.saint_venant import section_quadrature
 from fem.sections.waveguide import assembled, elasticity, mass_matrix, strains
 from lumped.arrays import Array, IntArray, SparseMatrix

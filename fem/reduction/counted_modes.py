@@ -6,13 +6,13 @@ leave what is held where it is, σ at the cut-off, are as many as there are mode
 what is found: A − Φ Λ⁻¹ Φᵀ has the other modes, and these alone.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fem.reduction.held import Counted, Swinging
+from fem.reduction.held import Swinging
 from fem.reduction.interface_modes import interface_modes
-from lumped.arrays import Array, SparseMatrix
+from lumped.arrays import Array
 from lumped.dense.modes import Modes
 from lumped.errors import ComputationError
 
@@ -34,32 +34,17 @@ class CountedModes(Modes):
     counted: int | None
 
 
-@dataclass(frozen=True, eq=False)
-class _Rest:
+def _without(held: Swinging, known: Modes) -> Swinging:
     """A body without the modes that are known."""
+    shapes, squared = known.shapes, (2.0 * np.pi * known.frequencies[:, None]) ** 2
 
-    held: Swinging
-    known: Modes
+    def flexibility(forces: Array) -> Array:
+        return np.asarray(held.flexibility(forces) - shapes @ (shapes.T @ forces / squared))
 
-    @property
-    def state(self) -> str:
-        return self.held.state
-
-    @property
-    def mass(self) -> SparseMatrix:
-        return self.held.mass
-
-    @property
-    def size(self) -> int:
-        return self.held.size
-
-    def flexibility(self, forces: Array) -> Array:
-        shapes = self.known.shapes
-        squared = (2.0 * np.pi * self.known.frequencies[:, None]) ** 2
-        return np.asarray(self.held.flexibility(forces) - shapes @ (shapes.T @ forces / squared))
+    return replace(held, flexibility=flexibility)
 
 
-def counted_modes(held: Counted, cutoff: float) -> CountedModes:
+def counted_modes(held: Swinging, cutoff: float) -> CountedModes:
     """All modes below `cutoff` (Hz), counted where the body can.
 
     Raises ComputationError where more are counted than can be found, or fewer than were found.
@@ -74,14 +59,14 @@ def counted_modes(held: Counted, cutoff: float) -> CountedModes:
             return CountedModes(modes.frequencies, modes.shapes, place, counted)
         if missing < 0 or search == _SEARCHES:
             break
-        modes = _joined(modes, interface_modes(_Rest(held, modes), cutoff, search))
+        modes = _joined(modes, interface_modes(_without(held, modes), cutoff, search))
     raise ComputationError(
         f"{held.state}: certificate of the modes failed: {counted} lie below "
         f"{place:.6g} Hz, {counted - missing} were found"
     )
 
 
-def _counted(held: Counted, modes: Modes, cutoff: float) -> tuple[float, int]:
+def _counted(held: Swinging, modes: Modes, cutoff: float) -> tuple[float, int]:
     """Frequency (Hz) at or just below the cut-off, and how many modes lie below it."""
     for share in _PLACES:
         place = share * cutoff

@@ -22,7 +22,7 @@ from scipy.linalg import cho_factor, cho_solve, eigh, qr
 from fem.bodies.rooted import RootedBody
 from fem.reduction.counted_modes import counted_modes
 from fem.reduction.craig_bampton import Reduction, chosen_cutoff, reduction_on
-from fem.reduction.held import FreeBody, HeldBody
+from fem.reduction.held import free_body, held_body
 from fem.reduction.residual_modes import residual_modes
 from lumped.arrays import Array
 from lumped.errors import ComputationError
@@ -70,7 +70,7 @@ def free_interface(
     `cutoff` (Hz) as for `craig_bampton.reduction`, of the free body's modes, which are the
     reduction's `frequencies`. Raises as that does, ComputationError where nothing is dropped too.
     """
-    body = FreeBody(rooted)
+    body = free_body(rooted)
     modes = counted_modes(body, chosen_cutoff(highest_frequency, cutoff))
     wrenches = rooted.solid.twists
     residual, truncated = residual_modes(body, wrenches, modes)
@@ -84,7 +84,7 @@ def free_interface(
     squared = (2.0 * np.pi * np.concatenate([np.zeros(body.rigid.shape[1]), elastic])) ** 2
     shares = wrenches.T @ fields
     amplitudes, inner = _held(shares, squared)
-    held = HeldBody(rooted)
+    held = held_body(rooted)
     momenta = held.mass @ held.constraint_modes
     found = reduction_on(held, momenta, fields @ amplitudes, inner, modes, truncated)
     return found, FreeTruncation(modes.cutoff, squared, shares, truncated)

@@ -2,8 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
-from typing import Protocol
 
 import numpy as np
 from scipy.linalg import cholesky, solve_triangular
@@ -13,145 +11,86 @@ from fem.solvers.certificate.sturm import Inertia
 from lumped.arrays import Array, SparseMatrix
 
 
-class Swinging(Protocol):
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Swinging:
     """A body of n unknowns u that swings, held or free of everything.
 
-    `flexibility`: displacement (n×k) under forces (n×k); `mass` (n×n).
+    `state`: what errors call it, and how it is held; `flexibility`: displacement (n×k) under
+    forces (n×k), symmetric and positive semidefinite; `mass` (n×n). `inertia`: from σ (rad²/s²) to
+    the signs of the eigenvalues of K − σM, those of rigid motions left out; None where these are
+    not counted.
     """
 
-    @property
-    def state(self) -> str:
-        """What errors call it, and how it is held."""
-        ...
-
-    @property
-    def flexibility(self) -> Callable[[Array], Array]:
-        """From forces to displacements."""
-        ...
-
-    @property
-    def mass(self) -> SparseMatrix:
-        """n×n."""
-        ...
+    state: str
+    flexibility: Callable[[Array], Array]
+    mass: SparseMatrix
+    inertia: Callable[[float], Inertia] | None = None
 
     @property
     def size(self) -> int:
         """Number of unknowns n."""
-        ...
+        return int(self.mass.shape[0])
 
 
-class Counted(Swinging, Protocol):
-    """The same, and the inertia of K − σM by σ (rad²/s²); None where it is not counted."""
-
-    @property
-    def inertia(self) -> Callable[[float], Inertia] | None:
-        """From σ to the signs of the eigenvalues of K − σM, those of rigid motions left out."""
-        ...
-
-
-class Held(Counted, Protocol):
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Held(Swinging):
     """A body with the twists of its interfaces held, and what these twists do themselves.
 
     `constraint_modes` Ψ (n×6m): static displacement for unit twists of the m interfaces;
-    `stiffness` (6m×6m) the condensed one.
+    `stiffness` (6m×6m, SI) the condensed one, ΨᵀKΨ.
     """
 
-    @property
-    def constraint_modes(self) -> Array:
-        """Ψ (n×6m)."""
-        ...
-
-    @property
-    def stiffness(self) -> Array:
-        """6m×6m."""
-        ...
+    constraint_modes: Array
+    stiffness: Array
 
 
-@dataclass(frozen=True, eq=False)
-class HeldBody:
-    """A solid with any number of interfaces as `Held` wants it."""
+@dataclass(frozen=True, eq=False, kw_only=True)
+class FreeBody(Swinging):
+    """A body free of everything: its modes are the elastic ones.
 
-    rooted: RootedBody
-
-    @property
-    def state(self) -> str:
-        """What errors call it, and how it is held."""
-        return f"{self.rooted.name}, all interfaces held"
-
-    @property
-    def constraint_modes(self) -> Array:
-        """Ψ (n×6m)."""
-        return self.rooted.constraint_modes
-
-    @property
-    def stiffness(self) -> Array:
-        """6m×6m."""
-        return self.rooted.stiffness
-
-    @property
-    def flexibility(self) -> Callable[[Array], Array]:
-        """With the twists of all interfaces held."""
-        return self.rooted.held_flexibility
-
-    @property
-    def mass(self) -> SparseMatrix:
-        """n×n."""
-        return self.rooted.solid.mass
-
-    @property
-    def inertia(self) -> Callable[[float], Inertia]:
-        """With the twists of all interfaces held."""
-        return self.rooted.held_inertia
-
-    @property
-    def size(self) -> int:
-        """Number of unknowns n."""
-        return self.rooted.solid.size
-
-
-@dataclass(frozen=True, eq=False)
-class FreeBody:
-    """A solid free of everything, as `Counted` wants it: its modes are the elastic ones.
-
-    `rigid` (n×6): its rigid motions, mass-normalised. Forces are taken together with the inertia
-    of the rigid body that they move, displacements without the share of its motions (inertia
-    relief), so that the flexibility has all other modes and these alone.
+    `rigid` (n×6): its rigid motions, mass-normalised.
     """
 
-    rooted: RootedBody
+    rigid: Array
 
-    @property
-    def state(self) -> str:
-        """What errors call it, and how it is held."""
-        return f"{self.rooted.name}, free"
 
-    @cached_property
-    def rigid(self) -> Array:
-        """n×6."""
-        motions = self.rooted.solid.motions
-        own = cholesky(motions.T @ (self.mass @ motions))
-        return np.asarray(solve_triangular(own, motions.T, trans="T").T)
+def held_body(rooted: RootedBody) -> Held:
+    """A solid with the twists of all its interfaces held."""
+    return Held(
+        state=f"{rooted.name}, all interfaces held",
+        flexibility=rooted.held_flexibility,
+        mass=rooted.solid.mass,
+        inertia=rooted.held_inertia,
+        constraint_modes=rooted.constraint_modes,
+        stiffness=rooted.stiffness,
+    )
 
-    @cached_property
-    def _momenta(self) -> Array:
-        return np.asarray(self.mass @ self.rigid)
 
-    def flexibility(self, forces: Array) -> Array:
-        """With nothing held: displacement (n×k) beside the rigid motions."""
-        moved = self.rooted.flexibility(forces - self._momenta @ (self.rigid.T @ forces))
-        return np.asarray(moved - self.rigid @ (self._momenta.T @ moved))
+def free_body(rooted: RootedBody) -> FreeBody:
+    """A solid with nothing held.
 
-    @property
-    def mass(self) -> SparseMatrix:
-        """n×n."""
-        return self.rooted.solid.mass
+    Forces are taken together with the inertia of the rigid body that they move, displacements
+    without the share of its motions (inertia relief), so that the flexibility has all other modes
+    and these alone.
+    """
+    mass, motions = rooted.solid.mass, rooted.solid.motions
+    own = cholesky(motions.T @ (mass @ motions))
+    rigid = np.asarray(solve_triangular(own, motions.T, trans="T").T)
+    momenta = np.asarray(mass @ rigid)
 
-    def inertia(self, sigma: float) -> Inertia:
-        """Of K − σM without the rigid motions, which lie below every σ."""
-        found = self.rooted.free_inertia(sigma)
-        return found._replace(negative=found.negative - self.rigid.shape[1])
+    def flexibility(forces: Array) -> Array:
+        moved = rooted.flexibility(forces - momenta @ (rigid.T @ forces))
+        return np.asarray(moved - rigid @ (momenta.T @ moved))
 
-    @property
-    def size(self) -> int:
-        """Number of unknowns n."""
-        return self.rooted.solid.size
+    def inertia(sigma: float) -> Inertia:
+        # Rigid motions lie below every σ.
+        found = rooted.free_inertia(sigma)
+        return found._replace(negative=found.negative - rigid.shape[1])
+
+    return FreeBody(
+        state=f"{rooted.name}, free",
+        flexibility=flexibility,
+        mass=mass,
+        inertia=inertia,
+        rigid=rigid,
+    )

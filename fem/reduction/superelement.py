@@ -11,6 +11,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.sparse import csr_array
 
+from fem.bodies.rooted import RootedBody
+from fem.bodies.solid import centreline_of
+from fem.reduction.held import Held, held_body
 from fem.solvers.cholesky import analyse, factorise
 from fem.solvers.factor import Factor
 from lumped.arrays import Array, SparseMatrix
@@ -18,6 +21,7 @@ from lumped.dense.balance import ELIMINATION, balanced_flexibility, rounding_of_
 from lumped.errors import ComputationError
 from lumped.mechanism.body_model import LegMatrices
 from lumped.screws import shift
+from meshes.solid_mesh import SolidMesh
 
 ENDS = 12
 
@@ -26,38 +30,18 @@ ENDS = 12
 _GROUNDED = 1e-4
 
 
-@dataclass(frozen=True, eq=False)
-class HeldLeg:
-    """A leg of n unknowns u with the twists of both ends given.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class HeldLeg(Held):
+    """A leg of n unknowns u with the twists of both ends given, leg axes.
 
-    `constraint_modes` Ψ (n×12): static displacement for unit twists (root 6, tip 6), leg axes;
-    `stiffness` (12×12, SI) the condensed stiffness ΨᵀKΨ; `flexibility` A: displacement (n×k) under
-    forces (n×k) with both ends held, symmetric and positive semidefinite; `mass` M (n×n).
-    `centreline` and `parts` as in LegMatrices, on u.
+    `centreline` and `parts` as in LegMatrices, on u. Its modes are not counted: legs are prisms,
+    whose modes are those of beams, all kinds in order.
     """
 
     model: str
     length: float
-    constraint_modes: Array
-    stiffness: Array
-    flexibility: Callable[[Array], Array]
-    mass: SparseMatrix
     centreline: Callable[[Array], SparseMatrix]
     parts: Mapping[str, SparseMatrix] = field(default_factory=dict)
-
-    @property
-    def size(self) -> int:
-        """Number of unknowns n."""
-        return int(self.constraint_modes.shape[0])
-
-    @property
-    def state(self) -> str:
-        """What errors call it, and how it is held."""
-        return f"{self.model} leg, both ends held"
-
-    @property
-    def inertia(self) -> None:
-        """Not counted: legs are prisms, whose modes are those of beams, all kinds in order."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,6 +96,7 @@ def held_leg(leg: LegMatrices) -> HeldLeg:
         return displacement
 
     return HeldLeg(
+        state=f"{leg.model} leg, both ends held",
         model=leg.model,
         length=leg.length,
         constraint_modes=modes,
@@ -120,6 +105,25 @@ def held_leg(leg: LegMatrices) -> HeldLeg:
         mass=mass,
         centreline=leg.centreline,
         parts=leg.parts,
+    )
+
+
+def held_solid_leg(clamped: RootedBody, mesh: SolidMesh) -> HeldLeg:
+    """A solid leg with the twists of both ends given, whatever they are, on its own unknowns.
+
+    The centreline gives section means, which differ from the twists of free ends by the warping
+    there.
+    """
+    held = held_body(clamped)
+    return HeldLeg(
+        state=held.state,
+        model="solid",
+        length=mesh.length,
+        constraint_modes=held.constraint_modes,
+        stiffness=held.stiffness,
+        flexibility=held.flexibility,
+        mass=held.mass,
+        centreline=centreline_of(mesh, clamped.solid),
     )
 
 

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from fem.couplings.end_coupling import unknowns
+from fem.couplings.grips import unknowns
 from fem.elements.elasticity import on_three_components, stiffness_and_mass
 from lumped.legs import Material
 from lumped.sections import Rectangle

@@ -47,7 +47,7 @@ BASICS = {
     "lumped.mechanism.part": "data of a part",
     "meshes": "one mesh for both",
     "fem.bodies.solid:SolidLeg": "a leg's mesh",
-    "fem.couplings.end_coupling:rigid_motions": "rigid motions of nodes",
+    "fem.couplings.grips:rigid_motions": "rigid motions of nodes",
     "fem.solvers.certificate": "counting eigenvalues",
     "fem.sections.saint_venant": "tractions on free ends, of which a solid's strains are its own",
     "fem.sections.section_constants:poisson_shear_ratio": "νG/E for those tractions",

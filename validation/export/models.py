@@ -7,7 +7,7 @@ import numpy as np
 from scipy.io import mmwrite
 from scipy.sparse import coo_array, csc_array, save_npz
 
-from fem.bodies import leg_modes, solid
+from fem.bodies import solid
 from lumped.arrays import Array, SparseMatrix
 from lumped.dense.modes import dense
 from lumped.legs import ConstantLeg
@@ -55,8 +55,8 @@ def write_leg(leg: ConstantLeg, stem: str, divisions: int, folder: Path) -> None
 def _write_solid(leg: ConstantLeg, divisions: int, path: Path) -> None:
     mesh = solid.solid_mesh(leg, divisions)
     clamped = solid.clamped_leg(solid.solid_leg(leg, mesh))
-    deflections = clamped.ends.expanded(clamped.factor.solve(clamped.ends.tip_loads()))
-    swung = leg_modes.modes(clamped, MODES)
+    deflections = clamped.solid.transformation @ clamped.response
+    swung = clamped.modes(MODES)
     data = grid(mesh)
     for name, field in named_fields(deflections, swung.shapes).items():
         data.point_data[name] = field.reshape(-1, 3)

@@ -6,7 +6,7 @@ import numpy as np
 
 from fem.bodies.part import grips_of, held_part, meshed_part
 from fem.reduction.craig_bampton import reduction
-from fem.reduction.held import HeldBody
+from fem.reduction.held import held_body
 from lumped.mechanism.body import Body
 from validation.export.models import MODES, WRENCHES, write_matrix
 from validation.export.vtk_files import grid, save
@@ -25,7 +25,7 @@ def write_part(body: Body, folder: Path) -> str:
     meshed = meshed_part(mesh, shape_of(body).material)
     held = held_part(meshed, grips_of(mesh, interfaces), body.name)
     swung = held.modes(MODES)
-    reduced = reduction(HeldBody(held), float(swung.frequencies[-1]))
+    reduced = reduction(held_body(held), float(swung.frequencies[-1]))
     write_matrix(reduced.stiffness, folder / f"{body.name}_reduced_K")
     write_matrix(reduced.mass, folder / f"{body.name}_reduced_M")
 
@@ -33,8 +33,7 @@ def write_part(body: Body, folder: Path) -> str:
     others = [one.name for one in interfaces[1:]]
     names = [f"displacement {name} {wrench}" for name in others for wrench in WRENCHES]
     fields = dict(zip(names, (at_nodes @ held.response).T, strict=True))
-    shapes = at_nodes @ held.expanded(swung.shapes)
-    fields |= {f"mode {k}": shape for k, shape in enumerate(shapes.T, start=1)}
+    fields |= {f"mode {k}": shape for k, shape in enumerate(swung.shapes.T, start=1)}
     data = grid(mesh)
     for name, field in fields.items():
         data.point_data[name] = np.asarray(field).reshape(-1, 3)

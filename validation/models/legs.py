@@ -6,8 +6,8 @@ from typing import TypeVar
 
 from fem.beams.beam import beam_leg
 from fem.beams.stepped import Piece, SteppedLeg, about_shear_centre, stepped_leg
-from fem.bodies import leg_modes, solid
-from fem.bodies.solid import ClampedLeg
+from fem.bodies import solid
+from fem.bodies.rooted import RootedBody
 from fem.reduction.craig_bampton import craig_bampton
 from fem.reduction.superelement import HeldLeg, held_leg, static_superelement
 from lumped.arrays import Array
@@ -117,16 +117,16 @@ def _held(model: ModelName, leg: ConstantLeg | SteppedLeg, options: ModelOptions
 
 def solid_compliance(leg: ConstantLeg, divisions: int, ends: Ends) -> Array:
     """6×6 tip compliance (SI, leg axes) of a leg as a solid, `divisions` across its section."""
-    return solid.tip_compliance(_clamped_solid(leg, divisions, ends))
+    return _clamped_solid(leg, divisions, ends).compliance
 
 
 def solid_modes(leg: ConstantLeg, divisions: int, ends: Ends, count: int) -> Modes:
     """Modes of a clamped leg as a solid: frequencies (Hz), shapes on its nodes (3N×count)."""
-    return leg_modes.modes(_clamped_solid(leg, divisions, ends), count)
+    return _clamped_solid(leg, divisions, ends).modes(count)
 
 
 @lru_cache(maxsize=4)
-def _clamped_solid(leg: ConstantLeg, divisions: int, ends: Ends) -> ClampedLeg:
+def _clamped_solid(leg: ConstantLeg, divisions: int, ends: Ends) -> RootedBody:
     """The factorised leg, shared by statics and modes."""
     return solid.clamped_leg(solid.solid_leg(leg, solid.solid_mesh(leg, divisions)), ends)
 

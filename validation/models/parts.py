@@ -17,7 +17,7 @@ from scipy.spatial import cKDTree
 from fem.bodies.part import grips_of, held_part, meshed_part
 from fem.reduction.craig_bampton import Reduction, heavier_at_interfaces, reduction
 from fem.reduction.free_interface import FreeTruncation, free_interface
-from fem.reduction.held import HeldBody
+from fem.reduction.held import held_body
 from lumped.arrays import Array, SparseMatrix
 from lumped.dense.modes import dense
 from lumped.errors import ComputationError, InputError
@@ -199,7 +199,7 @@ def reduced(
             found, truncation = free_interface(rooted, highest, cutoff)
             dropped = {"squared": truncation.squared, "shares": truncation.shares}
         else:
-            found = reduction(HeldBody(rooted), highest, cutoff)
+            found = reduction(held_body(rooted), highest, cutoff)
         return dropped | {
             "stiffness": found.stiffness,
             "mass": found.mass,

@@ -212,7 +212,7 @@ def _answer(
         frequencies, counted = found.frequencies, found.count
         below = float(np.sqrt(found.shift) / (2.0 * np.pi))
     elif modes:
-        frequencies = body.uncounted_modes(modes).frequencies
+        frequencies = body.uncounted_frequencies(modes)
     shapes = body.solid.transformation @ body.constraint_modes
     return MeshAnswer(
         body.stiffness,

@@ -6,9 +6,8 @@ from tempfile import TemporaryDirectory
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from fem.bodies.leg_modes import modes
 from fem.bodies.part import grips_of, held_part, meshed_part
-from fem.bodies.solid import clamped_leg, solid_leg, tip_compliance
+from fem.bodies.solid import clamped_leg, solid_leg
 from fem.calculix.leg import compliance_and_frequencies
 from fem.multibody import frequencies
 from lumped.arrays import Array
@@ -146,7 +145,7 @@ def by_calculix() -> list[KnownNumber]:
     mesh = tetrahedra(_BLOCK.section, _BLOCK.length, 1)
     theirs, their_frequencies = compliance_and_frequencies(mesh, _STEEL, _MODES)
     clamped = clamped_leg(solid_leg(_BLOCK, mesh))
-    own, own_frequencies = tip_compliance(clamped), modes(clamped, _MODES).frequencies
+    own, own_frequencies = clamped.compliance, clamped.modes(_MODES).frequencies
     return [
         *_deflections(np.diag(theirs), np.diag(own), 1e-6),
         *_frequencies(their_frequencies, own_frequencies, 5e-4),

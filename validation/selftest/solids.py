@@ -10,12 +10,9 @@ from math import pi
 
 import numpy as np
 
-from fem.bodies import leg_modes, solid
-from fem.couplings.end_coupling import free_ends
+from fem.bodies import solid
+from fem.bodies.rooted import RootedBody, rooted_body
 from fem.sections.section_constants import section_constants
-from fem.solvers.cholesky import analyse as analyse_pattern
-from fem.solvers.factor import upper_triangle
-from fem.solvers.renewable_factor import RenewableFactor
 from lumped.legs import ConstantLeg, Material
 from lumped.sections import Rectangle
 from meshes.prism.extrude import extrude, stations
@@ -99,7 +96,7 @@ def benchmarks() -> tuple[Benchmark, ...]:
 def straight_cantilever() -> list[KnownNumber]:
     """The diagonal of the tip's compliance."""
     beam = extruded(STRAIGHT, _STRAIGHT_DIVISIONS, _STRAIGHT_SLICES * _STRAIGHT_DIVISIONS)
-    found = np.diag(solid.tip_compliance(solid.clamped_leg(beam, "free")))
+    found = np.diag(solid.clamped_leg(beam, "free").compliance)
     return [
         KnownNumber(quantity, unit, target, float(found[component]), TOLERANCE)
         for component, quantity, unit, target in MACNEAL_TARGETS
@@ -116,7 +113,7 @@ def deep_beam() -> list[KnownNumber]:
     """FV5's nine modes, and that there are no more below the shift above them."""
     beam = extruded(DEEP, _DEEP_DIVISIONS, _DEEP_SLICES * _DEEP_DIVISIONS)
     count = FV5_MODES[-1][0].last
-    found = leg_modes.modes(simply_supported(beam), count)
+    found = simply_supported(beam).modes(count)
     compared = [KnownNumber("modes up to bending 3", "1", count, found.count, TOLERANCE)]
     for cluster, kind, halves in FV5_MODES:
         wavenumber = halves * pi / DEEP.length
@@ -127,25 +124,17 @@ def deep_beam() -> list[KnownNumber]:
     return compared
 
 
-def simply_supported(beam: solid.SolidLeg) -> solid.ClampedLeg:
+def simply_supported(beam: solid.SolidLeg) -> RootedBody:
     """The beam held in x, y, z, φx at its root and in y, z at its tip, on average over the faces.
 
     The averages C are the conjugates of Saint-Venant's tractions, so warping, contraction and both
     bending rotations are free. The six are statically determinate: L = C (RᵀC)⁻¹ takes the place
-    of the root's six loads in `end_coupling.FreeEnds`, with LᵀR = I for the rigid motions R.
+    of the root's six loads, with LᵀR = I for the rigid motions R.
     """
-    ends = free_ends(beam.mesh, beam.leg.material)
-    averages = np.hstack([ends.root_loads[:, :4], ends.free_tip_loads[:, 1:3]])
-    held = replace(ends, root_loads=averages @ np.linalg.inv(ends.motions.T @ averages))
-    stiffness = upper_triangle(held.clamped_stiffness(beam.stiffness))
-    pattern = analyse_pattern(stiffness, held.leading_blocks)
-    return solid.ClampedLeg(
-        mesh=beam.mesh,
-        ends=held,
-        mass=held.clamped_mass(beam.mass),
-        factor=RenewableFactor(pattern, stiffness, "NAFEMS FV5 as a solid"),
-        solid=beam,
-    )
+    free = solid.coupled_leg(beam, "free")
+    averages = free.twists[:, [0, 1, 2, 3, 7, 8]]
+    held = averages @ np.linalg.inv(free.motions.T @ averages)
+    return rooted_body(replace(free, twists=held), "NAFEMS FV5 as a solid")
 
 
 def torsion_constant(ratio: float) -> KnownNumber:

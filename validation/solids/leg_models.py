@@ -8,16 +8,9 @@ from typing import TypeVar
 import numpy as np
 
 from fem.beams.beam import beam_leg
-from fem.bodies.solid import (
-    Ends,
-    clamped_leg,
-    solid_leg,
-    solid_leg_matrices,
-    solid_mesh,
-)
+from fem.bodies.solid import Ends, clamped_leg, solid_leg, solid_mesh
 from fem.couplings.end_effects import restrained_compliance
-from fem.reduction.free_superelement import held_free_leg
-from fem.reduction.superelement import HeldLeg, held_leg
+from fem.reduction.superelement import HeldLeg, held_solid_leg
 from fem.sections.section_constants import beam_properties, section_constants
 from lumped.arrays import Array
 from lumped.errors import InputError, naming
@@ -54,9 +47,8 @@ def held_solid(leg: ConstantLeg, divisions: int, ends: Ends, section: int | None
     """
     solid = solid_leg(leg, solid_mesh(leg, divisions, section=section))
     with naming(leg.name):
-        if ends == "free":
-            return held_free_leg(clamped_leg(solid, "free"))
-        return held_leg(solid_leg_matrices(solid))
+        mesh = solid.mesh
+        return held_solid_leg(clamped_leg(solid, ends), mesh)
 
 
 def own_beam(leg: ConstantLeg, divisions: int) -> LegMatrices:

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.optimize import brentq, newton
 
 from fem.beams.beam import beam_leg
-from fem.bodies import doubling, leg_modes, solid
+from fem.bodies import doubling, solid
 from fem.bodies.solid import Ends
 from fem.sections.section_constants import SectionConstants, beam_properties, section_constants
 from lumped.arrays import Array
@@ -264,7 +264,7 @@ def solid_frequencies(
     for number in divisions:
         mesh = similar_mesh(leg, number)
         clamped = solid.clamped_leg(solid.solid_leg(leg, mesh), ends)
-        modes = leg_modes.modes(clamped, count + _SPARE_MODES)
+        modes = clamped.modes(count + _SPARE_MODES)
         pairing = pair_modes(target, solid.section_twists(mesh, stations) @ modes.shapes, weights)
         frequencies.append(modes.frequencies[pairing.partner])
         mac.append(pairing.mac)

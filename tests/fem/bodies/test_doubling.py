@@ -10,7 +10,6 @@ from fem.bodies.doubling import (
     tip_compliance,
 )
 from fem.bodies.solid import clamped_leg, solid_leg
-from fem.bodies.solid import tip_compliance as direct_compliance
 from fem.sections.section_constants import beam_properties, section_constants
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, Material
@@ -33,9 +32,7 @@ def beam_compliance(leg, section):
     return beam_tip_compliance(beam_properties(constants, material), leg.length)
 
 
-@pytest.mark.parametrize(
-    "slices", [1, 7, *(pytest.param(n, marks=pytest.mark.exhaustive) for n in (2, 12))]
-)
+@pytest.mark.parametrize("slices", [2, 7, pytest.param(12, marks=pytest.mark.exhaustive)])
 @pytest.mark.parametrize("element", ["quad4", "quad9"])
 @pytest.mark.parametrize(
     ("section", "divisions"), SECTIONS, ids=[section.shape for section, _ in SECTIONS]
@@ -46,7 +43,7 @@ def test_tip_compliance_is_that_of_the_direct_solve(section, divisions, element,
     condensed = condensed_leg(leg, face, slices)
     solid = solid_leg(leg, extrude(face, stations(leg.length, slices)))
     for ends in ("rigid", "free"):
-        direct = direct_compliance(clamped_leg(solid, ends))
+        direct = clamped_leg(solid, ends).compliance
         # The limit. Slices hundred times as long as a wall is thick come closest to it:
         # there the direct solve loses digits to the condition of single elements.
         assert scaled_difference(tip_compliance(condensed, ends), direct) < 1e-9

@@ -4,12 +4,9 @@ from prismatic_legs import STEEL, meshed
 from scipy.linalg import eigh, null_space
 from scipy.sparse import csr_array, eye_array
 
-from fem.bodies.leg_modes import clamped_count, modes
 from fem.bodies.solid import clamped_leg, solid_leg
-from fem.elements.elasticity import on_three_components, stiffness_and_mass
 from fem.solvers.certificate.sturm import Inertia, count_below
 from fem.solvers.cholesky import analyse, factorise
-from fem.solvers.factor import whole_matrix
 from fem.solvers.modes import MissedModesError, certify, lowest_modes
 from lumped.errors import ComputationError, InputError
 from lumped.legs import ConstantLeg
@@ -29,15 +26,10 @@ def dense_solution(clamped):
 
     As M φ = θ K φ: LAPACK's errors are relative to the largest eigenvalue, here the lowest mode's.
     """
-    if hasattr(clamped.ends, "interior"):
-        theta, vectors = eigh(
-            clamped.mass.toarray(), whole_matrix(clamped.factor.triangle).toarray()
-        )
-    else:
-        allowed = null_space(clamped.ends.root_loads.T)
-        K, M = clamped.solid.stiffness, clamped.solid.mass
-        theta, vectors = eigh(allowed.T @ (M @ allowed), allowed.T @ (K @ allowed))
-        vectors = allowed @ vectors
+    allowed = null_space(clamped.root.T)
+    K, M = clamped.solid.stiffness, clamped.solid.mass
+    theta, vectors = eigh(allowed.T @ (M @ allowed), allowed.T @ (K @ allowed))
+    vectors = allowed @ vectors
     return 1.0 / theta[::-1], vectors[:, ::-1] / np.sqrt(theta[::-1])
 
 
@@ -75,17 +67,19 @@ def of_tetrahedra():
 def test_modes_equal_a_dense_solution(clamped):
     clamped = clamped()
     values, _ = dense_solution(clamped)
-    found = modes(clamped, 8)
+    found = clamped.modes(8)
     np.testing.assert_allclose(found.frequencies, hertz(values[:8]), rtol=SAME)
     assert found.count == (values < found.shift).sum() >= 8
-    mass = on_three_components(stiffness_and_mass(clamped.mesh, STEEL)[1])
-    gram = found.shapes.T @ (mass @ found.shapes)
+    mass = clamped.solid.mass
+    whole = clamped.solid.transformation
+    amplitudes = np.linalg.lstsq(whole.toarray(), found.shapes, rcond=None)[0]
+    gram = amplitudes.T @ (mass @ amplitudes)
     np.testing.assert_allclose(gram, np.eye(8), atol=1e-12)
 
 
 def test_errors_bound_the_true_ones_after_few_solves(bar):
     clamped, values, _ = bar
-    found = modes(clamped, 20)
+    found = clamped.modes(20)
     true = np.abs(found.frequencies / hertz(values[:20]) - 1.0)
     # Beside the residual's share, rounding of LAPACK and of the factor.
     assert np.all(true <= found.frequency_errors + SAME)
@@ -95,7 +89,7 @@ def test_errors_bound_the_true_ones_after_few_solves(bar):
 
 
 def test_two_runs_are_the_same(square):
-    first, second = modes(square[0], 10), modes(square[0], 10)
+    first, second = (square[0].modes(10) for _ in range(2))
     np.testing.assert_array_equal(first.frequencies, second.frequencies)
     np.testing.assert_array_equal(first.shapes, second.shapes)
 
@@ -103,20 +97,20 @@ def test_two_runs_are_the_same(square):
 def test_both_of_a_pair_when_the_start_has_one(square):
     clamped, values, vectors = square
     assert values[1] / values[0] - 1.0 < 1e-9
-    found = modes(clamped, 6, start=vectors[:, [0, 2, 3]])
+    found = clamped.modes(6, start=vectors[:, [0, 2, 3]])
     np.testing.assert_allclose(found.frequencies, hertz(values[:6]), rtol=SAME)
 
 
 def test_a_pair_that_the_number_of_modes_would_cut_stays_whole(square):
     clamped, values, _ = square
-    found = modes(clamped, 1)
+    found = clamped.modes(1)
     assert (found.count, len(found.frequencies)) == (2, 1)
     assert values[1] < found.shift < values[2]
 
 
 def test_start_without_a_wanted_mode(bar):
     clamped, values, vectors = bar
-    found = modes(clamped, 6, start=vectors[:, [0, 1, 3, 4, 5, 6, 7]])
+    found = clamped.modes(6, start=vectors[:, [0, 1, 3, 4, 5, 6, 7]])
     np.testing.assert_allclose(found.frequencies, hertz(values[:6]), rtol=SAME)
 
 
@@ -125,7 +119,7 @@ def test_start_without_a_wanted_mode(bar):
 def test_a_missing_mode_fails_the_certificate(missing, ends):
     clamped = leg(Rectangle(0.08, 0.12), slices=3, ends=ends)
     values, _ = dense_solution(clamped)
-    count = clamped_count(clamped)
+    count = clamped.rooted_inertia
     assert values[5] < certify(values[:6], values[6], count, "leg") < values[6]
     with pytest.raises(
         MissedModesError, match="leg: certificate of the modes failed: 6 lie"
@@ -150,14 +144,14 @@ class Blind:
         x = self.clamped.factor.solve(right_hand_sides)
         if self.sees_again and self.counts:
             return x
-        return x - self.lost[:, None] * (self.lost @ (self.clamped.mass @ x))
+        return x - self.lost[:, None] * (self.lost @ (self.clamped.rooted_mass() @ x))
 
     def count(self, sigma):
         self.counts += 1
-        return clamped_count(self.clamped)(sigma)
+        return self.clamped.rooted_inertia(sigma)
 
     def modes(self):
-        return lowest_modes(self, self.clamped.mass, 6, self.count, "leg")
+        return lowest_modes(self, self.clamped.rooted_mass(), 6, self.count, "leg")
 
 
 def test_a_mode_that_no_solve_shows_is_an_error(bar):
@@ -171,7 +165,7 @@ def test_missed_mode_is_found_beside_the_others(bar, lost):
     clamped, values, vectors = bar
     found = Blind(clamped, vectors[:, lost], sees_again=True).modes()
     np.testing.assert_allclose(found.frequencies, hertz(values[:6]), rtol=SAME)
-    gram = found.shapes.T @ (clamped.mass @ found.shapes)
+    gram = found.shapes.T @ (clamped.rooted_mass() @ found.shapes)
     np.testing.assert_allclose(gram, np.eye(6), atol=1e-12)
     # Whatever the first search has found is not searched for again.
     assert found.count == 7
@@ -184,14 +178,14 @@ def test_double_and_nearly_double_modes(taller, ends):
     clamped = leg(Rectangle(0.1, 0.1 * (1.0 + taller)), slices=3, ends=ends)
     values, _ = dense_solution(clamped)
     for number in (1, 5, 12):
-        found = modes(clamped, number)
+        found = clamped.modes(number)
         np.testing.assert_allclose(found.frequencies, hertz(values[:number]), rtol=SAME)
         assert found.count == (values < found.shift).sum() >= number
 
 
 def test_last_place_of_the_shift_is_half_way_to_the_next_mode(bar):
     clamped, values, _ = bar
-    count, calls = clamped_count(clamped), []
+    count, calls = clamped.rooted_inertia, []
 
     def zero_three_times(sigma):
         calls.append(sigma)
@@ -207,7 +201,7 @@ def test_last_place_of_the_shift_is_half_way_to_the_next_mode(bar):
 def test_double_mode_of_a_very_slender_leg():
     """87 diameters long: K's largest eigenvalue is 1e11 times its lowest mode's."""
     one = ConstantLeg(7.6, Circle(0.0873), STEEL)
-    found = modes(clamped_leg(meshed(one, 1, 40)), 2)
+    found = clamped_leg(meshed(one, 1, 40)).modes(2)
     assert found.count == 2
     # Bernoulli's cantilever 1.8751²/2π √(EI/ρA)/L²; shear and rotary inertia take 1e-4, and
     # slices of two diameters and the held face add no more than that.
@@ -217,7 +211,7 @@ def test_double_mode_of_a_very_slender_leg():
 
 def test_more_modes_than_have_mass():
     clamped = leg(Rectangle(0.1, 0.1), slices=2)
-    light = clamped.mass.toarray()
+    light = clamped.rooted_mass() @ np.eye(clamped.solid.size)
     light[4:], light[:, 4:] = 0.0, 0.0
     with pytest.raises(ComputationError, match="leg: 5 modes asked for, but fewer have mass"):
         lowest_modes(clamped.factor, light, 5, lambda _: None, "leg")
@@ -225,9 +219,9 @@ def test_more_modes_than_have_mass():
 
 def test_wrong_input_is_refused(bar):
     with pytest.raises(InputError, match="modes = 0"):
-        modes(bar[0], 0)
+        bar[0].modes(0)
     with pytest.raises(InputError, match="start has shape"):
-        modes(bar[0], 2, start=np.ones((3, 1)))
+        bar[0].modes(2, start=np.ones((3, 1)))
 
 
 def test_every_mode_of_a_small_matrix():

@@ -5,14 +5,12 @@ import pytest
 from compliances import scaled_difference
 from prismatic_legs import LEG_1, LEG_2, STEEL, meshed
 
-from fem.bodies.leg_modes import modes
 from fem.bodies.solid import (
     clamped_leg,
     section_twists,
     solid_leg,
     solid_leg_matrices,
     solid_mesh,
-    tip_compliance,
 )
 from fem.sections.section_constants import beam_properties, section_constants
 from lumped.errors import ComputationError, InputError
@@ -50,7 +48,7 @@ FREE_LEGS = [
 def test_free_ends_reproduce_beam_theory(length, section, divisions, slices):
     """Clapeyron: with Saint-Venant ends the solid is Timoshenko's beam of its section."""
     solid = meshed(ConstantLeg(length, section, CUBIC), divisions, slices)
-    compliance = tip_compliance(clamped_leg(solid, "free"))
+    compliance = clamped_leg(solid, "free").compliance
     # The issue's limit, 1e-4; what remains is the deflection's cubic on quadratic slices.
     assert scaled_difference(compliance, beam_with_mesh_constants(solid)) < 1e-4
 
@@ -62,7 +60,7 @@ def test_hexahedra_and_tetrahedra_agree_on_a_short_rod(ends):
     found = []
     for mesh in (solid_mesh(leg, 4), tetrahedra(leg.section, leg.length, 4)):
         clamped = clamped_leg(solid_leg(leg, mesh), ends)
-        found.append([*np.diag(tip_compliance(clamped)), *modes(clamped, 3).frequencies])
+        found.append([*np.diag(clamped.compliance), *clamped.modes(3).frequencies])
     # Stress is singular at the edges of rigid faces.
     np.testing.assert_allclose(found[0], found[1], rtol=5e-3)
 
@@ -70,7 +68,7 @@ def test_hexahedra_and_tetrahedra_agree_on_a_short_rod(ends):
 def test_rigid_ends_stiffen_torsion_of_leg_2():
     """Known values: 18 %; and 0.26 % along z, where shear carries a sixth of the deflection."""
     solid = meshed(LEG_2, (3, 9), 16)
-    compliance = tip_compliance(clamped_leg(solid))
+    compliance = clamped_leg(solid).compliance
     beam = beam_tip_compliance(LEG_2.timoshenko, LEG_2.length)
     share = 1.0 - np.diag(compliance) / np.diag(beam)
     assert share[3] == pytest.approx(0.18, abs=0.005)
@@ -84,13 +82,13 @@ def test_compliance_equals_condensation_of_the_leg_matrices():
     matrices = solid_leg_matrices(solid)
     dense = matrices.stiffness.toarray()
     direct = np.linalg.inv(dense[6:, 6:])[:6, :6]
-    compliance = tip_compliance(clamped_leg(solid))
+    compliance = clamped_leg(solid).compliance
     assert scaled_difference(compliance, direct) < 1e-9
 
 
 def test_first_frequencies_of_leg_1():
     """Known values: z-bending of leg 1 at 181.8 Hz in the 3-D solid."""
-    found = modes(clamped_leg(meshed(LEG_1, 2, 12)), 4)
+    found = clamped_leg(meshed(LEG_1, 2, 12)).modes(4)
     # One unit in the last digit given.
     assert found.frequencies[1] == pytest.approx(181.8, abs=0.1)
     # Tension: √(EA/μ)/4L, exact for ν = 0 but for the slices' own error, (kl)⁴.
@@ -102,15 +100,15 @@ def test_first_frequencies_of_leg_1():
 def test_free_ends_vibrate_lower_than_rigid_ones():
     """A constraint less lowers every frequency (Rayleigh); torsion is then that of a free bar."""
     solid = meshed(LEG_2, (2, 6), 12)
-    rigid = modes(clamped_leg(solid), 5).frequencies
+    rigid = clamped_leg(solid).modes(5).frequencies
     clamped = clamped_leg(solid, "free")
-    free = modes(clamped, 5)
+    free = clamped.modes(5)
     assert np.all(free.frequencies <= rigid * (1.0 + 1e-9))
     beam = LEG_2.timoshenko
     torsion = np.sqrt(beam.GJ / beam.rho_J) / (4.0 * LEG_2.length)
     # Inertia of warping lowers it: Love's correction, here a few parts in a thousand.
     assert free.frequencies[2] == pytest.approx(torsion, rel=2e-2)
-    root = clamped.ends.root_loads.T @ free.shapes
+    root = clamped.root.T @ free.shapes
     assert np.abs(root).max() < 1e-9 * np.abs(free.shapes).max()
 
 
@@ -138,7 +136,7 @@ def test_centreline_of_a_tip_load_is_the_beam():
     """Under Fy the sections of the middle follow Timoshenko's cantilever."""
     solid = meshed(LEG_1, 2, 24)
     clamped = clamped_leg(solid)
-    u = clamped.ends.expanded(clamped.factor.solve(clamped.ends.tip_loads()[:, 1]))
+    u = clamped.solid.transformation @ clamped.response[:, 1]
     at = np.array([0.3, 0.5, 0.85])
     twists = (section_twists(solid.mesh, at) @ u).reshape(-1, 6)
     beam, L = LEG_1.timoshenko, LEG_1.length

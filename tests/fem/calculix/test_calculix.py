@@ -10,8 +10,7 @@ import pytest
 from compliances import scaled_difference
 from prismatic_legs import STEEL
 
-from fem.bodies.leg_modes import modes
-from fem.bodies.solid import clamped_leg, solid_leg, tip_compliance
+from fem.bodies.solid import clamped_leg, solid_leg
 from fem.calculix import run as calculix_run
 from fem.calculix.deck import (
     Deck,
@@ -68,14 +67,14 @@ def test_second_order_tetrahedra_equal_calculix(name: str) -> None:
     mesh = tetrahedra(leg.section, leg.length, 1)
     compliance, frequencies = compliance_and_frequencies(mesh, leg.material)
     exact = solid_leg(leg, mesh)
-    ours = tip_compliance(clamped_leg(exact))
+    ours = clamped_leg(exact).compliance
     assert scaled_difference(compliance, ours) < PRINTED
     # The bending couplings by themselves, too: c26 > 0, c35 < 0.
     for i, j in ((1, 5), (5, 1), (2, 4), (4, 2)):
         assert compliance[i, j] == pytest.approx(ours[i, j], rel=PRINTED)
     same_points = replace(exact, mass=mass_at_stiffness_points(mesh, leg.material.rho))
     np.testing.assert_allclose(
-        frequencies, modes(clamped_leg(same_points), 20).frequencies, rtol=PRINTED
+        frequencies, clamped_leg(same_points).modes(20).frequencies, rtol=PRINTED
     )
 
 
@@ -85,8 +84,8 @@ def test_linear_hexahedra_equal_calculix_with_the_exact_mass() -> None:
     mesh = extrude(section_mesh(leg.section, 2, "quad4"), stations(leg.length, 6))
     compliance, frequencies = compliance_and_frequencies(mesh, leg.material)
     clamped = clamped_leg(solid_leg(leg, mesh))
-    assert scaled_difference(compliance, tip_compliance(clamped)) < PRINTED
-    np.testing.assert_allclose(frequencies, modes(clamped, 20).frequencies, rtol=PRINTED)
+    assert scaled_difference(compliance, clamped.compliance) < PRINTED
+    np.testing.assert_allclose(frequencies, clamped.modes(20).frequencies, rtol=PRINTED)
 
 
 @needs_calculix

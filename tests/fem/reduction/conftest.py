@@ -9,7 +9,8 @@ from prismatic_legs import STEEL
 from scipy.linalg import eigh, null_space
 
 from fem.bodies.part import grips_of, held_part, meshed_part
-from fem.reduction.held import HeldBody
+from fem.bodies.rooted import RootedBody
+from fem.reduction.held import Held, held_body
 from lumped.mechanism.part import ByPlane, PartInterface
 from meshes.part.interfaces import find_interfaces
 from meshes.part.reading.read import read_part
@@ -22,14 +23,15 @@ COUPLINGS = {"two": ("rigid", "average"), "one": ("average",)}
 class Bar:
     """A square bar and its interfaces at its ends."""
 
-    held: HeldBody
+    rooted: RootedBody
+    held: Held
 
     def frequencies(self, fixed):
         """All frequencies (Hz) with the first `fixed` components of the interfaces' twists held.
 
         Dense, by no code of the reduction's.
         """
-        solid = self.held.rooted.solid
+        solid = self.rooted.solid
         free = null_space(solid.twists[:, :fixed].T) if fixed else np.eye(solid.size)
         stiffness, mass = (free.T @ (matrix @ free) for matrix in (solid.stiffness, solid.mass))
         squared = eigh(stiffness, mass, eigvals_only=True)
@@ -54,10 +56,11 @@ def bar(request, tmp_path_factory):
         )
     }
     grips = grips_of(part.mesh, find_interfaces(part, ends))
-    return Bar(HeldBody(held_part(meshed_part(part.mesh, STEEL), grips, "bar")))
+    rooted = held_part(meshed_part(part.mesh, STEEL), grips, "bar")
+    return Bar(rooted, held_body(rooted))
 
 
 @pytest.fixture(scope="session")
 def held_frequencies(bar):
     """All that moves with the twists of all interfaces held (Hz)."""
-    return bar.frequencies(bar.held.rooted.solid.twists.shape[1])
+    return bar.frequencies(bar.rooted.solid.twists.shape[1])

@@ -7,7 +7,7 @@ from numpy.testing import assert_allclose
 import fem.reduction.counted_modes as counting
 from fem.reduction.counted_modes import counted_modes
 from fem.reduction.craig_bampton import reduction
-from fem.reduction.held import FreeBody
+from fem.reduction.held import free_body
 from fem.reduction.interface_modes import interface_modes
 from lumped.dense.modes import Modes
 from lumped.errors import ComputationError
@@ -16,7 +16,7 @@ from lumped.errors import ComputationError
 @pytest.mark.parametrize("free", [False, True])
 def test_inertia_counts_what_a_dense_eigensolver_finds(bar, held_frequencies, free):
     """Of the bar with its interfaces held, and of the free bar without its rigid motions."""
-    body = FreeBody(bar.held.rooted) if free else bar.held
+    body = free_body(bar.rooted) if free else bar.held
     frequencies = bar.frequencies(0)[6:] if free else held_frequencies
     assert body.size > 400
     if free:

@@ -11,9 +11,8 @@ from scipy.sparse import csr_array
 from fem.beams.beam import beam_leg
 from fem.bodies.solid import clamped_leg, solid_leg_matrices
 from fem.reduction.craig_bampton import craig_bampton, frequency_bounds
-from fem.reduction.free_superelement import held_free_leg
 from fem.reduction.interface_modes import interface_modes
-from fem.reduction.superelement import held_leg
+from fem.reduction.superelement import held_leg, held_solid_leg
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg
 from lumped.mechanism.body_model import LegMatrices
@@ -148,8 +147,8 @@ def free_ends():
     for leg in (LEG_1, LEG_2):
         solid = meshed(leg, 1, 3)
         clamped = clamped_leg(solid, "free")
-        held.append(held_free_leg(clamped))
-        loads = np.hstack([clamped.ends.root_loads, clamped.ends.free_tip_loads])
+        held.append(held_solid_leg(clamped, solid.mesh))
+        loads = clamped.solid.twists
         inner = null_space(loads.T)
         basis = np.hstack([loads @ np.linalg.inv(loads.T @ loads), inner])
         stiffness, mass = (basis.T @ (a @ basis) for a in (solid.stiffness, solid.mass))

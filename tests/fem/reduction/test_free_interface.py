@@ -26,7 +26,7 @@ def cutoff(free_frequencies):
 
 @pytest.fixture(scope="module")
 def found(bar, cutoff):
-    return free_interface(bar.held.rooted, cutoff / 2.5, cutoff)
+    return free_interface(bar.rooted, cutoff / 2.5, cutoff)
 
 
 def clamped(stiffness, mass):
@@ -48,7 +48,7 @@ def test_it_has_the_free_modes_below_its_cut_off(found, free_frequencies):
 def test_its_matrices_are_those_of_its_displacements(bar, found):
     """By the dense triple product; unknowns are the twists of the interfaces, statics exact."""
     reduced, _ = found
-    solid, V = bar.held.rooted.solid, reduced.recovery
+    solid, V = bar.rooted.solid, reduced.recovery
     for matrix, own in ((solid.stiffness, reduced.stiffness), (solid.mass, reduced.mass)):
         assert V.T @ (matrix @ V) == pytest.approx(own, abs=1e-10 * np.abs(own).max())
     twists = solid.twists.T @ V
@@ -77,7 +77,7 @@ def test_clamped_it_swings_as_the_whole_bar_and_as_by_craig_and_bampton(bar, fou
 
 
 def test_a_reduction_that_drops_nothing_is_refused(bar):
-    rooted = bar.held.rooted
+    rooted = bar.rooted
     with pytest.raises(ComputationError, match=r"bar, free: its modes up to .* leave nothing"):
         free_interface(rooted, 1e8, 1e9)
     with pytest.raises(InputError, match="must be above the highest frequency"):

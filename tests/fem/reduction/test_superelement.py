@@ -13,10 +13,9 @@ from scipy.sparse import csr_array
 
 from fem.beams.beam import beam_leg
 from fem.bodies.solid import clamped_leg, section_twists, solid_leg_matrices
-from fem.reduction.free_superelement import held_free_leg
-from fem.reduction.superelement import ENDS, held_leg, static_superelement
+from fem.reduction.superelement import ENDS, held_leg, held_solid_leg, static_superelement
 from fem.sections.section_constants import beam_properties, section_constants
-from lumped.errors import ComputationError, InputError
+from lumped.errors import ComputationError
 from lumped.legs import tip_compliance
 from lumped.mechanism.body_model import LegMatrices
 from lumped.models.bodies import legs_of
@@ -145,7 +144,7 @@ def free_leg_2():
 def test_free_ends_have_the_compliance_of_timoshenko(free_leg_2):
     """Saint-Venant ends, ν = 0: the beam of the section's own constants (required: 1e-4)."""
     solid, clamped = free_leg_2
-    reduced = static_superelement(held_free_leg(clamped)).matrices
+    reduced = static_superelement(held_solid_leg(clamped, solid.mesh)).matrices
     constants = section_constants(solid.mesh.root.mesh, 0.0, LEG_2.material.G / LEG_2.material.E)
     beam = tip_compliance(beam_properties(constants, LEG_2.material), LEG_2.length)
     tip = np.linalg.inv(reduced.stiffness.toarray()[6:, 6:])
@@ -154,9 +153,8 @@ def test_free_ends_have_the_compliance_of_timoshenko(free_leg_2):
 
 def test_free_constraint_modes_have_the_twists_they_are_named_for(free_leg_2):
     solid, clamped = free_leg_2
-    held = held_free_leg(clamped)
-    ends = clamped.ends
-    loads = np.hstack([ends.root_loads, ends.free_tip_loads])
+    held = held_solid_leg(clamped, solid.mesh)
+    loads = clamped.solid.twists
     scale = np.abs(held.constraint_modes).max(axis=0)
     assert_allclose(loads.T @ held.constraint_modes / scale, np.eye(12) / scale, atol=1e-9)
     # Forces of a constraint mode act at the ends alone: K Ψ = B S, in equilibrium.
@@ -174,6 +172,12 @@ def test_free_constraint_modes_have_the_twists_they_are_named_for(free_leg_2):
     assert_allclose(held.centreline(at).toarray(), section_twists(solid.mesh, at).toarray())
 
 
-def test_rigid_ends_are_not_free():
-    with pytest.raises(InputError, match="rigid ends"):
-        held_free_leg(clamped_leg(meshed(LEG_1, 1, 3)))
+def test_a_solid_leg_with_rigid_ends_is_that_of_its_matrices():
+    solid = meshed(LEG_1, 1, 3)
+    found = static_superelement(held_solid_leg(clamped_leg(solid), solid.mesh)).matrices
+    expected = static_superelement(held_leg(solid_leg_matrices(solid))).matrices
+    assert scaled_difference(found.stiffness.toarray(), expected.stiffness.toarray()) < 1e-9
+    assert scaled_difference(found.mass.toarray(), expected.mass.toarray()) < 1e-9
+    at = np.array([0.2, 0.85])
+    ours, theirs = (one.centreline(at).toarray() for one in (found, expected))
+    assert_allclose(ours, theirs, rtol=0.0, atol=1e-9)

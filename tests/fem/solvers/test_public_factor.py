@@ -5,8 +5,7 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.sparse import csr_array
 
-from fem.bodies.leg_modes import modes
-from fem.bodies.solid import clamped_leg, solid_leg, solid_mesh, tip_compliance
+from fem.bodies.solid import clamped_leg, solid_leg, solid_mesh
 from fem.solvers import cholesky
 from fem.solvers.cholmod import public_factor, supernodes
 from fem.solvers.factor import NotPositiveDefiniteError
@@ -57,12 +56,12 @@ def test_another_version_or_layout_is_noticed(monkeypatch, where, name, other):
 def test_compliance_and_modes_are_those_of_the_factor_that_is_read(monkeypatch):
     solid = solid_leg(LEG, solid_mesh(LEG, 2))
     read = clamped_leg(solid, "rigid")
-    expected, frequencies = tip_compliance(read), modes(read, 3).frequencies
+    expected, frequencies = read.compliance, read.modes(3).frequencies
     monkeypatch.setattr(cholesky, "factors_are_readable", lambda: False)
     public = clamped_leg(solid, "rigid")
     assert isinstance(public.factor.numeric, public_factor.PublicFactor)
-    assert_allclose(tip_compliance(public), expected, rtol=0.0, atol=1e-10 * expected.max())
-    assert_allclose(modes(public, 3).frequencies, frequencies, rtol=1e-9)
+    assert_allclose(public.compliance, expected, rtol=0.0, atol=1e-10 * expected.max())
+    assert_allclose(public.modes(3).frequencies, frequencies, rtol=1e-9)
 
 
 @pytest.mark.usefixtures("unread")

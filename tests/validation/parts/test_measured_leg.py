@@ -14,7 +14,7 @@ from scipy.linalg import eigh
 from fem.beams.beam import beam_leg
 from fem.bodies.part import grips_of, held_part, meshed_part
 from fem.reduction.craig_bampton import reduction
-from fem.reduction.held import HeldBody
+from fem.reduction.held import held_body
 from lumped.legs import GivenLeg, Material, equivalent_leg, tip_compliance
 from lumped.mechanism.part import ByCylinder, PartInterface
 from lumped.models.cantilever import clamped_modes
@@ -49,7 +49,7 @@ def test_a_condensed_leg_is_right_and_the_equivalent_one_is_not(tmp_path):
     assert np.diag(body.compliance)[1:3] == pytest.approx([3.81e-8, 2.51e-8], rel=3e-3)
     alone = body.modes(2).frequencies
     assert alone == pytest.approx([199.5, 245.1], rel=3e-3)
-    reduced = reduction(HeldBody(body), 600.0)
+    reduced = reduction(held_body(body), 600.0)
     assert lowest(reduced.stiffness, reduced.mass) == pytest.approx([199.5, 245.1], rel=3e-3)
     solid = lowest(reduced.stiffness, reduced.mass, PLATFORM)
     assert solid == pytest.approx([103.2, 127.1], rel=3e-3)

@@ -12,7 +12,6 @@ import pytest
 from scipy.linalg import null_space, subspace_angles
 
 from fem.beams.frame import assemble, modes
-from fem.bodies import leg_modes
 from fem.bodies.solid import section_twists
 from validation.selftest import beams, solids
 from validation.selftest.benchmark import outcome
@@ -123,7 +122,7 @@ def test_equal_frequencies_of_the_cross_have_the_exact_shapes(cluster):
 
 def test_a_simply_supported_solid_is_held_on_average_and_turns_at_its_ends():
     beam = solids.extruded(solids.DEEP, 2, 6)
-    shapes = leg_modes.modes(solids.simply_supported(beam), 2).shapes
+    shapes = solids.simply_supported(beam).modes(2).shapes
     twists = section_twists(beam.mesh, np.array([0.0, 5.0, 10.0])) @ shapes
     first, middle, last = twists.reshape(3, 6, 2)
     largest = np.abs(middle[1:3]).max()

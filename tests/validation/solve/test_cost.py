@@ -9,10 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from fem.bodies.solid import solid_leg, solid_mesh
-from fem.couplings.end_coupling import rigid_ends
+from fem.bodies.solid import coupled_leg, solid_leg, solid_mesh
 from fem.solvers.cholesky import analyse
-from fem.solvers.factor import upper_triangle
 from lumped.errors import ComputationError, InputError
 from lumped.legs import ConstantLeg, Material
 from lumped.robot_file import load_robot, write_template
@@ -34,9 +32,8 @@ def test_the_estimate_of_a_solid_is_near_to_its_mesh_and_factor(section):
     leg = ConstantLeg(0.6, section, STEEL)
     solid = solid_leg(leg, solid_mesh(leg, 4))
     unknowns = solid.stiffness.shape[0]
-    ends = rigid_ends(solid.mesh)
-    stiffness = upper_triangle(ends.clamped_stiffness(solid.stiffness))
-    factor = analyse(stiffness, ends.leading_blocks)
+    coupled = coupled_leg(solid)
+    factor = analyse(coupled.stiffness, coupled.leading)
     cost = solid_cost((leg,), 4, modes=0)
     # Nodes that blocks share count twice: in a circle's small blocks half of them.
     assert unknowns <= cost.unknowns < 1.7 * unknowns

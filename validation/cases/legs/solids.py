@@ -8,8 +8,8 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from fem.beams.beam_theory import CantileverFrequency, cantilever_frequencies
-from fem.bodies import doubling, leg_modes
-from fem.bodies.solid import Ends
+from fem.bodies import doubling
+from fem.bodies.solid import Ends, clamped_leg
 from fem.couplings.end_effects import restrained_compliance
 from fem.sections import nonuniform_torsion
 from fem.sections.section_constants import beam_properties, section_constants
@@ -243,7 +243,7 @@ def _percent(changed: float, base: float) -> str:
     group="{body}.modes",
     effort=2.0,
     sides=Sides(
-        (leg_modes.modes,),
+        (clamped_leg,),
         (cantilever_frequencies, torsion_wave, nonuniform_torsion.cantilever_frequencies),
     ),
 )

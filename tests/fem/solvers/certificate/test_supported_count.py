@@ -4,10 +4,9 @@ from prismatic_legs import STEEL, meshed
 from scipy.linalg import eigvalsh, null_space
 
 import fem.solvers.certificate.count
-from fem.bodies.leg_modes import clamped_count
 from fem.bodies.solid import clamped_leg
 from fem.solvers.certificate.supported_count import supported_count
-from fem.solvers.factor import upper_triangle, whole_matrix
+from fem.solvers.factor import upper_triangle
 from lumped.legs import ConstantLeg
 from lumped.sections import Rectangle
 
@@ -20,16 +19,11 @@ def held(section, ends):
 def leg(request):
     """A clamped leg, its factor's points and constraints, and its eigenvalues by LAPACK."""
     clamped = held(Rectangle(0.08, 0.12), request.param)
-    if request.param == "rigid":
-        K = clamped.factor.triangle
-        theta = eigvalsh(clamped.mass.toarray(), whole_matrix(K).toarray())
-        points = clamped.mesh.nodes[clamped.ends.interior]
-        return clamped, K, upper_triangle(clamped.mass), points, None, 1.0 / theta[::-1]
-    K, M, B = clamped.solid.stiffness, clamped.solid.mass, clamped.ends.root_loads
+    K, M, B = clamped.solid.stiffness, clamped.solid.mass, clamped.root
     allowed = null_space(B.T)
     theta = eigvalsh(allowed.T @ (M @ allowed), allowed.T @ (K @ allowed))
     K, M = upper_triangle(K), upper_triangle(M)
-    return clamped, K, M, clamped.mesh.nodes, B, 1.0 / theta[::-1]
+    return clamped, K, M, clamped.solid.places, B, 1.0 / theta[::-1]
 
 
 @pytest.mark.parametrize("below", [0, 2, 12])
@@ -61,16 +55,16 @@ def test_too_few_supports_prove_nothing_and_fronts_count(leg, monkeypatch):
         return answers[-1]
 
     monkeypatch.setattr(fem.solvers.certificate.count, "supported_count", spied)
-    assert clamped_count(clamped)(sigma).negative == below
+    assert clamped.rooted_inertia(sigma).negative == below
     assert answers == [None]
 
 
 def test_count_without_room_for_two_factors(leg, monkeypatch):
     """The factor of K gives its place to that of the count, and comes again for a solve."""
     clamped, values = leg[0], leg[-1]
-    loads = clamped.ends.tip_loads()
+    loads = clamped.equilibrated(clamped.loads)
     before, first = clamped.factor.solve(loads), clamped.factor.numeric
-    count = clamped_count(clamped)
+    count = clamped.rooted_inertia
     enough = 4 * clamped.factor.symbolic.peak_bytes
     monkeypatch.setattr("fem.solvers.renewable_factor.available_memory", lambda: enough)
     assert count(0.5 * (values[5] + values[6])).negative == 6

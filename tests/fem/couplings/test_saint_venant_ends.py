@@ -1,22 +1,17 @@
-"""End couplings against the naive TᵀKT, against a bordered system, and by their definition."""
+"""Saint-Venant's tractions by their definition, and ends with them against a bordered system."""
 
 from functools import partial
 
 import numpy as np
 import pytest
+from compliances import scaled_difference
 from prismatic_legs import STEEL
 from scipy.sparse import bmat
 from scipy.sparse.linalg import spsolve
 
-from fem.couplings.end_coupling import (
-    free_ends,
-    rigid_ends,
-    rigid_motions,
-    saint_venant_loads,
-    unknowns,
-)
-from fem.elements.elasticity import on_three_components, stiffness, stiffness_and_mass
-from lumped.legs import Material
+from fem.bodies.solid import clamped_leg, solid_leg
+from fem.couplings.grips import rigid_motions, saint_venant_loads
+from lumped.legs import ConstantLeg, Material
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Tube
 from meshes.prism.extrude import extrude, stations
 from meshes.prism.tetrahedra import tetrahedra
@@ -46,39 +41,6 @@ MESHES = {
     "hex8": lambda: small_leg("quad4", divisions=2),
     "tet10": tetrahedral_leg,
 }
-
-
-@pytest.mark.parametrize("mesh", MESHES.values(), ids=MESHES)
-def test_rigid_ends_equal_the_naive_product(mesh):
-    mesh = mesh()
-    ends = rigid_ends(mesh)
-    T = ends.transformation
-    K, M = stiffness_and_mass(mesh, CUBIC)
-    for matrix in (K, on_three_components(M)):
-        naive = (T.T @ matrix @ T).toarray()
-        # The same sums in another order.
-        tolerance = 1e-14 * np.abs(naive).max()
-        np.testing.assert_allclose(ends.reduced(matrix).toarray(), naive, rtol=0, atol=tolerance)
-        held = naive[6:, 6:]
-        np.testing.assert_allclose(
-            ends.clamped_stiffness(matrix).toarray(), held, rtol=0, atol=tolerance
-        )
-        assert abs(ends.reduced(matrix) - ends.reduced(matrix).T).max() == 0.0
-
-
-def test_rigid_ends_move_as_rigid_bodies():
-    """u = x + φ × r at every node of a face, r from (0, 0, 0) or (L, 0, 0)."""
-    mesh = small_leg()
-    ends = rigid_ends(mesh)
-    q = np.zeros(ends.size)
-    root, tip = np.array([1.0, 2.0, 3.0, 0.1, 0.2, 0.3]), np.array([4.0, 5.0, 6.0, -0.3, 0.5, 0.7])
-    q[:6], q[6:12] = root, tip
-    u = (ends.transformation @ q).reshape(-1, 3)
-    for face, twist, point in ((mesh.root, root, 0.0), (mesh.tip, tip, LENGTH)):
-        r = mesh.nodes[face.nodes] - [point, 0.0, 0.0]
-        expected = twist[:3] + np.cross(twist[3:], r)
-        np.testing.assert_allclose(u[face.nodes], expected, atol=1e-15)
-    assert np.all(u[ends.interior] == 0.0)
 
 
 @pytest.mark.parametrize(
@@ -117,23 +79,14 @@ def test_shear_traction_of_a_rectangle_is_parabolic():
 @pytest.mark.parametrize("mesh", MESHES.values(), ids=MESHES)
 def test_free_ends_equal_the_bordered_system(mesh):
     """K u + B_root λ = f, B_rootᵀu = 0 solved as it stands, without springs."""
-    mesh = mesh()
-    ends = free_ends(mesh, STEEL)
-    K = stiffness(mesh, STEEL)
+    solid = solid_leg(ConstantLeg(LENGTH, SECTIONS[0], STEEL), mesh())
+    clamped = clamped_leg(solid, "free")
+    K, root, tip = solid.stiffness, clamped.root, clamped.loads
     # In units of E, so that the stiffness and the constraint are of one size.
-    system = bmat([[K / STEEL.E, ends.root_loads], [ends.root_loads.T, None]], format="csc")
-    right = np.zeros((K.shape[0] + 6, 6))
-    right[:-6] = ends.free_tip_loads / STEEL.E
+    system = bmat([[K / STEEL.E, root], [root.T, None]], format="csc")
+    right = np.vstack([tip / STEEL.E, np.zeros((6, 6))])
     u = spsolve(system, right)[:-6]
-    x = spsolve(ends.clamped_stiffness(K).tocsc(), ends.tip_loads())
     size = np.abs(u).max(axis=0)
     # Rounding times the condition of a small mesh, about 1e5.
-    np.testing.assert_allclose(ends.expanded(x) / size, u / size, rtol=0, atol=1e-10)
-    compliance = ends.tip_loads().T @ x
-    scale = 1.0 / np.sqrt(np.diag(compliance))
-    difference = (compliance - ends.free_tip_loads.T @ u) * scale[:, None] * scale
-    assert np.abs(difference).max() < 1e-10
-
-
-def test_unknowns_run_node_by_node():
-    assert unknowns(np.array([4, 1])).tolist() == [12, 13, 14, 3, 4, 5]
+    np.testing.assert_allclose(clamped.response / size, u / size, rtol=0, atol=1e-10)
+    assert scaled_difference(clamped.compliance, tip.T @ u) < 1e-10
