@@ -5,14 +5,11 @@ import pytest
 from numpy.testing import assert_allclose
 from prismatic_legs import STEEL
 
-from fem.bodies.solid import clamped_leg, solid_leg
 from fem.sections.contraction import held_contraction
 from fem.sections.saint_venant import section_quadrature
-from fem.sections.section_constants import section_constants
 from fem.sections.waveguide import assembled, elasticity, strains
-from lumped.legs import ConstantLeg, Material
+from lumped.legs import Material
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Tube
-from meshes.prism.extrude import extrude, stations
 from meshes.section.section_mesh import section_mesh
 
 AUXETIC = Material.isotropic(2.1e11, -0.9, 7850.0)
@@ -55,22 +52,3 @@ def test_energy_is_the_least_of_plane_displacements_beside_plane_sections(sectio
     # Rounding of the pseudoinverse, with stiffnesses 40 times apart for ν = −0.9.
     assert_allclose(found, expected / material.E, rtol=0.0, atol=1e-9 * moments[0, 0])
     assert found[0, 0] > moments[0, 0] * (1.0 + 1e-6)
-
-
-# What is left is how the solid integrates over curved cells, and ends that carry another stress.
-@pytest.mark.parametrize(
-    ("section", "material", "left"),
-    [(Circle(0.1), STEEL, 5e-6), (Tube(0.1, 0.02), STEEL, 2e-6), (Circle(0.1), AUXETIC, 3e-4)],
-)
-def test_it_is_what_a_bent_solid_of_this_section_mesh_is_too_stiff_by(section, material, left):
-    mesh = section_mesh(section, 4)
-    leg = ConstantLeg(1.0, section, material)
-    solid = solid_leg(leg, extrude(mesh, stations(leg.length, 8)))
-    turned = clamped_leg(solid, "free").compliance[4, 4]
-    constants = section_constants(mesh, material.nu)
-    stiffness = leg.length / turned / material.E
-    missed = stiffness / constants.second_moment_y - 1.0
-    assert missed > 50.0 * left
-    assert stiffness == pytest.approx(
-        constants.second_moment_y + constants.held_contraction[0], rel=left
-    )
