@@ -13,8 +13,8 @@ from scipy.spatial.transform import Rotation
 
 from lumped.arrays import Array
 from lumped.errors import InputError
-from lumped.legs import equivalent_leg
-from lumped.mechanism.body import Given, Prism, Rigid
+from lumped.legs import ConstantLeg, GivenLeg, equivalent_leg
+from lumped.mechanism.body import Rigid
 from lumped.mechanism.free_twists import free_twists, interface_position
 from lumped.mechanism.joint import Joint, Side
 from lumped.mechanism.mechanism import GROUND, Mechanism, Posture
@@ -43,7 +43,7 @@ def require_beams(mechanism: Mechanism) -> None:
     """Raise InputError, one line per fault, for what is no prism, rigid body or rigid joint."""
     faults = [
         f"{name}: EXUDYN's beams have a section; this body is a {what}"
-        for kind, what in ((Given, "6×6"), (Part, "part"))
+        for kind, what in ((GivenLeg, "6×6"), (Part, "part"))
         for name, body in mechanism.bodies.items()
         if isinstance(body.shape, kind)
     ]
@@ -94,7 +94,7 @@ class _System:
                 ground = self.mbs.AddObject(self.items.ObjectGround())
                 for point, frame in body.interfaces.items():
                     self._mark_body(ground, name, point, frame.position, np.eye(3))
-            elif isinstance(body.shape, Prism):
+            elif isinstance(body.shape, ConstantLeg):
                 self._add_beam(name)
             elif isinstance(body.shape, Rigid):
                 self._add_rigid(name, body.shape)

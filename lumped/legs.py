@@ -153,12 +153,12 @@ class ConstantLeg:
         return self.timoshenko
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class GivenLeg:
     """Leg known by its 6×6 tip compliance (root clamped, leg axes, SI) and its mass (kg).
 
-    `inertia` (3×3, kg m²) and `mass_centre` (m from the root) are data for the audit alone, `name`
-    serves messages.
+    Of where the mass lies, if known, `mass_centre` (m from the root along x) and `inertia` (3×3,
+    kg m², leg axes) about it; `name` serves messages.
     """
 
     length: float

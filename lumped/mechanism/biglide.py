@@ -14,7 +14,7 @@ import numpy as np
 from lumped.arrays import Array
 from lumped.errors import InputError
 from lumped.legs import EquivalentBy, Leg, equivalent_leg
-from lumped.mechanism.body import Frame, leg_shape
+from lumped.mechanism.body import Frame
 from lumped.mechanism.joint import Drive, Joint, JointKind, Side
 from lumped.mechanism.mechanism import GROUND, Mechanism, Tool
 from lumped.mechanism.placing import leg_on, rigid_on
@@ -152,8 +152,8 @@ def biglide(
         rigid_on(GROUND, ("A", "C"), points, origin=np.zeros(3)),
         rigid_on("slide1", "A", points),
         rigid_on("slide2", "C", points),
-        leg_on("leg1", leg_shape(leg1), ("A", "B"), points),
-        leg_on("leg2", leg_shape(leg2), ("C", "B"), points),
+        leg_on("leg1", leg1, ("A", "B"), points),
+        leg_on("leg2", leg2, ("C", "B"), points),
         rigid_on("platform", ("B", "P"), points),
     ]
     # What is not the same seen from any direction in the plane keeps its axes in all poses: the

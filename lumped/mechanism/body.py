@@ -7,9 +7,8 @@ from typing import TypeAlias
 import numpy as np
 
 from lumped.arrays import Array
-from lumped.legs import ConstantLeg, Ends, Leg, Material
+from lumped.legs import Leg
 from lumped.mechanism.part import Part
-from lumped.sections import Section
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,36 +31,6 @@ class Frame:
         return Frame(-self.rotation.T @ self.position, self.rotation.T)
 
 
-@dataclass(frozen=True)
-class Prism:
-    """Constant section along the body's x axis over `length` (m), from its first interface.
-
-    `ends`: whether its end faces are kept plane by what they are bolted to or may warp; None where
-    nobody said so.
-    """
-
-    length: float
-    section: Section
-    material: Material
-    ends: Ends | None = None
-
-
-@dataclass(frozen=True, eq=False)
-class Given:
-    """Leg known by its 6×6 `compliance` at the second interface, the first clamped (SI, body axes).
-
-    `length` (m) along the body's x axis, `mass` (kg); of where the mass lies, if known,
-    `mass_centre` (m from the first interface along x) and `inertia` (3×3, kg m², body axes) about
-    it.
-    """
-
-    length: float
-    mass: float
-    compliance: Array
-    mass_centre: float | None = None
-    inertia: Array | None = None
-
-
 @dataclass(frozen=True, eq=False)
 class Rigid:
     """Rigid body of `mass` (kg), `centre` (3, m) and `inertia` (3×3, kg m²) about it, body axes."""
@@ -71,21 +40,14 @@ class Rigid:
     inertia: Array = field(default_factory=lambda: np.zeros((3, 3)))
 
 
-Shape: TypeAlias = Prism | Given | Part | Rigid
-
-
-def leg_shape(leg: Leg) -> Prism | Given:
-    """The shape of a leg: of constant section, or known by its 6×6."""
-    if isinstance(leg, ConstantLeg):
-        return Prism(leg.length, leg.section, leg.material, leg.ends)
-    return Given(leg.length, leg.mass, leg.compliance, leg.mass_centre, leg.inertia)
+Shape: TypeAlias = Leg | Part | Rigid
 
 
 @dataclass(frozen=True, eq=False)
 class Body:
     """A body: its shape, and its interfaces by the name of their point, in body axes.
 
-    A prism and a given leg have two interfaces, the first at the origin of the body's axes, the
+    A leg has two interfaces, the first at the origin of the body's axes, the
     second at `length` along x; a part and a rigid body have any number.
     """
 

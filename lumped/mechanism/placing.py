@@ -1,12 +1,14 @@
 """Bodies on named points: how a leg or a rigid body stands in the reference posture."""
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 
 import numpy as np
 
 from lumped.arrays import Array
 from lumped.errors import InputError
-from lumped.mechanism.body import Body, Frame, Given, Prism, Rigid
+from lumped.legs import Leg
+from lumped.mechanism.body import Body, Frame, Rigid
 
 _X, _, _Z = np.eye(3)
 # Sine of the angle below which two directions are one.
@@ -35,19 +37,19 @@ def leg_frame(start: Array, end: Array, up: Array | None = None) -> Frame:
 
 def leg_on(
     name: str,
-    shape: Prism | Given,
+    leg: Leg,
     ends: tuple[str, str],
     points: Mapping[str, Array],
     up: Array | None = None,
 ) -> tuple[Body, Frame]:
     """A leg from one of the `points` (3, m, base axes) to another, and its frame.
 
-    Its length is the shape's, which must be the distance of the points but for rounding. Raises
+    Its length is the leg's own, which must be the distance of the points but for rounding. Raises
     InputError as `leg_frame` does.
     """
     first, second = ends
-    tip = Frame(np.array([shape.length, 0.0, 0.0]))
-    body = Body(name, shape, {first: Frame(), second: tip})
+    tip = Frame(np.array([leg.length, 0.0, 0.0]))
+    body = Body(name, replace(leg, name=name), {first: Frame(), second: tip})
     return body, leg_frame(points[first], points[second], up)
 
 

@@ -15,7 +15,7 @@ from lumped.legs import (
     given_compliance,
     tip_compliance,
 )
-from lumped.mechanism.body import Body, Given, Prism, leg_shape
+from lumped.mechanism.body import Body
 from lumped.mechanism.mechanism import Mechanism
 
 LegSprings: TypeAlias = Literal["given", "equivalent"]
@@ -23,28 +23,25 @@ LegSprings: TypeAlias = Literal["given", "equivalent"]
 
 def leg_of(body: Body) -> Leg:
     """The leg that a body is; raises InputError for a body that is none."""
-    match body.shape:
-        case Prism(length, section, material):
-            return ConstantLeg(length, section, material, name=body.name)
-        case Given(length, mass, compliance, mass_centre, inertia):
-            return GivenLeg(length, mass, compliance, inertia, mass_centre, name=body.name)
+    if isinstance(body.shape, ConstantLeg | GivenLeg):
+        return body.shape
     raise InputError(f"bodies.{body.name}: is no leg")
 
 
 def legs_of(mechanism: Mechanism) -> dict[str, Leg]:
     """The bodies that are legs, by name."""
     return {
-        name: leg_of(body)
+        name: body.shape
         for name, body in mechanism.bodies.items()
-        if isinstance(body.shape, Prism | Given)
+        if isinstance(body.shape, ConstantLeg | GivenLeg)
     }
 
 
 def on_equivalent_legs(mechanism: Mechanism, by: EquivalentBy = "stiffness") -> Mechanism:
     """The mechanism with constant-section legs in place of those known by their 6×6."""
     bodies = {
-        name: replace(body, shape=leg_shape(equivalent_leg(leg_of(body), by)))
-        if isinstance(body.shape, Given)
+        name: replace(body, shape=replace(equivalent_leg(body.shape, by), name=name))
+        if isinstance(body.shape, GivenLeg)
         else body
         for name, body in mechanism.bodies.items()
     }

@@ -11,7 +11,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from lumped.mechanism.body import Given, Prism
+from lumped.legs import ConstantLeg, GivenLeg, Leg
 from lumped.mechanism.joint import Joint, Side
 from lumped.mechanism.kinematics.mobility import mobility
 from lumped.mechanism.kinematics.postures import reference_posture
@@ -89,7 +89,7 @@ def robot_subject(context: Context) -> Subject:
         parts=tuple(
             leg_subject(context, name, shape)
             for name, shape in legs.items()
-            if isinstance(shape, Prism | Given)
+            if isinstance(shape, ConstantLeg | GivenLeg)
         ),
         formulation=_on_legs_of_constant_section(robot, models),
     )
@@ -177,7 +177,7 @@ def _on_legs_of_constant_section(robot: RobotOnPath, models: Models) -> Subject 
     return replace(static_subject(on_solids, on_such_legs), robot="equivalent legs")
 
 
-def leg_subject(context: Context, name: str, shape: Prism | Given) -> Subject:
+def leg_subject(context: Context, name: str, shape: Leg) -> Subject:
     """One leg alone and its models, statics alone."""
     leg = robot_at(context, [reference_posture(leg_alone(name, shape))])
     left_out = _NOT_OF_A_LEG if leg.given else (*_NOT_OF_A_LEG, "vjm-equivalent")
@@ -188,7 +188,7 @@ def leg_subject(context: Context, name: str, shape: Prism | Given) -> Subject:
     return replace(subject, statics=replace(subject.statics, title=title))
 
 
-def leg_alone(name: str, shape: Prism | Given) -> Mechanism:
+def leg_alone(name: str, shape: Leg) -> Mechanism:
     """A leg in its own axes, its first interface fixed to the ground, the tool at its second."""
     points = {_ROOT: np.zeros(3), _TIP: np.array([shape.length, 0.0, 0.0])}
     placed = [

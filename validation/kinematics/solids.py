@@ -13,7 +13,8 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.errors import InputError
-from lumped.mechanism.body import Body, Frame, Given, Prism
+from lumped.legs import ConstantLeg, GivenLeg
+from lumped.mechanism.body import Body, Frame
 from lumped.mechanism.free_twists import (
     across_axis,
     interface_position,
@@ -50,7 +51,7 @@ def body_faces(posture: Posture, name: str, size: float) -> Iterator[Face]:
     body = posture.mechanism.bodies[name]
     frame = posture.frames[name]
     points = np.array([(frame @ place).position for place in body.interfaces.values()])
-    if isinstance(body.shape, Prism):
+    if isinstance(body.shape, ConstantLeg):
         outline, bores = outlines(body.shape.section)
         yield from _extruded(outline, frame.position, frame.rotation, body.shape.length, bores)
         return
@@ -121,7 +122,7 @@ def on_ground(joint: Joint) -> bool:
 
 def is_leg(body: Body) -> bool:
     """Whether a body runs from one point to another, by its data or its shape."""
-    return isinstance(body.shape, Prism | Given | Part) and len(body.interfaces) == 2
+    return isinstance(body.shape, ConstantLeg | GivenLeg | Part) and len(body.interfaces) == 2
 
 
 def _surface(body: Body, frame: Frame) -> Iterator[Face]:

@@ -15,8 +15,7 @@ from fem.beams.stepped import SteppedLeg
 from fem.reduction.craig_bampton import CUTOFF_FACTOR
 from lumped.arrays import Array
 from lumped.errors import InputError
-from lumped.legs import ConstantLeg, equivalent_leg, tip_compliance
-from lumped.mechanism.body import Given, Prism
+from lumped.legs import ConstantLeg, GivenLeg, equivalent_leg, tip_compliance
 from lumped.mechanism.body_model import BodyModel, LegMatrices
 from lumped.mechanism.joint import Drive, Joint
 from lumped.mechanism.kinematics.mobility import mobility
@@ -236,9 +235,7 @@ def constant_legs(
         leg = equivalent_leg(described, options.equivalent)
         alike = next((one for one in known if _are_alike(one, leg)), leg)
         known.append(alike)
-        shape = mechanism.bodies[name].shape
-        own = shape.ends if isinstance(shape, Prism) else None
-        told = replace(options, ends=own or options.ends)
+        told = replace(options, ends=leg.ends or options.ends)
         if not any(_at_tip(mechanism, joint) == name for joint in mechanism.joints):
             told = replace(told, release="condensed")
         legs.append((name, alike, told))
@@ -276,7 +273,7 @@ def _at_tip(mechanism: Mechanism, joint: Joint) -> str:
     if joint.kind != "revolute" or joint.drive is not None or joint.compliance is not None:
         return ""
     body = mechanism.bodies[joint.second.body]
-    is_leg = isinstance(body.shape, Prism | Given)
+    is_leg = isinstance(body.shape, ConstantLeg | GivenLeg)
     return body.name if is_leg and joint.second.point == tuple(body.interfaces)[1] else ""
 
 

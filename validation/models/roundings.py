@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lumped.arrays import Array
-from lumped.mechanism.body import Given
+from lumped.legs import GivenLeg
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.robot_file.reading import printed_compliances
 
@@ -77,7 +77,7 @@ def _with_change(mechanism: Mechanism, given: Array, change: Array) -> Mechanism
     bodies = {
         name: replace(body, shape=replace(body.shape, compliance=given + change))
         for name, body in mechanism.bodies.items()
-        if isinstance(body.shape, Given) and np.array_equal(body.shape.compliance, given)
+        if isinstance(body.shape, GivenLeg) and np.array_equal(body.shape.compliance, given)
     }
     elastic = [
         joint.compliance is not None and np.array_equal(joint.compliance, given)

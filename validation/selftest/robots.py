@@ -12,7 +12,6 @@ from fem.calculix.leg import compliance_and_frequencies
 from fem.multibody import frequencies
 from lumped.arrays import Array
 from lumped.legs import ConstantLeg, Material
-from lumped.mechanism.body import Prism
 from lumped.mechanism.kinematics.postures import posture, reference_posture
 from lumped.mechanism.mechanism import Mechanism
 from lumped.mechanism.part import ByPlane, PartInterface
@@ -102,7 +101,7 @@ def hexapod_stiffness(mechanism: Mechanism, pose: Array) -> Array:
         give = sum(
             shape.length / (shape.material.E * shape.section.area)
             for shape in shapes
-            if isinstance(shape, Prism)
+            if isinstance(shape, ConstantLeg)
         )
         give += 1.0 / (drive.stiffness or np.inf) if drive else 0.0
         along = (end - base) / np.linalg.norm(end - base)

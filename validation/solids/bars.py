@@ -5,7 +5,6 @@ from dataclasses import replace
 from fem.bodies.solid import SolidLeg, solid_leg
 from fem.calculix.leg import mass_at_stiffness_points
 from lumped.legs import ConstantLeg, equivalent_leg
-from lumped.mechanism.body import Prism
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.models.bodies import legs_of
 from lumped.sections import Rectangle
@@ -16,7 +15,7 @@ def with_bars(at: Posture) -> Posture:
     """The posture with every prism as a solid bar of its outer size, its ends rigid."""
     bodies = {
         name: replace(body, shape=replace(shape, section=Rectangle(*shape.section.extent)))
-        if isinstance(shape := body.shape, Prism)
+        if isinstance(shape := body.shape, ConstantLeg)
         else body
         for name, body in at.mechanism.bodies.items()
     }

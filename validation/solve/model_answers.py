@@ -9,7 +9,6 @@ import numpy as np
 from lumped.arrays import Array
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg
-from lumped.mechanism.body import Prism
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.models.bodies import leg_of
 from validation.models.legs import leg_compliance, leg_frequencies
@@ -192,8 +191,8 @@ def _cost(question: Question) -> Cost:
 def _of_body(question: Question, name: str, options: ModelOptions) -> Answer:
     body, model, count = question.mechanism.bodies[name], question.model, question.count
     leg = leg_of(body)
-    if isinstance(body.shape, Prism) and body.shape.ends is not None:
-        options = replace(options, ends=body.shape.ends)
+    if isinstance(leg, ConstantLeg) and leg.ends is not None:
+        options = replace(options, ends=leg.ends)
     frequencies = leg_frequencies(model, leg, count, options) if count else np.zeros(0)
     place: dict[str, float | int | str | list[float]] = {"body": name}
     if question.numbered:
@@ -205,7 +204,7 @@ def _without_own_ends(mechanism: Mechanism) -> Mechanism:
     """What is typed goes before what the robot file says of its prisms."""
     bodies = {
         name: replace(body, shape=replace(body.shape, ends=None))
-        if isinstance(body.shape, Prism)
+        if isinstance(body.shape, ConstantLeg)
         else body
         for name, body in mechanism.bodies.items()
     }

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from lumped.arrays import Array
-from lumped.mechanism.body import Body, Frame, Rigid, leg_shape
+from lumped.mechanism.body import Body, Frame, Rigid
 from lumped.mechanism.joint import Drive, Joint, Side
 from lumped.mechanism.mechanism import GROUND, Mechanism, Tool
 from lumped.mechanism.part import Part
@@ -69,7 +69,7 @@ def _body(given: Draft, name: str, folder: Path) -> tuple[Body, Frame]:
         return _rigid(given, name, table)
     leg = leg_of(table, leg_length(given, table) or 0.0, name)
     up = None if table["up"] is None else np.array(table["up"])
-    return leg_on(name, leg_shape(leg), (table["from"], table["to"]), given.points, up)
+    return leg_on(name, leg, (table["from"], table["to"]), given.points, up)
 
 
 def _place(given: Draft, place: Any) -> Array:

@@ -14,7 +14,8 @@ from fem.calculix.leg import mass_at_stiffness_points
 from fem.calculix.mechanism import compliance_and_frequencies, mechanism_deck
 from fem.reduction.craig_bampton import craig_bampton
 from fem.reduction.superelement import held_leg
-from lumped.mechanism.body import Prism, Rigid
+from lumped.legs import ConstantLeg
+from lumped.mechanism.body import Rigid
 from lumped.mechanism.kinematics.postures import posture, reference_posture
 from lumped.models.bodies import legs_of, on_equivalent_legs
 from lumped.robot_file import load_robot
@@ -38,7 +39,7 @@ def of_squares(name):
     bodies = dict(mechanism.bodies)
     for body in mechanism.bodies.values():
         for start, side in SECTIONS[name].items():
-            if isinstance(body.shape, Prism) and body.name.startswith(start):
+            if isinstance(body.shape, ConstantLeg) and body.name.startswith(start):
                 shape = replace(body.shape, section=Rectangle(side, side))
                 bodies[body.name] = replace(body, shape=shape)
     return replace(mechanism, bodies=bodies)

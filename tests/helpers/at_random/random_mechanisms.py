@@ -5,8 +5,8 @@ Postures are off the reference: every body has turned since by a rotation of its
 
 import numpy as np
 
-from lumped.legs import Material
-from lumped.mechanism.body import Body, Frame, Prism, Rigid, Shape
+from lumped.legs import ConstantLeg, Material
+from lumped.mechanism.body import Body, Frame, Rigid, Shape
 from lumped.mechanism.joint import Drive, Joint, JointKind, Side
 from lumped.mechanism.mechanism import GROUND, Mechanism, Posture, Tool
 from lumped.models.chains import axis_rotation
@@ -65,7 +65,7 @@ class Maker:
         """Add a prism, or a leg given by a 6×6, between two points (2×3)."""
         length = float(np.linalg.norm(ends[1] - ends[0]))
         frame = Frame(ends[0], self.rotation((ends[1] - ends[0]) / length))
-        prism = Prism(length, SECTIONS[self.rng.integers(len(SECTIONS))], STEEL)
+        prism = ConstantLeg(length, SECTIONS[self.rng.integers(len(SECTIONS))], STEEL)
         self.body(name, prism, frame, {first: ends[0], second: ends[1]})
 
     def joint(

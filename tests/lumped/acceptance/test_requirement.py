@@ -7,7 +7,7 @@ from sound_biglide import SOUND
 
 from lumped.acceptance.requirement import Requirement, with_options
 from lumped.errors import InputError
-from lumped.mechanism.body import Prism
+from lumped.legs import ConstantLeg
 from lumped.robot_file import load_robot
 
 
@@ -57,5 +57,5 @@ def test_a_robot_file_says_what_is_accepted_and_how_ends_are_held(tmp_path: Path
     assert [requirement.limit(q) for q in ("y", "z", "f6")] == [0.02, 0.2, 0.05]
     assert requirement.rely == ("vjm", "segments")
     leg1 = robot_file.mechanism.bodies["leg1"].shape
-    assert isinstance(leg1, Prism)
+    assert isinstance(leg1, ConstantLeg)
     assert leg1.ends == "rigid"

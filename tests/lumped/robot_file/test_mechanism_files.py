@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from lumped.mechanism.body import Given, Prism, Rigid
+from lumped.legs import ConstantLeg, GivenLeg
+from lumped.mechanism.body import Rigid
 from lumped.robot_file import load_robot, write_template
 from lumped.robot_file.load import built_in_robots
 
@@ -40,7 +41,7 @@ def test_built_in_robots_are_one_of_each_kind_and_the_papers():
 def test_a_leg_stands_where_its_points_are_with_z_upwards():
     mechanism = load_robot("delta").mechanism
     arm = mechanism.bodies["arm1"]
-    assert isinstance(arm.shape, Prism)
+    assert isinstance(arm.shape, ConstantLeg)
     assert arm.shape.length == pytest.approx(0.24, rel=1e-11)
     frame = mechanism.reference["arm1"]
     assert frame.position == pytest.approx([0.18, 0.0, 0.0])
@@ -60,7 +61,7 @@ def test_a_rigid_body_and_a_given_leg_keep_their_numbers(tmp_path):
     path = tmp_path / "given.toml"
     path.write_text(text.replace(ROD1, given), encoding="utf-8")
     rod = load_robot(path).mechanism.bodies["rod1"].shape
-    assert isinstance(rod, Given)
+    assert isinstance(rod, GivenLeg)
     assert (rod.mass, rod.length) == (3.2, pytest.approx(np.hypot(0.35, 0.3)))
     assert np.array_equal(np.diag(rod.compliance), [1e-6] * 3 + [1e-5] * 3)
     platform = load_robot("delta").mechanism.bodies["platform"].shape
@@ -123,7 +124,7 @@ def test_the_biglide_written_out_in_the_guide_is_the_built_in_one(tmp_path):
     assert set(found.bodies) == set(expected.bodies)
     for name, body in expected.bodies.items():
         other = found.bodies[name]
-        if isinstance(body.shape, Prism):
+        if isinstance(body.shape, ConstantLeg):
             for field in ("section", "material"):
                 assert getattr(other.shape, field) == getattr(body.shape, field)
         assert set(other.interfaces) == set(body.interfaces)

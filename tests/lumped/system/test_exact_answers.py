@@ -8,7 +8,8 @@ from random_mechanisms import STEEL, Maker
 
 from lumped.dense.modes import dense
 from lumped.errors import ComputationError, InputError
-from lumped.mechanism.body import Body, Frame, Prism, Rigid
+from lumped.legs import ConstantLeg
+from lumped.mechanism.body import Body, Frame, Rigid
 from lumped.mechanism.joint import Drive, Side
 from lumped.mechanism.mechanism import GROUND, Posture, Tool
 from lumped.models.bodies import legs_of, tip_compliances
@@ -50,7 +51,7 @@ def gough_stewart(seed: int) -> tuple[Posture, np.ndarray]:
         make.leg(f"up{i}", f"M{i}", f"B{i}", np.array([middle, head]))
         for name in (f"low{i}", f"up{i}"):
             body = make.bodies[name]
-            shape = Prism(body.shape.length, section, STEEL)
+            shape = ConstantLeg(body.shape.length, section, STEEL)
             make.bodies[name] = replace(body, shape=shape)
         drive = 10.0 ** rng.uniform(6, 9)
         make.joint("universal", ((GROUND, f"A{i}"), (f"low{i}", f"A{i}")))
@@ -89,7 +90,7 @@ def parallelogram() -> tuple[Posture, float, float]:
     make.body("bar", Rigid(1.0), Frame(middle), {"T": middle, **heads})
     for name, foot, head in (("rod1", "A", "C"), ("rod2", "B", "D")):
         make.leg(name, foot, head, np.array([feet[foot], heads[head]]))
-        shape = Prism(length, Rectangle(0.02, 0.05), STEEL)
+        shape = ConstantLeg(length, Rectangle(0.02, 0.05), STEEL)
         make.bodies[name] = replace(make.bodies[name], shape=shape)
         drive = Drive(1e4) if name == "rod1" else None
         make.joint("revolute", ((GROUND, foot), (name, foot)), drive)

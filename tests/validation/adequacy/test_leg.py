@@ -8,7 +8,6 @@ from fem.bodies import doubling
 from fem.sections.section_constants import section_constants
 from lumped.acceptance.requirement import Requirement
 from lumped.legs import ConstantLeg, Leg, Material, tip_compliance
-from lumped.mechanism.body import leg_shape
 from lumped.models.bodies import legs_of
 from lumped.robot_file import load_robot
 from lumped.sections import HollowRectangle, ISection
@@ -27,7 +26,7 @@ FLANGED = ConstantLeg(
 
 def adequacy(leg: Leg) -> Matrix:
     """The leg's matrix at preset quick."""
-    subject = leg_subject(Context(load_robot("ifw"), "quick"), "leg1", leg_shape(leg))
+    subject = leg_subject(Context(load_robot("ifw"), "quick"), "leg1", leg)
     return judged(subject, Requirement())
 
 

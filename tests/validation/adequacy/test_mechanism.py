@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from lumped.errors import InputError
-from lumped.legs import equivalent_leg
-from lumped.mechanism.body import Prism
+from lumped.legs import ConstantLeg, equivalent_leg
 from lumped.mechanism.kinematics.postures import reference_posture
 from lumped.models.bodies import legs_of, tip_compliances
 from lumped.robot_file import load_robot
@@ -135,7 +134,7 @@ def test_ends_are_alternatives_until_the_file_says_them():
     assert list(holding(mechanism).alternatives) == ["ends rigid", "ends free"]
     said = {
         name: replace(body, shape=replace(body.shape, ends="free"))
-        if isinstance(body.shape, Prism)
+        if isinstance(body.shape, ConstantLeg)
         else body
         for name, body in mechanism.bodies.items()
     }

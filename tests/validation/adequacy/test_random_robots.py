@@ -19,7 +19,6 @@ from fem.bodies import doubling
 from lumped.acceptance.requirement import Requirement
 from lumped.arrays import Array
 from lumped.legs import ConstantLeg, Ends
-from lumped.mechanism.body import Prism
 from lumped.mechanism.mechanism import Mechanism
 from lumped.models import serial_chains
 from lumped.models.bodies import legs_of, on_equivalent_legs
@@ -54,14 +53,16 @@ def with_ends(robot: Mechanism, ends: Ends) -> Mechanism:
     said = {
         name: replace(body, shape=replace(body.shape, ends=ends))
         for name, body in robot.bodies.items()
-        if isinstance(body.shape, Prism)
+        if isinstance(body.shape, ConstantLeg)
     }
     return replace(robot, bodies={**robot.bodies, **said})
 
 
 def ends_of(robot: Mechanism) -> Ends:
     """How the ends of all legs are said to be held."""
-    (ends,) = {one.shape.ends for one in robot.bodies.values() if isinstance(one.shape, Prism)}
+    (ends,) = {
+        one.shape.ends for one in robot.bodies.values() if isinstance(one.shape, ConstantLeg)
+    }
     assert ends
     return ends
 

@@ -9,8 +9,7 @@ import pytest
 
 from fem.sections.section_constants import beam_properties, section_constants
 from lumped.errors import InputError
-from lumped.legs import tip_compliance
-from lumped.mechanism.body import Prism
+from lumped.legs import ConstantLeg, tip_compliance
 from lumped.mechanism.kinematics.postures import posture, reference_posture
 from lumped.models.bodies import legs_of
 from lumped.models.links import links
@@ -206,7 +205,7 @@ def test_solve_of_one_body(capsys):
     code, out, _ = solve(capsys, "delta", "--model", "vjm", "--body", "rod1l", "--json")
     (result,) = json.loads(out)["results"]
     shape = load_robot("delta").mechanism.bodies["rod1l"].shape
-    assert isinstance(shape, Prism)
+    assert isinstance(shape, ConstantLeg)
     assert code == 0
     assert result["compliance"][0][0] == pytest.approx(
         shape.length / (shape.material.E * shape.section.area), rel=1e-12

@@ -9,7 +9,6 @@ import pytest
 from sound_biglide import SOUND
 
 from lumped.legs import ConstantLeg, Material, equivalent_leg
-from lumped.mechanism.body import Prism
 from lumped.models.bodies import legs_of
 from lumped.robot_file import load_robot
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Tube
@@ -131,7 +130,7 @@ def test_solids_of_a_mechanism_say_the_uncertainty_of_their_mesh():
         name: replace(
             body, shape=replace(body.shape, section=Rectangle(*body.shape.section.extent))
         )
-        if isinstance(body.shape, Prism)
+        if isinstance(body.shape, ConstantLeg)
         else body
         for name, body in mechanism.bodies.items()
     }

@@ -10,7 +10,7 @@ from scipy.linalg import solve
 
 from lumped.errors import ComputationError
 from lumped.legs import ConstantLeg, Material, tip_compliance
-from lumped.mechanism.body import Frame, Prism
+from lumped.mechanism.body import Frame
 from lumped.mechanism.joint import Drive
 from lumped.robot_file import load_robot
 from lumped.sections import Rectangle, Tube
@@ -64,7 +64,7 @@ def test_frequencies_may_be_of_any_size(softer):
     described = at.mechanism
     bodies = {
         name: body
-        if not isinstance(body.shape, Prism)
+        if not isinstance(body.shape, ConstantLeg)
         else replace(body, shape=replace(body.shape, material=scaled(body.shape.material, softer)))
         for name, body in described.bodies.items()
     }

@@ -10,7 +10,6 @@ import numpy as np
 from lumped.arrays import Array
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, Ends, GivenLeg, Leg
-from lumped.mechanism.body import Given, Prism
 from lumped.mechanism.mechanism import UNITS_OF_MOVES, Mechanism, Posture
 from lumped.models import serial_chains
 from lumped.models.bodies import legs_of, tip_compliances
@@ -182,7 +181,7 @@ def holding(mechanism: Mechanism) -> Holding:
 def _said_ends(mechanism: Mechanism, name: str) -> Ends | None:
     shape = mechanism.bodies[name].shape
     # The 6×6 of a given leg has its ends in it.
-    return shape.ends if isinstance(shape, Prism) else "rigid"
+    return shape.ends if isinstance(shape, ConstantLeg) else "rigid"
 
 
 def known_legs(mechanism: Mechanism) -> dict[str, Leg]:
@@ -204,7 +203,7 @@ def distinct_legs(mechanism: Mechanism) -> tuple[str, ...]:
 
 def has_given(mechanism: Mechanism) -> bool:
     """Whether any leg is known by its 6×6 alone."""
-    return any(isinstance(body.shape, Given) for body in mechanism.bodies.values())
+    return any(isinstance(body.shape, GivenLeg) for body in mechanism.bodies.values())
 
 
 def why_not_serial(postures: Sequence[Posture]) -> str:

@@ -12,7 +12,8 @@ from scipy.linalg import eigh
 from scipy.spatial.transform import Rotation
 
 from lumped.arrays import Array
-from lumped.mechanism.body import Body, Frame, Given, Prism, Rigid
+from lumped.legs import ConstantLeg, GivenLeg
+from lumped.mechanism.body import Body, Frame, Rigid
 from lumped.mechanism.kinematics.mobility import mobility
 from lumped.mechanism.kinematics.postures import posture
 from lumped.mechanism.mechanism import MOVES, UNITS_OF_MOVES, Mechanism, Posture
@@ -193,7 +194,7 @@ def _with_rigid_legs(mechanism: Mechanism) -> Mechanism:
     legs = legs_of(mechanism)
 
     def rigid(body: Body) -> Body:
-        if not isinstance(body.shape, Prism | Given):
+        if not isinstance(body.shape, ConstantLeg | GivenLeg):
             return body
         leg = legs[body.name]
         centre = np.array([0.5 * leg.length, 0.0, 0.0])

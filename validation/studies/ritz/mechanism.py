@@ -14,8 +14,8 @@ from scipy.linalg import block_diag, eigh, null_space, pinvh
 
 from lumped.arrays import Array
 from lumped.errors import ComputationError
-from lumped.legs import ConstantLeg, GivenLeg, Theory, equivalent_leg
-from lumped.mechanism.body import Given, Prism, Rigid
+from lumped.legs import ConstantLeg, GivenLeg, Leg, Theory, equivalent_leg
+from lumped.mechanism.body import Rigid
 from lumped.mechanism.joint import Joint, Side
 from lumped.mechanism.mechanism import GROUND, Mechanism, Posture
 from validation.studies.ritz import leg as ritz_leg
@@ -54,7 +54,7 @@ def compliance(
     """
     legs = {
         name: ritz_leg.of_compliance(shape.compliance, shape.length)
-        if given and isinstance(shape, Given)
+        if given and isinstance(shape, GivenLeg)
         else _beam(shape, theory, degree)
         for name, shape in _legs(at.mechanism)
     }
@@ -76,13 +76,13 @@ def on_drives(at: Posture, count: int) -> tuple[Array, Array]:
     return _compliance(system), _frequencies(system, count)
 
 
-def _legs(mechanism: Mechanism) -> list[tuple[str, Prism | Given]]:
+def _legs(mechanism: Mechanism) -> list[tuple[str, Leg]]:
     shapes = ((name, body.shape) for name, body in mechanism.bodies.items())
-    return [(name, shape) for name, shape in shapes if isinstance(shape, Prism | Given)]
+    return [(name, shape) for name, shape in shapes if isinstance(shape, ConstantLeg | GivenLeg)]
 
 
-def _beam(shape: Prism | Given, theory: Theory, degree: int) -> RitzLeg:
-    if isinstance(shape, Given):
+def _beam(shape: Leg, theory: Theory, degree: int) -> RitzLeg:
+    if isinstance(shape, GivenLeg):
         leg = equivalent_leg(GivenLeg(shape.length, shape.mass, shape.compliance))
     else:
         leg = ConstantLeg(shape.length, shape.section, shape.material)
