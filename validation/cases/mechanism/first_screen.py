@@ -20,17 +20,15 @@ from validation.adequacy.mechanism.statics import compliances
 from validation.adequacy.models import JUDGED, JudgedModel, judged_models
 from validation.agreement.farthest import farthest
 from validation.case import Measurement, Relative, Sides, Skip
-from validation.case_group import numbered
+from validation.case_group import CaseGroup, numbered
 from validation.cases.mechanism.path import BEYOND_ROUNDING, path_roundings
 from validation.cases.mechanism.quantities import (
     ASSEMBLER,
     EXACT,
     MODEL_CODE,
     SHOWN,
-    TITLE,
     in_shown_units,
     rounding,
-    statics,
 )
 from validation.context import Context
 from validation.exhibits import PATH
@@ -67,7 +65,16 @@ def _sides(model: str, by: Callable[..., object]) -> Sides:
     return Sides((*MODEL_CODE[kind], *assembled), (ritz.on_drives, by))
 
 
-cases = statics.like(section=PATH, group="mechanism.lumped")
+cases = CaseGroup(
+    reference_kind="independent-solver",
+    citation="Ritz's method, Legendre polynomials along the legs (validation.studies.ritz)",
+    tolerance=Relative(1e-9),
+    tolerance_reason="statics of legs are cubic polynomials: rounding alone, grown by the "
+    "condition, 2e-11 and less of robots at random",
+    row="The mechanism, first screen",
+    section=PATH,
+    group="mechanism.lumped",
+)
 
 
 def shown_statics(postures: tuple[Posture, ...], kind: ModelName, options: ModelOptions) -> Array:
@@ -104,9 +111,10 @@ def _model(context: Context, model: str) -> tuple[ModelName, ModelOptions]:
 
 @cases.case(
     "mechanism.anchor.statics[{model}, {entry}]",
-    TITLE,
-    over={"of": ("The mechanism",), "model": _models, "entry, said, unit": SHOWN},
+    "The mechanism: {said} by {model}, obtained once more without its code",
+    over={"model": _models, "entry, said, unit": SHOWN},
     quantity="{said}, pose of the largest difference",
+    effort=0.05,
     figure="mechanism.deflections",
     sides=lambda model: _sides(model, ritz.compliance),
 )
@@ -157,7 +165,6 @@ def _yielding(numbers: Array, size: float) -> NDArray[np.bool_]:
     quantity="natural frequency {mode}, middle of the path",
     figure="mechanism.frequencies",
     unit="Hz",
-    row="The mechanism, first screen",
     sides=lambda model: _sides(model, ritz.frequencies),
     effort=0.2,
 )

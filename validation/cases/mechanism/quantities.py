@@ -1,4 +1,4 @@
-"""What the first screen's static quantities are called and measured in, one comparison for each."""
+"""What the static quantities of the first screen are called and measured in; code of the models."""
 
 from collections.abc import Callable, Mapping
 
@@ -7,8 +7,6 @@ from lumped.acceptance.requirement import AXES, ROTATIONS
 from lumped.models import links, segments, serial_chains
 from lumped.system.assembly import assembly
 from lumped.system.solution import solved
-from validation.case import Relative
-from validation.case_group import CaseGroup
 from validation.models.options import ModelName
 
 # What solves a mechanism of bodies, and what beside it is each model's own.
@@ -27,7 +25,6 @@ EXACT = (3, 4, 5)
 # Rounding is a number at random in each: they seldom differ all by less than a tenth of it.
 _SELDOM = 10.0
 _MICRO, _MILLI = 1e-6, 1e-3
-RITZ = "Ritz's method, Legendre polynomials along the legs (validation.studies.ritz)"
 
 
 def meaning(quantity: str) -> str:
@@ -54,15 +51,3 @@ def in_shown_units(compliance: float, quantity: str) -> float:
 
 # The static quantities with what is said of them and their units.
 SHOWN = tuple((quantity, meaning(quantity), unit(quantity)) for quantity in AXES)
-# A number of `of` by a model against what is computed without it.
-TITLE = "{of}: {said} by {model}, obtained once more without its code"
-statics = CaseGroup(
-    quantity="{said}",
-    reference_kind="independent-solver",
-    citation=RITZ,
-    tolerance=Relative(1e-9),
-    tolerance_reason="statics of legs are cubic polynomials: rounding alone, grown by the "
-    "condition, 2e-11 and less of robots at random",
-    row="{of}, first screen",
-    effort=0.05,
-)
