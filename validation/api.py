@@ -28,7 +28,7 @@ from validation.report.first_screen.table import pose_text, table_of
 from validation.report.first_screen.words import force_text
 from validation.solve.answer import Solution, paragraph, table
 from validation.solve.model_answers import solve as answered
-from validation.solve.question import Place, question
+from validation.solve.question import Asked
 
 Robot = RobotFile | str | Path
 
@@ -59,9 +59,9 @@ def solve(
     for one alone. Raises InputError, ComputationError.
     """
     typed = tuple(",".join(repr(float(number)) for number in np.atleast_1d(one)) for one in poses)
-    place = Place((), typed, leg, body)
+    asked = Asked(model, options, modes, poses=typed, leg=leg, body=body)
     with _arguments_named():
-        return answered(question(_loaded(robot), model, place, modes, options))
+        return answered(asked.of(_loaded(robot)))
 
 
 @dataclass(frozen=True)

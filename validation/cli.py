@@ -329,7 +329,7 @@ def solve(
     from validation.solve.answer import as_json, as_text  # noqa: PLC0415
     from validation.solve.model_answers import checked  # noqa: PLC0415
     from validation.solve.model_answers import solve as solved  # noqa: PLC0415
-    from validation.solve.question import Place, question  # noqa: PLC0415
+    from validation.solve.question import Asked  # noqa: PLC0415
     from validation.solve.variations import robots  # noqa: PLC0415
     from validation.solve.variations.command import Spread, solve_spread  # noqa: PLC0415
 
@@ -351,12 +351,12 @@ def solve(
         "reduction": reduction,
     }
     given = {name: value for name, value in choices.items() if value is not None}
-    place = Place(x, pose, leg, body)
+    asked = Asked(model, given, modes, x, pose, leg, body, against)
     if vary or csv or jobs or picture or cluster is not None:
         if against:
             raise InputError("--against: modes are paired for one robot; leave out --vary")
         spread = Spread(vary, jobs or 1, cluster, drawn=picture is not None)
-        varied = solve_spread(robot_file, spread, model, place, modes, given)
+        varied = solve_spread(robot_file, spread, asked)
         say(robots.as_json(varied) if json else robots.as_text(varied))
         complain(robots.without_say(varied), 0)
         if csv is not None:
@@ -366,12 +366,12 @@ def solve(
 
             write(picture, png(robot_file, varied))
         return 0
-    asked = question(robot_file, model, place, modes, given, against)
-    cost = checked(asked)
+    question = asked.of(robot_file)
+    cost = checked(question)
     if cost.seconds > _PATIENCE:
-        solution = in_a_process(solved, asked, doing=f"{model} model, {cost}")
+        solution = in_a_process(solved, question, doing=f"{model} model, {cost}")
     else:
-        solution = solved(asked)
+        solution = solved(question)
     say(as_json(solution) if json else as_text(solution))
     return 0
 

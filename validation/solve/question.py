@@ -29,16 +29,6 @@ _OF_PARTS = ("parts", "reduction")
 _OF_GIVEN_LEGS = ("legs", "equivalent")
 
 
-@dataclass(frozen=True)
-class Place:
-    """Where a robot is solved, as typed: positions `x` (m) or `poses`, or one `leg` or `body`."""
-
-    x: tuple[float, ...] = ()
-    poses: tuple[str, ...] = ()
-    leg: int | None = None
-    body: str | None = None
-
-
 @dataclass(frozen=True, eq=False)
 class Question:
     """A `model` of a mechanism in the typed `poses` ("0.25,0.6"), or of one `body`.
@@ -177,29 +167,43 @@ class Question:
         return []
 
 
-def question(
-    robot_file: RobotFile,
-    model: ModelName,
-    place: Place,
-    modes: int | None,
-    given: dict[str, Any],
-    against: ModelName | None = None,
-) -> Question:
-    """What is asked of the robot; `given` are the options typed, `against` a model to pair with.
+@dataclass(frozen=True, eq=False)
+class Asked:
+    """What is typed of a `model`, of whatever robot: the options `given`, and where it is solved.
 
-    Raises InputError where the robot has no such place.
+    At positions `x` (m) or in `poses`, or one `leg` or `body` alone; `modes`: how many, None for
+    six, to be paired with those of the model `against`.
     """
-    mechanism, numbered = robot_file.mechanism, robot_file.schema == 1
-    faults = []
-    if place.x and not numbered:
-        faults.append("--x: poses of a mechanism are typed as --pose")
-    if place.leg is not None and not numbered:
-        faults.append("--leg: bodies of a mechanism have names; take --body")
-    elif place.leg not in (None, 1, 2):
-        faults.append(f"--leg = {place.leg}: must be 1 or 2")
-    if faults:
-        raise InputError(faults)
-    body = place.body if place.leg is None else f"leg{place.leg}"
-    poses = (*(repr(x) for x in place.x), *place.poses)
-    text = robot_file.text
-    return Question(model, modes, given, mechanism, poses, body, against, numbered, text)
+
+    model: ModelName
+    given: dict[str, Any]
+    modes: int | None = None
+    x: tuple[float, ...] = ()
+    poses: tuple[str, ...] = ()
+    leg: int | None = None
+    body: str | None = None
+    against: ModelName | None = None
+
+    def of(self, robot_file: RobotFile) -> Question:
+        """The question about a robot; raises InputError where it has no such place."""
+        numbered = robot_file.schema == 1
+        faults = []
+        if self.x and not numbered:
+            faults.append("--x: poses of a mechanism are typed as --pose")
+        if self.leg is not None and not numbered:
+            faults.append("--leg: bodies of a mechanism have names; take --body")
+        elif self.leg not in (None, 1, 2):
+            faults.append(f"--leg = {self.leg}: must be 1 or 2")
+        if faults:
+            raise InputError(faults)
+        return Question(
+            self.model,
+            self.modes,
+            self.given,
+            robot_file.mechanism,
+            (*(repr(x) for x in self.x), *self.poses),
+            self.body if self.leg is None else f"leg{self.leg}",
+            self.against,
+            numbered,
+            robot_file.text,
+        )

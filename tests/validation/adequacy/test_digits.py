@@ -23,7 +23,7 @@ from validation.models.mechanism import answers
 from validation.models.options import DEFAULT_OPTIONS, ModelName
 from validation.solve.answer import Answer, Solution, as_text, record_of
 from validation.solve.model_answers import solve
-from validation.solve.question import Place, question
+from validation.solve.question import Asked
 
 DRAWS = 200
 MATRIX = re.compile(r"(compliance = \[)(.*?)(\n\])", re.DOTALL)
@@ -126,7 +126,7 @@ def test_more_digits_leave_less_and_many_nothing_that_is_looked_at(printed: Robo
 def test_solve_says_what_the_digits_leave_open_at_most(
     printed: RobotFile, tmp_path: Path, model: ModelName
 ) -> None:
-    asked = question(printed, model, Place(), None, {})
+    asked = Asked(model, {}).of(printed)
 
     def solved(robot: RobotFile, text: str = "") -> Answer:
         return solve(replace(asked, mechanism=robot.mechanism, text=text)).answers[0]

@@ -242,5 +242,17 @@ def test_every_number_of_an_answer_stands_under_its_own_name():
     solution = Solution("robot", "beam", {}, (answer,))
     # 1000 N in µm: compliances of 19, 26 and 33 m/N on the diagonal.
     told = "x 1.9e+10, y 2.6e+10, z 3.3e+10"
-    assert told in as_text(solution)
+    text = as_text(solution)
+    assert told in text
+    # In percent of 19, 26, 33 … and of 55 and 56.
+    for shares in (
+        "    x 3e+02 %, y 2.2e+02 %, z 1.8e+02 %",
+        "    x 5.3 %, y 7.7 %, z 9.1 %",
+        "    x +47 %, y +38 %, z +33 %",
+        "    frequencies 1.1e+02 %, 1.1e+02 %",
+        "    frequencies 13 %, 14 %",
+        "    frequencies +27 %, +29 %",
+        "those dropped lower no frequency by more than 3e+01 %",
+    ):
+        assert shares in text
     assert "<td>1.9e+10</td><td>2.6e+10</td><td>3.3e+10</td>" in solution._repr_html_()

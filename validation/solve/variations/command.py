@@ -2,14 +2,12 @@
 
 from contextlib import ExitStack
 from dataclasses import dataclass
-from typing import Any
 
 from lumped.errors import InputError
 from lumped.robot_file import RobotFile
 from lumped.robot_file.variation import variations_of
 from validation.console.streams import complain
-from validation.models.options import ModelName
-from validation.solve.question import Place
+from validation.solve.question import Asked
 from validation.solve.variations.robots import VariedAnswers, solve_varied
 from validation.sweeps.cluster import on_cluster
 from validation.sweeps.cores import on_cores
@@ -29,14 +27,7 @@ class Spread:
     drawn: bool = False
 
 
-def solve_spread(
-    robot_file: RobotFile,
-    spread: Spread,
-    model: ModelName,
-    place: Place,
-    modes: int | None,
-    given: dict[str, Any],
-) -> VariedAnswers:
+def solve_spread(robot_file: RobotFile, spread: Spread, asked: Asked) -> VariedAnswers:
     """The answers for all robots.
 
     Raises InputError with one line per fault and ComputationError.
@@ -47,10 +38,10 @@ def solve_spread(
     if spread.drawn:
         from validation.solve.variations.picture import require_few_curves  # noqa: PLC0415
 
-        require_few_curves(variations, max(1, len(place.poses) + len(place.x)))
+        require_few_curves(variations, max(1, len(asked.poses) + len(asked.x)))
     with ExitStack() as stack:
         executor = _executor(spread, stack)
-        return solve_varied(robot_file, variations, model, place, modes, given, executor)
+        return solve_varied(robot_file, variations, asked, executor)
 
 
 def _executor(spread: Spread, stack: ExitStack) -> Executor:

@@ -3,7 +3,6 @@
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -12,10 +11,9 @@ from lumped.errors import naming
 from lumped.robot_file import RobotFile
 from lumped.robot_file.variation import Variation, told, varied
 from validation.drawing.style import csv_of
-from validation.models.options import ModelName
 from validation.solve.answer import Answer, Solution, record_of
 from validation.solve.model_answers import checked, solve
-from validation.solve.question import Place, Question, question
+from validation.solve.question import Asked, Question
 from validation.sweeps.runner import Executor
 
 # What is told of each deflection: µm under 1000 N, µrad under 100 N m.
@@ -47,13 +45,10 @@ class _Unit:
 def solve_varied(
     robot_file: RobotFile,
     variations: tuple[Variation, ...],
-    model: ModelName,
-    place: Place,
-    modes: int | None,
-    given: dict[str, Any],
+    asked: Asked,
     executor: Executor,
 ) -> VariedAnswers:
-    """Every robot of the variations by one model, asked as `question` asks.
+    """Every robot of the variations, asked the same.
 
     Raises InputError, naming the values, before anything is computed where a robot cannot be or
     cannot be where it is asked, ComputationError where one cannot be solved.
@@ -63,10 +58,10 @@ def solve_varied(
     for values, robot in robots:
         said = told(variations, values)
         # Tables of many robots have no room for what digits leave open of each.
-        asked = replace(question(robot, model, place, modes, given), text="")
+        question = replace(asked.of(robot), text="")
         with naming(f"--vary {said}"):
-            checked(asked)
-        units.append(_Unit(said, asked))
+            checked(question)
+        units.append(_Unit(said, question))
     solved = dict(executor(units))
     return VariedAnswers(
         variations,
