@@ -5,14 +5,10 @@ its own force or moment; f1 f2 …, natural frequencies (Hz); leg1.c22 …, entr
 compliance at its tip, root clamped, leg axes (SI).
 """
 
-import csv
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from hashlib import sha256
-from io import StringIO
-from math import isfinite
-from pathlib import Path
 
 import numpy as np
 
@@ -23,14 +19,12 @@ from lumped.acceptance.requirement import (
     ROTATIONS,
 )
 from lumped.errors import InputError
-from lumped.files import read_ordinary
 from lumped.mechanism.kinematics.postures import posture
 from lumped.mechanism.mechanism import Mechanism
 from lumped.models.bodies import legs_of
 from lumped.text import shown
 
 _OF_LEG = re.compile(r"([\w-]{1,40})\.c([1-6])([1-6])")
-_COLUMNS = ("quantity", "pose", "value", "uncertainty", "source")
 # Units of translations, then of rotations, under a force and under a moment.
 _OF_COMPLIANCE = (("m/N", "1/N"), ("1/N", "rad/(N m)"))
 _NAMES = f"{' '.join(AXES)}, f1 to f{MOST_MODES} or an entry of a leg's 6×6 like leg1.c22"
@@ -86,14 +80,10 @@ def measured_faults(one: Measured, place: str) -> list[str]:
     elif one.leg_entry is not None and one.pose:
         faults.append(f"{place}.pose: must be left out, a leg alone has none")
     positive = _why_positive(one)
-    if positive and not (isfinite(one.value) and one.value > 0.0):
+    if positive and one.value <= 0.0:
         faults.append(f"{place}.value = {one.value}: must be above 0, {positive}")
-    elif not (isfinite(one.value) and one.value != 0.0):
+    elif one.value == 0.0:
         faults.append(f"{place}.value = {one.value}: must be a number other than 0")
-    for name in ("uncertainty", "load"):
-        number = getattr(one, name)
-        if not (isfinite(number) and number > 0.0):
-            faults.append(f"{place}.{name} = {number}: must be above 0")
     return faults
 
 
@@ -103,37 +93,6 @@ def _why_positive(one: Measured) -> str:
         return "a natural frequency" if one.mode else "a deflection along its own load"
     _, row, column = one.leg_entry
     return "an entry on the diagonal of a compliance" if row == column else ""
-
-
-def read_measured(path: Path) -> tuple[Measured, ...]:
-    """The measured values of a CSV file with quantity, pose, value, uncertainty, source (and load).
-
-    Coordinates of a pose stand apart by spaces. Raises InputError with one line per fault.
-    """
-    try:
-        text = read_ordinary(path, "a CSV file of measured values").decode("utf-8-sig")
-        reader = csv.DictReader(StringIO(text, newline=""))
-        lacking = [name for name in _COLUMNS if name not in (reader.fieldnames or ())]
-        if lacking:
-            raise InputError(f"{path}: lacks the column {', '.join(lacking)}")
-        rows = list(reader)
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise InputError(f"{path}: cannot be read: {error}") from error
-    found, faults = [], []
-    for number, row in enumerate(rows, start=2):
-        place = f"{path}: line {number}"
-        try:
-            one = _measured(row)
-        except ValueError as error:
-            faults.append(f"{place}: {error}")
-            continue
-        faults += measured_faults(one, place)
-        found.append(one)
-    if not rows:
-        faults = [f"{path}: holds no measured value"]
-    if faults:
-        raise InputError(faults)
-    return tuple(found)
 
 
 def digest(ones: Sequence[Measured]) -> str:
@@ -157,29 +116,3 @@ def pose_faults(robot: Mechanism, one: Measured, place: str) -> list[str]:
     except InputError as error:
         return [f"{place}.pose: {fault}" for fault in error.faults]
     return []
-
-
-def _measured(row: Mapping[str, str | None]) -> Measured:
-    def numbers(name: str) -> list[float]:
-        text = row.get(name) or ""
-        try:
-            return [float(part) for part in text.split()]
-        except ValueError:
-            raise ValueError(f"{name} = {shown(text)}: must be a number") from None
-
-    def number(name: str, default: float | None = None) -> float:
-        given = numbers(name)
-        if not given and default is not None:
-            return default
-        if len(given) != 1:
-            raise ValueError(f"{name}: must be one number")
-        return given[0]
-
-    return Measured(
-        quantity=(row.get("quantity") or "").strip(),
-        value=number("value"),
-        uncertainty=number("uncertainty"),
-        source=(row.get("source") or "").strip() or "unnamed",
-        pose=tuple(numbers("pose")),
-        load=number("load", 1.0),
-    )

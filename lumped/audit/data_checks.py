@@ -3,14 +3,14 @@
 Every check returns the findings on one part, none where the data are sound.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from lumped.arrays import Array
-from lumped.audit.finding import Finding, Severity
+from lumped.audit.finding import Finding
 from lumped.robot_file.rules.matrices import asymmetries, is_positive_definite, smallest_eigenvalue
 
 # Moments of inertia are printed with three to four digits.
@@ -38,36 +38,28 @@ class DescribedPart:
 
 def parts(tables: Mapping[str, Any]) -> tuple[DescribedPart, ...]:
     """Foot, legs and tool of a robot file's tables, or bodies and joints of a mechanism's."""
+    named = {name: tables[name] for name in ("foot", "leg1", "leg2", "tool") if name in tables}
     if "bodies" in tables:
-        return (*_bodies(tables), *_joints(tables))
+        kinds = ("bodies", "joints")
+        named = {f"{k}.{name}": table for k in kinds for name, table in tables[k].items()}
     return tuple(
         DescribedPart(
             name=name,
-            compliance=_matrix(tables[name], "compliance"),
-            inertia=_matrix(tables[name], "inertia"),
-            length=tables[name].get("length"),
-            mass_centre=tables[name].get("mass_centre"),
+            compliance=_matrix(table, "compliance"),
+            inertia=_matrix(table, "inertia"),
+            length=_length(tables, table),
+            mass_centre=table.get("mass_centre"),
         )
-        for name in ("foot", "leg1", "leg2", "tool")
-        if name in tables
+        for name, table in named.items()
     )
 
 
-def _bodies(tables: Mapping[str, Any]) -> Iterator[DescribedPart]:
-    for name, body in tables["bodies"].items():
-        ends = [tables["points"][body[end]] for end in ("from", "to") if end in body]
-        yield DescribedPart(
-            name=f"bodies.{name}",
-            compliance=_matrix(body, "compliance"),
-            inertia=_matrix(body, "inertia"),
-            length=float(np.linalg.norm(np.subtract(*ends))) if ends else None,
-            mass_centre=body.get("mass_centre"),
-        )
-
-
-def _joints(tables: Mapping[str, Any]) -> Iterator[DescribedPart]:
-    for name, joint in tables["joints"].items():
-        yield DescribedPart(name=f"joints.{name}", compliance=_matrix(joint, "compliance"))
+def _length(tables: Mapping[str, Any], table: Mapping[str, Any]) -> float | None:
+    """Length (m) of a leg, told or between its points; None of anything else."""
+    if "from" not in table:
+        return table.get("length")
+    start, to = (tables["points"][table[end]] for end in ("from", "to"))
+    return float(np.linalg.norm(np.subtract(to, start)))
 
 
 def data_findings(part: DescribedPart) -> tuple[Finding, ...]:
@@ -79,7 +71,7 @@ def symmetry(part: DescribedPart) -> tuple[Finding, ...]:
     """Compliance and inertia must be symmetric (Maxwell and Betti; a definition)."""
     matrices = {"compliance": part.compliance, "inertia": part.inertia}
     return tuple(
-        _finding(
+        Finding(
             f"{part.name}.{key}",
             "symmetry",
             printed=f"({a.row},{a.column}) = {a.lower:g}, ({a.column},{a.row}) = {a.upper:g}",
@@ -101,7 +93,7 @@ def definiteness(part: DescribedPart) -> tuple[Finding, ...]:
     smallest = smallest_eigenvalue(part.compliance)
     diagonal = ", ".join(f"{entry:.3g}" for entry in np.diag(part.compliance))
     return (
-        _finding(
+        Finding(
             f"{part.name}.compliance",
             "definiteness",
             printed=f"diagonal {diagonal}",
@@ -123,7 +115,7 @@ def triangle_inequality(part: DescribedPart) -> tuple[Finding, ...]:
         return ()
     shown = ", ".join(f"{moment:.3f}" for moment in moments)
     return (
-        _finding(
+        Finding(
             f"{part.name}.inertia",
             "triangle inequality",
             printed=_off_diagonal(part.inertia),
@@ -146,7 +138,7 @@ def slender_axis(part: DescribedPart) -> tuple[Finding, ...]:
         return ()
     diagonal = np.diag(part.inertia)
     return (
-        _finding(
+        Finding(
             f"{part.name}.inertia",
             "slender axis",
             printed="diagonal " + ", ".join(f"{moment:g}" for moment in diagonal),
@@ -189,7 +181,7 @@ def couplings(part: DescribedPart) -> tuple[Finding, ...]:
             f"c35 = {numbers['c35 of a beam']:+.3g} rad/N"
         )
     return (
-        _finding(
+        Finding(
             f"{part.name}.compliance",
             "couplings",
             printed=f"c26 = {c26:.3g}, c35 = {c35:.3g} rad/N",
@@ -215,7 +207,7 @@ def tip_rotation(part: DescribedPart) -> tuple[Finding, ...]:
         if 0.0 < ratio <= _LARGEST_TIP_ROTATION:
             continue
         findings.append(
-            _finding(
+            Finding(
                 f"{part.name}.compliance",
                 f"tip rotation c{about}{about}",
                 printed=f"c{along}{along} = {deflection:.3g} m/N, "
@@ -235,7 +227,7 @@ def mass_centre(part: DescribedPart) -> tuple[Finding, ...]:
     if part.mass_centre is None or part.length is None or 0.0 < part.mass_centre < part.length:
         return ()
     return (
-        _finding(
+        Finding(
             f"{part.name}.mass_centre",
             "mass centre",
             printed=f"{part.mass_centre:g} m",
@@ -264,25 +256,3 @@ def _matrix(table: Mapping[str, Any], key: str) -> Array | None:
 
 def _off_diagonal(inertia: Array) -> str:
     return f"Jxy = {inertia[0, 1]:g}, Jxz = {inertia[0, 2]:g}, Jyz = {inertia[1, 2]:g} kg m²"
-
-
-def _finding(
-    where: str,
-    check: str,
-    *,
-    printed: str,
-    wrong: str,
-    evidence: str,
-    severity: Severity,
-    numbers: Mapping[str, float],
-) -> Finding:
-    return Finding(
-        where=where,
-        check=check,
-        printed=printed,
-        wrong=wrong,
-        evidence=evidence,
-        used="as given",
-        severity=severity,
-        numbers=numbers,
-    )

@@ -25,7 +25,7 @@ class Finding:
     printed: str
     wrong: str
     evidence: str
-    used: str
     severity: Severity
+    used: str = "as given"
     numbers: Mapping[str, float] = field(default_factory=dict)
     kind: Kind = "computed"

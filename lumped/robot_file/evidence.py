@@ -1,15 +1,23 @@
 """What a robot file says beside its robot: what is asked, measured, uncertain and misprinted."""
 
+import csv
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from io import StringIO
+from pathlib import Path
 from typing import Any
 
 from lumped.acceptance.measured import Measured, measured_faults, pose_faults
 from lumped.acceptance.requirement import STATIC_QUANTITIES, Requirement
+from lumped.errors import InputError
+from lumped.files import read_ordinary
 from lumped.mechanism.mechanism import Mechanism
 from lumped.robot_file.places import value_at
 from lumped.robot_file.rules.rule import is_finite_number
+from lumped.robot_file.rules.tables import MEASURED
 from lumped.text import shown
+
+_COLUMNS = ("quantity", "pose", "value", "uncertainty", "source")
 
 
 @dataclass(frozen=True)
@@ -30,6 +38,47 @@ def corrections_of(read: Mapping[str, Any]) -> tuple[Correction, ...]:
 def measured_of(read: Mapping[str, Any]) -> tuple[Measured, ...]:
     """Measured values of a file as it is read."""
     return tuple(Measured(**one) for one in read["measured"])
+
+
+def read_measured(path: Path) -> tuple[Measured, ...]:
+    """The measured values of a CSV file with quantity, pose, value, uncertainty, source (and load).
+
+    Coordinates of a pose stand apart by spaces. Raises InputError with one line per fault.
+    """
+    try:
+        text = read_ordinary(path, "a CSV file of measured values").decode("utf-8-sig")
+        reader = csv.DictReader(StringIO(text, newline=""))
+        lacking = [name for name in _COLUMNS if name not in (reader.fieldnames or ())]
+        if lacking:
+            raise InputError(f"{path}: lacks the column {', '.join(lacking)}")
+        rows = list(reader)
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise InputError(f"{path}: cannot be read: {error}") from error
+    found, faults = [], [] if rows else [f"{path}: holds no measured value"]
+    for number, row in enumerate(rows, start=2):
+        table = {name: _value(name, row[name] or "") for name in _COLUMNS}
+        if row.get("load"):
+            table["load"] = _value("load", row["load"])
+        own = MEASURED.faults_within(table, f"{path}: line {number}.")
+        if not own:
+            found.append(Measured(**MEASURED.read(table)))
+            own = measured_faults(found[-1], f"{path}: line {number}")
+        faults += own
+    if faults:
+        raise InputError(faults)
+    return tuple(found)
+
+
+def _value(name: str, text: str) -> Any:
+    """What a cell says, as a robot file would: a text where it is no number."""
+    if name == "pose":
+        return [_value("", part) for part in text.split()]
+    if name in {"quantity", "source"}:
+        return text.strip() or ("unnamed" if name == "source" else "")
+    try:
+        return float(text)
+    except ValueError:
+        return text
 
 
 def requirement_of(accept: Mapping[str, Any] | None) -> Requirement:

@@ -10,7 +10,7 @@ from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import Any
 
-from lumped.acceptance.measured import Measured, pose_faults, read_measured
+from lumped.acceptance.measured import Measured, pose_faults
 from lumped.acceptance.requirement import Requirement
 from lumped.errors import InputError
 from lumped.files import read_ordinary, require_ordinary
@@ -22,6 +22,7 @@ from lumped.robot_file.evidence import (
     corrections_of,
     evidence_faults,
     measured_of,
+    read_measured,
     requirement_of,
     times,
 )

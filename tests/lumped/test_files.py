@@ -4,9 +4,9 @@ import os
 
 import pytest
 
-from lumped.acceptance.measured import read_measured
 from lumped.errors import InputError
 from lumped.files import read_ordinary
+from lumped.robot_file.evidence import read_measured
 from meshes.part.reading.read import require_file
 from validation.results.records import load_run
 

@@ -65,7 +65,7 @@ _INERTIA = SquareMatrix(3, "kg m²", compliance=False)
 _SHARE = Number(least=SMALLEST_SHARE, most=1.0, high=_PERCENT, example="(0.05 is 5 %)")
 _COUNT = Number(least=1, most=10000, whole=True)
 _MODES = Number(least=1, most=MOST_MODES, whole=True)
-_NUMBER, _TEXT = Number(), Text()
+_NUMBER, _POSITIVE, _TEXT = Number(), Number(above=0.0), Text()
 _TITLE = Text(r"[^\x00-\x1f\x7f]{1,100}", "a text of 1 to 100 characters on one line")
 _NAME = Text(r"[\w-]{1,40}", "1 to 40 letters, digits, _ or -")
 
@@ -158,10 +158,10 @@ ACCEPT = Table(
 MEASURED = Table(
     needed("quantity", _TEXT, "x y z phi_x phi_y phi_z, f1 f2 … or leg1.c22 …"),
     needed("value", _NUMBER, "m or rad under `load`, Hz, or SI of a compliance"),
-    needed("uncertainty", _NUMBER, "its standard uncertainty, in the same unit"),
+    needed("uncertainty", _POSITIVE, "its standard uncertainty, in the same unit"),
     needed("source", _TEXT, "who measured it"),
     Key("pose", Several(_NUMBER), "where, in the order of the moves", default=()),
-    Key("load", _NUMBER, "N or N m", default=1.0),
+    Key("load", _POSITIVE, "N or N m", default=1.0),
 )
 _INPUT_UNCERTAINTY = Table(
     needed("key", _TEXT, 'a number or matrix of this file, "leg1.length" say'),

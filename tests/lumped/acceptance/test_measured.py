@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from lumped.acceptance.measured import Measured, digest, read_measured
+from lumped.acceptance.measured import Measured, digest
 from lumped.errors import InputError
 from lumped.robot_file import load_robot
+from lumped.robot_file.evidence import read_measured
 from lumped.robot_file.load import with_measured
 
 GOOD = """quantity,pose,value,uncertainty,source,load
@@ -52,10 +53,10 @@ def test_a_csv_file_joins_the_robot_s_own_values(robot_file, tmp_path):
         ("f1,0.3,-113.2,1,s,", "line 2.value = -113.2: must be above 0, a natural frequency"),
         ("leg1.c22,,-1e-7,1,s,", "line 2.value = -1e-07: must be above 0, an entry on the diag"),
         ("leg1.c26,,0,1,s,", "line 2.value = 0.0: must be a number other than 0"),
-        ("f1,0.3,nan,1,s,", "line 2.value = nan: must be above 0"),
+        ("f1,0.3,nan,1,s,", "line 2.value = nan: not finite; must be a number"),
         ("x,0.3,1,-1,s,", "line 2.uncertainty = -1.0: must be above 0"),
-        ("x,0.3,one,1,s,", 'line 2: value = "one": must be a number'),
-        ("x,0.3,1 2,1,s,", "line 2: value: must be one number"),
+        ("x,0.3,one,1,s,", 'line 2.value = "one": must be a number'),
+        ("x,0.3,1 2,1,s,", 'line 2.value = "1 2": must be a number'),
     ],
 )
 def test_every_fault_of_a_csv_file_is_named(robot_file, tmp_path, line, said):
