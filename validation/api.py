@@ -210,7 +210,7 @@ def run(
     """
     # The session loads every case; solving a model needs none of them.
     from validation.catalogue import catalogue  # noqa: PLC0415
-    from validation.run.session import Request, default_jobs, validate  # noqa: PLC0415
+    from validation.session.validate import Request, default_jobs, validate  # noqa: PLC0415
 
     asked = Request(_loaded(robot), preset, Path(out), jobs or default_jobs(), only)
     request = replace(asked, vary=tuple(vary))

@@ -32,7 +32,7 @@ from validation.selftest.command import selftest
 from validation.solve import parts as commands
 
 if TYPE_CHECKING:
-    from validation.store.opening import Start
+    from validation.run.opening import Start
 
 app = App(
     name="flexproof",
@@ -157,9 +157,9 @@ def run(
     from lumped.robot_file import load_robot  # noqa: PLC0415
     from lumped.robot_file.load import with_measured  # noqa: PLC0415
     from validation.catalogue import catalogue  # noqa: PLC0415
-    from validation.run import summary  # noqa: PLC0415
-    from validation.run.session import Request, default_jobs, validate  # noqa: PLC0415
-    from validation.store.tree import StoreError  # noqa: PLC0415
+    from validation.run.files import StoreError  # noqa: PLC0415
+    from validation.session import summary  # noqa: PLC0415
+    from validation.session.validate import Request, default_jobs, validate  # noqa: PLC0415
 
     require_address_space(TO_COMPUTE)
     start: Start = "resumed" if resume else "afresh"
@@ -325,7 +325,8 @@ def solve(
         Print JSON for programs.
     """
     from lumped.robot_file import load_robot  # noqa: PLC0415
-    from validation.run.waiting import in_a_process  # noqa: PLC0415
+    from meshes.processes import in_own_process  # noqa: PLC0415
+    from validation.session.progress import stage  # noqa: PLC0415
     from validation.solve.answer import as_json, as_text  # noqa: PLC0415
     from validation.solve.model_answers import checked  # noqa: PLC0415
     from validation.solve.model_answers import solve as solved  # noqa: PLC0415
@@ -369,7 +370,8 @@ def solve(
     question = asked.of(robot_file)
     cost = checked(question)
     if cost.seconds > _PATIENCE:
-        solution = in_a_process(solved, question, doing=f"{model} model, {cost}")
+        with stage(f"{model} model, {cost}"):
+            solution = in_own_process(solved, question)
     else:
         solution = solved(question)
     say(as_json(solution) if json else as_text(solution))

@@ -1,14 +1,10 @@
 """What a case may use: the robot, the preset, and results that other cases computed before."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, fields, is_dataclass
-from hashlib import blake2b
-from pathlib import PurePath
+from dataclasses import dataclass, field
 from typing import Any, Literal, ParamSpec, TypeAlias, TypeVar
 
-import msgspec
-import numpy as np
-
+from lumped.memo import likeness
 from lumped.robot_file import RobotFile
 
 Preset: TypeAlias = Literal["quick", "standard", "fine"]
@@ -16,8 +12,6 @@ About: TypeAlias = Literal["robot", "leg"]
 PRESETS: tuple[Preset, ...] = ("quick", "standard", "fine")
 # The robot whose numbers the paper prints.
 BUILT_IN = "ifw"
-# The option that holds the run's folder of finished units of sweeps, if its session names one.
-SWEEPS_FOLDER = "sweeps"
 P = ParamSpec("P")
 T = TypeVar("T")
 
@@ -54,46 +48,4 @@ def memo_key(
     name = f"{function.__module__}.{function.__qualname__}"
     if "<" in name:
         raise ValueError(f"{name}: only functions at the top of a module have a fixed name")
-    return f"{name} {fingerprint((args, dict(kwargs)))}"
-
-
-def fingerprint(value: object) -> str:
-    """Hash of plain data: numbers, texts, paths, arrays, frozen records, and collections of them.
-
-    Equal data give equal hashes in every process. Raises TypeError for anything else.
-    """
-    digest = blake2b(digest_size=16)
-    _feed(digest.update, value)
-    return digest.hexdigest()
-
-
-def _feed(update: Callable[[bytes], object], value: Any) -> None:
-    match value:
-        case np.ndarray():
-            update(f"array {value.dtype.str} {value.shape} ".encode())
-            update(np.ascontiguousarray(value).tobytes())
-        case PurePath():
-            update(f"path {value};".encode())
-        case None | bool() | int() | float() | complex() | str() | bytes() | np.generic():
-            update(f"{type(value).__name__} {value!r};".encode())
-        case tuple() | list():
-            update(f"sequence {len(value)} ".encode())
-            for item in value:
-                _feed(update, item)
-        case dict():
-            update(f"mapping {len(value)} ".encode())
-            for key in sorted(value):
-                _feed(update, key)
-                _feed(update, value[key])
-        case _ if is_dataclass(value) and not isinstance(value, type):
-            update(f"record {type(value).__module__}.{type(value).__qualname__} ".encode())
-            # What serves messages alone makes no other record of it.
-            for entry in (entry for entry in fields(value) if entry.compare):
-                _feed(update, getattr(value, entry.name))
-        case msgspec.Struct():
-            update(f"record {type(value).__module__}.{type(value).__qualname__} ".encode())
-            _feed(update, msgspec.structs.astuple(value))
-        case _ if callable(value) and hasattr(value, "__qualname__"):
-            update(f"function {value.__module__}.{value.__qualname__};".encode())
-        case _:
-            raise TypeError(f"{type(value).__name__} is no plain data: it cannot key the memo")
+    return f"{name} {likeness((args, dict(kwargs)))}"

@@ -2,13 +2,13 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import lru_cache
 
 import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
 from lumped.arrays import Array, IntArray
+from lumped.memo import memo
 from meshes.elements import ELEMENTS, SectionElement, SolidElement
 from meshes.shape_functions import gradients, values
 from meshes.solid_mesh import VolumeMesh
@@ -77,7 +77,7 @@ class PartMesh(VolumeMesh):
         return 3 * len(self.nodes)
 
 
-@lru_cache(maxsize=8)
+@memo(8)
 def _local_facets(element: SolidElement) -> IntArray:
     """Local nodes (facets × nodes) of a cell's facets, in the order of their own element."""
     kind, flat = ELEMENTS[element], ELEMENTS[FACET[element]]

@@ -15,7 +15,6 @@ import numpy as np
 from lumped.errors import ComputationError, InputError
 from meshes.elements import SectionElement, SolidElement
 from meshes.gmsh_arrays import connectivity, numbered
-from meshes.own_process import Crashed, in_own_process
 from meshes.part.boundary import Facets, PartMesh
 from meshes.part.inner_edges import cut_at_inner_edges, second_order_unknowns
 from meshes.part.interfaces import Interface
@@ -23,6 +22,7 @@ from meshes.part.reading.cad import CadModel, cad_model, naming_the_place
 from meshes.part.reading.filled import require_filled
 from meshes.part.reading.read import PartFile
 from meshes.part.straighten import straightened
+from meshes.processes import Crashed, in_own_process
 
 # Each mesh of a ladder has elements shorter by this: three meshes then span a factor of two.
 RATIO = sqrt(2.0)

@@ -5,7 +5,6 @@ a second family that shares nothing with the first but the shape.
 """
 
 from dataclasses import dataclass
-from functools import lru_cache
 from types import ModuleType
 
 import numpy as np
@@ -13,6 +12,7 @@ from scipy.spatial import cKDTree
 
 from lumped.arrays import Array, IntArray
 from lumped.errors import ComputationError, InputError
+from lumped.memo import memo
 from lumped.sections import Rectangle, Section
 from meshes.elements import ELEMENTS, SectionElement
 from meshes.gmsh_arrays import connectivity, numbered
@@ -45,7 +45,7 @@ def section_mesh(
 
 
 # Studies of one leg ask for the same few meshes again and again.
-@lru_cache(maxsize=64)
+@memo(64)
 def _made(section: Section, divisions: Divisions, element: SectionElement) -> SectionMesh:
     require_section(section, divisions)
     part = f"section mesh ({section.shape})"

@@ -15,7 +15,7 @@ from cyclopts import Parameter, Token
 from lumped.errors import InputError
 from lumped.text import visible
 from validation.console.streams import complain
-from validation.store.tree import Tree
+from validation.run.files import write_whole
 
 
 def _whole_number(_type: object, tokens: Sequence[Token]) -> int:
@@ -78,9 +78,7 @@ def write(path: Path, content: bytes) -> None:
             # A device or a pipe.
             path.write_bytes(content)
         else:
-            with Tree.opened(path.parent) as folder:
-                # A name as long as the file system allows leaves no room for more beside it.
-                folder.write(path.name, content, f".{path.name[:200]}.{os.getpid()}")
+            write_whole(path, content)
     except OSError as error:
         raise InputError(f"{path}: cannot be written ({error.strerror})") from error
     complain([f"{path} written"], 0)

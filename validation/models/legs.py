@@ -1,7 +1,7 @@
 """The models of one leg, each made once: of one shape, however many legs have it."""
 
 from dataclasses import replace
-from functools import lru_cache, partial
+from functools import partial
 from typing import TypeVar
 
 from fem.beams.beam import beam_leg
@@ -15,6 +15,7 @@ from lumped.dense.modes import Modes, dense
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, GivenLeg, Leg, equivalent_leg, given_compliance, tip_compliance
 from lumped.mechanism.body_model import BodyModel, LegMatrices
+from lumped.memo import memo
 from lumped.models import cantilever
 from lumped.models.bodies import legs_of
 from lumped.models.cantilever import clamped_modes, tip_compliance_of
@@ -74,7 +75,7 @@ def leg_chain(leg: ConstantLeg, options: ModelOptions) -> SegmentChain:
 
 
 # As many as the family of longer legs takes by all models: each is a hundred kilobytes.
-@lru_cache(maxsize=256)
+@memo(256)
 def cached_leg(
     model: ModelName, leg: ConstantLeg | SteppedLeg, options: ModelOptions
 ) -> LegMatrices:
@@ -82,7 +83,7 @@ def cached_leg(
     return leg_matrices(model, leg, options)
 
 
-@lru_cache(maxsize=64)
+@memo(64)
 def condensed_leg(
     model: ModelName, leg: ConstantLeg | SteppedLeg, options: ModelOptions
 ) -> LegMatrices:
@@ -92,7 +93,7 @@ def condensed_leg(
     return static_superelement(_held(model, leg, options)).matrices
 
 
-@lru_cache(maxsize=32)
+@memo(32)
 def reduced_leg(
     model: ModelName,
     leg: ConstantLeg | SteppedLeg,
@@ -108,7 +109,7 @@ def reduced_leg(
 
 
 # The factors of two solid legs are what fits into small machines.
-@lru_cache(maxsize=2)
+@memo(2)
 def _held(model: ModelName, leg: ConstantLeg | SteppedLeg, options: ModelOptions) -> HeldLeg:
     if model == "solid" and isinstance(leg, ConstantLeg):
         return held_solid(leg, options.divisions, options.ends)
@@ -125,7 +126,7 @@ def solid_modes(leg: ConstantLeg, divisions: int, ends: Ends, count: int) -> Mod
     return _clamped_solid(leg, divisions, ends).modes(count)
 
 
-@lru_cache(maxsize=4)
+@memo(4)
 def _clamped_solid(leg: ConstantLeg, divisions: int, ends: Ends) -> RootedBody:
     """The factorised leg, shared by statics and modes."""
     return solid.clamped_leg(solid.solid_leg(leg, solid.solid_mesh(leg, divisions)), ends)

@@ -1,11 +1,10 @@
 """Bodies that are CAD parts as solids: condensed on their interfaces, or with modes of their own.
 
-Meshed, factorised and reduced once, kept on the disk and in memory (validation.parts.kept).
+Meshed, factorised and reduced once, kept on the disk and in memory (validation.run.cache).
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
@@ -25,13 +24,14 @@ from lumped.mechanism.body import Body, Frame
 from lumped.mechanism.body_model import BodyModel
 from lumped.mechanism.part import Part
 from lumped.mechanism.placing import leg_frame
+from lumped.memo import memo
 from meshes.part.boundary import PartMesh
 from meshes.part.interfaces import Interface, find_interfaces
 from meshes.part.reading.read import PartFile, read_part
 from validation.models.options import ReductionBy
 from validation.parts.identify import Identified, identify
-from validation.parts.kept import kept, key_of
-from validation.parts.meshes import COARSE, FINEST, part_mesh
+from validation.parts.meshes import COARSE, FINEST, part_key, part_mesh
+from validation.run.cache import kept
 
 # Unknowns of the finest of the three meshes on which a robot's part is identified and reduced.
 UNKNOWNS = 60_000
@@ -97,7 +97,7 @@ def _below(squared: Array, cutoff: float) -> int:
     return int((squared < (2.0 * np.pi * cutoff) ** 2).sum())
 
 
-@lru_cache(maxsize=16)
+@memo(16)
 def _read(path: Path, unit: str | None, _written: tuple[int, int] | None) -> PartFile:
     return read_part(path, unit)
 
@@ -210,7 +210,9 @@ def reduced(
             "truncated": found.truncated,
         }
 
-    key = key_of(file, interfaces, shape.material, "reduced", UNKNOWNS, level, highest, cutoff, by)
+    key = part_key(
+        file, interfaces, shape.material, "reduced", UNKNOWNS, level, highest, cutoff, by
+    )
     found = kept(key, compute)
     moved = interpolated(found["nodes"], found["recovery"])
     own: dict[str, Any] = {

@@ -1,6 +1,5 @@
 """Parts as stepped legs: prismatic pieces with the part's own sections along its centre line."""
 
-from functools import lru_cache
 from itertools import pairwise
 from typing import Any
 
@@ -13,14 +12,15 @@ from lumped.errors import InputError
 from lumped.legs import BeamProperties, Material
 from lumped.mechanism.body import Body
 from lumped.mechanism.mechanism import Mechanism
+from lumped.memo import memo
 from lumped.screws import shift, skew
 from meshes.part.boundary import Facets, PartMesh, boundary
 from meshes.part.slices import Slice, slice_mesh, slices_of
 from meshes.part.spread import cell_volumes
 from meshes.section.section_mesh import SectionMesh
 from validation.models import parts
-from validation.parts.kept import kept, key_of
-from validation.parts.meshes import MIDDLE, part_mesh
+from validation.parts.meshes import MIDDLE, part_key, part_mesh
+from validation.run.cache import kept
 
 PIECES = 10
 # Each round cuts across the line through the centroids of the round before.
@@ -36,7 +36,7 @@ _CLOSE = 8
 _MEASURES = ("area", "area inside the outline", "second moment of area", "second moment of area")
 
 
-@lru_cache(maxsize=16)
+@memo(16)
 def stepped(body: Body, pieces: int = PIECES) -> SteppedLeg:
     """A part of two interfaces in so many pieces, leg axes.
 
@@ -46,7 +46,7 @@ def stepped(body: Body, pieces: int = PIECES) -> SteppedLeg:
     file, interfaces = parts.found_in(body)
     material = parts.shape_of(body).material
     frame = parts.leg_axes(body)
-    key = key_of(file, interfaces, material, "stepped", parts.UNKNOWNS, pieces)
+    key = part_key(file, interfaces, material, "stepped", parts.UNKNOWNS, pieces)
 
     def compute() -> dict[str, Any]:
         mesh = part_mesh(file, interfaces, parts.UNKNOWNS, MIDDLE)

@@ -26,9 +26,9 @@ from meshes.part.boundary import PartMesh
 from meshes.part.interfaces import Interface
 from meshes.part.reading.read import PartFile
 from meshes.part.spread import spread_over
-from validation.parts.kept import kept, key_of
-from validation.parts.meshes import COARSE, FINEST, LEVELS, MIDDLE, gradings, part_mesh
+from validation.parts.meshes import COARSE, FINEST, LEVELS, MIDDLE, gradings, part_key, part_mesh
 from validation.parts.refinement import compliance_uncertainty, refinement_uncertainty
+from validation.run.cache import kept
 
 DEFAULT_UNKNOWNS = 100_000
 DEFAULT_MODES = 6
@@ -109,7 +109,7 @@ def identify(
 
     Raises InputError where no mesh can be made, ComputationError where memory or a solver fails.
     """
-    key = key_of(part, interfaces, material, "identify", unknowns, modes)
+    key = part_key(part, interfaces, material, "identify", unknowns, modes)
     found = kept(key, lambda: _computed(part, interfaces, material, unknowns, modes))
     # numpy keeps scalars as arrays without axes.
     values: dict[str, Any] = {

@@ -1,8 +1,10 @@
 """The three meshes of a part, each made once and kept, for identification and reduction alike."""
 
+import hashlib
 from collections.abc import Sequence
 from typing import Any
 
+import gmsh
 import numpy as np
 
 from lumped.arrays import Array
@@ -11,12 +13,23 @@ from meshes.part.boundary import Facets, PartMesh
 from meshes.part.interfaces import Interface
 from meshes.part.reading.read import PartFile
 from meshes.part.volume import Grading, ladder, volume_mesh
-from validation.parts.kept import kept, key_of
+from validation.run.cache import kept, key_of
 
+# Raised where the same input gives other numbers than before: meshes, elements, reduction.
+_EDITION = 13
 COARSE, MIDDLE, FINEST = 0, 1, 2
 LEVELS = (COARSE, MIDDLE, FINEST)
 # Meshes do not depend on the material.
 _ANY = Material.isotropic(1.0, 0.0, 1.0)
+
+
+def part_key(
+    part: PartFile, interfaces: Sequence[Interface], material: Material, *more: object
+) -> str:
+    """The key of what depends on a part's content, unit, interfaces, material, and `more`."""
+    content = hashlib.sha256(part.path.read_bytes()).hexdigest()
+    program = _EDITION, gmsh.__version__
+    return key_of("part", program, content, part.unit, tuple(interfaces), material, *more)
 
 
 def part_mesh(
@@ -28,13 +41,13 @@ def part_mesh(
     """
     if part.mesh is not None:
         return part.mesh
-    key = key_of(part, interfaces, _ANY, "mesh", unknowns, level)
+    key = part_key(part, interfaces, _ANY, "mesh", unknowns, level)
     return _unpacked(kept(key, lambda: _packed(_made(part, interfaces, unknowns, level))))
 
 
 def gradings(part: PartFile, interfaces: Sequence[Interface], unknowns: int) -> tuple[Grading, ...]:
     """Those of the three meshes, by level; raises InputError as `part_mesh` does."""
-    key = key_of(part, interfaces, _ANY, "ladder", unknowns)
+    key = part_key(part, interfaces, _ANY, "ladder", unknowns)
     found = kept(
         key,
         lambda: {"steps": [(g.size, g.sides, g.cut) for g in ladder(part, interfaces, unknowns)]},

@@ -19,7 +19,7 @@ F = TypeVar("F")
 
 
 class Result(msgspec.Struct, Generic[V, F], frozen=True):
-    """What became of a task: a worker sends it, the journal keeps it, the run and its page read it.
+    """What became of a task: sent by a worker, kept in results.jsonl, read by the run and its page.
 
     `verdict` is that on a comparison, of anything else whether it was made; `found` a measurement,
     figure or matrix, None where there is none, and `message` says why.

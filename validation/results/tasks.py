@@ -1,4 +1,4 @@
-"""Work of a run and its results as plain data: what workers send and the journal keeps."""
+"""Work of a run and its results as plain data: what workers send and results.jsonl keeps."""
 
 from collections.abc import Mapping
 from typing import Any, Literal, TypeAlias

@@ -1,4 +1,1 @@
-"""A run from the request to its report.
-
-Cases are computed in worker processes; what each yields is kept before the next one is looked at.
-"""
+"""Where work is computed, and what outlives a process: one executor, one cache, one run folder."""

@@ -17,7 +17,7 @@ def selftest() -> int:
 
     Exit code 1 where a number differs or cannot be computed. Reports of runs say when it passed.
     """
-    from validation.results.provenance import machine, versions  # noqa: PLC0415
+    from validation.run.provenance import machine, versions  # noqa: PLC0415
     from validation.selftest import beams, record, robots, solids  # noqa: PLC0415
     from validation.selftest.benchmark import outcome  # noqa: PLC0415
 

@@ -10,9 +10,9 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from validation.results.provenance import processor, suite_digest, versions
-from validation.store.arrays import cache_folder
-from validation.store.tree import StoreError, read_regular, write_atomically
+from validation.run.cache import cache_folder
+from validation.run.files import read_regular, write_whole
+from validation.run.provenance import processor, suite_digest, versions
 
 
 def keep(*, passed: bool) -> None:
@@ -22,9 +22,9 @@ def keep(*, passed: bool) -> None:
         return
     said = f"{'passed' if passed else 'FAILED'} on {datetime.now(UTC).date().isoformat()}"
     record = {"said": said, **_installation(versions(), suite_digest())}
-    with suppress(OSError, StoreError):
+    with suppress(OSError):
         path.parent.mkdir(parents=True, exist_ok=True)
-        write_atomically(path, f"{json.dumps(record)}\n".encode())
+        write_whole(path, f"{json.dumps(record)}\n".encode())
 
 
 def last(header: Mapping[str, Any]) -> str:
@@ -41,8 +41,8 @@ def last(header: Mapping[str, Any]) -> str:
 
 
 def _path() -> Path | None:
-    folder = cache_folder("selftest")
-    return folder / "last.json" if folder else None
+    folder = cache_folder()
+    return folder / "selftest.json" if folder else None
 
 
 def _installation(libraries: Mapping[str, str], sources: str) -> dict[str, Any]:

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import lru_cache
 from math import ceil
 
 import numpy as np
@@ -14,6 +13,7 @@ from fem.bodies.solid import Ends
 from fem.sections.section_constants import SectionConstants, beam_properties, section_constants
 from lumped.arrays import Array
 from lumped.legs import BeamProperties, ConstantLeg
+from lumped.memo import memo
 from lumped.models.cantilever import clamped_modes
 from lumped.sections import HollowRectangle, ISection, Rectangle
 from meshes.prism.hexahedra import hexahedra
@@ -241,7 +241,7 @@ def doubled_tip(leg: ConstantLeg, divisions: int, along: int, ends: Ends) -> Arr
 
 
 # A robot's legs are asked for by studies of the leg, of the robot and of the models' adequacy.
-@lru_cache(maxsize=64)
+@memo(64)
 def _doubled_tips(leg: ConstantLeg, divisions: int, along: int) -> dict[Ends, Array]:
     condensed = doubling.condensed_leg(leg, face_mesh(leg, divisions), along)
     return {ends: doubling.tip_compliance(condensed, ends) for ends in _ENDS}

@@ -12,10 +12,9 @@ from validation.adequacy.models import JUDGED
 from validation.case import Absolute, Case, Measurement, Sides, Skip
 from validation.case_group import CaseGroup, Over
 from validation.cases.mechanism.quantities import ASSEMBLER, MODEL_CODE
-from validation.context import SWEEPS_FOLDER, Context
+from validation.context import Context
 from validation.exhibits import PARAMETERS
 from validation.solids.leg_models import held_solid
-from validation.sweeps.journal import journal_in
 from validation.variations.curves import VariedCurves, variation_study
 from validation.variations.decision import MEANING, OBJECTIVES, UNITS, Decision, Objective
 
@@ -69,9 +68,8 @@ def varied_curves(context: Context, variation: Variation) -> Mapping[Objective, 
 
     Raises Skip where one of the robots has no reference.
     """
-    journal = journal_in(context.options.get(SWEEPS_FOLDER, ""))
     try:
-        return variation_study(context.robot_file, variation, context.preset, journal)
+        return variation_study(context.robot_file, variation, context.preset)
     except InputError as error:
         raise Skip("; ".join(error.faults)) from error
 

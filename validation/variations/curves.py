@@ -1,4 +1,4 @@
-"""Curves of all models over a number of the robot file, from units kept in a journal."""
+"""Curves of all models over a number of the robot file, from robots kept in the cache."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,8 +10,8 @@ from lumped.robot_file import RobotFile
 from lumped.robot_file.variation import Variation
 from validation.adequacy.compared import Compared
 from validation.context import Preset
-from validation.sweeps.journal import Journal
-from validation.sweeps.runner import Executor, computed, in_turn
+from validation.run.executor import Executor, in_turn
+from validation.run.units import computed
 from validation.variations.decision import OBJECTIVES, Decision, Objective
 from validation.variations.robots import VariedModels, varied_robots
 
@@ -33,12 +33,11 @@ def variation_study(
     robot_file: RobotFile,
     variation: Variation,
     preset: Preset,
-    journal: Journal,
     executor: Executor = in_turn,
 ) -> dict[Objective, VariedCurves]:
-    """All models of every robot of the variation, from the journal as far as it goes."""
+    """All models of every robot of the variation, from the cache as far as it goes."""
     units = varied_robots(robot_file, variation, preset)
-    found = computed(units, VariedModels, executor, journal, f"varying {variation.key}")
+    found = computed(units, VariedModels, executor, f"varying {variation.key}")
     curves: dict[Objective, VariedCurves] = {}
     for number, objective in enumerate(OBJECTIVES):
         robots = found[number * len(variation.values) :][: len(variation.values)]

@@ -2,13 +2,13 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cache
 
 import numpy as np
 
 from lumped.arrays import Array
 from lumped.errors import naming
 from lumped.mechanism.mechanism import Posture
+from lumped.memo import memo
 from lumped.robot_file import RobotFile, load_robot
 from lumped.robot_file.variation import Variation, told, variations_of, varied
 from validation.adequacy.compared import (
@@ -27,7 +27,7 @@ _MICROMETRES = 1e9
 
 @dataclass(frozen=True, eq=False)
 class VariedModels:
-    """What all models say of one robot: plain arrays, as a journal keeps them.
+    """What all models say of one robot: plain arrays, as the cache keeps them.
 
     Of c curves their `names`, in the `pose` in the middle of the path `values` (c×k, SI) and
     `differences` (c×k) from curve number `against`; over the path the `extremes` (c; largest
@@ -121,7 +121,7 @@ def varied_robots(
     )
 
 
-@cache
+@memo(3)
 def _shared(preset: Preset) -> Context:
     """A memo for all robots of a process: most of their bodies are the same."""
     return Context(load_robot(BUILT_IN), preset)

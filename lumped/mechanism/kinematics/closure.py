@@ -8,7 +8,7 @@ weighed likewise.
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -18,6 +18,7 @@ from lumped.mechanism.body import Frame
 from lumped.mechanism.free_twists import turned_since_reference
 from lumped.mechanism.kinematics.constraints import axes_of_drive, constraints, coordinates
 from lumped.mechanism.mechanism import GROUND, MOVES, Mechanism, Posture
+from lumped.memo import memo
 from lumped.screws import skew
 
 # Angle (rad) below which θ²/720 of the series that follows is lost in rounding.
@@ -223,7 +224,7 @@ class Closure:
         return arm
 
 
-@lru_cache(maxsize=16)
+@memo(16)
 def closure_of(mechanism: Mechanism) -> Closure:
     """The closure of a mechanism, kept while it is asked for again and again."""
     return Closure(mechanism)

@@ -11,7 +11,6 @@ from lumped.errors import InputError
 from lumped.files import require_ordinary
 from lumped.mechanism.part import METRES
 from meshes.gmsh_arrays import connectivity, numbered
-from meshes.own_process import Crashed, in_own_process
 from meshes.part.boundary import Facets, PartMesh
 from meshes.part.faces import Face, face_of
 from meshes.part.reading.cad import (
@@ -24,6 +23,7 @@ from meshes.part.reading.cad import (
 )
 from meshes.part.reading.given_mesh import MESHES, read_mesh
 from meshes.part.reading.units import describe
+from meshes.processes import Crashed, in_own_process
 
 # Sides of a full circle and pieces along the part of the surface that faces are recognised on.
 _SIDES, _PIECES = 24.0, 25.0

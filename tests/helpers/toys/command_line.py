@@ -2,20 +2,22 @@
 
 python command_line.py FUNCTION_OF_TOY_CATALOGUE [ARGUMENTS OF FLEXPROOF]
 
-With SLOW_STEPS in the environment every renaming in a run's folder takes that many seconds.
+With SLOW_STEPS in the environment every file is renamed or removed after that many seconds.
 """
 
 import os
 import sys
 import time
+from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 
 def main() -> int:
     import toy_catalogue  # noqa: PLC0415  the workers import this file too, and need none of it
 
     from validation.cli import main as flexproof  # noqa: PLC0415
-    from validation.results import provenance  # noqa: PLC0415
+    from validation.run import provenance  # noqa: PLC0415
 
     replacement = ModuleType("validation.catalogue")
     replacement.catalogue = getattr(toy_catalogue, sys.argv[1])  # type: ignore[attr-defined]
@@ -28,15 +30,14 @@ def main() -> int:
 
 
 def slow_down(seconds: float) -> None:
-    from validation.store.tree import Tree  # noqa: PLC0415
+    for name in ("rename", "unlink"):
+        step = getattr(Path, name)
 
-    move = Tree.move
+        def slowly(*arguments: Any, step: Any = step, **named: Any) -> Any:
+            time.sleep(seconds)
+            return step(*arguments, **named)
 
-    def slowly(*arguments: object) -> None:
-        time.sleep(seconds)
-        move(*arguments)  # type: ignore[arg-type]
-
-    Tree.move = slowly  # type: ignore[method-assign]
+        setattr(Path, name, slowly)
 
 
 if __name__ == "__main__":

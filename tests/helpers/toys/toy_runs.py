@@ -9,7 +9,7 @@ from pathlib import Path
 
 from validation.context import Context
 from validation.results.tasks import plain
-from validation.run.worker import execute
+from validation.session.worker import execute
 
 HERE = Path(__file__).parent
 ENVIRONMENT = os.environ | {
@@ -48,6 +48,18 @@ def wait_for(condition):
     while not condition():
         assert time.monotonic() - begun < PATIENCE
         time.sleep(0.02)
+
+
+def partial(path):
+    """Where a run is written that is not whole yet."""
+    return path.with_name(f"{path.name}.partial")
+
+
+def lines(path):
+    """The lines of what a run has finished, in its folder or where it is written."""
+    files = [folder / "results.jsonl" for folder in (partial(path), path)]
+    file = next((file for file in files if file.exists()), None)
+    return file.read_bytes().splitlines() if file else []
 
 
 def run_here(job, tasks, *, keep, observer, **_):

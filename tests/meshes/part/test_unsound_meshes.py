@@ -5,11 +5,11 @@ import pytest
 
 from lumped.errors import ComputationError, InputError
 from lumped.mechanism.part import ByPlane, PartInterface
-from meshes.own_process import Crashed
 from meshes.part import volume
 from meshes.part.interfaces import find_interfaces
 from meshes.part.reading.cad import cad_model, naming_the_place
 from meshes.part.reading.read import read_part
+from meshes.processes import Crashed
 
 
 @pytest.fixture(scope="module")

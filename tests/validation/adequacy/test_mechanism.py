@@ -30,7 +30,7 @@ from validation.context import Context
 from validation.models.legs import leg_compliance, leg_matrices
 from validation.models.mechanism import answers, constant_legs
 from validation.models.options import ModelOptions
-from validation.run.session import Request, validate
+from validation.session.validate import Request, validate
 
 BEAMS = ("beam", "segments")
 # Of the legs of the five-bar.

@@ -25,9 +25,9 @@ from validation.adequacy.robot import robot_adequacy
 from validation.cases.mechanism import parts as mechanism_parts
 from validation.context import Context
 from validation.models import parts
-from validation.parts import kept, meshes
+from validation.parts import meshes
 from validation.results.outcome import judge
-from validation.run.parts_ahead import prepare_parts
+from validation.session.parts_ahead import prepare_parts
 
 
 @pytest.fixture(scope="module")
@@ -97,7 +97,7 @@ def test_what_the_file_says_of_the_faces_is_not_open(robot_file):
 
 def test_the_page_says_what_the_reduction_kept_and_what_that_leaves(robot_file, monkeypatch):
     monkeypatch.setattr(parts, "UNKNOWNS", 4000)
-    monkeypatch.setattr(kept, "_in_memory", {})
+    forget()
     postures = path_postures(Context(robot_file, "quick"))
     (note,) = reduction_note(postures, 8, {"arm": "rigid"}, 4)
     (arm,) = solid_parts(postures, 8, {"arm": "rigid"}).values()
@@ -147,17 +147,18 @@ def test_parts_are_made_ahead_on_other_machines_and_never_again(robot_file, tmp_
         """Another machine: a cache of its own, and no file but what is sent."""
         with pytest.MonkeyPatch.context() as there:
             there.setenv("XDG_CACHE_HOME", str(tmp_path / "there"))
-            there.setattr(kept, "_in_memory", {})
+            forget()
             sent = [pickle.loads(pickle.dumps(one)) for one in work]  # noqa: S301  our own
             portions.append([one.body.name for one in sent])
             found = [one() for one in sent]
+            forget()
         yield from enumerate(found)
 
     prepare_parts(context, elsewhere, carried=True)
     # What it is; then the finest mesh held in both ways, the two coarser ones, and the coarsest
     # with its interfaces free.
     assert portions == [["arm"], ["arm"] * 5]
-    monkeypatch.setattr(kept, "_in_memory", {})
+    forget()
     monkeypatch.setattr(meshes, "volume_mesh", lambda *_: pytest.fail("meshed again"))
     for one in ("reduction", "free_interface"):
         monkeypatch.setattr(parts, one, lambda *_: pytest.fail("reduced again"))

@@ -16,8 +16,7 @@ from lumped.audit.finding import Finding
 from lumped.robot_file import load_robot
 from validation import cli
 from validation.report.listing import audit_text
-from validation.run import runner
-from validation.store.tree import Tree
+from validation.session import runner
 
 ROOT = Path(__file__).parents[3]
 HEAVY = ("gmsh", "pyvista", "vtk", "skfem", "matplotlib", "scipy", "numpy", "jinja2")
@@ -174,19 +173,17 @@ def test_wrong_input_ends_with_2_and_one_line(
 def test_a_full_disk_ends_with_3_and_says_how_to_go_on(
     with_catalogue, tmp_path, monkeypatch, capsys
 ):
-    written = Tree.write
-
-    def full(tree, name, *rest):
-        if "toy." in name:
+    def full(descriptor):
+        if os.readlink(f"/proc/self/fd/{descriptor}").endswith("results.jsonl"):  # noqa: PTH115
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-        written(tree, name, *rest)
 
     with_catalogue(toys.sound)
-    monkeypatch.setattr(Tree, "write", full)
-    assert cli.main(["run", "--out", str(tmp_path)]) == 3
+    monkeypatch.setattr(os, "fsync", full)
+    out = tmp_path / "run"
+    assert cli.main(["run", "--out", str(out)]) == 3
     printed = capsys.readouterr().err
     assert "No space left" in printed
-    assert f"flexproof run ifw --preset standard --out {tmp_path} --resume" in printed
+    assert f"flexproof run ifw --preset standard --out {out} --resume" in printed
 
 
 def test_help_imports_nothing_heavy():
@@ -257,9 +254,9 @@ def test_a_fault_of_the_program_is_no_disagreement(with_catalogue, tmp_path, mon
         raise RuntimeError("no template")
 
     with_catalogue(toys.sound)
-    monkeypatch.setattr("validation.run.session.render", broken)
-    assert cli.main(["run", "--only", "toy.agrees", "--out", str(tmp_path)]) == 3
+    monkeypatch.setattr("validation.session.validate.render", broken)
+    assert cli.main(["run", "--only", "toy.agrees", "--out", str(tmp_path / "run")]) == 3
     printed = capsys.readouterr().err
     assert "no template" in printed
     assert printed.splitlines()[-1].startswith("flexproof: this is a fault of flexproof itself")
-    assert (tmp_path / "results.json").exists()
+    assert (tmp_path / "run.partial" / "results.json").exists()

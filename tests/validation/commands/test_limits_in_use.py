@@ -22,8 +22,8 @@ from validation.adequacy.judgement import judged
 from validation.adequacy.matrix import Assessment
 from validation.case import Measurement
 from validation.results.tasks import plain
-from validation.run import session
-from validation.run.worker import execute
+from validation.session import validate as session
+from validation.session.worker import execute
 
 pytest_plugins = ["pytester"]
 BELOW, ABOVE = 0.99, 1.01
@@ -257,7 +257,7 @@ def run(monkeypatch, tmp_path):
             gathered.add(plain(execute(task, context)))
 
     def published(gathered, folder, *_):
-        folder.write("results.json", gathered.as_json())
+        folder.write({"results.json": gathered.as_json()})
 
     def run_of(*options, tasks):
         monkeypatch.setattr(catalogue, "catalogue", lambda _: tasks)

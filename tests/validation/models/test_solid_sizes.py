@@ -26,7 +26,7 @@ from validation.catalogue import catalogue
 from validation.context import Context
 from validation.models.options import ModelOptions
 from validation.report.figures.mechanism import pairs
-from validation.run.session import Request, validate
+from validation.session.validate import Request, validate
 from validation.solids import size
 from validation.solids.size import (
     LARGEST,

@@ -7,10 +7,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from forgetting import forget
 
 from validation import cli
 from validation.parts import identify as identifying
-from validation.parts import kept
+from validation.run.cache import kept
 
 ROCKER = Path(__file__).resolve().parents[3] / "examples" / "rocker" / "rocker.step"
 BORES = [
@@ -30,7 +31,7 @@ def asked(bores, *more, material=STEEL) -> list[str]:
 def cache(tmp_path, monkeypatch):
     monkeypatch.delenv("FLEXPROOF_CACHE", raising=False)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
-    return tmp_path / "cache" / "flexproof" / "parts"
+    return tmp_path / "cache" / "flexproof"
 
 
 @pytest.mark.exhaustive
@@ -51,15 +52,15 @@ def test_three_interfaces_in_numbers_and_from_the_cache(capsys, cache, monkeypat
 
     # A second time nothing is meshed; a damaged file is as good as none.
     (file,) = (one for one in cache.glob("*.npz") if b"compliance_bracket" in one.read_bytes())
-    monkeypatch.setattr(kept, "_in_memory", {})
+    forget()
     monkeypatch.setattr(identifying, "_computed", lambda *_: pytest.fail("computed again"))
     assert cli.main(asked(BORES, *few)) == 0
     assert json.loads(capsys.readouterr().out) == found
     damaged = bytearray(file.read_bytes())
     damaged[-40] ^= 1
     file.write_bytes(damaged)
-    monkeypatch.setattr(kept, "_in_memory", {})
-    assert kept.kept(file.stem, lambda: {"anew": np.ones(1)})["anew"] == 1.0
+    forget()
+    assert kept(file.stem, lambda: {"anew": np.ones(1)})["anew"] == 1.0
 
 
 @pytest.mark.usefixtures("cache")

@@ -17,8 +17,8 @@ from validation.results.comparison_text import as_text, table
 from validation.results.drift import drift, drifts, with_drift
 from validation.results.outcome import Result, judge
 from validation.results.records import CaseRecord, RunRecord, case_record, load_run
-from validation.run.gathered import Results
-from validation.run.summary import changes
+from validation.session.gathered import Results
+from validation.session.summary import changes
 
 STEADY = CaseRecord(
     id="steady", verdict="agree", value=1.0, reference=1.0, tolerance=0.1, seconds=1.0

@@ -18,8 +18,8 @@ from validation.context import Context
 from validation.models.mechanism import answers
 from validation.results import comparison_text
 from validation.results.compare import as_dict, compare
-from validation.results.provenance import header
 from validation.results.records import CaseRecord, RunRecord, parse_run, run_record
+from validation.run.provenance import header
 
 WALLS = """
 schema = 1

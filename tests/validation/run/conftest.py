@@ -1,6 +1,6 @@
 import pytest
 
-from validation.results import provenance
+from validation.run import provenance
 
 
 @pytest.fixture(autouse=True, scope="module")

@@ -14,19 +14,20 @@ import toy_catalogue as toys
 from toy_runs import numbers, run_here
 
 from lumped.robot_file import load_robot
-from validation.run import runner
-from validation.run.session import Request, validate
+from validation.run.files import read_regular
+from validation.session import runner
+from validation.session.validate import Request, validate
 
 # What `flexproof test` tries of it, and -m exhaustive besides.
-FEW, COUNT = 16, 100
+FEW, COUNT = 16, 60
 ODD = (
     *("", "[]", "5", "{}", "null", "\x00", "[" * 50_000),
-    *('{"flexproof": "record"}', '{"run": 5}', '{"schema": 1, "run": [], "cases": {}}'),
+    *('{"seal": "', '{"run": 5}', '{"schema": 1, "run": [], "cases": {}}'),
     '{"id": "toy.agrees", "verdict": "agree"}',
 )
 PLACES = (
     *("records/other.json", "figures/thesis.png", "notes.json"),
-    *("export/precious.dat", "sweeps/0.npz", ".results.json.tmp"),
+    *("export/precious.dat", ".earlier/precious", ".results.json.tmp"),
 )
 
 
@@ -54,11 +55,9 @@ class Vandal:
         elsewhere.mkdir()
 
     def file(self, pattern="*"):
-        """A file of the run; of run.json and its manifest only the first is ever damaged."""
+        """A file of the run."""
         files = sorted(
-            file
-            for file in self.path.rglob(pattern)
-            if file.is_file() and not file.is_symlink() and file.name != ".manifest"
+            file for file in self.path.rglob(pattern) if file.is_file() and not file.is_symlink()
         )
         return self.chance.choice(files)
 
@@ -77,13 +76,13 @@ class Vandal:
         file = self.file()
         os.truncate(file, self.chance.randrange(file.stat().st_size + 1))
 
-    def exchanges_records(self):
-        one, two = self.file("records/*"), self.file("records/*")
+    def exchanges_files(self):
+        one, two = self.file(), self.file()
         first, second = one.read_bytes(), two.read_bytes()
         one.write_bytes(second), two.write_bytes(first)
 
     def edits_a_number(self):
-        file = self.file("records/*")
+        file = self.file("*.json*")
         file.write_text(file.read_text().replace("0.33333", "12345.0").replace("1.84", "1.0"))
 
     def leaves_odd_json(self):
@@ -104,7 +103,7 @@ class Vandal:
         file.hardlink_to(target) if self.chance.random() < 0.3 else file.symlink_to(target)
 
     def links_a_folder(self):
-        name = self.chance.choice(["records", "figures", "sweeps", "export"])
+        name = self.chance.choice(["figures", "export"])
         target = self.elsewhere / f"{self.chance.random()}"
         if (self.path / name).exists():
             (self.path / name).rename(target)
@@ -128,31 +127,30 @@ class Vandal:
         self.file().unlink()
 
     def removes_a_folder(self):
-        shutil.rmtree(self.path / self.chance.choice(["records", "figures"]), ignore_errors=True)
+        shutil.rmtree(self.path / "figures", ignore_errors=True)
 
-    def loses_the_manifest(self):
-        (self.path / ".manifest").unlink(missing_ok=True)
+    def repeats_a_line(self):
+        file = self.file("*.jsonl")
+        lines = file.read_bytes().splitlines(keepends=True)
+        file.write_bytes(b"".join(self.chance.choices(lines, k=len(lines))) if lines else b"")
 
     def strikes(self):
         """Damage of one to three kinds; one of the two marks of the folder always remains."""
         kinds = [name for name in vars(Vandal) if name.partition("_")[0] in VERBS]
         done = self.chance.choices(kinds, k=self.chance.randint(1, 3))
-        mark = (self.path / "run.json").read_bytes()
+        mark, records = (self.path / name for name in ("run.json", "results.jsonl"))
+        sound = mark.read_bytes()
         for kind in done:
             getattr(self, kind)()
-        if "loses_the_manifest" in done:
-            run = self.path / "run.json"
-            if run.is_dir():
-                run.rename(run.with_name("a folder of mine"))
-            if not run.is_symlink() and run.is_file() and run.read_bytes() in self.foreign:
-                run.rename(run.with_name("a file of mine"))
-            run.unlink(missing_ok=True)
-            run.write_bytes(mark)
+        if read_regular(mark) != sound and b'", "started"' not in (read_regular(records) or b""):
+            if os.path.lexists(mark):
+                mark.rename(mark.with_name("mine"))
+            mark.write_bytes(sound)
         return done
 
 
 VERBS = {"flips", "cuts", "exchanges", "edits", "leaves", "adds", "puts", "links", "removes",
-         "loses"}  # fmt: skip
+         "repeats"}  # fmt: skip
 
 
 def all_bytes(*folders):

@@ -11,7 +11,16 @@ import subprocess
 import time
 
 import pytest
-from toy_runs import ENVIRONMENT, PATIENCE, command, completed, started, wait_for
+from toy_runs import (
+    ENVIRONMENT,
+    PATIENCE,
+    command,
+    completed,
+    lines,
+    partial,
+    started,
+    wait_for,
+)
 
 
 def results(path):
@@ -49,26 +58,32 @@ def test_a_run_killed_four_times_goes_on_to_the_same_results(undisturbed, tmp_pa
     path = tmp_path / "run"
     asked = ("run", "--preset", "quick", "--out", path, "--jobs", "2")
     moments = random.Random(seed)  # noqa: S311  any moments will do
-    kept = {}
+    kept = []
     for _ in range(4):
         run = started(command("real", *asked, *resumed(path)))
         time.sleep(moments.uniform(0.0, duration))
         os.killpg(run.pid, signal.SIGKILL)
         run.communicate()
-        now = {entry.name: entry.read_bytes() for entry in (path / "records").glob("*.json")}
         # What was finished was not computed again: the times in it are the same.
-        assert now | kept == now
-        kept = now
+        assert lines(path)[: len(kept)] == kept
+        kept = whole(lines(path))
     done = completed("real", *asked, *resumed(path))
     assert done.returncode == 0, done.stderr
     assert results(path) == expected
-    assert all((path / "records" / name).read_bytes() == kept[name] for name in kept)
+    assert lines(path)[: len(kept)] == kept
     assert not list(path.rglob(".*.tmp"))
+    assert [entry.name for entry in tmp_path.iterdir()] == ["run"]
+
+
+def whole(records):
+    """Without a last line that a kill cut off."""
+    return [record for record in records if record.endswith(b"}}")]
 
 
 def resumed(path):
-    """Killed before it had even a folder, a run has nothing to go on with."""
-    return ["--resume"] if path.exists() else []
+    """Killed before it had even said what it is, a run has nothing to go on with."""
+    begun = path.exists() or (partial(path) / "run.json").exists()
+    return ["--resume"] if begun else []
 
 
 @pytest.mark.exhaustive
@@ -89,7 +104,7 @@ def test_under_nohup_a_hang_up_changes_nothing(undisturbed, tmp_path):
     path = tmp_path / "run"
     asked = command("real", "run", "--preset", "quick", "--out", path, "--jobs", "2")
     run = started(["nohup", *asked])
-    wait_for(lambda: list((path / "records").glob("*.json")))
+    wait_for(lambda: lines(path))
     # As the terminal does when it is closed: to all processes in front, workers included.
     os.killpg(run.pid, signal.SIGHUP)
     _, said = run.communicate()
@@ -104,7 +119,7 @@ def endless(tmp_path):
     before = signal.signal(signal.SIGHUP, signal.SIG_DFL)
     run = started(command("endless", "run", "--out", tmp_path / "run"))
     signal.signal(signal.SIGHUP, before)
-    wait_for(lambda: list((tmp_path / "run" / "records").glob("*.json")))
+    wait_for(lambda: lines(tmp_path / "run"))
     return run
 
 
@@ -117,7 +132,7 @@ def test_a_hang_up_without_nohup_ends_the_run_as_ctrl_c_does(endless, tmp_path):
     _, said = endless.communicate(timeout=PATIENCE)
     assert endless.returncode == 3
     assert "go on with: flexproof run ifw" in said
-    cases = json.loads((tmp_path / "run" / "results.json").read_text())["cases"]
+    cases = json.loads((tmp_path / "run.partial" / "results.json").read_text())["cases"]
     # The worker left it to the run: nothing has failed.
     assert [case["verdict"] for case in cases] == ["agree"]
 
@@ -134,7 +149,7 @@ def test_ctrl_c_on_a_terminal_ends_the_run(tmp_path):
     if process == 0:
         arguments = command("endless", "run", "--out", tmp_path / "run")
         os.execve(arguments[0], arguments, ENVIRONMENT | {"TERM": "xterm"})  # noqa: S606
-    screen = read_until(terminal, lambda: list((tmp_path / "run" / "records").glob("*.json")))
+    screen = read_until(terminal, lambda: lines(tmp_path / "run"))
     os.write(terminal, b"\x03")
     screen += read_until(terminal, lambda: False)
     os.close(terminal)
@@ -144,7 +159,10 @@ def test_ctrl_c_on_a_terminal_ends_the_run(tmp_path):
     assert "interrupted" in screen
     assert "--resume" in screen
     assert "Traceback" not in screen
-    assert json.loads((tmp_path / "run" / "results.json").read_text())["run"]["unfinished"] == 1
+    assert (
+        json.loads((tmp_path / "run.partial" / "results.json").read_text())["run"]["unfinished"]
+        == 1
+    )
 
 
 @pytest.mark.exhaustive
@@ -163,9 +181,8 @@ def test_a_full_disk_ends_with_a_clear_message_and_keeps_what_was_done(tmp_path)
         assert "No space left on device; what was finished before is kept" in done.stderr
         assert "go on with: flexproof run ifw" in done.stderr
         assert len(done.stderr.splitlines()) == 2
-        kept = list((disk / "run" / "records").glob("*.json"))
-        assert kept
-        cases = json.loads((disk / "run" / "results.json").read_text())["cases"]
+        assert lines(disk / "run")
+        cases = json.loads((disk / "run.partial" / "results.json").read_text())["cases"]
         assert {case["verdict"] for case in cases} == {"agree"}
         larger = [mount, "-o", "remount,size=8m", str(disk)]
         subprocess.run(larger, check=True)

@@ -9,17 +9,17 @@ from xml.etree import ElementTree as ET
 
 import pytest
 import toy_catalogue as toys
-from toy_runs import numbers, run_here
+from toy_runs import lines, numbers, partial, run_here
 
 from lumped.errors import ComputationError, InputError
 from lumped.robot_file import load_robot
 from validation.results.junit import junit_xml
 from validation.results.outcome import Outcome, Result
-from validation.run import runner
-from validation.run.progress import Progress, Quiet
-from validation.run.session import Request, validate
-from validation.run.worker import Job
-from validation.store.opening import open_folder
+from validation.run.opening import open_folder
+from validation.session import runner
+from validation.session.progress import Progress, Quiet
+from validation.session.validate import Request, validate
+from validation.session.worker import Job
 
 
 @pytest.fixture(scope="module")
@@ -33,13 +33,13 @@ def asked(robot_file, out, jobs=2, **changes):
 
 @pytest.fixture(scope="module")
 def sound_run(robot_file, tmp_path_factory):
-    path = tmp_path_factory.mktemp("sound")
+    path = tmp_path_factory.mktemp("sound") / "run"
     return validate(asked(robot_file, path), toys.sound), path
 
 
 @pytest.fixture(scope="module")
 def troubled_run(robot_file, tmp_path_factory):
-    path = tmp_path_factory.mktemp("troubled")
+    path = tmp_path_factory.mktemp("troubled") / "run"
     return validate(asked(robot_file, path), toys.troubled), path
 
 
@@ -55,9 +55,9 @@ def test_a_sound_run_leaves_everything_in_its_folder(sound_run):
         "figures",
         "junit.xml",
         "log.txt",
-        "records",
         "report.html",
         "results.json",
+        "results.jsonl",
         "run.json",
     }
     assert {entry.name for entry in (path / "figures").iterdir()} == {
@@ -107,21 +107,24 @@ def test_junit_tells_disagreement_failure_and_skip(troubled_run):
 
 
 def test_an_interrupted_run_keeps_what_was_finished_and_goes_on(robot_file, tmp_path):
+    out = tmp_path / "run"
+
     def interrupt_when_one_is_finished():
-        while not list((tmp_path / "records").glob("*.json")):
+        while not lines(out):
             time.sleep(0.01)
         os.kill(os.getpid(), signal.SIGINT)
 
     threading.Thread(target=interrupt_when_one_is_finished).start()
     before = signal.getsignal(signal.SIGINT)
-    gathered = validate(asked(robot_file, tmp_path, 1), toys.endless)
+    gathered = validate(asked(robot_file, out, 1), toys.endless)
     assert signal.getsignal(signal.SIGINT) is before
     assert gathered.exit_code() == 3
     assert list(gathered.done) == ["toy.agrees"]
     assert gathered.unfinished == 1
-    cases = json.loads((tmp_path / "results.json").read_text())["cases"]
+    assert gathered.path == partial(out)
+    cases = json.loads((gathered.path / "results.json").read_text())["cases"]
     assert [entry["id"] for entry in cases] == ["toy.agrees"]
-    assert "1 not computed" in (tmp_path / "report.html").read_text()
+    assert "1 not computed" in (gathered.path / "report.html").read_text()
 
 
 def test_a_resumed_run_computes_only_what_is_missing(robot_file, troubled_run, capfd):
@@ -137,10 +140,11 @@ def test_a_resumed_run_computes_only_what_is_missing(robot_file, troubled_run, c
     assert again.exit_code() == 3
 
 
-def test_workers_that_cannot_start_end_the_run(robot_file, tmp_path):
+def test_workers_that_cannot_start_end_the_run(robot_file, tmp_path, monkeypatch):
+    monkeypatch.setenv("TOY_PARENT", str(os.getpid()))
     with pytest.raises(ComputationError, match="before it began"):
-        validate(asked(robot_file, tmp_path), toys.unloadable)
-    assert "only workers come here" in (tmp_path / "log.txt").read_text()
+        validate(asked(robot_file, tmp_path / "run"), toys.unloadable)
+    assert "only workers come here" in (tmp_path / "run.partial" / "log.txt").read_text()
 
 
 def test_a_library_that_is_refused_memory_fails_the_case_with_its_reason(robot_file, tmp_path):
@@ -160,14 +164,14 @@ def test_a_record_whose_verdict_its_numbers_do_not_bear_out_is_computed_again(
 ):
     monkeypatch.setattr(runner, "run", run_here)
     validate(asked(robot_file, tmp_path, only="toy.agrees"), toys.disagreeing)
-    (name,) = (tmp_path / "records").iterdir()
     # Whoever knows how a record is sealed: the value is far off, the verdict left at agree.
     mark = json.loads((tmp_path / "run.json").read_text())
     with open_folder(tmp_path, mark, "resumed") as folder:
-        record = folder.record("toy.agrees")
+        record = folder.records["toy.agrees"]
         record["found"]["value"] = 12345.0
-        folder.keep(record)
-    assert "12345.0" in name.read_text()
+        folder.keep(record, 1.0)
+        folder.complete = True
+    assert b"12345.0" in lines(tmp_path)[-1]
     again = validate(
         asked(robot_file, tmp_path, only="toy.agrees", start="resumed"), toys.disagreeing
     )

@@ -8,7 +8,7 @@ from fem.calculix.run import CalculixMissing
 from lumped.errors import ComputationError
 from lumped.robot_file import load_robot
 from validation import cli
-from validation.results import provenance
+from validation.run import provenance
 from validation.selftest import beams, record, robots, solids
 from validation.selftest.benchmark import Benchmark, KnownNumber
 

@@ -11,12 +11,10 @@ import pytest
 
 from fem.bodies.solid import coupled_leg, solid_leg, solid_mesh
 from fem.solvers.cholesky import analyse
-from lumped.errors import ComputationError, InputError
 from lumped.legs import ConstantLeg, Material
-from lumped.robot_file import load_robot, write_template
+from lumped.robot_file import write_template
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Tube
 from validation import cli
-from validation.run.waiting import in_a_process
 from validation.solve.cost import solid_cost
 
 ROOT = Path(__file__).parents[3]
@@ -78,15 +76,6 @@ def test_a_wall_as_thin_as_paper_is_refused_with_the_estimate(robot, capsys):
     robot.write_text(thin, encoding="utf-8")
     assert cli.main(["solve", str(robot), "--model", "solid"]) == 2
     assert "--divisions 4: about" in capsys.readouterr().err
-
-
-def test_a_computation_elsewhere_answers_fails_or_dies():
-    assert in_a_process(abs, -3.0, "the size of a number") == 3.0
-    with pytest.raises(InputError, match="no such file"):
-        in_a_process(load_robot, "/no/such/robot.toml", "reading a file")
-    # As a library does that is refused memory.
-    with pytest.raises(ComputationError, match="ended with code 1 and no answer"):
-        in_a_process(os._exit, 1, "leaving")
 
 
 def test_ctrl_c_ends_a_long_solve_at_once(robot):

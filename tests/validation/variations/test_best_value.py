@@ -8,15 +8,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from forgetting import forget
 from scipy.optimize import brentq
 
 from lumped.robot_file import load_robot
 from lumped.robot_file.variation import variations_of
 from validation.case import Skip
 from validation.context import Context
+from validation.run.executor import on_cores
 from validation.solids.size import LARGEST
-from validation.sweeps.cores import on_cores
-from validation.sweeps.journal import Journal
 from validation.variations.cases import cases_over
 from validation.variations.curves import decision_of, variation_study
 from validation.variations.decision import Decision
@@ -71,7 +71,7 @@ def stout(tmp_path_factory):
 def found(tmp_path_factory):
     bar = written(tmp_path_factory.mktemp("bar"), 0.03)
     (variation,) = variations_of(bar, [VARY])
-    return variation_study(bar, variation, "quick", Journal())
+    return variation_study(bar, variation, "quick")
 
 
 def bending(height):
@@ -131,7 +131,7 @@ def test_the_stiffest_is_the_tallest_and_rigid_bars_are_all_alike(found):
     assert np.isnan(decision.correlation("simplified")[0])
 
 
-def test_what_the_file_relies_on_is_judged(stout, tmp_path):
+def test_what_the_file_relies_on_is_judged(stout):
     variations = variations_of(stout, ["tool.mass=2:4:3"])
     ids = {case.id for case in cases_over(stout, variations)}
     assert "decision.frequency.loss.beam[tool.mass]" in ids
@@ -144,7 +144,7 @@ def test_what_the_file_relies_on_is_judged(stout, tmp_path):
         for what in ("loss", "order")
     ]
     # 4.0 kg are slower than 2.0 kg, which both know.
-    context = Context(relied, "quick", {"sweeps": str(tmp_path)})
+    context = Context(relied, "quick")
     loss = cases["decision.frequency.loss.simplified[tool.mass]"].measure(context)
     assert (loss.value, loss.reference_uncertainty) == (0.0, 0.0)
     # No mass changes a deflection: nothing is to choose, and there is no order.
@@ -167,12 +167,16 @@ def test_a_value_without_a_reference_is_told(stout, monkeypatch):
         case.measure(Context(stout, "quick"))
 
 
-def test_units_are_sent_kept_and_taken_up_with_all_their_digits(stout, tmp_path):
+def test_units_are_sent_kept_and_taken_up_with_all_their_digits(stout, tmp_path, monkeypatch):
     (variation,) = variations_of(stout, ["tool.mass=2:4:2"])
-    here = variation_study(stout, variation, "quick", Journal())
+    monkeypatch.setenv("FLEXPROOF_CACHE", "off")
+    here = variation_study(stout, variation, "quick")
+    monkeypatch.setenv("FLEXPROOF_CACHE", str(tmp_path))
+    forget()
     with on_cores(1) as cores:
-        there = variation_study(stout, variation, "quick", Journal(tmp_path), cores)
-    again = variation_study(stout, variation, "quick", Journal(tmp_path), pytest.fail)
+        there = variation_study(stout, variation, "quick", cores)
+    forget()
+    again = variation_study(stout, variation, "quick", pytest.fail)
     for objective, curves in here.items():
         for other in (there[objective], again[objective]):
             for part in ("models", "references", "uncertainties"):

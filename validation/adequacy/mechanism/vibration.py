@@ -6,7 +6,7 @@ section's mass and rotary inertia.
 """
 
 from collections.abc import Callable, Iterable, Sequence
-from functools import lru_cache, partial
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -16,6 +16,7 @@ from fem.reduction.superelement import held_leg
 from lumped.legs import ConstantLeg, Ends, GivenLeg, Leg, equivalent_leg
 from lumped.mechanism.body_model import BodyModel, LegMatrices
 from lumped.mechanism.mechanism import Posture
+from lumped.memo import memo
 from lumped.system.assembly import assembly
 from validation.adequacy.mechanism.legs import (
     MASSES,
@@ -207,7 +208,7 @@ def solid_vibration(
 
 
 # Robots that differ in one number share most of their legs.
-@lru_cache(maxsize=16)
+@memo(16)
 def _reduced_solid(
     leg: ConstantLeg, number: int, face: int, ends: Ends, highest: float
 ) -> LegMatrices:

@@ -4,14 +4,15 @@ The other processes are copies of this one, which have the outcomes and the libr
 """
 
 import logging
+import os
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from multiprocessing import current_process, get_context
+from multiprocessing import current_process, get_context, parent_process
 from multiprocessing.connection import Connection
+from threading import Thread
 from typing import TypeAlias
 
 from validation.exhibits import Figure
-from validation.sweeps.processes import children_undisturbed, end_with_parent
 
 Draw: TypeAlias = Callable[[], Figure | None]
 _Drawn: TypeAlias = dict[int, Figure | None]
@@ -27,8 +28,7 @@ def drawn_together(draws: Sequence[Draw], processes: int) -> list[Figure | None]
         ours, theirs = context.Pipe(duplex=False)
         share = draws[first::processes]
         process = context.Process(target=_send_drawn, args=(theirs, share), daemon=True)
-        with children_undisturbed():
-            process.start()
+        process.start()
         theirs.close()
         copies.append((first, process, ours))
     found: _Drawn = {
@@ -53,5 +53,14 @@ def attempted(draw: Draw) -> Figure | None:
 
 
 def _send_drawn(connection: Connection, draws: Sequence[Draw]) -> None:
-    end_with_parent()
+    # Ctrl-C is for the process that was begun by hand, which takes its copies along.
+    os.setsid()
+    Thread(target=_end_with_parent, daemon=True).start()
     connection.send([attempted(draw) for draw in draws])
+
+
+def _end_with_parent() -> None:
+    parent = parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)

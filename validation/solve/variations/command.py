@@ -7,11 +7,10 @@ from lumped.errors import InputError
 from lumped.robot_file import RobotFile
 from lumped.robot_file.variation import variations_of
 from validation.console.streams import complain
+from validation.run.cluster import on_cluster
+from validation.run.executor import Executor, in_turn, on_cores
 from validation.solve.question import Asked
 from validation.solve.variations.robots import VariedAnswers, solve_varied
-from validation.sweeps.cluster import on_cluster
-from validation.sweeps.cores import on_cores
-from validation.sweeps.runner import Executor, in_turn
 
 
 @dataclass(frozen=True)

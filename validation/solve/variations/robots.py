@@ -11,10 +11,10 @@ from lumped.errors import naming
 from lumped.robot_file import RobotFile
 from lumped.robot_file.variation import Variation, told, varied
 from validation.drawing.style import csv_of
+from validation.run.executor import Executor
 from validation.solve.answer import Answer, Solution, record_of
 from validation.solve.model_answers import checked, solve
 from validation.solve.question import Asked, Question
-from validation.sweeps.runner import Executor
 
 # What is told of each deflection: µm under 1000 N, µrad under 100 N m.
 _LOADS = 3 * (1000.0,) + 3 * (100.0,)

@@ -5,7 +5,6 @@ another robot, preset, option, library or source.
 """
 
 import hashlib
-import re
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import product
@@ -21,27 +20,52 @@ from forgetting import forget
 
 from lumped.acceptance.measured import Measured, digest
 from lumped.legs import ConstantLeg, Material
+from lumped.memo import fingerprint
 from lumped.robot_file import RobotFile, load_robot
 from lumped.sections import HollowRectangle
 from meshes.part.interfaces import Interface
 from meshes.part.reading.read import PartFile
 from validation import api, pytest_plugin
-from validation.context import PRESETS, fingerprint, memo_key
+from validation.context import PRESETS, memo_key
 from validation.models import parts, stepped_parts
 from validation.models.options import ModelOptions
-from validation.parts import identify, kept, meshes
-from validation.results import provenance
-from validation.run.session import Request
-from validation.store.mark import mark_of
-from validation.sweeps import journal
+from validation.parts import identify, meshes
+from validation.run import provenance
+from validation.run import units as UNITS  # noqa: N812
+from validation.run.cache import key_of
+from validation.run.mark import mark_of
+from validation.run.units import computed
+from validation.session.validate import Request
 from validation.variations.robots import VariedRobot
 
-EXAMPLES = Path(__file__).parents[3] / "examples"
+EXAMPLES = Path(__file__).parents[2] / "examples"
 ROCKER, TAPERED = (EXAMPLES / name / "robot.toml" for name in ("rocker", "tapered-biglide"))
-# What serves messages alone: the name of a leg that is no body of a mechanism.
-NAME_ALONE = re.compile(r"(?<!bodies\[)leg\w*\]?\.name$")
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 LEG = ConstantLeg(0.85, HollowRectangle(0.10, 0.16, 0.008), STEEL)
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What the arrays of a part are asked for with."""
+
+    file: PartFile
+    interfaces: tuple[Interface, ...]
+    material: Material = STEEL
+
+    def key(self, *more: object) -> str:
+        return meshes.part_key(self.file, self.interfaces, self.material, *more)
+
+
+def given(folder: Path | None = None) -> Asked:
+    """Two interfaces of a part, whose file is in the folder, if one is named."""
+    path = (folder or Path()) / "part.step"
+    if folder:
+        path.write_bytes(b"solid")
+    file = PartFile(path, "mm", [1.0, 1.0, 1.0], np.zeros((0, 3)), (), None, None)
+    axis = np.array([0.0, 0.0, 1.0])
+    bore = Interface("A", (1, 2), np.array([0.0, 0.1, 0.2]), "rigid", "a pin", axis, axis, 1.0)
+    plane = Interface("B", (3,), np.array([1.0, 0.0, 0.0]), "average", "", None, None, 2.0)
+    return Asked(file, (bore, plane))
 
 
 def varied(robot: str | Path) -> VariedRobot:
@@ -49,32 +73,39 @@ def varied(robot: str | Path) -> VariedRobot:
 
 
 @pytest.mark.parametrize(
-    "unit",
+    "inputs",
     [
         varied("five-bar"),
         varied("ifw"),
         varied(ROCKER),
         {"legs": LEG, "options": ModelOptions(), "poses": np.eye(3), "at": [0.1, None, True]},
+        given().interfaces,
     ],
-    ids=["five-bar", "ifw", "rocker", "arguments"],
+    ids=["five-bar", "ifw", "rocker", "arguments", "interfaces"],
 )
-def test_everything_in_a_unit_of_work_is_in_its_key(unit, monkeypatch):
-    monkeypatch.setattr(journal, "_sources", lambda: "sources")
-    key_of_unit, keys = journal.key_of(unit), {}
-    for place, changed in changed_leaves(unit):
-        key = journal.key_of(changed)
-        name_alone = NAME_ALONE.search(place) is not None
-        assert (key == key_of_unit) == name_alone, place
-        assert name_alone or keys.setdefault(key, place) == place, (place, keys[key])
+def test_every_field_of_every_input_is_in_its_key(inputs):
+    keys = {key_of(inputs): ""}
+    for place, changed in changed_leaves(inputs):
+        key = key_of(changed)
+        assert key not in keys, (place, keys[key])
+        keys[key] = place
     assert len(keys) > 5
+
+
+def test_alike_legs_share_what_is_remembered_whatever_they_are_called():
+    for changed in (replace(LEG, name="leg2"), replace(LEG, length=0.86)):
+        alike = changed.length == LEG.length
+        assert (memo_key(varied, (LEG,), {}) == memo_key(varied, (changed,), {})) == alike
+        assert key_of(LEG) != key_of(changed)
 
 
 def test_sources_are_in_the_key_of_a_unit(monkeypatch):
     keys = set()
     for sources in "ab":
-        monkeypatch.setattr(journal, "suite_digest", lambda sources=sources: sources)
+        monkeypatch.setattr(UNITS, "suite_digest", lambda sources=sources: sources)
+        monkeypatch.setattr(UNITS, "find", lambda key: keys.add(key) or {"number": np.ones(())})
         forget()
-        keys.add(journal.key_of(varied("five-bar")))
+        computed([varied("five-bar")], SimpleNamespace, pytest.fail, "asking")
     forget()
     assert len(keys) == 2
 
@@ -129,51 +160,33 @@ def test_the_memo_tells_functions_and_how_they_are_called():
 # The keys of parts
 
 
-@dataclass(frozen=True)
-class Asked:
-    """What the arrays of a part are asked for with."""
-
-    content: bytes = b"solid"
-    unit: str = "mm"
-    material: Material = STEEL
-    interfaces: tuple[tuple[Any, ...], ...] = (
-        ("A", (1, 2), (0.0, 0.1, 0.2), "rigid"),
-        ("B", (3,), (1.0, 0.0, 0.0), "average"),
-    )
-
-
 class _AskedForError(Exception):
     pass
 
 
-def given(asked: Asked, folder: Path) -> tuple[PartFile, tuple[Interface, ...], Material]:
-    path = folder / "part.step"
-    path.write_bytes(asked.content)
-    file = PartFile(path, asked.unit, [1.0, 1.0, 1.0], np.zeros((0, 3)), (), None, None)
-    faces = (
-        Interface(name, chosen, np.array(point), coupling, "", None, None, 1.0)
-        for name, chosen, point, coupling in asked.interfaces
-    )
-    return file, tuple(faces), asked.material
-
-
 def test_everything_said_of_a_part_is_in_its_key(tmp_path, monkeypatch):
-    keys = [kept.key_of(*given(Asked(), tmp_path))]
-    changes = [(place, one) for place, one in changed_leaves(Asked()) if "more" not in place]
-    changes.append(("content", replace(Asked(), content=b"Solid")))
-    changes.append(("interfaces", replace(Asked(), interfaces=Asked().interfaces[::-1])))
-    keys += [kept.key_of(*given(one, tmp_path)) for _, one in changes]
-    keys += [kept.key_of(*given(Asked(), tmp_path), *more) for more in ((1,), (2,), ("1",), (1, 2))]
-    for module, name in ((kept, "_EDITION"), (gmsh, "__version__")):
+    asked = given(tmp_path)
+    keys = [asked.key()]
+    for place, one in changed_leaves(asked.interfaces):
+        if "more" not in place:
+            keys.append(replace(asked, interfaces=one).key())
+    keys += [replace(asked, material=one).key() for _, one in changed_leaves(asked.material)]
+    keys.append(replace(asked, interfaces=asked.interfaces[::-1]).key())
+    keys.append(replace(asked, file=replace(asked.file, unit="m")).key())
+    keys += [asked.key(*more) for more in ((1,), (2,), ("1",), (1, 2))]
+    for module, name in ((meshes, "_EDITION"), (gmsh, "__version__")):
         with monkeypatch.context() as patch:
             patch.setattr(module, name, "another")
-            keys.append(kept.key_of(*given(Asked(), tmp_path)))
-    assert len(set(keys)) == len(keys) >= 22
+            keys.append(asked.key())
+    asked.file.path.write_bytes(b"Solid")
+    keys.append(asked.key())
+    assert len(set(keys)) == len(keys) >= 30
 
 
 def asked_of_parts(folder: Path) -> Iterator[tuple[str, Any]]:
     """By name: everything that arrays of a part are kept for, with each of its options changed."""
-    file, interfaces, material = given(Asked(), folder)
+    asked = given(folder)
+    file, interfaces, material = asked.file, asked.interfaces, asked.material
     body = load_robot(ROCKER).mechanism.parts["rocker"]
     yield from {
         "mesh": lambda: meshes.part_mesh(file, interfaces, 1000, 0),

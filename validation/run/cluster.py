@@ -17,8 +17,8 @@ from types import ModuleType
 from typing import Any
 
 from lumped.errors import ComputationError, InputError
-from validation.results.provenance import suite_digest, versions
-from validation.sweeps.runner import Executor, Finished, Work
+from validation.run.executor import Executor, Finished, Work
+from validation.run.provenance import suite_digest, versions
 
 # Seconds: how long to wait for the scheduler's answer, and without workers before that is said.
 _ANSWER = 10.0

@@ -1,18 +1,13 @@
-"""A worker process: computes one case or figure after the other and sends back plain data.
+"""In a process of a run: one case or figure after the other becomes plain data.
 
-Whatever the computations print goes to the run's log, never to the terminal. Ctrl-C does not
-reach a worker (its parent ends it); it ends by itself when its parent is gone.
+Whatever the computations print goes to the run's log, never to the terminal.
 """
 
-import faulthandler
-import os
 import sys
 import traceback
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from multiprocessing.connection import Connection
-from pathlib import Path
 from time import perf_counter
 
 from lumped.errors import ComputationError, InputError
@@ -23,11 +18,12 @@ from validation.context import Context, Preset
 from validation.drawing.text import function_name
 from validation.exhibits import PlannedFigure
 from validation.results.outcome import Result, judge
-from validation.results.tasks import AnyResult, Task, plain
-from validation.sweeps.processes import end_with_parent
+from validation.results.tasks import AnyResult, Record, Task, plain
 
 # What helps where memory ran out.
 REMEDY = "choose a smaller preset or fewer --jobs"
+# The tasks and the context of the job that this process has begun.
+_AT_WORK: list[tuple[Mapping[str, Task], Context]] = []
 
 
 @dataclass(frozen=True)
@@ -44,21 +40,16 @@ class Job:
     options: Mapping[str, str] = field(default_factory=dict)
 
 
-def serve(connection: Connection, job: Job, log: Path) -> None:
-    """Work through the lists of ids that arrive, until None does.
-
-    Sends ("started", (id, size of the log so far in bytes)) and ("finished", record) for each.
-    """
-    _print_to(log)
-    end_with_parent()
+def begin(job: Job) -> None:
+    """Get ready, as a process of a run, to compute its tasks."""
     tasks = {task.id: task for task in job.catalogue(job.robot_file)}
-    context = Context(job.robot_file, job.preset, job.options)
-    with suppress(EOFError, BrokenPipeError):
-        while (identifiers := connection.recv()) is not None:
-            for identifier in identifiers:
-                # Here, not where it is read: what the task prints may be there before.
-                connection.send(("started", (identifier, os.fstat(1).st_size)))
-                connection.send(("finished", plain(execute(tasks[identifier], context))))
+    _AT_WORK.append((tasks, Context(job.robot_file, job.preset, job.options)))
+
+
+def compute(identifier: str) -> Record:
+    """The record of a task of the job that was begun."""
+    tasks, context = _AT_WORK[-1]
+    return plain(execute(tasks[identifier], context))
 
 
 def execute(task: Task, context: Context) -> AnyResult:
@@ -95,10 +86,3 @@ def _explain(identifier: str, error: Exception) -> str:
         traceback.print_exception(error)
         sys.stderr.flush()
     return " ".join(message.split())
-
-
-def _print_to(log: Path) -> None:
-    descriptor = os.open(log, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o644)
-    for stream in (1, 2):
-        os.dup2(descriptor, stream)
-    faulthandler.enable()

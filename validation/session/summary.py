@@ -5,8 +5,8 @@ from shlex import join
 from validation.adequacy.matrix import in_a_line
 from validation.report.listing import outcome_line, summary
 from validation.results.comparison_text import sentence
-from validation.run.gathered import Results
-from validation.run.session import Request
+from validation.session.gathered import Results
+from validation.session.validate import Request
 
 
 def verdicts(gathered: Results) -> list[str]:

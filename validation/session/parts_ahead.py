@@ -2,7 +2,7 @@
 
 Parts do not know of each other, and neither do the meshes of one: each is work of its own for a
 core of this machine or a worker of a cluster. What comes out lies where the comparisons look for
-it (validation.parts.kept), so that these compute nothing of it again.
+it (validation.run.cache), so that these compute nothing of it again.
 """
 
 import tempfile
@@ -21,8 +21,8 @@ from validation.adequacy.mechanism.path import RobotOnPath, robot_on_path
 from validation.context import Context
 from validation.models import parts
 from validation.models.stepped_parts import stepped
-from validation.parts import kept
-from validation.parts.meshes import COARSE, FINEST, MIDDLE
+from validation.parts.meshes import COARSE, FINEST, MIDDLE, part_key
+from validation.run.cache import collected, find, is_kept, keep
 
 Question = Callable[[Body], object]
 # Computes calls in any order; yields the number of a call and its result.
@@ -43,7 +43,7 @@ class PartWork:
 
     def __call__(self) -> dict[str, dict[str, Array]]:
         """Arrays by key, as they are kept; what is impossible is left to who asks for it again."""
-        with self._at_hand() as body, kept.collected() as entries:
+        with self._at_hand() as body, collected() as entries:
             _try(self.ask, body)
             return dict(entries) if self.carried else {}
 
@@ -67,7 +67,7 @@ def prepare_parts(context: Context, executor: Executor, *, carried: bool) -> Non
     """
     mechanism = context.robot_file.mechanism
     bodies = {
-        kept.key_of(*parts.found_in(body), parts.shape_of(body).material): body
+        part_key(*parts.found_in(body), parts.shape_of(body).material): body
         for body in mechanism.parts.values()
     }
     _finish([(body, _as_it_is) for body in bodies.values()], executor, carried=carried)
@@ -109,8 +109,10 @@ def _finish(asked: Sequence[tuple[Body, Question]], executor: Executor, *, carri
     work = [
         PartWork(body, parts.shape_of(body).file.read_bytes() if carried else b"", ask, carried)
         for body, ask in asked
-        if not kept.is_kept(partial(_try, ask, body))
+        if not is_kept(partial(_try, ask, body))
     ]
     if work:
         for _, entries in executor(work):
-            kept.put(entries)
+            for key, arrays in entries.items():
+                if find(key) is None:
+                    keep(key, arrays)

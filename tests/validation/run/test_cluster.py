@@ -29,11 +29,10 @@ from validation.adequacy.mechanism.parts import highest_of_parts
 from validation.adequacy.mechanism.path import offered, path_postures
 from validation.context import Context
 from validation.models import parts
-from validation.run.parts_ahead import prepare_parts
-from validation.store.opening import open_folder
-from validation.sweeps.cluster import on_cluster
-from validation.sweeps.cores import on_cores
-from validation.sweeps.journal import Journal
+from validation.run.cluster import on_cluster
+from validation.run.executor import on_cores
+from validation.run.opening import open_folder
+from validation.session.parts_ahead import prepare_parts
 from validation.variations.curves import variation_study
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -43,13 +42,13 @@ VARY = "bodies.arm.section.width=0.04:0.06:2"
 distributed = pytest.importorskip("distributed", reason="the extra 'cluster' is not installed")
 
 
-def varied(folder, *executor, journal=None):
+def varied(folder, *executor):
     """Curves of an arm of two widths, four units, by what computes them."""
     path = folder / "arm.toml"
     path.write_text(ARM, encoding="utf-8")
     robot = load_robot(path)
     (variation,) = variations_of(robot, [VARY])
-    return variation_study(robot, variation, "quick", journal or Journal(), *executor)
+    return variation_study(robot, variation, "quick", *executor)
 
 
 def require_equal(found, expected):
@@ -171,19 +170,19 @@ def test_what_a_call_raises_arrives_here(cluster):
 def test_an_earlier_run_survives_a_scheduler_that_is_not_there(
     address, said, tmp_path, monkeypatch, capfd
 ):
-    with open_folder(tmp_path, {}, "afresh") as folder:
-        folder.write("results.json", "precious")
+    with open_folder(tmp_path / "run", {}, "afresh") as folder:
+        folder.write({"results.json": "precious"})
         folder.complete = True
-    before = {f: f.read_bytes() for f in tmp_path.rglob("*") if f.name != ".lock" and f.is_file()}
+    before = {f: f.read_bytes() for f in tmp_path.rglob("*") if f.is_file()}
     monkeypatch.chdir(tmp_path)
-    arguments = ["run", "--preset", "quick", "--out", str(tmp_path), "--cluster", address]
+    arguments = ["run", "--preset", "quick", "--out", "run", "--cluster", address]
     arguments += ["--vary", "platform.mass=40:50:2"]
     assert cli.main(arguments) == 2
     printed = capfd.readouterr()
     assert printed.err.startswith("flexproof: --cluster")
     assert said in printed.err
     assert len(printed.err.splitlines()) == 1
-    after = {f: f.read_bytes() for f in tmp_path.rglob("*") if f.name != ".lock" and f.is_file()}
+    after = {f: f.read_bytes() for f in tmp_path.rglob("*") if f.is_file()}
     assert after == before
 
 
@@ -191,7 +190,7 @@ def test_an_earlier_run_survives_a_scheduler_that_is_not_there(
     ("greeting", "said"), [(b"HTTP/1.1 400", "is no Dask scheduler"), (b"", "timed out")]
 )
 def test_something_else_at_the_address(greeting, said, monkeypatch):
-    monkeypatch.setattr("validation.sweeps.cluster._ANSWER", 0.5)
+    monkeypatch.setattr("validation.run.cluster._ANSWER", 0.5)
     with socket.create_server(("127.0.0.1", 0)) as server:
 
         def answer():
@@ -210,7 +209,7 @@ def test_something_else_at_the_address(greeting, said, monkeypatch):
 
 @pytest.mark.exhaustive
 def test_no_worker_is_said_and_the_run_goes_on_when_one_comes(tmp_path, monkeypatch, processes):
-    monkeypatch.setattr("validation.sweeps.cluster._PATIENCE", 1.0)
+    monkeypatch.setattr("validation.run.cluster._PATIENCE", 1.0)
     scheduler, address = started_scheduler(tmp_path)
     processes.append(scheduler)
     said = []
@@ -233,10 +232,12 @@ def test_no_worker_is_said_and_the_run_goes_on_when_one_comes(tmp_path, monkeypa
 
 @pytest.mark.exhaustive
 def test_a_scheduler_that_dies_loses_nothing_that_was_finished(tmp_path, monkeypatch, processes):
-    monkeypatch.setattr("validation.sweeps.cluster._PATIENCE", 1.0)
+    monkeypatch.setattr("validation.run.cluster._PATIENCE", 1.0)
     scheduler, address = started_scheduler(tmp_path)
     processes += [scheduler, started_worker(address, tmp_path, "worker")]
-    kept, finished = tmp_path / "sweeps", []
+    kept, finished = tmp_path / "cache", []
+    monkeypatch.setenv("FLEXPROOF_CACHE", str(kept))
+    forget()
 
     def killing(calls):
         for number, result in executor(calls):
@@ -247,11 +248,14 @@ def test_a_scheduler_that_dies_loses_nothing_that_was_finished(tmp_path, monkeyp
 
     gone = "the scheduler is gone; what was finished is kept"
     with on_cluster(address, silent) as executor, pytest.raises(ComputationError, match=gone):
-        varied(tmp_path, killing, journal=Journal(kept))
+        varied(tmp_path, killing)
     assert len(list(kept.glob("*.npz"))) >= 2
+    forget()
+    resumed = varied(tmp_path)
+    monkeypatch.setenv("FLEXPROOF_CACHE", "off")
+    forget()
     with on_cores(1) as executor:
-        here = varied(tmp_path, executor)
-    require_equal(varied(tmp_path, journal=Journal(kept)), here)
+        require_equal(resumed, varied(tmp_path, executor))
 
 
 @pytest.mark.exhaustive
@@ -315,7 +319,7 @@ def test_parts_are_reduced_by_a_worker_and_nothing_of_them_here(tmp_path, monkey
 
 def test_without_dask_the_message_says_how_to_get_it(monkeypatch):
     monkeypatch.setitem(sys.modules, "distributed", None)
-    monkeypatch.setattr("validation.sweeps.cluster.require_scheduler", silent)
+    monkeypatch.setattr("validation.run.cluster.require_scheduler", silent)
     with (
         pytest.raises(InputError, match=r"Dask is not installed; pip install 'flexproof\[cluster"),
         on_cluster("tcp://127.0.0.1:9", silent),

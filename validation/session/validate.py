@@ -17,23 +17,23 @@ from lumped.robot_file import RobotFile
 from lumped.robot_file.variation import Variation
 from validation.adequacy.matrix import MEASURED
 from validation.console.streams import complain
-from validation.context import SWEEPS_FOLDER, Context, Preset
+from validation.context import Context, Preset
 from validation.paper.errata import paper_findings
 from validation.report.page import Report, render
-from validation.results import provenance
 from validation.results.junit import junit_xml
 from validation.results.records import RunRecord, load_run
 from validation.results.tasks import Record, Task
-from validation.run import progress, runner
-from validation.run.gathered import Results
-from validation.run.worker import Job
+from validation.run import provenance
+from validation.run.cache import some_cache
+from validation.run.folder import RunFolder
+from validation.run.opening import Start, open_folder
 from validation.selftest.record import last as last_selftest
-from validation.store.arrays import cache_folder
-from validation.store.opening import Start, open_folder
-from validation.store.run_folder import RunFolder
+from validation.session import progress, runner
+from validation.session.gathered import Results
+from validation.session.worker import Job
 
 if TYPE_CHECKING:
-    from validation.sweeps.runner import Executor
+    from validation.run.executor import Executor
 
 # How many times as long as results.json takes to write it is left alone.
 _SPARING = 20.0
@@ -97,9 +97,9 @@ def validate(request: Request, catalogue: Catalogue) -> Results:
     with ExitStack() as stack:
         executor = _cluster(request, stack)
         folder = stack.enter_context(open_folder(request.out, header, request.start))
-        sweeps = folder.path / "sweeps"
-        job = Job(catalogue, robot_file, request.preset, {**options, SWEEPS_FOLDER: str(sweeps)})
-        header |= {"seconds": 0.0, "planned": len(tasks)} | folder.begun()
+        stack.enter_context(some_cache())
+        job = Job(catalogue, robot_file, request.preset, options)
+        header |= {"seconds": 0.0, "planned": len(tasks)} | folder.begun
         header |= {"selftest": last_selftest(header)}
         gathered = Results(
             header,
@@ -113,7 +113,7 @@ def validate(request: Request, catalogue: Catalogue) -> Results:
         gathered.remarks = folder.remarks
         if variations and (executor is not None or request.jobs > 1):
             with progress.stage("robots of --vary"):
-                _vary(request, variations, tasks, sweeps, executor)
+                _vary(request, variations, tasks, executor)
         if any(task.id not in gathered.done for task in tasks):
             _prepare(robot_file, request.preset, executor, request.jobs)
         _compute(job, gathered, folder, request.jobs)
@@ -122,7 +122,7 @@ def validate(request: Request, catalogue: Catalogue) -> Results:
         if request.exports and not gathered.unfinished:
             with (
                 progress.stage("exporting meshes, modes and matrices"),
-                folder.replacing("export") as target,
+                folder.exporting() as target,
             ):
                 _export(request, target)
         folder.complete = not gathered.unfinished
@@ -141,8 +141,6 @@ def publish(
 ) -> None:
     """Write junit.xml, figures/ (all that the report shows) and report.html."""
     outcomes = gathered.in_order()
-    folder.write("results.json", gathered.as_json())
-    folder.write("junit.xml", junit_xml(outcomes, f"flexproof {gathered.header['robot']}"))
     report = Report(
         outcomes=tuple(outcomes),
         figures=tuple(gathered.all_figures()),
@@ -157,10 +155,14 @@ def publish(
         no_longer_compared=gathered.no_longer_compared,
         processes=processes,
     )
-    for figure in report.shown:
-        for name, content in figure.files.items():
-            folder.write(f"figures/{name}", content)
-    folder.write("report.html", render(report))
+    figures = {
+        f"figures/{name}": content
+        for figure in report.shown
+        for name, content in figure.files.items()
+    }
+    junit = junit_xml(outcomes, f"flexproof {gathered.header['robot']}")
+    page = {"report.html": render(report)}
+    folder.write({"results.json": gathered.as_json(), "junit.xml": junit, **figures, **page})
 
 
 # What few runs ask for is read where it is asked for: the others begin sooner.
@@ -168,7 +170,7 @@ def _cluster(request: Request, stack: ExitStack) -> "Executor | None":
     """What computes robots and parts elsewhere, as long as the stack stands."""
     if request.cluster is None:
         return None
-    from validation.sweeps.cluster import on_cluster  # noqa: PLC0415
+    from validation.run.cluster import on_cluster  # noqa: PLC0415
 
     return stack.enter_context(on_cluster(request.cluster, _mention))
 
@@ -177,22 +179,20 @@ def _vary(
     request: Request,
     variations: Sequence[Variation],
     tasks: Sequence[Task],
-    sweeps: Path,
     cluster: "Executor | None",
 ) -> None:
     """Solve the robots that differ in one number, as far as their cases and figures are asked.
 
     On the `cluster`, raising what it raises where it is lost, else on cores of this machine.
     """
-    from validation.sweeps.cores import on_cores  # noqa: PLC0415
-    from validation.sweeps.journal import journal_in  # noqa: PLC0415
+    from validation.run.executor import on_cores  # noqa: PLC0415
     from validation.variations.curves import variation_study  # noqa: PLC0415
 
-    groups, journal = {task.group for task in tasks}, journal_in(str(sweeps))
+    groups = {task.group for task in tasks}
     for number, variation in enumerate(variations, start=1):
         if f"vary.{number}" not in groups:
             continue
-        asked = request.robot_file, variation, request.preset, journal
+        asked = request.robot_file, variation, request.preset
         # What is lost here its cases and figures ask for again, and say what is the matter.
         if cluster is not None:
             with suppress(InputError):
@@ -242,14 +242,14 @@ def _prepare(robot_file: RobotFile, preset: Preset, cluster: "Executor | None", 
     if not robot_file.mechanism.parts:
         return
     # Meshes and solvers, of which most runs ask for none.
-    from validation.run.parts_ahead import prepare_parts  # noqa: PLC0415
-    from validation.sweeps.cores import on_cores  # noqa: PLC0415
+    from validation.run.executor import on_cores  # noqa: PLC0415
+    from validation.session.parts_ahead import prepare_parts  # noqa: PLC0415
 
     context = Context(robot_file, preset)
     with progress.stage("meshing and reducing parts"):
         if cluster is not None:
             prepare_parts(context, cluster, carried=True)
-        elif cache_folder("parts") is not None:
+        else:
             # What is lost here is computed by whoever asks for it, who also says what is wrong.
             with suppress(ComputationError, InputError), on_cores(jobs) as cores:
                 prepare_parts(context, cores, carried=False)
@@ -290,14 +290,14 @@ def _compute(job: Job, gathered: Results, folder: RunFolder, jobs: int) -> None:
     due = 0.0
 
     def keep(record: Record) -> None:
-        folder.keep(record)
-        gathered.add(record)
         nonlocal due
         now = perf_counter()
+        folder.keep(record, now - begun)
+        gathered.add(record)
         gathered.header = dict(gathered.header) | {"seconds": now - begun}
-        # The journal has every record; this file is for who looks on, and grows with the run.
+        # All records are kept; this file is for who looks on, and grows with the run.
         if now >= due:
-            folder.write("results.json", gathered.as_json())
+            folder.write({"results.json": gathered.as_json()})
             due = now + (perf_counter() - now) * _SPARING
 
     waiting = [task for task in gathered.tasks if task.id not in gathered.done]

@@ -11,7 +11,7 @@ from rich.text import Text
 
 from validation.case import Case
 from validation.results.tasks import Record, Task
-from validation.run.runner import Observer
+from validation.session.runner import Observer
 
 _BAR = 24
 # How many running tasks are named.

@@ -15,7 +15,7 @@ from validation.results.drift import Drift, drifts, no_longer_compared, with_dri
 from validation.results.outcome import Outcome
 from validation.results.records import RunRecord, case_record, parse_run, run_record
 from validation.results.tasks import AnyResult, Record, Task, from_plain, still_holding
-from validation.store.run_folder import RunFolder
+from validation.run.folder import RunFolder
 
 
 @dataclass
@@ -45,7 +45,7 @@ class Results:
     def take_up(self, folder: RunFolder) -> None:
         """Take in what an earlier process finished in the folder, as far as it still holds."""
         for task in self.tasks:
-            record = folder.record(task.id)
+            record = folder.records.get(task.id)
             result = still_holding(task, record) if record is not None else None
             if result is not None:
                 self.done[task.id] = result

@@ -1,0 +1,90 @@
+"""What a process remembers: values of pure functions, and fingerprints to find them by."""
+
+from collections.abc import Callable, Iterable
+from dataclasses import Field, fields, is_dataclass
+from functools import lru_cache
+from hashlib import blake2b
+from pathlib import PurePath
+from typing import Any, ParamSpec, Protocol, TypeVar, cast
+
+import msgspec
+import numpy as np
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+
+class _Remembering(Protocol):
+    def cache_clear(self) -> None: ...
+
+
+_remembering: list[_Remembering] = []
+
+
+def memo(size: int) -> Callable[[Callable[P, T]], Callable[P, T]]:
+    """A pure function that remembers its last `size` values, by arguments that can be hashed."""
+
+    def remembering(function: Callable[P, T]) -> Callable[P, T]:
+        cached = lru_cache(maxsize=size)(function)
+        _remembering.append(cached)
+        return cast("Callable[P, T]", cached)
+
+    return remembering
+
+
+def forget() -> None:
+    """Have all functions with a memo compute anew, as when what they rest on was changed."""
+    for cached in _remembering:
+        cached.cache_clear()
+
+
+def fingerprint(value: object) -> str:
+    """Hash of plain data: numbers, texts, paths, arrays, records with all fields, and collections.
+
+    Equal data give equal hashes in every process. Raises TypeError for anything else.
+    """
+    return _hashed(value, fields)
+
+
+def likeness(value: object) -> str:
+    """As `fingerprint`, alike for records that are equal: names for messages alone do not count."""
+    return _hashed(value, lambda record: [entry for entry in fields(record) if entry.compare])
+
+
+def _hashed(value: object, told: Callable[[Any], Iterable[Field[Any]]]) -> str:
+    digest = blake2b(digest_size=16)
+    _feed(digest.update, value, told)
+    return digest.hexdigest()
+
+
+def _feed(
+    update: Callable[[bytes], object], value: Any, told: Callable[[Any], Iterable[Field[Any]]]
+) -> None:
+    match value:
+        case np.ndarray():
+            update(f"array {value.dtype.str} {value.shape} ".encode())
+            update(np.ascontiguousarray(value).tobytes())
+        case PurePath():
+            update(f"path {value};".encode())
+        case None | bool() | int() | float() | complex() | str() | bytes() | np.generic():
+            update(f"{type(value).__name__} {value!r};".encode())
+        case tuple() | list():
+            update(f"sequence {len(value)} ".encode())
+            for item in value:
+                _feed(update, item, told)
+        case dict():
+            update(f"mapping {len(value)} ".encode())
+            for key in sorted(value):
+                _feed(update, key, told)
+                _feed(update, value[key], told)
+        case _ if is_dataclass(value) and not isinstance(value, type):
+            update(f"record {type(value).__module__}.{type(value).__qualname__} ".encode())
+            for entry in told(value):
+                _feed(update, getattr(value, entry.name), told)
+        case msgspec.Struct():
+            update(f"record {type(value).__module__}.{type(value).__qualname__} ".encode())
+            _feed(update, msgspec.structs.astuple(value), told)
+        case _ if callable(value) and hasattr(value, "__qualname__"):
+            update(f"function {value.__module__}.{value.__qualname__};".encode())
+        case _:
+            raise TypeError(f"{type(value).__name__} is no plain data: it has no fingerprint")

@@ -1,0 +1,147 @@
+"""Computing in another process: a fresh interpreter that answers one question after the other.
+
+Questions are functions and their arguments; their values, or the errors that they raise, come
+back. Libraries that crash or run out of memory end that process alone, and nothing of the script
+that asks is run again in it. Ctrl-C and hang-ups do not reach it: whoever asks decides what is to
+be done, and takes it along when it ends itself, however that comes about.
+"""
+
+import faulthandler
+import os
+import pickle
+import subprocess
+import sys
+import traceback
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from multiprocessing import Pipe
+from multiprocessing.connection import Connection
+from pathlib import Path
+from queue import SimpleQueue
+from signal import SIGKILL, Signals
+from threading import Thread
+from typing import Any, TypeVar
+
+from lumped.errors import ComputationError, InputError
+
+T = TypeVar("T")
+# How long (s) a wait may last: a Ctrl-C that comes just before it begins does not end it.
+_HEARTBEAT = 0.5
+
+
+class Crashed(ComputationError):  # noqa: N818  says what happened to the process
+    """Raised where the process ended without an answer."""
+
+
+@dataclass(frozen=True)
+class _Raised:
+    """The error that comes in place of a value."""
+
+    error: Exception
+
+
+class Process:
+    """An interpreter that computes for this one, with the same search path for modules.
+
+    What its libraries print is added to the file `output`; `environment` is what differs in it.
+    """
+
+    def __init__(
+        self, output: Path = Path(os.devnull), environment: Mapping[str, str] | None = None
+    ) -> None:
+        self.connection, theirs = Pipe()
+        serving = f"from meshes.processes import serve; serve({theirs.fileno()})"
+        paths = os.pathsep.join(path or str(Path.cwd()) for path in sys.path)
+        with theirs, output.open("ab") as sink:
+            self._process = subprocess.Popen(  # noqa: S603  this interpreter
+                [sys.executable, "-P", "-c", serving],
+                env={**os.environ, **(environment or {}), "PYTHONPATH": paths},
+                pass_fds=[theirs.fileno()],
+                stdin=subprocess.DEVNULL,
+                stdout=sink,
+                stderr=sink,
+                start_new_session=True,
+            )
+
+    def ask(self, function: Callable[..., object], *arguments: object) -> None:
+        """Have `function(*arguments)` computed, a function at the top of a module."""
+        question = pickle.dumps((function, arguments))
+        try:
+            self.connection.send_bytes(question)
+        except ConnectionError:
+            # Its end is noticed when the answer is read.
+            return
+
+    def answer(self) -> Any:
+        """The value for the first question that is not answered yet; waits for it.
+
+        Raises its InputError and ComputationError, which every other error becomes, and Crashed.
+        """
+        try:
+            while not self.connection.poll(_HEARTBEAT):
+                pass
+            answer = self.connection.recv()
+        except (EOFError, ConnectionError):
+            raise Crashed(f"the computing process {self._how_it_ended()}") from None
+        if isinstance(answer, _Raised):
+            raise answer.error
+        return answer
+
+    def end(self) -> None:
+        """End it, whatever it is doing."""
+        self._process.kill()
+        self._process.wait()
+        self.connection.close()
+
+    def _how_it_ended(self) -> str:
+        code = self._process.wait()
+        if code >= 0:
+            return f"ended with code {code}"
+        want = ", probably for want of memory" if -code == SIGKILL else ""
+        return f"was ended by {Signals(-code).name}{want}"
+
+
+def in_own_process(function: Callable[..., T], *arguments: object) -> T:
+    """`function(*arguments)`, a function at the top of a module, in a fresh interpreter.
+
+    Raises what `Process.answer` does. What the libraries print is lost with the process.
+    """
+    process = Process()
+    try:
+        process.ask(function, *arguments)
+        answer: T = process.answer()
+    finally:
+        process.end()
+    return answer
+
+
+def serve(descriptor: int) -> None:
+    """Answer the questions that come through a connection, until it ends."""
+    faulthandler.enable()
+    connection = Connection(descriptor)
+    questions: SimpleQueue[bytes] = SimpleQueue()
+    Thread(target=_receive, args=(connection, questions), daemon=True).start()
+    while True:
+        connection.send_bytes(_answered(questions.get()))
+
+
+def _answered(question: bytes) -> bytes:
+    try:
+        function, arguments = pickle.loads(question)  # noqa: S301  from who started this process
+        return pickle.dumps(function(*arguments))
+    except (InputError, ComputationError) as error:
+        return pickle.dumps(_Raised(error))
+    except MemoryError:
+        return pickle.dumps(_Raised(ComputationError("memory ran out")))
+    except Exception as error:  # noqa: BLE001  carried to who asked, whatever it is
+        traceback.print_exc()
+        return pickle.dumps(_Raised(ComputationError(f"{type(error).__name__}: {error}")))
+
+
+def _receive(connection: Connection, questions: SimpleQueue[bytes]) -> None:
+    """Take in questions; end the process as soon as whoever asks is gone."""
+    try:
+        while True:
+            questions.put(connection.recv_bytes())
+    except (EOFError, OSError):
+        os._exit(1)

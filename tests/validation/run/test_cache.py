@@ -1,0 +1,155 @@
+"""The cache on the disk: what does not hold is nothing, and any number of processes share it."""
+
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from io import BytesIO
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.testing import assert_array_equal
+
+from lumped.memo import forget
+from validation.run import cache
+from validation.run.cache import find, keep, kept, some_cache
+
+ROOT = Path(__file__).resolve().parents[3]
+ARRAYS = {"powers": np.arange(4.0), "total": np.array(6.0)}
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    monkeypatch.setenv("FLEXPROOF_CACHE", str(tmp_path / "cache"))
+    forget()
+    return tmp_path / "cache"
+
+
+def test_arrays_outlive_the_process_and_what_does_not_hold_is_nothing(folder):
+    keep("a", ARRAYS)
+    forget()
+    assert_array_equal(find("a")["powers"], ARRAYS["powers"])
+    file = folder / "a.npz"
+    whole = file.read_bytes()
+    (folder / "b.npz").write_bytes(whole)
+    other = BytesIO()
+    np.savez(other, powers=np.zeros(10**6), total="no number")
+    flipped = bytearray(whole)
+    flipped[len(whole) // 2] ^= 1
+    for content in (b"PK torn", b"", b"[]", bytes(flipped), whole[:-1], other.getvalue()):
+        file.write_bytes(content)
+        forget()
+        assert find("a") is None
+    for odd in (lambda: file.symlink_to("/dev/zero"), lambda: os.mkfifo(file), file.mkdir):
+        file.unlink()
+        odd()
+        forget()
+        assert find("a") is None
+    file.rmdir()
+    # Filed under another name it is not what was asked for.
+    assert find("b") is None
+    assert kept("b", lambda: {"anew": 1.0})["anew"] == 1.0
+    forget()
+    assert find("b")["anew"] == 1.0
+
+
+def test_nothing_that_is_read_is_unpickled(folder):
+    """Whoever knows how to seal a file has no code run by it."""
+    bomb = BytesIO()
+    np.savez(bomb, bomb=np.array([Bomb()]))
+    folder.mkdir()
+    sealed = bomb.getvalue() + cache._SEAL + cache.digest(b"a" + bomb.getvalue()).encode()
+    (folder / "a.npz").write_bytes(sealed)
+    with pytest.raises(ValueError, match="allow_pickle=False"):
+        find("a")
+    with pytest.raises(ValueError, match="allow_pickle=False"):
+        keep("c", {"odd": Bomb()})
+
+
+class Bomb:
+    def __reduce__(self):
+        return pytest.fail, ("unpickled",)
+
+
+def test_where_nothing_can_be_kept_all_is_computed(folder, monkeypatch, tmp_path):
+    folder.write_text("a file")
+    assert kept("a", lambda: ARRAYS)["total"] == 6.0
+    monkeypatch.setenv("FLEXPROOF_CACHE", "off")
+    forget()
+    assert find("a") is None
+    # For the time of a run its processes share a folder all the same, and nothing of it is left.
+    with some_cache():
+        meanwhile = cache.cache_folder()
+        keep("a", ARRAYS)
+        assert list(meanwhile.iterdir()) == [meanwhile / "a.npz"]
+    assert not meanwhile.exists()
+    assert os.environ["FLEXPROOF_CACHE"] == "off"
+    for told, found in (("relative", Path.home() / ".cache"), (str(tmp_path), tmp_path)):
+        monkeypatch.delenv("FLEXPROOF_CACHE", raising=False)
+        monkeypatch.setenv("XDG_CACHE_HOME", told)
+        assert cache.cache_folder() == found / "flexproof"
+
+
+def test_there_is_a_limit_and_what_was_not_asked_for_the_longest_goes_first(folder, monkeypatch):
+    for number, key in enumerate("abcd"):
+        keep(key, {"much": np.zeros(1000)})
+        os.utime(folder / f"{key}.npz", (number, number))
+    (folder / "mine.txt").write_text("mine")
+    (folder / "old.lock").write_text("")
+    os.utime(folder / "old.lock", (0, 0))
+    forget()
+    assert find("a") is not None
+    monkeypatch.setattr(cache, "_MOST", 4 * (folder / "a.npz").stat().st_size)
+    keep("e", {"much": np.zeros(1000)})
+    assert {file.name for file in folder.iterdir()} == {"a.npz", "d.npz", "e.npz", "mine.txt"}
+
+
+COMPUTING = """
+import sys, time
+import numpy as np
+from validation.run.cache import kept
+
+def compute():
+    print("computing", flush=True)
+    time.sleep(float(sys.argv[1]))
+    return {"large": np.arange(1e6)}
+
+assert kept("a", compute)["large"].sum() == np.arange(1e6).sum()
+"""
+
+
+def computing(seconds):
+    return subprocess.Popen(
+        [sys.executable, "-c", COMPUTING, str(seconds)],
+        cwd=ROOT,
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+
+
+def test_of_two_processes_one_computes():
+    both = [computing(1.0), computing(1.0)]
+    said = [process.communicate(timeout=60)[0] for process in both]
+    assert sorted(said) == ["", "computing\n"]
+    assert [process.returncode for process in both] == [0, 0]
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_a_kill_leaves_what_holds_or_nothing(folder, seed):
+    chance = random.Random(seed)  # noqa: S311  any moments will do
+    for _ in range(2):
+        process = computing(0.0)
+        process.stdout.readline()
+        time.sleep(chance.uniform(0.0, 0.03))
+        process.send_signal(signal.SIGKILL)
+        process.communicate()
+        forget()
+        found = find("a")
+        assert found is None or found["large"].sum() == np.arange(1e6).sum()
+        (folder / "a.npz").unlink(missing_ok=True)
+    last = computing(0.0)
+    assert last.communicate(timeout=60)[0] == "computing\n"
+    assert last.returncode == 0

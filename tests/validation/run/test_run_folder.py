@@ -1,0 +1,407 @@
+"""The run folder: whole or not there, locked, resumable, kind to what others wrote."""
+
+import errno
+import json
+import os
+from math import isnan, nan
+from pathlib import Path
+
+import pytest
+
+from lumped.errors import InputError
+from validation.run import opening
+from validation.run.files import StoreError, write_whole
+from validation.run.opening import open_folder
+
+HEADER = {"robot": "r", "robot_sha256": "1", "preset": "quick", "versions": {"numpy": "2"},
+          "started": "today"}  # fmt: skip
+OTHER = HEADER | {"preset": "fine"}
+RUN = {"run.json", "results.jsonl", "results.json", "log.txt", "report.html", "figures/a.svg"}
+
+
+def fill(folder, number=1.0):
+    folder.keep({"id": "a", "value": number}, 5.0)
+    folder.write({"results.json": f'{{"number": {number}}}', "report.html": f"report {number}"})
+    folder.write({"figures/a.svg": f"figure {number}"})
+
+
+def finished(path, header=HEADER, number=1.0):
+    """A finished run in a folder: one record, results, a report and a figure."""
+    with open_folder(path, header, "afresh") as folder:
+        fill(folder, number)
+        folder.complete = True
+    return folder
+
+
+def partial(path):
+    return path.with_name(f"{path.name}.partial")
+
+
+def assert_refused(said, path, header, start):
+    with pytest.raises(InputError, match=said), open_folder(path, header, start):
+        pass
+
+
+def content(*folders):
+    """What folders hold, by name, but for locks."""
+    return {
+        str(file.relative_to(path)): file.read_bytes()
+        for path in folders
+        for file in path.rglob("*")
+        if file.is_file() and file.name != ".lock"
+    }
+
+
+def test_records_survive_and_keep_what_is_no_number(tmp_path):
+    path = tmp_path / "run"
+    with open_folder(path, HEADER, "afresh") as folder:
+        folder.keep({"id": "a[x=0.5]/b", "value": nan}, 3.0)
+        folder.keep({"id": "a[x=0_5]/b", "value": 1.0}, 4.0)
+        folder.keep({"id": "a[x=0_5]/b", "value": 0.1 + 0.2}, 7.0)
+    with open_folder(path, HEADER | {"started": "later"}, "resumed") as folder:
+        assert isnan(folder.records["a[x=0.5]/b"]["value"])
+        assert folder.records["a[x=0_5]/b"]["value"] == 0.1 + 0.2
+        assert len(folder.records) == 2
+        assert folder.begun == {"started": "today", "seconds": 7.0}
+        assert folder.remarks == []
+
+
+def test_an_earlier_run_stays_until_the_new_one_is_whole(tmp_path):
+    path = tmp_path / "run"
+    finished(path)
+    before = content(path)
+    assert set(before) == RUN
+    with open_folder(path, OTHER, "afresh") as folder:
+        fill(folder, 2.0)
+        assert folder.path == partial(path)
+    # Not complete: the earlier one stays, and the new one can be gone on with.
+    assert content(path) == before
+    with open_folder(path, OTHER, "resumed") as folder:
+        assert folder.records["a"]["value"] == 2.0
+        folder.complete = True
+    assert (path / "report.html").read_text() == "report 2.0"
+    assert set(content(path)) == RUN
+    assert not partial(path).exists()
+    # A run that is whole is gone on with, too, and keeps what it has.
+    with open_folder(path, OTHER, "resumed") as folder:
+        assert folder.records["a"]["value"] == 2.0
+        folder.complete = True
+    assert set(content(path)) == RUN
+
+
+def test_a_run_that_was_given_up_makes_way_for_the_next(tmp_path):
+    path = tmp_path / "run"
+    with open_folder(path, OTHER, "afresh") as folder:
+        fill(folder, 2.0)
+        folder.write({"figures/b.svg": "figure of the other run"})
+        (folder.path / "notes").write_text("mine")
+    finished(path, HEADER, 3.0)
+    assert (path / "report.html").read_text() == "report 3.0"
+    assert (path / "notes").read_text() == "mine"
+    assert set(content(path)) == RUN | {"notes"}
+
+
+class Killed(BaseException):
+    """As kill -9: nobody catches it."""
+
+
+@pytest.mark.parametrize("moment", range(14))
+def test_a_kill_at_any_step_of_a_replacement_leaves_one_of_the_two_runs(
+    tmp_path, monkeypatch, moment
+):
+    path = tmp_path / "run"
+    finished(path)
+    (path / "figures" / "thesis.png").write_bytes(b"years of work")
+    earlier, steps = content(path), iter(range(1000))
+
+    def killing(original):
+        def step(*arguments, **named):
+            if next(steps) == moment:
+                raise Killed
+            return original(*arguments, **named)
+
+        return step
+
+    with monkeypatch.context() as patch:
+        try:
+            with open_folder(path, OTHER, "afresh") as folder:
+                fill(folder, 2.0)
+                folder.complete = True
+                for name in ("rename", "replace", "unlink", "rmdir"):
+                    patch.setattr(Path, name, killing(getattr(Path, name)))
+        except Killed:
+            pass
+        else:
+            assert moment > 10
+    # Until the new run is whole, not a byte of the earlier one has changed.
+    if path.exists() and json.loads((path / "run.json").read_text())["preset"] == "quick":
+        assert earlier == content(path)
+    with open_folder(path, OTHER, "resumed") as folder:
+        assert folder.records["a"]["value"] == 2.0
+        folder.complete = True
+    assert folder.remarks == []
+    assert set(content(path)) == RUN | {"figures/thesis.png"}
+    assert (path / "figures" / "thesis.png").read_bytes() == b"years of work"
+    assert (path / "figures" / "a.svg").read_text() == "figure 2.0"
+    assert [entry.name for entry in tmp_path.iterdir()] == ["run"]
+
+
+@pytest.mark.parametrize("beside", ["", ".partial"])
+@pytest.mark.parametrize("mark", [{"run.json": "{}"}, {".lock": "mine"}, {"run.json": "[]"},
+                                  {"run.json": '{"robot": "a dog"}'}])  # fmt: skip
+def test_a_folder_of_something_else_is_left_alone(tmp_path, beside, mark):
+    path, foreign = tmp_path / "run", tmp_path / f"run{beside}"
+    (foreign / "figures").mkdir(parents=True)
+    (foreign / "figures" / "thesis.png").write_text("years of work")
+    for name, text in mark.items():
+        (foreign / name).write_text(text)
+    before = {file: file.read_bytes() for file in tmp_path.rglob("*") if file.is_file()}
+    for start in ("afresh", "resumed"):
+        assert_refused("holds other files", path, HEADER, start)
+    assert {f: f.read_bytes() for f in tmp_path.rglob("*") if f.is_file()} == before
+
+
+def test_only_what_a_run_wrote_is_ever_removed(tmp_path):
+    path, elsewhere = tmp_path / "run", tmp_path / "elsewhere"
+    finished(path)
+    elsewhere.mkdir()
+    (path / "figures" / "thesis.png").write_text("years of work")
+    (path / "data").mkdir()
+    (path / "data" / "precious.dat").write_text("measured")
+    (path / "linked").symlink_to(elsewhere)
+    (path / "report.html").write_text("report with remarks of its reader")
+    mark = json.loads((path / "run.json").read_text())
+    mark["files"] |= {"../elsewhere/precious": "", str(elsewhere / "precious"): "", "linked/x": ""}
+    (path / "run.json").write_text(json.dumps(mark))
+    for name in ("precious", "x"):
+        (elsewhere / name).write_text("precious")
+    with open_folder(path, OTHER, "afresh") as folder:
+        folder.write({"results.json": "{}", "report.html": "new"})
+        folder.complete = True
+    assert (path / "figures" / "thesis.png").read_text() == "years of work"
+    assert (path / "data" / "precious.dat").read_text() == "measured"
+    assert (path / "report.html").read_text() == "new"
+    assert (path / "report.html.kept").read_text() == "report with remarks of its reader"
+    assert "report.html was no run's: kept as report.html.kept" in folder.remarks[0]
+    assert not (path / "figures" / "a.svg").exists()
+    assert (path / "linked").is_symlink()
+    assert {file.read_text() for file in elsewhere.iterdir()} == {"precious"}
+
+
+NAMES = [".lock", "results.json", "results.jsonl", "log.txt", "run.json", "figures/a.svg"]
+
+
+@pytest.mark.parametrize("whole", [True, False])
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("kind", ["symbolic", "hard", "pipe", "folder"])
+def test_no_link_is_followed(tmp_path, name, kind, whole):
+    path, precious = tmp_path / "run", tmp_path / "precious"
+    with open_folder(path, HEADER, "afresh") as folder:
+        fill(folder)
+        folder.complete = whole
+    precious.write_text("precious")
+    tampered = (path if whole else partial(path)) / name
+    tampered.unlink(missing_ok=True)
+    if kind == "symbolic":
+        tampered.symlink_to(precious)
+    elif kind == "hard":
+        tampered.hardlink_to(precious)
+    elif kind == "pipe":
+        os.mkfifo(tampered)
+    else:
+        tampered.mkdir()
+        (tampered / "mine").write_text("precious")
+    for start in ("resumed", "afresh"):
+        with open_folder(path, HEADER, start) as folder:
+            fill(folder)
+            folder.log.open("a").write("said")
+            folder.complete = True
+    assert precious.read_text() == "precious"
+    assert kind != "folder" or "precious" in {f.read_text() for f in path.rglob("mine")}
+    assert set(content(path)) >= RUN
+    assert (path / "figures" / "a.svg").read_text() == "figure 1.0"
+
+
+@pytest.mark.parametrize("whole", [True, False])
+def test_a_folder_that_is_a_link_is_not_written_into(tmp_path, whole):
+    path, elsewhere = tmp_path / "run", tmp_path / "elsewhere"
+    with open_folder(path, HEADER, "afresh") as folder:
+        fill(folder)
+        folder.complete = whole
+    figures = (path if whole else partial(path)) / "figures"
+    figures.rename(elsewhere)
+    figures.symlink_to(elsewhere)
+    with open_folder(path, HEADER, "resumed") as folder:
+        folder.write({"figures/a.svg": "figure 2.0"})
+        folder.complete = True
+    assert [file.read_text() for file in elsewhere.iterdir()] == ["figure 1.0"]
+    assert (path / "figures.kept").is_symlink()
+    assert (path / "figures" / "a.svg").read_text() == "figure 2.0"
+
+
+def test_a_link_that_the_user_names_is_that_folder(tmp_path):
+    (tmp_path / "disk").mkdir()
+    (tmp_path / "report").symlink_to("disk")
+    finished(tmp_path / "report")
+    assert set(content(tmp_path / "disk")) == RUN
+    assert (tmp_path / "report").is_symlink()
+
+
+ODD = [b"", b"[]", b"5", b"{}", b"null", b'{"seal": "', 100_000 * b"[", b"\x00\xff", b"NaN",
+       b'{"flexproof": "run", "files": 5}', b'{"seal": "%s", "a": 5}' % (32 * b"0")]  # fmt: skip
+
+
+@pytest.mark.parametrize("odd", ODD, ids=range(len(ODD)))
+def test_odd_records_are_not_finished_and_what_holds_is(tmp_path, odd):
+    path = tmp_path / "run"
+    finished(path)
+    records = path / "results.jsonl"
+    records.write_bytes(odd + b"\n" + records.read_bytes() + odd)
+    (path / "results.json").write_bytes(odd)
+    with open_folder(path, HEADER, "resumed") as folder:
+        assert folder.records == {"a": {"id": "a", "value": 1.0}}
+        folder.keep({"id": "b"}, 6.0)
+        assert odd == b"" or "does not hold" in folder.remarks[0]
+    with open_folder(path, HEADER, "resumed") as folder:
+        assert list(folder.records) == ["a", "b"]
+
+
+@pytest.mark.parametrize("lost", ["run.json", "results.jsonl"])
+def test_one_witness_of_what_was_run_is_enough(tmp_path, lost):
+    path = tmp_path / "run"
+    finished(path)
+    (path / lost).write_bytes(b"\xff odd")
+    assert_refused("another run", path, OTHER, "resumed")
+    with open_folder(path, HEADER, "resumed") as folder:
+        assert ("a" in folder.records) == (lost == "run.json")
+
+
+def test_a_record_that_was_edited_or_is_of_another_run_does_not_hold(tmp_path):
+    one, two = tmp_path / "one", tmp_path / "two"
+    finished(one)
+    finished(two, OTHER, 2.0)
+    records = two / "results.jsonl"
+    records.write_bytes(
+        records.read_bytes().replace(b"2.0", b"3.0") + (one / "results.jsonl").read_bytes()
+    )
+    with open_folder(two, OTHER, "resumed") as folder:
+        assert folder.records == {}
+        assert len(folder.remarks) == 2
+
+
+def test_a_second_run_in_the_same_folder_is_refused(tmp_path):
+    path = tmp_path / "run"
+    finished(path)
+    with open_folder(path, HEADER, "afresh") as folder:
+        fill(folder)
+        for start in ("afresh", "resumed"):
+            assert_refused(f"another run \\(process {os.getpid()}\\)", path, HEADER, start)
+        folder.complete = True
+    finished(path)
+
+
+@pytest.mark.parametrize(
+    ("change", "named"),
+    [
+        ({"preset": "fine"}, "preset"),
+        ({"robot_sha256": "2"}, "robot file"),
+        ({"versions": {}}, "versions"),
+        ({"suite_sha256": "3"}, "source files of flexproof"),
+    ],
+)
+@pytest.mark.parametrize("whole", [True, False])
+def test_a_different_run_is_not_resumed(tmp_path, change, named, whole):
+    with open_folder(tmp_path / "run", HEADER, "afresh") as folder:
+        folder.complete = whole
+    said = f"another run \\({named} differ"
+    assert_refused(said, tmp_path / "run", HEADER | change, "resumed")
+
+
+@pytest.mark.parametrize("made", [True, False])
+def test_nothing_to_resume_is_said(tmp_path, made):
+    path = tmp_path / "new"
+    if made:
+        path.mkdir()
+    assert_refused("no run to go on with", path, HEADER, "resumed")
+    assert [entry.name for entry in tmp_path.iterdir()] == made * ["new"]
+
+
+@pytest.mark.parametrize("tail", ["file", "file/below", "file/below/deeper"])
+def test_a_folder_that_cannot_be_made_is_refused(tmp_path, tail):
+    (tmp_path / "file").write_text("")
+    assert_refused("cannot write there", tmp_path / tail, HEADER, "afresh")
+    assert [entry.name for entry in tmp_path.iterdir()] == ["file"]
+
+
+def test_a_folder_that_is_read_only_or_mounted_is_refused_and_left_alone(tmp_path, monkeypatch):
+    path = tmp_path / "run"
+    finished(path)
+    before = content(path)
+    assert_refused("is a mount point", Path("/"), HEADER, "afresh")
+
+    def refuse(*_arguments, **_named):
+        raise OSError(errno.EROFS, os.strerror(errno.EROFS))
+
+    monkeypatch.setattr(Path, "mkdir", refuse)
+    assert_refused("cannot write there: Read-only file system", path, OTHER, "afresh")
+    assert content(path) == before
+
+
+def test_what_is_exported_is_there_whole_or_not_at_all(tmp_path):
+    path = tmp_path / "run"
+    with open_folder(path, HEADER, "afresh") as folder:
+        with pytest.raises(KeyError), folder.exporting() as target:
+            (target / "leg.vtu").write_text({}["no mesh"])
+        with folder.exporting() as target:
+            (target / "leg.vtu").write_text("mesh")
+            assert not (folder.path / "export").exists()
+        fill(folder)
+        folder.complete = True
+    assert set(content(path)) == RUN | {"export/leg.vtu"}
+    with open_folder(path, HEADER, "resumed") as folder:
+        folder.complete = True
+    assert (path / "export" / "leg.vtu").read_text() == "mesh"
+    finished(path)
+    assert not (path / "export").exists()
+
+
+def test_a_new_run_without_room_beside_the_earlier_one_is_refused(tmp_path, monkeypatch):
+    path = tmp_path / "run"
+    finished(path)
+    before = content(tmp_path)
+    usage = opening.shutil.disk_usage(tmp_path)._replace(free=0)
+    monkeypatch.setattr(opening.shutil, "disk_usage", lambda _: usage)
+    assert_refused(r"0\.0 MB are free, and the new run needs about", path, OTHER, "afresh")
+    assert content(tmp_path) == before
+
+
+def test_a_full_disk_leaves_the_old_file_and_nothing_half_written(tmp_path, monkeypatch):
+    path = tmp_path / "run"
+
+    def full(_descriptor):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    with open_folder(path, HEADER, "afresh") as folder, monkeypatch.context() as patch:
+        fill(folder)
+        before = content(folder.path)
+        patch.setattr(os, "fsync", full)
+        with pytest.raises(StoreError, match=r"run\.partial: No space left on device.*is kept"):
+            folder.write({"results.json": "new"})
+        assert content(folder.path) == before
+        with pytest.raises(StoreError, match="No space left on device"):
+            folder.keep({"id": "b"}, 6.0)
+
+
+def test_what_a_kill_left_half_written_is_cleared(tmp_path, monkeypatch):
+    def dies(_descriptor):
+        raise Killed
+
+    with open_folder(tmp_path / "run", HEADER, "afresh") as folder, monkeypatch.context() as patch:
+        fill(folder)
+        patch.setattr(os, "fsync", dies)
+        with pytest.raises(Killed):
+            write_whole(folder.path / "figures" / "a.svg", b"new")
+        assert len(list(folder.path.rglob(".*.tmp"))) == 1
+    with open_folder(tmp_path / "run", HEADER, "resumed") as folder:
+        assert not list(folder.path.rglob(".*.tmp"))
+        assert (folder.path / "figures" / "a.svg").read_text() == "figure 1.0"

@@ -1,0 +1,200 @@
+"""The cache on the disk: arrays that cost time to compute and depend on their key alone.
+
+$XDG_CACHE_HOME/flexproof, else ~/.cache/flexproof; FLEXPROOF_CACHE names another folder, or says
+"off". A file per key (numpy's npz, which needs no pickle and no further library), written whole or
+not at all, with a seal over key and content: what is damaged, changed, or filed under another name
+is nothing, and is computed again. Any number of processes share it: of those that need the same at
+the same time one computes, and the others wait. Nothing that is read is ever unpickled.
+"""
+
+import fcntl
+import os
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager, suppress
+from io import BytesIO
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from lumped.arrays import Array
+from lumped.memo import fingerprint, memo
+from validation.run.files import digest, read_regular, write_whole
+
+Arrays: TypeAlias = dict[str, Array]
+_SWITCH = "FLEXPROOF_CACHE"
+# Bytes that the cache may take; what was not asked for the longest goes first, to a share of it.
+_MOST, _SHARE = 5_000_000_000, 0.8
+# Files of dead processes, locks and halves, are swept up after a day (s).
+_DAY = 86_400.0
+# What this process computed or read last stays in its memory.
+_IN_MEMORY = 64
+_SEAL = b"\nflexproof "
+# Who collects what is asked for, the innermost last.
+_collecting: list[dict[str, Arrays]] = []
+# Not empty while it is only looked at what is there.
+_looking: list[bool] = []
+
+
+class _NotKept(Exception):  # noqa: N818  ends a look at what is kept, never leaves this module
+    pass
+
+
+def cache_folder() -> Path | None:
+    """Where results are kept; None where nothing is to be kept, or there is no home.
+
+    The folder need not exist.
+    """
+    told = os.environ.get(_SWITCH)
+    if told:
+        return None if told == "off" else Path(told)
+    base = os.environ.get("XDG_CACHE_HOME")
+    # The specification has relative paths ignored.
+    if base and Path(base).is_absolute():
+        return Path(base) / "flexproof"
+    try:
+        return Path.home() / ".cache" / "flexproof"
+    except RuntimeError:
+        return None
+
+
+@contextmanager
+def some_cache() -> Iterator[None]:
+    """A cache that processes started here share: without one of the user's, for the meantime."""
+    if cache_folder() is not None:
+        yield
+        return
+    told = os.environ.get(_SWITCH)
+    with TemporaryDirectory(prefix="flexproof-cache-") as folder:
+        os.environ[_SWITCH] = folder
+        try:
+            yield
+        finally:
+            os.environ.pop(_SWITCH) if told is None else os.environ.update({_SWITCH: told})
+
+
+def key_of(*inputs: object) -> str:
+    """The key of what depends on plain data: every field of every record is in it."""
+    return fingerprint(inputs)
+
+
+def find(key: str) -> Arrays | None:
+    """The arrays kept under a key; None where there are none that hold."""
+    remembered = _remembered(key)
+    if not remembered and (path := _path(key)) is not None:
+        remembered |= _unsealed(key, read_regular(path) or b"")
+        with suppress(OSError):
+            os.utime(path, follow_symlinks=False)
+    return remembered or None
+
+
+def keep(key: str, arrays: Mapping[str, Any]) -> Arrays:
+    """Keep arrays and numbers under a key; a disk that refuses costs time, not the answer."""
+    remembered = _remembered(key)
+    remembered |= {name: np.asarray(value) for name, value in arrays.items()}
+    if (path := _path(key)) is not None:
+        with suppress(OSError):
+            path.parent.mkdir(parents=True, exist_ok=True)
+            write_whole(path, _sealed(key, remembered))
+            _make_room(path.parent)
+    return remembered
+
+
+def kept(key: str, compute: Callable[[], Mapping[str, Any]]) -> Arrays:
+    """The arrays of that `key`, else computed and kept."""
+    found = find(key)
+    if found is None:
+        with _alone(key):
+            found = find(key)
+            if found is None:
+                if _looking:
+                    raise _NotKept
+                found = keep(key, compute())
+    for collected_here in _collecting:
+        collected_here[key] = found
+    return found
+
+
+@contextmanager
+def collected() -> Iterator[dict[str, Arrays]]:
+    """All arrays, by key, that are asked for in this context, computed or read."""
+    entries: dict[str, Arrays] = {}
+    _collecting.append(entries)
+    try:
+        yield entries
+    finally:
+        _collecting.pop()
+
+
+def is_kept(ask: Callable[[], object]) -> bool:
+    """Whether what `ask` asks for is all kept, so that nothing is computed for it."""
+    _looking.append(True)
+    try:
+        ask()
+    except _NotKept:
+        return False
+    finally:
+        _looking.pop()
+    return True
+
+
+@memo(_IN_MEMORY)
+def _remembered(_key: str) -> Arrays:
+    """A place in this process's memory, empty at first."""
+    return {}
+
+
+def _path(key: str) -> Path | None:
+    folder = cache_folder()
+    return folder / f"{key}.npz" if folder else None
+
+
+def _sealed(key: str, arrays: Arrays) -> bytes:
+    buffer = BytesIO()
+    np.savez(buffer, allow_pickle=False, **arrays)
+    content = buffer.getvalue()
+    return content + _SEAL + digest(key.encode() + content).encode()
+
+
+def _unsealed(key: str, content: bytes) -> Arrays:
+    """The arrays in a file; none where its seal does not hold."""
+    body, _, seal = content.rpartition(_SEAL)
+    if seal != digest(key.encode() + body).encode():
+        return {}
+    # What the seal covers was written here, and needs no further doubt.
+    with np.load(BytesIO(body), allow_pickle=False) as arrays:
+        return dict(arrays)
+
+
+@contextmanager
+def _alone(key: str) -> Iterator[None]:
+    """Wait until no other process computes the same; the system frees locks of the dead."""
+    path = _path(key)
+    with ExitStack() as stack:
+        with suppress(OSError):
+            if path is not None:
+                path.parent.mkdir(parents=True, exist_ok=True)
+                lock = path.with_suffix(".lock")
+                file = stack.enter_context(lock.open("a"))
+                fcntl.flock(file, fcntl.LOCK_EX)
+                stack.callback(lock.unlink, missing_ok=True)
+        yield
+
+
+def _make_room(folder: Path) -> None:
+    """Remove what was not asked for the longest where there is too much, and what the dead left."""
+    files = sorted(
+        (entry.stat().st_mtime, entry.stat().st_size, Path(entry.path))
+        for entry in os.scandir(folder)
+        if entry.name.endswith((".npz", ".lock", ".tmp")) and entry.is_file(follow_symlinks=False)
+    )
+    now = files[-1][0] if files else 0.0
+    taken = sum(size for _, size, _ in files)
+    most = _MOST if taken <= _MOST else _SHARE * _MOST
+    for at, size, path in files:
+        if path.suffix == ".npz" and taken > most:
+            taken -= size
+            path.unlink(missing_ok=True)
+        elif path.suffix != ".npz" and now - at > _DAY:
+            path.unlink(missing_ok=True)

@@ -1,0 +1,128 @@
+"""Runs cases and figures in processes of their own and keeps each result as it arrives.
+
+The unit of work is a group: tasks that share expensive results run in one process, one after the
+other. Computing happens there only, even with one job: the numbers are then the same whatever the
+number of jobs, a crash of a library ends a case and not the run, and Ctrl-C does not have to wait
+for a factorisation.
+"""
+
+import signal
+from collections.abc import Callable, Collection, Iterator, Sequence
+from contextlib import closing, contextmanager
+from fnmatch import fnmatchcase
+from functools import partial
+from pathlib import Path
+from types import FrameType
+from typing import Protocol
+
+from lumped.errors import InputError
+from lumped.text import did_you_mean
+from validation.context import Preset
+from validation.results.outcome import Result
+from validation.results.tasks import Record, Task, plain
+from validation.run.executor import on_cores
+from validation.session.worker import REMEDY, Job, begin, compute
+
+
+class Observer(Protocol):
+    """Who wants to know how the run goes (progress display)."""
+
+    def started(self, task: Task) -> None:
+        """A worker has begun the task."""
+
+    def finished(self, task: Task, record: Record) -> None:
+        """The task's record has arrived."""
+
+
+def select(
+    tasks: Sequence[Task], preset: Preset, pattern: str | None = None, always: Collection[str] = ()
+) -> list[Task]:
+    """Tasks of the preset whose id matches the shell-style pattern (brackets taken literally).
+
+    Those whose ids are in `always` are taken, too.
+
+    Raises InputError where nothing matches.
+    """
+    if len({task.id for task in tasks}) < len(tasks):
+        raise ValueError("two cases or figures have the same id")
+    in_preset = [task for task in tasks if preset in task.presets]
+    if pattern is None:
+        return in_preset
+    # Ids carry parameters in brackets; as character classes they would never match themselves.
+    literal = pattern.replace("[", "[[]")
+    chosen = {task.id for task in in_preset if fnmatchcase(task.id, literal)}
+    if not chosen:
+        elsewhere = any(fnmatchcase(task.id, literal) for task in tasks)
+        ids, listed = [task.id for task in in_preset], "; 'flexproof cases' lists them"
+        near = did_you_mean(pattern.strip("*?"), ids, listed, cutoff=0.5)
+        hint = "; only in other presets" if elsewhere else near
+        raise InputError(f'--only: no case of preset {preset} matches "{pattern}"{hint}')
+    return [task for task in in_preset if task.id in chosen.union(always)]
+
+
+def run(
+    job: Job,
+    tasks: Sequence[Task],
+    *,
+    jobs: int,
+    log: Path,
+    keep: Callable[[Record], None],
+    observer: Observer,
+) -> bool:
+    """Compute the tasks with `jobs` processes; True if all were finished, False if interrupted.
+
+    `keep` gets each record as it arrives; what it raises ends the run. SIGINT, SIGTERM and SIGHUP
+    end it within a second. Raises ComputationError where workers cannot even start.
+    """
+    by_id = {task.id: task for task in tasks}
+    groups = [[(name, partial(compute, name)) for name in group] for group in _groups(tasks)]
+    with (
+        _interruptible() as interrupted,
+        on_cores(jobs, log, partial(begin, job)) as cores,
+        closing(
+            cores.answers(groups, lambda name: observer.started(by_id[name]), interrupted)
+        ) as answers,
+    ):
+        for name, answer in answers:
+            record = _failed(name, answer) if isinstance(answer, Exception) else answer
+            keep(record)
+            observer.finished(by_id[name], record)
+        return not interrupted()
+
+
+def _failed(name: str, error: Exception) -> Record:
+    """The record of a task whose process ended."""
+    starved = str(error).startswith("ran out of memory")
+    more = f"; {REMEDY}" if starved else " (log.txt may say more)"
+    return plain(Result(name, "failed", 0.0, f"{error}{more}"))
+
+
+def _groups(tasks: Sequence[Task]) -> list[list[str]]:
+    """Ids that belong together, the longest work first: short work fills the gaps at the end."""
+    groups: dict[str, list[Task]] = {}
+    for task in tasks:
+        groups.setdefault(task.group or task.id, []).append(task)
+    by_effort = sorted(groups.values(), key=lambda group: -sum(task.effort for task in group))
+    return [[task.id for task in group] for group in by_effort]
+
+
+@contextmanager
+def _interruptible() -> Iterator[Callable[[], bool]]:
+    """SIGINT, SIGTERM and SIGHUP only raise a flag, so that no file is left half-written.
+
+    A hang-up that is ignored, under nohup, stays ignored.
+    """
+    received: list[int] = []
+
+    def note(number: int, _frame: FrameType | None) -> None:
+        received.append(number)
+
+    heeded = [signal.SIGINT, signal.SIGTERM]
+    if signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN:
+        heeded.append(signal.SIGHUP)
+    former = {number: signal.signal(number, note) for number in heeded}
+    try:
+        yield lambda: bool(received)
+    finally:
+        for number, handler in former.items():
+            signal.signal(number, handler)
