@@ -6,7 +6,7 @@ import numpy as np
 
 from lumped.arrays import Array, IntArray
 from validation.adequacy.response import Vibration
-from validation.agreement.mode_pairing import mac_matrix, neighbours, pair_rectangular
+from validation.agreement.mode_pairing import mac_matrix, neighbours, pair_modes
 
 # A mode that has less than half of its (mass-weighted, squared) shape in common is another one.
 ALIKE = 0.5
@@ -62,7 +62,7 @@ def amounts_by_shape(
     ):
         mac = mac_matrix(shapes, others, weights)
         modes = np.arange(len(own))
-        partner = pair_rectangular(mac)
+        partner = pair_modes(mac)
         of_pairs = np.where(partner >= 0, amount[modes, partner], np.nan)
         alone = np.where(partner >= 0, mac[modes, partner], 0.0) >= _ALONE
         mixed = np.array([np.nansum(of_pairs[neighbours(own, k)]) for k in range(len(own))])
@@ -86,7 +86,7 @@ def _at_pose(
     known = np.flatnonzero(np.isfinite(others))
     others, other_shapes = others[known], other_shapes[:, known]
     mac = mac_matrix(own_shapes, other_shapes, weights)
-    partner = pair_rectangular(mac)
+    partner = pair_modes(mac)
     families = [neighbours(own, mode) for mode in range(count)]
     likeness = np.zeros(count)
     for mode, family in enumerate(families):

@@ -3,8 +3,6 @@
 MAC = (aᵀWb)² / (aᵀWa · bᵀWb) with a mass-weighted product W (Allemang & Brown, IMAC 1982).
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
@@ -17,14 +15,6 @@ from lumped.legs import BeamProperties
 CLOSE = 0.1
 
 
-@dataclass(frozen=True)
-class Pairing:
-    """`partner[i]` is the mode of the second model that belongs to mode i; `mac` their MAC."""
-
-    partner: IntArray
-    mac: Array
-
-
 def mac_matrix(first: Array, second: Array, weights: Array) -> Array:
     """MAC (m×n) between two sets of shapes (k×m, k×n) sampled alike, `weights` (k) ≥ 0."""
     a, b = (np.sqrt(weights)[:, None] * np.asarray(shapes) for shapes in (first, second))
@@ -33,15 +23,11 @@ def mac_matrix(first: Array, second: Array, weights: Array) -> Array:
     return mac
 
 
-def pair_modes(first: Array, second: Array, weights: Array) -> Pairing:
-    """Optimal pairing (Hungarian method) of shapes k×m with shapes k×n, n ≥ m, by largest MAC."""
-    mac = mac_matrix(first, second, weights)
-    rows, columns = linear_sum_assignment(mac, maximize=True)
-    return Pairing(partner=columns, mac=mac[rows, columns])
+def pair_modes(mac: Array) -> IntArray:
+    """Partner (m) of every row of a MAC matrix (m×n) by its largest sum (Hungarian method).
 
-
-def pair_rectangular(mac: Array) -> IntArray:
-    """Partner (m) of every row of a MAC matrix (m×n, any m and n), −1 where too few columns."""
+    −1 where there are too few columns.
+    """
     rows, columns = linear_sum_assignment(mac, maximize=True)
     partner = np.full(mac.shape[0], -1)
     partner[rows] = columns

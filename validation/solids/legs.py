@@ -27,7 +27,12 @@ from validation.agreement.convergence import (
     uncertainty_of,
     uncertainty_of_known_orders,
 )
-from validation.agreement.mode_pairing import centreline_samples, centreline_weights, pair_modes
+from validation.agreement.mode_pairing import (
+    centreline_samples,
+    centreline_weights,
+    mac_matrix,
+    pair_modes,
+)
 
 # Quadratic elements: energies, and with them compliances and frequencies, converge with h⁴ …
 FORMAL_ORDER = 4.0
@@ -265,8 +270,10 @@ def solid_frequencies(
         mesh = similar_mesh(leg, number)
         clamped = solid.clamped_leg(solid.solid_leg(leg, mesh), ends)
         modes = clamped.modes(count + _SPARE_MODES)
-        pairing = pair_modes(target, solid.section_twists(mesh, stations) @ modes.shapes, weights)
-        frequencies.append(modes.frequencies[pairing.partner])
-        mac.append(pairing.mac)
+        shapes = solid.section_twists(mesh, stations) @ modes.shapes
+        likeness = mac_matrix(target, shapes, weights)
+        partner = pair_modes(likeness)
+        frequencies.append(modes.frequencies[partner])
+        mac.append(likeness[np.arange(count), partner])
     found = Refinement(divisions, np.array(frequencies), formal_order(leg, ends))
     return SolidModes(found, np.array(mac))

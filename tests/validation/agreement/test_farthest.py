@@ -3,12 +3,23 @@
 import numpy as np
 import pytest
 
-from validation.agreement.farthest import farthest
+from validation.agreement.farthest import farthest, farthest_beyond, farthest_entry
 
 
-@pytest.mark.parametrize("off", [0.01, -0.01])
+@pytest.mark.parametrize("off", [0.01, -0.01, np.nan])
 @pytest.mark.parametrize("place", range(4))
 def test_the_posture_shown_is_the_one_that_is_farthest_off(off, place):
     even = np.array([2.0, 4.0, 8.0, 16.0])
-    found = even * (1.0 + off * np.where(np.arange(4) == place, 1.0, 0.5))
+    found = even * (1.0 + np.where(np.arange(4) == place, off, 0.005))
     assert farthest(found, even) == place
+    # Of those that are looked at; of those off by rounding alone the largest number.
+    assert farthest(found, even, np.arange(4) == 3 - place) == 3 - place
+    assert farthest(even * (1.0 + 1e-12 * np.arange(4)[::-1]), even) == 3
+
+
+def test_the_entry_shown_is_in_units_of_its_diagonal_and_beyond_what_is_left_open():
+    reference = np.diag([1.0, 4.0, 16.0])
+    found = reference + np.diag([0.01, 0.08, 0.17])
+    assert farthest_entry(found, reference) == pytest.approx((1.02, 1.0))
+    left_open = np.diag([0.0, 0.06, 0.0])
+    assert farthest_beyond(found, reference, left_open) == pytest.approx((1.010625, 1.0, 0.0))
