@@ -71,7 +71,7 @@ class Study:
 
 @dataclass(frozen=True)
 class InteractiveScene:
-    """A 3-D scene that can be turned; `state` is a ZIP archive as vtk.js's viewer reads it."""
+    """A 3-D scene that can be turned; `state` is as the page's viewer reads it, packed."""
 
     title: str
     state: bytes

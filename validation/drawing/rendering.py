@@ -1,8 +1,9 @@
-"""From bodies to a picture: VTK draws the bodies, matplotlib everything that is written on them."""
+"""From scenes to a picture: VTK draws the bodies, matplotlib everything that is written on them."""
 
 import io
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from textwrap import fill
 from typing import Any
 
 import matplotlib as mpl
@@ -10,57 +11,118 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure as Canvas
+from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
-from lumped.arrays import Array, IntArray
-from validation.drawing.opengl import MESSAGE, usable_window
-from validation.drawing.style import WIDTH
-from validation.drawing.surfaces import Surface, View, fitted_view, pixels
+from lumped.arrays import Array
+from validation.drawing.opengl import MESSAGE, require_vtk, usable_window
+from validation.drawing.scene import DARK, Body, Label, MarkKind, Marks, Scene, View
+from validation.drawing.style import ORANGE, VERMILLION, WIDTH, plot_style
 
 # Told apart by colour-blind readers, and light against dark when printed in grey.
 COLOUR_MAP = "viridis"
-GREY, DARK = "#b8bcc2", "#4a4f57"
 DOTS_PER_INCH = 180
+_PER_POINT = DOTS_PER_INCH / 72.0
+# in, of a title, and of a colour bar with its label.
+_TITLE, _BAR = 0.3, 0.5
+_NEARLY_WHITE = 246
+_SMALL = (DARK, ORANGE, VERMILLION)
+# Letters of a title in an inch; size (pt) of what is written in a picture.
+_LETTERS, _TEXT = 14.0, 7.5
+# A foot with its tip a little below the point, and hatches: corners, and how they are joined.
+_FOOT = mpl.path.Path(
+    [(0.0, -0.15), (-0.5, -0.8), (0.5, -0.8), (0.0, -0.15)]
+    + [end for x in (-0.3, -0.05, 0.2, 0.45) for end in ((x, -0.8), (x - 0.18, -1.0))],
+    [1, 2, 2, 2, *(1, 2) * 4],
+)
+_MARKS: dict[MarkKind, dict[str, Any]] = {
+    "square": {
+        "marker": "s",
+        "markersize": 3.4,
+        "markeredgecolor": "black",
+        "markeredgewidth": 0.5,
+    },
+    "dot": {"marker": ".", "markersize": 4.0},
+    "cross": {"marker": "P", "markersize": 8.0, "markeredgecolor": "white", "markeredgewidth": 0.8},
+    "ground": {
+        "marker": _FOOT,
+        "markersize": 34.0,
+        "markerfacecolor": "none",
+        "markeredgewidth": 0.8,
+    },
+}
+# Where a triad may stand, in the order of preference (shares of width and height).
+_CORNERS = ((0.08, 0.92), (0.78, 0.92), (0.08, 0.3), (0.78, 0.3))
+_TRIAD, _CLEAR = 24.0, 26.0  # pt
 
 
 @dataclass(frozen=True)
-class Body:
-    """A surface to be drawn, coloured by its values where it has any; `edge` colours its mesh."""
+class Picture:
+    """A picture as PNG, or why there is none."""
 
-    surface: Surface
-    colour: str = GREY
-    edge: str | None = None
-
-
-@dataclass(frozen=True)
-class Wire:
-    """Straight pieces between pairs (e×2) of points (n×3, m); `motion` as of a surface."""
-
-    points: Array
-    pairs: IntArray
-    colour: str = DARK
-    width: float = 1.5
-    motion: Array | None = None
+    png: bytes = b""
+    left_out: str = ""
 
 
-@dataclass(frozen=True)
-class Scene:
-    """What one panel shows; `limits` are the values at both ends of the colour map."""
+def pictured(
+    scenes: Sequence[Scene],
+    columns: int = 1,
+    height: float | None = None,
+    width: float = WIDTH,
+    title: str = "",
+) -> Picture:
+    """The scenes in so many columns, `height` inches each or as high as what they show is.
 
-    view: View
-    bodies: Sequence[Body]
-    limits: tuple[float, float]
-    wires: Sequence[Wire] = field(default_factory=tuple)
+    Where this machine can draw them.
+    """
+    if usable_window() is None:
+        return Picture(left_out=MESSAGE)
+    require_vtk()
+    rows, high = -(-len(scenes) // columns), height or width * _shape(scenes[0])
+    bars = any(scene.bar for scene in scenes)
+    size = width, rows * (high + _TITLE + _BAR * bars) + _TITLE * bool(title)
+    with plot_style():
+        picture = Canvas(figsize=size, layout=ConstrainedLayoutEngine(h_pad=0.07))
+        places = picture.subplots(rows, columns, squeeze=False).ravel()
+        for axes in places:
+            axes.set_axis_off()
+        for axes, scene in zip(places, scenes, strict=False):
+            _show(axes, scene, panel_size(columns, high, width))
+            letters = round(_LETTERS * width / columns)
+            axes.set_title(fill(scene.title, letters), fontsize=9.0 if columns > 2 else 10.5)
+            if scene.bar:
+                _colour_bar(picture, axes, scene)
+        if title:
+            picture.suptitle(title, fontsize=10.0)
+        return Picture(_png_of(picture))
 
 
-def render(scene: Scene) -> NDArray[np.uint8]:
+def panel_size(columns: int, height: float, width: float = WIDTH) -> tuple[int, int]:
+    """Pixels (width, height) of one of `columns` panels, lengths in inches."""
+    return round(width / columns * DOTS_PER_INCH), round(height * DOTS_PER_INCH)
+
+
+def _shape(scene: Scene) -> float:
+    """Height over width of what is shown, within reason."""
+    view = scene.view((1000, 1000))
+    spread = np.vstack([*(body.surface.points for body in scene.bodies), *scene.inside])
+    wide, high = np.ptp(view.pixels(spread), axis=0)
+    return float(np.clip(high / wide, 0.45, 1.2))
+
+
+def render(scene: Scene, view: View) -> NDArray[np.uint8]:
     """The scene as pixels (height × width × 3) on white, where this machine can draw."""
     import pyvista  # noqa: PLC0415  VTK must not be loaded where it cannot draw
 
-    view = scene.view
     plotter = pyvista.Plotter(off_screen=True, window_size=list(view.size))
     plotter.background_color = pyvista.Color("white")
-    add_to(plotter, scene)
+    for body in scene.bodies:
+        _add_body(plotter, body, scene.limits)
+    for wire in scene.wires:
+        count = np.full((len(wire.pairs), 1), 2)
+        lines = pyvista.PolyData(wire.points, lines=np.hstack([count, wire.pairs]).ravel())
+        plotter.add_mesh(lines, color=wire.colour, line_width=wire.width, lighting=False)
     camera = plotter.camera
     camera.parallel_projection = True
     camera.focal_point = view.centre
@@ -74,127 +136,87 @@ def render(scene: Scene) -> NDArray[np.uint8]:
     return image
 
 
-def add_to(plotter: Any, scene: Scene, overlay: Sequence[Body | Wire] = ()) -> None:
-    """Put the scene, and what is drawn over it, into a pyvista plotter."""
-    import pyvista  # noqa: PLC0415  VTK must not be loaded where it cannot draw
+def _add_body(plotter: Any, body: Body, limits: tuple[float, float]) -> None:
+    import pyvista  # noqa: PLC0415
 
-    for part in (*scene.bodies, *scene.wires, *overlay):
-        if isinstance(part, Body):
-            plotter.add_mesh(_poly_data(pyvista, part.surface), **_appearance(part, scene.limits))
-        else:
-            count = np.full((len(part.pairs), 1), 2)
-            lines = pyvista.PolyData(part.points, lines=np.hstack([count, part.pairs]).ravel())
-            plotter.add_mesh(lines, color=part.colour, line_width=part.width, lighting=False)
-
-
-def _poly_data(pyvista: Any, surface: Surface) -> Any:
-    mesh = pyvista.PolyData.from_regular_faces(surface.points, surface.faces)
-    if surface.values is not None:
-        mesh["values"] = surface.values
-    return mesh
+    faces: Any = body.surface.faces  # any integers will do
+    mesh = pyvista.PolyData.from_regular_faces(body.surface.points, faces)
+    look: dict[str, Any] = {"color": body.colour}
+    if body.values is not None:
+        mesh["values"] = body.values
+        look = {"scalars": "values", "cmap": COLOUR_MAP, "clim": list(limits)}
+    plotter.add_mesh(mesh, ambient=0.35, diffuse=0.7, specular=0.05, show_scalar_bar=False, **look)
 
 
-def _appearance(body: Body, limits: tuple[float, float]) -> dict[str, Any]:
-    look: dict[str, Any] = {"ambient": 0.35, "diffuse": 0.7, "specular": 0.05}
-    if body.surface.values is None:
-        look |= {"color": body.colour}
-    else:
-        look |= {
-            "scalars": "values",
-            "cmap": COLOUR_MAP,
-            "clim": list(limits),
-            "show_scalar_bar": False,
-        }
-    if body.edge is not None:
-        look |= {"show_edges": True, "edge_color": body.edge, "line_width": 1.0}
-    return look
+def _show(axes: Axes, scene: Scene, size: tuple[int, int]) -> None:
+    """Fill the axes with the scene and all that is written on it, without frame and ticks."""
+    view = scene.view(size)
+    axes.imshow(render(scene, view), interpolation="antialiased")
+    for marks in scene.marks:
+        _mark(axes, view, marks)
+    for one in scene.arrows:
+        start, end = view.pixels(np.array([one.tail, one.head]))
+        tip = "-|>,head_width=0.3,head_length=0.6"
+        axes.annotate(
+            "", end, xytext=start, arrowprops={"arrowstyle": tip, "color": one.colour, "lw": 2.2}
+        )
+    _triad(axes, view, clear_corner(scene, view))
+    _write(axes, view, scene.labels)
+    axes.set(xlim=(0.0, size[0]), ylim=(size[1], 0.0))
 
 
-def panel_pixels(columns: int, height: float) -> tuple[int, int]:
-    """Pixels (width, height) of one of `columns` panels, `height` in inches."""
-    return round(WIDTH / columns * DOTS_PER_INCH), round(height * DOTS_PER_INCH)
+def _mark(axes: Axes, view: View, marks: Marks) -> None:
+    look = {"color": marks.colour, "markerfacecolor": marks.colour, **_MARKS[marks.kind]}
+    look |= {"linestyle": "", "clip_on": False}
+    axes.plot(*view.pixels(marks.points).T, **look)
 
 
-def show(axes: Axes, scene: Scene) -> None:
-    """Fill the axes with the scene, without frame and ticks; leave them empty without OpenGL."""
-    if usable_window() is not None:
-        axes.imshow(render(scene), interpolation="antialiased")
-    axes.set_axis_off()
+def _write(axes: Axes, view: View, labels: Sequence[Label]) -> None:
+    """Texts, each on its point or where it covers the fewest others, with a line to it."""
+    taken: list[Array] = []
+    for label in labels:
+        (point,) = view.pixels(label.place[None])
+        half = 0.5 * _PER_POINT * _TEXT * np.array([0.62 * len(label.text), 1.25])
+        spots = [point]
+        if label.beside:
+            spots = [
+                point + np.array(side) * (half + 7.0 * _PER_POINT * away)
+                for away in (1.0, 2.0, 3.5)
+                for side in ((1, -1), (-1, -1), (1, 1), (-1, 1), (0, -1), (0, 1), (1, 0), (-1, 0))
+            ]
+        boxes = [np.concatenate([spot - half, spot + half]) for spot in spots]
+        best = int(np.argmin([_covered(box, taken) + 1e-3 * i for i, box in enumerate(boxes)]))
+        taken.append(boxes[best])
+        line = {"arrowstyle": "-", "color": label.colour, "lw": 0.4, "shrinkA": 0, "shrinkB": 1}
+        axes.annotate(
+            label.text,
+            xy=tuple(point),
+            xytext=tuple(spots[best]),
+            ha="center",
+            va="center",
+            fontsize=_TEXT,
+            fontstyle="italic" if label.slanted else "normal",
+            color=label.colour,
+            zorder=7,
+            path_effects=[withStroke(linewidth=1.8, foreground="white")],
+            arrowprops=line if label.beside else None,
+        )
 
 
-def staged(
-    axes: Axes,
-    bodies: Sequence[Body],
-    wires: Sequence[Wire],
-    limits: tuple[float, float],
-    camera: tuple[Array, Array],
-    room: tuple[int, float],
-    kept: Sequence[Array] = (),
-) -> Scene:
-    """A scene that fills its panel, drawn on axes with a triad in a corner that is clear.
-
-    `camera`: the direction it is seen from and the one that points upwards (3 each); `room`:
-    columns of panels and their height (in); `kept` further points (n×3, m) are kept inside.
-    """
-    points = np.vstack([*(body.surface.points for body in bodies), *kept])
-    scene = Scene(fitted_view(points, *camera, panel_pixels(*room), 0.07), bodies, limits, wires)
-    show(axes, scene)
-    triad(axes, scene.view, place=clear_corner(scene))
-    return scene
+def _covered(box: Array, taken: Sequence[Array]) -> float:
+    """Share of the box (low, high) that lies on others."""
+    area = 0.0
+    for other in taken:
+        sides = np.minimum(box[2:], other[2:]) - np.maximum(box[:2], other[:2])
+        area += float(np.prod(np.maximum(sides, 0.0)))
+    return area / float(np.prod(box[2:] - box[:2]))
 
 
-def canvas(rows: int, columns: int, height: float) -> tuple[Canvas, list[Axes]]:
-    """An empty picture as wide as the page and its axes, row by row; they make room for texts."""
-    picture = Canvas(figsize=(WIDTH, height), layout="constrained")
-    return picture, list(picture.subplots(rows, columns, squeeze=False).flat)
-
-
-def squares(axes: Axes, view: View, points: Array, colour: str) -> None:
-    """Small squares at points (n×3, m) of the scene, on top of everything."""
-    axes.plot(
-        *pixels(view, points).T,
-        linestyle="",
-        marker="s",
-        markersize=3.4,
-        markerfacecolor=colour,
-        markeredgecolor="black",
-        markeredgewidth=0.5,
-    )
-
-
-def write(axes: Axes, view: View, point: Array, text: str, away: tuple[float, float]) -> None:
-    """Write at a point (3, m) of the scene, `away` (pt) from it, on a white ground."""
-    axes.annotate(
-        text,
-        pixels(view, point[None])[0],
-        xytext=away,
-        textcoords="offset points",
-        fontsize=9.0,
-        ha="center",
-        va="center",
-        bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.0},
-    )
-
-
-def arrow(axes: Axes, view: View, tail: Array, head: Array, colour: str) -> None:
-    """An arrow between two points (3, m) of the scene."""
-    start, end = pixels(view, np.array([tail, head]))
-    axes.annotate(
-        "",
-        end,
-        xytext=start,
-        arrowprops={"arrowstyle": "-|>,head_width=0.3,head_length=0.6", "color": colour, "lw": 2.2},
-    )
-
-
-def triad(
-    axes: Axes, view: View, length: float = 24.0, place: tuple[float, float] = (0.47, 0.93)
-) -> None:
-    """The directions of x, y and z, `length` pt long, from `place` (shares of width and height).
+def _triad(axes: Axes, view: View, place: tuple[float, float]) -> None:
+    """The directions of x, y and z from `place` (shares of width and height).
 
     An axis that points nearly along the line of sight is left out.
     """
-    per_point = DOTS_PER_INCH / 72.0
     origin = np.array(place) * view.size
     for name, direction in zip("xyz", np.eye(3), strict=True):
         seen = np.array([direction @ view.right, -(direction @ view.up)])
@@ -203,67 +225,36 @@ def triad(
             continue
         axes.annotate(
             "",
-            tuple(origin + per_point * length * seen),
+            tuple(origin + _PER_POINT * _TRIAD * seen),
             xytext=tuple(origin),
             arrowprops={"arrowstyle": "-|>", "color": "black", "lw": 1.1, "shrinkA": 0},
         )
-        tip = origin + per_point * (length + 8.0 / size) * seen
+        tip = origin + _PER_POINT * (_TRIAD + 8.0 / size) * seen
         axes.text(tip[0], tip[1], name, ha="center", va="center", fontsize=9.0)
 
 
-# Where a triad may stand, in the order of preference (shares of width and height).
-_CORNERS = ((0.08, 0.92), (0.78, 0.92), (0.08, 0.3), (0.78, 0.3))
-_HALF_TRIAD, _CLEAR = 18.0, 26.0  # pt
-
-
-def clear_corner(scene: Scene) -> tuple[float, float]:
+def clear_corner(scene: Scene, view: View) -> tuple[float, float]:
     """The first place for a triad that no body covers, else the one farthest from all."""
-    per_point = DOTS_PER_INCH / 72.0
-    drawn = pixels(scene.view, np.vstack([body.surface.points for body in scene.bodies]))
+    drawn = view.pixels(np.vstack([body.surface.points for body in scene.bodies]))
 
     def away(place: tuple[float, float]) -> float:
-        centre = np.array(place) * scene.view.size + per_point * _HALF_TRIAD * np.array([1.0, -1.0])
-        return float(np.linalg.norm(drawn - centre, axis=1).min()) / per_point
+        centre = np.array(place) * view.size + 0.75 * _PER_POINT * _TRIAD * np.array([1.0, -1.0])
+        return float(np.linalg.norm(drawn - centre, axis=1).min()) / _PER_POINT
 
     clear = [place for place in _CORNERS if away(place) > _CLEAR]
     return clear[0] if clear else max(_CORNERS, key=away)
 
 
-def colour_bar(
-    picture: Canvas,
-    axes: Axes | list[Axes],
-    limits: tuple[float, float],
-    label: str,
-) -> None:
-    """A horizontal colour bar under the axes, unit in `label`."""
-    mappable = mpl.cm.ScalarMappable(mpl.colors.Normalize(*limits), COLOUR_MAP)
-    bar = picture.colorbar(
-        mappable,
-        ax=axes,
-        orientation="horizontal",
-        fraction=0.05,
-        pad=0.02,
-        aspect=28.0,
-        shrink=0.8,
-    )
-    bar.set_label(label)
+def _colour_bar(picture: Canvas, axes: Axes, scene: Scene) -> None:
+    """A horizontal colour bar under the axes, unit in its label."""
+    mappable = mpl.cm.ScalarMappable(mpl.colors.Normalize(*scene.limits), COLOUR_MAP)
+    place: dict[str, Any] = {"fraction": 0.05, "pad": 0.02, "aspect": 28.0, "shrink": 0.8}
+    bar = picture.colorbar(mappable, ax=axes, orientation="horizontal", **place)
+    bar.set_label(scene.bar)
     bar.outline.set_visible(False)
 
 
-@dataclass(frozen=True)
-class Picture:
-    """A picture as PNG, or why there is none."""
-
-    png: bytes = b""
-    left_out: str = ""
-
-
-def picture_of(picture: Canvas) -> Picture:
-    """The picture, where this machine can draw what it shows."""
-    return Picture(left_out=MESSAGE) if usable_window() is None else Picture(png_of(picture))
-
-
-def png_of(picture: Canvas) -> bytes:
+def _png_of(picture: Canvas) -> bytes:
     """The picture as PNG in 256 dithered colours, half the size of full colour; no date in it."""
     from PIL import Image  # noqa: PLC0415  comes with matplotlib, needed for pictures alone
 
@@ -272,19 +263,15 @@ def png_of(picture: Canvas) -> bytes:
     drawn.draw()
     colours = Image.fromarray(np.asarray(drawn.buffer_rgba())).convert("RGB")
     # A sixteenth of the pixels has the same colours: choosing 256 of them is the slow part.
-    reduced = colours.resize((colours.width // 4, colours.height // 4)).quantize(256)
+    reduced = colours.resize((colours.width // 4, colours.height // 4)).quantize(256 - len(_SMALL))
+    # Marks and arrows are too small to be among them.
+    own = [round(255.0 * share) for colour in _SMALL for share in mpl.colors.to_rgb(colour)]
+    reduced.putpalette([*(reduced.getpalette() or [])[: 3 * (256 - len(_SMALL))], *own])
     reduced = colours.quantize(palette=reduced, dither=Image.Dither.FLOYDSTEINBERG)
-    reduced.putpalette(_with_pure_white(reduced.getpalette() or []))
+    # Without tints of white: a palette of means shades the background.
+    palette = np.array(reduced.getpalette() or []).reshape(-1, 3)
+    palette[palette.min(axis=1) >= _NEARLY_WHITE] = 255
+    reduced.putpalette([int(value) for value in palette.ravel()])
     small = io.BytesIO()
     reduced.save(small, format="png", optimize=True)
     return small.getvalue()
-
-
-def _with_pure_white(palette: list[int]) -> list[int]:
-    """The palette (r, g, b, …) without tints of white: a palette of means shades the background."""
-    colours = np.array(palette).reshape(-1, 3)
-    colours[colours.min(axis=1) >= _NEARLY_WHITE] = 255
-    return [int(value) for value in colours.ravel()]
-
-
-_NEARLY_WHITE = 246

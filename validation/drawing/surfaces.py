@@ -1,129 +1,128 @@
-"""Legs as surfaces, straight and deformed, and where their points come to lie in a picture."""
+"""Surfaces of points and quadrangles: prisms, balls and plates; arrays in, arrays out."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from lumped.arrays import Array, IntArray
 
+_RINGS, _FACETS = 9, 20
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, eq=False)
 class Surface:
-    """Points (n×3, m, robot axes), quadrangles (q×4 point numbers), one value per point or none.
+    """Points (n×3, m), quadrangles (q×4 point numbers) and the edges (e×2) that are drawn as lines.
 
-    `motion` (n×3, m) is how far the points are drawn from where they are at rest, if they move.
+    A triangle is a quadrangle that has its last corner twice.
     """
 
     points: Array
     faces: IntArray
-    values: Array | None = None
-    motion: Array | None = None
+    edges: IntArray
+
+    def placed(self, origin: Array, rotation: Array) -> "Surface":
+        """In the axes in which its own are `rotation` (3×3) at `origin` (3, m)."""
+        return replace(self, points=origin + self.points @ rotation.T)
+
+    def moved(self, displacements: Array) -> "Surface":
+        """With its points displaced (n×3, m)."""
+        return replace(self, points=self.points + displacements)
 
 
-def prism_points(corners: Array, stations: Array) -> Array:
-    """Points (m·k × 3, leg axes) of k `corners` (k×2) at m `stations` (m from the root)."""
+def prism(
+    corners: Array, stations: Array, bore: Array | None = None, *, rims: bool = False
+) -> Surface:
+    """A prism along x with an outline of k `corners` (k×2, y and z, k even), normals outwards.
+
+    Cut at `stations` (m); a `bore` (k×2) is seen at both ends. Its edges are the rims of both ends,
+    or of all stations, and four or fewer along it.
+    """
+    count, last = len(corners), len(stations) - 1
+    sides = _sides(count, len(stations))
+    ring = np.arange(count)
+    kept = [0, *range(1, last), last] if rims else [0, last]
+    edges = [np.column_stack([ring, np.roll(ring, -1)]) + count * number for number in kept]
+    lengthwise = ring if count <= 4 else ring[:: count // 4]
+    edges += [np.column_stack([lengthwise, lengthwise + count]) + count * k for k in range(last)]
+    points = _along(corners, stations)
+    if bore is None:
+        strips = np.array([[k, k + 1, count - 2 - k, count - 1 - k] for k in range(count // 2 - 1)])
+        caps = [strips[:, ::-1], strips + count * last]
+    else:
+        # Between the outline's rims and those of the bore, which come after all other points.
+        following, inner = np.roll(ring, -1), len(points)
+        points = np.vstack([points, _along(bore, stations[[0, -1]])])
+        near = np.column_stack([following, ring, inner + ring, inner + following])
+        far = np.column_stack([ring, following, following + inner, ring + inner])
+        caps = [near, far + np.array([1, 1, 0, 0]) * count * last + np.array([0, 0, 1, 1]) * count]
+    return Surface(points, np.vstack([sides, *caps]), np.vstack(edges))
+
+
+def ball(radius: float) -> Surface:
+    """A ball (m) about the origin, normals outwards."""
+    turn = np.linspace(np.pi, 0.0, _RINGS)
+    rings = [radius * np.column_stack([np.sin(t) * circle(1.0), _all(np.cos(t))]) for t in turn]
+    return Surface(np.vstack(rings), _sides(_FACETS, _RINGS), np.zeros((0, 2), dtype=np.int64))
+
+
+def plate(rim: Array) -> Surface:
+    """A flat polygon (n×3, m) with its middle within."""
+    count = len(rim)
+    ring = np.arange(count)
+    edges = np.column_stack([ring, np.roll(ring, -1)])
+    faces = np.column_stack([np.full(count, count), edges, edges[:, 1]])
+    return Surface(np.vstack([rim, rim.mean(axis=0)]), faces, edges)
+
+
+def faceted(points: Array, faces: Sequence[IntArray]) -> Surface:
+    """Faces of triangles or quadrangles (f×c point numbers each), with the edges between them."""
+    return Surface(
+        points,
+        np.vstack([face[:, [0, 1, 2, -1]] for face in faces]),
+        np.vstack([_rim(face) for face in faces]),
+    )
+
+
+def _rim(corners: IntArray) -> IntArray:
+    """Edges (e×2) of the facets (f×c) of a face that one of them alone has."""
+    sides = np.stack([corners, np.roll(corners, -1, axis=1)], axis=2).reshape(-1, 2)
+    edges, counts = np.unique(np.sort(sides, axis=1), axis=0, return_counts=True)
+    return np.asarray(edges[counts == 1])
+
+
+def joined(surfaces: Sequence[Surface]) -> Surface:
+    """Several as one."""
+    begun = np.cumsum([0, *(len(one.points) for one in surfaces)])
+    return Surface(
+        np.vstack([one.points for one in surfaces]),
+        np.vstack([one.faces + k for one, k in zip(surfaces, begun[:-1], strict=True)]),
+        np.vstack([one.edges + k for one, k in zip(surfaces, begun[:-1], strict=True)]),
+    )
+
+
+def circle(radius: float) -> Array:
+    """Corners (n×2, m) of a polygon in place of a circle."""
+    angles = 2.0 * np.pi * np.arange(_FACETS) / _FACETS
+    return radius * np.column_stack([np.cos(angles), np.sin(angles)])
+
+
+def rectangle(width: float, height: float) -> Array:
+    """Corners (4×2, m)."""
+    return 0.5 * np.array([[-width, -height], [width, -height], [width, height], [-width, height]])
+
+
+def _all(value: float) -> Array:
+    return np.full(_FACETS, value)
+
+
+def _along(corners: Array, stations: Array) -> Array:
     along = np.repeat(stations, len(corners))
     return np.column_stack([along, np.tile(corners, (len(stations), 1))])
 
 
-def prism_faces(corners: int, stations: int) -> IntArray:
-    """Quadrangles (q×4) of the side of a prism of `prism_points`, normals outwards; ends open."""
+def _sides(corners: int, stations: int) -> IntArray:
     ring = np.arange(corners)
     following = np.roll(ring, -1)
     first = np.column_stack([ring, following, following + corners, ring + corners])
     return (first + corners * np.arange(stations - 1)[:, None, None]).reshape(-1, 4)
-
-
-def end_faces(corners: int, stations: int) -> IntArray:
-    """Quadrangles (2(k/2 − 1) × 4) that close both ends; k even."""
-    strips = [
-        [start, start + 1, corners - 2 - start, corners - 1 - start]
-        for start in range(corners // 2 - 1)
-    ]
-    tip = np.array(strips) + corners * (stations - 1)
-    root = np.array(strips)[:, ::-1]
-    return np.vstack([root, tip])
-
-
-def edges(corners: int, stations: int) -> IntArray:
-    """Pairs (e×2) of point numbers along the long edges and both rims; a circle has rims alone."""
-    ring = np.arange(corners)
-    rim = np.column_stack([ring, np.roll(ring, -1)])
-    kept = ring if corners <= 4 else ring[:: corners // 4]
-    steps = corners * np.arange(stations - 1)[:, None] + kept
-    long = np.column_stack([steps.ravel(), steps.ravel() + corners])
-    return np.vstack([rim, rim + corners * (stations - 1), long])
-
-
-def frames(corners: int, stations: int) -> IntArray:
-    """Pairs (e×2) of point numbers along the rim of every station and the long edges."""
-    ring = np.arange(corners)
-    rim = np.column_stack([ring, np.roll(ring, -1)])
-    rims = (rim + corners * np.arange(stations)[:, None, None]).reshape(-1, 2)
-    return np.vstack([rims, edges(corners, stations)])
-
-
-def readable_factor(largest: float, wanted: float) -> float:
-    """Factor 1, 2 or 5 · 10ᵏ that brings `largest` closest below `wanted` (same unit).
-
-    1 where nothing moves.
-    """
-    if not largest > 0.0:
-        return 1.0
-    exact = wanted / largest
-    decade = 10.0 ** np.floor(np.log10(exact))
-    steps = np.array([1.0, 2.0, 5.0])
-    # Rounding must not turn an exact 5 into 2.
-    return float(steps[steps * decade <= exact * (1.0 + 1e-12)][-1] * decade)
-
-
-@dataclass(frozen=True)
-class View:
-    """Camera at infinity.
-
-    Unit vectors `right`, `up`, `toward` (to the viewer); `centre` (3, m) is shown in the middle of
-    a picture of `size` pixels (width, height), which shows `half_height` (m) above and below it.
-    """
-
-    right: Array
-    up: Array
-    toward: Array
-    centre: Array
-    half_height: float
-    size: tuple[int, int]
-
-
-def fitted_view(
-    points: Array, toward: Array, up: Array, size: tuple[int, int], margin: float = 0.06
-) -> View:
-    """The view from `toward` (3) that shows all `points` (n×3, m); `up` (3) points upwards.
-
-    `margin` is the free share of the picture on each side.
-    """
-    toward = np.asarray(toward, dtype=float) / np.linalg.norm(toward)
-    right = np.cross(up, toward)
-    right /= np.linalg.norm(right)
-    upwards = np.cross(toward, right)
-    plane = points @ np.column_stack([right, upwards])
-    low, high = plane.min(axis=0), plane.max(axis=0)
-    middle = (low + high) / 2.0
-    width, height = size
-    half = np.maximum((high - low) / 2.0, 1e-9) / (1.0 - 2.0 * margin)
-    depth = float(np.mean(points @ toward))
-    return View(
-        right=right,
-        up=upwards,
-        toward=toward,
-        centre=middle[0] * right + middle[1] * upwards + depth * toward,
-        half_height=float(max(half[1], half[0] * height / width)),
-        size=size,
-    )
-
-
-def pixels(view: View, points: Array) -> Array:
-    """Pixel coordinates (n×2, from the left and from the top) of points (n×3, m)."""
-    offset = np.asarray(points, dtype=float) - view.centre
-    scale = view.size[1] / (2.0 * view.half_height)
-    x = view.size[0] / 2.0 + scale * (offset @ view.right)
-    y = view.size[1] / 2.0 - scale * (offset @ view.up)
-    return np.column_stack([x, y])

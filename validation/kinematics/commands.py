@@ -5,7 +5,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from validation.console.streams import say
+from validation.console.streams import complain, say
 from validation.console.typed import require_place, write
 
 
@@ -39,7 +39,12 @@ def kinematics(
     found = postures_of(mechanism, parsed_poses(mechanism, pose) if pose else mechanism.poses)
     say((listing.as_json if json else listing.as_text)(mechanism, found))
     if picture is not None:
-        from validation.kinematics.picture import png  # noqa: PLC0415
+        from validation.drawing.rendering import pictured  # noqa: PLC0415
+        from validation.kinematics.picture import scene  # noqa: PLC0415
 
-        write(picture, png(mechanism, found))
+        drawn = pictured([scene(mechanism, found)])
+        if drawn.left_out:
+            complain([drawn.left_out], 3)
+        else:
+            write(picture, drawn.png)
     return 0

@@ -1,118 +1,85 @@
-"""Bodies as they are, and joints as the field draws them, as polygons in base axes.
+"""Bodies as they are, and joints as the field draws them, as surfaces in base axes.
 
-Prisms have their true sections, CAD parts their surface.
+Prisms have their true sections, legs known by a 6×6 those of their equivalents, CAD parts their
+surface.
 """
 
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Literal, TypeAlias, assert_never
 
 import numpy as np
 
 from lumped.arrays import Array
 from lumped.errors import InputError
-from lumped.legs import ConstantLeg, GivenLeg
-from lumped.mechanism.body import Body, Frame
-from lumped.mechanism.free_twists import (
-    across_axis,
-    interface_position,
-    turned_since_reference,
-)
-from lumped.mechanism.joint import Joint
-from lumped.mechanism.mechanism import GROUND, Posture
+from lumped.legs import ConstantLeg, GivenLeg, equivalent_leg
+from lumped.mechanism.body import Body
+from lumped.mechanism.free_twists import across_axis, interface_position, turned_since_reference
+from lumped.mechanism.joint import Joint, Side
+from lumped.mechanism.mechanism import GROUND, Mechanism, Posture
 from lumped.mechanism.part import Part
+from lumped.models.bodies import legs_of
 from lumped.sections import Circle, HollowRectangle, ISection, Section, Tube
+from validation.drawing.scene import DARK
+from validation.drawing.style import ORANGE
+from validation.drawing.surfaces import (
+    Surface,
+    ball,
+    circle,
+    faceted,
+    joined,
+    plate,
+    prism,
+    rectangle,
+)
 from validation.models.parts import found_in
 
-Matter: TypeAlias = Literal["leg", "other leg", "rigid", "hole", "joint", "drive"]
-_FACETS = 20
-# Of a rigid body's bars and plates, of the size of the mechanism.
+Matter: TypeAlias = Literal["leg", "rigid", "joint", "drive"]
+COLOURS: dict[Matter, str] = {
+    "leg": "#9db8cc",
+    "rigid": "#d9c9a3",
+    "joint": DARK,
+    "drive": ORANGE,
+}
+STATIONS = 15
+# Of a rigid body's bars, of the size of the mechanism.
 _THIN = 0.012
-# A joint sits inside the legs it joins; its symbol is drawn before them (radii).
-_IN_FRONT = 5.0
+# Radius of a joint's symbol, of the size of the mechanism; a drum is longer than the legs that it
+# joins are thick.
+SYMBOL, _THROUGH = 0.035, 1.12
 
 
 @dataclass(frozen=True, eq=False)
-class Face:
-    """A flat polygon (n×3, m, base axes) of something; `nearer` (m) settles who covers whom."""
+class Solid:
+    """What is drawn of a body, or the symbol of a joint, in base axes.
 
-    corners: Array
+    It goes with the interface `carrier`; a leg or part has none, and deforms.
+    """
+
+    name: str
+    surface: Surface
     matter: Matter
-    nearer: float = 0.0
+    carrier: Side | None = None
 
 
-def body_faces(posture: Posture, name: str, size: float) -> Iterator[Face]:
-    """Faces of a body: prisms and parts as they are, else plate or bars between points.
-
-    So a part whose file cannot be read, of which others complain.
-    """
-    body = posture.mechanism.bodies[name]
-    frame = posture.frames[name]
-    points = np.array([(frame @ place).position for place in body.interfaces.values()])
-    if isinstance(body.shape, ConstantLeg):
-        outline, bores = outlines(body.shape.section)
-        yield from _extruded(outline, frame.position, frame.rotation, body.shape.length, bores)
-        return
-    if isinstance(body.shape, Part):
-        with suppress(InputError):
-            yield from _surface(body, frame)
-            return
-        yield from _plate(points, _THIN * size)
-        return
-    if is_leg(body):
-        radius = 0.02 * float(np.linalg.norm(points[1] - points[0]))
-        outline = _circle(radius)
-        length = float(np.linalg.norm(points[1] - points[0]))
-        yield from _extruded(outline, frame.position, frame.rotation, length, [])
-        return
-    yield from _plate(points, _THIN * size)
+def solids(posture: Posture) -> list[Solid]:
+    """Bodies, then joints, where they are in a posture."""
+    mechanism = posture.mechanism
+    bodies = (_body(posture, name) for name in mechanism.bodies if name != GROUND)
+    symbols = (_symbol(posture, joint) for joint in mechanism.joints)
+    return [one for one in (*bodies, *symbols) if one]
 
 
-def outlines(section: Section) -> tuple[Array, list[Array]]:
-    """Outline (n×2, y and z, m) of a section and its bores."""
+def outlines(section: Section) -> tuple[Array, Array | None]:
+    """Outline (n×2, y and z, m) of a section and that of its bore."""
     if isinstance(section, Circle | Tube):
-        bores = [_circle(section.inner_diameter / 2.0)] if isinstance(section, Tube) else []
-        return _circle(section.diameter / 2.0), bores
+        bore = circle(section.inner_diameter / 2.0) if isinstance(section, Tube) else None
+        return circle(section.diameter / 2.0), bore
     if isinstance(section, ISection):
-        return _i_outline(section), []
-    bores = []
-    if isinstance(section, HollowRectangle):
-        bores = [_rectangle(*section.inner.extent)]
-    return _rectangle(*section.extent), bores
-
-
-def joint_faces(
-    posture: Posture, joint: Joint, radius: float, reach: float = 0.0
-) -> Iterator[Face]:
-    """The symbol of a joint where its first body ends: drum, sleeve, ball, cross or plate.
-
-    What slides on ground is drawn where it has slid to. Drums are at least `reach` (m) long.
-    """
-    place = interface_position(posture, joint.second if on_ground(joint) else joint.first)
-    turn = turned_since_reference(posture, joint.first.body)
-    matter: Matter = "drive" if joint.drive else "joint"
-    axes = joint.axes @ turn.T
-    match joint.kind:
-        case "fixed":
-            return
-        case "spherical":
-            yield from _ball(place, radius, matter)
-        case "universal":
-            second = turned_since_reference(posture, joint.second.body) @ joint.axes[1]
-            for axis in (axes[0], second):
-                yield from _drum(place, axis, 0.45 * radius, 1.5 * radius, matter)
-        case "revolute":
-            yield from _drum(place, axes[0], radius, max(1.2 * radius, reach), matter)
-        case "cylindrical":
-            yield from _drum(place, axes[0], 0.8 * radius, 2.0 * radius, matter)
-        case "prismatic":
-            yield from _sleeve(place, axes[0], (1.2 * radius, 2.4 * radius), matter)
-        case "planar":
-            yield from _sleeve(place, axes[0], (2.0 * radius, 0.3 * radius), matter)
-        case _:
-            assert_never(joint.kind)
+        return _i_outline(section), None
+    bore = rectangle(*section.inner.extent) if isinstance(section, HollowRectangle) else None
+    return rectangle(*section.extent), bore
 
 
 def on_ground(joint: Joint) -> bool:
@@ -120,26 +87,106 @@ def on_ground(joint: Joint) -> bool:
     return joint.first.body == GROUND
 
 
+def symbol_at(joint: Joint) -> Side:
+    """Where a joint is drawn: at the end of its first body, on ground where it has slid to."""
+    return joint.second if on_ground(joint) else joint.first
+
+
 def is_leg(body: Body) -> bool:
     """Whether a body runs from one point to another, by its data or its shape."""
     return isinstance(body.shape, ConstantLeg | GivenLeg | Part) and len(body.interfaces) == 2
 
 
-def _surface(body: Body, frame: Frame) -> Iterator[Face]:
+def _body(posture: Posture, name: str) -> Solid | None:
+    """As it is, or a plate or bars between its points: also a part whose file cannot be read."""
+    body, frame = posture.mechanism.bodies[name], posture.frames[name]
+    # Others complain of the file.
+    with suppress(InputError):
+        if isinstance(body.shape, ConstantLeg | GivenLeg):
+            own = prism(*_cut(equivalent_leg(body.shape).section, body.shape.length))
+            return Solid(name, own.placed(frame.position, frame.rotation), "leg")
+        if isinstance(body.shape, Part):
+            return Solid(name, _of_file(body).placed(frame.position, frame.rotation), "leg")
+    points = np.array([(frame @ place).position for place in body.interfaces.values()])
+    pieces = list(_plate_or_bars(points, _THIN * posture.mechanism.size))
+    if not pieces:
+        return None
+    return Solid(name, joined(pieces), "rigid", Side(name, next(iter(body.interfaces))))
+
+
+def _cut(section: Section, length: float) -> tuple[Array, Array, Array | None]:
+    outline, bore = outlines(section)
+    return outline, np.linspace(0.0, length, STATIONS), bore
+
+
+def _of_file(body: Body) -> Surface:
+    """A part by the faces of its file, with the edges between these."""
     file, _ = found_in(body)
-    places = frame.position + file.surface @ frame.rotation.T
-    for face in file.faces:
-        for corners in face.facets.corners:
-            yield Face(places[corners], "leg")
+    return faceted(file.surface, [face.facets.corners for face in file.faces])
 
 
-def _circle(radius: float) -> Array:
-    angles = 2.0 * np.pi * np.arange(_FACETS) / _FACETS
-    return radius * np.column_stack([np.cos(angles), np.sin(angles)])
+def _plate_or_bars(points: Array, thickness: float) -> Iterator[Surface]:
+    """A plate through three points and more, and bars from their middle."""
+    middle = points.mean(axis=0)
+    _, spread, axes = np.linalg.svd(points - middle, full_matrices=False)
+    if len(points) > 2 and spread[1] > 0.1 * spread[0]:
+        flat = (points - middle) @ axes[:2].T
+        around = np.argsort(np.arctan2(flat[:, 1], flat[:, 0]))
+        on_rim = np.linalg.norm(flat[around], axis=1) > 1e-6 * spread[0]
+        yield plate(points[around][on_rim])
+    for point in points:
+        if np.linalg.norm(point - middle) > 0.0:
+            yield _between(middle, point, rectangle(thickness, thickness))
 
 
-def _rectangle(width: float, height: float) -> Array:
-    return 0.5 * np.array([[-width, -height], [width, -height], [width, height], [-width, height]])
+def _symbol(posture: Posture, joint: Joint) -> Solid | None:
+    """The symbol of a joint: drum, sleeve, ball, cross or plate."""
+    if joint.kind == "fixed":
+        return None
+    side = symbol_at(joint)
+    place, radius = interface_position(posture, side), SYMBOL * posture.mechanism.size
+    matter: Matter = "drive" if joint.drive else "joint"
+    axes = joint.axes @ turned_since_reference(posture, joint.first.body).T
+    thick = _thickness(posture.mechanism, joint)
+
+    def along(axis: Array, outline: Array, length: float) -> Surface:
+        return _between(place - 0.5 * length * axis, place + 0.5 * length * axis, outline)
+
+    match joint.kind:
+        case "spherical":
+            surface = ball(max(radius, 0.6 * thick)).placed(place, np.eye(3))
+        case "universal":
+            second = turned_since_reference(posture, joint.second.body) @ joint.axes[1]
+            drums = (along(axis, circle(0.45 * radius), 1.5 * radius) for axis in (axes[0], second))
+            surface = joined(list(drums))
+        case "revolute":
+            length = max(1.2 * radius, _THROUGH * thick)
+            surface = along(axes[0], circle(radius), length)
+        case "cylindrical":
+            surface = along(axes[0], circle(0.8 * radius), 2.0 * radius)
+        case "prismatic":
+            half = max(2.4 * radius, _THROUGH * thick)
+            surface = along(axes[0], rectangle(half, half), max(2.4 * radius, half))
+        case "planar":
+            surface = along(axes[0], rectangle(4.0 * radius, 4.0 * radius), 0.3 * radius)
+        case _:
+            assert_never(joint.kind)
+    return Solid(joint.name, surface, matter, side)
+
+
+def _between(start: Array, end: Array, outline: Array) -> Surface:
+    """A prism from one point to another (3, m)."""
+    length = float(np.linalg.norm(end - start))
+    axis = (end - start) / length
+    rotation = np.column_stack([axis, *across_axis(axis)])
+    return prism(outline, np.array([0.0, length])).placed(start, rotation)
+
+
+def _thickness(mechanism: Mechanism, joint: Joint) -> float:
+    """Extent (m) of the legs that meet in a joint, 0 where there is none."""
+    known = legs_of(mechanism)
+    names = [side.body for side in (joint.first, joint.second) if side.body in known]
+    return max((max(equivalent_leg(known[name]).section.extent) for name in names), default=0.0)
 
 
 def _i_outline(section: ISection) -> Array:
@@ -147,78 +194,3 @@ def _i_outline(section: ISection) -> Array:
     root = z - section.flange
     right = [(y, -z), (y, -root), (web, -root), (web, root), (y, root), (y, z)]
     return np.array(right + [(-y, z) for y, z in reversed(right)])
-
-
-def _extruded(
-    outline: Array, origin: Array, rotation: Array, length: float, bores: list[Array]
-) -> Iterator[Face]:
-    near, far = (_placed(outline, origin, rotation, x) for x in (0.0, length))
-    following = np.roll(np.arange(len(outline)), -1)
-    # Pieces along the leg: whole sides of crossing legs would cover each other as a whole.
-    cuts = np.linspace(0.0, 1.0, 13)
-    for begin, end in pairwise(cuts):
-        one, other = (near + share * (far - near) for share in (begin, end))
-        for i, j in enumerate(following):
-            yield Face(np.array([one[i], one[j], other[j], other[i]]), "leg")
-    for x, cap in ((0.0, near), (length, far)):
-        yield Face(cap, "leg")
-        for bore in bores:
-            yield Face(_placed(bore, origin, rotation, x), "hole", nearer=1e-4)
-
-
-def _placed(outline: Array, origin: Array, rotation: Array, x: float) -> Array:
-    local = np.column_stack([np.full(len(outline), x), outline])
-    placed: Array = origin + local @ rotation.T
-    return placed
-
-
-def _plate(points: Array, thickness: float) -> Iterator[Face]:
-    """A plate through three points and more, else bars from their middle."""
-    middle = points.mean(axis=0)
-    _, spread, axes = np.linalg.svd(points - middle, full_matrices=False)
-    if len(points) > 2 and spread[1] > 0.1 * spread[0]:
-        flat = (points - middle) @ axes[:2].T
-        around = np.argsort(np.arctan2(flat[:, 1], flat[:, 0]))
-        on_rim = np.linalg.norm(flat[around], axis=1) > 1e-6 * spread[0]
-        yield Face(points[around][on_rim], "rigid")
-    for point in points:
-        length = float(np.linalg.norm(point - middle))
-        if length > 0.0:
-            x = (point - middle) / length
-            rotation = np.column_stack([x, *across_axis(x)])
-            bar = _rectangle(thickness, thickness)
-            for face in _extruded(bar, middle, rotation, length, []):
-                yield Face(face.corners, "rigid")
-
-
-def _drum(
-    place: Array, axis: Array, radius: float, length: float, matter: Matter
-) -> Iterator[Face]:
-    rotation = np.column_stack([axis, *across_axis(axis)])
-    for face in _extruded(_circle(radius), place - 0.5 * length * axis, rotation, length, []):
-        yield Face(face.corners, matter, nearer=_IN_FRONT * radius)
-
-
-def _sleeve(
-    place: Array, axis: Array, sizes: tuple[float, float], matter: Matter
-) -> Iterator[Face]:
-    half, length = sizes
-    rotation = np.column_stack([axis, *across_axis(axis)])
-    box = _rectangle(2.0 * half, 2.0 * half)
-    for face in _extruded(box, place - 0.5 * length * axis, rotation, length, []):
-        yield Face(face.corners, matter, nearer=0.6 * _IN_FRONT * half)
-
-
-def _ball(place: Array, radius: float, matter: Matter) -> Iterator[Face]:
-    rings = np.linspace(0.0, np.pi, 9)
-    circle = _circle(1.0)
-    levels = [
-        place + radius * np.column_stack([np.sin(t) * circle, np.full(_FACETS, np.cos(t))])
-        for t in rings
-    ]
-    following = np.roll(np.arange(_FACETS), -1)
-    for one, other in pairwise(levels):
-        for i, j in enumerate(following):
-            yield Face(
-                np.array([one[i], one[j], other[j], other[i]]), matter, nearer=_IN_FRONT * radius
-            )

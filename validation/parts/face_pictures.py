@@ -4,87 +4,70 @@ A number stands on a piece of its face that is seen from where the picture is ta
 seen from neither side, those of a cavity, are named below it and shown in the scene.
 """
 
-from importlib.resources import files
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from matplotlib.figure import Figure as Canvas
 
 from lumped.arrays import Array
 from meshes.part.boundary import area_vectors
 from meshes.part.faces import Face
 from meshes.part.reading.read import PartFile
 from validation.drawing.opengl import require_vtk
-from validation.drawing.rendering import (
-    Body,
-    Picture,
-    Scene,
-    panel_pixels,
-    picture_of,
-    show,
-    triad,
-    write,
-)
-from validation.drawing.scenes import interactive
-from validation.drawing.style import WIDTH
-from validation.drawing.surfaces import Surface, View, fitted_view, pixels
-from validation.drawing.text import base64
+from validation.drawing.rendering import Picture, panel_size, pictured
+from validation.drawing.scene import Body, Label, Scene, View
+from validation.drawing.surfaces import Surface
+from validation.drawing.turnable import page
 
 # Light, so that black numbers are read on all of them; neighbours in number differ.
 _COLOURS = ("#9ecae1", "#fdd0a2", "#a1d99b", "#dadaeb", "#fee391", "#c7c7c7", "#f4b6c2", "#8dd3c7")
+_UP = np.array([0.0, 0.0, 1.0])
 _SIDES = (np.array([0.75, -1.0, 0.6]), np.array([-0.75, 1.0, -0.6]))
 _HEIGHT = 3.6
 # Letters of the scene, as a share of the part's size; pieces tried before a face counts as hidden.
 _LETTER, _TRIES = 0.035, 60
 _CLEAR = 26.0  # pixels between numbers
 _TITLE = "Faces of {}"
+_NO_EDGES = np.zeros((0, 2), dtype=np.int64)
 
 
 def picture(part: PartFile) -> Picture:
     """The part from two opposite sides, its faces in colours and numbered."""
     require_vtk()
-    canvas = Canvas(figsize=(WIDTH, _HEIGHT + 0.6), layout="constrained")
     hidden = {face.number for face in part.faces}
     whole = _poly_data(part)
-    for axes, toward in zip(np.ravel(canvas.subplots(1, 2)), _SIDES, strict=True):
-        view = fitted_view(
-            part.surface, toward, np.array([0.0, 0.0, 1.0]), panel_pixels(2, _HEIGHT)
-        )
-        show(axes, Scene(view, _bodies(part), (0.0, 1.0)))
-        taken: list[Array] = []
+    scenes = []
+    for toward in _SIDES:
+        scene = Scene(_bodies(part), (toward, _UP))
+        view = scene.view(panel_size(2, _HEIGHT))
+        labels: list[Label] = []
         for face in part.faces:
             seen = _seen(part, face, view, whole)
             if len(seen):
                 hidden.discard(face.number)
-                place = _apart(seen, taken, view)
-                taken.append(place)
-                write(axes, view, place, str(face.number), (0.0, 0.0))
-        triad(axes, view)
+                place = _apart(seen, [one.place for one in labels], view)
+                labels.append(Label(str(face.number), place, beside=False))
+        scenes.append(replace(scene, labels=labels))
     unseen = ", ".join(map(str, sorted(hidden)))
     title = _TITLE.format(part.path.name) + f", {part.size}"
-    canvas.suptitle(title + (f"\nseen from neither side: {unseen}" if unseen else ""), fontsize=10)
-    return picture_of(canvas)
+    title += f"\nseen from neither side: {unseen}" if unseen else ""
+    return pictured(scenes, 2, _HEIGHT, title=title)
 
 
 def scene_page(part: PartFile) -> str:
     """A page of its own, offline in any browser: the part with numbers on its faces, to turn."""
     require_vtk()
-    up = np.array([0.0, 0.0, 1.0])
-    view = fitted_view(part.surface, _SIDES[0], up, (900, 600))
     letters = [_number(part, face) for face in part.faces]
-    scene = Scene(view, _bodies(part), (0.0, 1.0))
-    state = base64(interactive(part.path.name, scene, letters).state)
-    page = files("trame_vtk.tools").joinpath("static_viewer.html").read_text(encoding="utf-8")
-    call = f'OfflineLocalView.load(document.body, {{ base64Str: "{state}" }});'
-    end = page.rindex("</body>")
-    loader = f"<script>function loadDataSet() {{ {call} }}</script>"
-    title = f"<title>{_TITLE.format(part.path.name)}</title>"
-    return page[:end] + title + loader + page[end:]
+    scene = Scene(_bodies(part), (_SIDES[0], _UP), title=part.path.name, turned=letters)
+    return page(scene, _TITLE.format(part.path.name))
 
 
 def _bodies(part: PartFile) -> list[Body]:
     return [
-        Body(Surface(part.surface, face.facets.corners), _COLOURS[face.number % len(_COLOURS)])
+        Body(
+            Surface(part.surface, face.facets.corners[:, [0, 1, 2, -1]], _NO_EDGES),
+            _COLOURS[face.number % len(_COLOURS)],
+        )
         for face in part.faces
     ]
 
@@ -121,7 +104,7 @@ def _apart(places: Array, taken: list[Array], view: View) -> Array:
     """The first of `places` whose number covers none of those `taken`; the farthest if all do."""
     if not taken:
         return np.asarray(places[0])
-    away = np.abs(pixels(view, places)[:, None] - pixels(view, np.array(taken)))
+    away = np.abs(view.pixels(places)[:, None] - view.pixels(np.array(taken)))
     # Wider than high, as numbers are.
     clearance = np.maximum(away[..., 0] / 1.4, away[..., 1]).min(axis=1)
     free = np.flatnonzero(clearance > _CLEAR)
@@ -141,4 +124,5 @@ def _number(part: PartFile, face: Face) -> Body:
     axes = np.column_stack([across, np.cross(normal, across), normal])
     points = (np.asarray(text.points) - np.asarray(text.center)) @ axes.T
     places = centre + 0.15 * letter * normal + points
-    return Body(Surface(places, text.regular_faces.astype(np.int64)), "#000000")
+    faces = text.regular_faces.astype(np.int64)[:, [0, 1, 2, 2]]
+    return Body(Surface(places, faces, _NO_EDGES), "#000000")

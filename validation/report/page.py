@@ -12,7 +12,7 @@ from markupsafe import Markup
 from lumped.audit.finding import Finding
 from validation.adequacy.matrix import Matrix
 from validation.drawing import text
-from validation.drawing.scenes import packed_viewer
+from validation.drawing.turnable import viewer
 from validation.exhibits import PORTRAIT, Figure, PlannedFigure
 from validation.report.first_screen.screen import FirstScreen, first_screen
 from validation.report.listing import summary
@@ -162,9 +162,8 @@ class Report:
 
     @property
     def viewer(self) -> str:
-        """The viewer of the 3-D scenes, packed for the page; empty where there are none."""
-        shown = any(figure.scenes for figure in self.figures)
-        return packed_viewer() if shown else ""
+        """The script that shows 3-D scenes; empty where there are none."""
+        return viewer() if any(figure.scenes for figure in self.figures) else ""
 
     @property
     def slowest_first(self) -> tuple[Outcome, ...]:

@@ -20,7 +20,7 @@ def test_faces_are_listed_in_the_unit_of_the_file_and_drawn_in_colours(capsys, t
     if not page.exists():
         assert "no usable OpenGL" in said.err
         return
-    assert "OfflineLocalView.load(document.body" in page.read_text("utf-8")
+    assert "showScene(document.getElementById('scene'), '" in page.read_text("utf-8")
     colours = image.open(drawn).convert("RGB").getcolors(1 << 20)
     # The plates' two large faces are of different colours, and each fills a fair share.
     large = [colour for count, colour in sorted(colours, reverse=True)[:12] if count > 3000]

@@ -1,39 +1,32 @@
 """The report as a reader opens it: from a file, without a network, in a real browser."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from chromium import EXECUTABLE, browser
 from made_box import box
 from report_sample import PIXEL, sample_report
 
-from validation.drawing.rendering import Body, Scene
-from validation.drawing.scenes import interactive
-from validation.drawing.surfaces import fitted_view
+from validation.drawing.scene import Body, Scene, Wire
+from validation.drawing.turnable import turnable
 from validation.exhibits import Figure
 from validation.report.page import render
 
 pytestmark = pytest.mark.skipif(EXECUTABLE is None, reason="no Chromium (Debian: chromium)")
 
-BUTTON, FRAME, VEIL = "button[data-scene]", ".scene iframe", ".scene .veil"
+BUTTON, FRAME, VEIL = "button[data-scene]", ".scene canvas", ".scene .veil"
 PAUSE = ".scene .pause"
-DRAWN = (
-    "(f => f && f.contentDocument && f.contentDocument.querySelector('canvas') !== null)"
-    f"(document.querySelector('{FRAME}'))"
-)
+DRAWN = f"document.querySelector('{FRAME}') !== null"
 
 
 def scene(title, away=None):
     """A red box, three times as long as high, drawn `away` (m) along z from its place at rest."""
     shape = box(np.array([-1.5, -0.5, -0.5]), np.array([1.5, 0.5, 0.5]))
-    if away is not None:
-        shape = replace(shape, motion=np.tile([0.0, 0.0, away], (len(shape.points), 1)))
-    body = Body(shape, "#cc2200")
-    view = fitted_view(
-        body.surface.points, np.array([0.3, -1.0, 0.4]), np.array([0.0, 0.0, 1.0]), (400, 300)
+    motion = None if away is None else np.tile([0.0, 0.0, away], (len(shape.points), 1))
+    camera = np.array([0.3, -1.0, 0.4]), np.array([0.0, 0.0, 1.0])
+    edges = Wire(shape.points, shape.edges, "#0000cc", 4.0, motion)
+    return turnable(
+        Scene([Body(shape, "#cc2200", motion=motion)], camera, title=title, turned=[edges])
     )
-    return interactive(title, Scene(view, [body], (0.0, 1.0)))
 
 
 @pytest.fixture(scope="module")

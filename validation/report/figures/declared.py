@@ -1,45 +1,56 @@
 """Figures declared where they are drawn: what they are called, and where they stand in the page."""
 
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import wraps
 from typing import TypeAlias
 
 from validation.context import PRESETS, Context, Preset
 from validation.drawing.chart import Chart, chart_table
 from validation.drawing.plot import chart_svg
-from validation.drawing.rendering import Picture
-from validation.exhibits import Figure, InteractiveScene, PlannedFigure
+from validation.drawing.rendering import Picture, pictured
+from validation.drawing.scene import Scene
+from validation.drawing.style import WIDTH
+from validation.drawing.turnable import turnable
+from validation.exhibits import Figure, PlannedFigure
 
 
 @dataclass(frozen=True)
 class Shown:
-    """What a figure shows, with its caption; a chart has its data (see `Figure`).
+    """What a figure shows, with its caption: a chart, or scenes with their data.
 
-    `title` where it says more than that of the plan.
+    Scenes stand in `columns`, `height` inches each, in a picture of so much `width` (see
+    `rendering.pictured`); each can be turned if they are `turned`. `title` where it says more than
+    that of the plan.
     """
 
     caption: str
     chart: Chart | None = None
-    picture: Picture = field(default_factory=Picture)
+    scenes: Sequence[Scene] = ()
+    columns: int = 1
+    height: float | None = None
+    width: float = WIDTH
+    turned: bool = True
     data: str = ""
-    scenes: tuple[InteractiveScene, ...] = ()
     title: str = ""
 
     def figure(
         self, identifier: str, title: str, section: str, computed_by: tuple[str, ...] = ()
     ) -> Figure:
         """As a figure of the page, drawn."""
+        picture = Picture()
+        if self.scenes:
+            picture = pictured(self.scenes, self.columns, self.height, self.width)
         return Figure(
             id=identifier,
             title=self.title or title,
             caption=self.caption,
             section=section,
             svg=chart_svg(self.chart) if self.chart else "",
-            png=self.picture.png,
+            png=picture.png,
             data=chart_table(self.chart) if self.chart else self.data,
-            left_out=self.picture.left_out,
-            scenes=self.scenes,
+            left_out=picture.left_out,
+            scenes=tuple(map(turnable, self.scenes)) if self.turned else (),
             computed_by=computed_by,
         )
 

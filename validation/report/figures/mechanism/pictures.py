@@ -1,16 +1,11 @@
 """Pictures of a mechanism: the one beside its verdict, its first modes, and how it yields."""
 
-from io import BytesIO
-
 from lumped.models.bodies import legs_of
 from validation.adequacy.mechanism.path import path_postures
 from validation.case import Skip
 from validation.context import Context
-from validation.drawing.opengl import require_vtk
-from validation.drawing.rendering import Picture
-from validation.drawing.style import plot_style
 from validation.exhibits import PATH, PORTRAIT
-from validation.kinematics.picture import picture
+from validation.kinematics.picture import scene
 from validation.report.figures.declared import FigureGroup, Shown
 from validation.report.figures.mechanism.drawn_modes import finite_elements, segments
 from validation.report.figures.mechanism.shapes import FORCE, Pair, modes_of, under_loads
@@ -18,7 +13,6 @@ from validation.report.figures.mechanism.shapes import FORCE, Pair, modes_of, un
 _MODES = 4
 # Modes of the segments among which those of the beams are looked for.
 _BESIDES = 4
-_DOTS = 200  # per inch
 _HALF = 4.2  # in, beside the errors
 portraits = FigureGroup(PATH, "pictures")
 figures = FigureGroup(PATH, "pictures")
@@ -29,14 +23,12 @@ def portrait(context: Context) -> Shown:
     """The middle pose in full, the first and the last as lines."""
     postures = path_postures(context)
     shown = [postures[0], postures[len(postures) // 2], postures[-1]]
-    content = BytesIO()
-    with plot_style():
-        drawn = picture(context.robot_file.mechanism, shown, _HALF, named=False)
-        drawn.savefig(content, dpi=_DOTS, format="png")
     return Shown(
         "In the middle of its path; thin lines: first and last pose. Driven joints are orange, the "
         "loaded point red.",
-        picture=Picture(content.getvalue()),
+        scenes=[scene(context.robot_file.mechanism, shown, named=False)],
+        width=_HALF,
+        turned=False,
     )
 
 
@@ -62,7 +54,6 @@ def _drawn(context: Context) -> Pair:
     prisms, parts = bool(legs_of(mechanism)), bool(mechanism.parts)
     if not (prisms or parts):
         raise Skip("all bodies are rigid: there are no shapes to be drawn")
-    require_vtk()
     model = f"Parts as solids{' and other legs as beams' * prisms}" if parts else "Beam model"
     return Pair(
         finite_elements(context, _MODES),

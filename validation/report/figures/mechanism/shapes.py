@@ -1,11 +1,9 @@
 """Shapes of any robot: its first modes, and how it yields under loads, segments beside beams."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
-from matplotlib.axes import Axes
 
 from lumped.arrays import Array
 from lumped.dense.modes import Modes
@@ -15,26 +13,14 @@ from lumped.models.bodies import legs_of
 from lumped.system.assembly import System
 from lumped.system.solution import solved
 from validation.agreement.mode_pairing import neighbours
-from validation.drawing.opengl import require_vtk
-from validation.drawing.rendering import (
-    Scene,
-    arrow,
-    canvas,
-    colour_bar,
-    picture_of,
-    squares,
-    staged,
-)
-from validation.drawing.scenes import interactive
-from validation.drawing.style import LOOKS, VERMILLION, csv_of, plot_style
-from validation.drawing.surfaces import readable_factor
+from validation.drawing.scene import Arrow, Marks, Scene, readable_factor
+from validation.drawing.style import LOOKS, VERMILLION, csv_of
 from validation.report.figures.declared import Shown
 from validation.report.figures.mechanism.bodies import (
     compared_points,
-    elastic,
+    moved,
     outlines_of,
     rails,
-    surroundings,
 )
 from validation.report.figures.mechanism.mode_names import IN_THE_PLANE, mode_names
 
@@ -43,8 +29,6 @@ _MICRO = 1e6
 # Largest displacement in a picture, of the size of the mechanism (half its extent).
 _DRAWN = 0.16
 _HEIGHT, _SMALL_HEIGHT = 2.9, 2.5  # in, of a panel in two and in three columns
-# Room (in) above the uppermost titles, which touch the edge of the picture without it.
-_TITLE = 0.08
 _ABOVE = (np.array([0.0, -0.3, 1.0]), np.array([0.0, 1.0, 0.0]))
 _ASIDE = (np.array([0.35, -0.95, 0.5]), np.array([0.0, 0.0, 1.0]))
 
@@ -77,118 +61,100 @@ class Pair:
 def modes_of(pair: Pair, count: int, *further: str) -> Shown:
     """A panel for each of the first modes of the beams, the same mode of the segments over it.
 
-    `further` is said in the caption. Raises Skip where nothing can be drawn.
+    `further` is said in the caption.
     """
-    require_vtk()
     beam, segments = pair.beam, pair.segments
     names = mode_names(beam.system, beam.modes.shapes[:, :count])
-    rows = -(-count // 2)
     columns = _places(beam.system)
     scenes = []
-    with plot_style():
-        picture, panels = canvas(rows, 2, rows * (_HEIGHT + 0.75) + _TITLE)
-        for axes in panels[count:]:
-            axes.set_axis_off()
-        for mode, axes in enumerate(panels[:count]):
-            bent = _Bent(beam.system, beam.modes.shapes[:, mode])
-            like = _like(beam, segments, mode)
-            factor = _DRAWN * beam.system.posture.mechanism.size / bent.largest
-            scene = bent.shown(axes, factor, bent.largest, (2, _HEIGHT))
-            points, lumped = compared_points(segments.system, like)
-            squares(axes, scene.view, points + factor * lumped, LOOKS["segments"].colour)
-            frequency = beam.modes.frequencies[mode]
-            called = f", {bent.name}" if bent.name else ""
-            title = f"({'abcd'[mode]}) mode {mode + 1}{called}: {frequency:.1f} Hz"
-            axes.set_title(title)
-            overlay = outlines_of(segments.system, factor * like)
-            scenes.append(interactive(title, scene, [overlay]))
-            colour_bar(picture, axes, scene.limits, "displacement, largest = 1")
-            for name, (system, unknowns) in {
-                "beam FE": (beam.system, bent.unknowns),
-                "segments": (segments.system, like),
-            }.items():
-                what = f"mode {mode + 1}, {name} (largest = 1)"
-                columns |= _columns(what, system, unknowns / bent.largest)
-        drawn = picture_of(picture)
+    for mode in range(count):
+        bent = _Bent(beam.system, beam.modes.shapes[:, mode], names.name(mode))
+        like = _like(beam, segments, mode)
+        factor = _DRAWN * beam.system.posture.mechanism.size / bent.largest
+        frequency = beam.modes.frequencies[mode]
+        called = f", {bent.name}" if bent.name else ""
+        points, lumped = compared_points(segments.system, like)
+        scene = replace(
+            bent.scene(factor, bent.largest),
+            title=f"({'abcd'[mode]}) mode {mode + 1}{called}: {frequency:.1f} Hz",
+            bar="displacement, largest = 1",
+            marks=[Marks(points + factor * lumped, "square", LOOKS["segments"].colour)],
+            turned=[outlines_of(segments.system, factor * like)],
+        )
+        scenes.append(scene)
+        for name, (system, unknowns) in {
+            "beam FE": (beam.system, bent.unknowns),
+            "segments": (segments.system, like),
+        }.items():
+            what = f"mode {mode + 1}, {name} (largest = 1)"
+            columns |= _columns(what, system, unknowns / bent.largest)
     said = (
         f"{pair.said}, coloured by displacement, thin lines: at rest. Orange squares: the same "
         f"mode {pair.beside}; orange outlines in three dimensions."
     )
     caption = " ".join((said, *map(names.said, range(count)), *further))
-    return Shown(caption, picture=drawn, data=csv_of(columns), scenes=tuple(scenes))
+    return Shown(caption, scenes=scenes, columns=2, height=_HEIGHT, data=csv_of(columns))
 
 
 def under_loads(pair: Pair) -> Shown:
-    """A panel for each force along x, y and z at the loaded point, each with its own scale.
-
-    Raises Skip where nothing can be drawn.
-    """
-    require_vtk()
+    """A panel for each force along x, y and z at the loaded point, each with its own scale."""
     beam, segments = pair.beam, pair.segments
     size = beam.system.posture.mechanism.size
     columns = _places(beam.system)
-    scenes, moved = [], []
-    with plot_style():
-        picture, panels = canvas(1, 3, _SMALL_HEIGHT + 0.8)
-        for place, (axes, name) in enumerate(zip(panels, "xyz", strict=True)):
-            bent = _Bent(beam.system, _under(beam.system, place))
-            factor = readable_factor(bent.largest, _DRAWN * size)
-            away = 0.16 * size * np.eye(3)[place]
-            tail = _tool(beam.system) + factor * bent.tip + away
-            head = tail + 0.4 * size * np.eye(3)[place]
-            force = np.array([tail, head])
-            scene = bent.shown(axes, factor, 1.0 / _MICRO, (3, _SMALL_HEIGHT), [force])
-            arrow(axes, scene.view, tail, head, VERMILLION)
-            title = f"({'abc'[place]}) {FORCE:g} N along {name}, drawn × {_grouped(factor)}"
-            axes.set_title(title, fontsize=9.0)
-            lumped = factor * _under(segments.system, place)
-            overlay = outlines_of(segments.system, lumped)
-            scenes.append(interactive(title, scene, [overlay], "push"))
-            far = np.linalg.norm(bent.tip) * _MICRO
-            moved.append(f"{far:.4g} µm under the force along {name}")
-            colour_bar(picture, axes, scene.limits, "displacement (µm)")
-            what = f"force along {name} (µm)"
-            columns |= _columns(what, beam.system, bent.unknowns * _MICRO)
-        drawn = picture_of(picture)
+    scenes, moves = [], []
+    for place, name in enumerate("xyz"):
+        unknowns = _under(beam.system, place)
+        named = mode_names(beam.system, unknowns[:, None]).name(0)
+        bent = _Bent(beam.system, unknowns, named)
+        factor = readable_factor(bent.largest, _DRAWN * size)
+        tail = _tool(beam.system) + factor * bent.tip + 0.16 * size * np.eye(3)[place]
+        head = tail + 0.4 * size * np.eye(3)[place]
+        scene = bent.scene(factor, 1.0 / _MICRO)
+        lumped = factor * _under(segments.system, place)
+        scene = replace(
+            scene,
+            title=f"({'abc'[place]}) {FORCE:g} N along {name}, drawn × {_grouped(factor)}",
+            bar="displacement (µm)",
+            arrows=[Arrow(tail, head, VERMILLION)],
+            turned=[outlines_of(segments.system, lumped)],
+            motion="push",
+            inside=[*scene.inside, np.array([tail, head])],
+        )
+        scenes.append(scene)
+        far = np.linalg.norm(bent.tip) * _MICRO
+        moves.append(f"{far:.4g} µm under the force along {name}")
+        what = f"force along {name} (µm)"
+        columns |= _columns(what, beam.system, bent.unknowns * _MICRO)
     caption = (
         f"{pair.said}, each picture with the enlargement named above it. The loaded point moves "
-        f"{', '.join(moved)}. Red arrow: the force; orange outlines in three dimensions: the same "
+        f"{', '.join(moves)}. Red arrow: the force; orange outlines in three dimensions: the same "
         f"{pair.beside}."
     )
-    return Shown(caption, picture=drawn, data=csv_of(columns), scenes=tuple(scenes))
+    return Shown(caption, scenes=scenes, columns=3, height=_SMALL_HEIGHT, data=csv_of(columns))
 
 
 class _Bent:
-    """A robot displaced by `unknowns` (n) of its system."""
+    """A robot displaced by `unknowns` (n) of its system, in a way that has a `name`."""
 
-    def __init__(self, system: System, unknowns: Array) -> None:
-        self.system, self.unknowns = system, unknowns
-        self.name = mode_names(system, unknowns[:, None]).name(0)
-        # From above what stays in the plane of the mechanism, else from aside.
-        self.camera = _ABOVE if self.name == IN_THE_PLANE else _ASIDE
-        self.moved = elastic(system, unknowns)
-        self.largest = max(float(one.sizes.max()) for one in self.moved)
+    def __init__(self, system: System, unknowns: Array, name: str) -> None:
+        self.system, self.unknowns, self.name = system, unknowns, name
+        self.moved = moved(system, unknowns)
+        self.deformed = [one for one in self.moved if one.deforms]
+        self.largest = max(float(one.sizes.max()) for one in self.deformed)
         self.tip = (system.tool @ unknowns)[:3]
 
-    def shown(
-        self,
-        axes: Axes,
-        factor: float,
-        unit: float,
-        room: tuple[int, float],
-        further: Sequence[Array] = (),
-    ) -> Scene:
-        """Drawn on axes, `factor` times displaced, coloured by displacements in `unit` (m).
+    def scene(self, factor: float, unit: float) -> Scene:
+        """Drawn `factor` times displaced, coloured by displacements in `unit` (m).
 
-        `room`: columns of panels and their height (in); `further` points are kept inside.
+        From above what stays in the plane of the mechanism, else from aside.
         """
-        displaced = factor * self.unknowns
-        around = [one.body(1.0, 1.0) for one in surroundings(self.system, displaced)]
-        bodies = [*around, *(one.body(factor, unit) for one in self.moved)]
-        lines = (*rails(self.system), *(one.wire() for one in self.moved))
-        limits = 0.0, self.largest / unit
-        kept = [*(one.points for one in self.moved), *further]
-        return staged(axes, bodies, lines, limits, self.camera, room, kept)
+        return Scene(
+            [one.body(factor, unit) for one in self.moved],
+            _ABOVE if self.name == IN_THE_PLANE else _ASIDE,
+            [*rails(self.system), *(one.wire() for one in self.deformed)],
+            limits=(0.0, self.largest / unit),
+            inside=[one.solid.surface.points for one in self.deformed],
+        )
 
 
 def _like(beam: Vibrating, segments: Vibrating, mode: int) -> Array:

@@ -1,0 +1,165 @@
+"""A scene: bodies and lines in space, what is written on them, and from where they are seen.
+
+`rendering` takes its picture, `turnable` makes of it what a browser turns.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+import numpy as np
+
+from lumped.arrays import Array, IntArray
+from validation.drawing.surfaces import Surface
+
+GREY, DARK = "#b8bcc2", "#4a4f57"
+ABOVE = (np.array([0.0, 0.0, 1.0]), np.array([0.0, 1.0, 0.0]))
+
+# How what is displaced moves: a mode swings to both sides, a load pushes to one and lets go.
+Motion: TypeAlias = Literal["swing", "push"]
+MarkKind: TypeAlias = Literal["square", "dot", "cross", "ground"]
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """A surface, coloured by `values` of its points (n) where it has any.
+
+    `motion` (n×3, m) is how far its points are drawn from where they are at rest, if they move.
+    """
+
+    surface: Surface
+    colour: str = GREY
+    values: Array | None = None
+    motion: Array | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Wire:
+    """Straight pieces between pairs (e×2) of points (n×3, m); `width` in pixels."""
+
+    points: Array
+    pairs: IntArray
+    colour: str = DARK
+    width: float = 1.5
+    motion: Array | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Marks:
+    """Signs of one kind at points (n×3, m), on top of everything."""
+
+    points: Array
+    kind: MarkKind
+    colour: str = DARK
+
+
+@dataclass(frozen=True, eq=False)
+class Arrow:
+    """An arrow between two points (3, m)."""
+
+    tail: Array
+    head: Array
+    colour: str
+
+
+@dataclass(frozen=True, eq=False)
+class Label:
+    """A text at a point (3, m), or beside it where it covers the fewest others."""
+
+    text: str
+    place: Array
+    colour: str = "black"
+    slanted: bool = False
+    beside: bool = True
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """What one panel shows, seen from `camera`: the direction (3) of the viewer, and upwards (3).
+
+    `limits` are the values at both ends of the colours, whose bar has the label `bar`. `turned`
+    joins it where it is turned, `inside` (n×3, m) are further points that must be seen.
+    """
+
+    bodies: Sequence[Body]
+    camera: tuple[Array, Array]
+    wires: Sequence[Wire] = ()
+    title: str = ""
+    limits: tuple[float, float] = (0.0, 1.0)
+    bar: str = ""
+    marks: Sequence[Marks] = ()
+    arrows: Sequence[Arrow] = ()
+    labels: Sequence[Label] = ()
+    turned: Sequence[Body | Wire] = ()
+    motion: Motion = "swing"
+    inside: Sequence[Array] = ()
+
+    def view(self, size: tuple[int, int]) -> "View":
+        """The view that fills a picture of `size` pixels."""
+        points = np.vstack([*(body.surface.points for body in self.bodies), *self.inside])
+        return fitted_view(points, *self.camera, size, 0.07)
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """Camera at infinity.
+
+    Unit vectors `right`, `up`, `toward` (to the viewer); `centre` (3, m) is shown in the middle of
+    a picture of `size` pixels (width, height), which shows `half_height` (m) above and below it.
+    """
+
+    right: Array
+    up: Array
+    toward: Array
+    centre: Array
+    half_height: float
+    size: tuple[int, int]
+
+    def pixels(self, points: Array) -> Array:
+        """Where points (n×3, m) come to lie (n×2, pixels from the left and from the top)."""
+        offset = np.asarray(points, dtype=float) - self.centre
+        scale = self.size[1] / (2.0 * self.half_height)
+        x = self.size[0] / 2.0 + scale * (offset @ self.right)
+        y = self.size[1] / 2.0 - scale * (offset @ self.up)
+        return np.column_stack([x, y])
+
+
+def fitted_view(
+    points: Array, toward: Array, up: Array, size: tuple[int, int], margin: float = 0.06
+) -> View:
+    """The view from `toward` (3) that shows all `points` (n×3, m); `up` (3) points upwards.
+
+    `margin` is the free share of the picture on each side.
+    """
+    toward = np.asarray(toward, dtype=float) / np.linalg.norm(toward)
+    right = np.cross(up, toward)
+    right /= np.linalg.norm(right)
+    upwards = np.cross(toward, right)
+    plane = points @ np.column_stack([right, upwards])
+    low, high = plane.min(axis=0), plane.max(axis=0)
+    middle = (low + high) / 2.0
+    width, height = size
+    half = np.maximum((high - low) / 2.0, 1e-9) / (1.0 - 2.0 * margin)
+    depth = float(np.mean(points @ toward))
+    return View(
+        right=right,
+        up=upwards,
+        toward=toward,
+        centre=middle[0] * right + middle[1] * upwards + depth * toward,
+        half_height=float(max(half[1], half[0] * height / width)),
+        size=size,
+    )
+
+
+def readable_factor(largest: float, wanted: float) -> float:
+    """Factor 1, 2 or 5 · 10ᵏ that brings `largest` closest below `wanted` (same unit).
+
+    1 where nothing moves.
+    """
+    if not largest > 0.0:
+        return 1.0
+    exact = wanted / largest
+    decade = 10.0 ** np.floor(np.log10(exact))
+    steps = np.array([1.0, 2.0, 5.0])
+    # Rounding must not turn an exact 5 into 2.
+    return float(steps[steps * decade <= exact * (1.0 + 1e-12)][-1] * decade)

@@ -1,0 +1,98 @@
+"""Scenes that can be turned in a browser, each a compact and reproducible text for `viewer.js`.
+
+Neither OpenGL nor VTK is needed for them, so that they exist where pictures cannot be drawn.
+"""
+
+import gzip
+import json
+from importlib.resources import files
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from markupsafe import escape
+
+from lumped.arrays import Array
+from validation.drawing.rendering import COLOUR_MAP
+from validation.drawing.scene import Body, Scene, Wire
+from validation.drawing.text import base64
+from validation.exhibits import InteractiveScene
+
+# Of the picture that it opens with.
+_SIZE = (400, 300)
+
+
+def turnable(scene: Scene) -> InteractiveScene:
+    """The scene with what joins it where it is turned; the camera starts as its view.
+
+    A header in JSON and the numbers it points to, compressed. Equal scenes give equal bytes.
+    """
+    view, numbers = scene.view(_SIZE), _Numbers()
+    header = {
+        "title": scene.title,
+        "motion": scene.motion,
+        "camera": {
+            "axes": [one.tolist() for one in (view.right, view.up, view.toward)],
+            "centre": view.centre.tolist(),
+            "half": view.half_height,
+        },
+        "parts": [
+            numbers.part(one, scene.limits) for one in (*scene.bodies, *scene.wires, *scene.turned)
+        ],
+    }
+    text = json.dumps(header).encode()
+    text += b" " * (-len(text) % 4)
+    content = len(text).to_bytes(4, "little") + text + bytes(numbers.content)
+    return InteractiveScene(scene.title, gzip.compress(content, 9, mtime=0))
+
+
+def viewer() -> str:
+    """The script that shows scenes, once for all of a page."""
+    return files("validation.drawing").joinpath("viewer.js").read_text(encoding="utf-8")
+
+
+def page(scene: Scene, title: str) -> str:
+    """A page of its own that shows a scene, offline in any browser."""
+    state = base64(turnable(scene).state)
+    head = '<meta charset="utf-8"><link rel="icon" href="data:,">'
+    style = "#scene, canvas { position: fixed; inset: 0; width: 100%; height: 100%; }"
+    script = f"{viewer()}\nshowScene(document.getElementById('scene'), '{state}');"
+    return (
+        f'<!DOCTYPE html>\n<html lang="en"><head>{head}'
+        f"<title>{escape(title)}</title><style>{style} .veil {{ display: none; }}</style></head>"
+        f'<body><div id="scene"></div><script>{script}</script></body></html>\n'
+    )
+
+
+class _Numbers:
+    """Arrays one behind the other, each known by its first byte and its length."""
+
+    def __init__(self) -> None:
+        self.content = bytearray()
+
+    def part(self, part: Body | Wire, limits: tuple[float, float]) -> dict[str, Any]:
+        """What the viewer is told of a part; points are multiples of a step finer than a pixel."""
+        colour = [round(255.0 * share) for share in mpl.colors.to_rgb(part.colour)]
+        points = part.points if isinstance(part, Wire) else part.surface.points
+        common = {"colour": colour, "points": self.steps(points)}
+        if part.motion is not None and np.abs(part.motion).max(initial=0.0) > 0.0:
+            common["motion"] = self.steps(part.motion)
+        if isinstance(part, Wire):
+            return common | {"pairs": self.add(part.pairs, "<u4"), "width": part.width}
+        if part.values is not None:
+            shares = mpl.colors.Normalize(*limits)(part.values)
+            common["colours"] = self.add(mpl.colormaps[COLOUR_MAP](shares, bytes=True)[:, :3], "u1")
+        return common | {"faces": self.add(part.surface.faces, "<u4")}
+
+    def steps(self, lengths: Array) -> dict[str, Any]:
+        """Lengths (m) as 16-bit multiples of a step."""
+        step = float(np.abs(lengths).max(initial=1e-300)) / np.iinfo(np.int16).max
+        return {"step": step, "values": self.add(np.round(lengths / step), "<i2")}
+
+    def add(self, values: Any, kind: str) -> tuple[int, int]:
+        """Where the values stand, and how many they are."""
+        array = np.ascontiguousarray(values, dtype=kind)
+        place = len(self.content)
+        self.content += array.tobytes()
+        self.content += bytes(-len(self.content) % 4)
+        return place, array.size
