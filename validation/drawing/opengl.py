@@ -78,7 +78,6 @@ _DESCRIBED = """
 import os
 os.environ["ALLOW_PLOTTING"] = "true"
 import pyvista
-import trame_vtk.modules.vtk.serializers
 pyvista.Plotter(off_screen=True).add_mesh(pyvista.Sphere())
 """
 

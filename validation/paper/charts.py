@@ -7,8 +7,8 @@ from functools import partial
 import numpy as np
 
 from lumped.arrays import Array
-from validation.drawing.chart import Chart, Note, Panel, Series, lettered
-from validation.drawing.scales import Scale, plain_log
+from validation.drawing.charts.chart import Chart, Note, Panel, Series, lettered
+from validation.drawing.charts.scales import Scale, plain_log
 from validation.models.options import DEFAULT_OPTIONS, ModelName, ModelOptions
 from validation.paper.robot import ALPHAS, FIGURE_POINTS
 

@@ -8,8 +8,8 @@ import numpy as np
 
 from lumped.arrays import Array
 from validation.context import Context, Preset
-from validation.drawing.chart import Note, Panel, Series, compared, lettered
-from validation.drawing.scales import Scale, from_zero, largest, plain_log, up_to
+from validation.drawing.charts.chart import Note, Panel, Series, compared, lettered
+from validation.drawing.charts.scales import Scale, from_zero, largest, plain_log, up_to
 from validation.drawing.text import percent
 from validation.exhibits import FAMILY, STROKE
 from validation.paper.charts import (

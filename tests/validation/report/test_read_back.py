@@ -15,7 +15,7 @@ from random_subjects import MODES, subject
 from lumped.acceptance.requirement import Requirement
 from validation import api
 from validation.adequacy.judgement import judged
-from validation.drawing.chart import chart_table
+from validation.drawing.charts.chart import chart_table
 from validation.report.figures.adequacy import error_curves
 from validation.report.first_screen.remedies import remedies_of
 from validation.report.first_screen.sheets import sheets_of

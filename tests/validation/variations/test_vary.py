@@ -11,7 +11,7 @@ from one_arm import ONE_ARM
 from lumped.robot_file import load_robot
 from lumped.robot_file.places import unit_of
 from validation.cli import main
-from validation.drawing.scales import short_number
+from validation.drawing.charts.scales import short_number
 
 ARM = f"{ONE_ARM}[path]\nfrom = [0.0]\nto = [0.2]\ncount = 3\n"
 WIDTH = "bodies.arm.section.width=0.04:0.08:3"

@@ -8,8 +8,8 @@ import numpy as np
 from lumped.acceptance.requirement import ANY_FORCE, AXES
 from lumped.arrays import Array
 from validation.adequacy.matrix import Entry, Matrix
-from validation.drawing.chart import Chart, Column, Panel, Series
-from validation.drawing.scales import few_ticks, percent
+from validation.drawing.charts.chart import Chart, Column, Panel, Series
+from validation.drawing.charts.scales import few_ticks, percent
 from validation.exhibits import Figure
 from validation.report.figures.declared import Shown, curves
 

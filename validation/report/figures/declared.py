@@ -6,8 +6,8 @@ from functools import wraps
 from typing import TypeAlias
 
 from validation.context import PRESETS, Context, Preset
-from validation.drawing.chart import Chart, chart_table
-from validation.drawing.plot import chart_svg
+from validation.drawing.charts.chart import Chart, chart_table
+from validation.drawing.charts.plot import chart_svg
 from validation.drawing.rendering import Picture, pictured
 from validation.drawing.scene import Scene
 from validation.drawing.style import WIDTH

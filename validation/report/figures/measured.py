@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 
 from validation.adequacy.matrix import Entry, Matrix
-from validation.drawing.chart import Column, Panel, Series
-from validation.drawing.scales import side_by_side
+from validation.drawing.charts.chart import Column, Panel, Series
+from validation.drawing.charts.scales import side_by_side
 from validation.exhibits import Figure
 from validation.report.figures.adequacy import abscissa, matrix_chart, numbers
 from validation.report.figures.declared import Shown, curves

@@ -8,9 +8,9 @@ from lumped.errors import InputError
 from lumped.robot_file import RobotFile
 from lumped.robot_file.places import unit_of
 from lumped.robot_file.variation import Variation, told
-from validation.drawing.chart import Chart, Panel, Series
-from validation.drawing.plot import chart_png
-from validation.drawing.scales import few_ticks, from_zero
+from validation.drawing.charts.chart import Chart, Panel, Series
+from validation.drawing.charts.plot import chart_png
+from validation.drawing.charts.scales import few_ticks, from_zero
 from validation.drawing.style import OTHERS
 from validation.solve.answer import Answer
 from validation.solve.variations.robots import VariedAnswers, quantities

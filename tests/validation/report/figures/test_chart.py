@@ -8,9 +8,17 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from validation.drawing.chart import Bars, Chart, Panel, Series, chart_table, compared, lettered
-from validation.drawing.plot import drawn_chart
-from validation.drawing.scales import largest, percent, power_ticks, up_to
+from validation.drawing.charts.chart import (
+    Bars,
+    Chart,
+    Panel,
+    Series,
+    chart_table,
+    compared,
+    lettered,
+)
+from validation.drawing.charts.plot import drawn_chart
+from validation.drawing.charts.scales import largest, percent, power_ticks, up_to
 from validation.drawing.style import marked, plot_style
 
 X = np.array([0.0, 1.0, 2.0])

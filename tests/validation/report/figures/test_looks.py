@@ -13,8 +13,8 @@ from lumped.robot_file import load_robot
 from validation.adequacy.mechanism.legs import MASSES
 from validation.adequacy.mechanism.path import holding
 from validation.adequacy.models import JUDGED
-from validation.drawing.chart import chart_table
-from validation.drawing.plot import drawn_chart
+from validation.drawing.charts.chart import chart_table
+from validation.drawing.charts.plot import drawn_chart
 from validation.drawing.style import LOOKS, OTHERS, known_as, plot_style
 from validation.report.figures.adequacy import error_curves
 from validation.report.figures.measured import measured_curves

@@ -17,8 +17,8 @@ from validation.adequacy.mechanism.path import coordinates, path_postures, robot
 from validation.adequacy.response import UNSOLVED
 from validation.case import Skip
 from validation.context import Context
-from validation.drawing.chart import Chart, Column, Panel, Series
-from validation.drawing.scales import few_ticks, from_zero
+from validation.drawing.charts.chart import Chart, Column, Panel, Series
+from validation.drawing.charts.scales import few_ticks, from_zero
 from validation.exhibits import PATH
 from validation.models.mechanism import JUDGED_MODES
 from validation.report.figures.declared import FigureGroup, Shown, compared_with, curves

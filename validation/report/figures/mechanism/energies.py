@@ -11,7 +11,7 @@ from lumped.system.joint_motion import Portion
 from validation.adequacy.mechanism.path import known_legs
 from validation.case import Skip
 from validation.context import Context
-from validation.drawing.chart import Bars, Chart, Column, Panel
+from validation.drawing.charts.chart import Bars, Chart, Column, Panel
 from validation.drawing.style import FILLS
 from validation.exhibits import PATH
 from validation.models.mechanism_modes import PostureModes

@@ -10,7 +10,7 @@ from validation.adequacy.response import Vibration
 from validation.agreement.mode_pairing import mac_matrix
 from validation.case import Skip
 from validation.context import Context
-from validation.drawing.chart import Chart, Column, Panel, Series
+from validation.drawing.charts.chart import Chart, Column, Panel, Series
 from validation.exhibits import PATH
 from validation.models.options import DEFAULT_OPTIONS, ModelName
 from validation.report.figures.declared import FigureGroup, Shown, curves

@@ -10,8 +10,8 @@ from lumped.mechanism.kinematics.postures import shown_pose
 from lumped.robot_file.places import unit_of
 from lumped.robot_file.variation import Variation
 from validation.context import Context
-from validation.drawing.chart import Chart, Column, Panel, Series
-from validation.drawing.scales import few_ticks, from_zero
+from validation.drawing.charts.chart import Chart, Column, Panel, Series
+from validation.drawing.charts.scales import few_ticks, from_zero
 from validation.exhibits import PARAMETERS, Figure, PlannedFigure
 from validation.report.figures.declared import compared_with, curves
 from validation.report.figures.mechanism.curves import (

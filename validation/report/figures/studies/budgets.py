@@ -12,8 +12,8 @@ from textwrap import fill
 import numpy as np
 
 from validation.case import Measurement
-from validation.drawing.chart import Bars, Chart, Column, Panel, Series
-from validation.drawing.scales import around_zero
+from validation.drawing.charts.chart import Bars, Chart, Column, Panel, Series
+from validation.drawing.charts.scales import around_zero
 from validation.drawing.text import function_name
 from validation.exhibits import Figure
 from validation.report.figures.declared import curves

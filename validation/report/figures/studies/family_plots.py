@@ -8,8 +8,8 @@ from textwrap import fill
 import numpy as np
 
 from lumped.arrays import Array
-from validation.drawing.chart import Chart, Column, Note, Panel, Series
-from validation.drawing.scales import largest, refined, up_to
+from validation.drawing.charts.chart import Chart, Column, Note, Panel, Series
+from validation.drawing.charts.scales import largest, refined, up_to
 from validation.exhibits import Figure
 from validation.report.figures.declared import curves
 from validation.report.figures.studies.families import Curve, Family

@@ -1,6 +1,6 @@
 """A figure of curves, declared: a table, and panels of curves, bars or a matrix over one axis.
 
-`validation.drawing.plot` draws it; what a figure is about stands in neither.
+`validation.drawing.charts.plot` draws it; what a figure is about stands in neither.
 """
 
 from collections.abc import Mapping, Sequence
@@ -10,7 +10,7 @@ from typing import TypeAlias
 import numpy as np
 
 from lumped.arrays import Array
-from validation.drawing.scales import Scale
+from validation.drawing.charts.scales import Scale
 from validation.drawing.style import csv_of
 
 Column: TypeAlias = Sequence[float | str]

@@ -14,8 +14,8 @@ from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure as Canvas
 
 from lumped.arrays import Array
-from validation.drawing import scales
-from validation.drawing.chart import Chart, Panel, Series
+from validation.drawing.charts import scales
+from validation.drawing.charts.chart import Chart, Panel, Series
 from validation.drawing.style import WIDTH, Look, fills_of, looks_of, marked, plot_style
 
 # in, of a row of differences below its panels, of labels around all, and between rows of panels.
