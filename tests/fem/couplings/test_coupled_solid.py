@@ -102,6 +102,7 @@ def tied(part, grips):
 def test_the_compliance_is_that_of_lagrange_multipliers(lug, kinds):
     file, part = lug
     grips = grips_on(file, *kinds)
+    assert tuple(grip.kind for grip in grips) == kinds
     body = held_part(part, grips, "lug")
     size, m = part.stiffness.shape[0], len(grips)
     # Unknowns: displacements, twists, multipliers; the first twist is held.
@@ -165,3 +166,17 @@ def test_an_averaged_bore_moves_as_the_means_of_a_field_by_hand(lug):
     # Circles of nine quadratic sides: off by 2e-5 and 2e-4.
     assert means[:3, 0] / radius**2 == pytest.approx([0.0, 0.0, 0.5], abs=2e-4)
     assert means[3:, 1] / turned == pytest.approx([0.0, 1.0, 0.0], abs=2e-3)
+
+
+def test_an_interface_of_two_bores_moves_as_the_mean_over_both(lug):
+    """u_x = x from the first axis: bores of one length weigh as their radii."""
+    file, part = lug
+    bores = {f"{r:g}": PartInterface(ByCylinder(r), "average") for r in (0.008, 0.005)}
+    first, second = find_interfaces(file, bores)
+    grips = grips_of(file.mesh, [replace(first, faces=(*first.faces, *second.faces))])
+    solid = coupled_solid(
+        part.stiffness, on_three_components(part.scalar_mass), part.mesh.nodes, grips
+    )
+    stretched = (part.mesh.nodes - first.point) * [1.0, 0.0, 0.0]
+    means = solid.twists.T @ stretched.ravel()
+    assert means / (0.16 * 5.0 / (8.0 + 5.0)) == pytest.approx([1.0, *[0.0] * 5], abs=2e-4)

@@ -68,6 +68,9 @@ def test_deflections_and_frequencies_on_drives_are_the_papers():
     # The maximum is flat: 0.01 m beside it the deflection has changed by its fourth digit.
     assert places.x[found.planar_x.argmax()] == pytest.approx(0.497, abs=0.01)
     assert found.planar_y[[0, 100, -1]] == pytest.approx([1.0, 0.503, 1.0], abs=0.0005)
+    assert found.largest_planar == pytest.approx(1.063, abs=0.0005)
+    at_ends = deflections("simplified", over_stroke(ROBOT.mechanism, 2))
+    assert at_ends.largest_planar == pytest.approx(1.0, abs=0.0005)
     first = frequencies("simplified", [places], 1)
     assert [first.min(), first.max()] == pytest.approx([713.4, 756.2], abs=0.05)
 
