@@ -162,7 +162,8 @@ def _settled(path: Path, place: Path, partial: Path) -> list[str]:
     if is_folder(partial / EARLIER) and not place.exists():
         with _locked(path, partial):
             partial.rename(place)
-    if not is_folder(place / EARLIER):
+    earlier = place / EARLIER
+    if not is_folder(earlier) or (any(earlier.iterdir()) and not is_run(earlier)):
         return []
     with _locked(path, place):
         return _carried_over(place)
@@ -179,30 +180,36 @@ def _discard(partial: Path) -> None:
 def _carried_over(place: Path) -> list[str]:
     """Remove the earlier run below the one that took its place, but for what it did not write."""
     earlier, remarks = place / EARLIER, list[str]()
-    if is_folder(earlier):
+    if lies(earlier):
         for name, written in files_of(earlier).items():
             if is_own(earlier, name) and digest(read_regular(earlier / name) or b"") == written:
                 (earlier / name).unlink()
-        if mark_in(earlier):
-            (earlier / MARK).unlink()
+        if lies(earlier / EARLIER):
+            kept = (earlier / EARLIER).rename(free(earlier / EARLIER))
+            remarks.append(f"{place / EARLIER} was no run's: kept as {kept.name}")
         if (read_regular(earlier / LOCK) or b"mine").isdigit():
             (earlier / LOCK).unlink()
         _merge(earlier, place, remarks)
+        # Last of all what it is known by.
+        (earlier / MARK).unlink(missing_ok=True)
+        earlier.rmdir()
     (place / LOCK).unlink(missing_ok=True)
     return remarks
 
 
 def _merge(source: Path, target: Path, remarks: list[str]) -> None:
-    """Move what a folder holds into another one, beside what stands there under its name."""
+    """Move what a folder holds, but a run's mark, beside what stands in another under its name."""
     for entry in sorted(source.iterdir()):
         there = target / entry.name
+        if entry == target / EARLIER / MARK and mark_in(source):
+            continue
         if is_folder(entry) and (is_folder(there) or not any(entry.iterdir())):
             _merge(entry, there, remarks)
+            entry.rmdir()
             continue
         moved = entry.rename(free(there) if lies(there) else there)
         if moved != there:
             remarks.append(f"{there} was no run's: kept as {moved.name}")
-    source.rmdir()
 
 
 @contextmanager

@@ -27,7 +27,7 @@ ODD = (
 )
 PLACES = (
     *("records/other.json", "figures/thesis.png", "notes.json"),
-    *("export/precious.dat", ".earlier/precious", ".results.json.tmp"),
+    *("export/precious.dat", "figures.kept/precious", ".results.json.tmp"),
 )
 
 
@@ -57,9 +57,15 @@ class Vandal:
     def file(self, pattern="*"):
         """A file of the run."""
         files = sorted(
-            file for file in self.path.rglob(pattern) if file.is_file() and not file.is_symlink()
+            file
+            for file in self.path.rglob(pattern)
+            if file.is_file() and not file.is_symlink() and not self.holds_treasure(file)
         )
         return self.chance.choice(files)
+
+    def holds_treasure(self, file):
+        """Whether damage to the file would be the test's own."""
+        return any(treasure in file.read_bytes() for treasure in self.foreign)
 
     def treasure(self):
         """Bytes that occur nowhere else."""
@@ -127,7 +133,9 @@ class Vandal:
         self.file().unlink()
 
     def removes_a_folder(self):
-        shutil.rmtree(self.path / "figures", ignore_errors=True)
+        for file in (self.path / "figures").rglob("*"):
+            if file.is_file() and not self.holds_treasure(file):
+                file.unlink()
 
     def repeats_a_line(self):
         file = self.file("*.jsonl")
