@@ -10,11 +10,13 @@ from lumped.arrays import Array
 from lumped.errors import InputError
 from lumped.mechanism.mechanism import Mechanism
 from validation.adequacy.mechanism.dynamics import dynamic_reference
+from validation.adequacy.mechanism.masses import MASSES
 from validation.adequacy.mechanism.path import RobotOnPath
 from validation.adequacy.mechanism.statics import compliances, static_reference
 from validation.adequacy.mechanism.vibration import modes_by_model
 from validation.adequacy.models import JudgedModel, judged_models, why_unable
-from validation.adequacy.partners import partners
+from validation.adequacy.partners import frequency_changes, partners
+from validation.adequacy.response import Alternative, Reference
 
 # From the bottom of a stack of curves to its top.
 _DYNAMIC = ("segments", "segments-stepped", "segments-condensed", "beam", "beam-euler-bernoulli")
@@ -28,7 +30,8 @@ class Compared:
 
     `values` maps their names to p×k numbers, `differences` all but `against`, the first
     alternative, to what they differ from it (p×k, relative, NaN where there is nothing to compare).
-    `uncertainties` (p×k or more, relative) are those of the alternatives.
+    `uncertainties` (p×k or more, relative) are those of the alternatives; of frequencies of legs
+    known by their 6×6 they cover every plausible distribution of mass.
     """
 
     values: Mapping[str, Array]
@@ -84,6 +87,18 @@ def compared_compliances(statics: ComparedStatics) -> Compared:
     return Compared(found, differences, against)
 
 
+def _by_hold(reference: Reference) -> dict[str, list[Alternative]]:
+    """The alternatives that differ in the legs' masses alone, by the name of the first of them."""
+    alike: dict[str, list[Alternative]] = {}
+    for one in reference.alternatives:
+        name = f"solid, {one.name}"
+        if reference.supposed:
+            hold = one.name.rpartition("mass ")[0]
+            name = f"{hold}{MASSES[0]}"
+        alike.setdefault(name, []).append(one)
+    return alike
+
+
 def compared_frequencies(robot: RobotOnPath) -> Compared:
     """The first frequencies (p×k, Hz), ascending; differences of modes of one shape.
 
@@ -96,19 +111,24 @@ def compared_frequencies(robot: RobotOnPath) -> Compared:
     }
     reference = dynamic_reference(robot)
     uncertainties = {}
-    for one in reference.alternatives:
-        if one.response.vibration is not None and one.dynamic is not None:
-            name = one.name if reference.bracket else f"solid, {one.name}"
-            found[name], uncertainties[name] = one.response.vibration, one.dynamic
+    weights, judged = robot.samples.weights, robot.judged
+    for name, likewise in _by_hold(reference).items():
+        shown, left_open = likewise[0].response.vibration, likewise[0].dynamic
+        if shown is None or left_open is None:
+            continue
+        others = (other.response.vibration for other in likewise[1:])
+        changes = [frequency_changes(shown, one, weights, judged) for one in others if one]
+        found[name] = shown
+        uncertainties[name] = left_open + np.nanmax([np.zeros_like(left_open), *changes], axis=0)
     if not uncertainties:
         raise InputError(reference.decides)
     against = next(iter(uncertainties))
-    first, judged = found[against], robot.judged
+    first = found[against]
     own = first.frequencies[:, :judged]
     return Compared(
         {name: one.frequencies[:, :judged] for name, one in found.items()},
         {
-            name: partners(first, one, robot.samples.weights, judged).frequency / own - 1.0
+            name: partners(first, one, weights, judged).frequency / own - 1.0
             for name, one in found.items()
             if name != against
         },

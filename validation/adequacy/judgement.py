@@ -35,7 +35,7 @@ def judged(subject: Subject, requirement: Requirement) -> Matrix:
         quantities=requirement.quantities,
         entries=tuple(entries),
         notes=subject.notes,
-        bracket=subject.bracket,
+        supposed=subject.dynamics.supposed,
         parts=tuple(judged(part, requirement) for part in subject.parts),
         formulation=judged(subject.formulation, requirement) if subject.formulation else None,
     )
@@ -47,7 +47,7 @@ def _entry(scale: Scale, candidate: Candidate, quantity: str, limit: float) -> E
     errors = scale.errors(same, quantity)
     if errors is None:
         return _unknown(scale, candidate, quantity, limit)
-    verdicts = verdicts_of(errors, limit, reference)
+    verdicts = verdicts_of(errors, limit)
     low, high = errors.interval
     middle, half = 0.5 * (low + high), 0.5 * (high - low)
     verdict = worst_of(verdicts)
@@ -56,7 +56,7 @@ def _entry(scale: Scale, candidate: Candidate, quantity: str, limit: float) -> E
     told, alongs = _told(errors, quantity, pose), _alongs(errors, quantity)
     causes = explained(scale, candidate, quantity, errors, pose) if verdict != "adequate" else ()
     remedy, left = "", None
-    if verdict == "inadequate" and not reference.bracket:
+    if verdict == "inadequate":
         remedy, left = remedied(scale, candidate, quantity, errors, limit, pose)
     return Entry(
         model=candidate.model,
@@ -106,15 +106,12 @@ def _unknown(scale: Scale, candidate: Candidate, quantity: str, limit: float) ->
     )
 
 
-def verdicts_of(errors: Errors, limit: float, reference: Reference) -> list[Adequacy]:
+def verdicts_of(errors: Errors, limit: float) -> list[Adequacy]:
     """The verdict at every pose.
 
     Adequate where no error that is left open exceeds the limit, inadequate where all do, on one
-    side. A bracket of the plausible decides nothing but that a model has no such mode anywhere.
-    The order of modes is judged by each alternative of its own: undecided where they disagree.
+    side. The order of modes is judged by each alternative alone: undecided where they disagree.
     """
-    if reference.bracket:
-        return ["inadequate" if errors.missing.all() else "undecided"] * errors.error.shape[1]
     if errors.numbers is not None:
         lows, highs = errors.error - errors.spread, errors.error + errors.spread
         alone = [
@@ -177,7 +174,7 @@ def _reason(
         rigid = errors.loaded is not None and not errors.value[:, pose].any()
         return candidate.rigid if rigid else ""
     places = _places(errors, reference, pose)
-    if places or reference.bracket or errors.missing[:, pose].any():
+    if places or errors.missing[:, pose].any():
         return "; ".join(filter(None, (*places, reference.decides or reference.finer)))
     parts = _parts(errors, reference, pose)
     widest = max(parts, key=lambda name: parts[name])

@@ -97,11 +97,11 @@ class Matrix:
     """All models by all quantities for one robot.
 
     `coordinates` are what a pose prescribes; `poses` (p×n) are all that were looked at.
-    `notes` are facts that belong beside the matrix, `bracket` says between which bounds frequencies
-    lie that cannot be judged, `parts` are the matrices of the robot's parts alone, named as
-    `robot`: each leg's, root clamped. Where models
-    stand on legs that are not the robot's, `formulation` holds them against solids of the legs that
-    they model: what is off in the matrix and not there is the fault of the legs, not of the model.
+    `notes` are facts that belong beside the matrix, `supposed` is what verdicts on frequencies
+    suppose, `parts` are the matrices of the robot's parts alone, named as `robot`: each leg's, root
+    clamped. Where models stand on legs that are not the robot's, `formulation` holds them against
+    solids of the legs that they model: what is off in the matrix and not there is the fault of the
+    legs, not of the model.
     """
 
     robot: str
@@ -111,7 +111,7 @@ class Matrix:
     quantities: tuple[str, ...]
     entries: tuple[Entry, ...]
     notes: tuple[str, ...] = ()
-    bracket: str = ""
+    supposed: str = ""
     parts: tuple["Matrix", ...] = ()
     formulation: "Matrix | None" = None
 

@@ -62,8 +62,8 @@ class Reference:
     """The best there is for a robot: one or more alternatives, where the user left something open.
 
     `title` says what it is, `open` what was left open and `decides` what would settle it; `finer`
-    what would make it more certain. Where `bracket` is set, the alternatives only bracket the
-    plausible: nothing is decided by them.
+    what would make it more certain. `supposed`: what the alternatives are taken to cover, where
+    nothing that could be computed would tell.
     """
 
     title: str
@@ -71,7 +71,7 @@ class Reference:
     open: str = ""
     decides: str = ""
     finer: str = "a finer reference"
-    bracket: bool = False
+    supposed: str = ""
     computed_by: tuple[str, ...] = ()
 
 
@@ -149,8 +149,7 @@ class Candidate:
 class Subject:
     """A robot with everything that its models are judged by.
 
-    `poses` (p×n) in `coordinates`; `weights` (k) of the samples of shapes; `notes` and `bracket`
-    as in `Matrix`;
+    `poses` (p×n) in `coordinates`; `weights` (k) of the samples of shapes; `notes` as in `Matrix`;
     `parts` are its parts alone (each leg, root clamped), `formulation` the models whose legs are
     others than the robot's, held against solids of those.
     """
@@ -163,6 +162,5 @@ class Subject:
     statics: Reference
     dynamics: Reference
     notes: tuple[str, ...] = ()
-    bracket: str = ""
     parts: "tuple[Subject, ...]" = ()
     formulation: "Subject | None" = None

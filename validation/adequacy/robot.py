@@ -21,9 +21,9 @@ from lumped.models.bodies import on_equivalent_legs
 from validation.adequacy.judgement import judged
 from validation.adequacy.matrix import Matrix
 from validation.adequacy.mechanism.dynamics import (
-    bracketed_frequencies,
     dynamic_ladders,
     dynamic_reference,
+    mass_notes,
 )
 from validation.adequacy.mechanism.parts import reduction_note
 from validation.adequacy.mechanism.path import (
@@ -84,8 +84,7 @@ def robot_subject(context: Context) -> Subject:
     legs = {name: robot.mechanism.bodies[name].shape for name in distinct_legs(robot.mechanism)}
     return replace(
         subject,
-        notes=_notes(robot),
-        bracket=bracketed_frequencies(subject.dynamics, robot.judged),
+        notes=_notes(robot, subject.dynamics),
         parts=tuple(
             leg_subject(context, name, shape)
             for name, shape in legs.items()
@@ -206,7 +205,7 @@ def leg_alone(name: str, shape: Leg) -> Mechanism:
     )
 
 
-def _notes(robot: RobotOnPath) -> tuple[str, ...]:
+def _notes(robot: RobotOnPath, dynamics: Reference) -> tuple[str, ...]:
     """Facts that belong beside the matrix."""
     notes = []
     if len(robot.postures) < len(robot.mechanism.poses):
@@ -217,4 +216,5 @@ def _notes(robot: RobotOnPath) -> tuple[str, ...]:
         notes.append(f"{idle} idle {what} not move the tool; no frequency counts them")
     with suppress(*UNSOLVED):
         notes += reduction_note(robot.postures, robot.offered, robot.holding.first, robot.judged)
+    notes += mass_notes(robot, dynamics)
     return tuple(notes)

@@ -50,10 +50,8 @@ LOOKS: Mapping[str, Look] = {
     "solid": Look(VERMILLION, "D"),
     "solid, free": Look(VERMILLION, "p", "--"),
     "own 6×6": Look(BLACK, "H"),
-    "mass as in a prism": Look(VERMILLION, "1", "-."),
-    "mass as in a prism, free": Look(VERMILLION, "2", "--"),
-    "mass and inertia as given": Look(BLACK, "3", ":"),
-    "mass and inertia as given, free": Look(BLACK, "+", "--"),
+    "mass along the legs": Look(VERMILLION, "1", "-."),
+    "mass along the legs, free": Look(VERMILLION, "2", "--"),
     "measured": Look(BLACK, "d", "none"),
     # Of comparisons: the difference as measured, and what no cause explains of it.
     "measured difference E": Look(BLACK, "D", "none"),

@@ -14,7 +14,7 @@ from validation.adequacy.judgement import judged
 from validation.adequacy.matrix import Coordinate, Entry, Matrix
 from validation.adequacy.mechanism.digits import left_by_digits
 from validation.adequacy.mechanism.dynamics import dynamic_reference, modes_of_solids
-from validation.adequacy.mechanism.legs import MASSES
+from validation.adequacy.mechanism.masses import plausible_masses
 from validation.adequacy.mechanism.path import RobotOnPath, robot_at
 from validation.adequacy.response import Alternative, Candidate, Reference, Response, Subject
 from validation.context import Context
@@ -94,17 +94,17 @@ def test_frequencies_of_no_robot_with_these_digits_lie_beyond(
         return robot_at(Context(robot, "quick"), postures_of(robot.mechanism, poses))
 
     def frequencies(robot: RobotOnPath) -> Array:
-        hold = robot.holding.first
-        solids = [modes_of_solids(robot, hold, one).frequencies[:, :4] for one in MASSES]
+        hold, masses = robot.holding.first, plausible_masses(robot.given.values())
+        solids = [modes_of_solids(robot, hold, one).frequencies[:, :4] for one in masses]
         return np.array(solids)
 
     own = on_path(printed)
     stated = [one.dynamic_digits for one in dynamic_reference(own).alternatives]
-    found = [frequencies(on_path(read(drawn(printed.text, rng), tmp_path))) for _ in range(30)]
+    found = [frequencies(on_path(read(drawn(printed.text, rng), tmp_path))) for _ in range(8)]
     largest = np.abs(np.array(found) / frequencies(own) - 1.0).max(axis=0)
     assert (largest <= np.array(stated)).all()
-    # Where the mass is one lump, fewer roundings count than in a prism's.
-    assert (stated[0] <= 3.0 * largest[0]).all()
+    # Of eight draws; where the mass is one lump, fewer roundings count than in a prism's.
+    assert (stated[0] <= 4.0 * largest[0]).all()
 
 
 def test_more_digits_leave_less_and_many_nothing_that_is_looked_at(printed: RobotFile) -> None:

@@ -8,17 +8,18 @@ from like_ifw import LEG1, LEG2, file_of, like_ifw, stations
 from placed import placed
 
 from lumped.acceptance.requirement import Requirement
-from lumped.legs import ConstantLeg, Ends, GivenLeg, Material
+from lumped.legs import ConstantLeg, Ends, Material
 from lumped.mechanism.kinematics.postures import posture
 from lumped.mechanism.mechanism import Mechanism
 from lumped.robot_file import load_robot
 from lumped.sections import HollowRectangle, ISection, Tube
+from validation.adequacy.judgement import judged
 from validation.adequacy.matrix import Entry, Matrix
 from validation.adequacy.mechanism.dynamics import dynamic_reference
-from validation.adequacy.mechanism.legs import MASSES, Masses, leg_with_masses
 from validation.adequacy.mechanism.path import robot_at, robot_on_path
 from validation.adequacy.mechanism.vibration import modes_of_solids, solid_meshes, solid_vibration
 from validation.adequacy.partners import frequency_changes
+from validation.adequacy.response import Subject
 from validation.adequacy.robot import robot_adequacy
 from validation.context import Context
 from validation.models.mechanism import answers
@@ -130,31 +131,25 @@ def test_the_value_by_number_is_the_models_own(flanged: Matrix, flanged_robot: M
 
 
 @pytest.mark.parametrize("model", BEAMS)
-def test_given_legs_leave_frequencies_undecided_between_a_bracket(
+def test_what_holds_for_every_plausible_mass_of_given_legs_is_decided(
     paper: Matrix, model: str
 ) -> None:
     for number in range(1, 5):
-        entry = found(paper, model, f"f{number}")
-        assert entry.verdict == "undecided"
-        assert "mass distribution" in entry.reason
-    assert "f1" in paper.bracket
+        assert found(paper, model, f"f{number}").verdict == "inadequate"
     assert found(paper, model, "f1").uncertainties["where the legs' mass lies"] > 0.01
+    assert sentence(paper).endswith("(for every plausible distribution of the legs' mass).")
+
+
+def test_what_plausible_masses_do_not_agree_on_more_data_decides(paper_subject: Subject) -> None:
+    """f1 by beams is off by 34 to 39 %: of a designer who accepts 36 % it is undecided."""
+    entry = found(judged(paper_subject, Requirement(modes=4, frequency=0.36)), "beam", "f1")
+    assert entry.verdict == "undecided"
+    assert entry.reason.startswith("the legs' mass distribution: mass_centre and inertia")
 
 
 def test_static_models_are_silent_of_frequencies(paper: Matrix) -> None:
     assert paper.entry("vjm", "f1") is None
     assert next(note.silent for note in paper.models if note.model == "vjm")
-
-
-@pytest.mark.parametrize("masses", MASSES)
-def test_a_given_legs_translations_carry_its_whole_mass(masses: Masses) -> None:
-    assert isinstance(LEG1, GivenLeg)
-    matrices = leg_with_masses(LEG1, masses, 2000.0)
-    motions = np.zeros((matrices.size, 3))
-    motions[:3] = motions[6:9] = np.eye(3)
-    kinetic = motions.T @ (matrices.mass @ motions)
-    assert np.diag(kinetic) == pytest.approx(np.full(3, LEG1.mass), rel=1e-9)
-    assert matrices.stiffness @ motions == pytest.approx(0.0, abs=1e-4)
 
 
 def test_given_legs_without_inertia_are_judged_by_the_nine_modes_that_they_have() -> None:

@@ -176,12 +176,11 @@ def test_a_model_that_is_off_on_its_own_legs_too_is_not_excused():
     assert "within" not in plain(sentence(on_its_legs(flat("beam", "z", 0.2))))
 
 
-def test_the_bracket_says_between_which_bounds_frequencies_lie():
-    bounds = (
-        "frequencies cannot be judged without the legs' mass; plausible ones give 113 to 131 Hz"
-    )
-    matrix = sample_matrix(bracket=bounds)
-    assert sentence(matrix).endswith(f"; {bounds}.")
+def test_what_verdicts_on_frequencies_suppose_stands_behind_them_and_nowhere_else():
+    supposed = "for every plausible distribution of the legs' mass"
+    decided = (entry("beam", "f1", (0.3, 0.3, 0.3)),)
+    assert sentence(sample_matrix(entries=decided, supposed=supposed)).endswith(f" ({supposed}).")
+    assert supposed not in sentence(sample_matrix(supposed=supposed))
 
 
 def test_a_model_that_does_not_move_in_one_pose_alone_is_stiff_there():

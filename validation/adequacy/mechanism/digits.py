@@ -20,13 +20,12 @@ from lumped.models.links import links
 from lumped.system.assembly import assembly
 from lumped.system.solution import compliance, solved
 from lumped.system.sweep import swept
-from validation.adequacy.mechanism.legs import MASSES, leg_with_masses
+from validation.adequacy.mechanism.masses import Masses, by_shapes, shapes_inside
 from validation.adequacy.mechanism.parts import condensed_parts
 from validation.adequacy.mechanism.samples import samples_of
 from validation.adequacy.mechanism.vibration import vibration_of
 from validation.adequacy.response import Vibration
 from validation.agreement.displacement import sizes
-from validation.models.legs import filled
 from validation.models.mechanism import dynamic_bodies, highest_frequency
 from validation.models.mechanism_modes import modes_along
 from validation.models.options import ModelOptions
@@ -58,7 +57,7 @@ def left_by_digits(text: str, postures: Sequence[Posture]) -> Array:
 
 
 def modes_by_digits(
-    text: str, postures: tuple[Posture, ...], count: int
+    text: str, postures: tuple[Posture, ...], count: int, masses: Masses
 ) -> tuple[Vibration, Array] | None:
     """Modes by beams, given legs by their own 6×6, and the share of each that digits leave open.
 
@@ -71,19 +70,16 @@ def modes_by_digits(
     mechanism = postures[0].mechanism
     highest = highest_frequency(postures, count)
     beams = dynamic_bodies("beam", mechanism, highest, _FEW_ELEMENTS)
-    made: dict[bytes, BodyModel] = {}
+    given = {k: leg for k, leg in legs_of(mechanism).items() if isinstance(leg, GivenLeg)}
+    few = _FEW_ELEMENTS.elements
+    shapes = {name: shapes_inside(leg, masses, highest, few) for name, leg in given.items()}
 
     def bodies(of: Mechanism) -> dict[str, BodyModel]:
-        models = dict(beams)
-        for name, leg in legs_of(of).items():
-            if isinstance(leg, GivenLeg):
-                key = name.encode() + leg.compliance.tobytes()
-                if key not in made:
-                    made[key] = filled(
-                        leg_with_masses(leg, MASSES[0], highest, _FEW_ELEMENTS.elements)
-                    )
-                models[name] = made[key]
-        return models
+        return beams | {
+            name: by_shapes(shapes[name], leg, masses, few)
+            for name, leg in legs_of(of).items()
+            if isinstance(leg, GivenLeg)
+        }
 
     along = modes_along(assembly(mechanism, bodies(mechanism)), postures, count)
     own = vibration_of(samples_of(mechanism), along)

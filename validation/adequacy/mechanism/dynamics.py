@@ -8,16 +8,16 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.legs import ConstantLeg
+from lumped.models.bodies import tip_compliances
+from lumped.models.links import links
+from lumped.system.assembly import assembly
 from validation.adequacy.mechanism.digits import modes_by_digits
-from validation.adequacy.mechanism.legs import (
-    MASSES,
-    SECTION_RATIO,
-    Masses,
-    step_uncertainty,
-)
+from validation.adequacy.mechanism.legs import SECTION_RATIO, step_uncertainty
+from validation.adequacy.mechanism.masses import MASSES, Masses, plausible_masses
 from validation.adequacy.mechanism.parts import (
     FINER_PARTS,
     UNKNOWN,
+    condensed_parts,
     part_steps,
     refinement_share,
 )
@@ -40,6 +40,7 @@ from validation.adequacy.response import (
     modes_of,
 )
 from validation.context import Preset
+from validation.models.mechanism_modes import modes_along
 from validation.models.options import ModelName, ModelOptions
 from validation.parts.meshes import FINEST, MIDDLE
 from validation.solids.leg_models import ELEMENTS
@@ -47,16 +48,22 @@ from validation.solids.legs import COARSEST_WALLS, divisions_across
 from validation.solids.size import larger_preset, too_large
 
 _OPEN_MASS = "where the legs' mass lies"
-_SAY_MASS = "the legs' mass distribution: a section and a material in place of the 6×6"
+_SAY_MASS = (
+    "the legs' mass distribution: mass_centre and inertia beside the 6×6, or a section and a "
+    "material in its place"
+)
+_SUPPOSED = "for every plausible distribution of the legs' mass"
 _RIGID = "legs rigid and without mass"
 
 
 def dynamic_reference(robot: RobotOnPath) -> Reference:
-    """Solid legs reduced to their ends or, where legs are given, a bracket of plausible masses."""
+    """Solid legs reduced to their ends, given ones with every plausible distribution of mass."""
     preset, holding, parts = robot.context.preset, robot.holding, robot.mechanism.parts
     if reason := _why_unmeshed(robot.prisms, preset):
         return Reference("none", (), decides=reason)
-    masses: tuple[Masses | None, ...] = MASSES if robot.given else (None,)
+    masses: tuple[Masses | None, ...] = (None,)
+    if robot.given:
+        masses = plausible_masses(robot.given.values())
     left_by_parts = _part_uncertainty(robot, masses[0])
     alternatives = []
     for (name, hold), mass in product(holding.alternatives.items(), masses):
@@ -69,7 +76,7 @@ def dynamic_reference(robot: RobotOnPath) -> Reference:
         said = name if robot.prisms or parts or not robot.given else ""
         both = ", ".join(filter(None, (said, mass)))
         dynamic = np.where(np.isnan(uncertainty), UNKNOWN, uncertainty)
-        digits = _digit_uncertainty(robot, fine)
+        digits = _digit_uncertainty(robot, fine, mass or MASSES[0])
         alternatives.append(
             Alternative(both, Response(vibration=fine), dynamic=dynamic, dynamic_digits=digits)
         )
@@ -80,8 +87,7 @@ def dynamic_reference(robot: RobotOnPath) -> Reference:
         open=" and ".join(filter(None, (holding.unsaid, mass_unsaid))),
         decides="; ".join(filter(None, (holding.decides, say_mass))),
         finer=FINER_PARTS if parts else _finer_preset(robot.prisms, preset),
-        # Without the legs' mass, alternatives are no more than a bracket.
-        bracket=bool(robot.given),
+        supposed=_SUPPOSED if robot.given else "",
         computed_by=("validation.adequacy.mechanism.vibration.solid_vibration",),
     )
 
@@ -131,13 +137,13 @@ def _mesh_uncertainty(robot: RobotOnPath, coarse: Vibration, fine: Vibration, en
     return step_uncertainty(step, meshes.ratio) + step_uncertainty(section, SECTION_RATIO)
 
 
-def _digit_uncertainty(robot: RobotOnPath, fine: Vibration) -> Array | None:
+def _digit_uncertainty(robot: RobotOnPath, fine: Vibration, masses: Masses) -> Array | None:
     """What printed digits leave open of the judged frequencies of `fine` (p×K, relative).
 
     As of the beams' modes of the same shape; of a mode that beams do not have the most of all
     judged.
     """
-    found = robot.context.get(modes_by_digits, robot.text, robot.postures, robot.offered)
+    found = robot.context.get(modes_by_digits, robot.text, robot.postures, robot.offered, masses)
     if found is None:
         return None
     beams, share = found
@@ -167,22 +173,29 @@ def _part_uncertainty(robot: RobotOnPath, masses: Masses | None) -> Array | floa
     return refinement_share(robot.mechanism, frequencies)
 
 
-def bracketed_frequencies(reference: Reference, modes: int) -> str:
-    """What plausible masses leave open of the frequencies in the middle of the path, in words.
+def mass_notes(robot: RobotOnPath, reference: Reference) -> tuple[str, ...]:
+    """Between what frequencies plausible masses lie in the middle of the path, and below what all.
 
-    Empty where they are known.
+    Mass lowers frequencies, wherever it lies (Rayleigh): legs without mass bound them from above.
+    Nothing bounds them from below, since the 6×6 says nothing of what is between a leg's ends.
     """
-    if not reference.bracket:
-        return ""
+    if not reference.supposed:
+        return ()
     answers = [one.response.vibration for one in reference.alternatives]
-    found = np.array([one.frequencies[len(one.frequencies) // 2, :modes] for one in answers if one])
+    known = [one.frequencies for one in answers if one]
+    found = np.array([one[len(one) // 2, : robot.judged] for one in known])
+    middle = robot.postures[len(robot.postures) // 2]
+    mechanism = robot.mechanism
+    massless = {**links(mechanism, tip_compliances(mechanism)), **condensed_parts(mechanism)}
+    (above,) = modes_along(assembly(mechanism, massless), [middle], robot.judged)
     spans = [
         f"f{k + 1} {low:.4g} to {high:.4g} Hz"
         for k, (low, high) in enumerate(zip(found.min(axis=0), found.max(axis=0), strict=True))
     ]
+    bounds = [f"f{k + 1} {top:.4g} Hz" for k, top in enumerate(above.modes.frequencies)]
     return (
-        "frequencies cannot be judged without the legs' mass distribution; plausible ones give "
-        f"{', '.join(spans)} in the middle of the path"
+        f"Plausible distributions of the legs' mass give {', '.join(spans)} in the middle of the "
+        f"path; whatever it is, none is above that without the legs' mass: {', '.join(bounds)}",
     )
 
 
@@ -202,7 +215,7 @@ def dynamic_ladders(
 
     # From beams of textbook constants upwards.
     upper: tuple[Step, ...] = ()
-    if robot.prisms and not reference.bracket:
+    if robot.prisms and not robot.given:
         upper = _to_solids(robot, names)
     of_parts = part_steps(
         robot.mechanism, names, lambda kind: answered("beam", ModelOptions(parts=kind))

@@ -79,9 +79,9 @@ class RobotOnPath:
         return [leg for leg in self.legs.values() if isinstance(leg, ConstantLeg)]
 
     @property
-    def given(self) -> list[str]:
+    def given(self) -> dict[str, GivenLeg]:
         """The legs that are known by their 6×6 alone."""
-        return [name for name, leg in self.legs.items() if isinstance(leg, GivenLeg)]
+        return {name: leg for name, leg in self.legs.items() if isinstance(leg, GivenLeg)}
 
     @property
     def judged(self) -> int:

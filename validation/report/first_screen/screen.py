@@ -47,12 +47,7 @@ def first_screen(matrix: Matrix, *, plotted: bool, measured: bool = False) -> Fi
         csv=csv_of_matrix(matrix),
         errors=attempted(lambda: draw(matrix)) if plotted else None,
         remedies=remedies_of(matrix),
-        # Nothing is said twice.
-        notes=tuple(
-            note
-            for note in (*matrix.notes, matrix.bracket)
-            if note and note.lower() not in answer.lower()
-        ),
+        notes=matrix.notes,
         sheets=sheets_of(matrix),
         name=matrix.robot,
         parts=tuple(

@@ -57,9 +57,10 @@ class _Opinion:
 def sentence(matrix: Matrix) -> str:
     """The verdict of the matrix, one sentence."""
     static = _clauses(matrix, is_static, partial(_static_predicate, matrix))
-    dynamic = _clauses(
-        matrix, lambda quantity: not is_static(quantity), _dynamic_predicate, matrix.bracket
-    )
+    dynamic = _clauses(matrix, lambda quantity: not is_static(quantity), _dynamic_predicate)
+    decided = [e for e in matrix.entries if not is_static(e.quantity) and e.verdict != "undecided"]
+    if matrix.supposed and decided:
+        dynamic[-1] += f" ({matrix.supposed})"
     said = "; ".join([*static, *_formulation(matrix), *dynamic])
     return f"{capital(said)}." if said else "No model could be judged."
 
@@ -124,9 +125,8 @@ def _clauses(
     matrix: Matrix,
     wanted: Callable[[str], bool],
     predicate: Callable[[Sequence[_Opinion], bool], str],
-    bracket: str = "",
 ) -> list[str]:
-    """What is said of the `wanted` quantities; `bracket`: of all of them where none is judged."""
+    """What is said of the `wanted` quantities."""
     opinions = []
     for note in matrix.models:
         entries = tuple(e for e in matrix.of_model(note.model) if wanted(e.quantity))
@@ -134,7 +134,7 @@ def _clauses(
             opinions.append(_Opinion(note.model, entries))
     unjudged = _nothing_known(opinions)
     if unjudged:
-        return [bracket or unjudged]
+        return [unjudged]
     groups: dict[tuple[tuple[str, str], ...], list[_Opinion]] = {}
     for opinion in sorted(opinions, key=lambda opinion: opinion.size):
         groups.setdefault(opinion.key, []).append(opinion)

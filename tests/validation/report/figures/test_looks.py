@@ -10,7 +10,7 @@ from matrix_sample import POSES, entry, sample_matrix
 
 from lumped.acceptance.requirement import MODEL_KINDS
 from lumped.robot_file import load_robot
-from validation.adequacy.mechanism.legs import MASSES
+from validation.adequacy.mechanism.masses import MASSES
 from validation.adequacy.mechanism.path import holding
 from validation.adequacy.models import JUDGED
 from validation.drawing.charts.chart import chart_table
@@ -39,11 +39,10 @@ def test_every_model_has_a_look_that_no_other_curve_has():
 
 @pytest.mark.parametrize("names", HELD)
 def test_alternatives_of_a_reference_have_looks_of_their_own(names):
-    """As solids, and with each of the masses that legs known by a 6×6 plausibly have."""
+    """As solids, and where legs are known by a 6×6 and a mass."""
     for curves in (
         [f"solid, {name}" for name in names],
-        [", ".join(filter(None, (name, mass))) for name in names for mass in MASSES],
-        MASSES,
+        [f"{name}, {MASSES[0]}" for name in names],
         ["solid", "solid, ends free"],
     ):
         found = [LOOKS[known_as(name)] for name in curves]
