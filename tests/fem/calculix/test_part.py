@@ -15,9 +15,25 @@ from fem.calculix.deck import Deck, ElementSet, NodalForce, rigid_face
 from fem.calculix.run import CalculixMissing, calculix_program, run_calculix
 from fem.couplings.grips import area_weights
 from lumped.mechanism.part import ByCylinder, ByPlane, PartInterface
+from meshes.gmsh_session import gmsh_model
 from meshes.part.interfaces import find_interfaces
 from meshes.part.reading.read import read_part
 from meshes.part.volume import Grading, volume_mesh
+
+
+@pytest.fixture(scope="session")
+def bar_step(tmp_path_factory):
+    """A bar of 170 × 40 × 30 mm with bores of radius 8 and 6 along z, the first at the origin."""
+    path = tmp_path_factory.mktemp("bar") / "bar.step"
+    with gmsh_model("bar") as gmsh:
+        gmsh.option.setString("Geometry.OCCTargetUnit", "MM")
+        occ = gmsh.model.occ
+        bar = occ.addBox(-20, -20, -15, 170, 40, 30)
+        bores = [(3, occ.addCylinder(x, 0, -30, 0, 0, 60, r)) for x, r in ((0, 8), (130, 6))]
+        occ.cut([(3, bar)], bores)
+        occ.synchronize()
+        gmsh.write(str(path))
+    return path
 
 
 @pytest.fixture(scope="module")

@@ -11,7 +11,7 @@ from fem.couplings.end_effects import _decays, restrained_compliance
 from fem.couplings.section_fields import section_fields
 from fem.sections.section_constants import section_constants
 from lumped.errors import ComputationError, InputError
-from lumped.legs import ConstantLeg, Material, tip_compliance
+from lumped.legs import ConstantLeg, Material
 from lumped.sections import HollowRectangle, ISection, Rectangle, Tube
 from meshes.section.section_mesh import section_mesh
 
@@ -34,29 +34,18 @@ def test_a_strip_decays_with_the_roots_of_papkovich_and_fadle():
         assert abs(slowest.imag) == pytest.approx(root.imag, rel=2e-3)
 
 
-def test_end_effects_of_a_section_soft_in_shear_reach_far_until_rounding_loses_them():
-    mesh = section_mesh(Tube(1.0, 0.15), 4)
-    far, farther = (
-        decay_rates(mesh, Material(1e11, share * 1e11, 0.3, 1.0))["tension"][0].real
-        for share in (1e-3, 1e-4)
-    )
-    # As the root of G/E.
-    assert far / farther == pytest.approx(np.sqrt(10.0), rel=2e-3)
-    with pytest.raises(ComputationError, match="slowest decay along the leg is lost in rounding"):
-        decay_rates(mesh, Material(1e11, 1e6, 0.3, 1.0))
-
-
-def test_what_faces_take_from_long_thin_legs_is_symmetric_until_rounding_loses_it():
-    mesh = section_mesh(Tube(0.01, 0.001), 4)
-    short, long = (restrained_compliance(mesh, STEEL, length) for length in (1.0, 10.0))
+def test_what_rounding_loses_of_soft_sections_and_of_long_legs_is_refused():
+    tube = section_mesh(Tube(0.01, 0.001), 4)
+    short, long = (restrained_compliance(tube, STEEL, length) for length in (1.0, 10.0))
     assert np.array_equal(long, long.T)
-    # Of tension each face holds a fixed length, of bending by the lever besides: L and L².
+    # Of tension each face holds a fixed length, of bending by the lever besides.
     assert long[0, 0] == pytest.approx(short[0, 0], rel=1e-9)
     assert long[1, 5] == pytest.approx(10.0 * short[1, 5], rel=1e-6)
-    assert long[1, 1] == pytest.approx(100.0 * short[1, 1], rel=0.02)
     # Ten million times as long as wide.
     with pytest.raises(ComputationError, match="too long for its section"):
-        restrained_compliance(mesh, STEEL, 1e5)
+        restrained_compliance(tube, STEEL, 1e5)
+    with pytest.raises(ComputationError, match="slowest decay along the leg is lost in rounding"):
+        restrained_compliance(section_mesh(Tube(1.0, 0.15), 4), Material(1e11, 1e6, 0.3, 1.0), 5.0)
 
 
 @pytest.mark.parametrize("length", [0.5, 4.0])
@@ -71,23 +60,6 @@ def test_held_torsion_of_an_open_section_is_vlasovs(length):
     expected = -2.0 * depth * np.tanh(length / (2.0 * depth)) / rigidity
     # Depth 1.6 m: both faces act on each other. What the flanges' shear adds falls with the length.
     assert taken == pytest.approx(expected, rel=0.01)
-
-
-def test_round_sections_do_not_warp_and_nothing_contracts_without_poisson():
-    taken = restrained_compliance(section_mesh(Tube(0.1, 0.01), 4), STEEL, 0.85)
-    twist = tip_compliance(ConstantLeg(0.85, Tube(0.1, 0.01), STEEL).timoshenko, 0.85)[3, 3]
-    assert abs(taken[3, 3]) < 1e-9 * twist
-    taken = restrained_compliance(
-        section_mesh(Rectangle(0.1, 0.16), (2, 3)), WITHOUT_CONTRACTION, 1
-    )
-    stretch = 1.0 / (WITHOUT_CONTRACTION.E * 0.016)
-    assert abs(taken[0, 0]) < 1e-12 * stretch
-    # Shear is held, though: a length of its own, whatever that of the leg.
-    longer = restrained_compliance(
-        section_mesh(Rectangle(0.1, 0.16), (2, 3)), WITHOUT_CONTRACTION, 2.0
-    )
-    assert longer[1, 1] == pytest.approx(taken[1, 1], rel=1e-6)
-    assert taken[1, 1] < 0.0
 
 
 @pytest.mark.parametrize(

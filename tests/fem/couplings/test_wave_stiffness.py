@@ -1,19 +1,16 @@
 """Dynamic stiffness by waves against waves of whole wavelengths, beams, and solids."""
 
-from functools import partial
-
 import numpy as np
 import pytest
 from prismatic_legs import STEEL
 
 from fem.couplings.wave_stiffness import prism_waves
-from fem.sections.waveguide import bending_wave, torsion_wave, wall_frequency
+from fem.sections.waveguide import bending_wave, wall_frequency
 from lumped.errors import ComputationError
 from lumped.legs import ConstantLeg
 from lumped.sections import HollowRectangle, ISection, Rectangle, Tube
 from meshes.section.section_mesh import section_mesh
 from validation.solids.leg_models import own_beam
-from validation.solids.legs import solid_frequencies
 from validation.solids.waves import prism_wave_frequency
 from validation.studies.leg_waves import dynamic_stiffness
 
@@ -65,14 +62,6 @@ def test_the_walls_of_a_thin_tube_become_oval_as_hoppe_says():
     assert wall_frequency(mesh, STEEL) == pytest.approx(expected, rel=4e-2)
 
 
-@pytest.mark.parametrize("section", [OPEN, Rectangle(0.05, 0.08)])
-def test_a_quarter_wave_of_torsion_leaves_the_tip_loose(section):
-    omega = torsion_wave(section_mesh(section, 2), STEEL, np.pi / (2.0 * LENGTH))
-    torsion = waves_of(section, 2)["torsion"]
-    loose, near = (torsion.stiffness(LENGTH, f * omega)[1, 1] for f in (1.0, 0.99))
-    assert abs(loose) < 1e-5 * abs(near)
-
-
 @pytest.mark.parametrize("section", SECTIONS)
 def test_slow_waves_are_a_timoshenko_beam(section):
     """Both are Saint-Venant's states as ω → 0: what is left falls with ω²."""
@@ -84,35 +73,6 @@ def test_slow_waves_are_a_timoshenko_beam(section):
         off = (kind.stiffness(LENGTH, omega) - own) * np.outer(unit, unit)
         # An open section warps along its torsional wave; a round one's mesh leaves 1e-4.
         assert np.abs(off).max() < (5e-4 if name == "torsion" else 2e-4), name
-
-
-def test_solid_cantilever_swings_where_its_waves_do():
-    """A box of free ends on the same section mesh: its tip is loose at the solid's frequencies.
-
-    Beams miss how its walls bend and warp: 0.3 % of both first frequencies, 9 % of torsion's.
-    """
-    leg = ConstantLeg(LENGTH, BOX, STEEL)
-    solids = solid_frequencies(leg, (4,), "free", 3).frequencies.values[0]
-    beam, waves = own_beam(leg, 4), waves_of(BOX, 4)
-    for frequency, name in zip(solids, ("bending z", "bending y", "torsion"), strict=True):
-        kind = waves[name]
-        by_waves = loose_at(kind, partial(kind.stiffness, LENGTH), frequency)
-        by_beam = loose_at(
-            kind,
-            lambda w, kind=kind: dynamic_stiffness(beam, w)[np.ix_(kind.ends, kind.ends)],
-            frequency,
-        )
-        assert abs(by_waves) < 0.05 * abs(by_beam)
-
-
-def loose_at(kind, stiffness, near):
-    """Relative distance from a frequency (Hz) to where the tip has no stiffness."""
-    tip = len(kind.ends) // 2
-    steps = np.linspace(-0.12, 0.12, 49)
-    values = [softest(stiffness(2.0 * np.pi * near * (1.0 + s))[tip:, tip:]) for s in steps]
-    change = np.flatnonzero(np.diff(np.sign(values)))[0]
-    share = values[change] / (values[change] - values[change + 1])
-    return steps[change] + share * (steps[change + 1] - steps[change])
 
 
 def test_walls_that_move_by_themselves_are_no_beam():

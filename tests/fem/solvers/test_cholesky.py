@@ -109,14 +109,6 @@ def test_block_solves_and_cvxopts_own_agree(short_leg, monkeypatch):
     assert np.abs(together - one_by_one).max() <= SOLVER_TOLERANCE * np.abs(together).max()
 
 
-def test_the_unknown_of_a_negative_pivot_is_named():
-    matrix = diags_array(np.where(np.arange(30) == 17, -1.0, 2.0), format="csr")
-    chain = matrix + 0.1 * (eye_array(30, k=1) + eye_array(30, k=-1))
-    with pytest.raises(NotPositiveDefiniteError) as refused:
-        factorise(analyse(csr_array(chain), backend="cholmod"), csr_array(chain))
-    assert refused.value.unknown == 17
-
-
 def test_predicted_size_is_the_factors(short_leg):
     """The factor's entries by a dense Cholesky of the pattern in the same order."""
     K, _ = short_leg

@@ -1,0 +1,215 @@
+"""A square bar as a part: modes counted, reductions by held and by free ones, all against dense."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from drawn_parts import meshed
+from numpy.testing import assert_allclose
+from prismatic_legs import STEEL
+from scipy.linalg import eigh, null_space
+
+import fem.reduction.counted_modes as counting
+from fem.bodies.part import grips_of, held_part, meshed_part
+from fem.bodies.rooted import RootedBody
+from fem.reduction.counted_modes import counted_modes
+from fem.reduction.craig_bampton import reduction
+from fem.reduction.free_interface import free_interface
+from fem.reduction.held import Held, free_body, held_body
+from fem.reduction.interface_modes import interface_modes
+from lumped.dense.modes import Modes
+from lumped.errors import ComputationError, InputError
+from lumped.mechanism.part import ByPlane, PartInterface
+from meshes.part.interfaces import find_interfaces
+from meshes.part.reading.read import read_part
+
+LENGTH = 0.2
+COUPLINGS = {"two": ("rigid", "average"), "one": ("average",)}
+
+
+@dataclass(frozen=True)
+class Bar:
+    """A square bar and its interfaces at its ends."""
+
+    rooted: RootedBody
+    held: Held
+
+    def frequencies(self, fixed):
+        """All frequencies (Hz) with the first `fixed` components of the interfaces' twists held.
+
+        Dense, by no code of the reduction's.
+        """
+        solid = self.rooted.solid
+        free = null_space(solid.twists[:, :fixed].T) if fixed else np.eye(solid.size)
+        stiffness, mass = (free.T @ (matrix @ free) for matrix in (solid.stiffness, solid.mass))
+        squared = eigh(stiffness, mass, eigvals_only=True)
+        return np.sqrt(np.maximum(squared, 0.0)) / (2.0 * np.pi)
+
+
+@pytest.fixture(scope="session", params=COUPLINGS.values(), ids=COUPLINGS)
+def bar(request, tmp_path_factory):
+    """Its bending modes come in pairs, alike but for the mesh."""
+    folder = tmp_path_factory.mktemp("bar")
+    drawn = meshed(
+        folder / "bar.msh",
+        lambda kernel: kernel.addBox(0.0, -15.0, -15.0, 200.0, 30.0, 30.0),
+        80.0,
+        4.0,
+    )
+    part = read_part(drawn, "mm")
+    ends = {
+        name: PartInterface(ByPlane((way, 0.0, 0.0), (x, 0.0, 0.0)), coupling)
+        for (name, way, x), coupling in zip(
+            (("A", -1.0, 0.0), ("B", 1.0, LENGTH)), request.param, strict=False
+        )
+    }
+    grips = grips_of(part.mesh, find_interfaces(part, ends))
+    rooted = held_part(meshed_part(part.mesh, STEEL), grips, "bar")
+    return Bar(rooted, held_body(rooted))
+
+
+@pytest.fixture(scope="session")
+def held_frequencies(bar):
+    """All that moves with the twists of all interfaces held (Hz)."""
+    return bar.frequencies(bar.rooted.solid.twists.shape[1])
+
+
+@pytest.mark.parametrize("free", [False, True])
+def test_inertia_counts_what_a_dense_eigensolver_finds(bar, held_frequencies, free):
+    """Of the bar with its interfaces held, and of the free bar without its rigid motions."""
+    body = free_body(bar.rooted) if free else bar.held
+    frequencies = bar.frequencies(0)[6:] if free else held_frequencies
+    assert body.size > 400
+    if free:
+        assert body.rigid.T @ (body.mass @ body.rigid) == pytest.approx(np.eye(6), abs=1e-10)
+    for below in (0, 1, 2, 5, 12, 40):
+        lowest, next_one = np.append(0.0, frequencies)[[below, below + 1]]
+        if next_one > 1.001 * lowest:
+            found = body.inertia((np.pi * (lowest + next_one)) ** 2)
+            assert (found.negative, found.zero) == (below, 0)
+
+
+def test_a_reduction_has_the_modes_that_are_counted(bar, held_frequencies):
+    cutoff = 1.001 * held_frequencies[14]
+    found = reduction(bar.held, 0.4 * cutoff, cutoff)
+    below = held_frequencies[held_frequencies < found.cutoff]
+    assert found.counted == len(below) >= 15
+    assert_allclose(found.frequencies[: len(below)], below, rtol=1e-8)
+
+
+@pytest.mark.parametrize("missed", [0, 3, 7])
+def test_a_mode_that_the_search_missed_is_counted_and_searched_for(
+    bar, held_frequencies, missed, monkeypatch
+):
+    cutoff = 1.001 * held_frequencies[9]
+
+    def blind(held, cutoff, search=0):
+        found = interface_modes(held, cutoff, search)
+        if search:
+            return found
+        kept = np.arange(len(found.frequencies)) != missed
+        return Modes(found.frequencies[kept], found.shapes[:, kept])
+
+    sound = counted_modes(bar.held, cutoff)
+    monkeypatch.setattr(counting, "interface_modes", blind)
+    found = counted_modes(bar.held, cutoff)
+    assert found.counted == sound.counted
+    assert_allclose(found.frequencies, sound.frequencies, rtol=1e-9)
+    gram = found.shapes.T @ (bar.held.mass @ found.shapes)
+    assert_allclose(gram, np.eye(len(gram)), atol=1e-8)
+
+
+def test_a_mode_that_is_never_found_or_found_twice_is_an_error(bar, held_frequencies, monkeypatch):
+    cutoff = 1.001 * held_frequencies[9]
+
+    def without_the_first(held, cutoff, search=0):
+        found = interface_modes(held, cutoff, search)
+        return Modes(found.frequencies[1:], found.shapes[:, 1:])
+
+    monkeypatch.setattr(counting, "interface_modes", without_the_first)
+    with pytest.raises(ComputationError, match="bar, all interfaces held: certificate"):
+        counted_modes(bar.held, cutoff)
+
+    def first_twice(held, cutoff, search=0):
+        found = interface_modes(held, cutoff, search)
+        twice = np.r_[0, 0 : len(found.frequencies)]
+        return Modes(found.frequencies[twice], found.shapes[:, twice])
+
+    monkeypatch.setattr(counting, "interface_modes", first_twice)
+    with pytest.raises(ComputationError, match="certificate of the modes failed"):
+        counted_modes(bar.held, cutoff)
+
+
+CLAMPED = 6
+COUNT = 6
+
+
+@pytest.fixture(scope="module")
+def free_frequencies(bar):
+    """Elastic ones of the free bar (Hz)."""
+    return bar.frequencies(0)[6:]
+
+
+@pytest.fixture(scope="module")
+def cutoff(free_frequencies):
+    return 1.001 * free_frequencies[6]
+
+
+@pytest.fixture(scope="module")
+def found(bar, cutoff):
+    return free_interface(bar.rooted, cutoff / 2.5, cutoff)
+
+
+def clamped(stiffness, mass):
+    """Frequencies (Hz) with the first interface held; massless unknowns have none."""
+    own = slice(CLAMPED, None)
+    inverse_squares = eigh(mass[own, own], stiffness[own, own], eigvals_only=True)[::-1]
+    with_mass = inverse_squares[inverse_squares > 1e-12 * inverse_squares[0]]
+    return 1.0 / (2.0 * np.pi * np.sqrt(with_mass))
+
+
+def test_it_has_the_free_modes_below_its_cut_off(found, free_frequencies):
+    reduced, _ = found
+    assert reduced.counted == len(reduced.frequencies) == 7
+    assert_allclose(reduced.frequencies, free_frequencies[:7], rtol=1e-8)
+    own = eigh(reduced.stiffness, reduced.mass, eigvals_only=True)[6:]
+    assert_allclose(np.sqrt(own[:7]) / (2.0 * np.pi), free_frequencies[:7], rtol=1e-8)
+
+
+def test_its_matrices_are_those_of_its_displacements(bar, found):
+    """By the dense triple product; unknowns are the twists of the interfaces, statics exact."""
+    reduced, _ = found
+    solid, V = bar.rooted.solid, reduced.recovery
+    for matrix, own in ((solid.stiffness, reduced.stiffness), (solid.mass, reduced.mass)):
+        assert V.T @ (matrix @ V) == pytest.approx(own, abs=1e-10 * np.abs(own).max())
+    twists = solid.twists.T @ V
+    assert twists == pytest.approx(np.eye(*twists.shape), abs=1e-10)
+    count = len(twists)
+    assert reduced.stiffness[:count, :count] == pytest.approx(bar.held.stiffness)
+    assert not reduced.stiffness[:count, count:].any()
+
+
+def test_clamped_it_swings_as_the_whole_bar_and_as_by_craig_and_bampton(bar, found, cutoff):
+    exact = bar.frequencies(CLAMPED)[:COUNT]
+    reduced, truncation = found
+    assert exact[-1] < cutoff
+    upper = clamped(reduced.stiffness, reduced.mass)[:COUNT]
+    fixed = reduction(bar.held, cutoff / 2.5, cutoff)
+    assert (upper >= exact * (1.0 - 1e-9)).all()
+    # Measured: 3e-8 for the first two, 1e-4 for one just below the cut-off.
+    assert_allclose(upper, exact, rtol=2e-4)
+    assert_allclose(upper[:2], clamped(fixed.stiffness, fixed.mass)[:2], rtol=1e-7)
+    lower = np.array(
+        [clamped(*truncation.loosened((2.0 * np.pi * f) ** 2))[j] for j, f in enumerate(upper)]
+    )
+    assert (lower <= exact * (1.0 + 1e-9)).all()
+    # Worth something: not much wider than the error is.
+    assert (upper - lower <= 10.0 * (upper - exact) + 1e-8 * exact).all()
+
+
+def test_a_reduction_that_drops_nothing_is_refused(bar):
+    rooted = bar.rooted
+    with pytest.raises(ComputationError, match=r"bar, free: its modes up to .* leave nothing"):
+        free_interface(rooted, 1e8, 1e9)
+    with pytest.raises(InputError, match="must be above the highest frequency"):
+        free_interface(rooted, 1000.0, 900.0)

@@ -1,0 +1,163 @@
+"""Meshes of parts: sizes that are searched for, folded elements, and nodes spread over them."""
+
+import numpy as np
+import pytest
+
+from lumped.errors import ComputationError, InputError
+from lumped.legs import ConstantLeg, Material
+from lumped.mechanism.part import ByPlane, PartInterface
+from lumped.sections import Rectangle
+from meshes.elements import ELEMENTS
+from meshes.part import volume
+from meshes.part.interfaces import find_interfaces
+from meshes.part.reading.cad import cad_model, naming_the_place
+from meshes.part.reading.read import read_part
+from meshes.part.spread import spread_over
+from meshes.part.straighten import straightened
+from meshes.part.volume import Grading, volume_mesh
+from meshes.prism.extrude import extrude
+from meshes.processes import Crashed
+from meshes.section.section_mesh import section_mesh
+from meshes.shape_functions import gradients, quadrature, values
+
+
+@pytest.fixture(scope="module")
+def bar(box_step):
+    part = read_part(box_step)
+    plane = ByPlane((-1.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+    return part, find_interfaces(part, {"A": PartInterface(plane, "rigid")})
+
+
+def test_the_optimiser_is_left_out_where_it_crashes(bar, monkeypatch):
+    grading = volume.Grading(0.02)
+    usual = volume.volume_mesh(*bar, grading)
+    tried = []
+
+    def crashing(function, *arguments):
+        *_, size, netgen, _ = arguments
+        tried.append((size.size, netgen))
+        if netgen:
+            raise Crashed
+        return function(*arguments)
+
+    monkeypatch.setattr(volume, "in_own_process", crashing)
+    plain = volume.volume_mesh(*bar, grading)
+    assert tried == [(0.02, 1), (0.97 * 0.02, 1), (0.02, 0)]
+    # Another mesh of the same block, which is as long.
+    assert np.ptp(plain.nodes, axis=0) == pytest.approx(np.ptp(usual.nodes, axis=0))
+    assert len(plain.nodes) != len(usual.nodes) or np.abs(plain.nodes - usual.nodes).max() > 1e-6
+
+
+@pytest.mark.parametrize(
+    ("error", "said"),
+    [(Crashed(), "it ends its process"), (ComputationError("2 tetrahedra are flat"), "2 tetra")],
+)
+def test_what_has_no_sound_mesh_is_said(bar, monkeypatch, error, said):
+    def failing(*_):
+        raise error
+
+    monkeypatch.setattr(volume, "in_own_process", failing)
+    with pytest.raises(ComputationError, match=rf"box.step: gmsh makes no sound .* m: {said}"):
+        volume.volume_mesh(*bar, volume.Grading(0.02))
+
+
+def tube(occ, s):
+    """A tapered tube, 898 mm long, whose wall of 12 mm falls between facets of half its length."""
+    outer, inner = (
+        (3, occ.addCone(0.0, 0.0, 0.0, 898.0 * s, 0.0, 0.0, r * s, 0.6 * r * s))
+        for r in (61.4, 49.3)
+    )
+    occ.cut([outer], [inner])
+
+
+def test_the_search_for_a_size_goes_on_after_a_surface_that_crosses_itself(part_file):
+    part = read_part(part_file("tube.step", tube))
+    with cad_model(part.path, part.unit) as model:
+        volume._set_sizes(model, (), volume.Grading(max(part.extent) / 2.0).refined())
+        with pytest.raises(InputError, match="crosses itself"), naming_the_place(part.path, model):
+            model.gmsh.model.mesh.generate(3)
+    wanted = 20_000
+    found = volume.volume_mesh(part, (), volume.ladder(part, (), wanted)[-1])
+    assert found.unknowns == pytest.approx(wanted, rel=0.35)
+
+
+pytestmark = pytest.mark.usefixtures("in_this_process")
+
+
+def rounded(occ, s):
+    """A bar 80 × 40 × 40 mm whose long edges are rounded with 8 mm."""
+    bar = occ.addBox(0.0, -20.0 * s, -20.0 * s, 80.0 * s, 40.0 * s, 40.0 * s)
+    occ.synchronize()
+    boxes = {tag: occ.getBoundingBox(1, tag) for _, tag in occ.getEntities(1)}
+    occ.fillet([bar], [tag for tag, box in boxes.items() if box[3] - box[0] > 50.0 * s], [8.0 * s])
+
+
+def test_roundings_keep_their_volume(part_file):
+    part = read_part(part_file("rounded.step", rounded))
+    ends = {"A": PartInterface(ByPlane((-1.0, 0.0, 0.0), (0.0, 0.0, 0.0)), "rigid")}
+    mesh = volume_mesh(part, find_interfaces(part, ends), Grading(0.02))
+    corners = mesh.nodes[mesh.cells[:, :4]]
+    edges = corners[:, 1:] - corners[:, :1]
+    chords = np.linalg.det(edges).sum() / 6.0 / part.exact.volume - 1.0
+    assert chords < -3e-3
+    assert mesh.straightened == 0
+    # A parabola misses of a short arc less than a hundredth of what its chord misses.
+    assert abs(_volume(mesh) / part.exact.volume - 1.0) < 0.01 * abs(chords)
+
+
+def _volume(mesh):
+    """By the divergence theorem over the faces, which has nothing in common with the elements."""
+    points, weights = quadrature("tri6", 6)
+    shapes, slopes = values("tri6", points), gradients("tri6", points)
+    total = 0.0
+    for facets in mesh.faces.values():
+        nodes = mesh.nodes[facets.cells]
+        places = np.einsum("fki,kq->fqi", nodes, shapes)
+        tangents = np.einsum("fki,kjq->fqij", nodes, slopes)
+        normals = np.cross(tangents[..., 0], tangents[..., 1])
+        total += np.einsum("fqi,fqi,q->", places, normals, weights) / 3.0
+    return abs(total)
+
+
+def test_a_folded_element_becomes_straight_and_its_neighbour_follows():
+    # Two tetrahedra on one face; a middle of their common edge pulled through the first one.
+    tetrahedron = ELEMENTS["tet10"].nodes
+    nodes = np.vstack([tetrahedron, tetrahedron])
+    cells = np.arange(20).reshape(2, 10)
+    mirrored = np.array([-1.0, 1.0, 1.0])
+    nodes[10:] = (tetrahedron * mirrored)[[0, 2, 1, 3, 6, 5, 4, 7, 9, 8]]
+    nodes[4] += [0.0, 0.4, 0.4]
+    found, count = straightened(nodes, cells)
+    assert count == 1
+    assert found[4] == pytest.approx([0.5, 0.0, 0.0], abs=1e-15)
+    assert np.array_equal(np.delete(found, 4, axis=0), np.delete(nodes, 4, axis=0))
+
+
+@pytest.mark.parametrize(
+    ("height", "message"),
+    [(1e-12, "1 tetrahedra are flat, the first"), (-1.0, "stay inverted, the first")],
+)
+def test_what_is_flat_or_stays_inverted_is_an_error_that_says_where(height, message):
+    with pytest.raises(ComputationError, match=f"{message} at"):
+        straightened(ELEMENTS["tet10"].nodes * [1.0, 1.0, height], np.arange(10)[None])
+
+
+@pytest.fixture(scope="module")
+def box():
+    leg = ConstantLeg(0.5, Rectangle(0.05, 0.08), Material.isotropic(2.1e11, 0.3, 7850.0))
+    return extrude(section_mesh(leg.section, 2), np.linspace(0.0, leg.length, 11))
+
+
+def test_their_volumes_are_those_of_the_box(box):
+    rows, volumes = spread_over(box)
+    assert len(set(rows.tolist())) == len(rows) == len(volumes)
+    assert volumes.sum() == pytest.approx(0.5 * 0.05 * 0.08, rel=1e-12)
+    assert np.ptp(box.nodes[rows], axis=0) == pytest.approx([0.5, 0.05, 0.08])
+    centre = volumes @ box.nodes[rows] / volumes.sum()
+    # As far apart as a few places allow: the centre within a tenth of the length.
+    assert centre == pytest.approx([0.25, 0.0, 0.0], abs=0.05)
+
+
+def test_there_are_no_more_than_corners(box):
+    rows, _ = spread_over(box, 10_000)
+    assert len(rows) == 3 * 4 * 11
