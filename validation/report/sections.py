@@ -29,14 +29,6 @@ CHAPTERS: Mapping[str, tuple[str, ...]] = {
 
 
 @dataclass(frozen=True)
-class ContentsLine:
-    """A line of the table of contents."""
-
-    anchor: str
-    title: str
-
-
-@dataclass(frozen=True)
 class Plot:
     """Studies in the same axes; no figure where the run was not finished."""
 
@@ -117,17 +109,6 @@ class Chapter:
     def anchor(self) -> str:
         """The chapter's id in the page."""
         return anchor(self.title)
-
-    @property
-    def outcomes(self) -> tuple[Outcome, ...]:
-        """The comparisons of all its sections."""
-        return tuple(outcome for section in self.sections for outcome in section.outcomes)
-
-    @property
-    def entries(self) -> Iterator[ContentsLine]:
-        """Lines of the table of contents below the chapter's own."""
-        for section in self.sections:
-            yield ContentsLine(section.anchor, section.title)
 
 
 def chapters_of(

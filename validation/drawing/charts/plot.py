@@ -24,7 +24,7 @@ _LOW, _AROUND, _BETWEEN = 1.5, 0.55, 0.25
 _LINE, _ROW, _BAR = 0.13, 0.1, 0.14
 # Letters that fit below all axes of a row, and into all entries of a row of the legend; a handle
 # takes as much as so many of them.
-_ROOM, _LEGEND_ROOM, _HANDLE = 87, 122, 12
+_ROOM, _LEGEND_ROOM, _HANDLE = 87, 140, 12
 _GREY, _BAND = "#999999", "#009E73"
 # Bars, and shares from this one on, have room for numbers.
 _FEW, _LABELLED = 8, 6.0
@@ -202,21 +202,28 @@ def _lay_out(picture: Canvas) -> None:
             found.setdefault(label, handle)
     top = 0.0
     if found:
-        columns = next(n for n in range(len(found), 0, -1) if n == 1 or _fits(list(found), n))
-        legend = picture.legend(
-            found.values(), found, loc="upper left", ncols=columns, handlelength=3.2
-        )
-        top = legend.get_window_extent().height / picture.dpi
+        for columns in range(_columns(list(found)), 0, -1):
+            legend = picture.legend(
+                found.values(), found, loc="upper left", ncols=columns, handlelength=3.2
+            )
+            extent = legend.get_window_extent()
+            if extent.width <= picture.bbox.width or columns == 1:
+                break
+            legend.remove()
+        top = extent.height / picture.dpi
         picture.set_figheight(picture.get_figheight() + top)
     picture.tight_layout(pad=0.4, rect=(0.0, 0.0, 1.0, 1.0 - top / picture.get_figheight()))
 
 
-def _fits(labels: Sequence[str], columns: int) -> bool:
-    """Whether a legend has room for its entries, which go down the columns in turn."""
-    high = -(-len(labels) // columns)
-    below_each_other = [labels[first : first + high] for first in range(0, len(labels), high)]
-    longest = [max(len(k) for one in own for k in one.split("\n")) for own in below_each_other]
-    return sum(length + _HANDLE for length in longest) <= _LEGEND_ROOM
+def _columns(labels: Sequence[str]) -> int:
+    """How many columns a legend of these entries may have room for, by their letters."""
+    lengths = [max(map(len, label.split("\n"))) + _HANDLE for label in labels]
+    fitting = (
+        count
+        for count in range(len(labels), 0, -1)
+        if sum(max(own) for own in np.array_split(lengths, count)) <= _LEGEND_ROOM
+    )
+    return next(fitting, 1)
 
 
 def _fitting(label: str, columns: int) -> str:

@@ -19,7 +19,7 @@ from validation.drawing.charts.chart import (
 )
 from validation.drawing.charts.plot import drawn_chart
 from validation.drawing.charts.scales import largest, percent, power_ticks, up_to
-from validation.drawing.style import marked, plot_style
+from validation.drawing.style import LOOKS, marked, plot_style
 
 X = np.array([0.0, 1.0, 2.0])
 
@@ -76,6 +76,20 @@ def test_curves_of_one_label_have_one_entry_in_the_legend_and_get_thinner():
     *lines, star = second.get_lines()
     assert [line.get_linewidth() for line in lines] == [3.0, 2.0, 1.0]
     assert (star.get_marker(), star.get_xydata().tolist()) == ("*", [[2.0, 1.0]])
+
+
+@pytest.mark.parametrize("names", [list(LOOKS), list(LOOKS)[:7], ["a much longer entry " * 3] * 9])
+def test_a_legend_shows_all_of_its_entries_above_the_axes(names):
+    named = [f"{name} {number}" for number, name in enumerate(names)]
+    with plot_style():
+        picture = drawn_chart(Chart([Panel([series(name, X) for name in named])], "x (m)", 1))
+    (legend,), (axes,) = picture.legends, picture.axes
+    assert [text.get_text() for text in legend.get_texts()] == named
+    box, below = legend.get_window_extent(), axes.get_tightbbox()
+    assert box.x0 >= 0.0
+    assert box.x1 <= picture.bbox.width
+    assert below.y1 <= box.y0 + 2.0  # within the padding of the legend
+    assert box.y1 <= picture.bbox.height
 
 
 def test_bars_stack_away_from_zero_and_lie_in_rows_from_above():

@@ -19,7 +19,7 @@ from validation.kinematics.poses import postures_of
 from validation.models import parts
 from validation.models.mechanism import answers
 from validation.models.mechanism_modes import mechanism_modes
-from validation.report.figures.mechanism import curves, energies, pairs, pictures, shapes
+from validation.report.figures.mechanism import curves, energies, pairs, pictures
 from validation.report.figures.mechanism.bodies import compared_points, moved
 from validation.report.figures.mechanism.drawn_modes import finite_elements, segments
 
@@ -92,7 +92,7 @@ def test_segments_are_drawn_in_the_sense_and_mixture_of_the_beams():
     """Double modes of a Delta: whatever mixture each solver returns, both pictures agree."""
     beam, segments = modes_of("delta"), modes_of("delta", "segments", 8)
     for mode in range(6):
-        like = shapes._like(beam, segments, mode)
+        like = pictures._like(beam, segments, mode)
         _, fine = compared_points(beam.system, beam.modes.shapes[:, mode])
         _, coarse = compared_points(segments.system, like)
         assert np.linalg.norm(fine - coarse) <= 0.02 * np.linalg.norm(fine), mode
@@ -182,7 +182,7 @@ def test_a_part_is_drawn_as_its_solid_moves(crane):
 
 def test_the_condensed_part_is_drawn_where_its_solid_is(crane):
     solid, lumped = finite_elements(crane, 4), segments(crane, 8)
-    like = shapes._like(solid, lumped, 0)
+    like = pictures._like(solid, lumped, 0)
     _, fine = compared_points(solid.system, solid.modes.shapes[:, 0])
     _, coarse = compared_points(lumped.system, like)
     assert np.linalg.norm(fine - coarse) <= 0.02 * np.linalg.norm(fine)
