@@ -26,10 +26,14 @@ def is_finite_number(entry: object) -> TypeGuard[float]:
 
 
 class Rule(ABC):
-    """What a value may be. `written`: what TOML reads such a value as; `many`: several of them."""
+    """What a value may be. `written`: what TOML reads such a value as."""
 
     written: ClassVar[tuple[type, ...]] = ()
-    many: str = "entries"
+
+    @property
+    def many(self) -> str:
+        """Several such values, for "must be a list of …"."""
+        return "entries"
 
     @property
     @abstractmethod
@@ -70,7 +74,7 @@ class Number(Rule):
     most: float | None = None
     low: str = ""
     high: str = ""
-    slip: float = 0.0
+    slip: float | None = None
     example: str = ""
     whole: bool = False
 
@@ -84,15 +88,14 @@ class Number(Rule):
         return f"{kind} {' and '.join(told)}".strip()
 
     @property
-    def many(self) -> str:  # type: ignore[override]  # of the unit
-        """Several of them, in their unit."""
+    def many(self) -> str:
         return f"numbers{self._unit}"
 
     @property
     def schema(self) -> dict[str, Any]:
         limits = {
             "exclusiveMinimum": self.above,
-            "minimum": self.least,
+            "minimum": self.slip or self.least,
             "exclusiveMaximum": self.below,
             "maximum": self.most,
         }
@@ -138,13 +141,16 @@ class Text(Rule):
     """A text that matches `pattern` (any but an empty one without), in words what is `told`."""
 
     written = (str,)
-    many = "texts"
     pattern: str = ""
     told: str = "a text"
 
     @property
     def allowed(self) -> str:
         return self.told
+
+    @property
+    def many(self) -> str:
+        return "texts"
 
     @property
     def schema(self) -> dict[str, Any]:
@@ -168,8 +174,7 @@ class OneOf(Rule):
         return " or ".join(map(shown, self.values))
 
     @property
-    def many(self) -> str:  # type: ignore[override]  # of the values
-        """Several of them."""
+    def many(self) -> str:
         return self.allowed
 
     @property
@@ -195,8 +200,7 @@ class Several(Rule):
         return f"{self.count or 'a list of'} {self.kind.many}"
 
     @property
-    def many(self) -> str:  # type: ignore[override]  # of what they hold
-        """Several of them."""
+    def many(self) -> str:
         return f"lists of {self.allowed}" if self.count else "entries"
 
     @property
@@ -303,7 +307,6 @@ class Table(Rule):
     """A table with the keys that it may have."""
 
     written = (dict,)
-    many = "tables"
 
     def __init__(self, *keys: Key) -> None:
         self.keys = {key.name: key for key in keys}
@@ -311,6 +314,10 @@ class Table(Rule):
     @property
     def allowed(self) -> str:
         return "a table"
+
+    @property
+    def many(self) -> str:
+        return "tables"
 
     @property
     def schema(self) -> dict[str, Any]:

@@ -9,8 +9,11 @@ import pytest
 
 from lumped.legs import ConstantLeg, GivenLeg
 from lumped.mechanism.body import Rigid
+from lumped.mechanism.part import ByCylinder, ByFaces, ByName, ByPlane, PartInterface
 from lumped.robot_file import load_robot, write_template
 from lumped.robot_file.load import built_in_robots
+from lumped.robot_file.mechanism.part_tables import interface_of
+from lumped.robot_file.rules.tables import INTERFACE
 
 ROCKER = Path(__file__).parents[3] / "examples" / "rocker" / "robot.toml"
 GUIDE = Path(__file__).resolve().parents[3] / "docs" / "guide" / "mechanisms.md"
@@ -92,6 +95,25 @@ def test_a_part_lies_where_it_is_placed(tmp_path):
     assert body.interfaces["C"].position == pytest.approx([0.18, 0.17, 0.0])
 
 
+@pytest.mark.parametrize(
+    ("table", "expected"),
+    [
+        ({"faces": [3, 5], "coupling": "pin"}, PartInterface(ByFaces((3, 5)), "pin")),
+        ({"name": "bore"}, PartInterface(ByName("bore"))),
+        (
+            {"cylinder": {"radius": 0.02, "axis": [0, 0, 1], "tolerance": 1e-3}},
+            PartInterface(ByCylinder(0.02, (0.0, 0.0, 1.0), None, 1e-3)),
+        ),
+        (
+            {"plane": {"normal": [1, 0, 0], "point": [0, 0, 2]}, "coupling": "average"},
+            PartInterface(ByPlane((1.0, 0.0, 0.0), (0.0, 0.0, 2.0)), "average"),
+        ),
+    ],
+)
+def test_faces_are_taken_hold_of_in_four_ways(table, expected):
+    assert interface_of(INTERFACE.read(table)) == expected
+
+
 def test_a_path_is_a_line_a_grid_or_a_list(tmp_path):
     text = text_of("five-bar", tmp_path)
     path = tmp_path / "path.toml"
@@ -102,7 +124,8 @@ def test_a_path_is_a_line_a_grid_or_a_list(tmp_path):
     assert found == pytest.approx(np.array(expected))
     path.write_text(text.replace("[path]", "[accept]\nmodes = 2\n[path]"), encoding="utf-8")
     assert load_robot(path).requirement.modes == 2
-    assert load_robot(path).mechanism.poses[4] == pytest.approx([0.0, 0.5])
+    line = load_robot(path).mechanism.poses[[0, 4, 8]]
+    assert line == pytest.approx(np.array([[-0.2, 0.45], [0.0, 0.5], [0.2, 0.55]]))
 
 
 def test_two_points_of_a_slide_give_its_axis():

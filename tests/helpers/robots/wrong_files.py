@@ -1,0 +1,68 @@
+"""Sound robot files with a key set or left out, and what is said of each: wrong_files.txt."""
+
+import re
+import tomllib
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from sound_biglide import SOUND
+
+from lumped.robot_file import load_robot
+
+TEXT = Path(__file__).with_name("wrong_files.txt").read_text("utf-8").split("\n\n", 1)[1]
+EYE = str([[(i == j) * (1e-6 if i < 3 else 1e-5) for j in range(6)] for i in range(6)])
+CORRECTION = {"key": "leg2.mass", "printed": 94.0, "used": 49.0, "reason": "digits swapped"}
+PLACE = re.compile(r"([^\[]+)(?:\[(\d)(?:,(\d))?\])?")
+
+
+class WrongFile(NamedTuple):
+    """A sound file by name, lines `key = value` that change it, and lines that are said of it."""
+
+    robot: str
+    edits: list[str]
+    said: list[str]
+
+    def __str__(self) -> str:
+        return f"{self.robot}-{self.edits[0]}"
+
+    def tables(self) -> dict[str, Any]:
+        """The file's tables with all changes."""
+        if self.robot == "schema 1":
+            found = tomllib.loads(SOUND) | {"corrections": [dict(CORRECTION)]}
+        else:
+            found = tomllib.loads(_text_of(self.robot))
+        for line in self.edits:
+            _edit(found, line)
+        return found
+
+
+def wrong_files() -> Iterator[WrongFile]:
+    """All of wrong_files.txt."""
+    for section in re.split(r"^(?=\[[\w -]+\]\n)", TEXT, flags=re.MULTILINE)[1:]:
+        title, *rows = section.strip().split("\n\n")
+        for row in rows:
+            lines = row.split("\n")
+            edits = [line for line in lines if not line.startswith(" ")]
+            yield WrongFile(title[1:-1], edits, [line.strip() for line in lines[len(edits) :]])
+
+
+@cache
+def _text_of(robot: str) -> str:
+    return load_robot(robot).text
+
+
+def _edit(tables: Any, line: str) -> None:
+    """Set what `key = value` says in TOML, or leave out what `key =` names."""
+    key, _, value = line.partition(" =")
+    found = PLACE.fullmatch(key)
+    assert found, line
+    names, *indices = found.groups()
+    *path, last = [*names.split("."), *(int(index) - 1 for index in indices if index)]
+    for step in path:
+        tables = tables[step]
+    if value:
+        tables[last] = tomllib.loads(f"value = {value.replace('EYE', EYE)}")["value"]
+    else:
+        del tables[last]
