@@ -3,14 +3,12 @@
 Every check returns the findings on one part, none where the data are sound.
 """
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Callable
 
 import numpy as np
 
 from lumped.arrays import Array
-from lumped.audit.finding import Finding
+from lumped.audit.finding import DescribedPart, Finding
 from lumped.robot_file.rules.matrices import asymmetries, is_positive_definite, smallest_eigenvalue
 
 # Moments of inertia are printed with three to four digits.
@@ -19,47 +17,6 @@ _TRIANGLE_ROUNDING = 1e-3
 _COUPLING_THRESHOLD = 0.1
 # A leg's end may give way locally and turn more than a beam's; ten times more is not a beam.
 _LARGEST_TIP_ROTATION = 10.0
-
-
-@dataclass(frozen=True)
-class DescribedPart:
-    """A part of the robot as a file describes it, SI; None where it does not.
-
-    `compliance` 6×6, `inertia` 3×3 at the mass centre, `length` and `mass_centre` (m from the
-    root, along x) of a leg.
-    """
-
-    name: str
-    compliance: Array | None = None
-    inertia: Array | None = None
-    length: float | None = None
-    mass_centre: float | None = None
-
-
-def parts(tables: Mapping[str, Any]) -> tuple[DescribedPart, ...]:
-    """Foot, legs and tool of a robot file's tables, or bodies and joints of a mechanism's."""
-    named = {name: tables[name] for name in ("foot", "leg1", "leg2", "tool") if name in tables}
-    if "bodies" in tables:
-        kinds = ("bodies", "joints")
-        named = {f"{k}.{name}": table for k in kinds for name, table in tables[k].items()}
-    return tuple(
-        DescribedPart(
-            name=name,
-            compliance=_matrix(table, "compliance"),
-            inertia=_matrix(table, "inertia"),
-            length=_length(tables, table),
-            mass_centre=table.get("mass_centre"),
-        )
-        for name, table in named.items()
-    )
-
-
-def _length(tables: Mapping[str, Any], table: Mapping[str, Any]) -> float | None:
-    """Length (m) of a leg, told or between its points; None of anything else."""
-    if "from" not in table:
-        return table.get("length")
-    start, to = (tables["points"][table[end]] for end in ("from", "to"))
-    return float(np.linalg.norm(np.subtract(to, start)))
 
 
 def data_findings(part: DescribedPart) -> tuple[Finding, ...]:
@@ -248,10 +205,6 @@ CHECKS: tuple[Callable[[DescribedPart], tuple[Finding, ...]], ...] = (
     tip_rotation,
     mass_centre,
 )
-
-
-def _matrix(table: Mapping[str, Any], key: str) -> Array | None:
-    return np.array(table[key], dtype=float) if key in table else None
 
 
 def _off_diagonal(inertia: Array) -> str:

@@ -4,8 +4,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import Any
 
-from lumped.audit.data_checks import data_findings, parts
-from lumped.audit.finding import Finding
+from lumped.audit.data_checks import data_findings
+from lumped.audit.finding import Finding, parts
 from lumped.robot_file import RobotFile, as_printed
 from lumped.robot_file.evidence import Correction
 

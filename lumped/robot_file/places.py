@@ -7,7 +7,7 @@ from typing import Any
 
 from lumped.mechanism.mechanism import UNITS_OF_MOVES
 from lumped.robot_file.rules.matrices import SquareMatrix
-from lumped.robot_file.rules.rule import Either, Named, Number, Rule, Several, Table, Text
+from lumped.robot_file.rules.rule import Either, Named, Number, Rule, Several, TableRule, Text
 from lumped.robot_file.rules.section_rule import SectionRule
 from lumped.robot_file.rules.tables import rules_of
 
@@ -62,7 +62,7 @@ def _inside(rule: Rule, name: str) -> Rule:
         return Number("m")
     if isinstance(rule, Named):
         return rule.kind
-    return rule.keys[name].kind if isinstance(rule, Table) else rule
+    return rule.keys[name].kind if isinstance(rule, TableRule) else rule
 
 
 def _steps(key: str) -> tuple[list[str], list[int]]:

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 from textwrap import wrap
 from typing import Any, NamedTuple
 
-from lumped.robot_file.rules.rule import Either, Named, Rule, Several, Table
+from lumped.robot_file.rules.rule import Either, Named, Rule, Several, TableRule
 from lumped.robot_file.rules.tables import BIGLIDE, MECHANISM
 
 _WIDTH = 100
@@ -30,7 +30,7 @@ def json_schema() -> dict[str, Any]:
     }
 
 
-def key_table(rules: Table = MECHANISM) -> str:
+def key_table(rules: TableRule = MECHANISM) -> str:
     """All keys as a table of Markdown."""
     rows = (f"| `{one.name}` | {one.allowed} | {one.says} |" for one in _lines(rules))
     return "\n".join(("| key | must be | what it says |", "|---|---|---|", *rows))
@@ -49,7 +49,7 @@ def key_comments(tables: Mapping[str, Any]) -> str:
 def _lines(rule: Rule, path: str = "") -> Iterator[KeyLine]:
     """The keys of a table and of what stands in it, in the order of the rules."""
     match rule:
-        case Table():
+        case TableRule():
             for name, key in rule.keys.items():
                 whole = f"{path}.{name}" if path else name
                 says = f"of a {' or '.join(key.of)}: {key.says}" if key.of else key.says

@@ -209,7 +209,7 @@ class Several(Rule):
         return {"type": "array", "items": self.kind.schema} | counted
 
     def faults(self, value: object, key: str) -> list[str]:
-        if not isinstance(value, list) and isinstance(self.kind, Table):
+        if not isinstance(value, list) and isinstance(self.kind, TableRule):
             return [f"{key} = {shown(value)}: must be an array of tables, [[{key}]]"]
         if not isinstance(value, list) or self.count not in {None, len(value)}:
             return [self.refused(value, key)]
@@ -303,7 +303,7 @@ def needed(name: str, kind: Rule, says: str) -> Key:
     return Key(name, kind, says, required=True)
 
 
-class Table(Rule):
+class TableRule(Rule):
     """A table with the keys that it may have."""
 
     written = (dict,)

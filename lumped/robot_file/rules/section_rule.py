@@ -3,7 +3,7 @@
 from dataclasses import dataclass, fields
 from typing import Any
 
-from lumped.robot_file.rules.rule import Number, OneOf, Rule, Table, is_finite_number, needed
+from lumped.robot_file.rules.rule import Number, OneOf, Rule, TableRule, is_finite_number, needed
 from lumped.sections import SHAPES, Section
 from lumped.text import cut, did_you_mean, shown
 
@@ -25,7 +25,7 @@ class SectionRule(Rule):
     def schema(self) -> dict[str, Any]:
         size = Number("m", least=_SMALLEST_SIZE)
         tables = (
-            Table(
+            TableRule(
                 needed("shape", OneOf((shape,)), "which it is"),
                 *(needed(name, size, "outer size or wall") for name in _size_names(shape)),
             )

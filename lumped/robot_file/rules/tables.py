@@ -27,7 +27,7 @@ from lumped.robot_file.rules.rule import (
     Number,
     OneOf,
     Several,
-    Table,
+    TableRule,
     Text,
     needed,
 )
@@ -69,7 +69,7 @@ _NUMBER, _POSITIVE, _TEXT = Number(), Number(above=0.0), Text()
 _TITLE = Text(r"[^\x00-\x1f\x7f]{1,100}", "a text of 1 to 100 characters on one line")
 _NAME = Text(r"[\w-]{1,40}", "1 to 40 letters, digits, _ or -")
 
-MATERIAL = Table(
+MATERIAL = TableRule(
     needed("E", _YOUNGS_MODULUS, "Young's modulus"),
     needed("nu", _POISSONS_RATIO, "Poisson's ratio"),
     Key("rho", _DENSITY, "density; of a leg its `mass` may stand instead"),
@@ -79,9 +79,9 @@ MATERIAL = Table(
 _ON_IT = Key("point", _POINT, "a point on it; the interface's own where left out")
 _NEAR = Key("tolerance", _LENGTH, "how far faces may lie from it")
 _AXIS = Key("axis", _DIRECTION, "its direction; any where left out")
-_CYLINDER = Table(needed("radius", _LENGTH, "of the bore or boss"), _AXIS, _ON_IT, _NEAR)
-_PLANE = Table(needed("normal", _DIRECTION, "outward"), _ON_IT, _NEAR)
-INTERFACE = Table(
+_CYLINDER = TableRule(needed("radius", _LENGTH, "of the bore or boss"), _AXIS, _ON_IT, _NEAR)
+_PLANE = TableRule(needed("normal", _DIRECTION, "outward"), _ON_IT, _NEAR)
+INTERFACE = TableRule(
     Key("faces", Several(Number(whole=True)), "by their numbers, as `flexproof faces` lists them"),
     Key("name", _TEXT, "faces by the name that the file gives them"),
     Key("cylinder", _CYLINDER, "faces on one cylinder"),
@@ -91,7 +91,7 @@ INTERFACE = Table(
 )
 
 _LEG, _RIGID, _PART = ("leg",), ("rigid body",), ("part",)
-_PLACE = Table(
+_PLACE = TableRule(
     needed("at", Either(_NAME, _POINT), "where the file's origin is"),
     Key("x", _DIRECTION, "where its x axis points", default=(1.0, 0.0, 0.0)),
     Key("y", _DIRECTION, "where its y axis points as nearly", default=(0.0, 1.0, 0.0)),
@@ -99,7 +99,7 @@ _PLACE = Table(
 _UP = "where its z axis points as nearly as it can; [0, 0, 1] where left out, along z [1, 0, 0]"
 _ENDS = "whether its end faces are kept plane or may warp; both are looked at where left out"
 _TIP = "at `to`, `from` clamped, leg axes; with `mass`, in place of section and material"
-BODY = Table(
+BODY = TableRule(
     Key("from", _NAME, "the point at its root", of=_LEG),
     Key("to", _NAME, "the point at its tip, where its x axis leads", of=_LEG),
     Key("up", _DIRECTION, _UP, of=_LEG),
@@ -121,11 +121,11 @@ BODY = Table(
 
 _TWO_NAMES = Either(_NAME, Several(_NAME, 2))
 _SERIES = "its own give, in series: base axes of the reference posture, fixed to the first body"
-_DRIVE = Table(
+_DRIVE = TableRule(
     needed("stiffness", Either(_STIFFNESS, OneOf(("rigid",))), "in every model"),
     Key("simplified", _STIFFNESS, "in place of it in the simplified model"),
 )
-JOINT = Table(
+JOINT = TableRule(
     needed("type", OneOf(get_args(JointKind)), "what it leaves free, see below"),
     needed("between", Several(_NAME, 2), 'two bodies; "ground" is one'),
     needed("at", _TWO_NAMES, "a point of both, or one of each, apart along a sliding axis"),
@@ -134,13 +134,13 @@ JOINT = Table(
     Key("drive", _DRIVE, "of a revolute or prismatic joint; passive where left out"),
     Key("compliance", _COMPLIANCE, _SERIES),
 )
-TOOL = Table(
+TOOL = TableRule(
     needed("body", _NAME, "the body that is loaded"),
     needed("point", _NAME, "its loaded point"),
     needed("moves", Several(OneOf(MOVES)), "what a pose prescribes of the point, in order"),
     Key("mass", _MASS_OR_NONE, "at the point", default=0.0),
 )
-PATH = Table(
+PATH = TableRule(
     Key("from", _POSE, "the first pose"),
     Key("to", _POSE, "the last pose"),
     Key("count", _COUNT, "how many on the line between them"),
@@ -148,14 +148,14 @@ PATH = Table(
     Key("poses", Several(_POSE), "in place of all these: one by one"),
 )
 
-ACCEPT = Table(
+ACCEPT = TableRule(
     Key("deflection", _SHARE, "relative error of deflections", default=Requirement.deflection),
     Key("frequency", _SHARE, "of frequencies and their order", default=Requirement.frequency),
     Key("modes", _MODES, "how many frequencies are judged", default=Requirement.modes),
     Key("rely", Several(OneOf(MODEL_KINDS)), "models whose inadequacy is exit code 1", default=()),
     *(Key(one, _SHARE, f"in place of `deflection` for {one}") for one in STATIC_QUANTITIES),
 )
-MEASURED = Table(
+MEASURED = TableRule(
     needed("quantity", _TEXT, "x y z phi_x phi_y phi_z, f1 f2 … or leg1.c22 …"),
     needed("value", _NUMBER, "m or rad under `load`, Hz, or SI of a compliance"),
     needed("uncertainty", _POSITIVE, "its standard uncertainty, in the same unit"),
@@ -163,7 +163,7 @@ MEASURED = Table(
     Key("pose", Several(_NUMBER), "where, in the order of the moves", default=()),
     Key("load", _POSITIVE, "N or N m", default=1.0),
 )
-_INPUT_UNCERTAINTY = Table(
+_INPUT_UNCERTAINTY = TableRule(
     needed("key", _TEXT, 'a number or matrix of this file, "leg1.length" say'),
     needed("relative", _SHARE, "its relative standard uncertainty"),
 )
@@ -176,7 +176,7 @@ _ASKED = (
     Key("measured", Several(MEASURED), "measured values", default=()),
     Key("input_uncertainty", Several(_INPUT_UNCERTAINTY), "how well data are known", default=()),
 )
-MECHANISM = Table(
+MECHANISM = TableRule(
     *_HEAD,
     needed("points", Named(_NAME, _POINT), "places in the reference posture"),
     needed("bodies", Named(_NAME, BODY), "legs, rigid bodies and parts on these points"),
@@ -199,38 +199,38 @@ _ACTUATOR_STIFFNESS = Number(
     high="more than any drive has; 1e15 is as good as rigid",
 )
 _OF_LEGS = ("ends", "compliance", "section", "inertia", "mass_centre")
-_BIGLIDE_LEG = Table(
+_BIGLIDE_LEG = TableRule(
     needed("length", _LENGTH, "between its joints"),
     Key("mass", _MASS, "in place of a density"),
     Key("material", MATERIAL, "with a section"),
     *(replace(BODY.keys[name], of=()) for name in _OF_LEGS),
 )
-_GEOMETRY = Table(
+_GEOMETRY = TableRule(
     needed("a", _LENGTH, "distance of the slides along x"),
     Key("alpha", _RATIO, "both legs so many times as long, the stroke kept", default=1.0),
     Key("tool_offset", Several(_OFFSET, 3), "from B to the loaded point", default=(0.0, 0.0, 0.0)),
 )
-_FOOT = Table(
+_FOOT = TableRule(
     needed("compliance", _COMPLIANCE, "at its revolute joint, robot axes"),
     Key("inertia", _INERTIA, "for the audit alone"),
 )
-_SPRING = Table(
+_SPRING = TableRule(
     needed("compliance", _COMPLIANCE, "in series at the loaded point, robot axes"),
     Key("active", OneOf((True, False)), "false: kept, not used", default=True),
 )
-_CORRECTION = Table(
+_CORRECTION = TableRule(
     needed("key", _TEXT, "where this file differs from its source"),
     needed("printed", _NUMBER, "what the source prints"),
     needed("used", _NUMBER, "what stands in this file"),
     needed("reason", _TEXT, "why"),
 )
-BIGLIDE = Table(
+BIGLIDE = TableRule(
     *_HEAD,
     needed("type", OneOf(("biglide",)), "two slides along y, two legs that meet at B"),
     needed("geometry", _GEOMETRY, "of slides and tool"),
-    needed("platform", Table(needed("mass", _MASS, "at the loaded point")), "on leg 1"),
+    needed("platform", TableRule(needed("mass", _MASS, "at the loaded point")), "on leg 1"),
     needed(
-        "actuators", Table(needed("stiffness", _ACTUATOR_STIFFNESS, "along y")), "if simplified"
+        "actuators", TableRule(needed("stiffness", _ACTUATOR_STIFFNESS, "along y")), "if simplified"
     ),
     needed("leg1", _BIGLIDE_LEG, "from the slide on x = 0 to B"),
     needed("leg2", _BIGLIDE_LEG, "from the slide on x = a to B"),
@@ -241,7 +241,7 @@ BIGLIDE = Table(
 )
 
 
-def rules_of(tables: Mapping[str, Any]) -> Table:
+def rules_of(tables: Mapping[str, Any]) -> TableRule:
     """The rules for a file's tables: those of its schema."""
     schema = tables.get("schema")
     # Whoever mistypes the number has written one of the two all the same.

@@ -7,18 +7,16 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from lumped.audit.data_checks import (
-    DescribedPart,
     couplings,
     data_findings,
     definiteness,
     mass_centre,
-    parts,
     slender_axis,
     symmetry,
     tip_rotation,
     triangle_inequality,
 )
-from lumped.audit.finding import Finding
+from lumped.audit.finding import DescribedPart, Finding, parts
 from lumped.audit.robot_audit import audit
 from lumped.legs import ConstantLeg, Material, tip_compliance
 from lumped.robot_file import as_printed, load_robot

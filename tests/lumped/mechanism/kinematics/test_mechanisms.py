@@ -124,16 +124,23 @@ def test_delta_against_its_closed_form():
             assert turned == pytest.approx(droops - droop, abs=1e-11)
 
 
-def test_a_crank_is_followed_past_half_a_turn():
+def test_a_joint_is_followed_past_half_a_turn():
+    """Crank and rod alone, both driven: the elbow turns by 230° while the rod does by 150°."""
     mechanism = load_robot("five-bar").mechanism
-    driven = replace(mechanism, joints=mechanism.joints[:1], tool=tool_on_crank(mechanism))
-    driven = replace(driven, bodies={name: mechanism.bodies[name] for name in ("ground", "crank1")})
-    for angle in (1.0, 2.5, 3.1):
-        assert posture(driven, np.array([angle])).coordinates["motor1"] == pytest.approx([angle])
-
-
-def tool_on_crank(mechanism):
-    return replace(mechanism.tool, body="crank1", point="B1", moves=("phi_z",))
+    joints = {joint.name: joint for joint in mechanism.joints}
+    motor, elbow = joints["motor1"], replace(joints["elbow1"], drive=joints["motor1"].drive)
+    arm = replace(
+        mechanism,
+        joints=(motor, elbow),
+        bodies={name: mechanism.bodies[name] for name in ("ground", "crank1", "rod1")},
+        tool=replace(mechanism.tool, moves=("x", "phi_z")),
+    )
+    back, turned = np.radians([-80.0, 150.0])
+    # Where crank and rod, (-0.2, 0.25) and (0.35, 0.3) in the reference posture, then end.
+    x = -0.15 - 0.2 * np.cos(back) - 0.25 * np.sin(back)
+    x += 0.35 * np.cos(turned) - 0.3 * np.sin(turned)
+    found = posture(arm, np.array([x, turned])).coordinates
+    assert [found["motor1"][0], found["elbow1"][0]] == pytest.approx([back, turned - back])
 
 
 def test_with_a_drive_too_few_the_motion_that_is_left_is_named():
