@@ -14,12 +14,14 @@ import sys
 import traceback
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from math import inf
 from multiprocessing import Pipe
 from multiprocessing.connection import Connection
 from pathlib import Path
 from queue import SimpleQueue
 from signal import SIGKILL, Signals
 from threading import Thread
+from time import monotonic
 from typing import Any, TypeVar
 
 from lumped.errors import ComputationError, InputError
@@ -72,14 +74,16 @@ class Process:
             # Its end is noticed when the answer is read.
             return
 
-    def answer(self) -> Any:
-        """The value for the first question that is not answered yet; waits for it.
+    def answer(self, patience: float = inf) -> Any:
+        """The value for the first question that is not answered yet; waits `patience` (s) for it.
 
         Raises its InputError and ComputationError, which every other error becomes, and Crashed.
         """
+        begun = monotonic()
         try:
             while not self.connection.poll(_HEARTBEAT):
-                pass
+                if monotonic() - begun > patience:
+                    raise Crashed(f"the computing process gave no answer in {patience:g} s")
             answer = self.connection.recv()
         except (EOFError, ConnectionError):
             raise Crashed(f"the computing process {self._how_it_ended()}") from None
@@ -101,7 +105,7 @@ class Process:
         return f"was ended by {Signals(-code).name}{want}"
 
 
-def in_own_process(function: Callable[..., T], *arguments: object) -> T:
+def in_own_process(function: Callable[..., T], *arguments: object, patience: float = inf) -> T:
     """`function(*arguments)`, a function at the top of a module, in a fresh interpreter.
 
     Raises what `Process.answer` does. What the libraries print is lost with the process.
@@ -109,7 +113,7 @@ def in_own_process(function: Callable[..., T], *arguments: object) -> T:
     process = Process()
     try:
         process.ask(function, *arguments)
-        answer: T = process.answer()
+        answer: T = process.answer(patience)
     finally:
         process.end()
     return answer

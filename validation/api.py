@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from fem.machine import usable_cores
 from lumped.acceptance.requirement import Requirement, with_options
 from lumped.errors import InputError
 from lumped.robot_file import RobotFile, load_robot
@@ -210,9 +211,9 @@ def run(
     """
     # The session loads every case; solving a model needs none of them.
     from validation.catalogue import catalogue  # noqa: PLC0415
-    from validation.session.validate import Request, default_jobs, validate  # noqa: PLC0415
+    from validation.session.validate import Request, validate  # noqa: PLC0415
 
-    asked = Request(_loaded(robot), preset, Path(out), jobs or default_jobs(), only)
+    asked = Request(_loaded(robot), preset, Path(out), jobs or usable_cores(), only)
     request = replace(asked, vary=tuple(vary))
     with _arguments_named():
         gathered = validate(request, catalogue)

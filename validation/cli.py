@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import App, CycloptsError, Parameter, UnusedCliTokensError
 
-from fem.machine import TO_COMPUTE, TO_READ, require_address_space
+from fem.machine import TO_COMPUTE, TO_READ, require_address_space, usable_cores
 from lumped.errors import ComputationError, InputError
 from lumped.robots import FIRST_TYPE, RobotType
 from validation.console import streams
@@ -159,7 +159,7 @@ def run(
     from validation.catalogue import catalogue  # noqa: PLC0415
     from validation.run.files import StoreError  # noqa: PLC0415
     from validation.session import summary  # noqa: PLC0415
-    from validation.session.validate import Request, default_jobs, validate  # noqa: PLC0415
+    from validation.session.validate import Request, validate  # noqa: PLC0415
 
     require_address_space(TO_COMPUTE)
     start: Start = "resumed" if resume else "afresh"
@@ -175,7 +175,7 @@ def run(
         replace(robot_file, requirement=with_options(robot_file.requirement, accept, rely)),
         preset,
         out,
-        jobs or default_jobs(),
+        jobs or usable_cores(),
         only,
         start,
         baseline,

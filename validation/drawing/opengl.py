@@ -1,15 +1,16 @@
-"""Whether this machine can draw 3-D pictures: asked in a subprocess, since VTK dies without OpenGL.
+"""Whether this machine can draw 3-D pictures: tried elsewhere, since VTK dies without OpenGL.
 
 VTK ends the whole process where no usable OpenGL is found, so that it must not be tried here.
 Scenes that can be turned in the report need VTK, but no OpenGL.
 """
 
 import os
-import subprocess
 import sys
-from functools import lru_cache
+from collections.abc import Callable
 
-from validation.case import Skip
+from lumped.errors import ComputationError
+from lumped.memo import memo
+from meshes.processes import in_own_process
 
 # "off": no pictures, whatever the machine can do.
 SWITCH = "FLEXPROOF_OPENGL"
@@ -18,27 +19,6 @@ PACKAGES = "on Debian and Ubuntu the packages libegl1 and libgl1 bring it"
 MESSAGE = f"no usable OpenGL, 3-D pictures are left out; {PACKAGES}"
 NOTHING = f"no usable OpenGL, 3-D pictures and scenes are left out; {PACKAGES}"
 _TIME_LIMIT = 60.0  # s: importing VTK from a cold disk takes up to ten
-_PROBE = """
-import sys
-from vtkmodules import vtkRenderingOpenGL2, vtkRenderingCore, vtkFiltersSources
-window = vtkRenderingCore.vtkRenderWindow()
-window.SetOffScreenRendering(1)
-window.SetSize(16, 16)
-source = vtkFiltersSources.vtkSphereSource()
-mapper = vtkRenderingCore.vtkPolyDataMapper()
-mapper.SetInputConnection(source.GetOutputPort())
-actor = vtkRenderingCore.vtkActor()
-actor.SetMapper(mapper)
-renderer = vtkRenderingCore.vtkRenderer()
-renderer.AddActor(actor)
-window.AddRenderer(renderer)
-window.Render()
-grabbed = vtkRenderingCore.vtkWindowToImageFilter()
-grabbed.SetInput(window)
-grabbed.Update()
-low, high = grabbed.GetOutput().GetScalarRange()
-sys.exit(0 if high > low else 1)
-"""
 
 
 def require_vtk() -> None:
@@ -46,6 +26,9 @@ def require_vtk() -> None:
 
     Call it before pyvista is imported.
     """
+    # Numerical libraries, of which those that try a window have no need.
+    from validation.case import Skip  # noqa: PLC0415
+
     window = usable_window()
     if window is None and not describes():
         raise Skip(NOTHING)
@@ -63,23 +46,9 @@ def usable_window() -> str | None:
     return _first_usable()
 
 
-@lru_cache(maxsize=1)
+@memo(1)
 def _first_usable() -> str | None:
-    return next((window for window in _windows() if renders(window)), None)
-
-
-@lru_cache(maxsize=1)
-def describes() -> bool:
-    """Whether VTK can describe a scene without drawing it, tried in a process of its own."""
-    return _succeeds(_DESCRIBED, dict(os.environ))
-
-
-_DESCRIBED = """
-import os
-os.environ["ALLOW_PLOTTING"] = "true"
-import pyvista
-pyvista.Plotter(off_screen=True).add_mesh(pyvista.Sphere())
-"""
+    return next((window for window in _windows() if _succeeds(_is_drawn, window)), None)
 
 
 def _windows() -> tuple[str, ...]:
@@ -92,24 +61,52 @@ def _windows() -> tuple[str, ...]:
     return ("vtkEGLRenderWindow", *([""] if os.environ.get("DISPLAY") else []))
 
 
-def renders(window: str) -> bool:
-    """Whether a process of its own can draw a sphere into `window` ("" for VTK's default)."""
-    environment = dict(os.environ)
-    if window:
-        environment[WINDOW] = window
-    return _succeeds(_PROBE, environment)
+@memo(1)
+def describes() -> bool:
+    """Whether VTK can describe a scene without drawing it, tried in a process of its own."""
+    return _succeeds(_is_described)
 
 
-def _succeeds(text: str, environment: dict[str, str]) -> bool:
+def _succeeds(attempt: Callable[..., bool], *arguments: str) -> bool:
     try:
-        done = subprocess.run(  # noqa: S603  our own interpreter and text
-            [sys.executable, "-c", text],
-            env=environment,
-            stdin=subprocess.DEVNULL,
-            capture_output=True,
-            timeout=_TIME_LIMIT,
-            check=False,
-        )
-    except (OSError, subprocess.TimeoutExpired):
+        return in_own_process(attempt, *arguments, patience=_TIME_LIMIT)
+    except ComputationError:
         return False
-    return done.returncode == 0
+
+
+def _is_drawn(kind: str) -> bool:
+    """Draw a sphere into a window ("" for VTK's default), and see whether it is there."""
+    if kind:
+        os.environ[WINDOW] = kind
+    from vtkmodules import (  # noqa: PLC0415
+        vtkFiltersSources,
+        vtkRenderingCore,
+        vtkRenderingOpenGL2,  # noqa: F401  brings the classes that draw
+    )
+
+    window = vtkRenderingCore.vtkRenderWindow()
+    window.SetOffScreenRendering(1)
+    window.SetSize(16, 16)
+    source = vtkFiltersSources.vtkSphereSource()
+    mapper = vtkRenderingCore.vtkPolyDataMapper()
+    mapper.SetInputConnection(source.GetOutputPort())
+    actor = vtkRenderingCore.vtkActor()
+    actor.SetMapper(mapper)
+    renderer = vtkRenderingCore.vtkRenderer()
+    renderer.AddActor(actor)
+    window.AddRenderer(renderer)
+    window.Render()
+    grabbed = vtkRenderingCore.vtkWindowToImageFilter()
+    grabbed.SetInput(window)
+    grabbed.Update()
+    low, high = grabbed.GetOutput().GetScalarRange()
+    return bool(high > low)
+
+
+def _is_described() -> bool:
+    os.environ["ALLOW_PLOTTING"] = "true"
+    import pyvista  # noqa: PLC0415
+    import trame_vtk.modules.vtk.serializers  # noqa: F401, PLC0415
+
+    pyvista.Plotter(off_screen=True).add_mesh(pyvista.Sphere())
+    return True

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from validation.results.drift import Drift, drift, same_pose
+from validation.results.drift import drift, same_pose
 from validation.results.outcome import Verdict
 from validation.results.records import AdequacyRecord, CaseRecord, RunRecord
 
@@ -33,12 +33,15 @@ class VerdictChange:
 
 @dataclass(frozen=True)
 class Drifted:
-    """A value or a reference that moved by more than its uncertainty."""
+    """A value or a reference (`what`) that moved by more than its uncertainty allows."""
 
     id: str
     what: str
     unit: str
-    drift: Drift
+    before: float
+    after: float
+    drift: float
+    allowed: float
 
 
 @dataclass(frozen=True)
@@ -143,18 +146,7 @@ def as_dict(comparison: RunComparison) -> dict[str, Any]:
         "worsened": comparison.worsened,
         "different_robots": list(comparison.robots),
         "verdicts": [asdict(change) | {"worse": change.worse} for change in comparison.verdicts],
-        "drifted": [
-            {
-                "id": entry.id,
-                "what": entry.what,
-                "unit": entry.unit,
-                "before": entry.drift.earlier,
-                "after": entry.drift.value,
-                "drift": entry.drift.amount,
-                "allowed": entry.drift.allowed,
-            }
-            for entry in comparison.drifted
-        ],
+        "drifted": [asdict(entry) for entry in comparison.drifted],
         "new": list(comparison.new),
         "removed": list(comparison.removed),
         "seconds": [asdict(timing) for timing in comparison.times],
@@ -195,7 +187,7 @@ def _drifted(before: CaseRecord, after: CaseRecord) -> list[Drifted]:
             tolerance=after.tolerance,
         )
         if moved.beyond:
-            found.append(Drifted(after.id, what, after.unit, moved))
+            found.append(Drifted(after.id, what, after.unit, old, new, moved.amount, moved.allowed))
     return found
 
 

@@ -41,10 +41,10 @@ def as_text(before: RunRecord, after: RunRecord, comparison: RunComparison) -> s
         ["before", "after", "drift", "allowed", "unit", "", "case"],
         [
             [
-                f"{entry.drift.earlier:.10g}",
-                f"{entry.drift.value:.10g}",
-                f"{entry.drift.amount:+.2g}",
-                f"{entry.drift.allowed:.2g}",
+                f"{entry.before:.10g}",
+                f"{entry.after:.10g}",
+                f"{entry.drift:+.2g}",
+                f"{entry.allowed:.2g}",
                 entry.unit,
                 entry.what,
                 entry.id,

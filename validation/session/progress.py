@@ -1,7 +1,7 @@
 """Progress of a run on stderr: what runs, how many are left, elapsed and expected time."""
 
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from time import monotonic
 
@@ -11,21 +11,10 @@ from rich.text import Text
 
 from validation.case import Case
 from validation.results.tasks import Record, Task
-from validation.session.runner import Observer
 
 _BAR = 24
 # How many running tasks are named.
 _SHOWN = 8
-
-
-class Quiet:
-    """An observer that says nothing."""
-
-    def started(self, task: Task) -> None:
-        """Nothing to say."""
-
-    def finished(self, task: Task, record: Record) -> None:
-        """Nothing to say."""
 
 
 @dataclass
@@ -94,14 +83,13 @@ class Progress:
 
 
 @contextmanager
-def showing(tasks: Sequence[Task]) -> Iterator[Observer]:
-    """An observer that draws on stderr while the context lasts; quiet without a terminal."""
-    console = Console(stderr=True)
-    if not console.is_terminal:
-        yield Quiet()
-        return
-    progress = Progress(tasks)
-    with Live(progress, console=console, refresh_per_second=8, transient=True):
+def showing(tasks: Sequence[Task]) -> Iterator[Progress]:
+    """The progress of the tasks, drawn on stderr while the context lasts if that is a terminal."""
+    console, progress = Console(stderr=True), Progress(tasks)
+    with ExitStack() as stack:
+        if console.is_terminal:
+            live = Live(progress, console=console, refresh_per_second=8, transient=True)
+            stack.enter_context(live)
         yield progress
 
 

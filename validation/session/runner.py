@@ -13,7 +13,6 @@ from fnmatch import fnmatchcase
 from functools import partial
 from pathlib import Path
 from types import FrameType
-from typing import Protocol
 
 from lumped.errors import InputError
 from lumped.text import did_you_mean
@@ -21,17 +20,8 @@ from validation.context import Preset
 from validation.results.outcome import Result
 from validation.results.tasks import Record, Task, plain
 from validation.run.executor import on_cores
+from validation.session.progress import Progress
 from validation.session.worker import REMEDY, Job, begin, compute
-
-
-class Observer(Protocol):
-    """Who wants to know how the run goes (progress display)."""
-
-    def started(self, task: Task) -> None:
-        """A worker has begun the task."""
-
-    def finished(self, task: Task, record: Record) -> None:
-        """The task's record has arrived."""
 
 
 def select(
@@ -67,7 +57,7 @@ def run(
     jobs: int,
     log: Path,
     keep: Callable[[Record], None],
-    observer: Observer,
+    progress: Progress,
 ) -> bool:
     """Compute the tasks with `jobs` processes; True if all were finished, False if interrupted.
 
@@ -80,13 +70,13 @@ def run(
         _interruptible() as interrupted,
         on_cores(jobs, log, partial(begin, job)) as cores,
         closing(
-            cores.answers(groups, lambda name: observer.started(by_id[name]), interrupted)
+            cores.answers(groups, lambda name: progress.started(by_id[name]), interrupted)
         ) as answers,
     ):
         for name, answer in answers:
             record = _failed(name, answer) if isinstance(answer, Exception) else answer
             keep(record)
-            observer.finished(by_id[name], record)
+            progress.finished(by_id[name], record)
         return not interrupted()
 
 

@@ -8,7 +8,6 @@ from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from fem.machine import usable_cores
 from lumped.audit.finding import Finding
 from lumped.audit.robot_audit import audit
 from lumped.errors import ComputationError, InputError
@@ -120,20 +119,17 @@ def validate(request: Request, catalogue: Catalogue) -> Results:
         with progress.stage("writing the report"):
             publish(gathered, folder, findings, request.jobs)
         if request.exports and not gathered.unfinished:
+            from validation.export.mechanism import export_mechanism  # noqa: PLC0415
+
             with (
                 progress.stage("exporting meshes, modes and matrices"),
                 folder.exporting() as target,
             ):
-                _export(request, target)
+                export_mechanism(robot_file.mechanism, request.preset, target)
         folder.complete = not gathered.unfinished
     if folder.complete:
         gathered.path = request.out
     return gathered
-
-
-def default_jobs() -> int:
-    """As many processes as this one may use cores."""
-    return usable_cores()
 
 
 def publish(
@@ -255,12 +251,6 @@ def _prepare(robot_file: RobotFile, preset: Preset, cluster: "Executor | None", 
                 prepare_parts(context, cores, carried=False)
 
 
-def _export(request: Request, target: Path) -> None:
-    from validation.export.mechanism import export_mechanism  # noqa: PLC0415
-
-    export_mechanism(request.robot_file.mechanism, request.preset, target)
-
-
 def _require_work_for_a_cluster(request: Request) -> None:
     """Raise InputError for a run that has nothing that a cluster could compute."""
     if not request.vary and not request.robot_file.mechanism.parts:
@@ -301,5 +291,5 @@ def _compute(job: Job, gathered: Results, folder: RunFolder, jobs: int) -> None:
             due = now + (perf_counter() - now) * _SPARING
 
     waiting = [task for task in gathered.tasks if task.id not in gathered.done]
-    with progress.showing(waiting) as observer:
-        runner.run(job, waiting, jobs=jobs, log=folder.log, keep=keep, observer=observer)
+    with progress.showing(waiting) as shown:
+        runner.run(job, waiting, jobs=jobs, log=folder.log, keep=keep, progress=shown)

@@ -62,13 +62,13 @@ def lines(path):
     return file.read_bytes().splitlines() if file else []
 
 
-def run_here(job, tasks, *, keep, observer, **_):
+def run_here(job, tasks, *, keep, progress, **_):
     """In place of runner.run, where workers are not what is tested: in this process."""
     context = Context(job.robot_file, job.preset, job.options)
     for task in tasks:
-        observer.started(task)
+        progress.started(task)
         keep(record := plain(execute(task, context)))
-        observer.finished(task, record)
+        progress.finished(task, record)
     return True
 
 

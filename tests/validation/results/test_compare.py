@@ -108,7 +108,7 @@ def test_rounding_about_zero_is_no_drift():
 
 def test_a_reference_that_moves_is_drift_too():
     comparison = compare(run_of(STEADY), run_of(replace(STEADY, value=1.01, reference=0.99)))
-    assert [(entry.what, round(entry.drift.amount, 12)) for entry in comparison.drifted] == [
+    assert [(entry.what, round(entry.drift, 12)) for entry in comparison.drifted] == [
         ("value", 0.01),
         ("reference", -0.01),
     ]

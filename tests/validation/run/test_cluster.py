@@ -337,12 +337,14 @@ def test_without_dask_the_message_says_how_to_get_it(monkeypatch):
 def test_a_run_on_a_cluster_that_is_killed_goes_on_to_the_same_numbers(cluster_of_one, seed):
     address, here, folder = cluster_of_one
     path, moments = folder / f"run{seed}", random.Random(seed)  # noqa: S311  any moments will do
+    resumed = []
     for _ in range(2):
-        known = len(list(path.rglob("*.npz")))
-        run = validated(path, "--cluster", address, *(["--resume"] if path.exists() else []))
+        known = len(list(cache_of(path).glob("*.npz")))
+        run = validated(path, "--cluster", address, *resumed)
         more = moments.randrange(1, 3)
-        while run.poll() is None and len(list(path.rglob("*.npz"))) < known + more:
+        while run.poll() is None and len(list(cache_of(path).glob("*.npz"))) < known + more:
             time.sleep(0.01)
+        resumed = ["--resume"]
         run.kill()
         run.communicate()
     done = validated(path, "--cluster", address, "--resume")
@@ -354,6 +356,11 @@ def test_a_run_on_a_cluster_that_is_killed_goes_on_to_the_same_numbers(cluster_o
     assert swept(path) == here
 
 
+def cache_of(path):
+    """What a run finds computed already, and no other run."""
+    return path.with_name(f"{path.name}.cache")
+
+
 def validated(path, *arguments):
     """A run over a number of the arm alone."""
     robot = path.parent / "arm.toml"
@@ -362,7 +369,8 @@ def validated(path, *arguments):
     return subprocess.Popen(
         [sys.executable, "-m", "validation.cli", "run", str(robot), *asked, *arguments],
         cwd=ROOT,
-        env=os.environ | {"PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"},
+        env=os.environ
+        | {"PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1", "FLEXPROOF_CACHE": str(cache_of(path))},
         stdout=subprocess.DEVNULL,
         stderr=subprocess.PIPE,
         text=True,

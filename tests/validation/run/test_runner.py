@@ -17,7 +17,7 @@ from validation.results.junit import junit_xml
 from validation.results.outcome import Outcome, Result
 from validation.run.opening import open_folder
 from validation.session import runner
-from validation.session.progress import Progress, Quiet
+from validation.session.progress import Progress
 from validation.session.validate import Request, validate
 from validation.session.worker import Job
 
@@ -191,7 +191,7 @@ def test_nothing_is_lost_when_keeping_fails(robot_file, tmp_path):
             jobs=1,
             log=tmp_path / "log.txt",
             keep=refuse,
-            observer=Quiet(),
+            progress=Progress(tasks),
         )
 
 
