@@ -13,6 +13,7 @@ from toy_catalogue import agrees, case
 from validation.case import Absolute, Measurement, Relative
 from validation.drawing import text
 from validation.exhibits import Study, study_record
+from validation.report.figures import declared
 from validation.report.figures.studies.families import alone
 from validation.report.figures.studies.family_plots import family_plot
 from validation.report.listing import outcome_line, summary, tolerance_text
@@ -68,7 +69,7 @@ def test_lines_sum_and_junit_say_the_verdicts():
     assert "deflection 9.5 µm, should be 2 µm (tolerance 0.2 µm)" in line
 
 
-def test_data_of_curves_belong_to_their_names():
+def test_data_of_curves_belong_to_their_names(monkeypatch):
     series = {"vjm": (1.0, 2.0, 3.0), "solid": (1.5, 2.5, 3.5)}
     study = Study(
         id="toy",
@@ -82,7 +83,11 @@ def test_data_of_curves_belong_to_their_names():
         uncertainties={"solid": 0.01},
         limits={"vjm": 4.0},
     )
+    drawn = []
+    monkeypatch.setattr(declared, "chart_svg", lambda chart: drawn.append(chart) or "<svg>")
     rows = list(csv.DictReader(io.StringIO(family_plot(alone(study)).data)))
+    (panel,) = drawn[0].panels
+    assert {one.look.lower(): tuple(one.y) for one in panel.series} == series
     columns = {name: [float(row[name]) for row in rows] for name in rows[0]}
     assert columns["x (m)"] == [0.1, 0.2, 0.3]
     assert [v for name, v in columns.items() if "solid" in name.lower()] == [[1.5, 2.5, 3.5]]
