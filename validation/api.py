@@ -219,7 +219,7 @@ def run(
         gathered = validate(request, catalogue)
     found = [outcome.verdict for outcome in gathered.in_order()]
     return Run(
-        out=Path(out),
+        out=gathered.path,
         exit_code=gathered.exit_code(),
         verdicts={verdict: found.count(verdict) for verdict in dict.fromkeys(found)},
         matrix=gathered.matrix,

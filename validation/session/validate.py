@@ -1,12 +1,11 @@
 """A run from start to end: choose the cases, compute them, keep and publish what comes out."""
 
-from collections.abc import Callable, Mapping, Sequence
-from contextlib import ExitStack, suppress
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING
 
 from lumped.audit.finding import Finding
 from lumped.audit.robot_audit import audit
@@ -24,15 +23,13 @@ from validation.results.records import RunRecord, load_run
 from validation.results.tasks import Record, Task
 from validation.run import provenance
 from validation.run.cache import some_cache
+from validation.run.executor import Executor, on_cores
 from validation.run.folder import RunFolder
 from validation.run.opening import Start, open_folder
 from validation.selftest.record import last as last_selftest
 from validation.session import progress, runner
 from validation.session.gathered import Results
 from validation.session.worker import Job
-
-if TYPE_CHECKING:
-    from validation.run.executor import Executor
 
 # How many times as long as results.json takes to write it is left alone.
 _SPARING = 20.0
@@ -162,7 +159,7 @@ def publish(
 
 
 # What few runs ask for is read where it is asked for: the others begin sooner.
-def _cluster(request: Request, stack: ExitStack) -> "Executor | None":
+def _cluster(request: Request, stack: ExitStack) -> Executor | None:
     """What computes robots and parts elsewhere, as long as the stack stands."""
     if request.cluster is None:
         return None
@@ -171,31 +168,33 @@ def _cluster(request: Request, stack: ExitStack) -> "Executor | None":
     return stack.enter_context(on_cluster(request.cluster, _mention))
 
 
+@contextmanager
+def _ahead(cluster: Executor | None, jobs: int) -> Iterator[Executor]:
+    """The cluster, which raises where it is lost, else cores of this machine.
+
+    What is lost on these is computed by whoever asks for it, who also says what is wrong.
+    """
+    if cluster is not None:
+        yield cluster
+        return
+    with suppress(ComputationError, InputError), on_cores(jobs) as cores:
+        yield cores
+
+
 def _vary(
     request: Request,
     variations: Sequence[Variation],
     tasks: Sequence[Task],
-    cluster: "Executor | None",
+    cluster: Executor | None,
 ) -> None:
-    """Solve the robots that differ in one number, as far as their cases and figures are asked.
-
-    On the `cluster`, raising what it raises where it is lost, else on cores of this machine.
-    """
-    from validation.run.executor import on_cores  # noqa: PLC0415
+    """Solve the robots that differ in one number, as far as their cases and figures are asked."""
     from validation.variations.curves import variation_study  # noqa: PLC0415
 
     groups = {task.group for task in tasks}
     for number, variation in enumerate(variations, start=1):
-        if f"vary.{number}" not in groups:
-            continue
-        asked = request.robot_file, variation, request.preset
-        # What is lost here its cases and figures ask for again, and say what is the matter.
-        if cluster is not None:
-            with suppress(InputError):
-                variation_study(*asked, cluster)
-        else:
-            with suppress(ComputationError, InputError), on_cores(request.jobs) as cores:
-                variation_study(*asked, cores)
+        if f"vary.{number}" in groups:
+            with _ahead(cluster, request.jobs) as executor, suppress(InputError):
+                variation_study(request.robot_file, variation, request.preset, executor)
 
 
 def _baseline(request: Request) -> RunRecord | None:
@@ -230,25 +229,15 @@ def _with_figures(catalogue: Catalogue, request: Request) -> Catalogue:
     return partial(with_variations, listed=catalogue, typed=request.vary)
 
 
-def _prepare(robot_file: RobotFile, preset: Preset, cluster: "Executor | None", jobs: int) -> None:
-    """Mesh and reduce the parts of a mechanism on the `cluster`, else on `jobs` cores, and keep it.
-
-    Raises what the cluster raises where it is lost.
-    """
+def _prepare(robot_file: RobotFile, preset: Preset, cluster: Executor | None, jobs: int) -> None:
+    """Mesh and reduce the parts of a mechanism, and keep it."""
     if not robot_file.mechanism.parts:
         return
     # Meshes and solvers, of which most runs ask for none.
-    from validation.run.executor import on_cores  # noqa: PLC0415
     from validation.session.parts_ahead import prepare_parts  # noqa: PLC0415
 
-    context = Context(robot_file, preset)
-    with progress.stage("meshing and reducing parts"):
-        if cluster is not None:
-            prepare_parts(context, cluster, carried=True)
-        else:
-            # What is lost here is computed by whoever asks for it, who also says what is wrong.
-            with suppress(ComputationError, InputError), on_cores(jobs) as cores:
-                prepare_parts(context, cores, carried=False)
+    with progress.stage("meshing and reducing parts"), _ahead(cluster, jobs) as executor:
+        prepare_parts(Context(robot_file, preset), executor, carried=cluster is not None)
 
 
 def _require_work_for_a_cluster(request: Request) -> None:

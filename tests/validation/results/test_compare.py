@@ -34,24 +34,6 @@ def saved(path, *cases, **header):
     return path
 
 
-def test_two_equal_runs_show_no_change():
-    comparison = compare(run_of(STEADY), run_of(STEADY))
-    assert not comparison.worsened
-    assert as_dict(comparison) == {
-        "schema": 1,
-        "worsened": False,
-        "different_robots": [],
-        "verdicts": [],
-        "drifted": [],
-        "new": [],
-        "removed": [],
-        "seconds": [{"id": "steady", "before": 1.0, "after": 1.0}],
-        "differs": [],
-        "inputs": [],
-        "adequacy": [],
-    }
-
-
 @pytest.mark.parametrize(
     ("before", "after", "worse"),
     [
@@ -115,21 +97,16 @@ def test_a_reference_that_moves_is_drift_too():
     assert not comparison.worsened
 
 
-def test_programs_are_told_what_moved_from_where_to_where():
+def test_programs_are_told_what_moved_from_where_to_where_and_nothing_else():
     moved = replace(STEADY, value=1.25, numerical_uncertainty=0.02, seconds=3.5, unit="Hz")
     told = as_dict(compare(run_of(STEADY), run_of(moved)))
-    assert told["drifted"] == [
-        {
-            "id": "steady",
-            "what": "value",
-            "unit": "Hz",
-            "before": 1.0,
-            "after": 1.25,
-            "drift": 0.25,
-            "allowed": 0.02,
-        }
-    ]
+    same = as_dict(compare(run_of(STEADY), run_of(STEADY)))
+    drift = {"before": 1.0, "after": 1.25, "drift": 0.25, "allowed": 0.02}
+    assert told["drifted"] == [{"id": "steady", "what": "value", "unit": "Hz", **drift}]
     assert told["seconds"] == [{"id": "steady", "before": 1.0, "after": 3.5}]
+    told_of_same = same | {"seconds": [], "schema": 0}
+    assert same["seconds"] == [{"id": "steady", "before": 1.0, "after": 1.0}]
+    assert not any(told_of_same.values())
 
 
 def test_the_text_names_everything_that_changed():
@@ -207,28 +184,21 @@ def test_runs_without_a_common_case_are_not_called_the_same(tmp_path, capsys):
         assert len(error.splitlines()) == 1
 
 
-def drifted(moved):
-    baseline = run_of(CaseRecord(id="toy", verdict="agree", value=0.5))
-    return with_drift(case_record(moved), drifts([moved], baseline)["toy"])
-
-
 def test_drift_stands_beside_the_verdict_and_never_changes_it():
+    def told(moved, *earlier):
+        found = drifts([moved], run_of(*earlier)).get("toy")
+        return with_drift(case_record(moved), found)
+
+    before = CaseRecord(id="toy", verdict="agree", value=0.5)
     # 0.05 from the reference agrees within 0.1, though it is far from the earlier value.
-    moved = outcome(1.05)
-    entry = drifted(moved)
-    assert entry.verdict == "agree"
-    assert (entry.reference, entry.earlier) == (1.0, 0.5)
+    entry = told(outcome(1.05), before)
+    assert (entry.verdict, entry.reference, entry.earlier) == ("agree", 1.0, 0.5)
     assert entry.drift == pytest.approx(0.55, rel=1e-12)
     assert entry.drifted is True
     # At its earlier value and 0.5 from the reference: no drift, and still it disagrees.
-    wrong = outcome(0.5)
-    entry = drifted(wrong)
+    entry = told(outcome(0.5), before)
     assert (entry.verdict, entry.drift, entry.drifted) == ("disagree", 0.0, False)
-
-
-def test_a_case_without_an_earlier_value_has_no_drift():
-    assert drifts([outcome(1.0)], run_of()) == {}
-    entry = with_drift(case_record(outcome(1.0)), None)
+    entry = told(outcome(1.0))
     assert (entry.earlier, entry.drift, entry.drifted) == (None, None, None)
 
 
