@@ -5,10 +5,10 @@ pay twice: the factor is read once for all of them, and a mode that repeats is f
 """
 
 import numpy as np
-from scipy.linalg import LinAlgError, cholesky, eigh, solve_triangular
+from scipy.linalg import eigh
 
 from fem.reduction.held import Swinging
-from lumped.arrays import Array, SparseMatrix
+from fem.solvers.block_lanczos import NotConvergedError, block_lanczos, modes_below
 from lumped.dense.modes import Modes, fix_signs
 from lumped.errors import ComputationError
 
@@ -36,71 +36,20 @@ def interface_modes(held: Swinging, cutoff: float, search: int = 0) -> Modes:
 
 def _modes_below(held: Swinging, cutoff: float, seed: int) -> Modes | None:
     """All modes below the cut-off; None where these are a large part of all there are."""
-    smallest = (2.0 * np.pi * cutoff) ** -2
     # Noise has a share in the modes of every symmetry; Lanczos finds none that its start lacks.
-    noise = np.random.default_rng(seed).standard_normal((held.size, _BLOCK))
-    block, _ = _orthonormal(held.mass, held.flexibility(noise))
-    basis = [block]
-    projected = np.zeros((0, 0))
+    start = np.random.default_rng(seed).standard_normal((held.size, _BLOCK))
     limit = min(_LARGEST_SUBSPACE, held.size // 2)
-    while _BLOCK * len(basis) <= limit:
-        image = held.flexibility(held.mass @ basis[-1])
-        shares = _take_off(held.mass, basis, image)
-        shares += _take_off(held.mass, basis, image)
-        grown = np.zeros((len(shares), len(shares)))
-        grown[: len(projected), : len(projected)] = projected
-        grown[:, -_BLOCK:] = shares
-        grown[-_BLOCK:] = shares.T
-        projected = grown
-        following, coupling = _orthonormal(held.mass, image)
-        inverse_squares, vectors = eigh(projected)
-        residuals = np.linalg.norm(coupling @ vectors[-_BLOCK:], axis=0)
-        wanted = inverse_squares + residuals > smallest
-        # One mode beyond the cut-off shows that none below it is still to come.
-        if np.all(residuals[wanted] < _CONVERGED * inverse_squares[wanted]) and not wanted.all():
-            chosen = inverse_squares > smallest
-            return _ritz_modes(basis, inverse_squares[chosen], vectors[:, chosen])
-        basis.append(following)
-    if limit < _LARGEST_SUBSPACE:
-        return None
-    raise ComputationError(
-        f"{held.state}: its modes below the cut-off of {cutoff:g} Hz were not "
-        f"found in {limit} Lanczos vectors; a lower cut-off is needed"
-    )
-
-
-def _take_off(mass: SparseMatrix, basis: list[Array], block: Array) -> Array:
-    """Shares (m×b) of `block` (n×b) in the basis; the block loses them."""
-    momenta = mass @ block
-    shares = [vectors.T @ momenta for vectors in basis]
-    for vectors, share in zip(basis, shares, strict=True):
-        block -= vectors @ share
-    return np.vstack(shares)
-
-
-def _orthonormal(mass: SparseMatrix, block: Array) -> tuple[Array, Array]:
-    """Q with QᵀMQ = I and R with Q R = `block` (n×b), by Cholesky twice for its rounding."""
-    total = np.eye(block.shape[1])
-    for _ in range(2):
-        gram = block.T @ (mass @ block)
-        try:
-            upper = cholesky(gram)
-        except LinAlgError as error:
-            raise ComputationError(
-                "modes of a reduction: fewer have mass than are looked for"
-            ) from error
-        block = solve_triangular(upper, block.T, trans="T").T
-        total = upper @ total
-    return block, total
-
-
-def _ritz_modes(basis: list[Array], inverse_squares: Array, vectors: Array) -> Modes:
-    coefficients = vectors[:, ::-1].reshape(len(basis), _BLOCK, -1)
-    shapes = sum(
-        (block @ part for block, part in zip(basis, coefficients, strict=True)),
-        np.zeros((len(basis[0]), coefficients.shape[2])),
-    )
-    return Modes(1.0 / (2.0 * np.pi * np.sqrt(inverse_squares[::-1])), shapes)
+    wanted = modes_below((2.0 * np.pi * cutoff) ** 2)
+    try:
+        ritz = block_lanczos(held.flexibility, held.mass, start, wanted, limit, _CONVERGED)
+    except NotConvergedError as error:
+        if limit < _LARGEST_SUBSPACE:
+            return None
+        raise ComputationError(
+            f"{held.state}: its modes below the cut-off of {cutoff:g} Hz were not "
+            f"found in {limit} Lanczos vectors; a lower cut-off is needed"
+        ) from error
+    return Modes(np.sqrt(ritz.values) / (2.0 * np.pi), ritz.vectors)
 
 
 def _all_modes(held: Swinging) -> Modes:

@@ -1,34 +1,42 @@
-"""Search for the lowest modes of K φ = ω² M φ by block Lanczos on the factor of K.
+"""Search for the lowest modes of K φ = ω² M φ by block Lanczos on the flexibility of K.
 
 T = K⁻¹M is symmetric in the inner product of M, its eigenvalues are θ = 1/ω². Blocks of right-hand
-sides read the factor once for all of them. The basis is kept M-orthonormal in full, so a Ritz
+sides read a factor once for all of them. The basis is kept M-orthonormal in full, so a Ritz
 value has the residual ‖T x − θ x‖_M = ‖B s‖ with the last block's B and s: some eigenvalue lies
 that near (Krylov, Weinstein), and within residual²/gap of an isolated one (Kato, Temple); Parlett,
 The Symmetric Eigenvalue Problem, §§10–13. A search can be told what is known already and stays
 M-orthogonal to it: so it finds what an earlier one has missed.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 from scipy.linalg import eigh
 from scipy.sparse.linalg import LinearOperator
 
-from fem.solvers.factor import Factor
 from lumped.arrays import Array, SparseMatrix
-from lumped.errors import ComputationError
 
-# Residual relative to θ: bounds the relative error of a frequency by half of it without any
-# assumption, and by 5e-10 for a mode that keeps 1e-3 from its neighbours in ω².
-_RESIDUAL = 1e-6
 # The mode after the last one only has to show where the gap is.
 _RESIDUAL_BEYOND = 1e-2
 # Modes closer than this in ω² belong together: no shift between them is far from both.
 CLUSTER = 1e-4
+# How many of the lowest modes are wanted of the values ω² (ascending) and their residuals relative
+# to θ that there are so far; None where they do not tell yet.
+Wanted: TypeAlias = Callable[[Array, Array], int | None]
 # A direction that loses this part of its squared length to those before it is rounding error.
 _DEPENDENT = 1e-20
 # Squared lengths this near to one: what the pass removed was below the square root of rounding.
 _ORTHONORMAL = 1e-8
+
+
+class NotConvergedError(Exception):
+    """Of what was looked for `converged` modes have, in as many vectors as were allowed."""
+
+    def __init__(self, converged: int, solves: int) -> None:
+        self.converged, self.solves = converged, solves
+        super().__init__(f"{converged} modes converged in {solves} solves")
 
 
 @dataclass(frozen=True)
@@ -94,32 +102,49 @@ def _orthonormal(
     return np.asarray(block), np.asarray(weighted)
 
 
-def _last_wanted(values: Array, count: int) -> int:
-    """Number of modes up to the first gap at or after `count`, 0 where no gap is in sight."""
-    gaps = values[count:] - values[count - 1 : -1] > CLUSTER * values[count - 1 : -1]
-    return count + int(np.argmax(gaps)) if gaps.any() else 0
+def first_modes(count: int) -> Wanted:
+    """The first `count` modes, and the rest of the last one's cluster."""
+
+    def wanted(values: Array, _residuals: Array) -> int | None:
+        if len(values) <= count:
+            return None
+        gaps = values[count:] - values[count - 1 : -1] > CLUSTER * values[count - 1 : -1]
+        return count + int(np.argmax(gaps)) if gaps.any() else None
+
+    return wanted
+
+
+def modes_below(squared: float) -> Wanted:
+    """All modes with ω² below `squared`, one beyond it telling that none is still to come."""
+
+    def wanted(values: Array, residuals: Array) -> int | None:
+        below = int(np.sum(values < squared * (1.0 + residuals)))
+        return below if below < len(values) else None
+
+    return wanted
 
 
 def block_lanczos(
-    factor: Factor,
+    solve: Callable[[Array], Array],
     M: SparseMatrix | LinearOperator,
     start: Array,
-    count: int,
-    part: str,
+    wanted: Wanted,
+    limit: int,
+    residual: float,
     known: Array | None = None,
 ) -> Ritz:
-    """The lowest `count` modes M-orthogonal to `known` (n×m), and the rest of the last's cluster.
+    """The lowest modes, as many as are `wanted`, M-orthogonal to `known` (n×m).
 
-    `start` (n×s): the first block before the first solve. Raises ComputationError, naming `part`,
-    where fewer modes have mass or they do not converge.
+    `solve` is K⁻¹ on blocks (n×k), `start` (n×s) the first block before the first solve; at most
+    `limit` vectors are tried. Of what is wanted no `residual` relative to θ is larger. Fewer
+    come back where no more have mass. Raises NotConvergedError.
     """
     told = np.zeros((len(start), 0)) if known is None else known
-    limit = 12 * count + 20 * start.shape[1]
     # One array from the beginning: pages never reached take no memory, and nothing is copied.
     first = told.shape[1]
     everything = np.empty((len(start), first + limit), order="F")
     everything[:, :first] = told
-    block = factor.solve(M @ start)
+    block = solve(M @ start)
     block, weighted_block = _orthonormal(block, M @ block, told, M)
     width = block.shape[1]
     everything[:, first : first + width] = block
@@ -127,7 +152,7 @@ def block_lanczos(
     leak = np.zeros((told.shape[1], 0))
     while True:
         basis = everything[:, first : first + width]
-        image = factor.solve(weighted_block)
+        image = solve(weighted_block)
         weighted = M @ image
         solves += block.shape[1]
         column = basis.T @ weighted
@@ -147,31 +172,24 @@ def block_lanczos(
         values = 1.0 / theta
         residuals = np.linalg.norm(coefficients @ s[previous:], axis=0) / theta
         exhausted = following.shape[1] == 0
-        if exhausted and len(values) < count:
-            raise ComputationError(
-                f"{part}: {told.shape[1] + count} modes asked for, but fewer have mass"
-            )
-        wanted = _last_wanted(values, count) if len(values) > count else 0
-        if exhausted and not wanted:
-            wanted = len(values)
-        if wanted and np.all(residuals[:wanted] <= _RESIDUAL):
-            beyond = residuals[wanted : wanted + 1]
+        count = wanted(values, residuals)
+        if exhausted and count is None:
+            count = len(values)
+        if count is not None and np.all(residuals[:count] <= residual):
+            beyond = residuals[count : count + 1]
             if np.all(beyond <= _RESIDUAL_BEYOND):
                 # What is known is known to its own residual, a part of that of what is found.
-                along = np.linalg.norm(leak @ s[:, :wanted], axis=0) / theta[:wanted]
+                along = np.linalg.norm(leak @ s[:, :count], axis=0) / theta[:count]
                 return Ritz(
-                    values=values[:wanted],
-                    vectors=basis @ s[:, :wanted],
-                    residuals=np.hypot(residuals[:wanted], along),
-                    beyond=float(values[wanted]) if len(values) > wanted else np.inf,
+                    values=values[:count],
+                    vectors=basis @ s[:, :count],
+                    residuals=np.hypot(residuals[:count], along),
+                    beyond=float(values[count]) if len(values) > count else np.inf,
                     solves=solves,
                 )
         if exhausted or width + following.shape[1] > limit:
-            converged = int(np.argmin(np.append(residuals[:count] <= _RESIDUAL, [False])))
-            raise ComputationError(
-                f"{part}: {converged} of {count} modes converged in {solves} solves; "
-                "fewer modes or a finer mesh are needed"
-            )
+            converged = int(np.argmin(np.append(residuals <= residual, [False])))
+            raise NotConvergedError(converged, solves)
         block, weighted_block = following, weighted_following
         width += block.shape[1]
         everything[:, first + width - block.shape[1] : first + width] = block

@@ -12,7 +12,7 @@ from typing import TypeAlias
 import numpy as np
 from scipy.sparse.linalg import LinearOperator
 
-from fem.solvers.block_lanczos import Ritz, block_lanczos, merged
+from fem.solvers.block_lanczos import NotConvergedError, Ritz, block_lanczos, first_modes, merged
 from fem.solvers.certificate.sturm import Inertia
 from fem.solvers.factor import Factor
 from lumped.arrays import Array, SparseMatrix
@@ -23,6 +23,9 @@ from lumped.errors import ComputationError, InputError
 # need more columns in all.
 _BLOCK = 8
 _SEED = 1
+# Residual relative to θ: bounds the relative error of a frequency by half of it without any
+# assumption, and by 5e-10 for a mode that keeps 1e-3 from its neighbours in ω².
+_RESIDUAL = 1e-6
 # Searches for what the count says is missing; each starts from noise of its own.
 _SEARCHES = 4
 # The shift goes up to this part above the last mode, at most half way to the next one.
@@ -119,14 +122,14 @@ def lowest_modes(
     if start is not None:
         mixed = start @ rng.standard_normal((start.shape[1], _BLOCK))
         block = block * np.linalg.norm(mixed) / np.sqrt(_BLOCK) + mixed
-    ritz = block_lanczos(factor, M, block, mode_count, part)
+    ritz = _searched(factor, M, block, mode_count, part)
     for search in range(_SEARCHES):
         try:
             sigma = certify(ritz.values, ritz.beyond, count, part)
         except MissedModesError as error:
             if search == _SEARCHES - 1:
                 raise
-            more = block_lanczos(factor, M, _noise(n, rng), error.missing, part, ritz.vectors)
+            more = _searched(factor, M, _noise(n, rng), error.missing, part, ritz.vectors)
             ritz = merged(ritz, more)
         else:
             break
@@ -138,7 +141,30 @@ def searched_modes(
 ) -> Modes:
     """The first search of `lowest_modes`, without its count, which takes as long."""
     block = _noise(M.shape[0], np.random.default_rng(_SEED))
-    return _first(block_lanczos(factor, M, block, mode_count, part), mode_count)
+    return _first(_searched(factor, M, block, mode_count, part), mode_count)
+
+
+def _searched(
+    factor: Factor,
+    M: SparseMatrix | LinearOperator,
+    start: Array,
+    count: int,
+    part: str,
+    known: Array | None = None,
+) -> Ritz:
+    limit = 12 * count + 20 * start.shape[1]
+    wanted = first_modes(count)
+    try:
+        ritz = block_lanczos(factor.solve, M, start, wanted, limit, _RESIDUAL, known)
+    except NotConvergedError as error:
+        raise ComputationError(
+            f"{part}: {min(error.converged, count)} of {count} modes converged in {error.solves} "
+            "solves; fewer modes or a finer mesh are needed"
+        ) from error
+    if len(ritz.values) < count:
+        asked = count + (0 if known is None else known.shape[1])
+        raise ComputationError(f"{part}: {asked} modes asked for, but fewer have mass")
+    return ritz
 
 
 def _noise(n: int, rng: np.random.Generator) -> Array:
