@@ -73,11 +73,11 @@ class FaceMotions:
 
 @dataclass(frozen=True, eq=False)
 class CondensedPiece:
-    """Piece of a leg in the mixed form q = C w + H v, g = −Hᵀw + S v, k deformations per face.
+    """A leg or a piece of it in the mixed form q = C w + H v, g = −Hᵀw + S v.
 
-    `compliance` C (6×6, SI), wrench and relative twist at the middle of the piece; `twists` the
-    root's half of H (6×k); `own` the block S_root,root (k×k, N/m) and `across` S_root,tip s (k×k,
-    symmetric). `mirror` s (k) gives the tip's from these.
+    With k deformations v per face. `compliance` C (6×6, SI), wrench and relative twist at the
+    middle of the piece; `twists` the root's half of H (6×k); `own` the block S_root,root (k×k, N/m)
+    and `across` S_root,tip s (k×k, symmetric). `mirror` s (k) gives the tip's from these.
     """
 
     length: float
@@ -103,18 +103,7 @@ class CondensedPiece:
         return np.asarray(self.across * self.mirror)
 
 
-@dataclass(frozen=True, eq=False)
-class CondensedLeg:
-    """A leg of `slices` equal slices condensed to its end faces (m unknowns each)."""
-
-    leg: ConstantLeg
-    section: SectionMesh
-    slices: int
-    face: FaceMotions
-    piece: CondensedPiece
-
-
-def condensed_leg(leg: ConstantLeg, section: SectionMesh, slices: int) -> CondensedLeg:
+def condensed_leg(leg: ConstantLeg, section: SectionMesh, slices: int) -> CondensedPiece:
     """`leg` as `slices` equal slices of hexahedra on `section` (quad4 or quad9), condensed.
 
     The discrete model is that of `extrude(section, stations(length, slices))`. Raises InputError
@@ -134,15 +123,14 @@ def condensed_leg(leg: ConstantLeg, section: SectionMesh, slices: int) -> Conden
         piece = doubled(piece)
         if digit == "1":
             piece = joined(piece, one)
-    return CondensedLeg(leg, section, slices, face, piece)
+    return piece
 
 
-def tip_compliance(condensed: CondensedLeg, ends: Ends = "rigid") -> Array:
+def tip_compliance(piece: CondensedPiece, ends: Ends = "rigid") -> Array:
     """6×6 compliance (SI, leg axes) at (L, 0, 0), root held.
 
     `ends` as in `fem.bodies.solid.coupled_leg`.
     """
-    piece = condensed.piece
     compliance = piece.compliance
     if ends == "free":
         S, H = _deformation_stiffness(piece), np.hstack([piece.twists, piece.tip_twists])

@@ -45,19 +45,14 @@ def leg_deck(
 
 
 def compliance_and_frequencies(
-    mesh: SolidMesh,
-    material: Material,
-    modes: int = 20,
-    threads: int = 1,
-    timeout: float = 600.0,
-    title: str = "clamped leg",
+    mesh: SolidMesh, material: Material, modes: int = 20
 ) -> tuple[Array, Array]:
     """CalculiX's 6×6 tip compliance (SI, leg axes, at (L, 0, 0)) and frequencies (Hz) of a leg.
 
     Column j is the twist under unit wrench j, as printed: seven digits, not symmetrised. Raises
     as `run_calculix` does.
     """
-    results = run_calculix(leg_deck(mesh, material, modes, title), threads, timeout)
+    results = run_calculix(leg_deck(mesh, material, modes))
     return results.displacements.reshape(6, 6).T, results.frequencies
 
 

@@ -195,18 +195,14 @@ def _held_mesh(leg: SolidLeg) -> HeldMesh:
 
 
 def compliance_and_frequencies(
-    posture: Posture,
-    legs: Mapping[str, Solid],
-    modes: int = 10,
-    threads: int = 1,
-    timeout: float = 600.0,
+    posture: Posture, legs: Mapping[str, Solid], modes: int = 10
 ) -> tuple[Array, Array]:
     """CalculiX's 6×6 compliance (SI, base axes) at the loaded point and frequencies (Hz).
 
     As printed: seven digits, not symmetrised; idle motions are left out. Raises as `run_calculix`.
     """
     made = mechanism_deck(posture, legs, modes)
-    results = run_calculix(made.deck, threads, timeout)
+    results = run_calculix(made.deck)
     freedoms = results.displacements.reshape(6, -1)[:, : made.tool.shape[1]]
     found: Array = made.tool @ freedoms.T
     return found, results.frequencies[made.idle :]

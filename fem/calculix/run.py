@@ -62,8 +62,8 @@ def calculix_version() -> str | None:
     return found[1] if found else None
 
 
-def run_calculix(deck: Deck, threads: int = 1, timeout: float = 600.0) -> CalculixResults:
-    """Solve a deck in a temporary folder, with `threads` threads, in at most `timeout` s.
+def run_calculix(deck: Deck, timeout: float = 600.0) -> CalculixResults:
+    """Solve a deck in a temporary folder, with one thread, in at most `timeout` s.
 
     Raises CalculixMissing where CalculiX is not installed, InputError for a deck that it cannot
     express, ComputationError where it fails or takes too long.
@@ -72,7 +72,7 @@ def run_calculix(deck: Deck, threads: int = 1, timeout: float = 600.0) -> Calcul
     with TemporaryDirectory(prefix="calculix-") as folder:
         job = Path(folder) / _JOB
         job.with_suffix(".inp").write_text(deck_text(deck), encoding="ascii", errors="replace")
-        said = _run(program, job, deck.title, threads, timeout)
+        said = _run(program, job, deck.title, timeout)
         printed = job.with_suffix(".dat")
         text = printed.read_text(encoding="ascii") if printed.exists() else ""
     try:
@@ -82,14 +82,10 @@ def run_calculix(deck: Deck, threads: int = 1, timeout: float = 600.0) -> Calcul
         raise ComputationError(f"{error}; its last words were: {last.strip()}") from None
 
 
-def _run(program: str, job: Path, title: str, threads: int, timeout: float) -> str:
+def _run(program: str, job: Path, title: str, timeout: float) -> str:
     """Runs the program; returns what it said, or raises ComputationError with its first error."""
-    environment = {
-        **os.environ,
-        "OMP_NUM_THREADS": str(threads),
-        "CCX_NPROC_EQUATION_SOLVER": str(threads),
-        "CCX_NPROC_STIFFNESS": str(threads),
-    }
+    alone = ("OMP_NUM_THREADS", "CCX_NPROC_EQUATION_SOLVER", "CCX_NPROC_STIFFNESS")
+    environment = os.environ | dict.fromkeys(alone, "1")
     try:
         # The program is found on the path, and its arguments are ours.
         done = subprocess.run(  # noqa: S603

@@ -71,10 +71,9 @@ class SeparatedFactor(Factor, Protocol):
 class Symbolic:
     """Pattern and elimination of a symmetric matrix, with what its factor will cost.
 
-    `pointers`, `columns`: the upper triangle (csr). `factor_entries` of L; `flops` of the
-    factorisation; `peak_bytes`, the memory it takes at its height. `elimination` is None for
-    backends that keep their own. `numeric` factorises the values on the pattern; its second
-    argument names the matrix in errors.
+    `pointers`, `columns`: the upper triangle (csr). `peak_bytes`: the memory that the factorisation
+    takes at its height. `elimination` is None for backends that keep their own. `numeric`
+    factorises the values on the pattern; its second argument names the matrix in errors.
     """
 
     backend: Backend
@@ -82,8 +81,6 @@ class Symbolic:
     pointers: IntArray
     columns: IntArray
     elimination: Elimination | None
-    factor_entries: int
-    flops: float
     peak_bytes: int
     numeric: Callable[[Array, str], Factor] = field(repr=False)
 
@@ -118,12 +115,6 @@ def upper_triangle(matrix: SparseMatrix) -> SparseMatrix:
 def whole_matrix(triangle: SparseMatrix) -> SparseMatrix:
     """The symmetric matrix (csr n×n) of an upper triangle."""
     return csr_array(triangle + triangle.T - diags_array(triangle.diagonal(), format="csr"))
-
-
-def symmetric_product(triangle: SparseMatrix, columns: Array) -> Array:
-    """The symmetric matrix of an upper triangle (csr n×n) times `columns` (n×k)."""
-    product = triangle @ columns + triangle.T @ columns
-    return np.asarray(product - triangle.diagonal()[:, None] * columns)
 
 
 def refuse_lost_pivots(pivots: Array, diagonal: Array, unknowns: IntArray, part: str) -> None:

@@ -18,7 +18,6 @@ _ANALYSIS, _NUMERIC, _SOLVE = 11, 22, 33
 _NOT_POSITIVE_DEFINITE = -4
 # Numbers (from 1) of PARDISO's parameters and reports.
 _PEAK_OF_ANALYSIS, _KEPT_BY_ANALYSIS, _NUMERIC_MEMORY = 15, 16, 17
-_ENTRIES, _MEGAFLOPS = 18, 19
 _POSITIVE, _NEGATIVE, _FAILED_AT = 22, 23, 30
 # An eigenvalue of a small dense matrix below this part of its largest has no sign.
 _ZERO = 1e-12
@@ -64,8 +63,6 @@ def analyse(triangle: SparseMatrix) -> Symbolic:
         pointers=triangle.indptr,
         columns=triangle.indices,
         elimination=None,
-        factor_entries=int(solver.get_iparm(_ENTRIES)),
-        flops=1e6 * float(solver.get_iparm(_MEGAFLOPS)),
         peak_bytes=1024 * int(kilobytes),
         numeric=partial(_numeric, triangle.indptr, triangle.indices, deque([solver])),
     )

@@ -5,19 +5,15 @@ The same as `lumped.system.solution`, for hundreds of thousands of unknowns, not
 
 from dataclasses import dataclass
 
-import numpy as np
 from scipy.sparse import csr_array
-from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh
 
 from fem.solvers.cholesky import analyse, factorise
 from fem.solvers.factor import Factor
+from fem.solvers.modes import searched_modes
 from lumped.arrays import Array
 from lumped.dense.balance import balanced_flexibility
-from lumped.dense.modes import Modes, fix_signs
-from lumped.errors import ComputationError
+from lumped.dense.modes import Modes
 from lumped.system.assembly import System
-
-_SEED = 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,21 +43,8 @@ def compliance(found: FactorisedSystem) -> Array:
 def modes(found: FactorisedSystem, count: int) -> Modes:
     """The lowest `count` modes (Hz; shapes n×count, mass-normalised).
 
-    Shift-invert Lanczos about zero from a fixed start. Joints have no mass, so the start and all
-    that follows lies in the range of K⁻¹M, where the mass is positive. Raises ComputationError
-    where it does not converge.
+    Joints have no mass: the search looks where the mass is positive. Raises ComputationError where
+    it does not converge.
     """
-    mass, solve = csr_array(found.system.mass), found.factor.solve
-    inverse = LinearOperator(mass.shape, matvec=solve, dtype=np.float64)
-    noise = np.random.default_rng(_SEED).standard_normal(mass.shape[0])
-    try:
-        values, vectors = eigsh(
-            mass, count, M=mass, sigma=0.0, OPinv=inverse, v0=solve(mass @ noise)
-        )
-    except ArpackNoConvergence as error:
-        raise ComputationError(
-            f"{found.system.name}: {len(error.eigenvalues)} of {count} modes converged; "
-            "fewer modes or a finer mesh are needed"
-        ) from error
-    order = np.argsort(values)
-    return Modes(np.sqrt(values[order]) / (2.0 * np.pi), fix_signs(vectors[:, order]))
+    mass = csr_array(found.system.mass)
+    return searched_modes(found.factor, mass, count, found.system.name)

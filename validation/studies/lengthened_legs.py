@@ -58,16 +58,8 @@ def lengthened(leg: ConstantLeg, divisions: int, doublings: int) -> Lengthened:
     condensed = doubling.condensed_leg(leg, mesh, slice_count(leg.section, leg.length, counts))
     pieces = [condensed]
     for _ in range(doublings):
-        last = pieces[-1]
-        pieces.append(
-            replace(
-                last,
-                leg=replace(leg, length=2.0 * last.leg.length),
-                slices=2 * last.slices,
-                piece=doubling.doubled(last.piece),
-            )
-        )
-    lengths = [piece.leg.length for piece in pieces]
+        pieces.append(doubling.doubled(pieces[-1]))
+    lengths = [leg.length * 2.0**k for k in range(len(pieces))]
     slender = beam.as_euler_bernoulli()
     return Lengthened(
         lengths=np.array(lengths),

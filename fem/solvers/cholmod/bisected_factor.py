@@ -207,8 +207,6 @@ def analyse(triangle: SparseMatrix, elimination: Elimination) -> Symbolic | None
         pointers=pointers,
         columns=columns,
         elimination=elimination,
-        factor_entries=sum(one.entries for one in counts),
-        flops=sum(one.flops for one in counts),
         peak_bytes=dense + sum(peak_bytes(one, triangle.nnz // 2) for one in counts),
         numeric=numeric,
     )

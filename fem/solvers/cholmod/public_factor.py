@@ -22,8 +22,8 @@ from lumped.arrays import Array, IntArray
 # Those whose factor has been read; another layout might crash the reader before it can be compared.
 _READ = ("1.3.",)
 _ROUNDING = 1e-12
-# Rough: entries of the factor over n^(4/3), flops over entries²/n (see validation.solve.cost).
-_ENTRIES, _FLOPS, _BYTES_PER_ENTRY = 14.0, 2.0, 30
+# Rough: entries of the factor over n^(4/3) (see validation.solve.cost).
+_ENTRIES, _BYTES_PER_ENTRY = 14.0, 30
 _SINGULAR_PIVOT = 100.0 * np.finfo(np.float64).eps
 
 
@@ -54,8 +54,6 @@ def analyse(pointers: IntArray, columns: IntArray, elimination: Elimination) -> 
         pointers=pointers,
         columns=columns,
         elimination=elimination,
-        factor_entries=int(entries),
-        flops=_FLOPS * entries**2 / n,
         peak_bytes=int(_BYTES_PER_ENTRY * entries),
         numeric=partial(_numeric, pointers, columns, elimination.order),
     )

@@ -52,14 +52,13 @@ class FactorStatistics:
     """Size of a supernodal factor, known before its numbers.
 
     `entries` of L; `stored_entries` with the zeros that supernodes store; `index_entries`;
-    `update_entries`, the largest update block; `flops` of the factorisation.
+    `update_entries`, the largest update block.
     """
 
     entries: int
     stored_entries: int
     index_entries: int
     update_entries: int
-    flops: float
 
 
 class _Supernode(NamedTuple):
@@ -88,13 +87,11 @@ def _long_array(address: int, count: int) -> IntArray:
 def statistics(factor: Any) -> FactorStatistics:
     """Statistics of a symbolic or numeric supernodal factor."""
     head = factor_head(factor)
-    counts = _long_array(head.column_counts, head.n)
     return FactorStatistics(
-        entries=int(counts.sum()),
+        entries=int(_long_array(head.column_counts, head.n).sum()),
         stored_entries=head.stored_entries,
         index_entries=head.index_entries,
         update_entries=head.update_entries,
-        flops=float((counts.astype(np.float64) ** 2).sum()),
     )
 
 

@@ -107,8 +107,6 @@ def analyse(triangle: SparseMatrix, elimination: Elimination) -> Symbolic:
         pointers=pointers,
         columns=columns,
         elimination=elimination,
-        factor_entries=counts.entries,
-        flops=counts.flops,
         peak_bytes=peak_bytes(counts, triangle.nnz),
         numeric=partial(_numeric, pointers, columns, elimination.order, unused),
     )
