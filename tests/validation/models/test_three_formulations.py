@@ -6,11 +6,10 @@ they must give one answer.
 """
 
 import numpy as np
-import pytest
 from compliances import scaled_difference
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from like_ifw import IFW, placed_at, stations
+from like_ifw import placed_at, stations
 
 from lumped.legs import constant_leg
 from lumped.mechanism.biglide import biglide
@@ -60,20 +59,7 @@ def _compliance(random: np.random.Generator) -> np.ndarray:
     return (factor @ factor.T + np.eye(6)) * np.outer(size, size)
 
 
-def farthest(at, options, of_beams) -> float:
-    """Largest difference of segments and of beams from virtual joints."""
-    vjm, segments, beam = (
-        answers(model, at, 0, one)
-        for model, one in (("vjm", options), ("segments", options), ("beam", of_beams))
-    )
-    return max(
-        scaled_difference(other.compliance, one.compliance)
-        for others in (segments, beam)
-        for one, other in zip(vjm, others, strict=True)
-    )
-
-
-@settings(max_examples=60)
+@settings(max_examples=30)
 @given(
     robot=random_robots(),
     fraction=st.floats(0.0, 1.0),
@@ -84,14 +70,8 @@ def test_random_robots(robot, fraction, theory, elements):
     first, last = stations(robot, 2)
     at = placed_at(robot, first + fraction * (last - first))
     options = ModelOptions(legs="equivalent", theory=theory, elements=elements)
+    vjm, segments, beam = (answers(model, at, 0, options) for model in ("vjm", "segments", "beam"))
     # Rounding: the legs and springs differ in stiffness by 1e3, the beam's matrix by n³ more.
-    assert farthest(at, options, options) < 1e-9
-
-
-@pytest.mark.parametrize("theory", ["euler-bernoulli", "timoshenko"])
-@pytest.mark.parametrize("elements", [1, 2, 20, 160])
-def test_paper_robot_over_its_whole_stroke(theory, elements):
-    robot = IFW.mechanism
-    options = ModelOptions(legs="equivalent", theory=theory, elements=elements)
-    few = ModelOptions(legs="equivalent", theory=theory, elements=min(elements, 20))
-    assert farthest(placed_at(robot, *stations(robot, 21)), options, few) < 1e-9
+    for others in (segments, beam):
+        for one, other in zip(vjm, others, strict=True):
+            assert scaled_difference(other.compliance, one.compliance) < 1e-9
