@@ -85,6 +85,10 @@ def unmeasured(identifier, verdict, message, **changes):
     return Outcome(case(identifier, **changes), Result(identifier, verdict, 0.2, message))
 
 
+# Drawn once for all tests of a page.
+DRAWN = tuple(family_plot(alone(study)) for study in (CONVERGENCE, SWEEP))
+
+
 def sample_report(**changes):
     agreeing = judge(
         case("legs.agrees", title="Agrees easily"),
@@ -130,8 +134,7 @@ def sample_report(**changes):
     fields = {
         "outcomes": (bound, agreeing, tight, failed, skipped, disagreeing),
         "figures": (
-            family_plot(alone(CONVERGENCE)),
-            family_plot(alone(SWEEP)),
+            *DRAWN,
             Figure(
                 "fig5", "Fig. 5", "Made up.", "The paper's statements", png=PIXEL, data="x\n1\n"
             ),

@@ -90,7 +90,7 @@ def test_a_run_of_what_only_a_biglide_has_says_so(capsys):
     assert "Traceback" not in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("robot", ["five-bar", "hexapod", "biglide"])
+@pytest.mark.parametrize("robot", ["hexapod", "biglide"])
 def test_the_picture_shows_bodies_joints_and_drives(robot, tmp_path, capsys):
     path = tmp_path / "robot.png"
     pose = ",".join(f"{value:g}" for value in load_robot(robot).mechanism.reference_pose)

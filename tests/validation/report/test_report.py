@@ -12,7 +12,6 @@ from report_sample import CONVERGENCE, PIXEL, SWEEP, case, never, sample_report,
 
 from validation.case import Absolute, Allowance, Measurement, Relation
 from validation.drawing import text
-from validation.drawing.style import csv_of
 from validation.exhibits import Figure, InteractiveScene
 from validation.report import sections
 from validation.report.figures.studies.budgets import budget_figure, budgeted
@@ -136,6 +135,8 @@ def test_an_empty_and_an_interrupted_run_have_a_page():
     part = sample_report(unfinished=4)
     assert "4 not computed" in render(part)
     assert sample_report(outcomes=(), unfinished=1).verdict == "failed"
+    sections_of = [section for chapter in part.chapters for section in chapter.sections]
+    assert not any(plot.figure for section in sections_of for plot in section.plots)
 
 
 def test_a_study_shared_by_several_cases_is_shown_once():
@@ -230,39 +231,6 @@ def test_a_budget_shows_what_is_measured_explained_and_left():
     )
 
 
-def test_refinements_of_a_family_share_their_axes():
-    cross = replace(CONVERGENCE, family="benchmark.cross", family_title="cross", orders={})
-    members = [
-        replace(cross, id=f"benchmark.cross.{n}", series={f"bending {n}": SERIES}) for n in (1, 2)
-    ]
-    other = replace(CONVERGENCE, id="benchmark.cross.3")
-    found = families([model_case("solid", "c22", 2.0, studies=(*members, other))])
-    assert [family.id for family in found] == ["benchmark.cross", "benchmark.cross.3"]
-    assert [family.title for family in found] == ["Cross", CONVERGENCE.title]
-    assert [curve.label for curve in found[0].curves] == ["bending 1", "bending 2"]
-
-
-def test_series_of_one_name_are_told_apart_by_the_variant_of_their_study():
-    of = {"solid": SERIES}
-    bending, torsion = (
-        replace(CONVERGENCE, id=f"leg.{name}", series=of, orders={}, family="leg", variant=name)
-        for name in ("bending", "torsion")
-    )
-    (family,) = families([model_case("solid", "c22", 2.0, studies=(bending, torsion))])
-    assert [curve.label for curve in family.curves] == ["bending", "torsion"]
-
-
-SERIES = next(iter(CONVERGENCE.series.values()))
-
-
-def test_families_with_different_abscissas_have_ids_of_their_own():
-    cross = replace(CONVERGENCE, family="benchmark.cross")
-    short = replace(cross, id="benchmark.cross.9", x=CONVERGENCE.x[1:], series={})
-    members = [replace(cross, id=f"benchmark.cross.{n}") for n in (1, 2)]
-    found = families([model_case("solid", "c22", 2.0, studies=(*members, short))])
-    assert [family.id for family in found] == ["benchmark.cross.1", "benchmark.cross.9"]
-
-
 def test_every_figure_names_the_function_it_is_from():
     convergence = Measurement(1.0, 1.0, exact=True, studies=(CONVERGENCE,))
     outcomes = [
@@ -300,40 +268,12 @@ def test_what_was_skipped_stands_together_by_its_reason():
     assert by_reason == {"no CalculiX": ["legs.0", "legs.2"], "too large": ["legs.1"]}
 
 
-def test_a_picture_that_could_not_be_drawn_leaves_its_scenes_and_data():
-    figure = Figure(
-        "robot.modes",
-        "Modes",
-        "",
-        "The legs",
-        data="x\n1\n",
-        left_out="no usable OpenGL",
-        scenes=(InteractiveScene("(a) mode 1", b"PK state"),),
-    )
-    assert set(figure.files) == {"robot.modes.csv"}
-    page = render(sample_report(figures=(figure,)))
-    assert "Picture left out: no usable OpenGL" in page
-    assert page.count("data-scene=") == 1
-
-
 def test_a_plot_that_fails_costs_nothing_but_itself(monkeypatch):
     def fail(*_):
         raise ZeroDivisionError
 
     monkeypatch.setattr(sections, "family_plot", fail)
     assert "Agrees barely" in render(sample_report())
-
-
-def test_sweeps_of_several_models_share_their_axes_and_draw_the_common_curve_once():
-    sweeps = [
-        replace(SWEEP, id=f"robot.{model}", family="robot", series={"vjm": VJM, model: VJM})
-        for model in ("segments", "beam")
-    ]
-    (family,) = families([model_case("solid", "c22", 2.0, studies=tuple(sweeps))])
-    assert [curve.label for curve in family.curves] == ["VJM", "segments", "beam"]
-
-
-VJM = SWEEP.series["vjm"]
 
 
 def test_chapters_answer_in_turn_whatever_came_first():
@@ -348,26 +288,6 @@ def test_chapters_answer_in_turn_whatever_came_first():
     assert [section.title for section in found[1].sections] == ["crank", "Leg 2"]
 
 
-def test_scenes_are_in_the_page_and_the_viewer_is_there_once():
-    scene = InteractiveScene("(a) mode 1", b"PK state")
-    figures = [
-        Figure(name, name, "", "The legs", png=PIXEL, scenes=(scene,)) for name in ("one", "two")
-    ]
-    shown = render(sample_report(figures=tuple(figures)))
-    assert shown.count(base64.b64encode(scene.state).decode()) == 2
-    assert shown.count("const showScene =") == 1
-    assert "const showScene =" not in render(sample_report())
-
-
-def test_an_interrupted_run_waits_for_no_plot():
-    assert not any(
-        plot.figure
-        for chapter in sample_report(unfinished=1).chapters
-        for section in chapter.sections
-        for plot in section.plots
-    )
-
-
 def test_curves_that_are_errors_tend_to_zero():
     halved = tuple(0.04 / 4.0**n for n in range(len(CONVERGENCE.x)))
     errors = replace(
@@ -376,11 +296,6 @@ def test_curves_that_are_errors_tend_to_zero():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert family_plot(alone(errors)).svg
-
-
-def test_a_value_that_is_no_number_is_shown_as_such():
-    outcome = judge(case(), Measurement(nan, 1.0, exact=True), 0.1)
-    assert "not a number" in render(sample_report(outcomes=(outcome,)))
 
 
 @pytest.mark.parametrize(
@@ -401,21 +316,77 @@ def test_numbers_are_written_as_in_print(value, shown):
     assert text.number(value) == shown
 
 
-def test_plots_of_one_page_have_ids_of_their_own():
-    first, second = family_plot(alone(CONVERGENCE)), family_plot(alone(SWEEP))
+def test_scenes_missing_pictures_and_values_that_are_no_numbers_are_shown():
+    """The viewer stands in the page once, and only where there is something to be turned."""
+    scene = InteractiveScene("(a) mode 1", b"PK state")
+    figures = [
+        Figure(name, name, "", "The legs", png=PIXEL, scenes=(scene,)) for name in ("one", "two")
+    ]
+    left_out = {"data": "x\n1\n", "left_out": "no usable OpenGL", "scenes": (scene,)}
+    figures.append(Figure("robot.modes", "Modes", "", "The legs", **left_out))
+    assert set(figures[-1].files) == {"robot.modes.csv"}
+    outcome = judge(case(), Measurement(nan, 1.0, exact=True), 0.1)
+    shown = render(sample_report(figures=tuple(figures), outcomes=(outcome,)))
+    assert shown.count(base64.b64encode(scene.state).decode()) == 3
+    assert shown.count("data-scene=") == 3
+    assert shown.count("const showScene =") == 1
+    assert "Picture left out: no usable OpenGL" in shown
+    assert "not a number" in shown
+
+
+def test_plots_have_ids_of_their_own_and_equal_studies_give_equal_files():
+    first, again, second = (family_plot(alone(one)) for one in (CONVERGENCE, CONVERGENCE, SWEEP))
+    assert first.svg == again.svg
+    assert first.svg.startswith("<svg")
+    assert "<dc:date>" not in first.svg
     ids = [set(re.findall(r'id="([^"]+)"', text.inline_svg(f))) for f in (first, second)]
     assert not ids[0] & ids[1]
-    inlined = text.inline_svg(first)
-    used = set(re.findall(r'href="#([^"]+)"|url\(#([^)]+)\)', inlined))
+    used = set(re.findall(r'href="#([^"]+)"|url\(#([^)]+)\)', text.inline_svg(first)))
     assert {a or b for a, b in used} <= ids[0]
 
 
-def test_equal_studies_give_equal_files_without_date_or_machine():
-    svg = family_plot(alone(CONVERGENCE)).svg
-    assert svg == family_plot(alone(CONVERGENCE)).svg
-    assert svg.startswith("<svg")
-    assert "<dc:date>" not in svg
+SERIES = next(iter(CONVERGENCE.series.values()))
+VJM = SWEEP.series["vjm"]
+CROSS = replace(CONVERGENCE, family="cross", family_title="cross", orders={})
 
 
-def test_csv_keeps_every_digit():
-    assert csv_of({"x": (0.1,), "f (Hz)": (1.0 / 3.0,)}) == "x,f (Hz)\n0.1,0.3333333333333333\n"
+@pytest.mark.parametrize(
+    ("studies", "found"),
+    [
+        # Refinements of a family share their axes, another study has its own.
+        (
+            [
+                *(replace(CROSS, id=f"c.{n}", series={f"bending {n}": SERIES}) for n in (1, 2)),
+                replace(CONVERGENCE, id="c.3", series={}),
+            ],
+            {("cross", "Cross"): ["bending 1", "bending 2"], ("c.3", CONVERGENCE.title): []},
+        ),
+        # Series of one name are told apart by the variant of their study.
+        (
+            [
+                replace(CROSS, id=name, series={"solid": SERIES}, variant=name)
+                for name in ("bending", "torsion")
+            ],
+            {("cross", "Cross"): ["bending", "torsion"]},
+        ),
+        # Those that have another abscissa stand alone, under an id that is not taken.
+        (
+            [
+                *(replace(CROSS, id=f"c.{n}", series={f"{n}": SERIES}) for n in (1, 2)),
+                replace(CROSS, id="c.9", x=CONVERGENCE.x[1:], series={}),
+            ],
+            {("c.1", "Cross"): ["1", "2"], ("c.9", CONVERGENCE.title): []},
+        ),
+        # The common curve of several sweeps is drawn once.
+        (
+            [
+                replace(SWEEP, id=f"robot.{model}", family="robot", series={"vjm": VJM, model: VJM})
+                for model in ("segments", "beam")
+            ],
+            {("robot", SWEEP.title): ["VJM", "segments", "beam"]},
+        ),
+    ],
+)
+def test_studies_of_a_family_share_their_axes(studies, found):
+    shown = families([model_case("solid", "c22", 2.0, studies=tuple(studies))])
+    assert {(one.id, one.title): [c.label for c in one.curves] for one in shown} == found

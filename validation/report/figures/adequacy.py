@@ -53,7 +53,7 @@ def error_curves(matrix: Matrix) -> Shown | None:
 def matrix_chart(panels: Sequence[Panel], label: str, table: Mapping[str, Column]) -> Chart:
     """Panels of a matrix, a quantity each, over its poses, and its numbers."""
     ticks = partial(few_ticks, count=5, whole=label == _POSE)
-    return Chart(panels, label, min(len(panels), _COLUMNS), 2.1, table, ticks)
+    return Chart(panels, label, min(len(panels), _COLUMNS), 1.9, table, ticks)
 
 
 def abscissa(matrix: Matrix) -> tuple[Array, str]:

@@ -9,6 +9,7 @@ from lumped.mechanism.kinematics.postures import reference_posture
 from lumped.robot_file import load_robot
 from lumped.sections import Rectangle
 from validation.context import Context
+from validation.drawing import opengl
 from validation.models.mechanism_modes import mechanism_modes
 from validation.report.figures.mechanism import pictures
 from validation.report.figures.mechanism.mode_names import (
@@ -109,8 +110,9 @@ def test_all_mass_is_in_the_kinetic_energy(name):
     np.testing.assert_allclose(energies_of, 1.0, rtol=1e-3)
 
 
-def test_title_and_caption_of_a_mode_say_the_same(tmp_path):
+def test_title_and_caption_of_a_mode_say_the_same(tmp_path, monkeypatch):
     """The second mode of a robot of open sections twists its legs, its centreline moves along z."""
+    monkeypatch.setenv(opengl.SWITCH, "off")
     path = tmp_path / "robot.toml"
     path.write_text(I_SECTIONS, encoding="utf-8")
     context = Context(load_robot(path), "quick")
