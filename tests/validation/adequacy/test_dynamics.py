@@ -17,12 +17,18 @@ from validation.adequacy.judgement import judged
 from validation.adequacy.matrix import Entry, Matrix
 from validation.adequacy.mechanism.dynamics import dynamic_reference
 from validation.adequacy.mechanism.path import robot_at, robot_on_path
-from validation.adequacy.mechanism.vibration import modes_of_solids, solid_meshes, solid_vibration
+from validation.adequacy.mechanism.vibration import (
+    modes_by_model,
+    modes_of_solids,
+    solid_meshes,
+    solid_vibration,
+)
 from validation.adequacy.partners import frequency_changes
 from validation.adequacy.response import Subject
 from validation.adequacy.robot import robot_adequacy
 from validation.context import Context
 from validation.models.mechanism import answers
+from validation.models.options import DEFAULT_OPTIONS
 from validation.report.first_screen.sentence import sentence
 from validation.solids.legs import COARSEST_WALLS
 
@@ -173,3 +179,15 @@ def test_meshes_are_finer_by_no_less_than_what_uncertainties_are_taken_from(pres
     robot = robot_on_path(Listening(load_robot("five-bar"), preset))
     coarse, fine = (modes_of_solids(robot, {}, None, fine=fine) for fine in (False, True))
     assert 1.0 < solid_meshes(preset).ratio <= min(np.divide(fine, coarse))
+
+
+def test_drives_alone_have_a_second_mode_but_at_the_ends_of_the_stroke():
+    """There the robot moves along one axis alone; beyond the modes that there are stands nothing."""
+    robot = robot_on_path(Context(load_robot("ifw"), "quick"))
+    found = modes_by_model(robot, "simplified", DEFAULT_OPTIONS)
+    known = np.isfinite(found.frequencies).sum(axis=1)
+    assert known.tolist() == [1, *[2] * (len(robot.postures) - 2), 1]
+    for frequencies, shapes, count in zip(found.frequencies, found.samples, known, strict=True):
+        assert np.isfinite(frequencies[:count]).all()
+        assert np.abs(shapes[:, :count]).max(axis=0).min() > 0.0
+        assert not shapes[:, count:].any()

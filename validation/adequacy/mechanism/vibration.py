@@ -113,15 +113,16 @@ def vibration_of(samples: Samples, found: Iterable[PostureModes]) -> Vibration:
 
 def simplified_vibration(robot: RobotOnPath) -> Vibration | None:
     """Rigid bodies on elastic drives, NaN beyond the modes that they have; None without mass."""
-    found = vibration_of(robot.samples, modes_on_drives(robot.postures, robot.offered))
-    known = found.frequencies.shape[1]
-    if not known:
-        return None
-    lacking = ((0, 0), (0, robot.offered - known))
-    return Vibration(
-        np.pad(found.frequencies, lacking, constant_values=np.nan),
-        np.pad(found.samples, ((0, 0), *lacking)),
-    )
+    frequencies, shapes = [], []
+    for one in modes_on_drives(robot.postures, robot.offered):
+        lacking = robot.offered - len(one.modes.frequencies)
+        if lacking == robot.offered:
+            return None
+        # At the end of a stroke a robot has fewer of them than between its ends.
+        frequencies.append(np.append(one.modes.frequencies, np.full(lacking, np.nan)))
+        own = robot.samples.at(one.system, one.modes.shapes, {})
+        shapes.append(np.pad(own, ((0, 0), (0, lacking))))
+    return Vibration(np.array(frequencies), np.array(shapes))
 
 
 def model_vibration(
