@@ -182,7 +182,7 @@ def test_meshes_are_finer_by_no_less_than_what_uncertainties_are_taken_from(pres
 
 
 def test_drives_alone_have_a_second_mode_but_at_the_ends_of_the_stroke():
-    """There the robot moves along one axis alone; beyond the modes that there are stands nothing."""
+    """There it moves along one axis alone; beyond the modes that there are stands nothing."""
     robot = robot_on_path(Context(load_robot("ifw"), "quick"))
     found = modes_by_model(robot, "simplified", DEFAULT_OPTIONS)
     known = np.isfinite(found.frequencies).sum(axis=1)
