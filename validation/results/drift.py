@@ -11,7 +11,7 @@ from math import isfinite
 import msgspec
 
 from validation.results.outcome import Outcome
-from validation.results.records import CaseRecord, RunRecord, finite
+from validation.results.records import CaseRecord, RunRecord
 
 # Rounding differs between machines and library versions; far above it, far below any tolerance.
 _ROUNDING = 1e-9
@@ -103,7 +103,7 @@ def with_drift(record: CaseRecord, drift: Drift | None) -> CaseRecord:
     return msgspec.structs.replace(
         record,
         earlier=drift.earlier,
-        drift=finite(drift.amount),
-        drift_allowed=finite(drift.allowed),
+        drift=drift.amount,
+        drift_allowed=drift.allowed,
         drifted=drift.beyond,
     )

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
-from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +21,7 @@ _LARGEST = 200_000_000
 
 
 class CaseRecord(msgspec.Struct, frozen=True, kw_only=True):
-    """A case with what came out; numbers in `unit`, None where not finite.
+    """A case with what came out; numbers in `unit`, in JSON null where not finite.
 
     The reference, which decides, and `earlier`, the value of the baseline, are two things.
     """
@@ -160,23 +159,20 @@ def case_record(outcome: Outcome) -> CaseRecord:
         return record
     return msgspec.structs.replace(
         record,
-        value=finite(measurement.value),
-        reference=finite(measurement.reference),
-        error=finite(measurement.difference),
-        unexplained=finite(measurement.unexplained),
+        value=measurement.value,
+        reference=measurement.reference,
+        error=measurement.difference,
+        unexplained=measurement.unexplained,
         exact=measurement.exact,
-        numerical_uncertainty=finite(measurement.numerical_uncertainty),
-        value_uncertainty=finite(measurement.value_uncertainty),
-        reference_uncertainty=finite(measurement.reference_uncertainty),
-        allowances=tuple(_carried(asdict(one)) for one in measurement.allowances),
-        tolerance=finite(outcome.tolerance),
+        numerical_uncertainty=measurement.numerical_uncertainty,
+        value_uncertainty=measurement.value_uncertainty,
+        reference_uncertainty=measurement.reference_uncertainty,
+        allowances=tuple(asdict(one) for one in measurement.allowances),
+        tolerance=outcome.tolerance,
         notes=measurement.notes,
         pose=measurement.pose,
-        elsewhere=tuple(_carried(asdict(one)) for one in measurement.elsewhere),
-        table={
-            heading: tuple(_carried(dict(enumerate(column))).values())
-            for heading, column in measurement.table.items()
-        },
+        elsewhere=tuple(asdict(one) for one in measurement.elsewhere),
+        table={heading: tuple(column) for heading, column in measurement.table.items()},
     )
 
 
@@ -197,11 +193,6 @@ def claims_of(outcomes: Sequence[Outcome]) -> tuple[Claim, ...]:
     """What sources say of the outcomes, one claim for each sentence."""
     measured = [outcome.measurement for outcome in outcomes if outcome.measurement]
     return gathered(m.claim for m in measured if m.claim)
-
-
-def finite(number: float | None) -> float | None:
-    """The number as JSON can carry it: None for NaN and infinities."""
-    return float(number) if number is not None and isfinite(number) else None
 
 
 def load_run(path: Path) -> RunRecord:
@@ -228,8 +219,3 @@ def parse_run(content: bytes | str, source: str) -> RunRecord:
     if run.schema != 1:
         raise InputError(f"{source}: schema = {run.schema}: only schema 1 is understood")
     return run
-
-
-def _carried(record: Mapping[Any, Any]) -> dict[Any, Any]:
-    """The record with its numbers as JSON can carry them."""
-    return {key: one if isinstance(one, str) else finite(one) for key, one in record.items()}

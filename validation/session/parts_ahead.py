@@ -6,7 +6,7 @@ it (validation.run.cache), so that these compute nothing of it again.
 """
 
 import tempfile
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from functools import partial
@@ -23,10 +23,9 @@ from validation.models import parts
 from validation.models.stepped_parts import stepped
 from validation.parts.meshes import COARSE, FINEST, MIDDLE, part_key
 from validation.run.cache import collected, find, is_kept, keep
+from validation.run.executor import Executor
 
 Question = Callable[[Body], object]
-# Computes calls in any order; yields the number of a call and its result.
-Executor = Callable[[Sequence["PartWork"]], Iterable[tuple[int, dict[str, dict[str, Array]]]]]
 
 
 @dataclass(frozen=True)

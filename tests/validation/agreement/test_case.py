@@ -6,6 +6,7 @@ from math import hypot, inf, isnan, nan
 import numpy as np
 import pytest
 import toy_catalogue
+from msgspec.json import encode
 from perturbed import perturbed
 
 from lumped.robot_file import load_robot
@@ -22,7 +23,7 @@ from validation.case import (
 from validation.catalogue import catalogue
 from validation.exhibits import PlannedFigure
 from validation.results.outcome import Outcome, Result, judge
-from validation.results.records import case_record
+from validation.results.records import case_record, parse_run, run_record
 
 # Keys that interface.md fixes for an entry of "cases" in results.json.
 INTERFACE = {
@@ -118,7 +119,9 @@ def test_the_record_has_the_keys_of_the_interface():
 
 def test_the_record_has_no_numbers_that_json_cannot_carry():
     measurement = Measurement(nan, 10.0, inf, table={"x": (nan, 1.0), "name": ("a", "b")})
-    record = case_record(judge(EQUAL, measurement, 0.0))
+    (record,) = parse_run(
+        encode(run_record({}, [case_record(judge(EQUAL, measurement, 0.0))], (), ())), "test"
+    ).cases
     assert record.table == {"x": (None, 1.0), "name": ("a", "b")}
     assert record.value is None
     assert record.error is None
