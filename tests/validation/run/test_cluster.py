@@ -134,6 +134,8 @@ def test_a_killed_worker_loses_nothing_and_changes_no_number(cluster):
             finished.append((number, solution.answers[0]))
             if len(finished) == 3:
                 os.kill(workers[0].pid, signal.SIGKILL)
+        with pytest.raises(InputError, match="no-such-robot"):
+            list(executor([partial(load_robot, "no-such-robot")]))
     assert workers[0].wait(timeout=30) == -signal.SIGKILL
     assert workers[1].poll() is None
     # In a process of this machine, with one thread as workers have.
@@ -146,20 +148,9 @@ def test_a_killed_worker_loses_nothing_and_changes_no_number(cluster):
         assert found.frequencies.tobytes() == answer.frequencies.tobytes()
 
 
-@pytest.mark.slow
-def test_what_a_call_raises_arrives_here(cluster):
-    address, _ = cluster
-    with (
-        pytest.raises(InputError, match="no-such-robot"),
-        on_cluster(address, silent) as executor,
-    ):
-        list(executor([partial(load_robot, "no-such-robot")]))
-
-
 @pytest.mark.parametrize(
     ("address", "said"),
     [
-        ("", "no address of a scheduler"),
         ("nonsense", "no address of a scheduler"),
         ("http://127.0.0.1:80", "no address of a scheduler"),
         ("tcp://127.0.0.1:99999", "no address of a scheduler"),
