@@ -8,7 +8,6 @@ End faces, masses and springs then are linear equations in those. Nothing is sha
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TypeAlias
 
 import numpy as np
 
@@ -25,14 +24,12 @@ from fem.calculix.deck import (
 from fem.calculix.run import run_calculix
 from fem.couplings.grips import rigid_motions
 from lumped.arrays import Array, IntArray
-from lumped.legs import Material
 from lumped.mechanism.body import Rigid
 from lumped.mechanism.free_twists import free_twists, interface_position, turned_since_reference
 from lumped.mechanism.joint import Joint, Side
 from lumped.mechanism.kinematics.postures import shown_pose
 from lumped.mechanism.mechanism import GROUND, Posture
 from lumped.screws import shift, turn_matrix
-from meshes.solid_mesh import VolumeMesh
 
 # Conditions without units that are met but for rounding; loops are closed to 1e-12.
 _DEPENDENT = 1e-9
@@ -40,21 +37,6 @@ _NOTHING = 1e-13
 # N m/rad: holds what idles, so that it has a place to be in; the frequencies that it makes lie far
 # below all others, which it does not move.
 _IDLE_STIFFNESS = 1e-3
-
-
-@dataclass(frozen=True, eq=False)
-class HeldMesh:
-    """A body of one material on a mesh (m, body axes), held rigidly at its interfaces.
-
-    `held`: the nodes of each interface, in the order of the body's own.
-    """
-
-    mesh: VolumeMesh
-    material: Material
-    held: tuple[IntArray, ...]
-
-
-Solid: TypeAlias = SolidLeg | HeldMesh
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,11 +110,10 @@ class _Builder:
         return tuple((self.independent[k], float(row[k])) for k in kept)
 
 
-def mechanism_deck(posture: Posture, legs: Mapping[str, Solid], modes: int) -> MechanismDeck:
+def mechanism_deck(posture: Posture, legs: Mapping[str, SolidLeg], modes: int) -> MechanismDeck:
     """A mechanism in one posture, six unit wrenches at its loaded point, then its modes.
 
-    `legs` are the solids of all bodies that are not rigid, with rigid end faces or interfaces, in
-    body axes.
+    `legs` are the solids of all bodies that are not rigid, with rigid end faces, in body axes.
     """
     mechanism = posture.mechanism
     found = _freedoms(posture, legs)
@@ -179,23 +160,20 @@ def mechanism_deck(posture: Posture, legs: Mapping[str, Solid], modes: int) -> M
     return MechanismDeck(deck, loaded, len(found.idle))
 
 
-def _add_leg(build: _Builder, posture: Posture, name: str, leg: Solid) -> ElementSet:
+def _add_leg(build: _Builder, posture: Posture, name: str, leg: SolidLeg) -> ElementSet:
     frame = posture.frames[name]
     placed = leg.mesh.nodes @ frame.rotation.T + frame.position
     first = build.add(placed)
     points = posture.mechanism.bodies[name].interfaces
-    whole = leg if isinstance(leg, HeldMesh) else _held_mesh(leg)
-    for nodes, point in zip(whole.held, points, strict=True):
+    ends = leg.mesh.root.nodes, leg.mesh.tip.nodes
+    for nodes, point in zip(ends, points, strict=True):
         build.carry_these(nodes + first, placed[nodes], (name, point))
-    return ElementSet(leg.mesh.cells + first, leg.mesh.element, whole.material, frame.rotation)
-
-
-def _held_mesh(leg: SolidLeg) -> HeldMesh:
-    return HeldMesh(leg.mesh, leg.leg.material, (leg.mesh.root.nodes, leg.mesh.tip.nodes))
+    material = leg.leg.material
+    return ElementSet(leg.mesh.cells + first, leg.mesh.element, material, frame.rotation)
 
 
 def compliance_and_frequencies(
-    posture: Posture, legs: Mapping[str, Solid], modes: int = 10
+    posture: Posture, legs: Mapping[str, SolidLeg], modes: int = 10
 ) -> tuple[Array, Array]:
     """CalculiX's 6×6 compliance (SI, base axes) at the loaded point and frequencies (Hz).
 
@@ -208,7 +186,7 @@ def compliance_and_frequencies(
     return found, results.frequencies[made.idle :]
 
 
-def _freedoms(posture: Posture, legs: Mapping[str, Solid]) -> _Freedoms:
+def _freedoms(posture: Posture, legs: Mapping[str, SolidLeg]) -> _Freedoms:
     mechanism = posture.mechanism
     places: dict[tuple[str, str], Array] = {}
     for name, body in mechanism.bodies.items():
