@@ -40,8 +40,7 @@ class Report:
     `matrix` is the adequacy of the models, `unjudged` says why there is none, `measured` that
     against measured values. `unfinished` counts the pieces of work that were not computed; `drifts`
     (by case id) are the moves from the values of the baseline, which stand in a column of their
-    own; `no_longer_compared` (why, by case id) agreed there and are skipped now. The plots are
-    drawn by so many `processes`.
+    own; `no_longer_compared` (why, by case id) agreed there and are skipped now.
     """
 
     outcomes: tuple[Outcome, ...]
@@ -55,7 +54,6 @@ class Report:
     unfinished: int = 0
     drifts: Mapping[str, Drift] = field(default_factory=dict)
     no_longer_compared: Mapping[str, str] = field(default_factory=dict)
-    processes: int = 1
 
     @cached_property
     def first(self) -> FirstScreen | None:
@@ -140,9 +138,7 @@ class Report:
         """
         drawn = {study.id for study in studies_of(self.outcomes)} | {PORTRAIT}
         figures = [figure for figure in self.figures if figure.id not in drawn]
-        return chapters_of(
-            self.outcomes, figures, plotted=not self.unfinished, processes=self.processes
-        )
+        return chapters_of(self.outcomes, figures, plotted=not self.unfinished)
 
     @property
     def shown(self) -> tuple[Figure, ...]:

@@ -9,10 +9,10 @@ from functools import cached_property, partial
 
 from validation.drawing.text import anchor
 from validation.exhibits import FAMILY, PARAMETERS, PATH, SOLID_ROBOT, STROKE, Figure
+from validation.report.figures.declared import attempted
 from validation.report.figures.studies.budgets import budget_figure, budgeted
 from validation.report.figures.studies.families import Family, families
 from validation.report.figures.studies.family_plots import family_plot
-from validation.report.figures.together import Draw, drawn_together
 from validation.report.said import SaidTable
 from validation.report.tables import Grid, grids, largest_unexplained
 from validation.results.outcome import Outcome, Verdict
@@ -112,22 +112,27 @@ class Chapter:
 
 
 def chapters_of(
-    outcomes: Sequence[Outcome], figures: Sequence[Figure], *, plotted: bool, processes: int = 1
+    outcomes: Sequence[Outcome], figures: Sequence[Figure], *, plotted: bool
 ) -> tuple[Chapter, ...]:
     """The chapters that have anything to show.
 
-    `plotted`: whether plots are to be drawn from the outcomes, by so many `processes`.
+    `plotted`: whether plots are to be drawn from the outcomes; one that fails costs itself alone.
     """
     names = [outcome.case.section for outcome in outcomes] + [figure.section for figure in figures]
-    sections = [
-        Section(
+    sections = []
+    for name in dict.fromkeys(names):
+        own = tuple(outcome for outcome in outcomes if outcome.case.section == name)
+        section = Section(
             title=name or "Further comparisons",
-            outcomes=tuple(outcome for outcome in outcomes if outcome.case.section == name),
+            outcomes=own,
             figures=tuple(figure for figure in figures if figure.section == name),
+            plots=tuple(
+                Plot(one, attempted(partial(family_plot, one)) if plotted else None)
+                for one in families(own)
+            ),
         )
-        for name in dict.fromkeys(names)
-    ]
-    sections = _with_plots(sections, processes if plotted else 0)
+        budget = attempted(partial(_budget, section)) if plotted else None
+        sections.append(replace(section, budget=budget))
     gathered = {
         chapter: tuple(section for section in sections if _home(section) == chapter)
         for chapter in CHAPTERS
@@ -149,19 +154,6 @@ def _home(section: Section) -> str:
 def _place(chapter: str, section: Section) -> int:
     titles = CHAPTERS.get(chapter, ())
     return titles.index(section.title) if section.title in titles else len(titles)
-
-
-def _with_plots(sections: Sequence[Section], processes: int) -> list[Section]:
-    """The sections with what is drawn from their outcomes; without pictures by no process."""
-    of_section = [families(section.outcomes) for section in sections]
-    draws: list[Draw] = [partial(family_plot, one) for found in of_section for one in found]
-    draws += [partial(_budget, section) for section in sections]
-    drawn = iter(drawn_together(draws, processes) if processes else [None] * len(draws))
-    plots = [tuple(Plot(family, next(drawn)) for family in found) for found in of_section]
-    return [
-        replace(section, plots=own, budget=next(drawn))
-        for section, own in zip(sections, plots, strict=True)
-    ]
 
 
 def _budget(section: Section) -> Figure | None:

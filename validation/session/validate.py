@@ -114,7 +114,7 @@ def validate(request: Request, catalogue: Catalogue) -> Results:
             _prepare(robot_file, request.preset, executor, request.jobs)
         _compute(job, gathered, folder, request.jobs)
         with progress.stage("writing the report"):
-            publish(gathered, folder, findings, request.jobs)
+            publish(gathered, folder, findings)
         if request.exports and not gathered.unfinished:
             from validation.export.mechanism import export_mechanism  # noqa: PLC0415
 
@@ -129,9 +129,7 @@ def validate(request: Request, catalogue: Catalogue) -> Results:
     return gathered
 
 
-def publish(
-    gathered: Results, folder: RunFolder, findings: Sequence[Finding], processes: int = 1
-) -> None:
+def publish(gathered: Results, folder: RunFolder, findings: Sequence[Finding]) -> None:
     """Write junit.xml, figures/ (all that the report shows) and report.html."""
     outcomes = gathered.in_order()
     report = Report(
@@ -146,7 +144,6 @@ def publish(
         unfinished=gathered.unfinished,
         drifts=gathered.drifts,
         no_longer_compared=gathered.no_longer_compared,
-        processes=processes,
     )
     figures = {
         f"figures/{name}": content

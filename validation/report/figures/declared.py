@@ -1,5 +1,6 @@
 """Figures declared where they are drawn: what they are called, and where they stand in the page."""
 
+import logging
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import wraps
@@ -63,6 +64,15 @@ def curves(chart: Chart, *said: str, title: str = "") -> Shown:
 def compared_with(against: str) -> str:
     """What the rows of differences are, in a caption."""
     return f"Below each: what the others differ from {against}, in percent."
+
+
+def attempted(draw: Callable[[], Figure | None]) -> Figure | None:
+    """The figure, or none: a plot that fails must not cost the report."""
+    try:
+        return draw()
+    except Exception as error:  # noqa: BLE001  whatever it is, the numbers stand in the tables
+        logging.getLogger(__name__).warning("a plot could not be drawn: %s", error)
+        return None
 
 
 Draw: TypeAlias = Callable[[Context], Shown]

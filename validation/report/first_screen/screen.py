@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 from validation.adequacy.matrix import Matrix
 from validation.exhibits import Figure
 from validation.report.figures.adequacy import error_figure
+from validation.report.figures.declared import attempted
 from validation.report.figures.measured import measured_figure
-from validation.report.figures.together import attempted
 from validation.report.first_screen.remedies import Remedy, remedies_of
 from validation.report.first_screen.sentence import sentence
 from validation.report.first_screen.sheets import Sheet, sheets_of
