@@ -17,6 +17,7 @@ from types import ModuleType
 from typing import Any
 
 from lumped.errors import ComputationError, InputError
+from lumped.memo import memo
 from validation.run.executor import Executor, Finished, Work
 from validation.run.provenance import suite_digest, versions
 
@@ -171,6 +172,7 @@ def _alone(call: Work, own: Mapping[str, str]) -> Any:
         return call()
 
 
+@memo(1)
 def _program() -> dict[str, str]:
     """What must be equal for numbers to be equal: the sources of this program, and libraries."""
     return {"another flexproof": suite_digest()} | versions()

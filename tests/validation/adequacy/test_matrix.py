@@ -78,7 +78,7 @@ def test_the_record_has_the_keys_that_programs_read() -> None:
     assert record["causes"][0] == {"cause": "warping", "share": 0.9}
 
 
-def test_a_matrix_survives_the_journal() -> None:
+def test_a_matrix_survives_its_record() -> None:
     def compute(_: object) -> Matrix:
         raise NotImplementedError
 

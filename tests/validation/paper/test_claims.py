@@ -161,6 +161,6 @@ def test_every_statement_of_the_run_is_in_its_results_and_on_the_page(outcomes, 
     )
 
 
-def test_claims_survive_the_journal(outcomes):
+def test_claims_survive_their_record(outcomes):
     first = outcomes[0]
     assert from_plain(first.case, plain(first.result)) == first.result
