@@ -86,17 +86,6 @@ def _frequencies(found: Identified) -> list[str]:
     return lines
 
 
-def leg_compliance(found: Identified) -> tuple[Array, Array]:
-    """Compliance (6×6, SI) of the second of two interfaces in leg axes, and these (3×3, columns).
-
-    x runs from the first interface to the second, z as near to the file's z axis as it can.
-    """
-    first, second = found.interfaces
-    axes = leg_frame(first.point, second.point).rotation
-    block = turn(axes)
-    return block.T @ found.compliance @ block, axes
-
-
 def toml(found: Identified) -> str:
     """The body as a table for a robot file of schema 2: a leg of two interfaces by its 6×6."""
     name = found.part.path.stem
@@ -105,21 +94,23 @@ def toml(found: Identified) -> str:
             f"# {name} has {len(found.interfaces)} interfaces: a leg known by a 6×6 has two. Name "
             "the file itself in a robot (step = …), or take all numbers from --json or --out."
         )
-    compliance, axes = leg_compliance(found)
-    first, second = (interface.name for interface in found.interfaces)
+    first, second = found.interfaces
+    axes = leg_frame(first.point, second.point).rotation
+    block = turn(axes)
+    compliance = block.T @ found.compliance @ block
     rows = ",\n".join(
         "    [" + ", ".join(f"{value: .9e}" for value in row) + "]" for row in compliance
     )
     up = ", ".join(f"{x + 0.0:.12g}" for x in axes[:, 2].round(12))
     return (
         f"[bodies.{name}]  # identified from {found.part.path.name}\n"
-        f'from = "{first}"\nto = "{second}"\n'
+        f'from = "{first.name}"\nto = "{second.name}"\n'
         f"up = [{up}]  # in the axes of the file\n"
         f"mass = {found.total:.9g}\ncompliance = [\n{rows},\n]"
     )
 
 
-def as_document(found: Identified) -> dict[str, Any]:
+def as_json(found: Identified) -> str:
     """Everything for programs: SI, the file's axes; null where there is no number."""
 
     def plain(values: Array) -> Any:
@@ -127,7 +118,7 @@ def as_document(found: Identified) -> dict[str, Any]:
         entries[~np.isfinite(values)] = None
         return entries.tolist()
 
-    return {
+    document = {
         "schema": 1,
         "part": str(found.part.path),
         "unit": found.part.unit,
@@ -161,11 +152,7 @@ def as_document(found: Identified) -> dict[str, Any]:
             "frequencies": found.frequency_bracket.tolist(),
         },
     }
-
-
-def as_json(found: Identified) -> str:
-    """`as_document` as text."""
-    return json.dumps(as_document(found), ensure_ascii=False, allow_nan=False)
+    return json.dumps(document, ensure_ascii=False, allow_nan=False)
 
 
 def as_arrays(found: Identified) -> dict[str, Array]:

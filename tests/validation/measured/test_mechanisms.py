@@ -68,6 +68,13 @@ def test_models_are_held_against_what_was_measured(tmp_path):
     assert entry.errors == (entry.error,)
     assert matrix.entry("beam", "f1").value == pytest.approx(beam.frequencies[0], rel=1e-9)
     assert matrix.entry("vjm", "f1") is None
+    # Second order: twenty segments leave 4/3 of what twice as many change.
+    coarse, fine = (
+        answers("segments", at, 1, ModelOptions(elements=number))[0].frequencies[0]
+        for number in (20, 40)
+    )
+    left = matrix.entry("segments", "f1").uncertainties["numerics"]
+    assert left == pytest.approx(4.0 / 3.0 * abs(coarse - fine) / 62.0, rel=1e-6)
     expected = leg_compliance("beam", legs_of(mechanism)["rod1"])
     assert matrix.entry("beam", "rod1.c22").value == pytest.approx(expected[1, 1], rel=1e-12)
     assert measured_figure(matrix).svg

@@ -77,28 +77,21 @@ cases = CaseGroup(
 )
 
 
-def shown_statics(postures: tuple[Posture, ...], kind: ModelName, options: ModelOptions) -> Array:
-    """Diagonal of the 6×6 (poses × 6, SI) as the first screen has it."""
-    return np.diagonal(compliances(postures, kind, options), axis1=1, axis2=2)
-
-
 def expected_statics(
     postures: tuple[Posture, ...], kind: str, theory: Theory, degree: int
 ) -> Array:
-    """The same by polynomials; `kind` "rigid" legs, legs "given" by their 6×6, or "equivalent"."""
+    """Diagonal of the 6×6 (poses × 6, SI) by polynomials.
+
+    `kind` "rigid" legs, legs "given" by their 6×6, or "equivalent".
+    """
     if kind == "rigid":
         return np.array([np.diag(ritz.on_drives(at, 0)[0]) for at in postures])
     given = kind == "given"
     return np.array([np.diag(ritz.compliance(at, theory, degree, given=given)) for at in postures])
 
 
-def shown_frequencies(at: Posture, kind: ModelName, options: ModelOptions, modes: int) -> Array:
-    """The first frequencies (Hz) by the model; fewer where it has no more."""
-    return answers(kind, [at], modes, options)[0].frequencies
-
-
 def expected_frequencies(at: Posture, theory: Theory, degree: int, modes: int) -> Array:
-    """The same by polynomials of `degree`, rigid legs of degree 0."""
+    """The first frequencies (Hz) by polynomials of `degree`, rigid legs of degree 0."""
     if not degree:
         return ritz.on_drives(at, modes)[1]
     return ritz.frequencies(at, modes, theory, degree)
@@ -123,7 +116,7 @@ def _static(context: Context, model: str, entry: str) -> Measurement:
     kind, options = _model(context, model)
     if kind == "vjm" and (branches := why_not_serial(postures)):
         raise Skip(branches)
-    found = context.get(shown_statics, postures, kind, options)
+    found = np.diagonal(context.get(compliances, postures, kind, options), axis1=1, axis2=2)
     legs = "given" if kind in STATIC and options.legs == "given" else "equivalent"
     legs = "rigid" if kind == "simplified" else legs
     expected, *others = (
@@ -172,7 +165,8 @@ def _frequency(context: Context, model: str, index: int, modes: int) -> Measurem
     postures = path_postures(context)
     middle = postures[len(postures) // 2]
     kind, options = _model(context, model)
-    found = context.get(shown_frequencies, middle, kind, options, modes)
+    (own,) = context.get(answers, kind, (middle,), modes, options)
+    found = own.frequencies
     degrees = (0, 0) if kind == "simplified" else (ritz.DEGREE, ritz.DEGREE - 2)
     expected, rougher = (
         context.get(expected_frequencies, middle, options.theory, degree, modes)
