@@ -11,6 +11,8 @@ from meshes.processes import Crashed, in_own_process
 def test_a_value_comes_back_from_another_process():
     assert in_own_process(divmod, 7, 2) == (3, 1)
     assert in_own_process(os.getpid) != os.getpid()
+    # In a session of its own, where Ctrl-C and hang-ups of a terminal do not reach it.
+    assert in_own_process(os.getsid, 0) != os.getsid(0)
 
 
 def test_errors_come_back_as_they_are_or_with_their_kind():

@@ -56,10 +56,13 @@ def open_folder(path: Path, header: Header, start: Start) -> Iterator[RunFolder]
     """
     named = path.name not in {"", ".."} and not path.is_symlink()
     place = path if named else Path(os.path.realpath(path))
-    if place.is_mount():
-        raise InputError(
-            f"--out {path}: is a mount point and cannot be renamed; name a folder in it"
-        )
+    here = Path.cwd()
+    for what, stays in {
+        "a mount point": place.is_mount(),
+        "the folder that you are in": Path(os.path.realpath(place)) in {here, *here.parents},
+    }.items():
+        if stays:
+            raise InputError(f"--out {path}: is {what}, never renamed; name a folder in it")
     partial = place.with_name(f"{place.name}.partial")
     with _refused(path):
         _require_ours(path, place, partial)

@@ -338,6 +338,10 @@ def test_a_folder_that_is_read_only_or_mounted_is_refused_and_left_alone(tmp_pat
     finished(path)
     before = content(path)
     assert_refused("is a mount point", Path("/"), HEADER, "afresh")
+    monkeypatch.chdir(path / "figures")
+    for named in (Path(".."), path):
+        assert_refused("is the folder that you are in", named, OTHER, "afresh")
+    monkeypatch.chdir(tmp_path)
 
     def refuse(*_arguments, **_named):
         raise OSError(errno.EROFS, os.strerror(errno.EROFS))
