@@ -19,7 +19,10 @@ def test_stroke_of_the_demonstrator():
     assert STROKE.ends == pytest.approx((0.145, 0.85), rel=1e-14)
     assert STROKE.length == pytest.approx(0.705, rel=1e-14)
     assert STROKE.centre == pytest.approx(0.4975, rel=1e-14)
-    assert_allclose(like_ifw().poses[[0, 4, 8], 0], [0.145, 0.4975, 0.85], rtol=1e-14)
+    # Poses are of B, wherever the loaded point is.
+    robot = like_ifw(tool_offset=np.array([0.03, -0.02, 0.155]))
+    assert_allclose(robot.poses[[0, 4, 8], 0], [0.145, 0.4975, 0.85], rtol=1e-14)
+    assert robot.reference_pose == pytest.approx([0.4975], rel=1e-14)
 
 
 @pytest.mark.parametrize("x", [0.145, 0.3, 0.4975, 0.85])
