@@ -89,7 +89,7 @@ class Number(Rule):
 
     @property
     def many(self) -> str:
-        return f"numbers{self._unit}"
+        return f"numbers in {self.unit}" if self.unit else "numbers"
 
     @property
     def schema(self) -> dict[str, Any]:

@@ -126,7 +126,7 @@ _DRIVE = TableRule(
     Key("simplified", _STIFFNESS, "in place of it in the simplified model"),
 )
 JOINT = TableRule(
-    needed("type", OneOf(get_args(JointKind)), "what it leaves free, see below"),
+    needed("type", OneOf(get_args(JointKind)), "which twists it leaves free"),
     needed("between", Several(_NAME, 2), 'two bodies; "ground" is one'),
     needed("at", _TWO_NAMES, "a point of both, or one of each, apart along a sliding axis"),
     Key("axis", _DIRECTION, "along which it slides, about which it turns; a plane's normal"),
@@ -180,9 +180,9 @@ MECHANISM = TableRule(
     *_HEAD,
     needed("points", Named(_NAME, _POINT), "places in the reference posture"),
     needed("bodies", Named(_NAME, BODY), "legs, rigid bodies and parts on these points"),
-    needed("joints", Named(_NAME, JOINT), "between bodies"),
+    needed("joints", Named(_NAME, JOINT), "what holds the bodies together"),
     needed("tool", TOOL, "the loaded point"),
-    Key("materials", Named(_NAME, MATERIAL), "of several bodies", default={}),
+    Key("materials", Named(_NAME, MATERIAL), "materials that several bodies have", default={}),
     Key("path", PATH, "where `run` looks; the reference posture where left out"),
     *_ASKED,
 )

@@ -87,6 +87,13 @@ def test_coordinates_turn_and_slide_the_second_side_to_where_it_is(mechanism):
         assert turning == pytest.approx([spin[2, 1], spin[0, 2], spin[1, 0]], abs=1e-6)
 
 
+def test_coordinates_are_zero_in_the_reference_posture(mechanism):
+    """Also of a slide whose two points are apart there."""
+    closure = Closure(mechanism)
+    for values in closure.coordinates(closure.reference):
+        assert values == pytest.approx(0.0, abs=1e-14)
+
+
 def test_kutzbach_counts_what_is_not_overconstrained(mechanism):
     found = mobility(reference_posture(mechanism))
     bodies = len(mechanism.bodies) - 1
