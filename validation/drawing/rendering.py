@@ -94,7 +94,8 @@ def pictured(
             if scene.bar:
                 _colour_bar(picture, axes, scene)
         if title:
-            picture.suptitle(title, fontsize=10.0)
+            lines = (fill(line, round(12.0 * width)) for line in title.split("\n"))
+            picture.suptitle("\n".join(lines), fontsize=10.0)
         return Picture(_png_of(picture))
 
 

@@ -63,13 +63,13 @@ def scene_page(part: PartFile) -> str:
 
 
 def _bodies(part: PartFile) -> list[Body]:
-    return [
-        Body(
-            Surface(part.surface, face.facets.corners[:, [0, 1, 2, -1]], _NO_EDGES),
-            _COLOURS[face.number % len(_COLOURS)],
-        )
-        for face in part.faces
-    ]
+    found = []
+    for face in part.faces:
+        corners = face.facets.corners[:, [0, 1, 2, -1]]
+        nodes, places = np.unique(corners, return_inverse=True)
+        own = Surface(part.surface[nodes], places.reshape(corners.shape), _NO_EDGES)
+        found.append(Body(own, _COLOURS[face.number % len(_COLOURS)]))
+    return found
 
 
 def _poly_data(part: PartFile) -> Any:
