@@ -8,6 +8,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -212,11 +213,16 @@ def run(
     # The session loads every case; solving a model needs none of them.
     from validation.catalogue import catalogue  # noqa: PLC0415
     from validation.session.validate import Request, validate  # noqa: PLC0415
+    from validation.variations.robots import checked_variations  # noqa: PLC0415
 
-    asked = Request(_loaded(robot), preset, Path(out), jobs or usable_cores(), only)
-    request = replace(asked, vary=tuple(vary))
+    robot_file = _loaded(robot)
     with _arguments_named():
-        gathered = validate(request, catalogue)
+        variations = checked_variations(robot_file, vary, preset)
+        cores = jobs or usable_cores()
+        request = Request(robot_file, preset, Path(out), cores, only, variations=variations)
+        gathered = validate(
+            request, partial(catalogue, variations=variations) if variations else catalogue
+        )
     found = [outcome.verdict for outcome in gathered.in_order()]
     return Run(
         out=gathered.path,

@@ -1,9 +1,9 @@
 """Everything a run can compute for a robot: cases and figures."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 from lumped.robot_file import RobotFile
-from lumped.robot_file.variation import variations_of
+from lumped.robot_file.variation import Variation
 from validation import paper
 from validation.adequacy.matrix import ADEQUACY, MEASURED, Assessment
 from validation.adequacy.robot import robot_adequacy
@@ -31,8 +31,11 @@ _MEASURED = Assessment(
 )
 
 
-def catalogue(robot_file: RobotFile) -> Sequence[Task]:
-    """Every case and figure for a robot; the paper's statements for the paper's robot alone."""
+def catalogue(robot_file: RobotFile, variations: Sequence[Variation] = ()) -> Sequence[Task]:
+    """Every case and figure for a robot, and those of the numbers that are varied.
+
+    The paper's statements are for the paper's robot alone.
+    """
     described = robot_file.mechanism
     return (
         *(paper.cases() if is_the_papers(robot_file) else ()),
@@ -42,19 +45,6 @@ def catalogue(robot_file: RobotFile) -> Sequence[Task]:
         _ADEQUACY,
         *figures_of_robot(),
         *(paper.figures() if is_the_papers(robot_file) else ()),
-    )
-
-
-def with_variations(
-    robot_file: RobotFile,
-    *,
-    listed: Callable[[RobotFile], Sequence[Task]],
-    typed: tuple[str, ...],
-) -> Sequence[Task]:
-    """What `listed` lists for a robot, and cases and figures of the numbers varied as `typed`."""
-    variations = variations_of(robot_file, typed)
-    return (
-        *listed(robot_file),
-        *cases_over(robot_file, variations),
+        *(cases_over(robot_file, variations) if variations else ()),
         *figures_of_variations(variations),
     )

@@ -151,6 +151,7 @@ def run(
         any part of a name. May be given again for another number.
     """
     from dataclasses import replace  # noqa: PLC0415
+    from functools import partial  # noqa: PLC0415
 
     from lumped.acceptance.measured import digest  # noqa: PLC0415
     from lumped.acceptance.requirement import with_options  # noqa: PLC0415
@@ -160,11 +161,13 @@ def run(
     from validation.run.files import StoreError  # noqa: PLC0415
     from validation.session import summary  # noqa: PLC0415
     from validation.session.validate import Request, validate  # noqa: PLC0415
+    from validation.variations.robots import checked_variations  # noqa: PLC0415
 
     require_address_space(TO_COMPUTE)
     start: Start = "resumed" if resume else "afresh"
     robot_file = load_robot(robot)
     robot_file = with_measured(robot_file, measured) if measured else robot_file
+    variations = checked_variations(robot_file, vary, preset)
     asked = {
         "accept": " ".join(accept),
         "rely": " ".join(rely),
@@ -183,10 +186,12 @@ def run(
         cluster,
         {option: given for option, given in asked.items() if given},
         strict,
-        vary,
+        variations,
     )
     try:
-        gathered = validate(request, catalogue)
+        gathered = validate(
+            request, partial(catalogue, variations=variations) if variations else catalogue
+        )
     except (StoreError, ComputationError) as error:
         return complain([str(error), summary.how_to_go_on(request)], 3)
     except KeyboardInterrupt:

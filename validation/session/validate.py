@@ -3,7 +3,6 @@
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field
-from functools import partial
 from pathlib import Path
 from time import perf_counter
 
@@ -42,9 +41,9 @@ class Request:
 
     `only` is a shell-style pattern of ids. `baseline` is the folder or results.json of an earlier
     run to be compared with. `exports`: whether meshes, fields and matrices are wanted as files.
-    `vary` are numbers of the robot file with their values, as typed. `cluster` is the address of a
-    Dask scheduler that computes the robots of `vary` and parts. `asked` are options that changed
-    the robot file's requirement, as typed; `strict`: undecided counts as inadequate.
+    `variations` are numbers of the robot file with values that have been checked. `cluster` is the
+    address of a Dask scheduler that computes the robots of these and parts. `asked` are options
+    that changed the robot file's requirement, as typed; `strict`: undecided counts as inadequate.
     """
 
     robot_file: RobotFile
@@ -58,7 +57,7 @@ class Request:
     cluster: str | None = None
     asked: Mapping[str, str] = field(default_factory=dict)
     strict: bool = False
-    vary: tuple[str, ...] = ()
+    variations: tuple[Variation, ...] = ()
 
     @property
     def options(self) -> Mapping[str, str]:
@@ -78,8 +77,6 @@ def validate(request: Request, catalogue: Catalogue) -> Results:
         _require_work_for_a_cluster(request)
     if request.exports:
         _refuse_large_exports(request)
-    variations = _variations(request)
-    catalogue = _with_figures(catalogue, request)
     listed = catalogue(robot_file)
     # Whoever names measured values in the command wants to see them, whatever else is left out.
     always = (MEASURED,) if request.asked.get("measured") else ()
@@ -107,9 +104,9 @@ def validate(request: Request, catalogue: Catalogue) -> Results:
         )
         gathered.take_up(folder)
         gathered.remarks = folder.remarks
-        if variations and (executor is not None or request.jobs > 1):
+        if request.variations and (executor is not None or request.jobs > 1):
             with progress.stage("robots of --vary"):
-                _vary(request, variations, tasks, executor)
+                _vary(request, tasks, executor)
         if any(task.id not in gathered.done for task in tasks):
             _prepare(robot_file, request.preset, executor, request.jobs)
         _compute(job, gathered, folder, request.jobs)
@@ -178,17 +175,12 @@ def _ahead(cluster: Executor | None, jobs: int) -> Iterator[Executor]:
         yield cores
 
 
-def _vary(
-    request: Request,
-    variations: Sequence[Variation],
-    tasks: Sequence[Task],
-    cluster: Executor | None,
-) -> None:
+def _vary(request: Request, tasks: Sequence[Task], cluster: Executor | None) -> None:
     """Solve the robots that differ in one number, as far as their cases and figures are asked."""
     from validation.variations.curves import variation_study  # noqa: PLC0415
 
     groups = {task.group for task in tasks}
-    for number, variation in enumerate(variations, start=1):
+    for number, variation in enumerate(request.variations, start=1):
         if f"vary.{number}" in groups:
             with _ahead(cluster, request.jobs) as executor, suppress(InputError):
                 variation_study(request.robot_file, variation, request.preset, executor)
@@ -208,24 +200,6 @@ def _baseline(request: Request) -> RunRecord | None:
     return baseline
 
 
-def _variations(request: Request) -> tuple[Variation, ...]:
-    """What is varied; raises InputError where one of the robots cannot be, or not in the pose."""
-    if not request.vary:
-        return ()
-    from validation.variations.robots import checked_variations  # noqa: PLC0415
-
-    return checked_variations(request.robot_file, request.vary, request.preset)
-
-
-def _with_figures(catalogue: Catalogue, request: Request) -> Catalogue:
-    """The catalogue with the figures of what is varied."""
-    if not request.vary:
-        return catalogue
-    from validation.catalogue import with_variations  # noqa: PLC0415
-
-    return partial(with_variations, listed=catalogue, typed=request.vary)
-
-
 def _prepare(robot_file: RobotFile, preset: Preset, cluster: Executor | None, jobs: int) -> None:
     """Mesh and reduce the parts of a mechanism, and keep it."""
     if not robot_file.mechanism.parts:
@@ -239,7 +213,7 @@ def _prepare(robot_file: RobotFile, preset: Preset, cluster: Executor | None, jo
 
 def _require_work_for_a_cluster(request: Request) -> None:
     """Raise InputError for a run that has nothing that a cluster could compute."""
-    if not request.vary and not request.robot_file.mechanism.parts:
+    if not request.variations and not request.robot_file.mechanism.parts:
         raise InputError(
             "--cluster: computes the robots of --vary and the parts of a mechanism; this run has "
             "neither"
