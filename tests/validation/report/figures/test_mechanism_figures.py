@@ -58,16 +58,16 @@ def test_what_is_drawn_at_the_tool_moves_as_the_tool(name):
     for shape in found.modes.shapes.T:
         twist = system.tool @ shape
         place = interface_position(system.posture, Side(tool.body, tool.point))
-        drawn = [
-            (one.solid.surface.points[i], one.displacements[i])
-            for one in moved(system, shape)
-            for i in np.flatnonzero(np.linalg.norm(one.solid.surface.points - place, axis=1) < 0.3)
-        ]
-        errors = [
-            np.linalg.norm(carried - twist[:3] - np.cross(twist[3:], point - place))
-            for point, carried in drawn
-        ]
-        assert min(errors) <= 1e-12 * np.abs(twist).max()
+        nearest = []
+        for one in moved(system, shape):
+            arms = one.solid.surface.points - place
+            carried = twist[:3] + np.cross(twist[3:], arms)
+            errors = np.linalg.norm(one.displacements - carried, axis=1)
+            near = np.linalg.norm(arms, axis=1) < 0.3
+            nearest.append(errors[near].min(initial=np.inf))
+            if one.solid.name == tool.body and not one.deforms:
+                assert errors.max() <= 1e-11 * np.abs(twist).max()
+        assert min(nearest) <= 1e-12 * np.abs(twist).max()
 
 
 def test_the_root_of_a_leg_is_drawn_where_its_interface_goes():

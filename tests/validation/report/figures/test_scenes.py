@@ -11,6 +11,7 @@ from like_ifw import EQUIVALENT, placed_at
 from made_box import box
 from PIL import Image
 
+from lumped.mechanism.free_twists import interface_position
 from lumped.mechanism.kinematics.postures import reference_posture
 from lumped.robot_file import load_robot
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Tube
@@ -22,6 +23,7 @@ from validation.drawing.rendering import clear_corner, pictured, render
 from validation.drawing.scene import ABOVE, Body, Label, Scene, Wire, fitted_view, readable_factor
 from validation.drawing.surfaces import Surface, ball, joined, plate, prism
 from validation.drawing.turnable import turnable
+from validation.kinematics.poses import postures_of
 from validation.kinematics.solids import outlines, solids
 from validation.models.mechanism import static_bodies
 from validation.report.figures import figures_of_robot
@@ -121,6 +123,18 @@ def test_every_body_and_joint_is_drawn_where_it_is(robot):
     joints = [joint.name for joint in mechanism.joints if joint.kind != "fixed"]
     assert set(joints) <= set(drawn)
     assert len(solids(posture)) == len(drawn)
+
+
+def test_what_slides_on_ground_is_drawn_where_it_has_slid_to():
+    mechanism = load_robot("ifw").mechanism
+    (at,) = postures_of(mechanism, mechanism.poses[1:2])
+    drawn = {one.name: one.surface.points.mean(axis=0) for one in solids(at)}
+    slid = [joint for joint in mechanism.joints if joint.kind == "prismatic"]
+    for joint in slid:
+        ends = [interface_position(at, side) for side in (joint.first, joint.second)]
+        assert np.linalg.norm(ends[1] - ends[0]) > 0.01
+        np.testing.assert_allclose(drawn[joint.name], ends[1], atol=ROUNDING)
+    assert len(slid) == 2
 
 
 def beams_in_the_middle():
