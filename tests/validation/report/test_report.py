@@ -14,7 +14,7 @@ from validation.case import Absolute, Allowance, Measurement, Relation
 from validation.drawing import text
 from validation.exhibits import Figure, InteractiveScene
 from validation.report import sections
-from validation.report.figures.studies.budgets import budget_figure, budgeted
+from validation.report.figures.studies.budgets import budget_curves, budget_figure, budgeted
 from validation.report.figures.studies.families import alone, families
 from validation.report.figures.studies.family_plots import family_plot
 from validation.report.page import render
@@ -215,6 +215,16 @@ HALF = (Allowance("warping", 0.01),)
 
 def test_a_budget_shows_what_is_measured_explained_and_left():
     outcome = model_case("solid", "c44", 1.9, allowances=(Allowance("warping", -0.096),))
+    chart = budget_curves(budgeted([outcome])).chart
+    whole, rest = chart.panels
+    # In % of the reference, and of the tolerance of 1 % of it.
+    assert [(one.label, *one.y) for one in whole.bars] == [
+        *(("warping", pytest.approx(-4.8)), ("unexplained", pytest.approx(-0.2)))
+    ]
+    assert whole.series[0].y == pytest.approx([-5.0])
+    assert rest.bars[0].y == rest.series[0].y == pytest.approx([-20.0])
+    assert rest.series[0].bars == pytest.approx([0.5])
+    assert rest.band == (-100.0, 100.0)
     figure = budget_figure("budget.leg1", "Leg 1", budgeted([outcome]))
     heading, row = figure.data.splitlines()
     # In % of the reference 2: E = −0.1, explained −0.096, left −0.004, uncertainty 1e-4.

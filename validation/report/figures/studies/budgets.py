@@ -16,7 +16,7 @@ from validation.drawing.charts.chart import Bars, Chart, Column, Panel, Series
 from validation.drawing.charts.scales import around_zero
 from validation.drawing.text import function_name
 from validation.exhibits import Figure
-from validation.report.figures.declared import curves
+from validation.report.figures.declared import Shown, curves
 from validation.results.outcome import Outcome
 
 # Of the causes: the hatch tells them apart in black and white.
@@ -38,10 +38,13 @@ def budgeted(outcomes: Sequence[Outcome]) -> tuple[Outcome, ...]:
 
 
 def budget_figure(identifier: str, title: str, outcomes: Sequence[Outcome]) -> Figure:
-    """Left the difference and its named causes, right what is left over the tolerance.
+    """The budget drawn, of at least one outcome that is `budgeted`."""
+    makers = tuple(dict.fromkeys(function_name(one.case.compute) for one in outcomes))
+    return budget_curves(outcomes).figure(identifier, title, "budgets", makers)
 
-    `outcomes` are `budgeted`, at least one.
-    """
+
+def budget_curves(outcomes: Sequence[Outcome]) -> Shown:
+    """Left the difference and its named causes, right what is left over the tolerance."""
     names = [fill(name, _NAME_WIDTH) for name in _names(outcomes)]
     found = [_measured(outcome) for outcome in outcomes]
     causes = dict.fromkeys(one.cause for measured in found for one in measured.allowances)
@@ -80,11 +83,6 @@ def budget_figure(identifier: str, title: str, outcomes: Sequence[Outcome]) -> F
         "Left: the measured difference (diamond) and the named causes that explain it, each "
         "computed on its own. Right: what no cause explains, with the numerical uncertainty "
         "of both sides; the shaded band is the tolerance.",
-    ).figure(
-        identifier,
-        title,
-        "budgets",
-        tuple(dict.fromkeys(function_name(one.case.compute) for one in outcomes)),
     )
 
 
