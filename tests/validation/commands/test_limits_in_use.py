@@ -16,6 +16,7 @@ from toy_subject import ERROR, F2, toy_subject
 
 from lumped.errors import InputError
 from lumped.robot_file import load_robot
+from lumped.robot_file.variation import variations_of
 from validation import api, catalogue, cli, pytest_plugin
 from validation.adequacy import robot as adequacy_of_robot
 from validation.adequacy.judgement import judged
@@ -109,17 +110,18 @@ RUN = {
     "preset": "fine",
     "only": "leg*",
     "jobs": 3,
-    "vary": ("geometry.a=0.9:1:3",),
 }
+VARY = ("geometry.a=0.9:1:3",)
 
 
 def test_every_keyword_of_run_arrives(monkeypatch):
     asked = []
     monkeypatch.setattr(session, "validate", lambda request, _: asked.append(request) or 1 / 0)
-    assert set(inspect.signature(api.run).parameters) == {"robot", *RUN}
+    assert set(inspect.signature(api.run).parameters) == {"robot", "vary", *RUN}
     with pytest.raises(ZeroDivisionError):
-        api.run("ifw", **RUN)
+        api.run("ifw", vary=VARY, **RUN)
     assert {name: getattr(asked[0], name) for name in RUN} == RUN
+    assert asked[0].variations == variations_of(load_robot("ifw"), VARY)
 
 
 PLUGIN = """
