@@ -4,8 +4,10 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from hypothesis import Phase, assume, given, seed, settings
 from hypothesis import strategies as st
+from hypothesis.internal.conjecture import providers
 from like_ifw import IFW, file_of
 
 from lumped.errors import ComputationError
@@ -156,7 +158,10 @@ def of_groups(groups: tuple[str, ...]) -> list[Case]:
 
 
 def shown(strategy: st.SearchStrategy[Mechanism], number: int, chunk: int = 0) -> list[Mechanism]:
-    """As many robots, always the same ones."""
+    """As many robots, always the same ones, whatever modules are loaded.
+
+    Hypothesis mixes constants into what it draws that it reads off the sources of loaded modules.
+    """
     found: list[Mechanism] = []
 
     @seed(chunk)
@@ -165,5 +170,9 @@ def shown(strategy: st.SearchStrategy[Mechanism], number: int, chunk: int = 0) -
     def collect(chosen: Mechanism) -> None:
         found.append(chosen)
 
-    collect()
+    none = property(lambda _: providers.Constants())
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(providers, "CONSTANTS_CACHE", type(providers.CONSTANTS_CACHE)(1024))
+        patch.setattr(providers.HypothesisProvider, "_local_constants", none)
+        collect()
     return found
