@@ -17,7 +17,6 @@ from validation.adequacy.mechanism.masses import MASSES, Masses, plausible_masse
 from validation.adequacy.mechanism.parts import (
     FINER_PARTS,
     UNKNOWN,
-    condensed_parts,
     part_steps,
     refinement_share,
 )
@@ -184,18 +183,23 @@ def mass_notes(robot: RobotOnPath, reference: Reference) -> tuple[str, ...]:
     answers = [one.response.vibration for one in reference.alternatives]
     known = [one.frequencies for one in answers if one]
     found = np.array([one[len(one) // 2, : robot.judged] for one in known])
-    middle = robot.postures[len(robot.postures) // 2]
-    mechanism = robot.mechanism
-    massless = {**links(mechanism, tip_compliances(mechanism)), **condensed_parts(mechanism)}
-    (above,) = modes_along(assembly(mechanism, massless), [middle], robot.judged)
     spans = [
         f"f{k + 1} {low:.4g} to {high:.4g} Hz"
         for k, (low, high) in enumerate(zip(found.min(axis=0), found.max(axis=0), strict=True))
     ]
+    said = (
+        f"Plausible distributions of the legs' mass give {', '.join(spans)} in the middle of the "
+        "path"
+    )
+    # Links bound neither solids, whose held ends are stiffer, nor parts.
+    if robot.prisms or robot.mechanism.parts:
+        return (said,)
+    middle = robot.postures[len(robot.postures) // 2]
+    massless = links(robot.mechanism, tip_compliances(robot.mechanism))
+    (above,) = modes_along(assembly(robot.mechanism, massless), [middle], robot.judged)
     bounds = [f"f{k + 1} {top:.4g} Hz" for k, top in enumerate(above.modes.frequencies)]
     return (
-        f"Plausible distributions of the legs' mass give {', '.join(spans)} in the middle of the "
-        f"path; whatever it is, none is above that without the legs' mass: {', '.join(bounds)}",
+        f"{said}; whatever it is, none is above that without the legs' mass: {', '.join(bounds)}",
     )
 
 
