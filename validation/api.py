@@ -26,7 +26,8 @@ from validation.context import Context, Preset
 from validation.drawing.text import percent
 from validation.models.options import ModelName
 from validation.report.first_screen.sentence import sentence
-from validation.report.first_screen.table import pose_text, table_of
+from validation.report.first_screen.sheets import pose_text
+from validation.report.first_screen.table import table_of
 from validation.report.first_screen.words import force_text
 from validation.solve.answer import Solution, paragraph, table
 from validation.solve.model_answers import solve as answered
@@ -77,7 +78,7 @@ class Adequacy:
     @property
     def sentence(self) -> str:
         """The answer in one sentence, as the report gives it."""
-        return sentence(self.matrix)
+        return sentence(self.matrix, self.requirement.rely)
 
     def entry(self, model: str, quantity: str, within: float | None = None) -> Entry:
         """What is known of a model and a quantity, judged by another limit where one is given.

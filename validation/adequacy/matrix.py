@@ -1,10 +1,10 @@
 """The adequacy of models as data: entries of a matrix model × quantity, and in words."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
 
-from lumped.acceptance.requirement import ORDER, STATIC_QUANTITIES
+from lumped.acceptance.requirement import FREQUENCIES, STATIC_QUANTITIES
 from validation.context import PRESETS, Context, Preset
 
 Adequacy: TypeAlias = Literal["adequate", "inadequate", "undecided"]
@@ -154,7 +154,7 @@ class Assessment:
     effort: float = 1.0
 
 
-_VERDICTS: tuple[Adequacy, ...] = ("adequate", "inadequate", "undecided")
+VERDICTS: tuple[Adequacy, ...] = ("adequate", "inadequate", "undecided")
 
 
 def in_a_line(matrix: Matrix) -> str:
@@ -163,8 +163,8 @@ def in_a_line(matrix: Matrix) -> str:
     for note in matrix.models:
         entries = matrix.of_model(note.model)
         parts = [
-            f"{verdict} for {_names(matrix, names)}"
-            for verdict in _VERDICTS
+            f"{verdict} for {named(matrix, names)}"
+            for verdict in VERDICTS
             if (names := [e.quantity for e in entries if e.verdict == verdict])
         ]
         said = ", ".join(parts) or f"not judged ({note.silent})"
@@ -172,16 +172,16 @@ def in_a_line(matrix: Matrix) -> str:
     return "; ".join(f"{', '.join(models)}: {said}" for said, models in alike.items())
 
 
-def _names(matrix: Matrix, quantities: Sequence[str]) -> str:
-    """Quantities in words where all of a kind are there."""
-    frequencies = [name for name in matrix.quantities if name not in (*STATIC_QUANTITIES, ORDER)]
-    kinds = (
+def named(matrix: Matrix, quantities: Collection[str]) -> str:
+    """Quantities in words where all of a kind are there, else one by one."""
+    spoken = {entry.quantity for entry in matrix.entries}
+    said, left = [], [name for name in matrix.quantities if name in quantities]
+    for words, kind in (
         ("deflections and rotations", STATIC_QUANTITIES),
-        ("frequencies", frequencies if len(frequencies) > 1 else ()),
-    )
-    said, left = [], list(quantities)
-    for name, kind in kinds:
-        if kind and all(one in left for one in kind):
-            said.append(name)
-            left = [one for one in left if one not in kind]
+        ("frequencies", FREQUENCIES),
+    ):
+        asked = spoken.intersection(kind)
+        if len(asked) > 1 and asked <= set(left):
+            said.append(words)
+            left = [name for name in left if name not in asked]
     return ", ".join([*said, *left])

@@ -1,6 +1,6 @@
 """report.html: one file that needs nothing else, from what a run found."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from math import isnan
@@ -54,20 +54,22 @@ class Report:
     unfinished: int = 0
     drifts: Mapping[str, Drift] = field(default_factory=dict)
     no_longer_compared: Mapping[str, str] = field(default_factory=dict)
+    rely: Sequence[str] = ()
 
     @cached_property
     def first(self) -> FirstScreen | None:
         """What the first screen says of the models; None where they were not judged."""
         if self.matrix is None:
             return None
-        return first_screen(self.matrix, plotted=not self.unfinished)
+        return first_screen(self.matrix, plotted=not self.unfinished, rely=self.rely)
 
     @cached_property
     def measurements(self) -> FirstScreen | None:
         """The same against measured values, where there are any."""
         if self.measured is None:
             return None
-        return first_screen(self.measured, plotted=not self.unfinished, measured=True)
+        plotted = not self.unfinished
+        return first_screen(self.measured, plotted=plotted, measured=True, rely=self.rely)
 
     @property
     def answered(self) -> FirstScreen | None:

@@ -141,6 +141,7 @@ def publish(gathered: Results, folder: RunFolder, findings: Sequence[Finding]) -
         unfinished=gathered.unfinished,
         drifts=gathered.drifts,
         no_longer_compared=gathered.no_longer_compared,
+        rely=gathered.rely,
     )
     figures = {
         f"figures/{name}": content

@@ -18,7 +18,6 @@ from validation.adequacy.judgement import judged
 from validation.drawing.charts.chart import chart_table
 from validation.report.figures.adequacy import error_curves
 from validation.report.first_screen.remedies import remedies_of
-from validation.report.first_screen.sheets import sheets_of
 from validation.report.first_screen.table import csv_of_matrix, table_of
 from validation.results.records import adequacy_records
 from validation.solve.answer import as_text
@@ -101,11 +100,10 @@ def test_every_cell(matrix):
 
 @pytest.mark.parametrize("matrix", MATRICES)
 def test_every_sheet(matrix):
-    sheets = {(one.entry.model, one.entry.quantity): one for one in sheets_of(matrix)}
-    anchors = {cell.anchor for row in table_of(matrix).rows for cell in row.cells if cell}
-    assert {one.anchor for one in sheets.values()} == anchors
+    sheets = {(one.entry.model, one.entry.quantity): one for one in table_of(matrix).cells}
+    assert len({one.anchor for one in sheets.values()}) == len(matrix.entries)
     for entry in matrix.entries:
-        lines = sheets[entry.model, entry.quantity].lines
+        lines = sheets[entry.model, entry.quantity].sheet
         said = {word: text for word, text in lines if word != "Cause"}
         assert matrix.poses[pose_of(matrix, said["Worst at"])] == entry.pose
         assert said["Source"] == entry.reference

@@ -5,11 +5,13 @@ from dataclasses import dataclass
 
 from validation.adequacy.matrix import Entry, Matrix
 from validation.drawing.text import percent
-from validation.report.first_screen.words import SIGNS, capital, error_text, subject
+from validation.report.first_screen.words import SIGNS, capital, error_text, listed, model_name
 
 # How many causes a line names.
 _FOREMOST = 2
 _PERCENT = "\u00a0%"
+# An error of which less is along the load is off across it.
+_ALONG = 0.8
 
 
 @dataclass(frozen=True)
@@ -42,9 +44,12 @@ def remedies_of(matrix: Matrix) -> tuple[Remedy, ...]:
             groups.setdefault(key, []).append(entry)
     return tuple(
         Remedy(
-            models=capital(subject(list(dict.fromkeys(entry.model for entry in entries)))[0]),
+            models=capital(
+                listed([model_name(model) for model in dict.fromkeys(e.model for e in entries)])
+            ),
             quantities=_quantities(entries, matrix.quantities),
-            without=_range([entry.error for entry in entries], signed=entries[0].signed),
+            without=_range([entry.error for entry in entries], signed=entries[0].signed)
+            + _sense(entries),
             causes=_causes(entries) or (reason,),
             remedy=remedy,
             with_remedy=_range(
@@ -76,6 +81,14 @@ def _shares(values: Sequence[float]) -> str:
 def _range(values: Sequence[float | None], *, signed: bool) -> str:
     known = sorted((value for value in values if value is not None), key=abs)
     return _span([error_text(one, signed=signed) for one in known])
+
+
+def _sense(entries: Sequence[Entry]) -> str:
+    """Whether what is off is the motion along the load, too little or too much of it."""
+    along = [e.along for e in entries if e.along and abs(e.along) >= _ALONG * abs(e.error or 0.0)]
+    if len(along) < len(entries) or entries[0].signed or min(along) < 0.0 < max(along):
+        return ""
+    return " too stiff" if along[0] < 0.0 else " too soft"
 
 
 def _span(shown: Sequence[str]) -> str:

@@ -1,25 +1,26 @@
 """The first screen put together from the matrix of adequacy."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from validation.adequacy.matrix import Matrix
+from validation.adequacy.matrix import Matrix, named
 from validation.exhibits import Figure
 from validation.report.figures.adequacy import error_figure
 from validation.report.figures.declared import attempted
 from validation.report.figures.measured import measured_figure
 from validation.report.first_screen.remedies import Remedy, remedies_of
 from validation.report.first_screen.sentence import sentence
-from validation.report.first_screen.sheets import Sheet, sheets_of
 from validation.report.first_screen.table import Table, csv_of_matrix, table_of
-from validation.report.first_screen.words import capital
+from validation.report.first_screen.words import capital, listed, model_name
 
 
 @dataclass(frozen=True)
 class FirstScreen:
     """What the reader sees first: the sentence, the table with its CSV, errors over the poses.
 
-    Then `remedies`, `notes` on what was not said by the user, and a sheet behind every number.
-    `parts` show the same of what stands beside the matrix, each by its `name` under `heading`.
+    Then `remedies`, what decides the entries that are `undecided`, by entries, and `notes` on what
+    was not said by the user. `parts` show the same of what stands beside the matrix, each by its
+    `name` under `heading`.
     """
 
     sentence: str
@@ -28,33 +29,46 @@ class FirstScreen:
     errors: Figure | None
     remedies: tuple[Remedy, ...]
     notes: tuple[str, ...]
-    sheets: tuple[Sheet, ...]
+    undecided: Mapping[str, str]
     name: str = ""
     heading: str = ""
     parts: "tuple[FirstScreen, ...]" = ()
 
 
-def first_screen(matrix: Matrix, *, plotted: bool, measured: bool = False) -> FirstScreen:
+def first_screen(
+    matrix: Matrix, *, plotted: bool, measured: bool = False, rely: Sequence[str] = ()
+) -> FirstScreen:
     """The first screen of a matrix; `plotted`: whether the figure is to be drawn.
 
-    `measured`: whether the references are measured values, at poses of their own.
+    `measured`: whether the references are measured values, at poses of their own. `rely`: the
+    models that the user relies on.
     """
     draw = measured_figure if measured else error_figure
-    answer = sentence(matrix)
     return FirstScreen(
-        sentence=answer,
+        sentence=sentence(matrix, rely),
         table=table_of(matrix),
         csv=csv_of_matrix(matrix),
         errors=attempted(lambda: draw(matrix)) if plotted else None,
         remedies=remedies_of(matrix),
         notes=matrix.notes,
-        sheets=sheets_of(matrix),
+        undecided=_undecided(matrix),
         name=matrix.robot,
         parts=tuple(
             replace(first_screen(one, plotted=False), heading=_heading(matrix, one))
             for one in matrix.beside
         ),
     )
+
+
+def _undecided(matrix: Matrix) -> Mapping[str, str]:
+    """What decides undecided entries: quantities and models by the reason that they share."""
+    open_ = [entry for entry in matrix.entries if entry.verdict == "undecided"]
+    return {
+        reason: f"{named(matrix, [e.quantity for e in found])} by {listed(names)}"
+        for reason in dict.fromkeys(entry.reason for entry in open_ if entry.reason)
+        if (found := [entry for entry in open_ if entry.reason == reason])
+        and (names := list(dict.fromkeys(model_name(entry.model) for entry in found)))
+    }
 
 
 def _heading(matrix: Matrix, one: Matrix) -> str:

@@ -1,50 +1,34 @@
 """The sheet behind a number of the matrix: reference, uncertainty, causes, functions."""
 
-from dataclasses import dataclass
+from typing import TypeAlias
 
 from lumped.acceptance.measured import leg_entry
 from lumped.acceptance.requirement import ANY_FORCE, FREQUENCIES, ROTATIONS, STATIC_QUANTITIES
-from validation.adequacy.matrix import Entry, Matrix
+from validation.adequacy.matrix import Entry, Matrix, ModelNote
 from validation.drawing.text import number, percent
-from validation.report.first_screen.table import cell_of, pose_text
-from validation.report.first_screen.words import (
-    SIGNS,
-    capital,
-    error_text,
-    force_text,
-    model_name,
-)
+from validation.report.first_screen.words import SIGNS, error_text, force_text
+
+# A word, and what is to be said under it.
+Line: TypeAlias = tuple[str, str]
 
 
-@dataclass(frozen=True)
-class Sheet:
-    """One entry in full: `lines` are pairs of a word and what is to be said under it."""
-
-    anchor: str
-    title: str
-    entry: Entry
-    mark: str
-    lines: tuple[tuple[str, str], ...]
+def sheet_of(matrix: Matrix, note: ModelNote, entry: Entry) -> tuple[str, tuple[Line, ...]]:
+    """What the quantity of an entry means, and the entry in full."""
+    lines = (("Model", note.title), *_numbers(matrix, entry), *_reasons(entry))
+    return _meaning(entry.quantity), lines
 
 
-def sheets_of(matrix: Matrix) -> tuple[Sheet, ...]:
-    """A sheet for every entry."""
-    return tuple(_sheet(matrix, entry) for entry in matrix.entries)
-
-
-def _sheet(matrix: Matrix, entry: Entry) -> Sheet:
-    cell = cell_of(matrix, entry)
-    note = next(note for note in matrix.models if note.model == entry.model)
-    return Sheet(
-        anchor=cell.anchor,
-        title=f"{capital(model_name(entry.model))}, {_meaning(entry.quantity)}: {cell.text}",
-        entry=entry,
-        mark=cell.mark,
-        lines=(("Model", note.title), *_numbers(matrix, entry), *_reasons(entry)),
+def pose_text(matrix: Matrix, pose: tuple[float, ...]) -> str:
+    """A pose by its coordinates: "x = 0.4975 m"."""
+    if not pose:
+        return "no pose of the robot"
+    return ", ".join(
+        f"{one.name} = {number(value, 4)} {one.unit}"
+        for one, value in zip(matrix.coordinates, pose, strict=True)
     )
 
 
-def _numbers(matrix: Matrix, entry: Entry) -> list[tuple[str, str]]:
+def _numbers(matrix: Matrix, entry: Entry) -> list[Line]:
     unit = entry.unit or _unit(entry.quantity)
     along = "" if entry.signed else ", along the load"
     lines = [("Worst at", pose_text(matrix, entry.pose))]
@@ -71,7 +55,7 @@ def _numbers(matrix: Matrix, entry: Entry) -> list[tuple[str, str]]:
     return lines
 
 
-def _reasons(entry: Entry) -> list[tuple[str, str]]:
+def _reasons(entry: Entry) -> list[Line]:
     lines = [("Reason", entry.reason)] if entry.reason else []
     for cause in entry.causes:
         share = percent(cause.share, signed=False)

@@ -1,11 +1,13 @@
-"""The matrix model × quantity as a table of the page, and as CSV."""
+"""The matrix model × quantity as a table of the page, with a sheet behind each number; as CSV."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from lumped.acceptance.requirement import FREQUENCIES, ROTATIONS, STATIC_QUANTITIES
 from validation.adequacy.matrix import Adequacy, Entry, Matrix, ModelNote
 from validation.drawing.style import csv_of
 from validation.drawing.text import anchor, number, percent
+from validation.report.first_screen.sheets import Line, pose_text, sheet_of
 from validation.report.first_screen.words import (
     SIGNS,
     capital,
@@ -15,13 +17,21 @@ from validation.report.first_screen.words import (
 )
 
 MARKS: Mapping[Adequacy, str] = {"adequate": "✓", "inadequate": "✗", "undecided": "?"}
+# Of which the robot's own deflections are told (N, N m).
+FORCE, MOMENT = 1000.0, 100.0
+# Uncertainties below this share of the reference are not shown in a cell.
+_WORTH_SAYING = 5e-4
+# A model without a motion is off by all of it.
+_ALL = 1.0 - 1e-9
+# A model that shows less of a motion does not tell how far the robot moves.
+_LITTLE = 0.1
 
 
 @dataclass(frozen=True)
 class Cell:
     """One entry as it is shown: its number, its verdict, what a pointer that rests on it is told.
 
-    `anchor` leads to the entry's sheet.
+    `title` and `sheet`, pairs of a word and what is to be said under it, stand at its `anchor`.
     """
 
     entry: Entry
@@ -30,23 +40,39 @@ class Cell:
     mark: str
     hint: str
     anchor: str
+    title: str
+    sheet: tuple[Line, ...]
 
 
 @dataclass(frozen=True)
 class Row:
-    """A model with its cells, None where it is silent of a quantity."""
+    """A model with its cells, None where it is silent of a quantity.
+
+    `folded`: it is adequate for nothing and lacks whole motions, or is a second theory of another.
+    """
 
     note: ModelNote
     name: str
     cells: tuple[Cell | None, ...]
+    folded: bool
 
 
 @dataclass(frozen=True)
 class Table:
-    """Rows of models under `headings` of quantities."""
+    """Rows of models under `headings` of quantities; `robot` are the robot's own numbers.
+
+    These are deflections (µm, µrad) under `FORCE` and `MOMENT` where it yields most, and
+    frequencies (Hz) where they are lowest, with what is left open of them; "" where not known.
+    """
 
     headings: tuple[str, ...]
+    robot: tuple[tuple[str, str], ...]
     rows: tuple[Row, ...]
+
+    @property
+    def cells(self) -> tuple[Cell, ...]:
+        """All cells of all rows."""
+        return tuple(cell for row in self.rows for cell in row.cells if cell)
 
 
 def table_of(matrix: Matrix) -> Table:
@@ -55,75 +81,93 @@ def table_of(matrix: Matrix) -> Table:
     rows = []
     for note in matrix.models:
         found = [matrix.entry(note.model, quantity) for quantity in spoken]
-        cells = tuple(cell_of(matrix, entry) if entry else None for entry in found)
-        rows.append(Row(note, capital(model_name(note.model)), cells))
-    return Table(tuple(SIGNS.get(quantity, quantity) for quantity in spoken), tuple(rows))
+        cells = tuple(_cell(matrix, note, entry) if entry else None for entry in found)
+        rows.append(Row(note, capital(model_name(note.model)), cells, _folded(matrix, note.model)))
+    headings = tuple(SIGNS.get(quantity, quantity) for quantity in spoken)
+    return Table(headings, tuple(_own(matrix, quantity) for quantity in spoken), tuple(rows))
 
 
-def cell_of(matrix: Matrix, entry: Entry) -> Cell:
-    """The entry as a cell."""
-    spread = ""
+def _cell(matrix: Matrix, note: ModelNote, entry: Entry) -> Cell:
+    open_, text = "", _text(entry)
     if entry.uncertainty is not None and entry.uncertainty >= _WORTH_SAYING:
-        spread = f"±\u00a0{percent(entry.uncertainty, signed=False)}"
+        open_ = f"±\u00a0{percent(entry.uncertainty, signed=False)}"
+    # Sheets of one model and quantity by different references are told apart.
+    kind = ".measured" if entry.measured else ""
+    meaning, sheet = sheet_of(matrix, note, entry)
     return Cell(
         entry=entry,
-        text=_text(entry),
-        spread=spread,
+        text=text,
+        spread=open_,
         mark=MARKS[entry.verdict],
         hint=_hint(matrix, entry),
-        anchor=anchor(f"{matrix.robot}.{entry.model}.{entry.quantity}{_kind(entry)}"),
+        anchor=anchor(f"{matrix.robot}.{entry.model}.{entry.quantity}{kind}"),
+        title=f"{capital(model_name(entry.model))}, {meaning}: {text}",
+        sheet=sheet,
     )
 
 
-# Uncertainties below this share of the reference are not shown in a cell.
-_WORTH_SAYING = 5e-4
+def _folded(matrix: Matrix, model: str) -> bool:
+    entries = matrix.of_model(model)
+    useless = entries and all(entry.verdict != "adequate" for entry in entries)
+    lacking = any(abs(entry.error or 0.0) >= _ALL for entry in entries)
+    return model.endswith("euler-bernoulli") or bool(useless and lacking)
 
 
-def pose_text(matrix: Matrix, pose: tuple[float, ...]) -> str:
-    """A pose by its coordinates: "x = 0.4975 m"."""
-    if not pose:
-        return "no pose of the robot"
-    return ", ".join(
-        f"{one.name} = {number(value, 4)} {one.unit}"
-        for one, value in zip(matrix.coordinates, pose, strict=True)
-    )
+def _own(matrix: Matrix, quantity: str) -> tuple[str, str]:
+    """The robot's own number and what is left open of it, by the best model and its errors."""
+    entries = [e for e in matrix.entries if e.quantity == quantity and e.error is not None]
+    if not entries or quantity not in (*STATIC_QUANTITIES, *FREQUENCIES) or entries[0].measured:
+        return "", ""
+    best = min(entries, key=lambda entry: abs(entry.error or 0.0))
+    found = [
+        (value / (1.0 + off), spread or 0.0)
+        for value, off, spread in zip(
+            best.values, best.alongs or best.errors, best.spreads, strict=False
+        )
+        if value is not None and off is not None and off > _LITTLE - 1.0
+    ]
+    if not found:
+        return "", ""
+    static = quantity in STATIC_QUANTITIES
+    value, spread = max(found) if static else min(found)
+    unit, scale = "Hz", 1.0
+    if static:
+        unit, scale = ("µrad", 1e6 * MOMENT) if quantity in ROTATIONS else ("µm", 1e6 * FORCE)
+    left = f"±\u00a0{percent(spread, signed=False)}" if spread >= _WORTH_SAYING else ""
+    return f"{number(scale * value, 3)}\u00a0{unit}", left
 
 
 def csv_of_matrix(matrix: Matrix) -> str:
     """One line per entry with its verdict, numbers, pose, causes and remedy."""
-    entries = matrix.entries
     poses = {
-        str(coordinate): [entry.pose[place] if entry.pose else "" for entry in entries]
+        str(coordinate): [entry.pose[place] if entry.pose else "" for entry in matrix.entries]
         for place, coordinate in enumerate(matrix.coordinates)
     }
-    return csv_of(
-        {
-            "model": [entry.model for entry in entries],
-            "quantity": [entry.quantity for entry in entries],
-            "verdict": [entry.verdict for entry in entries],
-            "error": [_or_empty(entry.error) for entry in entries],
-            "uncertainty": [_or_empty(entry.uncertainty) for entry in entries],
-            "limit": [entry.limit for entry in entries],
-            "error along the load": [_or_empty(entry.along) for entry in entries],
-            "worst force": [" ".join(f"{one:.6g}" for one in entry.force) for entry in entries],
-            **poses,
-            "value": [_or_empty(entry.value) for entry in entries],
-            "reference value": [_or_empty(entry.expected) for entry in entries],
-            "reference": [entry.reference for entry in entries],
-            "causes": [
-                "; ".join(f"{cause.cause} {cause.share:.3g}" for cause in entry.causes)
-                for entry in entries
-            ],
-            "remedy": [entry.remedy for entry in entries],
-            "error with remedy": [_or_empty(entry.error_with_remedy) for entry in entries],
-            "reason": [entry.reason for entry in entries],
-        }
-    )
-
-
-def _kind(entry: Entry) -> str:
-    """Sheets of one model and quantity by different references are told apart."""
-    return ".measured" if entry.measured else ""
+    columns = {
+        "model": "model",
+        "quantity": "quantity",
+        "verdict": "verdict",
+        "error": "error",
+        "uncertainty": "uncertainty",
+        "limit": "limit",
+        "error along the load": "along",
+        "value": "value",
+        "reference value": "expected",
+        "reference": "reference",
+        "remedy": "remedy",
+        "error with remedy": "error_with_remedy",
+        "reason": "reason",
+    }
+    named = {
+        heading: [_or_empty(getattr(entry, name)) for entry in matrix.entries]
+        for heading, name in columns.items()
+    }
+    forces = [" ".join(f"{one:.6g}" for one in entry.force) for entry in matrix.entries]
+    causes = [
+        "; ".join(f"{cause.cause} {cause.share:.3g}" for cause in entry.causes)
+        for entry in matrix.entries
+    ]
+    return csv_of({**named, "worst force": forces, **poses, "causes": causes})
 
 
 def _text(entry: Entry) -> str:
@@ -145,5 +189,5 @@ def _hint(matrix: Matrix, entry: Entry) -> str:
     return "; ".join(parts)
 
 
-def _or_empty(value: float | None) -> float | str:
+def _or_empty(value: float | str | None) -> float | str:
     return "" if value is None else value
