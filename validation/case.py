@@ -191,11 +191,9 @@ class Case:
     `id` is dotted, with parameters in brackets: "robot.beam-vjm.planar[x=0.4975]". `quantity` and
     `unit` name the value ("largest planar deflection", "µm"; "1" for ratios), `model` whose value
     it is ("segments", "solid"; empty where it is no model's). `subject` tells what a case says
-    something about: the run's robot, or one of its legs. Cases of one quantity
-    by several models stand side by side, in the `row` of that name where there are several.
-    `label` is what an axis has room for of the quantity.
-    `section` is the heading under which the report shows the case, `figure` the id of the figure
-    that shows what it measured; `sides` the code on either side. `group` names what
+    something about: the run's robot, or one of its legs. `label` is what an axis has room for of
+    the quantity. `section` is the heading under which the report shows the case, `figure` the id of
+    the figure that shows what it measured; `sides` the code on either side. `group` names what
     expensive results the case shares: cases of one group run in the same process, one after the
     other. `effort` is the expected time in seconds, for the order of work and the time left.
     `compute` may raise ComputationError (the case has failed) or Skip.
@@ -217,7 +215,6 @@ class Case:
     effort: float = 0.1
     model: str = ""
     subject: About = "robot"
-    row: str = ""
     figure: str = ""
     label: str = ""
     sides: Sides | None = None

@@ -55,7 +55,6 @@ class CaseFields(TypedDict, total=False):
     effort: Field[float]
     model: Field[str]
     subject: Field[About]
-    row: Field[str]
     figure: Field[str]
     label: Field[str]
     sides: Field[Sides]

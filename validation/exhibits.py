@@ -9,7 +9,7 @@ import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from math import isfinite
-from typing import Any, Literal, TypeAlias
+from typing import Any
 
 from validation.context import PRESETS, Context, Preset
 
@@ -20,30 +20,25 @@ PATH = "The mechanism over its path"
 PARAMETERS = "Design parameters"
 FAMILY = "Robots with longer legs"
 
-StudyKind: TypeAlias = Literal["convergence", "sweep"]
 # The picture of the robot, which stands on the first screen.
 PORTRAIT = "robot.portrait"
 
 
 @dataclass(frozen=True)
 class Study:
-    """Curves over one parameter: values under refinement, or a sweep.
+    """Convergence: curves of values over the number of elements or divisions, or a mesh size `x`.
 
-    `x` are the parameter's values, `series` maps a curve's name to as many values in `unit`. In a
-    convergence study x is the number of elements or divisions, or a mesh size. `orders` maps
+    `series` maps a curve's name to as many values in `unit`. `orders` maps
     curves to observed orders and `uncertainties` to the numerical uncertainty of the finest value
     (unit of the study); a curve without one is outside its asymptotic range, and `notes` say so.
     `limits` maps curves to the value they tend to (exact or extrapolated; zero for curves that are
     relative errors). Cases may share a study by giving equal ones: it is shown once.
 
-    `modes` names, for curves that are modes, the model and the number of the mode.
-
-    Studies of one `family` and one x are drawn in the same axes, under `family_title`; where two of
-    them have a series of the same name, `variant` tells whose it is.
+    Studies of one `family` have one x and are drawn in the same axes, under `family_title`; their
+    curves go by the `variant` of their study.
     """
 
     id: str
-    kind: StudyKind
     title: str
     x_label: str
     y_label: str
@@ -58,7 +53,6 @@ class Study:
     family: str = ""
     family_title: str = ""
     variant: str = ""
-    modes: Mapping[str, tuple[str, int]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         _require_file_name(self.id)
@@ -132,7 +126,7 @@ def study_record(study: Study) -> dict[str, Any]:
 
     return {
         "id": study.id,
-        "kind": study.kind,
+        "kind": "convergence",
         "title": study.title,
         "x_label": study.x_label,
         "y_label": study.y_label,

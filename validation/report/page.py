@@ -17,7 +17,6 @@ from validation.exhibits import PORTRAIT, Figure, PlannedFigure
 from validation.report.first_screen.screen import FirstScreen, first_screen
 from validation.report.listing import summary
 from validation.report.sections import Chapter, chapters_of
-from validation.report.tables import explained, unexplained_share
 from validation.results.drift import Drift
 from validation.results.outcome import Outcome, Verdict
 from validation.results.records import studies_of
@@ -187,7 +186,6 @@ def _templates() -> Environment:
     environment.filters |= {
         "number": text.number,
         "percent": text.percent,
-        "unexplained_share": unexplained_share,
         "share_text": text.share_text,
         "seconds": text.seconds,
         "anchor": text.anchor,
@@ -198,7 +196,6 @@ def _templates() -> Environment:
         "amount": text.tolerance,
         "rows": lambda columns: zip(*columns.values(), strict=True),
     }
-    environment.globals["explained"] = explained
     environment.globals["mark"] = {
         "agree": "✓",
         "disagree": "✗",

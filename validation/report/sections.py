@@ -4,17 +4,17 @@ Chapters answer the reader's questions in turn.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property, partial
+from math import isnan
 
+from validation.case import Relation, Relative
 from validation.drawing.text import anchor
 from validation.exhibits import FAMILY, PARAMETERS, PATH, SOLID_ROBOT, STROKE, Figure
+from validation.report.figures.budgets import budget_figure
 from validation.report.figures.declared import attempted
-from validation.report.figures.studies.budgets import budget_figure, budgeted
-from validation.report.figures.studies.families import Family, families
-from validation.report.figures.studies.family_plots import family_plot
+from validation.report.figures.studies import Family, families, study_figure
 from validation.report.said import SaidTable
-from validation.report.tables import Grid, grids, largest_unexplained
 from validation.results.outcome import Outcome, Verdict
 from validation.results.records import claims_of
 
@@ -29,26 +29,17 @@ CHAPTERS: Mapping[str, tuple[str, ...]] = {
 
 
 @dataclass(frozen=True)
-class Plot:
-    """Studies in the same axes; no figure where the run was not finished."""
-
-    family: Family
-    figure: Figure | None
-
-
-@dataclass(frozen=True)
 class Section:
     """A group of cases with the figures that belong to it.
 
-    `plots` are the studies behind the comparisons, by family, `budget` the error budget of those
-    that allow for named causes.
+    `plotted`: whether the studies behind the comparisons, and the error budget of those that allow
+    for named causes, are to be drawn; one that fails costs itself alone.
     """
 
     title: str
     outcomes: tuple[Outcome, ...]
     figures: tuple[Figure, ...]
-    plots: tuple[Plot, ...] = ()
-    budget: Figure | None = None
+    plotted: bool
 
     @property
     def anchor(self) -> str:
@@ -56,18 +47,19 @@ class Section:
         return anchor(self.title)
 
     @cached_property
-    def _tables(self) -> tuple[tuple[Grid, ...], tuple[Outcome, ...]]:
-        return grids(self.outcomes)
+    def plots(self) -> tuple[tuple[Family, Figure | None], ...]:
+        """Studies by family; no figure where the run was not finished."""
+        return tuple(
+            (one, attempted(partial(study_figure, one)) if self.plotted else None)
+            for one in families(self.outcomes)
+        )
 
-    @property
-    def grids(self) -> tuple[Grid, ...]:
-        """Tables of models side by side."""
-        return self._tables[0]
-
-    @property
-    def rest(self) -> tuple[Outcome, ...]:
-        """Comparisons with one model alone."""
-        return self._tables[1]
+    @cached_property
+    def budget(self) -> Figure | None:
+        """The error budget, where anything allows for named causes."""
+        named = f"budget.{self.anchor}", f"{self.title}: error budget", "budgets"
+        draw = partial(budget_figure, *named, self.outcomes)
+        return attempted(draw) if self.plotted else None
 
     @cached_property
     def said(self) -> SaidTable | None:
@@ -80,14 +72,15 @@ class Section:
         return sum(outcome.verdict == verdict for outcome in self.outcomes)
 
     @property
-    def largest(self) -> Outcome | None:
-        """The comparison with the largest unexplained difference, see `unexplained_share`."""
-        return largest_unexplained(self.outcomes)
+    def largest(self) -> float | None:
+        """The largest unexplained difference over its reference, see `unexplained_share`."""
+        shares = (unexplained_share(outcome) for outcome in self.outcomes)
+        return max((share for share in shares if share is not None), default=None)
 
     @cached_property
     def homes(self) -> Mapping[str, str]:
         """The family in which a study is shown, by the study's id."""
-        return {study.id: plot.family.id for plot in self.plots for study in plot.family.studies}
+        return {curve.study.id: family.id for family, _ in self.plots for curve in family.curves}
 
     @property
     def shown(self) -> Iterator[Figure]:
@@ -95,7 +88,7 @@ class Section:
         yield from self.figures
         if self.budget:
             yield self.budget
-        yield from (plot.figure for plot in self.plots if plot.figure)
+        yield from (figure for _, figure in self.plots if figure)
 
 
 @dataclass(frozen=True)
@@ -114,34 +107,37 @@ class Chapter:
 def chapters_of(
     outcomes: Sequence[Outcome], figures: Sequence[Figure], *, plotted: bool
 ) -> tuple[Chapter, ...]:
-    """The chapters that have anything to show.
-
-    `plotted`: whether plots are to be drawn from the outcomes; one that fails costs itself alone.
-    """
+    """The chapters that have anything to show; `plotted` as of `Section`."""
     names = [outcome.case.section for outcome in outcomes] + [figure.section for figure in figures]
-    sections = []
+    gathered: dict[str, list[Section]] = {chapter: [] for chapter in CHAPTERS}
     for name in dict.fromkeys(names):
-        own = tuple(outcome for outcome in outcomes if outcome.case.section == name)
         section = Section(
             title=name or "Further comparisons",
-            outcomes=own,
+            outcomes=tuple(outcome for outcome in outcomes if outcome.case.section == name),
             figures=tuple(figure for figure in figures if figure.section == name),
-            plots=tuple(
-                Plot(one, attempted(partial(family_plot, one)) if plotted else None)
-                for one in families(own)
-            ),
+            plotted=plotted,
         )
-        budget = attempted(partial(_budget, section)) if plotted else None
-        sections.append(replace(section, budget=budget))
-    gathered = {
-        chapter: tuple(section for section in sections if _home(section) == chapter)
-        for chapter in CHAPTERS
-    }
+        gathered[_home(section)].append(section)
     return tuple(
-        Chapter(title, tuple(sorted(found, key=lambda section: _place(title, section))))
+        Chapter(title, tuple(sorted(found, key=partial(_place, title))))
         for title, found in gathered.items()
         if found
     )
+
+
+def unexplained_share(outcome: Outcome) -> float | None:
+    """|unexplained difference| over |reference|, None where that has no meaning.
+
+    It has one where the case claims equality of two numbers of a kind, within a relative
+    tolerance: orders, ranks, counts and bounds have amounts instead.
+    """
+    case, measurement = outcome.case, outcome.measurement
+    if measurement is None or not measurement.reference:
+        return None
+    if case.relation is not Relation.EQUAL or not isinstance(case.tolerance, Relative):
+        return None
+    share = abs(measurement.unexplained / measurement.reference)
+    return None if isnan(share) else share
 
 
 def _home(section: Section) -> str:
@@ -152,13 +148,5 @@ def _home(section: Section) -> str:
 
 
 def _place(chapter: str, section: Section) -> int:
-    titles = CHAPTERS.get(chapter, ())
+    titles = CHAPTERS[chapter]
     return titles.index(section.title) if section.title in titles else len(titles)
-
-
-def _budget(section: Section) -> Figure | None:
-    allowing = budgeted(section.outcomes)
-    if not allowing:
-        return None
-    title = f"{section.title}: error budget"
-    return budget_figure(f"budget.{section.anchor}", title, allowing)

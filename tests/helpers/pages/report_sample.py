@@ -8,8 +8,7 @@ from matrix_sample import sample_matrix
 from lumped.audit.finding import Finding
 from validation.case import Absolute, Allowance, Measurement, Relation, Relative
 from validation.exhibits import Figure, PlannedFigure, Study
-from validation.report.figures.studies.families import alone
-from validation.report.figures.studies.family_plots import family_plot
+from validation.report.figures.studies import family_of, study_figure
 from validation.report.page import Report
 from validation.results.outcome import Outcome, Result, judge
 
@@ -39,7 +38,6 @@ def case(identifier="legs.a", **changes):
 
 CONVERGENCE = Study(
     id="study.elements",
-    kind="convergence",
     title="Frequencies of leg 1 against the number of segments",
     x_label="elements per leg",
     y_label="bending frequencies",
@@ -53,21 +51,6 @@ CONVERGENCE = Study(
     orders={"mode 1": 2.0, "mode 2": 2.0, "mode 3": 1.99},
     uncertainties={"mode 1": 0.006, "mode 2": 0.07, "mode 3": 0.3},
     limits={"mode 1": 186.8, "mode 2": 1170.0, "mode 3": 3278.0},
-)
-SWEEP = Study(
-    id="study.stroke",
-    kind="sweep",
-    title="Deflection over the stroke, 1000 N along z",
-    x_label="x (m)",
-    y_label="deflection along z",
-    unit="µm",
-    x=(0.145, 0.32, 0.4975, 0.67, 0.85),
-    series={
-        "vjm": (26.1, 26.6, 27.2, 27.4, 27.6),
-        "segments": (26.2, 26.7, 27.3, 27.5, 27.7),
-        "beam": (26.3, 26.8, 27.4, 27.6, 27.8),
-        "solid": (25.9, 26.3, 26.9, 27.1, 27.2),
-    },
 )
 FINDING = Finding(
     where="foot.compliance",
@@ -86,13 +69,13 @@ def unmeasured(identifier, verdict, message, **changes):
 
 
 # Drawn once for all tests of a page.
-DRAWN = tuple(family_plot(alone(study)) for study in (CONVERGENCE, SWEEP))
+DRAWN = study_figure(family_of([CONVERGENCE]))
 
 
 def sample_report(**changes):
     agreeing = judge(
         case("legs.agrees", title="Agrees easily"),
-        Measurement(1.001e-8, 1.0e-8, 1e-12, 2e-12, studies=(CONVERGENCE, SWEEP)),
+        Measurement(1.001e-8, 1.0e-8, 1e-12, 2e-12, studies=(CONVERGENCE,)),
         0.8,
     )
     tight = judge(
@@ -134,7 +117,7 @@ def sample_report(**changes):
     fields = {
         "outcomes": (bound, agreeing, tight, failed, skipped, disagreeing),
         "figures": (
-            *DRAWN,
+            DRAWN,
             Figure(
                 "fig5", "Fig. 5", "Made up.", "The paper's statements", png=PIXEL, data="x\n1\n"
             ),

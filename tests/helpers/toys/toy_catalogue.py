@@ -36,8 +36,7 @@ def case(identifier: str, compute: Callable[[Context], Measurement], **changes: 
 def agrees(_context: Context) -> Measurement:
     study = Study(
         id="toy.study",
-        kind="sweep",
-        title="Toy sweep",
+        title="Toy study",
         x_label="x (m)",
         y_label="y",
         unit="m",

@@ -16,8 +16,7 @@ from validation.case import Skip
 from validation.cases.legs import end_restraint, solids
 from validation.context import Context
 from validation.models.legs import constant_leg_of
-from validation.report.figures.studies.families import alone
-from validation.report.figures.studies.family_plots import family_plot
+from validation.report.figures.studies import family_of, study_figure
 from validation.results.outcome import judge
 from validation.studies.lengthened_legs import fundamental_ratio, lengthened, limit_exponent
 
@@ -154,7 +153,7 @@ def test_study_of_all_causes_is_drawn_with_its_orders(quick):
     assert len(study.series) == len(end_restraint.CAUSES)
     # The exponents of the causes in the order of the catalogue, measured: 1 1 1 1 2 2 3.
     assert [round(order) for order in study.orders.values()] == [1, 1, 1, 1, 2, 2, 3]
-    figure = family_plot(alone(study))
+    figure = study_figure(family_of([study]))
     assert figure.svg.startswith("<svg")
     assert "c44, warping restrained 1.4" in figure.caption
 

@@ -13,9 +13,7 @@ from toy_catalogue import agrees, case
 from validation.case import Absolute, Measurement, Relative
 from validation.drawing import text
 from validation.exhibits import Study, study_record
-from validation.report.figures import declared
-from validation.report.figures.studies.families import alone
-from validation.report.figures.studies.family_plots import family_plot
+from validation.report.figures.studies import family_of, study_figure
 from validation.report.listing import outcome_line, summary, tolerance_text
 from validation.results.junit import junit_xml
 from validation.results.outcome import Outcome, Result, judge
@@ -69,30 +67,24 @@ def test_lines_sum_and_junit_say_the_verdicts():
     assert "deflection 9.5 µm, should be 2 µm (tolerance 0.2 µm)" in line
 
 
-def test_data_of_curves_belong_to_their_names(monkeypatch):
-    series = {"vjm": (1.0, 2.0, 3.0), "solid": (1.5, 2.5, 3.5)}
+def test_data_of_curves_belong_to_their_names():
+    series = {"c22": (1.0, 2.0, 3.0), "c33": (1.5, 2.5, 3.5)}
     study = Study(
         id="toy",
-        kind="sweep",
         title="toy",
-        x_label="x (m)",
-        y_label="deflection",
-        unit="µm",
-        x=(0.1, 0.2, 0.3),
+        x_label="elements",
+        y_label="compliance",
+        unit="m/N",
+        x=(1.0, 2.0, 4.0),
         series=series,
-        uncertainties={"solid": 0.01},
-        limits={"vjm": 4.0},
+        uncertainties={"c33": 0.01},
+        limits={"c22": 4.0},
     )
-    drawn = []
-    monkeypatch.setattr(declared, "chart_svg", lambda chart: drawn.append(chart) or "<svg>")
-    rows = list(csv.DictReader(io.StringIO(family_plot(alone(study)).data)))
-    (panel,) = drawn[0].panels
-    assert {one.look.lower(): tuple(one.y) for one in panel.series} == series
-    columns = {name: [float(row[name]) for row in rows] for name in rows[0]}
-    assert columns["x (m)"] == [0.1, 0.2, 0.3]
-    assert [v for name, v in columns.items() if "solid" in name.lower()] == [[1.5, 2.5, 3.5]]
-    assert [1.0, 2.0, 3.0] in columns.values()
+    rows = list(csv.DictReader(io.StringIO(study_figure(family_of([study])).data)))
+    columns = {name: tuple(float(row[name]) for row in rows) for name in rows[0]}
+    named = {f"{name} (m/N)": values for name, values in series.items()}
+    assert columns == {"elements": study.x} | named
     record = study_record(study)
     assert record["series"] == {name: list(values) for name, values in series.items()}
-    assert (record["uncertainty"], record["limit"]) == ({"solid": 0.01}, {"vjm": 4.0})
-    assert record["x"] == [0.1, 0.2, 0.3]
+    assert (record["uncertainty"], record["limit"]) == ({"c33": 0.01}, {"c22": 4.0})
+    assert record["x"] == [1.0, 2.0, 4.0]

@@ -8,18 +8,16 @@ from html.parser import HTMLParser
 from math import nan
 
 import pytest
-from report_sample import CONVERGENCE, PIXEL, SWEEP, case, never, sample_report, unmeasured
+from report_sample import CONVERGENCE, DRAWN, PIXEL, case, never, sample_report, unmeasured
 
 from validation.case import Absolute, Allowance, Measurement, Relation
 from validation.drawing import text
 from validation.exhibits import Figure, InteractiveScene
 from validation.report import sections
-from validation.report.figures.studies.budgets import budget_curves, budget_figure, budgeted
-from validation.report.figures.studies.families import alone, families
-from validation.report.figures.studies.family_plots import family_plot
+from validation.report.figures.budgets import budget_curves, budget_figure
+from validation.report.figures.studies import families, family_of, study_figure
 from validation.report.page import render
-from validation.report.sections import CHAPTERS, chapters_of
-from validation.report.tables import grids, unexplained_share
+from validation.report.sections import CHAPTERS, chapters_of, unexplained_share
 from validation.results.outcome import judge
 
 VOID = {"meta", "link", "img", "br", "hr", "input"}
@@ -120,7 +118,7 @@ def test_the_data_of_a_figure_is_in_the_page(markup):
     )
     data = {name: base64.b64decode(content).decode() for name, content in links}
     assert data["fig5.csv"] == "x\n1\n"
-    assert data["study.stroke.csv"].splitlines()[1] == "0.145,26.1,26.2,26.3,25.9"
+    assert data["study.elements.csv"] == DRAWN.data
 
 
 def test_findings_and_provenance_are_shown(markup):
@@ -136,7 +134,7 @@ def test_an_empty_and_an_interrupted_run_have_a_page():
     assert "4 not computed" in render(part)
     assert sample_report(outcomes=(), unfinished=1).verdict == "failed"
     sections_of = [section for chapter in part.chapters for section in chapter.sections]
-    assert not any(plot.figure for section in sections_of for plot in section.plots)
+    assert not any(drawn for section in sections_of for _, drawn in section.plots)
 
 
 def test_a_study_shared_by_several_cases_is_shown_once():
@@ -144,9 +142,10 @@ def test_a_study_shared_by_several_cases_is_shown_once():
         judge(case(f"legs.{n}"), Measurement(1.0, 1.0, exact=True, studies=(CONVERGENCE,)), 0.1)
         for n in "ab"
     ]
-    report = sample_report(outcomes=tuple(outcomes), figures=(family_plot(alone(CONVERGENCE)),))
+    report = sample_report(outcomes=tuple(outcomes), figures=(DRAWN,))
     ((section,),) = (chapter.sections for chapter in report.chapters)
-    assert [plot.family.studies for plot in section.plots] == [(CONVERGENCE,)]
+    ((family, _),) = section.plots
+    assert {curve.study.id for curve in family.curves} == {CONVERGENCE.id}
     assert section.figures == ()
     page = Page(render(report))
     assert len(page.ids) == len(set(page.ids))
@@ -158,40 +157,6 @@ def model_case(model, name, value, reference=2.0, allowances=(), studies=()):
         Measurement(value, reference, 1e-4, allowances=allowances, studies=studies),
         0.1,
     )
-
-
-def test_quantities_of_several_models_share_a_row():
-    outcomes = [
-        model_case("segments", "c22", 2.001),
-        model_case("segments", "c33", 2.002),
-        model_case("solid", "c22", 2.003),
-        model_case("solid", "c33", 2.004),
-        model_case("solid", "c44", 2.005),
-        judge(case("leg1.other"), Measurement(1.0, 1.0, exact=True), 0.1),
-    ]
-    (grid,), rest = grids(outcomes)
-    assert grid.models == ("segments", "solid")
-    assert [row.quantity for row in grid.rows] == ["compliance c22", "compliance c33"]
-    assert [[cell.measurement.value for cell in row.cells] for row in grid.rows] == [
-        [2.001, 2.003],
-        [2.002, 2.004],
-    ]
-    assert [row.reference for row in grid.rows] == [2.0, 2.0]
-    assert [outcome.case.id for outcome in rest] == ["leg1.compliance.solid[c44]", "leg1.other"]
-
-
-def test_rows_of_one_quantity_are_told_apart_by_their_names():
-    outcomes = [
-        judge(
-            case(f"order.{leg}.{way}", quantity="order", model=way, row=f"leg {leg}"),
-            Measurement(1.0, 1.0, exact=True),
-            0.1,
-        )
-        for leg in (1, 2)
-        for way in ("segments", "beam")
-    ]
-    (grid,), _ = grids(outcomes)
-    assert [row.quantity for row in grid.rows] == ["order (leg 1)", "order (leg 2)"]
 
 
 @pytest.mark.parametrize(
@@ -215,7 +180,7 @@ HALF = (Allowance("warping", 0.01),)
 
 def test_a_budget_shows_what_is_measured_explained_and_left():
     outcome = model_case("solid", "c44", 1.9, allowances=(Allowance("warping", -0.096),))
-    chart = budget_curves(budgeted([outcome])).chart
+    chart = budget_curves([(outcome, outcome.measurement)]).chart
     whole, rest = chart.panels
     # In % of the reference, and of the tolerance of 1 % of it.
     assert [(one.label, *one.y) for one in whole.bars] == [
@@ -225,7 +190,7 @@ def test_a_budget_shows_what_is_measured_explained_and_left():
     assert rest.bars[0].y == rest.series[0].y == pytest.approx([-20.0])
     assert rest.series[0].bars == pytest.approx([0.5])
     assert rest.band == (-100.0, 100.0)
-    figure = budget_figure("budget.leg1", "Leg 1", budgeted([outcome]))
+    figure = budget_figure("budget.leg1", "Leg 1", "budgets", [outcome])
     heading, row = figure.data.splitlines()
     # In % of the reference 2: E = −0.1, explained −0.096, left −0.004, uncertainty 1e-4.
     shown = dict(zip(heading.split(","), row.split(","), strict=True))
@@ -247,7 +212,7 @@ def test_every_figure_names_the_function_it_is_from():
         *(judge(case(f.__name__, compute=f), convergence, 0.1) for f in (never, other)),
         model_case("solid", "c44", 1.9, allowances=HALF),
     ]
-    drawn = replace(family_plot(alone(SWEEP)), computed_by=("validation.report.figures.made_up",))
+    drawn = replace(DRAWN, id="drawn", computed_by=("validation.report.figures.made_up",))
     report = sample_report(outcomes=tuple(outcomes), figures=(drawn,))
     made = {figure.id: figure.computed_by for figure in report.shown}
     names = (f"{never.__module__}.never", f"{other.__module__}.other")
@@ -267,7 +232,7 @@ def test_the_figures_of_the_page_are_all_there_to_be_written(markup):
     assert {text.anchor(figure.id) for figure in shown} == in_page
     names = [name for figure in shown for name in figure.files]
     assert len(names) == len(set(names))
-    assert {"fig5.png", "fig5.csv", "study.stroke.svg", "study.stroke.csv"} <= set(names)
+    assert {"fig5.png", "fig5.csv", "study.elements.svg", "study.elements.csv"} <= set(names)
 
 
 def test_what_was_skipped_stands_together_by_its_reason():
@@ -282,7 +247,7 @@ def test_a_plot_that_fails_costs_nothing_but_itself(monkeypatch):
     def fail(*_):
         raise ZeroDivisionError
 
-    monkeypatch.setattr(sections, "family_plot", fail)
+    monkeypatch.setattr(sections, "study_figure", fail)
     assert "Agrees barely" in render(sample_report())
 
 
@@ -305,7 +270,7 @@ def test_curves_that_are_errors_tend_to_zero():
     )
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        assert family_plot(alone(errors)).svg
+        assert study_figure(family_of([errors])).svg
 
 
 @pytest.mark.parametrize(
@@ -345,7 +310,9 @@ def test_scenes_missing_pictures_and_values_that_are_no_numbers_are_shown():
 
 
 def test_plots_have_ids_of_their_own_and_equal_studies_give_equal_files():
-    first, again, second = (family_plot(alone(one)) for one in (CONVERGENCE, CONVERGENCE, SWEEP))
+    first, again, second = (
+        study_figure(family_of([replace(CONVERGENCE, id=name)])) for name in ("one", "one", "two")
+    )
     assert first.svg == again.svg
     assert first.svg.startswith("<svg")
     assert "<dc:date>" not in first.svg
@@ -355,48 +322,17 @@ def test_plots_have_ids_of_their_own_and_equal_studies_give_equal_files():
     assert {a or b for a, b in used} <= ids[0]
 
 
-SERIES = next(iter(CONVERGENCE.series.values()))
-VJM = SWEEP.series["vjm"]
-CROSS = replace(CONVERGENCE, family="cross", family_title="cross", orders={})
-
-
-@pytest.mark.parametrize(
-    ("studies", "found"),
-    [
-        # Refinements of a family share their axes, another study has its own.
-        (
-            [
-                *(replace(CROSS, id=f"c.{n}", series={f"bending {n}": SERIES}) for n in (1, 2)),
-                replace(CONVERGENCE, id="c.3", series={}),
-            ],
-            {("cross", "Cross"): ["bending 1", "bending 2"], ("c.3", CONVERGENCE.title): []},
-        ),
-        # Series of one name are told apart by the variant of their study.
-        (
-            [
-                replace(CROSS, id=name, series={"solid": SERIES}, variant=name)
-                for name in ("bending", "torsion")
-            ],
-            {("cross", "Cross"): ["bending", "torsion"]},
-        ),
-        # Those that have another abscissa stand alone, under an id that is not taken.
-        (
-            [
-                *(replace(CROSS, id=f"c.{n}", series={f"{n}": SERIES}) for n in (1, 2)),
-                replace(CROSS, id="c.9", x=CONVERGENCE.x[1:], series={}),
-            ],
-            {("c.1", "Cross"): ["1", "2"], ("c.9", CONVERGENCE.title): []},
-        ),
-        # The common curve of several sweeps is drawn once.
-        (
-            [
-                replace(SWEEP, id=f"robot.{model}", family="robot", series={"vjm": VJM, model: VJM})
-                for model in ("segments", "beam")
-            ],
-            {("robot", SWEEP.title): ["VJM", "segments", "beam"]},
-        ),
-    ],
-)
-def test_studies_of_a_family_share_their_axes(studies, found):
-    shown = families([model_case("solid", "c22", 2.0, studies=tuple(studies))])
-    assert {(one.id, one.title): [c.label for c in one.curves] for one in shown} == found
+def test_studies_of_a_family_share_their_axes_and_go_by_their_variants():
+    members = [
+        replace(CONVERGENCE, id=name, family="cross", family_title="cross", variant=name)
+        for name in ("bending", "torsion")
+    ]
+    outcome = model_case("solid", "c22", 2.0, studies=(*members, CONVERGENCE))
+    found = families([outcome])
+    assert [(one.id, one.title) for one in found] == [
+        *(("cross", "Cross"), (CONVERGENCE.id, CONVERGENCE.title))
+    ]
+    labels = ["bending"] * 3 + ["torsion"] * 3
+    assert [[curve.label for curve in one.curves] for one in found] == [
+        *(labels, list(CONVERGENCE.series))
+    ]

@@ -52,7 +52,6 @@ _LUMPED = (
 cases = CaseGroup(
     over={"body": lambda legs: legs, "model, code, near, reason": _LUMPED},
     reference_kind="closed-form",
-    row="{body}",
     section="{body}",
     group="{body}.lumped",
     effort=0.01,

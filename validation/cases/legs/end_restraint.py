@@ -243,7 +243,6 @@ def _study(context: Context, body: str) -> Study:
     shares = ", ".join(f"{label} {100.0 * amounts[0]:.3g} %" for label, amounts in visible.items())
     return Study(
         id=f"restraint.{body}",
-        kind="convergence",
         title=f"{body}: what sets beam and solid apart, and how it vanishes with length",
         x_label="slenderness: length / larger side",
         y_label="relative difference",

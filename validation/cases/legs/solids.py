@@ -149,7 +149,6 @@ def _frequency_of(modes: tuple[CantileverFrequency, ...], kind: str, order: int)
     tolerance_reason="end effects decay as Saint-Venant's theory of the prism says; what is left "
     "is the mesh at the edges of held faces: 0.02 %",
     model="solid",
-    row="{body}",
     sides=Sides(_SOLID, (*_OWN_BEAM, restrained_compliance)),
 )
 def _held_entry(context: Context, body: str, entry: tuple[int, int]) -> Measurement:
@@ -239,7 +238,6 @@ def _percent(changed: float, base: float) -> str:
     tolerance_reason="Timoshenko's theory is approximate in dynamics: below 1 % while the wave is "
     "longer than three section heights",
     model="solid",
-    row="{body}",
     group="{body}.modes",
     effort=2.0,
     sides=Sides(
@@ -357,7 +355,6 @@ def _wave_notes(part: str, wave: float, tip: float) -> tuple[str, ...]:
     tolerance_reason="coarse meshes show less in torsion, 3.4: between 3 and 5 the extrapolation "
     "holds within the safety factor",
     model="solid",
-    row="{body}, {name}",
     section="Refinement",
     group="{body}.solid",
     sides=Sides(_SOLID),
@@ -376,7 +373,6 @@ def _order(context: Context, body: str, name: str) -> Measurement:
     notes = (convergence.refusal,) if convergence.refusal else ()
     study = Study(
         id=f"refinement.{body}.solid.{name}",
-        kind="convergence",
         title=f"{body} as a solid: {name}, {meaning}",
         x_label="quadratic elements across the section",
         y_label=f"{name} ({UNITS[(i > 2, j > 2)]})",

@@ -71,7 +71,6 @@ cases = CaseGroup(
     tolerance=Relative(1e-9),
     tolerance_reason="statics of legs are cubic polynomials: rounding alone, grown by the "
     "condition, 2e-11 and less of robots at random",
-    row="The mechanism, first screen",
     section=PATH,
     group="mechanism.lumped",
 )

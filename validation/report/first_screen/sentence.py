@@ -3,7 +3,7 @@
 At most forty words, unless many models are relied on; the matrix below it has the rest.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from math import ceil
 
 from lumped.acceptance.requirement import STATIC_QUANTITIES
@@ -59,7 +59,7 @@ def _to_use(matrix: Matrix) -> str:
         for note in matrix.models
     }
     left = set().union(*fitting.values())
-    chosen: list[tuple[str, Iterable[str]]] = []
+    chosen: list[tuple[str, set[str]]] = []
     while left:
         model = max(fitting, key=lambda name: len(fitting[name] & left))
         chosen.append((model, fitting[model] & left))

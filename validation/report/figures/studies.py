@@ -1,0 +1,156 @@
+"""Studies of refinement behind the comparisons: families of curves in the same axes."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+
+from lumped.arrays import Array
+from validation.drawing.charts.chart import Chart, Column, Panel, Series
+from validation.drawing.charts.scales import refined
+from validation.drawing.text import function_name
+from validation.exhibits import Figure, Study
+from validation.report.figures.declared import curves
+from validation.results.outcome import Outcome
+
+_DEVIATION = "deviation from the limit (%)"
+
+
+@dataclass(frozen=True)
+class Curve:
+    """One series of a study under the name it has beside its fellows, with what is known of it.
+
+    `limit`, observed `order` and `uncertainty` of the finest value are None where not known.
+    """
+
+    label: str
+    study: Study
+    values: tuple[float, ...]
+    limit: float | None
+    order: float | None
+    uncertainty: float | None
+
+
+@dataclass(frozen=True)
+class Family:
+    """Studies with the same abscissa, drawn together; `computed_by` names their functions."""
+
+    id: str
+    title: str
+    curves: tuple[Curve, ...]
+    computed_by: tuple[str, ...] = ()
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What the studies remark, each remark once, with the curves it is about if not all."""
+        remarks: dict[str, list[str]] = {}
+        for curve in self.curves:
+            for note in curve.study.notes:
+                remarks.setdefault(note.rstrip("."), []).append(curve.label)
+        return tuple(
+            f"{note}."
+            if len(labels) == len(self.curves)
+            else f"{note} ({', '.join(dict.fromkeys(labels))})."
+            for note, labels in remarks.items()
+        )
+
+
+def families(outcomes: Sequence[Outcome]) -> tuple[Family, ...]:
+    """The studies that came with the outcomes by family, in the order of their first member."""
+    gathered: dict[str, dict[str, Study]] = {}
+    makers: dict[str, list[str]] = {}
+    for outcome in outcomes:
+        for study in outcome.measurement.studies if outcome.measurement else ():
+            key = study.family or study.id
+            gathered.setdefault(key, {})[study.id] = study
+            makers.setdefault(key, []).append(function_name(outcome.case.compute))
+    return tuple(
+        replace(family_of(members.values()), computed_by=tuple(dict.fromkeys(makers[key])))
+        for key, members in gathered.items()
+    )
+
+
+def family_of(studies: Iterable[Study]) -> Family:
+    """The family that studies are; their series go by the variants of the studies, if any."""
+    members = tuple(studies)
+    found = tuple(
+        Curve(
+            study.variant or name,
+            study,
+            values,
+            study.limits.get(name),
+            study.orders.get(name),
+            study.uncertainties.get(name),
+        )
+        for study in members
+        for name, values in study.series.items()
+    )
+    title = members[0].family_title or members[0].title
+    return Family(members[0].family or members[0].id, title[0].upper() + title[1:], found)
+
+
+def study_figure(family: Family) -> Figure:
+    """Left the deviation from the limit with its uncertainty, right its decay.
+
+    Where no limit is known, the finest value stands in for it. A limit of zero means that the
+    values are relative errors themselves.
+    """
+    x = np.asarray(family.curves[0].study.x)
+    plain = []
+    for curve in family.curves:
+        order = f"order {curve.order:.2f}" if curve.order is not None else "no order"
+        deviation, bars = _deviation(curve)
+        plain.append(Series(f"{curve.label}: {order}", x, deviation, of=curve.label, bars=bars))
+    decay = [_decaying(one) for one in plain]
+    decay += _slopes(x, decay, sorted({c.study.formal_order or 0.0 for c in family.curves} - {0.0}))
+    panels = [
+        Panel(plain, "", _DEVIATION, partial(refined, x=x), levels=(0.0,), staggered=False),
+        Panel(decay, "", "|deviation| (%)", partial(refined, x=x, decay=True), staggered=False),
+    ]
+    label = family.curves[0].study.x_label
+    table: dict[str, Column] = {label: x.tolist()}
+    table |= {f"{curve.label} ({curve.study.unit})": curve.values for curve in family.curves}
+    said = ["Left the deviation from the limit, right its decay; the order stands in the legend."]
+    if any(curve.uncertainty is not None for curve in family.curves):
+        said.append("The bar at the finest value is its numerical uncertainty.")
+    return curves(Chart(panels, label, 2, 2.2, table), *said, *family.notes).figure(
+        family.id, family.title, "studies", family.computed_by
+    )
+
+
+def _deviation(curve: Curve) -> tuple[Array, Array | None]:
+    """From the limit in percent, with the bar of the finest value where there is one."""
+    values = np.asarray(curve.values)
+    limit = values[-1] if curve.limit is None else curve.limit
+    scale = abs(limit) or 1.0
+    if curve.uncertainty is None:
+        return 100.0 * (values - limit) / scale, None
+    bars = np.full(len(values), np.nan)
+    bars[-1] = 100.0 * curve.uncertainty / scale
+    return 100.0 * (values - limit) / scale, bars
+
+
+def _decaying(one: Series) -> Series:
+    """The size of a deviation where there is one, for a logarithmic axis."""
+    apart = one.y != 0.0
+    sizes = np.abs(one.y[apart])
+    bars = None
+    if one.bars is not None and one.bars[-1] > 0.0:
+        # An uncertainty beyond the deviation itself would reach below any logarithmic axis.
+        up = one.bars[apart]
+        bars = np.array([np.minimum(up, 0.9 * sizes), up])
+    return replace(one, x=one.x[apart], y=sizes, bars=bars)
+
+
+def _slopes(x: Array, drawn: Sequence[Series], orders: Sequence[float]) -> list[Series]:
+    """Grey lines of the formal orders below the curves."""
+    starts = [one.y[0] for one in drawn if len(one.y) > 1]
+    if not starts:
+        return []
+    # Refinement goes with rising x for element counts, with falling x for mesh sizes.
+    sign = -1.0 if x[-1] > x[0] else 1.0
+    return [
+        Series(f"slope {order:g}", x, 0.5 * min(starts) * (x / x[0]) ** (sign * order), of="slope")
+        for order in orders
+    ]
