@@ -16,7 +16,7 @@ from scipy.sparse import csr_array, diags_array
 from scipy.sparse.linalg import LinearOperator
 
 from fem.couplings.coupled_solid import CoupledSolid
-from fem.solvers.certificate.count import count_name, inertia_below
+from fem.solvers.certificate.count import inertia_below
 from fem.solvers.certificate.sturm import Inertia
 from fem.solvers.cholesky import analyse
 from fem.solvers.factor import upper_triangle
@@ -130,8 +130,8 @@ class RootedBody:
         None is missing: counted by fem.solvers.certificate.count. `start` (n×s) as in
         `fem.solvers.modes.lowest_modes`, which says what is raised.
         """
-        name, mass = count_name(self.factor.symbolic.backend), self.rooted_mass()
-        modes = lowest_modes(self.factor, mass, count, self.rooted_inertia, self.name, name, start)
+        mass = self.rooted_mass()
+        modes = lowest_modes(self.factor, mass, count, self.rooted_inertia, self.name, start)
         shapes = self.solid.transformation @ self.expanded(modes.shapes)
         return replace(modes, shapes=fix_signs(shapes))
 

@@ -43,15 +43,13 @@ class NotConvergedError(Exception):
 class Ritz:
     """Converged pairs: ω² (ascending, m), M-orthonormal vectors (n×m), residuals relative to θ.
 
-    `beyond` is the Ritz value after the last one, infinite where there is none; `solves` the
-    number of right-hand sides solved for.
+    `beyond` is the Ritz value after the last one, infinite where there is none.
     """
 
     values: Array
     vectors: Array
     residuals: Array
     beyond: float
-    solves: int
 
     @property
     def errors(self) -> Array:
@@ -74,7 +72,6 @@ def merged(first: Ritz, second: Ritz) -> Ritz:
         residuals=np.concatenate([first.residuals, second.residuals])[order],
         # Below the last value it says only that more is missing: the next count will.
         beyond=second.beyond if second.beyond > last else np.inf,
-        solves=first.solves + second.solves,
     )
 
 
@@ -185,7 +182,6 @@ def block_lanczos(
                     vectors=basis @ s[:, :count],
                     residuals=np.hypot(residuals[:count], along),
                     beyond=float(values[count]) if len(values) > count else np.inf,
-                    solves=solves,
                 )
         if exhausted or width + following.shape[1] > limit:
             converged = int(np.argmin(np.append(residuals <= residual, [False])))

@@ -2,7 +2,7 @@
 
 Two backends: CHOLMOD from cvxopt with METIS orderings (the default), and MKL PARDISO (optional
 extra `mkl`). The environment variable FLEXPROOF_SOLVER (`cholmod` or `mkl`) chooses the default.
-CHOLMOD's factor is read where it is what it is taken for (fem.solvers.cholmod.public_factor).
+CHOLMOD's factor is read where it is what it is taken for (fem.solvers.cholmod.layout).
 One order of elimination serves all matrices of one pattern. CHOLMOD's wheel has one thread, so a
 large matrix is eliminated in two halves at once where there are two cores
 (fem.solvers.cholmod.bisected_factor).
@@ -14,10 +14,8 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from fem.machine import threads
-from fem.solvers.cholmod import bisected_factor, public_factor
-from fem.solvers.cholmod import whole_factor as cholmod_factor
-from fem.solvers.cholmod.library import runs_beside_python
-from fem.solvers.cholmod.public_factor import factors_are_readable
+from fem.solvers.cholmod import bisected_factor, whole_factor
+from fem.solvers.cholmod.layout import factors_are_readable
 from fem.solvers.factor import Backend, Factor, Symbolic, refuse_beyond_memory, upper_triangle
 from fem.solvers.ordering import Elimination, bisection, block_graph, nested_dissection
 from lumped.arrays import Array, SparseMatrix
@@ -68,18 +66,16 @@ def analyse(
         return pardiso.analyse(triangle)
     if elimination is None:
         graph = block_graph(triangle, leading)
-        beside = factors_are_readable() and runs_beside_python()
-        if matrix.shape[0] >= _BISECTED and threads() > 1 and beside:
+        if matrix.shape[0] >= _BISECTED and threads() > 1 and factors_are_readable():
             elimination = bisection(graph)
         else:
             elimination = nested_dissection(graph)
-    if not factors_are_readable():
-        return public_factor.analyse(triangle.indptr, triangle.indices, elimination)
     if elimination.halves:
         halves = bisected_factor.analyse(triangle, elimination)
         if halves is not None:
             return halves
-    return cholmod_factor.analyse(triangle, Elimination(elimination.order))
+    whole = Elimination(elimination.order)
+    return whole_factor.analyse(triangle, whole, readable=factors_are_readable())
 
 
 def factorise(symbolic: Symbolic, matrix: SparseMatrix, part: str = "stiffness matrix") -> Factor:

@@ -58,14 +58,6 @@ class SeparatedFactor(Factor, Protocol):
         """
         ...
 
-    def renewed(self, triangle: SparseMatrix, part: str) -> "SeparatedFactor":
-        """The factor of another matrix (upper triangle) in the memory of this, which is lost.
-
-        Besides the entries of this one's matrix it may couple unknowns of one separator. Raises
-        NotPositiveDefiniteError; this factor is lost then as well, and can still be renewed.
-        """
-        ...
-
 
 @dataclass(frozen=True, eq=False)
 class Symbolic:

@@ -41,16 +41,13 @@ class CertifiedModes(Modes):
     """Modes of which none is missing.
 
     `frequency_errors`: relative, estimated by the smaller of both bounds of the residual.
-    `count` eigenvalues lie below `shift` (rad²/s²), counted by `certificate`: the modes given and
-    those found beyond them, of the last one's cluster for example. `solves`: right-hand sides
-    solved for.
+    `count` eigenvalues lie below `shift` (rad²/s²) by inertia: the modes given and those found
+    beyond them, of the last one's cluster for example.
     """
 
     frequency_errors: Array
     shift: float
     count: int
-    certificate: str
-    solves: int
 
 
 class MissedModesError(ComputationError):
@@ -100,14 +97,13 @@ def lowest_modes(
     mode_count: int,
     count: Count,
     part: str,
-    certificate: str = "sturm",
     start: Array | None = None,
 ) -> CertifiedModes:
     """The lowest `mode_count` modes from the factor of K (n×n) and M (n×n, semidefinite).
 
-    `count` gives the inertia of K − σM; `certificate` is its name. `start` (n×s) are vectors near
-    the modes; fixed noise is always added, so that no symmetry of theirs hides a mode. Shapes are
-    mass-normalised, on the n unknowns. Where the count finds missed modes, as many are searched
+    `count` gives the inertia of K − σM. `start` (n×s) are vectors near the modes; fixed noise is
+    always added, so that no symmetry of theirs hides a mode. Shapes are mass-normalised, on the n
+    unknowns. Where the count finds missed modes, as many are searched
     for M-orthogonally to those found, from other noise, and the count is made anew. Raises
     InputError for fewer than one mode or a start of another size, ComputationError, naming `part`,
     where modes do not converge or the certificate still fails.
@@ -133,7 +129,14 @@ def lowest_modes(
             ritz = merged(ritz, more)
         else:
             break
-    return _certified(ritz, mode_count, sigma, certificate)
+    first = _first(ritz, mode_count)
+    return CertifiedModes(
+        frequencies=first.frequencies,
+        shapes=first.shapes,
+        frequency_errors=ritz.errors[:mode_count],
+        shift=sigma,
+        count=len(ritz.values),
+    )
 
 
 def searched_modes(
@@ -175,16 +178,3 @@ def _noise(n: int, rng: np.random.Generator) -> Array:
 def _first(ritz: Ritz, mode_count: int) -> Modes:
     frequencies = np.sqrt(ritz.values[:mode_count]) / (2.0 * np.pi)
     return Modes(frequencies, fix_signs(ritz.vectors[:, :mode_count]))
-
-
-def _certified(ritz: Ritz, mode_count: int, sigma: float, certificate: str) -> CertifiedModes:
-    first = _first(ritz, mode_count)
-    return CertifiedModes(
-        frequencies=first.frequencies,
-        shapes=first.shapes,
-        frequency_errors=ritz.errors[:mode_count],
-        shift=sigma,
-        count=len(ritz.values),
-        certificate=certificate,
-        solves=ritz.solves,
-    )

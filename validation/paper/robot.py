@@ -8,9 +8,11 @@ from dataclasses import dataclass, replace
 from itertools import chain
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from fem.bodies.solid import solid_leg, solid_leg_matrices, solid_mesh
-from fem.solvers import sparse_system
+from fem.solvers.cholesky import analyse, factorise
+from fem.solvers.modes import searched_modes
 from lumped.arrays import Array
 from lumped.dense.modes import Modes
 from lumped.legs import Leg, equivalent_leg
@@ -188,8 +190,11 @@ def unreduced_modes(at: Posture, count: int, divisions: int) -> ModeShares:
         name: solid_leg_matrices(solid_leg(leg, solid_mesh(leg, divisions)))
         for name, leg in legs.items()
     }
-    solution = sparse_system.factorised(assembly(at.mechanism, solids).at(at))
-    return _told(solution.system, sparse_system.modes(solution, count))
+    system = assembly(at.mechanism, solids).at(at)
+    stiffness, mass = csr_array(system.stiffness), csr_array(system.mass)
+    # The bodies' insides come last, node by node; before them lie the nodes of the mechanism.
+    factor = factorise(analyse(stiffness, leading=(system.outer,)), stiffness, system.name)
+    return _told(system, searched_modes(factor, mass, count, system.name))
 
 
 def _told(system: System, found: Modes) -> ModeShares:

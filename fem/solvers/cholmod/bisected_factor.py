@@ -18,7 +18,7 @@ from scipy.linalg import cho_solve, solve_triangular
 from scipy.linalg.lapack import dpotrf
 from scipy.sparse import csc_array, csr_array
 
-from fem.solvers.cholmod.library import factorise_beside, solve_triangular_columns
+from fem.solvers.cholmod.library import SYSTEM_L, SYSTEM_LT, factorise_beside, solve_columns
 from fem.solvers.cholmod.supernodes import (
     detach_end,
     elimination_order,
@@ -113,12 +113,12 @@ class BisectedFactor:
         def forward(half: _Half) -> Array:
             own = np.asfortranarray(columns[half.order])
             own[half.own :] = 0.0
-            return solve_triangular_columns(half.handle, own)
+            return solve_columns(half.handle, own, SYSTEM_L)
 
         def backward(both: tuple[_Half, Array]) -> None:
             half, own = both
             own[half.own :] = between[half.separator]
-            found = solve_triangular_columns(half.handle, own, transposed=True)
+            found = solve_columns(half.handle, own, SYSTEM_LT)
             solution[half.order[: half.own]] = found[: half.own]
 
         forwards = _at_once(forward, self.halves)
@@ -151,22 +151,12 @@ class BisectedFactor:
         last = solve_triangular(self.lower, between, lower=True, check_finite=False)
         return np.asarray(gram + last.T @ last)
 
-    def renewed(self, triangle: SparseMatrix, part: str) -> "BisectedFactor":
-        """The factor of another matrix in the memory of this one: see fem.solvers.factor."""
-        pointers, columns = triangle.indptr, triangle.indices
-        patterns = [
-            _pattern(half.unknowns, _places(pointers, columns, half.unknowns))
-            for half in self.halves
-        ]
-        handles = [half.handle for half in self.halves]
-        return _eliminated(triangle, patterns, handles, self.separator, part)
-
 
 def analyse(triangle: SparseMatrix, elimination: Elimination) -> Symbolic | None:
     """Analyse an upper `triangle` (csr) for its elimination in halves.
 
     None where there is nothing between the halves, or where one of them falls to pieces in such a
-    way that the separator does not come last. Needs `runs_beside_python`.
+    way that the separator does not come last.
     """
     n, sizes = triangle.shape[0], elimination.halves
     pointers, columns = triangle.indptr, triangle.indices

@@ -3,8 +3,7 @@
 cvxopt solves several right-hand sides one by one, each reading the whole factor again;
 `cholmod_l_solve` of the same shared library reads it once. cvxopt keeps Python's lock while it
 computes; called from here, each in a workspace of its own, factorisations and solves run beside
-each other (the wheels' BLAS has one thread and locks its buffers). Where a build of cvxopt does not
-let these symbols be found, cvxopt's own functions are used.
+each other (the wheels' BLAS has one thread and locks its buffers).
 """
 
 import ctypes
@@ -15,12 +14,11 @@ from typing import Any
 
 import numpy as np
 from cvxopt import cholmod
-from cvxopt import matrix as cvxopt_matrix
 
 from fem.solvers.cholmod.supernodes import factor_head
 from lumped.arrays import Array, IntArray
 
-_SYSTEM_A, _SYSTEM_L, _SYSTEM_LT = 0, 4, 5
+SYSTEM_A, SYSTEM_L, SYSTEM_LT = 0, 4, 5
 _REAL, _DOUBLE = 1, 0
 _LOWER, _LONG = -1, 2
 # `cholmod_common` is some 3 kB.
@@ -95,8 +93,8 @@ def _library() -> Any:
     return functions
 
 
-def runs_beside_python() -> bool:
-    """Whether factorisations and solves can run in threads beside each other."""
+def symbols_are_found() -> bool:
+    """Whether this build of cvxopt lets the functions be called that are called here."""
     return _library() is not None
 
 
@@ -119,7 +117,7 @@ def factorise_beside(factor: Any, pointers: IntArray, rows: IntArray, values: Ar
     """Fill an analysed `factor` with that of a lower triangle (csc), without Python's lock.
 
     Returns the place in the order of elimination where a pivot was not positive, n where none
-    was. Raises MemoryError. Needs `runs_beside_python`.
+    was. Raises MemoryError.
     """
     functions, head = _library(), factor_head(factor)
     lower = [np.ascontiguousarray(one, dtype=np.int64) for one in (pointers, rows)]
@@ -145,24 +143,11 @@ def factorise_beside(factor: Any, pointers: IntArray, rows: IntArray, values: Ar
     return int(head.minor)
 
 
-def solve_columns(factor: Any, columns: Array) -> Array:
-    """A⁻¹ times `columns` (n×k, Fortran order) with a numeric factor of A, all k at once."""
-    if _library() is None:
-        solution = cvxopt_matrix(columns)
-        cholmod.solve(factor, solution)
-        return np.array(solution)
-    return _solve(_SYSTEM_A, factor, columns)
+def solve_columns(factor: Any, columns: Array, system: int = SYSTEM_A) -> Array:
+    """A⁻¹, L⁻¹ or L⁻ᵀ times `columns` (n×k, Fortran order) with a numeric factor, all k at once.
 
-
-def solve_triangular_columns(factor: Any, columns: Array, *, transposed: bool = False) -> Array:
-    """L⁻¹ or L⁻ᵀ times `columns` (n×k, Fortran order), rows in the order of elimination.
-
-    Needs `runs_beside_python`.
+    By L the rows are in the order of elimination.
     """
-    return _solve(_SYSTEM_LT if transposed else _SYSTEM_L, factor, columns)
-
-
-def _solve(system: int, factor: Any, columns: Array) -> Array:
     functions = _library()
     n, k = columns.shape
     right = _Dense(n, k, n * k, n, columns.ctypes.data, None, _REAL, _DOUBLE)

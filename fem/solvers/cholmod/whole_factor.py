@@ -2,7 +2,6 @@
 
 from collections import deque
 from dataclasses import dataclass, field
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -24,6 +23,8 @@ from lumped.arrays import Array, IntArray, SparseMatrix
 
 # Right-hand sides solved together: beyond some thirty the time per solve no longer falls.
 COLUMNS_AT_ONCE = 32
+# Of a factor that is not read, roughly: its entries over n^(4/3), and bytes for each.
+_ENTRIES, _BYTES_PER_ENTRY = 14.0, 30
 # cvxopt's matrix, its packed copy and CHOLMOD's permuted one; row (8 bytes) and value of each.
 _MATRIX_COPIES = 3
 
@@ -34,8 +35,8 @@ cholmod.options["nmethods"] = 1
 
 
 @dataclass(frozen=True, eq=False)
-class CholmodFactor:
-    """Numeric factor of CHOLMOD."""
+class PublicFactor:
+    """Numeric factor of CHOLMOD by nothing but what cvxopt documents."""
 
     size: int
     handle: Any = field(repr=False)
@@ -46,12 +47,25 @@ class CholmodFactor:
             self.size, -1, order="F"
         )
         blocks = [
-            solve_columns(self.handle, columns[:, start : start + COLUMNS_AT_ONCE])
+            self._solved(columns[:, start : start + COLUMNS_AT_ONCE])
             for start in range(0, columns.shape[1], COLUMNS_AT_ONCE)
         ]
         if not blocks:
             return np.zeros_like(right_hand_sides, dtype=np.float64)
         return np.hstack(blocks).reshape(right_hand_sides.shape)
+
+    def _solved(self, columns: Array) -> Array:
+        solution = cvxopt_matrix(columns)
+        cholmod.solve(self.handle, solution)
+        return np.array(solution)
+
+
+@dataclass(frozen=True, eq=False)
+class CholmodFactor(PublicFactor):
+    """The same of a layout that is read: it solves faster and shows its separators."""
+
+    def _solved(self, columns: Array) -> Array:
+        return solve_columns(self.handle, columns)
 
     def separators(self, count: int) -> list[IntArray]:
         """Unknowns of the `count` largest supernodes, the largest first."""
@@ -64,11 +78,6 @@ class CholmodFactor:
         ).values
         return np.asarray(reduced.T @ reduced)
 
-    def renewed(self, triangle: SparseMatrix, part: str) -> "CholmodFactor":
-        """The factor of another matrix in the memory of this one: see fem.solvers.factor."""
-        matrix = _cvxopt_matrix(triangle.indptr, triangle.indices, triangle.data)
-        return _eliminated(self.handle, matrix, triangle.diagonal(), part)
-
 
 def peak_bytes(counts: FactorStatistics, matrix_entries: int) -> int:
     """Memory at the height of a factorisation of a triangle with `matrix_entries`."""
@@ -78,69 +87,61 @@ def peak_bytes(counts: FactorStatistics, matrix_entries: int) -> int:
 
 def symbolic_factor(triangle: SparseMatrix, order: IntArray) -> tuple[Any, Any]:
     """CHOLMOD's analysed factor of an upper `triangle` (csr), and the matrix as cvxopt has it."""
-    matrix = _cvxopt_matrix(triangle.indptr, triangle.indices, triangle.data)
-    return cholmod.symbolic(matrix, cvxopt_matrix(order)), matrix
-
-
-def _cvxopt_matrix(pointers: IntArray, columns: IntArray, values: Array) -> Any:
-    """Cvxopt's matrix whose lower triangle is the transpose of the given upper one."""
-    n = len(pointers) - 1
-    column_of = np.repeat(np.arange(n, dtype=np.int64), np.diff(pointers))
-    return spmatrix(
-        cvxopt_matrix(np.ascontiguousarray(values)),
-        cvxopt_matrix(columns.astype(np.int64)),
+    n = triangle.shape[0]
+    # Read by columns the triangle is the lower one.
+    column_of = np.repeat(np.arange(n, dtype=np.int64), np.diff(triangle.indptr))
+    matrix = spmatrix(
+        cvxopt_matrix(np.ascontiguousarray(triangle.data)),
+        cvxopt_matrix(triangle.indices.astype(np.int64)),
         cvxopt_matrix(column_of),
         (n, n),
     )
+    return cholmod.symbolic(matrix, cvxopt_matrix(order)), matrix
 
 
-def analyse(triangle: SparseMatrix, elimination: Elimination) -> Symbolic:
-    """Analyse an upper `triangle` (csr) for its elimination as a whole."""
+def analyse(triangle: SparseMatrix, elimination: Elimination, *, readable: bool = True) -> Symbolic:
+    """Analyse an upper `triangle` (csr) for its elimination as a whole.
+
+    `readable`: whether cvxopt's factor is laid out as `fem.solvers.cholmod.supernodes` reads it.
+    """
+    n = triangle.shape[0]
     handle, matrix = symbolic_factor(triangle, elimination.order)
-    counts = statistics(handle)
-    pointers, columns = triangle.indptr, triangle.indices
     # The analysed factor serves the first factorisation, later ones make their own.
     unused = deque([(handle, matrix)])
+    if readable:
+        peak = peak_bytes(statistics(handle), triangle.nnz)
+    else:
+        peak = int(_BYTES_PER_ENTRY * _ENTRIES * n ** (4.0 / 3.0))
+    pointers, columns = triangle.indptr, triangle.indices
+
+    def numeric(values: Array, part: str) -> PublicFactor:
+        whole = csr_array((values, columns, pointers), shape=(n, n))
+        if unused:
+            handle, matrix = unused.pop()
+            matrix.V = cvxopt_matrix(np.ascontiguousarray(values))
+        else:
+            handle, matrix = symbolic_factor(whole, elimination.order)
+        # CHOLMOD's own order differs from the one given among branches of the elimination tree.
+        order = elimination_order(handle) if readable else elimination.order
+        try:
+            cholmod.numeric(matrix, handle)
+        except ArithmeticError as error:
+            raise NotPositiveDefiniteError(part, int(order[error.args[0]])) from None
+        except MemoryError:
+            raise out_of_memory(part, n) from None
+        pivots = np.array(cholmod.diag(handle)).ravel() ** 2
+        diagonal = whole.diagonal()
+        # Where it is unknown of which unknown a pivot is, the least diagonal entry tells.
+        of_pivots = diagonal[order] if readable else np.full(n, diagonal.min())
+        refuse_lost_pivots(pivots, of_pivots, order, part)
+        return (CholmodFactor if readable else PublicFactor)(n, handle)
+
     return Symbolic(
         backend="cholmod",
-        size=triangle.shape[0],
+        size=n,
         pointers=pointers,
         columns=columns,
         elimination=elimination,
-        peak_bytes=peak_bytes(counts, triangle.nnz),
-        numeric=partial(_numeric, pointers, columns, elimination.order, unused),
+        peak_bytes=peak,
+        numeric=numeric,
     )
-
-
-def _numeric(
-    pointers: IntArray,
-    columns: IntArray,
-    order: IntArray,
-    unused: deque[tuple[Any, Any]],
-    values: Array,
-    part: str,
-) -> CholmodFactor:
-    n = len(pointers) - 1
-    triangle = csr_array((values, columns, pointers), shape=(n, n))
-    try:
-        handle, matrix = unused.pop()
-    except IndexError:
-        handle, matrix = symbolic_factor(triangle, order)
-    else:
-        matrix.V = cvxopt_matrix(np.ascontiguousarray(values))
-    return _eliminated(handle, matrix, triangle.diagonal(), part)
-
-
-def _eliminated(handle: Any, matrix: Any, diagonal: Array, part: str) -> CholmodFactor:
-    n = len(diagonal)
-    try:
-        cholmod.numeric(matrix, handle)
-    except ArithmeticError as error:
-        unknown = int(elimination_order(handle)[error.args[0]])
-        raise NotPositiveDefiniteError(part, unknown) from None
-    except MemoryError:
-        raise out_of_memory(part, n) from None
-    eliminated = elimination_order(handle)
-    pivots = np.array(cholmod.diag(handle)).ravel() ** 2
-    refuse_lost_pivots(pivots, diagonal[eliminated], eliminated, part)
-    return CholmodFactor(n, handle)

@@ -10,7 +10,7 @@ from fem.solvers.cholesky import analyse, factorise
 from fem.solvers.modes import MissedModesError, certify, lowest_modes
 from lumped.errors import ComputationError, InputError
 from lumped.legs import ConstantLeg
-from lumped.sections import Circle, Rectangle, Tube
+from lumped.sections import Circle, Rectangle
 from meshes.prism.tetrahedra import tetrahedra
 
 # Both solve one matrix pencil; what is left is rounding, eps times the condition of K (some 1e5).
@@ -59,7 +59,6 @@ def of_tetrahedra():
     "clamped",
     [
         lambda: leg(Rectangle(0.08, 0.12), slices=4),
-        lambda: leg(Tube(0.1, 0.01), slices=4),
         lambda: leg(Circle(0.1), slices=4, ends="free"),
         of_tetrahedra,
     ],
@@ -77,21 +76,13 @@ def test_modes_equal_a_dense_solution(clamped):
     np.testing.assert_allclose(gram, np.eye(8), atol=1e-12)
 
 
-def test_errors_bound_the_true_ones_after_few_solves(bar):
+def test_errors_bound_the_true_ones(bar):
     clamped, values, _ = bar
     found = clamped.modes(20)
     true = np.abs(found.frequencies / hertz(values[:20]) - 1.0)
     # Beside the residual's share, rounding of LAPACK and of the factor.
     assert np.all(true <= found.frequency_errors + SAME)
     assert found.frequency_errors.max() <= 5e-7
-    # 88 measured here, in blocks of eight that read the factor once; room for one block more.
-    assert found.solves <= 96
-
-
-def test_two_runs_are_the_same(square):
-    first, second = (square[0].modes(10) for _ in range(2))
-    np.testing.assert_array_equal(first.frequencies, second.frequencies)
-    np.testing.assert_array_equal(first.shapes, second.shapes)
 
 
 def test_a_pair_stays_whole_although_the_number_of_modes_or_the_start_would_cut_it(square):
@@ -100,15 +91,14 @@ def test_a_pair_stays_whole_although_the_number_of_modes_or_the_start_would_cut_
     found = clamped.modes(1)
     assert (found.count, len(found.frequencies)) == (2, 1)
     assert values[1] < found.shift < values[2]
-    found = clamped.modes(6, start=vectors[:, [0, 2, 3]])
+    found, again = (clamped.modes(6, start=vectors[:, [0, 2, 3]]) for _ in range(2))
     np.testing.assert_allclose(found.frequencies, hertz(values[:6]), rtol=SAME)
+    np.testing.assert_array_equal(found.shapes, again.shapes)
 
 
 @pytest.mark.parametrize("missing", [0, 4])
-@pytest.mark.parametrize("ends", ["rigid", "free"])
-def test_a_missing_mode_fails_the_certificate(missing, ends):
-    clamped = leg(Rectangle(0.08, 0.12), slices=3, ends=ends)
-    values, _ = dense_solution(clamped)
+def test_a_missing_mode_fails_the_certificate(bar, missing):
+    clamped, values, _ = bar
     count = clamped.rooted_inertia
     assert values[5] < certify(values[:6], values[6], count, "leg") < values[6]
     with pytest.raises(
@@ -144,15 +134,11 @@ class Blind:
         return lowest_modes(self, self.clamped.rooted_mass(), 6, self.count, "leg")
 
 
-def test_a_mode_that_no_solve_shows_is_an_error(bar):
-    clamped, _, vectors = bar
-    with pytest.raises(ComputationError, match="certificate of the modes failed"):
-        Blind(clamped, vectors[:, 2], sees_again=False).modes()
-
-
 @pytest.mark.parametrize("lost", [0, 5])
-def test_missed_mode_is_found_beside_the_others(bar, lost):
+def test_missed_mode_is_found_beside_the_others_or_an_error(bar, lost):
     clamped, values, vectors = bar
+    with pytest.raises(ComputationError, match="certificate of the modes failed"):
+        Blind(clamped, vectors[:, lost], sees_again=False).modes()
     found = Blind(clamped, vectors[:, lost], sees_again=True).modes()
     np.testing.assert_allclose(found.frequencies, hertz(values[:6]), rtol=SAME)
     gram = found.shapes.T @ (clamped.rooted_mass() @ found.shapes)
@@ -161,10 +147,9 @@ def test_missed_mode_is_found_beside_the_others(bar, lost):
     assert found.count == 7
 
 
-@pytest.mark.parametrize("ends", ["rigid", "free"])
-@pytest.mark.parametrize("taller", [0.0, 1e-6, 1e-4])
-def test_double_and_nearly_double_modes(taller, ends):
-    """Squares and near squares: bending modes in pairs from exact to 0.01 % apart."""
+@pytest.mark.parametrize(("taller", "ends"), [(1e-6, "rigid"), (1e-4, "free")])
+def test_nearly_double_modes(taller, ends):
+    """Near squares: bending modes in pairs up to 0.01 % apart."""
     clamped = leg(Rectangle(0.1, 0.1 * (1.0 + taller)), slices=3, ends=ends)
     values, _ = dense_solution(clamped)
     for number in (1, 5, 12):
@@ -199,19 +184,15 @@ def test_double_mode_of_a_very_slender_leg():
     np.testing.assert_allclose(found.frequencies, exact, rtol=3e-3)
 
 
-def test_more_modes_than_have_mass():
-    clamped = leg(Rectangle(0.1, 0.1), slices=2)
-    light = clamped.rooted_mass() @ np.eye(clamped.solid.size)
-    light[4:], light[:, 4:] = 0.0, 0.0
+def test_wrong_input_and_more_modes_than_have_mass_are_refused(bar):
+    clamped = bar[0]
+    with pytest.raises(InputError, match="modes = 0"):
+        clamped.modes(0)
+    with pytest.raises(InputError, match="start has shape"):
+        clamped.modes(2, start=np.ones((3, 1)))
+    light = csr_array(np.diag(np.arange(clamped.solid.size) < 4).astype(float))
     with pytest.raises(ComputationError, match="leg: 5 modes asked for, but fewer have mass"):
         lowest_modes(clamped.factor, light, 5, lambda _: None, "leg")
-
-
-def test_wrong_input_is_refused(bar):
-    with pytest.raises(InputError, match="modes = 0"):
-        bar[0].modes(0)
-    with pytest.raises(InputError, match="start has shape"):
-        bar[0].modes(2, start=np.ones((3, 1)))
 
 
 def test_every_mode_of_a_small_matrix():

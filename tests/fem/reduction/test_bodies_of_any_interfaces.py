@@ -12,11 +12,10 @@ from scipy.linalg import eigh, null_space
 import fem.reduction.counted_modes as counting
 from fem.bodies.part import grips_of, held_part, meshed_part
 from fem.bodies.rooted import RootedBody
-from fem.reduction.counted_modes import counted_modes
+from fem.reduction.counted_modes import counted_modes, interface_modes
 from fem.reduction.craig_bampton import reduction
 from fem.reduction.free_interface import free_interface
 from fem.reduction.held import Held, free_body, held_body
-from fem.reduction.interface_modes import interface_modes
 from lumped.dense.modes import Modes
 from lumped.errors import ComputationError, InputError
 from lumped.mechanism.part import ByPlane, PartInterface
@@ -97,20 +96,24 @@ def test_a_reduction_has_the_modes_that_are_counted(bar, held_frequencies):
     assert_allclose(found.frequencies[: len(below)], below, rtol=1e-8)
 
 
-@pytest.mark.parametrize("missed", [0, 3, 7])
+def kept_by(rows, searches):
+    """A search for modes that keeps those `rows` alone of what its first `searches` find."""
+
+    def blind(held, cutoff, search=0):
+        found = interface_modes(held, cutoff, search)
+        kept = rows(len(found.frequencies)) if search < searches else slice(None)
+        return Modes(found.frequencies[kept], found.shapes[:, kept])
+
+    return blind
+
+
+@pytest.mark.parametrize("missed", [0, 7])
 def test_a_mode_that_the_search_missed_is_counted_and_searched_for(
     bar, held_frequencies, missed, monkeypatch
 ):
     cutoff = 1.001 * held_frequencies[9]
-
-    def blind(held, cutoff, search=0):
-        found = interface_modes(held, cutoff, search)
-        if search:
-            return found
-        kept = np.arange(len(found.frequencies)) != missed
-        return Modes(found.frequencies[kept], found.shapes[:, kept])
-
     sound = counted_modes(bar.held, cutoff)
+    blind = kept_by(lambda count: np.delete(np.arange(count), missed), 1)
     monkeypatch.setattr(counting, "interface_modes", blind)
     found = counted_modes(bar.held, cutoff)
     assert found.counted == sound.counted
@@ -119,25 +122,15 @@ def test_a_mode_that_the_search_missed_is_counted_and_searched_for(
     assert_allclose(gram, np.eye(len(gram)), atol=1e-8)
 
 
-def test_a_mode_that_is_never_found_or_found_twice_is_an_error(bar, held_frequencies, monkeypatch):
-    cutoff = 1.001 * held_frequencies[9]
-
-    def without_the_first(held, cutoff, search=0):
-        found = interface_modes(held, cutoff, search)
-        return Modes(found.frequencies[1:], found.shapes[:, 1:])
-
-    monkeypatch.setattr(counting, "interface_modes", without_the_first)
+@pytest.mark.parametrize(
+    "rows", [lambda count: np.arange(1, count), lambda count: np.r_[0, 0:count]]
+)
+def test_a_mode_that_is_never_found_or_found_twice_is_an_error(
+    bar, held_frequencies, rows, monkeypatch
+):
+    monkeypatch.setattr(counting, "interface_modes", kept_by(rows, 9))
     with pytest.raises(ComputationError, match="bar, all interfaces held: certificate"):
-        counted_modes(bar.held, cutoff)
-
-    def first_twice(held, cutoff, search=0):
-        found = interface_modes(held, cutoff, search)
-        twice = np.r_[0, 0 : len(found.frequencies)]
-        return Modes(found.frequencies[twice], found.shapes[:, twice])
-
-    monkeypatch.setattr(counting, "interface_modes", first_twice)
-    with pytest.raises(ComputationError, match="certificate of the modes failed"):
-        counted_modes(bar.held, cutoff)
+        counted_modes(bar.held, 1.001 * held_frequencies[9])
 
 
 CLAMPED = 6

@@ -5,17 +5,15 @@ import pytest
 from like_ifw import EQUIVALENT, system_of
 from numpy.testing import assert_allclose
 from prismatic_legs import STEEL, meshed
-from scipy.linalg import eigh, null_space
-from scipy.sparse import csr_array
+from scipy.linalg import eigh
 
 from fem.beams.beam import beam_leg
-from fem.bodies.solid import clamped_leg, solid_leg_matrices
+from fem.bodies.solid import solid_leg_matrices
+from fem.reduction.counted_modes import interface_modes
 from fem.reduction.craig_bampton import craig_bampton, frequency_bounds
-from fem.reduction.interface_modes import interface_modes
-from fem.reduction.superelement import held_leg, held_solid_leg
+from fem.reduction.superelement import held_leg
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg
-from lumped.mechanism.body_model import LegMatrices
 from lumped.models.bodies import legs_of
 from lumped.models.segments import segment_chain, segment_leg
 from lumped.sections import Rectangle
@@ -114,45 +112,6 @@ def test_interface_modes_are_those_of_the_clamped_clamped_matrices(leg, division
     assert_allclose(found.frequencies, frequencies[:count], rtol=1e-8)
     gram = found.shapes.T @ (whole.mass @ found.shapes)
     assert_allclose(gram, np.eye(count), atol=1e-8)
-
-
-@pytest.fixture(scope="module")
-def free_ends():
-    """Both legs with free ends: held, and unreduced on (ends, null space of the ends' twists)."""
-    held, unreduced = [], []
-    for leg in (LEG_1, LEG_2):
-        solid = meshed(leg, 1, 3)
-        clamped = clamped_leg(solid, "free")
-        held.append(held_solid_leg(clamped, solid.mesh))
-        loads = clamped.solid.twists
-        inner = null_space(loads.T)
-        basis = np.hstack([loads @ np.linalg.inv(loads.T @ loads), inner])
-        stiffness, mass = (basis.T @ (a @ basis) for a in (solid.stiffness, solid.mass))
-        unreduced.append(
-            LegMatrices(
-                "solid",
-                csr_array(stiffness),
-                csr_array(mass),
-                length=leg.length,
-                centreline=lambda at: at,
-            )
-        )
-    return held, unreduced
-
-
-def test_robot_with_free_ends_is_the_one_in_the_null_space(free_ends):
-    """An interface by work-conjugate twists, against unknowns that contain them."""
-    held, unreduced = free_ends
-    reduced = [craig_bampton(leg, HIGHEST) for leg in held]
-    whole = solved(system_of(0.4975, *unreduced))
-    robot = solved(system_of(0.4975, *(leg.matrices for leg in reduced)))
-    assert_allclose(compliance(robot)[:3, :3], compliance(whole)[:3, :3], rtol=1e-8, atol=1e-15)
-    exact = modes(whole, COUNT).frequencies
-    bounds = frequency_bounds(robot.system, dict(zip(NAMES, reduced, strict=True)), COUNT)
-    assert_allclose(bounds.upper, exact, rtol=1e-4)
-    # The dense null space is rounded to about 1e-9 of the frequencies.
-    assert np.all(bounds.lower <= exact * (1.0 + 1e-8))
-    assert np.all(exact <= bounds.upper * (1.0 + 1e-8))
 
 
 def test_cut_off_below_the_asked_frequencies_is_refused():

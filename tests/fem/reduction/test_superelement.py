@@ -15,7 +15,6 @@ from fem.beams.beam import beam_leg
 from fem.bodies.solid import clamped_leg, section_twists, solid_leg_matrices
 from fem.reduction.superelement import ENDS, held_leg, held_solid_leg, static_superelement
 from lumped.errors import ComputationError
-from lumped.mechanism.body_model import LegMatrices
 from lumped.models.bodies import legs_of
 from lumped.models.segments import segment_chain, segment_leg
 from lumped.screws import shift
@@ -25,7 +24,6 @@ LEG_1, LEG_2 = legs_of(EQUIVALENT).values()
 
 MODELS = {
     "segments": lambda leg: segment_leg(segment_chain(leg.timoshenko, leg.length, 8)),
-    "one segment": lambda leg: segment_leg(segment_chain(leg.timoshenko, leg.length, 1)),
     # Two rigid ends and one spring: nothing to condense.
     "ends alone": lambda leg: segment_leg(segment_chain(leg.timoshenko, leg.length, 2, "literal")),
     # 11 unknowns inside: not in threes, the order of elimination takes them all the same.
@@ -36,15 +34,21 @@ models = pytest.mark.parametrize("model", MODELS.values(), ids=MODELS)
 
 
 @models
-def test_condensed_matrices_are_the_schur_complement(model):
+def test_condensation_is_the_schur_complement_and_recovers_the_field(model):
     """Dense K_bb − K_bi K_ii⁻¹ K_ib, and Guyan's mass with the same transformation."""
     leg = model(LEG_2)
     k, m = leg.stiffness.toarray(), leg.mass.toarray()
     modes = np.vstack([np.eye(12), -np.linalg.solve(k[12:, 12:], k[12:, :12])])
-    reduced = static_superelement(held_leg(leg)).matrices
+    superelement = static_superelement(held_leg(leg))
+    reduced = superelement.matrices
     expected = k[:12, :12] + k[:12, 12:] @ modes[12:]
     assert scaled_difference(reduced.stiffness.toarray(), expected) < 1e-9
     assert_allclose(reduced.mass.toarray(), modes.T @ m @ modes, rtol=0, atol=1e-9 * m.max())
+    size = np.abs(modes).max(axis=0)
+    assert_allclose(superelement.recover(np.eye(12)) / size, modes / size, atol=1e-9)
+    at = np.array([0.0, 0.3, LEG_2.length])
+    field = leg.centreline(at) @ modes
+    assert_allclose(reduced.centreline(at) @ np.eye(12) / size, field / size, atol=1e-9)
 
 
 @models
@@ -70,25 +74,6 @@ def test_rigid_leg_keeps_mass_and_inertia(model):
         assert np.array_equal(matrix, matrix.T)
 
 
-@models
-def test_recovery_is_the_field_of_the_unreduced_leg(model):
-    leg = model(LEG_1)
-    superelement = static_superelement(held_leg(leg))
-    wrenches = np.eye(6)
-    full = np.zeros((leg.size, 6))
-    loads = np.zeros((leg.size - 6, 6))
-    loads[:6] = wrenches
-    full[6:] = np.linalg.solve(leg.stiffness.toarray()[6:, 6:], loads)
-    ends = np.zeros((12, 6))
-    tip = superelement.matrices.stiffness.toarray()[6:, 6:]
-    ends[6:] = np.linalg.solve(tip, wrenches)
-    size = np.abs(full).max(axis=0)
-    assert_allclose(superelement.recover(ends) / size, full / size, atol=1e-9)
-    at = np.array([0.0, 0.3, 0.85])
-    expected = leg.centreline(at) @ full
-    assert_allclose(superelement.matrices.centreline(at) @ ends / size, expected / size, atol=1e-9)
-
-
 def test_parts_sum_to_the_stiffness():
     reduced = static_superelement(held_leg(MODELS["beam"](LEG_2))).matrices
     assert set(reduced.parts) == {"tension", "torsion", "bending y", "bending z"}
@@ -96,25 +81,17 @@ def test_parts_sum_to_the_stiffness():
     assert_allclose(total, reduced.stiffness.toarray(), rtol=0, atol=1e-10 * total.max())
 
 
-def test_supported_leg_is_refused():
+def test_supported_legs_and_loose_parts_are_refused():
     leg = MODELS["beam"](LEG_1)
-    spring = np.zeros(leg.size)
-    spring[13] = 1e-3 * leg.stiffness.diagonal()[13]
-    grounded = replace(leg, stiffness=csr_array(leg.stiffness + np.diag(spring)))
+    stiffness = leg.stiffness.toarray()
+    grounded, loose = stiffness.copy(), stiffness.copy()
+    grounded[13, 13] *= 1.0 + 1e-3
     with pytest.raises(ComputationError, match=r"beam leg: a rigid motion .* supported"):
-        held_leg(grounded)
-
-
-def test_loose_part_is_refused():
-    leg = MODELS["beam"](LEG_1)
-    loose = leg.stiffness.toarray()
+        held_leg(replace(leg, stiffness=csr_array(grounded)))
     loose[13], loose[:, 13] = 0.0, 0.0
     loose[13, 13] = -1.0
-    broken = LegMatrices(
-        "beam", csr_array(loose), leg.mass, length=leg.length, centreline=leg.centreline
-    )
     with pytest.raises(ComputationError, match="beam leg, both ends held"):
-        held_leg(broken)
+        held_leg(replace(leg, stiffness=csr_array(loose)))
 
 
 @pytest.fixture(scope="module")

@@ -1,3 +1,5 @@
+"""Sparse factors by every way to eliminate, against SuperLU and a dense Cholesky."""
+
 import importlib.util
 import pickle
 
@@ -9,105 +11,106 @@ from scipy.sparse.linalg import spsolve
 
 import fem.solvers.cholesky
 import fem.solvers.factor
-from fem.elements.elasticity import stiffness_and_mass
+from fem.bodies.solid import clamped_leg, solid_leg, solid_mesh
+from fem.elements.elasticity import stiffness
+from fem.machine import threads
+from fem.solvers import cholesky
 from fem.solvers.cholesky import analyse, default_backend, factorise
+from fem.solvers.cholmod import layout, supernodes
 from fem.solvers.cholmod.bisected_factor import BisectedFactor
 from fem.solvers.cholmod.supernodes import statistics
-from fem.solvers.cholmod.whole_factor import CholmodFactor, symbolic_factor
-from fem.solvers.factor import NotPositiveDefiniteError, upper_triangle
+from fem.solvers.cholmod.whole_factor import CholmodFactor, PublicFactor, symbolic_factor
+from fem.solvers.factor import NotPositiveDefiniteError, SeparatedFactor, upper_triangle
 from fem.solvers.modes import MissedModesError
 from fem.solvers.ordering import block_graph, nested_dissection
 from lumped.errors import ComputationError, InputError
+from lumped.legs import ConstantLeg
 from lumped.sections import Rectangle
 from meshes.prism.extrude import extrude, stations
 from meshes.section.section_mesh import section_mesh
 
-CHOLMOD = {"whole": CholmodFactor, "halves": BisectedFactor}
+KIND = {"whole": CholmodFactor, "halves": BisectedFactor, "public": PublicFactor}
+MKL = pytest.param(
+    "mkl",
+    marks=pytest.mark.skipif(
+        importlib.util.find_spec("pypardiso") is None, reason="the extra mkl is not installed"
+    ),
+)
 # Solutions of one matrix by two eliminations differ by its condition number (here 1e6) times 1e-16.
 SOLVER_TOLERANCE = 1e-9
 
 
-@pytest.fixture(
-    params=[
-        *CHOLMOD,
-        pytest.param(
-            "mkl",
-            marks=pytest.mark.skipif(
-                importlib.util.find_spec("pypardiso") is None,
-                reason="the extra mkl is not installed",
-            ),
-        ),
-    ]
-)
-def elimination(request, monkeypatch):
-    """Analysis by each way to eliminate, in halves a matrix that is far too small for two threads.
-
-    Solutions are SuperLU's.
-    """
-    way = request.param
-    if way in CHOLMOD:
-        monkeypatch.setenv("OMP_NUM_THREADS", "2")
-        monkeypatch.setattr(fem.solvers.cholesky, "_BISECTED", 0 if way == "halves" else 10**9)
-
-    def analysed(matrix):
-        return analyse(matrix, backend="cholmod" if way in CHOLMOD else way)
-
-    def solves(factor, matrix, columns=2):
-        assert isinstance(factor, CHOLMOD.get(way, object))
-        loads = np.random.default_rng(1).standard_normal((matrix.shape[0], columns))
-        expected, found = spsolve(matrix.tocsc(), loads), factor.solve(loads)
-        assert found.shape == loads.shape
-        assert np.abs(found - expected).max() <= SOLVER_TOLERANCE * np.abs(expected).max()
-
-    return analysed, solves
+@pytest.fixture
+def way(request, monkeypatch):
+    """Each way to eliminate, in halves matrices that are far too small for two threads."""
+    monkeypatch.setenv("OMP_NUM_THREADS", "2")
+    monkeypatch.setenv("FLEXPROOF_SOLVER", "mkl" if request.param == "mkl" else "cholmod")
+    if request.param == "halves":
+        monkeypatch.setattr(fem.solvers.cholesky, "_BISECTED", 0)
+    if request.param == "public":
+        monkeypatch.setattr(fem.solvers.cholesky, "factors_are_readable", lambda: False)
+    return request.param
 
 
-def test_one_analysis_serves_several_matrices_at_once(short_leg, elimination):
-    (K, M), (analysed, solves) = short_leg, elimination
-    symbolic = analysed(K)
+every_way = pytest.mark.parametrize("way", [*KIND, MKL], indirect=True)
+separated = pytest.mark.parametrize("way", ["whole", "halves"], indirect=True)
+in_halves = pytest.mark.parametrize("way", ["halves"], indirect=True)
+
+
+def factor_of(matrix, way):
+    factor = factorise(analyse(matrix), matrix)
+    assert type(factor) is KIND.get(way, type(factor))
+    assert isinstance(factor, SeparatedFactor) == (way in ("whole", "halves"))
+    return factor
+
+
+def assert_solves(factor, matrix, columns=2):
+    loads = np.random.default_rng(1).standard_normal((matrix.shape[0], columns))
+    expected, found = spsolve(matrix.tocsc(), loads), factor.solve(loads)
+    assert found.shape == loads.shape
+    assert np.abs(found - expected).max() <= SOLVER_TOLERANCE * np.abs(expected).max()
+
+
+@every_way
+def test_one_analysis_serves_several_matrices_at_once(short_leg, way):
+    K, M = short_leg
+    symbolic = analyse(K)
     matrices = K, K + 1e6 * M, diags_array(K.diagonal(), format="csr")
     factors = [factorise(symbolic, matrix) for matrix in matrices]
     for factor, matrix, columns in zip(factors, matrices, (40, 2, 2), strict=True):
-        solves(factor, matrix, columns)
+        assert_solves(factor, matrix, columns)
     one = factors[0].solve(np.ones(K.shape[0]))
     assert one.shape == (K.shape[0],)
     np.testing.assert_allclose(K @ one, 1.0, atol=1e-6)
     assert factors[0].solve(np.ones((K.shape[0], 0))).shape == (K.shape[0], 0)
+    by_triangle = factor_of(upper_triangle(K), way)
+    np.testing.assert_array_equal(by_triangle.solve(np.ones(K.shape[0])), one)
 
 
-def test_what_is_no_positive_definite_matrix_of_the_pattern_is_refused(short_leg, elimination):
-    (K, M), (analysed, _) = short_leg, elimination
-    symbolic = analysed(diags_array(K.diagonal(), format="csr"))
+@every_way
+@pytest.mark.usefixtures("way")
+def test_what_is_no_positive_definite_matrix_of_the_pattern_is_refused(short_leg, capfd):
+    K, M = short_leg
+    symbolic = analyse(diags_array(K.diagonal(), format="csr"))
     with pytest.raises(ComputationError, match="outside the pattern"):
         factorise(symbolic, K)
     with pytest.raises(ComputationError, match="given to the analysis"):
         factorise(symbolic, K[:-3, :-3])
     shift = 2.0 * (2.0 * np.pi * 1e4) ** 2
     with pytest.raises(NotPositiveDefiniteError, match=r"leg 1: .*not positive definite.*unknown"):
-        factorise(analysed(K), K - shift * M, part="leg 1")
-    free, _ = stiffness_and_mass(
-        extrude(section_mesh(Rectangle(0.04, 0.06), 2, "quad9"), stations(0.3, 3)), STEEL
-    )
+        factorise(analyse(K), K - shift * M, part="leg 1")
+    section = section_mesh(Rectangle(0.04, 0.06), 2, "quad9")
+    free = stiffness(extrude(section, stations(0.3, 3)), STEEL)
     with pytest.raises(NotPositiveDefiniteError, match="rigid body"):
-        factorise(analysed(free), free)
+        factorise(analyse(free), free)
+    assert capfd.readouterr() == ("", "")
 
 
-def test_too_little_memory_is_said_before_the_factorisation(short_leg, elimination, monkeypatch):
-    (K, _), (analysed, _) = short_leg, elimination
-    symbolic = analysed(K)
+def test_too_little_memory_is_said_before_the_factorisation(short_leg, monkeypatch):
+    symbolic = analyse(short_leg[0])
     monkeypatch.setattr(fem.solvers.factor, "available_memory", lambda: symbolic.peak_bytes - 1)
     with pytest.raises(ComputationError, match=r"leg 2: factorising \d+ unknowns needs about"):
-        factorise(symbolic, K, part="leg 2")
-
-
-def test_block_solves_and_cvxopts_own_agree(short_leg, monkeypatch):
-    K, _ = short_leg
-    factor = factorise(analyse(K, backend="cholmod"), K)
-    loads = np.random.default_rng(2).standard_normal((K.shape[0], 5))
-    together = factor.solve(loads)
-    monkeypatch.setattr("fem.solvers.cholmod.library._library", lambda: None)
-    one_by_one = factor.solve(loads)
-    assert np.abs(together - one_by_one).max() <= SOLVER_TOLERANCE * np.abs(together).max()
+        factorise(symbolic, short_leg[0], part="leg 2")
 
 
 def test_predicted_size_is_the_factors(short_leg):
@@ -128,32 +131,155 @@ def test_predicted_size_is_the_factors(short_leg):
     assert 8 * entries <= symbolic.peak_bytes <= 3 * 8 * entries + 60 * K.nnz
 
 
-def test_backend_from_the_environment(monkeypatch):
+@separated
+def test_separators_and_products_across_them(short_leg, way):
+    """Columns on separators, and columns anywhere: then all of L is on their paths."""
+    K, _ = short_leg
+    factor, n = factor_of(K, way), K.shape[0]
+    separators = factor.separators(9)
+    assert [len(s) for s in separators] == sorted((len(s) for s in separators), reverse=True)
+    together = np.concatenate(separators)
+    assert len(np.unique(together)) == len(together)
+    if way == "halves":
+        first, second = (half.order[: half.own] for half in factor.halves)
+        assert K[first][:, second].nnz == 0
+        # Halves by name: their work differs little.
+        assert 0.8 < len(first) / len(second) < 1.25
+    rng = np.random.default_rng(3)
+    patches = np.zeros((n, 15))
+    for number, separator in enumerate(separators[:5]):
+        patches[separator[:12], 3 * number : 3 * number + 3] = rng.standard_normal((12, 3))
+    anywhere = np.where(rng.random((n, 7)) < 0.02, rng.standard_normal((n, 7)), 0.0)
+    for W in (patches, anywhere):
+        expected = W.T @ spsolve(K.tocsc(), W)
+        found = factor.gram(csr_array(W))
+        assert np.abs(found - expected).max() <= SOLVER_TOLERANCE * np.abs(expected).max()
+
+
+@pytest.mark.parametrize("place", ["half", "separator"])
+@in_halves
+def test_the_unknown_of_a_negative_pivot_is_named(short_leg, place, way):
+    K, _ = short_leg
+    factor = factor_of(K, way)
+    unknown = {"half": factor.halves[1].order[7], "separator": factor.separator[4]}[place]
+    # By its own diagonal entry alone: whatever is eliminated before makes it no larger.
+    broken = csr_array(diags_array(np.where(np.arange(K.shape[0]) == unknown, -1.0, 2.0)))
+    with pytest.raises(NotPositiveDefiniteError, match="leg 1") as refused:
+        factorise(analyse(K), broken, "leg 1")
+    assert refused.value.unknown == unknown
+
+
+@in_halves
+def test_whole_that_is_indefinite_although_both_halves_are_not(way):
+    """A chain with ends that push each other: either half is positive definite with the other held.
+
+    Eigenvalues of the second difference are 2 − 2 cos(kπ/(n+1)); a shift between the lowest of the
+    chain and the lowest of its halves leaves one negative.
+    """
+    n = 300
+    chain = 2.0 * eye_array(n) - eye_array(n, k=1) - eye_array(n, k=-1)
+    lowest = 2.0 - 2.0 * np.cos(np.array([1.0, 2.0]) * np.pi / (n + 1))
+    shifted = csr_array(chain - lowest.mean() * eye_array(n))
+    with pytest.raises(NotPositiveDefiniteError):
+        factorise(analyse(shifted), shifted)
+    sound = csr_array(chain - 0.5 * lowest[0] * eye_array(n))
+    assert_solves(factor_of(sound, way), sound)
+
+
+@in_halves
+@pytest.mark.usefixtures("way")
+def test_pieces_that_are_not_coupled(short_leg):
+    """A half of several pieces may not keep its separator last, equal pieces need none."""
+    K, _ = short_leg
+    for sizes in ((300, 90, 600, 60), (300, 300)):
+        pieces = csr_array(block_diag([K[:size, :size] for size in sizes]))
+        assert_solves(factorise(analyse(pieces), pieces), pieces)
+
+
+@in_halves
+@pytest.mark.usefixtures("way")
+def test_factorisations_at_once_do_not_disturb_each_other(short_leg):
+    """CHOLMOD's workspaces are apart and its BLAS locks its buffers: the same bits every time."""
+    K, _ = short_leg
+    symbolic = analyse(K)
+    loads = np.random.default_rng(5).standard_normal((K.shape[0], 8))
+    first = factorise(symbolic, K).solve(loads)
+    for _ in range(8):
+        np.testing.assert_array_equal(factorise(symbolic, K).solve(loads), first)
+
+
+def test_halves_for_large_matrices_and_two_threads_alone(short_leg, monkeypatch):
+    for told, size, kind in (("2", 0, "halves"), ("1", 0, "whole"), ("2", 10**6, "whole")):
+        monkeypatch.setenv("OMP_NUM_THREADS", told)
+        monkeypatch.setattr(fem.solvers.cholesky, "_BISECTED", size)
+        factor_of(short_leg[0], kind)
+    monkeypatch.setattr("os.sched_getaffinity", lambda _: {0, 1, 2, 3}, raising=False)
+    for told, expected in (("3", 3), ("", 4), ("0", 4), ("many", 4)):
+        monkeypatch.setenv("OMP_NUM_THREADS", told)
+        assert threads() == expected
+
+
+@pytest.fixture
+def asked_anew():
+    """The question whether factors can be read is answered once; here, and after, once more."""
+    layout.factors_are_readable.cache_clear()
+    yield
+    layout.factors_are_readable.cache_clear()
+
+
+@pytest.mark.usefixtures("asked_anew")
+@pytest.mark.parametrize(
+    ("where", "name", "other"),
+    [
+        (layout, "_READ", ("1.3.",)),
+        (layout, "version", lambda _library: "1.4.0"),
+        (layout, "symbols_are_found", lambda: False),
+        (supernodes, "elimination_order", lambda _factor: np.arange(432)[::-1]),
+        (CholmodFactor, "_solved", lambda _self, columns: columns),
+    ],
+)
+def test_another_version_or_layout_than_the_locked_one_is_noticed(monkeypatch, where, name, other):
+    monkeypatch.setattr(where, name, other)
+    read = name == "_READ"
+    assert layout.factors_are_readable() == read
+    reached = "" if read else ", by cvxopt's public interface (slower)"
+    assert cholesky.solver_name() == "CHOLMOD (cvxopt) with METIS" + reached
+    matrix = csr_array(np.eye(3))
+    assert type(factorise(analyse(matrix), matrix)) is (CholmodFactor if read else PublicFactor)
+
+
+def test_compliance_and_modes_are_those_of_the_factor_that_is_read(monkeypatch):
+    leg = ConstantLeg(0.4, Rectangle(0.1, 0.14), STEEL)
+    solid = solid_leg(leg, solid_mesh(leg, 2))
+    read = clamped_leg(solid)
+    expected, frequencies = read.compliance, read.modes(3).frequencies
+    monkeypatch.setattr(cholesky, "factors_are_readable", lambda: False)
+    public = clamped_leg(solid)
+    assert isinstance(public.factor.numeric, PublicFactor)
+    np.testing.assert_allclose(public.compliance, expected, rtol=0, atol=1e-10 * expected.max())
+    np.testing.assert_allclose(public.modes(3).frequencies, frequencies, rtol=1e-9)
+
+
+def test_backend_from_the_environment(short_leg, monkeypatch):
     monkeypatch.delenv("FLEXPROOF_SOLVER", raising=False)
     assert default_backend() == "cholmod"
-    monkeypatch.setenv("FLEXPROOF_SOLVER", "mkl")
-    assert default_backend() == "mkl"
     monkeypatch.setenv("FLEXPROOF_SOLVER", "superlu")
     with pytest.raises(InputError, match="FLEXPROOF_SOLVER = 'superlu'"):
         default_backend()
-
-
-def test_missing_extra_is_said(short_leg, monkeypatch):
+    monkeypatch.setenv("FLEXPROOF_SOLVER", "mkl")
     monkeypatch.setitem(__import__("sys").modules, "pypardiso", None)
     with pytest.raises(ComputationError, match=r"flexproof\[mkl\]"):
-        analyse(short_leg[0], backend="mkl")
+        analyse(short_leg[0])
 
 
-def test_order_is_a_permutation_that_saves_fill(short_leg):
+def test_order_is_a_permutation_that_keeps_blocks_together(short_leg):
     K, _ = short_leg
-    ends = csr_array(np.ones((12, K.shape[0])))
-    coupled = block_diag([eye_array(12), K], format="lil")
-    coupled[:12, 12:600] = ends.toarray()[:, :588]
-    coupled[12:600, :12] = ends.toarray()[:, :588].T
-    matrix = csr_array(coupled)
+    ends = np.zeros((12, K.shape[0]))
+    ends[:, :588] = 1.0
+    matrix = csr_array(np.block([[np.eye(12), ends], [ends.T, K.toarray()]]))
     order = nested_dissection(block_graph(matrix, leading=(6, 6))).order
     assert (np.sort(order) == np.arange(matrix.shape[0])).all()
-    # Unknowns of one block stay together: six of an end, three of a node.
+    # Six of an end, three of a node.
     places = np.argsort(order)
     assert (np.diff(places[:6]) == 1).all()
     assert (np.diff(places[12:].reshape(-1, 3), axis=1) == 1).all()
