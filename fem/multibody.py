@@ -68,7 +68,7 @@ def frequencies(posture: Posture, elements: int, count: int) -> Array:
     """
     exudyn_version()
     require_beams(posture.mechanism)
-    system = _System(posture, elements)
+    system = _ExudynModel(posture, elements)
     system.mbs.Assemble()
     found = system.mbs.ComputeODE2Eigenvalues(
         convert2Frequencies=True, singularValuesTolerance=_TOLERANCE
@@ -76,7 +76,7 @@ def frequencies(posture: Posture, elements: int, count: int) -> Array:
     return np.sort(np.asarray(found[0], dtype=float))[:count]
 
 
-class _System:
+class _ExudynModel:
     def __init__(self, posture: Posture, elements: int) -> None:
         import exudyn  # noqa: PLC0415  an optional extra, and slow to import
         from exudyn import itemInterface  # noqa: PLC0415

@@ -7,8 +7,6 @@ solved densely.
 """
 
 from dataclasses import dataclass
-from functools import reduce
-from operator import add
 from typing import Literal, TypeAlias, get_args
 
 import numpy as np
@@ -16,13 +14,12 @@ from scipy.sparse import block_diag, csr_matrix, identity, vstack
 
 from fem.beams.beam import beam_leg
 from fem.beams.beam_theory import Kind
-from lumped.arrays import Array, IntArray, SparseMatrix
+from lumped.arrays import Array, SparseMatrix
 from lumped.dense.modes import Modes, solve_modes
 from lumped.dense.statics import solve_statics
-from lumped.errors import InputError
 from lumped.legs import BeamProperties
 from lumped.mechanism.body_model import LegMatrices
-from lumped.screws import skew, turn
+from lumped.screws import turn
 
 Component: TypeAlias = Literal["x", "y", "z", "φx", "φy", "φz"]
 Vector: TypeAlias = tuple[float, float, float]
@@ -57,7 +54,7 @@ class Support:
 
 
 @dataclass(frozen=True)
-class Frame:
+class BeamFrame:
     """Nodes (N×3, m), what is between them and what holds them; `name` is for messages."""
 
     name: str
@@ -82,27 +79,29 @@ class AssembledFrame:
     members: tuple[tuple[LegMatrices, SparseMatrix], ...]
 
 
-def assemble(frame: Frame) -> AssembledFrame:
-    """The frame's matrices. Raises InputError for members, supports or numbers that make none."""
-    _check(frame)
-    built = [_member(frame, member) for member in frame.members]
-    node_motion = _free_nodes(frame)
-    inner_sizes = [len(one.inner) for one in built]
-    # Free unknowns: those of the nodes, then those inside the members, member by member.
-    motion = block_diag([node_motion, identity(sum(inner_sizes))], format="csr")
-    node_count = 6 * len(frame.nodes)
-    size = node_count + sum(inner_sizes)
-    starts = node_count + np.cumsum([0, *inner_sizes])
-    to_own = [one.placed(start, size) @ motion for one, start in zip(built, starts, strict=False)]
-    twists = csr_matrix(identity(size, format="csr")[:node_count] @ motion)
-    stiffness = [t.T @ one.stiffness @ t for one, t in zip(built, to_own, strict=True)]
-    mass = [t.T @ one.leg.mass @ t for one, t in zip(built, to_own, strict=True)]
+def assemble(frame: BeamFrame) -> AssembledFrame:
+    """The frame's matrices on the free unknowns of its nodes, then those inside its members."""
+    free = _free_nodes(frame)
+    legs = [_leg(frame, member) for member in frame.members]
+    parts = [
+        csr_matrix(sum(leg.parts[kind] for kind in member.kinds))
+        for leg, member in zip(legs, frame.members, strict=True)
+    ]
+    # Those that its kinds of deformation move.
+    inner = [np.flatnonzero(part.diagonal()[12:] > 0.0) for part in parts]
+    stops = free.shape[1] + np.cumsum([len(moved) for moved in inner])
+    rows = identity(int(stops[-1]), format="csr")
+    to_own = []
+    for member, leg, moved, stop in zip(frame.members, legs, inner, stops, strict=True):
+        inside = identity(leg.size - 12, format="csr")[:, moved]
+        own = block_diag([_ends(frame, member) @ free, inside], format="csr")
+        to_own.append(csr_matrix(own @ rows[np.r_[: free.shape[1], stop - len(moved) : stop]]))
     return AssembledFrame(
         name=frame.name,
-        stiffness=csr_matrix(reduce(add, stiffness)),
-        mass=csr_matrix(reduce(add, mass)),
-        twists=twists,
-        members=tuple((one.leg, t) for one, t in zip(built, to_own, strict=True)),
+        stiffness=csr_matrix(sum(t.T @ k @ t for k, t in zip(parts, to_own, strict=True))),
+        mass=csr_matrix(sum(t.T @ leg.mass @ t for leg, t in zip(legs, to_own, strict=True))),
+        twists=csr_matrix(free @ rows[: free.shape[1]]),
+        members=tuple(zip(legs, to_own, strict=True)),
     )
 
 
@@ -123,90 +122,32 @@ def modes(frame: AssembledFrame, count: int) -> Modes:
     return solve_modes(frame.stiffness, frame.mass, count, frame.name)
 
 
-@dataclass(frozen=True)
-class _BuiltMember:
-    """A member's matrices and how it hangs on the nodes.
-
-    `ends` (12×6N) gives its end twists in member axes, `inner` the unknowns inside that its kinds
-    of deformation move, `stiffness` that of these kinds.
-    """
-
-    leg: LegMatrices
-    stiffness: SparseMatrix
-    ends: SparseMatrix
-    inner: IntArray
-
-    def placed(self, first: int, size: int) -> SparseMatrix:
-        """Sparse matrix from all nodes' and inner unknowns (`size`) to those of the member."""
-        rows = identity(size, format="csr")
-        nodes = self.ends @ rows[: self.ends.shape[1]]
-        chosen = identity(self.leg.size - 12, format="csr")[:, self.inner - 12]
-        return vstack([nodes, chosen @ rows[first : first + len(self.inner)]], format="csr")
+def _leg(frame: BeamFrame, member: Member) -> LegMatrices:
+    length = float(np.linalg.norm(frame.nodes[member.end] - frame.nodes[member.start]))
+    return beam_leg(member.properties, length, member.elements)
 
 
-def _member(frame: Frame, member: Member) -> _BuiltMember:
-    start, end = _member_ends(frame, member)
-    leg = beam_leg(member.properties, float(np.linalg.norm(end - start)), member.elements)
+def _ends(frame: BeamFrame, member: Member) -> SparseMatrix:
+    """End twists (12×6N) in member axes from those of the nodes."""
     to_member_axes = turn(_member_axes(frame, member)).T
     rows = identity(6 * len(frame.nodes), format="csr")
-    ends = [
-        csr_matrix(to_member_axes) @ rows[6 * node : 6 * node + 6]
-        for node in (member.start, member.end)
-    ]
-    stiffness = csr_matrix(reduce(add, (leg.parts[kind] for kind in member.kinds)))
-    moved = np.flatnonzero(stiffness.diagonal() > 0.0)
-    return _BuiltMember(leg, stiffness, vstack(ends, format="csr"), moved[moved >= 12])
+    nodes = (rows[6 * node : 6 * node + 6] for node in (member.start, member.end))
+    return vstack([csr_matrix(to_member_axes) @ twists for twists in nodes], format="csr")
 
 
-def _member_ends(frame: Frame, member: Member) -> tuple[Array, Array]:
-    nodes = np.asarray(frame.nodes, dtype=float)
-    return nodes[member.start], nodes[member.end]
-
-
-def _member_axes(frame: Frame, member: Member) -> Array:
+def _member_axes(frame: BeamFrame, member: Member) -> Array:
     """3×3, the member's x, y, z as columns in frame axes."""
-    start, end = _member_ends(frame, member)
-    x = (end - start) / np.linalg.norm(end - start)
+    along = frame.nodes[member.end] - frame.nodes[member.start]
+    x = along / np.linalg.norm(along)
     y = np.cross(np.array(member.normal), x)
     y /= np.linalg.norm(y)
     return np.column_stack([x, y, np.cross(x, y)])
 
 
-def _free_nodes(frame: Frame) -> SparseMatrix:
+def _free_nodes(frame: BeamFrame) -> SparseMatrix:
     """6N × free: twists of the nodes from the components that no support holds."""
     blocks = [np.eye(6) for _ in frame.nodes]
     for support in frame.supports:
         free = [i for i, component in enumerate(COMPONENTS) if component not in support.held]
         blocks[support.node] = np.eye(6)[:, free]
     return block_diag(blocks, format="csr")
-
-
-def _check(frame: Frame) -> None:
-    faults: list[str] = []
-    count = len(frame.nodes)
-    used = [node for member in frame.members for node in (member.start, member.end)]
-    used += [support.node for support in frame.supports]
-    faults += [f"node {n}: there are {count}" for n in sorted(set(used)) if not 0 <= n < count]
-    held = [support.node for support in frame.supports]
-    faults += [f"node {n}: supported twice" for n in sorted({n for n in held if held.count(n) > 1})]
-    if not faults:
-        faults += [
-            fault
-            for number, member in enumerate(frame.members)
-            for fault in _member_faults(frame, number, member)
-        ]
-    if faults:
-        raise InputError(f"{frame.name}: {fault}" for fault in faults)
-
-
-def _member_faults(frame: Frame, number: int, member: Member) -> list[str]:
-    start, end = _member_ends(frame, member)
-    length, normal = float(np.linalg.norm(end - start)), np.array(member.normal)
-    if not length > 0.0:
-        return [f"member {number}: its two ends are at one place"]
-    if not member.kinds:
-        return [f"member {number}: kinds is empty: it must deform in some way"]
-    across = float(np.linalg.norm(skew((end - start) / length) @ normal))
-    if not across > 1e-9 * float(np.linalg.norm(normal)):
-        return [f"member {number}: normal = {member.normal}: must not lie along the member"]
-    return []

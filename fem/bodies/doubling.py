@@ -29,7 +29,6 @@ thus do not couple.
 """
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from scipy.linalg import LinAlgError, cholesky, qr, solve_triangular
@@ -50,25 +49,19 @@ _TWIST_MIRROR = np.array([-1.0, 1.0, 1.0, 1.0, -1.0, -1.0])
 
 
 @dataclass(frozen=True, eq=False)
-class FaceMotions:
-    """Displacements u (m) of a face of m/3 nodes as twist and deformation, u = twist + N v.
+class _FaceDeformations:
+    """Deformations N (m×k, k = m − 6) of a face: orthonormal, and Saint-Venant's loads do no work.
 
-    `loads` B (m×6) are Saint-Venant's of unit wrenches at the face's centre, the twist is Bᵀu;
-    `rigid` R (m×6) the rigid motions about that centre; `deformations` N (m×k, k = m − 6) has
-    orthonormal columns, BᵀN = 0, the first `axial` of them along x, the others within the face.
+    The first `axial` are along x, the others within the face.
     """
 
-    loads: Array
-    rigid: Array
-    deformations: Array
+    fields: Array
     axial: int
 
-    @cached_property
+    @property
     def mirror(self) -> Array:
         """Signs s (k) of the deformations mirrored in a plane x = constant."""
-        signs = np.ones(self.deformations.shape[1])
-        signs[: self.axial] = -1.0
-        return signs
+        return np.repeat([-1.0, 1.0], [self.axial, self.fields.shape[1] - self.axial])
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,7 +108,7 @@ def condensed_leg(leg: ConstantLeg, section: SectionMesh, slices: int) -> Conden
         if slices < 1:
             raise InputError(f"slices = {slices}: must be at least 1")
         mesh = extrude(section, np.array([0.0, leg.length / slices]))
-        face = _face_motions(mesh, leg)
+        face = _face_deformations(mesh, leg)
         one = _slice(mesh, leg, face)
     piece = one
     # The binary digits of n after the first: double, and add one slice where the digit is 1.
@@ -194,7 +187,7 @@ def doubled(piece: CondensedPiece) -> CondensedPiece:
     return CondensedPiece(2.0 * piece.length, compliance, twists, own, across, piece.mirror)
 
 
-def _face_motions(mesh: SolidMesh, leg: ConstantLeg) -> FaceMotions:
+def _face_deformations(mesh: SolidMesh, leg: ConstantLeg) -> _FaceDeformations:
     points = mesh.nodes[mesh.root.nodes]
     loads = saint_venant_loads(mesh.root, points, np.zeros(3), leg.material)
     along = np.arange(0, len(loads), 3)
@@ -202,12 +195,7 @@ def _face_motions(mesh: SolidMesh, leg: ConstantLeg) -> FaceMotions:
     # Fx, My and Mz are axial tractions, Fy, Fz and Mx tractions within the face.
     axial = _complement(loads, along, np.array([0, 4, 5]))
     in_face = _complement(loads, within, np.array([1, 2, 3]))
-    return FaceMotions(
-        loads=loads,
-        rigid=rigid_motions(points, np.zeros(3)),
-        deformations=np.hstack([axial, in_face]),
-        axial=axial.shape[1],
-    )
+    return _FaceDeformations(np.hstack([axial, in_face]), axial.shape[1])
 
 
 def _complement(loads: Array, rows: IntArray, wrenches: IntArray) -> Array:
@@ -218,7 +206,7 @@ def _complement(loads: Array, rows: IntArray, wrenches: IntArray) -> Array:
     return columns
 
 
-def _slice(mesh: SolidMesh, leg: ConstantLeg, face: FaceMotions) -> CondensedPiece:
+def _slice(mesh: SolidMesh, leg: ConstantLeg, face: _FaceDeformations) -> CondensedPiece:
     """One slice in the mixed form, its nodes in between the faces condensed.
 
     A tip deformed as the root's mirror image (+) does not couple with one deformed in the opposite
@@ -227,7 +215,7 @@ def _slice(mesh: SolidMesh, leg: ConstantLeg, face: FaceMotions) -> CondensedPie
     ends: mirrored alone, rounding in K would hold a rigid motion.
     """
     K = stiffness(mesh, leg.material)
-    m = len(face.deformations)
+    m = len(face.fields)
     root, tip = slice(0, m), slice(K.shape[0] - m, None)
     between = np.arange(m, K.shape[0] - m)
     middle = np.array([mesh.length / 2.0, 0.0, 0.0])
@@ -237,7 +225,7 @@ def _slice(mesh: SolidMesh, leg: ConstantLeg, face: FaceMotions) -> CondensedPie
     of_twist = K[:, root] @ at_root + K[:, tip] @ at_tip
     twist = at_root.T @ of_twist[root] + at_tip.T @ of_twist[tip]
     flip = diags_array(np.where(np.arange(m) % 3 == 0, -1.0, 1.0), format="csr")
-    compliance, twists, halves = np.zeros((6, 6)), np.zeros((6, face.deformations.shape[1])), []
+    compliance, twists, halves = np.zeros((6, 6)), np.zeros((6, face.fields.shape[1])), []
     for sign in (1.0, -1.0):
         kind = between[(between % 3 == 0) == (sign < 0.0)]
         own = np.flatnonzero(sign * _TWIST_MIRROR < 0.0)
@@ -268,10 +256,10 @@ def _slice(mesh: SolidMesh, leg: ConstantLeg, face: FaceMotions) -> CondensedPie
     )
 
 
-def _by_deformations(matrix: Array | SparseMatrix, face: FaceMotions) -> Array:
+def _by_deformations(matrix: Array | SparseMatrix, face: _FaceDeformations) -> Array:
     """matrix·N of a matrix with a column for each unknown of a face; N is zero across its kinds."""
-    along = np.arange(len(face.deformations)) % 3 == 0
-    axial, in_face = face.deformations[along, : face.axial], face.deformations[~along, face.axial :]
+    along = np.arange(len(face.fields)) % 3 == 0
+    axial, in_face = face.fields[along, : face.axial], face.fields[~along, face.axial :]
     return np.hstack([matrix[:, along] @ axial, matrix[:, ~along] @ in_face])
 
 

@@ -18,6 +18,8 @@ from lumped.legs import Material
 from meshes.elements import ELEMENTS, SolidElement
 
 Freedom: TypeAlias = tuple[int, int]  # node, component
+# A coefficient, a spring's stiffness to the ground (N/m, N m/rad) or a force (N, N m).
+OnFreedom: TypeAlias = tuple[Freedom, float]
 
 # CalculiX reads the first twenty characters of a number and drops the rest, exponent included.
 _NUMBER_WIDTH = 20
@@ -43,39 +45,16 @@ class Equation:
     """u_dependent = Σ coefficient · u_freedom. A dependent freedom occurs in no other equation."""
 
     dependent: Freedom
-    terms: tuple[tuple[Freedom, float], ...]
-
-
-@dataclass(frozen=True)
-class MassElement:
-    """A mass (kg) without rotary inertia at a node."""
-
-    node: int
-    mass: float
-
-
-@dataclass(frozen=True)
-class GroundedSpring:
-    """A spring of `stiffness` (N/m; N m/rad where it stands for a rotation) on one freedom."""
-
-    freedom: Freedom
-    stiffness: float
-
-
-@dataclass(frozen=True)
-class NodalForce:
-    """A force (N; N m on a node that stands for a rotation) on one freedom."""
-
-    freedom: Freedom
-    value: float
+    terms: tuple[OnFreedom, ...]
 
 
 @dataclass(frozen=True, eq=False)
 class Deck:
     """A linear model, its load cases and the number of its modes wanted.
 
-    `nodes` (N×3, m); `held` are freedoms without displacement; `load_cases` one static step each;
-    `watched` the nodes whose displacements are reported; `modes` 0 leaves the frequencies out.
+    `nodes` (N×3, m); `held` are freedoms without displacement; `masses` (kg) without rotary inertia
+    at nodes; `load_cases` one static step each; `watched` the nodes whose displacements are
+    reported; `modes` 0 leaves the frequencies out.
     """
 
     title: str
@@ -83,9 +62,9 @@ class Deck:
     parts: tuple[ElementSet, ...]
     equations: tuple[Equation, ...] = ()
     held: tuple[Freedom, ...] = ()
-    masses: tuple[MassElement, ...] = ()
-    springs: tuple[GroundedSpring, ...] = ()
-    load_cases: tuple[tuple[NodalForce, ...], ...] = ()
+    masses: tuple[tuple[int, float], ...] = ()
+    springs: tuple[OnFreedom, ...] = ()
+    load_cases: tuple[tuple[OnFreedom, ...], ...] = ()
     watched: tuple[int, ...] = ()
     modes: int = 0
 
@@ -123,17 +102,17 @@ def _lines(deck: Deck) -> Iterator[str]:
     for index, part in enumerate(deck.parts, start=1):
         yield from _part(part, f"PART{index}", first)
         first += len(part.cells)
-    for index, point in enumerate(deck.masses, start=1):
+    for index, (node, mass) in enumerate(deck.masses, start=1):
         name = f"MASS{index}"
         yield f"*ELEMENT, TYPE=MASS, ELSET={name}"
-        yield f"{first}, {point.node + 1}"
-        yield from (f"*MASS, ELSET={name}", _number(point.mass))
+        yield f"{first}, {node + 1}"
+        yield from (f"*MASS, ELSET={name}", _number(mass))
         first += 1
-    for index, spring in enumerate(deck.springs, start=1):
-        name, (node, component) = f"SPRING{index}", spring.freedom
+    for index, ((node, component), stiffness) in enumerate(deck.springs, start=1):
+        name = f"SPRING{index}"
         yield f"*ELEMENT, TYPE=SPRING1, ELSET={name}"
         yield f"{first}, {node + 1}"
-        yield from (f"*SPRING, ELSET={name}", f"{component + 1}", _number(spring.stiffness))
+        yield from (f"*SPRING, ELSET={name}", f"{component + 1}", _number(stiffness))
         first += 1
     if deck.equations:
         yield "*EQUATION"
@@ -148,9 +127,8 @@ def _lines(deck: Deck) -> Iterator[str]:
     for forces in deck.load_cases:
         # OP=NEW takes the loads of the step before away.
         yield from ("*STEP", "*STATIC", "*CLOAD, OP=NEW")
-        for force in forces:
-            node, component = force.freedom
-            yield f"{node + 1}, {component + 1}, {_number(force.value)}"
+        for (node, component), force in forces:
+            yield f"{node + 1}, {component + 1}, {_number(force)}"
         yield from ("*NODE PRINT, NSET=WATCHED", "U", "*END STEP")
     if deck.modes:
         yield from ("*STEP", "*FREQUENCY", f"{deck.modes}", "*END STEP")
@@ -158,14 +136,13 @@ def _lines(deck: Deck) -> Iterator[str]:
 
 def _part(part: ElementSet, name: str, first: int) -> Iterator[str]:
     kind = ELEMENTS[part.element]
-    if kind.abaqus is None or kind.abaqus_order is None:
+    if kind.abaqus is None:
         raise InputError(
             f"{part.element} elements cannot be exported: CalculiX has none with "
             f"{kind.node_count} nodes; take tet10, tet4 or hex8"
         )
     yield f"*ELEMENT, TYPE={kind.abaqus}, ELSET={name}"
-    connectivity = part.cells[:, list(kind.abaqus_order)] + 1
-    for number, nodes in enumerate(connectivity.tolist(), start=first):
+    for number, nodes in enumerate((part.cells + 1).tolist(), start=first):
         yield f"{number}, " + ", ".join(map(str, nodes))
     yield f"*MATERIAL, NAME={name}"
     yield from _elastic(part.material)

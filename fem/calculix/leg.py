@@ -10,7 +10,7 @@ vanishes with the element size.
 import numpy as np
 from scipy.sparse import csr_array, diags_array, eye_array, kron
 
-from fem.calculix.deck import Deck, ElementSet, Freedom, NodalForce, rigid_face
+from fem.calculix.deck import Deck, ElementSet, Freedom, rigid_face
 from fem.calculix.run import run_calculix
 from lumped.arrays import Array, SparseMatrix
 from lumped.legs import Material
@@ -38,7 +38,7 @@ def leg_deck(
         parts=(ElementSet(mesh.cells, mesh.element, material),),
         equations=rigid_face(tip, mesh.nodes[tip], point, twist),
         held=tuple((int(node), i) for node in mesh.root.nodes for i in range(3)),
-        load_cases=tuple((NodalForce(freedom, 1.0),) for freedom in twist),
+        load_cases=tuple(((freedom, 1.0),) for freedom in twist),
         watched=(translation, rotation),
         modes=modes,
     )

@@ -12,15 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem.bodies.solid import SolidLeg
-from fem.calculix.deck import (
-    Deck,
-    ElementSet,
-    Equation,
-    Freedom,
-    GroundedSpring,
-    MassElement,
-    NodalForce,
-)
+from fem.calculix.deck import Deck, ElementSet, Equation, Freedom, OnFreedom
 from fem.calculix.run import run_calculix
 from fem.couplings.grips import rigid_motions
 from lumped.arrays import Array, IntArray
@@ -84,7 +76,7 @@ class _Builder:
 
     def tie(self, freedom: Freedom, row: Array) -> None:
         """A freedom that follows the independent ones by `row` (n)."""
-        terms = self._terms(row)
+        terms = self.terms(row)
         if terms:
             self.equations.append(Equation(freedom, terms))
         else:
@@ -101,11 +93,8 @@ class _Builder:
             for component, row in enumerate(rows):
                 self.tie((number, component), row)
 
-    def load(self, row: Array) -> tuple[NodalForce, ...]:
-        """Forces on the independent freedoms that do the work of a unit load on `row` (n)."""
-        return tuple(NodalForce(freedom, value) for freedom, value in self._terms(row))
-
-    def _terms(self, row: Array) -> tuple[tuple[Freedom, float], ...]:
+    def terms(self, row: Array) -> tuple[OnFreedom, ...]:
+        """A `row` (n) by its freedoms: forces on them that do the work of a unit load, too."""
         kept = np.flatnonzero(np.abs(row) > _NOTHING)
         return tuple((self.independent[k], float(row[k])) for k in kept)
 
@@ -126,25 +115,23 @@ def mechanism_deck(posture: Posture, legs: Mapping[str, SolidLeg], modes: int) -
             points = _six_points(body.shape) @ frame.rotation.T + frame.position
             first = build.add(points)
             build.carry(first, points, (name, ""))
-            masses += [MassElement(first + k, body.shape.mass / 6.0) for k in range(6)]
+            masses += [(first + k, body.shape.mass / 6.0) for k in range(6)]
     tool = mechanism.tool
-    node = (tool.body, tool.point if tool.body in legs else "")
+    carrier = (tool.body, tool.point if tool.body in legs else "")
     at = interface_position(posture, Side(tool.body, tool.point))
     if tool.mass:
         first = build.add(at[None])
-        build.carry(first, at[None], node)
-        masses.append(MassElement(first, tool.mass))
+        build.carry(first, at[None], carrier)
+        masses.append((first, tool.mass))
     springs = []
     for row, stiffness in (*found.springs, *((row, _IDLE_STIFFNESS) for row in found.idle)):
         number = build.add(np.zeros((1, 3)))
         build.tie((number, 0), row)
         build.held += [(number, 1), (number, 2)]
-        springs.append(GroundedSpring((number, 0), stiffness))
+        springs.append(((number, 0), stiffness))
     # CalculiX couples freedoms by mass only where stiffness does: springs of none see to that.
-    springs += [
-        GroundedSpring((mass.node, component), 0.0) for mass in masses for component in range(3)
-    ]
-    loaded: Array = shift(at - found.places[node]) @ found.twists[node]
+    springs += [((node, component), 0.0) for node, _ in masses for component in range(3)]
+    loaded: Array = shift(at - found.places[carrier]) @ found.twists[carrier]
     deck = Deck(
         title=f"{mechanism.name} {shown_pose(mechanism, posture.pose)}",
         nodes=np.vstack(build.nodes),
@@ -153,7 +140,7 @@ def mechanism_deck(posture: Posture, legs: Mapping[str, SolidLeg], modes: int) -
         held=tuple(build.held),
         masses=tuple(masses),
         springs=tuple(springs),
-        load_cases=tuple(build.load(row) for row in loaded),
+        load_cases=tuple(build.terms(row) for row in loaded),
         watched=tuple(range(build.packed)),
         modes=modes + len(found.idle) if modes else 0,
     )

@@ -7,7 +7,7 @@ from math import pi
 import numpy as np
 
 from fem.beams.beam_theory import Kind
-from fem.beams.frame import Component, Frame, Member, Support, assemble, modes
+from fem.beams.frame import BeamFrame, Component, Member, Support, assemble, modes
 from lumped.arrays import Array
 from lumped.legs import ConstantLeg, Material
 from lumped.sections import Rectangle
@@ -63,7 +63,7 @@ def benchmarks() -> tuple[Benchmark, ...]:
     )
 
 
-def clusters(frame: Frame, published: Sequence[Cluster]) -> list[KnownNumber]:
+def clusters(frame: BeamFrame, published: Sequence[Cluster]) -> list[KnownNumber]:
     """The worst frequency of each cluster beside its target."""
     found = modes(assemble(frame), published[-1].last).frequencies
     return [
@@ -82,13 +82,13 @@ def double_cross(
     elements: int,
     kinds: tuple[Kind, ...] = ("bending z",),
     crossing: Support | None = None,
-) -> Frame:
+) -> BeamFrame:
     """FV2: arms of `kinds`, by default those that bend, around a crossing that turns alone."""
     angles = np.arange(ARMS) * 2.0 * pi / ARMS
     pins = ARM.length * np.column_stack([np.cos(angles), np.sin(angles), np.zeros(ARMS)])
     beam = ARM.properties("euler-bernoulli")
     numbers = range(1, ARMS + 1)
-    return Frame(
+    return BeamFrame(
         "NAFEMS FV2",
         np.vstack([np.zeros(3), pins]),
         tuple(Member(n, 0, beam, (0.0, 0.0, 1.0), elements, kinds=kinds) for n in numbers),

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from prismatic_legs import LEG_1, LEG_2
+from prismatic_legs import LEG_1
 
 from fem.beams.beam_theory import (
     bending_frequencies,
@@ -43,18 +43,15 @@ def square_leg(slenderness: float) -> ConstantLeg:
 def test_euler_bernoulli_roots_are_the_tabulated_ones():
     # Young and Felgar, Tables of Characteristic Functions (1949): cos x cosh x = −1.
     tabulated = [1.8751041, 4.6940911, 7.8547574, 10.9955407, 14.1371684]
-    assert_allclose(euler_bernoulli_roots(5), tabulated, atol=6e-8)
-
-
-def test_high_euler_bernoulli_roots_approach_odd_right_angles():
-    # 1/cosh x is below rounding from the twelfth root on; the 300th would overflow cosh itself.
     roots = euler_bernoulli_roots(300)
+    assert_allclose(roots[:5], tabulated, atol=6e-8)
+    # 1/cosh x is below rounding from the twelfth root on; the 300th would overflow cosh itself.
     odd = (2.0 * np.arange(12, 301) - 1.0) * np.pi / 2.0
     assert_allclose(roots[11:], odd, rtol=1e-14)
 
 
 @pytest.mark.parametrize("plane", ["y", "z"])
-@pytest.mark.parametrize("leg", [LEG_1, LEG_2, square_leg(1.0), square_leg(3.0)])
+@pytest.mark.parametrize("leg", [LEG_1, square_leg(1.0)])
 def test_timoshenko_frequencies_are_all_the_roots_of_huang_s_equation(leg, plane):
     p, L = leg.timoshenko, leg.length
     omega = 2.0 * np.pi * bending_frequencies(p, L, plane, 20)
@@ -65,7 +62,7 @@ def test_timoshenko_frequencies_are_all_the_roots_of_huang_s_equation(leg, plane
     below = huang_function(p, L, plane, omega * (1.0 - 1e-9))
     above = huang_function(p, L, plane, omega * (1.0 + 1e-9))
     assert np.all(np.sign(below) == -np.sign(above))
-    scan = huang_function(p, L, plane, np.linspace(0.5 * omega[0], omega[-1] * 1.000001, 200_001))
+    scan = huang_function(p, L, plane, np.linspace(0.5 * omega[0], omega[-1] * 1.000001, 50_001))
     assert np.count_nonzero(np.diff(np.sign(scan))) == 20
 
 

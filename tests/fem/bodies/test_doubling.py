@@ -5,10 +5,7 @@ import pytest
 from compliances import scaled_difference
 from prismatic_legs import STEEL
 
-from fem.bodies.doubling import (
-    condensed_leg,
-    tip_compliance,
-)
+from fem.bodies.doubling import condensed_leg, tip_compliance
 from fem.bodies.solid import clamped_leg, solid_leg
 from fem.sections.section_constants import beam_properties, section_constants
 from lumped.errors import InputError
@@ -32,14 +29,15 @@ def beam_compliance(leg, section):
     return beam_tip_compliance(beam_properties(constants, material), leg.length)
 
 
-@pytest.mark.parametrize("slices", [2, 7, pytest.param(12, marks=pytest.mark.exhaustive)])
 @pytest.mark.parametrize("element", ["quad4", "quad9"])
 @pytest.mark.parametrize(
     ("section", "divisions"), SECTIONS, ids=[section.shape for section, _ in SECTIONS]
 )
-def test_tip_compliance_is_that_of_the_direct_solve(section, divisions, element, slices):
+def test_tip_compliance_is_that_of_the_direct_solve(section, divisions, element):
     leg = ConstantLeg(0.8, section, CUBIC)
     face = section_mesh(section, divisions, element)
+    # Doubled, and a slice joined: 7 is 111 in binary.
+    slices = 7
     condensed = condensed_leg(leg, face, slices)
     solid = solid_leg(leg, extrude(face, stations(leg.length, slices)))
     for ends in ("rigid", "free"):

@@ -11,7 +11,7 @@ from compliances import scaled_difference
 from prismatic_legs import STEEL
 
 from fem.bodies.part import grips_of, held_part, meshed_part
-from fem.calculix.deck import Deck, ElementSet, NodalForce, rigid_face
+from fem.calculix.deck import Deck, ElementSet, rigid_face
 from fem.calculix.run import CalculixMissing, calculix_program, run_calculix
 from fem.couplings.grips import area_weights
 from lumped.mechanism.part import ByCylinder, ByPlane, PartInterface
@@ -69,14 +69,14 @@ def by_calculix(mesh, grips, modes=0):
             twist = [(body, i) for body in bodies for i in range(3)]
             nodes.append(np.tile(grip.point, (2, 1)))
             equations += rigid_face(grip.nodes, mesh.nodes[grip.nodes], grip.point, twist)
-            cases += [(NodalForce(freedom, 1.0),) for freedom in twist]
+            cases += [((freedom, 1.0),) for freedom in twist]
             watched += bodies
         else:
             for row in mean_motion(grip, mesh.nodes).reshape(6, -1, 3):
                 forces = zip(grip.nodes.tolist(), row.tolist(), strict=True)
                 cases.append(
                     tuple(
-                        NodalForce((node, i), force)
+                        ((node, i), force)
                         for node, own in forces
                         for i, force in enumerate(own)
                         if force

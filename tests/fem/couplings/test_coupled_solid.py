@@ -92,17 +92,10 @@ def tied(part, grips):
     return np.vstack(rows)
 
 
-@pytest.mark.parametrize(
-    "kinds",
-    [
-        ("pin", "rigid", "average"),
-        *(pytest.param((kind, kind), marks=pytest.mark.exhaustive) for kind in KINDS),
-    ],
-)
+@pytest.mark.parametrize("kinds", [("pin", "rigid", "average"), ("average", "pin")])
 def test_the_compliance_is_that_of_lagrange_multipliers(lug, kinds):
     file, part = lug
     grips = grips_on(file, *kinds)
-    assert tuple(grip.kind for grip in grips) == kinds
     body = held_part(part, grips, "lug")
     size, m = part.stiffness.shape[0], len(grips)
     # Unknowns: displacements, twists, multipliers; the first twist is held.
@@ -150,33 +143,28 @@ def test_rigid_motions_are_exact_and_loads_have_exact_resultants(lug, kind):
     assert abs(body.stiffness @ motions).max() < 1e-9 * abs(body.stiffness).max()
 
 
-def test_an_averaged_bore_moves_as_the_means_of_a_field_by_hand(lug):
-    """u_z = x² moves it by ∫x²/A = r²/2; u_x = z³ turns it about y by ∫z⁴/∫(x² + z²)."""
-    file, part = lug
-    grips = grips_on(file, "average", "average")
-    solid = coupled_solid(
-        part.stiffness, on_three_components(part.scalar_mass), part.mesh.nodes, grips
-    )
-    away = part.mesh.nodes - grips[0].point
-    fields = np.zeros((len(away), 3, 2))
-    fields[:, 2, 0], fields[:, 0, 1] = away[:, 0] ** 2, away[:, 2] ** 3
-    radius, top = 0.008, 0.015
-    turned = top**4 / 5.0 / (top**2 / 3.0 + radius**2 / 2.0)
-    means = solid.twists[:, :6].T @ fields.reshape(-1, 2)
-    # Circles of nine quadratic sides: off by 2e-5 and 2e-4.
-    assert means[:3, 0] / radius**2 == pytest.approx([0.0, 0.0, 0.5], abs=2e-4)
-    assert means[3:, 1] / turned == pytest.approx([0.0, 1.0, 0.0], abs=2e-3)
+def test_averaged_bores_move_as_the_means_of_fields_by_hand(lug):
+    """u_z = x² moves one by ∫x²/A = r²/2; u_x = z³ turns it about y by ∫z⁴/∫(x² + z²).
 
-
-def test_an_interface_of_two_bores_moves_as_the_mean_over_both(lug):
-    """u_x = x from the first axis: bores of one length weigh as their radii."""
+    Two bores of one length weigh as their radii: u_x = x from the first axis moves both.
+    """
     file, part = lug
     bores = {f"{r:g}": PartInterface(ByCylinder(r), "average") for r in (0.008, 0.005)}
     first, second = find_interfaces(file, bores)
-    grips = grips_of(file.mesh, [replace(first, faces=(*first.faces, *second.faces))])
-    solid = coupled_solid(
-        part.stiffness, on_three_components(part.scalar_mass), part.mesh.nodes, grips
-    )
-    stretched = (part.mesh.nodes - first.point) * [1.0, 0.0, 0.0]
-    means = solid.twists.T @ stretched.ravel()
-    assert means / (0.16 * 5.0 / (8.0 + 5.0)) == pytest.approx([1.0, *[0.0] * 5], abs=2e-4)
+    both = replace(first, faces=(*first.faces, *second.faces))
+    away = part.mesh.nodes - first.point
+    fields = np.zeros((len(away), 3, 3))
+    fields[:, 2, 0], fields[:, 0, 1], fields[:, 0, 2] = away[:, 0] ** 2, away[:, 2] ** 3, away[:, 0]
+    means = []
+    for interface in (first, both):
+        grips = grips_of(file.mesh, [interface])
+        mass = on_three_components(part.scalar_mass)
+        solid = coupled_solid(part.stiffness, mass, part.mesh.nodes, grips)
+        means.append(solid.twists.T @ fields.reshape(-1, 3))
+    radius, top = 0.008, 0.015
+    turned = top**4 / 5.0 / (top**2 / 3.0 + radius**2 / 2.0)
+    # Circles of nine quadratic sides: off by 2e-5 and 2e-4.
+    assert means[0][:3, 0] / radius**2 == pytest.approx([0.0, 0.0, 0.5], abs=2e-4)
+    assert means[0][3:, 1] / turned == pytest.approx([0.0, 1.0, 0.0], abs=2e-3)
+    stretched = means[1][:, 2] / (0.16 * 5.0 / (8.0 + 5.0))
+    assert stretched == pytest.approx([1.0, *[0.0] * 5], abs=2e-4)

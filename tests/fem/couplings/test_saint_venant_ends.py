@@ -12,19 +12,13 @@ from scipy.sparse.linalg import spsolve
 from fem.bodies.solid import clamped_leg, solid_leg
 from fem.couplings.grips import rigid_motions, saint_venant_loads
 from lumped.legs import ConstantLeg, Material
-from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Tube
+from lumped.sections import ISection, Rectangle, Tube
 from meshes.prism.extrude import extrude, stations
 from meshes.prism.tetrahedra import tetrahedra
 from meshes.section.section_mesh import section_mesh
 
 CUBIC = Material(E=2.1e11, G=1.3e11, nu=0.25, rho=7850.0)
-SECTIONS = [
-    Rectangle(0.10, 0.16),
-    HollowRectangle(0.10, 0.16, 0.01),
-    Circle(0.12),
-    Tube(0.12, 0.01),
-    ISection(0.10, 0.16, 0.012, 0.008),
-]
+SECTIONS = [Rectangle(0.10, 0.16), Tube(0.12, 0.01), ISection(0.10, 0.16, 0.012, 0.008)]
 LENGTH = 0.5
 
 
@@ -57,10 +51,6 @@ def test_saint_venant_loads_are_unit_wrenches(mesh):
     reference = np.array([LENGTH, 0.0, 0.0])
     loads = saint_venant_loads(mesh.tip, points, reference, CUBIC)
     np.testing.assert_allclose(loads.T @ rigid_motions(points, reference), np.eye(6), atol=1e-12)
-    forces = loads.reshape(-1, 3, 6)
-    np.testing.assert_allclose(forces.sum(axis=0), np.eye(6)[:3], atol=1e-12)
-    moments = np.cross(points - reference, forces.transpose(2, 0, 1)).sum(axis=1).T
-    np.testing.assert_allclose(moments, np.eye(6)[3:], atol=1e-12)
 
 
 def test_shear_traction_of_a_rectangle_is_parabolic():

@@ -105,27 +105,19 @@ def elastic_form(material):
 @pytest.mark.parametrize("name", NAMES)
 def test_stiffness_and_mass_are_scikit_fems_on_curved_cells(name):
     mesh = distorted(name)
-    K, M = stiffness_and_mass(from_skfem(mesh, name), CUBIC)
+    ours = from_skfem(mesh, name)
+    K, M = stiffness_and_mass(ours, CUBIC)
+    assert (stiffness(ours, CUBIC) != K).nnz == 0
     mass_form = skfem.BilinearForm(lambda u, v, _: CUBIC.rho * dot(u, v))
     for found, form, degree in (
         (K, elastic_form(CUBIC), STIFFNESS_DEGREE[name]),
         (on_three_components(M), mass_form, MASS_DEGREE[name]),
     ):
-        expected = vector_matrix(form, mesh, name, degree)
+        expected, dense = vector_matrix(form, mesh, name, degree), found.toarray()
         # Sums of some hundred products in another order: a few units in the fifteenth digit.
-        assert np.abs(found.toarray() - expected).max() <= 1e-14 * np.abs(expected).max()
-
-
-@pytest.mark.parametrize("name", NAMES)
-def test_matrices_are_symmetric_to_the_last_bit_and_agree_in_all_forms(name):
-    mesh = from_skfem(distorted(name), name)
-    K, M = stiffness_and_mass(mesh, CUBIC)
-    for matrix in (K, M):
-        dense = matrix.toarray()
+        assert np.abs(dense - expected).max() <= 1e-14 * np.abs(expected).max()
         assert (dense == dense.T).all()
-        assert matrix.has_sorted_indices
-    assert (stiffness(mesh, CUBIC) != K).nnz == 0
-    assert (on_three_components(M).toarray() == np.kron(M.toarray(), np.eye(3))).all()
+        assert found.has_sorted_indices
 
 
 AMPLITUDE, WAVE = np.array([1.0, -0.7, 0.5]), np.array([1.3, 2.1, -1.7])
@@ -146,9 +138,9 @@ def body_force(x, material):
 # Element, divisions, order in L2 (Ciarlet: p + 1) and the cap on the finest mesh's error: a few
 # times h^{p+1} of a solution whose derivatives are of order one to ten.
 MANUFACTURED = [
-    ("hex8", (3, 6, 10), 2, 8e-3),
-    ("hex27", (2, 3, 5), 3, 1e-3),
-    ("tet4", (3, 6, 10), 2, 2e-2),
+    ("hex8", (3, 6, 9), 2, 1e-2),
+    ("hex27", (2, 3, 4), 3, 2e-3),
+    ("tet4", (3, 6, 9), 2, 2.5e-2),
     ("tet10", (2, 4, 6), 3, 1e-3),
 ]
 

@@ -37,10 +37,9 @@ def test_torsion_constant_converges_from_above_at_twice_the_order_of_the_element
     assert np.log2(errors[0] / errors[1]) == pytest.approx(order, abs=0.6)
 
 
-@pytest.mark.parametrize("element", ["quad9", "tri6"])
-def test_ellipse(element):
+def test_ellipse():
     """J = π a³b³/(a² + b²), Iz = π b a³/4: Timoshenko & Goodier §106."""
-    circle = section_mesh(Circle(2.0), 16, element)
+    circle = section_mesh(Circle(2.0), 16)
     a, b = 0.5, 0.3
     constants = section_constants(replace(circle, nodes=circle.nodes * np.array([a, b])), 0.0)
     # Area of the parabolic edges: 3e-6 at 16 divisions, twice that in fourth moments.
@@ -54,23 +53,20 @@ def test_ellipse(element):
     assert constants.warping_constant == pytest.approx(warping, rel=5e-5)
 
 
-@pytest.mark.parametrize("section", [Circle(0.1), Tube(0.1, 0.012)])
-def test_round_sections_do_not_warp(section):
-    constants = section_constants(section_mesh(section, 12), 0.3)
-    polar = constants.second_moment_y + constants.second_moment_z
-    # Only the faceting of the parabolic edges (1e-5 of the radius) makes the section warp.
-    assert constants.torsion_constant == pytest.approx(polar, rel=1e-6)
-    assert constants.warping_constant < 1e-9 * section.extent[0] ** 6
-    assert polar == pytest.approx(section.torsion_constant, rel=5e-5)
-
-
-@pytest.mark.parametrize("nu", [0.0, 0.3])
 @pytest.mark.parametrize("section", [Rectangle(0.1, 0.16), Circle(0.1), Tube(0.1, 0.02)])
-def test_cowper_coefficients(section, nu):
+def test_cowper_coefficients_and_round_sections_that_do_not_warp(section):
     """Cowper (1966), exact for these three: 10(1+ν)/(12+11ν), 6(1+ν)/(7+6ν) and the tube's."""
-    constants = section_constants(section_mesh(section, 12), nu)
-    # Discretisation of the flexure function: 1e-5 at 12 quadratic cells.
-    assert constants.cowper_coefficients == pytest.approx(section.shear_coefficients(nu), rel=3e-5)
+    for nu in (0.0, 0.3):
+        constants = section_constants(section_mesh(section, 12), nu)
+        # Discretisation of the flexure function: 1e-5 at 12 quadratic cells.
+        exact = section.shear_coefficients(nu)
+        assert constants.cowper_coefficients == pytest.approx(exact, rel=3e-5)
+    if not isinstance(section, Rectangle):
+        polar = constants.second_moment_y + constants.second_moment_z
+        # Only the faceting of the parabolic edges (1e-5 of the radius) makes the section warp.
+        assert constants.torsion_constant == pytest.approx(polar, rel=1e-6)
+        assert constants.warping_constant < 1e-9 * section.extent[0] ** 6
+        assert polar == pytest.approx(section.torsion_constant, rel=5e-5)
 
 
 def renton_rectangle(depth: float, width: float, nu: float) -> float:
@@ -145,9 +141,8 @@ def test_turned_and_moved_section():
     assert turned.shear_centre == pytest.approx(tuple(shift), abs=1e-11)
 
 
-@pytest.mark.parametrize("nu", [0.0, 0.3])
-def test_stress_fields_carry_their_unit_loads(nu):
-    solution = saint_venant(half_ring(0.1, 0.02), nu / (2.0 + 2.0 * nu))
+def test_stress_fields_carry_their_unit_loads():
+    solution = saint_venant(half_ring(0.1, 0.02), 0.3 / 2.6)
     quad = solution.quadrature
     y, z = quad.points
     for stress, force in zip(solution.centroid_force_stress(), np.eye(2), strict=True):

@@ -9,7 +9,7 @@ from math import cos, pi, sin, sqrt, tan, tanh
 import numpy as np
 from scipy.optimize import brentq
 
-from fem.beams.frame import Frame, Member, Support, assemble, displacements
+from fem.beams.frame import BeamFrame, Member, Support, assemble, displacements
 from lumped.legs import ConstantLeg, Material
 from lumped.sections import Rectangle, rectangle_torsion_constant
 from validation.selftest import beams, solids
@@ -87,9 +87,9 @@ def benchmarks() -> tuple[Benchmark, ...]:
     )
 
 
-def deep_beam(elements: int) -> Frame:
+def deep_beam(elements: int) -> BeamFrame:
     """FV5: simply supported, held along and about its axis at the first end alone."""
-    return Frame(
+    return BeamFrame(
         "NAFEMS FV5",
         np.array([[0.0, 0.0, 0.0], [solids.DEEP.length, 0.0, 0.0]]),
         (Member(0, 1, solids.DEEP.timoshenko, (0.0, 0.0, 1.0), elements),),
@@ -97,10 +97,10 @@ def deep_beam(elements: int) -> Frame:
     )
 
 
-def slender_cantilever(elements: int) -> Frame:
+def slender_cantilever(elements: int) -> BeamFrame:
     """Test 71: Euler–Bernoulli bending in one plane."""
     beam = SLENDER.properties("euler-bernoulli")
-    return Frame(
+    return BeamFrame(
         "NAFEMS Test 71",
         np.array([[0.0, 0.0, 0.0], [SLENDER.length, 0.0, 0.0]]),
         (Member(0, 1, beam, (0.0, 0.0, 1.0), elements, kinds=("bending z",)),),
@@ -110,7 +110,7 @@ def slender_cantilever(elements: int) -> Frame:
 
 def straight_cantilever(up: tuple[float, float, float] = (0.0, 0.0, 1.0)) -> list[KnownNumber]:
     """MacNeal–Harder, clamped at node 0, its section's height along `up`."""
-    frame = Frame(
+    frame = BeamFrame(
         "MacNeal–Harder cantilever",
         np.array([[0.0, 0.0, 0.0], [solids.STRAIGHT.length, 0.0, 0.0]]),
         (Member(0, 1, solids.STRAIGHT.timoshenko, up, 1),),
