@@ -25,9 +25,8 @@ class ElementKind:
 
     `nodes` (k×d) are the reference coordinates in our node order, `corner_nodes` the local
     numbers of the cell's vertices. `vtk_order` lists our local numbers in VTK's order, so that
-    `cells[:, vtk_order]` is VTK's connectivity; `abaqus_order` alike for the element that Abaqus
-    and CalculiX call `abaqus`, None where they have none. `end` is the section element that a
-    solid element shows on the end faces x = 0 and x = L.
+    `cells[:, vtk_order]` is VTK's connectivity. `abaqus`: what Abaqus and CalculiX call it,
+    whose nodes they number as we do; None where they have none.
     """
 
     name: ElementName
@@ -37,8 +36,6 @@ class ElementKind:
     vtk_type: int
     vtk_order: tuple[int, ...]
     abaqus: str | None = None
-    abaqus_order: tuple[int, ...] | None = None
-    end: SectionElement | None = None
 
     @property
     def dimension(self) -> int:
@@ -93,8 +90,8 @@ quad8 = ElementKind("quad8", 2, _SQUARE_8, _same(4), 23, _same(8))
 quad9 = ElementKind("quad9", 2, _SQUARE_9, _same(4), 28, _same(9))
 tri3 = ElementKind("tri3", 1, _TRIANGLE, _same(3), 5, _same(3))
 tri6 = ElementKind("tri6", 2, _TRIANGLE_6, _same(3), 22, _same(6))
-hex8 = ElementKind("hex8", 1, _CUBE, _same(8), 12, _same(8), "C3D8", _same(8), "quad4")
-hex20 = ElementKind("hex20", 2, _CUBE_20, _same(8), 25, _same(20), "C3D20", _same(20), "quad8")
+hex8 = ElementKind("hex8", 1, _CUBE, _same(8), 12, _same(8), "C3D8")
+hex20 = ElementKind("hex20", 2, _CUBE_20, _same(8), 25, _same(20), "C3D20")
 hex27 = ElementKind(
     "hex27",
     2,
@@ -102,12 +99,9 @@ hex27 = ElementKind(
     (0, 1, 2, 3, 18, 19, 20, 21),
     29,
     _VTK_HEX_27,
-    end="quad9",
 )
-tet4 = ElementKind("tet4", 1, _TETRAHEDRON, _same(4), 10, _same(4), "C3D4", _same(4), "tri3")
-tet10 = ElementKind(
-    "tet10", 2, _TETRAHEDRON_10, _same(4), 24, _same(10), "C3D10", _same(10), "tri6"
-)
+tet4 = ElementKind("tet4", 1, _TETRAHEDRON, _same(4), 10, _same(4), "C3D4")
+tet10 = ElementKind("tet10", 2, _TETRAHEDRON_10, _same(4), 24, _same(10), "C3D10")
 
 ELEMENTS: dict[str, ElementKind] = {
     kind.name: kind for kind in (quad4, quad8, quad9, tri3, tri6, hex8, hex20, hex27, tet4, tet10)

@@ -6,7 +6,6 @@ Comput. 23 (2001) 193); here the least over an element's nodes and quadrature po
 curved sides count. Aspect ratio: longest by shortest distance between neighbouring vertices.
 """
 
-from dataclasses import dataclass
 from math import sqrt
 
 import numpy as np
@@ -40,16 +39,8 @@ _TETRAHEDRON_CORNERS = np.array(
 )
 
 
-@dataclass(frozen=True, eq=False)
-class Quality:
-    """Quality of each of M elements: `scaled_jacobian` (M) and `aspect` (M)."""
-
-    scaled_jacobian: Array
-    aspect: Array
-
-
-def quality(mesh: SectionMesh | VolumeMesh) -> Quality:
-    """Scaled Jacobian and aspect ratio of every element."""
+def quality(mesh: SectionMesh | VolumeMesh) -> tuple[Array, Array]:
+    """Scaled Jacobian (M) and aspect ratio (M) of every element."""
     points, _ = quadrature(mesh.element, 2 * ELEMENTS[mesh.element].order)
     samples = np.hstack([ELEMENTS[mesh.element].nodes.T, points])
     slopes = gradients(mesh.element, samples)
@@ -57,16 +48,16 @@ def quality(mesh: SectionMesh | VolumeMesh) -> Quality:
         mesh.nodes[mesh.cells[first : first + _CELLS_AT_ONCE]]
         for first in range(0, len(mesh.cells), _CELLS_AT_ONCE)
     ]
-    return Quality(
+    return (
         np.concatenate([_scaled_jacobian(mesh.element, block, slopes) for block in blocks]),
         np.concatenate([_aspect(mesh.element, block) for block in blocks]),
     )
 
 
-def check(mesh: SectionMesh | VolumeMesh, part: str) -> Quality:
-    """The quality of a mesh; raises ComputationError naming `part` where a bound is broken."""
-    found = quality(mesh)
-    worst, longest = found.scaled_jacobian.min(), found.aspect.max()
+def check(mesh: SectionMesh | VolumeMesh, part: str) -> None:
+    """Raise ComputationError naming `part` where a bound of a mesh's quality is broken."""
+    jacobians, aspects = quality(mesh)
+    worst, longest = jacobians.min(), aspects.max()
     if worst < LEAST_SCALED_JACOBIAN:
         raise ComputationError(
             f"{part}: the mesh has {mesh.element} elements of scaled Jacobian {worst:.2g}, below "
@@ -77,7 +68,6 @@ def check(mesh: SectionMesh | VolumeMesh, part: str) -> Quality:
             f"{part}: the mesh has {mesh.element} elements {longest:.3g} times as long as wide, "
             f"above {LARGEST_ASPECT:g}: take more slices or divisions, or fewer across the wall"
         )
-    return found
 
 
 def _scaled_jacobian(element: ElementName, corners: Array, slopes: Array) -> Array:

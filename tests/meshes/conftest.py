@@ -28,34 +28,18 @@ def section(request: pytest.FixtureRequest) -> Section:
     return request.param
 
 
-@pytest.fixture(
-    params=[section for section in SECTIONS if not isinstance(section, Circle | Tube)],
-    ids=lambda section: section.shape,
-)
-def straight_section(request: pytest.FixtureRequest) -> Section:
-    return request.param
-
-
-def _jacobians(mesh: Mesh) -> tuple[Array, Array, Array]:
-    points, weights = quadrature(mesh.element, 6)
-    slopes = gradients(mesh.element, points)
-    shapes = values(mesh.element, points)
-    corners = mesh.nodes[mesh.cells]
-    jacobian = np.einsum("mki,kjq->mqij", corners, slopes)
-    return np.linalg.det(jacobian), np.einsum("mki,kq->mqi", corners, shapes), weights
-
-
-@pytest.fixture
-def determinants() -> Callable[[Mesh], Array]:
-    return lambda mesh: _jacobians(mesh)[0]
-
-
 @pytest.fixture
 def integral() -> Callable[[Mesh, Callable[[Array], Array]], float]:
     """∫ f over a mesh; f takes the coordinates (…×d)."""
 
     def integrate(mesh: Mesh, f: Callable[[Array], Array]) -> float:
-        determinant, at, weights = _jacobians(mesh)
+        points, weights = quadrature(mesh.element, 6)
+        corners = mesh.nodes[mesh.cells]
+        jacobian = np.einsum("mki,kjq->mqij", corners, gradients(mesh.element, points))
+        at = np.einsum("mki,kq->mqi", corners, values(mesh.element, points))
+        determinant = np.linalg.det(jacobian)
+        # Right-handed.
+        assert determinant.min() > 0.0
         return float(((determinant * f(at)) @ weights).sum())
 
     return integrate

@@ -49,18 +49,13 @@ def test_shape_functions_are_the_polynomials_that_are_one_at_their_node(kind: El
 
 
 @by_name
-def test_gradients_are_the_slopes_of_the_values(kind: ElementKind) -> None:
-    at, step = _points(kind), 1e-5
-    for i, direction in enumerate(np.eye(kind.dimension)[:, :, None] * step):
+def test_gradients_are_slopes_and_quadrature_has_the_moments_of_the_cell(kind: ElementKind) -> None:
+    at, step, d = _points(kind), 1e-5, kind.dimension
+    for i, direction in enumerate(np.eye(d)[:, :, None] * step):
         slope = (values(kind.name, at + direction) - values(kind.name, at - direction)) / (2 * step)
         # Central differences are exact for these polynomials but for order step² in cross terms.
         assert gradients(kind.name, at)[:, i] == pytest.approx(slope, abs=1e-8)
-
-
-@by_name
-def test_quadrature_integrates_the_cell_and_its_moments(kind: ElementKind) -> None:
     points, weights = quadrature(kind.name, 4)
-    d = kind.dimension
     # ∫ξ⁴ over the unit simplex of dimension d: 4! / (4 + d)!; over the unit cube: 1/5.
     exact = {2: 24 / 720, 3: 24 / 5040}[d] if _is_simplex(kind) else 1 / 5
     assert points[0] ** 4 @ weights == pytest.approx(exact, rel=1e-12)
@@ -90,37 +85,23 @@ def test_vtk_maps_a_curved_element_as_we_do(kind: ElementKind) -> None:
         assert theirs == pytest.approx(ours, abs=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("name", "edges"),
-    [
-        # Abaqus Theory Guide / CalculiX 2.20 manual, section "Ten-node tetrahedral element":
-        # midside nodes 5…10 between 1-2, 2-3, 3-1, 1-4, 2-4, 3-4.
-        ("tet10", [(0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)]),
+def test_nodes_are_numbered_as_by_abaqus() -> None:
+    edges = {
+        # CalculiX 2.20 manual, "Ten-node tetrahedral element": midside nodes 5…10 between 1-2, 2-3,
+        # 3-1, 1-4, 2-4, 3-4.
+        "tet10": [(0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)],
         # "Twenty-node brick element": 9…12 round the bottom, 13…16 round the top, 17…20 upwards.
-        (
-            "hex20",
-            [
-                *((0, 1), (1, 2), (2, 3), (3, 0)),
-                *((4, 5), (5, 6), (6, 7), (7, 4)),
-                *((0, 4), (1, 5), (2, 6), (3, 7)),
-            ],
-        ),
-    ],
-)
-def test_abaqus_midside_nodes_lie_between_their_corners(
-    name: str, edges: list[tuple[int, int]]
-) -> None:
-    kind = ELEMENTS[name]
-    nodes = kind.nodes[list(kind.abaqus_order or ())]
-    midside = [(nodes[i] + nodes[j]) / 2 for i, j in edges]
-    corners = len(kind.corner_nodes)
-    assert nodes[corners:] == pytest.approx(np.array(midside), abs=0.0)
-
-
-def test_abaqus_hexahedron_runs_round_the_bottom_then_the_top() -> None:
-    # CalculiX 2.20 manual, "Eight-node brick element": 1-4 counter-clockwise, 5-8 above them.
-    kind = ELEMENTS["hex8"]
-    nodes = kind.nodes[list(kind.abaqus_order or ())]
-    assert nodes[4:] - nodes[:4] == pytest.approx(np.tile([0.0, 0.0, 1.0], (4, 1)), abs=0.0)
+        "hex20": [
+            *((0, 1), (1, 2), (2, 3), (3, 0)),
+            *((4, 5), (5, 6), (6, 7), (7, 4)),
+            *((0, 4), (1, 5), (2, 6), (3, 7)),
+        ],
+    }
+    for name, own in edges.items():
+        nodes, corners = ELEMENTS[name].nodes, len(ELEMENTS[name].corner_nodes)
+        assert np.array_equal(nodes[corners:], [(nodes[i] + nodes[j]) / 2 for i, j in own])
+    # "Eight-node brick element": 1-4 counter-clockwise, 5-8 above them.
+    nodes = ELEMENTS["hex8"].nodes
+    assert np.array_equal(nodes[4:] - nodes[:4], np.tile([0.0, 0.0, 1.0], (4, 1)))
     turns = np.cross(nodes[1:4] - nodes[0], np.roll(nodes[:4], -2, axis=0)[:3] - nodes[0])
     assert np.all(turns[:2, 2] > 0.0)

@@ -117,7 +117,7 @@ def _require_one_solid(mesh: VolumeMesh, source: str) -> None:
             f"{source}: {int((counts - 1).sum())} elements are there twice, the first is element "
             f"{first[counts > 1].min() + 1}; delete one of each"
         )
-    folded = np.flatnonzero(quality(mesh).scaled_jacobian <= 0.0)
+    folded = np.flatnonzero(quality(mesh)[0] <= 0.0)
     if folded.size:
         x, y, z = mesh.nodes[mesh.cells[folded[0]]].mean(axis=0)
         raise InputError(
