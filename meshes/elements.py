@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from lumped.arrays import Array
 
@@ -48,9 +49,16 @@ class ElementKind:
         return int(self.nodes.shape[0])
 
 
-def _with_edges(corners: Array, edges: list[tuple[int, int]]) -> Array:
-    midpoints = [(corners[i] + corners[j]) / 2.0 for i, j in edges]
-    return np.vstack([corners, *midpoints])
+# Corners at the ends of the edges whose middles follow the corners of triangles and tetrahedra, by
+# how many corners there are.
+SIMPLEX_EDGES = {
+    3: np.array([(0, 1), (1, 2), (0, 2)]),
+    4: np.array([(0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3)]),
+}
+
+
+def _with_edges(corners: Array, edges: ArrayLike) -> Array:
+    return np.vstack([corners, corners[np.asarray(edges)].mean(axis=1)])
 
 
 def _times_line(face: Array, zetas: tuple[float, ...]) -> Array:
@@ -65,9 +73,9 @@ _SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
 _SQUARE_8 = _with_edges(_SQUARE, [(0, 1), (1, 2), (2, 3), (3, 0)])
 _SQUARE_9 = np.vstack([_SQUARE_8, [[0.5, 0.5]]])
 _TRIANGLE = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
-_TRIANGLE_6 = _with_edges(_TRIANGLE, [(0, 1), (1, 2), (0, 2)])
+_TRIANGLE_6 = _with_edges(_TRIANGLE, SIMPLEX_EDGES[3])
 _TETRAHEDRON = np.vstack([np.zeros(3), np.eye(3)])
-_TETRAHEDRON_10 = _with_edges(_TETRAHEDRON, [(0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3)])
+_TETRAHEDRON_10 = _with_edges(_TETRAHEDRON, SIMPLEX_EDGES[4])
 _CUBE = _times_line(_SQUARE, (0.0, 1.0))
 # Edges of the faces ζ = 0 and ζ = 1, then those along ζ: VTK's and Abaqus's order.
 # fmt: off

@@ -41,7 +41,7 @@ from lumped.arrays import Array, IntArray, SparseMatrix
 from lumped.errors import ComputationError, InputError, naming
 from lumped.legs import ConstantLeg
 from lumped.screws import shift
-from meshes.prism.extrude import extrude
+from meshes.prism.hexahedra import extrude
 from meshes.section.section_mesh import SectionMesh, require_leg
 from meshes.solid_mesh import SolidMesh
 

@@ -19,7 +19,7 @@ from lumped.legs import ConstantLeg
 from lumped.mechanism.body_model import LegMatrices
 from meshes.elements import ELEMENTS
 from meshes.part.boundary import Facets
-from meshes.prism.extrude import extrude, stations
+from meshes.prism.hexahedra import extrude, stations
 from meshes.section.section_blocks import Divisions
 from meshes.section.section_mesh import SectionMesh, require_leg, section_mesh
 from meshes.solid_mesh import SolidMesh

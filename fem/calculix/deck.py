@@ -6,12 +6,11 @@ displacement of a node of its own. Nodes count from 0 here and from 1 in the tex
 2 are x, y, z. Units are SI, which CalculiX does not know of.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from math import isclose
 from typing import TypeAlias
 
-from fem.couplings.grips import rigid_motions
 from lumped.arrays import Array, IntArray
 from lumped.errors import InputError
 from lumped.legs import Material
@@ -67,25 +66,6 @@ class Deck:
     load_cases: tuple[tuple[OnFreedom, ...], ...] = ()
     watched: tuple[int, ...] = ()
     modes: int = 0
-
-
-def rigid_face(
-    nodes: IntArray, points: Array, reference: Array, twist: Sequence[Freedom]
-) -> tuple[Equation, ...]:
-    """Equations u = u_ref + φ × r for the `nodes` (n) of a face at `points` (n×3, m).
-
-    `twist` are the six freedoms that carry the translations and rotations of the body at
-    `reference` (3, m).
-    """
-    motions = rigid_motions(points, reference).reshape(-1, 3, 6)
-    return tuple(
-        Equation(
-            dependent=(int(node), component),
-            terms=tuple((twist[k], float(row[k])) for k in range(6) if row[k] != 0.0),
-        )
-        for node, motion in zip(nodes, motions, strict=True)
-        for component, row in enumerate(motion)
-    )
 
 
 def deck_text(deck: Deck) -> str:

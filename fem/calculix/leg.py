@@ -10,8 +10,9 @@ vanishes with the element size.
 import numpy as np
 from scipy.sparse import csr_array, diags_array, eye_array, kron
 
-from fem.calculix.deck import Deck, ElementSet, Freedom, rigid_face
+from fem.calculix.deck import Deck, ElementSet, Equation, Freedom
 from fem.calculix.run import run_calculix
+from fem.couplings.grips import rigid_motions
 from lumped.arrays import Array, SparseMatrix
 from lumped.legs import Material
 from meshes.shape_functions import gradients, quadrature, values
@@ -32,11 +33,18 @@ def leg_deck(
     translation, rotation = len(mesh.nodes), len(mesh.nodes) + 1
     twist: list[Freedom] = [(node, i) for node in (translation, rotation) for i in range(3)]
     tip = mesh.tip.nodes
+    # u = u_ref + φ × r of every node of the tip.
+    motions = rigid_motions(mesh.nodes[tip], point).reshape(-1, 3, 6)
+    equations = tuple(
+        Equation((int(node), i), tuple((twist[k], float(row[k])) for k in np.flatnonzero(row)))
+        for node, motion in zip(tip, motions, strict=True)
+        for i, row in enumerate(motion)
+    )
     return Deck(
         title=title,
         nodes=np.vstack([mesh.nodes, point, point]),
         parts=(ElementSet(mesh.cells, mesh.element, material),),
-        equations=rigid_face(tip, mesh.nodes[tip], point, twist),
+        equations=equations,
         held=tuple((int(node), i) for node in mesh.root.nodes for i in range(3)),
         load_cases=tuple(((freedom, 1.0),) for freedom in twist),
         watched=(translation, rotation),

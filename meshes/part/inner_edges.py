@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lumped.arrays import Array, IntArray
+from meshes.elements import SIMPLEX_EDGES
 from meshes.part.boundary import CREASE, Facets, PartMesh, boundary
 from meshes.part.straighten import are_folded
 from meshes.shape_functions import gradients, values
@@ -21,11 +22,6 @@ from meshes.shape_functions import gradients, values
 # Where sides are cut, as a share from the edge. Measured on a box tube and on a leg with lugs: once
 # there, at equal numbers of unknowns, is nearer than not at all (three times) and than twice.
 _CUT = 0.25
-# Corners at the ends of the sides whose middles follow the corners, of triangle and tetrahedron.
-_SIDES = {
-    3: np.array([(0, 1), (1, 2), (0, 2)]),
-    4: np.array([(0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3)]),
-}
 # A side's number holds those of its two ends, of so many bits.
 _BITS = 31
 # A corner of a piece: (i, i) is the whole's corner i, (i, j) the cut of its side from i to j.
@@ -119,7 +115,7 @@ class _Cut:
 
     def places(self, mesh: PartMesh) -> Array:
         """Where the pieces' nodes (P×10×3) lie in the curved wholes."""
-        middles = self.shares[:, _SIDES[4]].mean(axis=2)
+        middles = self.shares[:, SIMPLEX_EDGES[4]].mean(axis=2)
         shares = np.concatenate([self.shares, middles], axis=1)
         shapes = values("tet10", shares[:, :, 1:].reshape(-1, 3).T).reshape(10, len(shares), -1)
         return np.asarray(np.einsum("kpq,pki->pqi", shapes, mesh.nodes[mesh.cells[self.owner]]))
@@ -138,7 +134,7 @@ def _renumbered(corners: IntArray) -> tuple[IntArray, IntArray]:
 
 def _middles(corners: IntArray) -> IntArray:
     """The sides (P·s) of triangles or tetrahedra, each from its lower end."""
-    ends = np.sort(corners[:, _SIDES[corners.shape[1]]].reshape(-1, 2), axis=1)
+    ends = np.sort(corners[:, SIMPLEX_EDGES[corners.shape[1]]].reshape(-1, 2), axis=1)
     return _side(ends[:, 0], ends[:, 1])
 
 

@@ -7,8 +7,7 @@ from matplotlib.path import Path as Outline
 
 from lumped.arrays import Array, IntArray
 from lumped.errors import InputError
-from meshes.gmsh_arrays import connectivity, numbered
-from meshes.gmsh_session import gmsh_model
+from meshes.gmsh_session import connectivity, gmsh_model, numbered
 from meshes.part.boundary import Facets
 from meshes.section.section_mesh import SectionMesh, counter_clockwise
 
@@ -38,14 +37,13 @@ class Slice:
     @property
     def area(self) -> float:
         """Inside the outline, less the holes (m²)."""
-        return abs(_area(self.outer)) - sum(abs(_area(hole)) for hole in self.holes)
+        return _moments(self.outer)[0] - sum(_moments(hole)[0] for hole in self.holes)
 
     @property
     def centroid(self) -> Array:
         """Of that area (2, m)."""
-        loops = [(self.outer, 1.0), *((hole, -1.0) for hole in self.holes)]
-        moments = sum(sign * abs(_area(loop)) * _centroid(loop) for loop, sign in loops)
-        return np.asarray(moments / self.area)
+        first = _moments(self.outer)[1] - sum(_moments(hole)[1] for hole in self.holes)
+        return np.asarray(first / self.area)
 
     @property
     def size(self) -> float:
@@ -56,8 +54,9 @@ class Slice:
     def measures(self) -> Array:
         """Area and area inside the outline (m²), smaller and larger second moment (m⁴)."""
         centre = self.centroid
-        second = _second(self.outer - centre) - sum(_second(hole - centre) for hole in self.holes)
-        return np.array([self.area, abs(_area(self.outer)), *np.linalg.eigvalsh(second)])
+        holes = sum(_moments(hole - centre)[2] for hole in self.holes)
+        second = np.linalg.eigvalsh(_moments(self.outer - centre)[2] - holes)
+        return np.array([self.area, _moments(self.outer)[0], *second])
 
 
 def slices_of(nodes: Array, facets: Facets, origin: Array, axes: Array) -> list[Slice]:
@@ -66,7 +65,7 @@ def slices_of(nodes: Array, facets: Facets, origin: Array, axes: Array) -> list[
     The plane is that through `origin` across the first column of `axes` (3×3); outlines are in the
     other two. `facets`: the whole boundary on `nodes`. Raises InputError where the plane misses.
     """
-    loops = [loop for loop in _loops(nodes, facets, origin, axes) if abs(_area(loop)) > 0.0]
+    loops = [loop for loop in _loops(nodes, facets, origin, axes) if _moments(loop)[0] > 0.0]
     if not loops:
         x, y, z = origin
         raise InputError(f"the plane through ({x:.4g}, {y:.4g}, {z:.4g}) m does not cut the part")
@@ -168,22 +167,12 @@ def _simplified(loop: Array) -> Array:
     return np.array(kept)
 
 
-def _area(loop: Array) -> float:
-    y, z = loop.T
-    return 0.5 * float(np.sum(y * np.roll(z, -1) - np.roll(y, -1) * z))
-
-
-def _centroid(loop: Array) -> Array:
-    y, z = loop.T
-    following = np.roll(loop, -1, axis=0)
-    cross = y * following[:, 1] - following[:, 0] * z
-    return np.asarray((loop + following).T @ cross / (3.0 * cross.sum()))
-
-
-def _second(loop: Array) -> Array:
-    """Second moments of area (2×2, m⁴) about the origin, whichever way round."""
+def _moments(loop: Array) -> tuple[float, Array, Array]:
+    """∫dA, ∫s dA (2) and ∫s sᵀ dA (2×2), s from the origin, of a polygon whichever way round."""
     following = np.roll(loop, -1, axis=0)
     cross = loop[:, 0] * following[:, 1] - following[:, 0] * loop[:, 1]
+    cross = cross * np.sign(cross.sum())
     both = loop + following
-    corners = loop.T @ (cross[:, None] * loop) + following.T @ (cross[:, None] * following)
-    return np.asarray(np.sign(cross.sum()) * (corners + both.T @ (cross[:, None] * both)) / 24.0)
+    second = loop.T @ (cross[:, None] * loop) + following.T @ (cross[:, None] * following)
+    second = second + both.T @ (cross[:, None] * both)
+    return float(cross.sum()) / 2.0, both.T @ cross / 6.0, second / 24.0

@@ -11,10 +11,9 @@ from numpy.typing import NDArray
 
 from lumped.arrays import Array, IntArray
 from lumped.errors import ComputationError
+from meshes.elements import SIMPLEX_EDGES
 from meshes.shape_functions import gradients, quadrature
 
-# Corners at the ends of the edges whose middles are nodes 4 to 9.
-_EDGES = np.array([(0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3)])
 # Least by largest Jacobian below this: folded, or so nearly that its stiffness means little.
 _FOLDED = 0.03
 # Volume below this share of the longest edge's cube: four corners in one plane but for rounding.
@@ -38,7 +37,7 @@ def straightened(nodes: Array, cells: IntArray) -> tuple[Array, int]:
             break
         nodes = nodes.copy()
         straight |= new
-        for middle, (first, second) in enumerate(_EDGES, start=4):
+        for middle, (first, second) in enumerate(SIMPLEX_EDGES[4], start=4):
             ends = nodes[cells[new, first]], nodes[cells[new, second]]
             nodes[cells[new, middle]] = (ends[0] + ends[1]) / 2.0
     for what, wrong in (
@@ -71,7 +70,7 @@ def _evenness(places: Array) -> Array:
 
 def _fullness(nodes: Array, cells: IntArray) -> Array:
     """Volume of each cell (M) between its corners, by the cube of its longest edge."""
-    first, second = _EDGES.T
+    first, second = SIMPLEX_EDGES[4].T
     longest = np.linalg.norm(nodes[cells[:, first]] - nodes[cells[:, second]], axis=2).max(axis=1)
     sides = nodes[cells[:, 1:4]] - nodes[cells[:, :1]]
     return np.asarray(np.abs(np.linalg.det(sides)) / 6.0 / longest**3)

@@ -14,7 +14,7 @@ import numpy as np
 
 from lumped.errors import ComputationError, InputError
 from meshes.elements import SectionElement, SolidElement
-from meshes.gmsh_arrays import connectivity, numbered
+from meshes.gmsh_session import connectivity, numbered
 from meshes.part.boundary import Facets, PartMesh
 from meshes.part.inner_edges import cut_at_inner_edges, second_order_unknowns
 from meshes.part.interfaces import Interface

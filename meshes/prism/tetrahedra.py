@@ -8,8 +8,7 @@ import numpy as np
 from lumped.arrays import Array, IntArray
 from lumped.sections import Section
 from meshes.elements import ELEMENTS, SectionElement, SolidElement
-from meshes.gmsh_arrays import connectivity, numbered
-from meshes.gmsh_session import gmsh_model
+from meshes.gmsh_session import connectivity, gmsh_model, numbered
 from meshes.quality import check
 from meshes.section.section_blocks import Divisions
 from meshes.section.section_mesh import SectionMesh, counter_clockwise, require_leg

@@ -15,8 +15,7 @@ from lumped.errors import ComputationError, InputError
 from lumped.memo import memo
 from lumped.sections import Rectangle, Section
 from meshes.elements import ELEMENTS, SectionElement
-from meshes.gmsh_arrays import connectivity, numbered
-from meshes.gmsh_session import gmsh_model
+from meshes.gmsh_session import connectivity, gmsh_model, numbered
 from meshes.section.section_blocks import Blocks, Divisions, section_blocks
 from meshes.section.section_outline import add_face, set_element_size
 
@@ -33,6 +32,8 @@ class SectionMesh:
     element: SectionElement
 
 
+# Studies of one leg ask for the same few meshes again and again.
+@memo(64)
 def section_mesh(
     section: Section, divisions: Divisions, element: SectionElement = "quad9"
 ) -> SectionMesh:
@@ -41,12 +42,6 @@ def section_mesh(
     Curved sides are met exactly by all nodes of second-order elements. Raises InputError where the
     section is impossible or the divisions do not suit it, ComputationError where gmsh fails.
     """
-    return _made(section, divisions, element)
-
-
-# Studies of one leg ask for the same few meshes again and again.
-@memo(64)
-def _made(section: Section, divisions: Divisions, element: SectionElement) -> SectionMesh:
     require_section(section, divisions)
     part = f"section mesh ({section.shape})"
     structured = element in {"quad4", "quad9"}

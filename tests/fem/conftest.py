@@ -5,7 +5,7 @@ from fem.couplings.grips import unknowns
 from fem.elements.elasticity import on_three_components, stiffness_and_mass
 from lumped.legs import Material
 from lumped.sections import Rectangle
-from meshes.prism.extrude import extrude, stations
+from meshes.prism.hexahedra import extrude, stations
 from meshes.section.section_mesh import section_mesh
 
 

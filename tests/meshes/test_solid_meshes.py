@@ -6,8 +6,7 @@ from scipy.spatial import cKDTree
 
 from lumped.errors import InputError
 from lumped.sections import Circle, Rectangle, Tube
-from meshes.prism.extrude import extrude, stations
-from meshes.prism.hexahedra import hexahedra, slice_count
+from meshes.prism.hexahedra import extrude, hexahedra, slice_count, stations
 from meshes.prism.tetrahedra import tetrahedra
 from meshes.quality import quality
 from meshes.section.section_mesh import section_mesh

@@ -15,7 +15,7 @@ from fem.bodies.rooted import RootedBody, rooted_body
 from fem.sections.section_constants import section_constants
 from lumped.legs import ConstantLeg, Material
 from lumped.sections import Rectangle
-from meshes.prism.extrude import extrude, stations
+from meshes.prism.hexahedra import extrude, stations
 from meshes.section.section_mesh import section_mesh
 from validation.selftest.beams import TOLERANCE, Cluster, farthest
 from validation.selftest.benchmark import Benchmark, KnownNumber

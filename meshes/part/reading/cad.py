@@ -17,8 +17,8 @@ from lumped.errors import ComputationError, InputError
 from lumped.mechanism.part import METRES
 from meshes.gmsh_session import gmsh_model
 from meshes.part.reading.gaps import largest_gap
-from meshes.part.reading.step_text import count_faces, require_whole
-from meshes.part.reading.units import chosen_unit, describe, require_plausible, step_unit
+from meshes.part.reading.step_text import count_faces, require_whole, step_unit
+from meshes.part.reading.units import chosen_unit, describe, require_plausible
 
 STEP, BREP = (".step", ".stp"), (".brep", ".brp")
 

@@ -5,12 +5,11 @@ from pathlib import Path
 import numpy as np
 
 from lumped.errors import InputError
+from meshes.elements import SIMPLEX_EDGES
 from meshes.part.boundary import Facets, PartMesh, area_vectors
 from meshes.part.reading.cad import CadModel
 from meshes.shape_functions import gradients, quadrature
 
-# Corners at the ends of the sides whose middles are nodes 3 to 5 of a facet.
-_SIDES = np.array([(0, 1), (1, 2), (0, 2)])
 # Degree of the Jacobian of a curved tetrahedron.
 _DEGREE = 3
 # Share of the volume to which the kernel integrates over splines.
@@ -32,7 +31,7 @@ def require_filled(mesh: PartMesh, model: CadModel, path: Path) -> None:
     between = 0.0
     for facets in mesh.faces.values():
         places = mesh.nodes[facets.cells]
-        rises = places[:, 3:] - places[:, _SIDES].mean(axis=2)
+        rises = places[:, 3:] - places[:, SIMPLEX_EDGES[3]].mean(axis=2)
         vectors = area_vectors(mesh.nodes, Facets(facets.corners, "tri3"))
         # The shape function of a middle integrates to a third of the area.
         between += float(np.abs(np.einsum("fmi,fi->fm", rises, vectors)).sum()) / 3.0

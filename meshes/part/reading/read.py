@@ -10,7 +10,7 @@ from lumped.arrays import Array, IntArray
 from lumped.errors import InputError
 from lumped.files import require_ordinary
 from lumped.mechanism.part import METRES
-from meshes.gmsh_arrays import connectivity, numbered
+from meshes.gmsh_session import connectivity, numbered
 from meshes.part.boundary import Facets, PartMesh
 from meshes.part.faces import Face, face_of
 from meshes.part.reading.cad import (

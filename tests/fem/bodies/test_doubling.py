@@ -12,7 +12,7 @@ from lumped.errors import InputError
 from lumped.legs import ConstantLeg, Material
 from lumped.legs import tip_compliance as beam_tip_compliance
 from lumped.sections import ISection, Rectangle, Tube
-from meshes.prism.extrude import extrude, stations
+from meshes.prism.hexahedra import extrude, stations
 from meshes.section.section_mesh import section_mesh
 
 CUBIC = Material(E=2.1e11, G=1.2e11, nu=0.25, rho=7850.0)

@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-from drawn_parts import meshed, plane_ends
+from drawn_parts import meshed, plane_ends, written
 from prismatic_legs import STEEL
 
 from fem.bodies.part import grips_of, held_part, meshed_part, require_memory
 from lumped.errors import ComputationError
-from meshes.gmsh_session import gmsh_model
 from meshes.part.interfaces import find_interfaces
 from meshes.part.reading.read import read_part
 from meshes.part.volume import Grading, volume_mesh
@@ -18,15 +17,13 @@ LENGTH, ROOT, TIP = 0.5, 0.03, 0.02
 @pytest.fixture(scope="module")
 def cone(tmp_path_factory):
     """A cone of 500 mm, radii 30 and 20 mm, along x, and its two averaged ends."""
-    path = tmp_path_factory.mktemp("cone") / "cone.step"
-    with gmsh_model("cone") as gmsh:
-        gmsh.option.setString("Geometry.OCCTargetUnit", "MM")
-        gmsh.model.occ.addCone(0, 0, 0, 1e3 * LENGTH, 0, 0, 1e3 * ROOT, 1e3 * TIP)
-        gmsh.model.occ.synchronize()
-        gmsh.write(str(path))
+    path = written(
+        tmp_path_factory.mktemp("cone") / "cone.step",
+        lambda kernel: kernel.addCone(0, 0, 0, 1e3 * LENGTH, 0, 0, 1e3 * ROOT, 1e3 * TIP),
+    )
     part = read_part(path)
     found = find_interfaces(part, plane_ends(LENGTH, "average"))
-    return volume_mesh(part, found, Grading(0.025)), found
+    return volume_mesh(part, found, Grading(0.03)), found
 
 
 def test_a_cone_stretches_twists_and_bends_as_its_closed_form(cone):

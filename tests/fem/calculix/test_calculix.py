@@ -29,7 +29,7 @@ from fem.calculix.run import (
 from lumped.errors import ComputationError, InputError
 from lumped.legs import ConstantLeg, Material
 from lumped.sections import Rectangle, Tube
-from meshes.prism.extrude import extrude, stations
+from meshes.prism.hexahedra import extrude, stations
 from meshes.prism.tetrahedra import tetrahedra
 from meshes.section.section_mesh import section_mesh
 

@@ -13,7 +13,7 @@ from fem.bodies.solid import clamped_leg, solid_leg
 from fem.couplings.grips import rigid_motions, saint_venant_loads
 from lumped.legs import ConstantLeg, Material
 from lumped.sections import ISection, Rectangle, Tube
-from meshes.prism.extrude import extrude, stations
+from meshes.prism.hexahedra import extrude, stations
 from meshes.prism.tetrahedra import tetrahedra
 from meshes.section.section_mesh import section_mesh
 

@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem.sections.saint_venant import saint_venant
 from fem.sections.section_constants import beam_properties, section_constants
 from lumped.errors import ComputationError
 from lumped.legs import ConstantLeg, Material
@@ -139,18 +138,6 @@ def test_turned_and_moved_section():
     assert turned.torsion_constant == pytest.approx(upright.torsion_constant, rel=1e-11)
     assert turned.warping_constant == pytest.approx(upright.warping_constant, rel=1e-10)
     assert turned.shear_centre == pytest.approx(tuple(shift), abs=1e-11)
-
-
-def test_stress_fields_carry_their_unit_loads():
-    solution = saint_venant(half_ring(0.1, 0.02), 0.3 / 2.6)
-    quad = solution.quadrature
-    y, z = quad.points
-    for stress, force in zip(solution.centroid_force_stress(), np.eye(2), strict=True):
-        assert quad.integral(stress) == pytest.approx(force, abs=1e-11)
-        assert quad.integral(y * stress[1] - z * stress[0]) == pytest.approx(0.0, abs=1e-12)
-    torsion = solution.torsion_stress()
-    assert quad.integral(torsion) == pytest.approx([0.0, 0.0], abs=1e-8)
-    assert quad.integral(y * torsion[1] - z * torsion[0]) == pytest.approx(1.0, rel=1e-12)
 
 
 def test_sections_against_sectionproperties():

@@ -26,7 +26,7 @@ from fem.solvers.ordering import block_graph, nested_dissection
 from lumped.errors import ComputationError, InputError
 from lumped.legs import ConstantLeg
 from lumped.sections import Rectangle
-from meshes.prism.extrude import extrude, stations
+from meshes.prism.hexahedra import extrude, stations
 from meshes.section.section_mesh import section_mesh
 
 KIND = {"whole": CholmodFactor, "halves": BisectedFactor, "public": PublicFactor}

@@ -2,7 +2,7 @@
 
 from fem.bodies.solid import SolidLeg, solid_leg
 from lumped.legs import ConstantLeg, Material, constant_leg
-from meshes.prism.extrude import extrude, stations
+from meshes.prism.hexahedra import extrude, stations
 from meshes.section.section_mesh import Divisions, section_mesh
 
 STEEL = Material.isotropic(E=2.1e11, nu=0.3, rho=7850.0)

@@ -1,7 +1,18 @@
-"""Parts that tests draw by gmsh's kernel: their meshes as files, and their plane ends."""
+"""Parts that tests draw by gmsh's kernel: they and their meshes as files, and their plane ends."""
 
 from lumped.mechanism.part import ByPlane, PartInterface
 from meshes.gmsh_session import gmsh_model
+
+
+def written(path, draw):
+    """The file, in mm, of what `draw(kernel)` adds to an empty model, in mm."""
+    with gmsh_model(path.stem) as gmsh:
+        gmsh.option.setString("Geometry.OCCTargetUnit", "MM")
+        gmsh.option.setNumber("Geometry.OCCScaling", 1.0)
+        draw(gmsh.model.occ)
+        gmsh.model.occ.synchronize()
+        gmsh.write(str(path))
+    return path
 
 
 def meshed(path, draw, size, sides=4.0):

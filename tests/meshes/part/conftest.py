@@ -4,21 +4,10 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from drawn_parts import written
 
-from meshes.gmsh_session import gmsh_model
 from meshes.part import volume
 from meshes.part.reading import read
-
-
-def written(path: Path, build: Callable, scale: float = 1.0) -> Path:
-    """The file of what `build(occ, scale)` adds to an empty model; numbers in mm times `scale`."""
-    with gmsh_model("part") as gmsh:
-        gmsh.option.setString("Geometry.OCCTargetUnit", "MM")
-        gmsh.option.setNumber("Geometry.OCCScaling", 1.0)
-        build(gmsh.model.occ, scale)
-        gmsh.model.occ.synchronize()
-        gmsh.write(str(path))
-    return path
 
 
 def box(occ, s):
@@ -48,7 +37,7 @@ def part_file(tmp_path_factory) -> Callable:
     folder = tmp_path_factory.mktemp("parts")
 
     def make(name: str, build: Callable, scale: float = 1.0) -> Path:
-        return written(folder / name, build, scale)
+        return written(folder / name, lambda kernel: build(kernel, scale))
 
     return make
 

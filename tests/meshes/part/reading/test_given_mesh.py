@@ -6,6 +6,7 @@ import pytest
 
 from lumped.errors import InputError
 from lumped.mechanism.part import ByCylinder, ByName, PartInterface
+from meshes.elements import ELEMENTS
 from meshes.gmsh_session import gmsh_model
 from meshes.part.interfaces import find_interfaces
 from meshes.part.reading.read import read_part
@@ -122,8 +123,6 @@ def test_what_an_input_file_refers_to_is_there(tmp_path):
 
 @pytest.mark.parametrize("kind", ["hexahedron", "hexahedron20", "hexahedron27"])
 def test_hexahedra_have_six_faces_of_unit_area(tmp_path, kind):
-    from meshes.elements import ELEMENTS  # noqa: PLC0415
-
     element = ELEMENTS[{"hexahedron": "hex8", "hexahedron20": "hex20"}.get(kind, "hex27")]
     points = element.nodes[list(element.vtk_order)]
     part = read_part(mesh_file(tmp_path, points, kind, np.arange(len(points))[None]))
