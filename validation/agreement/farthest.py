@@ -22,22 +22,21 @@ def farthest(found: Array, reference: Array, known: NDArray[np.bool_] | None = N
     return int(np.lexsort((np.where(looked, reference, -np.inf), off))[-1])
 
 
-def farthest_entry(found: Array, reference: Array) -> tuple[float, float]:
+def farthest_entry(
+    found: Array, reference: Array, left_open: Array | float = 0.0
+) -> tuple[float, float, float]:
     """The entries of two compliances (…×n×n) that differ most, in units of √(c_ii c_jj).
 
-    The unit is the power of two next to that of the reference, so that both numbers stay what they
-    are. Of entries that differ by rounding alone the largest: rounding differs from machine to
-    machine.
+    And what is `left_open` of their difference: they are those that differ most beyond it. The
+    unit is the power of two next to that of the reference, so that both numbers stay what they are.
+    Of entries that differ by rounding alone the largest: rounding differs from machine to machine.
     """
-    return farthest_beyond(found, reference, np.zeros_like(reference))[:2]
-
-
-def farthest_beyond(found: Array, reference: Array, left_open: Array) -> tuple[float, float, float]:
-    """The same with what is left open of the difference: that which differs most beyond it."""
     sizes = np.sqrt(np.abs(np.diagonal(reference, axis1=-2, axis2=-1)))
     scale = sizes[..., :, None] * sizes[..., None, :]
     scale = np.exp2(np.round(np.log2(np.where(scale > 0.0, scale, 1.0))))
-    ours, theirs, open_of_both = ((one / scale).ravel() for one in (found, reference, left_open))
+    ours, theirs, open_of_both = (
+        (one / scale).ravel() for one in (found, reference, left_open + 0.0 * found)
+    )
     beyond = np.round(np.abs(ours - theirs) - open_of_both, _DIGITS)
     at = np.lexsort((np.abs(theirs), beyond))[-1]
     return float(ours[at]), float(theirs[at]), float(open_of_both[at])

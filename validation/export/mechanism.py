@@ -25,8 +25,7 @@ from validation.export.models import (
 from validation.export.parts import write_part
 from validation.export.readme import OF_PARTS, write_readme
 from validation.export.vtk_files import polyline, save
-from validation.models.mechanism import constant_legs
-from validation.models.mechanism_modes import mechanism_modes
+from validation.models.mechanism import constant_legs, mechanism_modes
 from validation.models.options import DEFAULT_OPTIONS
 from validation.solids.bars import bar_solids, with_bars
 

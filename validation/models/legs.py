@@ -11,7 +11,7 @@ from fem.bodies.rooted import RootedBody
 from fem.reduction.craig_bampton import craig_bampton
 from fem.reduction.superelement import HeldLeg, held_leg, static_superelement
 from lumped.arrays import Array
-from lumped.dense.modes import Modes, dense
+from lumped.dense.modes import dense
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, GivenLeg, Leg, equivalent_leg, given_compliance, tip_compliance
 from lumped.mechanism.body_model import BodyModel, LegMatrices
@@ -33,6 +33,8 @@ from validation.solids.leg_models import held_solid
 Model = TypeVar("Model", bound=BodyModel)
 
 
+# As many as the family of longer legs takes by all models: each is a hundred kilobytes.
+@memo(256)
 def leg_matrices(
     model: ModelName, leg: ConstantLeg | SteppedLeg, options: ModelOptions = DEFAULT_OPTIONS
 ) -> LegMatrices:
@@ -74,15 +76,6 @@ def leg_chain(leg: ConstantLeg, options: ModelOptions) -> SegmentChain:
     return with_printed_tip_joint(chain) if options.release == "printed" else chain
 
 
-# As many as the family of longer legs takes by all models: each is a hundred kilobytes.
-@memo(256)
-def cached_leg(
-    model: ModelName, leg: ConstantLeg | SteppedLeg, options: ModelOptions
-) -> LegMatrices:
-    """A leg only turns from posture to posture: its matrices are built once."""
-    return leg_matrices(model, leg, options)
-
-
 @memo(64)
 def condensed_leg(
     model: ModelName, leg: ConstantLeg | SteppedLeg, options: ModelOptions
@@ -99,12 +92,9 @@ def reduced_leg(
     leg: ConstantLeg | SteppedLeg,
     options: ModelOptions,
     highest: float,
-    cutoff: float | None = None,
+    cutoff: float,
 ) -> LegMatrices:
-    """A leg reduced for frequencies of the robot up to `highest` (Hz).
-
-    `cutoff` (Hz) of the modes that are kept, None for the reduction's own choice.
-    """
+    """A leg reduced for frequencies of the robot up to `highest` (Hz), its modes to `cutoff`."""
     return craig_bampton(_held(model, leg, options), highest, cutoff).matrices
 
 
@@ -116,19 +106,9 @@ def _held(model: ModelName, leg: ConstantLeg | SteppedLeg, options: ModelOptions
     return held_leg(leg_matrices(model, leg, options))
 
 
-def solid_compliance(leg: ConstantLeg, divisions: int, ends: Ends) -> Array:
-    """6×6 tip compliance (SI, leg axes) of a leg as a solid, `divisions` across its section."""
-    return _clamped_solid(leg, divisions, ends).compliance
-
-
-def solid_modes(leg: ConstantLeg, divisions: int, ends: Ends, count: int) -> Modes:
-    """Modes of a clamped leg as a solid: frequencies (Hz), shapes on its nodes (3N×count)."""
-    return _clamped_solid(leg, divisions, ends).modes(count)
-
-
 @memo(4)
-def _clamped_solid(leg: ConstantLeg, divisions: int, ends: Ends) -> RootedBody:
-    """The factorised leg, shared by statics and modes."""
+def clamped_solid(leg: ConstantLeg, divisions: int, ends: Ends) -> RootedBody:
+    """A leg as a solid, `divisions` across its section, factorised once for statics and modes."""
     return solid.clamped_leg(solid.solid_leg(leg, solid.solid_mesh(leg, divisions)), ends)
 
 
@@ -145,7 +125,7 @@ def leg_compliance(model: ModelName, leg: Leg, options: ModelOptions = DEFAULT_O
     if model in STATIC:
         return tip_compliance(constant.properties(options.theory), constant.length)
     if model == "solid":
-        return solid_compliance(constant, options.divisions, options.ends)
+        return clamped_solid(constant, options.divisions, options.ends).compliance
     return tip_compliance_of(leg_matrices(model, constant, options))
 
 
@@ -160,7 +140,8 @@ def leg_frequencies(
         raise InputError(f"--modes: the {model} model of one leg has no frequencies")
     constant = equivalent_leg(leg, options.equivalent)
     if model == "solid":
-        return solid_modes(constant, options.divisions, options.ends, count).frequencies
+        solid_leg = clamped_solid(constant, options.divisions, options.ends)
+        return solid_leg.modes(count).frequencies
     return clamped_modes(leg_matrices(model, constant, options), count).frequencies
 
 
@@ -173,4 +154,4 @@ def kind_frequencies(
     leg: ConstantLeg, model: ModelName, kind: str, count: int, options: ModelOptions
 ) -> Array:
     """First frequencies (Hz) of one kind of deformation of the clamped leg."""
-    return cantilever.kind_frequencies(cached_leg(model, leg, options), kind, count)
+    return cantilever.kind_frequencies(leg_matrices(model, leg, options), kind, count)

@@ -4,16 +4,18 @@ Bodies are modelled once, however many are alike and however many postures follo
 are condensed to their interfaces, which is exact; dynamic ones are reduced with modes.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
-from math import ceil, isclose
+from functools import cached_property, partial
+from math import ceil, isclose, log2
+from typing import TypeVar
 
 import numpy as np
 
 from fem.beams.stepped import SteppedLeg
 from fem.reduction.craig_bampton import CUTOFF_FACTOR
 from lumped.arrays import Array
+from lumped.dense.modes import Modes
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, GivenLeg, equivalent_leg, tip_compliance
 from lumped.mechanism.body_model import BodyModel, LegMatrices
@@ -23,13 +25,20 @@ from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.models import serial_chains
 from lumped.models.bodies import legs_of, tip_compliances
 from lumped.models.links import link, links
-from lumped.system.assembly import Assembly, assembly
-from lumped.system.joint_motion import printed_release
-from lumped.system.solution import compliance, modes, modes_with_mass, solved
+from lumped.system.assembly import Assembly, System, assembly
+from lumped.system.joint_motion import Portion, printed_release
+from lumped.system.solution import (
+    Solved,
+    compliance,
+    modes,
+    modes_with_mass,
+    solved,
+    strain_shares,
+    too_few,
+)
 from lumped.system.sweep import swept
 from validation.models import parts
 from validation.models.legs import (
-    cached_leg,
     condensed_leg,
     filled,
     leg_matrices,
@@ -37,8 +46,8 @@ from validation.models.legs import (
 )
 from validation.models.options import DEFAULT_OPTIONS, STATIC, ModelName, ModelOptions, PartLegs
 from validation.models.part_legs import part_models, part_springs, require_legs
-from validation.solids.leg_models import half_octave_above, renewed_where_needed
 
+T = TypeVar("T")
 # Bodies whose lengths differ by what twelve typed digits leave are one body.
 _ALIKE = 1e-9
 # Frequencies that are compared one by one.
@@ -81,8 +90,8 @@ def answers(
     if not postures:
         return []
     mechanism = postures[0].mechanism
-    if count and model in STATIC:
-        raise InputError(f"--modes: the {model} model is static and has no frequencies")
+    if count:
+        _require_mass(model)
     if model == "vjm":
         require_legs(mechanism)
         springs = tip_compliances(mechanism, options.legs, options.theory, options.equivalent)
@@ -92,18 +101,121 @@ def answers(
             for at in postures
         ]
     if model == "simplified":
-        return list(_on_drives(postures, count))
-    if options.release == "printed":
-        printed = as_printed(mechanism)
-        postures = [replace(at, mechanism=printed) for at in postures]
+        return [
+            PostureAnswer(one.posture, one.compliance, one.modes.frequencies, one.idle)
+            for one in modes_on_drives(postures, count)
+        ]
+    postures = _released(postures, options)
     if not count:
-        models = static_bodies(model, mechanism, options)
-        return _solve(assembly(postures[0].mechanism, models), postures, 0)
-    return renewed_where_needed(
-        highest_frequency(postures, count, options),
-        partial(_dynamic, model, mechanism, postures, count, options),
-        frequencies=lambda found: np.array([one.frequencies for one in found]),
+        return _swept(static_bodies(model, mechanism, options), postures, 0)
+    return with_enough_modes(
+        lambda highest: _swept(dynamic_bodies(model, mechanism, highest, options), postures, count),
+        lambda found: np.array([one.frequencies for one in found]),
+        postures,
+        count,
+        options,
     )
+
+
+@dataclass(frozen=True, eq=False)
+class PostureModes:
+    """The lowest modes of a mechanism in one posture, idle motions left out."""
+
+    posture: Posture
+    solution: Solved
+    modes: Modes
+
+    @property
+    def system(self) -> System:
+        """The assembled mechanism."""
+        return self.solution.system
+
+    @property
+    def idle(self) -> int:
+        """Number of mobilities that do not move the tool."""
+        return self.solution.idle
+
+    @cached_property
+    def compliance(self) -> Array:
+        """6×6 (SI, base axes) at the loaded point; raises as `lumped.system.solution` does."""
+        return compliance(self.solution)
+
+    @cached_property
+    def strain(self) -> Mapping[Portion, Array]:
+        """Share of each mode's strain energy in every drive, body and elastic part of a joint.
+
+        Of a body by kind of deformation where its model knows it; those of a mode sum to 1.
+        """
+        return strain_shares(self.system, self.modes.shapes)
+
+
+def mechanism_modes(
+    model: ModelName,
+    postures: Sequence[Posture],
+    count: int,
+    options: ModelOptions = DEFAULT_OPTIONS,
+) -> list[PostureModes]:
+    """The lowest `count` modes in each posture of one mechanism; of rigid bodies as many as are.
+
+    Raises InputError for a static model, ComputationError where the tool is free to move and where
+    fewer modes have mass.
+    """
+    _require_mass(model)
+    if not postures:
+        return []
+    mechanism = postures[0].mechanism
+    if model == "simplified":
+        return list(modes_on_drives(postures, count))
+    postures = _released(postures, options)
+
+    def solve(highest: float) -> list[PostureModes]:
+        bodies = dynamic_bodies(model, mechanism, highest, options)
+        found = list(modes_along(assembly(postures[0].mechanism, bodies), postures, count))
+        if any(len(one.modes.frequencies) < count for one in found):
+            raise too_few(mechanism.name, count)
+        return found
+
+    return with_enough_modes(
+        solve,
+        lambda found: np.array([one.modes.frequencies for one in found]),
+        postures,
+        count,
+        options,
+    )
+
+
+def modes_on_drives(postures: Sequence[Posture], count: int) -> Iterator[PostureModes]:
+    """At most `count` modes of rigid bodies on elastic drives, as many as have mass."""
+    rigid = on_drives_alone(postures[0].mechanism)
+    return modes_along(assembly(rigid, {}), postures, count)
+
+
+def modes_along(
+    prepared: Assembly, postures: Iterable[Posture], count: int
+) -> Iterator[PostureModes]:
+    """At most `count` modes in each posture, as many as have mass; one posture after the other."""
+    for posture in postures:
+        solution = solved(prepared.at(posture))
+        yield PostureModes(posture, solution, modes_with_mass(solution, count))
+
+
+def with_enough_modes(
+    solve: Callable[[float], T],
+    frequencies: Callable[[T], Array],
+    postures: Sequence[Posture],
+    count: int,
+    options: ModelOptions = DEFAULT_OPTIONS,
+) -> T:
+    """`solve` with bodies reduced up to a frequency (Hz), again with more where that was low.
+
+    What beams lead to expect, end faces that hold warping in open sections may exceed by far: what
+    counts are the solution's own `frequencies`. More modes only lower them (Rayleigh), so that the
+    second reduction suffices but for rounding.
+    """
+    highest = highest_frequency(postures, count, options)
+    while (top := float(np.max(frequencies(solution := solve(highest))))) > highest:
+        highest = _half_octave_above(top)
+    return solution
 
 
 def static_bodies(
@@ -142,7 +254,7 @@ def dynamic_bodies(
             name: parts.reduced(body, highest, cutoff, by=options.reduction)
             for name, body in bodies.items()
         }
-    whole = bodies_of(mechanism, options, partial(cached_leg, model))
+    whole = bodies_of(mechanism, options, partial(leg_matrices, model))
     if sum(one.size for one in whole.values()) <= FEW:
         return whole
     return bodies_of(mechanism, options, reduced)
@@ -182,43 +294,36 @@ def highest_frequency(
         theory=options.theory,
         elements=max(_ESTIMATE.elements, ceil(count / (3 * legs))),
     )
-    bodies: dict[str, BodyModel] = {
-        name: leg_matrices("beam", leg, own)
-        for name, leg, own in constant_legs(middle.mechanism, coarse)
-    }
-    bodies |= part_models(middle.mechanism, coarse, partial(leg_matrices, "beam"))
+    bodies = bodies_of(middle.mechanism, coarse, partial(leg_matrices, "beam"))
     solution = solved(assembly(middle.mechanism, bodies).at(middle))
     # Parts on their interfaces alone have few modes.
     lowest = modes_with_mass if middle.mechanism.parts else modes
-    return half_octave_above(float(lowest(solution, count).frequencies[-1]))
+    return _half_octave_above(float(lowest(solution, count).frequencies[-1]))
 
 
-def _solve(prepared: Assembly, postures: Sequence[Posture], count: int) -> list[PostureAnswer]:
-    found = swept(prepared, postures, count)
+def _half_octave_above(frequency: float) -> float:
+    return float(2.0 ** (0.5 * ceil(2.0 * log2(frequency))))
+
+
+def _require_mass(model: ModelName) -> None:
+    if model in STATIC:
+        raise InputError(f"--modes: the {model} model is static and has no frequencies")
+
+
+def _released(postures: Sequence[Posture], options: ModelOptions) -> Sequence[Posture]:
+    """With the joints as they are printed, where that is asked for."""
+    if options.release != "printed":
+        return postures
+    printed = as_printed(postures[0].mechanism)
+    return [replace(at, mechanism=printed) for at in postures]
+
+
+def _swept(
+    bodies: Mapping[str, BodyModel], postures: Sequence[Posture], count: int
+) -> list[PostureAnswer]:
+    found = swept(assembly(postures[0].mechanism, bodies), postures, count)
     each = zip(postures, found.compliances, found.frequencies, found.idle, strict=True)
     return [PostureAnswer(*one) for one in each]
-
-
-def _on_drives(postures: Sequence[Posture], count: int) -> Iterator[PostureAnswer]:
-    """Rigid bodies on elastic drives; of a posture's frequencies as many as have mass."""
-    rigid = on_drives_alone(postures[0].mechanism)
-    prepared = assembly(rigid, {})
-    for posture in postures:
-        solution = solved(prepared.at(replace(posture, mechanism=rigid)))
-        frequencies = modes_with_mass(solution, count).frequencies
-        yield PostureAnswer(posture, compliance(solution), frequencies, solution.idle)
-
-
-def _dynamic(
-    model: ModelName,
-    mechanism: Mechanism,
-    postures: Sequence[Posture],
-    count: int,
-    options: ModelOptions,
-    highest: float,
-) -> list[PostureAnswer]:
-    bodies = dynamic_bodies(model, mechanism, highest, options)
-    return _solve(assembly(postures[0].mechanism, bodies), postures, count)
 
 
 def constant_legs(

@@ -50,46 +50,31 @@ class ReducedPart(BodyModel):
     """A part reduced for frequencies up to `highest` (Hz), by Craig and Bampton.
 
     With its interfaces held `counted` modes lie below `cutoff` (Hz), by inertia, and all are kept;
-    `truncated` W (6m×6m) is what bounds the error (fem.reduction.craig_bampton).
+    `truncated` W (6m×6m) is what bounds the error (fem.reduction.craig_bampton). By MacNeal and
+    Rubin cut-off and count are those of the free part's elastic modes, and `free` is its bound.
     """
 
     highest: float = field(kw_only=True)
     cutoff: float = field(kw_only=True)
     counted: int = field(kw_only=True)
     truncated: Array = field(kw_only=True)
+    free: FreeTruncation | None = field(kw_only=True, default=None)
 
     @property
     def kept(self) -> int:
-        """How many modes below the cut-off its matrices have."""
-        return _below(np.diag(self.stiffness)[len(self.truncated) :], self.cutoff)
-
-    def loosened(self, squared: float) -> tuple[Array, Array]:
-        """As `fem.reduction.craig_bampton.Truncated` wants it."""
-        return heavier_at_interfaces(self.truncated, self.cutoff, self.size, squared)
-
-
-@dataclass(frozen=True, eq=False)
-class FreelyReducedPart(ReducedPart):
-    """The same by MacNeal and Rubin: cut-off and count are those of the free part's elastic modes.
-
-    `squared` and `shares` are those of fem.reduction.free_interface.FreeTruncation, for its bound.
-    """
-
-    squared: Array = field(kw_only=True)
-    shares: Array = field(kw_only=True)
-
-    @property
-    def kept(self) -> int:
-        """How many elastic modes of the free part below the cut-off its matrices have."""
+        """How many modes below the cut-off, held or free, its matrices have."""
+        if self.free is None:
+            return _below(np.diag(self.stiffness)[len(self.truncated) :], self.cutoff)
         squared = eigh(dense(self.stiffness), dense(self.mass), eigvals_only=True)[6:]
-        known = self.squared[6 : -len(self.truncated)]
+        known = self.free.squared[6 : -len(self.truncated)]
         found = squared[: len(known)]
         return _below(found[np.abs(found / known - 1.0) < _SAME_MODE], self.cutoff)
 
     def loosened(self, squared: float) -> tuple[Array, Array]:
         """As `fem.reduction.craig_bampton.Truncated` wants it."""
-        dropped = FreeTruncation(self.cutoff, self.squared, self.shares, self.truncated)
-        stiffness, mass = dropped.loosened(squared)
+        if self.free is None:
+            return heavier_at_interfaces(self.truncated, self.cutoff, self.size, squared)
+        stiffness, mass = self.free.loosened(squared)
         return np.asarray(stiffness - self.stiffness), np.asarray(mass - self.mass)
 
 
@@ -214,30 +199,28 @@ def reduced(
         file, interfaces, shape.material, "reduced", UNKNOWNS, level, highest, cutoff, by
     )
     found = kept(key, compute)
-    moved = interpolated(found["nodes"], found["recovery"])
-    own: dict[str, Any] = {
-        "highest": highest,
-        "cutoff": float(found["cutoff"]),
-        "counted": int(found["counted"]),
-        "truncated": found["truncated"],
-    }
-    kind: type[ReducedPart] = ReducedPart
+    cutoff, truncated = float(found["cutoff"]), found["truncated"]
+    free = None
     if by == "free":
-        kind = FreelyReducedPart
-        own |= {"squared": found["squared"], "shares": found["shares"]}
-    names = tuple(body.interfaces)
-    model = kind("solid, reduced", names, found["stiffness"], found["mass"], moved, **own)
-    _require_counted(model, body.name)
-    return model
-
-
-def _require_counted(part: ReducedPart, name: str) -> None:
-    """Raise ComputationError unless there are as many modes below the cut-off as were counted."""
+        free = FreeTruncation(cutoff, found["squared"], found["shares"], truncated)
+    part = ReducedPart(
+        "solid, reduced",
+        tuple(body.interfaces),
+        found["stiffness"],
+        found["mass"],
+        interpolated(found["nodes"], found["recovery"]),
+        highest=highest,
+        cutoff=cutoff,
+        counted=int(found["counted"]),
+        truncated=truncated,
+        free=free,
+    )
     if part.kept != part.counted:
         raise ComputationError(
-            f"{name}, reduced: {part.counted} modes were counted below {part.cutoff:.6g} Hz, "
+            f"{body.name}, reduced: {part.counted} modes were counted below {part.cutoff:.6g} Hz, "
             f"{part.kept} are in its reduction"
         )
+    return part
 
 
 def interpolated(nodes: Array, recovery: Array) -> Callable[[Array], SparseMatrix]:

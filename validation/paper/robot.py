@@ -25,8 +25,7 @@ from lumped.system.assembly import System, assembly
 from lumped.system.joint_motion import Portion
 from lumped.system.solution import strain_shares
 from validation.context import BUILT_IN
-from validation.models.mechanism import answers
-from validation.models.mechanism_modes import mechanism_modes
+from validation.models.mechanism import answers, mechanism_modes
 from validation.models.options import DEFAULT_OPTIONS, ModelName, ModelOptions
 from validation.report.figures.mechanism.mode_names import kinetic_shares
 

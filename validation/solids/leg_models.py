@@ -1,9 +1,6 @@
 """Legs as solids, as beams of the same section meshes, and what both are at their tips."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from math import ceil, log2
-from typing import TypeVar
 
 import numpy as np
 
@@ -37,8 +34,6 @@ WALL_DIVISIONS: dict[Preset, int] = {"quick": 2, "standard": 4, "fine": 8}
 # Of beams beside them.
 ELEMENTS = 20
 
-T = TypeVar("T")
-
 
 def held_solid(leg: ConstantLeg, divisions: int, ends: Ends, section: int | None = None) -> HeldLeg:
     """The solid leg with the twists of both ends given; `ends` as in its coupling.
@@ -57,25 +52,6 @@ def own_beam(leg: ConstantLeg, divisions: int) -> LegMatrices:
     mesh = section_mesh(leg.section, divisions)
     constants = section_constants(mesh, material.nu, material.G / material.E)
     return beam_leg(beam_properties(constants, material), leg.length, ELEMENTS)
-
-
-def renewed_where_needed(
-    highest: float, solve: Callable[[float], T], frequencies: Callable[[T], Array]
-) -> T:
-    """`solve(highest)` with legs reduced for `highest` (Hz), again with more where that was low.
-
-    What beams lead to expect, end faces that hold warping in open sections may exceed by far: what
-    counts are the solid's own `frequencies` of the solution. More modes only lower them (Rayleigh),
-    so that the second reduction suffices but for rounding.
-    """
-    while (top := float(np.max(frequencies(solution := solve(highest))))) > highest:
-        highest = half_octave_above(top)
-    return solution
-
-
-def half_octave_above(frequency: float) -> float:
-    """The next frequency (Hz) in steps of half an octave, so that postures share reduced legs."""
-    return float(2.0 ** (0.5 * ceil(2.0 * log2(frequency))))
 
 
 @dataclass(frozen=True)

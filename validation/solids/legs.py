@@ -19,7 +19,6 @@ from lumped.sections import HollowRectangle, ISection, Rectangle
 from meshes.prism.hexahedra import hexahedra
 from meshes.section.section_blocks import Divisions
 from meshes.section.section_mesh import SectionMesh, section_mesh
-from meshes.solid_mesh import SolidMesh
 from validation.agreement.convergence import (
     Convergence,
     analyse,
@@ -198,12 +197,6 @@ def static_slices(leg: ConstantLeg, divisions: int) -> int:
     return _THINNER * slices(leg, divisions)
 
 
-def similar_mesh(leg: ConstantLeg, divisions: int) -> SolidMesh:
-    """Quadratic hexahedra, every size inversely proportional to `divisions`."""
-    counts = section_counts(leg, divisions)
-    return hexahedra(leg.section, leg.length, counts, slices=slices(leg, divisions))
-
-
 def face_mesh(leg: ConstantLeg, divisions: int) -> SectionMesh:
     """The mesh of a leg's section that its solid of so many divisions has."""
     return section_mesh(leg.section, section_counts(leg, divisions))
@@ -236,7 +229,8 @@ def solid_compliances(leg: ConstantLeg, divisions: tuple[int, ...]) -> dict[Ends
         for ends in _ENDS
     )
     relaxed = Refinement(divisions, free, formal_order(leg, "free"))
-    return {"rigid": held(leg, rigid, relaxed), "free": relaxed}
+    held = Refinement(divisions, rigid, formal_order(leg, "rigid"), relaxed)
+    return {"rigid": held, "free": relaxed}
 
 
 def doubled_tip(leg: ConstantLeg, divisions: int, along: int, ends: Ends) -> Array:
@@ -252,11 +246,6 @@ def _doubled_tips(leg: ConstantLeg, divisions: int, along: int) -> dict[Ends, Ar
     return {ends: doubling.tip_compliance(condensed, ends) for ends in _ENDS}
 
 
-def held(leg: ConstantLeg, values: Array, free: Refinement) -> Refinement:
-    """Values (m×…) of a leg with rigid faces, beside those of `free` ends on the same meshes."""
-    return Refinement(free.divisions, values, formal_order(leg, "rigid"), free)
-
-
 def solid_frequencies(
     leg: ConstantLeg, divisions: tuple[int, ...], ends: Ends, count: int
 ) -> SolidModes:
@@ -267,7 +256,8 @@ def solid_frequencies(
     target = beam.centreline(stations) @ clamped_modes(beam, count).shapes
     frequencies, mac = [], []
     for number in divisions:
-        mesh = similar_mesh(leg, number)
+        counts = section_counts(leg, number)
+        mesh = hexahedra(leg.section, leg.length, counts, slices=slices(leg, number))
         clamped = solid.clamped_leg(solid.solid_leg(leg, mesh), ends)
         modes = clamped.modes(count + _SPARE_MODES)
         shapes = solid.section_twists(mesh, stations) @ modes.shapes

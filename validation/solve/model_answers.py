@@ -12,8 +12,13 @@ from lumped.legs import ConstantLeg
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.models.bodies import leg_of
 from validation.models.legs import leg_compliance, leg_frequencies
-from validation.models.mechanism import PostureAnswer, answers, constant_legs, static_bodies
-from validation.models.mechanism_modes import mechanism_modes
+from validation.models.mechanism import (
+    PostureAnswer,
+    answers,
+    constant_legs,
+    mechanism_modes,
+    static_bodies,
+)
 from validation.models.options import ModelOptions
 from validation.models.roundings import roundings_of, share_by_digits
 from validation.solve.answer import Answer, LeftOpen, PartUncertainty, Solution

@@ -7,7 +7,7 @@ from typing import Any
 from validation.adequacy.mechanism.samples import samples_of
 from validation.adequacy.mechanism.vibration import vibration_of
 from validation.adequacy.partners import Partners, partners
-from validation.models.mechanism_modes import PostureModes, mechanism_modes
+from validation.models.mechanism import PostureModes, mechanism_modes
 from validation.models.options import ModelName, ModelOptions
 
 # Modes of the other model besides as many as asked: a partner may come later in its order.

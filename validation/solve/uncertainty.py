@@ -83,7 +83,7 @@ def with_uncertainty(
     order = min(formal_order(leg, options.ends) for leg in solid)
     along = max(own, other) / min(own, other)
     ratio = min(cbrt(along * _ratio(leg.section, own, other) ** 2) for leg in solid)
-    factor = step_factor(ratio, order) * (1.0 if own > other else ratio**order)
+    factor = step_factor(ratio if own > other else 1.0 / ratio, order)
     return [
         _half_widths(
             one,

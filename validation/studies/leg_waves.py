@@ -9,6 +9,7 @@ its ends nothing of what it does. No mesh along the legs, and no solid, has a pa
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TypeAlias
 
 import numpy as np
@@ -78,7 +79,7 @@ def wave_changes(
     bodies = {name: filled(leg.matrices) for name, leg in legs.items()}
     prepared = assembly(postures[0].mechanism, bodies)
     pieced = {
-        name: _pieced(legs[name], beams[name], elements, kinds) for name, kinds in waves.items()
+        name: _PiecedLeg(legs[name], beams[name], elements, kinds) for name, kinds in waves.items()
     }
     rows = []
     for posture in postures:
@@ -92,13 +93,21 @@ def wave_changes(
 
 @dataclass(frozen=True, eq=False)
 class _PiecedLeg:
-    """A leg as a beam of equal `elements`, its `waves`, and ω (rad/s) of it with both ends held."""
+    """A leg as a beam of equal `elements`, and its `waves`."""
 
     reduced: Superelement
     beam: LegMatrices
     elements: int
     waves: tuple[PrismWaves, ...]
-    held: float
+
+    @cached_property
+    def held(self) -> float:
+        """ω (rad/s) of the leg with both ends held."""
+        stiffness, mass = (
+            dense(matrix)[ENDS:, ENDS:] for matrix in (self.beam.stiffness, self.beam.mass)
+        )
+        lowest = eigh(stiffness, mass, eigvals_only=True, subset_by_index=[0, 0])
+        return float(np.sqrt(lowest[0]))
 
     def pieces(self, omega: float) -> int:
         """Into how many equal pieces of whole elements the leg is cut at ω (rad/s)."""
@@ -114,14 +123,6 @@ class _PiecedLeg:
         inner = np.arange(1, pieces) * (self.elements // pieces) - 1
         first = np.concatenate([[0], ENDS + 6 * inner, [6]])
         return np.asarray(first[:, None] + np.arange(6))
-
-
-def _pieced(
-    reduced: Superelement, beam: LegMatrices, elements: int, waves: tuple[PrismWaves, ...]
-) -> _PiecedLeg:
-    stiffness, mass = (dense(matrix)[ENDS:, ENDS:] for matrix in (beam.stiffness, beam.mass))
-    lowest = eigh(stiffness, mass, eigvals_only=True, subset_by_index=[0, 0])
-    return _PiecedLeg(reduced, beam, elements, waves, float(np.sqrt(lowest[0])))
 
 
 def _change(frequencies: Array, legs: Sequence[tuple[_PiecedLeg, Array]], mode: int) -> float:

@@ -22,7 +22,6 @@ from lumped.system.solution import compliance, solved
 from validation.solids.legs import (
     Refinement,
     formal_order,
-    held,
     solid_compliances,
     solid_frequencies,
 )
@@ -98,7 +97,7 @@ def _both(
     count = len(divisions)
     free = Refinement(divisions, values["free"][:count], formal_order(leg, "free"))
     yield "free", free
-    yield "rigid", held(leg, values["rigid"][:count], free)
+    yield "rigid", Refinement(divisions, values["rigid"][:count], formal_order(leg, "rigid"), free)
 
 
 def of_robots(rng: np.random.Generator) -> Iterator[Stated]:

@@ -108,12 +108,12 @@ def slender_cantilever(elements: int) -> BeamFrame:
     )
 
 
-def straight_cantilever(up: tuple[float, float, float] = (0.0, 0.0, 1.0)) -> list[KnownNumber]:
-    """MacNeal–Harder, clamped at node 0, its section's height along `up`."""
+def straight_cantilever() -> list[KnownNumber]:
+    """MacNeal–Harder, clamped at node 0, its section's height along z."""
     frame = BeamFrame(
         "MacNeal–Harder cantilever",
         np.array([[0.0, 0.0, 0.0], [solids.STRAIGHT.length, 0.0, 0.0]]),
-        (Member(0, 1, solids.STRAIGHT.timoshenko, up, 1),),
+        (Member(0, 1, solids.STRAIGHT.timoshenko, (0.0, 0.0, 1.0), 1),),
         (Support(0),),
     )
     found = displacements(assemble(frame), np.eye(12)[:, 6:])[6:]

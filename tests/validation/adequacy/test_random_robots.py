@@ -33,7 +33,7 @@ from validation.adequacy.models import JUDGED
 from validation.adequacy.partners import partners
 from validation.adequacy.robot import robot_subject, static_subject
 from validation.context import Context
-from validation.models.mechanism_modes import mechanism_modes
+from validation.models.mechanism import mechanism_modes
 from validation.models.options import ModelOptions
 from validation.solids.legs import COARSEST_WALLS, section_counts, static_ladder, static_slices
 

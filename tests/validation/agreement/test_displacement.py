@@ -43,7 +43,7 @@ def compliance(rng: np.random.Generator, yields: Array) -> Array:
     return np.asarray(axes * yields @ axes.T)
 
 
-@pytest.mark.parametrize("seed", range(16))
+@pytest.mark.parametrize("seed", range(6))
 def test_the_worst_direction_of_force_is_found(seed: int) -> None:
     rng = np.random.default_rng([24, seed])
     # From one direction that alone yields to a reference that is singular.
@@ -51,7 +51,7 @@ def test_the_worst_direction_of_force_is_found(seed: int) -> None:
     yields[: rng.integers(0, 3)] *= rng.choice([1.0, 0.0])
     reference = compliance(rng, yields)
     difference = 10.0 ** rng.uniform(-12.0, -8.0) * rng.normal(size=(3, 3))
-    if seed % 4 == 0:
+    if seed % 3 == 0:
         difference = compliance(rng, yields) - reference
     found = worst_force(difference[None], reference[None])
     assert np.linalg.norm(found.force[0]) == pytest.approx(1.0)

@@ -24,7 +24,7 @@ from validation.case import Skip
 from validation.cases.mechanism.path import path_roundings
 from validation.catalogue import catalogue
 from validation.context import Context
-from validation.models.legs import cached_leg
+from validation.models.legs import leg_matrices
 from validation.models.mechanism import bodies_of
 from validation.models.options import ModelOptions
 from validation.results.outcome import judge
@@ -250,7 +250,7 @@ def test_what_rounding_hides_in_three_formulations_is_undecided_or_told(number, 
 @pytest.mark.parametrize("number", [28, 41, 42])
 def test_what_rounding_leaves_open_of_frequencies_covers_what_polynomials_miss(number, tmp_path):
     robot = described(number, tmp_path).mechanism
-    beams = bodies_of(robot, ModelOptions(), partial(cached_leg, "beam"))
+    beams = bodies_of(robot, ModelOptions(), partial(leg_matrices, "beam"))
     for at in placed_at(robot, *stations(robot, 3)):
         system = assemble(at, beams)
         found = modes(solved(system), 6)
@@ -288,7 +288,7 @@ def test_a_free_joint_loses_nothing_of_a_soft_leg_on_a_stiff_one(tmp_path):
     # Leg 1 of 41 bends on a hinge at the tip of a leg 10¹³ times as stiff about z: in sums of both
     # legs' rotations it was 2 % off.
     (at,) = placed_at(described(41, tmp_path).mechanism)
-    beams = bodies_of(at.mechanism, ModelOptions(), partial(cached_leg, "beam"))
+    beams = bodies_of(at.mechanism, ModelOptions(), partial(leg_matrices, "beam"))
     found = modes(solved(assemble(at, beams)), 1).frequencies
     assert found == pytest.approx(ritz.frequencies(at, 1, degree=14), rel=1e-4)
 

@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 from importlib.util import find_spec
-from itertools import product
 
 import numpy as np
 import pytest
@@ -23,24 +22,9 @@ needs_exudyn = pytest.mark.skipif(
 )
 
 
-MECHANISMS = ("five-bar", "3-rrr", "delta", "orthoglide", "hexapod")
-# One plane and one spatial mechanism whenever tests are run, all of them in both in the long ones.
-FEW = {("five-bar", True), ("delta", False)}
-
-
 @needs_exudyn
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("name", "off"),
-    [
-        pytest.param(
-            *both,
-            marks=() if both in FEW else pytest.mark.exhaustive,
-            id=f"{both[0]}-{'off it' if both[1] else 'reference'}",
-        )
-        for both in product(MECHANISMS, (False, True))
-    ],
-)
+@pytest.mark.parametrize(("name", "off"), [("five-bar", True), ("delta", False)])
 def test_first_six_frequencies(name, off):
     """Within 1e-4, and what is left open is said to be more than that."""
     mechanism = load_robot(name).mechanism

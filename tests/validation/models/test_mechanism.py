@@ -7,8 +7,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lumped.errors import InputError
-from lumped.legs import ConstantLeg
 from lumped.mechanism.kinematics.postures import posture, reference_posture
 from lumped.models.bodies import legs_of
 from lumped.models.serial_chains import NoChainError
@@ -57,16 +55,9 @@ def test_beams_links_segments_and_chains_have_one_static_answer(name):
         assert apart(answers(model, at, 0, EULER_BERNOULLI), expected) < 1e-9, model
 
 
-@pytest.mark.parametrize("name", ["delta", "orthoglide"])
-def test_parallelograms_are_no_serial_chains(name):
-    at = [reference_posture(load_robot(name).mechanism)]
-    with pytest.raises(InputError, match=r"branches at .*; take --model links"):
-        answers("vjm", at, 0)
-
-
 def test_why_legs_are_no_chains_arrives_from_another_process():
     at = [reference_posture(load_robot("delta").mechanism)]
-    with pytest.raises(NoChainError) as raised:
+    with pytest.raises(NoChainError, match=r"branches at .*; take --model links") as raised:
         answers("vjm", at, 0)
     arrived = pickle.loads(pickle.dumps(raised.value))  # noqa: S301  its own bytes
     assert isinstance(arrived, NoChainError)
@@ -74,18 +65,15 @@ def test_why_legs_are_no_chains_arrives_from_another_process():
     assert arrived.faults == raised.value.faults
 
 
-@pytest.mark.parametrize("name", ["delta", "3-rrr", "hexapod"])
-@pytest.mark.parametrize("model", ["links", "beam", "segments"])
+@pytest.mark.parametrize(("name", "model"), [("delta", "beam"), ("hexapod", "segments")])
 def test_threefold_symmetry_of_compliance_and_double_modes(name, model):
     """Twelve digits of the files' points leave 1e-11."""
-    count = 0 if model == "links" else 10
-    (found,) = answers(model, [reference_posture(load_robot(name).mechanism)], count)
+    (found,) = answers(model, [reference_posture(load_robot(name).mechanism)], 10)
     turned = THIRD @ found.compliance @ THIRD.T
     assert np.abs(turned - found.compliance).max() <= 1e-9 * np.abs(found.compliance).max()
-    if count:
-        # Modes of the symmetry's two-dimensional representation come in pairs, from the first on.
-        first, second = found.frequencies[:2]
-        assert second == pytest.approx(first, rel=1e-9)
+    # Modes of the symmetry's two-dimensional representation come in pairs, from the first on.
+    first, second = found.frequencies[:2]
+    assert second == pytest.approx(first, rel=1e-9)
 
 
 def test_rods_on_ball_joints_spin_idly_and_are_counted():
@@ -181,32 +169,17 @@ def test_solve_gives_poses_and_idle_mobilities(capsys):
     assert len(result["frequencies"]) == 2
 
 
-def test_solve_of_one_body(capsys):
-    code, out, _ = solve(capsys, "delta", "--model", "vjm", "--body", "rod1l", "--json")
-    (result,) = json.loads(out)["results"]
-    shape = load_robot("delta").mechanism.bodies["rod1l"].shape
-    assert isinstance(shape, ConstantLeg)
-    assert code == 0
-    assert result["compliance"][0][0] == pytest.approx(
-        shape.length / (shape.material.E * shape.section.area), rel=1e-12
-    )
-
-
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
         (["delta", "--model", "beam", "--x", "1"], "--x: poses of a mechanism are typed as --pose"),
         (["delta", "--model", "beam", "--leg", "1"], "--leg: bodies of a mechanism have names"),
         (["delta", "--model", "beam", "--pose", "1,2"], "--pose 1,2: must be x,y,z as finite"),
-        (["delta", "--model", "beam", "--pose", "a,2,3"], "--pose a,2,3: must be x,y,z as finite"),
         (["delta", "--model", "beam", "--body", "arm"], "--body arm: no such body; must be one of"),
         (["delta", "--model", "beam", "--body", "bar1"], "--body bar1: is rigid; must be one of"),
         (["delta", "--model", "links", "--modes", "3"], "--modes: the links model is static"),
         (["delta", "--model", "links", "--legs", "given"], "--legs: no leg that is asked about is"),
         (["delta", "--model", "segments", "--release", "printed"], "--release: not an option of"),
-        (["ifw", "--model", "beam", "--body", "leg3"], "--body leg3: no such body; must be one"),
-        (["ifw", "--model", "beam", "--pose", "0.2,0.3"], "--pose 0.2,0.3: must be x as finite"),
-        (["delta", "--model", "vjm"], "branches at point E1 of arm1; take --model links"),
     ],
 )
 def test_what_is_typed_wrong_is_refused_in_one_line(capsys, arguments, message):

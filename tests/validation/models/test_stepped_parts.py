@@ -15,11 +15,6 @@ from lumped.mechanism.kinematics.postures import posture
 from lumped.mechanism.part import Part
 from lumped.robot_file import load_robot
 from meshes.gmsh_session import gmsh_model
-from meshes.part.boundary import boundary
-from meshes.part.interfaces import find_interfaces
-from meshes.part.reading.read import read_part
-from meshes.part.slices import slices_of
-from meshes.part.volume import Grading, volume_mesh
 from validation.adequacy.mechanism.parts import part_steps
 from validation.adequacy.models import JUDGED, why_unable
 from validation.adequacy.response import Response
@@ -30,7 +25,6 @@ from validation.models.stepped_parts import stepped
 
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 LENGTH, WIDTH, ROOT, TIP = 0.5, 0.04, 0.06, 0.03
-ENDS = plane_ends(LENGTH, "average")
 
 
 @pytest.fixture(scope="module")
@@ -49,47 +43,35 @@ def body(tmp_path_factory):
         gmsh.model.removeEntities(gmsh.model.getEntities(2), recursive=False)
         gmsh.write(str(path))
     points = {"A": Frame(), "B": Frame(np.array([LENGTH, 0.0, 0.0]))}
-    return Body("taper", Part(path, STEEL, ENDS), points)
-
-
-def channel_of(folder, length):
-    """A channel of 60 × 40 mm, 8 mm thick, open along y; `length` in m."""
-    path = folder / "channel.step"
-    long = 1000.0 * length
-    with gmsh_model("channel") as gmsh:
-        gmsh.option.setString("Geometry.OCCTargetUnit", "MM")
-        occ = gmsh.model.occ
-        outer = occ.addBox(0, 0, -30, long, 40, 60)
-        inner = occ.addBox(-10, 8, -22, long + 20, 40, 44)
-        occ.cut([(3, outer)], [(3, inner)])
-        occ.synchronize()
-        gmsh.write(str(path))
-    ends = plane_ends(length, "average")
-    points = {"A": Frame(), "B": Frame(np.array([length, 0.0, 0.0]))}
-    return Body("channel", Part(path, STEEL, ends), points)
+    return Body("taper", Part(path, STEEL, plane_ends(LENGTH, "average")), points)
 
 
 @pytest.fixture(scope="module")
 def channel(tmp_path_factory):
-    return channel_of(tmp_path_factory.mktemp("channel"), 0.3)
+    """A channel of 60 × 40 mm, 300 mm long, 8 mm thick, open along y."""
+    path, length = tmp_path_factory.mktemp("channel") / "channel.step", 0.3
+    with gmsh_model("channel") as gmsh:
+        gmsh.option.setString("Geometry.OCCTargetUnit", "MM")
+        occ = gmsh.model.occ
+        outer = occ.addBox(0, 0, -30, 1000.0 * length, 40, 60)
+        inner = occ.addBox(-10, 8, -22, 1000.0 * length + 20, 40, 44)
+        occ.cut([(3, outer)], [(3, inner)])
+        occ.synchronize()
+        gmsh.write(str(path))
+    points = {"A": Frame(), "B": Frame(np.array([length, 0.0, 0.0]))}
+    return Body("channel", Part(path, STEEL, plane_ends(length, "average")), points)
 
 
-def identified_at(body, unknowns, monkeypatch):
-    monkeypatch.setattr(parts, "UNKNOWNS", unknowns)
-    monkeypatch.setattr(parts.identified, "__defaults__", (unknowns, 0))
-    return parts.identified(body)
-
-
-@pytest.mark.parametrize("model", ["beam", "segments"])
-def test_a_channel_twists_about_its_shear_centre_as_its_solid_does(channel, model, monkeypatch):
+def test_a_channel_twists_about_its_shear_centre_as_its_solid_does(channel, monkeypatch):
     """A force along z through the back's middle twists it: its shear centre lies behind the back.
 
     Ends are averaged and free to warp, so that Saint-Venant's torsion is the whole of it.
     """
-    identified = identified_at(channel, 20_000, monkeypatch)
+    monkeypatch.setattr(parts, "UNKNOWNS", 20_000)
+    identified = parts.identified(channel, 20_000, 0)
     solid = identified.compliance
     leg = stepped(channel, 4)
-    found = compliance(leg, model)
+    found = compliance(leg)
     # Thin walls: e = 3b²t/(h t + 6 b t) behind the back's middle, b and h between walls' middles.
     b, h = 0.036, 0.052
     behind = 3.0 * b**2 / (h + 6.0 * b)
@@ -99,7 +81,7 @@ def test_a_channel_twists_about_its_shear_centre_as_its_solid_does(channel, mode
     scale = np.sqrt(np.diag(solid))
     off = (found - solid) / np.outer(scale, scale)
     # What the solid's mesh of walls leaves open, in torsion most; and 0.3 % where forces enter
-    # evenly instead of as shear flows. Moments that do bend the walls at the ends: the next test.
+    # evenly instead of as shear flows. Moments that do bend the walls at the ends.
     stated = identified.compliance_refinement / np.outer(scale, scale)
     own_moment = np.zeros((6, 6), dtype=bool)
     own_moment[3, 3] = True
@@ -110,35 +92,18 @@ def test_a_channel_twists_about_its_shear_centre_as_its_solid_does(channel, mode
     in_centroid = replace(
         leg, pieces=tuple(replace(piece, shear_centre=(0.0, 0.0)) for piece in leg.pieces)
     )
-    wrong = (compliance(in_centroid, model) - solid) / np.outer(scale, scale)
+    wrong = (compliance(in_centroid) - solid) / np.outer(scale, scale)
     assert abs(wrong[3, 2]) > 5.0 * abs(off[3, 2])
-
-
-@pytest.mark.exhaustive
-def test_twist_of_a_channel_grows_with_its_length_by_saint_venants_torsion(
-    channel, tmp_path, monkeypatch
-):
-    """What a moment that enters evenly adds at the ends is the same for any length."""
-    short = identified_at(channel, 20_000, monkeypatch)
-    longer = channel_of(tmp_path, 0.6)
-    # As many elements for each length.
-    long = identified_at(longer, 40_000, monkeypatch)
-    grown = long.compliance[3, 3] - short.compliance[3, 3]
-    open_ = long.compliance_refinement[3, 3] + short.compliance_refinement[3, 3]
-    own = [compliance(stepped(body, 4), "beam")[3, 3] for body in (channel, longer)]
-    assert own[1] - own[0] == pytest.approx(own[0], rel=1e-9)
-    assert abs(grown - own[0]) <= open_
-    assert open_ < 0.1 * own[0]
 
 
 @pytest.fixture(scope="module")
 def legs(body, tmp_path_factory):
-    """Stepped in 2, 4 and 8 pieces."""
+    """Stepped in 4 and 8 pieces."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(parts, "UNKNOWNS", 5000)
         patch.delenv("FLEXPROOF_CACHE", raising=False)
         patch.setenv("XDG_CACHE_HOME", str(tmp_path_factory.mktemp("cache")))
-        return {count: stepped(body, count) for count in (2, 4, 8)}
+        return {count: stepped(body, count) for count in (4, 8)}
 
 
 def test_what_cannot_be_stepped_is_told_and_judged_without(tmp_path, monkeypatch):
@@ -186,11 +151,7 @@ def tube(occ):
 
 # Outer sections of 60 × 40 mm, 400 mm long, ten pieces of 40 mm: stations at 20, 60, 100, ...
 REFUSED = {
-    "a hole through both flanges, at a station": (
-        lambda occ: occ.cut(tube(occ), [bore(occ, 180, 15)]),
-        r"section 0\.1\d* m from the first interface falls into 2 pieces",
-    ),
-    "one between stations": (
+    "a hole through both flanges, between stations": (
         lambda occ: occ.cut(tube(occ), [bore(occ, 200, 12)]),
         r"section 0\.\d* m from the first interface falls into 2 pieces",
     ),
@@ -204,17 +165,9 @@ REFUSED = {
         ),
         r"second moment of area 4.5 times smaller than those nearer than 0\.02 m on both sides",
     ),
-    "a notch": (
-        lambda occ: occ.cut([bar(occ)], [(3, occ.addBox(170, -50, 10, 20, 100, 50))]),
-        "times smaller than those nearer",
-    ),
     "a collar at a station": (
         lambda occ: occ.fuse([bar(occ)], [bar(occ, 90, 70, 175, 185)]),
         r"0\.18 m from the first interface has a second moment of area [\d.]+ times larger",
-    ),
-    "a fork": (
-        lambda occ: occ.cut([bar(occ)], [(3, occ.addBox(-10, -10, -50, 110, 20, 100))]),
-        r"section 0\.02 m from the first interface falls into 2 pieces",
     ),
 }
 # And their smaller area (m²).
@@ -223,21 +176,9 @@ PRISMS = {
         lambda occ: occ.fuse([bar(occ, end=180)], [bar(occ, 40, 30, begin=180)]),
         1200e-6,
     ),
-    "a collar between stations": (
-        lambda occ: occ.fuse([bar(occ)], [bar(occ, 90, 70, 196, 204)]),
-        2400e-6,
-    ),
     "compartments longer than the section": (
         lambda occ: occ.cut([bar(occ)], [bar(occ, 48, 28, 82, 198), bar(occ, 48, 28, 206, 370)]),
         2400e-6 - 48e-3 * 28e-3,
-    ),
-    "a long pocket": (
-        lambda occ: occ.cut([bar(occ)], [(3, occ.addBox(90, -20, 0, 220, 40, 50))]),
-        1600e-6,
-    ),
-    "an oil hole": (
-        lambda occ: occ.cut([bar(occ)], [(3, occ.addCylinder(180, 0, 0, 0, 0, 50, 1.5))]),
-        2400e-6 - 3e-3 * 20e-3,
     ),
 }
 
@@ -285,8 +226,8 @@ def test_sections_that_hold_for_their_own_size_are_pieces(tmp_path, draw, left):
     leg = stepped(drawn(tmp_path, draw))
     areas = np.array([piece.properties.mu for piece in leg.pieces]) / STEEL.rho
     # Of the bar, of what is left of it, and nothing between: a plane in a step's face is on one
-    # side of it. Facets of the oil hole make it up to a tenth narrower.
-    near = np.isclose(areas[:, None], [2400e-6, left], rtol=4e-3)
+    # side of it.
+    near = np.isclose(areas[:, None], [2400e-6, left], rtol=1e-6)
     assert near.any(axis=1).all()
     assert len(areas) == 10
 
@@ -333,14 +274,10 @@ BEND = 12.0 * LENGTH / (STEEL.E * WIDTH * (ROOT - TIP)) * 0.5 * (1.0 / TIP**2 - 
 
 @pytest.mark.parametrize(("component", "exact"), [(0, STRETCH), (4, BEND)])
 def test_pieces_converge_to_the_closed_form_with_the_square_of_their_number(legs, component, exact):
-    errors = np.array(
-        [compliance(leg)[component, component] / exact - 1.0 for leg in legs.values()]
-    )
-    orders = np.log2(errors[:-1] / errors[1:])
+    coarse, fine = (compliance(leg)[component, component] / exact - 1.0 for leg in legs.values())
     # Sections in the middle of the pieces: the midpoint rule.
-    assert orders == pytest.approx([2.0, 2.0], abs=0.25)
-    assert orders[1] == pytest.approx(2.0, abs=0.08)
-    assert abs(errors[-1]) < 0.01
+    assert np.log2(coarse / fine) == pytest.approx(2.0, abs=0.08)
+    assert abs(fine) < 0.01
 
 
 def test_beams_and_segments_are_one_statics(legs):
@@ -362,19 +299,3 @@ def test_mass_and_rigid_motions_are_those_of_the_part(legs):
     assert (shift.T @ M @ shift).item() == pytest.approx(mass, rel=1e-6)
     twists = matrices.centreline(np.array([0.0, 0.13, LENGTH])) @ shift
     assert twists.reshape(3, 6) == pytest.approx(np.tile([0, 0, 1, 0, 0, 0], (3, 1)), abs=1e-9)
-
-
-def test_a_section_has_the_outline_of_the_box(body):
-    part = read_part(body.shape.file)
-    mesh = volume_mesh(part, find_interfaces(part, ENDS), Grading(0.03))
-    (cut,) = slices_of(mesh.nodes, boundary(mesh), np.array([0.2, 0.005, -0.003]), np.eye(3))
-    height = ROOT + 0.4 * (TIP - ROOT)
-    assert cut.area == pytest.approx(WIDTH * height, rel=1e-9)
-    assert cut.centroid == pytest.approx([-0.005, 0.003], abs=1e-12)
-    # Of a rectangle: A, and b h³/12 either way.
-    b, h = WIDTH, height
-    moments = [b * h, b * h, b**3 * h / 12.0, b * h**3 / 12.0]
-    assert cut.measures == pytest.approx(moments, rel=1e-9)
-    assert len(cut.outer) == 4
-    with pytest.raises(InputError, match="does not cut the part"):
-        slices_of(mesh.nodes, boundary(mesh), np.array([0.7, 0.0, 0.0]), np.eye(3))

@@ -16,9 +16,7 @@ def leg(section, length=0.85):
     return ConstantLeg(length, section, STEEL)
 
 
-@pytest.mark.parametrize(
-    "section", [Circle(0.1), HollowRectangle(0.1, 0.16, 0.01), ISection(0.12, 0.2, 0.01, 0.008)]
-)
+@pytest.mark.parametrize("section", [Circle(0.1), ISection(0.12, 0.2, 0.01, 0.008)])
 def test_two_meshes_of_any_shape_with_free_ends_are_the_beam_of_their_constants(section):
     found = two_meshes(leg(section), 900)
     assert found.ratio == 2.0

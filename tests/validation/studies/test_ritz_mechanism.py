@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from compliances import scaled_difference
-from like_ifw import EQUIVALENT, placed_at
 from scipy.linalg import solve
 
 from lumped.errors import ComputationError
@@ -15,8 +14,6 @@ from lumped.mechanism.joint import Drive
 from lumped.robot_file import load_robot
 from lumped.sections import Rectangle, Tube
 from validation.kinematics.poses import postures_of
-from validation.models.mechanism import answers
-from validation.models.options import ModelOptions
 from validation.selftest.robots import hexapod_stiffness
 from validation.studies.ritz import leg, mechanism
 
@@ -42,22 +39,13 @@ def test_a_leg_alone_is_the_textbook_cantilever(prism, theory):
     assert scaled_difference(compliance, tip_compliance(beam, prism.length)) < 3e-6
 
 
-def test_frequencies_are_what_beams_converge_to():
-    at = placed_at(EQUIVALENT)
-    found = mechanism.frequencies(at[0], 4, degree=14)
-    (coarse,), (fine,) = (answers("beam", at, 4, ModelOptions(elements=n)) for n in (10, 20))
-    # Fourth order: what is left is a fifteenth of the last step; a third more for the next term.
-    left = (coarse.frequencies - fine.frequencies) / 15.0
-    assert np.all(np.abs(fine.frequencies - found - left) < 0.34 * left + 1e-9 * found)
-
-
 def test_a_hexapod_has_the_stiffness_of_its_bars():
     at = first_pose("hexapod")
     stiffness = hexapod_stiffness(at.mechanism, at.pose)
     np.testing.assert_allclose(mechanism.compliance(at) @ stiffness, np.eye(6), atol=1e-8)
 
 
-@pytest.mark.parametrize("softer", [1e-12, 1e-6, 1e6])
+@pytest.mark.parametrize("softer", [1e-12, 1e6])
 def test_frequencies_may_be_of_any_size(softer):
     """Rods that idle among them: of all stiffnesses the root."""
     at = first_pose("delta")

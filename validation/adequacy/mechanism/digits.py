@@ -26,8 +26,7 @@ from validation.adequacy.mechanism.samples import samples_of
 from validation.adequacy.mechanism.vibration import vibration_of
 from validation.adequacy.response import Vibration
 from validation.agreement.displacement import sizes
-from validation.models.mechanism import dynamic_bodies, highest_frequency
-from validation.models.mechanism_modes import modes_along
+from validation.models.mechanism import dynamic_bodies, highest_frequency, modes_along
 from validation.models.options import ModelOptions
 from validation.models.roundings import changes_by_digits, roundings_of, share_by_digits
 

@@ -39,7 +39,7 @@ from validation.adequacy.response import (
     modes_of,
 )
 from validation.context import Preset
-from validation.models.mechanism_modes import modes_along
+from validation.models.mechanism import modes_along
 from validation.models.options import ModelName, ModelOptions
 from validation.parts.meshes import FINEST, MIDDLE
 from validation.solids.leg_models import ELEMENTS

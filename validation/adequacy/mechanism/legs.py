@@ -21,6 +21,7 @@ from lumped.legs import (
 )
 from lumped.mechanism.body_model import LegMatrices
 from validation.adequacy.response import finer_by
+from validation.agreement.convergence import step_factor
 from validation.context import Context, Preset
 from validation.solids.leg_models import TwoMeshes, has_meshes, mesh_pair, two_meshes
 from validation.solids.legs import COARSEST_WALLS, leg_constants, static_ladder
@@ -36,7 +37,6 @@ UNKNOWNS: dict[Preset, tuple[int, int]] = {
 # Edges of held faces and inward corners of sections have singular stresses: no energy converges
 # more slowly than with this power of the mesh size (M. L. Williams, J. Appl. Mech. 19 (1952) 526).
 SLOWEST_ORDER = 4.0 / 3.0
-_SAFETY = 3.0
 # The same section constants serve all that is not a mesh study.
 SECTION_DIVISIONS = 8
 # How much finer those are than the one mesh that both solids of a leg share.
@@ -50,7 +50,7 @@ def step_uncertainty(change: Array, ratio: float) -> Array:
 
     Roache's estimate for two meshes, safety factor three, with the lowest order there can be.
     """
-    return np.asarray(_SAFETY / (ratio**SLOWEST_ORDER - 1.0) * change)
+    return np.asarray(step_factor(ratio, SLOWEST_ORDER) * change)
 
 
 def solid_leg(context: Context, leg: ConstantLeg) -> TwoMeshes:

@@ -18,7 +18,7 @@ from fem.reduction.superelement import ENDS, ends_stiffness, held_leg
 from lumped.arrays import Array, SparseMatrix
 from lumped.legs import GivenLeg, equivalent_leg
 from lumped.mechanism.body_model import LegMatrices
-from validation.models.legs import cached_leg
+from validation.models.legs import leg_matrices
 from validation.models.options import ModelOptions
 
 Masses: TypeAlias = Literal[
@@ -83,7 +83,7 @@ def by_shapes(shapes: Array, leg: GivenLeg, masses: Masses, elements: int) -> Le
 
 
 def _prism(leg: GivenLeg, elements: int) -> LegMatrices:
-    return cached_leg("beam", equivalent_leg(leg), ModelOptions(elements=elements))
+    return leg_matrices("beam", equivalent_leg(leg), ModelOptions(elements=elements))
 
 
 def _mass(beam: LegMatrices, leg: GivenLeg, masses: Masses, elements: int) -> SparseMatrix:

@@ -5,7 +5,7 @@ their centre, and four points in each of some sections of every leg, placed so t
 section's mass and rotary inertia.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from functools import partial
 from typing import NamedTuple
 
@@ -26,17 +26,17 @@ from validation.adequacy.mechanism.samples import Samples, samples_of
 from validation.adequacy.response import Vibration
 from validation.context import Preset
 from validation.models.legs import filled
-from validation.models.mechanism import CUTOFF, dynamic_bodies, highest_frequency
-from validation.models.mechanism_modes import PostureModes, modes_along, modes_on_drives
+from validation.models.mechanism import (
+    CUTOFF,
+    PostureModes,
+    dynamic_bodies,
+    modes_along,
+    modes_on_drives,
+    with_enough_modes,
+)
 from validation.models.options import ModelName, ModelOptions
 from validation.parts.meshes import FINEST
-from validation.solids.leg_models import (
-    DIVISIONS,
-    ELEMENTS,
-    WALL_DIVISIONS,
-    held_solid,
-    renewed_where_needed,
-)
+from validation.solids.leg_models import DIVISIONS, ELEMENTS, WALL_DIVISIONS, held_solid
 from validation.solids.legs import COARSEST_WALLS, divisions_across
 
 Build = Callable[[Leg, Ends, float], LegMatrices]
@@ -136,7 +136,7 @@ def model_vibration(
         bodies = dynamic_bodies(model, mechanism, highest, options)
         return vibration_of(samples, modes_along(assembly(mechanism, bodies), postures, count))
 
-    return _renewed(postures, count, solve)
+    return with_enough_modes(solve, lambda found: found.frequencies, postures, count)
 
 
 def built_vibration(
@@ -164,15 +164,7 @@ def built_vibration(
         prepared = assembly(mechanism, {**bodies, **parts})
         return vibration_of(samples, modes_along(prepared, postures, count))
 
-    return _renewed(postures, count, solve)
-
-
-def _renewed(
-    postures: Sequence[Posture], count: int, solve: Callable[[float], Vibration]
-) -> Vibration:
-    return renewed_where_needed(
-        highest_frequency(postures, count), solve, frequencies=lambda found: found.frequencies
-    )
+    return with_enough_modes(solve, lambda found: found.frequencies, postures, count)
 
 
 def solid_vibration(

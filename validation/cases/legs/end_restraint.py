@@ -54,7 +54,7 @@ THEORY = (
 _ROUND_OFF = 1e-11
 _POISSON = 0.3
 _SOLID = (doubling.condensed_leg, doubling.tip_compliance)
-_DIAGONALS = tuple(name for name, (i, j, _) in ENTRIES.items() if i == j)
+_DIAGONALS = tuple(name for name, ((i, j), *_) in ENTRIES.items() if i == j)
 
 
 @dataclass(frozen=True)
@@ -142,24 +142,17 @@ CAUSES: dict[str, Restraint] = {
         -1.0,
         _torsion,
     ),
-    "contraction.c11": Restraint(
-        "c11, contraction restrained (ν = 0.3)",
-        "Poisson's contraction held at a rigid face, tension: vanishes",
-        -1.0,
-        partial(_contraction, entry=0),
-    ),
-    "contraction.c22": Restraint(
-        "c22, contraction restrained (ν = 0.3)",
-        "Poisson's contraction held at a rigid face, bending z: vanishes",
-        -1.0,
-        partial(_contraction, entry=1),
-    ),
-    "contraction.c33": Restraint(
-        "c33, contraction restrained (ν = 0.3)",
-        "Poisson's contraction held at a rigid face, bending y: vanishes",
-        -1.0,
-        partial(_contraction, entry=2),
-    ),
+    **{
+        f"contraction.{name}": Restraint(
+            f"{name}, contraction restrained (ν = 0.3)",
+            f"Poisson's contraction held at a rigid face, {load}: vanishes",
+            -1.0,
+            partial(_contraction, entry=entry),
+        )
+        for entry, (name, load) in enumerate(
+            (("c11", "tension"), ("c22", "bending z"), ("c33", "bending y"))
+        )
+    },
     "shear": Restraint(
         "c33, shear deformation left out",
         "Euler–Bernoulli's theory against the solid, bending y: the difference vanishes",
@@ -255,14 +248,6 @@ def _study(context: Context, body: str) -> Study:
     )
 
 
-def _mesh_factor(divisions: int, other: int) -> float:
-    """Uncertainty of a value over its step from another mesh, coarser or finer (fourth order)."""
-    if other < divisions:
-        return step_factor(divisions / other, FORMAL_ORDER)
-    ratio = other / divisions
-    return step_factor(ratio, FORMAL_ORDER) * float(ratio**FORMAL_ORDER)
-
-
 @cases.case(
     "restraint.{body}.free",
     "{body}: with ends free to warp and contract the solid is a Timoshenko beam",
@@ -287,7 +272,7 @@ def _free(context: Context, body: str) -> Measurement:
     return Measurement(
         float(np.abs(apart).max()),
         0.0,
-        value_uncertainty=abs(float(step)) * _mesh_factor(divisions, other),
+        value_uncertainty=abs(float(step)) * step_factor(divisions / other, FORMAL_ORDER),
         table={
             "compliance": _DIAGONALS,
             "free ends, off beam theory (%)": tuple((100.0 * apart[0]).tolist()),

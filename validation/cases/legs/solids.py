@@ -1,6 +1,6 @@
 """Each leg as a 3-D solid against beam theory, every difference with its named cause."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from math import inf, nan
 from typing import Literal, TypeAlias
@@ -22,8 +22,8 @@ from validation.cases.legs.beams import (
     ENTRIES,
     HUANG,
     MODES,
+    OVER_ENTRIES,
     TIMOSHENKO,
-    UNITS,
     exact_modes,
 )
 from validation.context import Context, Preset
@@ -66,17 +66,11 @@ SHORTEST_WAVE = 3.0
 _BEAMS = 0.01
 
 
-def _entries() -> Iterator[tuple[str, tuple[int, int], str, str]]:
-    """Each entry's name, place, meaning and unit."""
-    for name, (i, j, meaning) in ENTRIES.items():
-        yield name, (i, j), meaning, UNITS[(i > 2, j > 2)]
-
-
 cases = CaseGroup(
     over={"body": lambda legs: legs}, reference_kind="closed-form", section="{body}", effort=0.5
 )
 _compliances = cases.family(
-    over={"name, entry, meaning, unit": tuple(_entries())},
+    over=OVER_ENTRIES,
     quantity="compliance {name}, {meaning}",
     label="{name}, {meaning}",
     citation=f"{TIMOSHENKO}; section constants by finite elements",
@@ -132,77 +126,69 @@ def _own_frequencies(
     leg: ConstantLeg, divisions: tuple[int, ...], kinds: tuple[tuple[str, int], ...]
 ) -> Array:
     """Frequencies (Hz, m×k) of the beam by kind and order, for each of the solids' meshes."""
-    beams = (own_properties(leg, number) for number in divisions)
-    modes = (cantilever_frequencies(beam, leg.length, 2 * MODES) for beam in beams)
-    return np.array([[_frequency_of(found, *kind) for kind in kinds] for found in modes])
+    rows = []
+    for number in divisions:
+        modes = cantilever_frequencies(own_properties(leg, number), leg.length, 2 * MODES)
+        by_kind: dict[tuple[str, int], float] = {
+            (mode.kind, mode.order): float(mode.frequency) for mode in modes
+        }
+        rows.append([by_kind[kind] for kind in kinds])
+    return np.array(rows)
 
 
-def _frequency_of(modes: tuple[CantileverFrequency, ...], kind: str, order: int) -> float:
-    return next(float(m.frequency) for m in modes if (m.kind, m.order) == (kind, order))
-
-
+@_compliances.case(
+    "{body}.compliance.solid-free[{name}]",
+    "{body}: {name} of the solid with free ends is the Timoshenko cantilever's",
+    over={"ends, fraction": [("free", _FREE)]},
+    tolerance=Relative(_FREE),
+    tolerance_reason="beam theory is exact for ends free to warp and contract, and both have one "
+    "section mesh: 3e-6 where its walls are curved",
+    sides=Sides(_SOLID, _OWN_BEAM),
+)
 @_compliances.case(
     "{body}.compliance.solid[{name}]",
     "{body}: {name} of the solid with rigid faces is the Timoshenko cantilever's less what "
     "faces held plane take from it",
+    over={"ends, fraction": [("rigid", _HELD)]},
     tolerance=Relative(_HELD),
     tolerance_reason="end effects decay as Saint-Venant's theory of the prism says; what is left "
     "is the mesh at the edges of held faces: 0.02 %",
     model="solid",
     sides=Sides(_SOLID, (*_OWN_BEAM, restrained_compliance)),
 )
-def _held_entry(context: Context, body: str, entry: tuple[int, int]) -> Measurement:
+def _entry(
+    context: Context, body: str, entry: tuple[int, int], ends: Ends, fraction: float
+) -> Measurement:
     leg = constant_leg_of(context, body)
-    rigid, free = (compliances(context, body, ends) for ends in ("rigid", "free"))
-    found = context.get(_own_compliances, leg, rigid.divisions)
-    own = Refinement(rigid.divisions, found, formal_order(leg, "free"))
-    taken = context.get(_restrained, leg, rigid.divisions)
-    left = Refinement(rigid.divisions, rigid.values - own.values - taken)
-    value, reference = float(rigid.values[-1][entry]), float(own.values[-1][entry])
-    _require_decided(context, body, left, entry, _HELD * abs(reference))
-    return Measurement(
-        value,
-        reference,
-        value_uncertainty=rigid.uncertainty(*entry),
-        reference_uncertainty=own.uncertainty(*entry),
-        judged_uncertainty=left.uncertainty(*entry),
-        allowances=(
+    solid, free = (compliances(context, body, one) for one in (ends, "free"))
+    beams = context.get(_own_compliances, leg, solid.divisions)
+    own = Refinement(solid.divisions, beams, formal_order(leg, "free"))
+    value, reference = float(solid.values[-1][entry]), float(own.values[-1][entry])
+    taken = np.zeros_like(beams)
+    allowances: tuple[Allowance, ...] = ()
+    notes: tuple[str, ...] = ()
+    if ends == "rigid":
+        taken = context.get(_restrained, leg, solid.divisions)
+        allowances = (
             Allowance(
                 cause="end faces kept plane and rigid: warping and contraction restrained",
                 amount=float(taken[-1][entry]),
                 source="fields that decay from held faces of the prism (fem.couplings.end_effects)",
             ),
-        ),
-        notes=(
-            f"the same mesh with free ends: {_percent(value, float(free.values[-1][entry]))} by "
-            "rigid faces",
-        ),
-    )
-
-
-@_compliances.case(
-    "{body}.compliance.solid-free[{name}]",
-    "{body}: {name} of the solid with free ends is the Timoshenko cantilever's",
-    tolerance=Relative(_FREE),
-    tolerance_reason="beam theory is exact for ends free to warp and contract, and both have one "
-    "section mesh: 3e-6 where its walls are curved",
-    sides=Sides(_SOLID, _OWN_BEAM),
-)
-def _free_entry(context: Context, body: str, entry: tuple[int, int]) -> Measurement:
-    leg = constant_leg_of(context, body)
-    free = compliances(context, body, "free")
-    found = context.get(_own_compliances, leg, free.divisions)
-    own = Refinement(free.divisions, found, formal_order(leg, "free"))
+        )
+        by_faces = _percent(value, float(free.values[-1][entry]))
+        notes = (f"the same mesh with free ends: {by_faces} by rigid faces",)
     # Solid and beam have one section mesh, whose errors they share: what is judged has its own.
-    left = Refinement(free.divisions, free.values - own.values)
-    reference = float(own.values[-1][entry])
-    _require_decided(context, body, left, entry, _FREE * abs(reference))
+    left = Refinement(solid.divisions, solid.values - own.values - taken)
+    _require_decided(context, body, left, entry, fraction * abs(reference))
     return Measurement(
-        float(free.values[-1][entry]),
+        value,
         reference,
-        value_uncertainty=free.uncertainty(*entry),
+        value_uncertainty=solid.uncertainty(*entry),
         reference_uncertainty=own.uncertainty(*entry),
         judged_uncertainty=left.uncertainty(*entry),
+        allowances=allowances,
+        notes=notes,
     )
 
 
@@ -366,8 +352,8 @@ def _order(context: Context, body: str, name: str) -> Measurement:
             f"{len(found.divisions)} meshes of this section are affordable in preset "
             f"{context.preset}, an order takes {GRIDS_FOR_ORDER}"
         )
-    i, j, meaning = ENTRIES[name]
-    convergence = found.at(i, j)
+    entry, meaning, unit = ENTRIES[name]
+    convergence = found.at(*entry)
     order = convergence.observed_order
     uncertainty, limit = convergence.uncertainty, convergence.extrapolated
     notes = (convergence.refusal,) if convergence.refusal else ()
@@ -375,10 +361,10 @@ def _order(context: Context, body: str, name: str) -> Measurement:
         id=f"refinement.{body}.solid.{name}",
         title=f"{body} as a solid: {name}, {meaning}",
         x_label="quadratic elements across the section",
-        y_label=f"{name} ({UNITS[(i > 2, j > 2)]})",
-        unit=UNITS[(i > 2, j > 2)],
+        y_label=f"{name} ({unit})",
+        unit=unit,
         x=tuple(float(n) for n in found.divisions),
-        series={name: tuple(found.values[:, i, j].tolist())},
+        series={name: tuple(found.values[:, *entry].tolist())},
         formal_order=FORMAL_ORDER,
         orders={} if order is None else {name: order},
         uncertainties={} if uncertainty is None else {name: uncertainty},

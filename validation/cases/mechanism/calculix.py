@@ -3,22 +3,21 @@
 Its legs are bars of their outer size on coarse meshes, here reduced to their ends.
 """
 
-from fem.bodies.solid import SolidLeg, solid_leg_matrices
+from fem.bodies.solid import solid_leg_matrices
 from fem.calculix.mechanism import compliance_and_frequencies
 from fem.calculix.run import calculix_program
 from fem.reduction.craig_bampton import craig_bampton
 from fem.reduction.superelement import held_leg
 from lumped.arrays import Array
 from lumped.legs import ConstantLeg
-from lumped.mechanism.body_model import BodyModel
 from lumped.mechanism.mechanism import Posture
 from lumped.system.assembly import assembly
 from lumped.system.solution import compliance, modes, solved
 from validation.adequacy.mechanism.path import known_legs, path_postures
 from validation.agreement.farthest import farthest_entry
-from validation.case import Absolute, Measurement, Relative, Sides, Skip, others
+from validation.case import Absolute, Measurement, Relative, Sides, Skip
 from validation.case_group import CaseGroup
-from validation.cases.mechanism.quantities import ASSEMBLER
+from validation.cases.mechanism.quantities import ASSEMBLER, by_another_program
 from validation.context import Context
 from validation.exhibits import PATH
 from validation.models.legs import filled
@@ -60,15 +59,14 @@ def by_reduced(at: Posture) -> tuple[Array, Array]:
     bars = with_bars(at)
     highest = highest_frequency([bars], MODES)
     solids = bar_solids(bars.mechanism)
-    reduced = {solid.leg: _reduced(solid, highest) for solid in solids.values()}
+    cutoff = _CUTOFF * highest
+    reduced = {
+        leg: filled(craig_bampton(held_leg(solid_leg_matrices(solid)), highest, cutoff).matrices)
+        for leg, solid in {solid.leg: solid for solid in solids.values()}.items()
+    }
     bodies = {name: reduced[solid.leg] for name, solid in solids.items()}
     solution = solved(assembly(bars.mechanism, bodies).at(bars))
     return compliance(solution), modes(solution, MODES).frequencies
-
-
-def _reduced(solid: SolidLeg, highest: float) -> BodyModel:
-    held = held_leg(solid_leg_matrices(solid))
-    return filled(craig_bampton(held, highest, _CUTOFF * highest).matrices)
 
 
 def by_calculix(at: Posture) -> tuple[Array, Array]:
@@ -101,7 +99,7 @@ def _found(context: Context) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
 )
 def _statics(context: Context) -> Measurement:
     (own, _), (theirs, _) = _found(context)
-    value, reference = farthest_entry(own, theirs)
+    value, reference, _ = farthest_entry(own, theirs)
     return Measurement(value, reference, reference_uncertainty=_PRINTED)
 
 
@@ -117,16 +115,5 @@ def _statics(context: Context) -> Measurement:
 )
 def _frequency(context: Context) -> Measurement:
     (_, own), (_, theirs) = _found(context)
-    places = [f"mode {k + 1}" for k in range(len(theirs))]
-    uncertainty = _PRINTED_ROOT * theirs
-    return Measurement(
-        float(own[0]),
-        float(theirs[0]),
-        reference_uncertainty=float(uncertainty[0]),
-        elsewhere=others(places, own, theirs, uncertainty, 0),
-        table={
-            "mode": tuple(float(k) for k in range(1, len(theirs) + 1)),
-            "CalculiX (Hz)": tuple(theirs.tolist()),
-            "reduced bodies (Hz)": tuple(own.tolist()),
-        },
-    )
+    headings = "CalculiX (Hz)", "reduced bodies (Hz)"
+    return by_another_program(own, theirs, _PRINTED_ROOT * theirs, headings)

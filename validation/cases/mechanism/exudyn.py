@@ -9,9 +9,9 @@ from lumped.mechanism.kinematics.postures import reference_posture
 from lumped.mechanism.mechanism import Mechanism, Posture
 from validation.adequacy.mechanism.path import path_postures
 from validation.agreement.convergence import step_factor
-from validation.case import Measurement, Relative, Sides, Skip, others
+from validation.case import Measurement, Relative, Sides, Skip
 from validation.case_group import CaseGroup
-from validation.cases.mechanism.quantities import ASSEMBLER, MODEL_CODE
+from validation.cases.mechanism.quantities import ASSEMBLER, MODEL_CODE, by_another_program
 from validation.context import Context
 from validation.exhibits import PATH
 from validation.models.mechanism import PostureAnswer, answers
@@ -35,26 +35,19 @@ def _places(mechanism: Mechanism) -> list[tuple[str, str]]:
     return places if mechanism.tool.moves else places[:1]
 
 
-def by_exudyn(at: Posture, count: int) -> tuple[Array, Array]:
-    """The first `count` frequencies (Hz) by EXUDYN, extrapolated, and their uncertainty (Hz).
-
-    Raises ExudynMissing, and InputError for what is not written for it.
-    """
-    coarse, middle, fine = (frequencies(at, number, count) for number in _ELEMENTS)
-    extrapolated, before = (
-        finer + (finer - coarser) / 3.0 for coarser, finer in ((middle, fine), (coarse, middle))
-    )
-    return extrapolated, step_factor(2.0, 4.0) * np.abs(extrapolated - before)
-
-
 def by_both(at: Posture) -> tuple[PostureAnswer, Array, Array]:
     """The program's own beams, and EXUDYN's frequencies (Hz) with their uncertainty, idle ones out.
 
-    What idles stands first there, with the frequency that rounding gives it.
+    What idles stands first there, with the frequency that rounding gives it. Raises ExudynMissing,
+    and InputError for what is not written for it.
     """
     (own,) = answers("beam", [at], MODES)
-    found, uncertain = by_exudyn(at, MODES + own.idle)
-    return own, found[own.idle :], uncertain[own.idle :]
+    coarse, middle, fine = (frequencies(at, number, MODES + own.idle) for number in _ELEMENTS)
+    extrapolated, before = (
+        finer + (finer - coarser) / 3.0 for coarser, finer in ((middle, fine), (coarse, middle))
+    )
+    uncertain = step_factor(2.0, 4.0) * np.abs(extrapolated - before)
+    return own, extrapolated[own.idle :], uncertain[own.idle :]
 
 
 @cases.case(
@@ -79,16 +72,6 @@ def _frequency(context: Context, place: str) -> Measurement:
         raise Skip(str(missing)) from None
     except InputError as error:
         raise Skip("; ".join(error.faults)) from None
-    names = [f"mode {k + 1}" for k in range(len(theirs))]
-    return Measurement(
-        float(own.frequencies[0]),
-        float(theirs[0]),
-        reference_uncertainty=float(uncertain[0]),
-        elsewhere=others(names, own.frequencies, theirs, uncertain, 0),
-        notes=(f"{names[0]}; EXUDYN {exudyn_version()}",),
-        table={
-            "mode": tuple(float(k) for k in range(1, len(theirs) + 1)),
-            "EXUDYN, extrapolated (Hz)": tuple(theirs.tolist()),
-            "beam elements (Hz)": tuple(own.frequencies.tolist()),
-        },
-    )
+    headings = "EXUDYN, extrapolated (Hz)", "beam elements (Hz)"
+    note = f"mode 1; EXUDYN {exudyn_version()}"
+    return by_another_program(own.frequencies, theirs, uncertain, headings, note)

@@ -57,7 +57,7 @@ _of_moves = cases.family(
 class _Moved:
     """The middle of the path, the mechanism on its drives alone, and a little on either side.
 
-    `steps` (m or rad) of each move; `stiffness` of the drives in the order of their joints.
+    `steps` (m or rad) of each move, `driven`: stiffness of the drives by the name of their joint.
     """
 
     middle: Posture
@@ -65,20 +65,17 @@ class _Moved:
     steps: Array
     ahead: tuple[Posture, ...]
     behind: tuple[Posture, ...]
-    stiffness: Array
+    driven: dict[str, float]
 
     @property
     def drives(self) -> Array:
         """QᵀKQ (moves × moves): stiffness against motions of the tool."""
-        driven = [joint.name for joint in self.mechanism.joints if joint.drive is not None]
-        motion = np.array(
-            [
-                [(one.coordinates[name][0] - other.coordinates[name][0]) for name in driven]
-                for one, other in zip(self.ahead, self.behind, strict=True)
-            ]
-        ) / (2.0 * self.steps[:, None])
-        found: Array = motion @ np.diag(self.stiffness) @ motion.T
-        return found
+        moved = [
+            [one.coordinates[name][0] - other.coordinates[name][0] for name in self.driven]
+            for one, other in zip(self.ahead, self.behind, strict=True)
+        ]
+        motion = np.array(moved) / (2.0 * self.steps[:, None])
+        return np.asarray(motion @ np.diag(list(self.driven.values())) @ motion.T)
 
     @property
     def compliance(self) -> Array:
@@ -90,8 +87,7 @@ class _Moved:
         at_tool = self.mechanism.bodies[tool.body].interfaces[tool.point].position
         rows = [MOVES.index(move) for move in tool.moves]
         twists = np.hstack(self.velocity(tool.body, at_tool))[:, rows]
-        found: Array = twists.T @ np.linalg.solve(self.drives, twists)
-        return found
+        return np.asarray(twists.T @ np.linalg.solve(self.drives, twists))
 
     def velocity(self, body: str, point: Array) -> tuple[Array, Array]:
         """Velocities of a point in body axes, and angular ones (moves × 3 each, base axes)."""
@@ -108,20 +104,21 @@ def _moved(context: Context, step: float) -> _Moved:
     postures = path_postures(context)
     middle = postures[len(postures) // 2]
     mechanism = on_drives_alone(middle.mechanism)
-    driven = [joint.drive for joint in mechanism.joints if joint.drive is not None]
-    stiffness = [drive.stiffness for drive in driven if drive.stiffness is not None]
     moves = mechanism.tool.moves
-    if not len(driven) == len(stiffness) == len(moves):
+    drives = {joint.name: joint.drive for joint in mechanism.joints if joint.drive is not None}
+    driven = {
+        name: drive.stiffness for name, drive in drives.items() if drive.stiffness is not None
+    }
+    if not len(drives) == len(driven) == len(moves):
         raise Skip("drives are rigid, or there are not as many as moves of the tool")
     steps = np.array(
         [step * (1.0 if UNITS_OF_MOVES[move] == "rad" else mechanism.size) for move in moves]
     )
     ahead, behind = (
-        tuple(posture(middle.mechanism, middle.pose + sign * step, middle) for step in rows)
+        tuple(posture(middle.mechanism, middle.pose + row, middle) for row in sign * np.diag(steps))
         for sign in (1.0, -1.0)
-        for rows in [np.diag(steps)]
     )
-    return _Moved(middle, mechanism, steps, ahead, behind, np.array(stiffness, dtype=float))
+    return _Moved(middle, mechanism, steps, ahead, behind, driven)
 
 
 def _refined(context: Context, apart: Callable[[_Moved], float]) -> Measurement:

@@ -31,7 +31,7 @@ from validation.adequacy.mechanism.legs import solid_leg
 from validation.adequacy.mechanism.path import known_legs, path_postures, why_not_serial
 from validation.adequacy.mechanism.statics import assembled, compliances
 from validation.agreement.convergence import step_factor
-from validation.agreement.farthest import farthest_beyond
+from validation.agreement.farthest import farthest_entry
 from validation.case import Absolute, Measurement, Relative, Sides, Skip
 from validation.case_group import CaseGroup, numbered
 from validation.cases.mechanism.quantities import ASSEMBLER, MODEL_CODE
@@ -138,7 +138,7 @@ def _same_statics(context: Context, model: ModelName, options: ModelOptions) -> 
     of_model, of_links = (
         context.get(path_roundings, postures, one, options) for one in (model, "links")
     )
-    value, reference, uncertainty = farthest_beyond(found, expected, np.hypot(of_model, of_links))
+    value, reference, uncertainty = farthest_entry(found, expected, np.hypot(of_model, of_links))
     return Measurement(value, reference, value_uncertainty=uncertainty, decides=BEYOND_ROUNDING)
 
 
@@ -242,21 +242,17 @@ def _frequency(context: Context, index: int) -> Measurement:
     postures = path_postures(context)
     middle = (postures[len(postures) // 2],)
     coarse, fine, beam = (
-        context.get(_frequencies, middle, model, ModelOptions(elements=elements))[index]
+        float(one.frequencies[index])
         for model, elements in _REFINED
+        for one in context.get(
+            answers, model, middle, JUDGED_MODES, ModelOptions(elements=elements)
+        )
     )
     uncertainty = step_factor(2.0, _SECOND_ORDER) * abs(fine - coarse)
     return Measurement(fine, beam, value_uncertainty=uncertainty)
 
 
 _REFINED: tuple[tuple[ModelName, int], ...] = (("segments", 20), ("segments", 40), ("beam", 20))
-
-
-def _frequencies(
-    postures: tuple[Posture, ...], model: ModelName, options: ModelOptions
-) -> tuple[float, ...]:
-    (found,) = answers(model, postures, JUDGED_MODES, options)
-    return tuple(found.frequencies.tolist())
 
 
 @cases.case(

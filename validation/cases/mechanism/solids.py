@@ -31,8 +31,7 @@ from validation.cases.mechanism.quantities import MODEL_CODE
 from validation.context import Context
 from validation.exhibits import PATH
 from validation.models.legs import filled
-from validation.models.mechanism import CUTOFF, highest_frequency
-from validation.models.mechanism_modes import modes_along
+from validation.models.mechanism import CUTOFF, highest_frequency, modes_along
 from validation.solids.leg_models import (
     ELEMENTS,
     SHARED_SOLIDS,

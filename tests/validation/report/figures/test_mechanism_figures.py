@@ -19,8 +19,7 @@ from validation.drawing import opengl
 from validation.drawing.charts.chart import chart_table
 from validation.kinematics.poses import postures_of
 from validation.models import parts
-from validation.models.mechanism import answers
-from validation.models.mechanism_modes import mechanism_modes
+from validation.models.mechanism import answers, mechanism_modes
 from validation.report.figures.mechanism import curves, energies, pairs, pictures
 from validation.report.figures.mechanism.bodies import compared_points, moved
 from validation.report.figures.mechanism.drawn_modes import finite_elements, segments

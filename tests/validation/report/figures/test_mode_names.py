@@ -10,7 +10,7 @@ from lumped.robot_file import load_robot
 from lumped.sections import Rectangle
 from validation.context import Context
 from validation.drawing import opengl
-from validation.models.mechanism_modes import mechanism_modes
+from validation.models.mechanism import mechanism_modes
 from validation.report.figures.mechanism import pictures
 from validation.report.figures.mechanism.mode_names import (
     kinetic_energies,

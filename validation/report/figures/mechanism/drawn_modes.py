@@ -9,8 +9,13 @@ from lumped.system.assembly import assembly
 from validation.adequacy.mechanism.parts import solid_parts
 from validation.adequacy.mechanism.path import holding, offered, path_postures
 from validation.context import Context
-from validation.models.mechanism import dynamic_bodies, highest_frequency
-from validation.models.mechanism_modes import PostureModes, mechanism_modes, modes_along
+from validation.models.mechanism import (
+    PostureModes,
+    dynamic_bodies,
+    highest_frequency,
+    mechanism_modes,
+    modes_along,
+)
 from validation.models.options import ModelOptions
 
 _CONDENSED = ModelOptions(parts="condensed")

@@ -14,7 +14,7 @@ from validation.context import Context
 from validation.drawing.charts.chart import Bars, Chart, Column, Panel
 from validation.drawing.style import FILLS
 from validation.exhibits import PATH
-from validation.models.mechanism_modes import PostureModes
+from validation.models.mechanism import PostureModes
 from validation.report.figures.declared import FigureGroup, Shown, curves
 from validation.report.figures.mechanism.drawn_modes import finite_elements
 from validation.report.figures.mechanism.mode_names import DRIVES, JOINTS, by_kind

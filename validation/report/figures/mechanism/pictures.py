@@ -18,7 +18,7 @@ from validation.drawing.scene import Arrow, Marks, Scene, readable_factor
 from validation.drawing.style import LOOKS, VERMILLION, csv_of
 from validation.exhibits import PATH, PORTRAIT
 from validation.kinematics.picture import scene
-from validation.models.mechanism_modes import PostureModes
+from validation.models.mechanism import PostureModes
 from validation.report.figures.declared import FigureGroup, Shown
 from validation.report.figures.mechanism.bodies import (
     compared_points,
