@@ -34,7 +34,6 @@ _OPTIONS = {
 
 _GMSH_TYPE: dict[ElementName, int] = {
     "tri3": 2,
-    "quad4": 3,
     "tet4": 4,
     "tri6": 9,
     "quad9": 10,

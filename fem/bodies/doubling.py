@@ -97,10 +97,10 @@ class CondensedPiece:
 
 
 def condensed_leg(leg: ConstantLeg, section: SectionMesh, slices: int) -> CondensedPiece:
-    """`leg` as `slices` equal slices of hexahedra on `section` (quad4 or quad9), condensed.
+    """`leg` as `slices` equal slices of hexahedra on `section` (quad9), condensed.
 
     The discrete model is that of `extrude(section, stations(length, slices))`. Raises InputError
-    for an impossible leg, triangles or fewer than one slice, ComputationError for elements that
+    for an impossible leg or fewer than one slice, ComputationError for elements that
     are folded or a slice that is not stiff.
     """
     with naming(leg.name):

@@ -54,7 +54,7 @@ def solid_mesh(
     count = min(divisions) if isinstance(divisions, tuple) else divisions
     size = min(leg.section.extent) / count
     slices = max(2, ceil(leg.length / (_SLICE_ASPECT * size)))
-    face = section_mesh(leg.section, section or divisions, "quad9")
+    face = section_mesh(leg.section, section or divisions)
     return extrude(face, stations(leg.length, slices))
 
 

@@ -2,7 +2,7 @@
 
 The deck is the leg with rigid end faces as in `fem.couplings.grips`: root held, tip a rigid
 body under six unit wrenches. Both programs then solve the same equations, but for one integral:
-CalculiX sums the mass of C3D10 and C3D4 over the points of the stiffness (four and one), which is
+CalculiX sums the mass of C3D10 over the four points of the stiffness, which are
 too few for N_a N_b. `mass_at_stiffness_points` is that mass; the difference to the exact one
 vanishes with the element size.
 """
@@ -18,13 +18,11 @@ from lumped.legs import Material
 from meshes.shape_functions import gradients, quadrature, values
 from meshes.solid_mesh import SolidMesh, VolumeMesh
 
-# Degrees for which the stiffness points of C3D8 (2×2×2), C3D4 (1) and C3D10 (4) are exact.
-_STIFFNESS_POINTS_DEGREE = {"hex8": 3, "tet4": 1, "tet10": 2}
+# Degree for which the four stiffness points of C3D10 are exact.
+_STIFFNESS_POINTS_DEGREE = 2
 
 
-def leg_deck(
-    mesh: SolidMesh, material: Material, modes: int = 20, title: str = "clamped leg"
-) -> Deck:
+def leg_deck(mesh: SolidMesh, material: Material, modes: int = 20) -> Deck:
     """A leg with rigid end faces, root clamped, six unit wrenches at (L, 0, 0), then its modes.
 
     The last two nodes are the tip's translation and rotation; both are watched.
@@ -41,7 +39,7 @@ def leg_deck(
         for i, row in enumerate(motion)
     )
     return Deck(
-        title=title,
+        title="clamped leg",
         nodes=np.vstack([mesh.nodes, point, point]),
         parts=(ElementSet(mesh.cells, mesh.element, material),),
         equations=equations,
@@ -65,13 +63,12 @@ def compliance_and_frequencies(
 
 
 def mass_at_stiffness_points(mesh: VolumeMesh, rho: float) -> SparseMatrix:
-    """Mass matrix (csr 3N×3N, kg) summed over the stiffness points, as CalculiX does.
+    """Mass matrix (csr 3N×3N, kg) of tet10 summed over the stiffness points, as CalculiX does.
 
-    M = Nᵀ diag(ρ w det J) N, with N (points × nodes) the shape functions at all points. Exact on
-    hexahedra with parallel edges, too coarse on tetrahedra: a comparison of frequencies to the
-    last digit needs it, a model of a leg should not use it.
+    M = Nᵀ diag(ρ w det J) N, with N (points × nodes) the shape functions at all points. Too coarse:
+    a comparison of frequencies to the last digit needs it, a model of a leg should not use it.
     """
-    points, weights = quadrature(mesh.element, _STIFFNESS_POINTS_DEGREE[mesh.element])
+    points, weights = quadrature(mesh.element, _STIFFNESS_POINTS_DEGREE)
     shapes, slopes = values(mesh.element, points), gradients(mesh.element, points)
     jacobian = np.einsum("eai,ajq->eqij", mesh.nodes[mesh.cells], slopes, optimize=True)
     volumes = np.linalg.det(jacobian) * weights

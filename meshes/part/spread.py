@@ -12,7 +12,7 @@ from meshes.solid_mesh import VolumeMesh
 _COUNT = 60
 
 
-def spread_over(mesh: VolumeMesh, count: int = _COUNT) -> tuple[IntArray, Array]:
+def spread_over(mesh: VolumeMesh) -> tuple[IntArray, Array]:
     """Corner nodes (rows) as far from each other as can be, and the volume (m³) next to each.
 
     Greedily, each the farthest from those before (Gonzalez, Theor. Comput. Sci. 38 (1985) 293). A
@@ -23,7 +23,7 @@ def spread_over(mesh: VolumeMesh, count: int = _COUNT) -> tuple[IntArray, Array]
     places = mesh.nodes[candidates]
     distance = np.linalg.norm(places - places.mean(axis=0), axis=1)
     chosen: list[int] = []
-    for _ in range(min(count, len(places))):
+    for _ in range(min(_COUNT, len(places))):
         chosen.append(int(np.argmax(distance)))
         apart = np.linalg.norm(places - places[chosen[-1]], axis=1)
         distance = apart if len(chosen) == 1 else np.minimum(distance, apart)

@@ -7,13 +7,10 @@ import numpy as np
 from lumped.arrays import Array
 from lumped.errors import InputError
 from lumped.sections import Section
-from meshes.elements import ELEMENTS, SectionElement, SolidElement
 from meshes.quality import LARGEST_ASPECT, check
 from meshes.section.section_blocks import Divisions, thinnest_layer
 from meshes.section.section_mesh import SectionMesh, require_leg, section_mesh
 from meshes.solid_mesh import EndFace, SolidMesh
-
-_SOLID: dict[SectionElement, SolidElement] = {"quad4": "hex8", "quad9": "hex27"}
 
 
 def stations(length: float, count: int) -> Array:
@@ -24,32 +21,24 @@ def stations(length: float, count: int) -> Array:
 
 
 def extrude(section: SectionMesh, at: Array) -> SolidMesh:
-    """The solid between the ascending stations `at` (S+1, x in m, from 0 at the root).
+    """The solid between the ascending stations `at` (S+1, x in m, from 0 at the root), in hex27.
 
-    quad4 becomes hex8, quad9 hex27. Node p·N + n is node n of the section in plane p; second-order
-    meshes have a plane in the middle of each slice. Raises InputError for triangles.
+    Node p·N + n is node n of the section (quad9) in plane p; a plane lies in the middle of each
+    slice.
     """
-    if section.element not in _SOLID:
-        raise InputError(f"element = {section.element}: only quad4 and quad9 can be extruded")
-    if np.any(np.diff(at) <= 0.0) or at[0] != 0.0:
-        raise InputError("stations must ascend from 0 m at the root")
-    element = _SOLID[section.element]
-    order = ELEMENTS[element].order
     slices = len(at) - 1
-    x = np.empty(order * slices + 1)
-    x[::order] = at
-    if order == 2:
-        x[1::2] = (at[:-1] + at[1:]) / 2.0
+    x = np.empty(2 * slices + 1)
+    x[::2], x[1::2] = at, (at[:-1] + at[1:]) / 2.0
     per_plane = len(section.nodes)
     nodes = np.column_stack([np.repeat(x, per_plane), np.tile(section.nodes, (len(x), 1))])
-    one_slice = np.hstack([section.cells + plane * per_plane for plane in range(order + 1)])
-    offsets = order * per_plane * np.arange(slices)
+    one_slice = np.hstack([section.cells + plane * per_plane for plane in range(3)])
+    offsets = 2 * per_plane * np.arange(slices)
     cells = (one_slice[None, :, :] + offsets[:, None, None]).reshape(-1, one_slice.shape[1])
     face = np.arange(per_plane)
     return SolidMesh(
         nodes=nodes,
         cells=cells,
-        element=element,
+        element="hex27",
         root=EndFace(face, section),
         tip=EndFace(face + (len(x) - 1) * per_plane, section),
         slices=slices,
@@ -68,21 +57,15 @@ def slice_count(section: Section, length: float, divisions: Divisions) -> int:
 
 
 def hexahedra(
-    section: Section,
-    length: float,
-    divisions: Divisions,
-    element: SolidElement = "hex27",
-    *,
-    slices: int | None = None,
+    section: Section, length: float, divisions: Divisions, *, slices: int | None = None
 ) -> SolidMesh:
-    """The leg of `length` (m) in hex8 or hex27, `divisions` as in `section_blocks`.
+    """The leg of `length` (m) in hex27, `divisions` as in `section_blocks`.
 
     `slices` defaults to `slice_count`. Raises InputError for impossible requests,
     ComputationError where gmsh fails or elements are too distorted.
     """
     require_leg(section, length, divisions)
     count = slice_count(section, length, divisions) if slices is None else slices
-    flat = section_mesh(section, divisions, "quad4" if element == "hex8" else "quad9")
-    mesh = extrude(flat, stations(length, count))
+    mesh = extrude(section_mesh(section, divisions), stations(length, count))
     check(mesh, f"extruded leg ({section.shape})")
     return mesh

@@ -1,7 +1,6 @@
 """Finite-element meshes of cross-sections, made by gmsh.
 
-Quadrilaterals are structured in blocks and symmetric about both axes; triangles are unstructured,
-a second family that shares nothing with the first but the shape.
+Nine-node quadrilaterals, structured in blocks and symmetric about both axes.
 """
 
 from dataclasses import dataclass
@@ -17,7 +16,6 @@ from lumped.sections import Rectangle, Section
 from meshes.elements import ELEMENTS, SectionElement
 from meshes.gmsh_session import connectivity, gmsh_model, numbered
 from meshes.section.section_blocks import Blocks, Divisions, section_blocks
-from meshes.section.section_outline import add_face, set_element_size
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,32 +32,23 @@ class SectionMesh:
 
 # Studies of one leg ask for the same few meshes again and again.
 @memo(64)
-def section_mesh(
-    section: Section, divisions: Divisions, element: SectionElement = "quad9"
-) -> SectionMesh:
+def section_mesh(section: Section, divisions: Divisions) -> SectionMesh:
     """Mesh of `section`, `divisions` elements across its smaller side (see `section_blocks`).
 
-    Curved sides are met exactly by all nodes of second-order elements. Raises InputError where the
-    section is impossible or the divisions do not suit it, ComputationError where gmsh fails.
+    Curved sides are met exactly by all nodes. Raises InputError where the section is impossible or
+    the divisions do not suit it, ComputationError where gmsh fails.
     """
     require_section(section, divisions)
     part = f"section mesh ({section.shape})"
-    structured = element in {"quad4", "quad9"}
     with gmsh_model(part) as gmsh:
-        if structured:
-            _add_blocks(gmsh, section_blocks(section, divisions))
-        else:
-            add_face(gmsh, section)
-            gmsh.model.occ.synchronize()
-            set_element_size(gmsh, section, divisions)
+        _add_blocks(gmsh, section_blocks(section, divisions))
         gmsh.model.mesh.generate(2)
-        gmsh.model.mesh.setOrder(ELEMENTS[element].order)
-        tagged = connectivity(gmsh, element)
+        gmsh.model.mesh.setOrder(2)
+        tagged = connectivity(gmsh, "quad9")
         tags, places = numbered(gmsh, tagged)
-    nodes = symmetrised(places[:, 1:], part) if structured else np.ascontiguousarray(places[:, 1:])
-    return SectionMesh(
-        nodes, counter_clockwise(nodes, np.searchsorted(tags, tagged), element), element
-    )
+    nodes = symmetrised(places[:, 1:], part)
+    cells = counter_clockwise(nodes, np.searchsorted(tags, tagged), "quad9")
+    return SectionMesh(nodes, cells, "quad9")
 
 
 def _add_blocks(gmsh: ModuleType, blocks: Blocks) -> None:
@@ -85,9 +74,7 @@ def _add_blocks(gmsh: ModuleType, blocks: Blocks) -> None:
 
 
 _REVERSED: dict[SectionElement, list[int]] = {
-    "quad4": [0, 3, 2, 1],
     "quad9": [0, 3, 2, 1, 7, 6, 5, 4, 8],
-    "tri3": [0, 2, 1],
     "tri6": [0, 2, 1, 5, 4, 3],
 }
 

@@ -13,7 +13,7 @@ from meshes.section.section_mesh import section_mesh
 def short_leg():
     """Stiffness and mass of a hexahedral leg without the nodes of its root."""
     material = Material.isotropic(E=2.1e11, nu=0.3, rho=7850.0)
-    mesh = extrude(section_mesh(Rectangle(0.04, 0.06), 2, "quad9"), stations(0.3, 6))
+    mesh = extrude(section_mesh(Rectangle(0.04, 0.06), 2), stations(0.3, 4))
     free = unknowns(np.setdiff1d(np.arange(len(mesh.nodes)), mesh.root.nodes))
     K, M = stiffness_and_mass(mesh, material)
     return K[free][:, free], on_three_components(M)[free][:, free]

@@ -14,10 +14,10 @@ from meshes.solid_mesh import SolidMesh
 
 SECTIONS: list[Section] = [
     Rectangle(0.16, 0.26),
-    HollowRectangle(0.10, 0.16, 0.008),
+    HollowRectangle(0.10, 0.16, 0.02),
     Circle(0.10),
-    Tube(0.10, 0.006),
-    ISection(0.10, 0.16, 0.012, 0.008),
+    Tube(0.10, 0.02),
+    ISection(0.10, 0.16, 0.03, 0.02),
 ]
 
 Mesh = SectionMesh | SolidMesh

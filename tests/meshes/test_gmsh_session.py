@@ -9,7 +9,7 @@ import gmsh
 import pytest
 
 from lumped.errors import ComputationError, InputError
-from lumped.sections import Circle, Tube
+from lumped.sections import Rectangle
 from meshes.gmsh_session import gmsh_model
 from meshes.prism.tetrahedra import tetrahedra
 from meshes.processes import in_own_process
@@ -38,12 +38,12 @@ def test_an_inner_model_leaves_the_outer_one_current() -> None:
 
 
 def test_it_is_silent(capfd: pytest.CaptureFixture[str]) -> None:
-    tetrahedra(Circle(0.1), 0.2, 1)
+    tetrahedra(Rectangle(0.1, 0.1), 0.2, 1)
     assert capfd.readouterr() == ("", "")
 
 
 def hashed() -> str:
-    mesh = tetrahedra(Tube(0.1, 0.03), 0.2, 1, 1)
+    mesh = tetrahedra(Rectangle(0.1, 0.1), 0.2, 1)
     return sha256(mesh.nodes.tobytes() + mesh.cells.tobytes()).hexdigest()
 
 

@@ -17,7 +17,7 @@ from lumped.errors import ComputationError, InputError
 from lumped.legs import ConstantLeg, Material
 from lumped.legs import tip_compliance as beam_tip_compliance
 from lumped.screws import shift
-from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Tube
+from lumped.sections import ISection, Rectangle, Tube
 from meshes.prism.tetrahedra import tetrahedra
 
 CUBIC = Material(E=2.1e11, G=1.2e11, nu=0.25, rho=7850.0)
@@ -32,11 +32,8 @@ def beam_with_mesh_constants(solid):
 # Lengths (m), sections, divisions across, slices; a stub as well as legs.
 FREE_LEGS = [
     (0.2, Rectangle(0.10, 0.16), 3, 8),
-    (0.8, Rectangle(0.10, 0.16), 2, 16),
-    (0.8, HollowRectangle(0.10, 0.16, 0.008), 3, 16),
-    (0.8, Circle(0.12), 4, 12),
     (0.8, Tube(0.12, 0.008), 4, 12),
-    (0.8, ISection(0.10, 0.16, 0.012, 0.008), 3, 20),
+    (0.8, ISection(0.10, 0.16, 0.012, 0.008), 2, 20),
 ]
 
 
@@ -53,9 +50,9 @@ def test_free_ends_reproduce_beam_theory(length, section, divisions, slices):
     assert scaled_difference(compliance, beam_with_mesh_constants(solid)) < 1e-4
 
 
-def test_hexahedra_and_tetrahedra_agree_on_a_short_rod():
+def test_hexahedra_and_tetrahedra_agree_on_a_short_bar():
     """Two families of meshes that share nothing but the outline."""
-    leg = ConstantLeg(0.12, Circle(0.1), STEEL)
+    leg = ConstantLeg(0.12, Rectangle(0.1, 0.08), STEEL)
     found = []
     for mesh in (solid_mesh(leg, 4), tetrahedra(leg.section, leg.length, 4)):
         clamped = clamped_leg(solid_leg(leg, mesh))
@@ -66,7 +63,7 @@ def test_hexahedra_and_tetrahedra_agree_on_a_short_rod():
 
 def test_rigid_ends_stiffen_torsion_of_leg_2():
     """Known values: 18 %; and 0.26 % along z, where shear carries a sixth of the deflection."""
-    solid = meshed(LEG_2, (3, 9), 16)
+    solid = meshed(LEG_2, (3, 9), 12)
     compliance = clamped_leg(solid).compliance
     beam = beam_tip_compliance(LEG_2.timoshenko, LEG_2.length)
     share = 1.0 - np.diag(compliance) / np.diag(beam)

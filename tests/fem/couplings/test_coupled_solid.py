@@ -92,10 +92,9 @@ def tied(part, grips):
     return np.vstack(rows)
 
 
-@pytest.mark.parametrize("kinds", [("pin", "rigid", "average"), ("average", "pin")])
-def test_the_compliance_is_that_of_lagrange_multipliers(lug, kinds):
+def test_the_compliance_is_that_of_lagrange_multipliers(lug):
     file, part = lug
-    grips = grips_on(file, *kinds)
+    grips = grips_on(file, "pin", "rigid", "average")
     body = held_part(part, grips, "lug")
     size, m = part.stiffness.shape[0], len(grips)
     # Unknowns: displacements, twists, multipliers; the first twist is held.

@@ -99,7 +99,7 @@ def test_what_is_no_positive_definite_matrix_of_the_pattern_is_refused(short_leg
     shift = 2.0 * (2.0 * np.pi * 1e4) ** 2
     with pytest.raises(NotPositiveDefiniteError, match=r"leg 1: .*not positive definite.*unknown"):
         factorise(analyse(K), K - shift * M, part="leg 1")
-    section = section_mesh(Rectangle(0.04, 0.06), 2, "quad9")
+    section = section_mesh(Rectangle(0.04, 0.06), 2)
     free = stiffness(extrude(section, stations(0.3, 3)), STEEL)
     with pytest.raises(NotPositiveDefiniteError, match="rigid body"):
         factorise(analyse(free), free)
@@ -144,7 +144,7 @@ def test_separators_and_products_across_them(short_leg, way):
         first, second = (half.order[: half.own] for half in factor.halves)
         assert K[first][:, second].nnz == 0
         # Halves by name: their work differs little.
-        assert 0.8 < len(first) / len(second) < 1.25
+        assert 0.7 < len(first) / len(second) < 1.4
     rng = np.random.default_rng(3)
     patches = np.zeros((n, 15))
     for number, separator in enumerate(separators[:5]):

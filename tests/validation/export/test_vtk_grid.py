@@ -12,18 +12,9 @@ from validation.export.vtk_files import grid
 SECTION = Rectangle(0.1, 0.2)
 
 
-@pytest.mark.parametrize(
-    "leg",
-    [
-        lambda: hexahedra(SECTION, 0.5, 2, "hex8"),
-        lambda: hexahedra(SECTION, 0.5, 2, "hex27"),
-        lambda: tetrahedra(SECTION, 0.5, 2, 1),
-        lambda: tetrahedra(SECTION, 0.5, 2, 2),
-    ],
-    ids=["hex8", "hex27", "tet4", "tet10"],
-)
-def test_vtk_finds_the_volume(leg) -> None:
-    volumes = grid(leg()).compute_cell_sizes()["Volume"]
+@pytest.mark.parametrize("family", [hexahedra, tetrahedra])
+def test_vtk_finds_the_volume(family) -> None:
+    volumes = grid(family(SECTION, 0.5, 2)).compute_cell_sizes()["Volume"]
     assert volumes.min() > 0.0
     assert volumes.sum() == pytest.approx(0.1 * 0.2 * 0.5, rel=1e-6)  # VTK works in float32 parts
 
