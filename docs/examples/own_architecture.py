@@ -1,34 +1,31 @@
 """Another architecture by virtual joints: a planar 3-PRR robot with three equal legs.
 
-A chain is the list of its elements from the base to the loaded point, as in eq. (6): constant
-transforms, joints, 6-DOF springs.
+A chain is what yields between base and platform in the posture at hand: passive joints by their
+places and twists, springs by their places and compliances, as eq. (3) takes them.
 """
 
 import numpy as np
 
 from lumped.legs import ConstantLeg, Material, tip_compliance
-from lumped.models.chains import ChainJoint, Fixed, VirtualSpring
-from lumped.models.vjm import platform_compliance, robot_stiffness
-from lumped.screws import rotation_z
+from lumped.models.vjm import platform_compliance, robot_stiffness, serial_chain
+from lumped.screws import rotation_z, turn_matrix
 from lumped.sections import Tube
 
 steel = Material.isotropic(E=2.1e11, nu=0.3, rho=7850.0)
 LEG = ConstantLeg(0.5, Tube(0.06, 0.005), steel)
-X, Y, Z = np.eye(3)
+TURNING = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 1.0])  # about z
 
 
 def chain(ray: float, turn: float = np.pi - 0.6, radius: float = 0.15):
-    """Slide across its ray, passive joint, leg at the angle `turn`, passive joint, platform."""
-    slide = radius * X - LEG.length * (np.cos(turn) * X + np.sin(turn) * Y)
-    return (
-        Fixed(rotation_z(ray) @ (slide[0] * X), rotation_z(ray)),
-        ChainJoint("prismatic", Y, slide[1], "actuated"),
-        ChainJoint("revolute", Z, turn),
-        Fixed(LEG.length * X),
-        VirtualSpring(tip_compliance(LEG.timoshenko, LEG.length), "leg"),
-        ChainJoint("revolute", Z, -turn),
-        Fixed(-radius * X, rotation_z(-ray)),
-    )
+    """A driven slide across its ray, passive joint, leg, passive joint, platform around the origin.
+
+    `turn`: the leg's angle against the ray.
+    """
+    along = rotation_z(ray + turn)
+    tip = rotation_z(ray) @ [radius, 0.0, 0.0]
+    root = tip - LEG.length * along[:, 0]
+    spring = turn_matrix(tip_compliance(LEG.timoshenko, LEG.length), along)
+    return serial_chain(np.zeros(3), [(root, TURNING), (tip, TURNING)], [(tip, spring)])
 
 
 stiffness = robot_stiffness(chain(ray) for ray in np.radians([0.0, 120.0, 240.0]))

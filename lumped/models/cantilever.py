@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from lumped.arrays import Array
-from lumped.dense.modes import Modes, dense, solve_modes
-from lumped.dense.statics import flexibility
+from lumped.arrays import Array, dense
+from lumped.dense.modes import Modes, solve_modes
+from lumped.dense.statics import balanced_flexibility, solve_statics
 from lumped.mechanism.body_model import LegMatrices
 
 _ROOT = 6
@@ -16,7 +16,9 @@ def tip_compliance_of(leg: LegMatrices) -> Array:
     Raises ComputationError where the clamped leg is not held by its stiffness.
     """
     stiffness = leg.stiffness[_ROOT:, _ROOT:]
-    return flexibility(stiffness, np.eye(stiffness.shape[0], 6), f"{leg.model} model of a leg")
+    part, loads = f"{leg.model} model of a leg", np.eye(stiffness.shape[0], 6)
+    displacements = solve_statics(stiffness, loads, part)
+    return balanced_flexibility(loads, displacements, stiffness @ displacements, part)
 
 
 def kind_frequencies(leg: LegMatrices, kind: str, count: int) -> Array:

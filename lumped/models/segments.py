@@ -20,7 +20,7 @@ from lumped.arrays import Array, IntArray, SparseMatrix
 from lumped.errors import InputError
 from lumped.legs import BeamProperties
 from lumped.mechanism.body_model import LegMatrices
-from lumped.screws import move_compliance, shift
+from lumped.screws import shift
 from lumped.system.joint_motion import printed_release
 
 Layout: TypeAlias = Literal["half", "literal"]
@@ -31,38 +31,20 @@ Release: TypeAlias = Literal["condensed", "printed"]
 KINDS = {"tension": (0,), "torsion": (3,), "bending y": (2, 4), "bending z": (1, 5)}
 
 
-@dataclass(frozen=True)
-class Segment:
-    """Node of the chain: a rigid element, or a massless end.
-
-    `position` (m from the root) is its reference point, `mass` its 6×6 mass matrix there (leg
-    axes, SI).
-    """
-
-    position: float
-    mass: Array
-
-
-@dataclass(frozen=True)
-class SegmentSpring:
-    """6-DOF spring between bodies `first` and `second`.
-
-    `stiffness` (6×6, leg axes, SI) acts on the relative twist at `position` (m from the root).
-    """
-
-    first: int
-    second: int
-    position: float
-    stiffness: Array
-
-
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class SegmentChain:
-    """Bodies from root to tip, and the springs between neighbours."""
+    """Bodies from root to tip, rigid elements or massless ends, and springs between neighbours.
+
+    `places` (b) of the bodies' reference points and `springs_at` (b−1) are in m from the root,
+    `masses` (b×6×6, at these points) and `stiffnesses` (b−1×6×6, on the relative twist at the
+    spring) in leg axes, SI.
+    """
 
     length: float
-    bodies: tuple[Segment, ...]
-    springs: tuple[SegmentSpring, ...]
+    places: Array
+    masses: Array
+    springs_at: Array
+    stiffnesses: Array
 
 
 def segment_chain(
@@ -77,28 +59,21 @@ def segment_chain(
         raise InputError(f"elements = {elements}: the {layout} layout needs {least} or more")
     piece = length / elements
     centres = (np.arange(elements) + 0.5) * piece
-    element_mass = _element_mass(properties, piece)
+    masses = np.tile(_element_mass(properties, piece), (elements, 1, 1))
+    pieces: Array = np.full(elements - 1, piece)
+    middles: Array = np.asarray(centres[:-1] + piece / 2.0, dtype=float)
     if layout == "half":
-        massless = np.zeros((6, 6))
-        inner = [Segment(centre, element_mass) for centre in centres]
-        bodies = [Segment(0.0, massless), *inner, Segment(length, massless)]
-        pieces = [piece / 2.0] + [piece] * (elements - 1) + [piece / 2.0]
-        middles = [piece / 4.0, *(centres[:-1] + piece / 2.0), length - piece / 4.0]
+        places = np.array([0.0, *centres, length])
+        masses = np.pad(masses, ((1, 1), (0, 0), (0, 0)))
+        pieces = np.array([piece / 2.0, *pieces, piece / 2.0])
+        middles = np.array([piece / 4.0, *middles, length - piece / 4.0])
     else:
         # The end elements are referred to the leg's ends, where the robot takes hold of them.
-        ends = [0.0, length]
-        first, last = (
-            _at(element_mass, c - end) for c, end in zip(centres[[0, -1]], ends, strict=True)
-        )
-        inner = [Segment(centre, element_mass) for centre in centres[1:-1]]
-        bodies = [Segment(0.0, first), *inner, Segment(length, last)]
-        pieces = [piece] * (elements - 1)
-        middles = list(centres[:-1] + piece / 2.0)
-    springs = tuple(
-        SegmentSpring(k, k + 1, middle, np.diag(1.0 / np.diag(properties.piece_compliance(part))))
-        for k, (part, middle) in enumerate(zip(pieces, middles, strict=True))
-    )
-    return SegmentChain(length, tuple(bodies), springs)
+        places = np.array([0.0, *centres[1:-1], length])
+        levers = _along(centres - places)
+        masses = levers.swapaxes(1, 2) @ masses @ levers
+    springs = [np.diag(1.0 / np.diag(properties.piece_compliance(part))) for part in pieces]
+    return SegmentChain(length, places, masses, middles, np.array(springs))
 
 
 def _element_mass(properties: BeamProperties, piece: float) -> Array:
@@ -117,11 +92,9 @@ def _element_mass(properties: BeamProperties, piece: float) -> Array:
     )
 
 
-def _at(mass: Array, centre: float) -> Array:
-    """Mass matrix referred to a point that lies `centre` (m, along x) before the mass centre."""
-    adjoint = shift(np.array([centre, 0.0, 0.0]))
-    moved: Array = adjoint.T @ mass @ adjoint
-    return moved
+def _along(offsets: Array | float) -> Array:
+    """…×6×6: twists at points that lie `offsets` (…, m) further along the leg."""
+    return shift(np.asarray(offsets)[..., None] * np.eye(3)[0])
 
 
 def with_printed_tip_joint(chain: SegmentChain) -> SegmentChain:
@@ -130,27 +103,34 @@ def with_printed_tip_joint(chain: SegmentChain) -> SegmentChain:
     Row and column of φz of the last spring, referred to the tip, are zeroed. That is no joint
     where φz is coupled to y: the spring becomes too stiff along y (errata).
     """
-    *others, last = chain.springs
-    lever = shift(np.array([last.position - chain.length, 0.0, 0.0]))
-    at_tip = lever.T @ last.stiffness @ lever
-    printed = replace(last, position=chain.length, stiffness=printed_release(at_tip))
-    return replace(chain, springs=(*others, printed))
+    printed = printed_release(_last_at_tip(chain))
+    return replace(
+        chain,
+        springs_at=np.append(chain.springs_at[:-1], chain.length),
+        stiffnesses=np.concatenate([chain.stiffnesses[:-1], printed[None]]),
+    )
+
+
+def _last_at_tip(chain: SegmentChain) -> Array:
+    """Stiffness (6×6) of the last spring, referred to the tip."""
+    lever = _along(chain.springs_at[-1] - chain.length)
+    at_tip: Array = lever.T @ chain.stiffnesses[-1] @ lever
+    return at_tip
 
 
 def segment_leg(chain: SegmentChain) -> LegMatrices:
     """Stiffness and mass of the chain, eqs (13)–(23), unknowns (root 6, tip 6, inner bodies)."""
-    count = len(chain.bodies)
+    count = len(chain.places)
     # Chain order root, inner, tip becomes root, tip, inner.
-    block = np.concatenate([[0], np.arange(2, count), [1]]) if count > 2 else np.array([0, 1])
-    size = 6 * count
-    mass = _scatter(block[:, None], np.array([body.mass for body in chain.bodies]), size)
+    block = np.array([0, *range(2, count), 1])
+    mass = _scatter(block[:, None], chain.masses, 6 * count)
     full = _spring_matrix(chain, block, tuple(range(6)))
     parts = {kind: _spring_matrix(chain, block, rows) for kind, rows in KINDS.items()}
     # A printed joint couples the kinds: then the springs do not split into parts.
-    splits = all(np.array_equal(s.stiffness, np.diag(np.diag(s.stiffness))) for s in chain.springs)
+    splits = not (chain.stiffnesses * (1.0 - np.eye(6))).any()
 
     def centreline(stations: Array) -> SparseMatrix:
-        return _interpolate(chain, block, np.asarray(stations, dtype=float))
+        return _interpolate(chain.places, block, np.asarray(stations, dtype=float))
 
     return LegMatrices(
         model="segments",
@@ -169,14 +149,13 @@ def static_leg(chain: SegmentChain) -> LegMatrices:
     `segment_leg` gives the same, but loses n³ · 1e-15 to rounding, since the springs of a fine
     chain are n³ times stiffer than the leg; this form keeps 1e-11 up to thousands of elements.
     """
-    *others, last = chain.springs
-    rest = sum((_tip_compliance(chain, spring) for spring in others), np.zeros((6, 6)))
+    levers = _along(chain.length - chain.springs_at[:-1])
+    rest = np.sum(levers @ np.linalg.inv(chain.stiffnesses[:-1]) @ levers.swapaxes(1, 2), axis=0)
     # The last spring may be released (singular stiffness), so it is joined as a stiffness.
-    lever = shift(np.array([last.position - chain.length, 0.0, 0.0]))
-    at_tip = lever.T @ last.stiffness @ lever
+    at_tip = _last_at_tip(chain)
     tip = np.linalg.solve(np.eye(6) + at_tip @ rest, at_tip)
-    deflection = np.hstack([-shift(np.array([chain.length, 0.0, 0.0])), np.eye(6)])
-    ends = replace(chain, bodies=(chain.bodies[0], chain.bodies[-1]))
+    deflection = np.hstack([-_along(chain.length), np.eye(6)])
+    ends = np.array([0.0, chain.length])
     return LegMatrices(
         model="segments",
         length=chain.length,
@@ -186,25 +165,15 @@ def static_leg(chain: SegmentChain) -> LegMatrices:
     )
 
 
-def _tip_compliance(chain: SegmentChain, spring: SegmentSpring) -> Array:
-    """What one spring (not released) adds to the compliance at the tip (6×6)."""
-    offset = np.array([chain.length - spring.position, 0.0, 0.0])
-    own: Array = np.linalg.inv(spring.stiffness).astype(float)
-    return move_compliance(own, offset)
-
-
 def _spring_matrix(chain: SegmentChain, block: IntArray, rows: Sequence[int]) -> SparseMatrix:
     """Σ [C₂ C₁]ᵀ K [C₂ C₁] of eq. (21), with the rows of the springs' deflection given."""
-    chosen, springs = list(rows), chain.springs
-    joined = np.array([(spring.first, spring.second) for spring in springs])
-    positions = np.array([body.position for body in chain.bodies])
-    levers = np.zeros((len(springs), 2, 3))
-    levers[..., 0] = np.array([spring.position for spring in springs])[:, None] - positions[joined]
-    before, after = shift(levers).swapaxes(0, 1)
-    deflections = np.concatenate([-before, after], axis=2)[:, chosen]
-    stiffness = np.array([spring.stiffness[np.ix_(chosen, chosen)] for spring in springs])
+    chosen, count = list(rows), len(chain.springs_at)
+    joined = np.column_stack([np.arange(count), np.arange(count) + 1])
+    levers = _along(chain.springs_at[:, None] - chain.places[joined])
+    deflections = np.concatenate([-levers[:, 0], levers[:, 1]], axis=2)[:, chosen]
+    stiffness = chain.stiffnesses[:, chosen][:, :, chosen]
     terms = deflections.swapaxes(1, 2) @ stiffness @ deflections
-    return _scatter(block[joined], terms, 6 * len(chain.bodies))
+    return _scatter(block[joined], terms, 6 * len(chain.places))
 
 
 def _scatter(blocks: IntArray, matrices: Array, size: int) -> SparseMatrix:
@@ -216,9 +185,8 @@ def _scatter(blocks: IntArray, matrices: Array, size: int) -> SparseMatrix:
     return csr_matrix(coo_matrix((matrices.ravel(), (rows, columns)), shape=(size, size)))
 
 
-def _interpolate(chain: SegmentChain, block: IntArray, stations: Array) -> SparseMatrix:
+def _interpolate(positions: Array, block: IntArray, stations: Array) -> SparseMatrix:
     """6m × n matrix of twists at `stations`, linear between the bodies' reference points."""
-    positions = np.array([body.position for body in chain.bodies])
     left = np.clip(np.searchsorted(positions, stations, side="right") - 1, 0, len(positions) - 2)
     weight = (stations - positions[left]) / (positions[left + 1] - positions[left])
     component = np.arange(6)
@@ -227,5 +195,5 @@ def _interpolate(chain: SegmentChain, block: IntArray, stations: Array) -> Spars
     values = [np.repeat(w, 6) for w in (1.0 - weight, weight)]
     return csr_matrix(
         (np.concatenate(values), (np.tile(rows, 2), np.concatenate(columns))),
-        shape=(6 * len(stations), 6 * len(chain.bodies)),
+        shape=(6 * len(stations), 6 * len(positions)),
     )

@@ -1,24 +1,24 @@
 """The virtual joint method on any mechanism whose legs are serial chains (eqs 3 to 9).
 
-A chain leads from the ground to what carries the tool: joints of one freedom each, one after the
-other, and 6-DOF springs at the tips of the legs, in the joints and in the drives. The chains end
-at the platform; springs between it and the tool lie in series with all of them. The rest is
+A chain leads from the ground to what carries the tool: the free twists of its joints, one after
+the other, and 6-DOF springs at the tips of the legs, in the joints and in the drives. The chains
+end at the platform; springs between it and the tool lie in series with all of them. The rest is
 `lumped.models.vjm`: a formulation of its own, which shares no assembly with the other models.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TypeAlias, assert_never
+from typing import TypeAlias
 
 import numpy as np
 
 from lumped.arrays import Array
 from lumped.errors import ComputationError, InputError
-from lumped.mechanism.joint import FREEDOMS, Joint
+from lumped.mechanism.free_twists import free_twists, interface_position, turned_since_reference
+from lumped.mechanism.joint import FREEDOMS, Joint, Side
 from lumped.mechanism.kinematics.postures import shown_pose
 from lumped.mechanism.mechanism import GROUND, Mechanism, Posture
-from lumped.models import chains, vjm
-from lumped.models.chains import Chain, Element, Fixed, VirtualSpring
+from lumped.models import vjm
 from lumped.screws import turn_matrix
 
 # What moves as one: a rigid body ("" for the interface) or one interface of a leg.
@@ -53,10 +53,12 @@ def compliance(posture: Posture, legs: Mapping[str, Array]) -> Array:
     name = f"{posture.mechanism.name}, virtual joints" + (f", {place}" if place else "")
     parallel, series = serial_chains(posture, legs)
     platform = vjm.platform_compliance(vjm.robot_stiffness(parallel), f"{name}: the tool")
-    return platform + chains.chain_jacobians(series).spring_compliance
+    return platform + series.compliance
 
 
-def serial_chains(posture: Posture, legs: Mapping[str, Array]) -> tuple[tuple[Chain, ...], Chain]:
+def serial_chains(
+    posture: Posture, legs: Mapping[str, Array]
+) -> tuple[tuple[vjm.Chain, ...], vjm.Chain]:
     """Every chain from the ground to the platform, and the one from there to the tool.
 
     All end at the loaded point; the former in the order of the joints at their end.
@@ -186,71 +188,37 @@ def _words(node: _Node) -> str:
     return f"point {node[1]} of {node[0]}" if node[1] else node[0]
 
 
-def _chain(posture: Posture, legs: Mapping[str, Array], path: list[_Step]) -> Chain:
-    """Elements in base axes: all that turns is what the springs and axes are given in."""
-    elements: list[Element] = []
-    here = np.zeros(3)
-    own: list[Element]
+def _chain(posture: Posture, legs: Mapping[str, Array], path: list[_Step]) -> vjm.Chain:
+    joints: list[tuple[Array, Array]] = []
+    springs: list[tuple[Array, Array]] = []
     for step in path:
         if isinstance(step.across, Joint):
             joint = step.across
-            place = _position(posture, joint.first.body, joint.first.point)
-            own = list(_joint(posture, joint))
+            place = interface_position(posture, joint.first)
+            passive, gives = _joint(posture, joint)
+            joints += [(place, twist) for twist in passive]
+            springs += [(place, give) for give in gives]
         else:
             body = posture.mechanism.bodies[step.across]
-            place = _position(posture, body.name, tuple(body.interfaces)[1])
+            place = interface_position(posture, Side(body.name, tuple(body.interfaces)[1]))
             rotation = posture.frames[body.name].rotation
-            own = [VirtualSpring(turn_matrix(legs[body.name], rotation), f"spring of {body.name}")]
-        elements += [Fixed(translation=place - here), *own]
-        here = place
+            springs.append((place, turn_matrix(legs[body.name], rotation)))
     tool = posture.mechanism.tool
-    return (*elements, Fixed(translation=_position(posture, tool.body, tool.point) - here))
+    end = interface_position(posture, Side(tool.body, tool.point))
+    return vjm.serial_chain(end, joints, springs)
 
 
-def _joint(posture: Posture, joint: Joint) -> Iterator[Element]:
-    """The joint's freedoms one by one, the drive's spring for the first one, and its own give."""
-    first, second = (
-        posture.frames[side.body].rotation @ posture.mechanism.reference[side.body].rotation.T
-        for side in (joint.first, joint.second)
-    )
-    freedoms = _freedoms(joint, first, second)
-    drive = joint.drive
-    yield from freedoms if drive is None else freedoms[1:]
-    if drive is not None and drive.stiffness is not None:
-        twist = freedoms[0].twist
-        yield VirtualSpring(np.outer(twist, twist) / drive.stiffness, f"drive of {joint.name}")
+def _joint(posture: Posture, joint: Joint) -> tuple[list[Array], list[Array]]:
+    """Passive twists (6 each) and compliances (6×6 each) of a joint, base axes.
+
+    A drive takes the place of the first freedom.
+    """
+    passive, gives = list(free_twists(posture, joint).T), []
+    if joint.drive is not None:
+        driven, *passive = passive
+        if joint.drive.stiffness is not None:
+            gives.append(np.outer(driven, driven) / joint.drive.stiffness)
     if joint.compliance is not None:
-        yield VirtualSpring(turn_matrix(joint.compliance, first), f"compliance of {joint.name}")
-
-
-def _freedoms(joint: Joint, first: Array, second: Array) -> list[chains.ChainJoint]:
-    """One-freedom joints in base axes; both sides have turned since the reference posture."""
-    axes = [first @ axis for axis in joint.axes]
-    slides: list[Array] = []
-    turns: list[Array] = []
-    match joint.kind:
-        case "fixed":
-            pass
-        case "revolute":
-            turns = axes
-        case "prismatic":
-            slides = axes
-        case "cylindrical":
-            slides, turns = axes, axes
-        case "universal":
-            turns = [axes[0], second @ joint.axes[1]]
-        case "spherical":
-            turns = list(np.eye(3))
-        case "planar":
-            slides, turns = list(np.linalg.svd(axes[0][None])[2][1:]), axes
-        case _:
-            assert_never(joint.kind)
-    return [
-        *(chains.ChainJoint("prismatic", axis) for axis in slides),
-        *(chains.ChainJoint("revolute", axis) for axis in turns),
-    ]
-
-
-def _position(posture: Posture, body: str, point: str) -> Array:
-    frame = posture.frames[body] @ posture.mechanism.bodies[body].interfaces[point]
-    return frame.position
+        since = turned_since_reference(posture, joint.first.body)
+        gives.append(turn_matrix(joint.compliance, since))
+    return passive, gives

@@ -1,4 +1,4 @@
-"""The virtual joint method on parallel robots (eqs 3, 8 and 9).
+"""The virtual joint method on parallel robots (eqs 3 to 9).
 
 Every chain's bordered system is solved as it stands, so that overconstrained robots and singular
 postures need no special treatment; the chains' stiffness matrices are summed at the platform.
@@ -11,10 +11,9 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve, solve
 
 from lumped.arrays import Array
-from lumped.dense.balance import rounding_of_flexibility
+from lumped.dense.statics import rounding_of_flexibility
 from lumped.errors import ComputationError
-from lumped.models.chains import Chain, Element, chain_jacobians
-from lumped.screws import name_twists, name_wrenches
+from lumped.screws import move_compliance, name_twists, name_wrenches, shift
 
 # All thresholds act on matrices without units. Rounding of a 6×6 problem is about 1e-15; a robot
 # whose stiffest and softest directions are 1e12 apart is outside double precision anyway.
@@ -23,7 +22,37 @@ _RIGID = 1e-13
 _FREE = 1e-12
 
 
-def chain_stiffness(chain: Sequence[Element], name: str = "chain") -> Array:
+@dataclass(frozen=True, eq=False)
+class Chain:
+    """What yields between the base and the end of a serial chain, at its end in base axes (SI).
+
+    `passive` Jq (6×q) holds the twists of the passive joints, `compliance` Sθ = Jθ Kθ⁻¹ Jθᵀ of
+    eq. (3) what all springs yield (6×6); `reach` (m) is the largest distance of either from the
+    end.
+    """
+
+    passive: Array
+    compliance: Array
+    reach: float
+
+
+def serial_chain(
+    end: Array, joints: Sequence[tuple[Array, Array]], springs: Sequence[tuple[Array, Array]]
+) -> Chain:
+    """The chain that ends at `end` (3, m) in the posture at hand, all in base axes (SI).
+
+    `joints`: place (3, m) and twist of a unit rate (6) of every passive one-freedom joint;
+    `springs`: place and compliance (6×6, positive, may be singular) of every virtual spring.
+    """
+    screws = [shift(end - place) @ twist for place, twist in joints]
+    compliance = np.zeros((6, 6))
+    for place, own in springs:
+        compliance += move_compliance(own, end - place)
+    distances = [float(np.linalg.norm(end - place)) for place, _ in (*joints, *springs)]
+    return Chain(np.reshape(screws, (-1, 6)).T, compliance, max(distances, default=0.0))
+
+
+def chain_stiffness(chain: Chain, name: str = "chain") -> Array:
     """6×6 stiffness (SI, base axes) of one chain at its end point, eqs (3) and (8).
 
     The block of the bordered matrix's inverse that belongs to Sθ. K is symmetric, has no negative
@@ -47,15 +76,14 @@ class _Bordered:
     solution: Array
 
 
-def _bordered_solution(chain: Sequence[Element], name: str) -> _Bordered:
-    jacobians = chain_jacobians(chain)
-    S, Jq = jacobians.spring_compliance, jacobians.passive
-    length = _characteristic_length(jacobians.reach, S)
+def _bordered_solution(chain: Chain, name: str) -> _Bordered:
+    S = chain.compliance
+    length = _characteristic_length(chain.reach, S)
     # Lengths in units of the chain, compliance in units of the largest: the system has no units.
     unit = np.array([1.0 / length] * 3 + [1.0] * 3)
     S = S * unit[:, None] * unit
     largest = float(np.abs(S).max()) or 1.0
-    free = _column_space(Jq * unit[:, None])
+    free = _column_space(chain.passive * unit[:, None])
     count = free.shape[1]
     bordered = np.block([[S / largest, free], [free.T, np.zeros((count, count))]])
     values, vectors = np.linalg.eigh(bordered)
@@ -85,7 +113,7 @@ def robot_stiffness(chains: Iterable[Chain]) -> Array:
 def platform_compliance(stiffness: Array, name: str = "platform") -> Array:
     """6×6 compliance (SI) of a platform of the given stiffness, at the same point and axes.
 
-    Raises ComputationError naming every motion in which the platform is left free, or a
+    Raises ComputationError naming every motion in which the platform is left free, or held by a
     negative stiffness; the decision does not depend on units.
     """
     K = 0.5 * (stiffness + stiffness.T)
@@ -93,16 +121,11 @@ def platform_compliance(stiffness: Array, name: str = "platform") -> Array:
     length = np.sqrt(rotation / translation) if translation > 0.0 and rotation > 0.0 else 1.0
     unit = np.array([length] * 3 + [1.0] * 3)
     values, vectors = np.linalg.eigh(K * unit[:, None] * unit)
-    largest = float(np.abs(values).max())
-    if values[0] < -_FREE * largest:
-        raise ComputationError(
-            f"{name}: the stiffness has a negative eigenvalue; a spring of the robot is not elastic"
-        )
-    if (free := values <= _FREE * largest).any():
+    if (free := values <= _FREE * np.abs(values).max()).any():
         motions = name_twists(vectors[:, free].T * unit, length)
         raise ComputationError(
             f"{name} is free to {motions}: no chain holds it, or none by {_FREE:g} of what holds "
-            "the platform elsewhere"
+            "the platform elsewhere, or a stiffness is negative"
         )
     # Cholesky keeps the digits of a graded matrix that an eigenvalue decomposition loses.
     inverse: Array = cho_solve(cho_factor(K * unit[:, None] * unit), np.eye(6))

@@ -10,8 +10,7 @@ from fem.bodies import solid
 from fem.bodies.rooted import RootedBody
 from fem.reduction.craig_bampton import craig_bampton
 from fem.reduction.superelement import HeldLeg, held_leg, static_superelement
-from lumped.arrays import Array
-from lumped.dense.modes import dense
+from lumped.arrays import Array, dense
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, GivenLeg, Leg, equivalent_leg, given_compliance, tip_compliance
 from lumped.mechanism.body_model import BodyModel, LegMatrices
@@ -58,7 +57,7 @@ def _piece(model: ModelName, options: ModelOptions, count: int, piece: Piece) ->
     elements = max(1, round(options.elements / count))
     if model == "segments":
         chain = segment_chain(properties, piece.length, elements, options.layout)
-        return about_shear_centre(segment_leg(chain), len(chain.bodies), piece.shear_centre)
+        return about_shear_centre(segment_leg(chain), len(chain.places), piece.shear_centre)
     leg = beam_leg(properties, piece.length, elements)
     return about_shear_centre(leg, elements + 1, piece.shear_centre)
 

@@ -4,12 +4,12 @@ Postures are off the reference: every body has turned since by a rotation of its
 """
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from lumped.legs import ConstantLeg, Material
 from lumped.mechanism.body import Body, Frame, Rigid, Shape
 from lumped.mechanism.joint import Drive, Joint, JointKind, Side
 from lumped.mechanism.mechanism import GROUND, Mechanism, Posture, Tool
-from lumped.models.chains import axis_rotation
 from lumped.sections import Circle, HollowRectangle, Rectangle, Tube
 
 KINDS: tuple[JointKind, ...] = (
@@ -58,7 +58,8 @@ class Maker:
             name, shape, {key: inverse @ Frame(point) for key, point in points.items()}
         )
         self.frames[name] = frame
-        turned = axis_rotation(Z if self.planar else self.direction(), self.rng.uniform(-2, 2))
+        axis = Z if self.planar else self.direction()
+        turned = Rotation.from_rotvec(self.rng.uniform(-2, 2) * axis).as_matrix()
         self.reference[name] = Frame(frame.position, turned.T @ frame.rotation)
 
     def leg(self, name: str, first: str, second: str, ends: np.ndarray) -> None:
