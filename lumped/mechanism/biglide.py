@@ -143,7 +143,7 @@ def biglide(
     """
     stroke = Stroke(a, leg1.length, leg2.length)
     if faults := stroke.faults():
-        raise InputError(f"{name}: {fault}" for fault in faults)
+        raise InputError(faults)
     offset = np.zeros(3) if tool_offset is None else np.asarray(tool_offset, dtype=float)
     first, second = stroke.legs_at(stroke.centre)
     tip = np.array([stroke.centre, 0.0, 0.0])
@@ -159,6 +159,7 @@ def biglide(
     # What is not the same seen from any direction in the plane keeps its axes in all poses: the
     # paper gives offset and spring of the tool in the robot's axes.
     turning = tool_compliance is None and not offset[:2].any()
+    datum = (float(offset[0]), float(offset[1]), float(offset[2]))
     drive = Drive(simplified=drive_stiffness)
     seat = _joint("seat", "fixed", ("leg1", "platform"), "B")
     if not turning:
@@ -190,13 +191,11 @@ def biglide(
             ("x",),
             platform_mass,
             keeps,
-            (float(offset[0]), float(offset[1]), float(offset[2])),
+            datum,
         ),
         reference={body.name: frame for body, frame in placed},
         poses=np.linspace(*stroke.ends, _POSES)[:, None],
-        inverse_kinematics=_InverseKinematics(
-            stroke, (float(offset[0]), float(offset[1]), float(offset[2])), turning
-        ),
+        inverse_kinematics=_InverseKinematics(stroke, datum, turning),
     )
 
 

@@ -41,28 +41,35 @@ def twists_left_free(joint: Joint, first: Array, second: Array) -> Array:
     body and a₂ in the second, spherical all rotations about the base axes, planar two translations
     across the normal and the rotation about it.
     """
-    axes = first @ joint.axes.T
+    slides, turns = free_axes(joint)
     twists = np.zeros((*first.shape[:-2], 6, FREEDOMS[joint.kind]))
+    twists[..., :3, : len(slides)] = first @ slides.T
+    twists[..., 3:, len(slides) :] = first @ turns.T
+    if joint.kind == "spherical":
+        twists[..., 3:, :] = np.eye(3)
+    if joint.kind == "universal":
+        twists[..., 3:, 1] = second @ turns[1]
+    return twists
+
+
+def free_axes(joint: Joint) -> tuple[Array, Array]:
+    """Axes (n×3, base axes of the reference posture) of free translations and free rotations."""
+    none = np.zeros((0, 3))
     match joint.kind:
         case "fixed":
-            pass
-        case "prismatic":
-            twists[..., :3, 0] = axes[..., 0]
-        case "revolute":
-            twists[..., 3:, 0] = axes[..., 0]
-        case "cylindrical":
-            twists[..., :3, 0] = twists[..., 3:, 1] = axes[..., 0]
-        case "universal":
-            twists[..., 3:, 0] = axes[..., 0]
-            twists[..., 3:, 1] = second @ joint.axes[1]
+            return none, none
         case "spherical":
-            twists[..., 3:, :] = np.eye(3)
+            return none, np.eye(3)
+        case "prismatic":
+            return joint.axes, none
+        case "cylindrical":
+            return joint.axes, joint.axes
         case "planar":
-            twists[..., :3, :2] = first @ across_axis(joint.axes[0]).T
-            twists[..., 3:, 2] = axes[..., 0]
+            return across_axis(joint.axes[0]), joint.axes
+        case "revolute" | "universal":
+            return none, joint.axes
         case _:
             assert_never(joint.kind)
-    return twists
 
 
 def across_axis(normal: Array) -> Array:

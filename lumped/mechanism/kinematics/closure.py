@@ -47,13 +47,11 @@ class Closure:
         self._second = np.array([self._number[j.second.body] for j in joints], dtype=int)
         self._arm_first = np.array([self._arm(j.first.body, j.first.point) for j in joints])
         self._arm_second = np.array([self._arm(j.second.body, j.second.point) for j in joints])
-        forbidden = [constraints(joint) for joint in joints]
-        self._normal = np.vstack([np.zeros((0, 3)), *(one.normals for one in forbidden)])
-        self._held = np.vstack([np.zeros((0, 3)), *(one.held for one in forbidden)])
-        self._turned = np.vstack([np.zeros((0, 3)), *(one.turned for one in forbidden)])
+        normals, held, turned = zip(*map(constraints, joints), strict=True)
+        self._normal, self._held, self._turned = map(np.vstack, (normals, held, turned))
         self._target = np.sum(self._held * self._turned, axis=1)
-        self._sliding = np.repeat(np.arange(len(joints)), [len(f.normals) for f in forbidden])
-        self._turning = np.repeat(np.arange(len(joints)), [len(f.held) for f in forbidden])
+        self._sliding = np.repeat(np.arange(len(joints)), list(map(len, normals)))
+        self._turning = np.repeat(np.arange(len(joints)), list(map(len, held)))
         self._apart = self._gaps(self.reference)[2]
         # Joint that each constraint belongs to, in the order of the rows.
         self.joint_of = np.concatenate([self._sliding, self._turning])

@@ -11,52 +11,32 @@ R = R₁ᵀR₂. Each constraint has one of two forms,
 which hold where the joint closes, however far it has turned, and whose derivatives are screws.
 """
 
-from dataclasses import dataclass
-from typing import assert_never
-
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from lumped.arrays import Array
 from lumped.errors import InputError
-from lumped.mechanism.free_twists import across_axis
+from lumped.mechanism.free_twists import across_axis, free_axes
 from lumped.mechanism.joint import FREEDOMS, Joint
 
 
-@dataclass(frozen=True, eq=False)
-class Constraints:
-    """What a joint forbids: `normals` n (t×3), `held` b and `turned` c (r×3 each)."""
+def constraints(joint: Joint) -> tuple[Array, Array, Array]:
+    """What a joint with f free twists forbids, 6 − f constraints: n (t×3), and b and c (r×3 each).
 
-    normals: Array
-    held: Array
-    turned: Array
-
-
-def constraints(joint: Joint) -> Constraints:
-    """The 6 − f constraints of a joint with f free twists, unit vectors."""
-    x, y, z = everything = np.eye(3)
-    nothing = np.zeros((0, 3))
-    axis = joint.axes[0] if len(joint.axes) else x
-    across = across_axis(axis)
-    found: tuple[object, object, object]
-    match joint.kind:
-        case "fixed":
-            found = everything, (x, y, z), (y, z, x)
-        case "spherical":
-            found = everything, nothing, nothing
-        case "revolute":
-            found = everything, across, (axis, axis)
-        case "prismatic":
-            found = across, (x, y, z), (y, z, x)
-        case "cylindrical":
-            found = across, across, (axis, axis)
-        case "universal":
-            found = everything, (axis,), (joint.axes[1],)
-        case "planar":
-            found = (axis,), across, (axis, axis)
-        case _:
-            assert_never(joint.kind)
-    return Constraints(*(np.array(rows, dtype=float).reshape(-1, 3) for rows in found))
+    Unit vectors.
+    """
+    slides, turns = free_axes(joint)
+    everything = np.eye(3)
+    normals = everything
+    if len(slides):
+        normals = across_axis(slides[0]) if len(slides) == 1 else joint.axes
+    if len(turns) == 0:
+        return normals, everything, np.roll(everything, -1, axis=0)
+    if len(turns) == 1:
+        return normals, across_axis(turns[0]), np.vstack([turns, turns])
+    # Of two axes each stays across the other; three leave no constraint.
+    both = turns if len(turns) == 2 else turns[:0]
+    return normals, both[:1], both[1:]
 
 
 def coordinates(joint: Joint, p: Array, R: Array) -> Array:
@@ -65,7 +45,7 @@ def coordinates(joint: Joint, p: Array, R: Array) -> Array:
     A spherical joint's are the rotation vector, a universal joint's the angles about its first
     and then its second axis.
     """
-    translations, rotations = _free_axes(joint)
+    translations, rotations = free_axes(joint)
     match joint.kind:
         case "spherical":
             angles = Rotation.from_matrix(R).as_rotvec()
@@ -82,7 +62,7 @@ def coordinates(joint: Joint, p: Array, R: Array) -> Array:
 
 def turning(joint: Joint) -> Array:
     """1.0 for each coordinate that counts whole turns, 0.0 for lengths and rotation vectors."""
-    translations, rotations = _free_axes(joint)
+    translations, rotations = free_axes(joint)
     counted = 0.0 if joint.kind == "spherical" else 1.0
     return np.repeat([0.0, counted], [len(translations), len(rotations)])
 
@@ -94,26 +74,8 @@ def axes_of_drive(joint: Joint) -> tuple[Array, Array]:
     """
     if FREEDOMS[joint.kind] != 1:
         raise InputError(f"joint {joint.name}: a {joint.kind} joint has no one motion to drive")
-    translations, rotations = _free_axes(joint)
+    translations, rotations = free_axes(joint)
     return translations.sum(axis=0), rotations.sum(axis=0)
-
-
-def _free_axes(joint: Joint) -> tuple[Array, Array]:
-    """Axes (n×3, base axes of the reference posture) of free translations and free rotations."""
-    none = np.zeros((0, 3))
-    match joint.kind:
-        case "fixed":
-            return none, none
-        case "spherical":
-            return none, np.eye(3)
-        case "prismatic":
-            return joint.axes, none
-        case "cylindrical":
-            return joint.axes, joint.axes
-        case "planar":
-            return np.array(across_axis(joint.axes[0])), joint.axes
-        case "revolute" | "universal":
-            return none, joint.axes
 
 
 def _angle(axis: Array, start: Array, end: Array) -> float:

@@ -12,7 +12,6 @@ import numpy as np
 from scipy.linalg import lstsq, svd
 
 from lumped.arrays import Array
-from lumped.errors import InputError
 from lumped.mechanism.kinematics.closure import Closure, Placement, closure_of
 from lumped.mechanism.mechanism import MOVES, Mechanism, Posture
 from lumped.screws import name_twists
@@ -118,27 +117,25 @@ def _touched(names: Iterable[str], shares: Array) -> tuple[str, ...]:
     return tuple(name for name, most in zip(names, largest, strict=True) if most > _NOTHING)
 
 
-def refuse_undetermined(found: Mobility, size: float, place: str) -> None:
-    """Raise InputError where drives do not hold the tool or its moves do not determine it.
+def undetermined(found: Mobility, size: float, *, singular: bool = False) -> str:
+    """What the drives leave to the tool, or its moves to the mechanism, in words; "" if nothing.
 
-    Each fault names the motion; `size` (m) is the scale of the mechanism, `place` says which
-    posture of which mechanism it is.
+    `size` (m) is the scale of the mechanism. `singular`: motions of a posture `at_limit` count.
     """
-    faults = []
     if len(found.loose):
-        faults.append(
-            f"{place}: with all drives held the tool is free to {name_twists(found.loose, size)}; "
-            "the drives must hold it"
+        motions = name_twists(found.loose, size)
+        return (
+            f"with all drives held the tool is free to {motions}; "
+            "drives must hold every motion of the tool"
         )
-    if found.moves and found.spare > 0 and not faults:
-        left = (
-            f"the tool free to {name_twists(found.unprescribed, size)}"
-            if len(found.unprescribed)
-            else f"drives {', '.join(found.stirring)} free to move while the tool stands"
-        )
-        faults.append(f"{place}: the tool's moves leave {left}; they must prescribe all that moves")
-    if faults:
-        raise InputError(faults)
+    if not found.moves or not (found.spare > 0 or (singular and found.at_limit)):
+        return ""
+    left = (
+        f"the tool is free to {name_twists(found.unprescribed, size)}"
+        if len(found.unprescribed)
+        else f"drives {', '.join(found.stirring)} are free to move"
+    )
+    return f"while they stand {left}; must prescribe all that moves"
 
 
 def _null_space(matrix: Array) -> Array:

@@ -10,6 +10,7 @@ from collections.abc import Mapping
 
 import numpy as np
 from scipy.linalg import lstsq
+from scipy.optimize import least_squares
 
 from lumped.arrays import Array
 from lumped.errors import ComputationError, InputError, naming
@@ -17,7 +18,7 @@ from lumped.mechanism.body import Frame
 from lumped.mechanism.joint import FREEDOMS
 from lumped.mechanism.kinematics.closure import Closure, Placement, closure_of
 from lumped.mechanism.kinematics.constraints import turning
-from lumped.mechanism.kinematics.mobility import mobility_at, refuse_undetermined
+from lumped.mechanism.kinematics.mobility import mobility_at, undetermined
 from lumped.mechanism.mechanism import UNITS_OF_MOVES, Mechanism, Posture
 
 # Residual of a closed posture, of the size of the mechanism.
@@ -67,7 +68,10 @@ def posture(mechanism: Mechanism, pose: Array, start: Posture | None = None) -> 
             frames = mechanism.inverse_kinematics(target)
         placement = _placed(closure, frames, target)
         coordinates = list(closure.coordinates(placement))
-    refuse_undetermined(mobility_at(closure, placement), closure.size, place)
+    found = mobility_at(closure, placement)
+    if fault := undetermined(found, closure.size):
+        said = "" if len(found.loose) else f"tool.moves = {list(mechanism.tool.moves)}: "
+        raise InputError(f"{place}: {said}{fault}")
     names = (joint.name for joint in mechanism.joints)
     return Posture(
         mechanism,
@@ -211,16 +215,10 @@ def _nearest(closure: Closure, placement: Placement, pose: Array) -> Placement:
     """The placement that has the tool at the pose and the joints as little open as possible."""
     weights = np.ones(len(closure.joint_of) + len(closure.moves))
     weights[len(closure.joint_of) :] = _INSISTENT
-    residual = weights * closure.residual_at(placement, pose)
-    damping = 1.0
-    for _ in range(_ITERATIONS):
-        jacobian = weights[:, None] * closure.jacobian_at(placement)
-        system = np.vstack([jacobian, damping * np.eye(jacobian.shape[1])])
-        step = lstsq(system, np.append(-residual, np.zeros(jacobian.shape[1])))[0]
-        tried = closure.moved(placement, step)
-        found = weights * closure.residual_at(tried, pose)
-        if found @ found < residual @ residual:
-            placement, residual, damping = tried, found, 0.3 * damping
-        else:
-            damping *= 4.0
-    return placement
+
+    def missed(step: Array) -> Array:
+        found: Array = weights * closure.residual_at(closure.moved(placement, step), pose)
+        return found
+
+    unknowns = closure.jacobian(placement).shape[1]
+    return closure.moved(placement, least_squares(missed, np.zeros(unknowns)).x)

@@ -5,10 +5,14 @@ from collections.abc import Iterator
 import numpy as np
 
 from lumped.errors import InputError
-from lumped.mechanism.kinematics.mobility import Mobility, mobility, mobility_nearby
+from lumped.mechanism.kinematics.mobility import (
+    Mobility,
+    mobility,
+    mobility_nearby,
+    undetermined,
+)
 from lumped.mechanism.kinematics.postures import posture, reference_posture
 from lumped.mechanism.mechanism import Mechanism
-from lumped.screws import name_twists
 
 # Poses of a path that are tried before anything is computed; the others are when they come up.
 _TRIED = 32
@@ -21,12 +25,10 @@ def motion_faults(mechanism: Mechanism) -> list[str]:
 
 
 def _mobility_faults(mechanism: Mechanism, found: Mobility) -> Iterator[str]:
-    moves = list(mechanism.tool.moves)
+    moves = f"tool.moves = {list(mechanism.tool.moves)}"
+    left = undetermined(found, mechanism.size, singular=True)
     if len(found.loose):
-        yield (
-            "joints: with all drives held the tool is free to "
-            f"{name_twists(found.loose, mechanism.size)}; drives must hold every motion of the tool"
-        )
+        yield f"joints: {left}"
     if found.at_limit and not mobility_nearby(mechanism).at_limit:
         yield (
             f"points: the reference posture is singular, drives {', '.join(found.stirring)} move "
@@ -42,16 +44,11 @@ def _mobility_faults(mechanism: Mechanism, found: Mobility) -> Iterator[str]:
             else "must name motions that they allow, each by itself"
         )
         yield (
-            f"tool.moves = {moves}: the joints do not let the tool move along "
-            f"{', '.join(found.barred)}; {allowed}"
+            f"{moves}: the joints do not let the tool move along {', '.join(found.barred)}; "
+            f"{allowed}"
         )
-    if moves and (found.spare > 0 or found.at_limit) and not len(found.loose):
-        left = (
-            f"the tool is free to {name_twists(found.unprescribed, mechanism.size)}"
-            if len(found.unprescribed)
-            else f"drives {', '.join(found.stirring)} are free to move"
-        )
-        yield f"tool.moves = {moves}: while they stand {left}; must prescribe all that moves"
+    if left and not len(found.loose):
+        yield f"{moves}: {left}"
 
 
 def _path_faults(mechanism: Mechanism) -> Iterator[str]:

@@ -40,7 +40,7 @@ def residual(found) -> float:
 def test_random_poses_close_and_have_the_tool_where_it_is_asked_to_be(mechanism):
     tool = Side(mechanism.tool.body, mechanism.tool.point)
     along = [i for i, move in enumerate(mechanism.tool.moves) if move in "xyz"]
-    for pose in random_poses(mechanism, 12):
+    for pose in random_poses(mechanism, 4):
         found = posture(mechanism, pose)
         assert residual(found) <= CLOSED
         place = interface_position(found, tool)
@@ -106,17 +106,12 @@ def test_kutzbach_counts_what_is_not_overconstrained(mechanism):
     assert found.mobility == prescribed + found.idle
 
 
-def test_a_delta_has_six_idle_spins_in_every_pose():
-    mechanism = load_robot("delta").mechanism
-    for pose in random_poses(mechanism, 5):
-        assert mobility(posture(mechanism, pose)).idle == 6
-
-
 def test_delta_against_its_closed_form():
     mechanism = load_robot("delta").mechanism
     arm, rod, offset, droop = 0.24, 0.56, 0.18 - 0.06, np.radians(20.0)
-    for pose in random_poses(mechanism, 8):
+    for pose in random_poses(mechanism, 3):
         found = posture(mechanism, pose)
+        assert mobility(found).idle == 6
         for leg in range(3):
             turn = np.radians(120.0 * leg)
             outwards = np.array([np.cos(turn), np.sin(turn), 0.0])
