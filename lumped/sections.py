@@ -7,52 +7,106 @@ and tube; thin-wall formulas for hollow rectangle and I (`fem.sections.section_c
 those without that assumption). Shear coefficients: Cowper, J. Appl. Mech. 33 (1966) 335.
 """
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, fields
 from math import pi, tanh
-from typing import ClassVar, Protocol
+from typing import ClassVar
 
 
-class Section(Protocol):
-    """What every section shape offers; lengths in m."""
+@dataclass(frozen=True)
+class Section(ABC):
+    """What every section shape offers; lengths in m, all sizes fields of the shape."""
 
     shape: ClassVar[str]
 
-    def __hash__(self) -> int:
-        """Of its sizes: meshes and constants of a section are kept by it."""
-        ...
-
     @property
+    @abstractmethod
     def area(self) -> float:
         """Area A (m²)."""
-        ...
 
     @property
+    @abstractmethod
     def second_moment_y(self) -> float:
         """Iy = ∫z² dA (m⁴)."""
-        ...
 
     @property
+    @abstractmethod
     def second_moment_z(self) -> float:
         """Iz = ∫y² dA (m⁴)."""
-        ...
 
     @property
+    @abstractmethod
     def torsion_constant(self) -> float:
         """Saint-Venant's torsion constant J (m⁴)."""
-        ...
 
     @property
+    @abstractmethod
     def extent(self) -> tuple[float, float]:
         """Size of the bounding box along y and along z (m)."""
-        ...
 
+    @abstractmethod
     def shear_coefficients(self, nu: float) -> tuple[float, float]:
         """Cowper's κ for shear along y and along z, Poisson's ratio `nu`."""
-        ...
 
     def faults(self) -> list[str]:
         """What makes the shape impossible, one line each; empty if it is sound."""
-        ...
+        sizes = {entry.name: getattr(self, entry.name) for entry in fields(self)}
+        wrong = [f"{k} = {size!r}: must be above 0 m" for k, size in sizes.items() if not size > 0]
+        return wrong or self._own_faults()
+
+    def _own_faults(self) -> list[str]:
+        """What sizes above zero say together."""
+        return []
+
+
+@dataclass(frozen=True)
+class _Boxed(Section):
+    """A shape in a rectangle of `width` along y and `height` along z (m)."""
+
+    width: float
+    height: float
+
+    @property
+    def extent(self) -> tuple[float, float]:
+        return self.width, self.height
+
+
+@dataclass(frozen=True)
+class _Round(Section):
+    """A shape of outer `diameter` (m) around a bore, the same seen from everywhere."""
+
+    diameter: float
+
+    @property
+    def inner_diameter(self) -> float:
+        """Diameter of the bore (m)."""
+        return 0.0
+
+    @property
+    def extent(self) -> tuple[float, float]:
+        return self.diameter, self.diameter
+
+    @property
+    def area(self) -> float:
+        return pi * (self.diameter**2 - self.inner_diameter**2) / 4.0
+
+    @property
+    def second_moment_y(self) -> float:
+        return pi * (self.diameter**4 - self.inner_diameter**4) / 64.0
+
+    @property
+    def second_moment_z(self) -> float:
+        return self.second_moment_y
+
+    @property
+    def torsion_constant(self) -> float:
+        return 2.0 * self.second_moment_y
+
+    def shear_coefficients(self, nu: float) -> tuple[float, float]:
+        ratio = (self.inner_diameter / self.diameter) ** 2
+        whole = (1.0 + ratio) ** 2
+        kappa = 6.0 * (1.0 + nu) * whole / ((7.0 + 6.0 * nu) * whole + (20.0 + 12.0 * nu) * ratio)
+        return kappa, kappa
 
 
 def rectangle_torsion_constant(width: float, height: float) -> float:
@@ -65,19 +119,10 @@ def rectangle_torsion_constant(width: float, height: float) -> float:
     return a * b**3 * (1.0 / 3.0 - 64.0 / pi**5 * (b / a) * series)
 
 
-def _not_positive(section: object) -> list[str]:
-    sizes = {f.name: getattr(section, f.name) for f in fields(section)}  # type: ignore[arg-type]
-    return [
-        f"{name} = {value!r}: must be above 0 m" for name, value in sizes.items() if not value > 0
-    ]
-
-
 @dataclass(frozen=True)
-class Rectangle:
+class Rectangle(_Boxed):
     """Solid rectangle, `width` along y, `height` along z (m)."""
 
-    width: float
-    height: float
     shape: ClassVar[str] = "rectangle"
 
     @property
@@ -96,24 +141,15 @@ class Rectangle:
     def torsion_constant(self) -> float:
         return rectangle_torsion_constant(self.width, self.height)
 
-    @property
-    def extent(self) -> tuple[float, float]:
-        return self.width, self.height
-
     def shear_coefficients(self, nu: float) -> tuple[float, float]:
         kappa = 10.0 * (1.0 + nu) / (12.0 + 11.0 * nu)
         return kappa, kappa
 
-    def faults(self) -> list[str]:
-        return _not_positive(self)
-
 
 @dataclass(frozen=True)
-class HollowRectangle:
+class HollowRectangle(_Boxed):
     """Rectangular tube of outer `width` (y), `height` (z) and wall `thickness` (m)."""
 
-    width: float
-    height: float
     thickness: float
     shape: ClassVar[str] = "hollow-rectangle"
 
@@ -145,123 +181,65 @@ class HollowRectangle:
         b, h = self.width - self.thickness, self.height - self.thickness
         return 2.0 * (b * h) ** 2 * self.thickness / (b + h)
 
-    @property
-    def extent(self) -> tuple[float, float]:
-        return self.width, self.height
-
     def shear_coefficients(self, nu: float) -> tuple[float, float]:
         b, h = self.width - self.thickness, self.height - self.thickness
         return _box_shear(h, b, nu), _box_shear(b, h, nu)
 
-    def faults(self) -> list[str]:
-        faults = _not_positive(self)
-        if not faults and 2.0 * self.thickness >= min(self.width, self.height):
-            faults.append(
-                f"thickness = {self.thickness!r}: closes the hollow; must be below half the "
-                f"smaller side, {min(self.width, self.height) / 2.0:g} m"
-            )
-        return faults
+    def _own_faults(self) -> list[str]:
+        smaller = min(self.extent)
+        if 2.0 * self.thickness < smaller:
+            return []
+        return [
+            f"thickness = {self.thickness!r}: closes the hollow; must be below half the "
+            f"smaller side, {smaller / 2.0:g} m"
+        ]
 
 
 def _box_shear(flange: float, web: float, nu: float) -> float:
     """Cowper's thin-walled box of uniform wall, shear along the webs (n = flange/web, m = n)."""
     n = m = flange / web
+    return _thin_walled_shear(m, nu, 10.0 * n**2 * ((3.0 + nu) * m + 3.0 * m**2))
+
+
+def _thin_walled_shear(m: float, nu: float, flanges: float) -> float:
+    """Cowper's κ of two flanges of m times the webs' area, with what the flanges' width adds."""
     numerator = 10.0 * (1.0 + nu) * (1.0 + 3.0 * m) ** 2
     free_of_nu = 12.0 + 72.0 * m + 150.0 * m**2 + 90.0 * m**3
     with_nu = 11.0 + 66.0 * m + 135.0 * m**2 + 90.0 * m**3
-    return numerator / (free_of_nu + nu * with_nu + 10.0 * n**2 * ((3.0 + nu) * m + 3.0 * m**2))
+    return numerator / (free_of_nu + nu * with_nu + flanges)
 
 
 @dataclass(frozen=True)
-class Circle:
+class Circle(_Round):
     """Solid circle of `diameter` (m)."""
 
-    diameter: float
     shape: ClassVar[str] = "circle"
-
-    @property
-    def area(self) -> float:
-        return pi * self.diameter**2 / 4.0
-
-    @property
-    def second_moment_y(self) -> float:
-        return pi * self.diameter**4 / 64.0
-
-    @property
-    def second_moment_z(self) -> float:
-        return self.second_moment_y
-
-    @property
-    def torsion_constant(self) -> float:
-        return 2.0 * self.second_moment_y
-
-    @property
-    def extent(self) -> tuple[float, float]:
-        return self.diameter, self.diameter
-
-    def shear_coefficients(self, nu: float) -> tuple[float, float]:
-        kappa = 6.0 * (1.0 + nu) / (7.0 + 6.0 * nu)
-        return kappa, kappa
-
-    def faults(self) -> list[str]:
-        return _not_positive(self)
 
 
 @dataclass(frozen=True)
-class Tube:
+class Tube(_Round):
     """Circular tube of outer `diameter` with wall `thickness` (m)."""
 
-    diameter: float
     thickness: float
     shape: ClassVar[str] = "tube"
 
     @property
     def inner_diameter(self) -> float:
-        """Diameter of the bore (m)."""
         return self.diameter - 2.0 * self.thickness
 
-    @property
-    def area(self) -> float:
-        return pi * (self.diameter**2 - self.inner_diameter**2) / 4.0
-
-    @property
-    def second_moment_y(self) -> float:
-        return pi * (self.diameter**4 - self.inner_diameter**4) / 64.0
-
-    @property
-    def second_moment_z(self) -> float:
-        return self.second_moment_y
-
-    @property
-    def torsion_constant(self) -> float:
-        return 2.0 * self.second_moment_y
-
-    @property
-    def extent(self) -> tuple[float, float]:
-        return self.diameter, self.diameter
-
-    def shear_coefficients(self, nu: float) -> tuple[float, float]:
-        ratio = (self.inner_diameter / self.diameter) ** 2
-        whole = (1.0 + ratio) ** 2
-        kappa = 6.0 * (1.0 + nu) * whole / ((7.0 + 6.0 * nu) * whole + (20.0 + 12.0 * nu) * ratio)
-        return kappa, kappa
-
-    def faults(self) -> list[str]:
-        faults = _not_positive(self)
-        if not faults and 2.0 * self.thickness >= self.diameter:
-            faults.append(
-                f"thickness = {self.thickness!r}: closes the bore; must be below half the "
-                f"diameter, {self.diameter / 2.0:g} m"
-            )
-        return faults
+    def _own_faults(self) -> list[str]:
+        if 2.0 * self.thickness < self.diameter:
+            return []
+        return [
+            f"thickness = {self.thickness!r}: closes the bore; must be below half the "
+            f"diameter, {self.diameter / 2.0:g} m"
+        ]
 
 
 @dataclass(frozen=True)
-class ISection:
+class ISection(_Boxed):
     """Doubly symmetric I: flanges `width` (y) by `flange`, a `web` thick, `height` along z (m)."""
 
-    width: float
-    height: float
     flange: float
     web: float
     shape: ClassVar[str] = "i-section"
@@ -288,10 +266,6 @@ class ISection:
         """Open thin wall, Σ b t³/3, the web on the flanges' middle lines."""
         return (2.0 * self.width * self.flange**3 + (self.height - self.flange) * self.web**3) / 3.0
 
-    @property
-    def extent(self) -> tuple[float, float]:
-        return self.width, self.height
-
     def shear_coefficients(self, nu: float) -> tuple[float, float]:
         return self._shear_along_flanges(nu), self._shear_along_web(nu)
 
@@ -300,21 +274,16 @@ class ISection:
         h = self.height - self.flange
         n = self.width / h
         m = 2.0 * self.width * self.flange / (h * self.web)
-        numerator = 10.0 * (1.0 + nu) * (1.0 + 3.0 * m) ** 2
-        free_of_nu = 12.0 + 72.0 * m + 150.0 * m**2 + 90.0 * m**3
-        with_nu = 11.0 + 66.0 * m + 135.0 * m**2 + 90.0 * m**3
         flanges = 30.0 * n**2 * (m + m**2) + 5.0 * nu * n**2 * (8.0 * m + 9.0 * m**2)
-        return numerator / (free_of_nu + nu * with_nu + flanges)
+        return _thin_walled_shear(m, nu, flanges)
 
     def _shear_along_flanges(self, nu: float) -> float:
         """The two flanges as rectangles of their own; the web carries no shear across itself."""
         kappa = 10.0 * (1.0 + nu) / (12.0 + 11.0 * nu)
         return kappa * 2.0 * self.width * self.flange / self.area
 
-    def faults(self) -> list[str]:
-        faults = _not_positive(self)
-        if faults:
-            return faults
+    def _own_faults(self) -> list[str]:
+        faults = []
         if 2.0 * self.flange >= self.height:
             faults.append(
                 f"flange = {self.flange!r}: leaves no web; must be below half the height, "

@@ -9,13 +9,13 @@ from typing import ClassVar
 import numpy as np
 
 from fem.sections.section_constants import section_constants
-from lumped.sections import SHAPES
+from lumped.sections import SHAPES, Section
 from meshes.section import section_mesh as meshing
 from meshes.section.section_blocks import Blocks, _across, _along, _grid, _mirrored
 
 
 @dataclass(frozen=True)
-class Cross:
+class Cross(Section):
     width: float  # along y, m
     height: float  # along z, m
     thickness: float
@@ -30,7 +30,7 @@ class Cross:
         kappa = 10.0 * (1.0 + nu) / (12.0 + 11.0 * nu) * self.thickness / self.area
         return kappa * self.width, kappa * self.height
 
-    def faults(self) -> list[str]:
+    def _own_faults(self) -> list[str]:
         sound = 0.0 < self.thickness < min(self.width, self.height)
         return [] if sound else [f"thickness = {self.thickness!r}: must be below both sizes"]
 

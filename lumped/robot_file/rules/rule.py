@@ -138,19 +138,12 @@ class Number(Rule):
 
 @dataclass(frozen=True)
 class Text(Rule):
-    """A text that matches `pattern` (any but an empty one without), in words what is `told`."""
+    """A text that matches `pattern` (any but an empty one without), in words what is `allowed`."""
 
     written = (str,)
+    many = "texts"
     pattern: str = ""
-    told: str = "a text"
-
-    @property
-    def allowed(self) -> str:
-        return self.told
-
-    @property
-    def many(self) -> str:
-        return "texts"
+    allowed: str = "a text"
 
     @property
     def schema(self) -> dict[str, Any]:
@@ -254,12 +247,9 @@ class Named(Rule):
     """A table of entries of one kind, their names chosen by the author."""
 
     written = (dict,)
+    allowed = "a table of named entries"
     name: Text
     kind: Rule
-
-    @property
-    def allowed(self) -> str:
-        return "a table of named entries"
 
     @property
     def schema(self) -> dict[str, Any]:
@@ -307,17 +297,11 @@ class TableRule(Rule):
     """A table with the keys that it may have."""
 
     written = (dict,)
+    allowed = "a table"
+    many = "tables"
 
     def __init__(self, *keys: Key) -> None:
         self.keys = {key.name: key for key in keys}
-
-    @property
-    def allowed(self) -> str:
-        return "a table"
-
-    @property
-    def many(self) -> str:
-        return "tables"
 
     @property
     def schema(self) -> dict[str, Any]:
