@@ -56,13 +56,8 @@ def visible(text: str, keep: str = "") -> str:
     if text.isascii() and text.isprintable():
         return text
     return "".join(
-        one if one in keep or unicodedata.category(one) not in _UNSHOWN else _escape(one)
+        one
+        if one in keep or unicodedata.category(one) not in _UNSHOWN
+        else one.encode("unicode_escape").decode()
         for one in text
     )
-
-
-def _escape(character: str) -> str:
-    number = ord(character)
-    if number < 0x100:
-        return f"\\x{number:02x}"
-    return f"\\u{number:04x}" if number < 0x10000 else f"\\U{number:08x}"

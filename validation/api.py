@@ -15,9 +15,10 @@ from typing import Any
 import numpy as np
 
 from fem.machine import usable_cores
-from lumped.acceptance.requirement import Requirement, with_options
+from lumped.acceptance.requirement import Requirement
 from lumped.errors import InputError
 from lumped.robot_file import RobotFile, load_robot
+from lumped.robot_file.evidence import with_options
 from validation.adequacy.judgement import judged
 from validation.adequacy.matrix import Entry, Matrix
 from validation.adequacy.response import Subject

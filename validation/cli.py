@@ -154,8 +154,8 @@ def run(
     from functools import partial  # noqa: PLC0415
 
     from lumped.acceptance.measured import digest  # noqa: PLC0415
-    from lumped.acceptance.requirement import with_options  # noqa: PLC0415
     from lumped.robot_file import load_robot  # noqa: PLC0415
+    from lumped.robot_file.evidence import with_options  # noqa: PLC0415
     from lumped.robot_file.load import with_measured  # noqa: PLC0415
     from validation.catalogue import catalogue  # noqa: PLC0415
     from validation.run.files import StoreError  # noqa: PLC0415

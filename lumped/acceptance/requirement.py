@@ -1,10 +1,8 @@
 """What a designer asks of a model, set beforehand by the use (ASME V&V 10): table [accept]."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Literal, TypeAlias, get_args
-
-from lumped.errors import InputError
 
 # Base axes, in the order of rows and columns of every 6×6. As quantities: the displacement of the
 # loaded point under a force along the axis, its rotation under a moment about it.
@@ -59,48 +57,3 @@ class Requirement:
         """Largest relative error that is accepted of a quantity."""
         general = self.deflection if quantity in STATIC_QUANTITIES else self.frequency
         return self.limits.get(quantity, general)
-
-
-def with_options(
-    requirement: Requirement, accept: Sequence[str], rely: Sequence[str]
-) -> Requirement:
-    """The requirement as `--accept NAME=NUMBER` and `--rely MODEL` change it.
-
-    NAME is deflection, frequency, modes or a quantity; named models take the place of the file's.
-    Raises InputError with one line per fault.
-    """
-    faults = [
-        f"--rely {model}: no such model; must be one of {', '.join(MODEL_KINDS)}"
-        for model in rely
-        if model not in MODEL_KINDS
-    ]
-    for text in accept:
-        try:
-            requirement = _changed(requirement, text)
-        except ValueError as error:
-            faults.append(f"--accept {text}: {error}")
-    if faults:
-        raise InputError(faults)
-    return replace(requirement, rely=tuple(rely)) if rely else requirement
-
-
-def _changed(requirement: Requirement, text: str) -> Requirement:
-    name, _, given = text.partition("=")
-    if name == "modes":
-        if not (given.isascii() and given.isdecimal() and 1 <= int(given[:9]) <= MOST_MODES):
-            raise ValueError(f"must be a whole number from 1 to {MOST_MODES}")
-        return replace(requirement, modes=int(given))
-    known = ("deflection", "frequency", "modes", *requirement.quantities)
-    if name not in known:
-        raise ValueError(f"must be NAME=NUMBER with a name of {', '.join(known)}")
-    try:
-        limit = float(given)
-    except ValueError:
-        raise ValueError("must be NAME=NUMBER, a relative error (0.03 is 3 %)") from None
-    if not SMALLEST_SHARE <= limit <= 1.0:
-        raise ValueError(f"must be from {SMALLEST_SHARE:g} to 1 (0.03 is 3 %)")
-    if name == "deflection":
-        return replace(requirement, deflection=limit)
-    if name == "frequency":
-        return replace(requirement, frequency=limit)
-    return replace(requirement, limits={**requirement.limits, name: limit})

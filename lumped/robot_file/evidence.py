@@ -1,20 +1,20 @@
 """What a robot file says beside its robot: what is asked, measured, uncertain and misprinted."""
 
 import csv
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from io import StringIO
 from pathlib import Path
 from typing import Any
 
 from lumped.acceptance.measured import Measured, measured_faults, pose_faults
-from lumped.acceptance.requirement import STATIC_QUANTITIES, Requirement
+from lumped.acceptance.requirement import MODEL_KINDS, STATIC_QUANTITIES, Requirement
 from lumped.errors import InputError
 from lumped.files import read_ordinary
 from lumped.mechanism.mechanism import Mechanism
 from lumped.robot_file.places import value_at
 from lumped.robot_file.rules.rule import is_finite_number
-from lumped.robot_file.rules.tables import MEASURED
+from lumped.robot_file.rules.tables import ACCEPT, MEASURED
 from lumped.text import shown
 
 _COLUMNS = ("quantity", "pose", "value", "uncertainty", "source")
@@ -88,6 +88,37 @@ def requirement_of(accept: Mapping[str, Any] | None) -> Requirement:
     limits = {name: accept[name] for name in STATIC_QUANTITIES if accept[name] is not None}
     own = {name: value for name, value in accept.items() if name not in STATIC_QUANTITIES}
     return Requirement(**own, limits=limits)
+
+
+def with_options(
+    requirement: Requirement, accept: Sequence[str], rely: Sequence[str]
+) -> Requirement:
+    """The requirement as `--accept NAME=NUMBER` and `--rely MODEL` change it.
+
+    NAME is deflection, frequency, modes or a quantity; named models take the place of the file's.
+    Raises InputError with one line per fault.
+    """
+    faults = [
+        f"--rely {model}: no such model; must be one of {', '.join(MODEL_KINDS)}"
+        for model in rely
+        if model not in MODEL_KINDS
+    ]
+    general = ("deflection", "frequency", "modes")
+    for text in accept:
+        name, _, given = text.partition("=")
+        rule = ACCEPT.keys[name if name in general else general[0]].kind
+        value = int(given[:9]) if given.isdecimal() else _value("", given)
+        if name not in (known := (*general, *requirement.quantities)):
+            faults.append(f"--accept {text}: must be NAME=NUMBER with a name of {', '.join(known)}")
+        elif rule.faults(value, name):
+            faults.append(f"--accept {text}: must be NAME=NUMBER, {rule.allowed}")
+        else:
+            limits: dict[str, Any] = {"limits": {**requirement.limits, name: float(value)}}
+            changed = {name: rule.read(value)} if name in general else limits
+            requirement = replace(requirement, **changed)
+    if faults:
+        raise InputError(faults)
+    return replace(requirement, rely=tuple(rely)) if rely else requirement
 
 
 def times(value: Any, factor: float) -> Any:

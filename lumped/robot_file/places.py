@@ -11,7 +11,9 @@ from lumped.robot_file.rules.rule import Either, Named, Number, Rule, Several, T
 from lumped.robot_file.rules.section_rule import SectionRule
 from lumped.robot_file.rules.tables import rules_of
 
-_KEY = re.compile(r"(?P<names>[\w-]+(?:\.[\w-]+)*)(?:\[(?P<indices>\d+(?:\s*,\s*\d+)?)\])?")
+_KEY = re.compile(
+    r"(?P<names>[\w-]+(?:\.[\w-]+)*)(?:\[(?P<indices>[1-9]\d*(?:\s*,\s*[1-9]\d*)?)\])?"
+)
 _UNITS_OF_COMPLIANCE = ("m/N", "rad/N", "rad/(N m)")
 
 
@@ -80,15 +82,10 @@ def _holder(tables: Mapping[str, Any], key: str) -> tuple[Any, Any]:
     steps: list[str | int] = [*names, *indices]
     *path, last = steps
     holder: Any = tables
-    for step in path:
-        holder = _entry(holder, step, key)
-    _entry(holder, last, key)
+    try:
+        for step in path:
+            holder = holder[step]
+        holder[last]
+    except (LookupError, TypeError):
+        raise LookupError(key) from None
     return holder, last
-
-
-def _entry(holder: Any, step: str | int, key: str) -> Any:
-    """What stands at one step of the way to a key; raises LookupError where nothing does."""
-    entries = dict(enumerate(holder)) if isinstance(holder, list) else holder
-    if not isinstance(entries, dict) or step not in entries:
-        raise LookupError(key)
-    return entries[step]

@@ -1,5 +1,8 @@
 """Interfaces and material of a CAD part as they are typed, in a robot file or at a command line."""
 
+from collections.abc import Callable
+from typing import Any
+
 from lumped.legs import Material
 from lumped.mechanism.part import (
     ByCylinder,
@@ -11,7 +14,12 @@ from lumped.mechanism.part import (
 )
 from lumped.robot_file.mechanism.draft import Entry
 
-_CHOICES = ("faces", "name", "cylinder", "plane")
+_CHOICES: dict[str, Callable[[Any], Selection]] = {
+    "faces": ByFaces,
+    "name": ByName,
+    "cylinder": lambda table: ByCylinder(**table),
+    "plane": lambda table: ByPlane(**table),
+}
 
 
 def choice_faults(interface: Entry, key: str) -> list[str]:
@@ -35,16 +43,8 @@ def material_faults(material: Entry, path: str) -> list[str]:
 
 def interface_of(interface: Entry) -> PartInterface:
     """The interface of a table without faults."""
-    chosen: Selection
-    if interface["cylinder"] is not None:
-        chosen = ByCylinder(**interface["cylinder"])
-    elif interface["plane"] is not None:
-        chosen = ByPlane(**interface["plane"])
-    elif interface["name"] is not None:
-        chosen = ByName(interface["name"])
-    else:
-        chosen = ByFaces(interface["faces"])
-    return PartInterface(chosen, interface["coupling"])
+    (chosen,) = (choice for choice in _CHOICES if interface[choice] is not None)
+    return PartInterface(_CHOICES[chosen](interface[chosen]), interface["coupling"])
 
 
 def isotropic_of(material: Entry) -> Material:

@@ -1,22 +1,16 @@
 """What is asked of models: defaults, options of the command line, tables of robot files."""
 
+import tomllib
 from pathlib import Path
 
 import pytest
 from sound_biglide import SOUND
 
-from lumped.acceptance.requirement import Requirement, with_options
+from lumped.acceptance.requirement import Requirement
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg
-from lumped.robot_file import load_robot
-
-
-def written(folder: Path, *, accept: str = "", ends: str = "") -> Path:
-    """A robot file with what is given."""
-    path = folder / "robot.toml"
-    text = SOUND.replace("length = 0.85\n", f"length = 0.85\n{ends}\n")
-    path.write_text(f"{text}\n{accept}\n", encoding="utf-8")
-    return path
+from lumped.robot_file.evidence import requirement_of, with_options
+from lumped.robot_file.load import described_by
 
 
 def test_five_per_cent_of_everything_is_asked_by_default() -> None:
@@ -50,12 +44,14 @@ def test_options_that_mean_nothing_are_refused(given: str) -> None:
     assert any(given in fault for fault in refused.value.faults)
 
 
-def test_a_robot_file_says_what_is_accepted_and_how_ends_are_held(tmp_path: Path) -> None:
-    accept = '[accept]\ndeflection = 0.02\nz = 0.2\nmodes = 6\nrely = ["vjm", "segments"]'
-    robot_file = load_robot(written(tmp_path, accept=accept, ends='ends = "rigid"'))
-    requirement = robot_file.requirement
+def test_a_robot_file_says_what_is_accepted_and_how_ends_are_held() -> None:
+    tables = tomllib.loads(SOUND)
+    tables["accept"] = {"deflection": 0.02, "z": 0.2, "modes": 6, "rely": ["vjm", "segments"]}
+    tables["leg1"]["ends"] = "rigid"
+    mechanism, read = described_by(tables, Path())
+    requirement = requirement_of(read["accept"])
     assert [requirement.limit(q) for q in ("y", "z", "f6")] == [0.02, 0.2, 0.05]
     assert requirement.rely == ("vjm", "segments")
-    leg1 = robot_file.mechanism.bodies["leg1"].shape
+    leg1 = mechanism.bodies["leg1"].shape
     assert isinstance(leg1, ConstantLeg)
     assert leg1.ends == "rigid"
