@@ -1,13 +1,12 @@
 """What the matrices of a leg, foot or tool say about themselves: checks on data, printed or used.
 
-Every check returns the findings on one part, none where the data are sound.
+Every check tells the findings on one part, none where the data are sound.
 """
 
-from collections.abc import Callable
+from collections.abc import Iterator
 
 import numpy as np
 
-from lumped.arrays import Array
 from lumped.audit.finding import DescribedPart, Finding
 from lumped.robot_file.rules.matrices import asymmetries, is_positive_definite, smallest_eigenvalue
 
@@ -21,95 +20,95 @@ _LARGEST_TIP_ROTATION = 10.0
 
 def data_findings(part: DescribedPart) -> tuple[Finding, ...]:
     """All findings on one part."""
-    return tuple(finding for check in CHECKS for finding in check(part))
-
-
-def symmetry(part: DescribedPart) -> tuple[Finding, ...]:
-    """Compliance and inertia must be symmetric (Maxwell and Betti; a definition)."""
-    matrices = {"compliance": part.compliance, "inertia": part.inertia}
-    return tuple(
-        Finding(
-            f"{part.name}.{key}",
-            "symmetry",
-            printed=f"({a.row},{a.column}) = {a.lower:g}, ({a.column},{a.row}) = {a.upper:g}",
-            wrong="the matrix is not symmetric",
-            evidence=f"the two entries differ by {abs(a.lower - a.upper):.3g}",
-            severity="error",
-            numbers={"difference": abs(a.lower - a.upper)},
-        )
-        for key, matrix in matrices.items()
-        if matrix is not None
-        for a in asymmetries(matrix)
+    checks = (
+        _symmetry,
+        _definiteness,
+        _triangle_inequality,
+        _slender_axis,
+        _couplings,
+        _tip_rotation,
+        _mass_centre,
     )
+    return tuple(finding for check in checks for finding in check(part))
 
 
-def definiteness(part: DescribedPart) -> tuple[Finding, ...]:
+def _symmetry(part: DescribedPart) -> Iterator[Finding]:
+    """Compliance and inertia must be symmetric (Maxwell and Betti; a definition)."""
+    for key, matrix in (("compliance", part.compliance), ("inertia", part.inertia)):
+        for a in () if matrix is None else asymmetries(matrix):
+            difference = abs(a.lower - a.upper)
+            yield Finding(
+                f"{part.name}.{key}",
+                "symmetry",
+                printed=f"({a.row},{a.column}) = {a.lower:g}, ({a.column},{a.row}) = {a.upper:g}",
+                wrong="the matrix is not symmetric",
+                evidence=f"the two entries differ by {difference:.3g}",
+                severity="error",
+                numbers={"difference": difference},
+            )
+
+
+def _definiteness(part: DescribedPart) -> Iterator[Finding]:
     """A compliance must be positive definite: every load does positive work."""
     if part.compliance is None or is_positive_definite(part.compliance):
-        return ()
+        return
     smallest = smallest_eigenvalue(part.compliance)
     diagonal = ", ".join(f"{entry:.3g}" for entry in np.diag(part.compliance))
-    return (
-        Finding(
-            f"{part.name}.compliance",
-            "definiteness",
-            printed=f"diagonal {diagonal}",
-            wrong="the compliance matrix is indefinite: some load would gain energy",
-            evidence=f"smallest eigenvalue {smallest:.2g}",
-            severity="error",
-            numbers={"smallest eigenvalue": smallest},
-        ),
+    yield Finding(
+        f"{part.name}.compliance",
+        "definiteness",
+        printed=f"diagonal {diagonal}",
+        wrong="the compliance matrix is indefinite: some load would gain energy",
+        evidence=f"smallest eigenvalue {smallest:.2g}",
+        severity="error",
+        numbers={"smallest eigenvalue": smallest},
     )
 
 
-def triangle_inequality(part: DescribedPart) -> tuple[Finding, ...]:
+def _triangle_inequality(part: DescribedPart) -> Iterator[Finding]:
     """Of a body's principal moments of inertia none exceeds the sum of the other two."""
     if part.inertia is None:
-        return ()
+        return
     moments = np.linalg.eigvalsh(0.5 * (part.inertia + part.inertia.T))
     excess = float(moments[2] - moments[0] - moments[1])
     if excess <= _TRIANGLE_ROUNDING * abs(moments[2]):
-        return ()
+        return
     shown = ", ".join(f"{moment:.3f}" for moment in moments)
-    return (
-        Finding(
-            f"{part.name}.inertia",
-            "triangle inequality",
-            printed=_off_diagonal(part.inertia),
-            wrong="no body has this inertia: the largest principal moment exceeds the sum of the "
-            "others",
-            evidence=f"principal moments {shown} kg m²; {excess:.3f} kg m² too much",
-            severity="error",
-            numbers={f"moment {i + 1}": float(moment) for i, moment in enumerate(moments)},
-        ),
+    Jxy, Jxz, Jyz = part.inertia[[0, 0, 1], [1, 2, 2]]
+    yield Finding(
+        f"{part.name}.inertia",
+        "triangle inequality",
+        printed=f"Jxy = {Jxy:g}, Jxz = {Jxz:g}, Jyz = {Jyz:g} kg m²",
+        wrong="no body has this inertia: the largest principal moment exceeds the sum of the "
+        "others",
+        evidence=f"principal moments {shown} kg m²; {excess:.3f} kg m² too much",
+        severity="error",
+        numbers={f"moment {i + 1}": float(moment) for i, moment in enumerate(moments)},
     )
 
 
-def slender_axis(part: DescribedPart) -> tuple[Finding, ...]:
+def _slender_axis(part: DescribedPart) -> Iterator[Finding]:
     """A leg is longest along its x axis, so its moment of inertia is smallest about x."""
     if part.inertia is None or part.length is None:
-        return ()
+        return
     moments, axes = np.linalg.eigh(0.5 * (part.inertia + part.inertia.T))
-    axis = int(np.argmax(np.abs(axes[:, 0])))
-    if axis == 0:
-        return ()
+    if (axis := int(np.argmax(np.abs(axes[:, 0])))) == 0:
+        return
     diagonal = np.diag(part.inertia)
-    return (
-        Finding(
-            f"{part.name}.inertia",
-            "slender axis",
-            printed="diagonal " + ", ".join(f"{moment:g}" for moment in diagonal),
-            wrong=f"smallest moment of inertia about {'xyz'[axis]}, but x is the leg's direction; "
-            "likely the axes of the drawing",
-            evidence=f"smallest principal moment {moments[0]:.3f} kg m² about {'xyz'[axis]}, "
-            f"against {diagonal[0]:.3f} kg m² about x",
-            severity="warning",
-            numbers={"smallest moment": float(moments[0]), "about x": float(diagonal[0])},
-        ),
+    yield Finding(
+        f"{part.name}.inertia",
+        "slender axis",
+        printed="diagonal " + ", ".join(f"{moment:g}" for moment in diagonal),
+        wrong=f"smallest moment of inertia about {'xyz'[axis]}, but x is the leg's direction; "
+        "likely the axes of the drawing",
+        evidence=f"smallest principal moment {moments[0]:.3f} kg m² about {'xyz'[axis]}, "
+        f"against {diagonal[0]:.3f} kg m² about x",
+        severity="warning",
+        numbers={"smallest moment": float(moments[0]), "about x": float(diagonal[0])},
     )
 
 
-def couplings(part: DescribedPart) -> tuple[Finding, ...]:
+def _couplings(part: DescribedPart) -> Iterator[Finding]:
     """Signs of c26 (y with φz) and c35 (z with φy).
 
     Both come from the arm between the loaded point and the place that bends: c26 = arm · c66,
@@ -117,54 +116,47 @@ def couplings(part: DescribedPart) -> tuple[Finding, ...]:
     arms must point the same way.
     """
     if part.compliance is None or part.name == "tool":
-        return ()
+        return
     c = part.compliance
     c26, c35 = float(c[1, 5]), float(c[2, 4])
     matters26 = abs(c26) > _COUPLING_THRESHOLD * np.sqrt(abs(c[1, 1] * c[5, 5]))
     matters35 = abs(c35) > _COUPLING_THRESHOLD * np.sqrt(abs(c[2, 2] * c[4, 4]))
-    if part.length is None:
-        sound = not (matters26 and matters35 and c26 * c35 > 0.0)
-    else:
-        sound = not ((matters26 and c26 < 0.0) or (matters35 and c35 > 0.0))
-    if sound:
-        return ()
     numbers = {"c26": c26, "c35": c35}
     evidence = f"arms c26/c66 = {c26 / c[5, 5]:.3g} m and −c35/c55 = {-c35 / c[4, 4]:.3g} m"
-    if part.length is not None:
+    if part.length is None:
+        doubtful = matters26 and matters35 and c26 * c35 > 0.0
+        wrong = "c26 and c35 of one arm have opposite signs"
+    else:
+        doubtful = (matters26 and c26 < 0.0) or (matters35 and c35 > 0.0)
+        wrong = "a straight right-handed cantilever has c26 > 0 and c35 < 0"
         numbers["c26 of a beam"] = float(1.5 * c[1, 1] / part.length)
         numbers["c35 of a beam"] = float(-1.5 * c[2, 2] / part.length)
         evidence += (
             f"; a beam of the same c22 and c33 has c26 = {numbers['c26 of a beam']:+.3g}, "
             f"c35 = {numbers['c35 of a beam']:+.3g} rad/N"
         )
-    return (
-        Finding(
+    if doubtful:
+        yield Finding(
             f"{part.name}.compliance",
             "couplings",
             printed=f"c26 = {c26:.3g}, c35 = {c35:.3g} rad/N",
-            wrong="a straight right-handed cantilever has c26 > 0 and c35 < 0"
-            if part.length is not None
-            else "c26 and c35 of one arm have opposite signs",
+            wrong=wrong,
             evidence=evidence,
             severity="warning",
             numbers=numbers,
-        ),
-    )
+        )
 
 
-def tip_rotation(part: DescribedPart) -> tuple[Finding, ...]:
+def _tip_rotation(part: DescribedPart) -> Iterator[Finding]:
     """A leg's tip turns about as much as that of a beam with the same deflection: 3k/L²."""
     if part.compliance is None or part.length is None:
-        return ()
-    findings = []
+        return
+    diagonal = np.diag(part.compliance)
     for along, about in ((2, 6), (3, 5)):
-        deflection = part.compliance[along - 1, along - 1]
-        rotation = part.compliance[about - 1, about - 1]
+        deflection, rotation = diagonal[along - 1], diagonal[about - 1]
         ratio = float(rotation * part.length**2 / (3.0 * deflection))
-        if 0.0 < ratio <= _LARGEST_TIP_ROTATION:
-            continue
-        findings.append(
-            Finding(
+        if not 0.0 < ratio <= _LARGEST_TIP_ROTATION:
+            yield Finding(
                 f"{part.name}.compliance",
                 f"tip rotation c{about}{about}",
                 printed=f"c{along}{along} = {deflection:.3g} m/N, "
@@ -175,37 +167,18 @@ def tip_rotation(part: DescribedPart) -> tuple[Finding, ...]:
                 severity="note",
                 numbers={"ratio": ratio},
             )
-        )
-    return tuple(findings)
 
 
-def mass_centre(part: DescribedPart) -> tuple[Finding, ...]:
+def _mass_centre(part: DescribedPart) -> Iterator[Finding]:
     """A leg's mass centre lies between root and tip."""
     if part.mass_centre is None or part.length is None or 0.0 < part.mass_centre < part.length:
-        return ()
-    return (
-        Finding(
-            f"{part.name}.mass_centre",
-            "mass centre",
-            printed=f"{part.mass_centre:g} m",
-            wrong="the mass centre lies outside the leg",
-            evidence=f"the leg reaches from 0 to {part.length:g} m",
-            severity="warning",
-            numbers={"mass centre": part.mass_centre, "length": part.length},
-        ),
+        return
+    yield Finding(
+        f"{part.name}.mass_centre",
+        "mass centre",
+        printed=f"{part.mass_centre:g} m",
+        wrong="the mass centre lies outside the leg",
+        evidence=f"the leg reaches from 0 to {part.length:g} m",
+        severity="warning",
+        numbers={"mass centre": part.mass_centre, "length": part.length},
     )
-
-
-CHECKS: tuple[Callable[[DescribedPart], tuple[Finding, ...]], ...] = (
-    symmetry,
-    definiteness,
-    triangle_inequality,
-    slender_axis,
-    couplings,
-    tip_rotation,
-    mass_centre,
-)
-
-
-def _off_diagonal(inertia: Array) -> str:
-    return f"Jxy = {inertia[0, 1]:g}, Jxz = {inertia[0, 2]:g}, Jyz = {inertia[1, 2]:g} kg m²"
