@@ -71,21 +71,23 @@ def name_twists(twists: Array, length: float) -> str:
     Of all bases the one with the fewest components is named: "translate along x and turn about z
     through (0, 0.5, 0) m from the loaded point".
     """
-    return " and ".join(
-        f"translate along {_direction(w)}"
-        if _is_nothing(u)
-        else f"turn about {_direction(u)} through {_point(u, w, length)}{_pitch(u, w, length)}"
-        for u, w in _sparsest(np.hstack([twists[:, 3:], twists[:, :3] / length]))
-    )
+    screws = np.hstack([twists[:, 3:], twists[:, :3] / length])
+    return _named(screws, length, "turn about", "translate along")
 
 
 def name_wrenches(wrenches: Array, length: float) -> str:
     """Words for the loads spanned by `wrenches` (n×6, base axes); as `name_twists`."""
+    screws = np.hstack([wrenches[:, :3], wrenches[:, 3:] / length])
+    return _named(screws, length, "a force along", "a moment about")
+
+
+def _named(screws: Array, length: float, line: str, moment: str) -> str:
+    """Words for screws (n×6: u, then w in units of `length`), by those for a line and a moment."""
     return " and ".join(
-        f"a moment about {_direction(w)}"
-        if _is_nothing(u)
-        else f"a force along {_direction(u)} through {_point(u, w, length)}{_pitch(u, w, length)}"
-        for u, w in _sparsest(np.hstack([wrenches[:, :3], wrenches[:, 3:] / length]))
+        f"{line} {_direction(u)} through {_point(u, w, length)}{_pitch(u, w, length)}"
+        if np.any(u)
+        else f"{moment} {_direction(w)}"
+        for u, w in _sparsest(screws)
     )
 
 
@@ -106,10 +108,6 @@ def _sparsest(screws: Array) -> list[tuple[Array, Array]]:
         done += 1
     rows[np.abs(rows) <= _NOTHING * np.abs(rows).max(axis=1)[:, None]] = 0.0
     return [(row[:3], row[3:]) for row in rows]
-
-
-def _is_nothing(vector: Array) -> bool:
-    return not np.any(vector)
 
 
 def _direction(vector: Array) -> str:

@@ -22,9 +22,8 @@ from fem.solvers.cholesky import analyse
 from fem.solvers.factor import upper_triangle
 from fem.solvers.modes import CertifiedModes, lowest_modes, searched_modes
 from fem.solvers.renewable_factor import RenewableFactor
-from lumped.arrays import Array, IntArray
-from lumped.dense.balance import balanced_flexibility
-from lumped.dense.modes import fix_signs
+from lumped.arrays import Array, IntArray, fix_signs
+from lumped.dense.statics import balanced_flexibility
 from lumped.errors import ComputationError
 from lumped.screws import shift
 

@@ -15,8 +15,8 @@ from scipy.linalg import eigh
 
 from fem.reduction.held import Swinging
 from fem.solvers.block_lanczos import NotConvergedError, block_lanczos, modes_below
-from lumped.arrays import Array
-from lumped.dense.modes import Modes, fix_signs
+from lumped.arrays import Array, fix_signs
+from lumped.dense.modes import Modes
 from lumped.errors import ComputationError
 
 # Below this number of unknowns all modes at once, dense, cost less than Lanczos.

@@ -25,8 +25,7 @@ from fem.reduction.counted_modes import CountedModes, counted_modes
 from fem.reduction.held import Held
 from fem.reduction.residual_modes import residual_modes
 from fem.reduction.superelement import HeldLeg, Superelement, reduced
-from lumped.arrays import Array
-from lumped.dense.modes import dense
+from lumped.arrays import Array, dense
 from lumped.errors import InputError
 from lumped.system import solution
 from lumped.system.assembly import System

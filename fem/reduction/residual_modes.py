@@ -8,8 +8,8 @@ import numpy as np
 from scipy.linalg import eigh
 
 from fem.reduction.held import Swinging
-from lumped.arrays import Array
-from lumped.dense.modes import Modes, fix_signs
+from lumped.arrays import Array, fix_signs
+from lumped.dense.modes import Modes
 
 # Residual modes with less than this of the forces' work are rounding error.
 _NO_RESIDUAL = 1e-11

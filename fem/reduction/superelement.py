@@ -17,7 +17,7 @@ from fem.reduction.held import Held, held_body
 from fem.solvers.cholesky import analyse, factorise
 from fem.solvers.factor import Factor
 from lumped.arrays import Array, SparseMatrix
-from lumped.dense.balance import ELIMINATION, balanced_flexibility, rounding_of_flexibility
+from lumped.dense.statics import ELIMINATION, balanced_flexibility, rounding_of_flexibility
 from lumped.errors import ComputationError
 from lumped.mechanism.body_model import LegMatrices
 from lumped.screws import shift

@@ -15,8 +15,8 @@ from scipy.sparse.linalg import LinearOperator
 from fem.solvers.block_lanczos import NotConvergedError, Ritz, block_lanczos, first_modes, merged
 from fem.solvers.certificate.sturm import Inertia
 from fem.solvers.factor import Factor
-from lumped.arrays import Array, SparseMatrix
-from lumped.dense.modes import Modes, fix_signs
+from lumped.arrays import Array, SparseMatrix, fix_signs
+from lumped.dense.modes import Modes
 from lumped.errors import ComputationError, InputError
 
 # Measured for 20 modes: 6 to 12 columns cost the same time, fewer read the factor more often, more

@@ -4,9 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import LinAlgError, eigh
-from scipy.sparse import issparse
 
-from lumped.arrays import Array, SparseMatrix
+from lumped.arrays import Array, SparseMatrix, dense, fix_signs, unit_diagonal
 from lumped.errors import ComputationError
 
 
@@ -16,11 +15,6 @@ class Modes:
 
     frequencies: Array
     shapes: Array
-
-
-def dense(matrix: SparseMatrix) -> Array:
-    """The matrix as a dense array."""
-    return np.asarray(matrix.toarray() if issparse(matrix) else matrix)
 
 
 def solve_modes(
@@ -50,21 +44,3 @@ def solve_modes(
         raise ComputationError(f"{part}: {count} modes asked for, but fewer have mass")
     shapes = fix_signs(vectors / np.sqrt(values))
     return Modes(frequencies=1.0 / (2.0 * np.pi * np.sqrt(values)), shapes=shapes)
-
-
-def unit_diagonal(matrix: Array) -> Array:
-    """Scales d (n) that give d_i A_ij d_j ones on its diagonal.
-
-    Raises LinAlgError where an entry there is not positive: A is not positive definite then.
-    """
-    diagonal = np.diag(matrix)
-    if not (diagonal > 0.0).all():
-        raise LinAlgError("an entry on the diagonal is not positive")
-    return np.asarray(1.0 / np.sqrt(diagonal))
-
-
-def fix_signs(shapes: Array) -> Array:
-    """Shapes (n×m) with each column's largest entry made positive, so that runs repeat."""
-    largest = np.argmax(np.abs(shapes), axis=0)
-    signed: Array = shapes * np.sign(shapes[largest, np.arange(shapes.shape[1])])
-    return signed

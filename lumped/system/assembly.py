@@ -131,9 +131,8 @@ class Assembly:
             size = inside[name].stop
         tool = np.zeros((6, size))
         tool[:, : moved.twists.shape[2]] = outside.tool[0]
-        put = self._bordered if self._sparse else self._filled
         outer = outside.stiffness[0], outside.mass[0]
-        stiffness, mass = (put(matrix, kind, ends, inside) for kind, matrix in enumerate(outer))
+        stiffness, mass = (self._bordered(matrix, kind, ends) for kind, matrix in enumerate(outer))
         return System(
             name=_name(posture),
             posture=posture,
@@ -166,30 +165,15 @@ class Assembly:
             _add(mass, np.sqrt(self.mechanism.tool.mass) * tool[:, :3], None)
         return stiffness, mass
 
-    def _filled(
-        self, outer: Array, kind: int, ends: Mapping[str, Array], inside: Mapping[str, slice]
-    ) -> Array:
-        count, inner = len(outer), self._inner[kind]
-        matrix = np.zeros((count + len(inner), count + len(inner)))
-        matrix[:count, :count] = outer
-        matrix[count:, count:] = inner
-        for name, of_kinds in self._split_models.items():
-            border = ends[name].T @ of_kinds[kind][1]
-            matrix[:count, inside[name]] = border
-            matrix[inside[name], :count] = border.T
-        return matrix
-
-    def _bordered(
-        self, outer: Array, kind: int, ends: Mapping[str, Array], inside: Mapping[str, slice]
-    ) -> SparseMatrix:
-        del inside  # the borders stand in the same order
-        borders = [
-            csr_array(ends[name].T) @ csr_array(of_kinds[kind][1])
-            for name, of_kinds in self._split_models.items()
-        ]
-        border = csr_array(block_array([borders]))
-        whole = [[csr_array(outer), border], [border.T, self._inner[kind]]]
-        return csr_array(block_array(whole))
+    def _bordered(self, outer: Array, kind: int, ends: Mapping[str, Array]) -> Array | SparseMatrix:
+        """The nodes' matrix, bordered by what couples it to the bodies' inside, in their order."""
+        couplings = [(ends[name].T, of[kind][1]) for name, of in self._split_models.items()]
+        inner = self._inner[kind]
+        if not self._sparse:
+            border = np.hstack([np.zeros((len(outer), 0)), *(a @ b for a, b in couplings)])
+            return np.block([[outer, border], [border.T, inner]])
+        borders = csr_array(block_array([[csr_array(a) @ csr_array(b) for a, b in couplings]]))
+        return csr_array(block_array([[csr_array(outer), borders], [borders.T, inner]]))
 
 
 def assembly(mechanism: Mechanism, models: Mapping[str, BodyModel]) -> Assembly:

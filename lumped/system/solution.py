@@ -12,9 +12,9 @@ import numpy as np
 from scipy.linalg import LinAlgError, cho_factor, cho_solve, eigh
 from scipy.linalg.blas import dtrsm
 
-from lumped.arrays import Array, IntArray
-from lumped.dense.balance import balanced_flexibility, rounding_of_flexibility
-from lumped.dense.modes import Modes, dense, fix_signs
+from lumped.arrays import Array, IntArray, dense, fix_signs, unit_diagonal
+from lumped.dense.modes import Modes
+from lumped.dense.statics import balanced_flexibility, rounding_of_flexibility
 from lumped.errors import ComputationError
 from lumped.system.assembly import System
 from lumped.system.idle import idle_motions
@@ -26,13 +26,6 @@ _SMALLEST_PIVOT = 1e-13
 DOUBTFUL = 1e-8
 # Mass of an idle motion, relative, below which it has none.
 _MASSLESS = 1e-13
-
-
-@dataclass(frozen=True, eq=False)
-class _Factor:
-    lower: Array
-    scale: Array
-    smallest_pivot: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,19 +64,19 @@ def solved(system: System) -> Solved:
     kept = np.arange(system.size)
     factor = _factor(stiffness)
     even = is_even(stiffness[: system.outer, : system.outer])
-    if factor is not None and even and factor.smallest_pivot > DOUBTFUL:
-        return Solved(system, factor.lower, factor.scale, kept, np.zeros((system.size, 0)))
+    if factor is not None and even and _smallest_pivot(factor) > DOUBTFUL:
+        return Solved(system, *factor, kept, np.zeros((system.size, 0)))
     idle = idle_motions(system)
     if len(idle.pinned):
         kept = np.delete(kept, idle.pinned)
         factor = _factor(stiffness[np.ix_(kept, kept)])
-    if factor is None or factor.smallest_pivot < _SMALLEST_PIVOT:
+    if factor is None or _smallest_pivot(factor) < _SMALLEST_PIVOT:
         raise ComputationError(
             f"{system.name}: the stiffness matrix is not positive definite; a stiffness is "
             "negative or differs from the others by more than rounding allows"
         )
     motions = np.vstack([idle.motions, _followed(stiffness, system.outer, idle.motions)])
-    return Solved(system, factor.lower, factor.scale, kept, motions)
+    return Solved(system, *factor, kept, motions)
 
 
 def compliance(solution: Solved) -> Array:
@@ -206,19 +199,20 @@ def is_even(stiffness: Array) -> bool:
     return bool((diagonal > DOUBTFUL * largest).all())
 
 
-def _factor(stiffness: Array) -> _Factor | None:
-    """Cholesky factor of a matrix scaled to a unit diagonal; None where there is none."""
-    diagonal = np.diag(stiffness)
-    if not (diagonal > 0.0).all():
-        return None
-    scale = 1.0 / np.sqrt(diagonal)
+def _factor(stiffness: Array) -> tuple[Array, Array] | None:
+    """Cholesky factor of a matrix scaled to a unit diagonal, and the scale; None without one."""
     try:
+        scale = unit_diagonal(stiffness)
         lower, _ = cho_factor(
             stiffness * scale[:, None] * scale, lower=True, overwrite_a=True, check_finite=False
         )
     except LinAlgError:
         return None
-    return _Factor(lower, scale, float(np.diag(lower).min(initial=1.0)) ** 2)
+    return lower, scale
+
+
+def _smallest_pivot(factor: tuple[Array, Array]) -> float:
+    return float(np.diag(factor[0]).min(initial=1.0)) ** 2
 
 
 def _followed(stiffness: Array, outer: int, motions: Array) -> Array:

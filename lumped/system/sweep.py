@@ -19,7 +19,7 @@ from scipy.linalg import block_diag
 from scipy.sparse import issparse
 
 from lumped.arrays import Array
-from lumped.dense.balance import balanced_flexibility
+from lumped.dense.statics import balanced_flexibility
 from lumped.errors import ComputationError
 from lumped.mechanism.mechanism import Posture
 from lumped.system.assembly import Assembly, Outside

@@ -6,11 +6,13 @@ import pytest
 
 from lumped.errors import InputError
 from lumped.files import read_ordinary
+from lumped.robot_file import load_robot
 from lumped.robot_file.evidence import read_measured
 from meshes.part.reading.read import require_file
 from validation.results.records import load_run
 
 READERS = {
+    "robot.toml": load_robot,
     "measured.csv": read_measured,
     "results.json": load_run,
     "fork.step": require_file,
@@ -27,7 +29,7 @@ def test_pipes_are_refused_before_they_are_opened(name, tmp_path):
         READERS[name](path)
 
 
-@pytest.mark.parametrize("name", ["measured.csv", "results.json"])
+@pytest.mark.parametrize("name", ["robot.toml", "measured.csv", "results.json"])
 def test_endless_and_oversized_files_are_refused_before_they_are_read(name, tmp_path):
     path = tmp_path / name
     path.symlink_to("/dev/zero")

@@ -32,7 +32,7 @@ ROOT = Path(__file__).resolve().parents[2]
 FILES = runpy.run_path(str(ROOT / "docs" / "pictures" / "architecture.py"))["modules"]()
 # Modules, or single functions, that both sides may rest on, and why.
 BASICS = {
-    "lumped.arrays": "types",
+    "lumped.arrays": "types, and matrices made dense",
     "lumped.dense.modes": "eigenvalues of small matrices",
     "lumped.errors": "messages",
     "lumped.legs": "data of legs",

@@ -8,8 +8,7 @@ from scipy.io import mmwrite
 from scipy.sparse import coo_array, csc_array, save_npz
 
 from fem.bodies import solid
-from lumped.arrays import Array, SparseMatrix
-from lumped.dense.modes import dense
+from lumped.arrays import Array, SparseMatrix, dense
 from lumped.legs import ConstantLeg
 from lumped.mechanism.body_model import LegMatrices
 from lumped.models.cantilever import clamped_modes

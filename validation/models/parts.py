@@ -17,8 +17,7 @@ from fem.bodies.part import grips_of, held_part, meshed_part
 from fem.reduction.craig_bampton import Reduction, heavier_at_interfaces, reduction
 from fem.reduction.free_interface import FreeTruncation, free_interface
 from fem.reduction.held import held_body
-from lumped.arrays import Array, SparseMatrix
-from lumped.dense.modes import dense
+from lumped.arrays import Array, SparseMatrix, dense
 from lumped.errors import ComputationError, InputError
 from lumped.mechanism.body import Body, Frame
 from lumped.mechanism.body_model import BodyModel

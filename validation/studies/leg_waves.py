@@ -17,8 +17,7 @@ from scipy.linalg import eigh
 
 from fem.couplings.wave_stiffness import PrismWaves, prism_waves
 from fem.reduction.superelement import ENDS, Superelement
-from lumped.arrays import Array, IntArray
-from lumped.dense.modes import dense
+from lumped.arrays import Array, IntArray, dense
 from lumped.errors import ComputationError
 from lumped.legs import ConstantLeg
 from lumped.mechanism.body_model import LegMatrices

@@ -15,7 +15,7 @@ from fem.beams.beam_theory import (
 from fem.beams.warping_beam import warping_beam_leg
 from fem.sections.nonuniform_torsion import cantilever_frequencies, held_torsion_compliance
 from fem.sections.section_constants import SectionConstants, beam_properties, section_constants
-from lumped.dense.modes import dense
+from lumped.arrays import dense
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, Material, tip_compliance
 from lumped.mechanism.body_model import LegMatrices

@@ -45,9 +45,9 @@ def stations(mechanism: Mechanism, count: int) -> Array:
     return np.linspace(first, last, count)
 
 
-def placed_at(mechanism: Mechanism, *x: float) -> list[Posture]:
+def placed_at(mechanism: Mechanism, *x: float) -> tuple[Posture, ...]:
     """The postures with B at each x (m), in the middle of the stroke without one."""
-    return [posture(mechanism, np.array([one])) for one in x or stations(mechanism, 3)[1:2]]
+    return tuple(posture(mechanism, np.array([one])) for one in x or stations(mechanism, 3)[1:2])
 
 
 def system_of(x: float, leg1: BodyModel, leg2: BodyModel) -> System:

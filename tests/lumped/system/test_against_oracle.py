@@ -9,7 +9,7 @@ from contextlib import suppress
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from random_mechanisms import random_posture
 
@@ -133,6 +133,7 @@ def free_mass(motions, mass):
     return (vectors[:, heavy] / values[heavy]) @ vectors[:, heavy].T
 
 
+@settings(max_examples=40)
 @given(st.integers(0, 100_000), st.booleans())
 def test_compliance_idle_motions_and_frequencies_are_those_of_the_null_space(seed, planar):
     posture = random_posture(seed, planar=planar)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from random_mechanisms import STEEL, Maker
 
-from lumped.dense.modes import dense
+from lumped.arrays import dense
 from lumped.errors import ComputationError, InputError
 from lumped.legs import ConstantLeg
 from lumped.mechanism.body import Body, Frame, Rigid
@@ -16,7 +16,6 @@ from lumped.models.bodies import legs_of, tip_compliances
 from lumped.models.links import links
 from lumped.models.segments import segment_chain, segment_leg
 from lumped.models.serial_chains import compliance as vjm_compliance
-from lumped.screws import shift
 from lumped.sections import Rectangle, Tube
 from lumped.system import solution
 from lumped.system.assembly import assemble
@@ -68,7 +67,7 @@ def circle(angles: np.ndarray) -> np.ndarray:
     return np.column_stack([np.cos(angles), np.sin(angles), 0.0 * angles])
 
 
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", range(3))
 def test_a_gough_stewart_platform_is_the_sum_of_its_legs(seed):
     posture, stiffness = gough_stewart(seed)
     expected = np.linalg.inv(stiffness)
@@ -169,18 +168,6 @@ def test_a_tool_that_is_part_of_the_ground_is_refused_by_chains_and_does_not_yie
     with pytest.raises(ComputationError, match="alone hold the tool to the ground"):
         vjm_compliance(at, tip_compliances(held))
     assert not by_links(at).any()
-
-
-def test_the_tool_moves_with_its_body():
-    """The same robot with its tool elsewhere on the platform: compliance moved there."""
-    posture, _ = gough_stewart(3)
-    system = by_links(posture)
-    other = replace(posture.mechanism.tool, point="B0")
-    moved = by_links(replace(posture, mechanism=replace(posture.mechanism, tool=other)))
-    frame = posture.frames["platform"]
-    offset = frame.rotation @ posture.mechanism.bodies["platform"].interfaces["B0"].position
-    expected = shift(offset) @ system @ shift(offset).T
-    assert np.abs(moved - expected).max() <= 1e-11 * np.abs(expected).max()
 
 
 def test_a_rod_between_ball_joints_goes_round_a_cone_without_spinning():

@@ -4,8 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from like_ifw import LEG1, LEG2, file_of, like_ifw, stations
-from placed import placed
+from like_ifw import LEG1, LEG2, file_of, like_ifw, placed_at, stations
 
 from lumped.acceptance.requirement import Requirement
 from lumped.legs import ConstantLeg, Ends, Material
@@ -109,7 +108,9 @@ def test_stated_uncertainties_of_frequencies_hold_shorter_slices_and_finer_secti
     leg = ConstantLeg(0.9, section, STEEL, ends=ends)
     robot = like_ifw(a=1.0, platform_mass=30.0, leg1=leg, leg2=leg)
     contexts = [Context(file_of(robot), preset) for preset in ("quick", "standard")]
-    quick, finer = (robot_at(one, placed(one, stations(robot, 2))) for one in contexts)
+    quick, finer = (
+        robot_at(one, placed_at(one.robot_file.mechanism, *stations(robot, 2))) for one in contexts
+    )
     (own,) = dynamic_reference(quick).alternatives
     assert own.response.vibration is not None
     assert own.dynamic is not None

@@ -9,8 +9,7 @@ from like_ifw import IFW, LEG1, file_of, like_ifw
 from fem.beams.beam import beam_leg
 from fem.reduction.craig_bampton import craig_bampton
 from fem.reduction.superelement import held_leg
-from lumped.arrays import Array
-from lumped.dense.modes import dense
+from lumped.arrays import Array, dense
 from lumped.legs import ConstantLeg, GivenLeg, Material, equivalent_leg, tip_compliance
 from lumped.screws import shift
 from lumped.sections import Rectangle

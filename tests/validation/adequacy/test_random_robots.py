@@ -11,7 +11,6 @@ from itertools import islice
 import numpy as np
 import pytest
 from like_ifw import file_of, placed_at, stations
-from placed import placed
 from plain_displacement import plain_errors
 from random_robots import SHAPES, robots, shown
 
@@ -77,7 +76,7 @@ def chosen(count: int, chunk: int) -> Iterator[Mechanism]:
 def static_matrices(robot: Mechanism) -> list[Matrix]:
     """Statics of some models, judged with several limits."""
     context = Context(file_of(robot), "quick")
-    posed = robot_at(context, placed(context, stations(robot, POSTURES)))
+    posed = robot_at(context, placed_at(context.robot_file.mechanism, *stations(robot, POSTURES)))
     subject = static_subject(posed, {name: JUDGED[name] for name in MODELS})
     return [judged(subject, Requirement(deflection=limit)) for limit in LIMITS]
 

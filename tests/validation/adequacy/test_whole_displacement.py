@@ -4,8 +4,7 @@ import warnings
 
 import numpy as np
 import pytest
-from like_ifw import LEG1, LEG2, file_of, like_ifw
-from placed import placed
+from like_ifw import LEG1, LEG2, file_of, like_ifw, placed_at
 from plain_displacement import directions, plain_errors
 
 from lumped.acceptance.requirement import STATIC_QUANTITIES, Requirement
@@ -73,7 +72,9 @@ def test_the_built_in_robots_legs_of_constant_section_at_seven_tenths() -> None:
     robot_file = load_robot("ifw")
     context = Context(robot_file, "quick")
     models = {name: JUDGED[name] for name in ("vjm-equivalent", "beam")}
-    subject = static_subject(robot_at(context, placed(context, [0.7])), models)
+    subject = static_subject(
+        robot_at(context, placed_at(context.robot_file.mechanism, 0.7)), models
+    )
     matrix = judged(subject, Requirement())
     for model in models:
         y, force = matrix.entry(model, "y"), matrix.entry(model, "any_force")

@@ -3,8 +3,7 @@
 import re
 
 import pytest
-from like_ifw import IFW, file_of, like_ifw, stations
-from placed import placed
+from like_ifw import IFW, file_of, like_ifw, placed_at, stations
 
 from fem.bodies import doubling
 from fem.bodies.solid import solid_mesh
@@ -105,7 +104,7 @@ def test_walls_too_thin_for_full_matrices_of_an_end_face_are_skipped(
 
 def test_frequencies_without_such_a_reference_are_undecided_with_the_reason(context):
     x = stations(SLENDER.mechanism, 3)
-    robot = robot_at(context, placed(context, x))
+    robot = robot_at(context, placed_at(context.robot_file.mechanism, *x))
     found = modes_of(lambda: vibration.modes_by_model(robot, "beam", ModelOptions()))
     subject = Subject(
         robot="slender",

@@ -6,7 +6,6 @@ import pytest
 from like_ifw import placed_at, stations
 from msgspec.json import encode
 from msgspec.structs import replace
-from placed import placed
 
 from lumped.acceptance.requirement import ANY_FORCE, AXES, Requirement
 from lumped.robot_file import RobotFile, load_robot
@@ -52,7 +51,7 @@ def saved(robot_file: RobotFile) -> RunRecord:
     x = stations(robot, 9)
     context = Context(robot_file, "quick")
     models = {name: JUDGED[name] for name in ("vjm", "beam")}
-    subject = static_subject(robot_at(context, placed(context, x)), models)
+    subject = static_subject(robot_at(context, placed_at(context.robot_file.mechanism, *x)), models)
     matrix = judged(subject, Requirement())
     return parse_run(encode(run_record(header(robot_file, "quick", {}), (), (), [matrix])), "test")
 

