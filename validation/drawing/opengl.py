@@ -1,12 +1,11 @@
 """Whether this machine can draw 3-D pictures: tried elsewhere, since VTK dies without OpenGL.
 
 VTK ends the whole process where no usable OpenGL is found, so that it must not be tried here.
-Faces of parts that can be turned need VTK, but no OpenGL; scenes of the report need neither.
+Scenes that are turned in a browser need neither.
 """
 
 import os
 import sys
-from collections.abc import Callable
 
 from lumped.errors import ComputationError
 from lumped.memo import memo
@@ -15,28 +14,27 @@ from meshes.processes import in_own_process
 # "off": no pictures, whatever the machine can do.
 SWITCH = "FLEXPROOF_OPENGL"
 WINDOW = "VTK_DEFAULT_OPENGL_WINDOW"
-PACKAGES = "on Debian and Ubuntu the packages libegl1 and libgl1 bring it"
-MESSAGE = f"no usable OpenGL, 3-D pictures are left out; {PACKAGES}"
-NOTHING = f"no usable OpenGL, 3-D pictures and scenes are left out; {PACKAGES}"
+MESSAGE = (
+    "no usable OpenGL, 3-D pictures are left out; on Debian and Ubuntu the packages libegl1 and "
+    "libgl1 bring it"
+)
 _TIME_LIMIT = 60.0  # s: importing VTK from a cold disk takes up to ten
 
 
-def require_vtk() -> None:
-    """Make VTK work off-screen in this process; raises Skip where not even scenes can be made.
+def can_draw() -> bool:
+    """Whether pictures can be drawn here; if so, VTK is made to draw off-screen in this process.
 
     Call it before pyvista is imported.
     """
-    # Numerical libraries, of which those that try a window have no need.
-    from validation.case import Skip  # noqa: PLC0415
-
     window = usable_window()
-    if window is None and not describes():
-        raise Skip(NOTHING)
+    if window is None:
+        return False
     if window:
         os.environ[WINDOW] = window
     os.environ["PYVISTA_OFF_SCREEN"] = "true"
     # What can be drawn has been found out here; pyvista would ask again for every picture.
     os.environ["ALLOW_PLOTTING"] = "true"
+    return True
 
 
 def usable_window() -> str | None:
@@ -48,7 +46,7 @@ def usable_window() -> str | None:
 
 @memo(1)
 def _first_usable() -> str | None:
-    return next((window for window in _windows() if _succeeds(_is_drawn, window)), None)
+    return next(filter(_is_drawn_elsewhere, _windows()), None)
 
 
 def _windows() -> tuple[str, ...]:
@@ -61,15 +59,9 @@ def _windows() -> tuple[str, ...]:
     return ("vtkEGLRenderWindow", *([""] if os.environ.get("DISPLAY") else []))
 
 
-@memo(1)
-def describes() -> bool:
-    """Whether VTK makes surfaces where it draws none, tried in a process of its own."""
-    return _succeeds(_is_described)
-
-
-def _succeeds(attempt: Callable[..., bool], *arguments: str) -> bool:
+def _is_drawn_elsewhere(window: str) -> bool:
     try:
-        return in_own_process(attempt, *arguments, patience=_TIME_LIMIT)
+        return in_own_process(_is_drawn, window, patience=_TIME_LIMIT)
     except ComputationError:
         return False
 
@@ -101,9 +93,3 @@ def _is_drawn(kind: str) -> bool:
     grabbed.Update()
     low, high = grabbed.GetOutput().GetScalarRange()
     return bool(high > low)
-
-
-def _is_described() -> bool:
-    import pyvista  # noqa: PLC0415
-
-    return bool(pyvista.Sphere().n_points)

@@ -16,7 +16,7 @@ from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
 from lumped.arrays import Array
-from validation.drawing.opengl import MESSAGE, require_vtk, usable_window
+from validation.drawing.opengl import MESSAGE, can_draw
 from validation.drawing.scene import DARK, Body, Label, MarkKind, Marks, Scene, View
 from validation.drawing.style import ORANGE, VERMILLION, WIDTH, plot_style
 
@@ -76,9 +76,8 @@ def pictured(
 
     Where this machine can draw them.
     """
-    if usable_window() is None:
+    if not can_draw():
         return Picture(left_out=MESSAGE)
-    require_vtk()
     rows, high = -(-len(scenes) // columns), height or width * _shape(scenes[0])
     bars = any(scene.bar for scene in scenes)
     size = width, rows * (high + _TITLE + _BAR * bars) + _TITLE * bool(title)

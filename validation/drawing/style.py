@@ -166,8 +166,8 @@ def marked(points: int, rank: int, ranks: int) -> list[int]:
     return list(range(offset, points, spacing))
 
 
-def csv_of(columns: Mapping[str, Sequence[float | str]]) -> str:
-    """Columns of equal length as CSV, numbers with all their digits."""
+def csv_of(columns: Mapping[str, Sequence[float | str | None]]) -> str:
+    """Columns of equal length as CSV, numbers with all their digits, nothing for None."""
     buffer = io.StringIO()
     writer = csv.writer(buffer, lineterminator="\n")
     writer.writerow(columns)

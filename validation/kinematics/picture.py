@@ -16,7 +16,16 @@ from lumped.mechanism.kinematics.postures import shown_pose
 from lumped.mechanism.mechanism import GROUND, Mechanism, Posture
 from validation.drawing.scene import ABOVE, DARK, Body, Label, Marks, Scene, Wire
 from validation.drawing.style import VERMILLION
-from validation.kinematics.solids import COLOURS, SYMBOL, is_leg, on_ground, solids, symbol_at
+from validation.kinematics.solids import (
+    COLOURS,
+    SYMBOL,
+    in_one_plane,
+    is_leg,
+    on_ground,
+    solids,
+    symbol_at,
+    tool_place,
+)
 
 _ASIDE = np.array([0.45, -0.80, 0.40]), np.array([0.0, 0.0, 1.0])
 _OTHER_LEG, _LINES = "#b5cbb7", "#b4c1cc"
@@ -34,7 +43,7 @@ def scene(mechanism: Mechanism, postures: Sequence[Posture], *, named: bool = Tr
         for one in drawn
     ]
     place = shown_pose(mechanism, shown.pose) or "reference posture"
-    way = np.array([_tool(posture) for posture in postures])
+    way = np.array([tool_place(posture) for posture in postures])
     base = [
         interface_position(shown, Side(GROUND, name))
         for name in mechanism.bodies[GROUND].interfaces
@@ -43,22 +52,17 @@ def scene(mechanism: Mechanism, postures: Sequence[Posture], *, named: bool = Tr
     wires = [*_lines(postures), *_rails(postures), _joined(way, VERMILLION, 2.5)]
     return Scene(
         bodies,
-        ABOVE if _flat(shown) else _ASIDE,
+        ABOVE if in_one_plane(shown) else _ASIDE,
         wires,
         f"{mechanism.name}, {place}" if named else mechanism.name,
         marks=[
             Marks(feet, "ground"),
             Marks(way, "dot", VERMILLION),
-            Marks(_tool(shown)[None], "cross", VERMILLION),
+            Marks(tool_place(shown)[None], "cross", VERMILLION),
         ],
         labels=_names(shown) if named else (),
         inside=[*(one.points for one in wires), feet - SYMBOL * mechanism.size],
     )
-
-
-def _flat(posture: Posture) -> bool:
-    heights = [interface_position(posture, one.first)[2] for one in posture.mechanism.joints]
-    return bool(np.ptp(heights) < 1e-6 * posture.mechanism.size)
 
 
 def _other_legs(mechanism: Mechanism) -> set[str]:
@@ -99,11 +103,6 @@ def _rails(postures: Sequence[Posture]) -> list[Wire]:
 def _joined(points: Array, colour: str, width: float) -> Wire:
     numbers = np.arange(len(points))
     return Wire(points, np.column_stack([numbers[:-1], numbers[1:]]), colour, width)
-
-
-def _tool(posture: Posture) -> Array:
-    tool = posture.mechanism.tool
-    return interface_position(posture, Side(tool.body, tool.point))
 
 
 def _names(posture: Posture) -> list[Label]:

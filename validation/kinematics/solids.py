@@ -92,6 +92,18 @@ def symbol_at(joint: Joint) -> Side:
     return joint.second if on_ground(joint) else joint.first
 
 
+def tool_place(posture: Posture) -> Array:
+    """The loaded point (3, m)."""
+    tool = posture.mechanism.tool
+    return interface_position(posture, Side(tool.body, tool.point))
+
+
+def in_one_plane(posture: Posture) -> bool:
+    """Whether all joints lie in one plane z = constant."""
+    heights = [interface_position(posture, one.first)[2] for one in posture.mechanism.joints]
+    return bool(np.ptp(heights) <= 1e-6 * posture.mechanism.size)
+
+
 def is_leg(body: Body) -> bool:
     """Whether a body runs from one point to another, by its data or its shape."""
     return isinstance(body.shape, ConstantLeg | GivenLeg | Part) and len(body.interfaces) == 2

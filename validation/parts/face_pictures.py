@@ -5,17 +5,19 @@ seen from neither side, those of a cavity, are named below it and shown in the s
 """
 
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from matplotlib.textpath import TextPath
 
 from lumped.arrays import Array
 from meshes.part.boundary import area_vectors
 from meshes.part.faces import Face
 from meshes.part.reading.read import PartFile
-from validation.drawing.opengl import require_vtk
+from validation.drawing.opengl import MESSAGE, can_draw
 from validation.drawing.rendering import Picture, panel_size, pictured
-from validation.drawing.scene import Body, Label, Scene, View
+from validation.drawing.scene import Body, Label, Scene, View, Wire
 from validation.drawing.surfaces import Surface
 from validation.drawing.turnable import page
 
@@ -33,7 +35,8 @@ _NO_EDGES = np.zeros((0, 2), dtype=np.int64)
 
 def picture(part: PartFile) -> Picture:
     """The part from two opposite sides, its faces in colours and numbered."""
-    require_vtk()
+    if not can_draw():
+        return Picture(left_out=MESSAGE)
     hidden = {face.number for face in part.faces}
     whole = _poly_data(part)
     scenes = []
@@ -56,7 +59,6 @@ def picture(part: PartFile) -> Picture:
 
 def scene_page(part: PartFile) -> str:
     """A page of its own, offline in any browser: the part with numbers on its faces, to turn."""
-    require_vtk()
     letters = [_number(part, face) for face in part.faces]
     scene = Scene(_bodies(part), (_SIDES[0], _UP), title=part.path.name, turned=letters)
     return page(scene, _TITLE.format(part.path.name))
@@ -111,18 +113,17 @@ def _apart(places: Array, taken: list[Array], view: View) -> Array:
     return np.asarray(places[free[0] if free.size else int(np.argmax(clearance))])
 
 
-def _number(part: PartFile, face: Face) -> Body:
-    """The number of a face as letters that stand just off its middle, along its normal."""
-    import pyvista  # noqa: PLC0415  VTK must not be loaded where it cannot draw
-
+def _number(part: PartFile, face: Face) -> Wire:
+    """The number of a face as outlines of its digits just off its middle, along its normal."""
     centres, normals = _pieces(part, face)
-    letter = _LETTER * max(part.extent)
-    text = pyvista.Text3D(str(face.number), height=letter, depth=0.02 * letter).triangulate()
-    centre, normal = centres[0], normals[0]
+    size = _LETTER * max(part.extent)
+    digits = TextPath((0.0, 0.0), str(face.number), size=1.0).to_polygons()
+    count = np.cumsum([0, *map(len, digits)])
+    flat = size * np.vstack(digits)
+    flat -= 0.5 * (flat.min(axis=0) + flat.max(axis=0))
+    normal = normals[0]
     across = np.cross([0.0, 0.0, 1.0] if abs(normal[2]) < 0.9 else [0.0, 1.0, 0.0], normal)
     across = across / np.linalg.norm(across)
-    axes = np.column_stack([across, np.cross(normal, across), normal])
-    points = (np.asarray(text.points) - np.asarray(text.center)) @ axes.T
-    places = centre + 0.15 * letter * normal + points
-    faces = text.regular_faces.astype(np.int64)[:, [0, 1, 2, 2]]
-    return Body(Surface(places, faces, _NO_EDGES), "#000000")
+    points = centres[0] + 0.15 * size * normal + flat @ np.array([across, np.cross(normal, across)])
+    pairs = [np.arange(a, b - 1)[:, None] + [0, 1] for a, b in pairwise(count)]
+    return Wire(points, np.vstack(pairs), "#000000", 2.0)

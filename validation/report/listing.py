@@ -1,6 +1,7 @@
 """Cases and outcomes as lines of text and as JSON, for terminals and programs."""
 
 import json
+from collections import Counter
 from collections.abc import Sequence
 
 from lumped.audit.finding import Finding
@@ -38,8 +39,7 @@ def as_json(tasks: Sequence[Task]) -> str:
                 "relation": case.relation.value,
                 "reference_kind": case.reference_kind,
                 "citation": case.citation,
-                "tolerance": _amount(case.tolerance),
-                "tolerance_kind": _kind(case.tolerance),
+                **_tolerance(case.tolerance),
                 "tolerance_reason": case.tolerance_reason,
                 "presets": list(case.presets),
             }
@@ -62,7 +62,8 @@ def audit_text(source: str, robot: Mechanism, findings: Sequence[Finding]) -> st
     sound = doubts if remaining else "sound"
     if wrong:
         sound = f"usable, but {wrong} of its data are wrong, see below"
-    lines = [f"{source}: {sound}; {robot.name}, {_motion(robot)}"]
+    motion = f"all {len(robot.poses)} poses of its path within reach\n{mobility_text(robot)}"
+    lines = [f"{source}: {sound}; {robot.name}, {motion}"]
     if remaining:
         lines += [
             "",
@@ -73,11 +74,6 @@ def audit_text(source: str, robot: Mechanism, findings: Sequence[Finding]) -> st
         heading = "misprints and errors of the source, none of them in what is used"
         lines += ["", f"{heading} ({len(removed)}):", *_finding_lines(removed)]
     return "\n".join(lines)
-
-
-def _motion(robot: Mechanism) -> str:
-    poses = len(robot.poses)
-    return f"all {poses} poses of its path within reach\n{mobility_text(robot)}"
 
 
 _UNCHANGED = frozenset({"as printed", "as given"})
@@ -119,10 +115,7 @@ def outcome_line(outcome: Outcome) -> str:
 def summary(outcomes: Sequence[Outcome], unfinished: int = 0) -> str:
     """The verdict on the whole run in one sentence."""
     total = len(outcomes)
-    counts = {
-        verdict: sum(outcome.verdict == verdict for outcome in outcomes)
-        for verdict in ("agree", "disagree", "undecided", "failed", "skipped")
-    }
+    counts = Counter(outcome.verdict for outcome in outcomes)
     judged = total - counts["skipped"]
     if judged == 0:
         sentence = "No comparison was made"
@@ -130,11 +123,8 @@ def summary(outcomes: Sequence[Outcome], unfinished: int = 0) -> str:
         sentence = f"All {judged} comparisons agree" if judged > 1 else "The comparison agrees"
     else:
         sentence = f"{counts['agree']} of {judged} comparisons agree"
-    parts = [sentence]
-    parts += [f"{counts['disagree']} disagree"] if counts["disagree"] else []
-    parts += [f"{counts['undecided']} undecided"] if counts["undecided"] else []
-    parts += [f"{counts['failed']} failed"] if counts["failed"] else []
-    parts += [f"{counts['skipped']} skipped"] if counts["skipped"] else []
+    others = ("disagree", "undecided", "failed", "skipped")
+    parts = [sentence, *(f"{counts[one]} {one}" for one in others if counts[one])]
     parts += [f"{unfinished} not computed"] if unfinished else []
     return ", ".join(parts) + "."
 
@@ -143,9 +133,7 @@ def _claim(case: Case) -> str:
     return "" if case.relation.value == "equal" else f"{case.relation.value} "
 
 
-def _kind(tolerance: Tolerance) -> str:
-    return "absolute" if isinstance(tolerance, Absolute) else "relative"
-
-
-def _amount(tolerance: Tolerance) -> float:
-    return tolerance.amount if isinstance(tolerance, Absolute) else tolerance.fraction
+def _tolerance(tolerance: Tolerance) -> dict[str, float | str]:
+    if isinstance(tolerance, Absolute):
+        return {"tolerance": tolerance.amount, "tolerance_kind": "absolute"}
+    return {"tolerance": tolerance.fraction, "tolerance_kind": "relative"}

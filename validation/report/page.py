@@ -162,11 +162,6 @@ class Report:
         """The script that shows 3-D scenes; empty where there are none."""
         return viewer() if any(figure.scenes for figure in self.figures) else ""
 
-    @property
-    def slowest_first(self) -> tuple[Outcome, ...]:
-        """All outcomes by the time they took."""
-        return tuple(sorted(self.outcomes, key=lambda outcome: -outcome.seconds))
-
 
 def render(report: Report) -> str:
     """The page as HTML."""

@@ -7,15 +7,16 @@ from validation.claims import Claim, Standing, summary
 from validation.drawing.style import csv_of
 from validation.drawing.text import number
 
-# How far a sentence holds, in the words and the colours of the page.
-HOLDS: Mapping[Standing, str] = {
-    "both": "holds",
-    "as printed alone": "as printed alone",
-    "as corrected alone": "as corrected alone",
-    "in part": "in part",
-    "neither": "does not hold",
-    "circular": "circular, not counted",
+# How far a sentence holds, in the words of the page, and the colour of verdicts that it has.
+_HOLDS: Mapping[Standing, tuple[str, str]] = {
+    "both": ("holds", "adequate"),
+    "as printed alone": ("as printed alone", "undecided"),
+    "as corrected alone": ("as corrected alone", "undecided"),
+    "in part": ("in part", "undecided"),
+    "neither": ("does not hold", "inadequate"),
+    "circular": ("circular, not counted", "undecided"),
 }
+_YES = {True: "yes", False: "no"}
 
 
 @dataclass(frozen=True)
@@ -29,24 +30,13 @@ class Cell:
 
 @dataclass(frozen=True)
 class Row:
-    """A sentence with both readings; `colour` is that of its standing."""
+    """A sentence with both readings, in which of them it `holds`, and the `colour` of that."""
 
     claim: Claim
     printed: Cell
     corrected: Cell
-
-    @property
-    def holds(self) -> str:
-        """In which reading the sentence holds."""
-        return HOLDS[self.claim.standing]
-
-    @property
-    def colour(self) -> str:
-        """As of verdicts: adequate where it holds, inadequate where not, undecided between."""
-        standing = self.claim.standing
-        if standing == "neither":
-            return "inadequate"
-        return "adequate" if standing == "both" else "undecided"
+    holds: str
+    colour: str
 
 
 @dataclass(frozen=True)
@@ -59,7 +49,8 @@ class SaidTable:
     def rows(self) -> tuple[Row, ...]:
         """The rows in the order of the source."""
         return tuple(
-            Row(claim, _cell(claim, "printed"), _cell(claim, "corrected")) for claim in self.claims
+            Row(claim, _cell(claim, "printed"), _cell(claim, "corrected"), *_HOLDS[claim.standing])
+            for claim in self.claims
         )
 
     @property
@@ -78,10 +69,10 @@ class SaidTable:
                 "where": [claim.where for claim, _ in lines],
                 "curve": [curve.name for _, curve in lines],
                 "unit": [curve.unit for _, curve in lines],
-                "as printed": [_shown(curve.printed) for _, curve in lines],
-                "holds as printed": [_yes(curve.printed_holds) for _, curve in lines],
-                "as corrected": [_shown(curve.corrected) for _, curve in lines],
-                "holds as corrected": [_yes(curve.corrected_holds) for _, curve in lines],
+                "as printed": [curve.printed for _, curve in lines],
+                "holds as printed": [_YES[curve.printed_holds] for _, curve in lines],
+                "as corrected": [curve.corrected for _, curve in lines],
+                "holds as corrected": [_YES[curve.corrected_holds] for _, curve in lines],
                 "standing": [claim.standing for claim, _ in lines],
                 "differs by": [claim.differs for claim, _ in lines],
                 "circular": [claim.circular for claim, _ in lines],
@@ -90,12 +81,10 @@ class SaidTable:
 
 
 def _cell(claim: Claim, reading: str) -> Cell:
-    values = [getattr(curve, reading) for curve in claim.curves]
     held = [getattr(curve, f"{reading}_holds") for curve in claim.curves]
-    texts = [_with_unit(v, curve.unit) for v, curve in zip(values, claim.curves, strict=True)]
-    alone = len(claim.curves) == 1
+    texts = [_with_unit(getattr(curve, reading), curve.unit) for curve in claim.curves]
     return Cell(
-        text=texts[0] if alone else f"{sum(held)} of {len(held)} curves",
+        text=texts[0] if len(texts) == 1 else f"{sum(held)} of {len(held)} curves",
         verdict="adequate" if all(held) else "inadequate",
         hint="; ".join(
             f"{curve.name + ': ' if curve.name else ''}{text}{'' if holds else ', does not hold'}"
@@ -108,11 +97,3 @@ def _with_unit(value: float | None, unit: str) -> str:
     if value is None:
         return "no number"
     return number(value, 4) if unit == "1" else f"{number(value, 4)}\u00a0{unit}"
-
-
-def _shown(value: float | None) -> float | str:
-    return "" if value is None else value
-
-
-def _yes(holds: bool) -> str:  # noqa: FBT001
-    return "yes" if holds else "no"

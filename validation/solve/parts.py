@@ -47,20 +47,15 @@ def faces(
         say(face_list.as_json(found))
         return 0
     say(face_list.as_text(found))
-    from validation.case import Skip  # noqa: PLC0415
     from validation.parts import face_pictures  # noqa: PLC0415
 
     folder = Path() if out is None else out
-    try:
-        drawn = face_pictures.picture(found)
-        page = face_pictures.scene_page(found)
-    except Skip as reason:
-        return complain([str(reason)], 0)
+    drawn = face_pictures.picture(found)
     if drawn.left_out:
         complain([drawn.left_out], 0)
     else:
         write(folder / f"{part.name}.faces.png", drawn.png)
-    write(folder / f"{part.name}.faces.html", page.encode())
+    write(folder / f"{part.name}.faces.html", face_pictures.scene_page(found).encode())
     return 0
 
 

@@ -13,7 +13,7 @@ from lumped.arrays import Array
 from validation.drawing.charts.scales import Scale
 from validation.drawing.style import csv_of
 
-Column: TypeAlias = Sequence[float | str]
+Column: TypeAlias = Sequence[float | str | None]
 
 
 @dataclass(frozen=True, eq=False)

@@ -99,14 +99,7 @@ def _table(matrix: Matrix) -> Mapping[str, Column]:
         for place, coordinate in enumerate(matrix.coordinates)
     }
     for entry in matrix.entries:
-        if len(entry.errors) == len(matrix.poses):
-            columns[f"{entry.model}: error of {entry.quantity}"] = _cells(entry.errors)
-        if entry.alongs:
-            columns[f"{entry.model}: error along the load of {entry.quantity}"] = _cells(
-                entry.alongs
-            )
+        for what, errors in (("error", entry.errors), ("error along the load", entry.alongs)):
+            if len(errors) == len(matrix.poses):
+                columns[f"{entry.model}: {what} of {entry.quantity}"] = errors
     return columns
-
-
-def _cells(values: Sequence[float | None]) -> list[float | str]:
-    return ["" if value is None else value for value in values]

@@ -39,8 +39,8 @@ def measured_curves(matrix: Matrix) -> Shown | None:
     data: dict[str, Column] = {
         "model": [entry.model for entry in matrix.entries],
         "quantity": [entry.quantity for entry in matrix.entries],
-        "value": [_or_empty(entry.value) for entry in matrix.entries],
-        "measured": [_or_empty(entry.expected) for entry in matrix.entries],
+        "value": [entry.value for entry in matrix.entries],
+        "measured": [entry.expected for entry in matrix.entries],
         "95 % of the measurement": [_part(e, "measurement") for e in matrix.entries],
         "95 % of numerics and inputs": [_of_model(e) for e in matrix.entries],
     }
@@ -86,7 +86,3 @@ def _part(entry: Entry, name: str) -> float:
 
 def _of_model(entry: Entry) -> float:
     return float(np.hypot(_part(entry, "numerics"), _part(entry, "inputs")))
-
-
-def _or_empty(value: float | None) -> float | str:
-    return "" if value is None else value

@@ -159,7 +159,7 @@ def csv_of_matrix(matrix: Matrix) -> str:
         "reason": "reason",
     }
     named = {
-        heading: [_or_empty(getattr(entry, name)) for entry in matrix.entries]
+        heading: [getattr(entry, name) for entry in matrix.entries]
         for heading, name in columns.items()
     }
     forces = [" ".join(f"{one:.6g}" for one in entry.force) for entry in matrix.entries]
@@ -187,7 +187,3 @@ def _hint(matrix: Matrix, entry: Entry) -> str:
         parts.append(f"{cause.cause}: {percent(cause.share, signed=False)} of the error")
     parts += [entry.reason] if entry.reason else []
     return "; ".join(parts)
-
-
-def _or_empty(value: float | str | None) -> float | str:
-    return "" if value is None else value

@@ -1,8 +1,6 @@
 """What carries the strain energy of a mechanism's first modes: which bodies, which deformation."""
 
-from collections.abc import Callable, Mapping, Sequence
-
-import numpy as np
+from collections.abc import Mapping, Sequence
 
 from lumped.arrays import Array
 from lumped.legs import ConstantLeg
@@ -12,12 +10,11 @@ from validation.adequacy.mechanism.path import known_legs
 from validation.case import Skip
 from validation.context import Context
 from validation.drawing.charts.chart import Bars, Chart, Column, Panel
-from validation.drawing.style import FILLS
 from validation.exhibits import PATH
 from validation.models.mechanism import PostureModes
 from validation.report.figures.declared import FigureGroup, Shown, curves
 from validation.report.figures.mechanism.drawn_modes import finite_elements
-from validation.report.figures.mechanism.mode_names import DRIVES, JOINTS, by_kind
+from validation.report.figures.mechanism.mode_names import DRIVES, JOINTS, by_kind, summed
 from validation.solids.leg_models import SHARED_SOLIDS
 
 Portions = Mapping[Portion, Array]
@@ -34,7 +31,7 @@ def energies(context: Context) -> Shown:
     found = _sixty(context)
     mechanism, frequencies = found.posture.mechanism, found.modes.frequencies
     shares = {
-        "(a) by what they do": _kinds_first(by_kind(found.strain, mechanism)),
+        "(a) by what they do": by_kind(found.strain, mechanism),
         "(b) by what they are": _by_body(found.strain, mechanism),
     }
     names = [f"{number}: {one:.1f} Hz" for number, one in enumerate(frequencies, 1)]
@@ -87,24 +84,9 @@ def _by_body(strain: Portions, mechanism: Mechanism) -> Shares:
     for name, leg in known_legs(mechanism).items():
         groups.setdefault(leg if isinstance(leg, ConstantLeg) else name, []).append(name)
     label = {name: _listed(names) for names in groups.values() for name in names}
-    return _summed(
+    return summed(
         strain, lambda part: label.get(part.of) or (DRIVES if part.kind == "drive" else JOINTS)
     )
-
-
-def _summed(strain: Portions, what: Callable[[Portion], str]) -> Shares:
-    """Shares summed by `what` they are."""
-    parts: dict[str, list[Portion]] = {}
-    for part in strain:
-        parts.setdefault(what(part), []).append(part)
-    return _kinds_first(
-        {key: np.sum([strain[part] for part in own], axis=0) for key, own in parts.items()}
-    )
-
-
-def _kinds_first(shares: Shares) -> Shares:
-    ordered = [key for key in FILLS if key in shares]
-    return {key: shares[key] for key in (*ordered, *(key for key in shares if key not in FILLS))}
 
 
 def _listed(names: Sequence[str]) -> str:

@@ -5,7 +5,7 @@ mode is torsion; kinetic energy by direction, turning sections included, whether
 plane of a planar mechanism.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,12 +21,12 @@ from lumped.models.bodies import leg_of, legs_of
 from lumped.system.assembly import System
 from lumped.system.joint_motion import Portion
 from lumped.system.solution import strain_shares
+from validation.drawing.style import FILLS
+from validation.kinematics.solids import in_one_plane
 from validation.models.parts import identified
 
 IN_THE_PLANE = "in the plane"
 DRIVES, JOINTS, PARTS = "drives", "give of joints", "parts"
-# Heights of joints in one plane, of the size of the mechanism.
-_FLAT = 1e-6
 # Stations along a leg, and corners about its centreline that have a section's second moments.
 _STATIONS = 12
 _CORNERS = np.array([[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]])
@@ -83,29 +83,29 @@ def mode_names(system: System, shapes: Array) -> ModeNames:
     """Names of modes of a system (`shapes` n×m)."""
     mechanism = system.posture.mechanism
     strain = by_kind(strain_shares(system, shapes), mechanism)
-    return ModeNames(strain, kinetic_shares(system, shapes), is_planar(system))
-
-
-def is_planar(system: System) -> bool:
-    """Whether all joints lie in one plane z = constant."""
-    mechanism = system.posture.mechanism
-    heights = [interface_position(system.posture, one.first)[2] for one in mechanism.joints]
-    return bool(np.ptp(heights) <= _FLAT * mechanism.size)
+    return ModeNames(strain, kinetic_shares(system, shapes), in_one_plane(system.posture))
 
 
 def by_kind(strain: Mapping[Portion, Array], mechanism: Mechanism) -> dict[str, Array]:
     """Shares of strain energy by kind of deformation, drives, joints and parts each together."""
     legs = legs_of(mechanism)
+
+    def kind(part: Portion) -> str:
+        if part.of in mechanism.parts:
+            return PARTS
+        if part.of in legs:
+            return part.kind
+        return DRIVES if part.kind == "drive" else JOINTS
+
+    return summed(strain, kind)
+
+
+def summed(strain: Mapping[Portion, Array], what: Callable[[Portion], str]) -> dict[str, Array]:
+    """Shares of strain energy summed by `what` they are, those with a fill of their own first."""
     found: dict[str, Array] = {}
     for part, share in strain.items():
-        if part.of in mechanism.parts:
-            kind = PARTS
-        elif part.of in legs:
-            kind = part.kind
-        else:
-            kind = DRIVES if part.kind == "drive" else JOINTS
-        found[kind] = found.get(kind, 0.0) + share
-    return found
+        found[what(part)] = found.get(what(part), 0.0) + share
+    return {key: found[key] for key in dict.fromkeys((*FILLS, *found)) if key in found}
 
 
 def kinetic_shares(system: System, shapes: Array) -> Array:

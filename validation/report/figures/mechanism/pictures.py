@@ -5,8 +5,6 @@ from dataclasses import replace
 import numpy as np
 
 from lumped.arrays import Array
-from lumped.mechanism.free_twists import interface_position
-from lumped.mechanism.joint import Side
 from lumped.models.bodies import legs_of
 from lumped.system.assembly import System
 from lumped.system.solution import solved
@@ -18,6 +16,7 @@ from validation.drawing.scene import Arrow, Marks, Scene, readable_factor
 from validation.drawing.style import LOOKS, VERMILLION, csv_of
 from validation.exhibits import PATH, PORTRAIT
 from validation.kinematics.picture import scene
+from validation.kinematics.solids import tool_place
 from validation.models.mechanism import PostureModes
 from validation.report.figures.declared import FigureGroup, Shown
 from validation.report.figures.mechanism.bodies import (
@@ -110,7 +109,7 @@ def deformed(context: Context) -> Shown:
         called = mode_names(beam.system, unknowns[:, None]).name(0)
         bent = _Bent(beam.system, unknowns, called)
         factor = readable_factor(bent.largest, _DRAWN * size)
-        tail = _tool(beam.system) + factor * bent.tip + 0.16 * size * np.eye(3)[place]
+        tail = tool_place(beam.posture) + factor * bent.tip + 0.16 * size * np.eye(3)[place]
         head = tail + 0.4 * size * np.eye(3)[place]
         shown = bent.scene(factor, 1.0 / _MICRO)
         shown = replace(
@@ -195,11 +194,6 @@ def _under(system: System, direction: int) -> Array:
     """Unknowns (n) under `FORCE` along an axis at the loaded point."""
     load = FORCE * system.tool[[direction]].T
     return solved(system).displacements(load)[:, 0]
-
-
-def _tool(system: System) -> Array:
-    tool = system.posture.mechanism.tool
-    return interface_position(system.posture, Side(tool.body, tool.point))
 
 
 def _grouped(number: float) -> str:

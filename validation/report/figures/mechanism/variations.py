@@ -1,6 +1,6 @@
 """All models over a number of the robot file, and how far they are apart."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 
 import numpy as np
@@ -13,7 +13,7 @@ from validation.context import Context
 from validation.drawing.charts.chart import Chart, Column, Panel, Series
 from validation.drawing.charts.scales import few_ticks, from_zero
 from validation.exhibits import PARAMETERS, Figure, PlannedFigure
-from validation.report.figures.declared import compared_with, curves
+from validation.report.figures.declared import Shown, compared_with, curves
 from validation.report.figures.mechanism.curves import (
     HELD,
     ONE_SHAPE,
@@ -27,10 +27,6 @@ from validation.variations.decision import MEANING, UNITS, Decision, choice
 
 _CHOSEN = "What each model chooses"
 _TITLES = {"deflection": "largest deflection (µm)", "frequency": "smallest first frequency (Hz)"}
-_SEARCHED = (
-    "Over the whole path, each robot on its own. A star marks what a curve finds best among the "
-    "values shown; none is sought between them."
-)
 
 
 def figures_over(variations: Sequence[Variation]) -> tuple[PlannedFigure, ...]:
@@ -39,51 +35,62 @@ def figures_over(variations: Sequence[Variation]) -> tuple[PlannedFigure, ...]:
         PlannedFigure(
             f"vary.{number}.{what}",
             f"{title} over {variation.key}",
-            partial(draw, variation=variation, number=number),
+            partial(_drawn, shown=shown, variation=variation, identifier=f"vary.{number}.{what}"),
             section=PARAMETERS,
             group=f"vary.{number}",
             effort=float(len(variation.values)),
         )
         for number, variation in enumerate(variations, start=1)
-        for what, title, draw in (
-            ("deflections", "Deflection", deflections),
-            ("frequencies", "Natural frequencies", frequencies),
-            ("decision", _CHOSEN, decisions),
-        )
+        for what, (title, shown) in _FIGURES.items()
     )
 
 
-def deflections(context: Context, *, variation: Variation, number: int) -> Figure:
+def _drawn(
+    context: Context,
+    *,
+    shown: Callable[[Context, Variation], Shown],
+    variation: Variation,
+    identifier: str,
+) -> Figure:
+    return shown(context, variation).figure(identifier, "", PARAMETERS)
+
+
+def _deflections(context: Context, variation: Variation) -> Shown:
     """A panel for each direction, under a force or a moment along it."""
     found = varied_curves(context, variation)["deflection"]
-    said = f"Of the loaded point, {_place(context, found)}. {HELD}{_alike(variation)}"
-    chart = deflection_chart(found.compared, *_over(context, variation))
-    return curves(chart, said, compared_with(found.compared.against)).figure(
-        f"vary.{number}.deflections",
-        f"Deflection over {variation.key}: {OWN_LOADS}",
-        PARAMETERS,
+    return curves(
+        deflection_chart(found.compared, *_over(context, variation)),
+        f"Of the loaded point, {_place(context, found)}.",
+        f"{HELD}{_alike(variation)}",
+        compared_with(found.compared.against),
+        title=f"Deflection over {variation.key}: {OWN_LOADS}",
     )
 
 
-def frequencies(context: Context, *, variation: Variation, number: int) -> Figure:
+def _frequencies(context: Context, variation: Variation) -> Shown:
     """A panel for each of the first frequencies, in ascending order at each value."""
     found = varied_curves(context, variation)["frequency"]
     said = _place(context, found)
-    chart = frequency_chart(found.compared, *_over(context, variation))
-    against = compared_with(found.compared.against)
     return curves(
-        chart, f"{said[0].upper()}{said[1:]}.", f"{ONE_SHAPE}{_alike(variation)}", against
-    ).figure(f"vary.{number}.frequencies", f"Natural frequencies over {variation.key}", PARAMETERS)
+        frequency_chart(found.compared, *_over(context, variation)),
+        f"{said[0].upper()}{said[1:]}.",
+        f"{ONE_SHAPE}{_alike(variation)}",
+        compared_with(found.compared.against),
+        title=f"Natural frequencies over {variation.key}",
+    )
 
 
-def decisions(context: Context, *, variation: Variation, number: int) -> Figure:
+def _decisions(context: Context, variation: Variation) -> Shown:
     """A panel for each objective: all models over the values, what each finds best with a star."""
     found = varied_curves(context, variation)
     x, label, abscissa = _over(context, variation)
     panels = [_objective(one.decision, x) for one in found.values()]
-    said = (_verdict(one, variation) for one in found.values())
-    return curves(Chart(panels, label, 2, 3.2, abscissa, few_ticks), *said, _SEARCHED).figure(
-        f"vary.{number}.decision", f"{_CHOSEN} over {variation.key}", PARAMETERS
+    return curves(
+        Chart(panels, label, 2, 3.2, abscissa, few_ticks),
+        *(_verdict(one, variation) for one in found.values()),
+        "Over the whole path, each robot on its own. A star marks what a curve finds best among "
+        "the values shown; none is sought between them.",
+        title=f"{_CHOSEN} over {variation.key}",
     )
 
 
@@ -133,3 +140,11 @@ def _over(context: Context, variation: Variation) -> tuple[Array, str, Mapping[s
 def _alike(variation: Variation) -> str:
     keys = len(variation.keys)
     return "" if keys == 1 else f" {keys} numbers change alike."
+
+
+# What each is called, and what it shows.
+_FIGURES: Mapping[str, tuple[str, Callable[[Context, Variation], Shown]]] = {
+    "deflections": ("Deflection", _deflections),
+    "frequencies": ("Natural frequencies", _frequencies),
+    "decision": (_CHOSEN, _decisions),
+}
