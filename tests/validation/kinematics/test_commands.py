@@ -9,19 +9,11 @@ import pytest
 from lumped.robot_file import load_robot
 from validation import cli
 
-MECHANISMS = ("five-bar", "3-rrr", "delta", "orthoglide", "hexapod")
 # Mobility, idle motions, constraints and redundant ones, counted by hand (Kutzbach).
-COUNTS = {
-    "five-bar": (2, 0, 25, 3),
-    "3-rrr": (3, 0, 45, 6),
-    "delta": (9, 6, 69, 0),
-    "orthoglide": (3, 0, 105, 12),
-    "hexapod": (6, 0, 72, 0),
-    "biglide": (2, 0, 31, 3),
-}
+COUNTS = {"delta": (9, 6, 69, 0), "biglide": (2, 0, 31, 3)}
 
 
-@pytest.mark.parametrize("robot", [*MECHANISMS, "biglide"])
+@pytest.mark.parametrize("robot", COUNTS)
 def test_json_counts_what_moves_and_closes_every_loop(robot, capsys):
     assert cli.main(["kinematics", robot, "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
@@ -29,35 +21,27 @@ def test_json_counts_what_moves_and_closes_every_loop(robot, capsys):
     reference = found["reference"]
     assert tuple(reference[k] for k in ("mobility", "idle", "constraints", "redundant")) == counts
     assert len(found["results"]) == 9
-    for result in found["results"]:
-        assert result["residual"] <= 1e-12
-        assert result["idle"] == counts[1]
+    assert max(result["residual"] for result in found["results"]) <= 1e-12
     at_limit = [result["at_limit"] for result in found["results"]]
     assert at_limit == [robot == "biglide" and i in {0, 8} for i in range(9)]
 
 
-def test_poses_are_typed_with_commas_and_negative_ones_too(capsys):
-    assert cli.main(["kinematics", "five-bar", "--pose", "-0.1,0.5", "--pose", "0,0.55"]) == 0
-    printed = capsys.readouterr().out
-    assert "mobility 2: the tool's moves x, y" in printed
-    assert "pose 1: x = -0.1 m, y = 0.5 m" in printed
-    assert "motor1  revolute        +0.000°  driven" in printed.split("pose 2:")[1]
-
-
 @pytest.mark.parametrize(
-    ("robot", "joint", "pose", "factor", "unit"),
+    ("robot", "joint", "pose", "told", "factor", "unit"),
     [
-        ("five-bar", "motor1", "-0.1,0.5", 180.0 / np.pi, "°"),
-        ("hexapod", "drive1", "0.02,0.01,0.68,0,0,0", 1e3, " mm"),
+        ("five-bar", "motor1", "-0.1,0.5", "x = -0.1 m, y = 0.5 m", 180.0 / np.pi, "°"),
+        ("biglide", "slide1", "0.2", "x = 0.2 m", 1e3, " mm"),
     ],
 )
-def test_people_read_degrees_and_millimetres(robot, joint, pose, factor, unit, capsys):
+def test_people_read_degrees_and_millimetres(robot, joint, pose, told, factor, unit, capsys):
     assert cli.main(["kinematics", robot, "--pose", pose, "--json"]) == 0
     (found,) = json.loads(capsys.readouterr().out)["results"]
     (value,) = found["coordinates"][joint]
     assert abs(value) > 1e-3
     assert cli.main(["kinematics", robot, "--pose", pose]) == 0
-    (line,) = (one for one in capsys.readouterr().out.splitlines() if f"  {joint} " in f"{one} ")
+    printed = capsys.readouterr().out
+    assert f"pose 1: {told}" in printed
+    (line,) = (one for one in printed.splitlines() if f"  {joint} " in f"{one} ")
     assert f"{factor * value:+.3f}{unit}" in line
 
 
@@ -72,7 +56,13 @@ def test_every_wrong_pose_is_named_with_exit_code_2(capsys):
     assert "pose x = 0.7 m, y = 0.9 m: cannot be reached: joint" in captured.err
 
 
-@pytest.mark.parametrize("robot", MECHANISMS)
+@pytest.mark.parametrize(
+    "robot",
+    [
+        *("five-bar", "3-rrr", "delta"),
+        *(pytest.param(name, marks=pytest.mark.exhaustive) for name in ("orthoglide", "hexapod")),
+    ],
+)
 def test_a_new_file_of_each_kind_is_sound_and_commented(robot, tmp_path, capsys):
     path = tmp_path / "robot.toml"
     assert cli.main(["new", "--type", robot, str(path)]) == 0
@@ -82,19 +72,12 @@ def test_a_new_file_of_each_kind_is_sound_and_commented(robot, tmp_path, capsys)
     printed = capsys.readouterr().out
     assert "sound" in printed
     assert "all 9 poses of its path within reach" in printed
-    assert len(load_robot(path).mechanism.poses) == 9
 
 
-def test_a_run_of_what_only_a_biglide_has_says_so(capsys):
-    assert cli.main(["solve", "delta", "--model", "beam", "--x", "0.1"]) == 2
-    assert "Traceback" not in capsys.readouterr().err
-
-
-@pytest.mark.parametrize("robot", ["hexapod", "biglide"])
-def test_the_picture_shows_bodies_joints_and_drives(robot, tmp_path, capsys):
+def test_the_picture_shows_bodies_joints_and_drives(tmp_path, capsys):
     path = tmp_path / "robot.png"
-    pose = ",".join(f"{value:g}" for value in load_robot(robot).mechanism.reference_pose)
-    assert cli.main(["kinematics", robot, f"--pose={pose}", "--picture", str(path)]) == 0
+    pose = ",".join(f"{value:g}" for value in load_robot("five-bar").mechanism.reference_pose)
+    assert cli.main(["kinematics", "five-bar", f"--pose={pose}", "--picture", str(path)]) == 0
     capsys.readouterr()
     pixels = matplotlib.image.imread(path)[:, :, :3]
     # Steel blue legs, orange drives: each covers some of the picture, and more is left white.

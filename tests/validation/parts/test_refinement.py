@@ -109,7 +109,8 @@ def test_a_cone_is_held_by_what_is_stated_of_it(tmp_path, monkeypatch):
     np.testing.assert_allclose(own, exact, rtol=1e-3)
 
 
-@pytest.mark.parametrize("number", [13, pytest.param(20, marks=pytest.mark.exhaustive)])
+@pytest.mark.exhaustive
+@pytest.mark.parametrize("number", [13, 20])
 def test_parts_at_random_are_held(number, tmp_path, monkeypatch):
     """Two quick ones of the two hundred of tests/benchmarks/calibrate_parts.py."""
     monkeypatch.setenv("FLEXPROOF_CACHE", "off")

@@ -45,8 +45,8 @@ def modes_of(name, model="beam", count=6):
 @pytest.mark.parametrize(
     "name",
     [
-        *("ifw", "five-bar", "delta", "hexapod"),
-        *(pytest.param(name, marks=pytest.mark.exhaustive) for name in ("3-rrr", "orthoglide")),
+        *("ifw", "delta"),
+        *(pytest.param(name, marks=pytest.mark.exhaustive) for name in ("3-rrr", "hexapod")),
     ],
 )
 def test_what_is_drawn_at_the_tool_moves_as_the_tool(name):
@@ -111,6 +111,7 @@ def test_mode_shapes_have_scenes_that_move(five_bar, monkeypatch):
         header = gzip.decompress(scene.state)
         assert b'"motion": "swing"' in header
         assert b'"motion": {"step"' in header
+    assert (figure.png, figure.left_out) == (b"", opengl.MESSAGE)
     rows = table(figure)
     assert {row["body"] for row in rows} == {"crank1", "crank2", "rod1", "rod2"}
 
@@ -125,9 +126,10 @@ def test_loads_push_the_tool_by_the_compliance(five_bar, monkeypatch):
         assert f"{moved:.4g} µm under the force along {'xyz'[axis]}" in figure.caption
 
 
-def test_energies_of_sixty_modes_are_whole(five_bar):
+def test_energies_of_modes_are_whole(five_bar, monkeypatch):
+    monkeypatch.setattr(energies, "SIXTY", 12)
     rows = table(energies.energies(five_bar))
-    assert len(rows) == 60
+    assert len(rows) == 12
     parts = [name for name in rows[0] if name.endswith("(%)")]
     assert {"motor1 drive (%)", "crank1 torsion (%)", "rod2 bending y (%)"} <= set(parts)
     for row in rows:
@@ -171,7 +173,7 @@ def crane(tmp_path_factory):
     return Context(load_robot(write_crane(tmp_path_factory.mktemp("crane"))), "quick")
 
 
-def test_a_part_is_drawn_as_its_solid_moves_and_condensed_ones_beside_it(crane):
+def test_a_part_is_drawn_as_its_solid_moves_and_condensed_ones_beside_it(crane, monkeypatch):
     """Of a bore that is held rigidly the surface goes with the interface's twist."""
     found, lumped = finite_elements(crane, 4), segments(crane, 8)
     system, shape = found.system, found.modes.shapes[:, 1]
@@ -190,9 +192,6 @@ def test_a_part_is_drawn_as_its_solid_moves_and_condensed_ones_beside_it(crane):
     _, fine = compared_points(system, found.modes.shapes[:, 0])
     _, coarse = compared_points(lumped.system, like)
     assert np.linalg.norm(fine - coarse) <= 0.02 * np.linalg.norm(fine)
-
-
-def test_shapes_and_energies_of_parts_are_told(crane, monkeypatch):
     monkeypatch.setenv(opengl.SWITCH, "off")
     figure = pictures.mode_shapes(crane)
     assert "Parts as solids in the middle of the path" in figure.caption
@@ -202,6 +201,19 @@ def test_shapes_and_energies_of_parts_are_told(crane, monkeypatch):
     assert len(rows) >= 4
     for row in rows:
         assert float(row["A drive (%)"]) + float(row["arm (%)"]) == pytest.approx(100.0, abs=1e-9)
+
+
+def test_deformed_points_are_enlarged_and_coloured_by_their_displacement():
+    leg = next(
+        one
+        for one in moved(modes_of("ifw").system, modes_of("ifw").modes.shapes[:, 0])
+        if one.deforms
+    )
+    drawn = leg.body(factor=0.5, unit=1e-2)
+    away = drawn.surface.points - leg.solid.surface.points
+    assert away / 0.5 == pytest.approx(leg.displacements, abs=1e-14)
+    assert drawn.motion == pytest.approx(away, abs=1e-14)
+    assert drawn.values == pytest.approx(1e2 * np.linalg.norm(leg.displacements, axis=1))
 
 
 def test_displacements_between_nodes_give_linear_fields_exactly():
