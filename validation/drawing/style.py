@@ -36,11 +36,10 @@ LOOKS: Mapping[str, Look] = {
     "simplified": Look("#666666", "x", ":"),
     "vjm": Look(BLUE, "o", "--"),
     "vjm-equivalent": Look(BLUE, "<"),
-    "vjm-equivalent-euler-bernoulli": Look(BLUE, "4", ":"),
     "links": Look(PURPLE, ">", ":"),
     "segments": Look(ORANGE, "s", "--"),
     "segments-euler-bernoulli": Look(ORANGE, "v", ":"),
-    "segments-printed": Look(PURPLE, "h", ":"),
+    "segments, eq. (25) as printed": Look(PURPLE, "h", ":"),
     "segments-stepped": Look(BROWN, "*"),
     "segments-condensed": Look(SKY, "X", "-."),
     "beam": Look(GREEN, "^", "-."),
@@ -49,7 +48,7 @@ LOOKS: Mapping[str, Look] = {
     # masses that legs known by a 6×6 plausibly have.
     "solid": Look(VERMILLION, "D"),
     "solid, free": Look(VERMILLION, "p", "--"),
-    "own 6×6": Look(BLACK, "H"),
+    "legs' own 6×6": Look(BLACK, "H"),
     "mass along the legs": Look(VERMILLION, "1", "-."),
     "mass along the legs, free": Look(VERMILLION, "2", "--"),
     "measured": Look(BLACK, "d", "none"),
@@ -58,20 +57,11 @@ LOOKS: Mapping[str, Look] = {
     "numerical uncertainty of both sides": Look(BLACK, "o", "none"),
     "slope": Look("#999999", ""),
 }
-# Names in the figures of the paper, whose virtual joints stand for legs of constant section.
+# Names in the figures of the paper.
 _AS_WELL = {
     "VJM, legs as given": "vjm",
     "VJM, equivalent legs": "vjm-equivalent",
-    "segments, eq. (25) as printed": "segments-printed",
     "beam FE": "beam",
-    "VJM": "vjm-equivalent",
-    "VJM, Timoshenko": "vjm-equivalent",
-    "VJM, Euler–Bernoulli": "vjm-equivalent-euler-bernoulli",
-    "segments, Timoshenko": "segments",
-    "segments, Euler–Bernoulli": "segments-euler-bernoulli",
-    "beam, Timoshenko": "beam",
-    "beam, Euler–Bernoulli": "beam-euler-bernoulli",
-    "legs' own 6×6": "own 6×6",
 }
 # Fills of bars by what they stand for; anything else takes the first colours that are free.
 FILLS: Mapping[str, str] = {
@@ -153,17 +143,13 @@ def plot_style() -> Iterator[None]:
         yield
 
 
-def marked(points: int, rank: int, ranks: int) -> list[int]:
-    """Which of `points` points carry a marker of line `rank` of `ranks`.
+def marked(points: int, rank: int, ranks: int) -> tuple[int, int]:
+    """Which of `points` points carry a marker of line `rank` of `ranks`: the first, and every nth.
 
-    About four per line, evenly spread, and no point has markers of two lines while there are
-    points enough.
+    About four per line, and no point has markers of two lines while there are points enough.
     """
-    if points < ranks:
-        return [rank % points]
     spacing = max(ranks, (points - 1) // 4)
-    offset = round(rank * spacing / ranks)
-    return list(range(offset, points, spacing))
+    return (round(rank * spacing / ranks) if points >= ranks else rank % points), spacing
 
 
 def csv_of(columns: Mapping[str, Sequence[float | str | None]]) -> str:

@@ -62,7 +62,10 @@ def prism(
 def ball(radius: float) -> Surface:
     """A ball (m) about the origin, normals outwards."""
     turn = np.linspace(np.pi, 0.0, _RINGS)
-    rings = [radius * np.column_stack([np.sin(t) * circle(1.0), _all(np.cos(t))]) for t in turn]
+    rings = [
+        radius * np.column_stack([np.sin(t) * circle(1.0), np.full(_FACETS, np.cos(t))])
+        for t in turn
+    ]
     return Surface(np.vstack(rings), _sides(_FACETS, _RINGS), np.zeros((0, 2), dtype=np.int64))
 
 
@@ -110,10 +113,6 @@ def circle(radius: float) -> Array:
 def rectangle(width: float, height: float) -> Array:
     """Corners (4×2, m)."""
     return 0.5 * np.array([[-width, -height], [width, -height], [width, height], [-width, height]])
-
-
-def _all(value: float) -> Array:
-    return np.full(_FACETS, value)
 
 
 def _along(corners: Array, stations: Array) -> Array:

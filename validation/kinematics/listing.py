@@ -22,11 +22,11 @@ def mobility_text(mechanism: Mechanism) -> str:
     joints = ", ".join(f"{count} {kind}" for kind, count in kinds.items())
     bodies = len(mechanism.bodies) - (GROUND in mechanism.bodies)
     moves = ", ".join(mechanism.tool.moves) or "none"
+    idle = f", and {found.idle} idle motion{'s' * (found.idle > 1)}" if found.idle else ""
     return "\n".join(
         [
             f"{bodies} bodies, {len(mechanism.joints)} joints ({joints}), {driven} driven",
-            f"mobility {found.mobility}: the tool's moves {moves}"
-            + (f", and {_counted(found.idle, 'idle motion')}" if found.idle else ""),
+            f"mobility {found.mobility}: the tool's moves {moves}{idle}",
             f"{found.constraints} constraints, {found.redundant or 'none'} of them redundant",
         ]
     )
@@ -37,7 +37,12 @@ def as_text(mechanism: Mechanism, postures: Sequence[Posture]) -> str:
     lines = [f"{mechanism.name}: {mobility_text(mechanism)}"]
     for number, posture in enumerate(postures, start=1):
         lines += ["", f"pose {number}: {shown_pose(mechanism, posture.pose) or 'the reference'}"]
-        lines += [f"  {note}" for note in _notes(mobility(posture))]
+        found = mobility(posture)
+        if found.at_limit:
+            lines.append(
+                f"  singular: {', '.join(found.stirring)} move while the tool stands, which "
+                f"cannot move along {', '.join(found.barred)}"
+            )
         width = max((len(joint.name) for joint in mechanism.joints), default=0)
         lines += [
             f"  {joint.name:{width}}  {joint.kind:11}  {_coordinates(joint, posture)}"
@@ -75,29 +80,13 @@ def as_json(mechanism: Mechanism, postures: Sequence[Posture]) -> str:
 
 
 def _mobility_json(found: Mobility) -> dict[str, Any]:
-    return {
-        "mobility": found.mobility,
-        "idle": found.idle,
-        "constraints": found.constraints,
-        "redundant": found.redundant,
-        "at_limit": found.at_limit,
-        "stirring": list(found.stirring),
-        "barred": list(found.barred),
-    }
+    names = ("mobility", "idle", "constraints", "redundant", "at_limit", "stirring", "barred")
+    return {name: getattr(found, name) for name in names}
 
 
 def _residual(closure: Closure, posture: Posture) -> float:
     residual = closure.residual(closure.placement(posture))
     return float(np.abs(residual).max(initial=0.0)) / closure.size
-
-
-def _notes(found: Mobility) -> list[str]:
-    if not found.at_limit:
-        return []
-    return [
-        f"singular: {', '.join(found.stirring)} move while the tool stands, which cannot move "
-        f"along {', '.join(found.barred)}"
-    ]
 
 
 def _coordinates(joint: Joint, posture: Posture) -> str:
@@ -107,7 +96,3 @@ def _coordinates(joint: Joint, posture: Posture) -> str:
             posture.coordinates[joint.name], COORDINATES[joint.kind], strict=True
         )
     )
-
-
-def _counted(count: int, name: str) -> str:
-    return f"{count} {name}{'s' * (count != 1)}"

@@ -115,26 +115,18 @@ def _body(posture: Posture, name: str) -> Solid | None:
     # Others complain of the file.
     with suppress(InputError):
         if isinstance(body.shape, ConstantLeg | GivenLeg):
-            own = prism(*_cut(equivalent_leg(body.shape).section, body.shape.length))
+            outline, bore = outlines(equivalent_leg(body.shape).section)
+            own = prism(outline, np.linspace(0.0, body.shape.length, STATIONS), bore)
             return Solid(name, own.placed(frame.position, frame.rotation), "leg")
         if isinstance(body.shape, Part):
-            return Solid(name, _of_file(body).placed(frame.position, frame.rotation), "leg")
+            file, _ = found_in(body)
+            own = faceted(file.surface, [face.facets.corners for face in file.faces])
+            return Solid(name, own.placed(frame.position, frame.rotation), "leg")
     points = np.array([(frame @ place).position for place in body.interfaces.values()])
     pieces = list(_plate_or_bars(points, _THIN * posture.mechanism.size))
     if not pieces:
         return None
     return Solid(name, joined(pieces), "rigid", Side(name, next(iter(body.interfaces))))
-
-
-def _cut(section: Section, length: float) -> tuple[Array, Array, Array | None]:
-    outline, bore = outlines(section)
-    return outline, np.linspace(0.0, length, STATIONS), bore
-
-
-def _of_file(body: Body) -> Surface:
-    """A part by the faces of its file, with the edges between these."""
-    file, _ = found_in(body)
-    return faceted(file.surface, [face.facets.corners for face in file.faces])
 
 
 def _plate_or_bars(points: Array, thickness: float) -> Iterator[Surface]:

@@ -9,7 +9,7 @@ import numpy as np
 from lumped.arrays import Array
 from validation.context import Context, Preset
 from validation.drawing.charts.chart import Note, Panel, Series, compared, lettered
-from validation.drawing.charts.scales import Scale, from_zero, largest, plain_log, up_to
+from validation.drawing.charts.scales import Scale, from_zero, largest, plain_log
 from validation.drawing.text import percent
 from validation.exhibits import FAMILY, STROKE
 from validation.paper.charts import (
@@ -121,7 +121,7 @@ def deflections_of_the_family(context: Context) -> Shown:
         label = f"{meaning}, {LOAD:g} N along {load}\n(µm)"
         panels += [
             family_panel(
-                point, _deflected(at, np.array(ALPHAS), name), label, partial(up_to, top=top)
+                point, _deflected(at, np.array(ALPHAS), name), label, partial(from_zero, top=top)
             )
             for point, at in found.items()
         ]
@@ -222,7 +222,7 @@ def refined_family(context: Context) -> Shown:
             for mode, height in enumerate(heights)
         ]
         series = _of_modes(at, np.array(ALPHAS), _MODES)
-        panels.append(family_panel(point, series, _BOTH, partial(up_to, top=top), notes))
+        panels.append(family_panel(point, series, _BOTH, partial(from_zero, top=top), notes))
     return curves(
         family_chart(panels),
         _LONGER,

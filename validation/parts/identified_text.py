@@ -11,41 +11,40 @@ from lumped.screws import turn
 from validation.parts.identify import Identified
 
 _COMPONENTS = ("x", "y", "z", "φx", "φy", "φz")
+# Arrays by their own names, and what is uncertain with the name of its arrays.
+_AS_THEY_ARE = ("stiffness", "compliance", "frequencies", "centre", "inertia")
+_UNCERTAIN = {"compliance": "compliance", "frequencies": "frequency"}
 
 
 def as_text(found: Identified) -> str:
     """A page: mass, six numbers per interface with their uncertainties, frequencies, the table."""
-    lines = [f"{found.part.path}: {found.part.size}", ""]
-    counts = ", ".join(str(count) for count in found.unknowns)
-    lines.append(
-        f"meshes of {counts} unknowns; {found.elements} tetrahedra in the finest"
-        if len(found.unknowns) > 1
-        else f"one mesh, as given, of {counts} unknowns"
-    )
+    counts = ", ".join(map(str, found.unknowns))
+    meshes = f"meshes of {counts} unknowns; {found.elements} tetrahedra in the finest"
+    if len(found.unknowns) == 1:
+        meshes = f"one mesh, as given, of {counts} unknowns"
     if found.straightened:
-        lines[-1] += f", {found.straightened} of them straightened"
-    centre = ", ".join(f"{x + 0.0:.6g}" for x in found.centre.round(9))
-    lines.append(f"mass {found.total:.6g} kg, centre ({centre}) m")
+        meshes += f", {found.straightened} of them straightened"
+    mass = f"mass {found.total:.6g} kg, centre ({_place(found.centre)}) m"
     if found.deviation is not None:
-        lines[-1] += f", volume {found.deviation:+.1e} of the exact one"
-    lines.append(
-        "inertia about it (kg m²): "
-        + " ".join(
-            f"{found.inertia[i, j] + 0.0:.4g}"
-            for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
-        )
-        + "  (xx yy zz xy xz yz)"
-    )
-    lines.append("")
-    for interface in found.interfaces:
-        place = ", ".join(f"{x + 0.0:.6g}" for x in interface.point.round(9))
-        faces = ", ".join(map(str, interface.faces))
-        lines.append(
-            f"{interface.name}: faces {faces} at ({place}) m, {interface.coupling}; "
-            f"{interface.because}"
-        )
+        mass += f", volume {found.deviation:+.1e} of the exact one"
+    axes = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)]
+    inertia = " ".join(f"{found.inertia[place] + 0.0:.4g}" for place in axes)
+    lines = [
+        *(f"{found.part.path}: {found.part.size}", "", meshes, mass),
+        f"inertia about it (kg m²): {inertia}  (xx yy zz xy xz yz)",
+        "",
+    ]
+    lines += [
+        f"{interface.name}: faces {', '.join(map(str, interface.faces))} at "
+        f"({_place(interface.point)}) m, {interface.coupling}; {interface.because}"
+        for interface in found.interfaces
+    ]
     lines += ["", *_compliances(found), "", *_frequencies(found), "", toml(found)]
     return "\n".join(lines)
+
+
+def _place(point: Array) -> str:
+    return ", ".join(f"{x + 0.0:.6g}" for x in point.round(9))
 
 
 def _percent(share: float) -> str:
@@ -60,30 +59,26 @@ def _compliances(found: Identified) -> list[str]:
         f"compliance with {first} clamped, axes of the file (m/N, rad/(N m)); of the meshes; "
         "averaged less rigid"
     ]
-    for k, interface in enumerate(found.interfaces[1:]):
-        for i, component in enumerate(_COMPONENTS):
-            row = 6 * k + i
-            value = found.compliance[row, row]
-            lines.append(
-                f"  {interface.name} {component:<2} {value:12.5e}  "
-                f"± {_percent(found.compliance_refinement[row, row] / value)}  "
-                f"{_percent(found.compliance_bracket[row, row] / value)}"
-            )
-    return lines
+    names = [f"{one.name} {axis:<2}" for one in found.interfaces[1:] for axis in _COMPONENTS]
+    diagonals = map(
+        np.diag, (found.compliance, found.compliance_refinement, found.compliance_bracket)
+    )
+    return lines + [
+        f"  {name} {value:12.5e}  ± {_percent(open_ / value)}  {_percent(bracket / value)}"
+        for name, value, open_, bracket in zip(names, *diagonals, strict=True)
+    ]
 
 
 def _frequencies(found: Identified) -> list[str]:
-    lines = [
+    heading = (
         f"frequencies with {found.interfaces[0].name} clamped (Hz); {found.counted} counted below "
         f"{found.counted_below:.6g} Hz, none missing; as above"
-    ]
+    )
     rows = zip(found.frequencies, found.frequency_refinement, found.frequency_bracket, strict=True)
-    for number, (value, refinement, bracket) in enumerate(rows, start=1):
-        lines.append(
-            f"  {number:<4} {value:12.2f}  ± {_percent(refinement / value)}  "
-            f"{_percent(bracket / value)}"
-        )
-    return lines
+    return [heading] + [
+        f"  {number:<4} {value:12.2f}  ± {_percent(open_ / value)}  {_percent(bracket / value)}"
+        for number, (value, open_, bracket) in enumerate(rows, start=1)
+    ]
 
 
 def toml(found: Identified) -> str:
@@ -112,59 +107,47 @@ def toml(found: Identified) -> str:
 
 def as_json(found: Identified) -> str:
     """Everything for programs: SI, the file's axes; null where there is no number."""
-
-    def plain(values: Array) -> Any:
-        entries = values.astype(object)
-        entries[~np.isfinite(values)] = None
-        return entries.tolist()
-
+    arrays = {name: _plain(values) for name, values in as_arrays(found).items()}
     document = {
         "schema": 1,
         "part": str(found.part.path),
         "unit": found.part.unit,
         "interfaces": [
             {
-                "name": i.name,
-                "faces": list(i.faces),
-                "point": i.point.tolist(),
-                "coupling": i.coupling,
-                "because": i.because,
+                "name": one.name,
+                "faces": one.faces,
+                "point": one.point.tolist(),
+                "coupling": one.coupling,
+                "because": one.because,
             }
-            for i in found.interfaces
+            for one in found.interfaces
         ],
-        "unknowns": list(found.unknowns),
+        "unknowns": found.unknowns,
         "straightened": found.straightened,
         "mass": found.total,
-        "centre": found.centre.tolist(),
-        "inertia": found.inertia.tolist(),
         "volume_deviation": found.deviation,
-        "stiffness": found.stiffness.tolist(),
-        "condensed_mass": found.mass.tolist(),
-        "compliance": found.compliance.tolist(),
-        "frequencies": found.frequencies.tolist(),
+        "condensed_mass": arrays["mass"],
+        **{name: arrays[name] for name in _AS_THEY_ARE},
         "modes_counted": {"count": found.counted, "below": found.counted_below},
-        "uncertainty": {
-            "compliance": plain(found.compliance_refinement),
-            "frequencies": plain(found.frequency_refinement),
-        },
-        "bracket": {
-            "compliance": found.compliance_bracket.tolist(),
-            "frequencies": found.frequency_bracket.tolist(),
+        **{
+            name: {what: arrays[f"{key}_{name}"] for what, key in _UNCERTAIN.items()}
+            for name in ("uncertainty", "bracket")
         },
     }
     return json.dumps(document, ensure_ascii=False, allow_nan=False)
 
 
+def _plain(values: Array) -> Any:
+    entries = values.astype(object)
+    entries[~np.isfinite(values)] = None
+    return entries.tolist()
+
+
 def as_arrays(found: Identified) -> dict[str, Array]:
     """The arrays of an .npz file."""
     return {
-        "stiffness": found.stiffness,
-        "mass": found.mass,
-        "compliance": found.compliance,
-        "frequencies": found.frequencies,
-        "points": np.array([i.point for i in found.interfaces]),
-        "centre": found.centre,
-        "inertia": found.inertia,
+        **{name: getattr(found, name) for name in ("mass", *_AS_THEY_ARE)},
+        "points": np.array([one.point for one in found.interfaces]),
         "total": np.array(found.total),
         "compliance_uncertainty": found.compliance_refinement,
         "compliance_bracket": found.compliance_bracket,

@@ -5,7 +5,7 @@ the first interface clamped. Two uncertainties: of the meshes, and of how the in
 between rigid, the bound from above, and averaged, the bound from below.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, fields
 from typing import Any
@@ -22,11 +22,10 @@ from fem.bodies.part import (
 from fem.couplings.grips import Kind
 from lumped.arrays import Array
 from lumped.legs import Material
-from meshes.part.boundary import PartMesh
 from meshes.part.interfaces import Interface
 from meshes.part.reading.read import PartFile
 from meshes.part.spread import spread_over
-from validation.parts.meshes import COARSE, FINEST, LEVELS, MIDDLE, gradings, part_key, part_mesh
+from validation.parts.meshes import FINEST, LEVELS, gradings, part_key, part_mesh
 from validation.parts.refinement import compliance_uncertainty, refinement_uncertainty
 from validation.run.cache import kept
 
@@ -129,17 +128,25 @@ def _computed(
     modes: int,
 ) -> dict[str, Any]:
     """The fields of `Identified` beside the part and its interfaces."""
-    name = part.path.name
-    if part.mesh is None:
+    name, levels = part.path.name, LEVELS
+    if part.mesh is not None:
+        levels = (FINEST,)
+    else:
         require_memory(unknowns, name)
-    meshes = _meshes(part, interfaces, unknowns)
-    # The coarser ones while the finest is made.
-    coarser = []
-    for _ in range(0 if part.mesh is not None else len(LEVELS) - 1):
-        mesh = next(meshes)
-        found = _answer(meshed_part(mesh, material), interfaces, None, modes, name)
-        coarser.append((mesh.unknowns, found))
-    finest = next(meshes)
+        # Once, before two ask for them.
+        gradings(part, interfaces, unknowns)
+    # Meshes are made while coarser ones are used; the finest takes longest.
+    with ThreadPoolExecutor(2) as pool:
+        began = {
+            level: pool.submit(part_mesh, part, interfaces, unknowns, level)
+            for level in (FINEST, *levels[:-1])
+        }
+        coarser = []
+        for level in levels[:-1]:
+            mesh = began.pop(level).result()
+            found = _answer(meshed_part(mesh, material), interfaces, None, modes, name)
+            coarser.append((mesh.unknowns, found))
+        finest = began.pop(FINEST).result()
     meshed = meshed_part(finest, material)
     properties = meshed.properties()
     chosen = {interface.coupling for interface in interfaces}
@@ -175,23 +182,6 @@ def _computed(
     }
 
 
-def _meshes(part: PartFile, interfaces: Sequence[Interface], unknowns: int) -> Iterator[PartMesh]:
-    """The meshes, coarse to fine, made while others are used; or the one that is given."""
-    if part.mesh is not None:
-        yield part.mesh
-        return
-    # Once, before two ask for them.
-    gradings(part, interfaces, unknowns)
-    with ThreadPoolExecutor(2) as pool:
-        # The finest takes longest.
-        began = {
-            level: pool.submit(part_mesh, part, interfaces, unknowns, level)
-            for level in (FINEST, COARSE, MIDDLE)
-        }
-        for level in LEVELS:
-            yield began.pop(level).result()
-
-
 def _answer(
     part: MeshedPart,
     interfaces: Sequence[Interface],
@@ -214,15 +204,8 @@ def _answer(
     elif modes:
         frequencies = body.uncounted_frequencies(modes)
     shapes = body.solid.transformation @ body.constraint_modes
-    return MeshAnswer(
-        body.stiffness,
-        body.condensed_mass,
-        body.compliance,
-        frequencies,
-        shapes,
-        counted,
-        below,
-    )
+    matrices = body.stiffness, body.condensed_mass, body.compliance
+    return MeshAnswer(*matrices, frequencies, shapes, counted, below)
 
 
 def _bracket(rigid: MeshAnswer, average: MeshAnswer) -> dict[str, Array]:

@@ -21,16 +21,6 @@ from validation.results.drift import Drift
 from validation.results.outcome import Outcome, Verdict
 from validation.results.records import studies_of
 
-# How many comparisons the appendix shows first beside those that do not agree.
-_FOREMOST = 10
-_RANK: Mapping[Verdict, int] = {
-    "disagree": 0,
-    "failed": 1,
-    "undecided": 2,
-    "agree": 3,
-    "skipped": 4,
-}
-
 
 @dataclass(frozen=True)
 class Report:
@@ -95,8 +85,9 @@ class Report:
 
     @property
     def bad(self) -> tuple[Outcome, ...]:
-        """Comparisons that disagree or failed."""
-        return tuple(o for o in self.worst_first if o.verdict in {"disagree", "failed"})
+        """Comparisons that disagree, then those that failed."""
+        wrong = (o for o in self.outcomes if o.verdict in {"disagree", "failed"})
+        return tuple(sorted(wrong, key=lambda outcome: outcome.verdict))
 
     @property
     def verdict(self) -> Verdict:
@@ -109,26 +100,6 @@ class Report:
         if "undecided" in verdicts:
             return "undecided"
         return "agree" if "agree" in verdicts else "skipped"
-
-    @cached_property
-    def worst_first(self) -> tuple[Outcome, ...]:
-        """All outcomes: disagreements, failures, then by the share of the tolerance used."""
-        return tuple(sorted(self.outcomes, key=_badness))
-
-    @property
-    def foremost(self) -> tuple[Outcome, ...]:
-        """The comparisons closest to their tolerance, after those that do not agree."""
-        tried = [outcome for outcome in self.worst_first if outcome.verdict != "skipped"]
-        return tuple(tried[: len(self.bad) + _FOREMOST])
-
-    @property
-    def skipped(self) -> Mapping[str, tuple[Outcome, ...]]:
-        """What was skipped, by the reason."""
-        skipped = [outcome for outcome in self.outcomes if outcome.verdict == "skipped"]
-        return {
-            reason: tuple(outcome for outcome in skipped if outcome.message == reason)
-            for reason in dict.fromkeys(outcome.message for outcome in skipped)
-        }
 
     @cached_property
     def chapters(self) -> tuple[Chapter, ...]:
@@ -200,8 +171,3 @@ def _templates() -> Environment:
     }
     environment.tests["nan"] = lambda value: isinstance(value, float) and isnan(value)
     return environment
-
-
-def _badness(outcome: Outcome) -> tuple[int, float]:
-    share = outcome.share
-    return _RANK[outcome.verdict], -share if not isnan(share) else float("-inf")

@@ -26,6 +26,7 @@ CHAPTERS: Mapping[str, tuple[str, ...]] = {
     "The decision": (PARAMETERS, FAMILY),
     "The paper": ("The paper's statements",),
 }
+_GRAVEST: tuple[Verdict, ...] = ("disagree", "failed", "undecided", "agree", "skipped")
 
 
 @dataclass(frozen=True)
@@ -45,6 +46,11 @@ class Section:
     def anchor(self) -> str:
         """The section's id in the page."""
         return anchor(self.title)
+
+    @property
+    def worst_first(self) -> list[Outcome]:
+        """Its comparisons: disagreements, failures, then by the share of the tolerance used."""
+        return sorted(self.outcomes, key=_badness)
 
     @cached_property
     def plots(self) -> tuple[tuple[Family, Figure | None], ...]:
@@ -113,7 +119,7 @@ def chapters_of(
     for name in dict.fromkeys(names):
         section = Section(
             title=name or "Further comparisons",
-            outcomes=tuple(outcome for outcome in outcomes if outcome.case.section == name),
+            outcomes=tuple(o for o in outcomes if o.case.section == name),
             figures=tuple(figure for figure in figures if figure.section == name),
             plotted=plotted,
         )
@@ -138,6 +144,11 @@ def unexplained_share(outcome: Outcome) -> float | None:
         return None
     share = abs(measurement.unexplained / measurement.reference)
     return None if isnan(share) else share
+
+
+def _badness(outcome: Outcome) -> tuple[int, float]:
+    share = outcome.share
+    return _GRAVEST.index(outcome.verdict), -share if not isnan(share) else float("-inf")
 
 
 def _home(section: Section) -> str:

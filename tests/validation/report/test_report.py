@@ -8,7 +8,7 @@ from html.parser import HTMLParser
 from math import nan
 
 import pytest
-from report_sample import CONVERGENCE, DRAWN, PIXEL, case, never, sample_report, unmeasured
+from report_sample import CONVERGENCE, DRAWN, PIXEL, case, never, sample_report
 
 from validation.case import Absolute, Allowance, Measurement, Relation
 from validation.drawing import text
@@ -60,7 +60,7 @@ def test_the_page_is_well_formed_and_its_links_lead_somewhere(markup):
     assert len(page.ids) == len(set(page.ids))
     inner = {link[1:] for link in page.links if link.startswith("#")}
     assert inner <= set(page.ids)
-    assert {"verdict", "adequacy", "closest", "audit", "appendix", "provenance"} <= set(page.ids)
+    assert {"verdict", "adequacy", "audit", "provenance"} <= set(page.ids)
 
 
 def test_the_page_needs_nothing_else(markup):
@@ -90,14 +90,14 @@ def test_without_a_matrix_the_page_says_why():
     assert "<strong>3 of 5 comparisons agree" in page
 
 
-def test_the_worst_comparisons_come_first():
-    order = [outcome.case.id for outcome in sample_report().foremost]
-    assert order == [
-        "robot.beam-vjm.planar[x=0.4975]",
-        "legs.failed",
-        "legs.tight",
-        "legs.agrees",
-        "paper.deflection-bound",
+def test_the_worst_comparisons_of_a_section_come_first():
+    report = sample_report()
+    assert [outcome.verdict for outcome in report.bad] == ["disagree", "failed"]
+    (section,) = (
+        one for chapter in report.chapters for one in chapter.sections if one.title == "The legs"
+    )
+    assert [outcome.case.id for outcome in section.worst_first] == [
+        *("legs.failed", "legs.tight", "legs.agrees", "legs.skipped")
     ]
 
 
@@ -233,14 +233,6 @@ def test_the_figures_of_the_page_are_all_there_to_be_written(markup):
     names = [name for figure in shown for name in figure.files]
     assert len(names) == len(set(names))
     assert {"fig5.png", "fig5.csv", "study.elements.svg", "study.elements.csv"} <= set(names)
-
-
-def test_what_was_skipped_stands_together_by_its_reason():
-    reasons = ("no CalculiX", "too large", "no CalculiX")
-    outcomes = [unmeasured(f"legs.{n}", "skipped", reason) for n, reason in enumerate(reasons)]
-    report = sample_report(outcomes=tuple(outcomes))
-    by_reason = {reason: [o.case.id for o in found] for reason, found in report.skipped.items()}
-    assert by_reason == {"no CalculiX": ["legs.0", "legs.2"], "too large": ["legs.1"]}
 
 
 def test_a_plot_that_fails_costs_nothing_but_itself(monkeypatch):

@@ -20,14 +20,9 @@ _FEW_DECADES = 1.5
 _LEAST_GAP = 0.07
 
 
-def from_zero(axes: Axes) -> None:
-    """Let the y axis start at zero and leave room above the curves."""
-    axes.set_ylim(0.0, 1.08 * axes.get_ylim()[1])
-
-
-def up_to(axes: Axes, *, top: float) -> None:
-    """Let the y axis go from zero to `top` and leave room above it."""
-    axes.set_ylim(0.0, 1.15 * top)
+def from_zero(axes: Axes, *, top: float | None = None) -> None:
+    """Let the y axis start at zero and leave room above the curves, or above `top`."""
+    axes.set_ylim(0.0, 1.08 * axes.get_ylim()[1] if top is None else 1.15 * top)
 
 
 def largest(curves: Iterable[Array]) -> float:

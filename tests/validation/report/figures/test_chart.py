@@ -18,7 +18,7 @@ from validation.drawing.charts.chart import (
     lettered,
 )
 from validation.drawing.charts.plot import drawn_chart
-from validation.drawing.charts.scales import largest, percent, power_ticks, up_to
+from validation.drawing.charts.scales import from_zero, largest, percent, power_ticks
 from validation.drawing.style import LOOKS, marked, plot_style
 
 X = np.array([0.0, 1.0, 2.0])
@@ -165,13 +165,14 @@ def test_a_common_height_is_that_of_the_largest_finite_value():
     assert largest([np.array([np.nan])]) == 1.0
     with plot_style():
         axes = Figure().subplots()
-        partial(up_to, top=10.0)(axes)
+        partial(from_zero, top=10.0)(axes)
     assert axes.get_ylim() == (0.0, 11.5)
 
 
 def test_every_line_has_a_marker_even_where_there_are_more_lines_than_points():
-    assert [marked(1, rank, 3) for rank in range(3)] == [[0], [0], [0]]
-    assert [marked(2, rank, 4) for rank in range(4)] == [[0], [1], [0], [1]]
+    assert [marked(1, rank, 3)[0] for rank in range(3)] == [0, 0, 0]
+    assert [marked(2, rank, 4)[0] for rank in range(4)] == [0, 1, 0, 1]
+    assert [marked(41, rank, 2) for rank in range(2)] == [(0, 10), (5, 10)]
 
 
 @pytest.mark.parametrize(

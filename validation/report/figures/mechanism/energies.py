@@ -11,7 +11,6 @@ from validation.case import Skip
 from validation.context import Context
 from validation.drawing.charts.chart import Bars, Chart, Column, Panel
 from validation.exhibits import PATH
-from validation.models.mechanism import PostureModes
 from validation.report.figures.declared import FigureGroup, Shown, curves
 from validation.report.figures.mechanism.drawn_modes import finite_elements
 from validation.report.figures.mechanism.mode_names import DRIVES, JOINTS, by_kind, summed
@@ -28,8 +27,18 @@ figures = FigureGroup(PATH, SHARED_SOLIDS)
 )
 def energies(context: Context) -> Shown:
     """A stacked bar for each mode: by kind of deformation, and by drives, joints and bodies."""
-    found = _sixty(context)
-    mechanism, frequencies = found.posture.mechanism, found.modes.frequencies
+    mechanism = context.robot_file.mechanism
+    if not (known_legs(mechanism) or mechanism.parts):
+        raise Skip("all bodies are rigid: their modes sit in the drives and joints alone")
+    found = finite_elements(context, SIXTY)
+    frequencies = found.modes.frequencies
+    model = "model of parts as solids" if mechanism.parts else "beam model"
+    kinds = (
+        "Bending y is deflection along a leg's own z axis, bending z along its y axis, both with "
+        "their shear."
+        if known_legs(mechanism)
+        else "Parts bend, twist and stretch at once."
+    )
     shares = {
         "(a) by what they do": by_kind(found.strain, mechanism),
         "(b) by what they are": _by_body(found.strain, mechanism),
@@ -51,30 +60,10 @@ def energies(context: Context) -> Shown:
     table |= {f"{part} (%)": (100.0 * share).tolist() for part, share in found.strain.items()}
     return curves(
         Chart(panels, "mode", 1, 2.4, table),
-        f"The first {len(frequencies)} modes of the {_model(mechanism)} in the middle of the path, "
-        f"{frequencies[0]:.4g} to {frequencies[-1]:.4g} Hz. "
-        f"{_kinds_said(mechanism)}Bodies of one shape are taken together; the table of the figure "
-        "has each by itself.",
-    )
-
-
-def _sixty(context: Context) -> PostureModes:
-    mechanism = context.robot_file.mechanism
-    if not (known_legs(mechanism) or mechanism.parts):
-        raise Skip("all bodies are rigid: their modes sit in the drives and joints alone")
-    return finite_elements(context, SIXTY)
-
-
-def _model(mechanism: Mechanism) -> str:
-    return "model of parts as solids" if mechanism.parts else "beam model"
-
-
-def _kinds_said(mechanism: Mechanism) -> str:
-    if not known_legs(mechanism):
-        return "Parts bend, twist and stretch at once. "
-    return (
-        "Bending y is deflection along a leg's own z axis, bending z along its y axis, both with "
-        "their shear. "
+        f"The first {len(frequencies)} modes of the {model} in the middle of the path, "
+        f"{frequencies[0]:.4g} to {frequencies[-1]:.4g} Hz.",
+        kinds,
+        "Bodies of one shape are taken together; the table of the figure has each by itself.",
     )
 
 
