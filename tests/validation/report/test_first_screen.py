@@ -107,19 +107,20 @@ def test_the_table_has_a_column_for_every_quantity_that_is_spoken_of():
     assert [(plain(cell.text), cell.spread) for cell in small.cells] == [("0 %", "")]
 
 
-def test_the_robots_own_numbers_are_where_it_yields_most_and_swings_slowest():
-    """By the best model: what it says, less its error. 20 nm/N are 20 µm under 1000 N."""
+def test_the_robots_own_numbers_are_those_of_the_reference_where_the_best_model_is_worst():
+    """20 nm/N are 20 µm under 1000 N, 30 nrad/(N m) 3 µrad under 100 N m."""
     table = table_of(
         matrix_of(
-            entry("vjm", "x", (0.0, 0.25, -0.02), values=(1e-8, 2.5e-8, 1.5e-8)),
-            flat("beam", "x", 0.5, values=(9e-8,) * 3),
-            entry("vjm", "phi_x", (0.0, 0.0, 0.0), values=(1e-8, 3e-8, 2e-8), spreads=(0.0,) * 3),
-            entry("beam", "f1", (0.1, -0.2, 0.0), values=(132.0, 80.0, 110.0)),
-            flat("beam", "order", 0.2, values=(100.0,) * 3),
+            flat("beam", "x", 0.5, expected=9e-8),
+            flat("vjm", "x", 0.25, expected=2e-8, uncertainty=0.01),
+            flat("vjm", "phi_x", 0.0, expected=3e-8, uncertainty=1e-6),
+            flat("beam", "f1", -0.2, expected=100.0, uncertainty=0.12),
+            flat("beam", "order", 0.2, expected=100.0),
         )
     )
-    assert [plain(one) for one, _ in table.robot] == ["20 µm", "3 µrad", "100 Hz", ""]
-    assert [plain(left) for _, left in table.robot] == ["± 0.1 %", "", "± 0.1 %", ""]
+    assert [tuple(map(plain, one)) for one in table.robot] == [
+        *(("20 µm", "± 0.8 %"), ("3 µrad", ""), ("100 Hz", "± 10 %"), ("", ""))
+    ]
 
 
 def test_second_theories_and_models_that_lack_motions_are_folded():

@@ -23,8 +23,6 @@ FORCE, MOMENT = 1000.0, 100.0
 _WORTH_SAYING = 5e-4
 # A model without a motion is off by all of it.
 _ALL = 1.0 - 1e-9
-# A model that shows less of a motion does not tell how far the robot moves.
-_LITTLE = 0.1
 
 
 @dataclass(frozen=True)
@@ -61,8 +59,8 @@ class Row:
 class Table:
     """Rows of models under `headings` of quantities; `robot` are the robot's own numbers.
 
-    These are deflections (µm, µrad) under `FORCE` and `MOMENT` where it yields most, and
-    frequencies (Hz) where they are lowest, with what is left open of them; "" where not known.
+    These are deflections (µm, µrad) under `FORCE` and `MOMENT`, and frequencies (Hz), in the poses
+    where the best models are worst, with what is left open of them; "" where not known.
     """
 
     headings: tuple[str, ...]
@@ -109,32 +107,28 @@ def _cell(matrix: Matrix, note: ModelNote, entry: Entry) -> Cell:
 def _folded(matrix: Matrix, model: str) -> bool:
     entries = matrix.of_model(model)
     useless = entries and all(entry.verdict != "adequate" for entry in entries)
-    lacking = any(abs(entry.error or 0.0) >= _ALL for entry in entries)
+    lacking = any(entry.along is not None and entry.along <= -_ALL for entry in entries)
     return model.endswith("euler-bernoulli") or bool(useless and lacking)
 
 
 def _own(matrix: Matrix, quantity: str) -> tuple[str, str]:
-    """The robot's own number and what is left open of it, by the best model and its errors."""
-    entries = [e for e in matrix.entries if e.quantity == quantity and e.error is not None]
-    if not entries or quantity not in (*STATIC_QUANTITIES, *FREQUENCIES) or entries[0].measured:
+    """The reference's number and what is left open of it, where the best model is worst."""
+    entries = [
+        entry
+        for entry in matrix.entries
+        if entry.quantity == quantity and entry.error is not None and entry.expected is not None
+    ]
+    static = quantity in STATIC_QUANTITIES
+    if not entries or not (static or quantity in FREQUENCIES) or entries[0].measured:
         return "", ""
     best = min(entries, key=lambda entry: abs(entry.error or 0.0))
-    found = [
-        (value / (1.0 + off), spread or 0.0)
-        for value, off, spread in zip(
-            best.values, best.alongs or best.errors, best.spreads, strict=False
-        )
-        if value is not None and off is not None and off > _LITTLE - 1.0
-    ]
-    if not found:
-        return "", ""
-    static = quantity in STATIC_QUANTITIES
-    value, spread = max(found) if static else min(found)
     unit, scale = "Hz", 1.0
     if static:
         unit, scale = ("µrad", 1e6 * MOMENT) if quantity in ROTATIONS else ("µm", 1e6 * FORCE)
+    # Errors and what is left open of them are relative to the reference.
+    spread = (best.uncertainty or 0.0) / (1.0 + abs(best.error or 0.0))
     left = f"±\u00a0{percent(spread, signed=False)}" if spread >= _WORTH_SAYING else ""
-    return f"{number(scale * value, 3)}\u00a0{unit}", left
+    return f"{number(scale * (best.expected or 0.0), 3)}\u00a0{unit}", left
 
 
 def csv_of_matrix(matrix: Matrix) -> str:
