@@ -2,7 +2,6 @@
 
 import csv
 import io
-from functools import partial
 
 import numpy as np
 import pytest
@@ -18,7 +17,7 @@ from validation.drawing.charts.chart import (
     lettered,
 )
 from validation.drawing.charts.plot import drawn_chart
-from validation.drawing.charts.scales import from_zero, largest, percent, power_ticks
+from validation.drawing.charts.scales import percent, power_ticks
 from validation.drawing.style import LOOKS, marked, plot_style
 
 X = np.array([0.0, 1.0, 2.0])
@@ -158,15 +157,6 @@ def test_percent_has_ticks_at_the_limit_and_beyond_as_far_as_curves_go():
     assert sorted(axes.get_yticks()) == [-10.0, -1.0, 0.0, 1.0]
     assert axes.get_ylim() == (-80.0, 1.6)
     assert sorted(finer.get_yticks()) == [-5.0, 0.0, 5.0, 10.0, 30.0]
-
-
-def test_a_common_height_is_that_of_the_largest_finite_value():
-    assert largest([np.array([1.0, np.inf]), np.array([[3.0, np.nan]])]) == 3.0
-    assert largest([np.array([np.nan])]) == 1.0
-    with plot_style():
-        axes = Figure().subplots()
-        partial(from_zero, top=10.0)(axes)
-    assert axes.get_ylim() == (0.0, 11.5)
 
 
 def test_every_line_has_a_marker_even_where_there_are_more_lines_than_points():

@@ -1,17 +1,12 @@
 """Names of modes: beams in closed form, of which it is known what they do."""
 
-import re
-
 import numpy as np
 import pytest
 
 from lumped.mechanism.kinematics.postures import reference_posture
 from lumped.robot_file import load_robot
 from lumped.sections import Rectangle
-from validation.context import Context
-from validation.drawing import opengl
 from validation.models.mechanism import mechanism_modes
-from validation.report.figures.mechanism import pictures
 from validation.report.figures.mechanism.mode_names import (
     kinetic_energies,
     leading_kind,
@@ -39,22 +34,6 @@ at = "A"
 body = "blade"
 point = "P"
 moves = []
-"""
-I_SECTIONS = """
-schema = 1
-name = "biglide of I-sections"
-type = "biglide"
-geometry = { a = 1.0 }
-platform = { mass = 30.0 }
-actuators = { stiffness = 5.0e8 }
-[leg1]
-length = 0.9
-section = { shape = "i-section", width = 0.1, height = 0.1, flange = 0.008, web = 0.006 }
-material = { E = 2.1e11, nu = 0.3, rho = 7850.0 }
-[leg2]
-length = 0.9
-section = { shape = "i-section", width = 0.1, height = 0.1, flange = 0.008, web = 0.006 }
-material = { E = 2.1e11, nu = 0.3, rho = 7850.0 }
 """
 
 
@@ -108,20 +87,6 @@ def test_all_mass_is_in_the_kinetic_energy(name):
     (found,) = mechanism_modes("beam", [reference_posture(load_robot(name).mechanism)], 6)
     energies_of = kinetic_energies(found.system, found.modes.shapes).sum(axis=0)
     np.testing.assert_allclose(energies_of, 1.0, rtol=1e-3)
-
-
-def test_title_and_caption_of_a_mode_say_the_same(tmp_path, monkeypatch):
-    """The second mode of a robot of open sections twists its legs, its centreline moves along z."""
-    monkeypatch.setenv(opengl.SWITCH, "off")
-    path = tmp_path / "robot.toml"
-    path.write_text(I_SECTIONS, encoding="utf-8")
-    context = Context(load_robot(path), "quick")
-    shown = pictures.mode_shapes(context)
-    titles = [re.sub(r"^\(.\) |: [0-9.]+ Hz$", "", scene.title) for scene in shown.scenes]
-    assert titles[:3] == ["mode 1, along z", "mode 2, torsion", "mode 3, torsion"]
-    for title in titles:
-        said = re.search(rf"{title[0].upper()}{title[1:]}: [^.]*\.", shown.caption)[0]
-        assert ("in torsion" in said) == title.endswith("torsion")
 
 
 def test_the_largest_share_leads():
