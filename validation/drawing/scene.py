@@ -13,6 +13,7 @@ from lumped.arrays import Array, IntArray
 from validation.drawing.surfaces import Surface
 
 GREY, DARK = "#b8bcc2", "#4a4f57"
+_MARGIN = 0.07  # free share of a picture on each side
 ABOVE = (np.array([0.0, 0.0, 1.0]), np.array([0.0, 1.0, 0.0]))
 
 # How what is displaced moves: a mode swings to both sides, a load pushes to one and lets go.
@@ -97,7 +98,7 @@ class Scene:
     def view(self, size: tuple[int, int]) -> "View":
         """The view that fills a picture of `size` pixels."""
         points = np.vstack([*(body.surface.points for body in self.bodies), *self.inside])
-        return fitted_view(points, *self.camera, size, 0.07)
+        return fitted_view(points, *self.camera, size)
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,13 +125,8 @@ class View:
         return np.column_stack([x, y])
 
 
-def fitted_view(
-    points: Array, toward: Array, up: Array, size: tuple[int, int], margin: float = 0.06
-) -> View:
-    """The view from `toward` (3) that shows all `points` (n×3, m); `up` (3) points upwards.
-
-    `margin` is the free share of the picture on each side.
-    """
+def fitted_view(points: Array, toward: Array, up: Array, size: tuple[int, int]) -> View:
+    """The view from `toward` (3) that shows all `points` (n×3, m); `up` (3) points upwards."""
     toward = np.asarray(toward, dtype=float) / np.linalg.norm(toward)
     right = np.cross(up, toward)
     right /= np.linalg.norm(right)
@@ -139,7 +135,7 @@ def fitted_view(
     low, high = plane.min(axis=0), plane.max(axis=0)
     middle = (low + high) / 2.0
     width, height = size
-    half = np.maximum((high - low) / 2.0, 1e-9) / (1.0 - 2.0 * margin)
+    half = np.maximum((high - low) / 2.0, 1e-9) / (1.0 - 2.0 * _MARGIN)
     depth = float(np.mean(points @ toward))
     return View(
         right=right,

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from lumped.audit.finding import Finding
 from lumped.mechanism.mechanism import Mechanism
 from validation.case import Absolute, Case, Tolerance
+from validation.drawing.text import tolerance
 from validation.kinematics.listing import mobility_text
 from validation.results.outcome import Outcome
 from validation.results.tasks import Task
@@ -14,16 +15,17 @@ from validation.results.tasks import Task
 
 def as_text(tasks: Sequence[Task]) -> str:
     """The cases as indented text, one paragraph each."""
-    return "\n".join(
+    listed = "\n".join(
         f"{case.id}\n"
         f"    {case.title}\n"
         f"    {case.quantity}: {case.relation.value} reference, "
-        f"tolerance {tolerance_text(case.tolerance, case.unit)} ({case.tolerance_reason})\n"
+        f"tolerance {tolerance(case.tolerance, case.unit)} ({case.tolerance_reason})\n"
         f"    {case.reference_kind}: {case.citation}\n"
         f"    presets: {', '.join(case.presets)}"
         for case in tasks
         if isinstance(case, Case)
     )
+    return listed.replace("\u00a0", " ")
 
 
 def as_json(tasks: Sequence[Task]) -> str:
@@ -91,13 +93,6 @@ def _finding_lines(findings: Sequence[Finding]) -> list[str]:
     ]
 
 
-def tolerance_text(tolerance: Tolerance, unit: str) -> str:
-    """The tolerance as "±0.5 µm" or "±1 %"."""
-    if isinstance(tolerance, Absolute):
-        return f"±{tolerance.amount:.3g} {unit}".removesuffix(" 1")
-    return f"±{100.0 * tolerance.fraction:.3g} %"
-
-
 def outcome_line(outcome: Outcome) -> str:
     """One line on an outcome: verdict, id, numbers or the reason why there are none."""
     case, measurement = outcome.case, outcome.measurement
@@ -133,7 +128,7 @@ def _claim(case: Case) -> str:
     return "" if case.relation.value == "equal" else f"{case.relation.value} "
 
 
-def _tolerance(tolerance: Tolerance) -> dict[str, float | str]:
-    if isinstance(tolerance, Absolute):
-        return {"tolerance": tolerance.amount, "tolerance_kind": "absolute"}
-    return {"tolerance": tolerance.fraction, "tolerance_kind": "relative"}
+def _tolerance(allowed: Tolerance) -> dict[str, float | str]:
+    if isinstance(allowed, Absolute):
+        return {"tolerance": allowed.amount, "tolerance_kind": "absolute"}
+    return {"tolerance": allowed.fraction, "tolerance_kind": "relative"}

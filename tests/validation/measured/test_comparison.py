@@ -10,10 +10,11 @@ from lumped.acceptance.measured import Measured
 from lumped.mechanism.mechanism import Mechanism
 from lumped.robot_file import load_robot
 from validation.context import Context
+from validation.drawing.charts.plot import chart_svg
 from validation.measured.comparison import Comparison, propagated
 from validation.measured.matrix import measured_matrix, predicted
 from validation.models.options import ModelOptions
-from validation.report.figures.measured import measured_figure
+from validation.report.figures.measured import measured_curves
 from validation.report.first_screen.sentence import sentence
 
 DRAWS = 1000
@@ -117,5 +118,5 @@ def test_measured_values_join_the_matrix_as_a_reference_of_their_own(robot_file)
     assert more.entry("beam", "leg1.c33").pose == ()
     assert more.entry("beam", "leg1.c33").errors == (None, None)
     assert more.entry("simplified", "leg1.c33") is None
-    assert measured_figure(more).svg
+    assert chart_svg(measured_curves(more).chart)
     assert "leg1.c33" in sentence(more)

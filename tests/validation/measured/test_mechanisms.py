@@ -12,12 +12,13 @@ from lumped.models.bodies import legs_of
 from lumped.robot_file import load_robot
 from validation.catalogue import catalogue
 from validation.context import Context
+from validation.drawing.charts.plot import chart_svg
 from validation.kinematics.poses import postures_of
 from validation.measured.matrix import measured_matrix, predicted
 from validation.models.legs import leg_compliance
 from validation.models.mechanism import answers
 from validation.models.options import ModelOptions
-from validation.report.figures.measured import measured_figure
+from validation.report.figures.measured import measured_curves
 
 OWN = """
 [[measured]]
@@ -77,7 +78,7 @@ def test_models_are_held_against_what_was_measured(tmp_path):
     assert left == pytest.approx(4.0 / 3.0 * abs(coarse - fine) / 62.0, rel=1e-6)
     expected = leg_compliance("beam", legs_of(mechanism)["rod1"])
     assert matrix.entry("beam", "rod1.c22").value == pytest.approx(expected[1, 1], rel=1e-12)
-    assert measured_figure(matrix).svg
+    assert chart_svg(measured_curves(matrix).chart)
     assert "adequacy.measured" in {task.id for task in catalogue(robot_file)}
 
 

@@ -9,7 +9,7 @@ from report_sample import sample_report
 from validation.adequacy.matrix import ModelNote
 from validation.drawing.text import number
 from validation.exhibits import Figure
-from validation.report.figures.adequacy import error_figure
+from validation.report.figures.adequacy import error_curves
 from validation.report.first_screen.remedies import remedies_of
 from validation.report.first_screen.screen import first_screen
 from validation.report.first_screen.sentence import sentence
@@ -144,8 +144,8 @@ def test_entries_of_the_same_cause_and_remedy_share_a_line():
 
 
 def test_an_unfinished_run_waits_for_no_figure():
-    assert error_figure(sample_matrix()).svg
-    assert error_figure(sample_matrix(entries=(undecided("beam", "f1"),))) is None
+    assert first_screen(sample_matrix(), plotted=True).errors.svg
+    assert error_curves(sample_matrix(entries=(undecided("beam", "f1"),))) is None
     assert first_screen(sample_matrix(), plotted=False).errors is None
 
 

@@ -10,7 +10,6 @@ from lumped.arrays import Array
 from validation.adequacy.matrix import Entry, Matrix
 from validation.drawing.charts.chart import Chart, Column, Panel, Series
 from validation.drawing.charts.scales import few_ticks, percent
-from validation.exhibits import Figure
 from validation.report.figures.declared import Shown, curves
 
 _POSE = "pose"
@@ -21,14 +20,6 @@ _MEANINGS = {
     ANY_FORCE: "worst direction of force",
 }
 _COLUMNS = 3
-
-
-def error_figure(matrix: Matrix) -> Figure | None:
-    """Drawn, where anything is known."""
-    shown = error_curves(matrix)
-    if shown is None:
-        return None
-    return shown.figure("adequacy.errors", "Relative error of the models", "adequacy")
 
 
 def error_curves(matrix: Matrix) -> Shown | None:
@@ -47,6 +38,7 @@ def error_curves(matrix: Matrix) -> Shown | None:
         "Error of the whole displacement of the loaded point, never negative, and of frequencies; "
         "bars: what the reference leaves open. Shaded: what is accepted, beyond it the scale is "
         "logarithmic.",
+        title="Relative error of the models",
     )
 
 

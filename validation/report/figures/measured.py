@@ -8,16 +8,8 @@ import numpy as np
 from validation.adequacy.matrix import Entry, Matrix
 from validation.drawing.charts.chart import Column, Panel, Series
 from validation.drawing.charts.scales import side_by_side
-from validation.exhibits import Figure
 from validation.report.figures.adequacy import abscissa, matrix_chart, numbers
 from validation.report.figures.declared import Shown, curves
-
-
-def measured_figure(matrix: Matrix) -> Figure | None:
-    """Drawn, where anything was measured."""
-    title = "Measured values, and what the models say"
-    shown = measured_curves(matrix)
-    return None if shown is None else shown.figure("measured.values", title, "measured")
 
 
 def measured_curves(matrix: Matrix) -> Shown | None:
@@ -49,6 +41,7 @@ def measured_curves(matrix: Matrix) -> Shown | None:
         "Black: measured, with the 95 % interval of its own uncertainty. Models with that of "
         "numerics and uncertain inputs. Each divided by what was measured there; over the "
         "poses where there are several, with the 95 % interval of all three.",
+        title="Measured values, and what the models say",
     )
 
 

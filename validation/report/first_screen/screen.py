@@ -5,9 +5,9 @@ from dataclasses import dataclass, replace
 
 from validation.adequacy.matrix import Matrix, named
 from validation.exhibits import Figure
-from validation.report.figures.adequacy import error_figure
+from validation.report.figures.adequacy import error_curves
 from validation.report.figures.declared import attempted
-from validation.report.figures.measured import measured_figure
+from validation.report.figures.measured import measured_curves
 from validation.report.first_screen.remedies import Remedy, remedies_of
 from validation.report.first_screen.sentence import sentence
 from validation.report.first_screen.table import Table, csv_of_matrix, table_of
@@ -43,12 +43,17 @@ def first_screen(
     `measured`: whether the references are measured values, at poses of their own. `rely`: the
     models that the user relies on.
     """
-    draw = measured_figure if measured else error_figure
+
+    def errors() -> Figure | None:
+        shown = measured_curves(matrix) if measured else error_curves(matrix)
+        where = ("measured.values", "measured") if measured else ("adequacy.errors", "adequacy")
+        return shown and shown.figure(where[0], shown.title, where[1])
+
     return FirstScreen(
         sentence=sentence(matrix, rely),
         table=table_of(matrix),
         csv=csv_of_matrix(matrix),
-        errors=attempted(lambda: draw(matrix)) if plotted else None,
+        errors=attempted(errors) if plotted else None,
         remedies=remedies_of(matrix),
         notes=matrix.notes,
         undecided=_undecided(matrix),
