@@ -117,8 +117,9 @@ def _number(part: PartFile, face: Face) -> Wire:
     """The number of a face as outlines of its digits just off its middle, along its normal."""
     centres, normals = _pieces(part, face)
     size = _LETTER * max(part.extent)
-    digits = TextPath((0.0, 0.0), str(face.number), size=1.0).to_polygons()
-    count = np.cumsum([0, *map(len, digits)])
+    path = TextPath((0.0, 0.0), str(face.number), size=1.0)
+    digits = [np.asarray(one) for one in path.to_polygons()]
+    count = np.cumsum([0, *(len(one) for one in digits)])
     flat = size * np.vstack(digits)
     flat -= 0.5 * (flat.min(axis=0) + flat.max(axis=0))
     normal = normals[0]

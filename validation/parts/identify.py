@@ -128,10 +128,9 @@ def _computed(
     modes: int,
 ) -> dict[str, Any]:
     """The fields of `Identified` beside the part and its interfaces."""
-    name, levels = part.path.name, LEVELS
-    if part.mesh is not None:
-        levels = (FINEST,)
-    else:
+    name, given = part.path.name, part.mesh is not None
+    coarse_to_fine = (FINEST,) if given else LEVELS
+    if not given:
         require_memory(unknowns, name)
         # Once, before two ask for them.
         gradings(part, interfaces, unknowns)
@@ -139,10 +138,10 @@ def _computed(
     with ThreadPoolExecutor(2) as pool:
         began = {
             level: pool.submit(part_mesh, part, interfaces, unknowns, level)
-            for level in (FINEST, *levels[:-1])
+            for level in (FINEST, *coarse_to_fine[:-1])
         }
         coarser = []
-        for level in levels[:-1]:
+        for level in coarse_to_fine[:-1]:
             mesh = began.pop(level).result()
             found = _answer(meshed_part(mesh, material), interfaces, None, modes, name)
             coarser.append((mesh.unknowns, found))

@@ -9,7 +9,7 @@ from lumped.mechanism.mechanism import Mechanism
 from validation.case import Absolute, Case, Tolerance
 from validation.drawing.text import tolerance
 from validation.kinematics.listing import mobility_text
-from validation.results.outcome import Outcome
+from validation.results.outcome import Outcome, Verdict
 from validation.results.tasks import Task
 
 
@@ -118,7 +118,7 @@ def summary(outcomes: Sequence[Outcome], unfinished: int = 0) -> str:
         sentence = f"All {judged} comparisons agree" if judged > 1 else "The comparison agrees"
     else:
         sentence = f"{counts['agree']} of {judged} comparisons agree"
-    others = ("disagree", "undecided", "failed", "skipped")
+    others: tuple[Verdict, ...] = ("disagree", "undecided", "failed", "skipped")
     parts = [sentence, *(f"{counts[one]} {one}" for one in others if counts[one])]
     parts += [f"{unfinished} not computed"] if unfinished else []
     return ", ".join(parts) + "."
