@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import wraps
 from typing import TypeAlias
 
-from validation.context import PRESETS, Context, Preset
+from validation.context import Context
 from validation.drawing.charts.chart import Chart, chart_table
 from validation.drawing.charts.plot import chart_svg
 from validation.drawing.rendering import Picture, pictured
@@ -86,12 +86,7 @@ class FigureGroup:
         self._planned: list[PlannedFigure] = []
 
     def figure(
-        self,
-        identifier: str,
-        title: str,
-        *,
-        effort: float = 1.0,
-        presets: tuple[Preset, ...] = PRESETS,
+        self, identifier: str, title: str, *, effort: float = 1.0
     ) -> Callable[[Draw], Callable[[Context], Figure]]:
         """Declare a figure by what draws it."""
 
@@ -100,8 +95,8 @@ class FigureGroup:
             def drawn(context: Context) -> Figure:
                 return draw(context).figure(identifier, title, self._section)
 
-            where = (self._section, self._group, effort)
-            self._planned.append(PlannedFigure(identifier, title, drawn, presets, *where))
+            where = {"section": self._section, "group": self._group}
+            self._planned.append(PlannedFigure(identifier, title, drawn, effort=effort, **where))
             return drawn
 
         return declare

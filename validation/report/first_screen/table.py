@@ -21,6 +21,8 @@ MARKS: Mapping[Adequacy, str] = {"adequate": "✓", "inadequate": "✗", "undeci
 FORCE, MOMENT = 1000.0, 100.0
 # Uncertainties below this share of the reference are not shown in a cell.
 _WORTH_SAYING = 5e-4
+# Columns of the CSV that go by another name than the field of an entry.
+_HEADINGS = {"along": "error along the load", "expected": "reference value"}
 # A model without a motion is off by all of it.
 _ALL = 1.0 - 1e-9
 
@@ -137,24 +139,12 @@ def csv_of_matrix(matrix: Matrix) -> str:
         str(coordinate): [entry.pose[place] if entry.pose else "" for entry in matrix.entries]
         for place, coordinate in enumerate(matrix.coordinates)
     }
-    columns = {
-        "model": "model",
-        "quantity": "quantity",
-        "verdict": "verdict",
-        "error": "error",
-        "uncertainty": "uncertainty",
-        "limit": "limit",
-        "error along the load": "along",
-        "value": "value",
-        "reference value": "expected",
-        "reference": "reference",
-        "remedy": "remedy",
-        "error with remedy": "error_with_remedy",
-        "reason": "reason",
-    }
     named = {
-        heading: [getattr(entry, name) for entry in matrix.entries]
-        for heading, name in columns.items()
+        _HEADINGS.get(name, name.replace("_", " ")): [getattr(one, name) for one in matrix.entries]
+        for name in (
+            *("model", "quantity", "verdict", "error", "uncertainty", "limit", "along", "value"),
+            *("expected", "reference", "remedy", "error_with_remedy", "reason"),
+        )
     }
     forces = [" ".join(f"{one:.6g}" for one in entry.force) for entry in matrix.entries]
     causes = [
