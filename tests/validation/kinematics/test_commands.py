@@ -30,7 +30,7 @@ def test_json_counts_what_moves_and_closes_every_loop(robot, capsys):
     ("robot", "joint", "pose", "told", "factor", "unit"),
     [
         ("five-bar", "motor1", "-0.1,0.5", "x = -0.1 m, y = 0.5 m", 180.0 / np.pi, "°"),
-        ("biglide", "slide1", "0.2", "x = 0.2 m", 1e3, " mm"),
+        ("biglide", "drive1", "0.2", "x = 0.2 m", 1e3, " mm"),
     ],
 )
 def test_people_read_degrees_and_millimetres(robot, joint, pose, told, factor, unit, capsys):
