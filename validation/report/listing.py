@@ -12,6 +12,11 @@ from validation.kinematics.listing import mobility_text
 from validation.results.outcome import Outcome, Verdict
 from validation.results.tasks import Task
 
+_FIELDS = (
+    *("id", "title", "section", "quantity", "unit", "reference_kind", "citation"),
+    *("tolerance_reason", "presets"),
+)
+
 
 def as_text(tasks: Sequence[Task]) -> str:
     """The cases as indented text, one paragraph each."""
@@ -33,17 +38,9 @@ def as_json(tasks: Sequence[Task]) -> str:
     return json.dumps(
         [
             {
-                "id": case.id,
-                "title": case.title,
-                "section": case.section,
-                "quantity": case.quantity,
-                "unit": case.unit,
+                **{name: getattr(case, name) for name in _FIELDS},
                 "relation": case.relation.value,
-                "reference_kind": case.reference_kind,
-                "citation": case.citation,
                 **_tolerance(case.tolerance),
-                "tolerance_reason": case.tolerance_reason,
-                "presets": list(case.presets),
             }
             for case in tasks
             if isinstance(case, Case)
