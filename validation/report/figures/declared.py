@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import wraps
 from typing import TypeAlias
 
-from validation.context import Context
+from validation.context import PRESETS, Context
 from validation.drawing.charts.chart import Chart, chart_table
 from validation.drawing.charts.plot import chart_svg
 from validation.drawing.rendering import Picture, pictured
@@ -95,8 +95,8 @@ class FigureGroup:
             def drawn(context: Context) -> Figure:
                 return draw(context).figure(identifier, title, self._section)
 
-            where = {"section": self._section, "group": self._group}
-            self._planned.append(PlannedFigure(identifier, title, drawn, effort=effort, **where))
+            where = (self._section, self._group, effort)
+            self._planned.append(PlannedFigure(identifier, title, drawn, PRESETS, *where))
             return drawn
 
         return declare

@@ -47,7 +47,7 @@ def first_screen(
     def errors() -> Figure | None:
         shown = measured_curves(matrix) if measured else error_curves(matrix)
         where = ("measured.values", "measured") if measured else ("adequacy.errors", "adequacy")
-        return shown and shown.figure(where[0], shown.title, where[1])
+        return shown.figure(where[0], shown.title, where[1]) if shown else None
 
     return FirstScreen(
         sentence=sentence(matrix, rely),
