@@ -40,7 +40,7 @@ def agrees(_context: Context) -> Measurement:
         x_label="x (m)",
         y_label="y",
         unit="m",
-        x=(0.0, 1.0),
+        x=(1.0, 2.0),
         series={"beam": (1.0, 2.0)},
     )
     return Measurement(1.0 / 3.0, 0.34, exact=True, studies=(study,))
