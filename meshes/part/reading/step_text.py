@@ -1,4 +1,4 @@
-"""The text of a STEP file (ISO 10303-21), looked at before the CAD kernel reads it, and its unit.
+"""The text of a STEP file (ISO 10303-21), looked at before the CAD kernel reads it.
 
 The kernel passes over what it does not understand, or never comes back from it.
 """
@@ -6,7 +6,6 @@ The kernel passes over what it does not understand, or never comes back from it.
 import re
 
 from lumped.errors import InputError
-from lumped.mechanism.part import METRES
 
 # Texts and comments, in which anything may stand.
 _ANYTHING = re.compile(rb"('(?:[^']|'')*')|/\*.*?\*/", re.DOTALL)
@@ -19,9 +18,6 @@ _SOUND = re.compile(
 _WORD = re.compile(rb"[^\s,()]*")
 _DEFINITION, _REFERENCE = re.compile(rb"#(\d+)\s*="), re.compile(rb"#(\d+)")
 _FACE = re.compile(rb"=\s*(?:ADVANCED_FACE|FACE_SURFACE)\s*\(", re.IGNORECASE)
-_ENTITY = r"#{}\s*=\s*\((.*?)\)\s*;"
-_CONTEXT = re.compile(r"GLOBAL_UNIT_ASSIGNED_CONTEXT\s*\(\s*\((.*?)\)\s*\)", re.DOTALL)
-_PREFIX = {"": "m", "MILLI": "mm", "CENTI": "cm"}
 
 
 def require_whole(content: bytes, source: str) -> None:
@@ -53,37 +49,3 @@ def count_faces(content: bytes) -> int:
 
 def _without_texts(content: bytes) -> bytes:
     return _ANYTHING.sub(lambda found: b"''" if found.group(1) else b" ", content)
-
-
-def step_unit(text: str, source: str) -> str:
-    """Unit of length that a STEP file (ISO 10303-21) says for its shapes.
-
-    Raises InputError where it says none, several, or one that is unknown here.
-    """
-    units = set()
-    for context in _CONTEXT.findall(text):
-        for reference in re.findall(r"#(\d+)", context):
-            entity = re.search(_ENTITY.format(reference), text, re.DOTALL)
-            if entity and "LENGTH_UNIT" in entity.group(1):
-                units.add(_length_unit(entity.group(1), source))
-    if not units:
-        raise InputError(f"{source}: says no unit of length; export it anew from the CAD system")
-    if len(units) > 1:
-        named = " and ".join(sorted(units))
-        raise InputError(f"{source}: its shapes are in {named}; export them in one unit of length")
-    return units.pop()
-
-
-def _length_unit(entity: str, source: str) -> str:
-    conversion = re.search(r"CONVERSION_BASED_UNIT\s*\(\s*'([^']*)'", entity)
-    if conversion:
-        name = conversion.group(1).strip().lower()
-        if name in ("inch", "in"):
-            return "inch"
-    else:
-        si = re.search(r"SI_UNIT\s*\(\s*(?:\$|\.(\w+)\.)\s*,\s*\.METRE\.", entity)
-        name = ((si.group(1) or "").upper() if si else "unknown").lower()
-        if si and name.upper() in _PREFIX:
-            return _PREFIX[name.upper()]
-    allowed = ", ".join(METRES)
-    raise InputError(f"{source}: its unit of length, {name!r}, is not known here; use {allowed}")

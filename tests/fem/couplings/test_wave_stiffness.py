@@ -17,7 +17,7 @@ from validation.studies.leg_waves import dynamic_stiffness
 LENGTH = 0.9
 BOX = HollowRectangle(0.14, 0.2, 0.01)
 OPEN = ISection(0.1, 0.16, 0.012, 0.008)
-SECTIONS = [BOX, Tube(0.12, 0.01), OPEN, Rectangle(0.05, 0.08)]
+SECTIONS = [BOX, Tube(0.12, 0.01), OPEN]
 
 
 def waves_of(section, divisions):
