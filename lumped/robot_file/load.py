@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from importlib import resources
 from importlib.resources.abc import Traversable
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from lumped.acceptance.measured import Measured, pose_faults
 from lumped.acceptance.requirement import Requirement
@@ -41,6 +41,18 @@ _MOST_LINES = 50
 _LONGEST_LINE = 300
 
 
+class UncertainInput(NamedTuple):
+    """An uncertain input by its key, and the robot with it one standard uncertainty off.
+
+    `relative` is that uncertainty, of the value in the file.
+    """
+
+    key: str
+    relative: float
+    below: Mechanism
+    above: Mechanism
+
+
 @dataclass(frozen=True)
 class RobotFile:
     """A robot and the file it came from.
@@ -70,27 +82,35 @@ class RobotFile:
         """The robot's name."""
         return self.mechanism.name
 
-    def with_inputs_off(self) -> tuple[tuple[str, Mechanism, Mechanism], ...]:
-        """Each uncertain input by its key, with the robot where it is a standard uncertainty off.
+    def with_inputs_off(self) -> tuple[UncertainInput, ...]:
+        """Each uncertain input with the robot where it is a standard uncertainty off.
 
-        Below, then above what the file says. Raises InputError where there is no such robot.
+        Raises InputError where there is no such robot.
         """
-        read = rules_of(self.tables).read(self.tables)
         return tuple(
-            (
-                one["key"],
-                self._scaled(one["key"], -one["relative"]),
-                self._scaled(one["key"], one["relative"]),
+            UncertainInput(
+                key, share, self.with_factors({key: -share}), self.with_factors({key: share})
             )
-            for one in read["input_uncertainty"]
+            for key, share in self.uncertain_inputs.items()
         )
 
-    def _scaled(self, key: str, change: float) -> Mechanism:
+    @property
+    def uncertain_inputs(self) -> dict[str, float]:
+        """Relative standard uncertainties of data of the file, by key."""
+        read = rules_of(self.tables).read(self.tables)
+        return {one["key"]: one["relative"] for one in read["input_uncertainty"]}
+
+    def with_factors(self, off: Mapping[str, float]) -> Mechanism:
+        """The robot with numbers or matrices at keys off by such shares of themselves.
+
+        Raises InputError where there is no such robot.
+        """
         try:
-            value = times(value_at(self.tables, key), 1.0 + change)
-            return self.with_values({key: value}).mechanism
+            values = {key: times(value_at(self.tables, key), 1.0 + off[key]) for key in off}
+            return self.with_values(values).mechanism
         except InputError as error:
-            place = f"{self.source}: input_uncertainty, {key} by {change:+.3g}"
+            said = ", ".join(f"{key} by {change:+.3g}" for key, change in off.items())
+            place = f"{self.source}: input_uncertainty, {said}"
             raise InputError(f"{place}: {fault}" for fault in error.faults) from error
 
     def with_values(self, values: Mapping[str, Any]) -> "RobotFile":

@@ -10,6 +10,7 @@ from lumped.arrays import Array
 from validation.adequacy.causes import explained, remedied
 from validation.adequacy.errors import Errors, Scale
 from validation.adequacy.matrix import Adequacy, Entry, Matrix, ModelNote
+from validation.adequacy.probability import Probability, UncertainInputs, probability
 from validation.adequacy.response import Candidate, Reference, Subject
 
 DIGITS = "digits of the file"
@@ -18,14 +19,16 @@ DIGITS = "digits of the file"
 def judged(subject: Subject, requirement: Requirement) -> Matrix:
     """The matrix of a robot: every candidate by every quantity that it says anything of.
 
-    Its parts are judged with it; what beams get wrong of one alone is noted.
+    Its parts are judged with it, what beams get wrong of one alone is noted. Where inputs of the
+    robot are uncertain, a verdict that they leave less than 95 % probable is none.
     """
+    inputs = UncertainInputs(subject.inputs, requirement.modes) if subject.inputs else None
     scale = Scale(subject, requirement.modes)
     entries = [
         entry
         for candidate in subject.candidates
         for quantity in requirement.quantities
-        if (entry := _entry(scale, candidate, quantity, requirement.limit(quantity)))
+        if (entry := _entry(scale, candidate, quantity, requirement.limit(quantity), inputs))
     ]
     return Matrix(
         robot=subject.robot,
@@ -41,7 +44,13 @@ def judged(subject: Subject, requirement: Requirement) -> Matrix:
     )
 
 
-def _entry(scale: Scale, candidate: Candidate, quantity: str, limit: float) -> Entry | None:
+def _entry(
+    scale: Scale,
+    candidate: Candidate,
+    quantity: str,
+    limit: float,
+    inputs: UncertainInputs | None,
+) -> Entry | None:
     reference = scale.reference(quantity)
     same = [candidate.response] * len(reference.alternatives)
     errors = scale.errors(same, quantity)
@@ -58,31 +67,43 @@ def _entry(scale: Scale, candidate: Candidate, quantity: str, limit: float) -> E
     remedy, left = "", None
     if verdict == "inadequate":
         remedy, left = remedied(scale, candidate, quantity, errors, limit, pose)
+    off = inputs.error(candidate.model, quantity, errors) if inputs else None
+    known = probability(off, verdict, limit, pose) if off else None
     return Entry(
         model=candidate.model,
         quantity=quantity,
         error=None if missing else float(middle[pose]),
         uncertainty=None if missing else float(half[pose]),
         limit=limit,
-        verdict=verdict,
+        verdict=known.settled(verdict) if known else verdict,
         pose=_pose(scale.subject, pose),
         reference=reference.title,
         causes=causes,
         remedy=remedy,
         error_with_remedy=left,
-        reason=_reason(errors, candidate, quantity, verdict, reference, pose),
+        reason=(known.decides if known else "")
+        or _reason(errors, candidate, quantity, verdict, reference, pose),
         value=None if missing else float(np.mean(errors.value[told, pose])),
         expected=None if missing else _expected(errors.expected[told, pose]),
         along=alongs[pose] if alongs else None,
         force=_force(errors, quantity, told, pose),
-        uncertainties={} if missing else _parts(errors, reference, pose),
+        uncertainties={} if missing else _parts(errors, reference, pose) | _of_inputs(known),
         errors=_optional(middle),
         spreads=_optional(half),
         # Of another force, or another mode, at every pose numbers make no series.
         values=() if quantity in (ANY_FORCE, ORDER) else _optional(errors.value[0]),
         alongs=alongs,
         computed_by=(*candidate.computed_by, *reference.computed_by),
+        probability=known.within if known else None,
+        probability_beyond=known.beyond if known else None,
+        input_shares=known.shares if known else {},
+        value_spread=known.of_value if known else None,
+        assumed=reference.supposed,
     )
+
+
+def _of_inputs(known: Probability | None) -> dict[str, float]:
+    return {"inputs": known.half_width} if known else {}
 
 
 def _unknown(scale: Scale, candidate: Candidate, quantity: str, limit: float) -> Entry | None:

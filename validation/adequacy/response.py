@@ -151,7 +151,8 @@ class Subject:
 
     `poses` (p×n) in `coordinates`; `weights` (k) of the samples of shapes; `notes` as in `Matrix`;
     `parts` are its parts alone (each leg, root clamped), `formulation` the models whose legs are
-    others than the robot's, held against solids of those.
+    others than the robot's, held against solids of those; `inputs` the robot with uncertain inputs
+    off, where its file names any.
     """
 
     robot: str
@@ -164,3 +165,29 @@ class Subject:
     notes: tuple[str, ...] = ()
     parts: "tuple[Subject, ...]" = ()
     formulation: "Subject | None" = None
+    inputs: "InputsOff | None" = None
+
+
+@dataclass(frozen=True, eq=False)
+class InputOff:
+    """The robot as it is judged with one input one standard uncertainty below and above.
+
+    `key` of the input in the robot file, `relative` its standard uncertainty.
+    """
+
+    key: str
+    relative: float
+    below: Subject
+    above: Subject
+
+
+@dataclass(frozen=True, eq=False)
+class InputsOff:
+    """Robots with one uncertain input off each, and `together` (c) with all off by `draws` (c×k).
+
+    `draws` in standard uncertainties, inputs in the order of `alone`.
+    """
+
+    alone: Sequence[InputOff]
+    draws: Array
+    together: Sequence[Subject]

@@ -25,6 +25,7 @@ from validation.adequacy.mechanism.dynamics import (
     dynamic_reference,
     mass_notes,
 )
+from validation.adequacy.mechanism.inputs import inputs_off
 from validation.adequacy.mechanism.parts import reduction_note
 from validation.adequacy.mechanism.path import (
     RobotOnPath,
@@ -77,7 +78,10 @@ def robot_adequacy(context: Context) -> Matrix:
 
 
 def robot_subject(context: Context) -> Subject:
-    """The run's robot with its models and what they are held against."""
+    """The run's robot with its models and what they are held against.
+
+    Raises InputError where an uncertain input leads to no robot.
+    """
     robot = robot_on_path(context)
     models = judged_models(robot.mechanism)
     subject = _with_modes(static_subject(robot, models), robot, models)
@@ -91,6 +95,7 @@ def robot_subject(context: Context) -> Subject:
             if isinstance(shape, ConstantLeg | GivenLeg)
         ),
         formulation=_on_legs_of_constant_section(robot, models),
+        inputs=inputs_off(robot, subject, models),
     )
 
 

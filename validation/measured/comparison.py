@@ -4,14 +4,11 @@ The model's error δ lies within E ± k u_val, where E = S − D is what the mod
 measured and u_val² = u_num² + u_input² + u_D², three independent standard uncertainties.
 """
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from math import hypot
 
 from validation.adequacy.matrix import Adequacy
-
-# Of a normal distribution, two-sided 95 %.
-COVERAGE = 1.959964
+from validation.adequacy.probability import COVERAGE
 
 
 @dataclass(frozen=True)
@@ -55,12 +52,3 @@ class Comparison:
         if low >= -accepted and high <= accepted:
             return "adequate"
         return "inadequate" if low > accepted or high < -accepted else "undecided"
-
-
-def propagated(changes: Iterable[tuple[float, float]]) -> float:
-    """Standard uncertainty from independent inputs, to first order (GUM, eq. (10)).
-
-    `changes` are the model's values with one input at a time a standard uncertainty below and
-    above what the file says.
-    """
-    return hypot(*(0.5 * (above - below) for below, above in changes), 0.0)

@@ -10,12 +10,14 @@ from lumped.acceptance.requirement import AXES, Requirement
 from lumped.mechanism.kinematics.postures import posture
 from lumped.mechanism.mechanism import Mechanism
 from lumped.models.bodies import legs_of
+from lumped.robot_file.load import UncertainInput
 from validation.adequacy.judgement import worst_of
 from validation.adequacy.matrix import Entry, Matrix, ModelNote
 from validation.adequacy.mechanism.path import coordinates, why_not_serial
 from validation.adequacy.models import judged_models
+from validation.adequacy.probability import COVERAGE, propagated
 from validation.context import Context
-from validation.measured.comparison import COVERAGE, Comparison, propagated
+from validation.measured.comparison import Comparison
 from validation.models.legs import leg_compliance
 from validation.models.mechanism import answers
 from validation.models.options import STATIC, ModelName, ModelOptions
@@ -80,14 +82,17 @@ def _compared(
     robot: Mechanism,
     one: Measured,
     options: ModelOptions,
-    off: tuple[tuple[str, Mechanism, Mechanism], ...],
+    off: Sequence[UncertainInput],
 ) -> Comparison | None:
     value = predicted(model, robot, one, options)
     if value is None:
         return None
     changes = [
-        (predicted(model, below, one, options) or 0.0, predicted(model, above, one, options) or 0.0)
-        for _, below, above in off
+        (
+            predicted(model, by.below, one, options) or 0.0,
+            predicted(model, by.above, one, options) or 0.0,
+        )
+        for by in off
     ]
     numerical = 0.0
     if model in _OF_ELEMENTS:

@@ -93,6 +93,11 @@ class AdequacyRecord(msgspec.Struct, frozen=True, kw_only=True):
     along: float | None = None
     force: tuple[float, ...] = ()
     measured: bool = False
+    probability: float | None = None
+    probability_beyond: float | None = None
+    input_shares: Mapping[str, float] = {}
+    value_spread: float | None = None
+    assumed: str = ""
     poses: tuple[tuple[float, ...], ...] = ()
     values: tuple[float | None, ...] = ()
 

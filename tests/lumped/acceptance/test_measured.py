@@ -90,7 +90,7 @@ def test_a_robot_file_carries_measured_values_and_what_its_inputs_are_worth(robo
     path.write_text(robot_file.text + OWN, encoding="utf-8")
     own = load_robot(path)
     assert own.measured == (Measured("z", 27.0e-6, 0.3e-6, "dial gauge", (0.4975,), 1000.0),)
-    ((key, below, above),) = own.with_inputs_off()
+    ((key, _, below, above),) = own.with_inputs_off()
     assert key == "foot.compliance"
     given, less, more = (
         {joint.name: joint for joint in one.joints}["foot1"].compliance

@@ -85,7 +85,7 @@ def test_models_are_held_against_what_was_measured(tmp_path):
 def test_inputs_are_a_standard_uncertainty_off_in_every_model(tmp_path):
     """The drive turns the first frequency by what solving both robots says."""
     robot_file = load_robot(written(tmp_path))
-    ((key, below, above),) = robot_file.with_inputs_off()
+    ((key, _, below, above),) = robot_file.with_inputs_off()
     assert key == "joints.motor1.drive.stiffness"
     stiffness = [
         next(joint for joint in robot.joints if joint.name == "motor1").drive.stiffness

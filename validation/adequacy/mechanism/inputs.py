@@ -1,0 +1,171 @@
+"""A robot with its uncertain inputs off: what models then answer, and what they are held against.
+
+Models are solved anew. The reference is carried along: what solids are above beams of the sections'
+own constants, held alike, they stay above them for inputs a few per cent off. Of statics that is a
+congruence C = T C_beams Tᵀ with T from both Cholesky factors, of every frequency a factor; where
+the reference has no solids it is the same computation and nothing is carried.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import product
+
+import numpy as np
+from scipy.stats import norm, qmc
+
+from lumped.arrays import Array
+from lumped.mechanism.mechanism import Mechanism
+from validation.adequacy.mechanism.legs import held_spring
+from validation.adequacy.mechanism.masses import plausible_masses
+from validation.adequacy.mechanism.path import Holds, RobotOnPath, robot_at
+from validation.adequacy.mechanism.statics import assembled, compliances
+from validation.adequacy.mechanism.vibration import (
+    modes_by_model,
+    modes_of_own_beams,
+    modes_of_solids,
+)
+from validation.adequacy.models import JudgedModel, why_unable
+from validation.adequacy.partners import partners
+from validation.adequacy.response import (
+    UNSOLVED,
+    Candidate,
+    InputOff,
+    InputsOff,
+    Response,
+    Subject,
+    Vibration,
+    modes_of,
+    statics_of,
+    together,
+)
+from validation.context import Preset
+from validation.kinematics.poses import postures_of
+from validation.models.options import STATIC
+
+# Robots with all inputs off at once, by which one at a time are checked.
+_CHECKS: Mapping[Preset, int] = {"quick": 4, "standard": 8, "fine": 32}
+
+
+def inputs_off(
+    robot: RobotOnPath, subject: Subject, models: Mapping[str, JudgedModel]
+) -> InputsOff | None:
+    """The robot with its uncertain inputs off; None where the file names none.
+
+    Raises InputError where there is no such robot.
+    """
+    robot_file = robot.context.robot_file
+    inputs = robot_file.uncertain_inputs
+    if not inputs or not subject.statics.alternatives:
+        return None
+    own = _beams(robot)
+
+    def at(mechanism: Mechanism) -> Subject:
+        postures = postures_of(mechanism, [posture.pose for posture in robot.postures])
+        off = robot_at(robot.context, postures)
+        return _carried(subject, off, models, own, _beams(off))
+
+    alone = [
+        InputOff(one.key, one.relative, at(one.below), at(one.above))
+        for one in robot_file.with_inputs_off()
+    ]
+    count = _CHECKS[robot.context.preset]
+    draws = norm.ppf(qmc.Sobol(len(inputs), seed=1).random(count))
+    relative = np.array(list(inputs.values()))
+    together = [
+        at(robot_file.with_factors(dict(zip(inputs, row, strict=True)))) for row in draws * relative
+    ]
+    return InputsOff(alone, draws, together)
+
+
+@dataclass(frozen=True, eq=False)
+class _Beams:
+    """What stands for the references: one for every alternative, in their order."""
+
+    compliances: Sequence[Array]
+    vibrations: Sequence[Vibration | None]
+
+
+def _beams(robot: RobotOnPath) -> _Beams:
+    holds = tuple(robot.holding.alternatives.values())
+    masses = plausible_masses(robot.given.values()) if robot.given else (None,)
+    return _Beams(
+        [_compliance(robot, ends) for ends in holds],
+        [
+            modes_of(
+                partial(modes_of_solids, robot, ends, mass)
+                if not robot.prisms and not robot.mechanism.parts
+                else partial(modes_of_own_beams, robot, ends),
+                UNSOLVED,
+            ).vibration
+            for ends, mass in product(holds, masses)
+        ],
+    )
+
+
+def _compliance(robot: RobotOnPath, ends: Holds) -> Array:
+    springs = {
+        name: held_spring(robot.context, leg, ends[name]) for name, leg in robot.legs.items()
+    }
+    return assembled(robot.postures, springs)
+
+
+def _carried(
+    subject: Subject,
+    robot: RobotOnPath,
+    models: Mapping[str, JudgedModel],
+    own: _Beams,
+    off: _Beams,
+) -> Subject:
+    statics = [
+        replace(one, response=Response(compliance=_congruent(one.response.compliance, *beams)))
+        for one, *beams in zip(
+            subject.statics.alternatives, own.compliances, off.compliances, strict=True
+        )
+        if one.response.compliance is not None
+    ]
+    dynamics = [
+        replace(one, response=Response(vibration=_scaled(robot, one.response.vibration, *beams)))
+        for one, *beams in zip(
+            subject.dynamics.alternatives, own.vibrations, off.vibrations, strict=False
+        )
+    ]
+    return replace(
+        subject,
+        candidates=[_answered(one, robot, models[one.model]) for one in subject.candidates],
+        statics=replace(subject.statics, alternatives=statics),
+        dynamics=replace(subject.dynamics, alternatives=dynamics),
+    )
+
+
+def _answered(candidate: Candidate, robot: RobotOnPath, model: JudgedModel) -> Candidate:
+    if why_unable(robot.postures, model):
+        return replace(candidate, response=Response())
+    statics = statics_of(partial(compliances, robot.postures, model.kind, model.options))
+    modes = Response()
+    if model.kind not in STATIC:
+        modes = modes_of(partial(modes_by_model, robot, model.kind, model.options))
+    return replace(candidate, response=together(statics, modes))
+
+
+def _congruent(reference: Array, own: Array, off: Array) -> Array:
+    """The reference (p×6×6) with what changes `own` into `off` (p×6×6 each)."""
+    try:
+        lower = np.linalg.cholesky(reference) @ np.linalg.inv(np.linalg.cholesky(own))
+    except np.linalg.LinAlgError:
+        # Directions in which the robot is rigid: both are the same there.
+        return np.asarray(reference + off - own)
+    return np.asarray(lower @ off @ np.swapaxes(lower, 1, 2))
+
+
+def _scaled(
+    robot: RobotOnPath, reference: Vibration | None, own: Vibration | None, off: Vibration | None
+) -> Vibration | None:
+    """The reference's modes, each as much higher as the beams' mode of its shape has become."""
+    if reference is None or own is None or off is None:
+        return None
+    count = min(one.frequencies.shape[1] for one in (reference, own, off))
+    number = partners(reference, own, robot.samples.weights, count).number
+    number = np.where(number >= 0, number, np.arange(count))
+    ratio = np.take_along_axis(off.frequencies[:, :count] / own.frequencies[:, :count], number, 1)
+    return Vibration(reference.frequencies[:, :count] * ratio, reference.samples[:, :, :count])

@@ -1,0 +1,223 @@
+"""How probable a verdict is where inputs of the robot are uncertain, and which of them decide it.
+
+An input x with relative standard uncertainty u is x₀ (1 + u ξ), ξ normal, all independent. The ends
+of the interval of an error are taken quadratic in each ξ by itself, e₀ + g ξ + h ξ²/2, from the
+robots with that input alone one standard uncertainty below and above; by how much this misses some
+robots with all inputs off at once (`misfit`, root mean square) is added to the interval.
+Probabilities are shares of Sobol' points (scipy.stats.qmc); the variance of such a sum is the sum
+of its terms, whose shares are the first-order indices of Sobol' (Math. Comput. Simulat. 55 (2001)
+271).
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from math import hypot
+
+import numpy as np
+from scipy.optimize import brentq
+from scipy.stats import norm, qmc
+
+from lumped.arrays import Array
+from lumped.memo import memo
+from validation.adequacy.errors import Errors, Scale
+from validation.adequacy.matrix import Adequacy
+from validation.adequacy.response import InputsOff
+
+# Of a normal distribution, two-sided 95 %.
+COVERAGE = 1.959964
+# A verdict that is less probable than this is none.
+CONFIDENCE = 0.95
+# 4096 points of Sobol': probabilities of several seeds differ by 0.002.
+_POWER = 12
+# A share of the variance below which an input is not named.
+_WORTH_NAMING = 0.01
+
+
+@dataclass(frozen=True, eq=False)
+class Slope:
+    """An error's interval (2×p, lowest and highest) with one input a standard uncertainty off.
+
+    `key` of the input in the robot file, `relative` its standard uncertainty; `value` (p) is what
+    twice that changes in the model's own number.
+    """
+
+    key: str
+    relative: float
+    below: Array
+    above: Array
+    value: Array
+
+
+@dataclass(frozen=True, eq=False)
+class ErrorOfInputs:
+    """An error's interval (2×p) as it is with the inputs of the file, and how they change it."""
+
+    own: Array
+    slopes: Sequence[Slope]
+    misfit: float = 0.0
+
+    def at(self, draws: Array) -> Array:
+        """The interval (n×2×p) for draws (n×inputs) of ξ."""
+        linear, square = self._terms
+        found = np.tensordot(draws, linear, axes=1)
+        found += np.tensordot(0.5 * draws**2, square, axes=1)
+        return np.asarray(self.own + found + self.misfit * np.array([-1.0, 1.0])[:, None])
+
+    def probabilities(self, limit: float, known: Mapping[str, float] | None = None) -> Array:
+        """Of being within the limit in all poses, and of being beyond it in one.
+
+        `known`: factors by which inputs are known better than the file says.
+        """
+        factors = [(known or {}).get(slope.key, 1.0) for slope in self.slopes]
+        low, high = np.moveaxis(self.at(_draws(len(factors)) * np.array(factors)), 1, 0)
+        within = ((low >= -limit) & (high <= limit)).all(axis=1)
+        beyond = ((low > limit) | (high < -limit)).any(axis=1)
+        return np.array([within.mean(), beyond.mean()])
+
+    @cached_property
+    def _terms(self) -> tuple[Array, Array]:
+        linear = [0.5 * (slope.above - slope.below) for slope in self.slopes]
+        square = [slope.above - 2.0 * self.own + slope.below for slope in self.slopes]
+        return np.array(linear), np.array(square)
+
+    def shares(self, pose: int) -> dict[str, float]:
+        """First-order indices of Sobol' of the middle of the interval in a pose, largest first."""
+        linear, square = (term[:, :, pose].mean(axis=1) for term in self._terms)
+        parts = linear**2 + 0.5 * square**2
+        if not parts.sum() > 0.0:
+            return {}
+        named = zip((slope.key for slope in self.slopes), parts / parts.sum(), strict=True)
+        found = sorted(((float(share), key) for key, share in named), reverse=True)
+        return {key: share for share, key in found if share >= _WORTH_NAMING}
+
+
+@dataclass(frozen=True)
+class Probability:
+    """What uncertain inputs make of a verdict.
+
+    `within` and `beyond` the limit, wherever in its interval the error is; what is left of one is
+    open however well the inputs are known. Half-widths (95 %): `half_width` of the middle of the
+    error, `of_value` of the model's own number (its unit), to first order. `shares` are the
+    first-order indices of the error's inputs, `decides` is what to know better.
+    """
+
+    within: float
+    beyond: float
+    half_width: float
+    of_value: float
+    shares: Mapping[str, float]
+    decides: str = ""
+
+    def settled(self, verdict: Adequacy) -> Adequacy:
+        """A verdict by the inputs of the file; undecided where these leave too little of it."""
+        own = {"adequate": self.within, "inadequate": self.beyond}
+        return verdict if own.get(verdict, 1.0) >= CONFIDENCE else "undecided"
+
+
+def probability(error: ErrorOfInputs, verdict: Adequacy, limit: float, pose: int) -> Probability:
+    """Of a verdict by the inputs of the file; `pose` (its index) is the one that decides it."""
+    within, beyond = map(float, error.probabilities(limit))
+    middle = error.at(_draws(len(error.slopes)))[:, :, pose].mean(axis=1)
+    low, high = np.quantile(middle, [0.5 - 0.5 * CONFIDENCE, 0.5 + 0.5 * CONFIDENCE])
+    of_value = propagated((0.0, float(slope.value[pose])) for slope in error.slopes)
+    found = Probability(
+        within, beyond, float(high - low) / 2.0, COVERAGE * of_value, error.shares(pose)
+    )
+    if found.settled(verdict) == verdict:
+        return found
+    return replace(found, decides=_decided_by(error, verdict, limit, list(found.shares)))
+
+
+@dataclass(frozen=True, eq=False)
+class UncertainInputs:
+    """The errors of a robot's models with its inputs off, by the same rules as with these as given.
+
+    `off` the robots, `modes` the number of frequencies that are judged.
+    """
+
+    off: InputsOff
+    modes: int
+
+    def error(self, model: str, quantity: str, own: Errors) -> ErrorOfInputs | None:
+        """How inputs change a model's error of a quantity; None where one robot has no such error.
+
+        The order of modes has none: it jumps.
+        """
+        if own.numbers is not None:
+            return None
+        below, above, together = (
+            [_errors(scale, model, quantity) for scale in scales] for scales in self._scales
+        )
+        slopes = [
+            Slope(one.key, one.relative, _ends(low), _ends(high), (high.value - low.value)[0])
+            for one, low, high in zip(self.off.alone, below, above, strict=True)
+            if low and high
+        ]
+        checks = [_ends(one) for one in together if one]
+        known = [*(slope.below + slope.above for slope in slopes), *checks]
+        if np.isnan(known).any() or len(slopes) < len(below) or len(checks) < len(together):
+            return None
+        found = ErrorOfInputs(_ends(own), slopes)
+        missed = np.array(checks) - found.at(self.off.draws)
+        return replace(found, misfit=float(np.sqrt(np.mean(missed**2, axis=0).max())))
+
+    @cached_property
+    def _scales(self) -> tuple[list[Scale], ...]:
+        alone = self.off.alone
+        robots = [one.below for one in alone], [one.above for one in alone], self.off.together
+        return tuple([Scale(one, self.modes) for one in kind] for kind in robots)
+
+
+def _errors(scale: Scale, model: str, quantity: str) -> Errors | None:
+    (response,) = (one.response for one in scale.subject.candidates if one.model == model)
+    return scale.errors([response] * len(scale.reference(quantity).alternatives), quantity)
+
+
+def _ends(errors: Errors) -> Array:
+    """Lowest and highest error (2×p)."""
+    return np.stack(errors.interval)
+
+
+def _decided_by(error: ErrorOfInputs, verdict: Adequacy, limit: float, keys: Sequence[str]) -> str:
+    """What has to be known better for a verdict: the one input that can do it, else the first few.
+
+    `keys` in the order of their shares.
+    """
+    relative = {slope.key: slope.relative for slope in error.slopes}
+    column = 0 if verdict == "adequate" else 1
+
+    def lacking(known: Mapping[str, float]) -> float:
+        return CONFIDENCE - float(error.probabilities(limit, known)[column])
+
+    for key in keys:
+        if lacking({key: 0.0}) > 0.0:
+            continue
+        # A share of points is a staircase: to a hundredth of the uncertainty, on the safe side.
+        factor = brentq(lambda one, key=key: lacking({key: one}) or 1e-9, 0.0, 1.0, xtol=0.005)
+        known = max(factor - 0.01, 0.0) * relative[key]
+        return (
+            f"{key} known to a standard uncertainty of {100.0 * known:.2g} % (now "
+            f"{100.0 * relative[key]:.2g} %) would decide it"
+        )
+    for count in range(2, len(keys) + 1):
+        if lacking(dict.fromkeys(keys[:count], 0.0)) <= 0.0:
+            return f"{' and '.join(keys[:count])} known better would decide it together"
+    return ""
+
+
+@memo(8)
+def _draws(inputs: int) -> Array:
+    """Points of Sobol' (n×inputs), normal."""
+    points = qmc.Sobol(inputs, seed=0).random_base2(_POWER)
+    # The first point of the unscrambled sequence is the corner; the scrambled one has none.
+    return np.asarray(norm.ppf(points), dtype=float)
+
+
+def propagated(changes: Iterable[tuple[float, float]]) -> float:
+    """Standard uncertainty from independent inputs, to first order (GUM, eq. (10)).
+
+    `changes` are the model's values with one input at a time a standard uncertainty below and
+    above what the file says.
+    """
+    return hypot(*(0.5 * (above - below) for below, above in changes), 0.0)
