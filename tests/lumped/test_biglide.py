@@ -73,11 +73,3 @@ def test_family_begins_where_the_legs_can_meet():
     assert not faults(0.4549)
     assert "never becomes horizontal" in faults(0.4548)[0]
     assert "the slides must be apart" in faults(0.43)[0]
-
-
-@pytest.mark.parametrize(
-    ("a", "said"), [(1.7, "cannot meet"), (0.0, "must be apart"), (0.05, "differ by a = 0.05")]
-)
-def test_legs_that_cannot_meet_are_refused(a, said):
-    with pytest.raises(InputError, match=said):
-        like_ifw(a=a)

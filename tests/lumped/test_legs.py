@@ -111,14 +111,6 @@ def test_every_plane_has_its_own_shear_stiffness_and_rotary_inertia():
         assert inertia == pytest.approx(7800.0 * moment, rel=1e-12)
 
 
-def test_euler_bernoulli_drops_shear_and_rotary_inertia_of_bending():
-    full, slender = BEAM.timoshenko, BEAM.properties("euler-bernoulli")
-    assert full.rho_Iz == pytest.approx(7850.0 * 0.1 * 0.05**3 / 12.0)
-    assert (slender.GAy, slender.GAz, slender.rho_Iy, slender.rho_Iz) == (np.inf, np.inf, 0.0, 0.0)
-    assert slender.rho_J == pytest.approx(7850.0 * 0.05 * 0.1 * (0.05**2 + 0.1**2) / 12.0)
-    assert BEAM.properties("timoshenko") == full
-
-
 @pytest.mark.parametrize("shape", [Rectangle(0.05, 0.10), Circle(0.1)], ids=str)
 @pytest.mark.parametrize(("nu", "shear"), [(0.3, 1e-5), (-0.5, 2.0)])
 def test_shear_with_a_shear_modulus_of_its_own(shape, nu, shear):

@@ -10,7 +10,7 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.robot_file.rules.rule import Number, Rule, Several, is_finite_number
-from lumped.text import cut, shown
+from lumped.text import shown
 
 # Relative to √(k_ii k_jj): finite element programs print seven digits, so symmetric entries may
 # differ in the last; a lost sign or exponent differs by far more.
@@ -116,17 +116,12 @@ def _matrix_faults(value: object, kind: SquareMatrix) -> list[str]:
 
 def _shape_faults(value: object, kind: SquareMatrix) -> list[str]:
     n = kind.size
-    wanted = f"must be {n} rows of {n} numbers in {kind.unit}"
-    if not isinstance(value, list) or not all(isinstance(row, list) for row in value):
-        return [f": not a matrix; {wanted}"]
-    lengths = [len(row) for row in value]
-    if len(set(lengths)) > 1:
-        return [f": rows of {cut(', '.join(map(str, lengths)), 40)} entries; {wanted}"]
-    if lengths != [n] * n:
-        return [f": {len(lengths)}×{lengths[0] if lengths else 0} entries; {wanted}"]
+    rows = value if isinstance(value, list) else []
+    if [len(row) for row in rows if isinstance(row, list)] != [n] * n or len(rows) != n:
+        return [f": must be {n} rows of {n} numbers in {kind.unit}"]
     return [
         f"[{i},{j}] = {shown(entry)}: must be a finite number in {kind.unit}"
-        for i, row in enumerate(value, start=1)
+        for i, row in enumerate(rows, start=1)
         for j, entry in enumerate(row, start=1)
         if not is_finite_number(entry)
     ]

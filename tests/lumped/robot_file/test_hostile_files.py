@@ -202,20 +202,6 @@ def test_many_faults_are_counted_and_long_ones_cut(path):
     assert shown("x" * 10**7) == '"' + "x" * 58 + "…"
 
 
-def test_control_and_bidirectional_characters_are_written_out(path, capsys):
-    hostile = SOUND.replace(DISTANCE, DISTANCE + '"\\u001b[2J\\u202e\\u200b" = 1\n')
-    (fault,) = faults_of(path, hostile)
-    assert fault.startswith("geometry.\\x1b[2J\\u202e\\u200b: unknown key")
-    named = path.with_name("\u202elmot.toml")
-    named.write_text("", encoding="utf-8")
-    with pytest.raises(InputError) as error:
-        load_robot(named)
-    assert all("\\u202elmot.toml: " in fault for fault in error.value.faults)
-    path.write_text(SOUND.replace("test robot", "a\\u202eb"), encoding="utf-8")
-    assert cli.main(["check", str(path)]) == 0
-    assert f"{path}: sound; a\\u202eb, all 9 poses" in capsys.readouterr().out
-
-
 @pytest.mark.parametrize(
     ("text", "said"),
     [

@@ -9,7 +9,7 @@ from sound_biglide import SOUND
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, GivenLeg
 from lumped.models.bodies import legs_of
-from lumped.robot_file import as_printed, built_in_robots, load_robot, write_template
+from lumped.robot_file import built_in_robots, load_robot, write_template
 from lumped.sections import HollowRectangle
 
 
@@ -111,23 +111,6 @@ def test_ifw_has_the_appendix_values():
     assert np.trace(LEG1.compliance) == pytest.approx(1.80571e-6)
     assert np.trace(LEG2.compliance) == pytest.approx(1.157941e-6)
     assert np.trace(LEG1.inertia) == pytest.approx(6.855)
-
-
-def test_ifw_corrections_hold_the_printed_values_beside_the_used():
-    loaded = load_robot("ifw")
-    table = {c.key: (c.printed, c.used) for c in loaded.corrections}
-    assert table == {
-        "foot.compliance[6,6]": (3.16e-9, 3.16e-7),
-        "tool.compliance[2,1]": (9.70e-11, -9.70e-11),
-        "leg1.inertia[2,3]": (-0.940, -0.094),
-        "leg1.inertia[3,2]": (-0.940, -0.094),
-    }
-    printed = as_printed(loaded)
-    assert printed["foot"]["compliance"][5][5] == 3.16e-9
-    assert printed["tool"]["compliance"][1][0] == 9.70e-11
-    assert printed["leg1"]["inertia"][1][2] == printed["leg1"]["inertia"][2][1] == -0.940
-    assert loaded.tables["foot"]["compliance"][5][5] == 3.16e-7
-    assert compliance_of(loaded, "foot1")[5, 5] == 3.16e-7
 
 
 def test_tool_compliance_acts_only_when_active():

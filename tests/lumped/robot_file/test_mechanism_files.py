@@ -11,7 +11,6 @@ from lumped.legs import ConstantLeg, GivenLeg
 from lumped.mechanism.body import Rigid
 from lumped.mechanism.part import ByCylinder, ByFaces, ByName, ByPlane, PartInterface
 from lumped.robot_file import load_robot, write_template
-from lumped.robot_file.load import built_in_robots
 from lumped.robot_file.mechanism.part_tables import interface_of
 from lumped.robot_file.rules.tables import INTERFACE
 
@@ -34,11 +33,6 @@ def text_of(robot, tmp_path):
     path = tmp_path / "sound.toml"
     write_template(path, robot)
     return path.read_text(encoding="utf-8")
-
-
-def test_built_in_robots_are_one_of_each_kind_and_the_papers():
-    expected = {"3-rrr", "biglide", "delta", "five-bar", "hexapod", "ifw", "orthoglide"}
-    assert set(built_in_robots()) == expected
 
 
 def test_a_leg_stands_where_its_points_are_with_z_upwards():
