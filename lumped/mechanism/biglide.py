@@ -13,7 +13,7 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.errors import InputError
-from lumped.legs import EquivalentBy, Leg, equivalent_leg
+from lumped.legs import Leg, equivalent_leg
 from lumped.mechanism.body import Frame
 from lumped.mechanism.joint import Drive, Joint, JointKind, Side
 from lumped.mechanism.mechanism import GROUND, Mechanism, Tool
@@ -199,15 +199,13 @@ def biglide(
     )
 
 
-def lengthened(
-    a: float, leg1: Leg, leg2: Leg, alpha: float, by: EquivalentBy = "stiffness"
-) -> tuple[float, Leg, Leg]:
+def lengthened(a: float, leg1: Leg, leg2: Leg, alpha: float) -> tuple[float, Leg, Leg]:
     """Member `alpha` of the family of eqs (10), (11): legs α times as long, the same stroke d.
 
     The legs keep their (equivalent) constant section; a = α (L10 + L20) − d (m).
     """
     stroke = Stroke(a, leg1.length, leg2.length)
-    first, second = equivalent_leg(leg1, by), equivalent_leg(leg2, by)
+    first, second = equivalent_leg(leg1), equivalent_leg(leg2)
     return (
         alpha * (first.length + second.length) - stroke.length,
         replace(first, length=alpha * first.length),

@@ -37,10 +37,10 @@ def legs_of(mechanism: Mechanism) -> dict[str, Leg]:
     }
 
 
-def on_equivalent_legs(mechanism: Mechanism, by: EquivalentBy = "stiffness") -> Mechanism:
+def on_equivalent_legs(mechanism: Mechanism) -> Mechanism:
     """The mechanism with constant-section legs in place of those known by their 6×6."""
     bodies = {
-        name: replace(body, shape=replace(equivalent_leg(body.shape, by), name=name))
+        name: replace(body, shape=replace(equivalent_leg(body.shape), name=name))
         if isinstance(body.shape, GivenLeg)
         else body
         for name, body in mechanism.bodies.items()

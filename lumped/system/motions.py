@@ -109,16 +109,11 @@ class Frames:
 def frames_of(postures: Sequence[Posture]) -> Frames:
     """The frames of postures of one mechanism, body by body."""
     mechanism = postures[0].mechanism
+    frames = {name: [at.frames[name] for at in postures] for name in mechanism.bodies}
     return Frames(
         mechanism,
-        {
-            name: np.array([at.frames[name].position for at in postures])
-            for name in mechanism.bodies
-        },
-        {
-            name: np.array([at.frames[name].rotation for at in postures])
-            for name in mechanism.bodies
-        },
+        {name: np.array([frame.position for frame in of]) for name, of in frames.items()},
+        {name: np.array([frame.rotation for frame in of]) for name, of in frames.items()},
     )
 
 
