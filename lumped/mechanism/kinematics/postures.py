@@ -10,7 +10,6 @@ from collections.abc import Mapping
 
 import numpy as np
 from scipy.linalg import lstsq
-from scipy.optimize import least_squares
 
 from lumped.arrays import Array
 from lumped.errors import ComputationError, InputError, naming
@@ -215,10 +214,16 @@ def _nearest(closure: Closure, placement: Placement, pose: Array) -> Placement:
     """The placement that has the tool at the pose and the joints as little open as possible."""
     weights = np.ones(len(closure.joint_of) + len(closure.moves))
     weights[len(closure.joint_of) :] = _INSISTENT
-
-    def missed(step: Array) -> Array:
-        found: Array = weights * closure.residual_at(closure.moved(placement, step), pose)
-        return found
-
-    unknowns = closure.jacobian(placement).shape[1]
-    return closure.moved(placement, least_squares(missed, np.zeros(unknowns)).x)
+    residual = weights * closure.residual_at(placement, pose)
+    damping = 1.0
+    for _ in range(_ITERATIONS):
+        jacobian = weights[:, None] * closure.jacobian_at(placement)
+        system = np.vstack([jacobian, damping * np.eye(jacobian.shape[1])])
+        step = lstsq(system, np.append(-residual, np.zeros(jacobian.shape[1])))[0]
+        tried = closure.moved(placement, step)
+        found = weights * closure.residual_at(tried, pose)
+        if found @ found < residual @ residual:
+            placement, residual, damping = tried, found, 0.3 * damping
+        else:
+            damping *= 4.0
+    return placement

@@ -18,9 +18,7 @@ def postures_of(name):
     return [posture(mechanism, pose) for pose in mechanism.poses[::4]]
 
 
-@pytest.mark.parametrize(
-    ("name", "elements"), [("ifw", 60), ("five-bar", 4), ("delta", 60), ("hexapod", 60)]
-)
+@pytest.mark.parametrize(("name", "elements"), [("ifw", 60), ("five-bar", 4), ("delta", 60)])
 def test_many_postures_are_each_of_them(name, elements):
     """Reduced bodies, bodies as they stand, and a Delta whose rods spin idly."""
     at, options = postures_of(name), ModelOptions(elements=elements)

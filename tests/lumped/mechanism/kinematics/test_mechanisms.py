@@ -150,12 +150,11 @@ def tilted(mechanism, angle):
     return replace(mechanism, joints=tuple(joints))
 
 
-@pytest.mark.parametrize("robot", ["3-rrr", "orthoglide"])
-def test_loops_that_only_almost_close_say_that_digits_are_missing(robot):
-    mechanism = tilted(load_robot(robot).mechanism, 1e-7)
+def test_loops_that_only_almost_close_say_that_digits_are_missing():
+    mechanism = tilted(load_robot("3-rrr").mechanism, 1e-7)
     with pytest.raises(InputError, match=r"\d+ of its constraints repeat others and contradict"):
         posture(mechanism, mechanism.poses[0])
-    found = mobility(reference_posture(tilted(load_robot(robot).mechanism, 1e-4)))
+    found = mobility(reference_posture(tilted(load_robot("3-rrr").mechanism, 1e-4)))
     assert found.almost_redundant == 1
 
 
