@@ -15,6 +15,7 @@ from scipy.sparse import csr_array
 
 from fem.machine import threads
 from fem.solvers.cholmod import bisected_factor, whole_factor
+from fem.solvers.cholmod.kernel import kernel
 from fem.solvers.cholmod.layout import factors_are_readable
 from fem.solvers.factor import Backend, Factor, Symbolic, refuse_beyond_memory, upper_triangle
 from fem.solvers.ordering import Elimination, bisection, block_graph, nested_dissection
@@ -43,7 +44,8 @@ def solver_name() -> str:
     if default_backend() == "mkl":
         return "MKL PARDISO"
     reached = "" if factors_are_readable() else ", by cvxopt's public interface (slower)"
-    return f"CHOLMOD (cvxopt) with METIS{reached}"
+    named = f", {kernel()} kernel" if kernel() else ""
+    return f"CHOLMOD (cvxopt{named}) with METIS{reached}"
 
 
 def analyse(
@@ -57,13 +59,15 @@ def analyse(
     The upper triangle of the matrix is enough.
     `leading`: sizes of the blocks of unknowns before the nodes of three (see fem.solvers.ordering).
     `backend` None means `default_backend()`; `elimination` one that is known already. Raises
-    ComputationError where the backend is missing.
+    ComputationError where the backend is missing, or computes wrong products.
     """
     triangle = upper_triangle(matrix)
     if (backend or default_backend()) == "mkl":
         from fem.solvers import pardiso  # noqa: PLC0415  the extra is optional
 
         return pardiso.analyse(triangle)
+    # Once in a process: that its products are right.
+    kernel()
     if elimination is None:
         graph = block_graph(triangle, leading)
         if matrix.shape[0] >= _BISECTED and threads() > 1 and factors_are_readable():

@@ -2,3 +2,8 @@
 
 In: analysed patterns and upper triangles. Out: factors as `fem.solvers.factor` describes them.
 """
+
+from fem.solvers.cholmod.kernel import naming_the_kernel
+
+with naming_the_kernel():
+    import cvxopt.cholmod  # noqa: F401  loads OpenBLAS, whoever asks for it later

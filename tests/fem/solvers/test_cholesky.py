@@ -18,6 +18,7 @@ from fem.solvers import cholesky
 from fem.solvers.cholesky import analyse, default_backend, factorise
 from fem.solvers.cholmod import layout, supernodes
 from fem.solvers.cholmod.bisected_factor import BisectedFactor
+from fem.solvers.cholmod.kernel import kernel
 from fem.solvers.cholmod.supernodes import statistics
 from fem.solvers.cholmod.whole_factor import CholmodFactor, PublicFactor, symbolic_factor
 from fem.solvers.factor import NotPositiveDefiniteError, SeparatedFactor, upper_triangle
@@ -243,7 +244,7 @@ def test_another_version_or_layout_than_the_locked_one_is_noticed(monkeypatch, w
     read = name == "_READ"
     assert layout.factors_are_readable() == read
     reached = "" if read else ", by cvxopt's public interface (slower)"
-    assert cholesky.solver_name() == "CHOLMOD (cvxopt) with METIS" + reached
+    assert cholesky.solver_name() == f"CHOLMOD (cvxopt, {kernel()} kernel) with METIS{reached}"
     matrix = csr_array(np.eye(3))
     assert type(factorise(analyse(matrix), matrix)) is (CholmodFactor if read else PublicFactor)
 

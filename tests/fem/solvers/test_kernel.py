@@ -1,0 +1,64 @@
+"""The kernel that OpenBLAS is told to take: of faked processors, and in processes of their own."""
+
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from cvxopt import blas
+
+from fem.solvers.cholmod.kernel import VARIABLE, fitting_kernel, kernel, naming_the_kernel
+from lumped.errors import ComputationError
+
+ALL = dict.fromkeys(("AVX512_SKX", "AVX2", "FMA3"), True)
+SAYS = "from fem.solvers.cholmod.kernel import kernel; print(kernel())"
+
+
+@pytest.mark.parametrize(
+    ("instructions", "expected"),
+    [
+        (ALL, "SkylakeX"),
+        (ALL | {"AVX512_SKX": False}, "Haswell"),
+        (ALL | {"AVX512_SKX": False, "FMA3": False}, None),
+        ({}, None),
+    ],
+)
+def test_a_processor_gets_the_fastest_kernel_whose_instructions_it_has(
+    instructions: dict[str, bool], expected: str | None
+) -> None:
+    assert fitting_kernel(instructions) == expected
+
+
+@pytest.mark.parametrize("known", [ALL, ALL | {"AVX512_SKX": False}])
+def test_openblas_takes_the_kernel_that_is_named_while_it_is_loaded(
+    known: dict[str, bool], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv(VARIABLE, raising=False)
+    monkeypatch.setattr(np._core._multiarray_umath, "__cpu_features__", known)
+    with naming_the_kernel():
+        assert os.environ[VARIABLE] == fitting_kernel(known)
+    # Whoever is started later chooses by himself.
+    assert VARIABLE not in os.environ
+
+
+@pytest.mark.parametrize("named", ["Prescott", "Haswell"])
+def test_the_users_choice_stays(named: str) -> None:
+    own = {**os.environ, VARIABLE: named}
+    found = subprocess.run(
+        [sys.executable, "-c", SAYS], env=own, capture_output=True, text=True, check=True
+    )
+    assert found.stdout.split() == [named]
+
+
+def test_a_kernel_that_computes_wrong_products_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    right = blas.gemm
+
+    def wrong(a: object, b: object, product: object, **options: object) -> None:
+        right(a, b, product, **options)
+        product[5, 7] *= 1.0 + 1e-6  # type: ignore[index]
+
+    kernel.cache_clear()
+    monkeypatch.setattr(blas, "gemm", wrong)
+    with pytest.raises(ComputationError, match="set the environment variable OPENBLAS_CORETYPE"):
+        kernel()
