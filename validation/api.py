@@ -32,7 +32,7 @@ from validation.report.first_screen.table import table_of
 from validation.report.first_screen.words import force_text
 from validation.solve.answer import Solution, paragraph, table
 from validation.solve.model_answers import solve as answered
-from validation.solve.question import Asked
+from validation.solve.question import Question
 
 Robot = RobotFile | str | Path
 
@@ -63,9 +63,9 @@ def solve(
     for one alone. Raises InputError, ComputationError.
     """
     typed = tuple(",".join(repr(float(number)) for number in np.atleast_1d(one)) for one in poses)
-    asked = Asked(model, options, modes, poses=typed, leg=leg, body=body)
     with _arguments_named():
-        return answered(asked.of(_loaded(robot)))
+        asked = Question(_loaded(robot), model, options, modes, poses=typed, leg=leg, body=body)
+        return answered(asked)
 
 
 @dataclass(frozen=True)

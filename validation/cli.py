@@ -25,7 +25,6 @@ from validation.console.typed import (
     require_apart,
     require_place,
     shown,
-    write,
 )
 from validation.kinematics import commands as kinematics
 from validation.selftest.command import selftest
@@ -335,9 +334,7 @@ def solve(
     from validation.solve.answer import as_json, as_text  # noqa: PLC0415
     from validation.solve.model_answers import checked  # noqa: PLC0415
     from validation.solve.model_answers import solve as solved  # noqa: PLC0415
-    from validation.solve.question import Asked  # noqa: PLC0415
-    from validation.solve.variations import robots  # noqa: PLC0415
-    from validation.solve.variations.command import Spread, solve_spread  # noqa: PLC0415
+    from validation.solve.question import Question  # noqa: PLC0415
 
     require_address_space(TO_COMPUTE)
     require_place(csv, ".csv")
@@ -357,22 +354,12 @@ def solve(
         "reduction": reduction,
     }
     given = {name: value for name, value in choices.items() if value is not None}
-    asked = Asked(model, given, modes, x, pose, leg, body, against)
+    question = Question(robot_file, model, given, modes, x, pose, leg, body, against)
     if vary or csv or jobs or picture or cluster is not None:
-        if against:
-            raise InputError("--against: modes are paired for one robot; leave out --vary")
-        spread = Spread(vary, jobs or 1, cluster, drawn=picture is not None)
-        varied = solve_spread(robot_file, spread, asked)
-        say(robots.as_json(varied) if json else robots.as_text(varied))
-        complain(robots.without_say(varied), 0)
-        if csv is not None:
-            write(csv, robots.as_csv(varied).encode())
-        if picture is not None:
-            from validation.solve.variations.picture import png  # noqa: PLC0415
+        from validation.solve.varied import tell_varied  # noqa: PLC0415
 
-            write(picture, png(robot_file, varied))
+        tell_varied(question, vary, jobs or 1, cluster, csv, picture, json=json)
         return 0
-    question = asked.of(robot_file)
     cost = checked(question)
     if cost.seconds > _PATIENCE:
         with stage(f"{model} model, {cost}"):

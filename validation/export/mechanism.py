@@ -6,7 +6,6 @@ import numpy as np
 
 from fem.calculix.deck import deck_text
 from fem.calculix.mechanism import mechanism_deck
-from lumped.legs import ConstantLeg
 from lumped.mechanism.body_model import LegMatrices
 from lumped.mechanism.kinematics.postures import posture, shown_pose
 from lumped.mechanism.mechanism import Mechanism, Posture
@@ -15,15 +14,15 @@ from lumped.system.solution import solved
 from validation.context import Preset
 from validation.export.models import (
     DIVISIONS,
+    MATRIX_DIVISIONS,
     MODES,
     STATIONS,
-    about_legs,
     named_fields,
     vectors_of,
     write_leg,
+    write_part,
 )
-from validation.export.parts import write_part
-from validation.export.readme import OF_PARTS, write_readme
+from validation.export.readme import OF_LEGS, OF_PARTS, write_readme
 from validation.export.vtk_files import polyline, save
 from validation.models.mechanism import constant_legs, mechanism_modes
 from validation.models.options import DEFAULT_OPTIONS
@@ -57,7 +56,9 @@ def export_mechanism(mechanism: Mechanism, preset: Preset, folder: Path) -> None
     OSError where the disk refuses.
     """
     at = posture(mechanism, mechanism.poses[len(mechanism.poses) // 2])
-    alike = _alike(mechanism)
+    # Every different leg with the bodies that have its shape.
+    legs = [(leg, name) for name, leg, _ in constant_legs(mechanism, DEFAULT_OPTIONS)]
+    alike = {leg: [name for other, name in legs if other == leg] for leg, _ in legs}
     parts = [write_part(body, folder) for body in mechanism.parts.values()]
     for leg, ones in alike.items():
         write_leg(leg, ones[0], DIVISIONS[preset], folder)
@@ -72,18 +73,12 @@ def export_mechanism(mechanism: Mechanism, preset: Preset, folder: Path) -> None
         "pose": shown_pose(mechanism, at.pose) or "reference posture",
         "legs": ", ".join(legs_of(mechanism)),
         "modes": MODES,
+        "divisions": DIVISIONS[preset],
+        "matrix_divisions": MATRIX_DIVISIONS,
     }
-    of_mechanism = {name: text.format(**said) for name, text in _OF_MECHANISM.items()}
     head = "\n".join([head, *(f"Part {part}." for part in parts)])
-    write_readme(folder, head, {**of_mechanism, **OF_PARTS, **about_legs(preset)})
-
-
-def _alike(mechanism: Mechanism) -> dict[ConstantLeg, list[str]]:
-    """Every different leg with the bodies that have its shape."""
-    found: dict[ConstantLeg, list[str]] = {}
-    for name, leg, _ in constant_legs(mechanism, DEFAULT_OPTIONS):
-        found.setdefault(leg, []).append(name)
-    return found
+    about = {**_OF_MECHANISM, **OF_PARTS, **OF_LEGS}
+    write_readme(folder, head, {files: text.format(**said) for files, text in about.items()})
 
 
 def _write_beams(at: Posture, path: Path) -> None:
@@ -106,4 +101,4 @@ def _write_beams(at: Posture, path: Path) -> None:
         )
         fields.append({key: field @ frame.rotation.T for key, field in own.items()})
     joined = {key: np.vstack([one[key] for one in fields]) for key in fields[0]}
-    save(polyline(lines, joined, found.modes.frequencies), path)
+    save(polyline(lines), joined, found.modes.frequencies, path)

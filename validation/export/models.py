@@ -8,14 +8,19 @@ from scipy.io import mmwrite
 from scipy.sparse import coo_array, csc_array, save_npz
 
 from fem.bodies import solid
+from fem.bodies.part import grips_of, held_part, meshed_part
+from fem.reduction.craig_bampton import reduction
+from fem.reduction.held import held_body
 from lumped.arrays import Array, SparseMatrix, dense
 from lumped.legs import ConstantLeg
+from lumped.mechanism.body import Body
 from lumped.mechanism.body_model import LegMatrices
 from lumped.models.cantilever import clamped_modes
 from validation.context import Preset
-from validation.export.readme import OF_LEGS
 from validation.export.vtk_files import grid, polyline, save
 from validation.models.legs import leg_matrices
+from validation.models.parts import UNKNOWNS, found_in, shape_of
+from validation.parts.meshes import part_mesh
 
 WRENCHES = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
 MODES = 6
@@ -24,12 +29,6 @@ DIVISIONS: dict[Preset, int] = {"quick": 2, "standard": 4, "fine": 6}
 # The matrices are meant to be looked at and tried: one element across keeps them below 1000 rows.
 MATRIX_DIVISIONS = 1
 STATIONS = 41
-
-
-def about_legs(preset: Preset) -> dict[str, str]:
-    """What the files of legs hold."""
-    numbers = {"divisions": DIVISIONS[preset], "matrix_divisions": MATRIX_DIVISIONS}
-    return {pattern: text.format(**numbers) for pattern, text in OF_LEGS.items()}
 
 
 def write_leg(leg: ConstantLeg, stem: str, divisions: int, folder: Path) -> None:
@@ -51,16 +50,37 @@ def write_leg(leg: ConstantLeg, stem: str, divisions: int, folder: Path) -> None
         _write_centreline(models[name], folder / f"{stem}_{name}.vtp")
 
 
+def write_part(body: Body, folder: Path) -> str:
+    """Write a part on the finest mesh of its identification; in a line what its interfaces are.
+
+    Raises InputError where it cannot be meshed, ComputationError where it cannot be solved,
+    OSError where the disk refuses.
+    """
+    file, interfaces = found_in(body)
+    mesh = part_mesh(file, interfaces, UNKNOWNS)
+    meshed = meshed_part(mesh, shape_of(body).material)
+    held = held_part(meshed, grips_of(mesh, interfaces), body.name)
+    swung = held.modes(MODES)
+    reduced = reduction(held_body(held), float(swung.frequencies[-1]))
+    write_matrix(reduced.stiffness, folder / f"{body.name}_reduced_K")
+    write_matrix(reduced.mass, folder / f"{body.name}_reduced_M")
+
+    at_nodes = held.solid.transformation
+    others = [one.name for one in interfaces[1:]]
+    names = [f"displacement {name} {wrench}" for name in others for wrench in WRENCHES]
+    fields = dict(zip(names, (at_nodes @ held.response).T, strict=True))
+    fields |= {f"mode {k}": shape for k, shape in enumerate(swung.shapes.T, start=1)}
+    save(grid(mesh), fields, swung.frequencies, folder / f"{body.name}_part.vtu")
+    held_by = ", ".join(f"{one.name} ({one.coupling})" for one in interfaces)
+    return f"{body.name}: {file.path.name}, interfaces {held_by}"
+
+
 def _write_solid(leg: ConstantLeg, divisions: int, path: Path) -> None:
     mesh = solid.solid_mesh(leg, divisions)
     clamped = solid.clamped_leg(solid.solid_leg(leg, mesh))
     deflections = clamped.solid.transformation @ clamped.response
     swung = clamped.modes(MODES)
-    data = grid(mesh)
-    for name, field in named_fields(deflections, swung.shapes).items():
-        data.point_data[name] = field.reshape(-1, 3)
-    data.field_data["frequencies"] = swung.frequencies
-    save(data, path)
+    save(grid(mesh), named_fields(deflections, swung.shapes), swung.frequencies, path)
 
 
 def _write_centreline(leg: LegMatrices, path: Path) -> None:
@@ -72,7 +92,7 @@ def _write_centreline(leg: LegMatrices, path: Path) -> None:
     swung = clamped_modes(leg, MODES)
     points = np.column_stack([stations, np.zeros((STATIONS, 2))])
     fields = named_fields(twists @ deflections, twists @ swung.shapes)
-    save(polyline([points], vectors_of(fields), swung.frequencies), path)
+    save(polyline([points]), vectors_of(fields), swung.frequencies, path)
 
 
 def write_matrix(matrix: SparseMatrix | Array, path: Path) -> None:
@@ -87,12 +107,8 @@ def write_matrix(matrix: SparseMatrix | Array, path: Path) -> None:
 
 def named_fields(deflections: Array, shapes: Array) -> dict[str, Array]:
     """Columns by name: deflections under unit wrenches, then mode shapes."""
-    named = {_DISPLACEMENT[w]: u for w, u in zip(WRENCHES, deflections.T, strict=True)}
+    named = {f"displacement {w}": u for w, u in zip(WRENCHES, deflections.T, strict=True)}
     return named | {f"mode {k}": shape for k, shape in enumerate(shapes.T, start=1)}
-
-
-_DISPLACEMENT = {wrench: f"displacement {wrench}" for wrench in WRENCHES}
-_ROTATION = {_DISPLACEMENT[wrench]: f"rotation {wrench}" for wrench in WRENCHES}
 
 
 def vectors_of(fields: Mapping[str, Array]) -> dict[str, Array]:
@@ -101,5 +117,5 @@ def vectors_of(fields: Mapping[str, Array]) -> dict[str, Array]:
     for name, field in fields.items():
         twists = np.asarray(field).reshape(-1, 6)
         vectors[name] = twists[:, :3]
-        vectors[_ROTATION.get(name, f"rotation {name}")] = twists[:, 3:]
+        vectors[f"rotation {name.removeprefix('displacement ')}"] = twists[:, 3:]
     return vectors

@@ -46,8 +46,7 @@ OF_PARTS: Mapping[str, str] = {
 def write_readme(folder: Path, head: str, about: Mapping[str, str]) -> None:
     """Write README.txt for all files in `folder`, each under the first pattern that it matches.
 
-    `about` maps shell-style patterns to what such files hold. Raises ValueError for a file that
-    nobody describes.
+    `about` maps shell-style patterns to what such files hold.
     """
     files = sorted(path.name for path in folder.iterdir())
     blocks = [head]
@@ -56,8 +55,6 @@ def write_readme(folder: Path, head: str, about: Mapping[str, str]) -> None:
         files = [name for name in files if name not in described]
         if described:
             blocks.append(f"{_wrapped(', '.join(described))}\n{_wrapped(text, ' ' * 4)}")
-    if files:
-        raise ValueError(f"nothing is said of {', '.join(files)}")
     (folder / "README.txt").write_text("\n\n".join(blocks) + "\n", encoding="utf-8")
 
 

@@ -1,4 +1,4 @@
-"""Meshes as VTK grids, centrelines as VTK lines, and VTK data as files."""
+"""Meshes as VTK grids, centrelines as VTK lines, and both with fields as files."""
 
 from collections.abc import Mapping, Sequence
 from errno import EIO
@@ -9,35 +9,24 @@ import numpy as np
 
 from lumped.arrays import Array
 from meshes.elements import ELEMENTS
-from meshes.section.section_mesh import SectionMesh
 from meshes.solid_mesh import VolumeMesh
 
+# VTK takes seconds and system libraries to load; whoever draws nothing needs neither.
 if TYPE_CHECKING:
     import pyvista
 
 
-def grid(mesh: SectionMesh | VolumeMesh) -> "pyvista.UnstructuredGrid":
-    """The mesh as a VTK grid in leg axes (m), nodes and cells in the mesh's own numbering.
-
-    A section lies in the plane x = 0. Data per node or cell can be attached as they are.
-    """
-    # VTK takes seconds and system libraries to load; whoever draws nothing needs neither.
+def grid(mesh: VolumeMesh) -> "pyvista.UnstructuredGrid":
+    """The mesh as a VTK grid (m), nodes and cells in the mesh's own numbering."""
     import pyvista  # noqa: PLC0415
 
     kind = ELEMENTS[mesh.element]
-    nodes = mesh.nodes
-    if nodes.shape[1] == 2:
-        nodes = np.column_stack([np.zeros(len(nodes)), nodes])
-    return pyvista.UnstructuredGrid({kind.vtk_type: mesh.cells[:, list(kind.vtk_order)]}, nodes)
+    cells = {kind.vtk_type: mesh.cells[:, list(kind.vtk_order)]}
+    return pyvista.UnstructuredGrid(cells, mesh.nodes)
 
 
-def polyline(
-    lines: Sequence[Array], point_data: Mapping[str, Array], frequencies: Array
-) -> "pyvista.PolyData":
-    """Open lines through their points (m×3 each, m); data per point of all lines in their order.
-
-    `frequencies` (Hz) become field data; the cell data "leg" number the lines from 1.
-    """
+def polyline(lines: Sequence[Array]) -> "pyvista.PolyData":
+    """Open lines through their points (m×3 each, m), numbered from 1 as cell data "leg"."""
     import pyvista  # noqa: PLC0415
 
     counts = [len(line) for line in lines]
@@ -46,20 +35,25 @@ def polyline(
         np.r_[count, start + np.arange(count)] for count, start in zip(counts, starts, strict=True)
     ]
     data = pyvista.PolyData(np.vstack(lines), lines=np.concatenate(cells))
-    for name, field in point_data.items():
-        data.point_data[name] = field
     data.cell_data["leg"] = np.arange(1, len(lines) + 1)
-    data.field_data["frequencies"] = frequencies
     return data
 
 
-def save(data: "pyvista.DataSet", path: Path) -> None:
-    """Write VTK's XML format (.vtu, .vtp) in binary. Raises OSError where the disk refuses."""
+def save(
+    data: "pyvista.DataSet", fields: Mapping[str, Array], frequencies: Array, path: Path
+) -> None:
+    """Write `fields` (3 numbers per point) and `frequencies` (Hz) in VTK's XML format, binary.
+
+    Raises OSError where the disk refuses.
+    """
     from vtkmodules.vtkIOXML import (  # noqa: PLC0415
         vtkXMLPolyDataWriter,
         vtkXMLUnstructuredGridWriter,
     )
 
+    for name, field in fields.items():
+        data.point_data[name] = np.asarray(field).reshape(-1, 3)
+    data.field_data["frequencies"] = frequencies
     writer = vtkXMLPolyDataWriter() if path.suffix == ".vtp" else vtkXMLUnstructuredGridWriter()
     writer.SetFileName(str(path))
     writer.SetInputData(data)

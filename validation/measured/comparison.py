@@ -16,7 +16,7 @@ class Comparison:
     """A model's value S and a measured one D with standard uncertainties, all in one unit.
 
     `numerical` is that of the model's discretisation, `inputs` what the uncertain inputs of the
-    robot make of it, `measurement` that of D.
+    robot make of it, `measurement` that of D. What they say of the model is relative to |D|.
     """
 
     value: float
@@ -28,27 +28,30 @@ class Comparison:
     @property
     def error(self) -> float:
         """E = S − D."""
-        return self.value - self.measured
+        return (self.value - self.measured) / abs(self.measured)
 
     @property
-    def validation_uncertainty(self) -> float:
-        """u_val, standard."""
-        return hypot(self.numerical, self.inputs, self.measurement)
+    def uncertainties(self) -> dict[str, float]:
+        """Half-widths of 95 % intervals by where they come from."""
+        parts = {
+            "numerics": self.numerical,
+            "inputs": self.inputs,
+            "measurement": self.measurement,
+        }
+        return {name: COVERAGE * part / abs(self.measured) for name, part in parts.items()}
 
     @property
-    def interval(self) -> tuple[float, float]:
-        """Lowest and highest error of the model with 95 % confidence."""
-        half = COVERAGE * self.validation_uncertainty
-        return self.error - half, self.error + half
+    def uncertainty(self) -> float:
+        """K u_val: the model's error lies within E ± this with 95 % confidence."""
+        return hypot(*self.uncertainties.values())
 
     def verdict(self, limit: float) -> Adequacy:
-        """By the relative `limit` of the measured value.
+        """By the relative `limit`.
 
         Adequate where the whole interval lies within it, inadequate where all of it lies without,
         on one side; else undecided.
         """
-        accepted = limit * abs(self.measured)
-        low, high = self.interval
-        if low >= -accepted and high <= accepted:
+        size = abs(self.error)
+        if size + self.uncertainty <= limit:
             return "adequate"
-        return "inadequate" if low > accepted or high < -accepted else "undecided"
+        return "inadequate" if size - self.uncertainty > limit else "undecided"

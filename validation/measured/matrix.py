@@ -39,13 +39,9 @@ def measured_matrix(context: Context) -> Matrix:
     entries = []
     for name, (model, _, options) in candidates.items():
         for quantity in quantities:
-            found = {
-                one: compared
-                for one in ones
-                if one.quantity == quantity
-                and (compared := _compared(model, robot, one, options, off))
-            }
-            if found:
+            alike = [one for one in ones if one.quantity == quantity]
+            compared = {one: _compared(model, robot, one, options, off) for one in alike}
+            if found := {one: comparison for one, comparison in compared.items() if comparison}:
                 entries.append(_entry(name, quantity, found, robot_file.requirement, poses))
     return Matrix(
         robot=robot.name,
@@ -110,25 +106,16 @@ def _entry(
     poses: Sequence[tuple[float, ...]],
 ) -> Entry:
     limit = requirement.limit(quantity) if "." not in quantity else requirement.deflection
-    verdicts = {one: compared.verdict(limit) for one, compared in found.items()}
-    verdict = worst_of(list(verdicts.values()))
-    alike = [one for one in found if verdicts[one] == verdict]
-    worst = max(alike, key=lambda one: abs(found[one].error / one.value))
-    compared, scale = found[worst], abs(worst.value)
-    # Of several values in one pose the one that is farthest off.
-    at = [
-        max(
-            ((one, compared) for one, compared in found.items() if one.pose == pose),
-            key=lambda pair: abs(pair[1].error / pair[0].value),
-            default=None,
-        )
-        for pose in poses
-    ]
+    verdict = worst_of([compared.verdict(limit) for compared in found.values()])
+    # The farthest off decides, of the whole and of several in one pose.
+    ordered = sorted(found.items(), key=lambda pair: abs(pair[1].error), reverse=True)
+    worst, compared = next(pair for pair in ordered if pair[1].verdict(limit) == verdict)
+    at = [next((own for one, own in ordered if one.pose == pose), None) for pose in poses]
     return Entry(
         model=model,
         quantity=quantity,
-        error=compared.error / scale,
-        uncertainty=COVERAGE * compared.validation_uncertainty / scale,
+        error=compared.error,
+        uncertainty=compared.uncertainty,
         limit=limit,
         verdict=verdict,
         pose=worst.pose,
@@ -136,16 +123,10 @@ def _entry(
         reason="" if verdict != "undecided" else "a smaller validation uncertainty would decide",
         value=compared.value,
         expected=worst.value,
-        uncertainties={
-            "numerics": COVERAGE * compared.numerical / scale,
-            "inputs": COVERAGE * compared.inputs / scale,
-            "measurement": COVERAGE * compared.measurement / scale,
-        },
-        errors=tuple(pair and pair[1].error / abs(pair[0].value) for pair in at),
-        spreads=tuple(
-            pair and COVERAGE * pair[1].validation_uncertainty / abs(pair[0].value) for pair in at
-        ),
-        values=tuple(pair and pair[1].value for pair in at),
+        uncertainties=compared.uncertainties,
+        errors=tuple(one and one.error for one in at),
+        spreads=tuple(one and one.uncertainty for one in at),
+        values=tuple(one and one.value for one in at),
         measured=True,
         unit=worst.unit,
         computed_by=("validation.measured.matrix.predicted", "validation.measured.comparison"),

@@ -4,7 +4,7 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from html import escape
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from lumped.arrays import Array
 from lumped.system.joint_motion import Portion
 from validation.models.options import ModelName, ReductionBy
 
+Place: TypeAlias = dict[str, float | int | str | list[float]]
 # Of cells in a notebook.
 _COLOURS = {"adequate": "#d3f0e4", "inadequate": "#fbdcc8", "undecided": "#eceef1"}
 # Parts that are named of those that carry a mode: how many, and from which share on.
@@ -30,6 +31,14 @@ class LeftOpen:
         """Whether anything is known of them."""
         return bool(np.isfinite(self.compliance).all())
 
+    @property
+    def record(self) -> dict[str, Any]:
+        """Its entry in the results."""
+        return {
+            "compliance": self.compliance.tolist(),
+            "frequencies": self.frequencies.tolist(),
+        }
+
 
 @dataclass(frozen=True)
 class MeshUncertainty(LeftOpen):
@@ -45,14 +54,13 @@ class MeshUncertainty(LeftOpen):
 class PartUncertainty(LeftOpen):
     """What the CAD parts of a mechanism leave open: of 95 % intervals by three meshes of each part.
 
-    Infinite for a part that is a mesh; `compliance_bracket`, `frequency_bracket`: with averaged
-    interfaces less with rigid ones, of those of which nobody says how they are held. `reduction`:
-    most by which frequencies are too high for the modes that were dropped; `counted`: by part, how
-    many lie below which frequency (Hz) with its interfaces as `by` says, all of them kept.
+    Infinite for a part that is a mesh; `bracket`: with averaged interfaces less with rigid ones, of
+    those of which nobody says how they are held. `reduction`: most by which frequencies are too
+    high for the modes that were dropped; `counted`: by part, how many lie below which frequency
+    (Hz) with its interfaces as `by` says, all of them kept.
     """
 
-    compliance_bracket: Array
-    frequency_bracket: Array
+    bracket: LeftOpen
     reduction: Array
     counted: Mapping[str, tuple[int, float]]
     by: ReductionBy
@@ -70,7 +78,7 @@ class Answer:
     file leave open at most, to first order.
     """
 
-    place: dict[str, float | int | str | list[float]]
+    place: Place
     compliance: Array
     frequencies: Array
     idle: int | None = None
@@ -92,15 +100,15 @@ class Solution:
 
     def _repr_html_(self) -> str:
         """Deflections under their own load of 1000 N, and frequencies, as a notebook shows them."""
-        axes = "xyz"[: min(3, *(len(answer.compliance) for answer in self.answers))]
         rows = [
             [
                 _head(answer.place)[0],
-                *(f"{answer.compliance[i, i] * 1e9:.4g}" for i in range(len(axes))),
+                *_deflections(answer),
                 ", ".join(f"{frequency:.5g}" for frequency in answer.frequencies),
             ]
             for answer in self.answers
         ]
+        axes = "xyz"[: len(rows[0]) - 2]
         headings = ["at", *(f"{axis} (µm at 1000 N)" for axis in axes), "frequencies (Hz)"]
         return paragraph(f"{self.robot}, {self.model}") + table(headings, rows)
 
@@ -112,12 +120,8 @@ def table(
 ) -> str:
     """Rows of text under headings as a notebook shows them; `verdicts` colour their cells."""
     head = "".join(f"<th>{escape(heading)}</th>" for heading in headings)
-    lines = []
-    for number, row in enumerate(rows):
-        kinds = verdicts[number] if verdicts else [None] * len(row)
-        lines.append(
-            "".join(_cell(text, kind) for text, kind in zip(row, kinds, strict=True)),
-        )
+    kinds = verdicts or [[None] * len(row) for row in rows]
+    lines = ("".join(map(_cell, *row)) for row in zip(rows, kinds, strict=True))
     body = "".join(f"<tr>{line}</tr>" for line in lines)
     return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
 
@@ -155,12 +159,11 @@ def record_of(answer: Answer) -> dict[str, Any]:
     if answer.idle is not None:
         found["idle"] = answer.idle
     if (mesh := answer.uncertainty) is not None:
-        stated = {"divisions": mesh.divisions} | _both(mesh.compliance, mesh.frequencies)
-        found["uncertainty"] = stated if mesh.known else None
+        found["uncertainty"] = {"divisions": mesh.divisions} | mesh.record if mesh.known else None
     if (parts := answer.of_parts) is not None:
         found["parts"] = {
-            "uncertainty": _both(parts.compliance, parts.frequencies) if parts.known else None,
-            "averaged_less_rigid": _both(parts.compliance_bracket, parts.frequency_bracket),
+            "uncertainty": parts.record if parts.known else None,
+            "averaged_less_rigid": parts.bracket.record,
             "reduction": parts.reduction.tolist(),
             "modes_counted": {
                 name: {"count": count, "below": below}
@@ -168,16 +171,12 @@ def record_of(answer: Answer) -> dict[str, Any]:
             },
         }
     if (digits := answer.of_digits) is not None:
-        found["digits"] = _both(digits.compliance, digits.frequencies)
+        found["digits"] = digits.record
     if answer.strain:
         found["strain"] = {str(part): share.tolist() for part, share in answer.strain.items()}
     if answer.pairs:
         found["partners"] = dict(answer.pairs)
     return found
-
-
-def _both(compliance: Array, frequencies: Array) -> dict[str, Any]:
-    return {"compliance": compliance.tolist(), "frequencies": frequencies.tolist()}
 
 
 def as_text(solution: Solution) -> str:
@@ -191,14 +190,13 @@ def as_text(solution: Solution) -> str:
 
 def _answer_lines(answer: Answer) -> list[str]:
     size = len(answer.compliance)
-    head = ", ".join(_head(answer.place))
-    under = ["x", "y"] if size == 2 else ["x", "y", "z"]
-    lines = [head, "  deflection (µm) along its own load of 1000 N:"]
-    lines.append(
-        "    "
-        + ", ".join(f"{axis} {answer.compliance[i, i] * 1e9:.4g}" for i, axis in enumerate(under))
-    )
-    lines.append(f"  compliance {size}×{size} (m/N, rad/N, rad/(N m)):")
+    deflections = zip("xyz", _deflections(answer), strict=False)
+    lines = [
+        ", ".join(_head(answer.place)),
+        "  deflection (µm) along its own load of 1000 N:",
+        "    " + ", ".join(f"{axis} {text}" for axis, text in deflections),
+        f"  compliance {size}×{size} (m/N, rad/N, rad/(N m)):",
+    ]
     lines += ["    " + " ".join(f"{value: .4e}" for value in row) for row in answer.compliance]
     if len(answer.frequencies):
         listed = ", ".join(f"{value:.5g}" for value in answer.frequencies)
@@ -206,14 +204,28 @@ def _answer_lines(answer: Answer) -> list[str]:
         lines += _mode_lines(answer)
     if answer.idle:
         lines.append(f"  {answer.idle} idle mobilities, which do not move the tool")
-    if answer.uncertainty is not None:
-        lines += _uncertainty_lines(answer, answer.uncertainty)
+    if (mesh := answer.uncertainty) is not None:
+        if mesh.known:
+            lines.append(
+                f"  uncertainty of the mesh (95 %, from the one of --divisions {mesh.divisions}):"
+            )
+            lines += _share_lines(answer, mesh)
+        else:
+            lines.append(
+                "  uncertainty of the mesh: not known; the mesh that would tell it, --divisions "
+                f"{mesh.divisions}, is too large"
+            )
     if answer.of_parts is not None:
         lines += _part_lines(answer, answer.of_parts)
     if (digits := answer.of_digits) is not None:
         lines.append("  left open by the last digits of the 6×6 in the robot file (at most):")
-        lines += _share_lines(answer, digits.compliance, digits.frequencies)
+        lines += _share_lines(answer, digits)
     return lines
+
+
+def _deflections(answer: Answer) -> list[str]:
+    """µm along x, y and, where it is known, z, each under its own load of 1000 N."""
+    return [f"{value * 1e9:.4g}" for value in np.diag(answer.compliance)[:3]]
 
 
 def _mode_lines(answer: Answer) -> list[str]:
@@ -240,28 +252,16 @@ def _mode_lines(answer: Answer) -> list[str]:
     return lines
 
 
-def _uncertainty_lines(answer: Answer, found: MeshUncertainty) -> list[str]:
-    if not found.known:
-        return [
-            f"  uncertainty of the mesh: not known; the mesh that would tell it, --divisions "
-            f"{found.divisions}, is too large"
-        ]
-    return [
-        f"  uncertainty of the mesh (95 %, from the one of --divisions {found.divisions}):",
-        *_share_lines(answer, found.compliance, found.frequencies),
-    ]
-
-
 def _part_lines(answer: Answer, found: PartUncertainty) -> list[str]:
     """What meshes, holding and reduction of CAD parts leave open."""
     if found.known:
         lines = ["  uncertainty of the parts' meshes (95 %, from three of each):"]
-        lines += _share_lines(answer, found.compliance, found.frequencies)
+        lines += _share_lines(answer, found)
     else:
         lines = ["  uncertainty of the parts' meshes: not known, a mesh that is given has no other"]
-    if found.compliance_bracket.any():
+    if found.bracket.compliance.any():
         lines.append("  with averaged interfaces less with rigid ones, of which nobody says it:")
-        lines += _share_lines(answer, found.compliance_bracket, found.frequency_bracket, "+.2g")
+        lines += _share_lines(answer, found.bracket, "+.2g")
     if found.counted and len(answer.frequencies):
         counts = ", ".join(
             f"{name} {count} below {below:.4g} Hz" for name, (count, below) in found.counted.items()
@@ -274,20 +274,18 @@ def _part_lines(answer: Answer, found: PartUncertainty) -> list[str]:
     return lines
 
 
-def _share_lines(
-    answer: Answer, compliance: Array, frequencies: Array, digits: str = ".2g"
-) -> list[str]:
+def _share_lines(answer: Answer, left_open: LeftOpen, digits: str = ".2g") -> list[str]:
     """Shares of the diagonal of the compliance and of the frequencies, in percent."""
+    shares = 100.0 * left_open.compliance / np.abs(np.diag(answer.compliance))
     names = ("x", "y", "z", "φx", "φy", "φz")
-    shares = 100.0 * compliance / np.abs(np.diag(answer.compliance))
     lines = ["    " + ", ".join(f"{n} {s:{digits}} %" for n, s in zip(names, shares, strict=True))]
     if len(answer.frequencies):
-        shares = 100.0 * frequencies / answer.frequencies
+        shares = 100.0 * left_open.frequencies / answer.frequencies
         lines.append("    frequencies " + ", ".join(f"{share:{digits}} %" for share in shares))
     return lines
 
 
-def _head(place: Mapping[str, float | int | str | list[float]]) -> tuple[str, str]:
+def _head(place: Place) -> tuple[str, str]:
     """What is looked at and how it is held, and where and in which axes the answer is given."""
     match place:
         case {"leg": number}:

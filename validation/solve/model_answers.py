@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import asdict, replace
-from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -11,22 +11,27 @@ from lumped.errors import InputError
 from lumped.legs import ConstantLeg
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.models.bodies import leg_of
+from validation.adequacy.mechanism.samples import samples_of
+from validation.adequacy.mechanism.vibration import vibration_of
+from validation.adequacy.partners import partners
 from validation.models.legs import leg_compliance, leg_frequencies
 from validation.models.mechanism import (
     PostureAnswer,
+    PostureModes,
     answers,
     constant_legs,
     mechanism_modes,
     static_bodies,
 )
-from validation.models.options import ModelOptions
+from validation.models.options import ModelName, ModelOptions
 from validation.models.roundings import roundings_of, share_by_digits
-from validation.solve.answer import Answer, LeftOpen, PartUncertainty, Solution
+from validation.solve.answer import Answer, LeftOpen, Place, Solution
 from validation.solve.cost import Cost, dense_cost, require_affordable, solid_cost
-from validation.solve.pairs import paired
 from validation.solve.question import OF_ELEMENTS, Question
-from validation.solve.uncertainty import of_parts, with_uncertainty
+from validation.solve.uncertainty import beside, of_parts, with_uncertainty
 
+# Modes of the other model besides as many as asked: a partner may come later in its order.
+_BESIDES = 6
 # Per leg: shares of six modes by these and by 20 differ by a hundredth of themselves.
 _FEW_ELEMENTS = 6
 
@@ -48,31 +53,78 @@ def solve(question: Question) -> Solution:
     """
     checked(question)
     if "ends" in question.given:
-        question = replace(question, mechanism=_without_own_ends(question.mechanism))
-    mechanism, model, options = question.mechanism, question.model, question.options
+        question = _of(question, _without_own_ends(question.mechanism))
+    options, at = question.options, question.postures()
     heard = {name: value for name, value in asdict(options).items() if name in question.listens}
-    at = question.postures()
-
-    def answered(options: ModelOptions, *, alone: bool = False) -> list[Answer]:
-        if question.body is not None:
-            return [_of_body(question, question.body, options)]
-        return _in_postures(question, at, options, alone=alone)
-
-    found = answered(options)
-    legs = _meshed(question, options)
-    if legs:
-        found = with_uncertainty(
-            found,
-            partial(answered, alone=True),
-            legs,
-            options,
-            lambda other: _cost(
-                replace(question, given={**question.given, "divisions": other.divisions})
-            ),
-        )
-    if question.text and model != "simplified":
+    found = _answers(question, at)
+    if question.model == "solid" and (legs := _shapes(question)):
+        divisions = beside(options, legs)
+        others = _on_other_mesh(question, at, divisions)
+        found = with_uncertainty(found, others, legs, options, divisions)
+    if question.digits and question.model != "simplified":
         found = _with_digits(question, at, found)
-    return Solution(mechanism.name, model, heard, tuple(found))
+    return Solution(question.mechanism.name, question.model, heard, tuple(found))
+
+
+def _on_other_mesh(
+    question: Question, at: Sequence[Posture], divisions: int
+) -> list[Answer] | None:
+    """The answers on a mesh of other `divisions`, None where a finer one is too large to be had."""
+    other = replace(question, given={**question.given, "divisions": divisions}, against=None)
+    if divisions > question.options.divisions:
+        try:
+            _cost(other)
+        except InputError:
+            return None
+    return _answers(other, at, with_parts=False)
+
+
+def _answers(question: Question, at: Sequence[Posture], *, with_parts: bool = True) -> list[Answer]:
+    """The answers, `with_parts` with what parts among solids leave open."""
+    if question.alone is not None:
+        return [_of_body(question, question.alone)]
+    model, count, options = question.model, question.count, question.options
+    found = mechanism_modes(model, at, count, options) if count else []
+    told = [
+        Answer(
+            _place(question, one.posture),
+            _shown(question, one.compliance),
+            one.modes.frequencies if isinstance(one, PostureModes) else one.frequencies,
+            one.idle,
+            strain=one.strain if isinstance(one, PostureModes) else {},
+        )
+        for one in found or answers(model, at, 0, options)
+    ]
+    if question.against:
+        pairs = _paired(found, question.against, options)
+        told = [replace(one, pairs=own) for one, own in zip(told, pairs, strict=True)]
+    if with_parts and model == "solid" and question.mechanism.parts:
+        solids = found[0].system.models if found else None
+        solids = solids or static_bodies(model, question.mechanism, options)
+        parts = of_parts(at, solids, count, options.reduction)
+        told = [replace(one, of_parts=own) for one, own in zip(told, parts, strict=True)]
+    return told
+
+
+def _of_body(question: Question, name: str) -> Answer:
+    model, count, options = question.model, question.count, question.options
+    leg = leg_of(question.mechanism.bodies[name])
+    if isinstance(leg, ConstantLeg) and leg.ends is not None:
+        options = replace(options, ends=leg.ends)
+    frequencies = leg_frequencies(model, leg, count, options) if count else np.zeros(0)
+    place: Place = {"body": name} if question.leg is None else {"leg": question.leg}
+    return Answer(place, leg_compliance(model, leg, options), frequencies)
+
+
+def _shapes(question: Question) -> list[ConstantLeg]:
+    """The legs that are asked about, those that are alike once."""
+    legs = constant_legs(question.mechanism, question.options)
+    return list({leg: None for name, leg, _ in legs if question.alone in (None, name)})
+
+
+def _of(question: Question, mechanism: Mechanism) -> Question:
+    """The same asked of another robot."""
+    return replace(question, robot_file=replace(question.robot_file, mechanism=mechanism))
 
 
 def _with_digits(
@@ -83,7 +135,7 @@ def _with_digits(
     By the model itself, of few elements, of solids by beams in their place: what a 6×6 changes is a
     small share, and which share it is depends little on the model.
     """
-    roundings = roundings_of(question.text, at)
+    roundings = roundings_of(question.robot_file.text, at)
     if not roundings:
         return list(found)
     given = question.given
@@ -95,13 +147,11 @@ def _with_digits(
     question = replace(question, given=given)
 
     def values(postures: Sequence[Posture]) -> Array:
-        mechanism, options = postures[0].mechanism, question.options
-        one_body = replace(question, mechanism=mechanism)
         rows: Sequence[Answer | PostureAnswer]
-        if question.body is not None:
-            rows = [_of_body(one_body, question.body, options)]
+        if question.alone is not None:
+            rows = [_of_body(_of(question, postures[0].mechanism), question.alone)]
         else:
-            rows = answers(question.model, postures, question.count, options)
+            rows = answers(question.model, postures, question.count, question.options)
         return np.array([_sizes(one) for one in rows])
 
     share = share_by_digits(roundings, at, values)
@@ -121,53 +171,38 @@ def _sizes(one: Answer | PostureAnswer) -> Array:
     return np.concatenate([np.diag(one.compliance), one.frequencies])
 
 
-def _meshed(question: Question, options: ModelOptions) -> list[ConstantLeg]:
-    """The legs that are solids here, each shape once."""
-    if question.model != "solid":
-        return []
-    legs = constant_legs(question.mechanism, options)
-    return list({leg: None for name, leg, _ in legs if question.body in (None, name)})
+def _paired(
+    found: Sequence[PostureModes], against: ModelName, options: ModelOptions
+) -> list[dict[str, Any]]:
+    """Partners of all modes of `found` by mass-weighted MAC, a record of each posture's.
 
-
-def _in_postures(
-    question: Question, at: Sequence[Posture], options: ModelOptions, *, alone: bool
-) -> list[Answer]:
-    """The answers, unless `alone` with what parts among the solids leave open."""
-    model, count, mechanism = question.model, question.count, question.mechanism
-    left_open = model == "solid" and not alone and bool(mechanism.parts)
-    parts: list[PartUncertainty | None] = [None] * len(at)
-    if not count:
-        if left_open:
-            parts = [*of_parts(at, static_bodies(model, mechanism, options), 0)]
-        return [
-            Answer(
-                _place(question, one.posture),
-                _shown(question, one.compliance),
-                one.frequencies,
-                one.idle,
-                of_parts=part,
-            )
-            for one, part in zip(answers(model, at, 0, options), parts, strict=True)
-        ]
-    found = mechanism_modes(model, at, count, options)
-    pairs = paired(found, question.against, options) if question.against else None
-    if left_open:
-        parts = [*of_parts(at, found[0].system.models, count, options.reduction)]
+    Modes that lie close together count by the space that they span. None stands for no partner.
+    """
+    postures = [one.posture for one in found]
+    mechanism = postures[0].mechanism
+    samples, count = samples_of(mechanism), len(found[0].modes.frequencies)
+    others = mechanism_modes(against, postures, count + _BESIDES, options)
+    own, other = (vibration_of(samples, ones) for ones in (found, others))
+    of_postures = partners(own, other, samples.weights, count)
+    columns = of_postures.number, of_postures.frequency, of_postures.likeness
     return [
-        Answer(
-            _place(question, one.posture),
-            _shown(question, one.compliance),
-            one.modes.frequencies,
-            one.idle,
-            of_parts=parts[place],
-            strain=one.strain,
-            pairs=pairs.record(place) if pairs else {},
-        )
-        for place, one in enumerate(found)
+        {
+            "against": against,
+            "pairs": [
+                {
+                    "mode": mode,
+                    "partner": int(number) + 1 if number >= 0 else None,
+                    "frequency": float(frequency) if number >= 0 else None,
+                    "mac": float(mac),
+                }
+                for mode, (number, frequency, mac) in enumerate(zip(*at, strict=True), start=1)
+            ],
+        }
+        for at in zip(*columns, strict=True)
     ]
 
 
-def _place(question: Question, at: Posture) -> dict[str, float | int | str | list[float]]:
+def _place(question: Question, at: Posture) -> Place:
     return {"x": float(at.pose[0])} if question.numbered else {"pose": at.pose.tolist()}
 
 
@@ -180,8 +215,7 @@ def _shown(question: Question, compliance: Array) -> Array:
 def _cost(question: Question) -> Cost:
     """Of the legs that differ, each made once, and of the postures."""
     model, options = question.model, question.options
-    legs = constant_legs(question.mechanism, options)
-    shapes = {leg for name, leg, _ in legs if question.body in (None, name)}
+    shapes = _shapes(question)
     if model == "solid":
         cost, what = solid_cost(tuple(shapes), options.divisions, question.count), "divisions"
     elif model in OF_ELEMENTS:
@@ -191,18 +225,6 @@ def _cost(question: Question) -> Cost:
         return Cost(0.0, 0.0, 0.0)
     require_affordable(cost, f"--{what} {getattr(options, what)}")
     return cost
-
-
-def _of_body(question: Question, name: str, options: ModelOptions) -> Answer:
-    body, model, count = question.mechanism.bodies[name], question.model, question.count
-    leg = leg_of(body)
-    if isinstance(leg, ConstantLeg) and leg.ends is not None:
-        options = replace(options, ends=leg.ends)
-    frequencies = leg_frequencies(model, leg, count, options) if count else np.zeros(0)
-    place: dict[str, float | int | str | list[float]] = {"body": name}
-    if question.numbered:
-        place = {"leg": int(name.removeprefix("leg"))}
-    return Answer(place, leg_compliance(model, leg, options), frequencies)
 
 
 def _without_own_ends(mechanism: Mechanism) -> Mechanism:

@@ -2,16 +2,13 @@
 
 from io import BytesIO
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
 
 from lumped.errors import InputError
 from validation.console.streams import complain, say
 from validation.console.typed import WholeNumber, require_place, write
-
-if TYPE_CHECKING:
-    from validation.parts.identify import Identified
 
 Unit = Literal["m", "mm", "cm", "inch"]
 _FEWEST_UNKNOWNS = 1000
@@ -95,8 +92,12 @@ def identify(
     json
         Print JSON for programs.
     """
-    from validation.parts import identified_text  # noqa: PLC0415
-    from validation.parts.identify import DEFAULT_MODES, DEFAULT_UNKNOWNS  # noqa: PLC0415
+    from lumped.robot_file import load_robot  # noqa: PLC0415
+    from meshes.part.interfaces import find_interfaces  # noqa: PLC0415
+    from meshes.part.reading.read import read_part  # noqa: PLC0415
+    from validation.models.parts import identified  # noqa: PLC0415
+    from validation.parts import identified_text, request  # noqa: PLC0415
+    from validation.parts import identify as identifying  # noqa: PLC0415
 
     require_place(out, ".npz")
     faults = []
@@ -110,12 +111,20 @@ def identify(
         faults.append("--body: its interfaces, material and unit stand in the robot file")
     if faults:
         raise InputError(faults)
-    size = DEFAULT_UNKNOWNS if unknowns is None else unknowns
-    count = DEFAULT_MODES if modes is None else modes
+    size = identifying.DEFAULT_UNKNOWNS if unknowns is None else unknowns
+    count = identifying.DEFAULT_MODES if modes is None else modes
     if body is None:
-        found = _typed(Path(part), interface, material or "", unit, size, count)
+        wanted, points = request.interfaces_of(interface)
+        chosen = request.material_of(material or "")
+        file = read_part(Path(part), unit)
+        held = find_interfaces(file, wanted, points)
+        found = identifying.identify(file, held, chosen, size, count)
     else:
-        found = _of_robot(part, body, size, count)
+        bodies = load_robot(part).mechanism.parts
+        if body not in bodies:
+            known = ", ".join(bodies) or "none"
+            raise InputError(f"--body {body}: is no part from a file; the parts of {part}: {known}")
+        found = identified(bodies[body], size, count)
     say(identified_text.as_json(found) if json else identified_text.as_text(found))
     if out is not None:
         import numpy as np  # noqa: PLC0415
@@ -125,31 +134,3 @@ def identify(
         np.savez(buffer, **named)
         write(out, buffer.getvalue())
     return 0
-
-
-def _typed(
-    path: Path, interface: tuple[str, ...], material: str, unit: Unit | None, size: int, modes: int
-) -> "Identified":
-    """What was typed of a part, identified."""
-    from meshes.part.interfaces import find_interfaces  # noqa: PLC0415
-    from meshes.part.reading.read import read_part  # noqa: PLC0415
-    from validation.parts import identify as identifying  # noqa: PLC0415
-    from validation.parts import request  # noqa: PLC0415
-
-    wanted, points = request.interfaces_of(interface)
-    chosen = request.material_of(material)
-    file = read_part(path, unit)
-    found = find_interfaces(file, wanted, points)
-    return identifying.identify(file, found, chosen, size, modes)
-
-
-def _of_robot(robot: str, body: str, size: int, modes: int) -> "Identified":
-    """A part of a robot file, identified in its own axes."""
-    from lumped.robot_file import load_robot  # noqa: PLC0415
-    from validation.models import parts  # noqa: PLC0415
-
-    bodies = load_robot(robot).mechanism.parts
-    if body not in bodies:
-        known = ", ".join(bodies) or "none"
-        raise InputError(f"--body {body}: is no part from a file; the parts of {robot}: {known}")
-    return parts.identified(bodies[body], size, modes)

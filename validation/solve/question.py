@@ -1,9 +1,10 @@
 """What is asked of a robot: a model, its options, where, how many modes; and its faults."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
-from lumped.errors import InputError, each
+from lumped.errors import each
 from lumped.legs import GivenLeg
 from lumped.mechanism.kinematics.postures import posture, reference_posture
 from lumped.mechanism.mechanism import GROUND, Mechanism, Posture
@@ -31,23 +32,38 @@ _OF_GIVEN_LEGS = ("legs", "equivalent")
 
 @dataclass(frozen=True, eq=False)
 class Question:
-    """A `model` of a mechanism in the typed `poses` ("0.25,0.6"), or of one `body`.
+    """What is typed of a `model` of a robot: the options `given`, and where it is solved.
 
-    In the reference posture without poses. `modes`: how many, None for six; `given` are the
-    options that were typed. The modes are paired with those of `against`. `numbered`: the file is
-    of schema 1, whose poses are positions x and whose bodies are legs by number. `text` of the
-    file, whose printed digits are looked at; "" where they are not in question.
+    At positions `x` (m) or in `poses` ("0.25,0.6"), in the reference posture without them, or one
+    `leg` or `body` alone. `modes`: how many, None for six, to be paired with those of the model
+    `against`. With `digits` it is said what the printed digits of the file's 6×6 leave open.
     """
 
+    robot_file: RobotFile
     model: ModelName
-    modes: int | None
     given: dict[str, Any]
-    mechanism: Mechanism
+    modes: int | None = None
+    x: tuple[float, ...] = ()
     poses: tuple[str, ...] = ()
+    leg: int | None = None
     body: str | None = None
     against: ModelName | None = None
-    numbered: bool = False
-    text: str = ""
+    digits: bool = True
+
+    @property
+    def mechanism(self) -> Mechanism:
+        """The robot."""
+        return self.robot_file.mechanism
+
+    @cached_property
+    def numbered(self) -> bool:
+        """Whether the file is of schema 1: poses are positions x, bodies are legs by number."""
+        return self.robot_file.schema == 1
+
+    @property
+    def alone(self) -> str | None:
+        """The one body that is asked about, None for the whole robot."""
+        return self.body if self.leg is None else f"leg{self.leg}"
 
     @property
     def count(self) -> int:
@@ -68,30 +84,41 @@ class Question:
 
     def postures(self) -> list[Posture]:
         """The postures that are asked about."""
-        typed = [parsed_pose(self.mechanism, text) for text in self.poses]
-        return [posture(self.mechanism, pose) for pose in typed] or [
-            reference_posture(self.mechanism)
-        ]
+        return [self._posture(text) for text in self._typed] or [reference_posture(self.mechanism)]
+
+    @property
+    def _typed(self) -> tuple[str, ...]:
+        return (*(repr(x) for x in self.x), *self.poses)
+
+    def _posture(self, typed: str) -> Posture:
+        return posture(self.mechanism, parsed_pose(self.mechanism, typed))
 
     def faults(self) -> list[str]:
         """Everything that is wrong with the question, one line each."""
+        if misplaced := self._place_faults():
+            return misplaced
         found = [*self._option_faults(), *self._mode_faults()]
-        if self.body is not None:
-            found += self._body_faults(self.body)
-        found += self._against_faults()
-
-        def closed(text: str) -> Posture:
-            return posture(self.mechanism, parsed_pose(self.mechanism, text))
-
-        outside = each(closed, self.poses)[1]
+        if self.alone is not None:
+            found += self._body_faults(self.alone)
         return found + [
             f"--x: {fault}" if self.numbered and not fault.startswith("--") else fault
-            for fault in outside
+            for fault in each(self._posture, self._typed)[1]
         ]
 
     def _allowed(self) -> tuple[str, ...]:
         # Eq. (25) as printed is a statement about the paper's own kind of robot.
         return tuple(n for n in OPTIONS[self.model] if self.numbered or n != "release")
+
+    def _place_faults(self) -> list[str]:
+        """Places that robots of this schema do not have."""
+        faults = []
+        if self.x and not self.numbered:
+            faults.append("--x: poses of a mechanism are typed as --pose")
+        if self.leg is not None and not self.numbered:
+            faults.append("--leg: bodies of a mechanism have names; take --body")
+        elif self.leg not in (None, 1, 2):
+            faults.append(f"--leg = {self.leg}: must be 1 or 2")
+        return faults
 
     def _option_faults(self) -> list[str]:
         """Options that the model does not take, that change nothing, or whose value is wrong.
@@ -119,7 +146,7 @@ class Question:
     def _unheard(self) -> dict[str, str]:
         """Options that have nothing to act on here, and why."""
         unheard: dict[str, str] = {}
-        legs = {n: leg for n, leg in legs_of(self.mechanism).items() if self.body in (None, n)}
+        legs = {n: leg for n, leg in legs_of(self.mechanism).items() if self.alone in (None, n)}
         given = [isinstance(leg, GivenLeg) for leg in legs.values()]
         if not self.mechanism.parts:
             unheard |= dict.fromkeys(_OF_PARTS, "no body of the robot is a part from a file")
@@ -130,16 +157,21 @@ class Question:
                 what = f"the {self.model} model takes the legs as they are given"
                 names = ("theory", "equivalent") if all(given) else ("equivalent",)
                 unheard |= dict.fromkeys(names, what)
-        if self.body is not None:
+        if self.alone is not None:
             unheard["release"] = "a leg alone has no joint to release"
         return unheard
 
     def _mode_faults(self) -> list[str]:
+        faults = []
         if self.modes is not None and self.modes < 0:
-            return [f"--modes = {self.modes}: must be 0 or more"]
-        if self.modes and self.model in STATIC:
-            return [f"--modes: the {self.model} model is static and has no frequencies"]
-        return []
+            faults.append(f"--modes = {self.modes}: must be 0 or more")
+        elif self.modes and self.model in STATIC:
+            faults.append(f"--modes: the {self.model} model is static and has no frequencies")
+        if self.against in STATIC:
+            faults.append(f"--against {self.against}: the model is static and has no modes")
+        elif self.against and (not self.count or self.alone is not None):
+            faults.append("--against: there are no modes of the mechanism to be paired")
+        return faults
 
     def _body_faults(self, body: str) -> list[str]:
         mechanism, names = self.mechanism, list(legs_of(self.mechanism))
@@ -151,59 +183,8 @@ class Question:
                 what = "is a part from a file, see flexproof identify ROBOT --body"
             faults.append(f"--body {body}: {what}; must be one of {', '.join(names)}")
         pose, one = ("--x", "--leg") if self.numbered else ("--pose", "--body")
-        if self.poses:
+        if self._typed:
             faults.append(f"{pose}: a body alone has no pose; leave out {pose} or {one}")
         if self.model == "simplified":
             faults.append(f"{one}: the bodies of the simplified model are rigid")
         return faults
-
-    def _against_faults(self) -> list[str]:
-        if self.against is None:
-            return []
-        if self.against in STATIC:
-            return [f"--against {self.against}: the model is static and has no modes"]
-        if self.model in STATIC or not self.count or self.body is not None:
-            return ["--against: there are no modes of the mechanism to be paired"]
-        return []
-
-
-@dataclass(frozen=True, eq=False)
-class Asked:
-    """What is typed of a `model`, of whatever robot: the options `given`, and where it is solved.
-
-    At positions `x` (m) or in `poses`, or one `leg` or `body` alone; `modes`: how many, None for
-    six, to be paired with those of the model `against`.
-    """
-
-    model: ModelName
-    given: dict[str, Any]
-    modes: int | None = None
-    x: tuple[float, ...] = ()
-    poses: tuple[str, ...] = ()
-    leg: int | None = None
-    body: str | None = None
-    against: ModelName | None = None
-
-    def of(self, robot_file: RobotFile) -> Question:
-        """The question about a robot; raises InputError where it has no such place."""
-        numbered = robot_file.schema == 1
-        faults = []
-        if self.x and not numbered:
-            faults.append("--x: poses of a mechanism are typed as --pose")
-        if self.leg is not None and not numbered:
-            faults.append("--leg: bodies of a mechanism have names; take --body")
-        elif self.leg not in (None, 1, 2):
-            faults.append(f"--leg = {self.leg}: must be 1 or 2")
-        if faults:
-            raise InputError(faults)
-        return Question(
-            self.model,
-            self.modes,
-            self.given,
-            robot_file.mechanism,
-            (*(repr(x) for x in self.x), *self.poses),
-            self.body if self.leg is None else f"leg{self.leg}",
-            self.against,
-            numbered,
-            robot_file.text,
-        )

@@ -1,6 +1,6 @@
 """Numerical uncertainty of what `solve` says of solids, from other meshes of prisms and parts."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from math import cbrt, inf, sqrt
 
@@ -23,7 +23,7 @@ from validation.models.options import ModelOptions, ReductionBy
 from validation.models.parts import Hold, ReducedPart, is_held_as_said, reduced
 from validation.parts.meshes import FINEST
 from validation.solids.legs import formal_order
-from validation.solve.answer import Answer, MeshUncertainty, PartUncertainty
+from validation.solve.answer import Answer, LeftOpen, MeshUncertainty, PartUncertainty
 
 # Parts are reduced for statics alone by modes up to here (Hz), where they have none.
 _STILL = 1e-3
@@ -32,8 +32,8 @@ _STILL = 1e-3
 _RATIO = 1.2
 
 
-def beside(options: ModelOptions, legs: Sequence[Leg]) -> ModelOptions:
-    """The same on another mesh: half the divisions, one, or the fewest more that change enough.
+def beside(options: ModelOptions, legs: Sequence[Leg]) -> int:
+    """Divisions of another mesh: half of them, one, or the fewest more that change enough.
 
     Round and thin-walled sections need so many elements as they are that fewer divisions often give
     them the same mesh, whose answer would be called exact.
@@ -41,12 +41,12 @@ def beside(options: ModelOptions, legs: Sequence[Leg]) -> ModelOptions:
     own = options.divisions
     others = (own // 2, 1, *range(own + 1, 8 * own + 1))
     sections = [equivalent_leg(leg, options.equivalent).section for leg in legs]
-    chosen = next(
+    chosen: int = next(
         other
         for other in others
         if other and all(_ratio(section, own, other) >= _RATIO for section in sections)
     )
-    return replace(options, divisions=chosen)
+    return chosen
 
 
 def _ratio(section: Section, one: int, other: int) -> float:
@@ -61,49 +61,36 @@ def _ratio(section: Section, one: int, other: int) -> float:
 
 def with_uncertainty(
     answers: Sequence[Answer],
-    again: Callable[[ModelOptions], Sequence[Answer]],
+    others: Sequence[Answer] | None,
     legs: Sequence[Leg],
     options: ModelOptions,
-    require_affordable: Callable[[ModelOptions], object],
+    divisions: int,
 ) -> list[Answer]:
-    """The answers with half-widths of 95 % intervals, from those `again` on the mesh of `beside`.
+    """The answers with half-widths of 95 % intervals, from the `others` on a mesh of `divisions`.
 
     The step between both meshes times Roache's factor, r³ the ratio of their elements (Celik et
     al., J. Fluids Eng. 130 (2008) 078001). The coarser one's error is rᵖ times the finer one's.
-    Nothing is known where the other mesh is finer, and `require_affordable` raises InputError.
+    Nothing is known without others.
     """
-    beyond = beside(options, legs)
-    own, other = options.divisions, beyond.divisions
-    if other > own:
-        try:
-            require_affordable(beyond)
-        except InputError:
-            return [_half_widths(one, other, inf, inf) for one in answers]
+    if others is None:
+        frequencies = np.full_like(answers[0].frequencies, inf)
+        unknown = MeshUncertainty(np.full(6, inf), frequencies, divisions)
+        return [replace(one, uncertainty=unknown) for one in answers]
+    own = options.divisions
     solid = [equivalent_leg(leg, options.equivalent) for leg in legs]
     order = min(formal_order(leg, options.ends) for leg in solid)
-    along = max(own, other) / min(own, other)
-    ratio = min(cbrt(along * _ratio(leg.section, own, other) ** 2) for leg in solid)
-    factor = step_factor(ratio if own > other else 1.0 / ratio, order)
-    return [
-        _half_widths(
-            one,
-            other,
-            factor * np.abs(np.diag(one.compliance) - np.diag(two.compliance)),
-            factor * np.abs(one.frequencies - two.frequencies),
+    along = max(own, divisions) / min(own, divisions)
+    ratio = min(cbrt(along * _ratio(leg.section, own, divisions) ** 2) for leg in solid)
+    factor = step_factor(ratio if own > divisions else 1.0 / ratio, order)
+    found = []
+    for one, other in zip(answers, others, strict=True):
+        left_open = MeshUncertainty(
+            factor * np.abs(np.diag(one.compliance - other.compliance)),
+            factor * np.abs(one.frequencies - other.frequencies),
+            divisions,
         )
-        for one, two in zip(answers, again(beyond), strict=True)
-    ]
-
-
-def _half_widths(
-    answer: Answer, divisions: int, compliance: Array | float, frequencies: Array | float
-) -> Answer:
-    uncertainty = MeshUncertainty(
-        np.full(len(answer.compliance), compliance),
-        np.full(len(answer.frequencies), frequencies),
-        divisions,
-    )
-    return replace(answer, uncertainty=uncertainty)
+        found.append(replace(one, uncertainty=left_open))
+    return found
 
 
 def of_parts(
@@ -148,8 +135,7 @@ def of_parts(
         PartUncertainty(
             compliance=of_meshes[:6],
             frequencies=of_meshes[6:],
-            compliance_bracket=of_holding[:6],
-            frequency_bracket=of_holding[6:],
+            bracket=LeftOpen(of_holding[:6], of_holding[6:]),
             reduction=_bound(prepared.at(at), solids, count),
             counted={name: (one.counted, one.cutoff) for name, one in solids.items()},
             by=by,

@@ -50,23 +50,18 @@ def _stacked(robots: Sequence[VariedModels]) -> Compared:
     """Curves over the robots, of as many quantities as all have; NaN where one has no such."""
     least = min(robot.values.shape[1] for robot in robots)
 
-    def over(rows: Sequence[Array]) -> dict[str, Array]:
+    def over(column: str) -> dict[str, Array]:
         found: dict[str, Array] = {}
-        for number, (robot, row) in enumerate(zip(robots, rows, strict=True)):
-            for name, values in zip(robot.names, row, strict=True):
-                curve = found.setdefault(str(name), np.full((len(robots), least), np.nan))
+        for number, robot in enumerate(robots):
+            for name, values in zip(robot.names.tolist(), getattr(robot, column), strict=True):
+                curve = found.setdefault(name, np.full((len(robots), least), np.nan))
                 curve[number] = values[:least]
         return found
 
-    values, differences = (
-        over([getattr(robot, what) for robot in robots]) for what in ("values", "differences")
-    )
-    references = _references(robots)
-    return Compared(
-        values,
-        {name: one for name, one in differences.items() if name not in references},
-        " or ".join(references),
-    )
+    # A number of the file may make a solid of a leg known by its 6×6: there are then several.
+    references = list(dict.fromkeys(str(robot.names[robot.against]) for robot in robots))
+    differences = {name: one for name, one in over("differences").items() if name not in references}
+    return Compared(over("values"), differences, " or ".join(references))
 
 
 def decision_of(objective: Objective, robots: Sequence[VariedModels]) -> Decision:
@@ -92,11 +87,3 @@ def decision_of(objective: Objective, robots: Sequence[VariedModels]) -> Decisio
         for name in models
     }
     return Decision(objective, own, references, uncertainties)
-
-
-def _references(robots: Sequence[VariedModels]) -> list[str]:
-    """The references that curves differ from.
-
-    A number of the file may make a solid of a leg known by its 6×6: there are then several.
-    """
-    return list(dict.fromkeys(str(robot.names[robot.against]) for robot in robots))

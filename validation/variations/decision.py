@@ -123,19 +123,14 @@ def spearman(one: Array, other: Array) -> float:
 
     Designs equally good to one of them share their mean rank; NaN where all are.
     """
-    ranks = np.array([_ranks(one), _ranks(other)])
-    ranks -= ranks.mean(axis=1, keepdims=True)
-    sizes = np.linalg.norm(ranks, axis=1)
-    return float(ranks[0] @ ranks[1] / sizes.prod()) if sizes.all() else float("nan")
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return float(np.corrcoef(_ranks(one), _ranks(other))[0, 1])
 
 
 def _ranks(values: Array) -> Array:
-    """Mean ranks; neighbours in order that are `INDIFFERENT` to each other share theirs."""
+    """Mean ranks from 0; neighbours in order that are `INDIFFERENT` to each other share theirs."""
     order = np.argsort(values, kind="stable")
-    ascending = values[order]
-    apart = np.diff(ascending) > INDIFFERENT * np.abs(ascending[1:])
-    tie = np.concatenate([[0], np.cumsum(apart)])
-    places = np.arange(len(values), dtype=float)
-    ranks = np.empty(len(values))
-    ranks[order] = (np.bincount(tie, places) / np.bincount(tie))[tie]
-    return ranks
+    ascending, ties = values[order], np.zeros(len(values), dtype=int)
+    ties[order[1:]] = np.cumsum(np.diff(ascending) > INDIFFERENT * np.abs(ascending[1:]))
+    counts = np.bincount(ties)
+    return np.asarray((np.cumsum(counts) - 0.5 * (counts + 1.0))[ties])

@@ -97,18 +97,19 @@ class Linkage:
     def written(self, folder: Path) -> RobotFile:
         """The robot read from a file in `folder`."""
         path = folder / f"{self.tables['name']}.toml"
-        path.write_text("".join(_lines(self.tables)), encoding="utf-8")
+        lines = [f"{key} = {_text(value)}\n" for key, value in self.tables.items()]
+        path.write_text("".join(lines), encoding="utf-8")
         return load_robot(path)
-
-
-def _lines(tables: Tables) -> list[str]:
-    return [f"{key} = {_text(value)}\n" for key, value in tables.items()]
 
 
 def _text(value: Any) -> str:
     if isinstance(value, dict):
         return "{ " + ", ".join(f"{key} = {_text(one)}" for key, one in value.items()) + " }"
     return json.dumps(value, default=np.ndarray.tolist)
+
+
+def _joint(kind: str, first: str, second: str, at: str, **more: Any) -> Tables:
+    return {"type": kind, "between": [first, second], "at": at, **more}
 
 
 def give(rng: np.random.Generator, size: float = 1e-9) -> Array:
@@ -120,17 +121,12 @@ def give(rng: np.random.Generator, size: float = 1e-9) -> Array:
 def section(rng: np.random.Generator, *, round_only: bool = False) -> Tables:
     """A slender section of its own."""
     size = float(rng.uniform(0.03, 0.05))
-    match int(rng.integers(2 if round_only else 3)):
-        case 0:
-            return {"shape": "circle", "diameter": size}
-        case 1:
-            return {"shape": "tube", "diameter": size, "thickness": 0.15 * size}
-        case _:
-            return {
-                "shape": "rectangle",
-                "width": size,
-                "height": float(rng.uniform(0.5, 1.9)) * size,
-            }
+    sections: list[Tables] = [
+        {"shape": "circle", "diameter": size},
+        {"shape": "tube", "diameter": size, "thickness": 0.15 * size},
+        {"shape": "rectangle", "width": size, "height": float(rng.uniform(0.5, 1.9)) * size},
+    ]
+    return sections[int(rng.integers(2 if round_only else 3))]
 
 
 def material(rng: np.random.Generator) -> Tables:
@@ -161,87 +157,64 @@ def five_bar(
     answer is to be of in place of beams' (tips, leg axes).
     """
     rng = np.random.default_rng(seed)
-    base = {
-        n: np.array([s * rng.uniform(0.1, 0.2), rng.uniform(-0.05, 0.05), 0.0])
-        for n, s in ((1, -1.0), (2, 1.0))
-    }
+    points, now = {}, {}
     P = np.array([rng.uniform(-0.05, 0.05), rng.uniform(0.5, 0.6), 0.0])
-    lengths = {n: (rng.uniform(0.28, 0.4), rng.uniform(0.4, 0.5)) for n in (1, 2)}
-    sides = {1: 1.0, 2: -1.0}
     pose = P + np.array([rng.uniform(-0.12, 0.12), rng.uniform(-0.1, 0.05), 0.0])
-    elbows, moved = (
-        {n: _elbow(base[n], at, lengths[n], sides[n]) for n in (1, 2)} for at in (P, pose)
-    )
-    way = {f"crank{n}": (base[n], elbows[n]) for n in (1, 2)}
-    way |= {f"rod{n}": (elbows[n], P) for n in (1, 2)}
-    now = {f"crank{n}": (base[n], moved[n]) for n in (1, 2)}
-    now |= {f"rod{n}": (moved[n], pose) for n in (1, 2)}
+    for n, side in ((1, 1.0), (2, -1.0)):
+        base = np.array([-side * rng.uniform(0.1, 0.2), rng.uniform(-0.05, 0.05), 0.0])
+        lengths = rng.uniform(0.28, 0.4), rng.uniform(0.4, 0.5)
+        for places, tip in ((points, P), (now, pose)):
+            places |= {f"A{n}": base, f"B{n}": _elbow(base, tip, lengths, side), "P": tip}
     names = {f"crank{n}": (f"A{n}", f"B{n}") for n in (1, 2)}
     names |= {f"rod{n}": (f"B{n}", "P") for n in (1, 2)}
-    given = rng.choice(list(way)) if matrices else None
+    ways = {name: points[end] - points[start] for name, (start, end) in names.items()}
+    ways_now = {name: now[end] - now[start] for name, (start, end) in names.items()}
+    given = rng.choice(list(names)) if matrices else None
     bodies, tips = {}, {}
-    for name, (start, end) in way.items():
-        length = float(np.linalg.norm(end - start))
+    for name, (start, end) in names.items():
         one, made_of = section(rng), material(rng)
-        tips[name] = cantilever(length, one, made_of)
+        tips[name] = cantilever(float(np.linalg.norm(ways[name])), one, made_of)
         said: Tables = {"section": one, "material": made_of}
         if name == given:
-            tips[name] = tips[name] + carried(give(rng, 1e-7), np.zeros(3))
+            tips[name] = tips[name] + give(rng, 1e-7)
             said = {"mass": 2.0, "compliance": tips[name]}
         if ends and name in ends:
             said["ends"] = ends[name]
-        bodies[name] = {"from": names[name][0], "to": names[name][1], **said}
+        bodies[name] = {"from": start, "to": end, **said}
     tips |= dict(legs or {})
     drives = {n: 10.0 ** rng.uniform(4.5, 6.0) for n in (1, 2)}
     gives = {name: give(rng) for name in ("motor1", "motor2", "elbow1", "elbow2", "pin")}
-    joints = {}
+    joints = {"pin": _joint("revolute", "rod1", "rod2", "P", axis=Z)}
     for n in (1, 2):
-        joints[f"motor{n}"] = {
-            "type": "revolute",
-            "between": ["ground", f"crank{n}"],
-            "at": f"A{n}",
-            "axis": Z,
-            "drive": {"stiffness": drives[n]},
-        }
-        joints[f"elbow{n}"] = {
-            "type": "revolute",
-            "between": [f"crank{n}", f"rod{n}"],
-            "at": f"B{n}",
-            "axis": Z,
-        }
-    joints["pin"] = {"type": "revolute", "between": ["rod1", "rod2"], "at": "P", "axis": Z}
+        drive = {"stiffness": drives[n]}
+        motor = _joint("revolute", "ground", f"crank{n}", f"A{n}", axis=Z, drive=drive)
+        elbow = _joint("revolute", f"crank{n}", f"rod{n}", f"B{n}", axis=Z)
+        joints |= {f"motor{n}": motor, f"elbow{n}": elbow}
     for name, own in gives.items():
         joints[name]["compliance"] = own
     tables = {
         "schema": 2,
         "name": "five-bar-at-random",
-        "points": {
-            **{f"A{n}": base[n] for n in (1, 2)},
-            **{f"B{n}": elbows[n] for n in (1, 2)},
-            "P": P,
-        },
+        "points": points,
         "bodies": bodies,
         "joints": joints,
         "tool": {"body": "rod1", "point": "P", "moves": ["x", "y"], "mass": 2.0},
         "path": {"from": P[:2], "to": pose[:2], "count": 3},
     }
     about_z = np.concatenate([np.zeros(3), Z])
-
-    def since(name: str) -> Array:
-        before, after = (np.subtract(*reversed(ends)) for ends in (way[name], now[name]))
-        return rotation_between(before, after)
-
     stiffness = np.zeros((6, 6))
     for n in (1, 2):
-        drive = gives[f"motor{n}"] + np.outer(about_z, about_z) / drives[n]
-        chain = carried(drive, pose - base[n])
+        drive_too = gives[f"motor{n}"] + np.outer(about_z, about_z) / drives[n]
+        chain = carried(drive_too, pose - now[f"A{n}"])
         for name in (f"crank{n}", f"rod{n}"):
-            start, end = now[name]
-            chain = chain + carried(turned(tips[name], leg_axes(end - start)), pose - end)
-        chain = chain + carried(turned(gives[f"elbow{n}"], since(f"crank{n}")), pose - moved[n])
-        free = [np.concatenate([np.cross(Z, pose - moved[n]), Z])]
+            leg = turned(tips[name], leg_axes(ways_now[name]))
+            chain = chain + carried(leg, pose - now[names[name][1]])
+        turn = rotation_between(ways[f"crank{n}"], ways_now[f"crank{n}"])
+        arm = pose - now[f"B{n}"]
+        chain = chain + carried(turned(gives[f"elbow{n}"], turn), arm)
+        free = [np.concatenate([np.cross(Z, arm), Z])]
         if n == 2:
-            chain = chain + turned(gives["pin"], since("rod1"))
+            chain = chain + turned(gives["pin"], rotation_between(ways["rod1"], ways_now["rod1"]))
             free.append(about_z)
         held, J = np.linalg.inv(chain), np.array(free).T
         stiffness += held - held @ J @ np.linalg.inv(J.T @ held @ J) @ J.T @ held
@@ -291,37 +264,21 @@ def hexarod(seed: int) -> Linkage:  # noqa: PLR0915  one mechanism, written out
         slide, foot, head = (give(rng) for _ in range(3))
         across = np.cross(Q - B, rng.normal(size=3))
         pair = [across, np.cross(Q - B, across)]
-        bodies[f"carriage{i}"] = {
-            "points": [f"B{i}"],
-            "mass": 1e-4,
-            "centre": f"B{i}",
-            "inertia": 1e-7 * np.eye(3),
-        }
-        bodies[f"rod{i}"] = {"from": f"B{i}", "to": f"Q{i}", "section": one, "material": made_of}
-        joints[f"slide{i}"] = {
-            "type": "prismatic",
-            "between": ["ground", f"carriage{i}"],
-            "at": f"B{i}",
-            "axis": a,
-            "drive": {"stiffness": drive},
-            "compliance": slide,
-        }
+        carriage, rod = f"carriage{i}", f"rod{i}"
+        tiny = {"mass": 1e-4, "centre": f"B{i}", "inertia": 1e-7 * np.eye(3)}
+        bodies[carriage] = {"points": [f"B{i}"], **tiny}
+        bodies[rod] = {"from": f"B{i}", "to": f"Q{i}", "section": one, "material": made_of}
         # A rod that does not idle has a universal joint at one end, whose first body turns or not.
-        kinds = {"foot": {"type": "spherical"}, "head": {"type": "spherical"}}
+        kinds: dict[str, Tables] = {"foot": {"kind": "spherical"}, "head": {"kind": "spherical"}}
         if not balls[i]:
             axes_of_it = [v / np.linalg.norm(v) for v in pair]
-            kinds["head" if i % 2 else "foot"] = {"type": "universal", "axes": axes_of_it}
-        joints[f"foot{i}"] = {
-            "between": [f"carriage{i}", f"rod{i}"],
-            "at": f"B{i}",
-            "compliance": foot,
-            **kinds["foot"],
-        }
-        joints[f"head{i}"] = {
-            "between": [f"rod{i}", "platform"],
-            "at": f"Q{i}",
-            "compliance": head,
-            **kinds["head"],
+            kinds["head" if i % 2 else "foot"] = {"kind": "universal", "axes": axes_of_it}
+        of_slide = {"axis": a, "drive": {"stiffness": drive}, "compliance": slide}
+        ends = {"compliance": foot, **kinds["foot"]}, {"compliance": head, **kinds["head"]}
+        joints |= {
+            f"slide{i}": _joint("prismatic", "ground", carriage, f"B{i}", **of_slide),
+            f"foot{i}": _joint(first=carriage, second=rod, at=f"B{i}", **ends[0]),
+            f"head{i}": _joint(first=rod, second="platform", at=f"Q{i}", **ends[1]),
         }
         # The pose: the platform's point, then how far the carriage slid.
         there, length = pose[:3] + turn @ (Q - T), float(np.linalg.norm(Q - B))

@@ -4,12 +4,9 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
-import pytest
-from hypothesis import Phase, assume, given, seed, settings
-from hypothesis import strategies as st
-from hypothesis.internal.conjecture import providers
 from like_ifw import IFW, file_of
 
+from lumped.arrays import Array
 from lumped.errors import ComputationError
 from lumped.legs import ConstantLeg, GivenLeg, Leg, Material
 from lumped.mechanism.biglide import Stroke, biglide
@@ -32,9 +29,16 @@ CASES = [
     for task in catalogue(replace(IFW, built_in=False, source="random.toml"))
     if isinstance(task, Case)
 ]
+SHAPES = ("rectangle", "hollow-rectangle", "circle", "tube", "i-section")
 
 
-def compliance_of(rng: np.random.Generator, length: float) -> np.ndarray:
+def between(rng: np.random.Generator, low: float, high: float) -> float:
+    """A number from low to high, each fifth of them one of these two."""
+    inside = rng.uniform(low, high)
+    return float(rng.choice([low, high, inside], p=[0.1, 0.1, 0.8]))
+
+
+def compliance_of(rng: np.random.Generator, length: float) -> Array:
     """A positive definite 6×6 of the size of a leg's, all its terms coupled."""
     bending = 10.0 ** rng.uniform(-8.0, -6.3)
     sizes = np.sqrt([bending / 50.0, bending, bending, *[3.0 * bending / length**2] * 3])
@@ -45,95 +49,90 @@ def compliance_of(rng: np.random.Generator, length: float) -> np.ndarray:
     return 0.5 * (matrix + matrix.T)
 
 
-SHAPES = ("rectangle", "hollow-rectangle", "circle", "tube", "i-section")
-
-
-@st.composite
-def sections(draw: st.DrawFn, size: float, shape: str) -> Section:
+def section_of(rng: np.random.Generator, size: float, shape: str) -> Section:
     """A section whose larger side is about `size`."""
-    ratio = draw(st.floats(0.4, 1.0))
-    wall = draw(st.floats(0.05, 0.2))
-    width, height = draw(st.permutations([size, ratio * size]))
+    ratio, wall = between(rng, 0.4, 1.0), between(rng, 0.05, 0.2)
+    width, height = rng.permutation([size, ratio * size]).tolist()
     thickness = wall * ratio * size
-    match shape:
-        case "rectangle":
-            return Rectangle(width, height)
-        case "hollow-rectangle":
-            return HollowRectangle(width, height, thickness)
-        case "circle":
-            return Circle(size)
-        case "tube":
-            return Tube(size, wall * size)
-        case _:
-            return ISection(width, height, thickness, 0.7 * thickness)
+    sections: dict[str, Section] = {
+        "rectangle": Rectangle(width, height),
+        "hollow-rectangle": HollowRectangle(width, height, thickness),
+        "circle": Circle(size),
+        "tube": Tube(size, wall * size),
+        "i-section": ISection(width, height, thickness, 0.7 * thickness),
+    }
+    return sections[shape]
 
 
-@st.composite
-def materials(draw: st.DrawFn) -> Material:
-    """Steel to plastics; isotropic, or with a shear modulus of its own."""
-    E = 10.0 ** draw(st.floats(9.5, 11.5))
-    nu = draw(st.floats(0.0, 0.45))
-    material = Material.isotropic(E, nu, draw(st.floats(1000.0, 8000.0)))
-    factor = draw(st.sampled_from([1.0, 0.6, 1.5]))
-    return Material(E, factor * material.G, nu, material.rho)
+def material_of(rng: np.random.Generator) -> Material:
+    """Steels to plastics; isotropic, or with a shear modulus of its own."""
+    E, nu = 10.0 ** between(rng, 9.5, 11.5), between(rng, 0.0, 0.45)
+    material = Material.isotropic(E, nu, between(rng, 1000.0, 8000.0))
+    return replace(material, G=float(rng.choice([1.0, 0.6, 1.5])) * material.G)
 
 
-@st.composite
-def legs(draw: st.DrawFn, length: float, shape: str | None = None) -> Leg:
+def leg_of(rng: np.random.Generator, length: float, shape: str | None = None) -> Leg:
     """A matrix and a mass, or a section (of any shape or the one asked for) and a material.
 
     Slenderness 4 to 15.
     """
-    if shape is None and draw(st.booleans()):
-        rng = np.random.default_rng(draw(st.integers(0, 2**32)))
-        return GivenLeg(length, draw(st.floats(5.0, 100.0)), compliance_of(rng, length))
-    size = length / draw(st.floats(4.0, 15.0))
-    shape = shape or draw(st.sampled_from(SHAPES))
-    return ConstantLeg(length, draw(sections(size, shape)), draw(materials()))
+    if shape is None and rng.random() < 0.5:
+        return GivenLeg(length, between(rng, 5.0, 100.0), compliance_of(rng, length))
+    size = length / between(rng, 4.0, 15.0)
+    section = section_of(rng, size, shape or str(rng.choice(SHAPES)))
+    return ConstantLeg(length, section, material_of(rng))
 
 
-def smallest_angle(stroke: Stroke) -> float:
-    """Sine of the smallest angle between the legs over the stroke."""
-    legs = (stroke.legs_at(x) for x in np.linspace(*stroke.ends, 41))
-    return min(abs(np.cross(one.rotation[:, 0], two.rotation[:, 0])[2]) for one, two in legs)
+def stroke_of(rng: np.random.Generator) -> Stroke:
+    """Legs that meet and become horizontal at both ends of the stroke, never near to one line."""
+    while True:
+        first = between(rng, 0.3, 2.0)
+        second = first * between(rng, 0.6, 1.6)
+        # The slides lie apart between |L1 − L2| and L1 + L2, with a margin on both sides.
+        least = abs(first - second)
+        a = least + between(rng, 0.15, 0.85) * (first + second - least)
+        stroke = Stroke(a, first, second)
+        if stroke.faults():
+            continue
+        legs = (stroke.legs_at(x) for x in np.linspace(*stroke.ends, 41))
+        sines = [np.cross(one.rotation[:, 0], two.rotation[:, 0])[2] for one, two in legs]
+        if np.abs(sines).min() > SMALLEST_ANGLE:
+            return stroke
 
 
-@st.composite
-def robots(draw: st.DrawFn, shape: str | None = None) -> Mechanism:
-    """Robots whose legs meet and become horizontal at both ends of the stroke.
-
-    Leg 1 of the `shape` asked for.
-    """
-    first = draw(st.floats(0.3, 2.0))
-    second = first * draw(st.floats(0.6, 1.6))
-    # The slides lie apart between |L1 − L2| and L1 + L2, with a margin on both sides.
-    share = draw(st.floats(0.15, 0.85))
-    a = abs(first - second) + share * (first + second - abs(first - second))
-    stroke = Stroke(a, first, second)
-    assume(not stroke.faults() and smallest_angle(stroke) > SMALLEST_ANGLE)
-    rng = np.random.default_rng(draw(st.integers(0, 2**32)))
-    foot = compliance_of(rng, 1.0) / 30.0 if draw(st.booleans()) else None
-    tool = compliance_of(rng, 1.0) / 100.0 if draw(st.booleans()) else None
-    offset = draw(st.tuples(*[st.floats(-0.2, 0.2)] * 3))
-    return biglide(
-        name="random",
-        a=a,
-        platform_mass=draw(st.floats(5.0, 100.0)),
-        drive_stiffness=10.0 ** draw(st.floats(7.0, 9.5)),
-        leg1=draw(legs(first, shape)),
-        leg2=draw(legs(second)),
-        tool_offset=np.array(offset),
-        foot_compliance=foot,
-        tool_compliance=tool,
-    )
+def robots(count: int, chunk: int, shape: str | None = None) -> list[Mechanism]:
+    """As many robots, always the same ones in a chunk, leg 1 of the `shape` asked for."""
+    found = []
+    for number in range(count):
+        rng = np.random.default_rng([chunk, number, SHAPES.index(shape) + 1 if shape else 0])
+        stroke = stroke_of(rng)
+        foot = compliance_of(rng, 1.0) / 30.0 if rng.random() < 0.5 else None
+        tool = compliance_of(rng, 1.0) / 100.0 if rng.random() < 0.5 else None
+        robot = biglide(
+            name=f"random {chunk}.{number}",
+            a=stroke.a,
+            platform_mass=between(rng, 5.0, 100.0),
+            drive_stiffness=10.0 ** between(rng, 7.0, 9.5),
+            leg1=leg_of(rng, stroke.length1, shape),
+            leg2=leg_of(rng, stroke.length2),
+            tool_offset=np.array([between(rng, -0.2, 0.2) for _ in range(3)]),
+            foot_compliance=foot,
+            tool_compliance=tool,
+        )
+        found.append(robot)
+    return found
 
 
-def alarms(robot: Mechanism, chosen: Iterable[Case], preset: Preset = "quick") -> list[str]:
-    """Those of the cases that do not agree, with what they say."""
+def alarms(robot: Mechanism, groups: Iterable[str], preset: Preset = "quick") -> list[str]:
+    """Those of the cases of the groups that do not agree, with what they say."""
+    # A name that no case has is a mistake of whoever asks.
+    assert set(groups) <= {case.group for case in CASES}
     context = Context(file_of(robot, text="", sha256="", corrections=()), preset)
     found = []
-    for case in chosen:
-        if preset not in case.presets:
+    for case in CASES:
+        # Robots of prisms have one kind of virtual joints.
+        of_both = "vjm-equivalent" in case.id
+        if case.group not in groups or preset not in case.presets or of_both:
             continue
         try:
             outcome = judge(case, case.measure(context), 0.0)
@@ -147,32 +146,4 @@ def alarms(robot: Mechanism, chosen: Iterable[Case], preset: Preset = "quick") -
         if outcome.verdict != "agree":
             measured = outcome.measurement
             found.append(f"{case.id}: {measured.value} for {measured.reference} {outcome.message}")
-    return found
-
-
-def of_groups(groups: tuple[str, ...]) -> list[Case]:
-    """The cases of the groups; a name that no case has is a mistake in this file."""
-    assert set(groups) <= {case.group for case in CASES}
-    # Robots of prisms have one kind of virtual joints.
-    return [case for case in CASES if case.group in groups and "vjm-equivalent" not in case.id]
-
-
-def shown(strategy: st.SearchStrategy[Mechanism], number: int, chunk: int = 0) -> list[Mechanism]:
-    """As many robots, always the same ones, whatever modules are loaded.
-
-    Hypothesis mixes constants into what it draws that it reads off the sources of loaded modules.
-    """
-    found: list[Mechanism] = []
-
-    @seed(chunk)
-    @settings(max_examples=number, database=None, phases=(Phase.generate,), deadline=None)
-    @given(strategy)
-    def collect(chosen: Mechanism) -> None:
-        found.append(chosen)
-
-    none = property(lambda _: providers.Constants())
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(providers, "CONSTANTS_CACHE", type(providers.CONSTANTS_CACHE)(1024))
-        patch.setattr(providers.HypothesisProvider, "_local_constants", none)
-        collect()
     return found

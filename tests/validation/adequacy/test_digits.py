@@ -1,7 +1,6 @@
 """Digits of a robot file as an uncertainty, against robots whose digits are drawn and read."""
 
 import re
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -23,7 +22,7 @@ from validation.models.mechanism import answers
 from validation.models.options import DEFAULT_OPTIONS, ModelName
 from validation.solve.answer import Answer, Solution, as_text, record_of
 from validation.solve.model_answers import solve
-from validation.solve.question import Asked
+from validation.solve.question import Question
 
 DRAWS = 200
 MATRIX = re.compile(r"(compliance = \[)(.*?)(\n\])", re.DOTALL)
@@ -126,15 +125,14 @@ def test_more_digits_leave_less_and_many_nothing_that_is_looked_at(printed: Robo
 def test_solve_says_what_the_digits_leave_open_at_most(
     printed: RobotFile, tmp_path: Path, model: ModelName
 ) -> None:
-    asked = Asked(model, {}).of(printed)
 
-    def solved(robot: RobotFile, text: str = "") -> Answer:
-        return solve(replace(asked, mechanism=robot.mechanism, text=text)).answers[0]
+    def solved(robot: RobotFile, *, digits: bool = False) -> Answer:
+        return solve(Question(robot, model, {}, digits=digits)).answers[0]
 
     def sizes(answer: Answer) -> Array:
         return np.concatenate([np.diag(answer.compliance), answer.frequencies])
 
-    answer, rng = solved(printed, printed.text), np.random.default_rng(24)
+    answer, rng = solved(printed, digits=True), np.random.default_rng(24)
     assert answer.of_digits is not None
     most = np.concatenate([answer.of_digits.compliance, answer.of_digits.frequencies])
     drawn_ones = (solved(read(drawn(printed.text, rng), tmp_path)) for _ in range(60))
@@ -145,8 +143,6 @@ def test_solve_says_what_the_digits_leave_open_at_most(
     assert record_of(answer)["digits"]["compliance"] == most[:6].tolist()
     text = as_text(Solution(printed.mechanism.name, model, {}, (answer,)))
     assert "left open by the last digits of the 6×6 in the robot file (at most):" in text
-    # Digits are the robot file's: without a 6×6 of it there is nothing to say.
-    assert solve(replace(asked, text="")).answers[0].of_digits is None
 
 
 def test_what_is_not_the_robots_leaves_nothing_open() -> None:

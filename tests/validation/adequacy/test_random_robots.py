@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from like_ifw import file_of, placed_at, stations
 from plain_displacement import plain_errors
-from random_robots import SHAPES, robots, shown
+from random_robots import SHAPES, robots
 
 from fem.bodies import doubling
 from lumped.acceptance.requirement import Requirement
@@ -68,7 +68,7 @@ def ends_of(robot: Mechanism) -> Ends:
 
 def chosen(count: int, chunk: int) -> Iterator[Mechanism]:
     """So many robots with solid legs, of every shape in turn, ends rigid and free by turns."""
-    found = [shown(robots(shape), count // len(SHAPES) + 1, chunk)[1:] for shape in SHAPES]
+    found = [robots(count // len(SHAPES), chunk, shape) for shape in SHAPES]
     for number, robot in enumerate(robot for group in zip(*found, strict=True) for robot in group):
         yield with_ends(robot, "rigid" if number % 2 else "free")
 

@@ -5,6 +5,7 @@ from dataclasses import FrozenInstanceError
 
 import numpy as np
 import pytest
+from like_ifw import IFW
 
 from lumped.errors import InputError
 from lumped.robot_file import load_robot
@@ -12,8 +13,8 @@ from validation import api, cli
 
 
 @pytest.fixture(scope="module")
-def judged():
-    return api.adequacy("ifw", preset="quick")
+def judged(paper, paper_subject):
+    return api.Adequacy(paper, IFW.requirement, paper_subject)
 
 
 def test_solve_gives_the_numbers_of_the_command(capsys):
@@ -26,7 +27,8 @@ def test_solve_gives_the_numbers_of_the_command(capsys):
 
 
 @pytest.mark.exhaustive
-def test_the_matrix_is_that_of_a_run(judged, tmp_path):
+def test_the_matrix_is_that_of_a_run(tmp_path):
+    judged = api.adequacy("ifw", preset="quick")
     finished = api.run("ifw", out=tmp_path / "run", preset="quick", only="adequacy", jobs=1)
     assert (finished.exit_code, finished.verdicts) == (0, {})
     assert finished.report.is_file()

@@ -1,4 +1,4 @@
-"""Validation uncertainty in the sense of ASME V&V 20: coverage, propagation, verdicts, the run."""
+"""Validation uncertainty in the sense of ASME V&V 20: coverage, propagation, verdicts, models."""
 
 from dataclasses import replace
 from math import sqrt
@@ -7,12 +7,20 @@ import numpy as np
 import pytest
 
 from lumped.acceptance.measured import Measured
+from lumped.errors import InputError
+from lumped.legs import tip_compliance
 from lumped.mechanism.mechanism import Mechanism
+from lumped.models.bodies import legs_of
 from lumped.robot_file import load_robot
+from validation.catalogue import catalogue
 from validation.context import Context
 from validation.drawing.charts.plot import chart_svg
-from validation.measured.comparison import Comparison, propagated
+from validation.kinematics.poses import postures_of
+from validation.adequacy.probability import propagated
+from validation.measured.comparison import Comparison
 from validation.measured.matrix import measured_matrix, predicted
+from validation.models.legs import leg_compliance
+from validation.models.mechanism import answers
 from validation.models.options import ModelOptions
 from validation.report.figures.measured import measured_curves
 from validation.report.first_screen.sentence import sentence
@@ -37,33 +45,30 @@ def test_the_interval_holds_the_truth_in_95_of_100_draws_from_the_solid(robot_fi
     With 1000 draws 95 % has a standard deviation of 0.7 %.
     """
     robot = robot_file.mechanism
-    (x,) = robot.reference_pose
-    one = Measured(quantity, 1.0, 1.0, "drawn", (x,), LOAD)
+    one = Measured(quantity, 1.0, 1.0, "drawn", tuple(robot.reference_pose), LOAD)
     solid = predicted("solid", robot, one, ModelOptions(divisions=2))
     exact = predicted("beam", robot, one, ModelOptions())
-    true_error = exact - solid
     noise, mass = 0.02 * solid, 0.03
     generator = np.random.default_rng(20260105)
     # Frequencies and deflections of beams are smooth in the mass: a table replaces 1000 solutions.
-    factors = np.linspace(1.0 - 5.0 * mass, 1.0 + 5.0 * mass, 21)
+    factors = np.linspace(1.0 - 5.0 * mass, 1.0 + 5.0 * mass, 11)
     values = [predicted("beam", with_mass(robot, float(f)), one, ModelOptions()) for f in factors]
     held = 0
     for _ in range(DRAWS):
         factor = 1.0 + mass * generator.standard_normal()
-        value = float(np.interp(factor, factors, values))
+        value, *steps = np.interp([factor, factor - mass, factor + mass], factors, values)
         measured = solid + noise * generator.standard_normal()
-        steps = np.interp([factor - mass, factor + mass], factors, values)
         compared = Comparison(value, measured, 0.0, propagated([tuple(steps)]), noise)
-        low, high = compared.interval
-        held += low <= true_error <= high
+        held += abs(compared.error - (exact - solid) / measured) <= compared.uncertainty
     assert 0.93 * DRAWS <= held <= 0.97 * DRAWS
 
 
 def test_independent_parts_add_as_squares():
-    compared = Comparison(10.0, 9.0, 0.1, 0.2, 0.2)
-    assert compared.error == 1.0
-    assert compared.validation_uncertainty == pytest.approx(0.3)
-    assert compared.interval == pytest.approx((1.0 - 0.5879892, 1.0 + 0.5879892))
+    compared = Comparison(10.0, -8.0, 0.1, 0.2, 0.2)
+    assert compared.error == pytest.approx(18.0 / 8.0)
+    # 95 % of a standard uncertainty of 0.3.
+    assert compared.uncertainty == pytest.approx(0.5879892 / 8.0)
+    assert compared.uncertainties["numerics"] == pytest.approx(0.1959964 / 8.0)
 
 
 def test_inputs_propagate_as_their_derivatives():
@@ -96,27 +101,142 @@ def test_measured_values_join_the_matrix_as_a_reference_of_their_own(robot_file)
     (x,), (first,) = robot.reference_pose, robot.poses[0]
     given = Measured("z", 1.0, 1.0, "gauge", (x,), LOAD)
     truth = predicted("vjm", robot, given, ModelOptions())
-    ones = (
-        replace(given, value=truth, uncertainty=1e-3 * truth),
-        replace(given, value=1.2 * truth, uncertainty=1e-3 * truth, pose=(first,)),
-        Measured("leg1.c33", 0.9, 1e-3, "stand"),
-    )
-    matrix = measured_matrix(Context(replace(robot_file, measured=ones[:1]), "quick"))
-    entry = matrix.entry("vjm", "z")
+    good = replace(given, value=truth, uncertainty=1e-3 * truth)
+    wrong = replace(good, value=1.2 * truth, pose=(first,))
+    of_leg = Measured("leg1.c33", 0.9, 1e-3, "stand")
+
+    def matrix_of(*ones):
+        return measured_matrix(Context(replace(robot_file, measured=ones), "quick"))
+
+    entry = matrix_of(good).entry("vjm", "z")
     assert (entry.verdict, entry.reference, entry.pose) == ("adequate", "measured: gauge", (x,))
-    assert entry.error == 0.0
-    assert entry.uncertainty == pytest.approx(1.959964e-3)
-    assert matrix.entry("simplified", "z").verdict == "inadequate"
+    assert (entry.error, entry.uncertainty) == (0.0, pytest.approx(1.959964e-3))
     # The worst of several poses decides; a leg's entry has none.
-    more = measured_matrix(Context(replace(robot_file, measured=ones), "quick"))
-    assert more.entry("vjm", "z").verdict == "inadequate"
-    assert more.entry("vjm", "z").pose == (first,)
+    more = matrix_of(good, wrong, of_leg)
     assert more.poses == ((first,), (x,))
-    assert more.entry("vjm", "z").errors == pytest.approx(
-        [predicted("vjm", robot, ones[1], ModelOptions()) / ones[1].value - 1.0, 0.0]
-    )
-    assert more.entry("beam", "leg1.c33").pose == ()
-    assert more.entry("beam", "leg1.c33").errors == (None, None)
+    entry = more.entry("vjm", "z")
+    assert (entry.verdict, entry.pose) == ("inadequate", (first,))
+    there = predicted("vjm", robot, wrong, ModelOptions())
+    assert entry.errors == pytest.approx([there / wrong.value - 1.0, 0.0])
+    entry = more.entry("beam", "leg1.c33")
+    assert (entry.pose, entry.errors) == ((), (None, None))
     assert more.entry("simplified", "leg1.c33") is None
     assert chart_svg(measured_curves(more).chart)
     assert "leg1.c33" in sentence(more)
+
+
+OWN = """
+[[measured]]
+quantity = "z"
+pose = [0.1, 0.525]
+load = 200.0
+value = {z!r}
+uncertainty = {u!r}
+source = "dial gauge"
+
+[[measured]]
+quantity = "f1"
+pose = [0.1, 0.525]
+value = 62.0
+uncertainty = 0.5
+source = "impact hammer"
+
+[[measured]]
+quantity = "rod1.c22"
+value = 1.0e-6
+uncertainty = 1.0e-8
+source = "stand"
+
+[[input_uncertainty]]
+key = "joints.motor1.drive.stiffness"
+relative = 0.1
+"""
+
+
+def written(tmp_path, changed=("", "")):
+    text = load_robot("five-bar").text + OWN.format(z=1.0e-4, u=1.0e-6).replace(*changed)
+    path = tmp_path / "mine.toml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def test_models_are_held_against_what_was_measured(tmp_path):
+    robot_file = load_robot(written(tmp_path))
+    mechanism = robot_file.mechanism
+    at = postures_of(mechanism, np.array([[0.1, 0.525]]))
+    matrix = measured_matrix(Context(robot_file, "quick"))
+    (beam,) = answers("beam", at, 1)
+    entry = matrix.entry("beam", "z")
+    assert entry.value == pytest.approx(200.0 * beam.compliance[2, 2], rel=1e-12)
+    assert entry.pose == (0.1, 0.525)
+    # Of the 1e-4 m that were measured.
+    assert entry.error == pytest.approx(entry.value / 1e-4 - 1.0, rel=1e-12)
+    assert entry.errors == (entry.error,)
+    assert matrix.entry("beam", "f1").value == pytest.approx(beam.frequencies[0], rel=1e-9)
+    assert matrix.entry("vjm", "f1") is None
+    # Second order: twenty segments leave 4/3 of what twice as many change.
+    coarse, fine = (
+        answers("segments", at, 1, ModelOptions(elements=number))[0].frequencies[0]
+        for number in (20, 40)
+    )
+    left = matrix.entry("segments", "f1").uncertainties["numerics"]
+    assert left == pytest.approx(4.0 / 3.0 * abs(coarse - fine) / 62.0, rel=1e-6)
+    expected = leg_compliance("beam", legs_of(mechanism)["rod1"])
+    assert matrix.entry("beam", "rod1.c22").value == pytest.approx(expected[1, 1], rel=1e-12)
+    assert chart_svg(measured_curves(matrix).chart)
+    assert "adequacy.measured" in {task.id for task in catalogue(robot_file)}
+
+
+def test_inputs_are_a_standard_uncertainty_off_in_every_model(tmp_path):
+    """The drive turns the first frequency by what solving both robots says."""
+    robot_file = load_robot(written(tmp_path))
+    ((_, _, below, above),) = robot_file.with_inputs_off()
+    entry = measured_matrix(Context(robot_file, "quick")).entry("simplified", "f1")
+    low, high = (
+        answers("simplified", postures_of(robot, np.array([[0.1, 0.525]])), 1)[0].frequencies[0]
+        for robot in (below, above)
+    )
+    assert entry.uncertainties["inputs"] == pytest.approx(1.959964 * 0.5 * (high - low) / 62.0)
+
+
+@pytest.mark.parametrize(
+    ("changed", "said"),
+    [
+        (
+            ("[0.1, 0.525]", "[0.1]"),
+            "pose: must hold as many numbers as the tool's moves (x, y; m, rad)",
+        ),
+        (("[0.1, 0.525]", "[0.9, 0.9]"), "measured[1].pose: five-bar, pose x = 0.9 m, y = 0.9 m"),
+        (("rod1.c22", "rod7.c22"), 'measured[3].quantity = "rod7.c22": must be of one of crank1'),
+    ],
+)
+def test_every_fault_is_named(tmp_path, changed, said):
+    with pytest.raises(InputError) as raised:
+        load_robot(written(tmp_path, changed))
+    assert any(said in fault for fault in raised.value.faults), raised.value.faults
+
+
+def test_virtual_joints_that_branch_have_no_number():
+    delta = load_robot("delta").mechanism
+    one = Measured("z", 1e-6, 1e-8, "gauge", tuple(delta.poses[0]), 1.0)
+    assert predicted("vjm", delta, one, ModelOptions()) is None
+
+
+def test_an_entry_of_a_leg_a_load_and_a_mode_are_those_that_were_measured():
+    mechanism = load_robot("five-bar").mechanism
+    leg = legs_of(mechanism)["rod1"]
+    exact = tip_compliance(leg.timoshenko, leg.length)
+    for i, j in np.ndindex(6, 6):
+        one = Measured(f"rod1.c{i + 1}{j + 1}", 1e-6, 1e-8, "stand")
+        for model in ("vjm", "beam"):
+            found = predicted(model, mechanism, one, ModelOptions())
+            assert found == pytest.approx(exact[i, j], rel=1e-9, abs=1e-18)
+    pose = tuple(mechanism.poses[0])
+    once, twice = (
+        predicted("links", mechanism, Measured("y", 1.0, 1.0, "gauge", pose, load), ModelOptions())
+        for load in (30.0, 60.0)
+    )
+    assert twice == pytest.approx(2.0 * once, rel=1e-12)
+    third = predicted("beam", mechanism, Measured("f3", 1.0, 1.0, "hammer", pose), ModelOptions())
+    (beam,) = answers("beam", postures_of(mechanism, np.array([pose])), 4)
+    assert third == pytest.approx(beam.frequencies[2], rel=1e-6)

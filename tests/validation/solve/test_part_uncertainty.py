@@ -27,7 +27,7 @@ def file(tmp_path_factory):
 
 
 def solution_of(file, count=COUNT, **given):
-    return solve(Question("solid", count, given, load_robot(file).mechanism))
+    return solve(Question(load_robot(file), "solid", given, count))
 
 
 def values(answer):
@@ -63,8 +63,10 @@ def test_the_bracket_is_what_the_file_changes_when_it_says_so(solution, file):
         other.write_text(text.replace(" } }", f' }}, coupling = "{coupling}" }}'), "utf-8")
         at = [reference_posture(load_robot(other).mechanism)]
         (said[coupling],) = answers("solid", at, COUNT)
-    assert not solution_of(other, 0).answers[0].of_parts.compliance_bracket.any()
-    bracket = np.concatenate([own.of_parts.compliance_bracket, own.of_parts.frequency_bracket])
+    (unsaid,), (told,) = (load_robot(one).mechanism.parts.values() for one in (file, other))
+    assert parts.is_held_as_said(told)
+    assert not parts.is_held_as_said(unsaid)
+    bracket = np.concatenate([own.of_parts.bracket.compliance, own.of_parts.bracket.frequencies])
     assert bracket == pytest.approx(values(said["average"]) - values(said["rigid"]), rel=1e-6)
     # An averaged interface is the softer one.
     assert (bracket[:6] > 0.0).all()
@@ -109,7 +111,7 @@ def test_people_and_programs_are_told(solution):
 
 
 def test_its_modes_have_partners_among_those_of_another_model(file):
-    question = Question("solid", 2, {}, load_robot(file).mechanism, against="segments")
+    question = Question(load_robot(file), "solid", {}, 2, against="segments")
     (answer,) = solve(question).answers
     first = answer.pairs["pairs"][0]
     # An equivalent leg swings alike, at a frequency of its own.

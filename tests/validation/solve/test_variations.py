@@ -116,10 +116,7 @@ def test_a_pose_out_of_reach_is_named_with_the_value(capsys):
     assert "cannot be reached" in line
 
 
-@pytest.mark.parametrize(
-    "option",
-    [["--jobs", "2"], ["--csv", "table.csv"], ["--cluster", "tcp://a:1"], ["--cluster", ""]],
-)
+@pytest.mark.parametrize("option", [["--csv", "table.csv"], ["--cluster", ""]])
 def test_options_of_variations_alone_are_refused(option, capsys):
     assert main(["solve", "five-bar", "--model", "beam", *option]) == 2
     assert "belong to --vary" in capsys.readouterr().err

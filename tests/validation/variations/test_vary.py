@@ -8,10 +8,12 @@ import numpy as np
 import pytest
 from one_arm import ONE_ARM
 
+from lumped.acceptance.requirement import AXES
 from lumped.robot_file import load_robot
 from lumped.robot_file.places import unit_of
 from validation.cli import main
 from validation.drawing.charts.scales import short_number
+from validation.variations.robots import checked_variations, varied_robots
 
 ARM = f"{ONE_ARM}[path]\nfrom = [0.0]\nto = [0.2]\ncount = 3\n"
 WIDTH = "bodies.arm.section.width=0.04:0.08:3"
@@ -74,14 +76,15 @@ def test_curves_are_what_the_models_answer(arm, tmp_path, capsys):
     assert header["options"]["vary"] == f"{WIDTH} {MASS}"
 
 
-def test_a_biglide_is_varied_like_any_mechanism(tmp_path):
-    """Feet as joints that give, legs by their 6×6: deflections fall as the tool's leg stiffens."""
-    folder = tmp_path / "report"
-    asked = ["--vary", "foot.compliance[3,3]=1e-9:4e-9:2"]
-    assert run_of("ifw", folder, *asked, only="vary.1.deflections") == 0
-    along_z = table(folder, "vary.1.deflections")
-    assert "foot.compliance[3,3] (m/N)" in along_z
-    assert (np.diff(along_z["vjm: along z (µm)"]) > 0.0).all()
+def test_a_biglide_is_varied_like_any_mechanism():
+    """Feet as joints that give, legs by their 6×6: deflections fall as the feet stiffen."""
+    robot_file = load_robot("ifw")
+    (variation,) = checked_variations(robot_file, ["foot.compliance[3,3]=1e-9:4e-9:2"], "quick")
+    units = varied_robots(robot_file, variation, "quick")[:2]
+    stiff, soft = (unit.compute() for unit in units)
+    assert stiff.names.tolist() == soft.names.tolist()
+    along_z = AXES.index("z")
+    assert (soft.values[:, along_z] > stiff.values[:, along_z])[1:].all()
 
 
 @pytest.mark.parametrize(
@@ -113,18 +116,12 @@ def test_what_cannot_be_varied_is_one_clear_line(typed, said, arm, tmp_path, cap
         ("delta", "points.A1[1]", "m"),
         ("delta", "materials.steel.rho", "kg/m³"),
         ("delta", "materials.steel.nu", ""),
-        ("delta", "tool.mass", "kg"),
         ("3-rrr", "path.from[3]", "rad"),
-        ("3-rrr", "path.count", ""),
         ("3-rrr", "bodies.platform.inertia[1,1]", "kg m²"),
         ("ifw", "leg1.compliance[2,6]", "rad/N"),
         ("ifw", "foot.compliance[6,6]", "rad/(N m)"),
         ("ifw", "leg1.compliance[1,1]", "m/N"),
-        ("ifw", "leg1.compliance[3,4]", "rad/N"),
-        ("delta", "points.P[3]", "m"),
-        ("delta", "materials.steel.E", "Pa"),
         ("ifw", "accept.deflection", ""),
-        ("ifw", "geometry.a", "m"),
         ("ifw", "actuators.stiffness", "N/m"),
     ],
 )

@@ -1,0 +1,255 @@
+"""`solve --vary`: one model of many robots that differ in some numbers of their file."""
+
+from collections.abc import Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass, replace
+from itertools import chain, zip_longest
+from json import dumps
+from math import prod
+from pathlib import Path
+
+import numpy as np
+
+from lumped.acceptance.requirement import AXES, ROTATIONS
+from lumped.errors import InputError, naming
+from lumped.robot_file import RobotFile
+from lumped.robot_file.places import unit_of
+from lumped.robot_file.variation import Variation, told, variations_of, varied
+from validation.console.streams import complain, say
+from validation.console.typed import write
+from validation.drawing.style import OTHERS, csv_of
+from validation.run.cluster import on_cluster
+from validation.run.executor import Executor, in_turn, on_cores
+from validation.solve.answer import Answer, Solution, record_of
+from validation.solve.model_answers import checked, solve
+from validation.solve.question import Question
+
+# What is told of each deflection: µm under 1000 N, µrad under 100 N m.
+_LOADS = 3 * (1000.0,) + 3 * (100.0,)
+_MICRO = 1e6
+# Of a picture: dots per inch, and curves that can still be told apart.
+_DOTS, _MOST = 150, len(OTHERS)
+
+
+@dataclass(frozen=True)
+class VariedAnswers:
+    """The answers for every combination of the values of `variations`, in their order."""
+
+    variations: tuple[Variation, ...]
+    values: tuple[tuple[float, ...], ...]
+    solutions: tuple[Solution, ...]
+
+    @property
+    def rows(self) -> list[tuple[tuple[float, ...], Answer]]:
+        """Every answer with the values that its robot has."""
+        return [
+            (values, answer)
+            for values, solution in zip(self.values, self.solutions, strict=True)
+            for answer in solution.answers
+        ]
+
+
+@dataclass(frozen=True)
+class _Unit:
+    """One robot: plain data that can be sent to other processes and machines."""
+
+    said: str
+    asked: Question
+
+    def __call__(self) -> Solution:
+        with naming(f"--vary {self.said}"):
+            return solve(self.asked)
+
+
+def tell_varied(
+    question: Question,
+    vary: Sequence[str],
+    jobs: int,
+    cluster: str | None,
+    csv: Path | None,
+    picture: Path | None,
+    *,
+    json: bool,
+) -> None:
+    """Print the answers for the numbers that vary as typed, as text or JSON, and write files.
+
+    Raises InputError and ComputationError as `solve_varied` does.
+    """
+    if question.against:
+        raise InputError("--against: modes are paired for one robot; leave out --vary")
+    if not vary:
+        raise InputError("--jobs, --cluster, --csv, --picture: belong to --vary; leave them out")
+    variations = variations_of(question.robot_file, vary)
+    if picture is not None:
+        require_few_curves(variations, max(1, len(question.x) + len(question.poses)))
+    found = solve_varied(question, variations, jobs, cluster)
+    say(as_json(found) if json else as_text(found))
+    complain(without_say(found), 0)
+    if csv is not None:
+        write(csv, csv_of(columns(found)).encode())
+    if picture is not None:
+        write(picture, png(question.robot_file, found))
+
+
+def solve_varied(
+    question: Question, variations: tuple[Variation, ...], jobs: int, cluster: str | None
+) -> VariedAnswers:
+    """Every robot of the variations, asked the same, by `jobs` processes or at a `cluster`.
+
+    Raises InputError, naming the values, before anything is computed where a robot cannot be or
+    cannot be where it is asked, ComputationError where one cannot be solved.
+    """
+    robots = varied(question.robot_file, variations)
+    units = []
+    for values, robot in robots:
+        said = told(variations, values)
+        # Tables of many robots have no room for what digits leave open of each.
+        asked = replace(question, robot_file=robot, digits=False)
+        with naming(f"--vary {said}"):
+            checked(asked)
+        units.append(_Unit(said, asked))
+    with ExitStack() as stack:
+        executor: Executor = in_turn
+        if cluster is not None:
+            executor = stack.enter_context(on_cluster(cluster, lambda line: complain([line], 0)))
+        elif jobs > 1:
+            executor = stack.enter_context(on_cores(jobs))
+        solved = dict(executor(units))
+    return VariedAnswers(
+        variations,
+        tuple(values for values, _ in robots),
+        tuple(solved[number] for number in range(len(units))),
+    )
+
+
+def without_say(found: VariedAnswers) -> list[str]:
+    """A line for every number that was varied and changes no answer."""
+    lines = []
+    for place, one in enumerate(found.variations):
+        # What the robots answer that differ in this number alone.
+        alike: dict[tuple[float, ...], set[bytes]] = {}
+        for values, solution in zip(found.values, found.solutions, strict=True):
+            numbers = [
+                (own.compliance.tobytes(), own.frequencies.tobytes()) for own in solution.answers
+            ]
+            others = values[:place] + values[place + 1 :]
+            alike.setdefault(others, set()).add(b"".join(chain.from_iterable(numbers)))
+        if len(one.values) > 1 and all(len(answers) == 1 for answers in alike.values()):
+            model = found.solutions[0].model
+            lines.append(f"--vary {one.key}: changes no answer of the {model} model")
+    return lines
+
+
+def columns(found: VariedAnswers) -> dict[str, list[float | str]]:
+    """A row for each robot and posture: values, place, deflections and frequencies."""
+    rows = found.rows
+    table: dict[str, list[float | str]] = {
+        one.key: [values[place] for values, _ in rows] for place, one in enumerate(found.variations)
+    }
+    for name, value in rows[0][1].place.items():
+        places = [answer.place[name] for _, answer in rows]
+        if isinstance(value, list):
+            table |= {
+                f"{name}[{k + 1}]": [place[k] for place in places if isinstance(place, list)]
+                for k in range(len(value))
+            }
+        else:
+            table[name] = [place for place in places if not isinstance(place, list)]
+    return table | quantities([answer for _, answer in rows])
+
+
+def quantities(answers: Sequence[Answer]) -> dict[str, list[float | str]]:
+    """Deflections under their own loads and frequencies, a number for each answer."""
+    table: dict[str, list[float | str]] = {}
+    for k, name in enumerate(AXES[: len(answers[0].compliance)]):
+        unit = "µrad at 100 N m" if name in ROTATIONS else "µm at 1000 N"
+        scale = _LOADS[k] * _MICRO
+        table[f"{name} ({unit})"] = [scale * float(one.compliance[k, k]) for one in answers]
+    columns = zip_longest(*(one.frequencies.tolist() for one in answers), fillvalue=np.nan)
+    return table | {f"f{k} (Hz)": list(column) for k, column in enumerate(columns, start=1)}
+
+
+def as_text(found: VariedAnswers) -> str:
+    """The table for people."""
+    table = columns(found)
+    cells = [
+        [heading, *(value if isinstance(value, str) else f"{value:.6g}" for value in column)]
+        for heading, column in table.items()
+    ]
+    widths = [max(map(len, column)) for column in cells]
+    first = found.solutions[0]
+    lines = [f"{first.robot}, {first.model}, {len(found.values)} robots"]
+    lines += [
+        "  ".join(text.rjust(width) for text, width in zip(row, widths, strict=True))
+        for row in zip(*cells, strict=True)
+    ]
+    return "\n".join(lines)
+
+
+def as_json(found: VariedAnswers) -> str:
+    """The answers as JSON (schema 1): those of `solve --json`, each with its values by key."""
+    first = found.solutions[0]
+    keys = [one.key for one in found.variations]
+    document = {
+        "schema": 1,
+        "robot": first.robot,
+        "model": first.model,
+        "options": first.options,
+        "vary": [{"key": one.key, "values": list(one.values)} for one in found.variations],
+        "results": [
+            {"vary": dict(zip(keys, values, strict=True)), **record_of(answer)}
+            for values, answer in found.rows
+        ],
+    }
+    return dumps(document, allow_nan=False)
+
+
+def require_few_curves(variations: Sequence[Variation], places: int) -> None:
+    """Raise InputError where there would be more curves than can be told apart."""
+    count = places * prod(len(one.values) for one in variations[1:])
+    if count > _MOST:
+        raise InputError(
+            f"--picture: {count} curves over {variations[0].key}; must be at most {_MOST} (fewer "
+            "values of the other numbers, or fewer poses)"
+        )
+
+
+def png(robot_file: RobotFile, found: VariedAnswers) -> bytes:
+    """PNG of curves over the first number, deflections and frequencies in a panel each.
+
+    One for each combination of what else varies.
+    """
+    # Only who wants a picture waits for what draws it.
+    from validation.drawing.charts.chart import Chart, Panel, Series  # noqa: PLC0415
+    from validation.drawing.charts.plot import chart_png  # noqa: PLC0415
+    from validation.drawing.charts.scales import few_ticks, from_zero  # noqa: PLC0415
+
+    first, *others = found.variations
+    several = len(found.solutions[0].answers) > 1
+    names = [
+        _curve(others, values[1:], answer if several else None) or found.solutions[0].model
+        for values, answer in found.rows
+    ]
+    own = {name: [place for place, one in enumerate(names) if one == name] for name in names}
+    x = np.array(first.values)
+    panels = [
+        Panel(
+            [Series(name, x, np.array(numbers)[places]) for name, places in own.items()],
+            heading,
+            scale=from_zero,
+        )
+        for heading, numbers in quantities([answer for _, answer in found.rows]).items()
+    ]
+    unit = unit_of(robot_file.tables, first.keys[0])
+    label = f"{first.key} ({unit})" if unit else first.key
+    return chart_png(Chart(panels, label, x_scale=few_ticks), _DOTS)
+
+
+def _curve(others: Sequence[Variation], values: Sequence[float], answer: Answer | None) -> str:
+    """What tells a curve from the others: the values of the other numbers, and the place."""
+    said = [told(others, values)] if others else []
+    if answer is not None:
+        ((name, place),) = answer.place.items()
+        numbers = place if isinstance(place, list) else [place]
+        said.append(f"{name} {', '.join(f'{value:.4g}' for value in numbers)}")
+    return "; ".join(said)
