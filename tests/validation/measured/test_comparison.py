@@ -12,11 +12,11 @@ from lumped.legs import tip_compliance
 from lumped.mechanism.mechanism import Mechanism
 from lumped.models.bodies import legs_of
 from lumped.robot_file import load_robot
+from validation.adequacy.probability import propagated
 from validation.catalogue import catalogue
 from validation.context import Context
 from validation.drawing.charts.plot import chart_svg
 from validation.kinematics.poses import postures_of
-from validation.adequacy.probability import propagated
 from validation.measured.comparison import Comparison
 from validation.measured.matrix import measured_matrix, predicted
 from validation.models.legs import leg_compliance
