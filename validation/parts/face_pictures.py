@@ -27,7 +27,7 @@ _UP = np.array([0.0, 0.0, 1.0])
 _SIDES = (np.array([0.75, -1.0, 0.6]), np.array([-0.75, 1.0, -0.6]))
 _HEIGHT = 3.6
 # Letters of the scene, as a share of the part's size; pieces tried before a face counts as hidden.
-_LETTER, _TRIES = 0.035, 60
+_LETTER, _TRIES = 0.045, 60
 _CLEAR = 26.0  # pixels between numbers
 _TITLE = "Faces of {}"
 _NO_EDGES = np.zeros((0, 2), dtype=np.int64)
@@ -127,4 +127,4 @@ def _number(part: PartFile, face: Face) -> Wire:
     across = across / np.linalg.norm(across)
     points = centres[0] + 0.15 * size * normal + flat @ np.array([across, np.cross(normal, across)])
     pairs = [np.arange(a, b - 1)[:, None] + [0, 1] for a, b in pairwise(count)]
-    return Wire(points, np.vstack(pairs), "#000000", 2.0)
+    return Wire(points, np.vstack(pairs), "#000000", 2.5)

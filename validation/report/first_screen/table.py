@@ -61,8 +61,8 @@ class Row:
 class Table:
     """Rows of models under `headings` of quantities; `robot` are the robot's own numbers.
 
-    These are deflections (µm, µrad) under `FORCE` and `MOMENT`, and frequencies (Hz), in the poses
-    where the best models are worst, with what is left open of them; "" where not known.
+    These are deflections (µm, µrad) under `FORCE` and `MOMENT` where it yields most, frequencies
+    (Hz) where the best model is worst, with what is left open of them; "" where not known.
     """
 
     headings: tuple[str, ...]
@@ -114,7 +114,7 @@ def _folded(matrix: Matrix, model: str) -> bool:
 
 
 def _own(matrix: Matrix, quantity: str) -> tuple[str, str]:
-    """The reference's number and what is left open of it, where the best model is worst."""
+    """The reference's number and what is left open of it, by what the best model is off."""
     entries = [
         entry
         for entry in matrix.entries
@@ -124,13 +124,18 @@ def _own(matrix: Matrix, quantity: str) -> tuple[str, str]:
     if not entries or not (static or quantity in FREQUENCIES) or entries[0].measured:
         return "", ""
     best = min(entries, key=lambda entry: abs(entry.error or 0.0))
-    unit, scale = "Hz", 1.0
+    unit, scale, own = "Hz", 1.0, best.expected or 0.0
     if static:
+        known = zip(best.values, best.alongs, strict=False)
+        found = (
+            v / (1.0 + off) for v, off in known if v is not None and off is not None and off > -_ALL
+        )
+        own = max(found, default=own)
         unit, scale = ("µrad", 1e6 * MOMENT) if quantity in ROTATIONS else ("µm", 1e6 * FORCE)
     # Errors and what is left open of them are relative to the reference.
     spread = (best.uncertainty or 0.0) / (1.0 + abs(best.error or 0.0))
     left = f"±\u00a0{percent(spread, signed=False)}" if spread >= _WORTH_SAYING else ""
-    return f"{number(scale * (best.expected or 0.0), 3)}\u00a0{unit}", left
+    return f"{number(scale * own, 3)}\u00a0{unit}", left
 
 
 def csv_of_matrix(matrix: Matrix) -> str:
