@@ -1,11 +1,17 @@
 """Why models are off and what to do: entries with the same causes and remedy in one line."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from validation.adequacy.matrix import Entry, Matrix
 from validation.drawing.text import percent
-from validation.report.first_screen.words import SIGNS, capital, error_text, listed, model_name
+from validation.report.first_screen.words import (
+    capital,
+    error_text,
+    listed,
+    model_name,
+    quantities_text,
+)
 
 # How many causes a line names.
 _FOREMOST = 2
@@ -38,31 +44,20 @@ def remedies_of(matrix: Matrix) -> tuple[Remedy, ...]:
     for entry in matrix.entries:
         if entry.verdict == "inadequate":
             causes = tuple(sorted(cause.cause for cause in entry.causes[:_FOREMOST]))
-            reason = "" if entry.causes else entry.reason
             # Errors of frequencies have a sign, those of displacements none.
-            key = causes, entry.remedy, reason, entry.signed
+            key = causes, entry.remedy, "" if causes else entry.reason, entry.signed
             groups.setdefault(key, []).append(entry)
     return tuple(
         Remedy(
-            models=capital(
-                listed([model_name(model) for model in dict.fromkeys(e.model for e in entries)])
-            ),
-            quantities=_quantities(entries, matrix.quantities),
-            without=_range([entry.error for entry in entries], signed=entries[0].signed)
-            + _sense(entries),
+            models=capital(listed(list(dict.fromkeys(model_name(e.model) for e in entries)))),
+            quantities=quantities_text(matrix, [entry.quantity for entry in entries]),
+            without=_range([e.error for e in entries], error_text, signed=signed) + _sense(entries),
             causes=_causes(entries) or (reason,),
             remedy=remedy,
-            with_remedy=_range(
-                [entry.error_with_remedy for entry in entries], signed=entries[0].signed
-            ),
+            with_remedy=_range([e.error_with_remedy for e in entries], error_text, signed=signed),
         )
-        for (_, remedy, reason, _), entries in groups.items()
+        for (_, remedy, reason, signed), entries in groups.items()
     )
-
-
-def _quantities(entries: Sequence[Entry], order: Sequence[str]) -> str:
-    off = sorted({entry.quantity for entry in entries}, key=order.index)
-    return ", ".join(SIGNS.get(quantity, quantity) for quantity in off)
 
 
 def _causes(entries: Sequence[Entry]) -> tuple[str, ...]:
@@ -71,16 +66,18 @@ def _causes(entries: Sequence[Entry]) -> tuple[str, ...]:
     for entry in entries:
         for cause in entry.causes[:_FOREMOST]:
             shares.setdefault(cause.cause, []).append(cause.share)
-    return tuple(f"{cause}: {_shares(found)}" for cause, found in shares.items())
+    return tuple(f"{cause}: {_range(found, percent)}" for cause, found in shares.items())
 
 
-def _shares(values: Sequence[float]) -> str:
-    return _span([percent(one, signed=False) for one in sorted(values, key=abs)])
-
-
-def _range(values: Sequence[float | None], *, signed: bool) -> str:
+def _range(
+    values: Sequence[float | None], told: Callable[..., str], *, signed: bool = False
+) -> str:
+    """The smallest and the largest, as they are told, with one sign for both."""
     known = sorted((value for value in values if value is not None), key=abs)
-    return _span([error_text(one, signed=signed) for one in known])
+    if not known:
+        return ""
+    first, last = (told(one, signed=signed) for one in (known[0], known[-1]))
+    return last if first == last else f"{first.removesuffix(_PERCENT)} to {last}"
 
 
 def _sense(entries: Sequence[Entry]) -> str:
@@ -89,10 +86,3 @@ def _sense(entries: Sequence[Entry]) -> str:
     if len(along) < len(entries) or entries[0].signed or min(along) < 0.0 < max(along):
         return ""
     return " too stiff" if along[0] < 0.0 else " too soft"
-
-
-def _span(shown: Sequence[str]) -> str:
-    if not shown:
-        return ""
-    first, last = shown[0], shown[-1]
-    return last if first == last else f"{first.removesuffix(_PERCENT)} to {last}"

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from validation.adequacy.matrix import Matrix, named
+from validation.adequacy.matrix import Matrix
 from validation.exhibits import Figure
 from validation.report.figures.adequacy import error_curves
 from validation.report.figures.declared import attempted
@@ -11,7 +11,7 @@ from validation.report.figures.measured import measured_curves
 from validation.report.first_screen.remedies import Remedy, remedies_of
 from validation.report.first_screen.sentence import sentence
 from validation.report.first_screen.table import Table, csv_of_matrix, table_of
-from validation.report.first_screen.words import capital, listed, model_name
+from validation.report.first_screen.words import capital, listed, model_name, quantities_text
 
 
 @dataclass(frozen=True)
@@ -69,7 +69,7 @@ def _undecided(matrix: Matrix) -> Mapping[str, str]:
     """What decides undecided entries: quantities and models by the reason that they share."""
     open_ = [entry for entry in matrix.entries if entry.verdict == "undecided"]
     return {
-        reason: f"{named(matrix, [e.quantity for e in found])} by {listed(names)}"
+        reason: f"{quantities_text(matrix, [e.quantity for e in found])} by {listed(names)}"
         for reason in dict.fromkeys(entry.reason for entry in open_ if entry.reason)
         if (found := [entry for entry in open_ if entry.reason == reason])
         and (names := list(dict.fromkeys(model_name(entry.model) for entry in found)))

@@ -7,8 +7,9 @@ from collections.abc import Sequence
 from math import ceil
 
 from lumped.acceptance.requirement import STATIC_QUANTITIES
-from validation.adequacy.matrix import VERDICTS, Entry, Matrix, named
+from validation.adequacy.matrix import VERDICTS, Entry, Matrix
 from validation.drawing.text import number
+from validation.report.first_screen.words import quantities_text
 
 _ROUNDING = 5e-5
 
@@ -29,7 +30,7 @@ def _relied(matrix: Matrix, models: Sequence[str]) -> str:
     for model in models:
         entries = matrix.of_model(model)
         parts = [
-            f"{verdict} for {named(matrix, [entry.quantity for entry in found])}{_by(found)}"
+            f"{verdict} for {quantities_text(matrix, [e.quantity for e in found])}{_by(found)}"
             for verdict in VERDICTS
             if (found := [entry for entry in entries if entry.verdict == verdict])
         ]
@@ -70,10 +71,10 @@ def _to_use(matrix: Matrix) -> str:
     if refused and not any(entry.measured for entry in matrix.entries):
         chosen.append(("solid", refused))
         refused = set()
-    said = [f"{model} ({named(matrix, found)})" for model, found in chosen]
+    said = [f"{model} ({quantities_text(matrix, found)})" for model, found in chosen]
     parts = [f"for your limits use {', '.join(said)}"] if said else []
-    parts += [f"no model is adequate for {named(matrix, refused)}"] if refused else []
-    parts += [f"undecided: {named(matrix, undecided)}"] if undecided else []
+    parts += [f"no model is adequate for {quantities_text(matrix, refused)}"] if refused else []
+    parts += [f"undecided: {quantities_text(matrix, undecided)}"] if undecided else []
     told = "; ".join(parts)
     return f"{told[:1].upper()}{told[1:]}"
 

@@ -1,9 +1,9 @@
 """Models, quantities and errors in words."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 from lumped.acceptance.requirement import ANY_FORCE
-from validation.adequacy.matrix import Entry
+from validation.adequacy.matrix import Entry, Matrix, named
 from validation.drawing.text import number, percent
 
 _MODELS: Mapping[str, str] = {
@@ -23,6 +23,14 @@ _NOTHING = 5e-5
 def model_name(model: str) -> str:
     """The model as in a sentence."""
     return _MODELS.get(model, model)
+
+
+def quantities_text(matrix: Matrix, quantities: Collection[str]) -> str:
+    """Quantities as the table heads them, all of a kind together."""
+    told = named(matrix, quantities)
+    for name, sign in SIGNS.items():
+        told = told.replace(name, sign)
+    return told
 
 
 def capital(text: str) -> str:

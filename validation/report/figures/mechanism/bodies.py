@@ -21,6 +21,7 @@ from validation.models.parts import coarsest_mesh, identified
 
 # Places along a leg where another model's outlines are drawn over it, slightly larger.
 COMPARED = 6
+_SHARES = (np.arange(COMPARED) + 0.5) / COMPARED
 _OUTSET = 1.06
 # Pieces of a part's surface below which arcs would be seen as polygons; more fill the page.
 _FEW = 1500
@@ -85,8 +86,8 @@ def rails(system: System) -> Iterator[Wire]:
             yield Wire(np.array(ends), np.array([[0, 1]]), DARK, 3.0)
 
 
-def compared_points(system: System, unknowns: Array, count: int = COMPARED) -> tuple[Array, Array]:
-    """`count` places of each leg and part (m, base axes), their displacements.
+def compared_points(system: System, unknowns: Array) -> tuple[Array, Array]:
+    """`COMPARED` places of each leg and part (m, base axes), their displacements.
 
     On the centreline of legs, in a row from the first interface of a part to its last one.
 
@@ -95,17 +96,17 @@ def compared_points(system: System, unknowns: Array, count: int = COMPARED) -> t
     mechanism = system.posture.mechanism
     own: dict[str, Array] = {}
     for name in legs_of(mechanism):
-        own[name] = np.zeros((count, 3))
-        own[name][:, 0] = (np.arange(count) + 0.5) * leg_of(mechanism.bodies[name]).length / count
+        own[name] = np.zeros((COMPARED, 3))
+        own[name][:, 0] = _SHARES * leg_of(mechanism.bodies[name]).length
     for name in mechanism.parts:
-        own[name] = _in_a_row(mechanism, name, count)
+        own[name] = _in_a_row(mechanism, name)
     frames = system.posture.frames
     points = [frames[n].position + within @ frames[n].rotation.T for n, within in own.items()]
     moves = [displacements(system, name, within, unknowns) for name, within in own.items()]
     return np.vstack(points), np.concatenate(moves)
 
 
-def outlines_of(system: System, displaced: Array, count: int = COMPARED) -> Wire:
+def outlines_of(system: System, displaced: Array) -> Wire:
     """Outlines of the legs at as many places, `displaced` (n, times the factor drawn) moved.
 
     Of parts the edges between their faces.
@@ -114,8 +115,8 @@ def outlines_of(system: System, displaced: Array, count: int = COMPARED) -> Wire
     own = {name: _of_mesh(part) for name, part in mechanism.parts.items()}
     for name in legs_of(mechanism):
         leg = leg_of(mechanism.bodies[name])
-        stations = (np.arange(count) + 0.5) * leg.length / count
-        own[name] = prism(_OUTSET * outlines(equivalent_leg(leg).section)[0], stations, rims=True)
+        corners, _ = outlines(equivalent_leg(leg).section)
+        own[name] = prism(_OUTSET * corners, _SHARES * leg.length, rims=True)
     frames = system.posture.frames
     whole = joined([one.placed(frames[n].position, frames[n].rotation) for n, one in own.items()])
     motion = np.vstack([displacements(system, n, one.points, displaced) for n, one in own.items()])
@@ -153,15 +154,14 @@ def _of_mesh(part: MechanismBody) -> Surface:
     return Surface(mesh.nodes[nodes], faces, edges)
 
 
-def _in_a_row(mechanism: Mechanism, part: str, count: int) -> Array:
-    """Places (`count`×3, body axes) of a part next to a line from its first interface on.
+def _in_a_row(mechanism: Mechanism, part: str) -> Array:
+    """Places (`COMPARED`×3, body axes) of a part next to a line from its first interface on.
 
     To its last one; places where its displacements are known whatever the model.
     """
     body = mechanism.parts[part]
     ends = [frame.position for frame in body.interfaces.values()]
-    shares = (np.arange(count) + 0.5)[:, None] / count
-    line = ends[0] + shares * (ends[-1] - ends[0])
+    line = ends[0] + _SHARES[:, None] * (ends[-1] - ends[0])
     places = identified(body).places
     away = np.linalg.norm(line[:, None] - places, axis=2)
     return np.asarray(places[np.argmin(away, axis=1)])
