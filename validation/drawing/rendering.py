@@ -37,20 +37,10 @@ _FOOT = mpl.path.Path(
     [1, 2, 2, 2, *(1, 2) * 4],
 )
 _MARKS: dict[MarkKind, dict[str, Any]] = {
-    "square": {
-        "marker": "s",
-        "markersize": 3.4,
-        "markeredgecolor": "black",
-        "markeredgewidth": 0.5,
-    },
-    "dot": {"marker": ".", "markersize": 4.0},
-    "cross": {"marker": "P", "markersize": 8.0, "markeredgecolor": "white", "markeredgewidth": 0.8},
-    "ground": {
-        "marker": _FOOT,
-        "markersize": 34.0,
-        "markerfacecolor": "none",
-        "markeredgewidth": 0.8,
-    },
+    "square": {"marker": "s", "ms": 3.4, "mec": "black", "mew": 0.5},
+    "dot": {"marker": ".", "ms": 4.0},
+    "cross": {"marker": "P", "ms": 8.0, "mec": "white", "mew": 0.8},
+    "ground": {"marker": _FOOT, "ms": 34.0, "mfc": "none", "mew": 0.8},
 }
 # Where a triad may stand, in the order of preference (shares of width and height).
 _CORNERS = ((0.08, 0.92), (0.78, 0.92), (0.08, 0.3), (0.78, 0.3))
@@ -166,7 +156,7 @@ def _show(axes: Axes, scene: Scene, size: tuple[int, int]) -> None:
 
 
 def _mark(axes: Axes, view: View, marks: Marks) -> None:
-    look = {"color": marks.colour, "markerfacecolor": marks.colour, **_MARKS[marks.kind]}
+    look = {"color": marks.colour, "mfc": marks.colour, **_MARKS[marks.kind]}
     look |= {"linestyle": "", "clip_on": False}
     axes.plot(*view.pixels(marks.points).T, **look)
 

@@ -25,7 +25,6 @@ from validation.variations.cases import varied_curves
 from validation.variations.curves import VariedCurves
 from validation.variations.decision import MEANING, UNITS, Decision, choice
 
-_CHOSEN = "What each model chooses"
 _TITLES = {"deflection": "largest deflection (µm)", "frequency": "smallest first frequency (Hz)"}
 
 
@@ -35,24 +34,20 @@ def figures_over(variations: Sequence[Variation]) -> tuple[PlannedFigure, ...]:
         PlannedFigure(
             f"vary.{number}.{what}",
             f"{title} over {variation.key}",
-            partial(_drawn, shown=shown, variation=variation, identifier=f"vary.{number}.{what}"),
+            partial(_drawn, variation=variation, number=number, what=what),
             section=PARAMETERS,
             group=f"vary.{number}",
             effort=float(len(variation.values)),
         )
         for number, variation in enumerate(variations, start=1)
-        for what, (title, shown) in _FIGURES.items()
+        for what, (title, _) in _FIGURES.items()
     )
 
 
-def _drawn(
-    context: Context,
-    *,
-    shown: Callable[[Context, Variation], Shown],
-    variation: Variation,
-    identifier: str,
-) -> Figure:
-    return shown(context, variation).figure(identifier, "", PARAMETERS)
+def _drawn(context: Context, *, variation: Variation, number: int, what: str) -> Figure:
+    title, shown = _FIGURES[what]
+    named = f"vary.{number}.{what}", f"{title} over {variation.key}"
+    return shown(context, variation).figure(*named, PARAMETERS)
 
 
 def _deflections(context: Context, variation: Variation) -> Shown:
@@ -76,7 +71,6 @@ def _frequencies(context: Context, variation: Variation) -> Shown:
         f"{said[0].upper()}{said[1:]}.",
         f"{ONE_SHAPE}{_alike(variation)}",
         compared_with(found.compared.against),
-        title=f"Natural frequencies over {variation.key}",
     )
 
 
@@ -90,7 +84,6 @@ def _decisions(context: Context, variation: Variation) -> Shown:
         *(_verdict(one, variation) for one in found.values()),
         "Over the whole path, each robot on its own. A star marks what a curve finds best among "
         "the values shown; none is sought between them.",
-        title=f"{_CHOSEN} over {variation.key}",
     )
 
 
@@ -146,5 +139,5 @@ def _alike(variation: Variation) -> str:
 _FIGURES: Mapping[str, tuple[str, Callable[[Context, Variation], Shown]]] = {
     "deflections": ("Deflection", _deflections),
     "frequencies": ("Natural frequencies", _frequencies),
-    "decision": (_CHOSEN, _decisions),
+    "decision": ("What each model chooses", _decisions),
 }
