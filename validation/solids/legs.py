@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from itertools import takewhile
 from math import ceil
 
 import numpy as np
@@ -141,23 +142,21 @@ def static_ladder(leg: ConstantLeg, most: int) -> tuple[int, ...]:
 
     Empty where not even two meshes are affordable.
     """
-    return _ladder(leg, lambda face, _: face <= most)
+    return _ladder(leg, most, lambda _: 1)
 
 
 def dynamic_ladder(leg: ConstantLeg, most: int) -> tuple[int, ...]:
     """Divisions whose solid mesh has at most `most` unknowns, for studies of modes; as above."""
-    return _ladder(leg, lambda face, step: face * (2 * slices(leg, step) + 1) <= most)
+    return _ladder(leg, most, lambda divisions: 2 * slices(leg, divisions) + 1)
 
 
-def _ladder(leg: ConstantLeg, affordable: Callable[[int, int], bool]) -> tuple[int, ...]:
+def _ladder(leg: ConstantLeg, most: int, layers: Callable[[int], int]) -> tuple[int, ...]:
+    def affordable(divisions: int) -> bool:
+        return 3 * len(face_mesh(leg, divisions).nodes) * layers(divisions) <= most
+
     steps = _RECTANGLE_LADDER if isinstance(leg.section, Rectangle) else _DOUBLING_LADDER
-    chosen: list[int] = []
-    for step in steps:
-        face = 3 * len(face_mesh(leg, step).nodes)
-        if not affordable(face, step):
-            break
-        chosen.append(step)
-    return tuple(chosen) if len(chosen) >= _FEWEST_GRIDS else ()
+    chosen = tuple(takewhile(affordable, steps))
+    return chosen if len(chosen) >= _FEWEST_GRIDS else ()
 
 
 def divisions_across(leg: ConstantLeg, rectangle: int, walls: int) -> int:

@@ -1,4 +1,4 @@
-"""Second mathematics beside the models: Ritz's method, waves in legs, legs made ever longer.
+"""Second mathematics beside the models: Ritz's method, waves in legs.
 
-Postures and legs go in; compliances, frequencies and the exponents of what ends do come out.
+Postures and legs go in; compliances and frequencies come out.
 """

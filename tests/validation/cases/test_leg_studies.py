@@ -10,10 +10,10 @@ from lumped.robot_file import load_robot
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Tube
 from validation.case import Skip
 from validation.cases.legs import end_restraint, solids
+from validation.cases.legs.end_restraint import fundamental_ratio, limit_exponent
 from validation.context import Context
 from validation.models.legs import constant_leg_of
 from validation.results.outcome import judge
-from validation.studies.lengthened_legs import fundamental_ratio, limit_exponent
 
 ROBOT_FILE = load_robot("ifw")
 STEEL = Material.isotropic(E=2.1e11, nu=0.3, rho=7850.0)

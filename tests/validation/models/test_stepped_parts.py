@@ -1,4 +1,4 @@
-"""Parts as stepped legs: a tapered cantilever against its closed form, and its convergence."""
+"""Parts as stepped legs: a hollow wedge against its sections, and its convergence."""
 
 from dataclasses import replace
 
@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from compliances import scaled_difference
 from crane import ROBOT as CRANE
-from drawn_parts import meshed, plane_ends
+from drawn_parts import meshed, plane_ends, written
+from scipy.integrate import quad
 
 from lumped.errors import InputError
 from lumped.legs import Material
@@ -14,7 +15,6 @@ from lumped.mechanism.body import Body, Frame
 from lumped.mechanism.kinematics.postures import posture
 from lumped.mechanism.part import Part
 from lumped.robot_file import load_robot
-from meshes.gmsh_session import gmsh_model
 from validation.adequacy.mechanism.parts import part_steps
 from validation.adequacy.models import JUDGED, why_unable
 from validation.adequacy.response import Response
@@ -24,50 +24,28 @@ from validation.models.options import ModelOptions
 from validation.models.stepped_parts import stepped
 
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
-LENGTH, WIDTH, ROOT, TIP = 0.5, 0.04, 0.06, 0.03
 
 
-@pytest.fixture(scope="module")
-def body(tmp_path_factory):
-    """A box of 500 × 40 mm whose height falls from 60 to 30 mm."""
-    path = tmp_path_factory.mktemp("taper") / "taper.step"
-    with gmsh_model("taper") as gmsh:
-        gmsh.option.setString("Geometry.OCCTargetUnit", "MM")
-        occ = gmsh.model.occ
-        corners = [(0, -30), (500, -15), (500, 15), (0, 30)]
-        points = [occ.addPoint(x, -20, z) for x, z in corners]
-        lines = [occ.addLine(points[i], points[(i + 1) % 4]) for i in range(4)]
-        face = occ.addPlaneSurface([occ.addCurveLoop(lines)])
-        occ.extrude([(2, face)], 0, 40, 0)
-        occ.synchronize()
-        gmsh.model.removeEntities(gmsh.model.getEntities(2), recursive=False)
-        gmsh.write(str(path))
-    points = {"A": Frame(), "B": Frame(np.array([LENGTH, 0.0, 0.0]))}
-    return Body("taper", Part(path, STEEL, plane_ends(LENGTH, "average")), points)
-
-
-@pytest.fixture(scope="module")
-def channel(tmp_path_factory):
-    """A channel of 60 × 40 mm, 300 mm long, 8 mm thick, open along y."""
-    path, length = tmp_path_factory.mktemp("channel") / "channel.step", 0.3
-    with gmsh_model("channel") as gmsh:
-        gmsh.option.setString("Geometry.OCCTargetUnit", "MM")
-        occ = gmsh.model.occ
-        outer = occ.addBox(0, 0, -30, 1000.0 * length, 40, 60)
-        inner = occ.addBox(-10, 8, -22, 1000.0 * length + 20, 40, 44)
-        occ.cut([(3, outer)], [(3, inner)])
-        occ.synchronize()
-        gmsh.write(str(path))
+def body_of(file, length, coupling=None, unit="mm"):
+    """What is `length` (m) long along x between two plane ends."""
     points = {"A": Frame(), "B": Frame(np.array([length, 0.0, 0.0]))}
-    return Body("channel", Part(path, STEEL, plane_ends(length, "average")), points)
+    return Body("arm", Part(file, STEEL, plane_ends(length, coupling), unit), points)
 
 
-def test_a_channel_twists_about_its_shear_centre_as_its_solid_does(channel, monkeypatch):
-    """A force along z through the back's middle twists it: its shear centre lies behind the back.
+def test_a_channel_twists_about_its_shear_centre_as_its_solid_does(tmp_path, monkeypatch):
+    """60 × 40 mm, 300 mm long, 8 mm thick, open along y.
+
+    A force along z through the back's middle twists it: its shear centre lies behind the back.
 
     Ends are averaged and free to warp, so that Saint-Venant's torsion is the whole of it.
     """
     monkeypatch.setattr(parts, "UNKNOWNS", 20_000)
+
+    def draw(occ):
+        outer, inner = occ.addBox(0, 0, -30, 300, 40, 60), occ.addBox(-10, 8, -22, 320, 40, 44)
+        occ.cut([(3, outer)], [(3, inner)])
+
+    channel = body_of(written(tmp_path / "channel.step", draw), 0.3, "average", None)
     identified = parts.identified(channel, 20_000, 0)
     solid = identified.compliance
     leg = stepped(channel, 4)
@@ -96,31 +74,20 @@ def test_a_channel_twists_about_its_shear_centre_as_its_solid_does(channel, monk
     assert abs(wrong[3, 2]) > 5.0 * abs(off[3, 2])
 
 
-@pytest.fixture(scope="module")
-def legs(body, tmp_path_factory):
-    """Stepped in 4 and 8 pieces."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(parts, "UNKNOWNS", 5000)
-        patch.delenv("FLEXPROOF_CACHE", raising=False)
-        patch.setenv("XDG_CACHE_HOME", str(tmp_path_factory.mktemp("cache")))
-        return {count: stepped(body, count) for count in (4, 8)}
-
-
 def test_what_cannot_be_stepped_is_told_and_judged_without(tmp_path, monkeypatch):
     # A wide blind bore from below reaches over a narrow one from above: nothing is between them.
     monkeypatch.setattr(parts, "UNKNOWNS", 5000)
     monkeypatch.setenv("FLEXPROOF_CACHE", "off")
-    with gmsh_model("block") as gmsh:
-        gmsh.option.setString("Geometry.OCCTargetUnit", "MM")
-        occ = gmsh.model.occ
+
+    def draw(occ):
         block = occ.addBox(-60, -60, -50, 140, 120, 100)
         bores = [
             (3, occ.addCylinder(0, 0, -50, 0, 0, 40, 30)),
             (3, occ.addCylinder(35, 0, 10, 0, 0, 40, 10)),
         ]
         occ.cut([(3, block)], bores)
-        occ.synchronize()
-        gmsh.write(str(tmp_path / "block.step"))
+
+    written(tmp_path / "block.step", draw)
     (tmp_path / "robot.toml").write_text(OVERLAPPING, "utf-8")
     mechanism = load_robot(tmp_path / "robot.toml").mechanism
     at = posture(mechanism, mechanism.poses[0])
@@ -183,17 +150,6 @@ PRISMS = {
 }
 
 
-def drawn(folder, draw):
-    path = folder / "part.step"
-    with gmsh_model("part") as gmsh:
-        gmsh.option.setString("Geometry.OCCTargetUnit", "MM")
-        draw(gmsh.model.occ)
-        gmsh.model.occ.synchronize()
-        gmsh.write(str(path))
-    points = {"A": Frame(), "B": Frame(np.array([0.4, 0.0, 0.0]))}
-    return Body("arm", Part(path, STEEL, plane_ends(0.4, "rigid")), points)
-
-
 def hollow_wedge(occ):
     """400 mm long, 40 mm wide, its height falls from 60 to 40 mm; a hole of 20 × 16 mm along it."""
     corners = [(0, -30), (400, -20), (400, 20), (0, 30)]
@@ -205,25 +161,17 @@ def hollow_wedge(occ):
     occ.remove([(2, face)], recursive=True)
 
 
-@pytest.fixture
-def coarse(monkeypatch):
-    monkeypatch.setattr(parts, "UNKNOWNS", 4000)
-    monkeypatch.setenv("FLEXPROOF_CACHE", "off")
-
-
-@pytest.mark.usefixtures("coarse")
 @pytest.mark.parametrize(("draw", "why"), REFUSED.values(), ids=REFUSED.keys())
 def test_a_section_that_is_no_prisms_is_refused_and_named(tmp_path, draw, why):
     with pytest.raises(InputError, match=why) as error:
-        stepped(drawn(tmp_path, draw))
+        stepped(body_of(meshed(tmp_path / "part.msh", draw, 20.0, 12.0), 0.4))
     (line,) = error.value.faults
     assert line.startswith("bodies.arm: its section 0.")
 
 
-@pytest.mark.usefixtures("coarse")
 @pytest.mark.parametrize(("draw", "left"), PRISMS.values(), ids=PRISMS.keys())
 def test_sections_that_hold_for_their_own_size_are_pieces(tmp_path, draw, left):
-    leg = stepped(drawn(tmp_path, draw))
+    leg = stepped(body_of(meshed(tmp_path / "part.msh", draw, 20.0), 0.4))
     areas = np.array([piece.properties.mu for piece in leg.pieces]) / STEEL.rho
     # Of the bar, of what is left of it, and nothing between: a plane in a step's face is on one
     # side of it.
@@ -232,22 +180,29 @@ def test_sections_that_hold_for_their_own_size_are_pieces(tmp_path, draw, left):
     assert len(areas) == 10
 
 
-@pytest.mark.usefixtures("coarse")
-def test_pieces_of_a_hollow_wedge_are_the_prisms_of_its_drawing(tmp_path):
-    file = meshed(tmp_path / "wedge.msh", hollow_wedge, 30.0)
-    points = {"A": Frame(), "B": Frame(np.array([0.4, 0.0, 0.0]))}
-    leg = stepped(Body("arm", Part(file, STEEL, plane_ends(0.4), "mm"), points), 5)
-    heights = 0.06 - 0.02 * (np.arange(5) + 0.5) / 5.0
-    area = 0.04 * heights - 0.02 * 0.016
+@pytest.fixture(scope="module")
+def legs(tmp_path_factory):
+    """The hollow wedge in 4 and 8 pieces."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("FLEXPROOF_CACHE", "off")
+        file = meshed(tmp_path_factory.mktemp("wedge") / "wedge.msh", hollow_wedge, 30.0)
+        return {count: stepped(body_of(file, 0.4), count) for count in (4, 8)}
+
+
+def sections(x):
+    """Area and second moments about y and z of the wedge at x."""
+    heights = 0.06 - 0.05 * x
     about_y = (0.04 * heights**3 - 0.02 * 0.016**3) / 12.0
     about_z = (heights * 0.04**3 - 0.016 * 0.02**3) / 12.0
-    for name, exact in (("EA", area), ("EIy", about_y), ("EIz", about_z)):
-        values = [getattr(piece.properties, name) for piece in leg.pieces]
+    return 0.04 * heights - 0.02 * 0.016, about_y, about_z
+
+
+def test_pieces_of_a_hollow_wedge_are_the_prisms_of_its_drawing(legs):
+    exact = sections(0.4 * (np.arange(8) + 0.5) / 8.0)
+    for name, values in zip(("EA", "EIy", "EIz"), exact, strict=True):
+        found = [getattr(piece.properties, name) for piece in legs[8].pieces]
         # Plane faces are cut exactly.
-        assert values == pytest.approx(list(STEEL.E * exact), rel=1e-9)
-    rest = leg.root_mass[0, 0] + leg.tip_mass[0, 0]
-    mass = sum(piece.properties.mu * piece.length for piece in leg.pieces) + rest
-    assert mass == pytest.approx(STEEL.rho * area.sum() * 0.08, rel=1e-9)
+        assert found == pytest.approx(list(STEEL.E * values), rel=1e-9)
 
 
 # A robot of one arm like the crane, whose bores reach into each other.
@@ -267,13 +222,9 @@ def compliance(leg, model="beam", theory="timoshenko"):
     return np.linalg.inv(free)[:6, :6]
 
 
-# ∫dx/h and ∫dx/h³ of a height that is linear in x.
-STRETCH = LENGTH / (STEEL.E * WIDTH * (ROOT - TIP)) * np.log(ROOT / TIP)
-BEND = 12.0 * LENGTH / (STEEL.E * WIDTH * (ROOT - TIP)) * 0.5 * (1.0 / TIP**2 - 1.0 / ROOT**2)
-
-
-@pytest.mark.parametrize(("component", "exact"), [(0, STRETCH), (4, BEND)])
-def test_pieces_converge_to_the_closed_form_with_the_square_of_their_number(legs, component, exact):
+@pytest.mark.parametrize(("component", "section"), [(0, 0), (4, 1)])
+def test_pieces_converge_to_the_integral_with_the_square_of_their_number(legs, component, section):
+    exact = quad(lambda x: 1.0 / (STEEL.E * sections(x)[section]), 0.0, 0.4)[0]
     coarse, fine = (compliance(leg)[component, component] / exact - 1.0 for leg in legs.values())
     # Sections in the middle of the pieces: the midpoint rule.
     assert np.log2(coarse / fine) == pytest.approx(2.0, abs=0.08)
@@ -288,14 +239,13 @@ def test_beams_and_segments_are_one_statics(legs):
 
 def test_mass_and_rigid_motions_are_those_of_the_part(legs):
     matrices = leg_matrices("beam", legs[8], ModelOptions(elements=8))
-    # Areas are linear along the box: sections in the middle give its mass exactly.
-    mass = STEEL.rho * WIDTH * LENGTH * (ROOT + TIP) / 2.0
+    # Areas are linear along the wedge: sections in the middle give its mass exactly.
+    mass = STEEL.rho * 0.4 * sections(0.2)[0]
     K, M = matrices.stiffness.toarray(), matrices.mass.toarray()
     shift = np.zeros((len(K), 1))
     shift[2] = shift[8] = 1.0
-    inner = -np.linalg.solve(K[12:, 12:], K[12:, :12] @ shift[:12])
-    shift[12:] = inner
+    shift[12:] = -np.linalg.solve(K[12:, 12:], K[12:, :12] @ shift[:12])
     assert np.abs(K @ shift).max() < 1e-6 * np.abs(K).max()
     assert (shift.T @ M @ shift).item() == pytest.approx(mass, rel=1e-6)
-    twists = matrices.centreline(np.array([0.0, 0.13, LENGTH])) @ shift
+    twists = matrices.centreline(np.array([0.0, 0.13, 0.4])) @ shift
     assert twists.reshape(3, 6) == pytest.approx(np.tile([0, 0, 1, 0, 0, 0], (3, 1)), abs=1e-9)
