@@ -100,6 +100,14 @@ def test_simplified_has_the_modes_of_what_is_rigid():
     assert len(found.frequencies) == 6
 
 
+def test_simplified_knows_nothing_of_what_its_joints_give():
+    at = reference_posture(load_robot("ifw").mechanism)
+    joints = tuple(replace(joint, compliance=None) for joint in at.mechanism.joints)
+    stiff = replace(at, mechanism=replace(at.mechanism, joints=joints))
+    (found,), (expected,) = (answers("simplified", [one], 0) for one in (at, stiff))
+    assert found.compliance == pytest.approx(expected.compliance, rel=1e-12)
+
+
 def test_strain_energy_is_shared_by_bodies_and_joints():
     at = reference_posture(load_robot("delta").mechanism)
     bodies = static_bodies("beam", at.mechanism)
