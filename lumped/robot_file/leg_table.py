@@ -52,22 +52,11 @@ def leg_of(table: Mapping[str, Any], length: float, name: str) -> Leg:
 
 
 def _description_faults(table: Mapping[str, Any], key: str) -> Iterator[str]:
-    given = [name for name in ("section", "material") if table[name] is not None]
-    if table["compliance"] is None:
-        if not given:
-            yield (
-                f"{key}: neither compliance nor section; must have either compliance and mass, "
-                "or section and material"
-            )
-        elif len(given) == 1:
-            missing = "material" if given == ["section"] else "section"
-            yield f"{key}.{missing}: missing; must be given with {key}.{given[0]}"
-    elif given:
-        yield (
-            f"{key}.compliance and {key}.{given[0]}: both given; must be either "
-            "compliance and mass, or section and material"
-        )
-    elif table["ends"] is not None:
+    given = [name for name in ("compliance", "section", "material") if table[name] is not None]
+    if given not in (["compliance"], ["section", "material"]):
+        said = f"has {' and '.join(given)}" if given else "neither compliance nor section"
+        yield f"{key}: {said}; must have either compliance and mass, or section and material"
+    elif table["ends"] is not None and given == ["compliance"]:
         yield (
             f"{key}.ends: must be left out beside {key}.compliance, whose ends are in its numbers"
         )
