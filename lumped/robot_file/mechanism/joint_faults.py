@@ -21,7 +21,7 @@ def joint_faults(draft: Draft) -> list[str]:
     return [
         fault
         for name, joint in draft.joints.items()
-        for check in (_body_faults, _point_faults, _axis_faults, _drive_faults)
+        for check in (_body_faults, _point_faults, _axis_faults)
         for fault in check(draft, joint, f"joints.{name}")
     ]
 
@@ -77,6 +77,12 @@ def _body_faults(draft: Draft, joint: Entry, key: str) -> Iterator[str]:
         yield from draft.unknown(f"{key}.between[{i}]", body, "bodies")
     if first == second:
         yield f'{key}.between: "{first}" twice; must be two different bodies'
+    freedoms = FREEDOMS[joint["type"]]
+    if joint["drive"] is not None and freedoms != 1:
+        yield (
+            f"{key}.drive: a {joint['type']} joint has {freedoms or 'no'} free motions; "
+            "must be a revolute or a prismatic one"
+        )
 
 
 def _point_faults(draft: Draft, joint: Entry, key: str) -> Iterator[str]:
@@ -127,15 +133,6 @@ def _axis_faults(draft: Draft, joint: Entry, key: str) -> Iterator[str]:
         yield (
             f"{key}.axis = {list(directions[0])}: must point from {first} to {second} or back, "
             f"which are {np.linalg.norm(way):.3g} m apart; left out, it does"
-        )
-
-
-def _drive_faults(draft: Draft, joint: Entry, key: str) -> Iterator[str]:  # noqa: ARG001
-    freedoms = FREEDOMS[joint["type"]]
-    if joint["drive"] is not None and freedoms != 1:
-        yield (
-            f"{key}.drive: a {joint['type']} joint has {freedoms or 'no'} free motions; "
-            "must be a revolute or a prismatic one"
         )
 
 

@@ -21,6 +21,17 @@ DEFINITENESS_TOLERANCE = 1e-12
 SMALLEST_COMPLIANCE = 1e-15
 # 1 N or 1 N m that moves a part by 1 m or 1 rad: a stiffness (1e5 and more) was given.
 LARGEST_COMPLIANCE = 1.0
+_DIAGONAL = tuple(
+    Number(
+        unit,
+        above=0.0,
+        slip=SMALLEST_COMPLIANCE,
+        most=LARGEST_COMPLIANCE,
+        high="is this a stiffness?",
+    )
+    for unit in ("m/N", "rad/(N m)")
+    for _ in range(3)
+)
 # A single entry above it is a slip, more of them are another matrix.
 _ENTRIES_OF_A_STIFFNESS = 2
 
@@ -128,21 +139,9 @@ def _shape_faults(value: object, kind: SquareMatrix) -> list[str]:
 
 
 def _diagonal_faults(matrix: Array, kind: SquareMatrix) -> list[str]:
-    faults = []
-    for i, entry in enumerate(np.diag(matrix).tolist(), start=1):
-        if entry <= 0.0:
-            faults.append(f"[{i},{i}] = {entry!r}: must be above 0, it stands on the diagonal")
-        elif kind.compliance and entry < SMALLEST_COMPLIANCE:
-            faults.append(
-                f"[{i},{i}] = {entry!r}: must be at least {SMALLEST_COMPLIANCE:g} "
-                f"{_compliance_unit(i)}, which is as good as rigid"
-            )
-        elif kind.compliance and entry > LARGEST_COMPLIANCE:
-            faults.append(
-                f"[{i},{i}] = {entry!r}: must be at most {LARGEST_COMPLIANCE:g} "
-                f"{_compliance_unit(i)}; is this a stiffness?"
-            )
-    return faults
+    rules = _DIAGONAL if kind.compliance else (Number(kind.unit, above=0.0),) * kind.size
+    entries = enumerate(zip(rules, np.diag(matrix).tolist(), strict=True), start=1)
+    return [fault for i, (rule, entry) in entries for fault in rule.faults(entry, f"[{i},{i}]")]
 
 
 def _stiffness_fault(matrix: Array) -> str:
@@ -157,7 +156,3 @@ def _stiffness_fault(matrix: Array) -> str:
         f"rad/(N m), [{largest},{largest}] = {diagonal[largest - 1]:.3g} the most: is this a "
         "stiffness matrix? Its inverse, the compliance, is wanted here"
     )
-
-
-def _compliance_unit(index: int) -> str:
-    return "m/N" if index <= 3 else "rad/(N m)"
