@@ -20,7 +20,7 @@ _YES = {True: "yes", False: "no"}
 
 
 @dataclass(frozen=True)
-class Cell:
+class Reading:
     """A sentence in one reading: `text` (its number, or curves that hold), `verdict`, `hint`."""
 
     text: str
@@ -29,12 +29,12 @@ class Cell:
 
 
 @dataclass(frozen=True)
-class Row:
+class SaidRow:
     """A sentence with both readings, in which of them it `holds`, and the `colour` of that."""
 
     claim: Claim
-    printed: Cell
-    corrected: Cell
+    printed: Reading
+    corrected: Reading
     holds: str
     colour: str
 
@@ -46,10 +46,12 @@ class SaidTable:
     claims: tuple[Claim, ...]
 
     @property
-    def rows(self) -> tuple[Row, ...]:
+    def rows(self) -> tuple[SaidRow, ...]:
         """The rows in the order of the source."""
         return tuple(
-            Row(claim, _cell(claim, "printed"), _cell(claim, "corrected"), *_HOLDS[claim.standing])
+            SaidRow(
+                claim, _cell(claim, "printed"), _cell(claim, "corrected"), *_HOLDS[claim.standing]
+            )
             for claim in self.claims
         )
 
@@ -80,10 +82,10 @@ class SaidTable:
         )
 
 
-def _cell(claim: Claim, reading: str) -> Cell:
+def _cell(claim: Claim, reading: str) -> Reading:
     held = [getattr(curve, f"{reading}_holds") for curve in claim.curves]
     texts = [_with_unit(getattr(curve, reading), curve.unit) for curve in claim.curves]
-    return Cell(
+    return Reading(
         text=texts[0] if len(texts) == 1 else f"{sum(held)} of {len(held)} curves",
         verdict="adequate" if all(held) else "inadequate",
         hint="; ".join(
