@@ -82,12 +82,8 @@ class _Builder:
         else:
             self.held.append(freedom)
 
-    def carry(self, first: int, points: Array, node: tuple[str, str]) -> None:
-        """Nodes from `first` on at `points` that move with a rigid body or an end face."""
-        self.carry_these(np.arange(first, first + len(points)), points, node)
-
-    def carry_these(self, numbers: IntArray, points: Array, node: tuple[str, str]) -> None:
-        """The same for nodes of any numbers."""
+    def carry(self, numbers: IntArray, points: Array, node: tuple[str, str]) -> None:
+        """Nodes at `points` that move with a rigid body or an end face."""
         motions = rigid_motions(points, self.freedoms.places[node]) @ self.freedoms.twists[node]
         for number, rows in zip(numbers.tolist(), motions.reshape(len(points), 3, -1), strict=True):
             for component, row in enumerate(rows):
@@ -114,14 +110,14 @@ def mechanism_deck(posture: Posture, legs: Mapping[str, SolidLeg], modes: int) -
             frame = posture.frames[name]
             points = _six_points(body.shape) @ frame.rotation.T + frame.position
             first = build.add(points)
-            build.carry(first, points, (name, ""))
+            build.carry(first + np.arange(6), points, (name, ""))
             masses += [(first + k, body.shape.mass / 6.0) for k in range(6)]
     tool = mechanism.tool
     carrier = (tool.body, tool.point if tool.body in legs else "")
     at = interface_position(posture, Side(tool.body, tool.point))
     if tool.mass:
         first = build.add(at[None])
-        build.carry(first, at[None], carrier)
+        build.carry(np.array([first]), at[None], carrier)
         masses.append((first, tool.mass))
     springs = []
     for row, stiffness in (*found.springs, *((row, _IDLE_STIFFNESS) for row in found.idle)):
@@ -154,7 +150,7 @@ def _add_leg(build: _Builder, posture: Posture, name: str, leg: SolidLeg) -> Ele
     points = posture.mechanism.bodies[name].interfaces
     ends = leg.mesh.root.nodes, leg.mesh.tip.nodes
     for nodes, point in zip(ends, points, strict=True):
-        build.carry_these(nodes + first, placed[nodes], (name, point))
+        build.carry(nodes + first, placed[nodes], (name, point))
     material = leg.leg.material
     return ElementSet(leg.mesh.cells + first, leg.mesh.element, material, frame.rotation)
 

@@ -57,7 +57,9 @@ def face_of(number: int, nodes: Array, facets: Facets, name: str = "") -> Face:
         zero = np.zeros(3)
         return Face(number, "other", area, centre, zero, centre, 0.0, name, facets)
     axis, on_axis, radius = fitted
-    on_axis = on_axis + axis * (axis @ (_middle(points, axis) - on_axis))
+    along = points @ axis
+    # Half way along the axis.
+    on_axis = on_axis + axis * ((along.min() + along.max()) / 2.0 - axis @ on_axis)
     outward = nodes[facets.cells].mean(axis=1) - on_axis
     kind: Kind = "bore" if np.einsum("ij,ij->", outward, vectors) < 0.0 else "boss"
     return Face(number, kind, area, centre, axis, on_axis, radius, name, facets)
@@ -66,12 +68,6 @@ def face_of(number: int, nodes: Array, facets: Facets, name: str = "") -> Face:
 def _plain(direction: Array) -> Array:
     """Without the rounding that would print as -0 or 1e-17."""
     return np.asarray(np.where(np.abs(direction) < 1e-9, 0.0, direction))
-
-
-def _middle(points: Array, axis: Array) -> Array:
-    """A point half way along the axis."""
-    along = points @ axis
-    return np.asarray(axis * (along.min() + along.max()) / 2.0)
 
 
 def _cylinder(points: Array, vectors: Array, areas: Array) -> tuple[Array, Array, float] | None:

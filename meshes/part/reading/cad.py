@@ -275,13 +275,10 @@ def naming_the_place(path: Path, model: CadModel) -> Iterator[None]:
     except Exception as error:
         if type(error) is not Exception:
             raise
-        faults = [tag for tag in model.faces() if not _meshed(model.gmsh, tag)]
+        made = model.gmsh.model.mesh.getElements
+        faults = [tag for tag in model.faces() if not any(map(len, made(2, tag)[1]))]
         where = f"face {faults[0]} at {_place(model.gmsh, 2, faults[0])}" if faults else str(error)
         raise InputError(
             f"{path}: no mesh can be made ({error}): the surface crosses itself or does not close "
             f"near {where}; repair it in the CAD system"
         ) from error
-
-
-def _meshed(gmsh: ModuleType, face: int) -> bool:
-    return any(len(tags) for tags in gmsh.model.mesh.getElements(2, face)[1])

@@ -2,34 +2,33 @@
 
 import numpy as np
 import pytest
-from drawn_parts import meshed, plane_ends, written
+from drawn_parts import meshed, plane_ends
 from prismatic_legs import STEEL
 
 from fem.bodies.part import grips_of, held_part, meshed_part, require_memory
 from lumped.errors import ComputationError
 from meshes.part.interfaces import find_interfaces
 from meshes.part.reading.read import read_part
-from meshes.part.volume import Grading, volume_mesh
 
 LENGTH, ROOT, TIP = 0.5, 0.03, 0.02
 
 
-@pytest.fixture(scope="module")
-def cone(tmp_path_factory):
-    """A cone of 500 mm, radii 30 and 20 mm, along x, and its two averaged ends."""
-    path = written(
-        tmp_path_factory.mktemp("cone") / "cone.step",
+def ends(path, draw, length, size, sides=4.0):
+    """What is drawn, meshed, and its averaged plane ends."""
+    part = read_part(meshed(path, draw, size, sides), "mm")
+    found = find_interfaces(part, plane_ends(length, "average"))
+    return meshed_part(part.mesh, STEEL), grips_of(part.mesh, found)
+
+
+def test_a_cone_stretches_twists_and_bends_as_its_closed_form(tmp_path):
+    part, grips = ends(
+        tmp_path / "cone.msh",
         lambda kernel: kernel.addCone(0, 0, 0, 1e3 * LENGTH, 0, 0, 1e3 * ROOT, 1e3 * TIP),
+        LENGTH,
+        25.0,
+        12.0,
     )
-    part = read_part(path)
-    found = find_interfaces(part, plane_ends(LENGTH, "average"))
-    return volume_mesh(part, found, Grading(0.03)), found
-
-
-def test_a_cone_stretches_twists_and_bends_as_its_closed_form(cone):
-    mesh, found = cone
-    part = meshed_part(mesh, STEEL)
-    compliance = np.diag(held_part(part, grips_of(mesh, found), "cone").compliance)
+    compliance = np.diag(held_part(part, grips, "cone").compliance)
     # ∫dx/r² = L/(r₀r₁) and ∫dx/r⁴ = L(r₀² + r₀r₁ + r₁²)/3r₀³r₁³, with A = πr², I = πr⁴/4, J = 2I.
     squares = LENGTH / (ROOT * TIP)
     fourth = LENGTH * (ROOT**2 + ROOT * TIP + TIP**2) / (3.0 * (ROOT * TIP) ** 3)
@@ -51,12 +50,9 @@ def test_a_cone_stretches_twists_and_bends_as_its_closed_form(cone):
 def test_a_bar_between_averaged_ends_stretches_and_bends_exactly_on_a_coarse_mesh(tmp_path):
     """Even and linear tractions meet Saint-Venant's stresses: quadratic displacements, any ν."""
     length, b, h = 0.12, 0.04, 0.024
-    drawn = meshed(
-        tmp_path / "bar.msh", lambda kernel: kernel.addBox(0, -20, -12, 120, 40, 24), 20.0
+    whole, grips = ends(
+        tmp_path / "bar.msh", lambda kernel: kernel.addBox(0, -20, -12, 120, 40, 24), length, 20.0
     )
-    part = read_part(drawn, "mm")
-    grips = grips_of(part.mesh, find_interfaces(part, plane_ends(length, "average")))
-    whole = meshed_part(part.mesh, STEEL)
     about_y, about_z = STEEL.E * b * h**3 / 12.0, STEEL.E * h * b**3 / 12.0
     expected = np.zeros((6, 3))
     expected[0, 0] = length / (STEEL.E * b * h)

@@ -9,14 +9,12 @@ from fem.bodies.solid import (
     clamped_leg,
     section_twists,
     solid_leg,
-    solid_leg_matrices,
     solid_mesh,
 )
 from fem.sections.section_constants import beam_properties, section_constants
 from lumped.errors import ComputationError, InputError
 from lumped.legs import ConstantLeg, Material
 from lumped.legs import tip_compliance as beam_tip_compliance
-from lumped.screws import shift
 from lumped.sections import ISection, Rectangle, Tube
 from meshes.prism.tetrahedra import tetrahedra
 
@@ -81,26 +79,6 @@ def test_first_frequencies_of_leg_1():
     beam = LEG_1.timoshenko
     tension = np.sqrt(beam.EA / beam.mu) / (4.0 * LEG_1.length)
     assert found.frequencies[3] == pytest.approx(tension, rel=1e-5)
-
-
-def test_leg_matrices_of_a_free_leg():
-    solid = meshed(LEG_2, 1, 4)
-    matrices = solid_leg_matrices(solid)
-    assert matrices.size == matrices.mass.shape[0]
-    at = np.array([0.0, 0.1, 0.35, 0.775])
-    centreline = matrices.centreline(at)
-    assert centreline.shape == (24, matrices.size)
-    ends = np.zeros((matrices.size, 6))
-    nodes = solid.mesh.nodes
-    inner = np.ones(len(nodes), dtype=bool)
-    inner[solid.mesh.root.nodes] = inner[solid.mesh.tip.nodes] = False
-    ends[:6], ends[6:12] = np.eye(6), shift(np.array([LEG_2.length, 0.0, 0.0]))
-    ends[12:] = np.vstack([shift(point)[:3] for point in nodes[inner]])
-    assert np.abs(matrices.stiffness @ ends).max() < 1e-12 * abs(matrices.stiffness).max()
-    expected = np.vstack([shift(np.array([x, 0.0, 0.0])) for x in at])
-    np.testing.assert_allclose(centreline @ ends, expected, atol=1e-12)
-    mass = ends.T @ (matrices.mass @ ends)
-    np.testing.assert_allclose(mass[:3, :3], LEG_2.mass * np.eye(3), atol=1e-9 * LEG_2.mass)
 
 
 def test_centreline_of_a_tip_load_is_the_beam():

@@ -157,17 +157,16 @@ def test_separators_and_products_across_them(short_leg, way):
         assert np.abs(found - expected).max() <= SOLVER_TOLERANCE * np.abs(expected).max()
 
 
-@pytest.mark.parametrize("place", ["half", "separator"])
 @in_halves
-def test_the_unknown_of_a_negative_pivot_is_named(short_leg, place, way):
+def test_the_unknown_of_a_negative_pivot_is_named(short_leg, way):
     K, _ = short_leg
     factor = factor_of(K, way)
-    unknown = {"half": factor.halves[1].order[7], "separator": factor.separator[4]}[place]
-    # By its own diagonal entry alone: whatever is eliminated before makes it no larger.
-    broken = csr_array(diags_array(np.where(np.arange(K.shape[0]) == unknown, -1.0, 2.0)))
-    with pytest.raises(NotPositiveDefiniteError, match="leg 1") as refused:
-        factorise(analyse(K), broken, "leg 1")
-    assert refused.value.unknown == unknown
+    for unknown in (factor.halves[1].order[7], factor.separator[4]):
+        # By its own diagonal entry alone: whatever is eliminated before makes it no larger.
+        broken = csr_array(diags_array(np.where(np.arange(K.shape[0]) == unknown, -1.0, 2.0)))
+        with pytest.raises(NotPositiveDefiniteError, match="leg 1") as refused:
+            factorise(analyse(K), broken, "leg 1")
+        assert refused.value.unknown == unknown
 
 
 @in_halves
@@ -189,19 +188,15 @@ def test_whole_that_is_indefinite_although_both_halves_are_not(way):
 
 @in_halves
 @pytest.mark.usefixtures("way")
-def test_pieces_that_are_not_coupled(short_leg):
-    """A half of several pieces may not keep its separator last, equal pieces need none."""
+def test_pieces_that_are_not_coupled_and_factorisations_at_once(short_leg):
+    """A half of several pieces may not keep its separator last, equal pieces need none.
+
+    CHOLMOD's workspaces are apart and its BLAS locks its buffers: the same bits every time.
+    """
     K, _ = short_leg
     for sizes in ((300, 90, 600, 60), (300, 300)):
         pieces = csr_array(block_diag([K[:size, :size] for size in sizes]))
         assert_solves(factorise(analyse(pieces), pieces), pieces)
-
-
-@in_halves
-@pytest.mark.usefixtures("way")
-def test_factorisations_at_once_do_not_disturb_each_other(short_leg):
-    """CHOLMOD's workspaces are apart and its BLAS locks its buffers: the same bits every time."""
-    K, _ = short_leg
     symbolic = analyse(K)
     loads = np.random.default_rng(5).standard_normal((K.shape[0], 8))
     first = factorise(symbolic, K).solve(loads)
