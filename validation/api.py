@@ -8,7 +8,6 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -222,9 +221,7 @@ def run(
         variations = checked_variations(robot_file, vary, preset)
         cores = jobs or usable_cores()
         request = Request(robot_file, preset, Path(out), cores, only, variations=variations)
-        gathered = validate(
-            request, partial(catalogue, variations=variations) if variations else catalogue
-        )
+        gathered = validate(request, catalogue)
     found = [outcome.verdict for outcome in gathered.in_order()]
     return Run(
         out=gathered.path,
@@ -235,6 +232,7 @@ def run(
     )
 
 
+_OPTION = re.compile(r"(?<!\S)--([a-z]+)")
 # Arguments that are called otherwise than the options of the command line.
 _ARGUMENTS = {"pose": "poses", "x": "poses"}
 
@@ -242,17 +240,14 @@ _ARGUMENTS = {"pose": "poses", "x": "poses"}
 @contextmanager
 def _arguments_named() -> Iterator[None]:
     """Faults of input name the arguments of these functions, not options of the command line."""
+
+    def argument(option: re.Match[str]) -> str:
+        return _ARGUMENTS.get(option[1], option[1])
+
     try:
         yield
     except InputError as error:
-        raise InputError([_OPTION.sub(_argument, fault) for fault in error.faults]) from error
-
-
-_OPTION = re.compile(r"(?<!\S)--([a-z]+)")
-
-
-def _argument(option: re.Match[str]) -> str:
-    return _ARGUMENTS.get(option[1], option[1])
+        raise InputError([_OPTION.sub(argument, fault) for fault in error.faults]) from error
 
 
 def _loaded(robot: Robot) -> RobotFile:

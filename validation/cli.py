@@ -10,13 +10,14 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 from traceback import format_exception
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import Annotated, Literal
 
 from cyclopts import App, CycloptsError, Parameter, UnusedCliTokensError
 
 from fem.machine import TO_COMPUTE, TO_READ, require_address_space, usable_cores
 from lumped.errors import ComputationError, InputError
 from lumped.robots import FIRST_TYPE, RobotType
+from lumped.text import visible
 from validation.console import streams
 from validation.console.streams import complain, say
 from validation.console.typed import (
@@ -24,14 +25,10 @@ from validation.console.typed import (
     WholeNumber,
     require_apart,
     require_place,
-    shown,
 )
 from validation.kinematics import commands as kinematics
 from validation.selftest.command import selftest
 from validation.solve import parts as commands
-
-if TYPE_CHECKING:
-    from validation.run.opening import Start
 
 app = App(
     name="flexproof",
@@ -150,7 +147,6 @@ def run(
         any part of a name. May be given again for another number.
     """
     from dataclasses import replace  # noqa: PLC0415
-    from functools import partial  # noqa: PLC0415
 
     from lumped.acceptance.measured import digest  # noqa: PLC0415
     from lumped.robot_file import load_robot  # noqa: PLC0415
@@ -163,7 +159,6 @@ def run(
     from validation.variations.robots import checked_variations  # noqa: PLC0415
 
     require_address_space(TO_COMPUTE)
-    start: Start = "resumed" if resume else "afresh"
     robot_file = load_robot(robot)
     robot_file = with_measured(robot_file, measured) if measured else robot_file
     variations = checked_variations(robot_file, vary, preset)
@@ -179,7 +174,7 @@ def run(
         out,
         jobs or usable_cores(),
         only,
-        start,
+        "resumed" if resume else "afresh",
         baseline,
         export,
         cluster,
@@ -188,9 +183,7 @@ def run(
         variations,
     )
     try:
-        gathered = validate(
-            request, partial(catalogue, variations=variations) if variations else catalogue
-        )
+        gathered = validate(request, catalogue)
     except (StoreError, ComputationError) as error:
         return complain([str(error), summary.how_to_go_on(request)], 3)
     except KeyboardInterrupt:
@@ -198,7 +191,7 @@ def run(
     complain([*gathered.remarks, *summary.left_out(gathered)], 0)
     changes, worsened = summary.changes(gathered)
     say("\n".join([*summary.verdicts(gathered), *changes]))
-    say(f"report: {shown(gathered.path / 'report.html')}")
+    say(f"report: {visible(str(gathered.path / 'report.html'))}")
     for line in summary.adequacy(gathered):
         say(line)
     if gathered.unfinished:
@@ -232,7 +225,7 @@ def compare(
 
     runs = load_run(before), load_run(after)
     comparison = compare_runs(*runs)
-    if not comparison.times and not comparison.robots:
+    if not comparison.seconds and not comparison.different_robots:
         raise InputError(f"{before} and {after} have no case in common: nothing compares them")
     if json:
         say(dumps(as_dict(comparison), indent=1))
@@ -418,7 +411,7 @@ def new(
     from lumped.robot_file import write_template  # noqa: PLC0415
 
     write_template(file, robot_type)
-    name = shown(file)
+    name = visible(str(file))
     say(f"{name} written; describe your robot in it, then: flexproof check {name}")
     return 0
 

@@ -31,12 +31,9 @@ class Context:
 
     def get(self, function: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
         """The function's value for these arguments, from the memo if it has been computed."""
-        return self.recall(memo_key(function, args, kwargs), lambda: function(*args, **kwargs))
-
-    def recall(self, key: str, compute: Callable[[], T]) -> T:
-        """The memo's entry of a key, computed where there is none."""
+        key = memo_key(function, args, kwargs)
         if key not in self._memo:
-            self._memo[key] = compute()
+            self._memo[key] = function(*args, **kwargs)
         value: T = self._memo[key]
         return value
 

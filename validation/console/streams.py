@@ -82,6 +82,11 @@ def complain(lines: Iterable[str], code: int) -> int:
     return code
 
 
+def mention(line: str) -> None:
+    """Write a message that changes no exit code to stderr."""
+    complain([line], 0)
+
+
 def flush() -> None:
     """See to it that everything has been written. Raises ResultsLostError."""
     try:

@@ -13,7 +13,6 @@ from typing import Annotated, TypeAlias
 from cyclopts import Parameter, Token
 
 from lumped.errors import InputError
-from lumped.text import visible
 from validation.console.streams import complain
 from validation.run.files import write_whole
 
@@ -82,8 +81,3 @@ def write(path: Path, content: bytes) -> None:
     except OSError as error:
         raise InputError(f"{path}: cannot be written ({error.strerror})") from error
     complain([f"{path} written"], 0)
-
-
-def shown(path: Path) -> str:
-    """The path in one line of output."""
-    return visible(str(path))

@@ -8,7 +8,7 @@ import logging
 import re
 import socket
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from queue import Empty, SimpleQueue
 from threading import Lock
@@ -31,7 +31,6 @@ _LONGEST = 1 << 20
 _ADDRESS = re.compile(r"(?:tcp|tls)://(?P<host>\[[0-9a-fA-F:.]+\]|[\w.-]+):(?P<port>\d{1,5})")
 # Workers may have several threads; gmsh has one model and a unit is to have its core to itself.
 _ONE_AT_A_TIME = Lock()
-Say = Callable[[str], object]
 
 
 class OtherProgram(Exception):  # noqa: N818  carried from a worker to the run, which names it
@@ -39,7 +38,7 @@ class OtherProgram(Exception):  # noqa: N818  carried from a worker to the run, 
 
 
 @contextmanager
-def on_cluster(address: str, say: Say) -> Iterator[Executor]:
+def on_cluster(address: str, say: Callable[[str], object]) -> Iterator[Executor]:
     """An executor on the Dask cluster whose scheduler is at `address` ("tcp://host:port").
 
     Waits for workers as long as it takes, and says so after ten seconds. Raises InputError where
@@ -49,7 +48,12 @@ def on_cluster(address: str, say: Say) -> Iterator[Executor]:
     """
     require_scheduler(address)
     distributed = _distributed()
-    client = _connected(distributed, address)
+    try:
+        client = distributed.Client(address, timeout=_ANSWER, set_as_default=False)
+    except (OSError, TimeoutError, ValueError) as error:
+        raise InputError(
+            f"--cluster {address}: what answers there is no Dask scheduler (or one that is busy)"
+        ) from error
     waiting = _Waiting(client, address, say)
     try:
         while not waiting.has_workers():
@@ -92,9 +96,9 @@ class _Waiting:
 
     client: Any
     address: str
-    say: Say
-    _alone_since: float | None = None
-    _lost_since: float | None = None
+    say: Callable[[str], object]
+    _amiss: str = ""
+    _since: float = 0.0
     _said: bool = False
 
     def has_workers(self) -> bool:
@@ -102,34 +106,36 @@ class _Waiting:
 
         Raises ComputationError where the scheduler does not come back in that time.
         """
-        now = monotonic()
-        if self.client.status != "running":
-            self._lost_since = self._lost_since or now
-            if now - self._lost_since > _PATIENCE or self.client.status == "closed":
-                raise ComputationError(
-                    f"--cluster {self.address}: the scheduler is gone; what was finished is kept"
-                )
-            return False
-        self._lost_since = None
-        if _has_workers(self.client):
-            self._alone_since = None
-            if self._said:
-                self.say(f"--cluster {self.address}: a worker has come; going on")
-            self._said = False
-            return True
-        self._alone_since = self._alone_since or now
-        if now - self._alone_since > _PATIENCE and not self._said:
+        amiss, now = self._found_amiss(), monotonic()
+        if amiss != self._amiss:
+            self._amiss, self._since = amiss, now
+        late = now - self._since > _PATIENCE
+        if amiss == "gone" and (late or self.client.status == "closed"):
+            raise ComputationError(
+                f"--cluster {self.address}: the scheduler is gone; what was finished is kept"
+            )
+        if amiss == "no workers" and late and not self._said:
             self.say(
                 f"--cluster {self.address}: the scheduler has no workers; waiting for one "
                 f"(start it with 'dask worker {self.address}', or stop with Ctrl-C)"
             )
             self._said = True
-        return False
+        if not amiss and self._said:
+            self.say(f"--cluster {self.address}: a worker has come; going on")
+            self._said = False
+        return not amiss
+
+    def _found_amiss(self) -> str:
+        if self.client.status != "running":
+            return "gone"
+        # Where the connection breaks while it is asked, the client's status will tell.
+        with suppress(OSError):
+            return "" if self.client.nthreads() else "no workers"
+        return "no workers"
 
 
 def _execute(distributed: ModuleType, waiting: _Waiting, calls: Sequence[Work]) -> Finished:
-    client, own = waiting.client, _program()
-    futures = client.map(_alone, calls, own=own, pure=False, batch_size=None)
+    futures = waiting.client.map(_alone, calls, own=_program(), pure=False, batch_size=None)
     numbers = {future.key: number for number, future in enumerate(futures)}
     finished: SimpleQueue[Any] = SimpleQueue()
     for future in futures:
@@ -152,8 +158,8 @@ def _execute(distributed: ModuleType, waiting: _Waiting, calls: Sequence[Work]) 
             f"--cluster {waiting.address}: the scheduler is gone; what was finished is kept"
         ) from error
     finally:
-        if client.status == "running":
-            client.cancel(futures)
+        if waiting.client.status == "running":
+            waiting.client.cancel(futures)
 
 
 def _next(finished: SimpleQueue[Any], waiting: _Waiting) -> Any:
@@ -165,9 +171,12 @@ def _next(finished: SimpleQueue[Any], waiting: _Waiting) -> Any:
 
 
 def _alone(call: Work, own: Mapping[str, str]) -> Any:
+    from distributed import get_worker  # noqa: PLC0415  an optional extra, and slow to import
+
     # A worker may have joined after the run asked all of them.
     if differing := _differences(_program(), own):
-        raise OtherProgram(f"worker {_worker_name()} has {differing}; install this one")
+        worker = get_worker()
+        raise OtherProgram(_install(f"{worker.name} ({worker.address})", differing))
     with _ONE_AT_A_TIME:
         return call()
 
@@ -178,9 +187,9 @@ def _program() -> dict[str, str]:
     return {"another flexproof": suite_digest()} | versions()
 
 
-def _differences(found: Any, own: Mapping[str, str]) -> str:
+def _differences(found: Mapping[str, str], own: Mapping[str, str]) -> str:
     """What a worker has that this process has not, in words; empty where there is nothing."""
-    if not isinstance(found, dict) or found.get("another flexproof") != own["another flexproof"]:
+    if found.get("another flexproof") != own["another flexproof"]:
         return "another flexproof, or none"
     return ", ".join(
         f"{name} {found.get(name, 'missing')} (here {version})"
@@ -189,11 +198,8 @@ def _differences(found: Any, own: Mapping[str, str]) -> str:
     )
 
 
-def _worker_name() -> str:
-    from distributed import get_worker  # noqa: PLC0415  an optional extra, and slow to import
-
-    worker = get_worker()
-    return f"{worker.name} ({worker.address})"
+def _install(worker: str, differing: str) -> str:
+    return f"worker {worker} has {differing}; install this one"
 
 
 def _distributed() -> ModuleType:
@@ -211,32 +217,14 @@ def _distributed() -> ModuleType:
     return module
 
 
-def _connected(distributed: ModuleType, address: str) -> Any:
-    try:
-        return distributed.Client(address, timeout=_ANSWER, set_as_default=False)
-    except (OSError, TimeoutError, ValueError) as error:
-        raise InputError(
-            f"--cluster {address}: what answers there is no Dask scheduler (or one that is busy)"
-        ) from error
-
-
-def _has_workers(client: Any) -> bool:
-    try:
-        return bool(client.nthreads())
-    except OSError:
-        # The connection broke while it was asked; the client's status will tell.
-        return False
-
-
 def _require_same_program(client: Any, address: str) -> None:
-    own = _program()
-    told = client.run(_told, on_error="return")
     faults = []
-    for worker, answer in sorted(told.items()):
-        name, program = answer if isinstance(answer, tuple) else ("", None)
-        if differing := _differences(program, own):
-            named = f"{name} ({worker})" if name else worker
-            faults.append(f"--cluster {address}: worker {named} has {differing}; install this one")
+    # A worker without this program answers with an error.
+    for place, answer in sorted(client.run(_told, on_error="return").items()):
+        name, program = answer if isinstance(answer, tuple) else ("", {})
+        if differing := _differences(program, _program()):
+            worker = f"{name} ({place})" if name else place
+            faults.append(f"--cluster {address}: {_install(worker, differing)}")
     if faults:
         raise InputError(faults)
 

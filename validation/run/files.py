@@ -1,6 +1,5 @@
 """Files that are written whole or not at all, and read without waiting or following links."""
 
-import glob
 import os
 import stat
 from collections.abc import Iterator
@@ -30,29 +29,24 @@ def refusals(path: Path) -> Iterator[None]:
         ) from error
 
 
-def write_whole(path: Path, content: bytes) -> None:
+def write_whole(path: Path, content: bytes, beside: Path | None = None) -> None:
     """Replace a file in a folder that exists, or make it: flushed to the disk, then renamed.
 
-    A link is replaced, not what it leads to. Raises OSError; what was there then remains.
+    It is written in the same folder, or in `beside`. A link is replaced, not what it leads to.
+    Raises OSError; what was there then remains.
     """
-    # A name as long as the file system allows leaves no room for more beside it.
-    beside = path.with_name(f".{path.name[:200]}.{token_hex(8)}.tmp")
+    # A name as long as the file system allows leaves no room for more in it.
+    half = (beside or path.parent) / f".{path.name[:200]}.{token_hex(8)}.tmp"
     try:
-        with beside.open("xb") as file:
+        with half.open("xb") as file:
             file.write(content)
             file.flush()
             os.fsync(file.fileno())
-        beside.replace(path)
+        half.replace(path)
     except (OSError, KeyboardInterrupt):
         with suppress(OSError):
-            beside.unlink()
+            half.unlink()
         raise
-
-
-def halves(path: Path) -> list[Path]:
-    """Files that a kill left beside in place of a new `path`."""
-    # A name as long as the file system allows leaves no room for more beside it.
-    return list(path.parent.glob(f".{glob.escape(path.name[:200])}.{16 * '[0-9a-f]'}.tmp"))
 
 
 def read_regular(path: Path) -> bytes | None:
@@ -75,17 +69,7 @@ def digest(content: bytes) -> str:
 def free(place: Path) -> Path:
     """A name beside that nobody has."""
     names = (f"{place.name}.kept{'' if number == 1 else number}" for number in count(1))
-    return next(kept for name in names if not lies(kept := place.with_name(name)))
-
-
-def lies(place: Path) -> bool:
-    """Whether there is anything under a name, a broken link say."""
-    return os.path.lexists(place)
-
-
-def is_file(place: Path) -> bool:
-    """Whether a name is that of a regular file, and no link."""
-    return place.is_file() and not place.is_symlink()
+    return next(kept for name in names if not os.path.lexists(kept := place.with_name(name)))
 
 
 def is_folder(place: Path) -> bool:

@@ -6,49 +6,34 @@
     log.txt         tracebacks and whatever the computations print
     export/         meshes, fields and matrices, if asked for
 
-An earlier run in DIR stays whole until then; it is renamed DIR.partial/.earlier, DIR.partial takes
-its name, and its files are removed: a kill between these steps leaves both, and whoever opens the
-folder next finishes them. What a run did not write, or somebody changed in a finished run, is
-carried over; no link is followed.
+Every file is written whole under another name and then renamed, so that no link is followed.
 """
 
 import json
 import os
 import shutil
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import msgspec
 
-from validation.run.files import (
-    digest,
-    free,
-    halves,
-    is_file,
-    is_folder,
-    lies,
-    read_regular,
-    refusals,
-    write_whole,
-)
+from validation.run.files import digest, free, is_folder, read_regular, refusals, write_whole
 from validation.run.mark import (
     ALWAYS,
-    EARLIER,
     LOG,
     MARK,
     RECORDS,
+    UNFINISHED,
     Header,
     files_of,
-    is_own,
     mark_of,
     sealed,
     unsealed,
 )
-
-_EXPORTING = ".export"
 
 
 @dataclass
@@ -61,7 +46,7 @@ class RunFolder:
 
     path: Path
     header: Header
-    begun: dict[str, Any]
+    begun: dict[str, Any] = field(default_factory=dict)
     records: dict[str, dict[str, Any]] = field(default_factory=dict)
     remarks: list[str] = field(default_factory=list)
     complete: bool = False
@@ -72,29 +57,36 @@ class RunFolder:
         """File for tracebacks and stray output."""
         return self.path / LOG
 
+    def begin(self, former: Path) -> None:
+        """Clear the way, and take up what is finished, copied from a run that is whole."""
+        shutil.rmtree(self.path / UNFINISHED, ignore_errors=True)
+        (self.path / UNFINISHED).mkdir(exist_ok=True)
+        own, content = files_of(former), read_regular(former / RECORDS) or b""
+        self._files = dict.fromkeys(ALWAYS, "") | own
+        self._take_up(content)
+        self._mark()
+        # What is added to must not be another file as well, nor end in half a line.
+        self._put(RECORDS, content if content.endswith(b"\n") or not content else content + b"\n")
+        self._put(LOG, read_regular(former / LOG) or b"")
+        for name in own.keys() - {RECORDS, LOG} if former != self.path else ():
+            shutil.copyfile(former / name, self._cleared(name))
+
     def write(self, contents: Mapping[str, str | bytes]) -> None:
         """Write files by name, noted as the run's before. Raises StoreError if the disk refuses."""
-        data = {
-            name: text.encode("utf-8") if isinstance(text, str) else text
-            for name, text in contents.items()
-        }
         with refusals(self.path):
-            if not {*data} <= {*self._files, *ALWAYS}:
-                self._note(data)
-            for name, content in data.items():
-                write_whole(self._cleared(name), content)
+            self._note(contents)
+            for name, content in contents.items():
+                self._put(name, content.encode() if isinstance(content, str) else content)
 
     def keep(self, record: Mapping[str, Any], seconds: float) -> None:
         """Add a finished piece of work (with its "id"), `seconds` after the run was begun."""
         told = {"started": self.header.get("started", ""), "seconds": seconds, "record": record}
         # Records hold NaN, which JSON proper cannot: only this program reads them.
         line = sealed(mark_of(self.header).run, json.dumps(told).encode())
-        with refusals(self.path / RECORDS):
-            flags = os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_NOFOLLOW | os.O_CLOEXEC
-            with os.fdopen(os.open(self.path / RECORDS, flags, 0o666), "wb") as file:
-                file.write(line + b"\n")
-                file.flush()
-                os.fsync(file.fileno())
+        with refusals(self.path / RECORDS), (self.path / RECORDS).open("ab") as file:
+            file.write(line + b"\n")
+            file.flush()
+            os.fsync(file.fileno())
 
     @contextmanager
     def exporting(self) -> Iterator[Path]:
@@ -102,39 +94,43 @@ class RunFolder:
 
         Raises StoreError if the disk refuses.
         """
-        beside = self.path / _EXPORTING
-        with refusals(self.path / "export"):
-            beside.mkdir()
-            try:
-                yield beside
-                made = [path for path in beside.rglob("*") if path.is_file()]
-                names = [f"export/{path.relative_to(beside)}" for path in made]
-                self._note(dict.fromkeys(names, b""))
-                for path, name in zip(made, names, strict=True):
-                    path.replace(self._cleared(name))
-            finally:
-                shutil.rmtree(beside, ignore_errors=True)
-
-    def _note(self, data: Mapping[str, bytes]) -> None:
-        """Say in run.json what the run writes, before it does."""
-        self._files |= {name: digest(content) for name, content in data.items()}
-        text = msgspec.json.encode({"flexproof": "run", **self.header, "files": self._files})
-        write_whole(self._cleared(MARK), msgspec.json.format(text, indent=2) + b"\n")
+        with (
+            refusals(self.path / "export"),
+            TemporaryDirectory(dir=self.path / UNFINISHED) as beside,
+        ):
+            yield Path(beside)
+            made = [path for path in Path(beside).rglob("*") if path.is_file()]
+            names = [f"export/{path.relative_to(beside)}" for path in made]
+            self._note(names)
+            for path, name in zip(made, names, strict=True):
+                path.replace(self._cleared(name))
 
     def finish(self) -> None:
         """Say in run.json what the whole run consists of."""
-        names = (*ALWAYS, *self._files)
-        self._note({name: read_regular(self.path / name) or b"" for name in names})
+        self._files = {name: digest(read_regular(self.path / name) or b"") for name in self._files}
+        self._mark()
+        shutil.rmtree(self.path / UNFINISHED)
+
+    def _note(self, names: Collection[str]) -> None:
+        """Say in run.json what the run writes, before it does."""
+        if not set(names) <= self._files.keys():
+            self._files |= dict.fromkeys(names, "")
+            self._mark()
+
+    def _mark(self) -> None:
+        text = msgspec.json.encode({"flexproof": "run", **self.header, "files": self._files})
+        self._put(MARK, msgspec.json.format(text, indent=2) + b"\n")
+
+    def _put(self, name: str, content: bytes) -> None:
+        write_whole(self._cleared(name), content, self.path / UNFINISHED)
 
     def _cleared(self, name: str) -> Path:
-        """Where a file belongs, what is no file there, or no folder that holds it, moved aside."""
+        """Where a file belongs; a folder there, or what is none above it, is moved aside."""
         place = self.path / name
         for folder in reversed(place.relative_to(self.path).parents[:-1]):
-            if lies(self.path / folder) and not is_folder(self.path / folder):
+            if os.path.lexists(self.path / folder) and not is_folder(self.path / folder):
                 self._aside(self.path / folder)
-        # What is added to must not be another file as well.
-        shared = name in {RECORDS, LOG} and is_file(place) and place.stat().st_nlink > 1
-        if lies(place) and (shared or not is_file(place)):
+        if is_folder(place):
             self._aside(place)
         place.parent.mkdir(parents=True, exist_ok=True)
         return place
@@ -143,28 +139,9 @@ class RunFolder:
         kept = place.rename(free(place))
         self.remarks.append(f"{place} was not as this run wrote it: kept as {kept.name}")
 
-    def begin(self, former: Path) -> None:
-        """Clear the way, and take up what is finished, copied from a run that is whole."""
-        self._files |= files_of(former)
-        if lies(self.path / EARLIER):
-            self._aside(self.path / EARLIER)
-        shutil.rmtree(self.path / _EXPORTING, ignore_errors=True)
-        for name in (MARK, *ALWAYS, *self._files):
-            place = self._cleared(name)
-            for half in halves(place):
-                half.unlink()
-            if former != self.path and is_own(former, name):
-                shutil.copyfile(former / name, place)
-        content = read_regular(self.path / RECORDS) or b""
-        self._take_up(content)
-        self._note({})
-        with self.log.open("a"), (self.path / RECORDS).open("ab") as records:
-            # A line that a kill or a full disk cut off does not spoil the next one.
-            records.write(b"" if content.endswith(b"\n") or not content else b"\n")
-
     def _take_up(self, content: bytes) -> None:
-        run, lines = mark_of(self.header).run, content.split(b"\n")
-        for number, line in enumerate(lines, start=1):
+        run = mark_of(self.header).run
+        for number, line in enumerate(content.split(b"\n"), start=1):
             told = unsealed(run, line)
             if told is not None:
                 self.begun = {"started": told["started"], "seconds": told["seconds"]}

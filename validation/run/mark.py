@@ -8,10 +8,11 @@ from typing import Any, Literal, TypeAlias
 
 import msgspec
 
-from validation.run.files import digest, is_file, is_folder, read_regular
+from validation.run.files import digest, read_regular
 
 MARK, RECORDS, RESULTS, LOG = "run.json", "results.jsonl", "results.json", "log.txt"
-LOCK, EARLIER = ".lock", ".earlier"
+# The earlier run until it is removed, and files that are written before they get their names.
+LOCK, EARLIER, UNFINISHED = ".lock", ".earlier", ".unfinished"
 # What every run has, whether its mark can be read or not.
 ALWAYS = (RECORDS, RESULTS, LOG)
 _SEAL = b'{"seal": "'
@@ -19,9 +20,10 @@ Header: TypeAlias = Mapping[str, Any]
 
 
 class Mark(msgspec.Struct, frozen=True):
-    """What must not change when a run goes on: else old and new numbers would be mixed.
+    """What must not change when a run goes on, else old and new numbers would be mixed.
 
-    run.json holds the whole header of the run; the rest of it is for people.
+    `files` are what the run wrote, with their digests once it is whole. run.json holds the whole
+    header of the run besides, for people.
     """
 
     flexproof: Literal["run"]
@@ -29,30 +31,20 @@ class Mark(msgspec.Struct, frozen=True):
     robot_sha256: str = ""
     preset: str = ""
     suite_sha256: str = ""
-    versions: Mapping[str, str] = msgspec.field(default_factory=dict)
-    options: Mapping[str, str] = msgspec.field(default_factory=dict)
+    versions: Mapping[str, str] = {}
+    options: Mapping[str, str] = {}
+    files: Mapping[str, str] = {}
 
     @property
     def run(self) -> str:
         """Name of the run: equal for runs whose numbers may be mixed."""
-        return digest(msgspec.json.encode(self, order="deterministic"))
-
-
-class _Written(msgspec.Struct, frozen=True):
-    """The part of run.json on the files of the run: their digests by name."""
-
-    files: Mapping[str, str]
+        named = msgspec.structs.replace(self, files={})
+        return digest(msgspec.json.encode(named, order="deterministic"))
 
 
 def mark_of(header: Header) -> Mark:
     """The mark of a run with this header."""
     return msgspec.convert({"flexproof": "run", **header}, Mark)
-
-
-def is_run(folder: Path) -> bool:
-    """Whether a folder is a run's: known by what its mark or the first of its records says."""
-    records = read_regular(folder / RECORDS) or b""
-    return mark_in(folder) is not None or records.lstrip().startswith(_SEAL)
 
 
 def mark_in(folder: Path) -> Mark | None:
@@ -62,18 +54,25 @@ def mark_in(folder: Path) -> Mark | None:
     return None
 
 
+def is_run(folder: Path) -> bool:
+    """Whether a folder is a run's: known by what its mark or the first of its records says."""
+    records = read_regular(folder / RECORDS) or b""
+    return mark_in(folder) is not None or records.lstrip().startswith(_SEAL)
+
+
 def files_of(folder: Path) -> dict[str, str]:
-    """Digests, as the run knew them, of the files that it wrote into a folder."""
-    with suppress(msgspec.MsgspecError, RecursionError):
-        files = msgspec.json.decode(read_regular(folder / MARK) or b"", type=_Written).files
-        return {name: seal for name, seal in files.items() if not {"..", "/"} & {*Path(name).parts}}
-    return {}
+    """The files in a folder that its run wrote, with their digests as far as it knew them.
 
-
-def is_own(folder: Path, name: str) -> bool:
-    """Whether a name of a run's leads to a file, and through no link."""
-    within = [folder / inner for inner in Path(name).parents]
-    return all(map(is_folder, within)) and is_file(folder / name)
+    Names that lead elsewhere, by a link say, are none of the run's.
+    """
+    mark, root = mark_in(folder), folder.resolve()
+    named = dict.fromkeys(ALWAYS, "") | dict(mark.files if mark else {})
+    places = {name: root / name for name in named}
+    return {
+        name: named[name]
+        for name, place in places.items()
+        if place.is_file() and place.resolve() == place and place.is_relative_to(root)
+    }
 
 
 def sealed(run: str, told: bytes) -> bytes:

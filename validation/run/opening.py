@@ -3,7 +3,7 @@
 What can be refused is refused before anything is touched. An earlier run in DIR stays whole until
 the new one in DIR.partial is: then it is renamed DIR.partial/.earlier, DIR.partial takes its name,
 and its files are removed. A kill between these steps leaves both, and whoever opens the folder next
-finishes them.
+finishes them. What a run did not write, or somebody changed in a finished run, is carried over.
 """
 
 import fcntl
@@ -15,27 +15,17 @@ from pathlib import Path
 from typing import Literal, TypeAlias
 
 from lumped.errors import InputError
-from validation.run.files import (
-    digest,
-    free,
-    halves,
-    is_file,
-    is_folder,
-    lies,
-    read_regular,
-    refusals,
-)
+from validation.run.files import digest, free, is_folder, read_regular, refusals
 from validation.run.folder import RunFolder
 from validation.run.mark import (
-    ALWAYS,
     EARLIER,
     LOCK,
     MARK,
     RECORDS,
+    UNFINISHED,
     Header,
     Mark,
     files_of,
-    is_own,
     is_run,
     mark_in,
     mark_of,
@@ -74,10 +64,11 @@ def open_folder(path: Path, header: Header, start: Start) -> Iterator[RunFolder]
     with _refused(path):
         partial.mkdir(parents=True, exist_ok=True)
     with _locked(path, partial):
-        folder = RunFolder(partial, header, {}, remarks=remarks)
+        folder = RunFolder(partial, header, remarks=remarks)
         with refusals(partial):
             if start == "afresh":
-                _discard(partial)
+                for name in files_of(partial):
+                    (partial / name).unlink()
             folder.begin(former)
         yield folder
         if folder.complete:
@@ -91,9 +82,9 @@ def open_folder(path: Path, header: Header, start: Start) -> Iterator[RunFolder]
 
 def _require_ours(path: Path, place: Path, partial: Path) -> None:
     for folder in (place, partial):
-        names = {entry.name for entry in folder.iterdir()} if lies(folder) else set()
+        names = {entry.name for entry in folder.iterdir()} if os.path.lexists(folder) else set()
         # A run that was killed before it wrote what it is has left a lock, and nothing to lose.
-        if partial.is_symlink() or (names - {LOCK} and not is_run(folder)):
+        if partial.is_symlink() or (names - {LOCK, UNFINISHED} and not is_run(folder)):
             named = "the folder" if folder == place else f"{partial.name}, where runs begin,"
             raise InputError(
                 f"--out {path}: {named} holds other files; name a new folder or one of a run"
@@ -102,28 +93,30 @@ def _require_ours(path: Path, place: Path, partial: Path) -> None:
 
 def _begun_last(path: Path, place: Path, partial: Path, mark: Mark) -> Path:
     """The folder to go on from; raises InputError where none is of the same input."""
-    begun = [folder for folder in (partial, place) if is_run(folder)]
-    if not begun:
+    begun = next((folder for folder in (partial, place) if is_run(folder)), None)
+    if begun is None:
         raise InputError(f"--resume: {path} holds no run to go on with")
-    found = mark_in(begun[0])
+    found = mark_in(begun)
     # Either witness will do: records say for themselves which run they belong to.
-    lines = (read_regular(begun[0] / RECORDS) or b"").split(b"\n")
-    if found != mark and all(unsealed(mark.run, line) is None for line in lines):
-        names = [
-            n for n in Mark.__struct_fields__ if found and getattr(found, n) != getattr(mark, n)
+    lines = (read_regular(begun / RECORDS) or b"").split(b"\n")
+    if (found is None or found.run != mark.run) and not any(unsealed(mark.run, x) for x in lines):
+        differing = [
+            _SPOKEN.get(name, name)
+            for name in Mark.__struct_fields__
+            if name != "files" and found and getattr(found, name) != getattr(mark, name)
         ]
-        spoken = ", ".join(_SPOKEN.get(name, name) for name in names)
-        why = f"{spoken} differ" if found else "what it says of itself cannot be read"
+        spoken = f"{', '.join(differing)} differ"
         raise InputError(
-            f"--resume: {path} belongs to another run ({why}); "
+            f"--resume: {path} belongs to another run "
+            f"({spoken if found else 'what it says of itself cannot be read'}); "
             "start afresh without --resume, or name another folder with --out"
         )
-    return begun[0]
+    return begun
 
 
 def _require_space(path: Path, place: Path) -> None:
     """The new run stands beside the earlier one for a while, and may be as large."""
-    needed = sum((place / name).lstat().st_size for name in files_of(place) if lies(place / name))
+    needed = sum((place / name).stat().st_size for name in files_of(place))
     free = shutil.disk_usage(place).free
     if free < needed:
         raise InputError(
@@ -137,7 +130,8 @@ def _locked(path: Path, folder: Path) -> Iterator[None]:
     """Hold the lock of a folder, which moves with it; it goes when the folder is a finished run."""
     place = folder / LOCK
     with _refused(path), ExitStack() as stack:
-        if lies(place) and not (is_file(place) and place.stat().st_nlink == 1):
+        own = place.is_file() and not place.is_symlink() and place.stat().st_nlink == 1
+        if os.path.lexists(place) and not own:
             place.rename(free(place))
         flags = os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_CLOEXEC
         lock = stack.enter_context(os.fdopen(os.open(place, flags, 0o666), "rb+", buffering=0))
@@ -172,25 +166,14 @@ def _settled(path: Path, place: Path, partial: Path) -> list[str]:
         return _carried_over(place)
 
 
-def _discard(partial: Path) -> None:
-    """Remove what an unfinished run wrote."""
-    for name in (*ALWAYS, *files_of(partial), MARK):
-        for file in (partial / name, *halves(partial / name)):
-            if is_own(partial, str(file.relative_to(partial))):
-                file.unlink()
-
-
 def _carried_over(place: Path) -> list[str]:
     """Remove the earlier run below the one that took its place, but for what it did not write."""
     earlier, remarks = place / EARLIER, list[str]()
-    if lies(earlier):
+    if earlier.exists():
         for name, written in files_of(earlier).items():
-            if is_own(earlier, name) and digest(read_regular(earlier / name) or b"") == written:
+            if digest(read_regular(earlier / name) or b"") == written:
                 (earlier / name).unlink()
-        if lies(earlier / EARLIER):
-            kept = (earlier / EARLIER).rename(free(earlier / EARLIER))
-            remarks.append(f"{place / EARLIER} was no run's: kept as {kept.name}")
-        if (read_regular(earlier / LOCK) or b"mine").isdigit():
+        if (earlier / LOCK).is_file():
             (earlier / LOCK).unlink()
         _merge(earlier, place, remarks)
         # Last of all what it is known by.
@@ -210,7 +193,7 @@ def _merge(source: Path, target: Path, remarks: list[str]) -> None:
             _merge(entry, there, remarks)
             entry.rmdir()
             continue
-        moved = entry.rename(free(there) if lies(there) else there)
+        moved = entry.rename(free(there) if os.path.lexists(there) else there)
         if moved != there:
             remarks.append(f"{there} was no run's: kept as {moved.name}")
 

@@ -6,7 +6,7 @@ from dataclasses import fields
 from typing import Protocol, TypeVar
 
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.progress import track
 
 from lumped.memo import memo
 from validation.run.cache import find, keep, key_of
@@ -41,24 +41,18 @@ def computed(
     known = {key: arrays for key in work if (arrays := find(key)) is not None}
     missing = [key for key in work if key not in known]
     console = Console(stderr=True)
-    columns = (
-        TextColumn("  {task.description}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeElapsedColumn(),
-    )
     if missing:
-        with (
-            Progress(
-                *columns, console=console, transient=True, disable=not console.is_terminal
-            ) as progress,
-            closing(executor([work[key].compute for key in missing])) as finished,
-        ):
-            shown = progress.add_task(what, total=len(work), completed=len(known))
-            for number, result in finished:
+        with closing(executor([work[key].compute for key in missing])) as finished:
+            for number, result in track(
+                finished,
+                f"  {what}",
+                total=len(missing),
+                console=console,
+                transient=True,
+                disable=not console.is_terminal,
+            ):
                 arrays = {entry.name: getattr(result, entry.name) for entry in fields(result)}
                 known[missing[number]] = keep(missing[number], arrays)
-                progress.advance(shown)
     # Numbers are kept as arrays of no dimension.
     return [kind(**{name: array[()] for name, array in known[key].items()}) for key in keys]
 

@@ -20,7 +20,7 @@ from validation.context import Preset
 from validation.results.outcome import Result
 from validation.results.tasks import Record, Task, plain
 from validation.run.executor import on_cores
-from validation.session.progress import Progress
+from validation.session.progress import RunProgress
 from validation.session.worker import REMEDY, Job, begin, compute
 
 
@@ -57,7 +57,7 @@ def run(
     jobs: int,
     log: Path,
     keep: Callable[[Record], None],
-    progress: Progress,
+    progress: RunProgress,
 ) -> bool:
     """Compute the tasks with `jobs` processes; True if all were finished, False if interrupted.
 

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from time import perf_counter
 
@@ -13,7 +14,7 @@ from lumped.models.bodies import legs_of
 from lumped.robot_file import RobotFile
 from lumped.robot_file.variation import Variation
 from validation.adequacy.matrix import MEASURED
-from validation.console.streams import complain
+from validation.console.streams import mention
 from validation.context import Context, Preset
 from validation.paper.errata import paper_findings
 from validation.report.page import Report, render
@@ -32,7 +33,7 @@ from validation.session.worker import Job
 
 # How many times as long as results.json takes to write it is left alone.
 _SPARING = 20.0
-Catalogue = Callable[[RobotFile], Sequence[Task]]
+Catalogue = Callable[..., Sequence[Task]]
 
 
 @dataclass(frozen=True)
@@ -73,10 +74,15 @@ def validate(request: Request, catalogue: Catalogue) -> Results:
     ComputationError where workers cannot start or the export fails.
     """
     robot_file = request.robot_file
-    if request.cluster is not None:
-        _require_work_for_a_cluster(request)
+    if request.cluster is not None and not (request.variations or robot_file.mechanism.parts):
+        raise InputError(
+            "--cluster: computes the robots of --vary and the parts of a mechanism; this run has "
+            "neither"
+        )
     if request.exports:
         _refuse_large_exports(request)
+    if request.variations:
+        catalogue = partial(catalogue, variations=request.variations)
     listed = catalogue(robot_file)
     # Whoever names measured values in the command wants to see them, whatever else is left out.
     always = (MEASURED,) if request.asked.get("measured") else ()
@@ -88,7 +94,11 @@ def validate(request: Request, catalogue: Catalogue) -> Results:
     # Read before anything is written: the folder may be the baseline's own.
     baseline = _baseline(request)
     with ExitStack() as stack:
-        executor = _cluster(request, stack)
+        executor = None
+        if request.cluster is not None:
+            from validation.run.cluster import on_cluster  # noqa: PLC0415
+
+            executor = stack.enter_context(on_cluster(request.cluster, mention))
         folder = stack.enter_context(open_folder(request.out, header, request.start))
         stack.enter_context(some_cache())
         job = Job(catalogue, robot_file, request.preset, options)
@@ -153,16 +163,7 @@ def publish(gathered: Results, folder: RunFolder, findings: Sequence[Finding]) -
     folder.write({"results.json": gathered.as_json(), "junit.xml": junit, **figures, **page})
 
 
-# What few runs ask for is read where it is asked for: the others begin sooner.
-def _cluster(request: Request, stack: ExitStack) -> Executor | None:
-    """What computes robots and parts elsewhere, as long as the stack stands."""
-    if request.cluster is None:
-        return None
-    from validation.run.cluster import on_cluster  # noqa: PLC0415
-
-    return stack.enter_context(on_cluster(request.cluster, _mention))
-
-
+# What few runs ask for is imported where it is asked for: the others begin sooner.
 @contextmanager
 def _ahead(cluster: Executor | None, jobs: int) -> Iterator[Executor]:
     """The cluster, which raises where it is lost, else cores of this machine.
@@ -212,15 +213,6 @@ def _prepare(robot_file: RobotFile, preset: Preset, cluster: Executor | None, jo
         prepare_parts(Context(robot_file, preset), executor, carried=cluster is not None)
 
 
-def _require_work_for_a_cluster(request: Request) -> None:
-    """Raise InputError for a run that has nothing that a cluster could compute."""
-    if not request.variations and not request.robot_file.mechanism.parts:
-        raise InputError(
-            "--cluster: computes the robots of --vary and the parts of a mechanism; this run has "
-            "neither"
-        )
-
-
 def _refuse_large_exports(request: Request) -> None:
     """Raise InputError for legs whose solids are too large to be written."""
     from validation.export.models import DIVISIONS  # noqa: PLC0415
@@ -230,10 +222,6 @@ def _refuse_large_exports(request: Request) -> None:
     reason = too_large(legs, len(legs) * (DIVISIONS[request.preset],), request.preset)
     if reason:
         raise InputError(f"--export: {reason}")
-
-
-def _mention(line: str) -> None:
-    complain([line], 0)
 
 
 def _compute(job: Job, gathered: Results, folder: RunFolder, jobs: int) -> None:

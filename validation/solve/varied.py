@@ -15,7 +15,7 @@ from lumped.errors import InputError, naming
 from lumped.robot_file import RobotFile
 from lumped.robot_file.places import unit_of
 from lumped.robot_file.variation import Variation, told, variations_of, varied
-from validation.console.streams import complain, say
+from validation.console.streams import complain, mention, say
 from validation.console.typed import write
 from validation.drawing.style import OTHERS, csv_of
 from validation.run.cluster import on_cluster
@@ -111,7 +111,7 @@ def solve_varied(
     with ExitStack() as stack:
         executor: Executor = in_turn
         if cluster is not None:
-            executor = stack.enter_context(on_cluster(cluster, lambda line: complain([line], 0)))
+            executor = stack.enter_context(on_cluster(cluster, mention))
         elif jobs > 1:
             executor = stack.enter_context(on_cores(jobs))
         solved = dict(executor(units))

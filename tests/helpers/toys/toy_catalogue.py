@@ -123,11 +123,8 @@ def troubled(robot_file: RobotFile) -> Sequence[Task]:
         case("toy.bug", has_a_bug),
         case("toy.crash", crashes, group="crash"),
         case("toy.after-the-crash", agrees, group="crash"),
+        case("toy.starved", starves, group="crash"),
     )
-
-
-def starved(_robot_file: RobotFile) -> Sequence[Task]:
-    return (case("toy.starved", starves, group="one"), case("toy.agrees", agrees, group="one"))
 
 
 def endless(_robot_file: RobotFile) -> Sequence[Task]:

@@ -12,10 +12,7 @@ import pytest
 import toy_catalogue as toys
 from toy_runs import run_here
 
-from lumped.audit.finding import Finding
-from lumped.robot_file import load_robot
 from validation import cli
-from validation.report.listing import audit_text
 from validation.session import runner
 
 ROOT = Path(__file__).parents[3]
@@ -63,22 +60,16 @@ def test_cases_are_listed_as_text_and_as_json(with_catalogue, capsys):
 
 
 def test_a_new_robot_file_is_sound_and_no_file_is_overwritten(tmp_path, capsys):
-    path = tmp_path / "robot.toml"
+    path = tmp_path / "a\nforged.toml"
     assert cli.main(["new", str(path)]) == 0
     content = path.read_bytes()
+    (line,) = capsys.readouterr().out.splitlines()
+    assert "a\\nforged.toml written" in line
     assert cli.main(["check", str(path)]) == 0
     capsys.readouterr()
     assert cli.main(["new", str(path)]) == 2
     assert "exists already" in capsys.readouterr().err
     assert path.read_bytes() == content
-
-
-def test_a_name_of_two_lines_is_said_in_one(tmp_path, capsys):
-    path = tmp_path / "a\nforged.toml"
-    assert cli.main(["new", str(path)]) == 0
-    printed = capsys.readouterr().out
-    assert len(printed.splitlines()) == 1
-    assert "a\\x0aforged.toml written" in printed
 
 
 def test_the_audit_of_the_built_in_robot_is_shown(capsys):
@@ -91,66 +82,21 @@ def test_the_audit_of_the_built_in_robot_is_shown(capsys):
     assert "foot.compliance (error" in errata
 
 
-def test_data_that_are_wrong_and_used_are_not_called_sound():
-    wrong = Finding(
-        where="leg1.inertia",
-        check="triangle inequality",
-        printed="2",
-        wrong="no body has it",
-        evidence="3 > 1 + 1",
-        used="as given",
-        kind="computed",
-        severity="error",
-    )
-    first, *rest = audit_text("mine.toml", load_robot("ifw").mechanism, [wrong]).splitlines()
-    assert first.startswith("mine.toml: usable, but 1 of its data are wrong")
-    assert "    given: 2" in rest
-
-
-def test_every_fault_of_a_robot_file_has_its_line(tmp_path, capsys):
-    path = tmp_path / "robot.toml"
-    cli.main(["new", str(path)])
-    capsys.readouterr()
-    lines = [
-        "a = -1.0"
-        if line.startswith("a =")
-        else "weight = 3"
-        if line.startswith("mass =")
-        else line
-        for line in path.read_text().splitlines()
-    ]
-    path.write_text("\n".join(lines))
-    assert cli.main(["check", str(path)]) == 2
-    printed = capsys.readouterr()
-    assert printed.out == ""
-    assert len(printed.err.splitlines()) >= 2
-    assert all(line.startswith("flexproof: ") for line in printed.err.splitlines())
-
-
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
         (["run", "--preset", "quik"], 'Did you mean "quick"'),
         (["run", "--presett", "quick"], "Did you mean --preset"),
-        (["run", "--preset"], "requires an argument"),
         (["run", "--jobs", "0"], "Must be a whole number"),
-        (["run", "--jobs", "two"], "Must be a whole number"),
         (["run", "--jobs", "1.5"], "Must be a whole number"),
         (["run", "ifw", "extra"], "not understood: extra"),
-        (["run", "no-such-robot"], "no-such-robot"),
         (["run", "--only", "toy.agree"], 'did you mean "toy.agrees"'),
         (["run", "--only", "nonsense"], "'flexproof cases' lists them"),
-        (["run", "--out", "/dev/null"], "cannot write there"),
         (["run", "--out", "/dev/null/report"], "cannot write there"),
-        (["run", "--out", "/proc/report"], "cannot write there"),
         (["run", "--resume"], "no run to go on with"),
         (["rum"], 'Did you mean "run"'),
-        (["check"], "requires an argument"),
         (["check", "/nonexistent.toml"], "/nonexistent.toml"),
-        (["check", "/"], "/"),
-        (["new"], "requires an argument"),
         (["new", "/nonexistent/robot.toml"], "cannot be written"),
-        (["cases", "--jason"], "Unknown option"),
         (["faces", "nothing.step"], "no such file"),
     ],
 )
@@ -221,17 +167,13 @@ def test_a_verdict_worse_than_in_the_baseline_ends_with_1(with_catalogue, tmp_pa
     assert (
         "against the baseline: 1 verdict worse, 0 better, 1 case drifted, 0 new, 1 removed." in said
     )
-    entries = {
-        entry["id"]: entry for entry in json.loads((out / "results.json").read_text())["cases"]
-    }
-    assert entries["toy.agrees"]["verdict"] == "agree"
-    assert entries["toy.agrees"]["earlier"] == 0.25
-    assert entries["toy.agrees"]["drift"] == pytest.approx(1.0 / 3.0 - 0.25, rel=1e-12)
-    assert entries["toy.first[x=1]"]["drifted"] is False
     # A part of the run is compared with that part of the baseline.
     arguments = ["run", "--only", "toy.agrees", "--out", str(out), "--baseline", str(baseline)]
     assert cli.main(arguments) == 0
     assert "0 new, 0 removed." in capsys.readouterr().out
+    (entry,) = json.loads((out / "results.json").read_text())["cases"]
+    assert (entry["verdict"], entry["earlier"]) == ("agree", 0.25)
+    assert entry["drift"] == pytest.approx(1.0 / 3.0 - 0.25, rel=1e-12)
 
 
 def test_export_takes_its_place_in_the_run_folder(with_catalogue, tmp_path, monkeypatch):

@@ -5,7 +5,6 @@ One made-up robot with known errors (toy_subject) is judged through the API, the
 """
 
 import inspect
-import json
 from dataclasses import replace
 from importlib.metadata import entry_points
 from pathlib import Path
@@ -31,10 +30,6 @@ BELOW, ABOVE = 0.99, 1.01
 EITHER_SIDE = [
     ("x", BELOW * ERROR, "inadequate"),
     ("x", ABOVE * ERROR, "adequate"),
-    ("any_force", BELOW * ERROR, "inadequate"),
-    ("any_force", ABOVE * ERROR, "adequate"),
-    ("phi_z", BELOW * ERROR, "inadequate"),
-    ("phi_z", ABOVE * ERROR, "adequate"),
     ("f1", BELOW * ERROR, "inadequate"),
     ("f1", ABOVE * ERROR, "adequate"),
     ("f2", BELOW * F2[0], "inadequate"),
@@ -90,27 +85,19 @@ def test_a_verdict_holds_up_to_the_limit_itself():
     assert api.adequacy("ifw").entry("beam", "x", within=bound * (1 + 1e-12)).verdict == "adequate"
 
 
-@pytest.mark.parametrize("preset", ["quick", "standard", "fine"])
-def test_the_preset_and_the_requirement_reach_what_is_computed(preset, computed):
-    judged_so = api.adequacy("ifw", preset=preset, accept={"modes": 6})
-    (context,) = computed
-    assert (context.preset, context.robot_file.requirement.modes) == (preset, 6)
-    assert judged_so.matrix.quantities[7:] == (*("f1", "f2", "f3", "f4", "f5", "f6", "order"),)
-
-
-def test_fewer_modes_are_judged_anew_and_more_are_refused():
-    found = api.adequacy("ifw")
+def test_the_preset_and_the_requirement_reach_what_is_computed(computed):
+    for preset in ("quick", "standard", "fine"):
+        found = api.adequacy("ifw", preset=preset, accept={"modes": 6})
+        context = computed.pop()
+        assert (context.preset, context.robot_file.requirement.modes) == (preset, 6)
+        assert found.matrix.quantities[7:] == ("f1", "f2", "f3", "f4", "f5", "f6", "order")
+    # Fewer modes are judged anew, more are refused.
     assert found.accepting({"modes": 2}).matrix.quantities[7:] == ("f1", "f2", "order")
-    with pytest.raises(InputError, match="modes = 6: must be at most 4"):
-        found.accepting({"modes": 6})
+    with pytest.raises(InputError, match="modes = 8: must be at most 6"):
+        found.accepting({"modes": 8})
 
 
-RUN = {
-    "out": Path("elsewhere"),
-    "preset": "fine",
-    "only": "leg*",
-    "jobs": 3,
-}
+RUN = {"out": Path("elsewhere"), "preset": "fine", "only": "leg*", "jobs": 3}
 VARY = ("geometry.a=0.9:1:3",)
 
 
@@ -180,23 +167,26 @@ def test_within_and_accept_of_the_fixture(in_folder, pytester):
 @pytest.mark.parametrize(
     ("limit", "sure", "unsure"),
     [
-        (BELOW * F2[0], "inadequate", "inadequate"),
         (BELOW * ERROR, "inadequate", "undecided"),
-        (ABOVE * ERROR, "adequate", "undecided"),
         (ABOVE * F2[1], "adequate", "adequate"),
     ],
 )
-def test_a_robot_file_as_tests(limit, sure, unsure, in_folder):
+def test_a_robot_file_as_tests(limit, sure, unsure, in_folder, computed):
     accept = f"deflection = {limit!r}\nfrequency = {limit!r}"
     names = ("beam.x", "beam.phi_z", "beam.f1", "beam.f2")
-    chosen = ("--flexproof", "mine.toml", "-k", f"({' or '.join(names)}) and not euler")
-    for strict, of_undecided in (([], "skipped"), (["--flexproof-strict"], "failed")):
+    chosen = ("--flexproof", "mine.toml", "-k", f"({' or '.join(names)} or vjm.f1) and not euler")
+    for options, of_undecided in (
+        ([], "skipped"),
+        (["--flexproof-strict", "--flexproof-preset", "fine"], "failed"),
+    ):
         outcome = {"adequate": "passed", "inadequate": "failed", "undecided": of_undecided}
         expected = {**dict.fromkeys(names, outcome[sure]), "beam.f2": outcome[unsure]}
-        assert in_folder(accept, *chosen, *strict) == expected
+        assert in_folder(accept, *chosen, *options) == expected | {"vjm.f1": "skipped"}
         said = in_folder.said["mine.toml::beam.x"]
         assert ("beam, x: inadequate; error 4" in said) is (sure == "inadequate")
         assert "Traceback" not in said
+        assert "vjm says nothing of f1" in in_folder.said["mine.toml::vjm.f1"]
+        assert computed.pop().preset == ("fine" if options else "standard")
 
 
 def test_a_robot_file_is_collected_as_one_item_per_model_and_quantity(in_folder, pytester, capsys):
@@ -211,20 +201,6 @@ def test_a_robot_file_is_collected_as_one_item_per_model_and_quantity(in_folder,
     told = "".join(capsys.readouterr())
     assert "mine.toml: name" in told
     assert "Traceback" not in told
-
-
-def test_a_quantity_of_which_a_model_says_nothing_is_skipped(in_folder):
-    assert in_folder("", "--flexproof", "mine.toml", "-k", "vjm.f1 and not euler") == {
-        "vjm.f1": "skipped"
-    }
-    assert "vjm says nothing of f1" in in_folder.said["mine.toml::vjm.f1"]
-
-
-@pytest.mark.parametrize("preset", ["quick", "standard", "fine"])
-def test_the_preset_of_the_plugin(preset, in_folder, computed):
-    asked = () if preset == "standard" else ("--flexproof-preset", preset)
-    in_folder("", "--flexproof", "mine.toml", "-k", "vjm.x", *asked)
-    assert {context.preset for context in computed} == {preset}
 
 
 def matrix_of(context):
@@ -277,17 +253,13 @@ def run(monkeypatch, tmp_path):
     ("tasks", "options", "code"),
     [
         ([ADEQUACY], [], 0),
-        ([ADEQUACY], ["--strict"], 0),
-        ([ADEQUACY], ["--rely", "vjm", "--strict"], 0),
         ([ADEQUACY], ["--rely", "beam", "--accept", f"deflection={BELOW * ERROR}"], 1),
         ([ADEQUACY], ["--rely", "beam", "--accept", f"deflection={ABOVE * ERROR}"], 0),
-        ([ADEQUACY], ["--rely", "beam", "--accept", f"x={BELOW * ERROR}"], 1),
         ([ADEQUACY], ["--rely", "beam", "--accept", f"frequency={BELOW * ERROR}"], 1),
         # f2 is between 1.9 and 6.1 % off: undecided at the 5 % of the file.
         ([ADEQUACY], ["--rely", "beam"], 0),
         ([ADEQUACY], ["--rely", "beam", "--strict"], 1),
         ([ADEQUACY], ["--rely", "beam", "--strict", "--accept", f"f2={ABOVE * F2[1]}"], 0),
-        ([ADEQUACY], ["--rely", "vjm", "--rely", "beam", "--accept", "x=0.01"], 1),
         ([ADEQUACY], ["--rely", "vjm", "--accept", "x=0.01"], 0),
         # Where nothing is known of a model relied on, only strictness minds.
         ([ADEQUACY], ["--rely", "links"], 0),
@@ -302,17 +274,3 @@ def test_rely_strict_and_accept_decide_the_exit_code(tasks, options, code, run, 
     assert run(*options, tasks=tasks) == code
     said = capsys.readouterr().out
     assert ("relied on, and not adequate" in said) == (code == 1 and ADEQUACY in tasks)
-
-
-def test_the_record_of_a_run_has_the_limits_that_were_asked_for(run, tmp_path, capsys):
-    run("--accept", "z=0.3", "--accept", "frequency=0.2", "--accept", "modes=2", tasks=[ADEQUACY])
-    capsys.readouterr()
-    record = json.loads((tmp_path / "report" / "results.json").read_text(encoding="utf-8"))
-    limits = {one["quantity"]: one["limit"] for one in record["adequacy"] if one["model"] == "beam"}
-    assert limits == {
-        **dict.fromkeys(["x", "y", "phi_x", "phi_y", "phi_z", "any_force"], 0.05),
-        "z": 0.3,
-        "f1": 0.2,
-        "f2": 0.2,
-        "order": 0.2,
-    }

@@ -188,14 +188,6 @@ def test_a_unit_that_is_lost_ends_its_sweep_and_names_the_cause():
         list(executor([partial(load_robot, "no-such-robot")]))
 
 
-def test_processes_that_cannot_begin_end_all():
-    with (
-        pytest.raises(ComputationError, match=r"before it began to compute: .* ended with code 3"),
-        on_cores(1, begin=partial(os._exit, 3)) as executor,
-    ):
-        list(executor([partial(abs, -1)]))
-
-
 def test_what_is_given_up_is_not_waited_for():
     begun = time.monotonic()
     with on_cores(2) as cores:

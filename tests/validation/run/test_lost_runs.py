@@ -46,13 +46,8 @@ def undisturbed(tmp_path_factory):
     return content, time.monotonic() - begun
 
 
-@pytest.mark.parametrize(
-    "seed",
-    [
-        pytest.param(0, marks=pytest.mark.exhaustive),
-        *(pytest.param(k, marks=pytest.mark.soak) for k in range(1, 5)),
-    ],
-)
+@pytest.mark.exhaustive
+@pytest.mark.parametrize("seed", range(2))
 def test_a_run_killed_four_times_goes_on_to_the_same_results(undisturbed, tmp_path, seed):
     expected, duration = undisturbed
     path = tmp_path / "run"
@@ -67,7 +62,8 @@ def test_a_run_killed_four_times_goes_on_to_the_same_results(undisturbed, tmp_pa
         # What was finished was not computed again: the times in it are the same.
         assert lines(path)[: len(kept)] == kept
         kept = whole(lines(path))
-    done = completed("real", *asked, *resumed(path))
+    # Numbers do not depend on the number of processes.
+    done = completed("real", *asked[:-1], "1", *resumed(path))
     assert done.returncode == 0, done.stderr
     assert results(path) == expected
     assert lines(path)[: len(kept)] == kept
@@ -84,19 +80,6 @@ def resumed(path):
     """Killed before it had even said what it is, a run has nothing to go on with."""
     begun = path.exists() or (partial(path) / "run.json").exists()
     return ["--resume"] if begun else []
-
-
-@pytest.mark.exhaustive
-def test_numbers_do_not_depend_on_the_number_of_processes(undisturbed, tmp_path):
-    done = completed("real", "run", "--preset", "quick", "--out", tmp_path / "run", "--jobs", "1")
-    assert done.returncode == 0, done.stderr
-    expected, found = undisturbed[0]["cases"], results(tmp_path / "run")["cases"]
-    assert [case["id"] for case in found] == [case["id"] for case in expected]
-    for one, two in zip(found, expected, strict=True):
-        # Two runs of the same input give the same numbers to 1e-10.
-        for name in ("value", "reference"):
-            if two[name] is not None:
-                assert one[name] == pytest.approx(two[name], rel=1e-10, abs=0.0), one["id"]
 
 
 @pytest.mark.exhaustive
@@ -135,12 +118,6 @@ def test_a_hang_up_without_nohup_ends_the_run_as_ctrl_c_does(endless, tmp_path):
     cases = json.loads((tmp_path / "run.partial" / "results.json").read_text())["cases"]
     # The worker left it to the run: nothing has failed.
     assert [case["verdict"] for case in cases] == ["agree"]
-
-
-def test_workers_do_not_outlive_a_killed_run(endless):
-    endless.kill()
-    # The pipe closes when the last process that holds it has ended; the worker sleeps for 60 s.
-    endless.communicate(timeout=PATIENCE)
 
 
 def test_ctrl_c_on_a_terminal_ends_the_run(tmp_path):

@@ -10,7 +10,7 @@ import pytest
 
 from lumped.errors import InputError
 from validation.run import opening
-from validation.run.files import StoreError, write_whole
+from validation.run.files import StoreError
 from validation.run.opening import open_folder
 
 HEADER = {"robot": "r", "robot_sha256": "1", "preset": "quick", "versions": {"numpy": "2"},
@@ -147,18 +147,16 @@ def test_a_kill_at_any_step_of_a_replacement_leaves_one_of_the_two_runs(
 
 
 @pytest.mark.parametrize("beside", ["", ".partial"])
-@pytest.mark.parametrize("mark", [{"run.json": "{}"}, {".lock": "mine"}, {"run.json": "[]"},
-                                  {"run.json": '{"robot": "a dog"}'}])  # fmt: skip
-def test_a_folder_of_something_else_is_left_alone(tmp_path, beside, mark):
+def test_a_folder_of_something_else_is_left_alone(tmp_path, beside):
     path, foreign = tmp_path / "run", tmp_path / f"run{beside}"
     (foreign / "figures").mkdir(parents=True)
     (foreign / "figures" / "thesis.png").write_text("years of work")
-    for name, text in mark.items():
-        (foreign / name).write_text(text)
-    before = {file: file.read_bytes() for file in tmp_path.rglob("*") if file.is_file()}
-    for start in ("afresh", "resumed"):
-        assert_refused("holds other files", path, HEADER, start)
-    assert {f: f.read_bytes() for f in tmp_path.rglob("*") if f.is_file()} == before
+    for text in ("{}", "[]", '{"robot": "a dog"}'):
+        (foreign / "run.json").write_text(text)
+        before = content(tmp_path)
+        for start in ("afresh", "resumed"):
+            assert_refused("holds other files", path, HEADER, start)
+        assert content(tmp_path) == before
 
 
 def test_only_what_a_run_wrote_is_ever_removed(tmp_path):
@@ -192,34 +190,34 @@ NAMES = [".lock", "results.json", "results.jsonl", "log.txt", "run.json", "figur
 
 
 @pytest.mark.parametrize("whole", [True, False])
-@pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("kind", ["symbolic", "hard", "pipe", "folder"])
-def test_no_link_is_followed(tmp_path, name, kind, whole):
-    path, precious = tmp_path / "run", tmp_path / "precious"
-    with open_folder(path, HEADER, "afresh") as folder:
-        fill(folder)
-        folder.complete = whole
-    precious.write_text("precious")
-    tampered = (path if whole else partial(path)) / name
-    tampered.unlink(missing_ok=True)
-    if kind == "symbolic":
-        tampered.symlink_to(precious)
-    elif kind == "hard":
-        tampered.hardlink_to(precious)
-    elif kind == "pipe":
-        os.mkfifo(tampered)
-    else:
-        tampered.mkdir()
-        (tampered / "mine").write_text("precious")
-    for start in ("resumed", "afresh"):
-        with open_folder(path, HEADER, start) as folder:
+def test_no_link_is_followed(tmp_path, kind, whole):
+    for name in NAMES:
+        path, precious = tmp_path / name / "run", tmp_path / "precious"
+        with open_folder(path, HEADER, "afresh") as folder:
             fill(folder)
-            folder.log.open("a").write("said")
-            folder.complete = True
-    assert precious.read_text() == "precious"
-    assert kind != "folder" or "precious" in {f.read_text() for f in path.rglob("mine")}
-    assert set(content(path)) >= RUN
-    assert (path / "figures" / "a.svg").read_text() == "figure 1.0"
+            folder.complete = whole
+        precious.write_text("precious")
+        tampered = (path if whole else partial(path)) / name
+        tampered.unlink(missing_ok=True)
+        if kind == "symbolic":
+            tampered.symlink_to(precious)
+        elif kind == "hard":
+            tampered.hardlink_to(precious)
+        elif kind == "pipe":
+            os.mkfifo(tampered)
+        else:
+            tampered.mkdir()
+            (tampered / "mine").write_text("precious")
+        for start in ("resumed", "afresh"):
+            with open_folder(path, HEADER, start) as folder:
+                fill(folder)
+                folder.log.open("a").write("said")
+                folder.complete = True
+        assert precious.read_text() == "precious"
+        assert kind != "folder" or "precious" in {f.read_text() for f in path.rglob("mine")}
+        assert set(content(path)) >= RUN
+        assert (path / "figures" / "a.svg").read_text() == "figure 1.0"
 
 
 @pytest.mark.parametrize("whole", [True, False])
@@ -251,19 +249,27 @@ ODD = [b"", b"[]", b"5", b"{}", b"null", b'{"seal": "', 100_000 * b"[", b"\x00\x
        b'{"flexproof": "run", "files": 5}', b'{"seal": "%s", "a": 5}' % (32 * b"0")]  # fmt: skip
 
 
-@pytest.mark.parametrize("odd", ODD, ids=range(len(ODD)))
-def test_odd_records_are_not_finished_and_what_holds_is(tmp_path, odd):
-    path = tmp_path / "run"
-    finished(path)
-    records = path / "results.jsonl"
-    records.write_bytes(odd + b"\n" + records.read_bytes() + odd)
-    (path / "results.json").write_bytes(odd)
-    with open_folder(path, HEADER, "resumed") as folder:
-        assert folder.records == {"a": {"id": "a", "value": 1.0}}
-        folder.keep({"id": "b"}, 6.0)
-        assert odd == b"" or "does not hold" in folder.remarks[0]
-    with open_folder(path, HEADER, "resumed") as folder:
-        assert list(folder.records) == ["a", "b"]
+def test_odd_records_are_not_finished_and_what_holds_is(tmp_path):
+    for number, odd in enumerate(ODD):
+        path = tmp_path / str(number)
+        finished(path)
+        records = path / "results.jsonl"
+        records.write_bytes(odd + b"\n" + records.read_bytes() + odd)
+        with open_folder(path, HEADER, "resumed") as folder:
+            assert folder.records == {"a": {"id": "a", "value": 1.0}}
+            folder.keep({"id": "b"}, 6.0)
+            assert odd == b"" or "does not hold" in folder.remarks[0]
+        with open_folder(path, HEADER, "resumed") as folder:
+            assert list(folder.records) == ["a", "b"]
+    # Nor what was edited or is of another run.
+    one, two = tmp_path / "one", tmp_path / "two"
+    finished(one)
+    finished(two, OTHER, 2.0)
+    (own, others) = (path / "results.jsonl" for path in (two, one))
+    own.write_bytes(own.read_bytes().replace(b"2.0", b"3.0") + others.read_bytes())
+    with open_folder(two, OTHER, "resumed") as folder:
+        assert folder.records == {}
+        assert len(folder.remarks) == 2
 
 
 @pytest.mark.parametrize("lost", ["run.json", "results.jsonl"])
@@ -274,19 +280,6 @@ def test_one_witness_of_what_was_run_is_enough(tmp_path, lost):
     assert_refused("another run", path, OTHER, "resumed")
     with open_folder(path, HEADER, "resumed") as folder:
         assert ("a" in folder.records) == (lost == "run.json")
-
-
-def test_a_record_that_was_edited_or_is_of_another_run_does_not_hold(tmp_path):
-    one, two = tmp_path / "one", tmp_path / "two"
-    finished(one)
-    finished(two, OTHER, 2.0)
-    records = two / "results.jsonl"
-    records.write_bytes(
-        records.read_bytes().replace(b"2.0", b"3.0") + (one / "results.jsonl").read_bytes()
-    )
-    with open_folder(two, OTHER, "resumed") as folder:
-        assert folder.records == {}
-        assert len(folder.remarks) == 2
 
 
 def test_a_second_run_in_the_same_folder_is_refused(tmp_path):
@@ -300,37 +293,28 @@ def test_a_second_run_in_the_same_folder_is_refused(tmp_path):
     finished(path)
 
 
-@pytest.mark.parametrize(
-    ("change", "named"),
-    [
+@pytest.mark.parametrize("whole", [True, False])
+def test_a_different_run_is_not_resumed(tmp_path, whole):
+    with open_folder(tmp_path / "run", HEADER, "afresh") as folder:
+        folder.complete = whole
+    for change, named in (
         ({"preset": "fine"}, "preset"),
         ({"robot_sha256": "2"}, "robot file"),
         ({"versions": {}}, "versions"),
         ({"suite_sha256": "3"}, "source files of flexproof"),
-    ],
-)
-@pytest.mark.parametrize("whole", [True, False])
-def test_a_different_run_is_not_resumed(tmp_path, change, named, whole):
-    with open_folder(tmp_path / "run", HEADER, "afresh") as folder:
-        folder.complete = whole
-    said = f"another run \\({named} differ"
-    assert_refused(said, tmp_path / "run", HEADER | change, "resumed")
+    ):
+        said = f"another run \\({named} differ"
+        assert_refused(said, tmp_path / "run", HEADER | change, "resumed")
 
 
-@pytest.mark.parametrize("made", [True, False])
-def test_nothing_to_resume_is_said(tmp_path, made):
-    path = tmp_path / "new"
-    if made:
-        path.mkdir()
-    assert_refused("no run to go on with", path, HEADER, "resumed")
-    assert [entry.name for entry in tmp_path.iterdir()] == made * ["new"]
-
-
-@pytest.mark.parametrize("tail", ["file", "file/below", "file/below/deeper"])
-def test_a_folder_that_cannot_be_made_is_refused(tmp_path, tail):
+def test_nothing_to_resume_is_said_and_a_folder_that_cannot_be_made_is_refused(tmp_path):
+    (tmp_path / "empty").mkdir()
     (tmp_path / "file").write_text("")
-    assert_refused("cannot write there", tmp_path / tail, HEADER, "afresh")
-    assert [entry.name for entry in tmp_path.iterdir()] == ["file"]
+    for name in ("empty", "new"):
+        assert_refused("no run to go on with", tmp_path / name, HEADER, "resumed")
+    for tail in ("file", "file/below", "file/below/deeper"):
+        assert_refused("cannot write there", tmp_path / tail, HEADER, "afresh")
+    assert {entry.name for entry in tmp_path.iterdir()} == {"empty", "file"}
 
 
 def test_a_folder_that_is_read_only_or_mounted_is_refused_and_left_alone(tmp_path, monkeypatch):
@@ -404,7 +388,7 @@ def test_what_a_kill_left_half_written_is_cleared(tmp_path, monkeypatch):
         fill(folder)
         patch.setattr(os, "fsync", dies)
         with pytest.raises(Killed):
-            write_whole(folder.path / "figures" / "a.svg", b"new")
+            folder.write({"figures/a.svg": "new"})
         assert len(list(folder.path.rglob(".*.tmp"))) == 1
     with open_folder(tmp_path / "run", HEADER, "resumed") as folder:
         assert not list(folder.path.rglob(".*.tmp"))

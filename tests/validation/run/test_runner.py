@@ -17,9 +17,7 @@ from validation.results.junit import junit_xml
 from validation.results.outcome import Outcome, Result
 from validation.run.opening import open_folder
 from validation.session import runner
-from validation.session.progress import Progress
 from validation.session.validate import Request, validate
-from validation.session.worker import Job
 
 
 @pytest.fixture(scope="module")
@@ -68,10 +66,7 @@ def test_a_sound_run_leaves_everything_in_its_folder(sound_run):
     )
     assert [entry["verdict"] for entry in results["cases"]] == ["agree"] * 3 + ["skipped"]
     assert results["studies"][0]["series"] == {"beam": [1.0, 2.0]}
-
-
-def test_a_group_shares_what_is_expensive(sound_run):
-    gathered, _ = sound_run
+    # A group shares what is expensive.
     notes = [gathered.done[name].found.notes for name in ("toy.first[x=1]", "toy.second[x=2]")]
     assert notes[0] == notes[1]
 
@@ -84,6 +79,12 @@ def test_whatever_happens_in_a_case_is_its_verdict(troubled_run):
     assert messages["toy.bug"] == "IndexError: pop from empty list (traceback in log.txt)"
     assert "SIGSEGV" in messages["toy.crash"]
     assert gathered.done["toy.after-the-crash"].verdict == "agree"
+    # OpenBLAS ends the process, without a word to Python.
+    assert (
+        "ran out of memory (OpenBLAS error: Memory allocation still failed"
+        in (messages["toy.starved"])
+    )
+    assert "fewer --jobs" in messages["toy.starved"]
     log = (path / "log.txt").read_text()
     assert "Traceback" in log
     assert "this belongs into the log" in log
@@ -130,18 +131,6 @@ def test_workers_that_cannot_start_end_the_run(robot_file, tmp_path, monkeypatch
     assert "only workers come here" in (tmp_path / "run.partial" / "log.txt").read_text()
 
 
-def test_a_library_that_is_refused_memory_fails_the_case_with_its_reason(robot_file, tmp_path):
-    # OpenBLAS ends the process, without a word to Python.
-    gathered = validate(asked(robot_file, tmp_path, 1), toys.starved)
-    assert gathered.done["toy.starved"].verdict == "failed"
-    assert "ran out of memory (OpenBLAS error: Memory allocation still failed" in (
-        gathered.done["toy.starved"].message
-    )
-    assert "fewer --jobs" in gathered.done["toy.starved"].message
-    assert gathered.done["toy.agrees"].verdict == "agree"
-    assert gathered.exit_code() == 3
-
-
 def test_a_record_whose_verdict_its_numbers_do_not_bear_out_is_computed_again(
     robot_file, tmp_path, monkeypatch
 ):
@@ -161,39 +150,18 @@ def test_a_record_whose_verdict_its_numbers_do_not_bear_out_is_computed_again(
     assert again.done["toy.agrees"].found.value == 1.0 / 3.0
 
 
-def test_nothing_is_lost_when_keeping_fails(robot_file, tmp_path):
+def test_patterns_choose_cases_with_brackets_taken_literally(robot_file):
     tasks = toys.sound(robot_file)
-
-    def refuse(_record):
-        raise OSError("disk full")
-
-    with pytest.raises(OSError, match="disk full"):
-        runner.run(
-            Job(toys.sound, robot_file),
-            tasks,
-            jobs=1,
-            log=tmp_path / "log.txt",
-            keep=refuse,
-            progress=Progress(tasks),
-        )
-
-
-@pytest.mark.parametrize(
-    ("pattern", "chosen"),
-    [
-        ("toy.first*", ["toy.first[x=1]"]),
-        ("toy.first[x=1]", ["toy.first[x=1]"]),
-        ("*[x=?]", ["toy.first[x=1]", "toy.second[x=2]"]),
-    ],
-)
-def test_patterns_choose_cases_with_brackets_taken_literally(robot_file, pattern, chosen):
-    tasks = runner.select(toys.sound(robot_file), "quick", pattern)
-    assert [task.id for task in tasks] == chosen
-
-
-def test_two_cases_of_one_id_are_refused(robot_file):
+    for pattern, chosen in {
+        "toy.first*": ["toy.first[x=1]"],
+        "toy.first[x=1]": ["toy.first[x=1]"],
+        "*[x=?]": ["toy.first[x=1]", "toy.second[x=2]"],
+    }.items():
+        assert [task.id for task in runner.select(tasks, "quick", pattern)] == chosen
     with pytest.raises(ValueError, match="same id"):
-        runner.select((*toys.sound(robot_file), toys.case("toy.agrees", toys.agrees)), "quick")
+        runner.select((*tasks, tasks[0]), "quick")
+    with pytest.raises(InputError, match=r'did you mean "toy\.agrees"'):
+        runner.select(tasks, "quick", "toy.agree")
 
 
 def test_messages_with_control_characters_are_still_xml():
@@ -201,34 +169,3 @@ def test_messages_with_control_characters_are_still_xml():
     text = junit_xml([Outcome(case, Result(case.id, "failed", 0.0, "\x1b[31mred\x00 <&>"))], "toys")
     error = ET.fromstring(text).find("testsuite/testcase/error")  # noqa: S314  our own
     assert error.get("message") == "?[31mred? <&>"
-
-
-def test_ci_systems_are_told_how_many_failed_and_how_many_were_left_out():
-    case = toys.case("toy.counted", toys.agrees)
-    told = {"agree": 1, "disagree": 2, "failed": 3, "skipped": 4, "undecided": 5}
-    outcomes = [
-        Outcome(case, Result(case.id, verdict, 0.5))
-        for verdict, n in told.items()
-        for _ in range(n)
-    ]
-    suite = ET.fromstring(junit_xml(outcomes, "toys")).find("testsuite")  # noqa: S314  our own
-    counts = {name: int(suite.get(name)) for name in ("tests", "failures", "errors", "skipped")}
-    assert counts == {"tests": 15, "failures": 2, "errors": 3, "skipped": 9}
-    assert float(suite.get("time")) == 7.5
-    for kind, name in (("failures", "failure"), ("errors", "error"), ("skipped", "skipped")):
-        assert len(suite.findall(f"testcase/{name}")) == counts[kind]
-
-
-def test_an_unknown_case_is_refused_with_a_suggestion(robot_file):
-    with pytest.raises(InputError, match=r'did you mean "toy\.agrees"'):
-        runner.select(toys.sound(robot_file), "quick", "toy.agree")
-
-
-def test_the_expected_time_goes_by_effort(robot_file):
-    tasks = toys.sound(robot_file)[:4]
-    progress = Progress(tasks)
-    assert progress.expected(10.0) is None
-    progress.started(tasks[0])
-    progress.finished(tasks[0], {"verdict": "agree"})
-    # One of four equal pieces took 10 s: three more take 30 s.
-    assert progress.expected(10.0) == pytest.approx(30.0)
