@@ -5,8 +5,9 @@ all of them do. One that itself chose a correction is circular and counts for no
 """
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
 from typing import Any, Literal, TypeAlias
+
+import msgspec
 
 Standing: TypeAlias = Literal[
     "both", "as printed alone", "as corrected alone", "in part", "neither", "circular"
@@ -21,8 +22,16 @@ STANDINGS: Mapping[Standing, str] = {
 }
 
 
-@dataclass(frozen=True)
-class ClaimedCurve:
+_CURVE = {
+    "name": "curve",
+    "printed": "as_printed",
+    "printed_holds": "as_printed_holds",
+    "corrected": "as_corrected",
+    "corrected_holds": "as_corrected_holds",
+}
+
+
+class ClaimedCurve(msgspec.Struct, frozen=True, rename=_CURVE):
     """One number or curve that a sentence speaks of: its value in each reading, and the verdicts.
 
     A value is None where that reading gives no finite number; then it does not hold either.
@@ -36,8 +45,7 @@ class ClaimedCurve:
     corrected_holds: bool
 
 
-@dataclass(frozen=True)
-class Claim:
+class Claim(msgspec.Struct, frozen=True, rename={"sentence": "statement"}):
     """A sentence of a source (`where`), in our words, and the curves that bear it out or not.
 
     `quantity` says what the values of the curves are.
@@ -83,7 +91,7 @@ def gathered(claims: Iterable[Claim]) -> tuple[Claim, ...]:
     for claim in claims:
         known = found.get(claim.sentence)
         curves = (*(known.curves if known else ()), *claim.curves)
-        found[claim.sentence] = replace(known or claim, curves=curves)
+        found[claim.sentence] = msgspec.structs.replace(known or claim, curves=curves)
     return tuple(found.values())
 
 
@@ -103,25 +111,4 @@ def summary(claims: Iterable[Claim]) -> str:
 
 def claim_records(claims: Iterable[Claim]) -> list[dict[str, Any]]:
     """The claims as results.json carries them."""
-    return [
-        {
-            "statement": claim.sentence,
-            "where": claim.where,
-            "quantity": claim.quantity,
-            "standing": claim.standing,
-            "differs": claim.differs,
-            "circular": claim.circular,
-            "curves": [
-                {
-                    "curve": curve.name,
-                    "unit": curve.unit,
-                    "as_printed": curve.printed,
-                    "as_printed_holds": curve.printed_holds,
-                    "as_corrected": curve.corrected,
-                    "as_corrected_holds": curve.corrected_holds,
-                }
-                for curve in claim.curves
-            ],
-        }
-        for claim in claims
-    ]
+    return [msgspec.to_builtins(claim) | {"standing": claim.standing} for claim in claims]

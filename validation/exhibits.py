@@ -8,7 +8,6 @@ turned, and the *picture* taken of it.
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from math import isfinite
 from typing import Any
 
 from validation.context import PRESETS, Context, Preset
@@ -119,28 +118,14 @@ class PlannedFigure:
 
 
 def study_record(study: Study) -> dict[str, Any]:
-    """The study's entry in results.json; null where a number is not finite."""
-
-    def clean(values: Mapping[str, float]) -> dict[str, float | None]:
-        return {name: value if isfinite(value) else None for name, value in values.items()}
-
+    """The study's entry in results.json, which has null where a number is not finite."""
+    names = ("id", "title", "x_label", "y_label", "unit", "x", "series", "formal_order")
     return {
-        "id": study.id,
         "kind": "convergence",
-        "title": study.title,
-        "x_label": study.x_label,
-        "y_label": study.y_label,
-        "unit": study.unit,
-        "x": list(study.x),
-        "series": {
-            name: [value if isfinite(value) else None for value in values]
-            for name, values in study.series.items()
-        },
-        "formal_order": study.formal_order,
-        "order": clean(study.orders),
-        "uncertainty": clean(study.uncertainties),
-        "limit": clean(study.limits),
-        "notes": list(study.notes),
+        **{name: getattr(study, name) for name in (*names, "notes")},
+        "order": study.orders,
+        "uncertainty": study.uncertainties,
+        "limit": study.limits,
     }
 
 

@@ -2,8 +2,8 @@
 
 from collections.abc import Sequence
 
-from validation.results.compare import AdequacyChange, RunComparison, Timing
-from validation.results.records import AdequacyRecord, RunRecord
+from validation.results.compare import AdequacyChange, Judged, RunComparison, Timing
+from validation.results.records import RunRecord
 
 # How many cases the text lists by the change of their time; --json has all of them.
 _SLOWEST = 10
@@ -12,7 +12,7 @@ _SLOWEST = 10
 def as_text(before: RunRecord, after: RunRecord, comparison: RunComparison) -> str:
     """What changed, the gravest first."""
     blocks = [_heads(before, after, comparison), sentence(comparison)]
-    if comparison.inputs and not comparison.robots:
+    if comparison.inputs and not comparison.different_robots:
         blocks.append(
             "The input differs: numbers are of two robots, and their differences no drift."
         )
@@ -27,7 +27,8 @@ def as_text(before: RunRecord, after: RunRecord, comparison: RunComparison) -> s
         [
             [c.model, c.quantity, *_judged(c.before), *_judged(c.after)]
             for c in comparison.adequacy
-            if _told(c, different=bool(comparison.inputs or comparison.robots))
+            # All of different inputs; of the same input what changed its verdict.
+            if comparison.inputs or comparison.different_robots or _rejudged(c)
         ],
     )
     worst_first = sorted(comparison.verdicts, key=lambda change: not change.worse)
@@ -36,41 +37,26 @@ def as_text(before: RunRecord, after: RunRecord, comparison: RunComparison) -> s
         ["", "before", "after", "case"],
         [["worse" if c.worse else "", c.before, c.after, c.id] for c in worst_first],
     )
+    numbers = "{0.before:.10g} {0.after:.10g} {0.drift:+.2g} {0.allowed:.2g}"
     blocks += _block(
         "Drifted beyond their uncertainty",
         ["before", "after", "drift", "allowed", "unit", "", "case"],
-        [
-            [
-                f"{entry.before:.10g}",
-                f"{entry.after:.10g}",
-                f"{entry.drift:+.2g}",
-                f"{entry.allowed:.2g}",
-                entry.unit,
-                entry.what,
-                entry.id,
-            ]
-            for entry in comparison.drifted
-        ],
+        [[*numbers.format(d).split(), d.unit, d.what, d.id] for d in comparison.drifted],
     )
     blocks += _block("New cases", ["case"], [[identifier] for identifier in comparison.new])
     blocks += _block("Removed cases", ["case"], [[identifier] for identifier in comparison.removed])
-    if comparison.times:
-        blocks.append(_times(comparison.times))
+    if comparison.seconds:
+        blocks.append(_times(comparison.seconds))
     return "\n\n".join(blocks)
 
 
 def _heads(before: RunRecord, after: RunRecord, comparison: RunComparison) -> str:
+    told = ("robot", "preset", "started")
     rows = [
-        [
-            name,
-            str(run.run.get("robot", run.run.get("robot_file", "?"))),
-            str(run.run.get("preset", "?")),
-            str(run.run.get("started", "frozen values")),
-            f"{len(run.cases)} cases",
-        ]
+        [name, *(str(run.run.get(key, "?")) for key in told), f"{len(run.cases)} cases"]
         for name, run in (("before", before), ("after", after))
     ]
-    differs = [name.replace("_", " ") for name in comparison.circumstances]
+    differs = [name.replace("_", " ") for name in comparison.differs]
     note = f"\nThe runs differ in {', '.join(differs)}." if differs else ""
     return table(["", "robot", "preset", "started", ""], rows) + note
 
@@ -79,7 +65,7 @@ def _given(value: object) -> str:
     return "not given" if value is None else str(value)
 
 
-def _judged(entry: AdequacyRecord | None) -> list[str]:
+def _judged(entry: Judged | None) -> list[str]:
     if entry is None:
         return ["", ""]
     if entry.error is None:
@@ -90,18 +76,15 @@ def _judged(entry: AdequacyRecord | None) -> list[str]:
     return [f"{100.0 * entry.error:{sign}.2f} %{along}", entry.verdict]
 
 
-def _told(change: AdequacyChange, *, different: bool) -> bool:
-    """All of different inputs; of the same input what changed its verdict."""
+def _rejudged(change: AdequacyChange) -> bool:
     before, after = change.before, change.after
-    if different or before is None or after is None:
-        return True
-    return before.verdict != after.verdict
+    return before is None or after is None or before.verdict != after.verdict
 
 
 def sentence(comparison: RunComparison) -> str:
     """What changed, counted; of two different robots, that nothing can be."""
-    if comparison.robots:
-        first, second = comparison.robots
+    if comparison.different_robots:
+        first, second = comparison.different_robots
         return (
             f"Two different robots, {first} and {second}: none of their cases is better or worse, "
             "and only the adequacy of their models stands side by side."
@@ -120,11 +103,11 @@ def sentence(comparison: RunComparison) -> str:
 
 def _times(times: Sequence[Timing]) -> str:
     foremost = sorted(times, key=lambda timing: -abs(timing.after - timing.before))[:_SLOWEST]
+    total = Timing("all", sum(t.before for t in times), sum(t.after for t in times))
     rows = [
-        [f"{t.before:.2f}", f"{t.after:.2f}", f"{t.after - t.before:+.2f}", t.id] for t in foremost
+        [f"{t.before:.2f}", f"{t.after:.2f}", f"{t.after - t.before:+.2f}", t.id]
+        for t in (*foremost, total)
     ]
-    total = [sum(timing.before for timing in times), sum(timing.after for timing in times)]
-    rows.append([f"{total[0]:.2f}", f"{total[1]:.2f}", f"{total[1] - total[0]:+.2f}", "all"])
     heading = "Time per case (s)"
     if len(times) > len(foremost):
         heading += f", the {len(foremost)} of {len(times)} that changed most"

@@ -7,11 +7,12 @@ nothing. A change of it is drift, never disagreement.
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import isfinite
+from typing import Literal
 
 import msgspec
 
 from validation.results.outcome import Outcome
-from validation.results.records import CaseRecord, RunRecord
+from validation.results.records import CaseRecord, RunRecord, case_record
 
 # Rounding differs between machines and library versions; far above it, far below any tolerance.
 _ROUNDING = 1e-9
@@ -29,7 +30,7 @@ class Drift:
 
     @property
     def amount(self) -> float:
-        """Value less frozen value."""
+        """Value less earlier value."""
         return self.value - self.earlier
 
     @property
@@ -48,42 +49,32 @@ def same_pose(one: tuple[float, ...], other: tuple[float, ...]) -> bool:
 
 
 def drift(
-    earlier: float,
-    value: float,
-    *,
-    uncertainties: Sequence[float | None] = (),
-    reference: float | None = None,
-    tolerance: float | None = None,
-) -> Drift:
-    """Drift of a value from the one that was found earlier.
+    before: CaseRecord, after: CaseRecord, what: Literal["value", "reference"] = "value"
+) -> Drift | None:
+    """Drift of a case's value or reference; None where one is not known, or is of another pose.
 
-    The larger one of the known `uncertainties` of then and now is allowed, and a relative 1e-9 in
-    any case. Where `reference` is zero, a thousandth of the `tolerance` counts as rounding.
+    The larger one of the known uncertainties of then and now is allowed, and a relative 1e-9 in any
+    case. Where the reference is zero, a thousandth of the tolerance counts as rounding.
     """
-    known = [u for u in uncertainties if u is not None]
+    earlier, value = getattr(before, what), getattr(after, what)
+    comparable = earlier is not None and value is not None and isfinite(value)
+    if not comparable or not same_pose(before.pose, after.pose):
+        return None
+    known = [
+        u for u in (before.numerical_uncertainty, after.numerical_uncertainty) if u is not None
+    ]
     allowed = max([*known, _ROUNDING * max(abs(earlier), abs(value))])
-    if reference == 0.0 and tolerance is not None:
-        allowed = max(allowed, _OF_TOLERANCE * tolerance)
+    if after.reference == 0.0 and after.tolerance is not None:
+        allowed = max(allowed, _OF_TOLERANCE * after.tolerance)
     return Drift(earlier, value, allowed)
 
 
 def drifts(outcomes: Sequence[Outcome], baseline: RunRecord) -> dict[str, Drift]:
     """Drift by case id, of the outcomes that have a value and an earlier one of the same pose."""
     earlier = baseline.by_id
-    found = {}
-    for outcome in outcomes:
-        now, then = outcome.measurement, earlier.get(outcome.case.id)
-        if now is None or then is None or then.value is None:
-            continue
-        if isfinite(now.value) and same_pose(then.pose, now.pose):
-            found[outcome.case.id] = drift(
-                then.value,
-                now.value,
-                uncertainties=(then.numerical_uncertainty, now.numerical_uncertainty),
-                reference=now.reference,
-                tolerance=outcome.tolerance,
-            )
-    return found
+    now = [case_record(outcome) for outcome in outcomes if outcome.case.id in earlier]
+    found = {record.id: drift(earlier[record.id], record) for record in now}
+    return {name: moved for name, moved in found.items() if moved is not None}
 
 
 def no_longer_compared(outcomes: Sequence[Outcome], earlier: RunRecord | None) -> dict[str, str]:

@@ -73,7 +73,7 @@ class Outcome:
             return nan
         own = self.case.relation.excess(self.measurement.unexplained) / self.tolerance
         others = (
-            self.case.relation.excess(one.unexplained) / self.case.tolerance.at(one.reference)
+            self.case.relation.excess(one.difference) / self.case.tolerance.at(one.reference)
             for one in self.measurement.elsewhere
         )
         return max([own, *others])
@@ -107,13 +107,12 @@ def judge(case: Case, measurement: Measurement, seconds: float) -> Outcome:
     message = _remark(case, measurement, tolerance)
     for one in measurement.elsewhere:
         allowed = case.tolerance.at(one.reference)
-        there = verdict(one.unexplained, case.relation, allowed, one.uncertainty)
+        there = verdict(one.difference, case.relation, allowed, one.uncertainty)
         if _GRAVITY[there] > _GRAVITY[said]:
             said = there
-            explained = f" and {one.allowed:.3g} explained" if one.allowed else ""
             message = (
                 f"{there} at {one.where}: {one.value:.6g} {case.unit} against {one.reference:.6g} "
-                f"{case.unit}{explained}, tolerance {allowed:.3g} {case.unit}"
+                f"{case.unit}, tolerance {allowed:.3g} {case.unit}"
             )
     return Outcome(case, Result(case.id, said, seconds, message, measurement))
 

@@ -144,41 +144,32 @@ def run_record(
 def case_record(outcome: Outcome) -> CaseRecord:
     """The case and its outcome."""
     case, measurement = outcome.case, outcome.measurement
-    record = CaseRecord(
-        id=case.id,
-        title=case.title,
-        quantity=case.quantity,
-        model=case.model,
-        subject=case.subject,
-        figure=case.figure,
-        unit=case.unit,
-        reference_kind=case.reference_kind,
-        citation=case.citation,
-        relation=case.relation.value,
-        tolerance_reason=case.tolerance_reason,
-        verdict=outcome.verdict,
-        seconds=outcome.seconds,
-        message=outcome.message,
-    )
-    if measurement is None:
-        return record
-    return msgspec.structs.replace(
-        record,
-        value=measurement.value,
-        reference=measurement.reference,
-        error=measurement.difference,
-        unexplained=measurement.unexplained,
-        exact=measurement.exact,
-        numerical_uncertainty=measurement.numerical_uncertainty,
-        value_uncertainty=measurement.value_uncertainty,
-        reference_uncertainty=measurement.reference_uncertainty,
-        allowances=tuple(asdict(one) for one in measurement.allowances),
-        tolerance=outcome.tolerance,
-        notes=measurement.notes,
-        pose=measurement.pose,
-        elsewhere=tuple(asdict(one) for one in measurement.elsewhere),
-        table={heading: tuple(column) for heading, column in measurement.table.items()},
-    )
+    told = {
+        **{name: getattr(case, name) for name in _OF_CASE},
+        "relation": case.relation.value,
+        "verdict": outcome.verdict,
+        "seconds": outcome.seconds,
+        "message": outcome.message,
+    }
+    if measurement is not None:
+        told |= {
+            **{name: getattr(measurement, name) for name in _OF_MEASUREMENT},
+            "error": measurement.difference,
+            "tolerance": outcome.tolerance,
+            "allowances": tuple(asdict(one) for one in measurement.allowances),
+            "elsewhere": tuple(asdict(one) for one in measurement.elsewhere),
+        }
+    return CaseRecord(**told)
+
+
+_OF_CASE = (
+    *("id", "title", "quantity", "model", "subject", "figure", "unit", "reference_kind"),
+    *("citation", "tolerance_reason"),
+)
+_OF_MEASUREMENT = (
+    *("value", "reference", "unexplained", "exact", "numerical_uncertainty", "value_uncertainty"),
+    *("reference_uncertainty", "notes", "pose", "table"),
+)
 
 
 def adequacy_records(matrix: Matrix, part: str = "") -> list[AdequacyRecord]:

@@ -85,6 +85,6 @@ def test_data_of_curves_belong_to_their_names():
     named = {f"{name} (m/N)": values for name, values in series.items()}
     assert columns == {"elements": study.x} | named
     record = study_record(study)
-    assert record["series"] == {name: list(values) for name, values in series.items()}
+    assert record["series"] == series
     assert (record["uncertainty"], record["limit"]) == ({"c33": 0.01}, {"c22": 4.0})
-    assert record["x"] == [1.0, 2.0, 4.0]
+    assert record["x"] == study.x
