@@ -5,7 +5,7 @@ be allowed for; what is left, E less the allowances, is held against the toleran
 ASME V&V 10 and 20).
 """
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from enum import Enum
 from math import hypot, isfinite
@@ -88,25 +88,18 @@ class Allowance:
 class Elsewhere:
     """The same comparison at another place than the measurement's own: in another pose or mode.
 
-    `uncertainty` is that of what is judged there, None where exact, `allowed` what the
-    measurement's named causes explain there (signed, unit of the case).
+    `uncertainty` is that of what is judged there, None where exact.
     """
 
     where: str
     value: float
     reference: float
     uncertainty: float | None = None
-    allowed: float = 0.0
 
     @property
     def difference(self) -> float:
         """E = value − reference."""
         return self.value - self.reference
-
-    @property
-    def unexplained(self) -> float:
-        """E less what is allowed for."""
-        return self.difference - self.allowed
 
 
 @dataclass(frozen=True)
@@ -233,25 +226,6 @@ class Case:
         for name in ("id", "title", "quantity", "unit", "citation", "tolerance_reason"):
             if not getattr(self, name).strip():
                 raise ValueError(f"case {self.id!r}: {name} is empty")
-
-
-def others(
-    places: Sequence[str],
-    values: Iterable[float],
-    references: Iterable[float],
-    uncertainties: Iterable[float] | None,
-    but: int,
-    allowed: Iterable[float] | None = None,
-) -> tuple[Elsewhere, ...]:
-    """A comparison at all `places` but the one of that number, which is the measurement's own."""
-    known = [None] * len(places) if uncertainties is None else [float(u) for u in uncertainties]
-    explained = [0.0] * len(places) if allowed is None else [float(a) for a in allowed]
-    found = zip(places, values, references, known, explained, strict=True)
-    return tuple(
-        Elsewhere(place, float(value), float(reference), uncertainty, own)
-        for number, (place, value, reference, uncertainty, own) in enumerate(found)
-        if number != but
-    )
 
 
 def _require_positive(number: float) -> None:

@@ -122,28 +122,15 @@ def _cases(
     /,
     **given: Any,
 ) -> tuple[Case, ...]:
-    return tuple(_case(compute, row, common, own) for row in _rows(given, over))
-
-
-def _case(
-    compute: Callable[..., Measurement],
-    row: Mapping[str, Any],
-    common: CaseFields,
-    own: Mapping[str, Any],
-) -> Case:
-    named = _named(compute, row)
-    signature(compute).bind("context", **named)
-    from_row = {name: row[name] for name in CaseFields.__annotations__ if name in row}
-    fields = {"quantity": own["title"], **common, **from_row, **own}
-    return Case(
-        compute=partial(compute, **named) if named else compute,
-        **{name: _filled(row, field) for name, field in fields.items()},
-    )
-
-
-def _filled(row: Mapping[str, Any], field: Any) -> Any:
-    several = isinstance(field, tuple)
-    return tuple(_of(row, one) for one in field) if several else _of(row, field)
+    found = []
+    for row in _rows(given, over):
+        named = _named(compute, row)
+        signature(compute).bind("context", **named)
+        from_row = {name: row[name] for name in CaseFields.__annotations__ if name in row}
+        fields = {"quantity": own["title"], **common, **from_row, **own}
+        filled = {name: _of(row, field) for name, field in fields.items()}
+        found.append(Case(compute=partial(compute, **named) if named else compute, **filled))
+    return tuple(found)
 
 
 def _rows(given: Mapping[str, Any], over: Over) -> list[dict[str, Any]]:
@@ -154,12 +141,15 @@ def _rows(given: Mapping[str, Any], over: Over) -> list[dict[str, Any]]:
         rows = [
             row | dict(zip(names, value if len(names) > 1 else (value,), strict=True))
             for row in rows
-            for value in _of(row, values)
+            for value in (values(**_named(values, row)) if callable(values) else values)
         ]
     return rows
 
 
 def _of(row: Mapping[str, Any], field: Any) -> Any:
+    """A field with the parameters filled in."""
+    if isinstance(field, tuple):
+        return tuple(_of(row, one) for one in field)
     if isinstance(field, str):
         return field.format(**row) if row else field
     return field(**_named(field, row)) if callable(field) else field

@@ -108,21 +108,11 @@ class ModelItem(pytest.Item):
         if entry.verdict == "undecided" and not strict:
             pytest.skip(judged.told(entry))
         if entry.verdict != "adequate":
-            raise InadequateError(judged.told(entry))
-
-    def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None) -> Any:
-        """One line in place of a traceback, which would show this module alone."""
-        if isinstance(excinfo.value, InadequateError):
-            return str(excinfo.value)
-        return super().repr_failure(excinfo, style)
+            pytest.fail(judged.told(entry), pytrace=False)
 
     def reportinfo(self) -> tuple[Path, None, str]:
         """Where the item is from, and its name."""
         return self.path, None, self.name
-
-
-class InadequateError(Exception):
-    """A model is inadequate for a quantity, or undecided where that counts."""
 
 
 def _judged(

@@ -18,7 +18,6 @@ from validation.case import (
     Measurement,
     Relation,
     Relative,
-    others,
 )
 from validation.catalogue import catalogue
 from validation.exhibits import PlannedFigure
@@ -161,26 +160,6 @@ def test_the_graver_verdict_is_kept_wherever_it_was_given():
     measured = Measurement(1.0, 1.0, exact=True, elsewhere=(undecided, wrong, undecided))
     outcome = judge(EQUAL, measured, 0.0)
     assert (outcome.verdict, outcome.message.split(":")[0]) == ("disagree", "disagree at far")
-
-
-def test_the_other_places_are_all_but_its_own():
-    found = others(["a", "b", "c"], [1.0, 2.0, 3.0], [4.0, 5.0, 6.0], [0.1, 0.2, 0.3], 1)
-    assert found == (Elsewhere("a", 1.0, 4.0, 0.1), Elsewhere("c", 3.0, 6.0, 0.3))
-    exact = others(["a", "b"], [1.0, 2.0], [4.0, 5.0], None, 0)
-    assert exact == (Elsewhere("b", 2.0, 5.0),)
-    record = case_record(judge(EQUAL, Measurement(1.0, 1.0, exact=True, elsewhere=exact), 0.0))
-    assert record.elsewhere == (
-        {"where": "b", "value": 2.0, "reference": 5.0, "uncertainty": None, "allowed": 0.0},
-    )
-
-
-def test_what_is_allowed_at_another_place_is_taken_off_there():
-    there = others(["a", "b"], [1.0, 2.2], [1.0, 2.0], None, 0, [0.0, 0.2])
-    measured = Measurement(1.0, 1.0, exact=True, elsewhere=there)
-    assert judge(EQUAL, measured, 0.0).share == pytest.approx(0.0, abs=1e-12)
-    wrong = replace(measured, elsewhere=(replace(there[0], allowed=-0.3),))
-    assert judge(EQUAL, wrong, 0.0).verdict == "disagree"
-    assert "-0.3 explained" in judge(EQUAL, wrong, 0.0).message
 
 
 @pytest.mark.parametrize(

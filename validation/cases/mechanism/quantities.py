@@ -8,7 +8,7 @@ from lumped.arrays import Array
 from lumped.models import links, segments, serial_chains
 from lumped.system.assembly import assembly
 from lumped.system.solution import solved
-from validation.case import Measurement, others
+from validation.case import Elsewhere, Measurement
 from validation.models.options import ModelName
 
 # What solves a mechanism of bodies, and what beside it is each model's own.
@@ -47,11 +47,12 @@ def by_another_program(
     """
     places = [f"mode {number}" for number in range(1, len(theirs) + 1)]
     columns = zip(headings, (theirs, own), strict=True)
+    compared = zip(places, own.tolist(), theirs.tolist(), uncertainty.tolist(), strict=True)
     return Measurement(
         float(own[0]),
         float(theirs[0]),
         reference_uncertainty=float(uncertainty[0]),
-        elsewhere=others(places, own, theirs, uncertainty, 0),
+        elsewhere=tuple(Elsewhere(*one) for one in compared)[1:],
         notes=(note,) if note else (),
         table={
             "mode": tuple(float(number) for number in range(1, len(theirs) + 1)),
