@@ -181,6 +181,7 @@ def run(
         {option: given for option, given in asked.items() if given},
         strict,
         variations,
+        measured,
     )
     try:
         gathered = validate(request, catalogue)

@@ -60,6 +60,9 @@ def how_to_go_on(request: Request) -> str:
     command += ["--export"] if request.exports else []
     command += ["--cluster", request.cluster] if request.cluster else []
     for option, given in request.asked.items():
-        command += [word for one in given.split() for word in (f"--{option}", one)]
+        # Of measured values the digest is kept there.
+        words = given.split() if option != "measured" else ()
+        command += [word for one in words for word in (f"--{option}", one)]
+    command += ["--measured", str(request.measured)] if request.measured else []
     command += ["--strict"] if request.strict else []
     return f"go on with: {join([*command, '--out', str(request.out), '--resume'])}"

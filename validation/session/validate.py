@@ -44,7 +44,8 @@ class Request:
     run to be compared with. `exports`: whether meshes, fields and matrices are wanted as files.
     `variations` are numbers of the robot file with values that have been checked. `cluster` is the
     address of a Dask scheduler that computes the robots of these and parts. `asked` are options
-    that changed the robot file's requirement, as typed; `strict`: undecided counts as inadequate.
+    that changed the robot file, as typed; `measured` is the file of measured values named with
+    them, of which `asked` has a digest; `strict`: undecided counts as inadequate.
     """
 
     robot_file: RobotFile
@@ -59,6 +60,7 @@ class Request:
     asked: Mapping[str, str] = field(default_factory=dict)
     strict: bool = False
     variations: tuple[Variation, ...] = ()
+    measured: Path | None = None
 
     @property
     def options(self) -> Mapping[str, str]:
@@ -85,7 +87,7 @@ def validate(request: Request, catalogue: Catalogue) -> Results:
         catalogue = partial(catalogue, variations=request.variations)
     listed = catalogue(robot_file)
     # Whoever names measured values in the command wants to see them, whatever else is left out.
-    always = (MEASURED,) if request.asked.get("measured") else ()
+    always = (MEASURED,) if request.measured else ()
     tasks = runner.select(listed, request.preset, request.only, always)
     options = request.options
     header = provenance.header(robot_file, request.preset, options)

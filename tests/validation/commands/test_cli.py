@@ -125,11 +125,14 @@ def test_a_full_disk_ends_with_3_and_says_how_to_go_on(
 
     with_catalogue(toys.sound)
     monkeypatch.setattr(os, "fsync", full)
-    out = tmp_path / "run"
-    assert cli.main(["run", "--out", str(out)]) == 3
+    out, values = tmp_path / "run", tmp_path / "my values.csv"
+    values.write_text("quantity,pose,value,uncertainty,source\nf1,0.4975,80.0,0.1,rig\n")
+    options = ["--accept", "x=0.1", "--measured", str(values)]
+    assert cli.main(["run", *options, "--out", str(out)]) == 3
     printed = capsys.readouterr().err
     assert "No space left" in printed
-    assert f"flexproof run ifw --preset standard --out {out} --resume" in printed
+    told = f"flexproof run ifw --preset standard --accept x=0.1 --measured '{values}'"
+    assert f"{told} --out {out} --resume" in printed
 
 
 def test_help_imports_nothing_heavy():
