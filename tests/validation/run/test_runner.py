@@ -59,6 +59,7 @@ def test_a_sound_run_leaves_everything_in_its_folder(sound_run):
         "toy.study.svg",
         "toy.study.csv",
     }
+    assert 'failures="0" errors="0" skipped="1"' in (path / "junit.xml").read_text()
     results = json.loads((path / "results.json").read_text())
     assert results["schema"] == 1
     assert {"started", "seconds", "robot", "robot_sha256", "versions", "preset"} <= set(
