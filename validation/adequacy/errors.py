@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from lumped.acceptance.requirement import ANY_FORCE, FREQUENCIES, ORDER, STATIC_QUANTITIES
 from lumped.arrays import Array, IntArray
 from validation.adequacy.partners import Partners, partners
-from validation.adequacy.response import Alternative, Reference, Response, Subject
+from validation.adequacy.response import Alternative, Reference, Response, Subject, Vibration
 from validation.agreement.displacement import displacement, relative
 
 
@@ -34,10 +34,11 @@ class Errors:
 
     Frequencies: `value` and `expected` in Hz, `error` = value/expected − 1. Deflections: `value`
     and `expected` along the load, `error` of the whole displacement, never negative, and what
-    belongs to it in `loaded`. `numerical` is what meshes leave open of the error, `digits` what the
-    printed digits of the robot's 6×6 do; `missing` where
-    model and reference have nothing that could be compared. `numbers` (a×p×m, of the order alone):
-    which mode of the model, from 0, has the shape of each of the reference's; −1: none has.
+    belongs to it in `loaded`. NaN where model and reference have nothing that could be compared;
+    `unknown` where the reference has fewer modes than are asked for. `numerical` is what meshes
+    leave open of the error, `digits` what the printed digits of the robot's 6×6 do. `numbers`
+    (a×p×m, of the order alone): which mode of the model, from 0, has the shape of each of the
+    reference's; −1: none has.
     """
 
     names: tuple[str, ...]
@@ -46,14 +47,14 @@ class Errors:
     error: Array
     numerical: Array
     digits: Array
-    missing: NDArray[np.bool_]
+    unknown: NDArray[np.bool_]
     loaded: Loaded | None = None
     numbers: IntArray | None = None
 
     @property
-    def spread(self) -> Array:
-        """What meshes and digits leave open of each error (a×p)."""
-        return self.numerical + self.digits
+    def missing(self) -> NDArray[np.bool_]:
+        """Where there is nothing to compare (a×p)."""
+        return np.isnan(self.error)
 
     @property
     def interval(self) -> tuple[Array, Array]:
@@ -62,12 +63,18 @@ class Errors:
         Of the order that of the alternative by which it misleads most: between a mode in its place
         and one in another there is nothing.
         """
-        low, high = self.error - self.spread, self.error + self.spread
+        low, high = self.bounds
         if self.numbers is not None:
             at = self.largest, np.arange(self.error.shape[1])
             return low[at], high[at]
         low, high = low.min(axis=0), high.max(axis=0)
         return (low if self.loaded is None else np.maximum(low, 0.0)), high
+
+    @property
+    def bounds(self) -> tuple[Array, Array]:
+        """Lowest and highest error (a×p each) that meshes and digits leave open."""
+        spread = self.numerical + self.digits
+        return self.error - spread, self.error + spread
 
     @property
     def middle(self) -> Array:
@@ -104,85 +111,72 @@ class Scale:
         None where a response says nothing of it.
         """
         alternatives = self.reference(quantity).alternatives
-        pairs = list(zip(alternatives, responses, strict=True))
-        if quantity in STATIC_QUANTITIES:
-            return _of_deflections(pairs, quantity)
-        numbers = None
-        if quantity == ORDER:
-            found = [self._partners(one, response) for one, response in pairs]
-            numbers = np.array([one.number for one in found if one is not None])
-            rows = [self._order(one, response) for one, response in pairs]
-        else:
-            rows = [
-                self._frequency(one, response, FREQUENCIES[quantity] - 1) for one, response in pairs
-            ]
-        known = [row for row in rows if row is not None]
-        if len(known) < len(rows) or not rows:
+        of = _deflection if quantity in STATIC_QUANTITIES else self._frequency
+        rows = [
+            row
+            for one, response in zip(alternatives, responses, strict=True)
+            if (row := of(one, response, quantity))
+        ]
+        if len(rows) < len(alternatives) or not rows:
             return None
-        value, expected, *left = (np.array(column) for column in zip(*known, strict=True))
-        missing = ~np.isfinite(value)
-        error = np.where(missing, np.nan, value / expected - 1.0)
-        numerical, digits = (share * np.abs(value / expected) for share in left)
-        names = tuple(one.name for one in alternatives)
-        return Errors(names, value, expected, error, numerical, digits, missing, numbers=numbers)
-
-    def _partners(self, one: Alternative, response: Response) -> Partners | None:
-        if one.response.vibration is None or response.vibration is None:
-            return None
-        key = id(response), one.name
-        if key not in self._pairs:
-            self._pairs[key] = partners(
-                one.response.vibration, response.vibration, self.subject.weights, self.modes
-            )
-        return self._pairs[key]
+        value, expected, error, numerical, digits, unknown, *further = (
+            np.array(column) for column in zip(*rows, strict=True)
+        )
+        return Errors(
+            tuple(one.name for one in alternatives),
+            value,
+            expected,
+            error,
+            numerical,
+            digits,
+            unknown,
+            loaded=Loaded(*further) if quantity in STATIC_QUANTITIES else None,
+            numbers=further[0] if quantity == ORDER else None,
+        )
 
     def _frequency(
-        self, one: Alternative, response: Response, mode: int
+        self, one: Alternative, response: Response, quantity: str
     ) -> tuple[Array, ...] | None:
-        found = self._partners(one, response)
-        if found is None or one.response.vibration is None:
+        """The first fields of `Errors` for every pose, and the numbers.
+
+        Of the order those of the mode, among all in another place, whose number misleads most.
+        """
+        truth, model = one.response.vibration, response.vibration
+        if truth is None or model is None:
             return None
-        expected = one.response.vibration.frequencies[:, mode]
-        left = (
-            _column(stated, mode, len(expected)) for stated in (one.dynamic, one.dynamic_digits)
+        found = self._partners(one.name, truth, response, model)
+        own = truth.frequencies[:, : self.modes]
+        poses, values, known = np.arange(len(own)), found.frequency, np.isfinite(own)
+        # A mode in its place says nothing wrong of the order, nor does one that nobody knows.
+        numbers = np.where(known, found.number, np.arange(self.modes))
+        moved = numbers != np.arange(self.modes)
+        if quantity == ORDER:
+            misled = np.where(moved, np.abs(found.by_number / own - 1.0), 0.0)
+            # A number that does not exist misleads more than any that does.
+            at = poses, np.argmax(np.where(np.isnan(misled), np.inf, misled), axis=1)
+            values, unknown = np.where(moved, found.by_number, own), ~known.all(axis=1)
+        else:
+            at = poses, np.full(len(own), FREQUENCIES[quantity] - 1)
+            moved, unknown = np.ones_like(moved), ~known[at]
+        ratio = values[at] / own[at]
+        numerical, digits = (
+            np.zeros(len(own)) if left is None else np.where(moved[at], left[at], 0.0)
+            for left in (one.dynamic, one.dynamic_digits)
         )
-        return found.frequency[:, mode], expected, *left
+        sizes = np.abs(ratio)
+        return values[at], own[at], ratio - 1.0, numerical * sizes, digits * sizes, unknown, numbers
 
-    def _order(self, one: Alternative, response: Response) -> tuple[Array, ...] | None:
-        """The mode, among those in another place, whose number misleads most about frequency."""
-        found = self._partners(one, response)
-        if found is None or one.response.vibration is None:
-            return None
-        own = one.response.vibration.frequencies[:, : self.modes]
-        moved = found.number != np.arange(self.modes)
-        error = np.where(moved, np.abs(found.by_number / own - 1.0), 0.0)
-        # A mode in its place says nothing wrong of the order, a number that does not exist does.
-        worst = np.argmax(np.where(np.isnan(error), np.inf, error), axis=1)
-        at = np.arange(len(own)), worst
-        value = np.where(moved[at], found.by_number[at], own[at])
-        left = (
-            np.zeros(len(own)) if stated is None else np.where(moved[at], stated[at], 0.0)
-            for stated in (one.dynamic, one.dynamic_digits)
-        )
-        return value, own[at], *left
-
-
-def _of_deflections(pairs: Sequence[tuple[Alternative, Response]], quantity: str) -> Errors | None:
-    rows = [_deflection(one, response, quantity) for one, response in pairs]
-    known = [row for row in rows if row is not None]
-    if len(known) < len(rows) or not rows:
-        return None
-    value, expected, error, numerical, digits, *loaded = (
-        np.array(column) for column in zip(*known, strict=True)
-    )
-    missing = np.isinf(error)
-    error = np.where(missing, np.nan, error)
-    names = tuple(one.name for one, _ in pairs)
-    return Errors(names, value, expected, error, numerical, digits, missing, Loaded(*loaded))
+    def _partners(
+        self, name: str, truth: Vibration, response: Response, model: Vibration
+    ) -> Partners:
+        key = id(response), name
+        if key not in self._pairs:
+            self._pairs[key] = partners(truth, model, self.subject.weights, self.modes)
+        return self._pairs[key]
 
 
 def _deflection(one: Alternative, response: Response, quantity: str) -> tuple[Array, ...] | None:
-    """Value, expected, error, numerical, digits, and the fields of `Loaded`, for every pose."""
+    """The first fields of `Errors` and those of `Loaded`, for every pose."""
     reference, compliance = one.response.compliance, response.compliance
     if reference is None or compliance is None:
         return None
@@ -190,21 +184,20 @@ def _deflection(one: Alternative, response: Response, quantity: str) -> tuple[Ar
     moved, due = (displacement(c, load, quantity) for c in (compliance, reference))
     direction = displacement(np.eye(6), load, quantity)
     value, expected = (np.einsum("pi,pi->p", direction, u) for u in (moved, due))
-    off = np.divide(moved - due, length[:, None], out=np.zeros_like(due), where=length[:, None] > 0)
+    yields = length > 0
+    off = np.divide(moved - due, length[:, None], out=np.zeros_like(due), where=yields[:, None])
     # What changes the reference by a part of its length changes the error by no more than that part
     # of the model's displacement; under any force by no more than that part of 1 + error.
     reach = 1.0 + size
     if quantity != ANY_FORCE:
-        reach = np.linalg.norm(off + due / np.where(length > 0, length, np.inf)[:, None], axis=1)
+        reach = np.linalg.norm(off + due / np.where(yields, length, np.inf)[:, None], axis=1)
     column = STATIC_QUANTITIES.index(quantity)
     numerical, digits = (
-        np.multiply(
-            _column(stated, column, len(size)), reach, out=np.zeros_like(size), where=length > 0
-        )
-        for stated in (one.static, one.digits)
+        np.zeros(len(size))
+        if left is None
+        else np.multiply(left[:, column], reach, out=np.zeros_like(size), where=yields)
+        for left in (one.static, one.digits)
     )
-    return value, expected, size, numerical, digits, load, along, off, length
-
-
-def _column(uncertainty: Array | None, index: int, count: int) -> Array:
-    return np.zeros(count) if uncertainty is None else uncertainty[:, index]
+    error = np.where(np.isinf(size), np.nan, size)
+    unknown = np.zeros(len(size), bool)
+    return value, expected, error, numerical, digits, unknown, load, along, off, length

@@ -1,6 +1,7 @@
 """From errors to verdicts: which pose decides, what is left open, why, and what would help."""
 
 from collections.abc import Sequence
+from itertools import compress
 
 import numpy as np
 from numpy.typing import NDArray
@@ -133,32 +134,35 @@ def verdicts_of(errors: Errors, limit: float) -> list[Adequacy]:
     Adequate where no error that is left open exceeds the limit, inadequate where all do, on one
     side. The order of modes is judged by each alternative alone: undecided where they disagree.
     """
-    if errors.numbers is not None:
-        lows, highs = errors.error - errors.spread, errors.error + errors.spread
-        alone = [
-            {
-                _verdict(float(low), float(high), missing, limit)
-                for low, high, missing in zip(
-                    lows[:, p], highs[:, p], errors.missing[:, p, None], strict=True
-                )
-            }
-            for p in range(errors.error.shape[1])
+    poses = range(errors.error.shape[1])
+    if errors.numbers is None:
+        low, high = errors.interval
+        return [
+            _verdict(low[p], high[p], errors.missing[:, p], errors.unknown[:, p], limit)
+            for p in poses
         ]
-        return [said.pop() if len(said) == 1 else "undecided" for said in alone]
-    low, high = errors.interval
-    return [
-        _verdict(float(low[p]), float(high[p]), errors.missing[:, p], limit)
-        for p in range(len(low))
+    low, high = errors.bounds
+    alone = [
+        {
+            _verdict(low[k, p], high[k, p], errors.missing[k, p], errors.unknown[k, p], limit)
+            for k in range(len(errors.names))
+        }
+        for p in poses
     ]
+    return [said.pop() if len(said) == 1 else "undecided" for said in alone]
 
 
-def _verdict(low: float, high: float, missing: NDArray[np.bool_], limit: float) -> Adequacy:
-    if missing.all():
-        return "inadequate"
+def _verdict(
+    low: float,
+    high: float,
+    missing: NDArray[np.bool_],
+    unknown: NDArray[np.bool_],
+    limit: float,
+) -> Adequacy:
     if missing.any():
-        return "undecided"
+        return "inadequate" if missing.all() and not unknown.any() else "undecided"
     if low >= -limit and high <= limit:
-        return "adequate"
+        return "undecided" if unknown.any() else "adequate"
     return "inadequate" if low > limit or high < -limit else "undecided"
 
 
@@ -185,7 +189,8 @@ def _reason(
 ) -> str:
     if verdict == "adequate":
         return ""
-    if errors.missing[:, pose].all():
+    unknown = errors.unknown[:, pose]
+    if errors.missing[:, pose].all() and not unknown.any():
         lacking = {ORDER: "has fewer modes"} | dict.fromkeys(
             STATIC_QUANTITIES, "yields where the reference is rigid"
         )
@@ -195,6 +200,9 @@ def _reason(
         rigid = errors.loaded is not None and not errors.value[:, pose].any()
         return candidate.rigid if rigid else ""
     places = _places(errors, reference, pose)
+    if unknown.any():
+        without = [one.name for one in compress(reference.alternatives, unknown)]
+        places.append(f"{', '.join(without)}: fewer modes than are judged")
     if places or errors.missing[:, pose].any():
         return "; ".join(filter(None, (*places, reference.decides or reference.finer)))
     parts = _parts(errors, reference, pose)

@@ -18,9 +18,9 @@ _ALONE = 0.9
 class Partners:
     """A model's partners of the reference's first K modes at p poses (p×K each).
 
-    `frequency` (Hz, NaN where the model has no such mode), `number` (from 0, −1 where none) and
-    `likeness`, the squared cosine between the shape and the space of its partner and those close
-    to it. `by_number` is the model's K-th frequency, NaN where it has fewer.
+    `frequency` (Hz, NaN where model or reference has no such mode), `number` (from 0, −1 where
+    none) and `likeness`, the squared cosine between the shape and the space of its partner and
+    those close to it. `by_number` is the model's K-th frequency, NaN where it has fewer.
     """
 
     frequency: Array
@@ -56,19 +56,27 @@ def amounts_by_shape(
     over all of them: what changes such modes changes the sum of their squares alike whichever of
     them is whose partner, but not each of them. NaN where there is no partner.
     """
-    rows = []
-    for own, shapes, others, amount in zip(
-        reference.frequencies, reference.samples, other.samples, amounts, strict=True
-    ):
-        mac = mac_matrix(shapes, others, weights)
-        modes = np.arange(len(own))
-        partner = pair_modes(mac)
-        of_pairs = np.where(partner >= 0, amount[modes, partner], np.nan)
-        alone = np.where(partner >= 0, mac[modes, partner], 0.0) >= _ALONE
-        mixed = np.array([np.nansum(of_pairs[neighbours(own, k)]) for k in range(len(own))])
-        rows.append(np.where(alone | np.isnan(of_pairs), of_pairs, mixed)[:count])
     missing = partners(reference, other, weights, count).number < 0
-    return np.where(missing, np.nan, np.array(rows))
+    found = np.full(missing.shape, np.nan)
+    for row, frequencies, shapes, others, other_shapes, amount in zip(
+        found,
+        reference.frequencies,
+        reference.samples,
+        other.frequencies,
+        other.samples,
+        amounts,
+        strict=True,
+    ):
+        there, known = (np.flatnonzero(np.isfinite(one)) for one in (frequencies, others))
+        mac = mac_matrix(shapes[:, there], other_shapes[:, known], weights)
+        modes, partner = np.arange(len(there)), pair_modes(mac)
+        of_pairs = np.where(partner >= 0, amount[np.ix_(there, known)][modes, partner], np.nan)
+        alone = np.where(partner >= 0, mac[modes, partner], 0.0) >= _ALONE
+        own = frequencies[there]
+        mixed = np.array([np.nansum(of_pairs[neighbours(own, k)]) for k in range(len(own))])
+        amounts_of_modes = np.where(alone | np.isnan(of_pairs), of_pairs, mixed)[:count]
+        row[: len(amounts_of_modes)] = amounts_of_modes
+    return np.where(missing, np.nan, found)
 
 
 def frequency_changes(fine: Vibration, coarse: Vibration, weights: Array, count: int) -> Array:
@@ -83,11 +91,12 @@ def frequency_changes(fine: Vibration, coarse: Vibration, weights: Array, count:
 def _at_pose(
     weights: Array, count: int, own: Array, own_shapes: Array, others: Array, other_shapes: Array
 ) -> tuple[Array, IntArray, Array, Array]:
-    known = np.flatnonzero(np.isfinite(others))
-    others, other_shapes = others[known], other_shapes[:, known]
-    mac = mac_matrix(own_shapes, other_shapes, weights)
-    partner = pair_modes(mac)
-    families = [neighbours(own, mode) for mode in range(count)]
+    there, known = np.isfinite(own), np.isfinite(others)
+    own, others, other_shapes = own[there], others[known], other_shapes[:, known]
+    mac = mac_matrix(own_shapes[:, there], other_shapes, weights)
+    partner = np.full(count, -1)
+    partner[: len(own)] = pair_modes(mac)[:count]
+    families = [neighbours(own, mode) for mode in range(min(count, len(own)))]
     likeness = np.zeros(count)
     for mode, family in enumerate(families):
         if (found := partner[mode]) >= 0:
@@ -95,7 +104,7 @@ def _at_pose(
             beside = neighbours(others, found)
             spanned = max(mac[mode, beside].sum(), mac[family, found].sum())
             likeness[mode] = min(spanned, 1.0)
-    number = np.where(likeness >= ALIKE, partner[:count], -1)
+    number = np.where(likeness >= ALIKE, partner, -1)
     frequency = np.where(number >= 0, others[number], np.nan)
     for family in families:
         # Which of close modes is whose partner is an accident: they are in order of frequency.

@@ -14,7 +14,7 @@ from lumped.robot_file import load_robot
 from lumped.sections import HollowRectangle, ISection, Tube
 from validation.adequacy.judgement import judged
 from validation.adequacy.matrix import Entry, Matrix
-from validation.adequacy.mechanism.dynamics import dynamic_reference
+from validation.adequacy.mechanism.dynamics import dynamic_reference, mass_notes
 from validation.adequacy.mechanism.path import robot_at, robot_on_path
 from validation.adequacy.mechanism.vibration import (
     modes_by_model,
@@ -23,7 +23,7 @@ from validation.adequacy.mechanism.vibration import (
     solid_vibration,
 )
 from validation.adequacy.partners import frequency_changes
-from validation.adequacy.response import Subject
+from validation.adequacy.response import Candidate, Reference, Subject, modes_of
 from validation.adequacy.robot import robot_adequacy
 from validation.context import Context
 from validation.models.mechanism import answers
@@ -158,12 +158,26 @@ def test_static_models_are_silent_of_frequencies(paper: Matrix) -> None:
     assert next(note.silent for note in paper.models if note.model == "vjm")
 
 
-def test_given_legs_without_inertia_are_judged_by_the_nine_modes_that_they_have() -> None:
-    # Three ways each for the platform and two point masses, fewer than are offered for pairing.
+def test_lumps_of_mass_decide_on_the_nine_modes_that_they_have_and_leave_the_tenth_open() -> None:
+    # Three ways each for the platform and two point masses: fewer modes than are judged.
     legs = [replace(leg, inertia=None, mass_centre=None) for leg in (LEG1, LEG2)]
-    robot = like_ifw(leg1=legs[0], leg2=legs[1])
-    entry = found(adequacy(replace(robot, poses=robot.poses[4:5])), "beam", "f4")
-    assert entry.error is not None
+    lumped = like_ifw(leg1=legs[0], leg2=legs[1])
+    asked = Requirement(modes=10)
+    robot_file = file_of(replace(lumped, poses=lumped.poses[4:5]), requirement=asked)
+    robot = robot_on_path(Context(robot_file, "quick"))
+    reference = dynamic_reference(robot)
+    beams = Candidate("beam", "", modes_of(lambda: modes_by_model(robot, "beam", DEFAULT_OPTIONS)))
+    none, weights = Reference("none", ()), robot.samples.weights
+    matrix = judged(Subject("", (), np.zeros((1, 0)), weights, [beams], none, reference), asked)
+    known = [found(matrix, "beam", f"f{number}") for number in range(1, 10)]
+    assert None not in [entry.error for entry in known[:5]]
+    assert not any("fewer modes" in entry.reason for entry in known)
+    tenth = found(matrix, "beam", "f10")
+    assert (tenth.verdict, tenth.error) == ("undecided", None)
+    assert tenth.reason.startswith("mass in lumps: fewer modes than are judged; the legs' mass")
+    assert found(matrix, "beam", "order").verdict != "adequate"
+    (note,) = mass_notes(robot, reference)
+    assert ", f10 " in note
 
 
 class Listening(Context):

@@ -131,7 +131,7 @@ def wrong_in_dynamics(robot: Mechanism) -> list[str]:
     places, samples = placed_at(robot, *stations(robot, POSTURES)), samples_of(robot)
     finer = ModelOptions(divisions=4, ends=ends_of(robot))
     reference, segments = (
-        vibration_of(samples, mechanism_modes(model, places, OFFERED, options))
+        vibration_of(samples, mechanism_modes(model, places, OFFERED, options), OFFERED)
         for model, options in (("solid", finer), ("segments", ModelOptions()))
     )
     pairs = partners(reference, segments, samples.weights, COUNT)

@@ -81,14 +81,15 @@ def modes_by_digits(
         }
 
     along = modes_along(assembly(mechanism, bodies(mechanism)), postures, count)
-    own = vibration_of(samples_of(mechanism), along)
-    known = own.frequencies.shape[1]
+    own = vibration_of(samples_of(mechanism), along, count)
+    known = int(np.isfinite(own.frequencies).sum(axis=1).min())
 
     def frequencies(at: Sequence[Posture]) -> Array:
         of = at[0].mechanism
         return swept(assembly(of, bodies(of)), at, known).frequencies
 
-    return own, share_by_digits(roundings, postures, frequencies)
+    share = share_by_digits(roundings, postures, frequencies)
+    return own, np.pad(share, ((0, 0), (0, count - known)))
 
 
 def _compliances(postures: Sequence[Posture]) -> Array:

@@ -67,7 +67,7 @@ def dynamic_reference(robot: RobotOnPath) -> Reference:
     alternatives = []
     for (name, hold), mass in product(holding.alternatives.items(), masses):
         fine = modes_of_solids(robot, hold, mass)
-        uncertainty = np.zeros_like(fine.frequencies[:, : robot.judged]) + left_by_parts
+        uncertainty = np.zeros((len(robot.postures), robot.judged)) + left_by_parts
         # Where no section is meshed there is one solution.
         if robot.prisms:
             coarse = modes_of_solids(robot, hold, mass, fine=False)
@@ -183,9 +183,10 @@ def mass_notes(robot: RobotOnPath, reference: Reference) -> tuple[str, ...]:
     answers = [one.response.vibration for one in reference.alternatives]
     known = [one.frequencies for one in answers if one]
     found = np.array([one[len(one) // 2, : robot.judged] for one in known])
+    lows, highs = np.nanmin(found, axis=0), np.nanmax(found, axis=0)
     spans = [
         f"f{k + 1} {low:.4g} to {high:.4g} Hz"
-        for k, (low, high) in enumerate(zip(found.min(axis=0), found.max(axis=0), strict=True))
+        for k, (low, high) in enumerate(zip(lows, highs, strict=True))
     ]
     said = (
         f"Plausible distributions of the legs' mass give {', '.join(spans)} in the middle of the "

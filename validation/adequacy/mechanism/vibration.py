@@ -13,6 +13,7 @@ import numpy as np
 
 from fem.reduction.craig_bampton import craig_bampton
 from fem.reduction.superelement import held_leg
+from lumped.arrays import Array
 from lumped.legs import ConstantLeg, Ends, GivenLeg, Leg, equivalent_leg
 from lumped.mechanism.body_model import BodyModel, LegMatrices
 from lumped.mechanism.mechanism import Posture
@@ -45,7 +46,9 @@ Build = Callable[[Leg, Ends, float], LegMatrices]
 def modes_by_model(robot: RobotOnPath, model: ModelName, options: ModelOptions) -> Vibration | None:
     """What a model answers; None where nothing has mass."""
     if model == "simplified":
-        return simplified_vibration(robot)
+        drives = modes_on_drives(robot.postures, robot.offered)
+        found = vibration_of(robot.samples, drives, robot.offered)
+        return found if np.isfinite(found.frequencies).any(axis=1).all() else None
     return robot.context.get(model_vibration, robot.postures, model, options, robot.offered)
 
 
@@ -96,32 +99,18 @@ def modes_of_own_beams(
     return robot.context.get(own_vibration, robot.postures, *divisions, ends, robot.offered)
 
 
-def vibration_of(samples: Samples, found: Iterable[PostureModes]) -> Vibration:
-    """Frequencies and sampled shapes of modes, as many as there are in every posture."""
+def vibration_of(samples: Samples, found: Iterable[PostureModes], count: int) -> Vibration:
+    """Frequencies and sampled shapes of `count` modes, NaN beyond those that have mass.
+
+    Lumps of mass have few modes; on its drives alone a robot has fewer at the end of a stroke.
+    """
     frequencies, shapes, of_models = [], [], None
     for one in found:
         # Bodies have the same models in every posture.
         of_models = of_models or samples.of_models(one.system.models)
-        frequencies.append(one.modes.frequencies)
-        shapes.append(samples.at(one.system, one.modes.shapes, of_models))
-    count = min(len(row) for row in frequencies)
-    return Vibration(
-        np.array([row[:count] for row in frequencies]),
-        np.array([sampled[:, :count] for sampled in shapes]),
-    )
-
-
-def simplified_vibration(robot: RobotOnPath) -> Vibration | None:
-    """Rigid bodies on elastic drives, NaN beyond the modes that they have; None without mass."""
-    frequencies, shapes = [], []
-    for one in modes_on_drives(robot.postures, robot.offered):
-        lacking = robot.offered - len(one.modes.frequencies)
-        if lacking == robot.offered:
-            return None
-        # At the end of a stroke a robot has fewer of them than between its ends.
-        frequencies.append(np.append(one.modes.frequencies, np.full(lacking, np.nan)))
-        own = robot.samples.at(one.system, one.modes.shapes, {})
-        shapes.append(np.pad(own, ((0, 0), (0, lacking))))
+        beyond = (0, count - len(one.modes.frequencies))
+        frequencies.append(np.pad(one.modes.frequencies, beyond, constant_values=np.nan))
+        shapes.append(np.pad(samples.at(one.system, one.modes.shapes, of_models), ((0, 0), beyond)))
     return Vibration(np.array(frequencies), np.array(shapes))
 
 
@@ -134,9 +123,10 @@ def model_vibration(
 
     def solve(highest: float) -> Vibration:
         bodies = dynamic_bodies(model, mechanism, highest, options)
-        return vibration_of(samples, modes_along(assembly(mechanism, bodies), postures, count))
+        along = modes_along(assembly(mechanism, bodies), postures, count)
+        return vibration_of(samples, along, count)
 
-    return with_enough_modes(solve, lambda found: found.frequencies, postures, count)
+    return with_enough_modes(solve, _known, postures, count)
 
 
 def built_vibration(
@@ -162,9 +152,13 @@ def built_vibration(
                 made[key] = filled(build(leg, ends[name], highest))
             bodies[name] = made[key]
         prepared = assembly(mechanism, {**bodies, **parts})
-        return vibration_of(samples, modes_along(prepared, postures, count))
+        return vibration_of(samples, modes_along(prepared, postures, count), count)
 
-    return with_enough_modes(solve, lambda found: found.frequencies, postures, count)
+    return with_enough_modes(solve, _known, postures, count)
+
+
+def _known(found: Vibration) -> Array:
+    return np.asarray(found.frequencies[np.isfinite(found.frequencies)])
 
 
 def solid_vibration(

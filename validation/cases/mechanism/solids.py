@@ -91,7 +91,7 @@ def free_modes(postures: tuple[Posture, ...], divisions: int, walls: int, count:
         for leg, beam in alike.items()
     }
     beams = {name: filled(reduced[leg].matrices) for name, leg in legs.items()}
-    own = vibration_of(samples, modes_along(assembly(mechanism, beams), postures, count))
+    own = vibration_of(samples, modes_along(assembly(mechanism, beams), postures, count), count)
     free: dict[str, Ends] = dict.fromkeys(legs, "free")
     solids = solid_vibration(postures, divisions, walls, free, None, count)
     found = partners(own, solids, samples.weights, MODES)

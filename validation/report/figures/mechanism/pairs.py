@@ -30,7 +30,7 @@ def pairs(context: Context) -> Shown:
         raise Skip(f"there is no reference of the frequencies: {reference.decides}")
     truth = held.response.vibration
     first = _middle(truth)
-    shown = min(robot.offered, truth.frequencies.shape[1])
+    shown = first.frequencies.shape[1]
     models = {
         name: _middle(modes)
         for name in _MODELS
@@ -39,16 +39,16 @@ def pairs(context: Context) -> Shown:
     numbers = np.arange(1.0, shown + 1.0)
     columns: dict[str, Column] = {
         "mode": numbers.tolist(),
-        "reference (Hz)": first.frequencies[0, :shown].tolist(),
+        "reference (Hz)": first.frequencies[0].tolist(),
     }
     panels: list[Panel] = []
     changes: list[Series] = []
     for name, model in models.items():
-        mac = mac_matrix(first.samples[0][:, :shown], model.samples[0], weights)
+        mac = mac_matrix(first.samples[0], model.samples[0], weights)
         label = "" if panels else "mode of the reference"
         panels.append(Panel((), f"MAC with {name}", label, x_label=f"mode of {name}", matrix=mac))
         found = partners(first, model, weights, shown)
-        change = 100.0 * (found.frequency[0] / first.frequencies[0, :shown] - 1.0)
+        change = 100.0 * (found.frequency[0] / first.frequencies[0] - 1.0)
         changes.append(Series(name, numbers, change))
         columns |= {
             f"{name}: partner": [float(k) + 1.0 for k in found.number[0]],
