@@ -157,13 +157,3 @@ def test_no_verdict_on_forty_robots_is_contradicted(chunk: int) -> None:
     for robot in chosen(len(SHAPES), chunk=20 + chunk):
         assert not wrong_in_statics(robot), robot
         assert not wrong_in_dynamics(robot), robot
-
-
-@pytest.mark.soak
-@pytest.mark.parametrize("chunk", range(10))
-def test_no_model_of_a_hundred_robots_is_called_adequate_in_statics_that_is_not(
-    chunk: int,
-) -> None:
-    """Ten robots in every chunk."""
-    for robot in chosen(2 * len(SHAPES), chunk=40 + chunk):
-        assert not wrong_in_statics(robot), robot

@@ -5,10 +5,8 @@ from functools import cache, wraps
 from typing import Any
 
 import pytest
-from extreme_robots import extreme_robots
 from ingredients import Asked
 
-from lumped.acceptance.requirement import STATIC_QUANTITIES
 from lumped.errors import ComputationError
 from lumped.robot_file import load_robot
 from validation.adequacy.causes import REST
@@ -17,17 +15,11 @@ from validation.adequacy.mechanism import statics, vibration
 from validation.adequacy.robot import robot_adequacy
 from validation.context import Context
 
-EULER = "euler-bernoulli"
-ROBOTS = list(extreme_robots(60, 7))
 # References are made of these, and of no model that is refused here.
 SOLIDS = (
     "validation.solids.leg_models.two_meshes ",
     "validation.adequacy.mechanism.vibration.solid_vibration ",
 )
-
-
-def matrix_of(robot: str) -> Matrix:
-    return robot_adequacy(Context(load_robot(robot), "quick"))
 
 
 @cache
@@ -67,27 +59,6 @@ def five_bar(tmp_path_factory):
     path = tmp_path_factory.mktemp("five-bar") / "five-bar.toml"
     path.write_text(text, encoding="utf-8")
     return str(path)
-
-
-@pytest.mark.exhaustive
-def test_robots_that_models_cannot_solve_are_undecided_and_their_legs_judged(tmp_path):
-    # Legs that nearly align, a thin tube of 10⁶ Pa beside a given leg: at the end of the stroke
-    # nothing holds the platform by what double precision resolves.
-    path = tmp_path / "robot.toml"
-    path.write_text(ROBOTS[21], encoding="utf-8")
-    matrix = matrix_of(str(path))
-    # Segments, of given springs, are solved: what is lacking is what they would be held against.
-    for model, where, said in (
-        ("vjm", "vjm: extreme 21", "is free to turn"),
-        ("segments", "no reference: extreme 21", "is free to turn"),
-        ("beam", "no reference: extreme 21", "is free to turn"),
-    ):
-        for one in matrix.of_model(model):
-            if one.quantity in STATIC_QUANTITIES:
-                assert one.reason.startswith(where)
-                assert said in one.reason
-    assert {one.verdict for one in matrix.entries} == {"undecided"}
-    assert {one.verdict for one in matrix.parts[1].of_model("vjm")} == {"adequate"}
 
 
 def test_a_mechanism_is_judged_without_the_model_that_refuses(monkeypatch, five_bar):

@@ -173,7 +173,7 @@ def test_couplings_are_those_of_polynomials_along_the_legs(name: str) -> None:
         assert all(one.max() < 1e-6 for one in errors.values()), model
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_robots_of_coupled_legs_at_random_are_judged_as_forces_at_random_show(seed: int) -> None:
     """Adequate: under no force off by more than the limit; solids are among the soak tests."""
     rng = np.random.default_rng([242, seed])
