@@ -7,7 +7,7 @@ from numpy.testing import assert_allclose
 from lumped.errors import InputError
 from lumped.robot_file import load_robot
 from validation.models.options import ModelOptions
-from validation.paper.formula_errata import drive_compliance, jacobian
+from validation.paper.errata import drive_compliance, jacobian
 from validation.paper.robot import (
     FEET,
     Places,
