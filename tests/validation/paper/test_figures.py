@@ -10,8 +10,12 @@ import pytest
 from lumped.robot_file import load_robot
 from validation import paper
 from validation.context import Context
-from validation.paper.charts import cosine_spaced, spread
-from validation.paper.curves import refined_frequencies, simplified_deflections
+from validation.paper.curves import (
+    cosine_spaced,
+    refined_frequencies,
+    simplified_deflections,
+    spread,
+)
 from validation.paper.robot import Places
 
 
