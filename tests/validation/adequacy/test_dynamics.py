@@ -19,7 +19,6 @@ from validation.adequacy.mechanism.path import robot_at, robot_on_path
 from validation.adequacy.mechanism.vibration import (
     modes_by_model,
     modes_of_solids,
-    solid_meshes,
     solid_vibration,
 )
 from validation.adequacy.partners import frequency_changes
@@ -175,22 +174,6 @@ def test_lumps_of_mass_decide_on_the_nine_modes_that_they_have_and_leave_the_ten
     assert found(matrix, "beam", "order").verdict != "adequate"
     (note,) = mass_notes(robot, reference)
     assert ", f10 " in note
-
-
-class Listening(Context):
-    """Says what it is asked for and computes nothing of it."""
-
-    def get(self, function, *args, **kwargs):
-        if function is not solid_vibration:
-            return super().get(function, *args, **kwargs)
-        return args[1:3]
-
-
-@pytest.mark.parametrize("preset", ["quick", "standard", "fine"])
-def test_meshes_are_finer_by_no_less_than_what_uncertainties_are_taken_from(preset):
-    robot = robot_on_path(Listening(load_robot("five-bar"), preset))
-    coarse, fine = (modes_of_solids(robot, {}, None, fine=fine) for fine in (False, True))
-    assert 1.0 < solid_meshes(preset).ratio <= min(np.divide(fine, coarse))
 
 
 def test_drives_alone_have_a_second_mode_but_at_the_ends_of_the_stroke():

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from lumped.acceptance.requirement import Requirement
-from validation.adequacy.errors import Scale
 from validation.adequacy.judgement import judged
 from validation.adequacy.matrix import Coordinate, Entry
 from validation.adequacy.partners import frequency_changes, partners
@@ -140,17 +139,6 @@ def test_close_modes_mix_and_count_as_the_space_they_span() -> None:
     assert found.likeness[0] == pytest.approx(1.0)
     assert found.frequency[0] == pytest.approx([100.0, 102.0, 200.0])
     assert found.number[0].tolist() == [0, 1, 2]
-
-
-def test_a_scale_pairs_each_response_once() -> None:
-    reference = Reference("truth", [Alternative("", Response(vibration=TRUTH))])
-    subject = Subject("toy", (), np.zeros((1, 0)), WEIGHTS, [], Reference("none", []), reference)
-    scale = Scale(subject, 3)
-    response = Response(vibration=TRUTH)
-    first = scale.errors([response], "f1")
-    assert first is not None
-    assert first.error.item() == 0.0
-    assert scale.errors([Response()], "f1") is None
 
 
 def changes(coarse: Vibration) -> list[float]:

@@ -6,7 +6,6 @@ Dynamics: frequencies of the robot with finer solid legs.
 
 from collections.abc import Iterator
 from dataclasses import replace
-from itertools import islice
 
 import numpy as np
 import pytest
@@ -141,13 +140,6 @@ def wrong_in_dynamics(robot: Mechanism) -> list[str]:
     subject = robot_subject(Context(file_of(robot), "quick"))
     matrices = (judged(subject, Requirement(frequency=limit, modes=COUNT)) for limit in LIMITS)
     return [line for matrix in matrices for line in contradictions(matrix, errors)]
-
-
-@pytest.mark.exhaustive
-def test_verdicts_are_those_of_errors_computed_directly() -> None:
-    # One of rectangles and one of walls; the other shapes are among the exhaustive ones.
-    for robot in islice(chosen(len(SHAPES), chunk=11), 2):
-        assert not wrong_in_statics(robot), robot
 
 
 @pytest.mark.soak

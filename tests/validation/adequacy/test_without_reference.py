@@ -1,6 +1,5 @@
 """What solids cannot take leaves undecided what hangs on it, says why, and judges the rest."""
 
-import re
 from pathlib import Path
 
 import pytest
@@ -62,12 +61,3 @@ def test_postures_that_are_none_of_the_robot_are_not_left_undecided(
     monkeypatch.setattr(biglide, "rotation_z", lambda angle: sound(1.001 * angle))
     with pytest.raises(ComputationError, match="leaves the joints open"):
         robot_adequacy(Context(load_robot("ifw"), "quick"))
-
-
-def test_a_mechanism_of_foils_is_undecided(tmp_path: Path) -> None:
-    path = tmp_path / "five-bar.toml"
-    text = load_robot("five-bar").text
-    path.write_text(re.sub(r"section = \{[^}]*\}", f"section = {FOIL}", text))
-    matrix = robot_adequacy(Context(load_robot(str(path)), "quick"))
-    assert {entry.verdict for entry in matrix.entries} == {"undecided"}
-    assert all("unknowns" in entry.reason for entry in matrix.entries)

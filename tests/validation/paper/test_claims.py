@@ -8,7 +8,6 @@ from validation.claims import Claim, ClaimedCurve, gathered, summary
 from validation.report.said import SaidTable
 from validation.results.outcome import judge
 from validation.results.records import claims_of, run_record
-from validation.results.tasks import from_plain, plain
 
 
 def curve(*, printed: bool, corrected: bool) -> ClaimedCurve:
@@ -142,11 +141,6 @@ def test_curves_of_the_family_are_counted_one_by_one(said):
     assert (lower.printed, lower.corrected, len(lower.curves)) == (6, 5, 6)
 
 
-def test_actuators_share_is_discussed(outcomes):
-    (found,) = (o for o in outcomes if o.case.id == "paper.refined.actuators-alone")
-    assert "88 % in mode 2" in found.measurement.notes[0]
-
-
 def test_every_statement_of_the_run_is_in_its_results_and_on_the_page(outcomes, said):
     records = run_record({}, (), outcomes, ()).statements
     assert [record["statement"] for record in records] == list(said)
@@ -159,8 +153,3 @@ def test_every_statement_of_the_run_is_in_its_results_and_on_the_page(outcomes, 
         "1 of 6 curves",
         "inadequate",
     )
-
-
-def test_claims_survive_their_record(outcomes):
-    first = outcomes[0]
-    assert from_plain(first.case, plain(first.result)) == first.result

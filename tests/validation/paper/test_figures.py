@@ -14,7 +14,6 @@ from validation.paper.curves import (
     cosine_spaced,
     refined_frequencies,
     simplified_deflections,
-    spread,
 )
 from validation.paper.robot import Places
 
@@ -32,10 +31,6 @@ def test_stations_reach_both_ends_and_the_centre(context):
     assert [at.pose[0] for at in Places(context.robot_file.mechanism, x).postures] == pytest.approx(
         x
     )
-
-
-def test_how_far_curves_are_apart():
-    assert spread([np.array([1.0, 4.0]), np.array([1.0, 3.0])]) == 0.25
 
 
 def rows(data: str) -> list[dict[str, float]]:

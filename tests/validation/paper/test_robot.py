@@ -83,34 +83,17 @@ def test_longer_legs_are_stiffer_in_the_plane_and_softer_along_z():
     assert found.along_z == pytest.approx([23.0, 85.0], abs=0.5)
 
 
-@pytest.mark.parametrize("model", ["segments", "beam"])
-def test_shares_of_energy_sum_to_one_and_have_the_papers_words(model):
-    (found,) = modes(model, (CENTRE,), 4)
-    for shares in (found.strain, found.kinetic):
-        assert_allclose(sum(shares.values()), 1.0)
-        assert np.min(list(shares.values())) >= -1e-9
-    assert set(FEET) < set(found.strain)
-    assert {part.of for part in found.strain} == {"foot 1", "foot 2", "leg 1", "leg 2"}
-    # The first mode goes along z but for sections that turn, the second stays in the plane.
-    assert 0.96 < found.kinetic["z"][0] < 0.98
-    assert found.kinetic["z"][1] < 0.01
-    assert_allclose(found.in_the_feet, sum(found.strain[foot] for foot in FEET))
-
-
 def test_solids_on_all_their_unknowns_have_the_modes_of_reduced_ones():
     whole = unreduced_modes(CENTRE.postures[0], 4, 1)
     (reduced,) = modes("solid", (CENTRE,), 4, ModelOptions(divisions=1))
+    for shares in (reduced.strain, reduced.kinetic):
+        assert_allclose(sum(shares.values()), 1.0)
+    assert set(reduced.strain) > {*FEET}
+    assert {part.of for part in reduced.strain} == {"foot 1", "foot 2", "leg 1", "leg 2"}
     # The modes that the reduction drops lie above 2.5 times the highest of these.
     assert_allclose(whole.frequencies, reduced.frequencies, rtol=1e-6)
     assert_allclose(whole.in_the_feet, reduced.in_the_feet, atol=1e-5)
     assert_allclose(whole.kinetic["z"], reduced.kinetic["z"], atol=1e-5)
-
-
-def test_modes_of_the_family_are_those_of_its_members():
-    found = modes("segments", family(ROBOT, 0.5, (1.0, 1.5)), 2)
-    for alpha, of in zip((1.0, 1.5), found, strict=True):
-        places = over_stroke(member(ROBOT, alpha).mechanism, 3)
-        assert_allclose(of.frequencies, frequencies("segments", places, 2)[1], rtol=1e-9)
 
 
 def test_both_ends_of_the_stroke_are_rigid_along_x_on_drives():
