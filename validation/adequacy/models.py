@@ -3,8 +3,9 @@
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
+from lumped.legs import GivenLeg
 from lumped.mechanism.mechanism import Mechanism, Posture
-from validation.adequacy.mechanism.path import has_given, why_not_serial
+from validation.adequacy.mechanism.path import why_not_serial
 from validation.models.options import ModelName, ModelOptions
 from validation.models.parts import is_leg
 from validation.models.stepped_parts import why_not_stepped
@@ -52,7 +53,8 @@ def judged_models(mechanism: Mechanism) -> dict[str, JudgedModel]:
     """
     parts = mechanism.parts.values()
     left_out = set() if parts else {"segments-stepped", "segments-condensed"}
-    if not has_given(mechanism) and not any(is_leg(body) for body in parts):
+    given = any(isinstance(body.shape, GivenLeg) for body in mechanism.bodies.values())
+    if not given and not any(is_leg(body) for body in parts):
         left_out.add("vjm-equivalent")
     return {name: model for name, model in JUDGED.items() if name not in left_out}
 

@@ -1,7 +1,7 @@
 """What a model answers to unit wrenches at the tool and to being left to vibrate, pose by pose."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TypeAlias
 
 from lumped.acceptance.requirement import STATIC_QUANTITIES
@@ -88,11 +88,6 @@ def statics_of(solve: Callable[[], Array], refusals: Refusals = REFUSED) -> Resp
         return Response(compliance=solve())
     except refusals as error:
         return Response(unsolved_statics=str(error))
-
-
-def together(statics: Response, modes: Response) -> Response:
-    """One response of the compliances of the first and the modes of the second."""
-    return replace(statics, vibration=modes.vibration, unsolved_modes=modes.unsolved_modes)
 
 
 def modes_of(solve: Callable[[], Vibration | None], refusals: Refusals = REFUSED) -> Response:

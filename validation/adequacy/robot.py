@@ -11,13 +11,13 @@ from typing import TypeAlias
 
 import numpy as np
 
-from lumped.legs import ConstantLeg, GivenLeg, Leg
+from lumped.legs import Leg
 from lumped.mechanism.joint import Joint, Side
 from lumped.mechanism.kinematics.mobility import mobility
 from lumped.mechanism.kinematics.postures import reference_posture
 from lumped.mechanism.mechanism import GROUND, Mechanism, Tool
 from lumped.mechanism.placing import leg_on, rigid_on
-from lumped.models.bodies import on_equivalent_legs
+from lumped.models.bodies import leg_of, on_equivalent_legs
 from validation.adequacy.judgement import judged
 from validation.adequacy.matrix import Matrix
 from validation.adequacy.mechanism.dynamics import (
@@ -57,7 +57,6 @@ from validation.adequacy.response import (
     modes_of,
     no_reference,
     statics_of,
-    together,
 )
 from validation.context import Context
 from validation.models.options import STATIC
@@ -84,15 +83,30 @@ def robot_subject(context: Context) -> Subject:
     """
     robot = robot_on_path(context)
     models = judged_models(robot.mechanism)
-    subject = _with_modes(static_subject(robot, models), robot, models)
-    legs = {name: robot.mechanism.bodies[name].shape for name in distinct_legs(robot.mechanism)}
+    subject = static_subject(robot, models)
+    found = {one.model: _modes(robot, models[one.model], one) for one in subject.candidates}
+    try:
+        reference = dynamic_reference(robot)
+    except UNSOLVED as error:
+        reference = no_reference(error)
+    ladders = dynamic_ladders(robot, found, reference)
     return replace(
         subject,
-        notes=_notes(robot, subject.dynamics),
+        weights=robot.samples.weights,
+        candidates=[
+            replace(
+                one,
+                response=found[one.model],
+                dynamic_steps=ladders.get(one.model, ()),
+                silent=one.silent or _silent(models[one.model], found[one.model]),
+            )
+            for one in subject.candidates
+        ],
+        dynamics=reference,
+        notes=_notes(robot, reference),
         parts=tuple(
-            leg_subject(context, name, shape)
-            for name, shape in legs.items()
-            if isinstance(shape, ConstantLeg | GivenLeg)
+            leg_subject(context, name, leg_of(robot.mechanism.bodies[name]))
+            for name in distinct_legs(robot.mechanism)
         ),
         formulation=_on_legs_of_constant_section(robot, models),
         inputs=inputs_off(robot, subject, models),
@@ -132,32 +146,13 @@ def static_subject(robot: RobotOnPath, models: Models) -> Subject:
     )
 
 
-def _with_modes(subject: Subject, robot: RobotOnPath, models: Models) -> Subject:
-    """The same with the modes of its models, and what these are held against."""
-    modes = {one.model: _modes(robot, models[one.model], one.silent) for one in subject.candidates}
-    try:
-        reference = dynamic_reference(robot)
-    except UNSOLVED as error:
-        reference = no_reference(error)
-    ladders = dynamic_ladders(robot, modes, reference)
-    candidates = [
-        replace(
-            one,
-            response=together(one.response, modes[one.model]),
-            dynamic_steps=ladders.get(one.model, ()),
-            silent=one.silent or _silent(models[one.model], modes[one.model]),
-        )
-        for one in subject.candidates
-    ]
-    return replace(
-        subject, weights=robot.samples.weights, candidates=candidates, dynamics=reference
-    )
-
-
-def _modes(robot: RobotOnPath, model: JudgedModel, unable: str) -> Response:
-    if unable or model.kind in STATIC:
-        return Response()
-    return modes_of(partial(modes_by_model, robot, model.kind, model.options))
+def _modes(robot: RobotOnPath, model: JudgedModel, candidate: Candidate) -> Response:
+    """The candidate's response in statics, with its modes where it has any."""
+    statics = candidate.response
+    if candidate.silent or model.kind in STATIC:
+        return statics
+    modes = modes_of(partial(modes_by_model, robot, model.kind, model.options))
+    return replace(statics, vibration=modes.vibration, unsolved_modes=modes.unsolved_modes)
 
 
 def _silent(model: JudgedModel, modes: Response) -> str:

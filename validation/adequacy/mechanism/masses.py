@@ -43,15 +43,13 @@ def plausible_masses(legs: Iterable[GivenLeg]) -> tuple[Masses, ...]:
     return MASSES
 
 
-def leg_with_masses(
-    leg: GivenLeg, masses: Masses, highest: float, elements: int = _ELEMENTS
-) -> LegMatrices:
+def leg_with_masses(leg: GivenLeg, masses: Masses, highest: float) -> LegMatrices:
     """The leg's own stiffness between its ends and plausible masses, up to `highest` (Hz).
 
     Without `mass_centre` the lump lies in the middle, without `inertia` it is a point; of a leg
     with `mass_centre` no wedge differs from the mass along it.
     """
-    return by_shapes(shapes_inside(leg, masses, highest, elements), leg, masses, elements)
+    return by_shapes(shapes_inside(leg, masses, highest, _ELEMENTS), leg, masses, _ELEMENTS)
 
 
 def shapes_inside(leg: GivenLeg, masses: Masses, highest: float, elements: int) -> Array:

@@ -29,8 +29,6 @@ Springs: TypeAlias = Mapping[str, Array]
 # Poses of a long path, of a grid say, are looked at in even steps.
 MOST_POSES: Mapping[Preset, int] = {"quick": 9, "standard": 25, "fine": 81}
 HOLD: tuple[Ends, Ends] = ("rigid", "free")
-_OPEN_ENDS = "how the ends are held"
-_OPEN_PARTS = "how the parts' interfaces are held"
 _SAY_PARTS = 'say how the faces of parts are held: coupling = "rigid", "average" or "pin"'
 _SAY_ENDS = """say how the prisms' end faces are held: ends = "rigid" or "free" in [bodies]"""
 
@@ -147,25 +145,28 @@ def coordinates(mechanism: Mechanism) -> tuple[Coordinate, ...]:
 
 def holding(mechanism: Mechanism) -> Holding:
     """How legs and parts are held: as is said, and where it is not in both ways."""
-    legs = {name: _said_ends(mechanism, name) for name in legs_of(mechanism)}
+    # The 6×6 of a given leg has its ends in it.
+    legs = {
+        name: leg.ends if isinstance(leg, ConstantLeg) else "rigid"
+        for name, leg in legs_of(mechanism).items()
+    }
     parts: dict[str, Ends | None] = {
         name: "rigid" if is_held_as_said(body) else None for name, body in mechanism.parts.items()
     }
     said = {**legs, **parts}
-    if all(said.values()):
+    unsaid = [
+        words
+        for of_kind, words in (
+            (legs, ("ends", "how the ends are held", _SAY_ENDS)),
+            (parts, ("interfaces", "how the parts' interfaces are held", _SAY_PARTS)),
+        )
+        if not all(of_kind.values())
+    ]
+    if not unsaid:
         name = "interfaces as said" if parts and not legs else "ends as said"
         return Holding({name: {body: ends or "rigid" for body, ends in said.items()}})
-    open_legs, open_parts = (not all(of_kind.values()) for of_kind in (legs, parts))
-    kinds = [
-        words
-        for words, is_open in (
-            (("ends", _OPEN_ENDS, _SAY_ENDS), open_legs),
-            (("interfaces", _OPEN_PARTS, _SAY_PARTS), open_parts),
-        )
-        if is_open
-    ]
-    names, unsaid, decides = zip(*kinds, strict=True)
-    loose = "free" if open_legs else "averaged"
+    names, questions, decides = (tuple(one) for one in zip(*unsaid, strict=True))
+    loose = "free" if "ends" in names else "averaged"
     return Holding(
         {
             f"{' and '.join(names)} {'rigid' if hold == 'rigid' else loose}": {
@@ -173,15 +174,9 @@ def holding(mechanism: Mechanism) -> Holding:
             }
             for hold in HOLD
         },
-        " and ".join(unsaid),
+        " and ".join(questions),
         "; ".join(decides),
     )
-
-
-def _said_ends(mechanism: Mechanism, name: str) -> Ends | None:
-    shape = mechanism.bodies[name].shape
-    # The 6×6 of a given leg has its ends in it.
-    return shape.ends if isinstance(shape, ConstantLeg) else "rigid"
 
 
 def known_legs(mechanism: Mechanism) -> dict[str, Leg]:
@@ -199,11 +194,6 @@ def distinct_legs(mechanism: Mechanism) -> tuple[str, ...]:
     for name, leg in known_legs(mechanism).items():
         first.setdefault(leg if isinstance(leg, ConstantLeg) else name, name)
     return tuple(first.values())
-
-
-def has_given(mechanism: Mechanism) -> bool:
-    """Whether any leg is known by its 6×6 alone."""
-    return any(isinstance(body.shape, GivenLeg) for body in mechanism.bodies.values())
 
 
 def why_not_serial(postures: Sequence[Posture]) -> str:
