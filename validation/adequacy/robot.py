@@ -39,7 +39,7 @@ from validation.adequacy.mechanism.statics import (
     static_ladders,
     static_reference,
 )
-from validation.adequacy.mechanism.vibration import modes_by_model
+from validation.adequacy.mechanism.vibration import with_modes
 from validation.adequacy.models import (
     JUDGED,
     LEGS_AS_GIVEN,
@@ -54,7 +54,6 @@ from validation.adequacy.response import (
     Response,
     Step,
     Subject,
-    modes_of,
     no_reference,
     statics_of,
 )
@@ -83,15 +82,19 @@ def robot_subject(context: Context) -> Subject:
     """
     robot = robot_on_path(context)
     models = judged_models(robot.mechanism)
-    subject = static_subject(robot, models)
-    found = {one.model: _modes(robot, models[one.model], one) for one in subject.candidates}
+    statics = static_subject(robot, models)
+    found = {
+        one.model: one.response if one.silent else with_modes(one.response, robot, kind, options)
+        for one in statics.candidates
+        for kind, _, options in [models[one.model]]
+    }
     try:
         reference = dynamic_reference(robot)
     except UNSOLVED as error:
         reference = no_reference(error)
     ladders = dynamic_ladders(robot, found, reference)
-    return replace(
-        subject,
+    subject = replace(
+        statics,
         weights=robot.samples.weights,
         candidates=[
             replace(
@@ -100,9 +103,12 @@ def robot_subject(context: Context) -> Subject:
                 dynamic_steps=ladders.get(one.model, ()),
                 silent=one.silent or _silent(models[one.model], found[one.model]),
             )
-            for one in subject.candidates
+            for one in statics.candidates
         ],
         dynamics=reference,
+    )
+    return replace(
+        subject,
         notes=_notes(robot, reference),
         parts=tuple(
             leg_subject(context, name, leg_of(robot.mechanism.bodies[name]))
@@ -144,15 +150,6 @@ def static_subject(robot: RobotOnPath, models: Models) -> Subject:
         statics=reference,
         dynamics=Reference("none", ()),
     )
-
-
-def _modes(robot: RobotOnPath, model: JudgedModel, candidate: Candidate) -> Response:
-    """The candidate's response in statics, with its modes where it has any."""
-    statics = candidate.response
-    if candidate.silent or model.kind in STATIC:
-        return statics
-    modes = modes_of(partial(modes_by_model, robot, model.kind, model.options))
-    return replace(statics, vibration=modes.vibration, unsolved_modes=modes.unsolved_modes)
 
 
 def _silent(model: JudgedModel, modes: Response) -> str:

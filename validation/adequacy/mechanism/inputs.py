@@ -21,9 +21,9 @@ from validation.adequacy.mechanism.masses import plausible_masses
 from validation.adequacy.mechanism.path import Holds, RobotOnPath, robot_at
 from validation.adequacy.mechanism.statics import assembled, compliances
 from validation.adequacy.mechanism.vibration import (
-    modes_by_model,
     modes_of_own_beams,
     modes_of_solids,
+    with_modes,
 )
 from validation.adequacy.models import JudgedModel, why_unable
 from validation.adequacy.partners import partners
@@ -37,11 +37,9 @@ from validation.adequacy.response import (
     Vibration,
     modes_of,
     statics_of,
-    together,
 )
 from validation.context import Preset
 from validation.kinematics.poses import postures_of
-from validation.models.options import STATIC
 
 # Robots with all inputs off at once, by which one at a time are checked.
 _CHECKS: Mapping[Preset, int] = {"quick": 4, "standard": 8, "fine": 32}
@@ -142,10 +140,7 @@ def _answered(candidate: Candidate, robot: RobotOnPath, model: JudgedModel) -> C
     if why_unable(robot.postures, model):
         return replace(candidate, response=Response())
     statics = statics_of(partial(compliances, robot.postures, model.kind, model.options))
-    modes = Response()
-    if model.kind not in STATIC:
-        modes = modes_of(partial(modes_by_model, robot, model.kind, model.options))
-    return replace(candidate, response=together(statics, modes))
+    return replace(candidate, response=with_modes(statics, robot, model.kind, model.options))
 
 
 def _congruent(reference: Array, own: Array, off: Array) -> Array:
