@@ -124,7 +124,7 @@ def test_held_and_free_modes_of_parts_are_compared_in_a_run(robot_file, monkeypa
 
 
 def test_parts_are_made_ahead_on_other_machines_and_never_again(robot_file, tmp_path, monkeypatch):
-    monkeypatch.setattr(parts, "UNKNOWNS", 4000)
+    monkeypatch.setattr(parts, "UNKNOWNS", 1500)
     monkeypatch.delenv("FLEXPROOF_CACHE", raising=False)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "here"))
     context, portions = Context(robot_file, "quick"), []
@@ -154,11 +154,7 @@ def test_parts_are_made_ahead_on_other_machines_and_never_again(robot_file, tmp_
         assert solid_parts(postures, offered(robot_file.requirement.modes), ends)["arm"].size > 12
 
 
-def test_a_part_of_three_interfaces_is_prepared_and_is_no_leg_to_be_stepped(monkeypatch):
-    monkeypatch.setattr(parts, "UNKNOWNS", 1500)
+def test_a_part_of_three_interfaces_is_no_leg_to_be_stepped():
     robot_file = load_robot(str(Path(__file__).parents[3] / "examples" / "rocker" / "robot.toml"))
-    context = Context(robot_file, "quick")
-    prepare_parts(context, lambda work: [(n, one()) for n, one in enumerate(work)], carried=False)
-    postures = path_postures(context)
-    said = why_unable(postures, JUDGED["segments-stepped"])
+    said = why_unable(path_postures(Context(robot_file, "quick")), JUDGED["segments-stepped"])
     assert said.startswith("no part has two interfaces")
