@@ -1,7 +1,5 @@
-from dataclasses import replace
-
 import pytest
-from like_ifw import IFW, file_of
+from like_ifw import IFW
 
 from validation.adequacy.judgement import judged
 from validation.adequacy.matrix import Matrix
@@ -15,8 +13,7 @@ from validation.models import parts
 @pytest.fixture(scope="session")
 def paper_subject() -> Subject:
     """The paper's robot, of which several modules look at the one or the other part."""
-    at_three_poses = replace(IFW.mechanism, poses=IFW.mechanism.poses[::4])
-    return robot_subject(Context(file_of(at_three_poses), "quick"))
+    return robot_subject(Context(IFW, "quick"))
 
 
 @pytest.fixture(scope="session")

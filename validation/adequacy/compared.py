@@ -10,7 +10,7 @@ from lumped.arrays import Array
 from lumped.errors import InputError
 from lumped.mechanism.mechanism import Mechanism
 from validation.adequacy.mechanism.dynamics import dynamic_reference
-from validation.adequacy.mechanism.masses import MASSES
+from validation.adequacy.mechanism.legs import MASSES
 from validation.adequacy.mechanism.path import RobotOnPath
 from validation.adequacy.mechanism.statics import compliances, static_reference
 from validation.adequacy.mechanism.vibration import modes_by_model

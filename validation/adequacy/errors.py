@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -136,7 +137,7 @@ class Scale:
 
     def _frequency(
         self, one: Alternative, response: Response, quantity: str
-    ) -> tuple[Array, ...] | None:
+    ) -> tuple[NDArray[Any], ...] | None:
         """The first fields of `Errors` for every pose, and the numbers.
 
         Of the order those of the mode, among all in another place, whose number misleads most.
@@ -175,7 +176,9 @@ class Scale:
         return self._pairs[key]
 
 
-def _deflection(one: Alternative, response: Response, quantity: str) -> tuple[Array, ...] | None:
+def _deflection(
+    one: Alternative, response: Response, quantity: str
+) -> tuple[NDArray[Any], ...] | None:
     """The first fields of `Errors` and those of `Loaded`, for every pose."""
     reference, compliance = one.response.compliance, response.compliance
     if reference is None or compliance is None:

@@ -181,8 +181,9 @@ def _paired(
     postures = [one.posture for one in found]
     mechanism = postures[0].mechanism
     samples, count = samples_of(mechanism), len(found[0].modes.frequencies)
-    others = mechanism_modes(against, postures, count + _BESIDES, options)
-    own, other = (vibration_of(samples, ones) for ones in (found, others))
+    looked_at = count + _BESIDES
+    others = mechanism_modes(against, postures, looked_at, options)
+    own, other = (vibration_of(samples, ones, looked_at) for ones in (found, others))
     of_postures = partners(own, other, samples.weights, count)
     columns = of_postures.number, of_postures.frequency, of_postures.likeness
     return [

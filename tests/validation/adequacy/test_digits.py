@@ -13,7 +13,7 @@ from validation.adequacy.judgement import judged
 from validation.adequacy.matrix import Matrix
 from validation.adequacy.mechanism.digits import left_by_digits
 from validation.adequacy.mechanism.dynamics import dynamic_reference, modes_of_solids
-from validation.adequacy.mechanism.masses import plausible_masses
+from validation.adequacy.mechanism.legs import plausible_masses
 from validation.adequacy.mechanism.path import RobotOnPath, robot_at
 from validation.adequacy.response import Subject
 from validation.context import Context

@@ -15,7 +15,7 @@ from lumped.mechanism.mechanism import Mechanism
 from lumped.screws import shift
 from lumped.sections import Rectangle
 from validation.adequacy.mechanism.dynamics import mass_notes
-from validation.adequacy.mechanism.masses import (
+from validation.adequacy.mechanism.legs import (
     MASSES,
     Masses,
     leg_with_masses,

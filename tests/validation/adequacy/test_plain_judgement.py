@@ -9,8 +9,7 @@ from plain_judgement import Rule
 from random_subjects import MODES, subject
 
 from lumped.acceptance.requirement import Requirement
-from validation.adequacy.causes import REST
-from validation.adequacy.judgement import judged
+from validation.adequacy.judgement import REST, judged
 from validation.adequacy.matrix import Entry
 
 LIMITS = (0.01, 0.05, 0.3)

@@ -57,12 +57,12 @@ def test_errors_are_those_of_the_models_themselves(paper: Matrix) -> None:
     assert equivalent[:, 2].max() * 1e9 == pytest.approx(23.7, abs=0.05)
     entry = paper.entry("segments", "z")
     assert entry is not None
-    along = (equivalent / given - 1.0)[::32, 2]
+    along = (equivalent / given - 1.0)[::8, 2]
     assert entry.alongs == pytest.approx(along, rel=1e-6)
     whole = np.linalg.norm(equivalent - given, axis=1) / np.linalg.norm(given, axis=1)
-    assert entry.errors == pytest.approx(whole[::32], rel=1e-6)
-    assert entry.error == pytest.approx(whole[::32].max(), rel=1e-6)
-    assert entry.along == pytest.approx(along[whole[::32].argmax()], rel=1e-6)
+    assert entry.errors == pytest.approx(whole[::8], rel=1e-6)
+    assert entry.error == pytest.approx(whole[::8].max(), rel=1e-6)
+    assert entry.along == pytest.approx(along[whole[::8].argmax()], rel=1e-6)
 
 
 def test_a_rigid_model_knows_no_motion_along_z(paper: Matrix) -> None:

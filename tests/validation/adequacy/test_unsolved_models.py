@@ -9,7 +9,7 @@ from ingredients import Asked
 
 from lumped.errors import ComputationError
 from lumped.robot_file import load_robot
-from validation.adequacy.causes import REST
+from validation.adequacy.judgement import REST
 from validation.adequacy.matrix import Matrix
 from validation.adequacy.mechanism import statics, vibration
 from validation.adequacy.robot import robot_adequacy

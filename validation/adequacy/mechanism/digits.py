@@ -20,7 +20,7 @@ from lumped.models.links import links
 from lumped.system.assembly import assembly
 from lumped.system.solution import compliance, solved
 from lumped.system.sweep import swept
-from validation.adequacy.mechanism.masses import Masses, by_shapes, shapes_inside
+from validation.adequacy.mechanism.legs import Masses, by_shapes, shapes_inside
 from validation.adequacy.mechanism.parts import condensed_parts
 from validation.adequacy.mechanism.samples import samples_of
 from validation.adequacy.mechanism.vibration import vibration_of

@@ -12,8 +12,13 @@ from lumped.models.bodies import tip_compliances
 from lumped.models.links import links
 from lumped.system.assembly import assembly
 from validation.adequacy.mechanism.digits import modes_by_digits
-from validation.adequacy.mechanism.legs import SECTION_RATIO, step_uncertainty
-from validation.adequacy.mechanism.masses import MASSES, Masses, plausible_masses
+from validation.adequacy.mechanism.legs import (
+    MASSES,
+    SECTION_RATIO,
+    Masses,
+    plausible_masses,
+    step_uncertainty,
+)
 from validation.adequacy.mechanism.parts import (
     FINER_PARTS,
     UNKNOWN,

@@ -16,8 +16,7 @@ from scipy.stats import norm, qmc
 
 from lumped.arrays import Array
 from lumped.mechanism.mechanism import Mechanism
-from validation.adequacy.mechanism.legs import held_spring
-from validation.adequacy.mechanism.masses import plausible_masses
+from validation.adequacy.mechanism.legs import held_spring, plausible_masses
 from validation.adequacy.mechanism.path import Holds, RobotOnPath, robot_at
 from validation.adequacy.mechanism.statics import assembled, compliances
 from validation.adequacy.mechanism.vibration import (

@@ -10,7 +10,7 @@ from matrix_sample import POSES, entry, sample_matrix
 
 from lumped.acceptance.requirement import MODEL_KINDS
 from lumped.robot_file import load_robot
-from validation.adequacy.mechanism.masses import MASSES
+from validation.adequacy.mechanism.legs import MASSES
 from validation.adequacy.mechanism.path import holding
 from validation.adequacy.models import JUDGED
 from validation.drawing.charts.chart import chart_table
