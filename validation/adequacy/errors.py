@@ -155,7 +155,7 @@ class Scale:
             misled = np.where(moved, np.abs(found.by_number / own - 1.0), 0.0)
             # A number that does not exist misleads more than any that does.
             at = poses, np.argmax(np.where(np.isnan(misled), np.inf, misled), axis=1)
-            values, unknown = np.where(moved, found.by_number, own), ~known.all(axis=1)
+            values, unknown = np.where(moved, found.by_number, own), (~known).any(axis=1)
         else:
             at = poses, np.full(len(own), FREQUENCIES[quantity] - 1)
             moved, unknown = np.ones_like(moved), ~known[at]
@@ -165,7 +165,8 @@ class Scale:
             for left in (one.dynamic, one.dynamic_digits)
         )
         sizes = np.abs(ratio)
-        return values[at], own[at], ratio - 1.0, numerical * sizes, digits * sizes, unknown, numbers
+        left = numerical * sizes, digits * sizes
+        return values[at], own[at], ratio - 1.0, *left, np.asarray(unknown), numbers
 
     def _partners(
         self, name: str, truth: Vibration, response: Response, model: Vibration
