@@ -22,7 +22,7 @@ from validation.variations.curves import decision_of, variation_study
 from validation.variations.decision import Decision
 from validation.variations.robots import VariedModels
 
-LENGTH, WIDTH, E, RHO, TOOL, DRIVE = 0.8, 0.16, 2.1e11, 7850.0, 2.0, 3.0e6
+LENGTH, WIDTH, E, RHO, TOOL, DRIVE = 0.5, 0.16, 2.1e11, 7850.0, 2.0, 1.23e7
 BAR = f"""
 schema = 2
 name = "bar on a slide"
