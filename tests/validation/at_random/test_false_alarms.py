@@ -14,7 +14,7 @@ SOLIDS = (
 @pytest.mark.exhaustive
 @pytest.mark.parametrize("chunk", range(2))
 def test_random_robots_raise_no_alarm(chunk):
-    """Fifty robots in each of two chunks: 0.4 s each (measured)."""
+    """Fifty robots in each of two chunks."""
     for robot in robots(50, chunk):
         assert not alarms(robot, LUMPED), robot
 
