@@ -3,20 +3,12 @@
 import json
 from collections.abc import Iterator, Mapping
 from textwrap import wrap
-from typing import Any, NamedTuple
+from typing import Any
 
 from lumped.robot_file.rules.rule import Either, Named, Rule, Several, TableRule
 from lumped.robot_file.rules.tables import BIGLIDE, MECHANISM
 
 _WIDTH = 100
-
-
-class KeyLine(NamedTuple):
-    """A key by its whole name, what it may be, and what it says."""
-
-    name: str
-    allowed: str
-    says: str
 
 
 def json_schema() -> dict[str, Any]:
@@ -32,7 +24,7 @@ def json_schema() -> dict[str, Any]:
 
 def key_table() -> str:
     """All keys of schema 2 as a table of Markdown."""
-    rows = (f"| `{one.name}` | {one.allowed} | {one.says} |" for one in _lines(MECHANISM))
+    rows = (f"| `{name}` | {allowed} | {says} |" for name, allowed, says in _lines(MECHANISM))
     return "\n".join(("| key | must be | what it says |", "|---|---|---|", *rows))
 
 
@@ -40,14 +32,15 @@ def key_comments(tables: Mapping[str, Any]) -> str:
     """All keys of a file of the schema of `tables`, as comments to stand at its end."""
     rules = MECHANISM if tables["schema"] == 2 else BIGLIDE
     lines = ["# All keys, what each must be, and what it says:"]
-    for one in _lines(rules):
-        text = f"{one.name}: {one.allowed}; {one.says}"
-        lines += wrap(text, _WIDTH, initial_indent="# ", subsequent_indent="#     ")
+    for name, allowed, says in _lines(rules):
+        lines += wrap(
+            f"{name}: {allowed}; {says}", _WIDTH, initial_indent="# ", subsequent_indent="#     "
+        )
     return "\n".join(lines) + "\n"
 
 
-def _lines(rule: Rule, path: str = "") -> Iterator[KeyLine]:
-    """The keys of a table and of what stands in it, in the order of the rules."""
+def _lines(rule: Rule, path: str = "") -> Iterator[tuple[str, str, str]]:
+    """Whole name of each key of a table and of what stands in it, what it may be, what it says."""
     match rule:
         case TableRule():
             for name, key in rule.keys.items():
@@ -57,7 +50,7 @@ def _lines(rule: Rule, path: str = "") -> Iterator[KeyLine]:
                     says += "; required"
                 elif key.default not in (None, (), {}):
                     says += f"; {json.dumps(key.default)} where left out"
-                yield KeyLine(whole, key.kind.allowed, says)
+                yield whole, key.kind.allowed, says
                 yield from _lines(key.kind, whole)
         case Named():
             yield from _lines(rule.kind, f"{path}.NAME")
