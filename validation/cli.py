@@ -255,6 +255,7 @@ def solve(
     equivalent: Literal["stiffness", "compliance"] | None = None,
     parts: Literal["equivalent", "stepped", "condensed"] | None = None,
     reduction: Literal["fixed", "free"] | None = None,
+    accuracy: float | None = None,
     against: Literal["simplified", "segments", "beam", "solid"] | None = None,
     vary: tuple[str, ...] = (),
     jobs: ProcessCount = None,
@@ -305,6 +306,9 @@ def solve(
     reduction
         solid: CAD parts by their modes with all interfaces fixed (Craig and Bampton), or free
         (MacNeal, Rubin).
+    accuracy
+        solid: refine the meshes until they leave no more than this share of any number open, 0.002
+        say, or as far as memory and ten minutes a mesh allow.
     against
         Another model of the mechanism, whose modes are paired with these by shape (MAC).
     vary
@@ -348,7 +352,9 @@ def solve(
         "reduction": reduction,
     }
     given = {name: value for name, value in choices.items() if value is not None}
-    question = Question(robot_file, model, given, modes, x, pose, leg, body, against)
+    question = Question(
+        robot_file, model, given, modes, x, pose, leg, body, against, accuracy=accuracy
+    )
     if vary or csv or jobs or picture or cluster is not None:
         from validation.solve.varied import tell_varied  # noqa: PLC0415
 

@@ -1,6 +1,7 @@
 """What identification found, for people, for programs, and as a table for a robot file."""
 
 import json
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -8,6 +9,7 @@ import numpy as np
 from lumped.arrays import Array
 from lumped.mechanism.placing import leg_frame
 from lumped.screws import turn
+from validation.agreement.accuracy import Accuracy
 from validation.parts.identify import Identified
 
 _COMPONENTS = ("x", "y", "z", "φx", "φy", "φz")
@@ -16,7 +18,7 @@ _AS_THEY_ARE = ("stiffness", "compliance", "frequencies", "centre", "inertia")
 _UNCERTAIN = {"compliance": "compliance", "frequencies": "frequency"}
 
 
-def as_text(found: Identified) -> str:
+def as_text(found: Identified, reached: Accuracy | None = None) -> str:
     """A page: mass, six numbers per interface with their uncertainties, frequencies, the table."""
     counts = ", ".join(map(str, found.unknowns))
     meshes = f"meshes of {counts} unknowns; {found.elements} tetrahedra in the finest"
@@ -30,7 +32,9 @@ def as_text(found: Identified) -> str:
     axes = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)]
     inertia = " ".join(f"{found.inertia[place] + 0.0:.4g}" for place in axes)
     lines = [
-        *(f"{found.part.path}: {found.part.size}", "", meshes, mass),
+        *(f"{found.part.path}: {found.part.size}", "", meshes),
+        *([reached.text] if reached else []),
+        mass,
         f"inertia about it (kg m²): {inertia}  (xx yy zz xy xz yz)",
         "",
     ]
@@ -105,7 +109,7 @@ def toml(found: Identified) -> str:
     )
 
 
-def as_json(found: Identified) -> str:
+def as_json(found: Identified, reached: Accuracy | None = None) -> str:
     """Everything for programs: SI, the file's axes; null where there is no number."""
     arrays = {name: _plain(values) for name, values in as_arrays(found).items()}
     document = {
@@ -126,6 +130,7 @@ def as_json(found: Identified) -> str:
         "straightened": found.straightened,
         "mass": found.total,
         "volume_deviation": found.deviation,
+        **({"accuracy": asdict(reached)} if reached else {}),
         "condensed_mass": arrays["mass"],
         **{name: arrays[name] for name in _AS_THEY_ARE},
         "modes_counted": {"count": found.counted, "below": found.counted_below},

@@ -21,6 +21,7 @@ from fem.bodies.part import (
 )
 from fem.couplings.grips import Kind
 from lumped.arrays import Array
+from lumped.errors import InputError
 from lumped.legs import Material
 from meshes.part.interfaces import Interface
 from meshes.part.reading.read import PartFile
@@ -118,6 +119,24 @@ def identify(
     }
     values["unknowns"] = tuple(int(count) for count in found["unknowns"])
     return Identified(part=part, interfaces=tuple(interfaces), **values)
+
+
+def left_open(found: Identified) -> float:
+    """The largest relative half-width by meshes of the diagonal compliances and the frequencies."""
+    compliances = np.diag(found.compliance_refinement) / np.diag(found.compliance)
+    shares = np.concatenate([compliances, found.frequency_refinement / found.frequencies])
+    return float(np.max(np.nan_to_num(np.abs(shares), nan=np.inf), initial=0.0))
+
+
+def more_unknowns(unknowns: int, factor: float) -> int:
+    """Unknowns of a finest mesh that leaves so many times less open, at most eight times as many.
+
+    Parts converge with orders from one to two of the mesh size, which is the cube root of them.
+    Raises InputError where nobody knows what a mesh leaves open: it is given.
+    """
+    if not np.isfinite(factor):
+        raise InputError("a mesh that is given has no finer one")
+    return int(unknowns * min(max(factor**2, 2.0), 8.0))
 
 
 def _computed(

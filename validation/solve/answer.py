@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from html import escape
 from typing import Any, TypeAlias
 
@@ -10,6 +10,7 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.system.joint_motion import Portion
+from validation.agreement.accuracy import Accuracy
 from validation.models.options import ModelName, ReductionBy
 
 Place: TypeAlias = dict[str, float | int | str | list[float]]
@@ -91,12 +92,13 @@ class Answer:
 
 @dataclass(frozen=True)
 class Solution:
-    """The answers of one model, and the options that had a say in them."""
+    """The answers of one model, the options that had a say in them, and the `accuracy` reached."""
 
     robot: str
     model: ModelName
     options: dict[str, Any]
     answers: tuple[Answer, ...]
+    accuracy: Accuracy | None = None
 
     def _repr_html_(self) -> str:
         """Deflections under their own load of 1000 N, and frequencies, as a notebook shows them."""
@@ -139,13 +141,15 @@ def _cell(text: str, verdict: str | None) -> str:
 
 def as_json(solution: Solution) -> str:
     """The answers as JSON (schema 1); an infinite frequency is null."""
-    document = {
+    document: dict[str, Any] = {
         "schema": 1,
         "robot": solution.robot,
         "model": solution.model,
         "options": solution.options,
         "results": [record_of(answer) for answer in solution.answers],
     }
+    if solution.accuracy:
+        document["accuracy"] = asdict(solution.accuracy)
     return json.dumps(document, allow_nan=False)
 
 
@@ -183,6 +187,7 @@ def as_text(solution: Solution) -> str:
     """The answers for people: deflections at 1000 N, the compliance, the frequencies."""
     heard = ", ".join(f"{name} {value}" for name, value in solution.options.items())
     lines = [f"{solution.robot}, {solution.model}" + (f" ({heard})" if heard else "")]
+    lines += [solution.accuracy.text] if solution.accuracy else []
     for answer in solution.answers:
         lines += ["", *_answer_lines(answer)]
     return "\n".join(lines)

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import asdict, replace
+from math import ceil
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from lumped.models.bodies import leg_of
 from validation.adequacy.mechanism.samples import samples_of
 from validation.adequacy.mechanism.vibration import vibration_of
 from validation.adequacy.partners import partners
+from validation.agreement.accuracy import refined
 from validation.models.legs import leg_compliance, leg_frequencies
 from validation.models.mechanism import (
     PostureAnswer,
@@ -25,6 +27,7 @@ from validation.models.mechanism import (
 )
 from validation.models.options import ModelName, ModelOptions
 from validation.models.roundings import roundings_of, share_by_digits
+from validation.solids.legs import formal_order
 from validation.solve.answer import Answer, LeftOpen, Place, Solution
 from validation.solve.cost import Cost, dense_cost, require_affordable, solid_cost
 from validation.solve.question import OF_ELEMENTS, Question
@@ -54,16 +57,67 @@ def solve(question: Question) -> Solution:
     checked(question)
     if "ends" in question.given:
         question = _of(question, _without_own_ends(question.mechanism))
-    options, at = question.options, question.postures()
-    heard = {name: value for name, value in asdict(options).items() if name in question.listens}
-    found = _answers(question, at)
+    at, reached = question.postures(), None
+    if question.accuracy is None:
+        _, found = _on_its_mesh(question, at)
+    else:
+        (question, found), reached = refined(
+            question, lambda one: _on_its_mesh(one, at), _left_open, _finer, question.accuracy
+        )
+    options = asdict(question.options)
+    heard = {name: value for name, value in options.items() if name in question.listens}
+    if question.digits and question.model != "simplified":
+        found = _with_digits(question, at, found)
+    return Solution(question.mechanism.name, question.model, heard, tuple(found), reached)
+
+
+def _on_its_mesh(question: Question, at: Sequence[Posture]) -> tuple[Question, list[Answer]]:
+    """The answers, of solids with what their meshes leave open."""
+    found, options = _answers(question, at), question.options
     if question.model == "solid" and (legs := _shapes(question)):
         divisions = beside(options, legs)
         others = _on_other_mesh(question, at, divisions)
         found = with_uncertainty(found, others, legs, options, divisions)
-    if question.digits and question.model != "simplified":
-        found = _with_digits(question, at, found)
-    return Solution(question.mechanism.name, question.model, heard, tuple(found))
+    return question, found
+
+
+def _left_open(found: tuple[Question, list[Answer]]) -> float:
+    """The largest relative half-width of all answers that meshes leave."""
+    shares = [
+        np.concatenate([left.compliance, left.frequencies]) / _sizes(one)
+        for one in found[1]
+        for left in (one.uncertainty, one.of_parts)
+        if left is not None
+    ]
+    return float(np.max(np.abs(shares), initial=0.0))
+
+
+def _finer(question: Question, factor: float) -> Question:
+    """The question on a mesh that leaves so many times less open, of at most twice the divisions.
+
+    Raises InputError where it takes too much, or there are CAD parts, whose meshes have their size.
+    """
+    if question.mechanism.parts:
+        raise InputError("the meshes of CAD parts are as fine as they get")
+    own, legs = question.options.divisions, _shapes(question)
+    order = min(formal_order(leg, question.options.ends) for leg in legs)
+    # The fewest divisions that promise enough; where these are too many, as many as there can be.
+    wanted = min(max(ceil(own * factor ** (1.0 / order)), own + 1), 2 * own)
+    given = [{**question.given, "divisions": one} for one in range(wanted, own, -1)]
+    return _affordable([replace(question, given=one) for one in given])
+
+
+def _affordable(questions: Sequence[Question]) -> Question:
+    """The first question that does not cost too much; raises InputError as the first of none."""
+    refused = []
+    for question in questions:
+        try:
+            _cost(question)
+        except InputError as error:
+            refused.append(error)
+        else:
+            return question
+    raise refused[0]
 
 
 def _on_other_mesh(

@@ -65,6 +65,7 @@ def identify(
     body: str | None = None,
     unknowns: WholeNumber | None = None,
     modes: WholeNumber | None = None,
+    accuracy: float | None = None,
     out: Path | None = None,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
@@ -87,20 +88,27 @@ def identify(
         Size of the finest of the three meshes; 100000 if left out.
     modes
         Number of frequencies; 6 if left out.
+    accuracy
+        Refine the meshes until they leave no more than this share of any number open, 0.002 say, or
+        as far as memory and ten minutes a mesh allow.
     out
         An .npz file to write all matrices to.
     json
         Print JSON for programs.
     """
+    import numpy as np  # noqa: PLC0415
+
     from lumped.robot_file import load_robot  # noqa: PLC0415
     from meshes.part.interfaces import find_interfaces  # noqa: PLC0415
     from meshes.part.reading.read import read_part  # noqa: PLC0415
+    from validation.agreement.accuracy import accuracy_faults, refined  # noqa: PLC0415
     from validation.models.parts import identified  # noqa: PLC0415
     from validation.parts import identified_text, request  # noqa: PLC0415
     from validation.parts import identify as identifying  # noqa: PLC0415
+    from validation.parts.identify import Identified  # noqa: PLC0415
 
     require_place(out, ".npz")
-    faults = []
+    faults = [] if accuracy is None else accuracy_faults(accuracy)
     if unknowns is not None and unknowns < _FEWEST_UNKNOWNS:
         faults.append(f"--unknowns = {unknowns}: must be {_FEWEST_UNKNOWNS} or more")
     if modes is not None and not 0 <= modes <= _MOST_MODES:
@@ -118,17 +126,23 @@ def identify(
         chosen = request.material_of(material or "")
         file = read_part(Path(part), unit)
         held = find_interfaces(file, wanted, points)
-        found = identifying.identify(file, held, chosen, size, count)
+
+        def at(size: int) -> Identified:
+            return identifying.identify(file, held, chosen, size, count)
     else:
         bodies = load_robot(part).mechanism.parts
         if body not in bodies:
             known = ", ".join(bodies) or "none"
             raise InputError(f"--body {body}: is no part from a file; the parts of {part}: {known}")
-        found = identified(bodies[body], size, count)
-    say(identified_text.as_json(found) if json else identified_text.as_text(found))
-    if out is not None:
-        import numpy as np  # noqa: PLC0415
 
+        def at(size: int) -> Identified:
+            return identified(bodies[body], size, count)
+
+    more = identifying.more_unknowns
+    found, reached = refined(size, at, identifying.left_open, more, accuracy or np.inf)
+    text = identified_text.as_json if json else identified_text.as_text
+    say(text(found, reached if accuracy else None))
+    if out is not None:
         buffer = BytesIO()
         named: Any = identified_text.as_arrays(found)
         np.savez(buffer, **named)

@@ -10,6 +10,7 @@ from lumped.mechanism.kinematics.postures import posture, reference_posture
 from lumped.mechanism.mechanism import GROUND, Mechanism, Posture
 from lumped.models.bodies import legs_of
 from lumped.robot_file import RobotFile
+from validation.agreement.accuracy import accuracy_faults
 from validation.kinematics.poses import parsed_pose
 from validation.models.options import STATIC, ModelName, ModelOptions
 
@@ -36,7 +37,8 @@ class Question:
 
     At positions `x` (m) or in `poses` ("0.25,0.6"), in the reference posture without them, or one
     `leg` or `body` alone. `modes`: how many, None for six, to be paired with those of the model
-    `against`. With `digits` it is said what the printed digits of the file's 6×6 leave open.
+    `against`. With `digits` it is said what the printed digits of the file's 6×6 leave open;
+    `accuracy` is what meshes of solids may leave open, relative.
     """
 
     robot_file: RobotFile
@@ -49,6 +51,7 @@ class Question:
     body: str | None = None
     against: ModelName | None = None
     digits: bool = True
+    accuracy: float | None = None
 
     @property
     def mechanism(self) -> Mechanism:
@@ -98,6 +101,10 @@ class Question:
         if misplaced := self._place_faults():
             return misplaced
         found = [*self._option_faults(), *self._mode_faults()]
+        if self.accuracy is not None:
+            found += accuracy_faults(self.accuracy)
+            if self.model != "solid":
+                found.append(f"--accuracy: the {self.model} model has no meshes; leave it out")
         if self.alone is not None:
             found += self._body_faults(self.alone)
         return found + [

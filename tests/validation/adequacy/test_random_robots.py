@@ -6,6 +6,7 @@ Dynamics: frequencies of the robot with finer solid legs.
 
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import islice
 
 import numpy as np
 import pytest
@@ -142,6 +143,13 @@ def wrong_in_dynamics(robot: Mechanism) -> list[str]:
     return [line for matrix in matrices for line in contradictions(matrix, errors)]
 
 
+@pytest.mark.exhaustive
+def test_verdicts_are_those_of_errors_computed_directly() -> None:
+    # One of rectangles and one of walls.
+    for robot in islice(chosen(len(SHAPES), chunk=11), 2):
+        assert not wrong_in_statics(robot), robot
+
+
 @pytest.mark.soak
 @pytest.mark.parametrize("chunk", range(8))
 def test_no_verdict_on_forty_robots_is_contradicted(chunk: int) -> None:
@@ -149,3 +157,11 @@ def test_no_verdict_on_forty_robots_is_contradicted(chunk: int) -> None:
     for robot in chosen(len(SHAPES), chunk=20 + chunk):
         assert not wrong_in_statics(robot), robot
         assert not wrong_in_dynamics(robot), robot
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("chunk", range(10))
+def test_no_verdict_in_statics_of_a_hundred_robots_is_contradicted(chunk: int) -> None:
+    """Ten robots in every chunk."""
+    for robot in chosen(2 * len(SHAPES), chunk=40 + chunk):
+        assert not wrong_in_statics(robot), robot
