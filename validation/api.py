@@ -21,7 +21,7 @@ from lumped.robot_file.evidence import with_options
 from validation.adequacy.judgement import judged
 from validation.adequacy.matrix import Entry, Matrix
 from validation.adequacy.response import Subject
-from validation.adequacy.robot import robot_subject
+from validation.adequacy.robot import judged_robot
 from validation.context import Context, Preset
 from validation.drawing.text import percent
 from validation.models.options import ModelName
@@ -172,8 +172,8 @@ def adequacy(
     """
     loaded = _loaded(robot)
     requirement = _accepting(loaded.requirement, accept or {})
-    subject = robot_subject(Context(replace(loaded, requirement=requirement), preset))
-    return Adequacy(judged(subject, requirement), requirement, subject)
+    subject, matrix = judged_robot(Context(replace(loaded, requirement=requirement), preset))
+    return Adequacy(matrix, requirement, subject)
 
 
 @dataclass(frozen=True)

@@ -20,6 +20,8 @@ T = TypeVar("T")
 class Context:
     """Robot file, preset and options of a run, and a memo of expensive results.
 
+    `finer`: the preset whose meshes references have, where those of the run's leave too much open.
+
     `context.get(solid_leg, leg, divisions)` is `solid_leg(leg, divisions)`, computed once per
     process for equal arguments. The function must be pure and defined at the top of a module.
     """
@@ -27,7 +29,13 @@ class Context:
     robot_file: RobotFile
     preset: Preset = "standard"
     options: Mapping[str, str] = field(default_factory=dict)
+    finer: Preset | None = None
     _memo: dict[str, Any] = field(default_factory=dict, repr=False, compare=False)
+
+    @property
+    def meshes(self) -> Preset:
+        """The preset whose meshes references have."""
+        return self.finer or self.preset
 
     def get(self, function: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
         """The function's value for these arguments, from the memo if it has been computed."""

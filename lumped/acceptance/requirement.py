@@ -39,7 +39,8 @@ class Requirement:
 
     `deflection` holds for all static quantities, `frequency` for the first `modes` natural
     frequencies and their order; `limits` overrides them for single quantities by name. `rely` are
-    models whose inadequacy makes a run fail.
+    models whose inadequacy makes a run fail. `accuracy` is what meshes of references may leave
+    open of any error; None: of an error that they leave undecided, a fifth of its limit.
     """
 
     deflection: float = 0.05
@@ -47,6 +48,7 @@ class Requirement:
     modes: int = 4
     rely: tuple[str, ...] = ()
     limits: Mapping[str, float] = field(default_factory=dict)
+    accuracy: float | None = None
 
     @property
     def quantities(self) -> tuple[str, ...]:

@@ -11,6 +11,7 @@ from typing import TypeAlias
 
 import numpy as np
 
+from lumped.errors import InputError
 from lumped.legs import Leg
 from lumped.mechanism.joint import Joint, Side
 from lumped.mechanism.kinematics.mobility import mobility
@@ -57,10 +58,13 @@ from validation.adequacy.response import (
     no_reference,
     statics_of,
 )
-from validation.context import Context
+from validation.agreement.accuracy import PATIENCE, refined
+from validation.context import PRESETS, Context, Preset
 from validation.models.options import STATIC
 
 _ROOT, _TIP = "root", "tip"
+# Seconds that a run of the preset waits for finer meshes that nobody has asked for.
+_PATIENCE: Mapping[Preset, float] = {"quick": 0.0, "standard": 300.0, "fine": 600.0}
 # Rigid legs say nothing of a leg alone, and links are virtual joints there.
 _NOT_OF_A_LEG = ("simplified", "links", "segments-stepped", "segments-condensed")
 _STATIC = "static: it has no masses, hence says nothing of frequencies"
@@ -72,7 +76,50 @@ Models: TypeAlias = Mapping[str, JudgedModel]
 
 def robot_adequacy(context: Context) -> Matrix:
     """The matrix of the run's robot; what has no reference is undecided."""
-    return judged(robot_subject(context), context.robot_file.requirement)
+    return judged_robot(context)[1]
+
+
+def judged_robot(context: Context) -> tuple[Subject, Matrix]:
+    """The run's robot and its matrix, by references whose meshes leave little enough open.
+
+    As little as is asked; where nothing is, a fifth of the limit of each error that they leave
+    undecided; as far as the presets' meshes go and a run of the preset may wait. Raises InputError
+    as `robot_subject` does.
+    """
+    requirement = context.robot_file.requirement
+
+    def judge(context: Context) -> tuple[Subject, Matrix]:
+        subject = robot_subject(context)
+        return subject, judged(subject, requirement)
+
+    (subject, matrix), reached = refined(
+        context,
+        judge,
+        lambda found: _left_by_meshes(found[1], requirement.accuracy),
+        _with_finer_meshes,
+        requirement.accuracy or 1.0,
+        PATIENCE if requirement.accuracy else _PATIENCE[context.preset],
+    )
+    said = (reached.text,) if requirement.accuracy else ()
+    return subject, replace(matrix, notes=(*matrix.notes, *said))
+
+
+def _left_by_meshes(matrix: Matrix, accuracy: float | None) -> float:
+    """The most that meshes leave open of an error; without `accuracy` in fifths of its limit."""
+    shares = [
+        entry.uncertainties["meshes"] / (1.0 if accuracy else entry.limit / 5.0)
+        for entry in matrix.entries
+        if "meshes" in entry.uncertainties and (accuracy or entry.verdict == "undecided")
+    ]
+    return max(shares, default=0.0)
+
+
+def _with_finer_meshes(context: Context, _factor: float) -> Context:
+    """The same with the next preset's meshes; raises InputError where no preset has finer ones."""
+    larger = PRESETS[PRESETS.index(context.meshes) + 1 :]
+    if context.robot_file.mechanism.parts or not larger:
+        raise InputError("no preset has finer meshes of its bodies")
+    return replace(context, finer=larger[0])
 
 
 def robot_subject(context: Context) -> Subject:

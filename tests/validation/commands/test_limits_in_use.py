@@ -48,7 +48,6 @@ def computed(monkeypatch):
         contexts.append(context)
         return toy_subject(context.robot_file.requirement.modes)
 
-    monkeypatch.setattr(api, "robot_subject", toy)
     monkeypatch.setattr(adequacy_of_robot, "robot_subject", toy)
     return contexts
 

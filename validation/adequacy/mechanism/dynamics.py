@@ -62,7 +62,7 @@ _RIGID = "legs rigid and without mass"
 
 def dynamic_reference(robot: RobotOnPath) -> Reference:
     """Solid legs reduced to their ends, given ones with every plausible distribution of mass."""
-    preset, holding, parts = robot.context.preset, robot.holding, robot.mechanism.parts
+    preset, holding, parts = robot.context.meshes, robot.holding, robot.mechanism.parts
     if reason := _why_unmeshed(robot.prisms, preset):
         return Reference("none", (), decides=reason)
     masses: tuple[Masses | None, ...] = (None,)
@@ -127,7 +127,7 @@ def _mesh_uncertainty(robot: RobotOnPath, coarse: Vibration, fine: Vibration, en
     weights, judged = robot.samples.weights, robot.judged
     step = frequency_changes(fine, coarse, weights, judged)
     # Beams free to warp lean on Saint-Venant's constant less than such solids do.
-    meshes = solid_meshes(robot.context.preset)
+    meshes = solid_meshes(robot.context.meshes)
     across, walls = meshes.fine
     warping = None if "free" in ends.values() else ends
     rough, beams = (

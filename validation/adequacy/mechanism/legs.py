@@ -87,13 +87,13 @@ def solid_leg(context: Context, leg: ConstantLeg) -> TwoMeshes:
     Raises InputError where even one section mesh has too many unknowns, with the larger preset that
     takes it.
     """
-    most = _most(context.preset, leg)
+    most = _most(context.meshes, leg)
     try:
         return context.get(two_meshes, leg, most)
     except InputError as error:
         if has_meshes(leg, most):
             raise
-        takes = larger_preset(context.preset, lambda one: has_meshes(leg, _most(one, leg)))
+        takes = larger_preset(context.meshes, lambda one: has_meshes(leg, _most(one, leg)))
         raise InputError(f"{error}; {takes} takes it") from error
 
 
@@ -102,17 +102,17 @@ def finer_statics(context: Context, legs: Iterable[Leg]) -> str:
     solids = [leg for leg in legs if isinstance(leg, ConstantLeg)]
 
     def finer(preset: Preset) -> bool:
-        now = [mesh_pair(leg, _most(context.preset, leg)) for leg in solids]
+        now = [mesh_pair(leg, _most(context.meshes, leg)) for leg in solids]
         return [mesh_pair(leg, _most(preset, leg)) for leg in solids] != now
 
-    return finer_by(larger_preset(context.preset, finer))
+    return finer_by(larger_preset(context.meshes, finer))
 
 
 def shares_section(context: Context, leg: Leg) -> bool:
     """Whether both solids of a leg have one section mesh, the only one that is affordable."""
     if not isinstance(leg, ConstantLeg):
         return False
-    return not context.get(static_ladder, leg, _most(context.preset, leg))
+    return not context.get(static_ladder, leg, _most(context.meshes, leg))
 
 
 def _most(preset: Preset, leg: ConstantLeg) -> int:

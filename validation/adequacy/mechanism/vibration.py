@@ -99,7 +99,7 @@ def modes_of_solids(
     Sections of thin walls are one mesh with one and with two divisions: how much too stiff it
     resists distortion no shorter slices would tell. The fine one has at least four.
     """
-    meshes = solid_meshes(robot.context.preset)
+    meshes = solid_meshes(robot.context.meshes)
     divisions, section = (meshes.fine, COARSEST_WALLS) if fine else (meshes.coarse, 0)
     return robot.context.get(
         solid_vibration, robot.postures, *divisions, ends, masses, robot.offered, level, section
