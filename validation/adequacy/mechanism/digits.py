@@ -19,7 +19,6 @@ from lumped.models.bodies import legs_of, tip_compliances
 from lumped.models.links import links
 from lumped.system.assembly import assembly
 from lumped.system.solution import compliance, solved
-from lumped.system.sweep import swept
 from validation.adequacy.mechanism.legs import Masses, by_shapes, shapes_inside
 from validation.adequacy.mechanism.parts import condensed_parts
 from validation.adequacy.mechanism.samples import samples_of
@@ -80,13 +79,22 @@ def modes_by_digits(
             if isinstance(leg, GivenLeg)
         }
 
-    along = modes_along(assembly(mechanism, bodies(mechanism)), postures, count)
+    along = list(modes_along(assembly(mechanism, bodies(mechanism)), postures, count))
     own = vibration_of(samples_of(mechanism), along, count)
     known = int(np.isfinite(own.frequencies).sum(axis=1).min())
 
     def frequencies(at: Sequence[Posture]) -> Array:
+        """By Rayleigh's quotient of the shapes as they are: exact to first order."""
         of = at[0].mechanism
-        return swept(assembly(of, bodies(of)), at, known).frequencies
+        prepared, found = assembly(of, bodies(of)), []
+        for posture, one in zip(at, along, strict=True):
+            system, shapes = prepared.at(posture), one.modes.shapes[:, :known]
+            stiffness, mass = (
+                np.sum(shapes * (matrix @ shapes), axis=0)
+                for matrix in (system.stiffness, system.mass)
+            )
+            found.append(np.sqrt(stiffness / mass) / (2.0 * np.pi))
+        return np.array(found)
 
     share = share_by_digits(roundings, postures, frequencies)
     return own, np.pad(share, ((0, 0), (0, count - known)))
