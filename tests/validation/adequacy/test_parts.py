@@ -85,7 +85,7 @@ def test_what_the_file_says_of_the_faces_is_not_open(robot_file):
     bodies = dict(mechanism.bodies) | {"arm": Body("arm", shape, arm.interfaces)}
     settled = holding(replace(mechanism, bodies=bodies))
     assert (settled.unsaid, settled.decides) == ("", "")
-    assert list(settled.alternatives) == ["interfaces as said"]
+    assert list(settled.alternatives) == ["interfaces as given"]
 
 
 def test_the_page_says_what_the_reduction_kept_and_what_that_leaves(robot_file, monkeypatch):

@@ -163,7 +163,7 @@ def holding(mechanism: Mechanism) -> Holding:
         if not all(of_kind.values())
     ]
     if not unsaid:
-        name = "interfaces as said" if parts and not legs else "ends as said"
+        name = "interfaces as given" if parts and not legs else "ends as given"
         return Holding({name: {body: ends or "rigid" for body, ends in said.items()}})
     names, questions, decides = (tuple(one) for one in zip(*unsaid, strict=True))
     loose = "free" if "ends" in names else "averaged"

@@ -20,8 +20,8 @@ from validation.report.figures.adequacy import error_curves
 from validation.report.figures.measured import measured_curves
 
 HELD = [
-    ("ends as said",),
-    ("interfaces as said",),
+    ("ends as given",),
+    ("interfaces as given",),
     ("ends rigid", "ends free"),
     ("interfaces rigid", "interfaces averaged"),
     ("ends and interfaces rigid", "ends and interfaces free"),
