@@ -103,6 +103,7 @@ def run(
     accept: tuple[str, ...] = (),
     rely: tuple[str, ...] = (),
     accuracy: float | None = None,
+    inputs: float | None = None,
     strict: Annotated[bool, Parameter(negative="")] = False,
     measured: Path | None = None,
     vary: tuple[str, ...] = (),
@@ -140,6 +141,9 @@ def run(
     accuracy
         Refine the meshes of references until they leave no more than this share of any number open,
         0.002 say, or as far as the presets' meshes and ten minutes allow.
+    inputs
+        How probable verdicts are if moduli, lengths and stiffnesses were known to such a relative
+        standard uncertainty, 0.05 say; for a file without [[input_uncertainty]].
     strict
         Undecided is not good enough either: for models relied on, and for comparisons.
     measured
@@ -153,6 +157,7 @@ def run(
     from dataclasses import replace  # noqa: PLC0415
 
     from lumped.acceptance.measured import digest  # noqa: PLC0415
+    from lumped.acceptance.requirement import SMALLEST_SHARE  # noqa: PLC0415
     from lumped.robot_file import load_robot  # noqa: PLC0415
     from lumped.robot_file.evidence import with_options  # noqa: PLC0415
     from lumped.robot_file.load import with_measured  # noqa: PLC0415
@@ -166,8 +171,16 @@ def run(
     require_address_space(TO_COMPUTE)
     robot_file = load_robot(robot)
     robot_file = with_measured(robot_file, measured) if measured else robot_file
-    if accuracy is not None and (faults := accuracy_faults(accuracy)):
+    faults = [] if accuracy is None else accuracy_faults(accuracy)
+    if inputs is not None and not SMALLEST_SHARE <= inputs <= 0.5:
+        faults.append(
+            f"--inputs = {inputs:g}: must be from {SMALLEST_SHARE:g} to 0.5 (5 % is 0.05)"
+        )
+    if inputs is not None and robot_file.uncertain_inputs:
+        faults.append("--inputs: the robot file says itself how well its numbers are known")
+    if faults:
         raise InputError(faults)
+    robot_file = replace(robot_file, supposed=inputs)
     requirement = with_options(robot_file.requirement, accept, rely)
     variations = checked_variations(robot_file, vary, preset)
     asked = {
@@ -176,6 +189,7 @@ def run(
         "measured": digest(robot_file.measured) if measured else "",
         "vary": " ".join(vary),
         "accuracy": f"{accuracy:g}" if accuracy else "",
+        "inputs": f"{inputs:g}" if inputs else "",
     }
     request = Request(
         replace(robot_file, requirement=replace(requirement, accuracy=accuracy)),

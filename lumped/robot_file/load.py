@@ -28,7 +28,7 @@ from lumped.robot_file.evidence import (
 )
 from lumped.robot_file.mechanism.build import description_faults, mechanism_of
 from lumped.robot_file.mechanism.motion_faults import motion_faults
-from lumped.robot_file.places import value_at, with_value
+from lumped.robot_file.places import keys_named, value_at, with_value
 from lumped.robot_file.reading import decoded, parsed
 from lumped.robot_file.rules.published import key_comments
 from lumped.robot_file.rules.tables import MECHANISM, rules_of
@@ -36,6 +36,8 @@ from lumped.robots import FIRST_TYPE, RobotType
 from lumped.text import cut, did_you_mean, visible
 
 _SUFFIX = ".toml"
+# Data that designers take from tables, data sheets and experience.
+_RARELY_KNOWN = ("E", "length", "stiffness", "compliance")
 # What a person reads before mending the first of them.
 _MOST_LINES = 50
 _LONGEST_LINE = 300
@@ -60,7 +62,8 @@ class RobotFile:
     `source` is the path as given or, if `built_in`, the robot's name; `text` the file's text and
     `sha256` the digest (hexadecimal) of its bytes and those of its parts' files; `corrections` of
     misprints in its source; `requirement` what is asked of its models, `measured` what was measured
-    of the robot.
+    of the robot. `supposed`: how well moduli, lengths and stiffnesses are taken to be known where
+    the file does not say it of any number.
     """
 
     mechanism: Mechanism
@@ -71,6 +74,7 @@ class RobotFile:
     corrections: tuple[Correction, ...]
     requirement: Requirement = field(default_factory=Requirement)
     measured: tuple[Measured, ...] = ()
+    supposed: float | None = None
 
     @property
     def schema(self) -> int:
@@ -97,8 +101,12 @@ class RobotFile:
     @property
     def uncertain_inputs(self) -> dict[str, float]:
         """Relative standard uncertainties of data of the file, by key."""
-        read = rules_of(self.tables).read(self.tables)
-        return {one["key"]: one["relative"] for one in read["input_uncertainty"]}
+        tables = self.tables
+        read = rules_of(tables).read(tables)
+        said = {one["key"]: one["relative"] for one in read["input_uncertainty"]}
+        if said or self.supposed is None:
+            return said
+        return dict.fromkeys(keys_named(tables, _RARELY_KNOWN), self.supposed)
 
     def with_factors(self, off: Mapping[str, float]) -> Mechanism:
         """The robot with numbers or matrices at keys off by such shares of themselves.

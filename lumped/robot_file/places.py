@@ -1,7 +1,7 @@
 """Places in a robot file by their keys, like "leg1.length" or "foot.compliance[6,6]" (from 1)."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from copy import deepcopy
 from typing import Any
 
@@ -29,6 +29,18 @@ def with_value(tables: Mapping[str, Any], key: str, value: Any) -> dict[str, Any
     holder, last = _holder(changed, key)
     holder[last] = value
     return changed
+
+
+def keys_named(tables: Mapping[str, Any], names: Collection[str], head: str = "") -> list[str]:
+    """Keys of the numbers and matrices in the tables whose last part is one of `names`."""
+    found = []
+    for name, value in tables.items():
+        key = f"{head}{name}"
+        if isinstance(value, Mapping):
+            found += keys_named(value, names, f"{key}.")
+        elif name in names and not isinstance(value, str):
+            found.append(key)
+    return found
 
 
 def unit_of(tables: Mapping[str, Any], key: str) -> str:

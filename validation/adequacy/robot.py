@@ -260,5 +260,10 @@ def _notes(robot: RobotOnPath, dynamics: Reference) -> tuple[str, ...]:
         notes.append(f"{idle} idle {what} not move the tool; no frequency counts them")
     with suppress(*UNSOLVED):
         notes += reduction_note(robot.postures, robot.offered, robot.holding.first, robot.judged)
+    if supposed := robot.context.robot_file.supposed:
+        notes.append(
+            f"probabilities as if every modulus, length and stiffness of the file had a standard "
+            f"uncertainty of {100.0 * supposed:g} %"
+        )
     notes += mass_notes(robot, dynamics)
     return tuple(notes)

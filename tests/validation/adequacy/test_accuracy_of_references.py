@@ -1,4 +1,4 @@
-"""References on finer meshes: where a verdict hangs on those of the preset, or where it is asked."""
+"""References on finer meshes: where a verdict hangs on those of the preset, or one asks for it."""
 
 from dataclasses import replace
 

@@ -1,5 +1,6 @@
 """Probabilities of verdicts where inputs are uncertain: closed forms and plain Monte Carlo."""
 
+from dataclasses import replace
 from math import sqrt
 from pathlib import Path
 
@@ -133,6 +134,30 @@ def test_what_scales_model_and_reference_alike_leaves_the_error_as_it_is(of_arm:
     assert beam.uncertainties["inputs"] < 1e-4
     assert (beam.probability, beam.verdict) == (1.0, "adequate")
     assert first.probability == 1.0
+
+
+def test_without_a_table_moduli_lengths_and_stiffnesses_can_be_supposed_uncertain(
+    arm: RobotFile,
+) -> None:
+    plain = load_robot("five-bar")
+    assert plain.uncertain_inputs == {}
+    assert replace(plain, supposed=0.05).uncertain_inputs == {
+        "materials.steel.E": 0.05,
+        "materials.aluminium.E": 0.05,
+        "joints.motor1.drive.stiffness": 0.05,
+        "joints.motor2.drive.stiffness": 0.05,
+    }
+    assert list(replace(load_robot("ifw"), supposed=0.1).uncertain_inputs) == [
+        "actuators.stiffness",
+        "foot.compliance",
+        "leg1.length",
+        "leg1.compliance",
+        "leg2.length",
+        "leg2.compliance",
+        "tool.compliance",
+    ]
+    # What the file says goes before.
+    assert replace(arm, supposed=0.5).uncertain_inputs == arm.uncertain_inputs
 
 
 # Robots with their uncertain inputs; the quantity of a model, and the limit in errors of its own.
