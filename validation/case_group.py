@@ -22,7 +22,7 @@ of it. What computes a case is given the parameters that it names.
 from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from inspect import signature
-from typing import Any, TypeAlias, TypedDict, TypeVar, Unpack
+from typing import Any, Self, TypeAlias, TypedDict, TypeVar, Unpack
 
 from validation.case import Case, Measurement, ReferenceKind, Relation, Sides, Tolerance
 from validation.context import About, Preset
@@ -89,10 +89,10 @@ class CaseGroup:
 
         return declare
 
-    def family(self, *, over: Over | None = None, **fields: Unpack[CaseFields]) -> "CaseGroup":
+    def family(self, *, over: Over | None = None, **fields: Unpack[CaseFields]) -> Self:
         """A group within this one, in its place; it has these `fields` in common as well."""
         common: CaseFields = {**self._common, **fields}
-        within = CaseGroup(over=over, **common)
+        within = type(self)(over=over, **common)
         self._declared.append(within)
         return within
 

@@ -12,7 +12,7 @@ from validation.paper.statements import decision, family, frequencies, statics
 def cases() -> tuple[Case, ...]:
     """One case for each statement about stiffness and frequencies."""
     tables = (statics, frequencies, family, decision)
-    return tuple(statement.case() for table in tables for statement in table.STATEMENTS)
+    return tuple(case for table in tables for case in table.statements())
 
 
 def figures() -> tuple[PlannedFigure, ...]:

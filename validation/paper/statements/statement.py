@@ -7,128 +7,150 @@ one.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import partial, update_wrapper
+from inspect import signature
 from math import isfinite
-from typing import Literal, TypeAlias
+from typing import Any, TypeVar, Unpack
 
 import numpy as np
 
 from validation.agreement.convergence import step_factor
-from validation.case import Case, Measurement, Relation, Sides, Tolerance
+from validation.case import Case, Measurement, Sides
+from validation.case_group import CaseFields, CaseGroup, Over
 from validation.cases.mechanism.quantities import ASSEMBLER, MODEL_CODE
 from validation.claims import Claim, ClaimedCurve
-from validation.context import PRESETS, Context, Preset
+from validation.context import Context
 from validation.models.options import DEFAULT_OPTIONS, ModelOptions
 from validation.results.outcome import verdict
 
-SECTION = "The paper's statements"
 # Postures over the stroke at which curves are compared.
 POSTURES = 81
 AS_PRINTED = ModelOptions(release="printed", layout="literal")
 AS_CORRECTED = DEFAULT_OPTIONS
 # What of the printed text changes a number.
 FORMULAS = "release of joints (eq. 25), layout of the springs (§3.2)"
-Compute: TypeAlias = Callable[[Context, ModelOptions], Measurement]
+Compute = TypeVar("Compute", bound=Callable[..., Measurement])
+# By the name of a curve, the parameters of what computes it.
+Curves = Mapping[str, Mapping[str, Any]]
 # What a number is computed by, where the paper prints the other one.
 SIMPLIFIED, VJM = Sides(ASSEMBLER), Sides(MODEL_CODE["vjm"])
 SEGMENTS = Sides((*MODEL_CODE["segments"], *ASSEMBLER))
+# What statements have in common.
+PAPER: CaseFields = {
+    "section": "The paper's statements",
+    "reference_kind": "paper-statement",
+    "group": "paper",
+    "effort": 0.2,
+    "unit": "1",
+}
+
+
+class Statements(CaseGroup):
+    """Sentences and figures of the paper that a computation can check, one case each."""
+
+    def says(
+        self,
+        identifier: str,
+        where: str,
+        title: str,
+        *,
+        over: Over | None = None,
+        sentence: str = "",
+        curves: Curves | None = None,
+        judged: ModelOptions = AS_CORRECTED,
+        differs: str = "",
+        circular: str = "",
+        order: float = 0.0,
+        **fields: Unpack[CaseFields],
+    ) -> Callable[[Compute], Compute]:
+        """Declare a statement of the paper (`where`) by what computes its number.
+
+        `title` says what the case compares. The parameter `reading`, where that is computed with
+        one, has the options as printed or as corrected; `judged` is the one whose number the case
+        reports. `sentence` is what the paper says where that is more than the title, of all
+        `curves` (the case's own where there are none); sentences of several statements are one.
+        `differs` names what sets the readings apart (empty: nothing does), `circular` why the
+        sentence counts for nothing. `order` is that of the elements in which a number is computed,
+        zero where there are none: what half as many change of it is its uncertainty.
+        """
+        cited = f"Briot, Pashkevich, Chablat, {where}"
+        common: CaseFields = {**self._common, "citation": cited, **fields}
+        own = CaseGroup(**common)
+        said = _Said(where, sentence, curves or {"": {}}, judged, differs, circular, order)
+
+        def declare(compute: Compute) -> Compute:
+            self._declared.append(
+                lambda **given: tuple(map(said.case, own(reading=judged, **given)))
+            )
+            return own.case(f"paper.{identifier}", title, over=over)(compute)
+
+        return declare
 
 
 @dataclass(frozen=True)
-class Statement:
-    """A sentence or figure of the paper (`where`) that a computation can check.
+class _Said:
+    """What `Statements.says` is told of a statement beyond its case."""
 
-    `title` says what the case compares, `sides` by which code. `compute` takes the options of a
-    reading; `judged` is the one whose number the case reports. `sentence` is what the paper says
-    where that is more than the title, of all `curves` (the case's own where empty); sentences of
-    several statements are one. `differs` names what sets the readings apart (empty: nothing does),
-    `circular` why the sentence counts for nothing. `order` is that of the elements in which a
-    number is computed, zero where there are none: what half as many change of it is its
-    uncertainty. `figure`: id of the report's figure that shows it.
-    """
-
-    id: str
     where: str
-    title: str
-    quantity: str
-    unit: str
-    tolerance: Tolerance
-    reason: str
-    compute: Compute
-    sides: Sides
-    relation: Relation = Relation.EQUAL
-    group: str = "paper"
-    effort: float = 0.2
-    sentence: str = ""
-    curves: Mapping[str, Compute] = field(default_factory=dict)
-    judged: Literal["as printed", "as corrected"] = "as corrected"
-    differs: str = ""
-    circular: str = ""
-    order: float = 0.0
-    figure: str = ""
-    presets: tuple[Preset, ...] = PRESETS
-    model: str = ""
+    sentence: str
+    curves: Curves
+    judged: ModelOptions
+    differs: str
+    circular: str
+    order: float
 
-    def case(self) -> Case:
-        """The statement as a case."""
-        return Case(
-            id=f"paper.{self.id}",
-            title=self.title,
-            quantity=self.quantity,
-            unit=self.unit,
-            reference_kind="paper-statement",
-            citation=f"Briot, Pashkevich, Chablat, {self.where}",
-            tolerance=self.tolerance,
-            tolerance_reason=self.reason,
-            compute=update_wrapper(partial(_measured, statement=self), self.compute),
-            relation=self.relation,
-            section=SECTION,
-            group=self.group,
-            effort=self.effort,
-            figure=self.figure,
-            presets=self.presets,
-            model=self.model,
-            sides=self.sides,
-        )
+    def case(self, declared: Case) -> Case:
+        """The case with the claim in what it measures."""
+        compute = declared.compute
+        function = compute.func if isinstance(compute, partial) else compute
+        measured = partial(self._measured, case=declared)
+        return replace(declared, compute=update_wrapper(measured, function))
 
-    def claim(self, context: Context) -> Claim:
-        """What the paper says, in both readings."""
-        curves = self.curves or {"": self.compute}
-        return Claim(
-            sentence=self.sentence or self.title,
+    def _measured(self, context: Context, case: Case) -> Measurement:
+        claim = Claim(
+            sentence=self.sentence or case.title,
             where=self.where,
-            quantity=self.quantity,
-            curves=tuple(self._curve(context, *named) for named in curves.items()),
+            quantity=case.quantity,
+            curves=tuple(self._curve(context, case, name) for name in self.curves),
             differs=self.differs,
             circular=self.circular,
         )
+        found = replace(_read(context, case, self.judged), claim=claim)
+        if not self.order:
+            return found
+        half = replace(self.judged, elements=self.judged.elements // 2)
+        change = abs(found.value - _read(context, case, half).value)
+        uncertain = step_factor(2.0, self.order) * change
+        return replace(found, value_uncertainty=uncertain, exact=False)
 
-    def _curve(self, context: Context, name: str, compute: Compute) -> ClaimedCurve:
-        corrected = compute(context, AS_CORRECTED)
-        printed = compute(context, AS_PRINTED) if self.differs else corrected
+    def _curve(self, context: Context, case: Case, name: str) -> ClaimedCurve:
+        found = corrected = _read(context, case, AS_CORRECTED, self.curves[name])
+        if self.differs:
+            found = _read(context, case, AS_PRINTED, self.curves[name])
+        given = case.compute.keywords if isinstance(case.compute, partial) else {}
         return ClaimedCurve(
-            name=name,
-            unit=self.unit,
-            printed=_finite(printed.value),
-            printed_holds=self._holds(printed),
+            name=name.format(**given),
+            unit=case.unit,
+            printed=_finite(found.value),
+            printed_holds=_holds(case, found),
             corrected=_finite(corrected.value),
-            corrected_holds=self._holds(corrected),
+            corrected_holds=_holds(case, corrected),
         )
 
-    def _holds(self, found: Measurement) -> bool:
-        tolerance = self.tolerance.at(found.reference)
-        return verdict(found.unexplained, self.relation, tolerance) == "agree"
+
+def _read(
+    context: Context, case: Case, reading: ModelOptions, curve: Mapping[str, Any] | None = None
+) -> Measurement:
+    """What computes the case, in a reading where it knows several, of one of the curves."""
+    compute: Callable[..., Measurement] = case.compute
+    read = {"reading": reading} if "reading" in signature(compute).parameters else {}
+    return compute(context, **read, **(curve or {}))
 
 
-def _measured(context: Context, statement: Statement) -> Measurement:
-    options = AS_PRINTED if statement.judged == "as printed" else AS_CORRECTED
-    found = replace(statement.compute(context, options), claim=statement.claim(context))
-    if not statement.order:
-        return found
-    coarse = statement.compute(context, replace(options, elements=options.elements // 2))
-    uncertain = step_factor(2.0, statement.order) * abs(found.value - coarse.value)
-    return replace(found, value_uncertainty=uncertain, exact=False)
+def _holds(case: Case, found: Measurement) -> bool:
+    tolerance = case.tolerance.at(found.reference)
+    return verdict(found.unexplained, case.relation, tolerance) == "agree"
 
 
 def sampled(number: Callable[[int], float], reference: float) -> Measurement:
