@@ -87,6 +87,17 @@ class Entry:
     assumed: str = ""
 
     @property
+    def chance(self) -> float | None:
+        """How probable the verdict is, of one that is undecided the likelier one; None if unknown.
+
+        That is where inputs of the robot are uncertain.
+        """
+        if self.probability is None or self.probability_beyond is None:
+            return None
+        both = {"adequate": self.probability, "inadequate": self.probability_beyond}
+        return both.get(self.verdict, max(both.values()))
+
+    @property
     def signed(self) -> bool:
         """Whether its errors have a sign; the error of a whole displacement has none."""
         return self.measured or self.quantity not in STATIC_QUANTITIES

@@ -1,6 +1,7 @@
 """The first screen from a made-up matrix: the sentence, the table, sheets, the figure."""
 
 import re
+from dataclasses import replace
 
 import pytest
 from matrix_sample import POSES, entry, sample_matrix, undecided
@@ -87,7 +88,9 @@ def test_the_sentence_is_short():
 def test_what_verdicts_on_frequencies_suppose_stands_behind_them_and_nowhere_else():
     supposed = "for every plausible distribution of the legs' mass"
     decided = (entry("beam", "f1", (0.3, 0.3, 0.3)),)
-    assert sentence(sample_matrix(entries=decided, supposed=supposed)).endswith(f" ({supposed}).")
+    assert sentence(sample_matrix(entries=decided, supposed=supposed)).endswith(
+        f". Frequencies: {supposed}."
+    )
     assert supposed not in sentence(sample_matrix(supposed=supposed))
 
 
@@ -181,3 +184,27 @@ def test_legs_and_measured_values_have_tables_and_sheets_of_their_own():
     assert "For your limits use vjm (z)." in alone
     assert '<a href="#measured">' in alone
     assert f"<dd>{number(by_gauge[1].value, 6)} m</dd>" in alone
+
+
+def test_uncertain_inputs_stand_beside_the_matrix_and_how_sure_a_verdict_is() -> None:
+    uncertain = replace(
+        entry("beam", "f1", (0.03, 0.03, 0.03)),
+        probability=0.97,
+        probability_beyond=0.01,
+        input_shares={"leg1.material.E": 0.64, "platform.mass": 0.36},
+        uncertainties={"inputs": 0.01},
+    )
+    screen = first_screen(sample_matrix(entries=(uncertain,)), plotted=False)
+    (cell,) = screen.table.cells
+    assert cell.spread.endswith("97\u00a0% sure")
+    assert screen.inputs == (
+        "leg1.material.E ±0.8\u00a0% (f1 by beams)",
+        "platform.mass ±0.6\u00a0% (f1 by beams)",
+    )
+    assert (
+        "Shares of the inputs",
+        "leg1.material.E 64\u00a0%, platform.mass 36\u00a0%",
+    ) in cell.sheet
+    certain = replace(uncertain, probability=1.0)
+    (cell,) = first_screen(sample_matrix(entries=(certain,)), plotted=False).table.cells
+    assert "sure" not in cell.spread

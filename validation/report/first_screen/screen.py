@@ -2,8 +2,10 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from math import sqrt
 
 from validation.adequacy.matrix import Matrix
+from validation.drawing.text import percent
 from validation.exhibits import Figure
 from validation.report.figures.adequacy import error_curves
 from validation.report.figures.declared import attempted
@@ -18,9 +20,10 @@ from validation.report.first_screen.words import capital, listed, model_name, qu
 class FirstScreen:
     """What the reader sees first: the sentence, the table with its CSV, errors over the poses.
 
-    Then `remedies`, what decides the entries that are `undecided`, by entries, and `notes` on what
-    was not said by the user. `parts` show the same of what stands beside the matrix, each by its
-    `name` under `heading`.
+    Then `remedies`, what decides the entries that are `undecided`, by entries, the uncertain
+    `inputs` with the errors that they leave most open, and `notes` on what was not said by the
+    user. `parts` show the same of what stands beside the matrix, each by its `name` under
+    `heading`.
     """
 
     sentence: str
@@ -30,6 +33,7 @@ class FirstScreen:
     remedies: tuple[Remedy, ...]
     notes: tuple[str, ...]
     undecided: Mapping[str, str]
+    inputs: tuple[str, ...] = ()
     name: str = ""
     heading: str = ""
     parts: "tuple[FirstScreen, ...]" = ()
@@ -57,6 +61,7 @@ def first_screen(
         remedies=remedies_of(matrix),
         notes=matrix.notes,
         undecided=_undecided(matrix),
+        inputs=_inputs(matrix),
         name=matrix.robot,
         parts=tuple(
             replace(first_screen(one, plotted=False), heading=_heading(matrix, one))
@@ -74,6 +79,18 @@ def _undecided(matrix: Matrix) -> Mapping[str, str]:
         if (found := [entry for entry in open_ if entry.reason == reason])
         and (names := list(dict.fromkeys(model_name(entry.model) for entry in found)))
     }
+
+
+def _inputs(matrix: Matrix) -> tuple[str, ...]:
+    """Each uncertain input with the error that it leaves most open, and by how much (95 %)."""
+    largest: dict[str, tuple[float, str]] = {}
+    for entry in matrix.entries:
+        half = entry.uncertainties.get("inputs", 0.0)
+        said = f"{quantities_text(matrix, [entry.quantity])} by {model_name(entry.model)}"
+        for key, share in entry.input_shares.items():
+            largest[key] = max(largest.get(key, (0.0, "")), (half * sqrt(share), said))
+    ranked = sorted(((size, key, said) for key, (size, said) in largest.items()), reverse=True)
+    return tuple(f"{key} ±{percent(size, signed=False)} ({said})" for size, key, said in ranked)
 
 
 def _heading(matrix: Matrix, one: Matrix) -> str:

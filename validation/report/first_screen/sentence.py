@@ -20,7 +20,7 @@ def sentence(matrix: Matrix, rely: Sequence[str] = ()) -> str:
     said = _relied(matrix, relied) if relied else _to_use(matrix)
     decided = [e for e in matrix.entries if e.quantity not in STATIC_QUANTITIES]
     if matrix.supposed and any(entry.verdict != "undecided" for entry in decided):
-        said += f" ({matrix.supposed})"
+        said += f". Frequencies: {matrix.supposed}"
     return f"{said}." if said else "No model could be judged."
 
 

@@ -21,7 +21,7 @@ def sheet_of(matrix: Matrix, note: ModelNote, entry: Entry) -> tuple[str, tuple[
 def pose_text(matrix: Matrix, pose: tuple[float, ...]) -> str:
     """A pose by its coordinates: "x = 0.4975 m"."""
     if not pose:
-        return "no pose of the robot"
+        return "the root clamped"
     return ", ".join(
         f"{one.name} = {number(value, 4)} {one.unit}"
         for one, value in zip(matrix.coordinates, pose, strict=True)
@@ -46,6 +46,10 @@ def _numbers(matrix: Matrix, entry: Entry) -> list[Line]:
         lines.append(("Error", f"{error}{whole}, accepted {accepted}"))
     if entry.along is not None:
         lines.append(("Along the load", error_text(entry.along)))
+    if entry.probability is not None:
+        lines.append(("Within the limit", f"with a probability of {percent(entry.probability, signed=False)}"))
+        shares = [f"{key} {percent(one, signed=False)}" for key, one in entry.input_shares.items()]
+        lines += [("Shares of the inputs", ", ".join(shares))] if shares else []
     if entry.uncertainty is not None:
         parts = [
             f"{name} {percent(size, signed=False)}" for name, size in entry.uncertainties.items()

@@ -21,6 +21,8 @@ MARKS: Mapping[Adequacy, str] = {"adequate": "✓", "inadequate": "✗", "undeci
 FORCE, MOMENT = 1000.0, 100.0
 # Uncertainties below this share of the reference are not shown in a cell.
 _WORTH_SAYING = 5e-4
+# From here on a verdict is as good as certain.
+_CERTAIN = 0.995
 # Columns of the CSV that go by another name than the field of an entry.
 _HEADINGS = {"along": "error along the load", "expected": "reference value"}
 # A model without a motion is off by all of it.
@@ -91,6 +93,8 @@ def _cell(matrix: Matrix, note: ModelNote, entry: Entry) -> Cell:
     open_, text = "", _text(entry)
     if entry.uncertainty is not None and entry.uncertainty >= _WORTH_SAYING:
         open_ = f"±\u00a0{percent(entry.uncertainty, signed=False)}"
+    if entry.chance is not None and entry.chance < _CERTAIN:
+        open_ = f"{open_} {percent(entry.chance, signed=False)}\u00a0sure".strip()
     # Sheets of one model and quantity by different references are told apart.
     kind = ".measured" if entry.measured else ""
     meaning, sheet = sheet_of(matrix, note, entry)
@@ -148,7 +152,7 @@ def csv_of_matrix(matrix: Matrix) -> str:
         _HEADINGS.get(name, name.replace("_", " ")): [getattr(one, name) for one in matrix.entries]
         for name in (
             *("model", "quantity", "verdict", "error", "uncertainty", "limit", "along", "value"),
-            *("expected", "reference", "remedy", "error_with_remedy", "reason"),
+            *("expected", "reference", "remedy", "error_with_remedy", "reason", "probability"),
         )
     }
     forces = [" ".join(f"{one:.6g}" for one in entry.force) for entry in matrix.entries]
