@@ -196,7 +196,7 @@ def test_uncertain_inputs_stand_beside_the_matrix_and_how_sure_a_verdict_is() ->
     )
     screen = first_screen(sample_matrix(entries=(uncertain,)), plotted=False)
     (cell,) = screen.table.cells
-    assert cell.spread.endswith("97\u00a0% sure")
+    assert cell.spread.endswith("97\u00a0%\u00a0sure")
     assert screen.inputs == (
         "leg1.material.E ±0.8\u00a0% (f1 by beams)",
         "platform.mass ±0.6\u00a0% (f1 by beams)",

@@ -47,7 +47,8 @@ def _numbers(matrix: Matrix, entry: Entry) -> list[Line]:
     if entry.along is not None:
         lines.append(("Along the load", error_text(entry.along)))
     if entry.probability is not None:
-        lines.append(("Within the limit", f"with a probability of {percent(entry.probability, signed=False)}"))
+        chance = percent(entry.probability, signed=False)
+        lines.append(("Within the limit", f"with a probability of {chance}"))
         shares = [f"{key} {percent(one, signed=False)}" for key, one in entry.input_shares.items()]
         lines += [("Shares of the inputs", ", ".join(shares))] if shares else []
     if entry.uncertainty is not None:
