@@ -8,8 +8,9 @@ import numpy as np
 from lumped.errors import naming
 from lumped.mechanism.biglide import biglide, lengthened
 from lumped.mechanism.mechanism import Mechanism
-from lumped.robot_file.leg_table import leg_faults, leg_of
+from lumped.robot_file.rules.relations import leg_faults
 from lumped.robot_file.rules.tables import BIGLIDE
+from lumped.robot_file.shapes import leg_of
 
 _LEGS = ("leg1", "leg2")
 
@@ -20,8 +21,8 @@ def biglide_faults(tables: Mapping[str, Any]) -> list[str]:
     for name in _LEGS:
         rule = BIGLIDE.keys[name].kind
         if name in tables and not rule.faults(tables[name], name):
-            leg = rule.read(tables[name])
-            faults += leg_faults(leg, leg["length"], name)
+            own = {"key": name, "material_key": f"{name}.material"}
+            faults += leg_faults(rule.read(tables[name]) | own)
     return faults
 
 
@@ -31,10 +32,7 @@ def biglide_of(read: Mapping[str, Any]) -> Mechanism:
     Raises InputError where the legs cannot meet.
     """
     a, alpha = read["geometry"]["a"], read["geometry"]["alpha"]
-    leg1, leg2 = (
-        leg_of(read[name], read[name]["length"], f"leg {number}")
-        for number, name in enumerate(_LEGS, start=1)
-    )
+    leg1, leg2 = leg_of(read["leg1"], "leg 1"), leg_of(read["leg2"], "leg 2")
     place = "geometry.a, leg1.length, leg2.length"
     if alpha != 1.0:
         a, leg1, leg2 = lengthened(a, leg1, leg2, alpha)

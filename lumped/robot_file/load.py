@@ -26,7 +26,8 @@ from lumped.robot_file.evidence import (
     requirement_of,
     times,
 )
-from lumped.robot_file.mechanism.build import description_faults, mechanism_of
+from lumped.robot_file.mechanism.build import mechanism_of
+from lumped.robot_file.mechanism.description_faults import description_faults
 from lumped.robot_file.mechanism.motion_faults import motion_faults
 from lumped.robot_file.places import keys_named, value_at, with_value
 from lumped.robot_file.reading import decoded, parsed

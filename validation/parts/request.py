@@ -10,13 +10,9 @@ from lumped.arrays import Array
 from lumped.errors import InputError
 from lumped.legs import Material
 from lumped.mechanism.part import PartInterface
-from lumped.robot_file.mechanism.part_tables import (
-    choice_faults,
-    interface_of,
-    isotropic_of,
-    material_faults,
-)
+from lumped.robot_file.rules.relations import interface_faults, material_faults
 from lumped.robot_file.rules.tables import INTERFACE, MATERIAL
+from lumped.robot_file.shapes import interface_of, isotropic_of
 
 _EXAMPLE = "A = { cylinder = { radius = 0.04 } }"
 
@@ -43,7 +39,7 @@ def interfaces_of(texts: Sequence[str]) -> tuple[dict[str, PartInterface], dict[
                 continue
             own = INTERFACE.faults_within(table, f"{key}.")
             read = {} if own else INTERFACE.read(table)
-            own = own or choice_faults(read, key)
+            own = own or [*interface_faults(read, key)]
             if not own:
                 wanted[name] = interface_of(read)
                 if read["point"] is not None:
@@ -65,7 +61,7 @@ def material_of(text: str) -> Material:
         raise InputError(f"--material: must be a table, {example}")
     faults = MATERIAL.faults_within(table, "--material ")
     read = {} if faults else MATERIAL.read(table)
-    if faults := faults or material_faults(read, "--material "):
+    if faults := faults or [*material_faults(read, "--material ")]:
         raise InputError(faults)
     return isotropic_of(read)
 

@@ -14,28 +14,9 @@ from lumped.mechanism.joint import Drive, Joint, Side
 from lumped.mechanism.mechanism import GROUND, Mechanism, Tool
 from lumped.mechanism.part import Part
 from lumped.mechanism.placing import leg_on, rigid_on
-from lumped.robot_file.leg_table import leg_of
-from lumped.robot_file.mechanism.body_faults import body_faults, kind_of, leg_length, with_material
-from lumped.robot_file.mechanism.draft import Draft, Entry, draft
-from lumped.robot_file.mechanism.joint_faults import (
-    directions_of,
-    joint_faults,
-    points_of,
-    tool_faults,
-    way_between,
-)
-from lumped.robot_file.mechanism.part_tables import interface_of, isotropic_of
-from lumped.robot_file.mechanism.whole_faults import connection_faults, path_faults
-from lumped.robot_file.rules.tables import MECHANISM
-
-
-def description_faults(tables: Mapping[str, Any]) -> list[str]:
-    """Every fault of a robot file's tables that shows without closing a loop."""
-    given = draft(tables)
-    faults = MECHANISM.faults_within(tables)
-    faults += body_faults(given) + joint_faults(given) + tool_faults(given) + path_faults(given)
-    # Who is connected to whom is known once every joint says what it joins.
-    return faults or connection_faults(given)
+from lumped.robot_file.mechanism.draft import Draft, draft
+from lumped.robot_file.rules.relations import Entry
+from lumped.robot_file.shapes import interface_of, isotropic_of, leg_of
 
 
 def mechanism_of(tables: Mapping[str, Any], folder: Path) -> Mechanism:
@@ -62,14 +43,13 @@ def mechanism_of(tables: Mapping[str, Any], folder: Path) -> Mechanism:
 
 
 def _body(given: Draft, name: str, folder: Path) -> tuple[Body, Frame]:
-    table = with_material(given, given.bodies[name])
-    if kind_of(table) == "part":
+    table = given.bodies[name]
+    if table["kind"] == "part":
         return _part(given, name, table, folder)
-    if kind_of(table) == "rigid body":
+    if table["kind"] == "rigid body":
         return _rigid(given, name, table)
-    leg = leg_of(table, leg_length(given, table) or 0.0, name)
     up = None if table["up"] is None else np.array(table["up"])
-    return leg_on(name, leg, (table["from"], table["to"]), given.points, up)
+    return leg_on(name, leg_of(table, name), table["held"], given.points, up)
 
 
 def _place(given: Draft, place: Any) -> Array:
@@ -107,10 +87,10 @@ def _rigid(given: Draft, name: str, table: Entry) -> tuple[Body, Frame]:
 
 def _joint(given: Draft, name: str) -> Joint:
     table = given.joints[name]
-    first, second = map(Side, table["between"], points_of(table))
-    way = way_between(given, table)
+    first, second = map(Side, table["between"], table["points"])
     # Two points also say what six digits of a direction would leave open.
-    axes = np.reshape(directions_of(table) if way is None else way, (-1, 3))
+    along = table["directions"] if table["way"] is None else table["way"]
+    axes = np.reshape(along, (-1, 3))
     drive = table["drive"]
     if drive is not None:
         stiffness = None if drive["stiffness"] == "rigid" else drive["stiffness"]

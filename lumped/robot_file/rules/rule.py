@@ -138,12 +138,16 @@ class Number(Rule):
 
 @dataclass(frozen=True)
 class Text(Rule):
-    """A text that matches `pattern` (any but an empty one without), in words what is `allowed`."""
+    """A text that matches `pattern` (any but an empty one without), in words what is `allowed`.
+
+    `among`: the table of the file, one of whose names it must be.
+    """
 
     written = (str,)
     many = "texts"
     pattern: str = ""
     allowed: str = "a text"
+    among: str = ""
 
     @property
     def schema(self) -> dict[str, Any]:

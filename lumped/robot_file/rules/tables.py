@@ -68,6 +68,9 @@ _MODES = Number(least=1, most=MOST_MODES, whole=True)
 _NUMBER, _POSITIVE, _TEXT = Number(), Number(above=0.0), Text()
 _TITLE = Text(r"[^\x00-\x1f\x7f]{1,100}", "a text of 1 to 100 characters on one line")
 _NAME = Text(r"[\w-]{1,40}", "1 to 40 letters, digits, _ or -")
+_BODY_NAME, _MATERIAL_NAME, _POINT_NAME = (
+    replace(_NAME, among=table) for table in ("bodies", "materials", "points")
+)
 
 MATERIAL = TableRule(
     needed("E", _YOUNGS_MODULUS, "Young's modulus"),
@@ -90,9 +93,10 @@ INTERFACE = TableRule(
     Key("point", _POINT, "reference point of a part by itself; in a robot it is that of its name"),
 )
 
+_MATERIAL = Either(_MATERIAL_NAME, MATERIAL)
 _LEG, _RIGID, _PART = ("leg",), ("rigid body",), ("part",)
 _PLACE = TableRule(
-    needed("at", Either(_NAME, _POINT), "where the file's origin is"),
+    needed("at", Either(_POINT_NAME, _POINT), "where the file's origin is"),
     Key("x", _DIRECTION, "where its x axis points", default=(1.0, 0.0, 0.0)),
     Key("y", _DIRECTION, "where its y axis points as nearly", default=(0.0, 1.0, 0.0)),
 )
@@ -100,26 +104,26 @@ _UP = "where its z axis points as nearly as it can; [0, 0, 1] where left out, al
 _ENDS = "whether its end faces are kept plane or may warp; both are looked at where left out"
 _TIP = "at `to`, `from` clamped, leg axes; with `mass`, in place of section and material"
 BODY = TableRule(
-    Key("from", _NAME, "the point at its root", of=_LEG),
-    Key("to", _NAME, "the point at its tip, where its x axis leads", of=_LEG),
+    Key("from", _POINT_NAME, "the point at its root", of=_LEG),
+    Key("to", _POINT_NAME, "the point at its tip, where its x axis leads", of=_LEG),
     Key("up", _DIRECTION, _UP, of=_LEG),
     Key("section", SectionRule(), "width along its y, height along its z", of=_LEG),
-    Key("material", Either(_NAME, MATERIAL), "its own, or one of [materials]", of=_LEG + _PART),
+    Key("material", _MATERIAL, "its own, or one of [materials]", of=_LEG + _PART),
     Key("mass", _MASS_OR_NONE, "in place of a density", of=_LEG + _RIGID),
     Key("compliance", _COMPLIANCE, _TIP, of=_LEG),
     Key("ends", OneOf(get_args(Ends)), _ENDS, of=_LEG),
     Key("mass_centre", _OFFSET, "from its root, beside a compliance", of=_LEG),
-    Key("points", Several(_NAME), "where joints can take hold of it", of=_RIGID),
-    Key("centre", Either(_NAME, _POINT), "its mass centre, a point or [x, y, z]", of=_RIGID),
+    Key("points", Several(_POINT_NAME), "where joints can take hold of it", of=_RIGID),
+    Key("centre", Either(_POINT_NAME, _POINT), "its mass centre, a point or [x, y, z]", of=_RIGID),
     Key("inertia", _INERTIA, "about its centre: base axes, of a leg its own", of=_LEG + _RIGID),
     Key("step", _TEXT, "its STEP or BREP file, beside the robot file", of=_PART),
     Key("mesh", _TEXT, "its mesh file, in place of that", of=_PART),
     Key("unit", OneOf(get_args(LengthUnit)), "of length, where that file names none", of=_PART),
     Key("place", _PLACE, "where the file's axes lie; in base axes where left out", of=_PART),
-    Key("interfaces", Named(_NAME, INTERFACE), "faces by the name of their point", of=_PART),
+    Key("interfaces", Named(_POINT_NAME, INTERFACE), "faces by the name of their point", of=_PART),
 )
 
-_TWO_NAMES = Either(_NAME, Several(_NAME, 2))
+_TWO_NAMES = Either(_POINT_NAME, Several(_POINT_NAME, 2))
 _SERIES = "its own give, in series: base axes of the reference posture, fixed to the first body"
 _DRIVE = TableRule(
     needed("stiffness", Either(_STIFFNESS, OneOf(("rigid",))), "in every model"),
@@ -127,7 +131,7 @@ _DRIVE = TableRule(
 )
 JOINT = TableRule(
     needed("type", OneOf(get_args(JointKind)), "which twists it leaves free"),
-    needed("between", Several(_NAME, 2), 'two bodies; "ground" is one'),
+    needed("between", Several(_BODY_NAME, 2), 'two bodies; "ground" is one'),
     needed("at", _TWO_NAMES, "a point of both, or one of each, apart along a sliding axis"),
     Key("axis", _DIRECTION, "along which it slides, about which it turns; a plane's normal"),
     Key("axes", Several(_DIRECTION, 2), "if universal: fixed in the first body, in the second"),
@@ -135,8 +139,8 @@ JOINT = TableRule(
     Key("compliance", _COMPLIANCE, _SERIES),
 )
 TOOL = TableRule(
-    needed("body", _NAME, "the body that is loaded"),
-    needed("point", _NAME, "its loaded point"),
+    needed("body", _BODY_NAME, "the body that is loaded"),
+    needed("point", _POINT_NAME, "its loaded point"),
     needed("moves", Several(OneOf(MOVES)), "what a pose prescribes of the point, in order"),
     Key("mass", _MASS_OR_NONE, "at the point", default=0.0),
 )

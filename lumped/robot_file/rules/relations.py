@@ -1,0 +1,241 @@
+"""What the keys of one entry of a robot file must say together.
+
+Beside the keys of an entry stand those that follow from them, as `Draft` says. Each fault is a
+line that starts with its key.
+"""
+
+from collections.abc import Iterator, Sequence
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from lumped.mechanism.joint import FREEDOMS, SMALLEST_SINE
+from lumped.mechanism.mechanism import GROUND
+from lumped.robot_file.rules.tables import BODY
+
+# A sound table as it is read: a value for every key, None where left out.
+Entry: TypeAlias = dict[str, Any]
+
+# Distance (m) below which two points of a leg are one.
+_TOGETHER = 1e-6
+# Sine of the angle below which a leg's z axis is not told from its x axis.
+_ALONG_LEG = 1e-6
+# A leg of length L whose tip turns by c66 under 1 N m deflects by about c66 L²/3 under 1 N. With
+# metres written as millimetres the ratio falls by 1e-6; a leg that shears or gives way at its root
+# a thousand times more than it bends is none.
+_SMALLEST_BENDING_SHARE = 1e-3
+# Kinds of joints whose two points may lie apart, along the axis.
+_EXTENDED = ("prismatic", "cylindrical")
+# Length of a direction below which it is none: its square would be lost.
+NO_DIRECTION = 1e-9
+
+
+def leg_faults(leg: Entry) -> Iterator[str]:
+    """Faults of a leg of either schema."""
+    key, mass, material = leg["key"], leg["mass"], leg["material"]
+    compliance, length = leg["compliance"], leg["length"]
+    given = _given(leg, "compliance", "section", "material")
+    if given not in (["compliance"], ["section", "material"]):
+        said = f"has {' and '.join(given)}" if given else "neither compliance nor section"
+        yield f"{key}: {said}; must have either compliance and mass, or section and material"
+    elif leg["ends"] is not None and compliance is not None:
+        yield f"{key}.ends: must be left out beside {key}.compliance, whose ends are in its numbers"
+    if mass == 0.0:
+        yield f"{key}.mass = 0.0: must be above 0 kg for a leg"
+    elif compliance is not None:
+        if mass is None:
+            yield f"{key}.mass: missing; must be given with {key}.compliance, a number above 0 kg"
+    elif isinstance(material, dict) and (material["rho"] is None) == (mass is None):
+        density = f"{leg['material_key']}.rho"
+        yield (
+            f"{density}: missing; must be a density in kg/m³, unless {key}.mass in kg is given"
+            if mass is None
+            else f"{key}.mass and {density}: both given; must be only one, the mass (kg) follows "
+            "from the density (kg/m³)"
+        )
+    if length is None or length < _TOGETHER:
+        return
+    for name in ("width", "height", "diameter"):
+        if (size := getattr(leg["section"], name, 0.0)) >= length:
+            yield (
+                f"{key}.section.{name} = {size!r}: must be below the leg's length, {length:g} m; "
+                "is this in mm?"
+            )
+    for i, j in ((2, 6), (3, 5)) if compliance is not None else ():
+        deflection, rotation = float(compliance[i - 1, i - 1]), float(compliance[j - 1, j - 1])
+        if deflection > (most := rotation * length**2 / _SMALLEST_BENDING_SHARE):
+            yield (
+                f"{key}.compliance[{i},{i}] = {deflection!r}: must be at most {most:.3g} m/N "
+                f"beside [{j},{j}] = {rotation!r} rad/(N m) and a length of {length:g} m; "
+                "is this in mm/N and rad/(N mm)?"
+            )
+
+
+def body_faults(body: Entry) -> Iterator[str]:
+    """Faults of a leg on its points, a rigid body or a part."""
+    key, kind = body["key"], body["kind"]
+    if key == f"bodies.{GROUND}":
+        yield f"{key}: the base, on which the joints stand; must have another name"
+    if kind is None:
+        yield (
+            f"{key}: must be a leg (from and to), a rigid body (points) or a part (step or mesh), "
+            "and only one of them"
+        )
+        return
+    own = [name for name, rule in BODY.keys.items() if kind in rule.of]
+    for name in _given(body, *BODY.keys):
+        if name not in own:
+            yield f"{key}.{name}: does not belong to a {kind}; its keys are {', '.join(own)}"
+    yield from {"leg": _placed_leg, "rigid body": _rigid_body, "part": _part}[kind](body, key)
+
+
+def _placed_leg(leg: Entry, key: str) -> Iterator[str]:
+    for end in ("from", "to"):
+        if leg[end] is None:
+            yield f"{key}.{end}: missing; must be the name of a point"
+    length, up = leg["length"], leg["up"]
+    if length is not None and length < _TOGETHER:
+        yield (
+            f'{key}.to = "{leg["to"]}": must be apart from "{leg["from"]}", where the leg begins '
+            f"(they are {length:.3g} m apart)"
+        )
+    elif length is not None and up is not None and _parallel(up, leg["way"], _ALONG_LEG):
+        yield f"{key}.up = {list(up)}: must be a direction that does not lie along the leg"
+    yield from leg_faults(leg)
+
+
+def _rigid_body(body: Entry, key: str) -> Iterator[str]:
+    if not body["points"]:
+        yield f"{key}.points = []: must name at least one point"
+    yield from _named_twice(body["points"], f"{key}.points")
+    if body["mass"] and body["centre"] is None:
+        yield f"{key}.centre: missing; must be a point's name or [x, y, z], given with {key}.mass"
+    for name in () if body["mass"] else _given(body, "centre", "inertia"):
+        yield f"{key}.mass: missing; must be above 0 kg, given with {key}.{name}"
+
+
+def _part(part: Entry, key: str) -> Iterator[str]:
+    if part["step"] and part["mesh"]:
+        yield f"{key}.mesh: given with {key}.step; a part is read from one file"
+    if part["material"] is None:
+        yield f"{key}.material: missing; must be a name of [materials] or a table"
+    if isinstance(part["material"], dict):
+        yield from material_faults(part["material"], f"{key}.material.")
+    if not part["interfaces"]:
+        yield f"{key}.interfaces: missing; must name the points at which the part is held"
+    for point, interface in (part["interfaces"] or {}).items():
+        own = f"{key}.interfaces.{point}"
+        yield from interface_faults(interface, own)
+        if interface["point"] is not None:
+            yield f"{own}.point: does not belong here; the reference point is that of [points]"
+    place = part["place"]
+    if place and _parallel(place["x"], place["y"], 0.0):
+        yield f"{key}.place.y = {list(place['y'])}: must not lie along {key}.place.x"
+
+
+def material_faults(material: Entry, path: str) -> Iterator[str]:
+    """Why a material is none of a part; `path` goes before each key."""
+    if material["rho"] is None:
+        yield f"{path}rho: missing; a part's mass follows from its density"
+    if material["G"] is not None:
+        yield f"{path}G: does not belong to a part; its material is isotropic"
+
+
+def interface_faults(interface: Entry, key: str) -> Iterator[str]:
+    """The fault of an interface whose faces are said in no way or in several."""
+    choices = ("faces", "name", "cylinder", "plane")
+    given = _given(interface, *choices)
+    if len(given) != 1:
+        said = f"has {' and '.join(given)}" if given else "does not say which faces"
+        yield f"{key}: {said}; must have one of {', '.join(choices)}"
+
+
+def joint_faults(joint: Entry) -> Iterator[str]:
+    """Faults of a joint."""
+    key, kind, at = joint["key"], joint["type"], joint["at"]
+    first, second = joint["between"]
+    if first == second:
+        yield f'{key}.between: "{first}" twice; must be two different bodies'
+    if joint["drive"] is not None and FREEDOMS[kind] != 1:
+        yield (
+            f"{key}.drive: a {kind} joint has {FREEDOMS[kind] or 'no'} free motions; "
+            "must be a revolute or a prismatic one"
+        )
+    if joint["one_twice"]:
+        yield f"{key}.at = {list(at)}: must be two different points, or one name"
+    elif not isinstance(at, str) and kind not in _EXTENDED:
+        yield (
+            f"{key}.at = {list(at)}: only {' and '.join(_EXTENDED)} joints may name two points; "
+            "must be one point of both bodies"
+        )
+    wanted, way, directions = joint["wanted"], joint["way"], joint["directions"]
+    for name in _given(joint, "axis", "axes"):
+        if name != wanted:
+            instead = f"must have {wanted}" if wanted else "must have none"
+            yield f"{key}.{name}: does not belong to a {kind} joint; {instead}"
+    slides = way is not None and kind in _EXTENDED
+    if wanted and not directions and not slides:
+        allowed = "a direction [x, y, z]" if wanted == "axis" else "two directions"
+        yield f"{key}.{wanted}: missing; must be {allowed}"
+    for direction in directions:
+        if np.linalg.norm(direction) < NO_DIRECTION:
+            yield f"{key}.{wanted} = {list(direction)}: must not be zero, it is a direction"
+            return
+    if len(directions) == 2 and _parallel(directions[0], directions[1], SMALLEST_SINE):
+        yield (
+            f"{key}.axes = {list(map(list, directions))}: must not be parallel; "
+            "a universal joint turns about two directions"
+        )
+    if slides and directions and not _parallel(directions[0], way, SMALLEST_SINE):
+        yield (
+            f"{key}.axis = {list(directions[0])}: must point from {at[0]} to {at[1]} or back, "
+            f"which are {np.linalg.norm(way):.3g} m apart; left out, it does"
+        )
+
+
+def tool_faults(tool: Entry) -> Iterator[str]:
+    """Faults of the tool."""
+    if tool["body"] == GROUND:
+        yield f'tool.body = "{GROUND}": must be a body that moves'
+    yield from _named_twice(tool["moves"], "tool.moves")
+
+
+def path_faults(path: Entry) -> Iterator[str]:
+    """Faults of the path beside the tool's `moves`."""
+    moves, given = path["moves"], _given(path, "from", "to", "count", "counts")
+    if path["poses"] is not None:
+        yield from (f"path.{name}: must not be given beside path.poses" for name in given)
+        if not path["poses"]:
+            yield "path.poses = []: must hold at least one pose"
+        lists = {f"poses[{i}]": pose for i, pose in enumerate(path["poses"], start=1)}
+    else:
+        for name in ("from", "to"):
+            if name not in given:
+                numbers = f"{len(moves)} numbers ({', '.join(moves)})"
+                yield f"path.{name}: missing; must be a pose, {numbers}"
+        if ("count" in given) == ("counts" in given):
+            yield (
+                "path.count: must be given for a line (how many poses), or path.counts for a grid "
+                "(how many along each move), and only one of them"
+            )
+        lists = {name: path[name] for name in given if name != "count"}
+    wanted = f"one for each of tool.moves ({', '.join(moves)})" if moves else "none: no tool.moves"
+    for name, values in lists.items():
+        if len(values) != len(moves):
+            yield f"path.{name}: {len(values)} numbers; must be {len(moves)}, {wanted}"
+
+
+def _given(entry: Entry, *names: str) -> list[str]:
+    return [name for name in names if entry[name] is not None]
+
+
+def _named_twice(names: Sequence[str], key: str) -> Iterator[str]:
+    for i, name in enumerate(names):
+        if name in names[:i]:
+            yield f'{key}[{i + 1}] = "{name}": named twice'
+
+
+def _parallel(first: object, second: object, sine: float) -> bool:
+    """Whether two directions are one or opposite to such a sine, or one of them is none."""
+    a, b = np.array(first, dtype=float), np.array(second, dtype=float)
+    return bool(np.linalg.norm(np.cross(a, b)) <= sine * np.linalg.norm(a) * np.linalg.norm(b))
