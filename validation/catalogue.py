@@ -10,7 +10,8 @@ from validation.adequacy.robot import robot_adequacy
 from validation.cases import legs, mechanism
 from validation.measured.matrix import measured_matrix
 from validation.paper.robot import is_the_papers
-from validation.report.figures import figures_of_robot, figures_of_variations
+from validation.report.figures.mechanism import curves, energies, pairs, pictures
+from validation.report.figures.mechanism.variations import figures_over
 from validation.results.tasks import Task
 from validation.solids.leg_models import SHARED_SOLIDS
 from validation.variations.cases import cases_over
@@ -43,8 +44,12 @@ def catalogue(robot_file: RobotFile, variations: Sequence[Variation] = ()) -> Se
         *mechanism.cases(described, robot_file.requirement.modes),
         *([_MEASURED] if robot_file.measured else []),
         _ADEQUACY,
-        *figures_of_robot(),
+        *pictures.portraits(),
+        *curves.figures(),
+        *pictures.figures(),
+        *pairs.figures(),
+        *energies.figures(),
         *(paper.figures() if is_the_papers(robot_file) else ()),
         *(cases_over(robot_file, variations) if variations else ()),
-        *figures_of_variations(variations),
+        *figures_over(variations),
     )

@@ -1,6 +1,6 @@
 """What a source says, as printed and as corrected: a table of the page, and as CSV."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from validation.claims import Claim, Standing, summary
@@ -29,31 +29,17 @@ class Reading:
 
 
 @dataclass(frozen=True)
-class SaidRow:
-    """A sentence with both readings, in which of them it `holds`, and the `colour` of that."""
-
-    claim: Claim
-    printed: Reading
-    corrected: Reading
-    holds: str
-    colour: str
-
-
-@dataclass(frozen=True)
 class SaidTable:
     """Sentences of a source, one row each."""
 
     claims: tuple[Claim, ...]
 
     @property
-    def rows(self) -> tuple[SaidRow, ...]:
-        """The rows in the order of the source."""
-        return tuple(
-            SaidRow(
-                claim, _cell(claim, "printed"), _cell(claim, "corrected"), *_HOLDS[claim.standing]
-            )
-            for claim in self.claims
-        )
+    def rows(self) -> Iterator[tuple[Claim, list[Reading], str, str]]:
+        """A sentence with both readings, in which of them it holds, and the colour of that."""
+        for claim in self.claims:
+            readings = [_cell(claim, reading) for reading in ("printed", "corrected")]
+            yield claim, readings, *_HOLDS[claim.standing]
 
     @property
     def summary(self) -> str:

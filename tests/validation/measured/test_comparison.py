@@ -22,7 +22,7 @@ from validation.measured.matrix import measured_matrix, predicted
 from validation.models.legs import leg_compliance
 from validation.models.mechanism import answers
 from validation.models.options import ModelOptions
-from validation.report.figures.measured import measured_curves
+from validation.report.figures.adequacy import measured_curves
 from validation.report.first_screen.sentence import sentence
 
 DRAWS = 1000

@@ -147,9 +147,6 @@ def test_every_statement_of_the_run_is_in_its_results_and_on_the_page(outcomes, 
     assert {"as_printed", "as_corrected"} <= set(records[0]["curves"][0])
     table = SaidTable(tuple(said.values()))
     assert len(table.csv.splitlines()) == 1 + sum(len(claim.curves) for claim in said.values())
-    row = next(row for row in table.rows if row.claim is of(said, "Longer legs: smaller planar"))
-    assert (row.holds, row.corrected.text, row.corrected.verdict) == (
-        "in part",
-        "1 of 6 curves",
-        "inadequate",
-    )
+    asked = of(said, "Longer legs: smaller planar")
+    (((_, corrected), holds, _),) = (row for claim, *row in table.rows if claim is asked)
+    assert (holds, corrected.text, corrected.verdict) == ("in part", "1 of 6 curves", "inadequate")

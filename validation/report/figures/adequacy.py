@@ -1,7 +1,8 @@
-"""Relative error of every model over the poses, quantity by quantity, with what is accepted."""
+"""What a matrix says of every model, quantity by quantity: errors, and measured values."""
 
 from collections.abc import Mapping, Sequence
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -9,7 +10,7 @@ from lumped.acceptance.requirement import ANY_FORCE, AXES
 from lumped.arrays import Array
 from validation.adequacy.matrix import Entry, Matrix
 from validation.drawing.charts.chart import Chart, Column, Panel, Series
-from validation.drawing.charts.scales import few_ticks, percent
+from validation.drawing.charts.scales import few_ticks, percent, side_by_side
 from validation.report.figures.declared import Shown, curves
 
 _POSE = "pose"
@@ -34,7 +35,7 @@ def error_curves(matrix: Matrix) -> Shown | None:
         return None
     panels = [_panel(matrix, q, leftmost=not i % _COLUMNS) for i, q in enumerate(shown)]
     return curves(
-        matrix_chart(panels, abscissa(matrix)[1], _table(matrix)),
+        _chart(panels, matrix, _table(matrix)),
         "Error of the whole displacement of the loaded point, never negative, and of frequencies; "
         "bars: what the reference leaves open. Shaded: what is accepted, beyond it the scale is "
         "logarithmic.",
@@ -42,13 +43,47 @@ def error_curves(matrix: Matrix) -> Shown | None:
     )
 
 
-def matrix_chart(panels: Sequence[Panel], label: str, table: Mapping[str, Column]) -> Chart:
+def measured_curves(matrix: Matrix) -> Shown | None:
+    """A panel for each measured quantity: measured with its 95 % interval, models beside it."""
+    if not matrix.quantities:
+        return None
+    found = {
+        quantity: [entry for entry in matrix.entries if entry.quantity == quantity]
+        for quantity in matrix.quantities
+    }
+    panels = []
+    for place, (quantity, entries) in enumerate(found.items()):
+        named = {"title": quantity, "y_label": "" if place % 3 else "value / measured value"}
+        shape: dict[str, Any] = {**named, "levels": (1.0,), "staggered": False}
+        if any(sum(error is not None for error in entry.errors) > 1 for entry in entries):
+            panels.append(Panel(_over_poses(matrix, entries), **shape))
+        else:
+            panels.append(Panel(_one_pose(entries), scale=side_by_side, x_label="", **shape))
+    data: dict[str, Column] = {
+        "model": [entry.model for entry in matrix.entries],
+        "quantity": [entry.quantity for entry in matrix.entries],
+        "value": [entry.value for entry in matrix.entries],
+        "measured": [entry.expected for entry in matrix.entries],
+        "95 % of the measurement": [_part(e, "measurement") for e in matrix.entries],
+        "95 % of numerics and inputs": [_of_model(e) for e in matrix.entries],
+    }
+    return curves(
+        _chart(panels, matrix, data),
+        "Black: measured, with the 95 % interval of its own uncertainty. Models with that of "
+        "numerics and uncertain inputs. Each divided by what was measured there; over the "
+        "poses where there are several, with the 95 % interval of all three.",
+        title="Measured values, and what the models say",
+    )
+
+
+def _chart(panels: Sequence[Panel], matrix: Matrix, table: Mapping[str, Column]) -> Chart:
     """Panels of a matrix, a quantity each, over its poses, and its numbers."""
+    _, label = _abscissa(matrix)
     ticks = partial(few_ticks, count=5, whole=label == _POSE)
     return Chart(panels, label, min(len(panels), _COLUMNS), 1.9, table, ticks)
 
 
-def abscissa(matrix: Matrix) -> tuple[Array, str]:
+def _abscissa(matrix: Matrix) -> tuple[Array, str]:
     """The poses' only coordinate, or their number along the path."""
     poses = np.array(matrix.poses)
     if len(matrix.coordinates) == 1:
@@ -56,7 +91,7 @@ def abscissa(matrix: Matrix) -> tuple[Array, str]:
     return np.arange(1.0, len(poses) + 1.0), _POSE
 
 
-def numbers(values: Sequence[float | None]) -> Array:
+def _numbers(values: Sequence[float | None]) -> Array:
     """Values with NaN where there is none."""
     return np.array([np.nan if value is None else value for value in values])
 
@@ -64,18 +99,18 @@ def numbers(values: Sequence[float | None]) -> Array:
 def _known(matrix: Matrix, quantity: str) -> list[Entry]:
     """What is known of a quantity, a model each."""
     entries = (entry for entry in matrix.entries if entry.quantity == quantity)
-    return [entry for entry in entries if np.isfinite(numbers(entry.errors)).any()]
+    return [entry for entry in entries if np.isfinite(_numbers(entry.errors)).any()]
 
 
 def _panel(matrix: Matrix, quantity: str, *, leftmost: bool) -> Panel:
-    x, _ = abscissa(matrix)
+    x, _ = _abscissa(matrix)
     entries, series = _known(matrix, quantity), []
     limit = 100.0 * max(entry.limit for entry in entries)
     signed = any(entry.signed for entry in entries)
     for entry in entries:
-        spreads = 100.0 * numbers(entry.spreads)
+        spreads = 100.0 * _numbers(entry.spreads)
         bars = spreads if len(spreads) and np.nanmax(spreads, initial=0.0) > 0.02 * limit else None
-        series.append(Series(entry.model, x, 100.0 * numbers(entry.errors), bars=bars))
+        series.append(Series(entry.model, x, 100.0 * _numbers(entry.errors), bars=bars))
     return Panel(
         series,
         _MEANINGS.get(quantity, quantity),
@@ -95,3 +130,39 @@ def _table(matrix: Matrix) -> Mapping[str, Column]:
             if len(errors) == len(matrix.poses):
                 columns[f"{entry.model}: {what} of {entry.quantity}"] = errors
     return columns
+
+
+def _one_pose(entries: Sequence[Entry]) -> list[Series]:
+    """In one pose: what was measured, then the models."""
+    bar = max((_part(entry, "measurement") for entry in entries), default=0.0)
+    series = [_point("measured", 0, 1.0, bar)]
+    for place, entry in enumerate(entries, start=1):
+        if entry.value is not None and entry.expected:
+            ratio = entry.value / entry.expected
+            series.append(_point(entry.model, place, ratio, _of_model(entry)))
+    return series
+
+
+def _point(label: str, place: int, value: float, bar: float) -> Series:
+    x, y, bars = (np.array([number]) for number in (float(place), value, bar))
+    return Series(label, x, y, bars=bars)
+
+
+def _over_poses(matrix: Matrix, entries: Sequence[Entry]) -> list[Series]:
+    """Over the poses where it was measured: the models, and one for what was measured."""
+    x, _ = _abscissa(matrix)
+    series = []
+    for entry in entries:
+        errors, spreads = _numbers(entry.errors), _numbers(entry.spreads)
+        known = np.isfinite(errors)
+        series.append(Series(entry.model, x[known], 1.0 + errors[known], bars=spreads[known]))
+    at = series[-1].x
+    return [*series, Series("measured", at, np.ones(len(at)))]
+
+
+def _part(entry: Entry, name: str) -> float:
+    return float(entry.uncertainties.get(name, 0.0))
+
+
+def _of_model(entry: Entry) -> float:
+    return float(np.hypot(_part(entry, "numerics"), _part(entry, "inputs")))

@@ -7,9 +7,8 @@ from math import sqrt
 from validation.adequacy.matrix import Matrix
 from validation.drawing.text import percent
 from validation.exhibits import Figure
-from validation.report.figures.adequacy import error_curves
+from validation.report.figures.adequacy import error_curves, measured_curves
 from validation.report.figures.declared import attempted
-from validation.report.figures.measured import measured_curves
 from validation.report.first_screen.remedies import Remedy, remedies_of
 from validation.report.first_screen.sentence import sentence
 from validation.report.first_screen.table import Table, csv_of_matrix, table_of

@@ -16,8 +16,7 @@ from validation.adequacy.models import JUDGED
 from validation.drawing.charts.chart import chart_table
 from validation.drawing.charts.plot import drawn_chart
 from validation.drawing.style import LOOKS, OTHERS, known_as, plot_style
-from validation.report.figures.adequacy import error_curves
-from validation.report.figures.measured import measured_curves
+from validation.report.figures.adequacy import error_curves, measured_curves
 
 HELD = [
     ("ends as given",),

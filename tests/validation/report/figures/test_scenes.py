@@ -3,7 +3,6 @@
 import gzip
 import io
 import json
-import pickle
 
 import numpy as np
 import pytest
@@ -21,7 +20,6 @@ from validation.drawing.surfaces import Surface, ball, joined, prism
 from validation.drawing.turnable import turnable
 from validation.kinematics.poses import postures_of
 from validation.kinematics.solids import outlines, solids
-from validation.report.figures import figures_of_robot
 
 needs_opengl = pytest.mark.skipif(opengl.usable_window() is None, reason=opengl.MESSAGE)
 ROUNDING = 1e-12  # lengths of about 1 m, a few operations each
@@ -144,14 +142,6 @@ def test_seen_from_above_x_goes_right_and_y_goes_up():
     view = fitted_view(points, *ABOVE, (300, 300))
     expected = [[21.0, 279.0], [279.0, 279.0], [21.0, 21.0], [21.0, 279.0]]
     assert view.pixels(points) == pytest.approx(np.array(expected), abs=1e-9)
-
-
-def test_drawings_can_be_sent_to_another_process():
-    found = figures_of_robot()
-    assert len({figure.id for figure in found}) == len(found)
-    assert [figure.id for figure in pickle.loads(pickle.dumps(found))] == [  # noqa: S301  our own
-        figure.id for figure in found
-    ]
 
 
 def test_what_a_browser_is_told_of_a_scene_is_what_is_drawn():
