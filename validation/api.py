@@ -214,15 +214,12 @@ def run(
     # The session loads every case; solving a model needs none of them.
     from validation.catalogue import catalogue  # noqa: PLC0415
     from validation.session.validate import Request, validate  # noqa: PLC0415
-    from validation.variations.robots import checked_variations  # noqa: PLC0415
 
-    robot_file = _loaded(robot)
+    cores = jobs or usable_cores()
+    request = Request(_loaded(robot), preset, Path(out), cores, only, vary=vary)
     with _arguments_named():
-        variations = checked_variations(robot_file, vary, preset)
-        cores = jobs or usable_cores()
-        request = Request(robot_file, preset, Path(out), cores, only, variations=variations)
         gathered = validate(request, catalogue)
-    found = [outcome.verdict for outcome in gathered.in_order()]
+    found = [outcome.verdict for outcome in gathered.outcomes]
     return Run(
         out=gathered.path,
         exit_code=gathered.exit_code(),

@@ -154,45 +154,15 @@ def run(
         models over it, as figures, and what each of them would choose; a * in the key stands for
         any part of a name. May be given again for another number.
     """
-    from dataclasses import replace  # noqa: PLC0415
-
-    from lumped.acceptance.measured import digest  # noqa: PLC0415
-    from lumped.acceptance.requirement import SMALLEST_SHARE  # noqa: PLC0415
     from lumped.robot_file import load_robot  # noqa: PLC0415
-    from lumped.robot_file.evidence import with_options  # noqa: PLC0415
-    from lumped.robot_file.load import with_measured  # noqa: PLC0415
-    from validation.agreement.accuracy import accuracy_faults  # noqa: PLC0415
     from validation.catalogue import catalogue  # noqa: PLC0415
     from validation.run.files import StoreError  # noqa: PLC0415
     from validation.session import summary  # noqa: PLC0415
     from validation.session.validate import Request, validate  # noqa: PLC0415
-    from validation.variations.robots import checked_variations  # noqa: PLC0415
 
     require_address_space(TO_COMPUTE)
-    robot_file = load_robot(robot)
-    robot_file = with_measured(robot_file, measured) if measured else robot_file
-    faults = [] if accuracy is None else accuracy_faults(accuracy)
-    if inputs is not None and not SMALLEST_SHARE <= inputs <= 0.5:
-        faults.append(
-            f"--inputs = {inputs:g}: must be from {SMALLEST_SHARE:g} to 0.5 (5 % is 0.05)"
-        )
-    if inputs is not None and robot_file.uncertain_inputs:
-        faults.append("--inputs: the robot file says itself how well its numbers are known")
-    if faults:
-        raise InputError(faults)
-    robot_file = replace(robot_file, supposed=inputs)
-    requirement = with_options(robot_file.requirement, accept, rely)
-    variations = checked_variations(robot_file, vary, preset)
-    asked = {
-        "accept": " ".join(accept),
-        "rely": " ".join(rely),
-        "measured": digest(robot_file.measured) if measured else "",
-        "vary": " ".join(vary),
-        "accuracy": f"{accuracy:g}" if accuracy else "",
-        "inputs": f"{inputs:g}" if inputs else "",
-    }
     request = Request(
-        replace(robot_file, requirement=replace(requirement, accuracy=accuracy)),
+        load_robot(robot),
         preset,
         out,
         jobs or usable_cores(),
@@ -201,10 +171,13 @@ def run(
         baseline,
         export,
         cluster,
-        {option: given for option, given in asked.items() if given},
-        strict,
-        variations,
-        measured,
+        accept=accept,
+        rely=rely,
+        accuracy=accuracy,
+        inputs=inputs,
+        measured=measured,
+        vary=vary,
+        strict=strict,
     )
     try:
         gathered = validate(request, catalogue)

@@ -229,8 +229,8 @@ def test_options_that_change_numbers_are_in_the_header():
     plain = Request(load_robot("ifw"), "quick", Path("out"), 1)
     changed = [
         replace(plain, only="leg*"),
-        replace(plain, asked={"accept": "x=0.1"}),
-        replace(plain, asked={"vary": "geometry.a=0.9:1:3"}),
+        replace(plain, accept=("x=0.1",)),
+        replace(plain, vary=("geometry.a=0.9:1:3",)),
     ]
     assert len({fingerprint(dict(one.options)) for one in (plain, *changed)}) == 4
 

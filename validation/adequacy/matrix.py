@@ -177,21 +177,6 @@ class Assessment:
 VERDICTS: tuple[Adequacy, ...] = ("adequate", "inadequate", "undecided")
 
 
-def in_a_line(matrix: Matrix) -> str:
-    """Which models are adequate for what; models of which the same is to be said share a clause."""
-    alike: dict[str, list[str]] = {}
-    for note in matrix.models:
-        entries = matrix.of_model(note.model)
-        parts = [
-            f"{verdict} for {named(matrix, names)}"
-            for verdict in VERDICTS
-            if (names := [e.quantity for e in entries if e.verdict == verdict])
-        ]
-        said = ", ".join(parts) or f"not judged ({note.silent})"
-        alike.setdefault(said, []).append(note.model)
-    return "; ".join(f"{', '.join(models)}: {said}" for said, models in alike.items())
-
-
 def named(matrix: Matrix, quantities: Collection[str]) -> str:
     """Quantities in words where all of a kind are there, else one by one."""
     spoken = {entry.quantity for entry in matrix.entries}

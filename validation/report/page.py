@@ -1,10 +1,9 @@
 """report.html: one file that needs nothing else, from what a run found."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from math import isnan
-from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 from markupsafe import Markup
@@ -13,52 +12,48 @@ from lumped.audit.finding import Finding
 from validation.adequacy.matrix import Matrix
 from validation.drawing import text
 from validation.drawing.turnable import viewer
-from validation.exhibits import PORTRAIT, Figure, PlannedFigure
+from validation.exhibits import PORTRAIT, Figure
 from validation.report.first_screen.screen import FirstScreen, first_screen
 from validation.report.listing import summary
 from validation.report.sections import Chapter, chapters_of
 from validation.results.drift import Drift
+from validation.results.gathered import Results
 from validation.results.outcome import Outcome, Verdict
 from validation.results.records import studies_of
 
 
 @dataclass(frozen=True)
 class Report:
-    """What the page shows.
+    """What the page shows: what a run found, and what an audit of its data did."""
 
-    `matrix` is the adequacy of the models, `unjudged` says why there is none, `measured` that
-    against measured values. `unfinished` counts the pieces of work that were not computed; `drifts`
-    (by case id) are the moves from the values of the baseline, which stand in a column of their
-    own; `no_longer_compared` (why, by case id) agreed there and are skipped now.
-    """
+    results: Results
+    findings: Sequence[Finding] = ()
 
-    outcomes: tuple[Outcome, ...]
-    figures: tuple[Figure, ...]
-    findings: tuple[Finding, ...]
-    provenance: Mapping[str, Any]
-    matrix: Matrix | None = None
-    measured: Matrix | None = None
-    unjudged: str = ""
-    missing_figures: tuple[tuple[PlannedFigure, str], ...] = ()
-    unfinished: int = 0
-    drifts: Mapping[str, Drift] = field(default_factory=dict)
-    no_longer_compared: Mapping[str, str] = field(default_factory=dict)
-    rely: Sequence[str] = ()
+    @cached_property
+    def outcomes(self) -> list[Outcome]:
+        """The comparisons."""
+        return self.results.outcomes
+
+    @cached_property
+    def drifts(self) -> Mapping[str, Drift]:
+        """Moves from the values of the baseline by case id; they have a column of their own."""
+        return self.results.drifts
 
     @cached_property
     def first(self) -> FirstScreen | None:
         """What the first screen says of the models; None where they were not judged."""
-        if self.matrix is None:
-            return None
-        return first_screen(self.matrix, plotted=not self.unfinished, rely=self.rely)
+        return self._screen(self.results.matrix)
 
     @cached_property
     def measurements(self) -> FirstScreen | None:
         """The same against measured values, where there are any."""
-        if self.measured is None:
+        return self._screen(self.results.measured, measured=True)
+
+    def _screen(self, matrix: Matrix | None, *, measured: bool = False) -> FirstScreen | None:
+        if matrix is None:
             return None
-        plotted = not self.unfinished
-        return first_screen(self.measured, plotted=plotted, measured=True, rely=self.rely)
+        plotted, rely = not self.results.unfinished, self.results.rely
+        return first_screen(matrix, plotted=plotted, measured=measured, rely=rely)
 
     @property
     def answered(self) -> FirstScreen | None:
@@ -73,15 +68,18 @@ class Report:
     @property
     def checks(self) -> str:
         """The comparisons in one sentence."""
-        said = summary(self.outcomes, self.unfinished)
-        if self.no_longer_compared:
-            said += f" Agreed earlier and skipped now: {', '.join(self.no_longer_compared)}."
+        said, lost = (
+            summary(self.outcomes, self.results.unfinished),
+            self.results.no_longer_compared,
+        )
+        if lost:
+            said += f" Agreed earlier and skipped now: {', '.join(lost)}."
         return said
 
     @property
     def portrait(self) -> Figure | None:
         """The picture of the robot."""
-        return next((figure for figure in self.figures if figure.id == PORTRAIT), None)
+        return next((figure for figure in self.results.figures if figure.id == PORTRAIT), None)
 
     @property
     def bad(self) -> tuple[Outcome, ...]:
@@ -95,7 +93,7 @@ class Report:
         verdicts = {outcome.verdict for outcome in self.outcomes}
         if "disagree" in verdicts:
             return "disagree"
-        if "failed" in verdicts or self.unfinished:
+        if "failed" in verdicts or self.results.unfinished:
             return "failed"
         if "undecided" in verdicts:
             return "undecided"
@@ -109,8 +107,8 @@ class Report:
         waits for nothing.
         """
         drawn = {study.id for study in studies_of(self.outcomes)} | {PORTRAIT}
-        figures = [figure for figure in self.figures if figure.id not in drawn]
-        return chapters_of(self.outcomes, figures, plotted=not self.unfinished)
+        figures = [figure for figure in self.results.figures if figure.id not in drawn]
+        return chapters_of(self.outcomes, figures, plotted=not self.results.unfinished)
 
     @property
     def shown(self) -> tuple[Figure, ...]:
@@ -126,12 +124,12 @@ class Report:
     @cached_property
     def figure_ids(self) -> Mapping[str, str]:
         """Titles of the figures that were computed, by id, to which comparisons lead."""
-        return {figure.id: figure.title for figure in self.figures}
+        return {figure.id: figure.title for figure in self.results.figures}
 
     @property
     def viewer(self) -> str:
         """The script that shows 3-D scenes; empty where there are none."""
-        return viewer() if any(figure.scenes for figure in self.figures) else ""
+        return viewer() if any(figure.scenes for figure in self.results.figures) else ""
 
 
 def render(report: Report) -> str:

@@ -3,25 +3,41 @@
 The unit of work is a group: tasks that share expensive results run in one process, one after the
 other. Computing happens there only, even with one job: the numbers are then the same whatever the
 number of jobs, a crash of a library ends a case and not the run, and Ctrl-C does not have to wait
-for a factorisation.
+for a factorisation. Whatever the computations print goes to the run's log, never to the terminal.
 """
 
 import signal
-from collections.abc import Callable, Collection, Iterator, Sequence
-from contextlib import closing, contextmanager
+import sys
+import traceback
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from contextlib import closing, contextmanager, suppress
+from dataclasses import replace
 from fnmatch import fnmatchcase
 from functools import partial
 from pathlib import Path
+from time import perf_counter
 from types import FrameType
+from typing import TypeAlias
 
-from lumped.errors import InputError
+from lumped.errors import ComputationError, InputError
 from lumped.text import did_you_mean
-from validation.context import Preset
-from validation.results.outcome import Result
-from validation.results.tasks import Record, Task, plain
+from validation.adequacy.matrix import Assessment
+from validation.case import Case, Skip
+from validation.context import Context, Preset
+from validation.drawing.text import function_name
+from validation.exhibits import PlannedFigure
+from validation.results.outcome import Result, judge
+from validation.results.tasks import AnyResult, Record, Task, plain
 from validation.run.executor import on_cores
 from validation.session.progress import RunProgress
-from validation.session.worker import REMEDY, Job, begin, compute
+
+# A function at the top of a module that lists the cases and figures for a robot file; it must be
+# quick and give the same list in every process.
+Catalogue: TypeAlias = Callable[..., Sequence[Task]]
+# What helps where memory ran out.
+_REMEDY = "choose a smaller preset or fewer --jobs"
+# The tasks and the context that this process has been given.
+_AT_WORK: list[tuple[Mapping[str, Task], Context]] = []
 
 
 def select(
@@ -51,24 +67,25 @@ def select(
 
 
 def run(
-    job: Job,
+    catalogue: Catalogue,
+    context: Context,
     tasks: Sequence[Task],
     *,
     jobs: int,
     log: Path,
     keep: Callable[[Record], None],
     progress: RunProgress,
-) -> bool:
-    """Compute the tasks with `jobs` processes; True if all were finished, False if interrupted.
+) -> None:
+    """Compute the tasks, some of the catalogue's, with `jobs` processes.
 
     `keep` gets each record as it arrives; what it raises ends the run. SIGINT, SIGTERM and SIGHUP
     end it within a second. Raises ComputationError where workers cannot even start.
     """
     by_id = {task.id: task for task in tasks}
-    groups = [[(name, partial(compute, name)) for name in group] for group in _groups(tasks)]
+    groups = [[(name, partial(_compute, name)) for name in group] for group in _groups(tasks)]
     with (
         _interruptible() as interrupted,
-        on_cores(jobs, log, partial(begin, job)) as cores,
+        on_cores(jobs, log, partial(_begin, catalogue, context)) as cores,
         closing(
             cores.answers(groups, lambda name: progress.started(by_id[name]), interrupted)
         ) as answers,
@@ -77,13 +94,12 @@ def run(
             record = _failed(name, answer) if isinstance(answer, Exception) else answer
             keep(record)
             progress.finished(by_id[name], record)
-        return not interrupted()
 
 
 def _failed(name: str, error: Exception) -> Record:
     """The record of a task whose process ended."""
     starved = str(error).startswith("ran out of memory")
-    more = f"; {REMEDY}" if starved else " (log.txt may say more)"
+    more = f"; {_REMEDY}" if starved else " (log.txt may say more)"
     return plain(Result(name, "failed", 0.0, f"{error}{more}"))
 
 
@@ -116,3 +132,49 @@ def _interruptible() -> Iterator[Callable[[], bool]]:
     finally:
         for number, handler in former.items():
             signal.signal(number, handler)
+
+
+def _begin(catalogue: Catalogue, context: Context) -> None:
+    """Get ready, as a process of a run, to compute its tasks."""
+    _AT_WORK.append(({task.id: task for task in catalogue(context.robot_file)}, context))
+
+
+def _compute(identifier: str) -> Record:
+    tasks, context = _AT_WORK[-1]
+    return plain(execute(tasks[identifier], context))
+
+
+def execute(task: Task, context: Context) -> AnyResult:
+    """The result of a task; errors become verdicts, tracebacks go to stderr."""
+    start = perf_counter()
+    try:
+        match task:
+            case Case():
+                measured = task.measure(context)
+                return judge(task, measured, perf_counter() - start).result
+            case PlannedFigure():
+                drawn = task.draw(context)
+                figure = replace(drawn, computed_by=(function_name(task.draw),))
+                return Result(task.id, "made", perf_counter() - start, figure.left_out, figure)
+            case Assessment():
+                matrix = task.compute(context)
+                return Result(task.id, "made", perf_counter() - start, found=matrix)
+    except Skip as reason:
+        return Result(task.id, "skipped", perf_counter() - start, str(reason))
+    except Exception as error:  # noqa: BLE001  whatever happens in a task is its verdict
+        return Result(task.id, "failed", perf_counter() - start, _explain(task.id, error))
+
+
+def _explain(identifier: str, error: Exception) -> str:
+    if isinstance(error, ComputationError | InputError):
+        message = str(error)
+    elif isinstance(error, MemoryError):
+        message = f"ran out of memory; {_REMEDY}"
+    else:
+        message = f"{type(error).__name__}: {error} (traceback in log.txt)"
+    # A disk that is too full for the log must not take the case with it.
+    with suppress(OSError):
+        sys.stderr.write(f"\n== {identifier}: {message}\n")
+        traceback.print_exception(error)
+        sys.stderr.flush()
+    return " ".join(message.split())

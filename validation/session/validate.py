@@ -1,23 +1,29 @@
 """A run from start to end: choose the cases, compute them, keep and publish what comes out."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
-from dataclasses import dataclass, field
-from functools import partial
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
 from pathlib import Path
 from time import perf_counter
 
+from lumped.acceptance.measured import digest
+from lumped.acceptance.requirement import SMALLEST_SHARE
 from lumped.audit.finding import Finding
 from lumped.audit.robot_audit import audit
 from lumped.errors import ComputationError, InputError
 from lumped.models.bodies import legs_of
 from lumped.robot_file import RobotFile
+from lumped.robot_file.evidence import with_options
+from lumped.robot_file.load import with_measured
 from lumped.robot_file.variation import Variation
 from validation.adequacy.matrix import MEASURED
+from validation.agreement.accuracy import accuracy_faults
 from validation.console.streams import mention
 from validation.context import Context, Preset
 from validation.paper.errata import paper_findings
 from validation.report.page import Report, render
+from validation.results.gathered import Results
 from validation.results.junit import junit_xml
 from validation.results.records import RunRecord, load_run
 from validation.results.tasks import Record, Task
@@ -28,27 +34,24 @@ from validation.run.folder import RunFolder
 from validation.run.opening import Start, open_folder
 from validation.selftest.record import last as last_selftest
 from validation.session import progress, runner
-from validation.session.gathered import Results
-from validation.session.worker import Job
 
 # How many times as long as results.json takes to write it is left alone.
 _SPARING = 20.0
-Catalogue = Callable[..., Sequence[Task]]
 
 
 @dataclass(frozen=True)
 class Request:
-    """What the user asks for.
+    """What the user asks for, as typed.
 
     `only` is a shell-style pattern of ids. `baseline` is the folder or results.json of an earlier
     run to be compared with. `exports`: whether meshes, fields and matrices are wanted as files.
-    `variations` are numbers of the robot file with values that have been checked. `cluster` is the
-    address of a Dask scheduler that computes the robots of these and parts. `asked` are options
-    that changed the robot file, as typed; `measured` is the file of measured values named with
-    them, of which `asked` has a digest; `strict`: undecided counts as inadequate.
+    `cluster` is the address of a Dask scheduler that computes parts and the robots of `vary`.
+    `accept`, `rely`, `accuracy` (see `Requirement`), `inputs` (see `RobotFile.supposed`) and the
+    file of `measured` values add to what the robot's own file says; `strict`: undecided counts as
+    inadequate.
     """
 
-    robot_file: RobotFile
+    robot: RobotFile
     preset: Preset
     out: Path
     jobs: int
@@ -57,25 +60,64 @@ class Request:
     baseline: Path | None = None
     exports: bool = False
     cluster: str | None = None
-    asked: Mapping[str, str] = field(default_factory=dict)
-    strict: bool = False
-    variations: tuple[Variation, ...] = ()
+    accept: Sequence[str] = ()
+    rely: Sequence[str] = ()
+    accuracy: float | None = None
+    inputs: float | None = None
     measured: Path | None = None
+    vary: Sequence[str] = ()
+    strict: bool = False
+
+    @cached_property
+    def robot_file(self) -> RobotFile:
+        """The robot with what the options change of its file; raises InputError."""
+        read = with_measured(self.robot, self.measured) if self.measured else self.robot
+        faults = [] if self.accuracy is None else accuracy_faults(self.accuracy)
+        if self.inputs is not None and not SMALLEST_SHARE <= self.inputs <= 0.5:
+            faults.append(
+                f"--inputs = {self.inputs:g}: must be from {SMALLEST_SHARE:g} to 0.5 (5 % is 0.05)"
+            )
+        if self.inputs is not None and read.uncertain_inputs:
+            faults.append("--inputs: the robot file says itself how well its numbers are known")
+        if faults:
+            raise InputError(faults)
+        requirement = with_options(read.requirement, self.accept, self.rely)
+        if self.accuracy is not None:
+            requirement = replace(requirement, accuracy=self.accuracy)
+        supposed = read.supposed if self.inputs is None else self.inputs
+        return replace(read, requirement=requirement, supposed=supposed)
+
+    @cached_property
+    def variations(self) -> tuple[Variation, ...]:
+        """The numbers that are varied; raises InputError where a robot cannot be."""
+        if not self.vary:
+            return ()
+        from validation.variations.robots import checked_variations  # noqa: PLC0415
+
+        return checked_variations(self.robot_file, self.vary, self.preset)
 
     @property
     def options(self) -> Mapping[str, str]:
         """What the header of the run says of all this."""
-        only = {"only": self.only} if self.only else {}
-        return {**only, **self.asked}
+        given = {
+            "only": self.only,
+            "accept": " ".join(self.accept),
+            "rely": " ".join(self.rely),
+            "measured": digest(self.robot_file.measured) if self.measured else "",
+            "vary": " ".join(self.vary),
+            "accuracy": f"{self.accuracy:g}" if self.accuracy else "",
+            "inputs": f"{self.inputs:g}" if self.inputs else "",
+        }
+        return {option: text for option, text in given.items() if text}
 
 
-def validate(request: Request, catalogue: Catalogue) -> Results:
+def validate(request: Request, catalogue: runner.Catalogue) -> Results:
     """Run the chosen cases and write the run folder.
 
     Raises InputError before anything is written, StoreError where the disk refuses, and
     ComputationError where workers cannot start or the export fails.
     """
-    robot_file = request.robot_file
+    robot_file, preset = request.robot_file, request.preset
     if request.cluster is not None and not (request.variations or robot_file.mechanism.parts):
         raise InputError(
             "--cluster: computes the robots of --vary and the parts of a mechanism; this run has "
@@ -88,9 +130,8 @@ def validate(request: Request, catalogue: Catalogue) -> Results:
     listed = catalogue(robot_file)
     # Whoever names measured values in the command wants to see them, whatever else is left out.
     always = (MEASURED,) if request.measured else ()
-    tasks = runner.select(listed, request.preset, request.only, always)
-    options = request.options
-    header = provenance.header(robot_file, request.preset, options)
+    tasks = runner.select(listed, preset, request.only, always)
+    header = provenance.header(robot_file, preset, request.options)
     # Before the run, so that after Ctrl-C only the page is left to be written.
     findings = (*audit(robot_file), *paper_findings(robot_file))
     # Read before anything is written: the folder may be the baseline's own.
@@ -103,7 +144,6 @@ def validate(request: Request, catalogue: Catalogue) -> Results:
             executor = stack.enter_context(on_cluster(request.cluster, mention))
         folder = stack.enter_context(open_folder(request.out, header, request.start))
         stack.enter_context(some_cache())
-        job = Job(catalogue, robot_file, request.preset, options)
         header |= {"seconds": 0.0, "planned": len(tasks)} | folder.begun
         header |= {"selftest": last_selftest(header)}
         gathered = Results(
@@ -114,14 +154,14 @@ def validate(request: Request, catalogue: Catalogue) -> Results:
             rely=robot_file.requirement.rely,
             strict=request.strict,
         )
-        gathered.take_up(folder)
+        gathered.take_up(folder.records)
         gathered.remarks = folder.remarks
         if request.variations and (executor is not None or request.jobs > 1):
             with progress.stage("robots of --vary"):
                 _vary(request, tasks, executor)
         if any(task.id not in gathered.done for task in tasks):
-            _prepare(robot_file, request.preset, executor, request.jobs)
-        _compute(job, gathered, folder, request.jobs)
+            _prepare(request, executor)
+        _compute(request, catalogue, gathered, folder)
         with progress.stage("writing the report"):
             publish(gathered, folder, findings)
         if request.exports and not gathered.unfinished:
@@ -131,7 +171,7 @@ def validate(request: Request, catalogue: Catalogue) -> Results:
                 progress.stage("exporting meshes, modes and matrices"),
                 folder.exporting() as target,
             ):
-                export_mechanism(robot_file.mechanism, request.preset, target)
+                export_mechanism(robot_file.mechanism, preset, target)
         folder.complete = not gathered.unfinished
     if folder.complete:
         gathered.path = request.out
@@ -140,27 +180,13 @@ def validate(request: Request, catalogue: Catalogue) -> Results:
 
 def publish(gathered: Results, folder: RunFolder, findings: Sequence[Finding]) -> None:
     """Write junit.xml, figures/ (all that the report shows) and report.html."""
-    outcomes = gathered.in_order()
-    report = Report(
-        outcomes=tuple(outcomes),
-        figures=tuple(gathered.all_figures()),
-        missing_figures=tuple(gathered.missing_figures()),
-        findings=tuple(findings),
-        provenance=gathered.header,
-        matrix=gathered.matrix,
-        measured=gathered.measured,
-        unjudged=next(iter(gathered.unjudged()), ""),
-        unfinished=gathered.unfinished,
-        drifts=gathered.drifts,
-        no_longer_compared=gathered.no_longer_compared,
-        rely=gathered.rely,
-    )
+    report = Report(gathered, findings)
     figures = {
         f"figures/{name}": content
         for figure in report.shown
         for name, content in figure.files.items()
     }
-    junit = junit_xml(outcomes, f"flexproof {gathered.header['robot']}")
+    junit = junit_xml(report.outcomes, f"flexproof {gathered.header['robot']}")
     page = {"report.html": render(report)}
     folder.write({"results.json": gathered.as_json(), "junit.xml": junit, **figures, **page})
 
@@ -204,15 +230,16 @@ def _baseline(request: Request) -> RunRecord | None:
     return baseline
 
 
-def _prepare(robot_file: RobotFile, preset: Preset, cluster: Executor | None, jobs: int) -> None:
+def _prepare(request: Request, cluster: Executor | None) -> None:
     """Mesh and reduce the parts of a mechanism, and keep it."""
-    if not robot_file.mechanism.parts:
+    if not request.robot_file.mechanism.parts:
         return
     # Meshes and solvers, of which most runs ask for none.
     from validation.session.parts_ahead import prepare_parts  # noqa: PLC0415
 
-    with progress.stage("meshing and reducing parts"), _ahead(cluster, jobs) as executor:
-        prepare_parts(Context(robot_file, preset), executor, carried=cluster is not None)
+    context = Context(request.robot_file, request.preset)
+    with progress.stage("meshing and reducing parts"), _ahead(cluster, request.jobs) as executor:
+        prepare_parts(context, executor, carried=cluster is not None)
 
 
 def _refuse_large_exports(request: Request) -> None:
@@ -226,7 +253,9 @@ def _refuse_large_exports(request: Request) -> None:
         raise InputError(f"--export: {reason}")
 
 
-def _compute(job: Job, gathered: Results, folder: RunFolder, jobs: int) -> None:
+def _compute(
+    request: Request, catalogue: runner.Catalogue, gathered: Results, folder: RunFolder
+) -> None:
     begun = perf_counter() - gathered.header["seconds"]
     due = 0.0
 
@@ -242,5 +271,14 @@ def _compute(job: Job, gathered: Results, folder: RunFolder, jobs: int) -> None:
             due = now + (perf_counter() - now) * _SPARING
 
     waiting = [task for task in gathered.tasks if task.id not in gathered.done]
+    context = Context(request.robot_file, request.preset, request.options)
     with progress.showing(waiting) as shown:
-        runner.run(job, waiting, jobs=jobs, log=folder.log, keep=keep, progress=shown)
+        runner.run(
+            catalogue,
+            context,
+            waiting,
+            jobs=request.jobs,
+            log=folder.log,
+            keep=keep,
+            progress=shown,
+        )

@@ -6,10 +6,12 @@ import toy_catalogue
 from matrix_sample import sample_matrix
 
 from lumped.audit.finding import Finding
+from validation.adequacy.matrix import ADEQUACY, MEASURED, Assessment
 from validation.case import Absolute, Allowance, Measurement, Relation, Relative
 from validation.exhibits import Figure, PlannedFigure, Study
 from validation.report.figures.studies import family_of, study_figure
 from validation.report.page import Report
+from validation.results.gathered import Results
 from validation.results.outcome import Outcome, Result, judge
 
 PIXEL = base64.b64decode(
@@ -69,10 +71,11 @@ def unmeasured(identifier, verdict, message, **changes):
 
 
 # Drawn once for all tests of a page.
+MATRIX = sample_matrix()
 DRAWN = study_figure(family_of([CONVERGENCE]))
 
 
-def sample_report(**changes):
+def sample_outcomes():
     agreeing = judge(
         case("legs.agrees", title="Agrees easily"),
         Measurement(1.001e-8, 1.0e-8, 1e-12, 2e-12, studies=(CONVERGENCE,)),
@@ -114,29 +117,49 @@ def sample_report(**changes):
     )
     failed = unmeasured("legs.failed", "failed", "leg 2: matrix is <singular>")
     skipped = unmeasured("legs.skipped", "skipped", "CalculiX is not installed")
-    fields = {
-        "outcomes": (bound, agreeing, tight, failed, skipped, disagreeing),
-        "figures": (
-            DRAWN,
-            Figure(
-                "fig5", "Fig. 5", "Made up.", "The paper's statements", png=PIXEL, data="x\n1\n"
-            ),
-        ),
-        "matrix": sample_matrix(),
-        "findings": (FINDING,),
-        "provenance": {
-            "robot": "IFW demonstrator",
-            "robot_file": "ifw",
-            "robot_sha256": "ab" * 32,
-            "suite_sha256": "cd" * 32,
-            "preset": "standard",
-            "options": {},
-            "started": "2026-01-02T03:04:05+00:00",
-            "seconds": 75.2,
-            "machine": "Linux x86_64, 2 cores",
-            "versions": {"python": "3.11.7", "numpy": "2.4.6", "flexproof": "1.2"},
-            "selftest": "passed on 2026-01-01",
-        },
-        "missing_figures": ((PlannedFigure("fig7", "Fig. 7, mode shapes", never), "no OpenGL"),),
-    }
-    return Report(**(fields | changes))
+    return (bound, agreeing, tight, failed, skipped, disagreeing)
+
+
+HEADER = {
+    "robot": "IFW demonstrator",
+    "robot_file": "ifw",
+    "robot_sha256": "ab" * 32,
+    "suite_sha256": "cd" * 32,
+    "preset": "standard",
+    "options": {},
+    "started": "2026-01-02T03:04:05+00:00",
+    "seconds": 75.2,
+    "machine": "Linux x86_64, 2 cores",
+    "versions": {"python": "3.11.7", "numpy": "2.4.6", "flexproof": "1.2"},
+    "selftest": "passed on 2026-01-01",
+}
+FIG_5 = Figure("fig5", "Fig. 5", "Made up.", "The paper's statements", png=PIXEL, data="x\n1\n")
+
+
+def sample_report(
+    *,
+    outcomes=None,
+    figures=(DRAWN, FIG_5),
+    missing=("fig7",),
+    matrix=MATRIX,
+    measured=None,
+    unjudged="",
+    unfinished=0,
+    findings=(FINDING,),
+):
+    """A report on these; `matrix` and `measured` are left out where None."""
+    outcomes = sample_outcomes() if outcomes is None else outcomes
+    matrices = {name: one for name, one in ((ADEQUACY, matrix), (MEASURED, measured)) if one}
+    done = {outcome.case.id: outcome.result for outcome in outcomes}
+    made = {**{figure.id: figure for figure in figures}, **matrices}
+    done |= {name: Result(name, "made", 0.1, found=found) for name, found in made.items()}
+    done |= {name: Result(name, "failed", 0.1, "no OpenGL") for name in missing}
+    done |= {ADEQUACY: Result(ADEQUACY, "failed", 0.1, unjudged)} if unjudged else {}
+    left = [f"left.{number}" for number in range(unfinished)]
+    planned = [*(figure.id for figure in figures), *missing, *left]
+    tasks = [
+        *(outcome.case for outcome in outcomes),
+        *(PlannedFigure(name, "Fig. 7, mode shapes", never) for name in planned),
+        *(Assessment(name, "", never) for name in (ADEQUACY, MEASURED) if name in done),
+    ]
+    return Report(Results(HEADER, tasks, done=done), findings)

@@ -7,9 +7,8 @@ import sys
 import time
 from pathlib import Path
 
-from validation.context import Context
 from validation.results.tasks import plain
-from validation.session.worker import execute
+from validation.session.runner import execute
 
 HERE = Path(__file__).parent
 ENVIRONMENT = os.environ | {
@@ -62,14 +61,12 @@ def lines(path):
     return file.read_bytes().splitlines() if file else []
 
 
-def run_here(job, tasks, *, keep, progress, **_):
+def run_here(_catalogue, context, tasks, *, keep, progress, **_):
     """In place of runner.run, where workers are not what is tested: in this process."""
-    context = Context(job.robot_file, job.preset, job.options)
     for task in tasks:
         progress.started(task)
         keep(record := plain(execute(task, context)))
         progress.finished(task, record)
-    return True
 
 
 def numbers(path):

@@ -1,4 +1,4 @@
-"""The matrix as data: verdicts of models, what is relied on, its line, its record."""
+"""The matrix as data: verdicts of models, what is relied on, its record."""
 
 from msgspec import to_builtins
 
@@ -11,7 +11,6 @@ from validation.adequacy.matrix import (
     Entry,
     Matrix,
     ModelNote,
-    in_a_line,
 )
 from validation.results.outcome import Result
 from validation.results.records import adequacy_records
@@ -51,13 +50,6 @@ def test_a_model_is_as_good_as_its_worst_quantity() -> None:
 def test_what_is_relied_on_and_not_known_fails_where_strict() -> None:
     assert MATRIX.fails(("links",), strict=False) == ()
     assert MATRIX.fails(("links",), strict=True) == ("links",)
-
-
-def test_models_of_one_fate_share_a_clause() -> None:
-    assert in_a_line(MATRIX) == (
-        "vjm: adequate for deflections and rotations; beam, segments: inadequate for "
-        "deflections and rotations, f1, order, undecided for f2"
-    )
 
 
 def test_the_record_has_the_keys_that_programs_read() -> None:

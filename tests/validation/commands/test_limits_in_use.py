@@ -23,7 +23,7 @@ from validation.adequacy.matrix import Assessment
 from validation.case import Measurement
 from validation.results.tasks import plain
 from validation.session import validate as session
-from validation.session.worker import execute
+from validation.session.runner import execute
 
 pytest_plugins = ["pytester"]
 BELOW, ABOVE = 0.99, 1.01
@@ -228,8 +228,8 @@ DISAGREES = toy_catalogue.case("toy.disagrees", toy_catalogue.disagrees)
 def run(monkeypatch, tmp_path):
     """`flexproof run` of made-up tasks, computed here and not by workers."""
 
-    def in_process(job, gathered, *_):
-        context = session.Context(job.robot_file, job.preset, job.options)
+    def in_process(request, _catalogue, gathered, _folder):
+        context = session.Context(request.robot_file, request.preset, request.options)
         for task in gathered.tasks:
             gathered.add(plain(execute(task, context)))
 

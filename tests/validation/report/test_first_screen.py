@@ -179,7 +179,7 @@ def test_legs_and_measured_values_have_tables_and_sheets_of_their_own():
     assert markup.index("against solids of the same legs</h3>") > markup.index('id="leg_1-matrix"')
     assert "measured.values" in {figure.id for figure in report.shown}
     # By itself it is the answer.
-    alone = render(sample_report(matrix=None, measured=report.measured))
+    alone = render(sample_report(matrix=None, measured=report.results.measured))
     assert alone.count('<table class="adequacy"') == 1
     assert "For your limits use vjm (z)." in alone
     assert '<a href="#measured">' in alone

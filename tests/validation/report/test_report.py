@@ -8,7 +8,7 @@ from html.parser import HTMLParser
 from math import nan
 
 import pytest
-from report_sample import CONVERGENCE, DRAWN, PIXEL, case, never, sample_report
+from report_sample import CONVERGENCE, DRAWN, PIXEL, case, never, sample_outcomes, sample_report
 
 from validation.case import Absolute, Allowance, Measurement, Relation
 from validation.drawing import text
@@ -102,7 +102,7 @@ def test_the_worst_comparisons_of_a_section_come_first():
 
 
 def test_every_case_shows_its_source_tolerance_reason_and_function(markup):
-    cases = len(sample_report().outcomes)
+    cases = len(sample_outcomes())
     for shown in ("Timoshenko &amp; Gere, Table 1", "shear is in both models", ".never</code>"):
         assert markup.count(shown) >= cases
     assert "matrix is &lt;singular&gt;" in markup
@@ -128,7 +128,7 @@ def test_findings_and_provenance_are_shown(markup):
 
 
 def test_an_empty_and_an_interrupted_run_have_a_page():
-    empty = sample_report(outcomes=(), figures=(), findings=(), missing_figures=(), matrix=None)
+    empty = sample_report(outcomes=(), figures=(), findings=(), missing=(), matrix=None)
     assert "No comparison was made." in render(empty)
     part = sample_report(unfinished=4)
     assert "4 not computed" in render(part)

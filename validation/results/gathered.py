@@ -15,7 +15,6 @@ from validation.results.drift import Drift, drifts, no_longer_compared, with_dri
 from validation.results.outcome import Outcome
 from validation.results.records import RunRecord, case_record, parse_run, run_record
 from validation.results.tasks import AnyResult, Record, Task, from_plain, still_holding
-from validation.run.folder import RunFolder
 
 
 @dataclass
@@ -42,15 +41,14 @@ class Results:
         task = next(task for task in self.tasks if task.id == record["id"])
         self.done[task.id] = from_plain(task, record)
 
-    def take_up(self, folder: RunFolder) -> None:
-        """Take in what an earlier process finished in the folder, as far as it still holds."""
+    def take_up(self, records: Mapping[str, Record]) -> None:
+        """Take in, by id, what an earlier process finished, as far as it still holds."""
         for task in self.tasks:
-            record = folder.records.get(task.id)
-            result = still_holding(task, record) if record is not None else None
-            if result is not None:
+            if task.id in records and (result := still_holding(task, records[task.id])):
                 self.done[task.id] = result
 
-    def in_order(self) -> list[Outcome]:
+    @property
+    def outcomes(self) -> list[Outcome]:
         """The outcomes in the order of the catalogue."""
         return [
             Outcome(task, self.done[task.id])
@@ -58,17 +56,20 @@ class Results:
             if isinstance(task, Case) and task.id in self.done
         ]
 
-    def all_figures(self) -> list[Figure]:
+    @property
+    def figures(self) -> list[Figure]:
         """The figures that were drawn, in the order of the catalogue."""
         found = (self.done[task.id].found for task in self.tasks if task.id in self.done)
         return [one for one in found if isinstance(one, Figure)]
 
+    @property
     def missing_figures(self) -> list[tuple[PlannedFigure, str]]:
         """The figures that were asked for and could not be drawn, or not as a picture, and why."""
         planned = [task for task in self.tasks if isinstance(task, PlannedFigure)]
         said = [(task, self.done[task.id].message) for task in planned if task.id in self.done]
         return [(task, message) for task, message in said if message]
 
+    @property
     def unjudged(self) -> list[str]:
         """Why the models could not be assessed."""
         made = [self.done.get(name) for name in (ADEQUACY, MEASURED)]
@@ -96,12 +97,12 @@ class Results:
     @property
     def drifts(self) -> dict[str, Drift]:
         """How far the values have moved from those of the baseline, by case id."""
-        return drifts(self.in_order(), self.baseline) if self.baseline else {}
+        return drifts(self.outcomes, self.baseline) if self.baseline else {}
 
     @property
     def no_longer_compared(self) -> dict[str, str]:
         """Comparisons that agreed in the baseline and are skipped now: why."""
-        return no_longer_compared(self.in_order(), self.baseline)
+        return no_longer_compared(self.outcomes, self.baseline)
 
     def compared_with(self, baseline: RunRecord) -> RunComparison:
         """What changed since `baseline`, as far as its cases were to be run this time."""
@@ -150,6 +151,6 @@ class Results:
 
     def _record(self) -> RunRecord:
         header = dict(self.header) | {"unfinished": self.unfinished}
-        outcomes, drifts = self.in_order(), self.drifts
+        outcomes, drifts = self.outcomes, self.drifts
         cases = [with_drift(case_record(o), drifts.get(o.case.id)) for o in outcomes]
         return run_record(header, cases, outcomes, self.matrices)
