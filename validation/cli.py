@@ -21,7 +21,10 @@ from lumped.text import visible
 from validation.console import streams
 from validation.console.streams import complain, say
 from validation.console.typed import (
+    AsJson,
+    Flag,
     ProcessCount,
+    RobotName,
     WholeNumber,
     require_apart,
     require_place,
@@ -90,21 +93,21 @@ _PATIENCE = 2.0
 
 @app.command
 def run(
-    robot: str = "ifw",
+    robot: RobotName = "ifw",
     *,
     preset: Literal["quick", "standard", "fine"] = "standard",
     only: str | None = None,
     out: Path = Path("report"),
     jobs: ProcessCount = None,
-    resume: Annotated[bool, Parameter(negative="")] = False,
+    resume: Flag = False,
     baseline: Path | None = None,
-    export: Annotated[bool, Parameter(negative="")] = False,
+    export: Flag = False,
     cluster: str | None = None,
     accept: tuple[str, ...] = (),
     rely: tuple[str, ...] = (),
     accuracy: float | None = None,
     inputs: float | None = None,
-    strict: Annotated[bool, Parameter(negative="")] = False,
+    strict: Flag = False,
     measured: Path | None = None,
     vary: tuple[str, ...] = (),
 ) -> int:
@@ -112,8 +115,6 @@ def run(
 
     Parameters
     ----------
-    robot
-        A built-in robot or a robot file.
     preset
         How much to compute: quick takes seconds, standard a minute or two, fine longer.
     only
@@ -197,9 +198,7 @@ def run(
 
 
 @app.command
-def compare(
-    before: Path, after: Path, *, json: Annotated[bool, Parameter(negative="")] = False
-) -> int:
+def compare(before: Path, after: Path, *, json: AsJson = False) -> int:
     """Say what changed between two runs; exit code 1 if a verdict worsened.
 
     Verdicts of two different robots (by name) are not compared: exit code 0.
@@ -210,8 +209,6 @@ def compare(
         Run folder or results.json of the earlier run.
     after
         The same of the later one.
-    json
-        Print JSON for programs.
     """
     from json import dumps  # noqa: PLC0415
 
@@ -233,7 +230,7 @@ def compare(
 
 @app.command
 def solve(
-    robot: str,
+    robot: RobotName,
     *,
     model: Literal["simplified", "vjm", "links", "segments", "beam", "solid"],
     x: tuple[float, ...] = (),
@@ -258,14 +255,12 @@ def solve(
     cluster: str | None = None,
     csv: Path | None = None,
     picture: Path | None = None,
-    json: Annotated[bool, Parameter(negative="")] = False,
+    json: AsJson = False,
 ) -> int:
     """Solve one model of the robot, or of one leg: compliance and natural frequencies.
 
     Parameters
     ----------
-    robot
-        A built-in robot or a robot file.
     model
         Which model.
     x
@@ -319,8 +314,6 @@ def solve(
     picture
         With --vary: draw deflections and frequencies over the first number into this PNG file, a
         curve for each combination of the others.
-    json
-        Print JSON for programs.
     """
     from lumped.robot_file import load_robot  # noqa: PLC0415
     from meshes.processes import in_own_process  # noqa: PLC0415
@@ -367,14 +360,8 @@ def solve(
 
 
 @app.command
-def check(robot: str) -> int:
-    """Say everything that is wrong with a robot file.
-
-    Parameters
-    ----------
-    robot
-        A built-in robot or a robot file.
-    """
+def check(robot: RobotName) -> int:
+    """Say everything that is wrong with a robot file."""
     from lumped.audit.robot_audit import audit  # noqa: PLC0415
     from lumped.robot_file import load_robot  # noqa: PLC0415
     from validation.kinematics.poses import postures_of  # noqa: PLC0415
@@ -431,20 +418,8 @@ def schema() -> int:
 
 
 @app.command
-def cases(
-    robot: str = "ifw",
-    *,
-    json: Annotated[bool, Parameter(negative="")] = False,
-) -> int:
-    """List the validation cases of a robot with their sources and tolerances.
-
-    Parameters
-    ----------
-    robot
-        A built-in robot or a robot file.
-    json
-        Print a JSON array for programs.
-    """
+def cases(robot: RobotName = "ifw", *, json: AsJson = False) -> int:
+    """List the validation cases of a robot with their sources and tolerances."""
     from lumped.robot_file import load_robot  # noqa: PLC0415
     from validation.catalogue import catalogue  # noqa: PLC0415
     from validation.report.listing import as_json, as_text  # noqa: PLC0415

@@ -35,6 +35,9 @@ def _process_count(_type: object, tokens: Sequence[Token]) -> int:
 
 WholeNumber: TypeAlias = Annotated[int, Parameter(converter=_whole_number)]
 ProcessCount: TypeAlias = Annotated[int | None, Parameter(converter=_process_count)]
+Flag: TypeAlias = Annotated[bool, Parameter(negative="")]
+RobotName: TypeAlias = Annotated[str, Parameter(help="A built-in robot or a robot file.")]
+AsJson: TypeAlias = Annotated[bool, Parameter(negative="", help="Print JSON for programs.")]
 
 
 def require_place(path: Path | None, kind: str) -> None:

@@ -6,29 +6,25 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from validation.console.streams import complain, say
-from validation.console.typed import require_place, write
+from validation.console.typed import AsJson, RobotName, require_place, write
 
 
 def kinematics(
-    robot: str,
+    robot: RobotName,
     *,
     pose: Annotated[tuple[str, ...], Parameter(allow_leading_hyphen=True, negative="")] = (),
     picture: Path | None = None,
-    json: Annotated[bool, Parameter(negative="")] = False,
+    json: AsJson = False,
 ) -> int:
     """Close the loops of a mechanism: mobility, idle motions, overconstraint, joint coordinates.
 
     Parameters
     ----------
-    robot
-        A built-in robot or a robot file.
     pose
         Pose of the tool in the order of its moves, as 0.25,0.6 (m, rad); may be given several
         times; the poses of the file's path if left out.
     picture
         Draw the mechanism in these poses into this PNG file.
-    json
-        Print JSON for programs.
     """
     from lumped.robot_file import load_robot  # noqa: PLC0415
     from validation.kinematics import listing  # noqa: PLC0415

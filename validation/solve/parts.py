@@ -2,13 +2,11 @@
 
 from io import BytesIO
 from pathlib import Path
-from typing import Annotated, Any, Literal
-
-from cyclopts import Parameter
+from typing import Any, Literal
 
 from lumped.errors import InputError
 from validation.console.streams import complain, say
-from validation.console.typed import WholeNumber, require_place, write
+from validation.console.typed import AsJson, Flag, WholeNumber, require_place, write
 
 Unit = Literal["m", "mm", "cm", "inch"]
 _FEWEST_UNKNOWNS = 1000
@@ -21,7 +19,7 @@ def faces(
     *,
     unit: Unit | None = None,
     out: Path | None = None,
-    json: Annotated[bool, Parameter(negative="")] = False,
+    json: Flag = False,
 ) -> int:
     """List the faces of a CAD part or of a mesh, and draw them numbered.
 
@@ -67,7 +65,7 @@ def identify(
     modes: WholeNumber | None = None,
     accuracy: float | None = None,
     out: Path | None = None,
-    json: Annotated[bool, Parameter(negative="")] = False,
+    json: AsJson = False,
 ) -> int:
     """Identify a part: stiffness, mass and frequencies between its interfaces, with uncertainty.
 
@@ -93,8 +91,6 @@ def identify(
         as far as memory and ten minutes a mesh allow.
     out
         An .npz file to write all matrices to.
-    json
-        Print JSON for programs.
     """
     import numpy as np  # noqa: PLC0415
 
