@@ -96,8 +96,9 @@ def outcome_line(outcome: Outcome) -> str:
     if measurement is None:
         return f"{outcome.verdict:9} {case.id}: {outcome.message}"
     unit = "" if case.unit == "1" else f" {case.unit}"
+    claim = "" if case.relation.value == "equal" else f"{case.relation.value} "
     numbers = (
-        f"{case.quantity} {measurement.value:.6g}{unit}, should be {_claim(case)}"
+        f"{case.quantity} {measurement.value:.6g}{unit}, should be {claim}"
         f"{measurement.reference:.6g}{unit} (tolerance {outcome.tolerance:.2g}{unit})"
     )
     remark = f"; {outcome.message}" if outcome.message else ""
@@ -119,10 +120,6 @@ def summary(outcomes: Sequence[Outcome], unfinished: int = 0) -> str:
     parts = [sentence, *(f"{counts[one]} {one}" for one in others if counts[one])]
     parts += [f"{unfinished} not computed"] if unfinished else []
     return ", ".join(parts) + "."
-
-
-def _claim(case: Case) -> str:
-    return "" if case.relation.value == "equal" else f"{case.relation.value} "
 
 
 def _tolerance(allowed: Tolerance) -> dict[str, float | str]:

@@ -16,10 +16,9 @@ from validation.exhibits import PORTRAIT, Figure
 from validation.report.first_screen.screen import FirstScreen, first_screen
 from validation.report.listing import summary
 from validation.report.sections import Chapter, chapters_of
-from validation.results.drift import Drift
 from validation.results.gathered import Results
 from validation.results.outcome import Outcome, Verdict
-from validation.results.records import studies_of
+from validation.results.records import CaseRecord, studies_of
 
 
 @dataclass(frozen=True)
@@ -35,9 +34,9 @@ class Report:
         return self.results.outcomes
 
     @cached_property
-    def drifts(self) -> Mapping[str, Drift]:
-        """Moves from the values of the baseline by case id; they have a column of their own."""
-        return self.results.drifts
+    def drifts(self) -> Mapping[str, CaseRecord]:
+        """Cases whose moves from the baseline are known, by id, for a column of their own."""
+        return {case.id: case for case in self.results.records if case.drift is not None}
 
     @cached_property
     def first(self) -> FirstScreen | None:

@@ -43,11 +43,6 @@ class Section:
     plotted: bool
 
     @property
-    def anchor(self) -> str:
-        """The section's id in the page."""
-        return anchor(self.title)
-
-    @property
     def worst_first(self) -> list[Outcome]:
         """Its comparisons: disagreements, failures, then by the share of the tolerance used."""
         return sorted(self.outcomes, key=_badness)
@@ -63,7 +58,7 @@ class Section:
     @cached_property
     def budget(self) -> Figure | None:
         """The error budget, where anything allows for named causes."""
-        named = f"budget.{self.anchor}", f"{self.title}: error budget", "budgets"
+        named = f"budget.{anchor(self.title)}", f"{self.title}: error budget", "budgets"
         draw = partial(budget_figure, *named, self.outcomes)
         return attempted(draw) if self.plotted else None
 
@@ -103,11 +98,6 @@ class Chapter:
 
     title: str
     sections: tuple[Section, ...]
-
-    @property
-    def anchor(self) -> str:
-        """The chapter's id in the page."""
-        return anchor(self.title)
 
 
 def chapters_of(

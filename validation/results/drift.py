@@ -4,15 +4,13 @@ References come from outside and decide the verdict; an earlier value is only ou
 nothing. A change of it is drift, never disagreement.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from math import isfinite
 from typing import Literal
 
 import msgspec
 
-from validation.results.outcome import Outcome
-from validation.results.records import CaseRecord, RunRecord, case_record
+from validation.results.records import CaseRecord
 
 # Rounding differs between machines and library versions; far above it, far below any tolerance.
 _ROUNDING = 1e-9
@@ -69,32 +67,15 @@ def drift(
     return Drift(earlier, value, allowed)
 
 
-def drifts(outcomes: Sequence[Outcome], baseline: RunRecord) -> dict[str, Drift]:
-    """Drift by case id, of the outcomes that have a value and an earlier one of the same pose."""
-    earlier = baseline.by_id
-    now = [case_record(outcome) for outcome in outcomes if outcome.case.id in earlier]
-    found = {record.id: drift(earlier[record.id], record) for record in now}
-    return {name: moved for name, moved in found.items() if moved is not None}
-
-
-def no_longer_compared(outcomes: Sequence[Outcome], earlier: RunRecord | None) -> dict[str, str]:
-    """By case id: why a comparison that agreed earlier is skipped now, and protects nothing."""
-    agreed = {case.id for case in earlier.cases if case.verdict == "agree"} if earlier else set()
-    return {
-        outcome.case.id: outcome.result.message
-        for outcome in outcomes
-        if outcome.verdict == "skipped" and outcome.case.id in agreed
-    }
-
-
-def with_drift(record: CaseRecord, drift: Drift | None) -> CaseRecord:
-    """The record of a case with what it has drifted, if that is known."""
-    if drift is None:
+def with_drift(record: CaseRecord, earlier: CaseRecord | None) -> CaseRecord:
+    """The record of a case with what it has drifted from an earlier one, if that is known."""
+    moved = drift(earlier, record) if earlier else None
+    if moved is None:
         return record
     return msgspec.structs.replace(
         record,
-        earlier=drift.earlier,
-        drift=drift.amount,
-        drift_allowed=drift.allowed,
-        drifted=drift.beyond,
+        earlier=moved.earlier,
+        drift=moved.amount,
+        drift_allowed=moved.allowed,
+        drifted=moved.beyond,
     )

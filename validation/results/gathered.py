@@ -11,9 +11,9 @@ from validation.adequacy.matrix import ADEQUACY, MEASURED, Matrix
 from validation.case import Case
 from validation.exhibits import Figure, PlannedFigure
 from validation.results.compare import RunComparison, compare
-from validation.results.drift import Drift, drifts, no_longer_compared, with_drift
+from validation.results.drift import with_drift
 from validation.results.outcome import Outcome
-from validation.results.records import RunRecord, case_record, parse_run, run_record
+from validation.results.records import CaseRecord, RunRecord, case_record, parse_run, run_record
 from validation.results.tasks import AnyResult, Record, Task, from_plain, still_holding
 
 
@@ -95,14 +95,21 @@ class Results:
         return found if isinstance(found, Matrix) else None
 
     @property
-    def drifts(self) -> dict[str, Drift]:
-        """How far the values have moved from those of the baseline, by case id."""
-        return drifts(self.outcomes, self.baseline) if self.baseline else {}
+    def records(self) -> list[CaseRecord]:
+        """The outcomes with how far their values have moved from those of the baseline."""
+        earlier = self.baseline.by_id if self.baseline else {}
+        return [with_drift(case_record(o), earlier.get(o.case.id)) for o in self.outcomes]
 
     @property
     def no_longer_compared(self) -> dict[str, str]:
-        """Comparisons that agreed in the baseline and are skipped now: why."""
-        return no_longer_compared(self.outcomes, self.baseline)
+        """Comparisons that agreed in the baseline, are skipped now and protect nothing: why."""
+        cases = self.baseline.cases if self.baseline else ()
+        agreed = {case.id for case in cases if case.verdict == "agree"}
+        return {
+            outcome.case.id: outcome.message
+            for outcome in self.outcomes
+            if outcome.verdict == "skipped" and outcome.case.id in agreed
+        }
 
     def compared_with(self, baseline: RunRecord) -> RunComparison:
         """What changed since `baseline`, as far as its cases were to be run this time."""
@@ -151,6 +158,4 @@ class Results:
 
     def _record(self) -> RunRecord:
         header = dict(self.header) | {"unfinished": self.unfinished}
-        outcomes, drifts = self.outcomes, self.drifts
-        cases = [with_drift(case_record(o), drifts.get(o.case.id)) for o in outcomes]
-        return run_record(header, cases, outcomes, self.matrices)
+        return run_record(header, self.records, self.outcomes, self.matrices)

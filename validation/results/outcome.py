@@ -104,7 +104,14 @@ def judge(case: Case, measurement: Measurement, seconds: float) -> Outcome:
     tolerance = case.tolerance.at(measurement.reference)
     uncertainty = measurement.numerical_uncertainty
     said = verdict(measurement.unexplained, case.relation, tolerance, uncertainty)
-    message = _remark(case, measurement, tolerance)
+    message = ""
+    if not (isfinite(measurement.value) and isfinite(measurement.reference)):
+        message = "the computation gave no finite number"
+    elif said == "undecided" and uncertainty is not None:
+        message = (
+            f"numerical uncertainty {uncertainty:.3g} {case.unit} exceeds the tolerance "
+            f"{tolerance:.3g} {case.unit}, the comparison cannot decide: {measurement.decides}"
+        )
     for one in measurement.elsewhere:
         allowed = case.tolerance.at(one.reference)
         there = verdict(one.difference, case.relation, allowed, one.uncertainty)
@@ -118,19 +125,3 @@ def judge(case: Case, measurement: Measurement, seconds: float) -> Outcome:
 
 
 _GRAVITY: Mapping[Verdict, int] = {"agree": 0, "undecided": 1, "disagree": 2}
-
-
-def _remark(case: Case, measurement: Measurement, tolerance: float) -> str:
-    if not (isfinite(measurement.value) and isfinite(measurement.reference)):
-        return "the computation gave no finite number"
-    uncertainty = measurement.numerical_uncertainty
-    if uncertainty is None or uncertainty <= tolerance:
-        return ""
-    beyond = case.relation.excess(measurement.unexplained) - tolerance
-    # An error that even its uncertainty cannot bring back within the tolerance is decided.
-    if not beyond > uncertainty:
-        return (
-            f"numerical uncertainty {uncertainty:.3g} {case.unit} exceeds the tolerance "
-            f"{tolerance:.3g} {case.unit}, the comparison cannot decide: {measurement.decides}"
-        )
-    return ""

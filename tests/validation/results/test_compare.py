@@ -15,7 +15,7 @@ from validation.case import Measurement
 from validation.report.page import Report
 from validation.results.compare import as_dict, compare
 from validation.results.comparison_text import as_text
-from validation.results.drift import drift, drifts, with_drift
+from validation.results.drift import drift, with_drift
 from validation.results.gathered import Results
 from validation.results.outcome import Result, judge
 from validation.results.records import (
@@ -173,11 +173,11 @@ def test_drift_stands_beside_the_verdict_and_never_changes_it():
     for value, verdict, moved in ((1.05, "agree", 0.55), (0.5, "disagree", 0.0)):
         # 0.05 from the reference agrees within 0.1, far from the earlier value; that itself not.
         now = outcome(value)
-        entry = with_drift(case_record(now), drifts([now], before)["toy"])
+        entry = with_drift(case_record(now), before.by_id["toy"])
         assert (entry.verdict, entry.reference, entry.earlier) == (verdict, 1.0, 0.5)
         assert entry.drift == pytest.approx(moved, rel=1e-12)
         assert entry.drifted is (moved > 0.0)
-    assert drifts([outcome(1.0)], run_of()) == {}
+    assert with_drift(case_record(outcome(1.0)), None).drift is None
 
 
 AGREED = CaseRecord(id="toy", verdict="agree", value=1.0)
