@@ -14,7 +14,6 @@ from validation.context import PRESETS, Context, Preset
 
 # Sections of the report that cases and figures share.
 STROKE = "The robot over its stroke"
-SOLID_ROBOT = "The robot with solid legs"
 PATH = "The mechanism over its path"
 PARAMETERS = "Design parameters"
 FAMILY = "Robots with longer legs"

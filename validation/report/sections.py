@@ -10,7 +10,7 @@ from math import isnan
 
 from validation.case import Relation, Relative
 from validation.drawing.text import anchor
-from validation.exhibits import FAMILY, PARAMETERS, PATH, SOLID_ROBOT, STROKE, Figure
+from validation.exhibits import FAMILY, PARAMETERS, PATH, STROKE, Figure
 from validation.report.figures.budgets import budget_figure
 from validation.report.figures.declared import attempted
 from validation.report.figures.studies import Family, families, study_figure
@@ -21,7 +21,7 @@ from validation.results.records import claims_of
 # Chapters in their order, with their sections as they follow each other; sections that stand in no
 # list go by the subject of their cases.
 CHAPTERS: Mapping[str, tuple[str, ...]] = {
-    "The robot": (STROKE, SOLID_ROBOT, PATH),
+    "The robot": (STROKE, PATH),
     "Its legs": (),
     "The decision": (PARAMETERS, FAMILY),
     "The paper": ("The paper's statements",),

@@ -226,7 +226,7 @@ def test_a_plot_that_fails_costs_nothing_but_itself(monkeypatch):
 
 
 def test_chapters_answer_in_turn_whatever_came_first():
-    names = ("crank", "The paper's statements", "Leg 2", "The robot with solid legs")
+    names = ("crank", "The paper's statements", "Leg 2", "The mechanism over its path")
     names += ("The robot over its stroke",)
     outcomes = [
         judge(case(f"c.{n}", section=n), Measurement(1.0, 1.0, exact=True), 0.1) for n in names
