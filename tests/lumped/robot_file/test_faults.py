@@ -3,12 +3,10 @@
 from pathlib import Path
 
 import pytest
-from sound_biglide import SOUND
 from wrong_files import wrong_files
 
 from lumped.errors import InputError
 from lumped.robot_file.load import described_by
-from validation import cli
 
 
 def faults_of(tables):
@@ -24,16 +22,6 @@ def test_each_fault_is_one_line_with_its_key_and_what_is_allowed(wrong):
     for line in wrong.said:
         assert any(fault.startswith(line) for fault in faults), (line, faults)
     assert not any("\n" in fault for fault in faults)
-
-
-def test_the_command_names_the_file_in_every_line(tmp_path, capsys):
-    path = tmp_path / "wrong.toml"
-    path.write_text(SOUND.replace("46.0", "-1").replace("a = 0.9", "a = 900"), encoding="utf-8")
-    assert cli.main(["check", str(path)]) == 2
-    said = capsys.readouterr()
-    assert said.out == ""
-    lines = [line.removeprefix(f"flexproof: {path}: ") for line in said.err.splitlines()]
-    assert [line.split(" ")[0] for line in lines] == ["geometry.a", "platform.mass"]
 
 
 def test_an_empty_file_names_every_missing_key():

@@ -37,13 +37,6 @@ def compliance_of(robot_file, name):
     return next(joint for joint in robot_file.mechanism.joints if joint.name == name).compliance
 
 
-def test_legs_longer_by_alpha_keep_the_stroke():
-    """Eqs (10), (11), of which test_biglide tells more."""
-    longer = load_robot("ifw").with_values({"geometry.alpha": 1.5}).mechanism
-    assert [leg.length for leg in legs_of(longer).values()] == pytest.approx([1.275, 1.1625])
-    assert distance_of_slides(longer) == pytest.approx(1.5 * 1.625 - 0.705, rel=1e-14)
-
-
 def test_sound_file_is_read(robot_path):
     path = robot_path(SOUND)
     loaded = load_robot(path)

@@ -10,10 +10,7 @@ from like_ifw import IFW, placed_at
 from lumped.errors import InputError
 from lumped.mechanism.biglide import Stroke
 from lumped.mechanism.kinematics.mobility import mobility
-from lumped.mechanism.kinematics.postures import (
-    posture,
-    reference_posture,
-)
+from lumped.mechanism.kinematics.postures import posture
 from lumped.robot_file import load_robot
 
 # Without the closed form: loops are closed by iteration.
@@ -31,13 +28,6 @@ def test_coordinates_are_counted_from_the_reference_posture(mechanism):
     turned = np.arctan2(turn[1, 0], turn[0, 0])
     assert found.coordinates["foot1"] == pytest.approx([turned], abs=1e-13)
     assert found.coordinates["seat"].shape == (0,)
-
-
-def test_the_biglide_moves_in_its_plane_and_is_held_three_times_too_often():
-    found = mobility(reference_posture(IFW.mechanism))
-    # Kutzbach: 5 bodies × 6 = 30, constraints 2 × 5 + 3 × 5 + 6 = 31.
-    assert (found.mobility, found.constraints, found.redundant, found.idle) == (2, 31, 3, 0)
-    assert not found.at_limit
 
 
 def test_the_end_of_the_stroke_is_a_limit_that_the_drive_reaches_across():
