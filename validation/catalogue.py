@@ -13,7 +13,7 @@ from validation.paper.robot import is_the_papers
 from validation.report.figures.mechanism import curves, energies, pairs, pictures
 from validation.report.figures.mechanism.variations import figures_over
 from validation.results.tasks import Task
-from validation.solids.leg_models import SHARED_SOLIDS
+from validation.solids.legs import SHARED_SOLIDS
 from validation.variations.cases import cases_over
 
 _ADEQUACY = Assessment(

@@ -56,16 +56,13 @@ def slice_count(section: Section, length: float, divisions: Divisions) -> int:
     return max(ceil(across * of_four / 4), bounded)
 
 
-def hexahedra(
-    section: Section, length: float, divisions: Divisions, *, slices: int | None = None
-) -> SolidMesh:
-    """The leg of `length` (m) in hex27, `divisions` as in `section_blocks`.
+def hexahedra(section: Section, length: float, divisions: Divisions, slices: int) -> SolidMesh:
+    """The leg of `length` (m) in hex27 of so many slices, `divisions` as in `section_blocks`.
 
-    `slices` defaults to `slice_count`. Raises InputError for impossible requests,
-    ComputationError where gmsh fails or elements are too distorted.
+    Raises InputError for impossible requests, ComputationError where gmsh fails or elements are too
+    distorted.
     """
     require_leg(section, length, divisions)
-    count = slice_count(section, length, divisions) if slices is None else slices
-    mesh = extrude(section_mesh(section, divisions), stations(length, count))
+    mesh = extrude(section_mesh(section, divisions), stations(length, slices))
     check(mesh, f"extruded leg ({section.shape})")
     return mesh

@@ -27,7 +27,7 @@ from lumped.models.segments import (
 )
 from validation.context import Context
 from validation.models.options import DEFAULT_OPTIONS, STATIC, Ends, ModelName, ModelOptions
-from validation.solids.leg_models import held_solid
+from validation.solids.legs import held_solid
 
 Model = TypeVar("Model", bound=BodyModel)
 

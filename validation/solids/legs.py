@@ -1,4 +1,4 @@
-"""A leg as a solid on a series of similar meshes, with the uncertainty of what it says."""
+"""A leg as a solid on series of similar meshes and as a beam of their sections: how uncertain."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -9,11 +9,15 @@ import numpy as np
 from scipy.optimize import brentq, newton
 
 from fem.beams.beam import beam_leg
-from fem.bodies import doubling, solid
-from fem.bodies.solid import Ends
+from fem.bodies import doubling
+from fem.bodies.solid import Ends, clamped_leg, section_twists, solid_leg, solid_mesh
+from fem.couplings.end_effects import restrained_compliance
+from fem.reduction.superelement import HeldLeg, held_solid_leg
 from fem.sections.section_constants import SectionConstants, beam_properties, section_constants
 from lumped.arrays import Array
-from lumped.legs import BeamProperties, ConstantLeg
+from lumped.errors import InputError, naming
+from lumped.legs import BeamProperties, ConstantLeg, tip_compliance
+from lumped.mechanism.body_model import LegMatrices
 from lumped.memo import memo
 from lumped.models.cantilever import clamped_modes
 from lumped.sections import HollowRectangle, ISection, Rectangle
@@ -33,6 +37,7 @@ from validation.agreement.mode_pairing import (
     mac_matrix,
     pair_modes,
 )
+from validation.context import Preset
 
 # Quadratic elements: energies, and with them compliances and frequencies, converge with h⁴ …
 FORMAL_ORDER = 4.0
@@ -43,7 +48,6 @@ FORMAL_ORDER = 4.0
 CORNER_ORDER = 4.0 / 3.0
 # Relative rounding of compliances and frequencies: below it a refinement shows nothing.
 ROUND_OFF = 1e-9
-_BEAM_ELEMENTS = 20
 GRIDS_FOR_ORDER, _FEWEST_GRIDS = 4, 2
 # Curved and thin-walled sections keep their proportions only under doubling, from four on.
 _RECTANGLE_LADDER = (1, 2, 3, 4, 6, 8, 12)
@@ -55,6 +59,15 @@ _THINNER = 16
 _SPARE_MODES = 6
 _STATIONS = 24
 _ENDS: tuple[Ends, Ends] = ("rigid", "free")
+# Tasks of this group share what is kept of the robot's solids.
+SHARED_SOLIDS = "robot.solid.modes"
+# Divisions of rectangles where legs vibrate; the next coarser ones give the numerical uncertainty.
+# Up to four, walls have one element across: half of that shows what the length of elements does,
+# and what the section mesh leaves out it leaves out of the constants alike.
+DIVISIONS: dict[Preset, int] = {"quick": 2, "standard": 3, "fine": 4}
+WALL_DIVISIONS: dict[Preset, int] = {"quick": 2, "standard": 4, "fine": 8}
+# Of beams beside them.
+ELEMENTS = 20
 
 
 @dataclass(frozen=True)
@@ -249,20 +262,116 @@ def solid_frequencies(
     leg: ConstantLeg, divisions: tuple[int, ...], ends: Ends, count: int
 ) -> SolidModes:
     """First `count` frequencies of the clamped leg, paired with the beam's."""
-    beam = beam_leg(leg.timoshenko, leg.length, _BEAM_ELEMENTS)
+    beam = beam_leg(leg.timoshenko, leg.length, ELEMENTS)
     stations, lengths = centreline_samples(leg.length, _STATIONS)
     weights = centreline_weights(leg.timoshenko, lengths)
     target = beam.centreline(stations) @ clamped_modes(beam, count).shapes
     frequencies, mac = [], []
     for number in divisions:
         counts = section_counts(leg, number)
-        mesh = hexahedra(leg.section, leg.length, counts, slices=slices(leg, number))
-        clamped = solid.clamped_leg(solid.solid_leg(leg, mesh), ends)
+        mesh = hexahedra(leg.section, leg.length, counts, slices(leg, number))
+        clamped = clamped_leg(solid_leg(leg, mesh), ends)
         modes = clamped.modes(count + _SPARE_MODES)
-        shapes = solid.section_twists(mesh, stations) @ modes.shapes
+        shapes = section_twists(mesh, stations) @ modes.shapes
         likeness = mac_matrix(target, shapes, weights)
         partner = pair_modes(likeness)
         frequencies.append(modes.frequencies[partner])
         mac.append(likeness[np.arange(count), partner])
     found = Refinement(divisions, np.array(frequencies), formal_order(leg, ends))
     return SolidModes(found, np.array(mac))
+
+
+def held_solid(leg: ConstantLeg, divisions: int, ends: Ends, section: int | None = None) -> HeldLeg:
+    """The solid leg with the twists of both ends given; `ends` as in its coupling.
+
+    `section`: divisions of its section, where they are others than `divisions` along it.
+    """
+    solid = solid_leg(leg, solid_mesh(leg, divisions, section=section))
+    with naming(leg.name):
+        return held_solid_leg(clamped_leg(solid, ends), solid.mesh)
+
+
+def own_beam(leg: ConstantLeg, divisions: int) -> LegMatrices:
+    """Timoshenko beam of the constants of the very section mesh that the solid has."""
+    material = leg.material
+    mesh = section_mesh(leg.section, divisions)
+    constants = section_constants(mesh, material.nu, material.G / material.E)
+    return beam_leg(beam_properties(constants, material), leg.length, ELEMENTS)
+
+
+@dataclass(frozen=True)
+class TipCompliances:
+    """6×6 tip compliances (SI, leg axes) of one mesh of a leg and of its section.
+
+    The solid's with `rigid` and with `free` ends, `own`: the Timoshenko cantilever's with the
+    constants of the same section mesh, and `restrained`: what rigid faces take from it in theory.
+    """
+
+    rigid: Array
+    free: Array
+    own: Array
+    restrained: Array
+
+    @property
+    def held(self) -> Array:
+        """The cantilever's with end faces held plane and rigid."""
+        return np.asarray(self.own + self.restrained)
+
+
+@dataclass(frozen=True)
+class TwoMeshes:
+    """A leg on two similar meshes; sizes of the `coarse` one are `ratio` times the `fine` one's."""
+
+    coarse: TipCompliances
+    fine: TipCompliances
+    ratio: float
+
+
+def two_meshes(leg: ConstantLeg, most: int) -> TwoMeshes:
+    """Tip compliances of a leg by doubling, on the meshes of `mesh_pair`."""
+    coarse, fine = mesh_pair(leg, most)
+    with naming(leg.name):
+        return TwoMeshes(
+            coarse=_compliances(leg, *coarse),
+            fine=_compliances(leg, *fine),
+            ratio=fine[1] / coarse[1],
+        )
+
+
+def mesh_pair(leg: ConstantLeg, most: int) -> tuple[tuple[int, int], tuple[int, int]]:
+    """Divisions of the section and slices along it of the two finest meshes, coarse and fine.
+
+    Their section meshes have at most `most` unknowns. Where one alone of thin walls can have so
+    few, both share it and the coarser one is half as fine along the leg: what the section mesh
+    leaves out of a solid it leaves out of the constants alike. Raises InputError where not even
+    that one is small enough.
+    """
+    ladder = static_ladder(leg, most)
+    if ladder:
+        coarse, fine = ladder[-2:]
+        return (coarse, static_slices(leg, coarse)), (fine, static_slices(leg, fine))
+    if (unknowns := _coarsest_unknowns(leg)) > most:
+        raise InputError(
+            f"{leg.name or 'leg'}: the coarsest section mesh of its {leg.section.shape} has "
+            f"{unknowns} unknowns, more than {most}"
+        )
+    along = static_slices(leg, COARSEST_WALLS)
+    return (COARSEST_WALLS, along), (COARSEST_WALLS, 2 * along)
+
+
+def has_meshes(leg: ConstantLeg, most: int) -> bool:
+    """Whether there is a `mesh_pair` of a leg."""
+    return bool(static_ladder(leg, most)) or _coarsest_unknowns(leg) <= most
+
+
+def _coarsest_unknowns(leg: ConstantLeg) -> int:
+    return 3 * len(face_mesh(leg, COARSEST_WALLS).nodes)
+
+
+def _compliances(leg: ConstantLeg, divisions: int, along: int) -> TipCompliances:
+    return TipCompliances(
+        rigid=doubled_tip(leg, divisions, along, "rigid"),
+        free=doubled_tip(leg, divisions, along, "free"),
+        own=tip_compliance(own_properties(leg, divisions), leg.length),
+        restrained=restrained_compliance(face_mesh(leg, divisions), leg.material, leg.length),
+    )

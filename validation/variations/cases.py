@@ -14,7 +14,7 @@ from validation.case_group import CaseGroup, Over
 from validation.cases.mechanism.quantities import ASSEMBLER, MODEL_CODE
 from validation.context import Context
 from validation.exhibits import PARAMETERS
-from validation.solids.leg_models import held_solid
+from validation.solids.legs import held_solid
 from validation.variations.curves import VariedCurves, variation_study
 from validation.variations.decision import MEANING, OBJECTIVES, UNITS, Decision, Objective
 

@@ -10,7 +10,7 @@ from lumped.errors import ComputationError
 from lumped.legs import ConstantLeg
 from lumped.sections import HollowRectangle, ISection, Rectangle, Tube
 from meshes.section.section_mesh import section_mesh
-from validation.solids.leg_models import own_beam
+from validation.solids.legs import own_beam
 from validation.solids.waves import prism_wave_frequency
 from validation.studies.leg_waves import dynamic_stiffness
 

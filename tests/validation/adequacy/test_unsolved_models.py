@@ -17,7 +17,7 @@ from validation.context import Context
 
 # References are made of these, and of no model that is refused here.
 SOLIDS = (
-    "validation.solids.leg_models.two_meshes ",
+    "validation.solids.legs.two_meshes ",
     "validation.adequacy.mechanism.vibration.solid_vibration ",
 )
 

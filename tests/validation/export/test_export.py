@@ -2,6 +2,7 @@
 
 import re
 import subprocess
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -136,7 +137,7 @@ def test_calculix_reads_the_deck(folder, tmp_path):
     assert "*ERROR" not in done.stdout
 
 
-@pytest.mark.parametrize("family", [hexahedra, tetrahedra])
+@pytest.mark.parametrize("family", [partial(hexahedra, slices=5), tetrahedra])
 def test_vtk_finds_the_volume(family):
     volumes = grid(family(Rectangle(0.1, 0.2), 0.5, 2)).compute_cell_sizes()["Volume"]
     assert volumes.min() > 0.0

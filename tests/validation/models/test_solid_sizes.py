@@ -45,7 +45,7 @@ REASON = r"^leg1 as a solid of 2 divisions has about 1e\+07.* unknowns, preset q
 @pytest.fixture
 def context(monkeypatch):
     """Of a quick run in which no solid may be meshed."""
-    for place in ("validation.solids.leg_models", "fem.bodies.solid"):
+    for place in ("validation.solids.legs", "fem.bodies.solid"):
         monkeypatch.setattr(f"{place}.solid_mesh", refused)
     return Context(SLENDER, "quick")
 

@@ -7,7 +7,7 @@ from numpy.testing import assert_allclose
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, Material
 from lumped.sections import Circle, HollowRectangle, ISection
-from validation.solids.leg_models import two_meshes
+from validation.solids.legs import two_meshes
 
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 

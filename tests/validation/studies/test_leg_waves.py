@@ -10,7 +10,7 @@ from lumped.models.bodies import legs_of
 from lumped.robot_file import load_robot
 from lumped.system.assembly import assemble
 from lumped.system.solution import modes, solved
-from validation.solids.leg_models import ELEMENTS, held_solid, own_beam
+from validation.solids.legs import ELEMENTS, held_solid, own_beam
 from validation.studies.leg_waves import wave_changes, waves_of
 
 OFFERED = 12

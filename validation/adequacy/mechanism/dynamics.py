@@ -47,8 +47,7 @@ from validation.context import Preset
 from validation.models.mechanism import modes_along
 from validation.models.options import ModelName, ModelOptions
 from validation.parts.meshes import FINEST, MIDDLE
-from validation.solids.leg_models import ELEMENTS
-from validation.solids.legs import COARSEST_WALLS, divisions_across
+from validation.solids.legs import COARSEST_WALLS, ELEMENTS, divisions_across
 from validation.solids.size import larger_preset, too_large
 
 _OPEN_MASS = "where the legs' mass lies"

@@ -37,8 +37,15 @@ from validation.agreement.convergence import step_factor
 from validation.context import Context, Preset
 from validation.models.legs import leg_matrices
 from validation.models.options import ModelOptions
-from validation.solids.leg_models import TwoMeshes, has_meshes, mesh_pair, two_meshes
-from validation.solids.legs import COARSEST_WALLS, leg_constants, static_ladder
+from validation.solids.legs import (
+    COARSEST_WALLS,
+    TwoMeshes,
+    has_meshes,
+    leg_constants,
+    mesh_pair,
+    static_ladder,
+    two_meshes,
+)
 from validation.solids.size import larger_preset
 
 # Unknowns of the finest section mesh of a solid leg; the second number where the first one does not

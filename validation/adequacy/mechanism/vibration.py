@@ -43,8 +43,14 @@ from validation.models.mechanism import (
 )
 from validation.models.options import STATIC, ModelName, ModelOptions
 from validation.parts.meshes import FINEST
-from validation.solids.leg_models import DIVISIONS, ELEMENTS, WALL_DIVISIONS, held_solid
-from validation.solids.legs import COARSEST_WALLS, divisions_across
+from validation.solids.legs import (
+    COARSEST_WALLS,
+    DIVISIONS,
+    ELEMENTS,
+    WALL_DIVISIONS,
+    divisions_across,
+    held_solid,
+)
 
 Build = Callable[[Leg, Ends, float], LegMatrices]
 

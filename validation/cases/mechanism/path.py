@@ -48,8 +48,7 @@ from validation.models.mechanism import (
 )
 from validation.models.options import ModelName, ModelOptions
 from validation.models.part_legs import part_springs
-from validation.solids.leg_models import SHARED_SOLIDS, TipCompliances
-from validation.solids.legs import FORMAL_ORDER
+from validation.solids.legs import FORMAL_ORDER, SHARED_SOLIDS, TipCompliances
 
 _EULER = ModelOptions(theory="euler-bernoulli", legs="equivalent")
 _TIMOSHENKO = ModelOptions(legs="equivalent")

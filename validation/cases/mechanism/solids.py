@@ -32,13 +32,15 @@ from validation.context import Context
 from validation.exhibits import PATH
 from validation.models.legs import filled
 from validation.models.mechanism import CUTOFF, highest_frequency, modes_along
-from validation.solids.leg_models import (
+from validation.solids.legs import (
     ELEMENTS,
+    FORMAL_ORDER,
     SHARED_SOLIDS,
+    decay_of_warping,
+    divisions_across,
     held_solid,
     own_beam,
 )
-from validation.solids.legs import FORMAL_ORDER, decay_of_warping, divisions_across
 from validation.solids.size import too_large
 from validation.studies.leg_waves import NO_WAVES, WAVES, WAVES_SOURCE, wave_changes, waves_of
 

@@ -20,8 +20,7 @@ from validation.paper.robot import (
     unreduced_modes,
 )
 from validation.paper.statements.statement import PAPER, SIMPLIFIED, Statements
-from validation.solids.leg_models import held_solid
-from validation.solids.legs import FORMAL_ORDER
+from validation.solids.legs import FORMAL_ORDER, held_solid
 from validation.variations.decision import equally_good, spearman
 
 _CONCLUSIONS = "§2.3, §3.3 and conclusions"

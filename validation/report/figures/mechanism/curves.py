@@ -22,7 +22,7 @@ from validation.drawing.charts.scales import few_ticks, from_zero
 from validation.exhibits import PATH
 from validation.models.mechanism import JUDGED_MODES
 from validation.report.figures.declared import FigureGroup, Shown, compared_with, curves
-from validation.solids.leg_models import SHARED_SOLIDS
+from validation.solids.legs import SHARED_SOLIDS
 
 FORCE, MOMENT = 1000.0, 100.0
 OWN_LOADS = f"along its own force of {FORCE:g} N, about its own moment of {MOMENT:g} N m"

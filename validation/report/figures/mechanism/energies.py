@@ -14,7 +14,7 @@ from validation.exhibits import PATH
 from validation.report.figures.declared import FigureGroup, Shown, curves
 from validation.report.figures.mechanism.drawn_modes import finite_elements
 from validation.report.figures.mechanism.mode_names import DRIVES, JOINTS, by_kind, summed
-from validation.solids.leg_models import SHARED_SOLIDS
+from validation.solids.legs import SHARED_SOLIDS
 
 Portions = Mapping[Portion, Array]
 Shares = Mapping[str, Array]

@@ -14,7 +14,7 @@ from validation.drawing.charts.chart import Chart, Column, Panel, Series
 from validation.exhibits import PATH
 from validation.models.options import DEFAULT_OPTIONS, ModelName
 from validation.report.figures.declared import FigureGroup, Shown, curves
-from validation.solids.leg_models import SHARED_SOLIDS
+from validation.solids.legs import SHARED_SOLIDS
 
 _MODELS: tuple[ModelName, ...] = ("beam", "segments")
 figures = FigureGroup(PATH, SHARED_SOLIDS)
