@@ -13,7 +13,6 @@ from pathlib import Path
 
 import pytest
 
-from fem.beams import frame
 from fem.beams.beam import beam_leg
 from fem.bodies.rooted import RootedBody, rooted_body
 from lumped.robot_file import load_robot
@@ -24,8 +23,9 @@ from validation import paper
 from validation.case import Case, Sides
 from validation.cases import legs, mechanism
 from validation.cases.mechanism.quantities import ASSEMBLER, MODEL_CODE
+from validation.cases.mechanism.solids import free_modes
 from validation.models.legs import leg_matrices
-from validation.studies.ritz import mechanism as ritz
+from validation.studies import ritz
 from validation.variations.cases import cases_over
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -165,7 +165,7 @@ def test_what_computes_a_comparison_rests_on_both_sides_that_it_names():
     [
         (beam_leg, beam_leg),
         (beam_leg, leg_matrices),  # by its name
-        (beam_leg, frame.assemble),  # two rooms away
+        (beam_leg, free_modes),  # two rooms away
         (solved, swept),  # one assembler
         (RootedBody, rooted_body),  # a class, by what is annotated
     ],

@@ -19,7 +19,7 @@ from validation.adequacy.models import judged_models
 from validation.adequacy.response import Subject
 from validation.adequacy.robot import static_subject
 from validation.context import Context
-from validation.studies.ritz import mechanism as by_mechanism
+from validation.studies import ritz as by_mechanism
 
 
 def statics_of(robot_file: RobotFile) -> tuple[Subject, Matrix]:

@@ -30,7 +30,7 @@ from validation.models.mechanism import bodies_of
 from validation.models.options import ModelOptions
 from validation.results.outcome import judge
 from validation.solve import cost
-from validation.studies.ritz import mechanism as ritz
+from validation.studies import ritz
 
 SEED, COUNT, FEW = 7, 60, 6
 ROBOTS = list(extreme_robots(COUNT, SEED))

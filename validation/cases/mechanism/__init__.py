@@ -1,11 +1,11 @@
-"""A robot over its path: its models against each other, its moves, CalculiX, EXUDYN.
+"""A robot over its path: its models against each other, Ritz, CalculiX, EXUDYN.
 
 In: the mechanism of a run. Out: cases whose subject is the robot.
 """
 
 from lumped.mechanism.mechanism import Mechanism
 from validation.case import Case
-from validation.cases.mechanism import calculix, exudyn, first_screen, motion, parts, path, solids
+from validation.cases.mechanism import calculix, exudyn, first_screen, parts, path, solids
 
 
 def cases(described: Mechanism, modes: int) -> tuple[Case, ...]:
@@ -14,7 +14,6 @@ def cases(described: Mechanism, modes: int) -> tuple[Case, ...]:
         *path.cases(),
         *solids.cases(),
         *(parts.cases() if described.parts else ()),
-        *motion.cases(moving=bool(described.tool.moves)),
         *calculix.cases(),
         *exudyn.cases(mechanism=described),
         *first_screen.cases(mechanism=described, modes=modes),

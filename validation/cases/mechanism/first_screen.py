@@ -34,7 +34,7 @@ from validation.context import Context
 from validation.exhibits import PATH
 from validation.models.mechanism import answers
 from validation.models.options import STATIC, ModelName, ModelOptions
-from validation.studies.ritz import mechanism as ritz
+from validation.studies import ritz
 
 # What yields by less, of the largest of its unit, is rounding of rigid.
 _RIGID = 1e-11
@@ -49,8 +49,9 @@ _DYNAMIC = {
 
 
 def _models(mechanism: Mechanism) -> Mapping[str, JudgedModel]:
-    """Those of the first screen; none where a part is no leg of polynomials."""
-    return {} if mechanism.parts else judged_models(mechanism)
+    """Those of the first screen; with parts, which are no polynomials, rigid bodies alone."""
+    models = judged_models(mechanism)
+    return {"simplified": models["simplified"]} if mechanism.parts else models
 
 
 def _of_modes(mechanism: Mechanism) -> list[tuple[str, Relative, str]]:

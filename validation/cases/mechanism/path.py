@@ -20,6 +20,7 @@ from lumped.errors import InputError
 from lumped.legs import ConstantLeg, Ends, tip_compliance
 from lumped.mechanism.body_model import LegMatrices
 from lumped.mechanism.free_twists import free_twists, interface_position
+from lumped.mechanism.kinematics.mobility import mobility
 from lumped.mechanism.kinematics.postures import posture
 from lumped.mechanism.mechanism import Posture
 from lumped.models import links, vjm
@@ -37,12 +38,13 @@ from validation.case_group import CaseGroup, numbered
 from validation.cases.mechanism.quantities import ASSEMBLER, MODEL_CODE
 from validation.context import Context
 from validation.exhibits import PATH
-from validation.models.legs import leg_matrices, reduced_leg
+from validation.models.legs import filled, leg_matrices, reduced_leg
 from validation.models.mechanism import (
     CUTOFF,
     JUDGED_MODES,
     answers,
     bodies_of,
+    constant_legs,
     highest_frequency,
     static_bodies,
 )
@@ -105,6 +107,29 @@ def _gap(at: Posture) -> float:
         basis = np.linalg.qr(free)[0]
         gaps.append(float(np.linalg.norm(apart - basis @ (basis.T @ apart))))
     return max(gaps)
+
+
+@cases.case(
+    "mechanism.idle",
+    "The assembler leaves as many motions idle as the closed loops do",
+    quantity="idle motions, in the pose where the two differ most",
+    citation="null space of the joints' constraints on rigid bodies",
+    tolerance=Absolute(0.5),
+    tolerance_reason="a count is a whole number",
+    model="beam",
+    sides=Sides((*ASSEMBLER, *MODEL_CODE["beam"]), (mobility,)),
+)
+def _idle(context: Context) -> Measurement:
+    postures = path_postures(context)
+    mechanism = postures[0].mechanism
+    beams = {
+        name: filled(leg_matrices("beam", leg, own))
+        for name, leg, own in constant_legs(mechanism, ModelOptions(elements=1))
+    }
+    prepared = assembly(mechanism, beams)
+    counts = [(solved(prepared.at(at)).idle, mobility(at).idle) for at in postures]
+    found, expected = max(counts, key=lambda pair: abs(pair[0] - pair[1]))
+    return Measurement(float(found), float(expected), exact=True)
 
 
 of_links = cases.family(

@@ -15,7 +15,7 @@ from lumped.robot_file import load_robot
 from lumped.sections import Rectangle, Tube
 from validation.kinematics.poses import postures_of
 from validation.selftest.robots import hexapod_stiffness
-from validation.studies.ritz import leg, mechanism
+from validation.studies import ritz
 
 
 def first_pose(name):
@@ -32,8 +32,8 @@ FOIL = ConstantLeg(90.0, Tube(2e-4, 1e-6), Material(2.1e11, 1.05e9, -0.9, 7850.0
 @pytest.mark.parametrize("prism", [ConstantLeg(0.85, Rectangle(0.1, 0.16), STEEL), FOIL])
 def test_a_leg_alone_is_the_textbook_cantilever(prism, theory):
     beam = prism.properties(theory)
-    found = leg.of_beam(beam, prism.length, leg.STATIC_DEGREE)
-    free = leg.free_motions(found.stiffness, found.root)
+    found = ritz.of_beam(beam, prism.length, ritz.STATIC_DEGREE)
+    free = ritz.free_motions(found.stiffness, found.root)
     loaded = found.tip @ free
     compliance = loaded @ solve(free.T @ found.stiffness @ free, loaded.T, assume_a="pos")
     assert scaled_difference(compliance, tip_compliance(beam, prism.length)) < 3e-6
@@ -42,7 +42,7 @@ def test_a_leg_alone_is_the_textbook_cantilever(prism, theory):
 def test_a_hexapod_has_the_stiffness_of_its_bars():
     at = first_pose("hexapod")
     stiffness = hexapod_stiffness(at.mechanism, at.pose)
-    np.testing.assert_allclose(mechanism.compliance(at) @ stiffness, np.eye(6), atol=1e-8)
+    np.testing.assert_allclose(ritz.compliance(at) @ stiffness, np.eye(6), atol=1e-8)
 
 
 @pytest.mark.parametrize("softer", [1e-12, 1e6])
@@ -62,10 +62,10 @@ def test_frequencies_may_be_of_any_size(softer):
         else replace(joint, drive=Drive(softer * joint.drive.stiffness))
         for joint in described.joints
     ]
-    found = mechanism.frequencies(
+    found = ritz.frequencies(
         replace(at, mechanism=replace(described, bodies=bodies, joints=joints)), 4
     )
-    np.testing.assert_allclose(found, np.sqrt(softer) * mechanism.frequencies(at, 4), rtol=1e-6)
+    np.testing.assert_allclose(found, np.sqrt(softer) * ritz.frequencies(at, 4), rtol=1e-6)
 
 
 def scaled(material, factor):
@@ -75,11 +75,11 @@ def scaled(material, factor):
 def test_idle_rods_count_as_no_frequency():
     """Six rods of a Delta spin about themselves; in a symmetric pose its modes come in pairs."""
     at = first_pose("delta")
-    found = mechanism.frequencies(at, 4)
+    found = ritz.frequencies(at, 4)
     assert found[0] > 10.0
     described = load_robot("delta").mechanism
     (symmetric,) = postures_of(described, described.reference_pose[None])
-    pair = mechanism.frequencies(symmetric, 2)
+    pair = ritz.frequencies(symmetric, 2)
     assert pair[1] == pytest.approx(pair[0], rel=1e-7)
 
 
@@ -89,4 +89,4 @@ def test_a_posture_that_is_none_is_refused():
     rod = moved["rod2"]
     moved["rod2"] = Frame(rod.position + np.array([1e-5, 0.0, 0.0]), rod.rotation)
     with pytest.raises(ComputationError, match="elbow2: open by"):
-        mechanism.compliance(replace(at, frames=moved))
+        ritz.compliance(replace(at, frames=moved))
