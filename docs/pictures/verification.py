@@ -17,7 +17,7 @@ sys.path.insert(0, str(ROOT / "tests" / "helpers" / "plain"))
 
 import further_benchmarks  # noqa: E402
 
-from validation.selftest import beams, robots, solids  # noqa: E402
+from validation.selftest import robots, solids  # noqa: E402
 from validation.selftest.benchmark import Benchmark, BenchmarkOutcome, KnownNumber, outcome  # noqa: E402
 
 PAGE = ROOT / "docs" / "guide" / "verification.md"
@@ -38,7 +38,7 @@ WIDTH = 150
 
 def listed() -> tuple[tuple[Benchmark, ...], tuple[Benchmark, ...]]:
     """The benchmarks of the self-test, and those of the tests alone."""
-    own = (*beams.benchmarks(), *solids.benchmarks(), *robots.benchmarks())
+    own = (*solids.benchmarks(), *robots.benchmarks())
     return own, further_benchmarks.benchmarks()
 
 

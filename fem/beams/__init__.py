@@ -1,4 +1,4 @@
-"""Legs as beams: elements along a line, exact theory of the cantilever, frames, stepped legs.
+"""Legs as beams: elements along a line, exact theory of the cantilever, stepped legs.
 
 In: section constants and lengths. Out: `LegMatrices` and closed-form frequencies.
 """

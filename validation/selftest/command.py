@@ -18,13 +18,13 @@ def selftest() -> int:
     Exit code 1 where a number differs or cannot be computed. Reports of runs say when it passed.
     """
     from validation.run.provenance import machine, versions  # noqa: PLC0415
-    from validation.selftest import beams, record, robots, solids  # noqa: PLC0415
+    from validation.selftest import record, robots, solids  # noqa: PLC0415
     from validation.selftest.benchmark import outcome  # noqa: PLC0415
 
     require_address_space(TO_COMPUTE)
     begun = perf_counter()
     say(_ROW.format("", "known", "here", "difference", "explained", ""))
-    listed = (*beams.benchmarks(), *solids.benchmarks(), *robots.benchmarks())
+    listed = (*solids.benchmarks(), *robots.benchmarks())
     outcomes = []
     for benchmark in listed:
         outcomes.append(outcome(benchmark))

@@ -5,14 +5,11 @@ import runpy
 from math import pi
 from pathlib import Path
 
-import further_benchmarks as further
 import numpy as np
 import pytest
-from scipy.linalg import null_space, subspace_angles
 
-from fem.beams.frame import assemble, modes
 from fem.bodies.solid import section_twists
-from validation.selftest import beams, solids
+from validation.selftest import solids
 from validation.selftest.benchmark import outcome
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -44,27 +41,6 @@ def test_the_manual_has_all_benchmarks_and_no_others():
 def test_the_selftest_is_short():
     of_tests = PAGE.index(f". {FURTHER[0].title}")
     assert len(re.findall(r"^\| (?!quantity)", PAGE[:of_tests], re.MULTILINE)) <= 40
-
-
-@pytest.mark.parametrize("cluster", beams.FV2_CLUSTERS, ids=lambda cluster: cluster.quantity)
-def test_equal_frequencies_of_the_cross_have_the_exact_shapes(cluster):
-    """Whatever basis of seven equal modes is found: principal angles to the exact subspace."""
-    stations = (np.arange(24) + 0.5) / 24
-    frame = assemble(beams.double_cross(16))
-    shapes = modes(frame, beams.FV2_CLUSTERS[-1].last).shapes[:, cluster.first - 1 : cluster.last]
-    at = stations * beams.ARM.length
-    found = np.vstack([(leg.centreline(at) @ own @ shapes)[1::6] for leg, own in frame.members])
-    order = 1 if cluster.last <= beams.ARMS else 2
-    if cluster.first == cluster.last:
-        # All arms alike and pinned: the crossing turns.
-        amplitudes, shape = np.ones((beams.ARMS, 1)), np.sin(order * pi * stations)
-    else:
-        # Clamped, with moments that balance: amplitudes of zero sum.
-        b = further.pinned_clamped_root(order)
-        amplitudes = null_space(np.ones((1, beams.ARMS)))
-        shape = np.sin(b * stations) / np.sin(b) - np.sinh(b * stations) / np.sinh(b)
-    # A frequency goes by the square of the angle: 0.1 % of it is 0.03, and this a thirtieth.
-    assert subspace_angles(found, np.kron(amplitudes, shape[:, None])).max() < 1e-3
 
 
 def test_a_simply_supported_solid_is_held_on_average_and_turns_at_its_ends():

@@ -9,7 +9,7 @@ from lumped.errors import ComputationError
 from lumped.robot_file import load_robot
 from validation import cli
 from validation.run import provenance
-from validation.selftest import beams, record, robots, solids
+from validation.selftest import record, robots, solids
 from validation.selftest.benchmark import Benchmark, KnownNumber
 
 HEADER = provenance.header(load_robot("ifw"), "quick", {})
@@ -36,7 +36,7 @@ def with_benchmarks(monkeypatch, tmp_path):
             Benchmark(f"title {k}", "problem", f"source {k}", "reason", compute)
             for k, compute in enumerate(computations)
         ]
-        for room, own in ((beams, listed), (solids, []), (robots, [])):
+        for room, own in ((solids, listed), (robots, [])):
             monkeypatch.setattr(room, "benchmarks", lambda own=own: tuple(own))
 
     return put
