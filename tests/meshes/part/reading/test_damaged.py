@@ -118,12 +118,6 @@ NAMED = {
     "a cavity lost": ("leg", "#3789 = LINE(", "#3789 = SURFACE_CURVE(", "6 of its 28 faces bound"),
     # Ends the process, and never comes back.
     "a class cast": ("leg", "#3413 = VECTOR(", "#3413 = SOLID_ANGLE_UNIT(", "does not survive"),
-    "no number": (
-        "rocker",
-        "VECTOR('',#515,1.)",
-        "VECTOR('',#515,.)",
-        r"says \. where a value must",
-    ),
 }
 
 
