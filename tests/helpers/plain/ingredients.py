@@ -29,7 +29,9 @@ class Asked(Context):
 
     def with_other(self, key: str, value: object) -> Context:
         """A plain context with one entry exchanged."""
-        return Context(self.robot_file, self.preset, self.options, {**self._memo, key: value})
+        return Context(
+            self.robot_file, self.preset, self.options, self.finer, {**self._memo, key: value}
+        )
 
     def entry(self, key: str) -> object:
         """What the memo holds."""
