@@ -29,8 +29,8 @@ Springs: TypeAlias = Mapping[str, Array]
 # Poses of a long path, of a grid say, are looked at in even steps.
 MOST_POSES: Mapping[Preset, int] = {"quick": 9, "standard": 25, "fine": 81}
 HOLD: tuple[Ends, Ends] = ("rigid", "free")
-_SAY_PARTS = 'say how the faces of parts are held: coupling = "rigid", "average" or "pin"'
-_SAY_ENDS = """say how the prisms' end faces are held: ends = "rigid" or "free" in [bodies]"""
+_SAY_PARTS = 'how faces are held, coupling = "rigid", "average" or "pin" in the interfaces of'
+_SAY_ENDS = 'how end faces are held, ends = "rigid" (bolted flat) or "free" (they may warp), in'
 
 
 @dataclass(frozen=True)
@@ -114,7 +114,7 @@ def robot_at(context: Context, postures: Sequence[Posture]) -> RobotOnPath:
         context,
         tuple(postures),
         known_legs(mechanism),
-        holding(mechanism),
+        holding(mechanism, context.robot_file.schema),
         context.robot_file.text,
     )
 
@@ -143,8 +143,11 @@ def coordinates(mechanism: Mechanism) -> tuple[Coordinate, ...]:
     return tuple(Coordinate(move, UNITS_OF_MOVES[move]) for move in mechanism.tool.moves)
 
 
-def holding(mechanism: Mechanism) -> Holding:
-    """How legs and parts are held: as is said, and where it is not in both ways."""
+def holding(mechanism: Mechanism, schema: int = 2) -> Holding:
+    """How legs and parts are held: as is said, and where it is not in both ways.
+
+    `schema` of the robot file, whose tables are named in what would decide it.
+    """
     # The 6×6 of a given leg has its ends in it.
     legs = {
         name: leg.ends if isinstance(leg, ConstantLeg) else "rigid"
@@ -155,10 +158,10 @@ def holding(mechanism: Mechanism) -> Holding:
     }
     said = {**legs, **parts}
     unsaid = [
-        words
-        for of_kind, words in (
-            (legs, ("ends", "how the ends are held", _SAY_ENDS)),
-            (parts, ("interfaces", "how the parts' interfaces are held", _SAY_PARTS)),
+        (name, question, f"say in the robot file {say} {_tables(of_kind, schema)}")
+        for name, question, say, of_kind in (
+            ("ends", "how the ends are held", _SAY_ENDS, legs),
+            ("interfaces", "how the parts' interfaces are held", _SAY_PARTS, parts),
         )
         if not all(of_kind.values())
     ]
@@ -177,6 +180,12 @@ def holding(mechanism: Mechanism) -> Holding:
         " and ".join(questions),
         "; ".join(decides),
     )
+
+
+def _tables(held: Mapping[str, Ends | None], schema: int) -> str:
+    """Tables of the robot file that do not say how their bodies are held."""
+    head = "" if schema == 1 else "bodies."
+    return ", ".join(f"[{head}{name}]" for name, ends in held.items() if ends is None)
 
 
 def known_legs(mechanism: Mechanism) -> dict[str, Leg]:

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 from validation.adequacy.matrix import Entry, Matrix
 from validation.drawing.text import percent
@@ -16,6 +17,8 @@ from validation.report.first_screen.words import (
 # How many causes a line names.
 _FOREMOST = 2
 _PERCENT = "\u00a0%"
+# A share of an error that is not worth a word.
+_NOTHING = 0.02
 # An error of which less is along the load is off across it.
 _ALONG = 0.8
 
@@ -61,12 +64,24 @@ def remedies_of(matrix: Matrix) -> tuple[Remedy, ...]:
 
 
 def _causes(entries: Sequence[Entry]) -> tuple[str, ...]:
-    """The foremost causes with the range of their shares: "shear: 80 to 96 %"."""
-    shares: dict[str, list[float]] = {}
+    """The foremost causes with the range of their shares: "shear: 80 to 96 %".
+
+    Where one takes back what another does no share means anything: they interact, and are told by
+    what each does to the error.
+    """
+    interact = any(cause.share < -_NOTHING for entry in entries for cause in entry.causes)
+    told: dict[str, list[float]] = {}
     for entry in entries:
         for cause in entry.causes[:_FOREMOST]:
-            shares.setdefault(cause.cause, []).append(cause.share)
-    return tuple(f"{cause}: {_range(found, percent)}" for cause, found in shares.items())
+            if interact:
+                told.setdefault(cause.cause, []).append(cause.share * (entry.error or 0.0))
+            elif cause.share > _NOTHING:
+                told.setdefault(cause.cause, []).append(min(cause.share, 1.0))
+    size = (
+        partial(_range, told=error_text, signed=True) if interact else partial(_range, told=percent)
+    )
+    found = [f"{cause}: {size(values)}" for cause, values in told.items()]
+    return tuple([f"interact: {found[0]}", *found[1:]] if interact else found)
 
 
 def _range(
