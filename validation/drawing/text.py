@@ -4,6 +4,7 @@ import re
 from base64 import b64encode
 from collections.abc import Callable
 from functools import partial
+from inspect import unwrap
 from math import isfinite
 from typing import Any
 
@@ -82,10 +83,11 @@ def anchor(identifier: str) -> str:
 def function_name(function: Callable[..., object]) -> str:
     """Where a function is found: module and name, for a closure those of the outer function.
 
-    A partial is told by the function it wraps (functools.update_wrapper), else by its own.
+    A partial, and what wraps a function (functools.wraps), is told by that.
     """
+    function = unwrap(function)
     while isinstance(function, partial):
-        function = getattr(function, "__wrapped__", function.func)
+        function = unwrap(function.func)
     module = getattr(function, "__module__", type(function).__module__)
     name: str = getattr(function, "__qualname__", type(function).__qualname__)
     return f"{module}.{name.partition('.<locals>')[0]}"

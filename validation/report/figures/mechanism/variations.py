@@ -12,8 +12,8 @@ from lumped.robot_file.variation import Variation
 from validation.context import Context
 from validation.drawing.charts.chart import Chart, Column, Panel, Series
 from validation.drawing.charts.scales import few_ticks, from_zero
-from validation.exhibits import PARAMETERS, Figure, PlannedFigure
-from validation.report.figures.declared import Shown, compared_with, curves
+from validation.exhibits import PARAMETERS, PlannedFigure
+from validation.report.figures.declared import FigureGroup, Shown, compared_with, curves
 from validation.report.figures.mechanism.curves import (
     HELD,
     ONE_SHAPE,
@@ -30,24 +30,14 @@ _TITLES = {"deflection": "largest deflection (µm)", "frequency": "smallest firs
 
 def figures_over(variations: Sequence[Variation]) -> tuple[PlannedFigure, ...]:
     """Deflections, frequencies and what each model chooses, over each number that is varied."""
-    return tuple(
-        PlannedFigure(
-            f"vary.{number}.{what}",
-            f"{title} over {variation.key}",
-            partial(_drawn, variation=variation, number=number, what=what),
-            section=PARAMETERS,
-            group=f"vary.{number}",
-            effort=float(len(variation.values)),
-        )
-        for number, variation in enumerate(variations, start=1)
-        for what, (title, _) in _FIGURES.items()
-    )
-
-
-def _drawn(context: Context, *, variation: Variation, number: int, what: str) -> Figure:
-    title, shown = _FIGURES[what]
-    named = f"vary.{number}.{what}", f"{title} over {variation.key}"
-    return shown(context, variation).figure(*named, PARAMETERS)
+    planned: list[PlannedFigure] = []
+    for number, variation in enumerate(variations, start=1):
+        group, effort = FigureGroup(PARAMETERS, f"vary.{number}"), float(len(variation.values))
+        for what, (title, shown) in _FIGURES.items():
+            named = f"vary.{number}.{what}", f"{title} over {variation.key}"
+            group.figure(*named, effort=effort)(partial(shown, variation=variation))
+        planned += group()
+    return tuple(planned)
 
 
 def _deflections(context: Context, variation: Variation) -> Shown:
@@ -136,7 +126,7 @@ def _alike(variation: Variation) -> str:
 
 
 # What each is called, and what it shows.
-_FIGURES: Mapping[str, tuple[str, Callable[[Context, Variation], Shown]]] = {
+_FIGURES: Mapping[str, tuple[str, Callable[..., Shown]]] = {
     "deflections": ("Deflection", _deflections),
     "frequencies": ("Natural frequencies", _frequencies),
     "decision": ("What each model chooses", _decisions),
