@@ -21,8 +21,7 @@ def biglide_faults(tables: Mapping[str, Any]) -> list[str]:
     for name in _LEGS:
         rule = BIGLIDE.keys[name].kind
         if name in tables and not rule.faults(tables[name], name):
-            own = {"key": name, "material_key": f"{name}.material"}
-            faults += leg_faults(rule.read(tables[name]) | own)
+            faults += leg_faults(rule.read(tables[name]) | {"key": name})
     return faults
 
 

@@ -1,7 +1,7 @@
 """What a robot file says beside its robot: what is asked, measured, uncertain and misprinted."""
 
 import csv
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from io import StringIO
 from pathlib import Path
@@ -28,16 +28,6 @@ class Correction:
     printed: float
     used: float
     reason: str
-
-
-def corrections_of(read: Mapping[str, Any]) -> tuple[Correction, ...]:
-    """Corrections of misprints in a file as it is read; none of schema 2."""
-    return tuple(Correction(**one) for one in read.get("corrections", ()))
-
-
-def measured_of(read: Mapping[str, Any]) -> tuple[Measured, ...]:
-    """Measured values of a file as it is read."""
-    return tuple(Measured(**one) for one in read["measured"])
 
 
 def read_measured(path: Path) -> tuple[Measured, ...]:
@@ -130,10 +120,12 @@ def evidence_faults(
     tables: Mapping[str, Any], read: Mapping[str, Any], robot: Mechanism
 ) -> list[str]:
     """Corrections of what the file does not say, values that this robot cannot have, one a line."""
-    faults = _correction_faults(tables, corrections_of(read))
-    for number, one in enumerate(measured_of(read), start=1):
-        place = f"measured[{number}]"
-        faults += measured_faults(one, place) or pose_faults(robot, one, place)
+    faults: list[str] = []
+    for number, one in enumerate(read.get("corrections", ()), start=1):
+        faults += _correction_faults(tables, f"corrections[{number}]", Correction(**one))
+    for number, one in enumerate(read["measured"], start=1):
+        value, place = Measured(**one), f"measured[{number}]"
+        faults += measured_faults(value, place) or pose_faults(robot, value, place)
     return faults + [
         f"input_uncertainty[{number}].key = {shown(one['key'])}: must name a number or a matrix "
         'of this file, like "leg1.length" or "foot.compliance"'
@@ -142,28 +134,19 @@ def evidence_faults(
     ]
 
 
-def _correction_faults(tables: Mapping[str, Any], corrections: Iterable[Correction]) -> list[str]:
-    faults = []
-    for i, correction in enumerate(corrections, start=1):
-        place = f"corrections[{i}]"
-        value = _value_or_none(tables, correction.key)
-        if not is_finite_number(value):
-            faults.append(
-                f"{place}.key = {shown(correction.key)}: must name a number of this file, "
-                'like "leg1.length" or "foot.compliance[6,6]"'
-            )
-            continue
-        if value != correction.used:
-            faults.append(
-                f"{place}.used = {correction.used!r}: must be what stands at {correction.key}, "
-                f"{value!r}"
-            )
-        if correction.printed == correction.used:
-            faults.append(
-                f"{place}.printed = {correction.printed!r}: must differ from used, "
-                "or there is nothing to correct"
-            )
-    return faults
+def _correction_faults(tables: Mapping[str, Any], place: str, one: Correction) -> Iterator[str]:
+    value = _value_or_none(tables, one.key)
+    if not is_finite_number(value):
+        yield (
+            f"{place}.key = {shown(one.key)}: must name a number of this file, "
+            'like "leg1.length" or "foot.compliance[6,6]"'
+        )
+        return
+    if value != one.used:
+        yield f"{place}.used = {one.used!r}: must be what stands at {one.key}, {value!r}"
+    if one.printed == one.used:
+        said = "must differ from used, or there is nothing to correct"
+        yield f"{place}.printed = {one.printed!r}: {said}"
 
 
 def _value_or_none(tables: Mapping[str, Any], key: str) -> Any:

@@ -19,9 +19,7 @@ from lumped.mechanism.part import Part
 from lumped.robot_file.biglide import biglide_faults, biglide_of
 from lumped.robot_file.evidence import (
     Correction,
-    corrections_of,
     evidence_faults,
-    measured_of,
     read_measured,
     requirement_of,
     times,
@@ -184,9 +182,9 @@ def load_robot(name_or_path: str | Path) -> RobotFile:
         built_in=built_in,
         text=text,
         sha256=_digest(content, mechanism),
-        corrections=corrections_of(read),
+        corrections=tuple(Correction(**one) for one in read.get("corrections", ())),
         requirement=requirement_of(read["accept"]),
-        measured=measured_of(read),
+        measured=tuple(Measured(**one) for one in read["measured"]),
     )
 
 

@@ -24,10 +24,11 @@ class Draft:
 
     Beside the keys of an entry stand its own, `key`, and what follows from them. Of a body: its
     `kind` (None where it is none or several), its material as a table where that is sound, and
-    where it stands (`material_key`), the points at which it can be `held` (None where they have
-    faults), from a leg's first point to its second the `way` (3, m) and its `length` (m). Of a
-    joint: the `points` of its bodies, whether two are named that are one, the `directions` that
-    it must have, and the `way` between points that are apart. Of the path: the tool's `moves`.
+    where a named one stands (`material_key`), the points at which it can be `held` (None where
+    they have faults), from a leg's first point to its second the `way` (3, m) and its `length`
+    (m). Of a joint: the `points` of its bodies, whether one is named twice (`one_twice`), which
+    key its kind `wanted`, the `directions` there, and the `way` between points that are apart. Of
+    the path: the tool's `moves`.
     """
 
     points: Mapping[str, Array]
@@ -78,7 +79,7 @@ def _of_material(material: Any, materials: Mapping[str, Entry], key: str) -> dic
     if isinstance(material, str):
         found = materials.get(material, material)
         return {"key": key, "material": found, "material_key": f"materials.{material}"}
-    return {"key": key, "material_key": f"{key}.material"}
+    return {"key": key}
 
 
 def _of_points(body: Entry, points: Mapping[str, Array], names: tuple[str, ...]) -> dict[str, Any]:

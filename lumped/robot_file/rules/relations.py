@@ -46,7 +46,7 @@ def leg_faults(leg: Entry) -> Iterator[str]:
         if mass is None:
             yield f"{key}.mass: missing; must be given with {key}.compliance, a number above 0 kg"
     elif isinstance(material, dict) and (material["rho"] is None) == (mass is None):
-        density = f"{leg['material_key']}.rho"
+        density = f"{leg.get('material_key', f'{key}.material')}.rho"
         yield (
             f"{density}: missing; must be a density in kg/m³, unless {key}.mass in kg is given"
             if mass is None
