@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, nullcontext
+from threading import Event, Thread
 
 from rich.console import Console, Group
 from rich.live import Live
@@ -15,8 +16,11 @@ from rich.progress import (
 )
 
 from validation.case import Case
+from validation.console.streams import complain
 from validation.results.tasks import Record, Task
 
+# Seconds of a run that says nothing where nobody may be looking on.
+_QUIET = 5.0
 # Seconds over which the pace is measured: all of the run.
 _ALL_OF_IT = 1e9
 
@@ -41,6 +45,15 @@ class RunProgress:
         self._rows: dict[str, TaskID] = {}
         self._done, self._count, self._troubled = 0, len(tasks), 0
 
+    def line(self) -> str:
+        """What the bar says, in words: "12/243 done, 8 s elapsed, about 20 s left"."""
+        (bar,) = self._whole.tasks
+        elapsed, left = bar.elapsed or 0.0, ""
+        if bar.completed:
+            left = f", about {elapsed * ((bar.total or 0.0) / bar.completed - 1.0):.0f} s left"
+        troubled = f", {self._troubled} not in agreement" if self._troubled else ""
+        return f"{self._done}/{self._count} done{troubled}, {elapsed:.0f} s elapsed{left}"
+
     def __rich__(self) -> Group:
         return Group(self._whole, self._running)
 
@@ -60,11 +73,30 @@ class RunProgress:
 
 @contextmanager
 def showing(tasks: Sequence[Task]) -> Iterator[RunProgress]:
-    """The progress of the tasks, drawn on stderr while the context lasts if that is a terminal."""
+    """The progress of the tasks on stderr while the context lasts.
+
+    Drawn on a terminal; elsewhere a line a second of a run that takes longer than some.
+    """
     console, progress = Console(stderr=True), RunProgress(tasks)
-    drawn = Live(progress, console=console, transient=True) if console.is_terminal else None
-    with drawn or nullcontext():
+    if console.is_terminal:
+        with Live(progress, console=console, transient=True):
+            yield progress
+        return
+    over = Event()
+
+    def tell() -> None:
+        pause = _QUIET
+        while not over.wait(pause):
+            complain([progress.line()], 0)
+            pause = 1.0
+
+    telling = Thread(target=tell, daemon=True)
+    telling.start()
+    try:
         yield progress
+    finally:
+        over.set()
+        telling.join()
 
 
 @contextmanager
