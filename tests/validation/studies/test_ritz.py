@@ -1,6 +1,7 @@
 """Mechanisms by Ritz's method against bars by hand, symmetry, beams and a foil."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,8 +15,11 @@ from lumped.mechanism.joint import Drive
 from lumped.robot_file import load_robot
 from lumped.sections import Rectangle, Tube
 from validation.kinematics.poses import postures_of
+from validation.models.mechanism import answers
 from validation.selftest.robots import hexapod_stiffness
 from validation.studies import ritz
+
+EXAMPLES = Path(__file__).resolve().parents[3] / "examples"
 
 
 def first_pose(name):
@@ -81,6 +85,15 @@ def test_idle_rods_count_as_no_frequency():
     (symmetric,) = postures_of(described, described.reference_pose[None])
     pair = ritz.frequencies(symmetric, 2)
     assert pair[1] == pytest.approx(pair[0], rel=1e-7)
+
+
+def test_parts_are_rigid_bodies_on_the_drives():
+    at = first_pose(EXAMPLES / "rocker" / "robot.toml")
+    (own,) = answers("simplified", [at], 1)
+    compliance, frequencies = ritz.on_drives(at, 1)
+    atol = 1e-10 * np.abs(compliance).max()
+    np.testing.assert_allclose(own.compliance, compliance, rtol=1e-9, atol=atol)
+    np.testing.assert_allclose(own.frequencies, frequencies, rtol=1e-10)
 
 
 def test_a_posture_that_is_none_is_refused():
