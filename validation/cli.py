@@ -440,10 +440,13 @@ def _one_line(error: CycloptsError) -> str:
 def _version() -> str:
     from importlib.metadata import PackageNotFoundError, version  # noqa: PLC0415
 
+    from fem.solvers.cholesky import solver_name  # noqa: PLC0415
+
     try:
-        return version("flexproof")
+        own = version("flexproof")
     except PackageNotFoundError:
-        return "not installed"
+        own = "not installed"
+    return f"{own}, linear solver: {solver_name()}"
 
 
 if __name__ == "__main__":
