@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from chromium import EXECUTABLE, browser
+from chromium import EXECUTABLE, seen
 from made_box import box
 from report_sample import FIG_5, PIXEL, sample_report
 
@@ -13,9 +13,99 @@ from validation.report.page import render
 
 pytestmark = pytest.mark.skipif(EXECUTABLE is None, reason="no Chromium (Debian: chromium)")
 
-BUTTON, FRAME, VEIL = "button[data-scene]", ".scene canvas", ".scene .veil"
-PAUSE = ".scene .pause"
-DRAWN = f"document.querySelector('{FRAME}') !== null"
+# Events go to whatever lies uppermost at the middle of the scene, as those of a mouse do.
+LOOK = """
+const find = selector => document.querySelector(selector);
+const scenes = document.querySelectorAll("button[data-scene]");
+const wait = time => new Promise(done => setTimeout(done, time));
+const until = async (condition) => {
+  for (let k = 0; k < 200 && !condition(); k++) await wait(50);
+  if (!condition()) throw Error(`never: ${condition}`);
+};
+// Browsers capture pointers of real mice alone.
+HTMLElement.prototype.setPointerCapture = () => {};
+const middle = () => {
+  const canvas = find(".scene canvas");
+  canvas.scrollIntoView({ block: "center", behavior: "instant" });
+  const { x, y, width, height } = canvas.getBoundingClientRect();
+  return { clientX: x + width / 2, clientY: y + height / 2 };
+};
+const send = (kind, name, right = 0, more = {}) => {
+  const at = middle(), top = document.elementFromPoint(at.clientX, at.clientY);
+  return top.dispatchEvent(new kind(name, {
+    ...at, ...more, clientX: at.clientX + right, bubbles: true, cancelable: true, pointerId: 1 }));
+};
+const drag = (right) => {
+  send(PointerEvent, "pointerdown");
+  for (const share of [0.25, 0.5, 0.75, 1]) send(PointerEvent, "pointermove", share * right);
+  send(PointerEvent, "pointerup", right);
+};
+// Where the box is drawn: its red is far above the other colours, whatever the light.
+const red = () => {
+  const canvas = find(".scene canvas"), { width, height } = canvas;
+  const copy = Object.assign(document.createElement("canvas"), { width, height });
+  const plane = copy.getContext("2d");
+  plane.drawImage(canvas, 0, 0);
+  const { data } = plane.getImageData(0, 0, width, height);
+  return Array.from({ length: width * height }, (_, k) =>
+    data[4 * k] > Math.max(data[4 * k + 1], data[4 * k + 2]) + 60);
+};
+const share = pixels => pixels.filter(Boolean).length / pixels.length;
+const changed = (one, other) => share(one.map((pixel, k) => pixel !== other[k]));
+const told = { widths: {} };
+
+await until(() => document.readyState === "complete");
+told.images = [...document.images].map(image => image.complete && image.naturalWidth > 0);
+const html = document.documentElement.outerHTML;
+for (const width of [390, 1280]) {
+  const frame = Object.assign(document.createElement("iframe"), { width, srcdoc: html });
+  const loaded = new Promise(done => { frame.onload = done; });
+  document.body.append(frame);
+  await loaded;
+  told.widths[width] = frame.contentDocument.documentElement.scrollWidth;
+  frame.remove();
+}
+find('main table a[href^="#legs"]').click();
+await until(() => document.getElementById(location.hash.slice(1)).checkVisibility());
+
+told.before = find(".scene canvas") === null;
+scenes[0].click();
+await until(() => find(".scene canvas") && share(red()) > 0);
+told.pressed = scenes[0].ariaPressed;
+let former = red();
+told.drawn = share(former);
+told.scrolls = send(WheelEvent, "wheel", 0, { deltaY: 200 });
+drag(120);
+told.veiled = changed(former, red());
+send(MouseEvent, "click");
+drag(120);
+told.turned = changed(former, red());
+former = red();
+told.scrollsBehind = send(WheelEvent, "wheel", 0, { deltaY: 200 });
+told.zoomed = changed(former, red());
+
+scenes[1].click();
+await until(() => find(".scene canvas")?.title.startsWith("(b)"));
+scenes[1].click();
+told.away = find(".scene canvas") === null;
+
+scenes[2].click();
+await until(() => find(".scene .pause") && share(red()) > 0);
+middle();
+former = red();
+told.moved = 0;
+for (let k = 0; k < 12; k++) {
+  await wait(100);
+  told.moved = Math.max(told.moved, changed(former, red()));
+}
+find(".scene .pause").click();
+await wait(100);
+former = red();
+await wait(300);
+told.still = changed(former, red());
+told.asked = performance.getEntriesByType("resource").map(one => one.name);
+return told;
+"""
 
 
 def scene(title, away=None):
@@ -29,111 +119,25 @@ def scene(title, away=None):
     )
 
 
-@pytest.fixture(scope="module")
-def report(tmp_path_factory):
-    turnable = Figure(
-        "turnable",
-        "A box",
-        "Made up.",
-        "Leg 1",
-        png=PIXEL,
-        scenes=(scene("(a) a box"), scene("(b) the same box"), scene("(c) it swings", 0.4)),
-    )
-    path = tmp_path_factory.mktemp("report") / "report.html"
-    path.write_text(render(sample_report(figures=(FIG_5, turnable))), encoding="utf-8")
-    return path.as_uri()
-
-
-@pytest.fixture(scope="module")
-def page(report, tmp_path_factory):
-    with browser(tmp_path_factory.mktemp("profile")) as opened:
-        opened.open(report)
-        yield opened
-
-
-def red(pixels):
-    """Where the box is drawn: its red is far above the other colours, whatever the light."""
-    return pixels[..., 0] > pixels[..., 1:].max(axis=2) + 60
-
-
-def test_every_image_is_loaded(page):
-    assert page.value("document.images.length") > 0
-    assert page.value("[...document.images].every(i => i.complete && i.naturalWidth > 0)")
-
-
-def test_nothing_overflows_a_desktop_and_a_phone(page, report):
-    for width in (1280, 390):
-        page.open(report, width)
-        assert page.value("document.documentElement.scrollWidth") <= width
-    page.open(report)
-
-
-def test_a_link_to_a_comparison_opens_its_sheet(page):
-    page.value("document.querySelector('main table a[href^=\"#legs\"]').click()")
-    page.until("document.querySelector(location.hash.replaceAll('.', '\\\\.')).checkVisibility()")
-
-
-def test_a_scene_is_drawn_and_turned_by_the_mouse(page):
-    assert page.value(f"document.querySelector('{FRAME}')") is None
-    page.value(f"document.querySelector('{BUTTON}').click()")
-    page.until(DRAWN)
-    page.until(f"document.querySelector('{BUTTON}').ariaPressed === 'true'")
-    before = settled(page)
-    # Three times as long as high, the box covers at least a twentieth of the picture.
-    assert red(before).mean() > 0.05
-    page.click(VEIL)
-    page.drag(FRAME, 120, 60)
-    after = settled(page)
-    assert red(after).mean() > 0.02
-    assert (red(before) != red(after)).mean() > 0.02
-
-
-def test_the_wheel_scrolls_the_page_until_the_scene_is_clicked(page):
-    page.value(f"document.querySelector('{VEIL}').hidden = false")
-    page.wheel(FRAME, 200)
-    page.until("scrollY !== self.former")
-    page.click(VEIL)
-    assert page.value(f"document.querySelector('{VEIL}').hidden")
-    before = settled(page)
-    page.wheel(FRAME, 200)
-    page.value("new Promise(done => setTimeout(done, 300))")
-    assert page.value("scrollY === self.former")
-    # Zoomed: the box covers another part of the picture.
-    assert (red(before) != red(settled(page))).mean() > 0.02
-
-
-def test_what_is_displaced_moves_until_it_is_stopped(page):
-    page.value(f"[...document.querySelectorAll('{BUTTON}')].at(-1).click()")
-    page.until(f"document.querySelector('{PAUSE}') !== null")
-    pictures = [page.shot(FRAME) for _ in range(12)]
-    changed = [(red(one) != red(pictures[0])).mean() for one in pictures]
-    assert max(changed) > 0.02
-    page.click(PAUSE)
-    still = settled(page)
-    page.value("new Promise(done => setTimeout(done, 300))")
-    assert np.array_equal(still, page.shot(FRAME))
-    page.value(f"[...document.querySelectorAll('{BUTTON}')].at(-1).click()")
-
-
-def test_one_scene_gives_way_to_the_next_and_is_put_away(page):
-    second = f"document.querySelectorAll('{BUTTON}')[1]"
-    page.value(f"{second}.click()")
-    page.until(f"{DRAWN} && document.querySelector('{FRAME}').title.startsWith('(b)')")
-    page.value(f"{second}.click()")
-    page.until(f"document.querySelector('{FRAME}') === null")
-
-
-def test_the_console_is_silent_and_nothing_is_asked_of_the_network(page):
-    assert page.complaints() == []
-
-
-def settled(page):
-    """The scene once two pictures of it in a row are the same, and not blank."""
-    former = page.shot(FRAME)
-    for _ in range(100):
-        page.value("new Promise(done => setTimeout(done, 100))")
-        latest = page.shot(FRAME)
-        if np.array_equal(former, latest) and red(latest).any():
-            break
-        former = latest
-    return latest
+def test_a_reader_sees_all_of_the_report_and_turns_its_scenes(tmp_path):
+    scenes = (scene("(a) a box"), scene("(b) the same box"), scene("(c) it swings", 0.4))
+    turned = Figure("turnable", "A box", "Made up.", "Leg 1", png=PIXEL, scenes=scenes)
+    report = sample_report(figures=(FIG_5, turned))
+    told, console = seen(render(report), LOOK, tmp_path)
+    assert "error" not in told, told
+    assert console == []
+    assert [one for one in told["asked"] if not one.startswith(("file:", "data:"))] == []
+    assert told["images"]
+    assert all(told["images"])
+    # Neither a phone nor a desktop shows anything beyond its edge.
+    assert all(found <= int(width) for width, found in told["widths"].items())
+    # Three times as long as high, the box covers at least a twentieth of its picture.
+    assert (told["before"], told["pressed"]) == (True, "true")
+    assert told["drawn"] > 0.05
+    # Until the scene is clicked the wheel scrolls the page, and dragging turns nothing.
+    assert (told["scrolls"], told["veiled"], told["scrollsBehind"]) == (True, 0.0, False)
+    assert min(told["turned"], told["zoomed"]) > 0.02
+    # One scene gives way to the next and is put away; what is displaced moves until it is stopped.
+    assert told["away"]
+    assert told["moved"] > 0.02
+    assert told["still"] == 0.0
