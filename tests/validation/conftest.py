@@ -1,6 +1,13 @@
+import fcntl
+import os
+import pickle
+from pathlib import Path
+
 import pytest
 from like_ifw import IFW
 
+from meshes.part import volume
+from meshes.part.reading import read
 from validation.adequacy.judgement import judged
 from validation.adequacy.matrix import Matrix
 from validation.adequacy.response import Subject
@@ -12,8 +19,18 @@ from validation.models import parts
 
 @pytest.fixture(scope="session")
 def paper_subject() -> Subject:
-    """The paper's robot, of which several modules look at the one or the other part."""
-    return robot_subject(Context(IFW, "quick"))
+    """The paper's robot, of which several modules look at the one or the other part.
+
+    The first worker that wants it computes it, the others wait.
+    """
+    with Path(os.environ["XDG_CACHE_HOME"], "paper").open("a+b") as file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        file.seek(0)
+        if not (kept := file.read()):
+            kept = pickle.dumps(robot_subject(Context(IFW, "quick")))
+            file.write(kept)
+    found: Subject = pickle.loads(kept)  # noqa: S301  our own
+    return found
 
 
 @pytest.fixture(scope="session")
@@ -23,8 +40,10 @@ def paper(paper_subject: Subject) -> Matrix:
 
 @pytest.fixture(scope="module")
 def coarse_parts():
-    """Meshes of some thousand unknowns in the place of those of a run."""
+    """Meshes of some thousand unknowns in the place of those of a run, made in this process."""
     with pytest.MonkeyPatch.context() as patch:
         for module in (parts, exports):
             patch.setattr(module, "UNKNOWNS", 6_000)
+        for module in (read, volume):
+            patch.setattr(module, "in_own_process", lambda function, *given: function(*given))
         yield patch

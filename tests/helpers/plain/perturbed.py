@@ -1,6 +1,7 @@
 """What a comparison would say of a reference that lay elsewhere: a sound one can disagree."""
 
 from dataclasses import replace
+from math import isfinite
 
 from validation.case import Relation
 from validation.results.outcome import Outcome, Verdict, verdict
@@ -21,3 +22,14 @@ def perturbed(outcome: Outcome, factor: float) -> Verdict:
     return verdict(
         moved.unexplained, relation, outcome.tolerance, measurement.numerical_uncertainty
     )
+
+
+def assert_agrees_and_can_turn(outcome: Outcome) -> None:
+    """A sound comparison agrees, states its uncertainty, and disagrees three tolerances further."""
+    said = outcome.case.id, outcome.measurement, outcome.message
+    assert outcome.verdict == "agree", said
+    assert outcome.measurement is not None
+    assert outcome.share is not None
+    # Where one side alone is claimed, from where the claim would just hold.
+    assert perturbed(outcome, max(0.0, -outcome.share) + 3.0) == "disagree", said
+    assert outcome.measurement.exact or isfinite(outcome.measurement.numerical_uncertainty), said

@@ -29,6 +29,12 @@ from validation.results.outcome import judge
 from validation.session.parts_ahead import prepare_parts
 
 
+@pytest.fixture(scope="module", autouse=True)
+def coarsest(coarse_parts):
+    """Meshes so coarse that they are next to nothing beside reading the part."""
+    coarse_parts.setattr(parts, "UNKNOWNS", 1500)
+
+
 @pytest.fixture(scope="module")
 def robot_file(tmp_path_factory):
     return load_robot(write_crane(tmp_path_factory.mktemp("crane")))
@@ -88,9 +94,7 @@ def test_what_the_file_says_of_the_faces_is_not_open(robot_file):
     assert list(settled.alternatives) == ["interfaces as given"]
 
 
-def test_the_page_says_what_the_reduction_kept_and_what_that_leaves(robot_file, monkeypatch):
-    monkeypatch.setattr(parts, "UNKNOWNS", 4000)
-    forget()
+def test_the_page_says_what_the_reduction_kept_and_what_that_leaves(robot_file):
     postures = path_postures(Context(robot_file, "quick"))
     (note,) = reduction_note(postures, 8, {"arm": "rigid"}, 4)
     (arm,) = solid_parts(postures, 8, {"arm": "rigid"}).values()
@@ -101,7 +105,6 @@ def test_the_page_says_what_the_reduction_kept_and_what_that_leaves(robot_file, 
 
 def test_held_and_free_modes_of_parts_are_compared_in_a_run(robot_file, monkeypatch):
     """Within both bounds, which are worth something; a mistake in either turns the verdict."""
-    monkeypatch.setattr(parts, "UNKNOWNS", 4000)
     case = next(c for c in mechanism_parts.cases() if c.id == "mechanism.parts.frequency[2]")
     found = case.compute(Context(robot_file, "quick"))
     assert judge(case, found, 0.0).verdict == "agree"
@@ -124,7 +127,6 @@ def test_held_and_free_modes_of_parts_are_compared_in_a_run(robot_file, monkeypa
 
 
 def test_parts_are_made_ahead_on_other_machines_and_never_again(robot_file, tmp_path, monkeypatch):
-    monkeypatch.setattr(parts, "UNKNOWNS", 1500)
     monkeypatch.delenv("FLEXPROOF_CACHE", raising=False)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "here"))
     context, portions = Context(robot_file, "quick"), []

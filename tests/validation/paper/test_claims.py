@@ -2,6 +2,7 @@
 
 import pytest
 from ingredients import quick_context
+from perturbed import assert_agrees_and_can_turn
 
 from validation import paper
 from validation.claims import Claim, ClaimedCurve, gathered, summary
@@ -130,6 +131,11 @@ def test_statements_are_judged_by_these_numbers(outcomes):
         numbers = (measured.value, measured.reference, judged.tolerance)
         assert numbers == pytest.approx(stated, rel=1e-6, abs=1e-12), name
         assert judged.verdict == "agree"
+
+
+def test_they_agree_and_turn_when_their_references_move_by_three_tolerances(outcomes):
+    for outcome in outcomes:
+        assert_agrees_and_can_turn(outcome)
 
 
 def test_curves_of_the_family_are_counted_one_by_one(said):

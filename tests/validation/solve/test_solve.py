@@ -9,6 +9,7 @@ import pytest
 from sound_biglide import SOUND
 
 from lumped.legs import ConstantLeg, Material, equivalent_leg
+from lumped.mechanism.kinematics.postures import reference_posture
 from lumped.models.bodies import legs_of
 from lumped.robot_file import load_robot
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Tube
@@ -16,6 +17,7 @@ from lumped.system.joint_motion import Portion
 from meshes.section.section_mesh import section_mesh
 from validation import cli
 from validation.models.options import ModelOptions
+from validation.solids.bars import with_bars
 from validation.solve.answer import (
     Answer,
     LeftOpen,
@@ -115,16 +117,8 @@ def test_solids_say_the_uncertainty_of_their_mesh(robot, capsys):
 def test_solids_of_a_mechanism_say_the_uncertainty_of_their_mesh():
     """The step between both meshes by the lowest order of its legs."""
     robot_file = load_robot("five-bar")
-    mechanism = robot_file.mechanism
-    bodies = {
-        name: replace(
-            body, shape=replace(body.shape, section=Rectangle(*body.shape.section.extent))
-        )
-        if isinstance(body.shape, ConstantLeg)
-        else body
-        for name, body in mechanism.bodies.items()
-    }
-    solid = replace(robot_file, mechanism=replace(mechanism, bodies=bodies))
+    bars = with_bars(reference_posture(robot_file.mechanism)).mechanism
+    solid = replace(robot_file, mechanism=bars)
 
     def answer(divisions):
         question = Question(solid, "solid", {"divisions": divisions}, 1)

@@ -45,9 +45,7 @@ point = "P"
 moves = ["y"]
 mass = {TOOL}
 [path]
-from = [0.0]
-to = [0.2]
-count = 3
+poses = [[0.0]]
 [accept]
 modes = 2
 """
