@@ -89,10 +89,7 @@ def test_beams_of_i_section_have_modes_that_solids_do_not_have(flanged: Matrix, 
     ("section", "ends"),
     [
         (ISection(0.1, 0.1, 0.008, 0.006), "rigid"),
-        (ISection(0.1, 0.1, 0.008, 0.006), "free"),
-        (Tube(0.12, 0.006), "rigid"),
         (Tube(0.12, 0.006), "free"),
-        (HollowRectangle(0.1, 0.16, 0.008), "rigid"),
         # One section mesh with one and two divisions: it resists distortion 0.4 % too much in f3.
         (HollowRectangle(0.1, 0.16, 0.008), "free"),
     ],

@@ -110,11 +110,10 @@ def test_a_cone_is_held_by_what_is_stated_of_it(tmp_path, monkeypatch):
 
 
 @pytest.mark.exhaustive
-@pytest.mark.parametrize("number", [13, 20])
-def test_parts_at_random_are_held(number, tmp_path, monkeypatch):
-    """Two quick ones of the two hundred of tests/benchmarks/calibrate_parts.py."""
+def test_parts_at_random_are_held(tmp_path, monkeypatch):
+    """A quick one of the two hundred of tests/benchmarks/calibrate_parts.py."""
     monkeypatch.setenv("FLEXPROOF_CACHE", "off")
-    numbers = list(stated(random_part(np.random.default_rng([1, number])), tmp_path))
+    numbers = list(stated(random_part(np.random.default_rng([1, 13])), tmp_path))
     assert len(numbers) == 6
     assert all(abs(error) <= uncertainty for _, uncertainty, error in numbers)
     assert all(0.0 < uncertainty < 0.06 for _, uncertainty, _ in numbers)

@@ -47,12 +47,11 @@ def undisturbed(tmp_path_factory):
 
 
 @pytest.mark.exhaustive
-@pytest.mark.parametrize("seed", range(2))
-def test_a_run_killed_four_times_goes_on_to_the_same_results(undisturbed, tmp_path, seed):
+def test_a_run_killed_four_times_goes_on_to_the_same_results(undisturbed, tmp_path):
     expected, duration = undisturbed
     path = tmp_path / "run"
     asked = ("run", "--preset", "quick", "--out", path, "--jobs", "2")
-    moments = random.Random(seed)  # noqa: S311  any moments will do
+    moments = random.Random(0)  # noqa: S311  any moments will do
     kept = []
     for _ in range(4):
         run = started(command("real", *asked, *resumed(path)))

@@ -46,7 +46,7 @@ def modes_of(name, model="beam", count=6):
     "name",
     [
         *("ifw", "delta"),
-        *(pytest.param(name, marks=pytest.mark.exhaustive) for name in ("3-rrr", "hexapod")),
+        pytest.param("hexapod", marks=pytest.mark.exhaustive),
     ],
 )
 def test_what_is_drawn_at_the_tool_moves_as_the_tool(name):
