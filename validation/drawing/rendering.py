@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from lumped.arrays import Array
 from validation.drawing.opengl import MESSAGE, can_draw
-from validation.drawing.scene import DARK, Body, Label, MarkKind, Marks, Scene, View
+from validation.drawing.scene import DARK, DrawnBody, Label, MarkKind, Marks, Scene, View
 from validation.drawing.style import ORANGE, VERMILLION, WIDTH, plot_style
 
 # Told apart by colour-blind readers, and light against dark when printed in grey.
@@ -126,7 +126,7 @@ def render(scene: Scene, view: View) -> NDArray[np.uint8]:
     return image
 
 
-def _add_body(plotter: Any, body: Body, limits: tuple[float, float]) -> None:
+def _add_body(plotter: Any, body: DrawnBody, limits: tuple[float, float]) -> None:
     import pyvista  # noqa: PLC0415
 
     faces: Any = body.surface.faces  # any integers will do

@@ -22,7 +22,7 @@ MarkKind: TypeAlias = Literal["square", "dot", "cross", "ground"]
 
 
 @dataclass(frozen=True, eq=False)
-class Body:
+class DrawnBody:
     """A surface, coloured by `values` of its points (n) where it has any.
 
     `motion` (n×3, m) is how far its points are drawn from where they are at rest, if they move.
@@ -82,7 +82,7 @@ class Scene:
     joins it where it is turned, `inside` (n×3, m) are further points that must be seen.
     """
 
-    bodies: Sequence[Body]
+    bodies: Sequence[DrawnBody]
     camera: tuple[Array, Array]
     wires: Sequence[Wire] = ()
     title: str = ""
@@ -91,7 +91,7 @@ class Scene:
     marks: Sequence[Marks] = ()
     arrows: Sequence[Arrow] = ()
     labels: Sequence[Label] = ()
-    turned: Sequence[Body | Wire] = ()
+    turned: Sequence[DrawnBody | Wire] = ()
     motion: Motion = "swing"
     inside: Sequence[Array] = ()
 

@@ -14,7 +14,7 @@ from markupsafe import escape
 
 from lumped.arrays import Array
 from validation.drawing.rendering import COLOUR_MAP
-from validation.drawing.scene import Body, Scene, Wire
+from validation.drawing.scene import DrawnBody, Scene, Wire
 from validation.drawing.text import base64
 from validation.exhibits import InteractiveScene
 
@@ -70,7 +70,7 @@ class _Numbers:
     def __init__(self) -> None:
         self.content = bytearray()
 
-    def part(self, part: Body | Wire, limits: tuple[float, float]) -> dict[str, Any]:
+    def part(self, part: DrawnBody | Wire, limits: tuple[float, float]) -> dict[str, Any]:
         """What the viewer is told of a part; points are multiples of a step finer than a pixel."""
         colour = [round(255.0 * share) for share in mpl.colors.to_rgb(part.colour)]
         points = part.points if isinstance(part, Wire) else part.surface.points

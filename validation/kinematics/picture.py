@@ -14,7 +14,7 @@ from lumped.mechanism.free_twists import interface_position
 from lumped.mechanism.joint import Side
 from lumped.mechanism.kinematics.postures import shown_pose
 from lumped.mechanism.mechanism import GROUND, Mechanism, Posture
-from validation.drawing.scene import ABOVE, DARK, Body, Label, Marks, Scene, Wire
+from validation.drawing.scene import ABOVE, DARK, DrawnBody, Label, Marks, Scene, Wire
 from validation.drawing.style import VERMILLION
 from validation.kinematics.solids import (
     COLOURS,
@@ -39,7 +39,7 @@ def scene(mechanism: Mechanism, postures: Sequence[Posture], *, named: bool = Tr
     shown = postures[len(postures) // 2]
     drawn, other = solids(shown), _other_legs(mechanism)
     bodies = [
-        Body(one.surface, _OTHER_LEG if other & {one.name} else COLOURS[one.matter])
+        DrawnBody(one.surface, _OTHER_LEG if other & {one.name} else COLOURS[one.matter])
         for one in drawn
     ]
     place = shown_pose(mechanism, shown.pose) or "reference posture"

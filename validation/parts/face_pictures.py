@@ -17,7 +17,7 @@ from meshes.part.faces import Face
 from meshes.part.reading.read import PartFile
 from validation.drawing.opengl import MESSAGE, can_draw
 from validation.drawing.rendering import Picture, panel_size, pictured
-from validation.drawing.scene import Body, Label, Scene, View, Wire
+from validation.drawing.scene import DrawnBody, Label, Scene, View, Wire
 from validation.drawing.surfaces import Surface
 from validation.drawing.turnable import page
 
@@ -64,13 +64,13 @@ def scene_page(part: PartFile) -> str:
     return page(scene, _TITLE.format(part.path.name))
 
 
-def _bodies(part: PartFile) -> list[Body]:
+def _bodies(part: PartFile) -> list[DrawnBody]:
     found = []
     for face in part.faces:
         corners = face.facets.corners[:, [0, 1, 2, -1]]
         nodes, places = np.unique(corners, return_inverse=True)
         own = Surface(part.surface[nodes], places.reshape(corners.shape), _NO_EDGES)
-        found.append(Body(own, _COLOURS[face.number % len(_COLOURS)]))
+        found.append(DrawnBody(own, _COLOURS[face.number % len(_COLOURS)]))
     return found
 
 

@@ -30,7 +30,7 @@ _GRAVEST: tuple[Verdict, ...] = ("disagree", "failed", "undecided", "agree", "sk
 
 
 @dataclass(frozen=True)
-class Section:
+class PageSection:
     """A group of cases with the figures that belong to it.
 
     `plotted`: whether the studies behind the comparisons, and the error budget of those that allow
@@ -97,17 +97,17 @@ class Chapter:
     """Sections under one heading."""
 
     title: str
-    sections: tuple[Section, ...]
+    sections: tuple[PageSection, ...]
 
 
 def chapters_of(
     outcomes: Sequence[Outcome], figures: Sequence[Figure], *, plotted: bool
 ) -> tuple[Chapter, ...]:
-    """The chapters that have anything to show; `plotted` as of `Section`."""
+    """The chapters that have anything to show; `plotted` as of `PageSection`."""
     names = [outcome.case.section for outcome in outcomes] + [figure.section for figure in figures]
-    gathered: dict[str, list[Section]] = {chapter: [] for chapter in CHAPTERS}
+    gathered: dict[str, list[PageSection]] = {chapter: [] for chapter in CHAPTERS}
     for name in dict.fromkeys(names):
-        section = Section(
+        section = PageSection(
             title=name or "Further comparisons",
             outcomes=tuple(o for o in outcomes if o.case.section == name),
             figures=tuple(figure for figure in figures if figure.section == name),
@@ -141,13 +141,13 @@ def _badness(outcome: Outcome) -> tuple[int, float]:
     return _GRAVEST.index(outcome.verdict), -share if not isnan(share) else float("-inf")
 
 
-def _home(section: Section) -> str:
+def _home(section: PageSection) -> str:
     """The chapter that names the section, else that of what its first case says something of."""
     named = {title: chapter for chapter, titles in CHAPTERS.items() for title in titles}
     of_leg = section.outcomes and section.outcomes[0].case.subject == "leg"
     return named.get(section.title) or ("Its legs" if of_leg else "The robot")
 
 
-def _place(chapter: str, section: Section) -> int:
+def _place(chapter: str, section: PageSection) -> int:
     titles = CHAPTERS[chapter]
     return titles.index(section.title) if section.title in titles else len(titles)

@@ -6,7 +6,7 @@ from chromium import EXECUTABLE, seen
 from made_box import box
 from report_sample import FIG_5, PIXEL, sample_report
 
-from validation.drawing.scene import Body, Scene, Wire
+from validation.drawing.scene import DrawnBody, Scene, Wire
 from validation.drawing.turnable import turnable
 from validation.exhibits import Figure
 from validation.report.page import render
@@ -115,7 +115,7 @@ def scene(title, away=None):
     camera = np.array([0.3, -1.0, 0.4]), np.array([0.0, 0.0, 1.0])
     edges = Wire(shape.points, shape.edges, "#0000cc", 4.0, motion)
     return turnable(
-        Scene([Body(shape, "#cc2200", motion=motion)], camera, title=title, turned=[edges])
+        Scene([DrawnBody(shape, "#cc2200", motion=motion)], camera, title=title, turned=[edges])
     )
 
 

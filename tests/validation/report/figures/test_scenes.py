@@ -15,7 +15,15 @@ from lumped.robot_file import load_robot
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Tube
 from validation.drawing import opengl
 from validation.drawing.rendering import pictured, render
-from validation.drawing.scene import ABOVE, Body, Label, Scene, Wire, fitted_view, readable_factor
+from validation.drawing.scene import (
+    ABOVE,
+    DrawnBody,
+    Label,
+    Scene,
+    Wire,
+    fitted_view,
+    readable_factor,
+)
 from validation.drawing.surfaces import Surface, ball, joined, prism
 from validation.drawing.turnable import turnable
 from validation.kinematics.poses import postures_of
@@ -148,7 +156,7 @@ def test_what_a_browser_is_told_of_a_scene_is_what_is_drawn():
     """Points to a pixel in ten thousand, colours of both limits, motions, and the view."""
     cuboid = box(np.array([-1.5, -0.5, -0.5]), np.array([1.5, 0.5, 0.5]))
     away = np.tile([0.0, 0.0, 0.4], (8, 1))
-    body = Body(cuboid, values=np.linspace(2.0, 4.0, 8), motion=away)
+    body = DrawnBody(cuboid, values=np.linspace(2.0, 4.0, 8), motion=away)
     wire = Wire(cuboid.points, cuboid.edges, "#ff8000", 2.5)
     scene = Scene([body], ABOVE, title="(a) a box", limits=(2.0, 4.0), turned=[wire], motion="push")
     shown = turnable(scene)
@@ -185,7 +193,7 @@ def test_a_small_box_is_drawn_where_the_projection_says():
     view = fitted_view(corners, np.array([0.5, -1.0, 0.4]), np.array([0, 0, 1.0]), (200, 160))
     middle = np.array([0.7, 0.4, 0.8])
     assert opengl.can_draw()
-    image = render(Scene([Body(box(middle - 0.03, middle + 0.03), "#800000")], ABOVE), view)
+    image = render(Scene([DrawnBody(box(middle - 0.03, middle + 0.03), "#800000")], ABOVE), view)
     assert image.shape == (160, 200, 3)
     down, right = np.nonzero(image[:, :, 1] < 128)
     # Pixels are counted from their corner, half a pixel before their middle.
@@ -198,7 +206,7 @@ def test_names_stand_beside_their_points_and_small_things_keep_their_colours():
     cuboid = box(np.array([-1.0, -0.5, 0.0]), np.array([1.0, 0.5, 0.1]))
     wire = Wire(np.array([[-1.0, 0.0, 0.2], [1.0, 0.0, 0.2]]), np.array([[0, 1]]), "#D55E00", 2.5)
     names = [Label("one", np.zeros(3), "#0000ff"), Label("two", np.zeros(3), "#0000ff")]
-    shown = [Scene([Body(cuboid)], ABOVE, [wire], labels=labels) for labels in (names, ())]
+    shown = [Scene([DrawnBody(cuboid)], ABOVE, [wire], labels=labels) for labels in (names, ())]
     with_names, without = (
         np.asarray(Image.open(io.BytesIO(pictured([one]).png)).convert("RGB"), dtype=int)
         for one in shown

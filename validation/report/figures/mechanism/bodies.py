@@ -7,13 +7,13 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.legs import equivalent_leg
-from lumped.mechanism.body import Body as MechanismBody
+from lumped.mechanism.body import Body
 from lumped.mechanism.body_model import LegMatrices
 from lumped.mechanism.free_twists import interface_position
 from lumped.mechanism.mechanism import Mechanism
 from lumped.models.bodies import leg_of, legs_of
 from lumped.system.assembly import System
-from validation.drawing.scene import DARK, Body, Wire
+from validation.drawing.scene import DARK, DrawnBody, Wire
 from validation.drawing.style import LOOKS
 from validation.drawing.surfaces import Surface, faceted, joined, prism
 from validation.kinematics.solids import COLOURS, Solid, on_ground, outlines, solids
@@ -46,11 +46,13 @@ class Moved:
         """Length of each point's displacement (n)."""
         return np.asarray(np.linalg.norm(self.displacements, axis=1))
 
-    def body(self, factor: float, unit: float) -> Body:
+    def body(self, factor: float, unit: float) -> DrawnBody:
         """Drawn with `factor` times its displacements; a leg coloured by their length in `unit`."""
         motion = factor * self.displacements
         values = self.sizes / unit if self.deforms else None
-        return Body(self.solid.surface.moved(motion), COLOURS[self.solid.matter], values, motion)
+        return DrawnBody(
+            self.solid.surface.moved(motion), COLOURS[self.solid.matter], values, motion
+        )
 
     def wire(self) -> Wire:
         """Its edges at rest."""
@@ -138,7 +140,7 @@ def displacements(system: System, name: str, points: Array, unknowns: Array) -> 
     return np.asarray(found.reshape((len(points), 3, *unknowns.shape[1:])))
 
 
-def _of_mesh(part: MechanismBody) -> Surface:
+def _of_mesh(part: Body) -> Surface:
     """The surface of a part's coarsest mesh, smaller than that of its file, body axes."""
     mesh = coarsest_mesh(part)
     few = sum(len(facets.cells) for facets in mesh.faces.values()) < _FEW
